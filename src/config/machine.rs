@@ -1,0 +1,248 @@
+//! The validated model: what the file means, in SI and radians, bodies sorted parent before child.
+
+use crate::beam::section::Section;
+use crate::load::LoadFrame;
+use nalgebra::{Matrix3, Vector3};
+
+/// A whole machine as validated. Bodies are in topological order: a parent stands before its children.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Machine {
+    /// Model name, an identifier; names the FMU.
+    pub name: String,
+    /// One-line description.
+    pub description: String,
+    /// Bodies, each with the joint that holds it to its parent.
+    pub bodies: Vec<Body>,
+    /// Strain gauges.
+    pub gauges: Vec<Gauge>,
+    /// Gravity in the root frame, m/s².
+    pub gravity_m_s2: Vector3<f64>,
+    /// Time integration.
+    pub solver: Solver,
+    /// Default experiment.
+    pub experiment: Experiment,
+}
+
+/// A beam and the joint at its inner end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// Identifier.
+    pub name: String,
+    /// Arc length of the undeformed axis in m.
+    pub length_m: f64,
+    /// Cross-section, constant along the body.
+    pub section: Section,
+    /// Kind of strain element.
+    pub element: ElementKind,
+    /// Number of elements of that kind along the body (a linear element is one pair of halves).
+    pub elements: usize,
+    /// Natural strains `(εx, κx, κy, κz)`: initial stretch (–), twist and curvatures (1/m).
+    pub natural_strain: [f64; 4],
+    /// Mass-proportional damping `α` in 1/s.
+    pub mass_damping_1_s: f64,
+    /// Stiffness-proportional damping `β` in s.
+    pub stiffness_damping_s: f64,
+    /// Distances of the load stations from the body's inner end in m, ascending.
+    pub station_positions_m: Vec<f64>,
+    /// Frame of the station loads.
+    pub load_frame: LoadFrame,
+    /// Point masses and rigid bodies on this body.
+    pub masses: Vec<AttachedMass>,
+    /// Joint to the parent.
+    pub joint: Joint,
+}
+
+/// Kind of strain element.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ElementKind {
+    /// Constant strain: second order.
+    Constant,
+    /// Linear strain by the pair rule: fourth order.
+    Linear,
+}
+
+/// A point mass or rigid body fixed to a section.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AttachedMass {
+    /// Identifier.
+    pub name: String,
+    /// Distance of the section from the body's inner end in m.
+    pub position_m: f64,
+    /// Mass in kg.
+    pub mass_kg: f64,
+    /// Centre of gravity from the axis, section frame, m.
+    pub offset_m: Vector3<f64>,
+    /// Inertia about the centre of gravity, section frame, kg·m².
+    pub inertia_kg_m2: Matrix3<f64>,
+}
+
+/// Joint between a body's inner end and its parent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Identifier.
+    pub name: String,
+    /// What the joint holds on to.
+    pub parent: Parent,
+    /// Orientation of the body's first frame in the parent's frame at angle zero: parent ← body.
+    pub mount: Matrix3<f64>,
+    /// What the joint allows.
+    pub kind: JointKind,
+}
+
+/// What a joint holds on to.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Parent {
+    /// The root frame, at a position in m.
+    Root {
+        /// Position of the body's inner end in the root frame, m.
+        position_m: Vector3<f64>,
+    },
+    /// A section of another body.
+    Body {
+        /// Index into [`Machine::bodies`].
+        index: usize,
+        /// Distance of the section from that body's inner end in m.
+        position_m: f64,
+    },
+}
+
+/// What a joint allows.
+#[derive(Debug, Clone, PartialEq)]
+pub enum JointKind {
+    /// Nothing.
+    Clamped,
+    /// Rotation about one axis: `R_body = R_parent · Rot(axis, θ) · mount`.
+    Revolute(Box<Revolute>),
+}
+
+/// A fold joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Revolute {
+    /// Unit hinge axis in the parent's section frame.
+    pub axis: Vector3<f64>,
+    /// Fold angle at the start in rad.
+    pub start_angle_rad: f64,
+    /// Fold rate at the start in rad/s (joints that are free at the start).
+    pub start_rate_rad_s: f64,
+    /// How the angle moves.
+    pub motion: JointMotion,
+    /// Start value of the release input.
+    pub release: bool,
+    /// Spring, damper, motor.
+    pub drive: Drive,
+    /// Latch, if the joint has one.
+    pub latch: Option<Latch>,
+}
+
+/// How a fold angle moves.
+#[derive(Debug, Clone, PartialEq)]
+pub enum JointMotion {
+    /// By its torques.
+    Free,
+    /// Not at all: held at the start angle.
+    Locked,
+    /// As a function of absolute time.
+    Prescribed(Motion),
+}
+
+/// A twice continuously differentiable angle over absolute time.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Motion {
+    /// `θ(t) = Σ coefficients[i] tⁱ` in rad and s.
+    Polynomial(Vec<f64>),
+    /// Natural cubic spline through `(time_s, angle_rad)`, constant outside; times ascending, at least two.
+    ///
+    /// End slopes are zero (clamped spline), so that the angle joins its constant ends with continuous rate.
+    Table(Vec<(f64, f64)>),
+}
+
+/// Drive torque on the outer body about `+θ`: `−(k (θ − θ_cmd) + c θ̇ + T) + τ_ext`, NOTATION eq. (A1).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drive {
+    /// Spring stiffness `k` in N·m/rad.
+    pub stiffness_n_m_rad: f64,
+    /// Damping `c` in N·m·s/rad.
+    pub damping_n_m_s_rad: f64,
+    /// Constant torque `T` in N·m, towards −θ.
+    pub constant_torque_n_m: f64,
+    /// Largest magnitude of the drive torque in N·m; [`UNLIMITED`] where there is none.
+    pub torque_limit_n_m: f64,
+    /// Largest slew of the neutral angle in rad/s; [`UNLIMITED`] where there is none.
+    pub rate_limit_rad_s: f64,
+    /// Start value of the command input in rad.
+    pub command_rad: f64,
+}
+
+/// Stands for "no limit" in limits that must stay finite numbers (FMI forbids infinity in the description).
+pub const UNLIMITED: f64 = 1e30;
+
+/// Latch of a fold joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Latch {
+    /// Angle at which it closes in rad.
+    pub angle_rad: f64,
+    /// Stiffness it adds when closed in N·m/rad.
+    pub stiffness_n_m_rad: f64,
+    /// Half-width of the window in which enabling closes it at once, rad.
+    pub capture_rad: f64,
+    /// Closed at the start.
+    pub initially_closed: bool,
+    /// Start value of the enable input.
+    pub enable: bool,
+}
+
+/// A strain gauge: axial strain at a point of a section.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gauge {
+    /// Identifier.
+    pub name: String,
+    /// Index into [`Machine::bodies`].
+    pub body: usize,
+    /// Distance from the body's inner end in m.
+    pub position_m: f64,
+    /// Chordwise coordinate of the point in m.
+    pub y_m: f64,
+    /// Thickness coordinate of the point in m.
+    pub z_m: f64,
+}
+
+/// Time integration method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Generalised-α, second order.
+    GeneralizedAlpha,
+    /// TR-BDF2, second order.
+    TrBdf2,
+    /// ESDIRK3(2)4L[2]SA, third order.
+    Esdirk3,
+    /// ESDIRK4(3)6L[2]SA, fourth order.
+    Esdirk4,
+}
+
+/// Settings of the time integration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solver {
+    /// Method.
+    pub method: Method,
+    /// Tolerance of the kinematic error norm per step (displacement over wing length, rotation in rad).
+    pub tolerance: f64,
+    /// Largest internal step in s.
+    pub max_step_s: f64,
+    /// Smallest internal step in s: below it non-convergence is an error.
+    pub min_step_s: f64,
+    /// Fixed internal step in s; `None` for variable steps.
+    pub fixed_step_s: Option<f64>,
+    /// Spectral radius at infinity of generalised-α.
+    pub rho_infinity: f64,
+}
+
+/// Default experiment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Experiment {
+    /// Start time in s.
+    pub start_time_s: f64,
+    /// Stop time in s.
+    pub stop_time_s: f64,
+    /// Communication step in s.
+    pub step_s: f64,
+}

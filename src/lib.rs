@@ -1,0 +1,22 @@
+//! Foldwing: a flexible folding wing as an FMU.
+//!
+//! A short model file becomes an FMI 2.0 co-simulation FMU of a geometrically nonlinear, strain-based
+//! beam multibody wing with fold joints, drives and latches. `docs/ARCHITECTURE.md` maps the modules,
+//! `docs/NOTATION.md` numbers the equations that the code cites.
+
+pub mod math;
+
+pub mod beam;
+pub mod load;
+
+pub mod multibody;
+
+pub mod actuation;
+
+pub mod solve;
+
+pub mod config;
+
+pub mod plant;
+
+pub mod interface;

@@ -1,0 +1,58 @@
+//! Loads as plain data: the moving root with gravity, and wrenches at stations.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Frame in which a station's force and moment are resolved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LoadFrame {
+    /// Root frame `G`: a dead load.
+    Root,
+    /// Section frame at the station: a follower load.
+    Section,
+}
+
+/// Force and moment at a point; resolved in the frame that its owner states.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Wrench {
+    /// Force in N.
+    pub force_n: Vector3<f64>,
+    /// Moment in N·m.
+    pub moment_n_m: Vector3<f64>,
+}
+
+impl Wrench {
+    /// True where neither force nor moment acts.
+    pub fn is_zero(&self) -> bool {
+        self.force_n == Vector3::zeros() && self.moment_n_m == Vector3::zeros()
+    }
+}
+
+/// Motion of the root frame and gravity, all resolved in the root frame `G`.
+///
+/// Only `gravity − acceleration` acts on the wing; Coriolis, centrifugal and Euler terms follow from the
+/// angular velocity and acceleration (NOTATION eq. (D5)).
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct RootMotion {
+    /// Gravity in m/s².
+    pub gravity_m_s2: Vector3<f64>,
+    /// Inertial acceleration of the root's origin, without gravity, in m/s².
+    pub acceleration_m_s2: Vector3<f64>,
+    /// Angular velocity of the root frame in rad/s.
+    pub angular_velocity_rad_s: Vector3<f64>,
+    /// Angular acceleration of the root frame in rad/s².
+    pub angular_acceleration_rad_s2: Vector3<f64>,
+}
+
+impl RootMotion {
+    /// The uniform field `gravity − acceleration` in m/s².
+    pub fn apparent_gravity_m_s2(&self) -> Vector3<f64> {
+        self.gravity_m_s2 - self.acceleration_m_s2
+    }
+
+    /// True where the root frame rotates or is about to.
+    pub fn rotates(&self) -> bool {
+        self.angular_velocity_rad_s != Vector3::zeros() || self.angular_acceleration_rad_s2 != Vector3::zeros()
+    }
+}
