@@ -20,3 +20,6 @@ pub mod config;
 pub mod plant;
 
 pub mod interface;
+
+pub mod packaging;
+pub mod report;
