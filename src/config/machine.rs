@@ -1,5 +1,6 @@
 //! The validated model: what the file means, in SI and radians, bodies sorted parent before child.
 
+pub use crate::beam::element::ElementKind;
 use crate::beam::section::Section;
 use crate::load::LoadFrame;
 use nalgebra::{Matrix3, Vector3};
@@ -50,15 +51,6 @@ pub struct Body {
     pub masses: Vec<AttachedMass>,
     /// Joint to the parent.
     pub joint: Joint,
-}
-
-/// Kind of strain element.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ElementKind {
-    /// Constant strain: second order.
-    Constant,
-    /// Linear strain by the pair rule: fourth order.
-    Linear,
 }
 
 /// A point mass or rigid body fixed to a section.
