@@ -191,8 +191,7 @@ fn write_structure(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
                 outputs.iter().try_for_each(|(index, v)| unknown(xml, *index, &v.dependencies))
             })?;
         }
-        let unknowns: Vec<_> =
-            rows(variables).filter(|(_, v)| is_initial_unknown(v)).collect();
+        let unknowns: Vec<_> = rows(variables).filter(|(_, v)| is_initial_unknown(v)).collect();
         if !unknowns.is_empty() {
             nest(xml, "InitialUnknowns", &vec![], |xml| {
                 unknowns.iter().try_for_each(|(index, v)| unknown(xml, *index, &v.initial_dependencies))
@@ -220,11 +219,7 @@ fn unknown(xml: &mut Xml, index: usize, dependencies: &[(u32, DependencyKind)]) 
     let join = |words: Vec<String>| words.join(" ");
     let indices = join(sorted.iter().map(|(row, _)| (row + 1).to_string()).collect());
     let kinds = join(sorted.iter().map(|(_, kind)| dependency_kind(*kind).to_owned()).collect());
-    leaf(
-        xml,
-        "Unknown",
-        &vec![("index", index.to_string()), ("dependencies", indices), ("dependenciesKind", kinds)],
-    )
+    leaf(xml, "Unknown", &vec![("index", index.to_string()), ("dependencies", indices), ("dependenciesKind", kinds)])
 }
 
 fn causality(causality: Causality) -> &'static str {
@@ -275,7 +270,11 @@ fn nest(
     element(xml, name, attributes).write_inner_content(children).map(|_| ())
 }
 
-fn element<'a>(xml: &'a mut Xml, name: &'a str, attributes: &'a Attributes) -> quick_xml::writer::ElementWriter<'a, Vec<u8>> {
+fn element<'a>(
+    xml: &'a mut Xml,
+    name: &'a str,
+    attributes: &'a Attributes,
+) -> quick_xml::writer::ElementWriter<'a, Vec<u8>> {
     xml.create_element(name).with_attributes(attributes.iter().map(|(key, value)| (*key, value.as_str())))
 }
 

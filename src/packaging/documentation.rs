@@ -45,16 +45,31 @@ fn drawing_section(html: &mut String, machine: &Machine) {
 
 fn bodies_section(html: &mut String, machine: &Machine) {
     html.push_str("<h2>Bodies</h2>\n");
-    let head = ["body", "length (m)", "mass (kg/m)", "EA (N)", "GJ (N·m²)", "EI<sub>y</sub> (N·m²)",
-        "EI<sub>z</sub> (N·m²)", "elements", "stations", "α (1/s)", "β (s)"];
-    table(html, &head, machine.bodies.iter().map(|body| {
-        let stiffness = &body.section.stiffness;
-        let mut row = vec![escape(&body.name).into_owned(), number(body.length_m), number(body.section.mass_kg_m)];
-        row.extend((0..4).map(|i| number(stiffness[(i, i)])));
-        row.extend([elements(body), body.station_positions_m.len().to_string()]);
-        row.extend([number(body.mass_damping_1_s), number(body.stiffness_damping_s)]);
-        row
-    }));
+    let head = [
+        "body",
+        "length (m)",
+        "mass (kg/m)",
+        "EA (N)",
+        "GJ (N·m²)",
+        "EI<sub>y</sub> (N·m²)",
+        "EI<sub>z</sub> (N·m²)",
+        "elements",
+        "stations",
+        "α (1/s)",
+        "β (s)",
+    ];
+    table(
+        html,
+        &head,
+        machine.bodies.iter().map(|body| {
+            let stiffness = &body.section.stiffness;
+            let mut row = vec![escape(&body.name).into_owned(), number(body.length_m), number(body.section.mass_kg_m)];
+            row.extend((0..4).map(|i| number(stiffness[(i, i)])));
+            row.extend([elements(body), body.station_positions_m.len().to_string()]);
+            row.extend([number(body.mass_damping_1_s), number(body.stiffness_damping_s)]);
+            row
+        }),
+    );
 }
 
 fn elements(body: &Body) -> String {
@@ -67,22 +82,36 @@ fn elements(body: &Body) -> String {
 
 fn joints_section(html: &mut String, machine: &Machine) {
     html.push_str("<h2>Joints</h2>\n");
-    let head = ["joint", "holds", "on", "kind", "start (rad)", "k (N·m/rad)", "c (N·m·s/rad)", "T (N·m)",
-        "torque limit (N·m)", "latch"];
-    table(html, &head, machine.bodies.iter().map(|body| {
-        let on = match body.joint.parent {
-            Parent::Root { .. } => "root".to_owned(),
-            Parent::Body { index, position_m } => {
-                format!("{} at {} m", escape(&machine.bodies[index].name), number(position_m))
+    let head = [
+        "joint",
+        "holds",
+        "on",
+        "kind",
+        "start (rad)",
+        "k (N·m/rad)",
+        "c (N·m·s/rad)",
+        "T (N·m)",
+        "torque limit (N·m)",
+        "latch",
+    ];
+    table(
+        html,
+        &head,
+        machine.bodies.iter().map(|body| {
+            let on = match body.joint.parent {
+                Parent::Root { .. } => "root".to_owned(),
+                Parent::Body { index, position_m } => {
+                    format!("{} at {} m", escape(&machine.bodies[index].name), number(position_m))
+                }
+            };
+            let mut row = vec![escape(&body.joint.name).into_owned(), escape(&body.name).into_owned(), on];
+            match &body.joint.kind {
+                JointKind::Clamped => row.extend(["clamped", "", "", "", "", "", ""].map(str::to_owned)),
+                JointKind::Revolute(joint) => row.extend(revolute(joint)),
             }
-        };
-        let mut row = vec![escape(&body.joint.name).into_owned(), escape(&body.name).into_owned(), on];
-        match &body.joint.kind {
-            JointKind::Clamped => row.extend(["clamped", "", "", "", "", "", ""].map(str::to_owned)),
-            JointKind::Revolute(joint) => row.extend(revolute(joint)),
-        }
-        row
-    }));
+            row
+        }),
+    );
 }
 
 fn revolute(joint: &Revolute) -> Vec<String> {
@@ -126,14 +155,19 @@ fn variables_section(html: &mut String, variables: &[Variable]) {
             Causality::Output => &["name", "type", "unit", "meaning"],
             _ => &["name", "type", "unit", "start", "meaning"],
         };
-        table(html, head, rows.into_iter().map(|variable| {
-            let mut row = vec![format!("<code>{}</code>", escape(&variable.name)), type_name(variable), unit(variable)];
-            if causality != Causality::Output {
-                row.push(start(&variable.value));
-            }
-            row.push(escape(&variable.description).into_owned());
-            row
-        }));
+        table(
+            html,
+            head,
+            rows.into_iter().map(|variable| {
+                let mut row =
+                    vec![format!("<code>{}</code>", escape(&variable.name)), type_name(variable), unit(variable)];
+                if causality != Causality::Output {
+                    row.push(start(&variable.value));
+                }
+                row.push(escape(&variable.description).into_owned());
+                row
+            }),
+        );
     }
 }
 
@@ -219,7 +253,8 @@ mod tests {
     /// Numbers stay short and readable.
     #[test]
     fn numbers_are_short() {
-        let cases = [(0.15, "0.15"), (2.83e5, "283000"), (1e-9, "1e-9"), (2.0 / 3.0, "0.666667"), (UNLIMITED, "unlimited")];
+        let cases =
+            [(0.15, "0.15"), (2.83e5, "283000"), (1e-9, "1e-9"), (2.0 / 3.0, "0.666667"), (UNLIMITED, "unlimited")];
         for (value, text) in cases {
             assert_eq!(number(value), text);
         }

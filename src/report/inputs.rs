@@ -181,9 +181,7 @@ pub fn unknown_name<'a>(name: &str, what: &str, known: impl Iterator<Item = &'a 
 fn value(text: &str, variable: &Variable) -> Result<f64, String> {
     let value = match variable.value {
         Value::Real(_) => real(text)?,
-        Value::Integer(_) => {
-            text.parse::<i32>().map(f64::from).map_err(|_| "is not a whole number".to_owned())?
-        }
+        Value::Integer(_) => text.parse::<i32>().map(f64::from).map_err(|_| "is not a whole number".to_owned())?,
         Value::Boolean(_) => match text {
             "1" | "true" => 1.0,
             "0" | "false" => 0.0,

@@ -57,10 +57,7 @@ fn mistakes_are_named_with_their_place() {
             "time,fold.comand\n0,1\n".to_owned(),
             "in.csv:1: column 2: no input is named `fold.comand`; did you mean `fold.command`?",
         ),
-        (
-            "time,xyz\n0,1\n".to_owned(),
-            "in.csv:1: column 2: no input is named `xyz`; `foldwing check` lists the names",
-        ),
+        ("time,xyz\n0,1\n".to_owned(), "in.csv:1: column 2: no input is named `xyz`; `foldwing check` lists the names"),
         ("time,fold.angle\n0,1\n".to_owned(), "in.csv:1: column 2: `fold.angle` is not an input"),
         ("time,fold.command,fold.command\n0,1,1\n".to_owned(), "in.csv:1: column 3: `fold.command` stands twice"),
         (format!("{head}0,1,1\n1,x,1\n"), "in.csv:3: column 2 (fold.command): `x` is not a finite number"),

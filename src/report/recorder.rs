@@ -32,14 +32,33 @@ impl<W: Write> Recorder<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interface::{Causality, Variability};
+
+    fn variable(name: &str) -> Variable {
+        Variable {
+            name: name.to_owned(),
+            value_reference: 0,
+            causality: Causality::Output,
+            variability: Variability::Continuous,
+            initial: None,
+            value: Value::Real(0.0),
+            declared_type: None,
+            range: None,
+            description: String::new(),
+            dependencies: vec![],
+            initial_dependencies: vec![],
+        }
+    }
 
     /// Numbers read back to the same bits, Booleans are 0 and 1.
     #[test]
     fn rows_read_back_to_the_same_bits() {
-        let mut recorder = Recorder::new(Vec::new(), &[]).unwrap();
+        let variables = ["a", "b", "c"].map(variable);
+        let mut recorder = Recorder::new(Vec::new(), &variables.iter().collect::<Vec<_>>()).unwrap();
         let value = 0.1 + 0.2;
         recorder.record(1e-3, [Value::Real(value), Value::Boolean(true), Value::Integer(-1)]).unwrap();
         let text = String::from_utf8(recorder.finish().unwrap()).unwrap();
+        assert_eq!(text.lines().next(), Some("time,a,b,c"));
         let cells: Vec<_> = text.lines().nth(1).unwrap().split(',').collect();
         assert_eq!(cells[1].parse::<f64>().unwrap().to_bits(), value.to_bits());
         assert_eq!(&cells[2..], ["1", "-1"]);
