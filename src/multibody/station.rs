@@ -127,3 +127,12 @@ fn inner_node(model: &Model, station: &Station) -> usize {
     let body = &model.bodies[station.body];
     body.first_node + station.element - body.first_element
 }
+
+/// Power of a station's load in W.
+pub fn power_w(point: &StationMotion, load: &Wrench, frame: LoadFrame) -> f64 {
+    let (force, moment) = match frame {
+        LoadFrame::Root => (load.force_n, load.moment_n_m),
+        LoadFrame::Section => (point.rotation * load.force_n, point.rotation * load.moment_n_m),
+    };
+    force.dot(&point.velocity_m_s) + moment.dot(&point.spin_rad_s)
+}
