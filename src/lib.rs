@@ -20,3 +20,5 @@ pub mod config;
 pub mod plant;
 
 pub mod interface;
+
+pub mod fmi2;
