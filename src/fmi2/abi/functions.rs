@@ -4,7 +4,7 @@ use super::types::{
     fmi2Boolean, fmi2CallbackFunctions, fmi2Component, fmi2False, fmi2Integer, fmi2Real, fmi2Status, fmi2String,
     fmi2Type, fmi2ValueReference,
 };
-use super::{Flag, enter, panic_text, place, sink, slice, slice_mut, text};
+use super::{Flag, enter, panic_text, sink, slice, slice_mut, text};
 use crate::fmi2::error::{CallError, Status};
 use crate::fmi2::instance::{Instance, Request, Setup};
 use crate::fmi2::life_cycle::Call;
