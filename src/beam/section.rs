@@ -51,8 +51,8 @@ impl Section {
     pub fn ellipse(width_m: f64, height_m: f64, material: &Material, torsional_rigidity_n_m2: Option<f64>) -> Self {
         use std::f64::consts::PI;
         let (a, b) = (0.5 * width_m, 0.5 * height_m);
-        let torsion = torsional_rigidity_n_m2
-            .unwrap_or_else(|| material.shear_pa * PI * a.powi(3) * b.powi(3) / (a * a + b * b));
+        let torsion =
+            torsional_rigidity_n_m2.unwrap_or_else(|| material.shear_pa * PI * a.powi(3) * b.powi(3) / (a * a + b * b));
         let (second_y, second_z) = (PI * a * b.powi(3) / 4.0, PI * b * a.powi(3) / 4.0);
         Self::solid(PI * a * b, second_y, second_z, torsion, material, a, b)
     }
@@ -76,11 +76,7 @@ impl Section {
             )),
             mass_kg_m: material.density_kg_m3 * area,
             first_moment_kg: [0.0, 0.0],
-            second_moment_kg_m: [
-                material.density_kg_m3 * second_z,
-                0.0,
-                material.density_kg_m3 * second_y,
-            ],
+            second_moment_kg_m: [material.density_kg_m3 * second_z, 0.0, material.density_kg_m3 * second_y],
             half_width_m,
             half_height_m,
         }
