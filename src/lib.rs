@@ -23,3 +23,4 @@ pub mod interface;
 
 pub mod packaging;
 pub mod report;
+pub mod fmi2;

@@ -89,6 +89,8 @@ pub enum Kind {
     Integer,
     /// Boolean.
     Boolean,
+    /// String: no row has it.
+    String,
 }
 
 impl Kind {
@@ -98,6 +100,7 @@ impl Kind {
             Self::Real => "Real",
             Self::Integer => "Integer",
             Self::Boolean => "Boolean",
+            Self::String => "String",
         }
     }
 }
@@ -194,10 +197,10 @@ impl Interface {
         if now && fits { Ok(slot) } else { Err(self.refusal(reference, value, slot)) }
     }
 
-    /// Whether a row has the type asked for.
+    /// Whether all rows have the type asked for.
     #[inline]
-    pub(super) fn readable<T: Scalar>(&self, reference: u32) -> Result<(), AccessError> {
-        self.typed(reference, T::KIND).map(|_| ())
+    pub fn check_kind(&self, references: &[u32], kind: Kind) -> Result<(), AccessError> {
+        references.iter().try_for_each(|&reference| self.typed(reference, kind).map(|_| ()))
     }
 
     #[inline]

@@ -153,9 +153,7 @@ impl Interface {
     ///
     /// `references` and `values` are equally long. Allocates nothing.
     pub fn get_all<T: Scalar>(&self, plant: &Plant, references: &[u32], values: &mut [T]) -> Result<(), AccessError> {
-        for &reference in references {
-            self.readable::<T>(reference)?;
-        }
+        self.check_kind(references, T::KIND)?;
         let outputs = plant.outputs();
         for (&reference, value) in references.iter().zip(values) {
             if let Some(read) = T::from_value(self.slots[reference as usize].binding.read(plant, outputs)) {

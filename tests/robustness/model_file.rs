@@ -5,7 +5,10 @@ fn shipped() {
     for e in std::fs::read_dir("examples/models").unwrap() {
         let p = e.unwrap().path();
         if p.extension().unwrap() == "toml" {
-            match config::read(&p) { Ok((m, _)) => println!("{}: {m:#?}", p.display()), Err(e) => println!("ERR {e}") }
+            match config::read(&p) {
+                Ok((m, _)) => println!("{}: {m:#?}", p.display()),
+                Err(e) => println!("ERR {e}"),
+            }
         }
     }
 }
