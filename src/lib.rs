@@ -21,6 +21,8 @@ pub mod plant;
 
 pub mod interface;
 
-pub mod packaging;
-pub mod report;
 pub mod fmi2;
+
+pub mod packaging;
+
+pub mod report;

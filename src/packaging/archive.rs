@@ -1,6 +1,7 @@
 //! The FMU archive: the same model, library and version give the same bytes.
 
 use crate::config::Machine;
+use crate::fmi2::MODEL_FILE;
 use crate::interface::{Interface, guid};
 use crate::packaging::{MODEL_IDENTIFIER, documentation, model_description};
 use std::collections::BTreeMap;
@@ -98,7 +99,7 @@ fn entries(machine: &Machine, model_text: &str, platform: Platform, binary: Vec<
         ("documentation/licenses/LICENSE-APACHE.txt".to_owned(), text(include_str!("../../LICENSE-APACHE"))),
         ("documentation/licenses/LICENSE-MIT.txt".to_owned(), text(include_str!("../../LICENSE-MIT"))),
         ("modelDescription.xml".to_owned(), text(&description)),
-        ("resources/model.toml".to_owned(), text(model_text)),
+        (format!("resources/{MODEL_FILE}"), text(model_text)),
     ])
 }
 

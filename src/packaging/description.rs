@@ -4,6 +4,7 @@
 //! gives the same bytes.
 
 use crate::config::Machine;
+use crate::fmi2::LOG_CATEGORIES;
 use crate::interface::{
     Causality, DependencyKind, Initial, RealType, TYPES, UNITS, Unit, Value, Variability, Variable,
 };
@@ -26,15 +27,6 @@ const CAPABILITIES: [(&str, &str); 10] = [
     ("canGetAndSetFMUstate", "true"),
     ("canSerializeFMUstate", "true"),
     ("providesDirectionalDerivative", "false"),
-];
-
-/// Log categories that the library uses, with their meaning.
-pub const LOG_CATEGORIES: [(&str, &str); 5] = [
-    ("logEvents", "Releases, closings and openings of latches, with their times"),
-    ("logStatusWarning", "Calls that succeeded with a remark"),
-    ("logStatusDiscard", "Values refused: not finite or outside their range"),
-    ("logStatusError", "Calls refused and simulations that failed"),
-    ("logStatusFatal", "Internal errors after which the instance is unusable"),
 ];
 
 type Xml = Writer<Vec<u8>>;
