@@ -20,3 +20,9 @@ pub mod config;
 pub mod plant;
 
 pub mod interface;
+
+pub mod fmi2;
+
+pub mod packaging;
+
+pub mod report;

@@ -3,8 +3,22 @@
 //! The one source of truth: the model description, the FMI calls, `foldwing check`, CSV columns and the
 //! documentation page all read this table.
 
+mod access;
+mod binding;
+mod dependencies;
+mod guid;
+mod table;
+mod topology;
+mod units;
+
+pub use access::{AccessError, Kind, Scalar, Stage};
+pub use guid::guid;
+pub use units::{RealType, TYPES, UNITS, Unit};
+
 use crate::config::Machine;
 use crate::plant::{Outputs, Plant};
+use access::Slot;
+use std::collections::HashMap;
 
 /// FMI 2.0 causality.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,43 +110,20 @@ pub struct Variable {
     pub initial_dependencies: Vec<(u32, DependencyKind)>,
 }
 
-/// Base-unit exponents of a unit, FMI 2.0 `BaseUnit`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Unit {
-    /// Name, e.g. `N.m`.
-    pub name: &'static str,
-    /// Exponents of kg, m, s, rad.
-    pub exponents: [i32; 4],
-    /// Display unit: name and factor from base to display.
-    pub display: Option<(&'static str, f64)>,
-}
-
-/// A declared real type.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RealType {
-    /// Name, e.g. `Angle`.
-    pub name: &'static str,
-    /// Quantity, e.g. `Angle`.
-    pub quantity: &'static str,
-    /// Unit by name in [`UNITS`].
-    pub unit: &'static str,
-}
-
-/// Units that the table uses.
-pub const UNITS: &[Unit] = &[];
-
-/// Real types that the table uses.
-pub const TYPES: &[RealType] = &[];
-
 /// The table of one model.
 pub struct Interface {
     variables: Vec<Variable>,
+    slots: Vec<Slot>,
+    references: HashMap<String, u32>,
 }
 
 impl Interface {
     /// The table of a machine. Row 0 is `time`.
-    pub fn new(_machine: &Machine) -> Self {
-        todo!()
+    pub fn new(machine: &Machine) -> Self {
+        let (variables, bindings) = table::build(machine);
+        let slots = variables.iter().zip(bindings).map(|(variable, binding)| Slot::new(variable, binding)).collect();
+        let references = variables.iter().map(|row| (row.name.clone(), row.value_reference)).collect();
+        Self { variables, slots, references }
     }
 
     /// All rows; a row's position is its value reference.
@@ -141,17 +132,58 @@ impl Interface {
     }
 
     /// Row of a name.
-    pub fn find(&self, _name: &str) -> Option<&Variable> {
-        todo!()
+    pub fn find(&self, name: &str) -> Option<&Variable> {
+        self.references.get(name).map(|&reference| &self.variables[reference as usize])
     }
 
     /// Present value: inputs and parameters as the plant holds them, outputs from `outputs`.
-    pub fn get(&self, _plant: &Plant, _outputs: &Outputs, _value_reference: u32) -> Option<Value> {
-        todo!()
+    pub fn get(&self, plant: &Plant, outputs: &Outputs, value_reference: u32) -> Option<Value> {
+        self.slots.get(value_reference as usize).map(|slot| slot.binding.read(plant, outputs))
     }
 
-    /// Sets an input or parameter; the row's type must match and the value lie within its range.
-    pub fn set(&self, _plant: &mut Plant, _value_reference: u32, _value: Value) -> Result<(), String> {
-        todo!()
+    /// Sets an input or parameter, fixed ones included (they act at the next [`Plant::initialize`]); the row's
+    /// type must match and the value lie within its range.
+    pub fn set(&self, plant: &mut Plant, value_reference: u32, value: Value) -> Result<(), AccessError> {
+        let slot = self.check(value_reference, value, Stage::Starting)?;
+        slot.binding.write(plant, value);
+        Ok(())
+    }
+
+    /// Reads many rows of one type; nothing is written to `values` unless all can be read.
+    ///
+    /// `references` and `values` are equally long. Allocates nothing.
+    pub fn get_all<T: Scalar>(&self, plant: &Plant, references: &[u32], values: &mut [T]) -> Result<(), AccessError> {
+        self.check_kind(references, T::KIND)?;
+        let outputs = plant.outputs();
+        for (&reference, value) in references.iter().zip(values) {
+            if let Some(read) = T::from_value(self.slots[reference as usize].binding.read(plant, outputs)) {
+                *value = read;
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets many inputs and parameters of one type; if one is refused, none is set.
+    ///
+    /// `references` and `values` are equally long. Allocates nothing unless it fails.
+    pub fn set_all<T: Scalar>(
+        &self,
+        plant: &mut Plant,
+        references: &[u32],
+        values: &[T],
+        stage: Stage,
+    ) -> Result<(), AccessError> {
+        for (&reference, &value) in references.iter().zip(values) {
+            self.check(reference, value.into_value(), stage)?;
+        }
+        for (&reference, &value) in references.iter().zip(values) {
+            self.slots[reference as usize].binding.write(plant, value.into_value());
+        }
+        Ok(())
+    }
+
+    /// Whether a row's value comes from the last evaluation (outputs and locals).
+    pub fn is_computed(&self, value_reference: u32) -> bool {
+        self.slots.get(value_reference as usize).is_some_and(|slot| slot.binding.is_computed())
     }
 }

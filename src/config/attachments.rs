@@ -1,0 +1,113 @@
+//! What sits on bodies: point masses, rigid bodies and gauges.
+
+use crate::config::file::{MassFile, ModelFile};
+use crate::config::machine::{AttachedMass, Gauge};
+use crate::config::sections::{NamedSection, Outline};
+use crate::config::tree::Tree;
+use crate::config::validate::Checker;
+use indexmap::IndexMap;
+use nalgebra::Matrix3;
+
+/// Violation of an inequality between moments of inertia that is taken for round-off, relative to the largest.
+const INERTIA_TOLERANCE: f64 = 1e-9;
+
+/// Attached masses per body of the file.
+pub(super) fn masses(file: &ModelFile, checker: &mut Checker) -> Vec<Vec<AttachedMass>> {
+    let mut masses = vec![Vec::new(); file.body.len()];
+    for (name, mass) in &file.mass {
+        let inertia_kg_m2 = inertia(name, mass, checker);
+        let Some((index, _, body)) = file.body.get_full(&mass.body) else {
+            let bodies = file.body.keys().map(String::as_str);
+            checker.unknown_name(&["mass", name, "body"], &mass.body, "a body", bodies);
+            continue;
+        };
+        checker.on_body(&["mass", name, "position_m"], mass.position_m, body);
+        masses[index].push(AttachedMass {
+            name: name.clone(),
+            position_m: mass.position_m,
+            mass_kg: mass.mass_kg,
+            offset_m: mass.offset_m.into(),
+            inertia_kg_m2,
+        });
+    }
+    masses
+}
+
+/// The inertia tensor; refused where no rigid body has it.
+fn inertia(name: &str, mass: &MassFile, checker: &mut Checker) -> Matrix3<f64> {
+    let [xx, yy, zz, xy, xz, yz] = mass.inertia_kg_m2;
+    let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    if !is_rigid_body(&tensor) {
+        let allowed = "[Ixx, Iyy, Izz, Ixy, Ixz, Iyz] in kg·m² with principal moments >= 0, none larger than the sum \
+                       of the other two";
+        checker.refuse(&["mass", name, "inertia_kg_m2"], allowed);
+    }
+    tensor
+}
+
+/// True where the principal moments are not negative and obey the triangle inequality.
+fn is_rigid_body(tensor: &Matrix3<f64>) -> bool {
+    let scale = tensor.amax();
+    if scale == 0.0 {
+        return true;
+    }
+    let moments = (tensor / scale).symmetric_eigenvalues();
+    moments.min() >= -INERTIA_TOLERANCE && moments.max() <= 0.5 * moments.sum() + INERTIA_TOLERANCE
+}
+
+/// All gauges; `None` if one cannot be placed.
+pub(super) fn gauges(
+    file: &ModelFile,
+    sections: &IndexMap<&str, Option<NamedSection>>,
+    tree: Option<&Tree>,
+    checker: &mut Checker,
+) -> Option<Vec<Gauge>> {
+    let mut gauges = Vec::with_capacity(file.gauge.len());
+    for (name, gauge) in &file.gauge {
+        let Some((index, _, body)) = file.body.get_full(&gauge.body) else {
+            let bodies = file.body.keys().map(String::as_str);
+            checker.unknown_name(&["gauge", name, "body"], &gauge.body, "a body", bodies);
+            continue;
+        };
+        checker.on_body(&["gauge", name, "position_m"], gauge.position_m, body);
+        let Some(Some(section)) = sections.get(body.section.as_str()) else { continue };
+        let z_m = gauge.z_m.unwrap_or(section.section.half_height_m);
+        check_point(name, gauge.y_m, z_m, section, checker);
+        let body = tree.map_or(index, |tree| tree.rank[index]);
+        gauges.push(Gauge { name: name.clone(), body, position_m: gauge.position_m, y_m: gauge.y_m, z_m });
+    }
+    (gauges.len() == file.gauge.len()).then_some(gauges)
+}
+
+fn check_point(name: &str, y_m: f64, z_m: f64, section: &NamedSection, checker: &mut Checker) {
+    if section.outline == Outline::Unknown {
+        let allowed = "a body whose section states half_width_m and half_height_m";
+        return checker.refuse(&["gauge", name, "body"], allowed);
+    }
+    if section.contains(y_m, z_m) {
+        return;
+    }
+    let (width, height) = (section.section.half_width_m, section.section.half_height_m);
+    let allowed = match section.outline {
+        Outline::Ellipse => format!("a point on the section: (y/{width})² + (z/{height})² <= 1, in m"),
+        _ => format!("a point on the section: |y| <= {width} m, |z| <= {height} m"),
+    };
+    let off_in_z = z_m.abs() > height || !checker.states(&["gauge", name, "y_m"]);
+    let key = if off_in_z { "z_m" } else { "y_m" };
+    checker.refuse(&["gauge", name, key], allowed);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inertia_of_real_bodies_is_accepted() {
+        for moments in [[0.0, 0.0, 0.0], [0.0, 2.0, 2.0], [1.0, 1.0, 2.0], [1e-30, 1e-30, 1e-30]] {
+            assert!(is_rigid_body(&Matrix3::from_diagonal(&moments.into())), "{moments:?}");
+        }
+        for moments in [[1.0, 1.0, 2.1], [-1.0, 1.0, 1.0], [0.0, 0.0, 1.0]] {
+            assert!(!is_rigid_body(&Matrix3::from_diagonal(&moments.into())), "{moments:?}");
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! What is wrong with a model file: file, line, key, value and what is allowed.
+
+use std::fmt;
+
+/// Why a model file was refused.
+#[derive(Debug, thiserror::Error)]
+pub enum ConfigError {
+    /// The file cannot be read.
+    #[error("{file}: cannot be read: {source}")]
+    Read {
+        /// File as the caller named it.
+        file: String,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The text is not a model. Displays one problem per line, each as `file:line: …`.
+    #[error("{}", lines(file, problems))]
+    Refused {
+        /// File as the caller named it.
+        file: String,
+        /// Every problem found, in the order of the file; never empty.
+        problems: Vec<Problem>,
+    },
+}
+
+impl ConfigError {
+    /// The problems found in the text; empty where the file could not be read.
+    pub fn problems(&self) -> &[Problem] {
+        match self {
+            Self::Read { .. } => &[],
+            Self::Refused { problems, .. } => problems,
+        }
+    }
+}
+
+fn lines(file: &str, problems: &[Problem]) -> String {
+    problems.iter().map(|problem| format!("{file}:{problem}")).collect::<Vec<_>>().join("\n")
+}
+
+/// One problem. Displays as `line: key '…': …`, to stand behind the file's name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// Line of the key or value, from 1.
+    pub line: usize,
+    /// Path of the key, e.g. `body.inner.length_m`; empty for the file as a whole and for syntax.
+    pub key: String,
+    /// What is wrong.
+    pub fault: Fault,
+}
+
+/// Kind of a [`Problem`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Fault {
+    /// Not TOML.
+    Syntax {
+        /// The parser's message.
+        message: String,
+    },
+    /// No such key in this table.
+    UnknownKey {
+        /// What to write instead, where something is near.
+        suggestion: Option<String>,
+        /// Keys of this table.
+        allowed: Vec<String>,
+    },
+    /// A key that must be given is not.
+    MissingKey {
+        /// What to give.
+        allowed: String,
+    },
+    /// The value is refused.
+    NotAllowed {
+        /// The value as written, shortened; or what the table is.
+        value: String,
+        /// What is allowed, with its unit.
+        allowed: String,
+    },
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { line, key, fault } = self;
+        write!(f, "{line}: ")?;
+        match fault {
+            Fault::Syntax { message } => write!(f, "not valid TOML: {message}"),
+            Fault::UnknownKey { suggestion, allowed } => {
+                write!(f, "key '{key}' is unknown; ")?;
+                if let Some(suggestion) = suggestion {
+                    write!(f, "{suggestion}; ")?;
+                }
+                write!(f, "allowed keys: {}", allowed.join(", "))
+            }
+            Fault::MissingKey { allowed } => write!(f, "key '{key}' is missing; allowed: {allowed}"),
+            Fault::NotAllowed { value, allowed } => {
+                write!(f, "key '{key}': {value} is not allowed; allowed: {allowed}")
+            }
+        }
+    }
+}
+
+/// The candidate nearest to `word` by edits, if it is near enough to be meant.
+pub(super) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let limit = (word.chars().count() / 3).max(2);
+    candidates
+        .into_iter()
+        .map(|candidate| (edits(word, candidate), candidate))
+        .filter(|(distance, candidate)| *distance <= limit && *distance < candidate.chars().count())
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, candidate)| candidate)
+}
+
+/// Levenshtein distance, letters compared without case.
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.to_lowercase().chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.to_lowercase().chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let replace = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = replace.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edits_counts_insertions_deletions_and_replacements() {
+        assert_eq!(edits("kitten", "sitting"), 3);
+        assert_eq!(edits("", "abc"), 3);
+        assert_eq!(edits("Young_pa", "young_Pa"), 0);
+    }
+
+    #[test]
+    fn nearest_offers_nothing_for_a_stranger() {
+        assert_eq!(nearest("lenght_m", ["length_m", "section"]), Some("length_m"));
+        assert_eq!(nearest("temperature", ["length_m", "section"]), None);
+        assert_eq!(nearest("x", ["y_m", "z_m", "a"]), None);
+    }
+}

@@ -1,0 +1,97 @@
+//! `docs/MODEL_FILE.md`: the reference of all keys, written from the schema.
+
+use crate::config::schema::{allowed, is_required, properties, resolve, shortest, tagged, tree};
+use serde_json::Value;
+use std::fmt::Write;
+
+const HEAD: &str = "\
+# The model file
+
+This page is written from the same schema that checks the file (`foldwing schema` prints it for editors); a test
+keeps it current. Keys end in their unit. Angles are in degrees where the key says `_deg`, all else is SI. An
+unknown key, a missing one or a value outside its range is refused with file, line, key, value and what is allowed.
+`examples/models/` holds complete files.
+
+- Vectors are resolved in the root frame unless their key says otherwise. A body's section frame has `x` along the
+  axis, `y` chordwise, `z` through the thickness; without rotations it equals the root frame.
+- Strains are ordered `(εx, κx, κy, κz)`: stretch, twist, curvature about `y` (flap), curvature about `z` (lag).
+- Names are identifiers: letters, digits and `_`, no digit first. Joint names are groups of the FMU's variables and
+  must not be `load`, `gravity`, `root`, `wind`, `gauge`, `tip`, `station`, `aero`, `energy`, `solver`, `body`,
+  `time`, `der` or begin with `tip_`. No body is called `root`.
+- Every body has exactly one joint with it as `child`. Bodies may branch: several may hang on the root or on one body.
+- Numbers are finite and at most 1e30 in magnitude.
+";
+
+/// The reference of all keys as Markdown, the text of `docs/MODEL_FILE.md`.
+pub fn reference() -> String {
+    let mut page = HEAD.to_owned();
+    table(&mut page, "Top level", tree());
+    for (key, property) in properties(tree()) {
+        let items = &property["additionalProperties"];
+        if items.is_object() {
+            group(&mut page, &format!("[{key}.<name>]"), resolve(items));
+        } else if resolve(property)["type"] == "object" {
+            group(&mut page, &format!("[{key}]"), resolve(property));
+        }
+    }
+    page
+}
+
+/// A table of the file with its variants and the tables inside it.
+fn group(page: &mut String, title: &str, schema: &'static Value) {
+    match tagged(schema) {
+        Some((tag, variants)) => {
+            for (name, variant) in variants {
+                table(page, &format!("{title} with {tag} = {name:?}"), variant);
+            }
+        }
+        None => table(page, title, schema),
+    }
+    for (key, property) in properties(schema) {
+        let inner = resolve(property);
+        if inner["type"] == "object" {
+            group(page, &format!("{}.{key}]", title.trim_end_matches(']')), inner);
+        }
+    }
+}
+
+fn table(page: &mut String, title: &str, schema: &'static Value) {
+    let description = schema["description"].as_str().unwrap_or_default();
+    let mut rows = String::new();
+    for (key, property) in properties(schema) {
+        let words = allowed_words(key, property);
+        let default = default_words(schema, key, property);
+        let meaning =
+            property["description"].as_str().or(resolve(property)["description"].as_str()).unwrap_or_default();
+        rows += &format!("| `{key}` | {} | {default} | {} |\n", cell(&words), cell(meaning));
+    }
+    let head = "| key | allowed | default | meaning |\n|---|---|---|---|\n";
+    // Writing to a String cannot fail.
+    let _ = write!(page, "\n## {}\n\n{description}\n\n{head}{rows}", title.replace('<', "\\<"));
+}
+
+fn allowed_words(key: &str, property: &'static Value) -> String {
+    match property["const"].as_str() {
+        Some(constant) => format!("{constant:?}"),
+        None if property["additionalProperties"].is_object() => format!("tables [{key}.<name>]"),
+        None => allowed(key, property),
+    }
+}
+
+fn default_words(schema: &Value, key: &str, property: &Value) -> String {
+    match &property["default"] {
+        _ if is_required(schema, key) => "required".to_owned(),
+        Value::Object(_) | Value::Null => "–".to_owned(),
+        Value::Number(number) => format!("`{}`", number.as_f64().map_or(number.to_string(), shortest)),
+        Value::Array(items) => {
+            let items: Vec<String> = items.iter().filter_map(Value::as_f64).map(shortest).collect();
+            format!("`[{}]`", items.join(", "))
+        }
+        other => format!("`{other}`"),
+    }
+}
+
+/// Text that stands in a Markdown table.
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|").replace('<', "\\<")
+}

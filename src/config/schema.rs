@@ -1,0 +1,186 @@
+//! The JSON schema of the model file, derived from the serde structs, and how the checks read it.
+
+use crate::config::file::ModelFile;
+use crate::config::machine::UNLIMITED;
+use crate::config::units::unit_of;
+use serde_json::{Map, Value, json};
+use std::sync::OnceLock;
+
+/// What names of sections, bodies, joints, masses and gauges must look like.
+pub(super) const IDENTIFIER: &str = "^[A-Za-z_][A-Za-z0-9_]*$";
+
+/// Wording of [`IDENTIFIER`].
+pub(super) const IDENTIFIER_ALLOWED: &str = "an identifier: letters, digits and _, no digit first";
+
+/// JSON schema (draft 2020-12) of the model file, pretty printed, for editors that complete TOML.
+pub fn schema() -> String {
+    let mut text = format!("{:#}", tree());
+    text.push('\n');
+    text
+}
+
+/// The schema as a tree; built once.
+pub(super) fn tree() -> &'static Value {
+    static TREE: OnceLock<Value> = OnceLock::new();
+    TREE.get_or_init(|| {
+        let mut tree = schemars::schema_for!(ModelFile).to_value();
+        tidy(&mut tree);
+        tree
+    })
+}
+
+/// Fits the derived schema to TOML: no `null`, names of tables are identifiers, one-line descriptions.
+fn tidy(node: &mut Value) {
+    match node {
+        Value::Array(items) => items.iter_mut().for_each(tidy),
+        Value::Object(map) => {
+            map.values_mut().for_each(tidy);
+            tidy_object(map);
+        }
+        _ => {}
+    }
+}
+
+fn tidy_object(map: &mut Map<String, Value>) {
+    if let Some(types) = map.get_mut("type").filter(|types| types.is_array()) {
+        let kept: Vec<Value> = types.as_array().into_iter().flatten().filter(|t| **t != "null").cloned().collect();
+        *types = kept.into_iter().next().unwrap_or_default();
+    }
+    if let Some(Value::Array(options)) = map.get("anyOf") {
+        let kept: Vec<Value> = options.iter().filter(|option| option["type"] != "null").cloned().collect();
+        if let [Value::Object(only)] = kept.as_slice() {
+            map.remove("anyOf");
+            only.iter().for_each(|(key, value)| {
+                map.insert(key.clone(), value.clone());
+            });
+        }
+    }
+    if map.get("default").is_some_and(Value::is_null) {
+        map.remove("default");
+    }
+    if let Some(Value::Object(default)) = map.get_mut("default") {
+        default.retain(|_, value| !value.is_null());
+    }
+    if map.get("additionalProperties").is_some_and(Value::is_object) {
+        map.insert("propertyNames".to_owned(), json!({ "pattern": IDENTIFIER }));
+        if let Some(least) = map.remove("minLength") {
+            map.insert("minProperties".to_owned(), least);
+        }
+    }
+    if let Some(Value::String(description)) = map.get_mut("description") {
+        *description = description.split_whitespace().collect::<Vec<_>>().join(" ");
+    }
+}
+
+/// Follows a `$ref` into `$defs`.
+pub(super) fn resolve(schema: &'static Value) -> &'static Value {
+    let target = schema["$ref"].as_str().and_then(|path| path.strip_prefix("#/$defs/"));
+    target.map_or(schema, |name| &tree()["$defs"][name])
+}
+
+/// The keys of a table's schema.
+pub(super) fn properties(schema: &'static Value) -> impl Iterator<Item = (&'static str, &'static Value)> {
+    schema["properties"].as_object().into_iter().flatten().map(|(key, value)| (key.as_str(), value))
+}
+
+/// True where a table must contain the key.
+pub(super) fn is_required(schema: &Value, key: &str) -> bool {
+    schema["required"].as_array().into_iter().flatten().any(|name| name == key)
+}
+
+/// The key that tells the variants of a table apart, with their schemas: `shape` of a section.
+pub(super) fn tagged(schema: &'static Value) -> Option<(&'static str, Vec<(&'static str, &'static Value)>)> {
+    let variants: Vec<&Value> = schema["oneOf"].as_array()?.iter().collect();
+    let tag = properties(variants.first()?).find(|(_, value)| value.get("const").is_some())?.0;
+    let named =
+        variants.iter().map(|variant| variant["properties"][tag]["const"].as_str().map(|name| (name, *variant)));
+    Some((tag, named.collect::<Option<_>>()?))
+}
+
+/// The strings that a key may hold, where they are listed.
+pub(super) fn options(schema: &'static Value) -> Option<Vec<&'static str>> {
+    if let Some(list) = schema["enum"].as_array() {
+        return list.iter().map(Value::as_str).collect();
+    }
+    let consts = schema["oneOf"].as_array()?.iter();
+    consts.map(|option| option["const"].as_str()).collect()
+}
+
+/// What a key may hold, in words with quantity, range and unit, e.g. `a finite length > 0 m`.
+pub(super) fn allowed(key: &str, schema: &'static Value) -> String {
+    if let Some(text) = schema["x-allowed"].as_str() {
+        return text.to_owned();
+    }
+    let schema = resolve(schema);
+    if let Some(options) = options(schema) {
+        return quoted(&options);
+    }
+    if let Some((_, variants)) = tagged(schema) {
+        return quoted(&variants.iter().map(|(name, _)| *name).collect::<Vec<_>>());
+    }
+    match schema["type"].as_str() {
+        Some("number") => number(key, schema, ""),
+        Some("integer") => format!("a whole number{}", range(schema)),
+        Some("boolean") => "true or false".to_owned(),
+        Some("array") => array(key, schema),
+        Some("object") => "a table".to_owned(),
+        _ if schema["pattern"] == IDENTIFIER => IDENTIFIER_ALLOWED.to_owned(),
+        _ => "a text in quotes".to_owned(),
+    }
+}
+
+/// `"a" or "b"`.
+pub(super) fn quoted(options: &[&str]) -> String {
+    options.iter().map(|option| format!("{option:?}")).collect::<Vec<_>>().join(" or ")
+}
+
+fn number(key: &str, schema: &Value, plural: &str) -> String {
+    let article = if plural.is_empty() { "a " } else { "" };
+    let (quantity, unit) = unit_of(key).map_or(("number", ""), |unit| (unit.quantity, unit.symbol));
+    let range = range(schema);
+    let separator = match (unit.is_empty(), range.is_empty()) {
+        (true, _) => "",
+        (false, true) => " in ",
+        (false, false) => " ",
+    };
+    format!("{article}finite {quantity}{plural}{range}{separator}{unit}")
+}
+
+fn array(key: &str, schema: &'static Value) -> String {
+    let items = number(key, &schema["items"], "s");
+    match (schema["minItems"].as_u64(), schema["maxItems"].as_u64()) {
+        (Some(least), Some(most)) if least == most => format!("an array of {least} {items}"),
+        (None | Some(0), Some(most)) => format!("an array of at most {most} {items}"),
+        (Some(least), Some(most)) => format!("an array of {least} to {most} {items}"),
+        (Some(least), None) => format!("an array of at least {least} {items}"),
+        (None, None) => format!("an array of {items}"),
+    }
+}
+
+/// Range of a number in words, with a leading space; empty where there is none.
+fn range(schema: &Value) -> String {
+    let bound = |keyword: &str| schema[keyword].as_f64().map(shortest);
+    if let (Some(least), Some(most)) = (bound("minimum"), bound("maximum")) {
+        return format!(" from {least} to {most}");
+    }
+    let bounds = [("exclusiveMinimum", ">"), ("minimum", ">="), ("exclusiveMaximum", "<"), ("maximum", "<=")];
+    let words: Vec<String> =
+        bounds.iter().filter_map(|(keyword, sign)| bound(keyword).map(|value| format!("{sign} {value}"))).collect();
+    if words.is_empty() { String::new() } else { format!(" {}", words.join(" and ")) }
+}
+
+/// True where `value` is finite, no larger than [`UNLIMITED`] and within the schema's range.
+pub(super) fn in_range(value: f64, schema: &Value) -> bool {
+    let bound = |keyword: &str, otherwise: f64| schema[keyword].as_f64().unwrap_or(otherwise);
+    value.abs() <= UNLIMITED
+        && value >= bound("minimum", f64::NEG_INFINITY)
+        && value > bound("exclusiveMinimum", f64::NEG_INFINITY)
+        && value <= bound("maximum", f64::INFINITY)
+        && value < bound("exclusiveMaximum", f64::INFINITY)
+}
+
+/// A number in its shortest form.
+pub(super) fn shortest(value: f64) -> String {
+    let size = value.abs();
+    if value != 0.0 && !(1e-3..1e6).contains(&size) { format!("{value:e}") } else { format!("{value}") }
+}

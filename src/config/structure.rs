@@ -1,0 +1,179 @@
+//! Second pass: the tree against the schema. Unknown and missing keys, types, ranges of single values.
+
+use crate::config::document::{Document, key_text};
+use crate::config::error::{Fault, Problem, nearest};
+use crate::config::schema::{
+    IDENTIFIER, IDENTIFIER_ALLOWED, allowed, in_range, is_required, options, properties, resolve, tagged, tree,
+};
+use crate::config::units::same_quantity;
+use serde_json::Value;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Compares the document with the schema.
+///
+/// # Errors
+/// All problems, in the order of the file.
+pub(super) fn check(document: &Document) -> Result<(), Vec<Problem>> {
+    let mut check = Check { document, path: Vec::new(), problems: Vec::new() };
+    check.table(tree(), document.root(), 0);
+    let mut problems = check.problems;
+    problems.sort_by_key(|problem| problem.line);
+    if problems.is_empty() { Ok(()) } else { Err(problems) }
+}
+
+/// True where a name fits [`IDENTIFIER`].
+pub(super) fn is_identifier(name: &str) -> bool {
+    let mut letters = name.chars();
+    letters.next().is_some_and(|first| first.is_ascii_alphabetic() || first == '_')
+        && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
+}
+
+struct Check<'d, 'a> {
+    document: &'d Document<'a>,
+    path: Vec<String>,
+    problems: Vec<Problem>,
+}
+
+impl<'a> Check<'_, 'a> {
+    fn problem(&mut self, offset: usize, key: String, fault: Fault) {
+        self.problems.push(Problem { line: self.document.line(offset), key, fault });
+    }
+
+    fn refuse(&mut self, offset: usize, value: &Spanned<DeValue<'a>>, allowed: String) {
+        let value = self.document.value_text(value);
+        self.problem(offset, key_text(&self.path), Fault::NotAllowed { value, allowed });
+    }
+
+    /// `offset` is where the table's own key stands, for keys that it lacks.
+    fn table(&mut self, schema: &'static Value, table: &DeTable<'a>, offset: usize) {
+        let Some((tag, variants)) = tagged(schema) else {
+            return self.keys(schema, table, offset);
+        };
+        let shape = table.iter().find(|(key, _)| key.get_ref() == tag).and_then(|(_, value)| value.get_ref().as_str());
+        let chosen = variants.iter().find(|(name, _)| shape == Some(name));
+        match chosen {
+            Some((_, variant)) => self.keys(variant, table, offset),
+            None => self.no_variant(schema, tag, table, offset),
+        }
+    }
+
+    fn no_variant(&mut self, schema: &'static Value, tag: &str, table: &DeTable<'a>, offset: usize) {
+        let allowed = allowed(tag, schema);
+        self.path.push(tag.to_owned());
+        match table.iter().find(|(key, _)| key.get_ref() == tag) {
+            Some((key, value)) => self.refuse(key.span().start, value, allowed),
+            None => self.problem(offset, key_text(&self.path), Fault::MissingKey { allowed }),
+        }
+        self.path.pop();
+    }
+
+    fn keys(&mut self, schema: &'static Value, table: &DeTable<'a>, offset: usize) {
+        for (key, value) in table {
+            let name = key.get_ref();
+            self.path.push(name.to_string());
+            match properties(schema).find(|(known, _)| known == name) {
+                Some((known, schema)) => self.value(known, schema, value, key.span().start),
+                None => self.named_or_unknown(schema, name, value, key.span().start),
+            }
+            self.path.pop();
+        }
+        for (known, property) in properties(schema) {
+            if is_required(schema, known) && !table.iter().any(|(key, _)| key.get_ref() == known) {
+                self.path.push(known.to_owned());
+                let fault = Fault::MissingKey { allowed: allowed(known, property) };
+                self.problem(offset, key_text(&self.path), fault);
+                self.path.pop();
+            }
+        }
+    }
+
+    fn named_or_unknown(&mut self, schema: &'static Value, name: &str, value: &Spanned<DeValue<'a>>, offset: usize) {
+        let items = &schema["additionalProperties"];
+        if !items.is_object() {
+            return self.unknown(schema, name, offset);
+        }
+        if !is_identifier(name) {
+            let fault =
+                Fault::NotAllowed { value: format!("the name {name:?}"), allowed: IDENTIFIER_ALLOWED.to_owned() };
+            self.problem(offset, key_text(&self.path), fault);
+        }
+        self.value(name, items, value, offset);
+    }
+
+    fn unknown(&mut self, schema: &'static Value, name: &str, offset: usize) {
+        let known = || properties(schema).map(|(key, _)| key);
+        let suggestion = match same_quantity(name, known()) {
+            Some((key, unit)) => Some(format!("write {key} ({})", unit.symbol)),
+            None => nearest(name, known()).map(|key| format!("did you mean {key}?")),
+        };
+        let fault = Fault::UnknownKey { suggestion, allowed: known().map(str::to_owned).collect() };
+        self.problem(offset, key_text(&self.path), fault);
+    }
+
+    fn value(&mut self, key: &str, property: &'static Value, value: &Spanned<DeValue<'a>>, offset: usize) {
+        let schema = resolve(property);
+        let fits = match (value.get_ref(), schema["type"].as_str()) {
+            (DeValue::Table(table), _) if is_table(schema) => {
+                let too_few = schema["minProperties"].as_u64().is_some_and(|least| (table.len() as u64) < least);
+                if !too_few {
+                    return self.table(schema, table, offset);
+                }
+                false
+            }
+            (DeValue::Array(_), Some("array")) => return self.array(key, property, value, offset),
+            (single, _) => fits(single, schema),
+        };
+        if !fits {
+            let allowed = if is_table(schema) && property.get("x-allowed").is_none() {
+                "a table".to_owned()
+            } else {
+                allowed(key, property)
+            };
+            self.refuse(offset, value, allowed);
+        }
+    }
+
+    fn array(&mut self, key: &str, property: &'static Value, value: &Spanned<DeValue<'a>>, offset: usize) {
+        let schema = resolve(property);
+        if let Some(at) = first_misfit(value, schema) {
+            self.refuse(at.max(offset), value, allowed(key, property));
+        }
+    }
+}
+
+fn is_table(schema: &'static Value) -> bool {
+    schema["type"] == "object" || tagged(schema).is_some()
+}
+
+/// Byte offset of the first item that does not fit, or of the array if its length does not.
+fn first_misfit(value: &Spanned<DeValue>, schema: &'static Value) -> Option<usize> {
+    let DeValue::Array(items) = value.get_ref() else {
+        return (!fits(value.get_ref(), schema)).then(|| value.span().start);
+    };
+    let length = items.len() as u64;
+    let length_fits = schema["minItems"].as_u64().is_none_or(|least| length >= least)
+        && schema["maxItems"].as_u64().is_none_or(|most| length <= most);
+    if schema["type"] != "array" || !length_fits {
+        return Some(value.span().start);
+    }
+    items.iter().find_map(|item| first_misfit(item, resolve(&schema["items"])))
+}
+
+/// True where a value that is neither table nor array has the schema's type and lies in its range.
+fn fits(value: &DeValue, schema: &'static Value) -> bool {
+    match (value, schema["type"].as_str()) {
+        (DeValue::String(text), _) if options(schema).is_some() => {
+            options(schema).is_some_and(|options| options.contains(&text.as_ref()))
+        }
+        (DeValue::String(text), Some("string")) => schema["pattern"] != IDENTIFIER || is_identifier(text),
+        (DeValue::Boolean(_), Some("boolean")) => true,
+        (DeValue::Integer(number), Some("integer" | "number")) => {
+            i64::from_str_radix(number.as_str(), number.radix()).is_ok_and(|whole| in_range(whole as f64, schema))
+        }
+        (DeValue::Float(number), Some("number")) => {
+            number.as_str().parse::<f64>().is_ok_and(|value| in_range(value, schema))
+        }
+        _ => false,
+    }
+}

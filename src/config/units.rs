@@ -1,0 +1,92 @@
+//! The unit that a key's ending states.
+
+/// Unit and quantity of the keys that end alike.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Unit {
+    /// Ending of the key, e.g. `_N_m_rad`.
+    pub suffix: &'static str,
+    /// Unit as an engineer writes it, e.g. `N·m/rad`.
+    pub symbol: &'static str,
+    /// Quantity in the singular, e.g. `stiffness`.
+    pub quantity: &'static str,
+}
+
+const fn unit(suffix: &'static str, symbol: &'static str, quantity: &'static str) -> Unit {
+    Unit { suffix, symbol, quantity }
+}
+
+/// All endings, longer ones before those they contain. `mass_kg_m` is a mass per length, any other `_kg_m` a moment.
+const UNITS: &[Unit] = &[
+    unit("_N_m_s_rad", "N·m·s/rad", "damping"),
+    unit("_N_m_rad", "N·m/rad", "stiffness"),
+    unit("_N_m2", "N·m²", "stiffness"),
+    unit("_N_m", "N·m", "torque"),
+    unit("_kg_m3", "kg/m³", "density"),
+    unit("_kg_m2", "kg·m²", "inertia"),
+    unit("mass_kg_m", "kg/m", "mass per length"),
+    unit("_kg_m", "kg·m", "second moment"),
+    unit("_kg", "kg", "mass"),
+    unit("_Pa", "Pa", "modulus"),
+    unit("_m_s2", "m/s²", "acceleration"),
+    unit("_deg_s", "deg/s", "rate"),
+    unit("_s_deg", "s, deg", "pair"),
+    unit("_deg", "deg", "angle"),
+    unit("_1_m", "1/m", "curvature"),
+    unit("_1_s", "1/s", "damping"),
+    unit("_SI", "SI", "number"),
+    unit("_N", "N", "stiffness"),
+    unit("_s", "s", "time"),
+    unit("_m", "m", "length"),
+];
+
+/// Unit of a key, `None` where its ending states none.
+pub(super) fn unit_of(key: &str) -> Option<Unit> {
+    UNITS.iter().find(|unit| key.ends_with(unit.suffix)).copied()
+}
+
+/// The known key that `key` is without its unit or with another one, e.g. `length` or `length_mm` for `length_m`.
+pub(super) fn same_quantity<'a>(key: &str, known: impl IntoIterator<Item = &'a str>) -> Option<(&'a str, Unit)> {
+    known
+        .into_iter()
+        .filter_map(|known| unit_of(known).map(|unit| (known, unit)))
+        .filter(|(known, unit)| {
+            let ending = unit.suffix.trim_start_matches(|c: char| c != '_').len();
+            let stem = &known[..known.len() - ending];
+            key.strip_prefix(stem).is_some_and(|rest| rest.is_empty() || (rest.starts_with('_') && is_unit_like(rest)))
+        })
+        .max_by_key(|(known, _)| known.len())
+}
+
+/// True where every part behind an underscore is short enough to be a unit, as in `_mm` or `_kN_m`.
+fn is_unit_like(ending: &str) -> bool {
+    ending.split('_').skip(1).all(|part| !part.is_empty() && part.len() <= 4)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn longer_endings_win() {
+        assert_eq!(unit_of("stiffness_N_m_rad").unwrap().symbol, "N·m/rad");
+        assert_eq!(unit_of("mass_kg_m").unwrap().symbol, "kg/m");
+        assert_eq!(unit_of("second_moments_kg_m").unwrap().symbol, "kg·m");
+        assert_eq!(unit_of("mass_damping_1_s").unwrap().symbol, "1/s");
+        assert_eq!(unit_of("elements"), None);
+    }
+
+    #[test]
+    fn a_key_without_its_unit_or_with_another_is_recognised() {
+        let known = ["length_m", "mass_kg_m", "axial_stiffness_N", "start_rate_deg_s"];
+        for (written, meant) in [
+            ("length", "length_m"),
+            ("length_mm", "length_m"),
+            ("mass", "mass_kg_m"),
+            ("start_rate", "start_rate_deg_s"),
+            ("start_rate_rad_s", "start_rate_deg_s"),
+        ] {
+            assert_eq!(same_quantity(written, known).map(|(key, _)| key), Some(meant));
+        }
+        assert_eq!(same_quantity("length_of_something", known), None);
+    }
+}

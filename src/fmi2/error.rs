@@ -1,0 +1,148 @@
+//! What a call can answer, and why it was refused.
+
+use crate::config::ConfigError;
+use crate::fmi2::life_cycle::Phase;
+use crate::fmi2::resource::ResourceError;
+use crate::fmi2::state::StateError;
+use crate::interface::AccessError;
+use crate::plant::PlantError;
+
+/// Outcome of a call, `fmi2Status` without the asynchronous one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Status {
+    /// Done.
+    Ok,
+    /// Done, with something to tell.
+    Warning,
+    /// A value was refused; nothing changed.
+    Discard,
+    /// The call was refused or failed.
+    Error,
+    /// The instance is lost.
+    Fatal,
+}
+
+/// Why a call was refused or failed.
+#[derive(Debug, thiserror::Error)]
+pub enum CallError {
+    /// Out of order.
+    #[error("not legal {phase}")]
+    OutOfOrder {
+        /// Where the instance stands.
+        phase: Phase,
+    },
+    /// Any call after a panic.
+    #[error("the instance broke down earlier; only fmi2FreeInstance is legal")]
+    Poisoned,
+    /// A pointer that must not be null.
+    #[error("argument {argument} is null")]
+    NullPointer {
+        /// Name of the argument in the standard.
+        argument: &'static str,
+    },
+    /// Text that is not UTF-8.
+    #[error("argument {argument} is not UTF-8 text")]
+    NotText {
+        /// Name of the argument in the standard.
+        argument: &'static str,
+    },
+    /// A variable cannot be read or written so.
+    #[error(transparent)]
+    Access(#[from] AccessError),
+    /// An argument that is not a variable.
+    #[error("argument {argument} is {value}: it must be {allowed}")]
+    Argument {
+        /// Name of the argument in the standard.
+        argument: &'static str,
+        /// The refused value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// Step of zero, negative or no size.
+    #[error("the step from t = {time_s} s has the size {step_s} s: it must be positive, finite and advance the time")]
+    StepSize {
+        /// Communication point of the caller in s.
+        time_s: f64,
+        /// The refused step size in s.
+        step_s: f64,
+    },
+    /// The caller's clock and ours differ.
+    #[error("the step starts at t = {time_s} s but the instance stands at t = {own_s} s")]
+    TimeMismatch {
+        /// Communication point of the caller in s.
+        time_s: f64,
+        /// Our time in s.
+        own_s: f64,
+    },
+    /// Beyond the stop time.
+    #[error("the step ends at t = {end_s} s, beyond the stop time {stop_s} s given to fmi2SetupExperiment")]
+    BeyondStop {
+        /// End of the refused step in s.
+        end_s: f64,
+        /// Stop time in s.
+        stop_s: f64,
+    },
+    /// The model cannot go on.
+    #[error(transparent)]
+    Plant(#[from] PlantError),
+    /// A saved state was refused.
+    #[error(transparent)]
+    State(#[from] StateError),
+    /// Something that this FMU does not provide, as its description says.
+    #[error("{0}")]
+    NotProvided(&'static str),
+    /// A status kind that the function does not report.
+    #[error("status kind {kind} is not reported by this function; it reports {reported}")]
+    StatusKind {
+        /// The kind asked for.
+        kind: u32,
+        /// What can be asked.
+        reported: &'static str,
+    },
+    /// A log category that does not exist.
+    #[error("unknown log category {name:?}: there are {known}")]
+    LogCategory {
+        /// The refused name.
+        name: String,
+        /// All names.
+        known: String,
+    },
+}
+
+impl CallError {
+    /// The status that the importer gets: a bad value is discarded, all else is an error.
+    pub fn status(&self) -> Status {
+        match self {
+            Self::Access(error) if error.is_bad_value() => Status::Discard,
+            Self::Argument { .. } => Status::Discard,
+            Self::Poisoned => Status::Fatal,
+            _ => Status::Error,
+        }
+    }
+}
+
+/// Why there is no instance.
+#[derive(Debug, thiserror::Error)]
+pub enum InstantiationError {
+    /// No instance name.
+    #[error("the instance name is missing")]
+    NoName,
+    /// Not a co-simulation.
+    #[error("this FMU is for co-simulation only: FMU type {0} was asked for")]
+    WrongType(u32),
+    /// Description and model do not belong together.
+    #[error("the GUID {given} of the model description is not {own}, that of resources/model.toml in this library")]
+    Guid {
+        /// As passed by the importer.
+        given: String,
+        /// As computed from the model.
+        own: String,
+    },
+    /// The resource folder cannot be used.
+    #[error(transparent)]
+    Resource(#[from] ResourceError),
+    /// The model file is wrong.
+    #[error("the model cannot be read: {0}")]
+    Model(#[from] ConfigError),
+}

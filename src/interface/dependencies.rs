@@ -1,0 +1,282 @@
+//! Which row depends on which, at a communication point and in Initialization Mode.
+//!
+//! At a communication point the state is frozen: strains, angles, their rates, the stoppers and the latches.
+//! What follows from the state alone (positions, velocities, angles, stored energy of the wing) depends on no
+//! input; accelerations and the forces recovered from them depend on everything that pushes within the branch.
+//! At the start the strains are the natural ones and at rest, so the state follows from start angles, start
+//! rates and the inputs that decide about stoppers and latches.
+
+use crate::interface::binding::{
+    Binding, BodyParameter, EnergyOutput, Input, JointInput, JointOutput, JointParameter, Output, Parameter,
+    PointOutput,
+};
+use crate::interface::topology::Topology;
+use crate::interface::{DependencyKind, Variable};
+
+/// Fills the dependencies of every output.
+pub(super) fn add_dependencies(topology: &Topology, variables: &mut [Variable], bindings: &[Binding]) {
+    for (variable, binding) in variables.iter_mut().zip(bindings) {
+        let Binding::Output(output) = *binding else { continue };
+        let knowns = || (0..).zip(bindings.iter().copied());
+        variable.dependencies = knowns()
+            .filter(|&(_, known)| depends(topology, output, known))
+            .map(|(reference, _)| (reference, DependencyKind::Dependent))
+            .collect();
+        variable.initial_dependencies = knowns()
+            .filter(|&(_, known)| depends_initially(topology, output, known))
+            .map(|(reference, known)| (reference, initial_kind(output, known)))
+            .collect();
+    }
+}
+
+/// Of the initial dependences only the angle's on its own start value has a constant factor.
+fn initial_kind(output: Output, known: Binding) -> DependencyKind {
+    match (output, known) {
+        (Output::Joint(_, JointOutput::Angle), Binding::Parameter(_)) => DependencyKind::Constant,
+        _ => DependencyKind::Dependent,
+    }
+}
+
+/// Dependence at a communication point, state frozen.
+fn depends(topology: &Topology, output: Output, known: Binding) -> bool {
+    use EnergyOutput as E;
+    match output {
+        Output::Joint(joint, JointOutput::Angle | JointOutput::Rate) => {
+            known == Binding::Time && topology.is_prescribed(joint)
+        }
+        Output::Joint(joint, JointOutput::TorqueApplied) => drives(joint, known),
+        Output::Joint(
+            _,
+            JointOutput::LatchTorque | JointOutput::Latched | JointOutput::LatchTime | JointOutput::LatchCount,
+        ) => false,
+        Output::Gauge(_) | Output::RootForce(_) | Output::RootMoment(_) => {
+            pushes(topology, branch(topology, output), known)
+        }
+        Output::Tip(_, PointOutput::Acceleration(_)) | Output::Station(_, PointOutput::Acceleration(_)) => {
+            pushes(topology, branch(topology, output), known)
+        }
+        Output::Tip(_, _) | Output::Station(_, _) => {
+            known == Binding::Time && body(topology, output).is_some_and(|body| moved(topology, body))
+        }
+        Output::Energy(E::Kinetic) => known == Binding::Time && any_moved(topology),
+        Output::Energy(E::Elastic | E::Work | E::Dissipated) => false,
+        Output::Energy(E::Gravity) => weighs(known) || (known == Binding::Time && any_moved(topology)),
+        Output::Energy(E::Drive) => matches!(known, Binding::Input(Input::Joint(_, JointInput::Command))),
+        Output::Energy(E::Total) => {
+            [E::Kinetic, E::Gravity, E::Drive].into_iter().any(|part| depends(topology, Output::Energy(part), known))
+        }
+    }
+}
+
+/// Dependence of the initial value.
+fn depends_initially(topology: &Topology, output: Output, known: Binding) -> bool {
+    use EnergyOutput as E;
+    match output {
+        Output::Joint(joint, JointOutput::Angle) => starts(topology, joint, known),
+        Output::Joint(joint, JointOutput::Rate) => start_rate(topology, joint, known),
+        Output::Joint(joint, JointOutput::TorqueApplied) => {
+            let parameters = match known {
+                Binding::Parameter(Parameter::Joint(other, field)) => {
+                    other == joint
+                        && match field {
+                            JointParameter::StartAngle
+                            | JointParameter::Stiffness
+                            | JointParameter::ConstantTorque
+                            | JointParameter::TorqueLimit => true,
+                            JointParameter::Damping => topology.turns_at_start(joint),
+                            JointParameter::RateLimit | JointParameter::LatchStiffness => false,
+                        }
+                }
+                _ => false,
+            };
+            parameters || drives(joint, known) || start_rate(topology, joint, known)
+        }
+        Output::Joint(joint, JointOutput::LatchTorque) => latches(topology, joint, known) || latch_spring(joint, known),
+        Output::Joint(joint, JointOutput::Latched | JointOutput::LatchCount) => latches(topology, joint, known),
+        Output::Joint(joint, JointOutput::LatchTime) => known == Binding::Time || latches(topology, joint, known),
+        Output::Gauge(gauge) => {
+            let body = topology.machine.gauges[gauge].body;
+            accelerates_initially(topology, branch(topology, output), known)
+                || known == Binding::Parameter(Parameter::Body(body, BodyParameter::StiffnessFactor))
+        }
+        Output::RootForce(_) | Output::RootMoment(_) => {
+            accelerates_initially(topology, branch(topology, output), known)
+        }
+        Output::Tip(_, field) | Output::Station(_, field) => {
+            body(topology, output).is_some_and(|body| point_initially(topology, body, field, known))
+        }
+        Output::Energy(E::Kinetic) => moves_initially(topology, known),
+        Output::Energy(E::Elastic) => (0..topology.revolutes.len())
+            .any(|joint| topology.is_free(joint) && (latches(topology, joint, known) || latch_spring(joint, known))),
+        Output::Energy(E::Gravity) => {
+            weighs(known)
+                || is_mass_factor(known)
+                || (0..topology.revolutes.len()).any(|joint| starts(topology, joint, known))
+        }
+        Output::Energy(E::Drive) => match known {
+            Binding::Input(Input::Joint(_, JointInput::Command)) => true,
+            Binding::Parameter(Parameter::Joint(joint, field)) => {
+                topology.is_free(joint)
+                    && matches!(
+                        field,
+                        JointParameter::StartAngle | JointParameter::Stiffness | JointParameter::ConstantTorque
+                    )
+            }
+            _ => false,
+        },
+        Output::Energy(E::Work | E::Dissipated) => false,
+        Output::Energy(E::Total) => [E::Kinetic, E::Elastic, E::Gravity, E::Drive]
+            .into_iter()
+            .any(|part| depends_initially(topology, Output::Energy(part), known)),
+    }
+}
+
+/// Initial value of a point's row.
+fn point_initially(topology: &Topology, body: usize, field: PointOutput, known: Binding) -> bool {
+    let path = &topology.path[body];
+    match field {
+        PointOutput::Position(_) | PointOutput::Rotation(_) => path.iter().any(|&joint| starts(topology, joint, known)),
+        PointOutput::Velocity(_) | PointOutput::AngularVelocity(_) => {
+            path.iter().any(|&joint| topology.turns_at_start(joint))
+                && path.iter().any(|&joint| starts(topology, joint, known) || start_rate(topology, joint, known))
+        }
+        PointOutput::Acceleration(_) => accelerates_initially(topology, Some(topology.branch[body]), known),
+    }
+}
+
+/// Body that carries an output's point.
+fn body(topology: &Topology, output: Output) -> Option<usize> {
+    match output {
+        Output::Gauge(gauge) => Some(topology.machine.gauges[gauge].body),
+        Output::Tip(tip, _) => Some(topology.tips[tip]),
+        Output::Station(station, _) => Some(topology.stations[station].0),
+        _ => None,
+    }
+}
+
+/// Branch that an output belongs to; `None` for all of them. Branches meet only at the root, whose motion is given.
+fn branch(topology: &Topology, output: Output) -> Option<usize> {
+    body(topology, output).map(|body| topology.branch[body])
+}
+
+/// Whether a body lies in a branch (`None`: any).
+fn within(topology: &Topology, branch: Option<usize>, body: usize) -> bool {
+    branch.is_none_or(|branch| topology.branch[body] == branch)
+}
+
+/// A prescribed joint between the root and a body makes its position a function of time.
+fn moved(topology: &Topology, body: usize) -> bool {
+    topology.path[body].iter().any(|&joint| topology.is_prescribed(joint))
+}
+
+fn any_moved(topology: &Topology) -> bool {
+    (0..topology.revolutes.len()).any(|joint| topology.is_prescribed(joint))
+}
+
+/// Command and external torque of one joint.
+fn drives(joint: usize, known: Binding) -> bool {
+    matches!(known, Binding::Input(Input::Joint(other, JointInput::Command | JointInput::Torque)) if other == joint)
+}
+
+/// Gravity and the root's linear acceleration.
+fn weighs(known: Binding) -> bool {
+    matches!(known, Binding::Input(Input::Gravity(_) | Input::RootAcceleration(_)))
+}
+
+fn is_mass_factor(known: Binding) -> bool {
+    matches!(known, Binding::Parameter(Parameter::Body(_, BodyParameter::MassFactor)))
+}
+
+/// Everything that changes accelerations of a branch at once.
+fn pushes(topology: &Topology, branch: Option<usize>, known: Binding) -> bool {
+    match known {
+        Binding::Time => {
+            (0..topology.machine.bodies.len()).any(|body| within(topology, branch, body) && moved(topology, body))
+        }
+        Binding::Input(input) => match input {
+            Input::Joint(joint, JointInput::Command | JointInput::Torque) => {
+                within(topology, branch, topology.revolutes[joint])
+            }
+            Input::Joint(_, JointInput::Release | JointInput::LatchEnable) => false,
+            Input::StationForce(station, _) | Input::StationMoment(station, _) => {
+                within(topology, branch, topology.stations[station].0)
+            }
+            Input::Gravity(_)
+            | Input::RootAcceleration(_)
+            | Input::RootAngularVelocity(_)
+            | Input::RootAngularAcceleration(_) => true,
+        },
+        Binding::Parameter(_) | Binding::Output(_) | Binding::Local(_) => false,
+    }
+}
+
+/// Initial accelerations of a branch: what pushes, start angles and rates, joint parameters, inertia; strains are
+/// natural and at rest, so neither stiffness nor its damping acts yet.
+fn accelerates_initially(topology: &Topology, branch: Option<usize>, known: Binding) -> bool {
+    let joint_in = |joint: usize| within(topology, branch, topology.revolutes[joint]);
+    let turns = |only: &dyn Fn(usize) -> bool| {
+        (0..topology.revolutes.len()).any(|joint| joint_in(joint) && only(joint) && topology.turns_at_start(joint))
+    };
+    match known {
+        Binding::Input(Input::Joint(joint, JointInput::Release | JointInput::LatchEnable)) => joint_in(joint),
+        Binding::Parameter(Parameter::Joint(joint, field)) => {
+            joint_in(joint)
+                && match field {
+                    JointParameter::StartAngle
+                    | JointParameter::Stiffness
+                    | JointParameter::ConstantTorque
+                    | JointParameter::TorqueLimit
+                    | JointParameter::LatchStiffness => true,
+                    JointParameter::Damping => topology.turns_at_start(joint),
+                    JointParameter::RateLimit => false,
+                }
+        }
+        Binding::Parameter(Parameter::Body(body, field)) => {
+            within(topology, branch, body)
+                && match field {
+                    BodyParameter::MassFactor => true,
+                    BodyParameter::MassDamping => turns(&|joint| topology.path[body].contains(&joint)),
+                    BodyParameter::StiffnessFactor | BodyParameter::StiffnessDamping => false,
+                }
+        }
+        _ => pushes(topology, branch, known),
+    }
+}
+
+/// Start angle of a joint, or time where the angle is prescribed.
+fn starts(topology: &Topology, joint: usize, known: Binding) -> bool {
+    if topology.is_prescribed(joint) {
+        return known == Binding::Time;
+    }
+    known == Binding::Parameter(Parameter::Joint(joint, JointParameter::StartAngle))
+}
+
+/// The start rate is the model's, unless the stopper holds the joint.
+fn start_rate(topology: &Topology, joint: usize, known: Binding) -> bool {
+    if topology.is_prescribed(joint) {
+        return known == Binding::Time;
+    }
+    topology.turns_at_start(joint) && known == Binding::Input(Input::Joint(joint, JointInput::Release))
+}
+
+/// What decides whether a latch is closed at the start.
+fn latches(topology: &Topology, joint: usize, known: Binding) -> bool {
+    topology.revolute(joint).latch.is_some()
+        && (known == Binding::Input(Input::Joint(joint, JointInput::LatchEnable)) || starts(topology, joint, known))
+}
+
+fn latch_spring(joint: usize, known: Binding) -> bool {
+    known == Binding::Parameter(Parameter::Joint(joint, JointParameter::LatchStiffness))
+}
+
+/// Initial kinetic energy: only joints that turn at the start give it.
+fn moves_initially(topology: &Topology, known: Binding) -> bool {
+    let turns = |body: usize| topology.path[body].iter().any(|&joint| topology.turns_at_start(joint));
+    match known {
+        Binding::Parameter(Parameter::Body(body, BodyParameter::MassFactor)) => turns(body),
+        _ => (0..topology.machine.bodies.len()).filter(|&body| turns(body)).any(|body| {
+            let path = &topology.path[body];
+            path.iter().any(|&joint| starts(topology, joint, known) || start_rate(topology, joint, known))
+        }),
+    }
+}

@@ -1,0 +1,400 @@
+//! The rows of the table, built from one machine.
+
+use crate::config::Machine;
+use crate::config::machine::UNLIMITED;
+use crate::interface::binding::{
+    Binding, BodyParameter, Counter, EnergyOutput, Input, JointInput, JointOutput, JointParameter, Output, Parameter,
+    PointOutput, SolverParameter,
+};
+use crate::interface::dependencies::add_dependencies;
+use crate::interface::topology::Topology;
+use crate::interface::{Causality, Initial, Value, Variability, Variable};
+use crate::plant::{Inputs, Parameters};
+use std::f64::consts::PI;
+
+/// Components of a vector.
+const AXES: [&str; 3] = ["x", "y", "z"];
+/// Components of a quaternion.
+const QUATERNION: [&str; 4] = ["w", "x", "y", "z"];
+
+const NON_NEGATIVE: Option<(f64, f64)> = Some((0.0, UNLIMITED));
+/// Factors must leave equations that can be solved in double precision.
+const FACTOR: Option<(f64, f64)> = Some((1e-6, 1e6));
+/// A fold joint starts within one turn either way.
+const TURN: Option<(f64, f64)> = Some((-2.0 * PI, 2.0 * PI));
+const TOLERANCE: Option<(f64, f64)> = Some((1e-14, 1.0));
+const STEP: Option<(f64, f64)> = Some((1e-15, 1e6));
+
+type Range = Option<(f64, f64)>;
+type ParameterRow<Field> = (&'static str, Field, Variability, &'static str, Range, &'static str);
+type Fields<Field> = [(&'static str, Field, &'static str, &'static str)];
+
+const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
+    use JointParameter as P;
+    use Variability::{Fixed, Tunable};
+    &[
+        (
+            "start_angle",
+            P::StartAngle,
+            Fixed,
+            "Angle",
+            TURN,
+            "fold angle at the start, right hand about the hinge axis",
+        ),
+        ("stiffness", P::Stiffness, Tunable, "RotationalStiffness", NON_NEGATIVE, "spring stiffness k of the drive"),
+        ("damping", P::Damping, Tunable, "RotationalDamping", NON_NEGATIVE, "damping c of the drive"),
+        (
+            "constant_torque",
+            P::ConstantTorque,
+            Tunable,
+            "Moment",
+            None,
+            "constant torque T of the drive, towards smaller angles",
+        ),
+        (
+            "torque_limit",
+            P::TorqueLimit,
+            Tunable,
+            "Moment",
+            NON_NEGATIVE,
+            "largest magnitude of the drive torque; 1e30 means none",
+        ),
+        (
+            "rate_limit",
+            P::RateLimit,
+            Tunable,
+            "AngularVelocity",
+            NON_NEGATIVE,
+            "largest slew of the neutral angle; 1e30 means none",
+        ),
+        (
+            "latch_stiffness",
+            P::LatchStiffness,
+            Tunable,
+            "RotationalStiffness",
+            NON_NEGATIVE,
+            "stiffness that the closed latch adds",
+        ),
+    ]
+};
+
+const BODY_PARAMETERS: &[ParameterRow<BodyParameter>] = {
+    use BodyParameter as P;
+    use Variability::{Fixed, Tunable};
+    &[
+        (
+            "mass_factor",
+            P::MassFactor,
+            Fixed,
+            "Ratio",
+            FACTOR,
+            "factor on the beam's inertia, attached masses excepted",
+        ),
+        ("stiffness_factor", P::StiffnessFactor, Fixed, "Ratio", FACTOR, "factor on the section stiffness"),
+        ("mass_damping", P::MassDamping, Tunable, "DampingRate", NON_NEGATIVE, "mass-proportional damping alpha"),
+        (
+            "stiffness_damping",
+            P::StiffnessDamping,
+            Tunable,
+            "Time",
+            NON_NEGATIVE,
+            "stiffness-proportional damping beta",
+        ),
+    ]
+};
+
+const SOLVER_PARAMETERS: &[ParameterRow<SolverParameter>] = {
+    use SolverParameter as P;
+    use Variability::Fixed;
+    &[
+        (
+            "tolerance",
+            P::Tolerance,
+            Fixed,
+            "Ratio",
+            TOLERANCE,
+            "error per step: displacement over wing length, rotation in rad",
+        ),
+        ("max_step", P::MaxStep, Fixed, "Time", STEP, "largest internal step"),
+        ("min_step", P::MinStep, Fixed, "Time", STEP, "smallest internal step; below it non-convergence is an error"),
+    ]
+};
+
+const ENERGIES: &Fields<EnergyOutput> = &[
+    ("kinetic", EnergyOutput::Kinetic, "Energy", "kinetic energy relative to the root frame"),
+    ("elastic", EnergyOutput::Elastic, "Energy", "strain energy of beams and closed latches"),
+    ("gravity", EnergyOutput::Gravity, "Energy", "potential of gravity minus root acceleration, zero at the origin"),
+    ("drive", EnergyOutput::Drive, "Energy", "potential of the drives' springs and constant torques"),
+    ("work", EnergyOutput::Work, "Energy", "work done by the inputs since the start"),
+    (
+        "dissipated",
+        EnergyOutput::Dissipated,
+        "Energy",
+        "energy dissipated by damping and opening latches since the start",
+    ),
+    (
+        "total",
+        EnergyOutput::Total,
+        "Energy",
+        "kinetic + elastic + gravity + drive; total - work + dissipated is constant",
+    ),
+];
+
+const COUNTERS: &[(&str, Counter, &str)] = &[
+    ("steps", Counter::Steps, "accepted internal steps"),
+    ("rejections", Counter::Rejections, "internal steps rejected by the error estimate"),
+    ("failures", Counter::Failures, "internal steps given up by the Newton iteration"),
+    ("iterations", Counter::Iterations, "Newton iterations"),
+    ("factorizations", Counter::Factorizations, "factorisations of the equations of motion"),
+    ("events", Counter::Events, "events: releases, latch closings and openings"),
+];
+
+/// Rows and bindings of a machine, in the order of their value references.
+pub(super) fn build(machine: &Machine) -> (Vec<Variable>, Vec<Binding>) {
+    let topology = Topology::new(machine);
+    let mut table = Table {
+        inputs: topology.start_inputs(),
+        parameters: topology.start_parameters(),
+        variables: Vec::new(),
+        bindings: Vec::new(),
+    };
+    let time = ("time".to_owned(), Some("Time"), None, "simulation time".to_owned());
+    table.push(Binding::Time, Causality::Independent, Variability::Continuous, Value::Real(0.0), time);
+    inputs(&mut table, &topology);
+    outputs(&mut table, &topology);
+    parameters(&mut table, &topology);
+    for &(name, counter, meaning) in COUNTERS {
+        let text = (format!("solver.{name}"), None, None, format!("{meaning} since initialisation"));
+        table.push(Binding::Local(counter), Causality::Local, Variability::Discrete, Value::Integer(0), text);
+    }
+    add_dependencies(&topology, &mut table.variables, &table.bindings);
+    (table.variables, table.bindings)
+}
+
+fn inputs(table: &mut Table, topology: &Topology) {
+    for joint in (0..topology.revolutes.len()).filter(|&joint| topology.is_free(joint)) {
+        let name = topology.joint_name(joint);
+        let mut add = |field, key: &str, declared, meaning: &str| {
+            table.input(Input::Joint(joint, field), format!("{name}.{key}"), declared, format!("{meaning} {name}"));
+        };
+        add(JointInput::Command, "command", Some("Angle"), "neutral angle of the drive at joint");
+        add(
+            JointInput::Torque,
+            "torque",
+            Some("Moment"),
+            "external torque on the outer body about the hinge axis of joint",
+        );
+        add(JointInput::Release, "release", None, "releases the stopper of joint");
+        if topology.revolute(joint).latch.is_some() {
+            add(JointInput::LatchEnable, "latch_enable", None, "lets the latch close; false opens it, joint");
+        }
+    }
+    for (station, &(body, number)) in topology.stations.iter().enumerate() {
+        let body = &topology.machine.bodies[body];
+        let group = format!("load.{}[{number}]", body.name);
+        let frame = match body.load_frame {
+            crate::load::LoadFrame::Root => "root frame",
+            crate::load::LoadFrame::Section => "section frame",
+        };
+        let mut vector = |bind: fn(usize, usize) -> Input, key: &str, declared| {
+            for (i, axis) in AXES.iter().enumerate() {
+                let meaning = format!("{key} on station {number} of body {}, {axis}, {frame}", body.name);
+                table.input(bind(station, i), format!("{group}.{key}.{axis}"), Some(declared), meaning);
+            }
+        };
+        vector(Input::StationForce, "force", "Force");
+        vector(Input::StationMoment, "moment", "Moment");
+    }
+    let mut root = |bind: fn(usize) -> Input, group: &str, declared, meaning: &str| {
+        for (i, axis) in AXES.iter().enumerate() {
+            table.input(bind(i), format!("{group}.{axis}"), Some(declared), format!("{meaning}, {axis}, root frame"));
+        }
+    };
+    root(Input::Gravity, "gravity", "Acceleration", "gravity");
+    let acceleration = "inertial acceleration of the root's origin, without gravity";
+    root(Input::RootAcceleration, "root.acceleration", "Acceleration", acceleration);
+    root(Input::RootAngularVelocity, "root.angular_velocity", "AngularVelocity", "angular velocity of the root frame");
+    let spin_up = "angular acceleration of the root frame";
+    root(Input::RootAngularAcceleration, "root.angular_acceleration", "AngularAcceleration", spin_up);
+}
+
+fn outputs(table: &mut Table, topology: &Topology) {
+    for joint in 0..topology.revolutes.len() {
+        joint_outputs(table, topology, joint);
+    }
+    for (index, gauge) in topology.machine.gauges.iter().enumerate() {
+        let body = &topology.machine.bodies[gauge.body].name;
+        let meaning =
+            format!("axial strain on body {body} at {} m, y = {} m, z = {} m", gauge.position_m, gauge.y_m, gauge.z_m);
+        table.output(Output::Gauge(index), format!("gauge.{}.strain", gauge.name), Some("Strain"), meaning);
+    }
+    for (i, axis) in AXES.iter().enumerate() {
+        let meaning = format!("force of the wing on the aircraft, {axis}, root frame");
+        table.output(Output::RootForce(i), format!("root.force.{axis}"), Some("Force"), meaning);
+    }
+    for (i, axis) in AXES.iter().enumerate() {
+        let meaning = format!("moment of the wing on the aircraft at the origin, {axis}, root frame");
+        table.output(Output::RootMoment(i), format!("root.moment.{axis}"), Some("Moment"), meaning);
+    }
+    for (tip, &body) in topology.tips.iter().enumerate() {
+        let body = &topology.machine.bodies[body].name;
+        let group = if topology.tips.len() == 1 { "tip".to_owned() } else { format!("tip_{body}") };
+        let of = format!("of the free end of body {body}");
+        let fields: &[PointRows] = &[POSITION, VELOCITY, ACCELERATION, ROTATION];
+        point(table, |field| Output::Tip(tip, field), &group, &of, fields);
+    }
+    for (station, &(body, number)) in topology.stations.iter().enumerate() {
+        let body = &topology.machine.bodies[body].name;
+        let group = format!("station.{body}[{number}]");
+        let of = format!("of station {number} of body {body}");
+        let fields: &[PointRows] = &[POSITION, VELOCITY, ANGULAR_VELOCITY, ROTATION];
+        point(table, |field| Output::Station(station, field), &group, &of, fields);
+    }
+    for &(name, field, declared, meaning) in ENERGIES {
+        table.output(Output::Energy(field), format!("energy.{name}"), Some(declared), meaning.to_owned());
+    }
+}
+
+fn joint_outputs(table: &mut Table, topology: &Topology, joint: usize) {
+    let name = topology.joint_name(joint);
+    let mut add = |field, key: &str, declared, meaning: &str| {
+        table.output(Output::Joint(joint, field), format!("{name}.{key}"), declared, format!("{meaning} {name}"));
+    };
+    add(JointOutput::Angle, "angle", Some("Angle"), "fold angle, right hand about the hinge axis, joint");
+    add(JointOutput::Rate, "rate", Some("AngularVelocity"), "fold rate, joint");
+    if !topology.is_free(joint) {
+        return;
+    }
+    let applied = "limited drive torque with the external torque, on the outer body about the hinge axis of joint";
+    add(JointOutput::TorqueApplied, "torque_applied", Some("Moment"), applied);
+    if topology.revolute(joint).latch.is_some() {
+        let torque = "latch torque on the outer body about the hinge axis of joint";
+        add(JointOutput::LatchTorque, "latch_torque", Some("Moment"), torque);
+        add(JointOutput::Latched, "latched", None, "latch closed, joint");
+        add(JointOutput::LatchTime, "latch_time", Some("Time"), "time of the last closing, -1 before the first, joint");
+        add(JointOutput::LatchCount, "latch_count", None, "number of closings, joint");
+    }
+}
+
+/// Key, binding per component, component names, declared type, meaning.
+type PointRows = (&'static str, fn(usize) -> PointOutput, &'static [&'static str], &'static str, &'static str);
+
+const POSITION: PointRows = ("position", PointOutput::Position, &AXES, "Position", "position");
+const VELOCITY: PointRows =
+    ("velocity", PointOutput::Velocity, &AXES, "Velocity", "velocity relative to the root frame");
+const ANGULAR_VELOCITY: PointRows = (
+    "angular_velocity",
+    PointOutput::AngularVelocity,
+    &AXES,
+    "AngularVelocity",
+    "angular velocity relative to the root frame",
+);
+const ACCELERATION: PointRows =
+    ("acceleration", PointOutput::Acceleration, &AXES, "Acceleration", "inertial acceleration, without gravity,");
+const ROTATION: PointRows =
+    ("rotation", PointOutput::Rotation, &QUATERNION, "Ratio", "quaternion root from section, sign continuous,");
+
+fn point(table: &mut Table, bind: impl Fn(PointOutput) -> Output, group: &str, of: &str, rows: &[PointRows]) {
+    for &(key, field, components, declared, meaning) in rows {
+        for (i, component) in components.iter().enumerate() {
+            let meaning = format!("{meaning} {of}, {component}, root frame");
+            table.output(bind(field(i)), format!("{group}.{key}.{component}"), Some(declared), meaning);
+        }
+    }
+}
+
+fn parameters(table: &mut Table, topology: &Topology) {
+    for joint in 0..topology.revolutes.len() {
+        let name = topology.joint_name(joint);
+        for &(key, field, variability, declared, range, meaning) in JOINT_PARAMETERS {
+            let acts = match field {
+                JointParameter::StartAngle => !topology.is_prescribed(joint),
+                JointParameter::LatchStiffness => topology.is_free(joint) && topology.revolute(joint).latch.is_some(),
+                _ => topology.is_free(joint),
+            };
+            if acts {
+                let text = (format!("{name}.{key}"), Some(declared), range, format!("{meaning}, joint {name}"));
+                table.parameter(Parameter::Joint(joint, field), variability, text);
+            }
+        }
+    }
+    for (index, body) in topology.machine.bodies.iter().enumerate() {
+        for &(key, field, variability, declared, range, meaning) in BODY_PARAMETERS {
+            let name = &body.name;
+            let text = (format!("body.{name}.{key}"), Some(declared), range, format!("{meaning}, body {name}"));
+            table.parameter(Parameter::Body(index, field), variability, text);
+        }
+    }
+    for &(key, field, variability, declared, range, meaning) in SOLVER_PARAMETERS {
+        let text = (format!("solver.{key}"), Some(declared), range, meaning.to_owned());
+        table.parameter(Parameter::Solver(field), variability, text);
+    }
+}
+
+/// Name, declared type, range, description of a row.
+type Text = (String, Option<&'static str>, Range, String);
+
+/// The table while it grows.
+struct Table {
+    inputs: Inputs,
+    parameters: Parameters,
+    variables: Vec<Variable>,
+    bindings: Vec<Binding>,
+}
+
+impl Table {
+    fn input(&mut self, input: Input, name: String, declared_type: Option<&'static str>, description: String) {
+        let start = input.read(&self.inputs);
+        let variability = match start {
+            Value::Real(_) => Variability::Continuous,
+            Value::Integer(_) | Value::Boolean(_) => Variability::Discrete,
+        };
+        self.push(
+            Binding::Input(input),
+            Causality::Input,
+            variability,
+            start,
+            (name, declared_type, None, description),
+        );
+    }
+
+    fn output(&mut self, output: Output, name: String, declared_type: Option<&'static str>, description: String) {
+        // The time of an event and flags change at events only; everything else moves with time.
+        let variability = match output {
+            Output::Joint(_, JointOutput::Latched | JointOutput::LatchTime | JointOutput::LatchCount) => {
+                Variability::Discrete
+            }
+            _ => Variability::Continuous,
+        };
+        let text = (name, declared_type, None, description);
+        self.push(Binding::Output(output), Causality::Output, variability, output.zero(), text);
+    }
+
+    fn parameter(&mut self, parameter: Parameter, variability: Variability, text: Text) {
+        let start = Value::Real(parameter.read(&self.parameters));
+        self.push(Binding::Parameter(parameter), Causality::Parameter, variability, start, text);
+    }
+
+    fn push(&mut self, binding: Binding, causality: Causality, variability: Variability, value: Value, text: Text) {
+        let (name, declared_type, range, description) = text;
+        let value_reference = u32::try_from(self.variables.len()).expect("fewer than 2^32 variables");
+        self.bindings.push(binding);
+        self.variables.push(Variable {
+            name,
+            value_reference,
+            causality,
+            variability,
+            initial: match causality {
+                Causality::Input | Causality::Independent => None,
+                Causality::Parameter => Some(Initial::Exact),
+                Causality::Output | Causality::Local => Some(Initial::Calculated),
+            },
+            value,
+            declared_type,
+            range,
+            description,
+            dependencies: Vec::new(),
+            initial_dependencies: Vec::new(),
+        });
+    }
+}

@@ -1,0 +1,90 @@
+//! Units and declared real types of the variable table.
+
+/// Base-unit exponents of a unit, FMI 2.0 `BaseUnit`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unit {
+    /// Name, e.g. `N.m`.
+    pub name: &'static str,
+    /// Exponents of kg, m, s, rad.
+    pub exponents: [i32; 4],
+    /// Display unit: name and factor from base to display.
+    pub display: Option<(&'static str, f64)>,
+}
+
+/// A declared real type.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RealType {
+    /// Name, e.g. `Angle`.
+    pub name: &'static str,
+    /// Quantity, e.g. `Angle`.
+    pub quantity: &'static str,
+    /// Unit by name in [`UNITS`].
+    pub unit: &'static str,
+}
+
+/// Degrees per radian.
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+const fn unit(name: &'static str, exponents: [i32; 4]) -> Unit {
+    Unit { name, exponents, display: None }
+}
+
+const fn shown(name: &'static str, exponents: [i32; 4], display: &'static str, factor: f64) -> Unit {
+    Unit { name, exponents, display: Some((display, factor)) }
+}
+
+const fn real(name: &'static str, quantity: &'static str, unit: &'static str) -> RealType {
+    RealType { name, quantity, unit }
+}
+
+/// Units that the table uses; exponents of kg, m, s, rad.
+pub const UNITS: &[Unit] = &[
+    unit("1", [0, 0, 0, 0]),
+    unit("s", [0, 0, 1, 0]),
+    unit("1/s", [0, 0, -1, 0]),
+    unit("m", [0, 1, 0, 0]),
+    unit("m/s", [0, 1, -1, 0]),
+    unit("m/s2", [0, 1, -2, 0]),
+    shown("rad", [0, 0, 0, 1], "deg", DEGREES),
+    shown("rad/s", [0, 0, -1, 1], "deg/s", DEGREES),
+    shown("rad/s2", [0, 0, -2, 1], "deg/s2", DEGREES),
+    unit("N", [1, 1, -2, 0]),
+    unit("N.m", [1, 2, -2, 0]),
+    unit("N.m/rad", [1, 2, -2, -1]),
+    unit("N.m.s/rad", [1, 2, -1, -1]),
+    unit("J", [1, 2, -2, 0]),
+];
+
+/// Real types that the table uses.
+pub const TYPES: &[RealType] = &[
+    real("Time", "Time", "s"),
+    real("Ratio", "Ratio", "1"),
+    real("Strain", "Strain", "1"),
+    real("Position", "Length", "m"),
+    real("Velocity", "Velocity", "m/s"),
+    real("Acceleration", "Acceleration", "m/s2"),
+    real("Angle", "Angle", "rad"),
+    real("AngularVelocity", "AngularVelocity", "rad/s"),
+    real("AngularAcceleration", "AngularAcceleration", "rad/s2"),
+    real("Force", "Force", "N"),
+    real("Moment", "Torque", "N.m"),
+    real("RotationalStiffness", "RotationalSpringConstant", "N.m/rad"),
+    real("RotationalDamping", "RotationalDampingConstant", "N.m.s/rad"),
+    real("DampingRate", "Frequency", "1/s"),
+    real("Energy", "Energy", "J"),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_type_names_a_unit_and_every_unit_is_used() {
+        for declared in TYPES {
+            assert!(UNITS.iter().any(|unit| unit.name == declared.unit), "{} has no unit", declared.name);
+        }
+        for unit in UNITS {
+            assert!(TYPES.iter().any(|declared| declared.unit == unit.name), "no type uses {}", unit.name);
+        }
+    }
+}
