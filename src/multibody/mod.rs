@@ -4,6 +4,7 @@ pub mod dynamics;
 pub mod energy;
 pub mod factor;
 pub mod gauge;
+pub mod joint;
 pub mod kinematics;
 pub mod model;
 pub mod station;

@@ -1,8 +1,9 @@
 //! Scratch of the recursions, sized once per model and rebuilt by every sweep.
 
 use crate::math::se3::Link;
-use crate::multibody::model::Model;
-use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
+use crate::multibody::joint::{JointPose, ParameterJoint};
+use crate::multibody::model::{Body, Model};
+use nalgebra::{Matrix3, Matrix4, Matrix6, Vector3, Vector4, Vector6};
 
 /// Motion of a node relative to the root frame, and the wrench that has arrived at it.
 #[derive(Debug, Clone, Copy)]
@@ -88,6 +89,66 @@ pub struct HingeFactor {
     pub spin: Vector3<f64>,
 }
 
+/// A joint with redundant parameters at the poses of the last sweep.
+#[derive(Debug, Clone)]
+pub struct ParameterWork {
+    /// Attitude and maps, parent's frame.
+    pub pose: JointPose,
+    /// Root ← parent.
+    pub parent: Matrix3<f64>,
+    /// Rotation axes of the freedoms in the root frame, as columns.
+    pub axes: Matrix3<f64>,
+    /// [`JointPose::constraint_axis`] in the root frame.
+    pub constraint_axis: Vector3<f64>,
+    pub(crate) factor: ParameterFactor,
+}
+
+/// Factor of the elimination of a joint with redundant parameters.
+#[derive(Debug, Clone)]
+pub(crate) struct ParameterFactor {
+    /// Held: nothing is eliminated.
+    pub held: bool,
+    /// Lower Cholesky factor of the rotations' block, plain diagonal.
+    pub cholesky: Matrix3<f64>,
+    /// Free joints: Cholesky factor of the whole inertia.
+    pub whole: Matrix6<f64>,
+    /// `P S`, velocity rows.
+    pub velocity: Matrix3<f64>,
+    /// `P S`, spin rows.
+    pub spin: Matrix3<f64>,
+    /// `P (0; constraint axis)`, velocity rows.
+    pub constraint_velocity: Vector3<f64>,
+    /// The same, spin rows.
+    pub constraint_spin: Vector3<f64>,
+    /// Right side of the freedoms, kept for the outward sweep.
+    pub right_hand: Vector6<f64>,
+    /// Turn about the constraint axis.
+    pub constraint_turn: f64,
+}
+
+impl ParameterWork {
+    fn new(body: &Body, joint: &ParameterJoint) -> Self {
+        let zero = Matrix3::zeros();
+        Self {
+            pose: JointPose::new(&joint.kind, &joint.kind.parameters_of(&body.mount)[..joint.kind.parameters()]),
+            parent: Matrix3::identity(),
+            axes: zero,
+            constraint_axis: Vector3::zeros(),
+            factor: ParameterFactor {
+                held: false,
+                cholesky: zero,
+                whole: Matrix6::zeros(),
+                velocity: zero,
+                spin: zero,
+                constraint_velocity: Vector3::zeros(),
+                constraint_spin: Vector3::zeros(),
+                right_hand: Vector6::zeros(),
+                constraint_turn: 0.0,
+            },
+        }
+    }
+}
+
 /// Small displacement or wrench in blocks.
 #[derive(Debug, Clone, Copy)]
 pub struct Pair {
@@ -111,6 +172,8 @@ pub struct Workspace {
     pub links: Vec<Link>,
     /// Per body: hinge axis in the root frame.
     pub hinges: Vec<Vector3<f64>>,
+    /// Per body: its joint, if that has redundant parameters.
+    pub parameters: Vec<Option<ParameterWork>>,
     /// Reaction at the root's origin: inertia less loads of the whole wing, N and N·m.
     pub root_force: Vector3<f64>,
     /// Moment of the same about the origin.
@@ -132,6 +195,11 @@ impl Workspace {
             nodes: vec![Node::ZERO; nodes],
             links: vec![Link::ZERO; elements],
             hinges: vec![zero; bodies],
+            parameters: model
+                .bodies
+                .iter()
+                .map(|body| body.parameters.as_ref().map(|joint| ParameterWork::new(body, joint)))
+                .collect(),
             root_force: zero,
             root_moment: zero,
             inertia: vec![ArticulatedInertia::ZERO; nodes],

@@ -10,7 +10,7 @@ use crate::load::{RootMotion, Wrench};
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::factor::{self, HingeTangent, Weights};
 use crate::multibody::kinematics::Motion;
-use crate::multibody::model::{Attachment, BodyDescription};
+use crate::multibody::model::{Attachment, BodyDescription, JointDescription};
 use crate::multibody::{Model, Workspace, energy, station};
 use crate::plant::face::Parameters;
 use crate::plant::revolutes;
@@ -89,9 +89,9 @@ impl Equations {
                     Parent::Body { index, position_m } => Attachment::Body { index, position_m },
                 },
                 mount: body.joint.mount,
-                hinge_axis: match &body.joint.kind {
-                    JointKind::Clamped => None,
-                    JointKind::Revolute(revolute) => Some(revolute.axis),
+                joint: match &body.joint.kind {
+                    JointKind::Clamped => JointDescription::Clamped,
+                    JointKind::Revolute(revolute) => JointDescription::Revolute(revolute.axis),
                 },
                 masses: body
                     .masses
