@@ -4,6 +4,7 @@ use crate::reference::{case, numbers};
 use crate::rod::Rod;
 use crate::statics::{Loading, assert_order, cantilever, equilibrium, plain_section};
 use foldwing::beam::element::ElementKind::{self, Constant, Linear};
+use foldwing::beam::section::{Material, Section};
 use foldwing::load::{LoadFrame, Wrench};
 use foldwing::multibody::{Model, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
@@ -45,7 +46,10 @@ fn v20_end_moment_rolls_a_full_circle() {
                     let (position, rotation) = tip(body, vec![Wrench { force_n: Vector3::zeros(), moment_n_m }], 4);
                     let gap_m = position.norm();
                     let turn_rad = (rotation - Matrix3::identity()).norm();
-                    assert!(gap_m < 1e-12 * LENGTH_M, "{kind:?} {elements}, {frame:?}: tip misses root by {gap_m:.1e} m");
+                    assert!(
+                        gap_m < 1e-12 * LENGTH_M,
+                        "{kind:?} {elements}, {frame:?}: tip misses root by {gap_m:.1e} m"
+                    );
                     assert!(turn_rad < 1e-11, "{kind:?} {elements}, {frame:?}: tip turned by {turn_rad:.1e} rad");
                 }
             }
@@ -107,8 +111,8 @@ fn v22_elastica_follower() {
     }
 }
 
-/// V-23. The 45° bend of Bathe and Bolourchi under 600 lb with `GJ = 0.140577 G a⁴` (shooting, 1e-5 in): natural
-/// curvature `1/R` about `z`. Pairs: order 4 and 5e-6 L at 16; constant: order 2.
+/// V-23. The 45° bend of Bathe and Bolourchi under 600 lb with Saint-Venant's `GJ = 0.140577 G a⁴` (shooting, 1e-5 in):
+/// natural curvature `1/R` about `z`. Pairs: order 4 and 3e-6 L at 16; constant: order 2.
 #[test]
 fn v23_bend_of_45_degrees() {
     const RADIUS_IN: f64 = 100.0;
@@ -116,7 +120,8 @@ fn v23_bend_of_45_degrees() {
     let expected = Vector3::from_row_slice(&numbers(expected));
     let length_in = RADIUS_IN * PI / 4.0;
     let error = |kind, elements| {
-        let section = plain_section([1e7, 0.140_577 * 5e6, 1e7 / 12.0, 1e7 / 12.0]);
+        let material = Material { young_pa: 1e7, shear_pa: 5e6, density_kg_m3: 1.0 };
+        let section = Section::rectangle(1.0, 1.0, &material, None);
         let mut body = cantilever(length_in, section, kind, elements, LoadFrame::Root);
         body.natural_strain = [0.0, 0.0, 0.0, 1.0 / RADIUS_IN];
         (tip(body, tip_force(Vector3::z() * 600.0), 8).0 - expected).norm() / length_in
@@ -151,7 +156,7 @@ fn coupled_rod(kind: ElementKind, elements: usize, distributed: bool) -> [f64; 2
         tip: [Vector3::new(0.5, -0.7, 1.6), Vector3::new(0.4, 0.3, -0.5)],
         spread: |_| [Vector3::zeros(); 2],
     };
-    let section = foldwing::beam::section::Section { stiffness, ..plain_section([1.0; 4]) };
+    let section = Section { stiffness, ..plain_section([1.0; 4]) };
     let mut body = cantilever(1.0, section, kind, elements, LoadFrame::Section);
     body.natural_strain = rod.natural_strain.into();
     let mut loads = vec![Wrench { force_n: rod.tip[0], moment_n_m: rod.tip[1] }];
@@ -201,5 +206,26 @@ fn v25_distributed_follower_loads() {
         assert_order(&format!("V-25 {kind:?} position"), &errors.map(|e| e[0]), least, most);
         assert_order(&format!("V-25 {kind:?} rotation"), &errors.map(|e| e[1]), least, most);
         assert!(errors[2][0] < finest, "{kind:?}: tip off by {:.1e} L", errors[2][0]);
+    }
+}
+
+/// V-26. Seed 001 set 1, a 90 m beam of 8 m × 2 m under a flapwise dead tip force, extensible and shear-free (shooting,
+/// 1e-8): 12 pairs within 1e-7 L of tip deflection and shortening at 10 and 50 MN, order 4.
+#[test]
+fn v26_extensible_cantilever_of_seed_001() {
+    const LENGTH_M: f64 = 90.0;
+    let reference = case("static.seed001_set1");
+    for row in reference["expected"].as_array().expect("rows") {
+        let value = |key: &str| row[key].as_f64().expect("a number");
+        let errors = [3, 6, 12].map(|pairs| {
+            let material = Material { young_pa: 70e9, shear_pa: 28e9, density_kg_m3: 1.0 };
+            let section = Section::rectangle(8.0, 2.0, &material, None);
+            let body = cantilever(LENGTH_M, section, Linear, pairs, LoadFrame::Root);
+            let (position, _) = tip(body, tip_force(Vector3::z() * (1e3 * value("F_kN"))), 4);
+            let gaps_m = [position.z - value("kirch_ext_w"), position.x - LENGTH_M - value("kirch_ext_u")];
+            gaps_m[0].abs().max(gaps_m[1].abs()) / LENGTH_M
+        });
+        assert_order(&format!("V-26 {} kN", row["F_kN"]), &errors, 3.5, 4.5);
+        assert!(errors[2] < 1e-7, "{} kN: 12 pairs off by {:.1e} L", row["F_kN"], errors[2]);
     }
 }

@@ -1,14 +1,14 @@
 //! V-30 to V-36: strain recovery from the section wrench.
 
-use crate::modes::mode_shape;
+use crate::modes::{flap_beam, mode_shape, modes};
 use crate::oracle::Oracle;
 use crate::rod::Rod;
-use crate::statics::{Loading, assert_order, cantilever, equilibrium, plain_section};
+use crate::statics::{Loading, assert_order, cantilever, equilibrium, order, plain_section};
 use crate::trees::{Case, Cloud, Random, State, branching_tree, random_body};
 use foldwing::beam::element::ElementKind::{self, Constant, Linear};
 use foldwing::load::{LoadFrame, RootMotion, Wrench};
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
-use foldwing::multibody::gauge::{GaugePoint, section_strain, section_wrench};
+use foldwing::multibody::gauge::{GaugePoint, Side, section_strain, section_wrench};
 use foldwing::multibody::kinematics::Motion;
 use foldwing::multibody::model::Attachment;
 use foldwing::multibody::{Model, Workspace};
@@ -63,35 +63,45 @@ fn tip_loaded() -> Rod {
     }
 }
 
-/// V-30. Strain under follower force and moment at the tip, against the independent rod solver: all four components
-/// (torsion, bendings and axial) are fourth order at the root, at a pair boundary, inside pairs and at the loaded
-/// tip, where the raw linear field is second order.
-#[test]
-fn v30_recovered_strain_is_fourth_order() {
-    let places = [0, 8, 12, 16, 27, 31, 32];
-    let errors = rod_errors(Linear, &[4, 8, 16], &tip_loaded(), &places, 32);
-    for (errors, place) in errors.iter().zip(places) {
-        if errors[2] < 1e-10 {
-            println!("V-30 at {place}/32 L: exact, {:.1e}", errors[2]);
-            continue;
-        }
-        assert_order(&format!("V-30 at {place}/32 L"), errors, 3.5, 5.2);
-        assert!(errors[2] < 1e-5, "at {place}/32 L: strain off by {:.1e} of the largest", errors[2]);
+/// Places in 1/48 of the length on pair boundaries of 4, 8 and 16 pairs, and at thirds of pairs.
+const BOUNDARIES: [usize; 3] = [0, 12, 24];
+const THIRDS: [usize; 2] = [16, 32];
+
+/// Asserts order 4 at pair boundaries. At thirds of pairs the cubic through both ends and the two Gauss values is third
+/// order (the raw linear field's error there is), observed between 4 and 16 pairs, where the place in the pair is the same.
+fn assert_recovery(what: &str, rod: &Rod, finest: f64) {
+    for (errors, place) in rod_errors(Linear, &[4, 8, 16], rod, &BOUNDARIES, 48).iter().zip(BOUNDARIES) {
+        assert_order(&format!("{what} at {place}/48 L"), errors, 3.8, 4.3);
+        assert!(errors[2] < 0.1 * finest, "{what} at {place}/48 L: strain off by {:.1e} of the largest", errors[2]);
+    }
+    for (errors, place) in rod_errors(Linear, &[4, 8, 16], rod, &THIRDS, 48).iter().zip(THIRDS) {
+        let observed = order(errors[0], errors[2], 4.0);
+        println!(
+            "{what} at {place}/48 L, inside: {:.2e} {:.2e} {:.2e}, order {observed:.2}",
+            errors[0], errors[1], errors[2]
+        );
+        assert!((2.7..4.6).contains(&observed), "{what} at {place}/48 L: order {observed:.2}");
+        assert!(errors[2] < finest, "{what} at {place}/48 L: strain off by {:.1e} of the largest", errors[2]);
     }
 }
 
-/// V-31. The same with distributed follower forces and moments on Gauss stations. The section wrench at pair ends holds
-/// their sum, so order 4 stays at pair ends; inside, the cubic joins it to the Gauss values.
+/// V-30. Strain under follower force and moment at the tip, against the independent rod solver, all four components
+/// (axial, torsion, bendings): order 4 at the root and at pair boundaries, 3 inside. At the loaded tip itself it is
+/// exact: it used to miss the load, and with it 4 % inside the last pair.
+#[test]
+fn v30_recovered_strain_under_tip_loads() {
+    assert_recovery("V-30", &tip_loaded(), 5e-6);
+    let at_tip = rod_errors(Linear, &[2], &tip_loaded(), &[48], 48)[0][0];
+    assert!(at_tip < 1e-13, "loaded tip: strain off by {at_tip:.1e} of the largest");
+}
+
+/// V-31. The same under distributed follower forces and moments on two Gauss stations per pair.
 #[test]
 fn v31_recovered_strain_under_distributed_loads() {
     let mut rod = tip_loaded();
     rod.spread = |s| [Vector3::new(1.0, 0.8 - 0.5 * s, 1.5 + s * s), Vector3::new(0.4 * s, -0.2, 0.1)];
     rod.tip = [Vector3::zeros(); 2];
-    let places = [0, 8, 12, 27];
-    for (errors, place) in rod_errors(Linear, &[4, 8, 16], &rod, &places, 32).iter().zip(places) {
-        assert_order(&format!("V-31 at {place}/32 L"), errors, 3.4, 5.2);
-        assert!(errors[2] < 2e-5, "at {place}/32 L: strain off by {:.1e} of the largest", errors[2]);
-    }
+    assert_recovery("V-31", &rod, 2e-6);
 }
 
 /// V-32. Constant elements interpolate between their centres: second order inside and at the root.
@@ -135,7 +145,8 @@ fn v34_section_wrench_is_that_of_the_outboard_part() {
         child.parent = Attachment::Body { index: 0, position_m: 0.5 };
         child.mount = random.rotation();
         let cloud: Cloud = (0..4).map(|_| (0.3, random.vector() * 0.2)).collect();
-        let case = Case::new(vec![parent.clone(), child.clone()], vec![(0, 0.75, cloud.clone()), (0, 0.25, cloud.clone())]);
+        let case =
+            Case::new(vec![parent.clone(), child.clone()], vec![(0, 0.75, cloud.clone()), (0, 0.25, cloud.clone())]);
         let mut state = State::random(&case, 42, 0.3);
         state.v.fill(0.0);
         state.a.fill(0.0);
@@ -151,7 +162,8 @@ fn v34_section_wrench_is_that_of_the_outboard_part() {
             outboard.elements = 4 - cut as usize;
             outboard.mount = work.nodes[node].rotation;
             outboard.parent = Attachment::Root(work.nodes[node].position);
-            for inboard_side in [true, false] {
+            for side in [Side::Inboard, Side::Outboard] {
+                let inboard_side = side == Side::Inboard;
                 // what sits on the cut belongs to the outboard part only on its inboard side
                 let keeps = |s: f64| if inboard_side { s > cut_m - 1e-9 } else { s > cut_m + 1e-9 };
                 if inboard_side && cut == 0 {
@@ -164,10 +176,10 @@ fn v34_section_wrench_is_that_of_the_outboard_part() {
                     child.parent = Attachment::Body { index: 0, position_m: 0.5 - cut_m };
                     bodies.push(child);
                 }
-                let clouds = [0.75, 0.25].iter().filter(|s| keeps(**s)).map(|s| (0, s - cut_m, cloud.clone())).collect();
+                let clouds =
+                    [0.75, 0.25].iter().filter(|s| keeps(**s)).map(|s| (0, s - cut_m, cloud.clone())).collect();
                 let part = Case::new(bodies, clouds);
-                let mut q = state.q[4 * node..16 * stride / stride * stride].to_vec();
-                q.truncate(4 * stride * (4 - cut as usize));
+                let mut q = state.q[4 * node..16 * stride].to_vec();
                 if keeps(0.5) {
                     q.extend_from_slice(&state.q[16 * stride..]);
                 }
@@ -179,10 +191,15 @@ fn v34_section_wrench_is_that_of_the_outboard_part() {
                     .map(|(_, load)| *load)
                     .collect();
                 let zero = vec![0.0; q.len()];
-                let exact = Oracle::new(&part).residual((&q, &zero, &zero), &state.root, &[Damping::default(); 2][..part.model.bodies.len()], &loads);
+                let exact = Oracle::new(&part).residual(
+                    (&q, &zero, &zero),
+                    &state.root,
+                    &[Damping::default(); 2][..part.model.bodies.len()],
+                    &loads,
+                );
                 let expected_moment = exact.root_moment - work.nodes[node].position.cross(&exact.root_force);
-                let (force, moment) = section_wrench(&case.model, &work, 0, node, !inboard_side);
-                let what = format!("{kind:?}, cut at {cut_m} L, inboard side {inboard_side}");
+                let (force, moment) = section_wrench(&case.model, &work, 0, node, side);
+                let what = format!("{kind:?}, cut at {cut_m} L, {side:?}");
                 let gap = (force - exact.root_force).norm() / exact.root_magnitude[0];
                 assert!(gap < 1e-14, "{what}: force off by {gap:.1e} of its terms");
                 let gap = (moment - expected_moment).norm() / exact.root_magnitude[1];
@@ -192,41 +209,37 @@ fn v34_section_wrench_is_that_of_the_outboard_part() {
     }
 }
 
-/// V-35. In free vibration the curvature of a clamped-free beam follows from its tip's amplitude: `κ = w'' ` of the
-/// mode (closed form). Root and an interior point, modes 1 and 2, order 4: the wrench carries the inertia.
+/// Largest error of the recovered curvature in free vibration over the root's, at `places` over L.
+fn vibration_error(mode: usize, elements: usize, places: &[f64]) -> f64 {
+    let case = flap_beam(Linear, elements);
+    let model = &case.model;
+    let (frequency, shape) = modes(&case, &[])[mode].clone();
+    // strains of 1e-6: what is not linear in them is 1e-12 of the rest, by the symmetry of a straight beam
+    let q: Vec<f64> = shape.iter().map(|x| x * 1e-6 / shape.amax()).collect();
+    let a: Vec<f64> = q.iter().map(|x| -x * frequency * frequency).collect();
+    let zero = vec![0.0; model.coordinates];
+    let mut work = Workspace::new(model);
+    let environment = Environment { root: &RootMotion::default(), damping: &[Damping::default()], stations: &[] };
+    let mut rest = vec![0.0; model.coordinates];
+    residual(model, &mut work, Motion { q: &q, v: &zero, a: &a }, environment, &mut rest);
+    let tip_m = work.nodes[model.nodes.len() - 1].position.z;
+    // κy = −w''
+    let error = |&place: &f64| recovered(model, &work, &q, place)[2] + mode_shape(mode, place) * tip_m;
+    places.iter().map(|place| error(place).abs()).fold(0.0, f64::max) / (mode_shape(mode, 0.0) * tip_m).abs()
+}
+
+/// V-35. In free vibration the curvature of a clamped-free beam follows from its tip's amplitude (closed form of modes
+/// 1 and 2): the section wrench carries the inertia. Order 4 at the root, 3 for the largest error anywhere.
 #[test]
 fn v35_dynamic_recovery_in_free_vibration() {
-    for (mode, finest) in [(0, 1e-6), (1, 5e-5)] {
-        for place in [0.0, 0.37, 0.75] {
-            let errors: Vec<f64> = [4, 8, 16]
-                .iter()
-                .map(|&elements| {
-                    let mut section = plain_section([1e6, 1e3, 1.0, 1e3]);
-                    section.second_moment_kg_m = [0.0; 3];
-                    let mut body = cantilever(1.0, section, Linear, elements, LoadFrame::Root);
-                    body.stations_m.clear();
-                    let case = Case::new(vec![body], Vec::new());
-                    let model = &case.model;
-                    let (frequency, shape) = crate::modes::modes(&case, &[])[mode].clone();
-                    // 1e-5 L at the tip: second-order terms of 1e-10
-                    let mut work = Workspace::new(model);
-                    let tip = model.nodes.len() - 1;
-                    let at_rest = vec![0.0; model.coordinates];
-                    let trial: Vec<f64> = shape.iter().map(|x| x * 1e-6 / shape.amax()).collect();
-                    let environment =
-                        Environment { root: &RootMotion::default(), damping: &[Damping::default()], stations: &[] };
-                    let pull: Vec<f64> = trial.iter().map(|x| -x * frequency * frequency).collect();
-                    let mut rest = vec![0.0; model.coordinates];
-                    let motion = Motion { q: &trial, v: &at_rest, a: &pull };
-                    residual(model, &mut work, motion, environment, &mut rest);
-                    let strain = recovered(model, &work, &trial, place);
-                    let expected = -mode_shape(mode, place) * work.nodes[tip].position.z;
-                    (strain[2] - expected).abs() / mode_shape(mode, 0.0).abs() / work.nodes[tip].position.z.abs()
-                })
-                .collect();
-            assert_order(&format!("V-35 mode {}, at {place} L", mode + 1), &errors, 3.3, 5.5);
-            assert!(errors[2] < finest, "mode {}, at {place} L: curvature off by {:.1e}", mode + 1, errors[2]);
-        }
+    let everywhere: Vec<f64> = (0..=37).map(|i| f64::from(i) / 37.0).collect();
+    for (mode, at_root, inside) in [(0, 1e-7, 3e-6), (1, 1e-5, 6e-5)] {
+        let errors = [4, 8, 16].map(|elements| vibration_error(mode, elements, &[0.0]));
+        assert_order(&format!("V-35 mode {} at the root", mode + 1), &errors, 3.8, 4.3);
+        assert!(errors[2] < at_root, "mode {} at the root: curvature off by {:.1e}", mode + 1, errors[2]);
+        let errors = [4, 8, 16].map(|elements| vibration_error(mode, elements, &everywhere));
+        assert_order(&format!("V-35 mode {} anywhere", mode + 1), &errors, 2.7, 4.3);
+        assert!(errors[2] < inside, "mode {}: curvature off by {:.1e}", mode + 1, errors[2]);
     }
 }
 

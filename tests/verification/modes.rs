@@ -74,7 +74,7 @@ pub fn mode_shape(mode: usize, place: f64) -> f64 {
 }
 
 /// Clamped beam of unit length, mass and `EI_y`, stiff otherwise, without rotary inertia.
-fn flap_beam(kind: ElementKind, elements: usize) -> Case {
+pub fn flap_beam(kind: ElementKind, elements: usize) -> Case {
     let mut section = plain_section([1e7, 1e5, 1.0, 1e5]);
     section.second_moment_kg_m = [0.0; 3];
     let mut body = cantilever(1.0, section, kind, elements, LoadFrame::Root);
@@ -134,7 +134,13 @@ fn v42_torsion() {
         for (kind, meshes, orders) in [(Constant, [8, 16, 32], 1.9..2.1), (Linear, [4, 8, 16], 3.7..4.3)] {
             let errors = meshes.map(|n| error(kind, n, mode));
             let observed = order(errors[1], errors[2], 2.0);
-            println!("V-42 {kind:?} mode {}: {:.2e} {:.2e} {:.2e}, order {observed:.2}", mode + 1, errors[0], errors[1], errors[2]);
+            println!(
+                "V-42 {kind:?} mode {}: {:.2e} {:.2e} {:.2e}, order {observed:.2}",
+                mode + 1,
+                errors[0],
+                errors[1],
+                errors[2]
+            );
             assert!(orders.contains(&observed), "{kind:?} mode {}: order {observed:.2}", mode + 1);
         }
     }

@@ -47,12 +47,8 @@ fn v03_residual_equals_dense_form() {
             let state = State::random(&case, seed + 10, link_angle_rad);
             let mut work = Workspace::new(&case.model);
             let engine = engine_residual(&case, &mut work, &state);
-            let dense = Oracle::new(&case).residual(
-                (&state.q, &state.v, &state.a),
-                &state.root,
-                &state.damping,
-                &state.loads,
-            );
+            let dense =
+                Oracle::new(&case).residual((&state.q, &state.v, &state.a), &state.root, &state.damping, &state.loads);
             let worst =
                 (0..engine.len()).map(|i| (engine[i] - dense.value[i]).abs() / dense.magnitude[i]).fold(0.0, f64::max);
             let force = (work.root_force - dense.root_force).norm() / dense.root_magnitude[0];

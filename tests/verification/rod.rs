@@ -24,8 +24,6 @@ pub struct Rod {
 pub struct Section {
     /// Strain `(εx, κ)`.
     pub strain: Vector4<f64>,
-    /// Section force and moment, section frame.
-    pub resultant: [Vector3<f64>; 2],
 }
 
 #[derive(Clone, Copy)]
@@ -72,7 +70,7 @@ impl Rod {
             position: Vector3::zeros(),
             rotation: Matrix3::identity(),
         };
-        let section = |slice: &Slice| Section { strain: self.strain(slice), resultant: [slice.force, slice.moment] };
+        let section = |slice: &Slice| Section { strain: self.strain(slice) };
         let mut sections = vec![section(&slice)];
         for i in 0..count * sub {
             let s = self.length_m + h * i as f64;

@@ -43,11 +43,7 @@ impl<const R: usize, const C: usize> Taylor<R, C> {
 impl<const R: usize, const C: usize> Add for Taylor<R, C> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self {
-            value: self.value + other.value,
-            first: self.first + other.first,
-            second: self.second + other.second,
-        }
+        Self { value: self.value + other.value, first: self.first + other.first, second: self.second + other.second }
     }
 }
 
