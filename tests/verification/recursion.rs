@@ -197,3 +197,35 @@ fn v06_bad_input_is_not_a_panic() {
         }
     }
 }
+
+/// V-07. A factor kept while the poses move on (one factorisation per step): solving with the new poses and the old
+/// factor is no worse than with the old matrix. Error in the energy norm at poses 0.01 away, against both.
+///
+/// The contraction must be of the order of the change; 0.05 leaves a factor of two over what the trees show.
+#[test]
+fn v07_stale_factor_contracts() {
+    let mut random = Random::new(77);
+    for Named { name, case, link_angle_rad } in all_trees(1) {
+        let state = State::random(&case, 21, link_angle_rad);
+        let model = &case.model;
+        let moved: Vec<f64> = state.q.iter().map(|q| q + 0.01 * random.symmetric()).collect();
+        let matrix = Oracle::new(&case).matrix(&moved, WEIGHTS[1], &state.damping, &state.hinges);
+        let exact = DVector::from_column_slice(&state.a);
+        let right = &matrix * &exact;
+        let mut work = Workspace::new(model);
+        sweep_poses(model, &mut work, &state.q);
+        factorize(model, &mut work, WEIGHTS[1], &state.damping, &state.hinges).expect("positive definite");
+        let mut contraction = |work: &mut Workspace| {
+            let mut x = right.as_slice().to_vec();
+            solve(model, work, &mut x);
+            let error = DVector::from_vec(x) - &exact;
+            (error.dot(&(&matrix * &error)) / exact.dot(&(&matrix * &exact))).sqrt()
+        };
+        let old = contraction(&mut work);
+        sweep_poses(model, &mut work, &moved);
+        let mixed = contraction(&mut work);
+        println!("{name}: old poses {old:.1e}, new poses {mixed:.1e}");
+        assert!(mixed < 0.05, "{name}: a stale factor leaves {mixed:.1e} of the error");
+        assert!(mixed < 1.1 * old, "{name}: {mixed:.1e} with new poses, {old:.1e} with the old matrix");
+    }
+}
