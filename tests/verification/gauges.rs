@@ -23,10 +23,11 @@ fn recovered(model: &Model, work: &Workspace, q: &[f64], position_m: f64) -> Vec
 /// Axial stiffness soft enough that `εx` reaches a few per cent.
 const SOFT: [f64; 4] = [40.0, 1.2, 1.0, 2.5];
 
-/// Strain error at places along a rod, each mesh in turn; `spread` loads sit on two Gauss stations per element.
+/// Worst of the four strains' errors, each over its largest value, at places along a rod, each mesh in turn; `spread` loads sit on two Gauss stations per element.
 fn rod_errors(kind: ElementKind, mesh: &[usize], rod: &Rod, places: &[usize], count: usize) -> Vec<Vec<f64>> {
     let (exact, ..) = rod.solve(count);
-    let largest = exact.iter().map(|section| section.strain.amax()).fold(0.0, f64::max);
+    let largest: [f64; 4] =
+        std::array::from_fn(|i| exact.iter().map(|section| section.strain[i].abs()).fold(0.0, f64::max));
     let mut errors = vec![Vec::new(); places.len()];
     for &elements in mesh {
         let section = foldwing::beam::section::Section { stiffness: rod.stiffness, ..plain_section(SOFT) };
@@ -47,7 +48,8 @@ fn rod_errors(kind: ElementKind, mesh: &[usize], rod: &Rod, places: &[usize], co
         let q = equilibrium(&model, &mut work, &model.natural_coordinates(), &Loading::stations(loads), 5);
         for (errors, &place) in errors.iter_mut().zip(places) {
             let strain = recovered(&model, &work, &q, place as f64 / count as f64);
-            errors.push((strain - exact[place].strain).amax() / largest);
+            let error = strain - exact[place].strain;
+            errors.push((0..4).map(|i| error[i].abs() / largest[i]).fold(0.0, f64::max));
         }
     }
     errors
@@ -101,7 +103,7 @@ fn v31_recovered_strain_under_distributed_loads() {
     let mut rod = tip_loaded();
     rod.spread = |s| [Vector3::new(1.0, 0.8 - 0.5 * s, 1.5 + s * s), Vector3::new(0.4 * s, -0.2, 0.1)];
     rod.tip = [Vector3::zeros(); 2];
-    assert_recovery("V-31", &rod, 2e-6);
+    assert_recovery("V-31", &rod, 5e-6);
 }
 
 /// V-32. Constant elements interpolate between their centres: second order inside and at the root.

@@ -1,13 +1,14 @@
 //! V-02 to V-09: the recursions against the dense form at random states.
 
 use crate::oracle::{Oracle, element_mass};
-use crate::trees::{Case, Named, Random, State, all_trees, full_section, two_bodies};
+use crate::trees::{Case, Named, Random, State, all_trees, full_section, random_body, two_bodies};
 use foldwing::beam::element::{ElementKind, ElementMass};
-use foldwing::multibody::Workspace;
 use foldwing::multibody::dynamics::{Environment, residual};
 use foldwing::multibody::factor::{HingeTangent, Weights, factorize, kinematic_norm, solve};
-use foldwing::multibody::kinematics::{Motion, sweep_poses};
-use nalgebra::{DMatrix, DVector};
+use foldwing::multibody::kinematics::{Motion, sweep_motion, sweep_poses};
+use foldwing::multibody::model::{Attachment, Base};
+use foldwing::multibody::{Workspace, station};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 const SEEDS: [u64; 3] = [1, 2, 3];
 
@@ -198,6 +199,48 @@ fn v06_bad_input_is_not_a_panic() {
     }
 }
 
+/// V-08. Masses, children and stations stand where the description says, on mesh boundaries of whole elements or inside
+/// them, whatever the number of elements: poses of straight bodies at rest, round-off.
+#[test]
+fn v08_mesh_puts_everything_in_its_place() {
+    let mut random = Random::new(31);
+    for kind in [ElementKind::Constant, ElementKind::Linear] {
+        for elements in [1, 2, 3, 7, 20] {
+            let mut parent = random_body(&mut random, 1.3, kind, elements);
+            parent.natural_strain = [0.0; 4];
+            parent.stations_m = vec![0.0, 0.11, 0.5, 0.77, 1.3];
+            let mut child = random_body(&mut random, 0.4, kind, elements);
+            child.parent = Attachment::Body { index: 0, position_m: 0.77 };
+            let cloud = vec![(0.5, Vector3::zeros())];
+            let case = Case::new(vec![parent, child], vec![(0, 0.5, cloud.clone()), (0, 1.3, cloud)]);
+            let model = &case.model;
+            let mut work = Workspace::new(model);
+            let q = model.natural_coordinates();
+            let zero = vec![0.0; q.len()];
+            let motion = Motion { q: &q, v: &zero, a: &zero };
+            sweep_motion(model, &mut work, motion);
+            for (point, s) in model.stations.iter().zip([0.0, 0.11, 0.5, 0.77, 1.3]) {
+                let x = station::motion(model, &work, motion, point).position_m.x;
+                assert!((x - s).abs() < 1e-14, "{kind:?} {elements}: station of {s} m at {x} m");
+            }
+            let Base::Node(base) = model.bodies[1].base else { panic!("the child hangs on a node") };
+            let x = work.nodes[base].position.x;
+            assert!((x - 0.77).abs() < 1e-14, "{kind:?} {elements}: child of 0.77 m at {x} m");
+            let carriers: Vec<f64> = (0..model.nodes.len())
+                .filter(|&node| model.nodes[node].attached.is_some())
+                .map(|node| work.nodes[node].position.x)
+                .collect();
+            assert!(
+                carriers.len() == 2 && (carriers[0] - 0.5).abs() + (carriers[1] - 1.3).abs() < 1e-14,
+                "{carriers:?}"
+            );
+            assert!(kind == ElementKind::Constant || base % 2 == 0, "a child hangs on the middle of a pair");
+            let longest = model.reference_length_m;
+            assert!((longest - 1.3).abs() < 1e-14, "longest path of {longest} m");
+        }
+    }
+}
+
 /// V-07. A factor kept while the poses move on (one factorisation per step): solving with the new poses and the old
 /// factor is no worse than with the old matrix. Error in the energy norm at poses 0.01 away, against both.
 ///
@@ -215,7 +258,7 @@ fn v07_stale_factor_contracts() {
         let mut work = Workspace::new(model);
         sweep_poses(model, &mut work, &state.q);
         factorize(model, &mut work, WEIGHTS[1], &state.damping, &state.hinges).expect("positive definite");
-        let mut contraction = |work: &mut Workspace| {
+        let contraction = |work: &mut Workspace| {
             let mut x = right.as_slice().to_vec();
             solve(model, work, &mut x);
             let error = DVector::from_vec(x) - &exact;
