@@ -69,12 +69,14 @@ fn tip_loaded() -> Rod {
 const BOUNDARIES: [usize; 3] = [0, 12, 24];
 const THIRDS: [usize; 2] = [16, 32];
 
-/// Asserts order 4 at pair boundaries. At thirds of pairs the cubic through both ends and the two Gauss values is third
-/// order (the raw linear field's error there is), observed between 4 and 16 pairs, where the place in the pair is the same.
-fn assert_recovery(what: &str, rod: &Rod, finest: f64) {
+/// Asserts order 4 at pair boundaries, and bounds on the errors of 16 pairs of about twice what was measured.
+///
+/// At thirds of pairs the cubic through both ends and the two Gauss values is third order, as the raw linear field is
+/// at its Gauss points; observed between 4 and 16 pairs, where the place within the pair is the same.
+fn assert_recovery(what: &str, rod: &Rod, [at_ends, inside]: [f64; 2]) {
     for (errors, place) in rod_errors(Linear, &[4, 8, 16], rod, &BOUNDARIES, 48).iter().zip(BOUNDARIES) {
         assert_order(&format!("{what} at {place}/48 L"), errors, 3.8, 4.3);
-        assert!(errors[2] < 0.1 * finest, "{what} at {place}/48 L: strain off by {:.1e} of the largest", errors[2]);
+        assert!(errors[2] < at_ends, "{what} at {place}/48 L: strain off by {:.1e} of the largest", errors[2]);
     }
     for (errors, place) in rod_errors(Linear, &[4, 8, 16], rod, &THIRDS, 48).iter().zip(THIRDS) {
         let observed = order(errors[0], errors[2], 4.0);
@@ -83,7 +85,7 @@ fn assert_recovery(what: &str, rod: &Rod, finest: f64) {
             errors[0], errors[1], errors[2]
         );
         assert!((2.7..4.6).contains(&observed), "{what} at {place}/48 L: order {observed:.2}");
-        assert!(errors[2] < finest, "{what} at {place}/48 L: strain off by {:.1e} of the largest", errors[2]);
+        assert!(errors[2] < inside, "{what} at {place}/48 L: strain off by {:.1e} of the largest", errors[2]);
     }
 }
 
@@ -92,7 +94,7 @@ fn assert_recovery(what: &str, rod: &Rod, finest: f64) {
 /// exact: it used to miss the load, and with it 4 % inside the last pair.
 #[test]
 fn v30_recovered_strain_under_tip_loads() {
-    assert_recovery("V-30", &tip_loaded(), 5e-6);
+    assert_recovery("V-30", &tip_loaded(), [3e-7, 1e-5]);
     let at_tip = rod_errors(Linear, &[2], &tip_loaded(), &[48], 48)[0][0];
     assert!(at_tip < 1e-13, "loaded tip: strain off by {at_tip:.1e} of the largest");
 }
@@ -103,7 +105,7 @@ fn v31_recovered_strain_under_distributed_loads() {
     let mut rod = tip_loaded();
     rod.spread = |s| [Vector3::new(1.0, 0.8 - 0.5 * s, 1.5 + s * s), Vector3::new(0.4 * s, -0.2, 0.1)];
     rod.tip = [Vector3::zeros(); 2];
-    assert_recovery("V-31", &rod, 5e-6);
+    assert_recovery("V-31", &rod, [5e-7, 5e-5]);
 }
 
 /// V-32. Constant elements interpolate between their centres: second order inside and at the root.
