@@ -272,7 +272,8 @@ pub fn project(kind: &ParameterKind, eta: &mut [f64], rates: &mut [f64], second:
         return;
     }
     let start = kind.quaternion_start();
-    let (zeta, rate, second) = (&mut eta[start..start + 4], &mut rates[start..start + 4], &mut second[start..start + 4]);
+    let (zeta, rate, second) =
+        (&mut eta[start..start + 4], &mut rates[start..start + 4], &mut second[start..start + 4]);
     let norm = dot(zeta, zeta).sqrt();
     zeta.iter_mut().for_each(|z| *z /= norm);
     remove(rate, zeta, dot(zeta, rate));

@@ -2,8 +2,8 @@
 
 use crate::math::se3::LinkGeometry;
 use crate::math::so3::rotation_about;
-use crate::multibody::model::{Base, Model};
 use crate::multibody::joint::{JointPose, ParameterJoint, ParameterKind};
+use crate::multibody::model::{Base, Model};
 use crate::multibody::workspace::{Node, ParameterWork, Workspace};
 use nalgebra::{Matrix3, Vector3};
 

@@ -2,8 +2,9 @@
 
 use crate::math::se3::Link;
 use crate::multibody::joint::{JointPose, ParameterJoint};
+use crate::multibody::joint_factor::ParameterFactor;
 use crate::multibody::model::{Body, Model};
-use nalgebra::{Matrix3, Matrix4, Matrix6, Vector3, Vector4, Vector6};
+use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
 /// Motion of a node relative to the root frame, and the wrench that has arrived at it.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +27,8 @@ pub struct Node {
     pub force: Vector3<f64>,
     /// Moment at the node in N·m.
     pub moment: Vector3<f64>,
+    /// Share of `force` and `moment` that sits on the node itself: attached masses, loads on it, child bodies.
+    pub fixed: Pair,
 }
 
 impl Node {
@@ -39,7 +42,17 @@ impl Node {
         load_rate: [Vector3::new(0.0, 0.0, 0.0); 4],
         force: Vector3::new(0.0, 0.0, 0.0),
         moment: Vector3::new(0.0, 0.0, 0.0),
+        fixed: Pair::ZERO,
     };
+
+    /// Adds a wrench of what sits on the node itself.
+    #[inline]
+    pub(crate) fn add_fixed(&mut self, force: &Vector3<f64>, moment: &Vector3<f64>) {
+        self.force += force;
+        self.moment += moment;
+        self.fixed.linear += force;
+        self.fixed.angular += moment;
+    }
 }
 
 /// Symmetric 6×6 articulated inertia in blocks over (velocity, spin).
@@ -103,29 +116,6 @@ pub struct ParameterWork {
     pub(crate) factor: ParameterFactor,
 }
 
-/// Factor of the elimination of a joint with redundant parameters.
-#[derive(Debug, Clone)]
-pub(crate) struct ParameterFactor {
-    /// Held: nothing is eliminated.
-    pub held: bool,
-    /// Lower Cholesky factor of the rotations' block, plain diagonal.
-    pub cholesky: Matrix3<f64>,
-    /// Free joints: Cholesky factor of the whole inertia.
-    pub whole: Matrix6<f64>,
-    /// `P S`, velocity rows.
-    pub velocity: Matrix3<f64>,
-    /// `P S`, spin rows.
-    pub spin: Matrix3<f64>,
-    /// `P (0; constraint axis)`, velocity rows.
-    pub constraint_velocity: Vector3<f64>,
-    /// The same, spin rows.
-    pub constraint_spin: Vector3<f64>,
-    /// Right side of the freedoms, kept for the outward sweep.
-    pub right_hand: Vector6<f64>,
-    /// Turn about the constraint axis.
-    pub constraint_turn: f64,
-}
-
 impl ParameterWork {
     fn new(body: &Body, joint: &ParameterJoint) -> Self {
         let zero = Matrix3::zeros();
@@ -134,17 +124,7 @@ impl ParameterWork {
             parent: Matrix3::identity(),
             axes: zero,
             constraint_axis: Vector3::zeros(),
-            factor: ParameterFactor {
-                held: false,
-                cholesky: zero,
-                whole: Matrix6::zeros(),
-                velocity: zero,
-                spin: zero,
-                constraint_velocity: Vector3::zeros(),
-                constraint_spin: Vector3::zeros(),
-                right_hand: Vector6::zeros(),
-                constraint_turn: 0.0,
-            },
+            factor: ParameterFactor::new(),
         }
     }
 }
