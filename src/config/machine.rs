@@ -1,5 +1,7 @@
 //! The validated model: what the file means, in SI and radians, bodies sorted parent before child.
 
+pub use crate::actuation::prescribed::Motion;
+pub use crate::beam::element::ElementKind;
 use crate::beam::section::Section;
 use crate::load::LoadFrame;
 use nalgebra::{Matrix3, Vector3};
@@ -50,15 +52,6 @@ pub struct Body {
     pub masses: Vec<AttachedMass>,
     /// Joint to the parent.
     pub joint: Joint,
-}
-
-/// Kind of strain element.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ElementKind {
-    /// Constant strain: second order.
-    Constant,
-    /// Linear strain by the pair rule: fourth order.
-    Linear,
 }
 
 /// A point mass or rigid body fixed to a section.
@@ -143,17 +136,6 @@ pub enum JointMotion {
     Locked,
     /// As a function of absolute time.
     Prescribed(Motion),
-}
-
-/// A twice continuously differentiable angle over absolute time.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Motion {
-    /// `θ(t) = Σ coefficients[i] tⁱ` in rad and s.
-    Polynomial(Vec<f64>),
-    /// Natural cubic spline through `(time_s, angle_rad)`, constant outside; times ascending, at least two.
-    ///
-    /// End slopes are zero (clamped spline), so that the angle joins its constant ends with continuous rate.
-    Table(Vec<(f64, f64)>),
 }
 
 /// Drive torque on the outer body about `+θ`: `−(k (θ − θ_cmd) + c θ̇ + T) + τ_ext`, NOTATION eq. (A1).

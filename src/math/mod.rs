@@ -1,1 +1,5 @@
-//! math
+//! Rotations, rigid motions and quadrature.
+
+pub mod quadrature;
+pub mod se3;
+pub mod so3;

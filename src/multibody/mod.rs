@@ -1,1 +1,13 @@
-//! multibody
+//! The tree of beams and joints, and the recursions over it: kinematics, residual, solve. All O(n).
+
+pub mod dynamics;
+pub mod energy;
+pub mod factor;
+pub mod gauge;
+pub mod kinematics;
+pub mod model;
+pub mod station;
+pub mod workspace;
+
+pub use model::Model;
+pub use workspace::Workspace;

@@ -1,217 +1,79 @@
 //! The whole machine: a model, its inputs and parameters, and a state that can be stepped, saved and restored.
+//!
+//! The integrator takes its own steps and runs ahead of the caller as long as the inputs stay as they are; values
+//! in between come from its interpolation polynomial. A changed input cuts the step at the present time. So the
+//! answer does not depend on the communication step, and small communication steps cost little
+//! (`docs/decisions/0002-running-ahead.md`).
+
+mod equations;
+mod events;
+mod face;
+mod march;
+mod outputs;
+mod state;
+
+pub use face::{
+    BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, Outputs, Parameters, PlantError,
+    PointOutputs, Statistics,
+};
+pub use state::Snapshot;
 
 use crate::config::Machine;
-use crate::load::{RootMotion, Wrench};
-use nalgebra::{UnitQuaternion, Vector3};
-use serde::{Deserialize, Serialize};
+use crate::config::machine::{JointKind, Method, Parent, Revolute};
+use crate::solve::stepper::{self, Stepper};
+use equations::Equations;
+use state::State;
 use std::sync::Arc;
-
-/// Inputs of one revolute joint.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct JointInputs {
-    /// Neutral angle `θ_cmd` in rad.
-    pub command_rad: f64,
-    /// External torque `τ_ext` on the outer body about `+θ` in N·m.
-    pub torque_n_m: f64,
-    /// Release of the stopper.
-    pub release: bool,
-    /// Latch may close; ignored by joints without a latch.
-    pub latch_enable: bool,
-}
-
-/// All inputs, held during a step.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Inputs {
-    /// Per revolute joint, in the order of [`Plant::revolute_joints`].
-    pub joints: Vec<JointInputs>,
-    /// Total force and moment per station, bodies in model order, stations from the inner end outward,
-    /// each in its body's `load_frame`.
-    pub stations: Vec<Wrench>,
-    /// Gravity and motion of the root.
-    pub root: RootMotion,
-}
-
-/// Parameters of one revolute joint.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct JointParameters {
-    /// Fold angle at the start in rad; fixed.
-    pub start_angle_rad: f64,
-    /// Spring stiffness `k` in N·m/rad; tunable, as all that follow.
-    pub stiffness_n_m_rad: f64,
-    /// Damping `c` in N·m·s/rad.
-    pub damping_n_m_s_rad: f64,
-    /// Constant torque `T` in N·m.
-    pub constant_torque_n_m: f64,
-    /// Largest magnitude of the drive torque in N·m.
-    pub torque_limit_n_m: f64,
-    /// Largest slew of the neutral angle in rad/s.
-    pub rate_limit_rad_s: f64,
-    /// Stiffness of the closed latch in N·m/rad; 0 without a latch.
-    pub latch_stiffness_n_m_rad: f64,
-}
-
-/// Parameters of one body.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct BodyParameters {
-    /// Multiplies the beam's inertia (not attached masses); fixed.
-    pub mass_factor: f64,
-    /// Multiplies the section stiffness; fixed.
-    pub stiffness_factor: f64,
-    /// Mass-proportional damping `α` in 1/s; tunable.
-    pub mass_damping_1_s: f64,
-    /// Stiffness-proportional damping `β` in s; tunable.
-    pub stiffness_damping_s: f64,
-}
-
-/// All parameters. Fixed ones act at [`Plant::initialize`], tunable ones from the next step on.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Parameters {
-    /// Per revolute joint.
-    pub joints: Vec<JointParameters>,
-    /// Per body.
-    pub bodies: Vec<BodyParameters>,
-    /// Solver tolerance; fixed.
-    pub tolerance: f64,
-    /// Largest internal step in s; fixed.
-    pub max_step_s: f64,
-    /// Smallest internal step in s; fixed.
-    pub min_step_s: f64,
-}
-
-/// Outputs of one revolute joint.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct JointOutputs {
-    /// Fold angle in rad.
-    pub angle_rad: f64,
-    /// Fold rate in rad/s.
-    pub rate_rad_s: f64,
-    /// Drive torque on the outer body, limited, with `τ_ext`, in N·m.
-    pub torque_applied_n_m: f64,
-    /// Latch torque on the outer body in N·m.
-    pub latch_torque_n_m: f64,
-    /// Latch closed.
-    pub latched: bool,
-    /// Time of the last closing in s; −1 before the first.
-    pub latch_time_s: f64,
-    /// Number of closings.
-    pub latch_count: i32,
-}
-
-/// Position, velocities and attitude of a point of the wing, root frame, relative to the root frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PointOutputs {
-    /// Position in m.
-    pub position_m: Vector3<f64>,
-    /// Velocity in m/s.
-    pub velocity_m_s: Vector3<f64>,
-    /// Angular velocity in rad/s.
-    pub angular_velocity_rad_s: Vector3<f64>,
-    /// Inertial acceleration (without gravity) in m/s²; zero for stations, which do not report it.
-    pub acceleration_m_s2: Vector3<f64>,
-    /// Attitude, root ← section; sign continuous in time.
-    pub rotation: UnitQuaternion<f64>,
-}
-
-/// Energies in J. `total − work + dissipated` is constant.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct EnergyOutputs {
-    /// Kinetic energy relative to the root frame.
-    pub kinetic: f64,
-    /// Strain energy of beams and closed latches.
-    pub elastic: f64,
-    /// Potential of `gravity − root acceleration`, zero at the root's origin.
-    pub gravity: f64,
-    /// Potential of the drives' springs and constant torques.
-    pub drive: f64,
-    /// Work of inputs: loads, torques, commands, root motion, changed parameters.
-    pub work: f64,
-    /// Energy dissipated by damping and by opening latches.
-    pub dissipated: f64,
-    /// `kinetic + elastic + gravity + drive`.
-    pub total: f64,
-}
-
-/// Everything the interface reports, at one time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Outputs {
-    /// Time in s.
-    pub time_s: f64,
-    /// Per revolute joint.
-    pub joints: Vec<JointOutputs>,
-    /// Axial strain per gauge.
-    pub gauges: Vec<f64>,
-    /// Force and moment of the wing on the aircraft at the origin, root frame.
-    pub root: Wrench,
-    /// Per free end, in the order of [`Plant::tip_bodies`].
-    pub tips: Vec<PointOutputs>,
-    /// Per station, in the order of [`Inputs::stations`].
-    pub stations: Vec<PointOutputs>,
-    /// Energies.
-    pub energy: EnergyOutputs,
-}
-
-/// Counters of the time integration since initialisation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct Statistics {
-    /// Accepted steps.
-    pub steps: u64,
-    /// Steps rejected by the error estimate.
-    pub rejections: u64,
-    /// Steps given up by the Newton iteration.
-    pub failures: u64,
-    /// Newton iterations (residuals with a solve).
-    pub iterations: u64,
-    /// Factorisations.
-    pub factorizations: u64,
-    /// Events: releases, closings, openings.
-    pub events: u64,
-}
-
-/// Why a plant cannot go on.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum PlantError {
-    /// The time integration gave up.
-    #[error("no convergence at t = {time_s} s with the smallest step {step_s:e} s: {cause}")]
-    NoConvergence {
-        /// Last good time in s.
-        time_s: f64,
-        /// Step tried last in s.
-        step_s: f64,
-        /// What failed.
-        cause: String,
-    },
-    /// The initial accelerations could not be found.
-    #[error("no initial accelerations at t = {time_s} s: {cause}")]
-    Initialization {
-        /// Start time in s.
-        time_s: f64,
-        /// What failed.
-        cause: String,
-    },
-    /// A snapshot of another model.
-    #[error("the snapshot does not fit this model: {0}")]
-    Snapshot(String),
-}
-
-/// Everything that must survive rollback: inputs, parameters, integrator history, events, energies.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Snapshot {
-    inputs: Inputs,
-    parameters: Parameters,
-}
 
 /// The machine in time.
 pub struct Plant {
     machine: Arc<Machine>,
-    inputs: Inputs,
-    parameters: Parameters,
+    revolute_joints: Vec<usize>,
+    tip_bodies: Vec<usize>,
+    state: State,
+    equations: Equations,
+    /// Fixed parameters that `equations` was built with.
+    built_with: Parameters,
+    stepper: Stepper,
+    scratch: [Vec<f64>; 2],
     outputs: Outputs,
 }
 
 impl Plant {
     /// A plant of a validated model, with the inputs and parameters that the model states; not yet initialised.
-    pub fn new(_machine: Arc<Machine>) -> Self {
-        todo!()
+    pub fn new(machine: Arc<Machine>) -> Self {
+        let revolute_joints: Vec<usize> = revolutes(&machine).map(|(body, _)| body).collect();
+        let tip_bodies: Vec<usize> = (0..machine.bodies.len())
+            .filter(|&body| {
+                !machine.bodies.iter().any(|child| match child.joint.parent {
+                    Parent::Body { index, position_m } => {
+                        index == body && position_m >= machine.bodies[body].length_m * (1.0 - 1e-9)
+                    }
+                    Parent::Root { .. } => false,
+                })
+            })
+            .collect();
+        let state = State::of_model(&machine);
+        let equations = Equations::new(&machine, &state.parameters);
+        let coordinates = equations.model.coordinates;
+        let method = match machine.solver.method {
+            Method::GeneralizedAlpha => stepper::Method::GeneralizedAlpha { rho_infinity: machine.solver.rho_infinity },
+            Method::TrBdf2 => stepper::Method::TrBdf2,
+            Method::Esdirk3 => stepper::Method::Esdirk3,
+            Method::Esdirk4 => stepper::Method::Esdirk4,
+        };
+        let outputs = outputs::blank(&machine, revolute_joints.len(), tip_bodies.len());
+        Self {
+            revolute_joints,
+            tip_bodies,
+            built_with: state.parameters.clone(),
+            stepper: Stepper::new(method, coordinates),
+            scratch: [vec![0.0; coordinates], vec![0.0; coordinates]],
+            state,
+            equations,
+            outputs,
+            machine,
+        }
     }
 
     /// The model.
@@ -221,56 +83,47 @@ impl Plant {
 
     /// Indices into [`Machine::bodies`] of the bodies whose joint is revolute, in order.
     pub fn revolute_joints(&self) -> &[usize] {
-        todo!()
+        &self.revolute_joints
     }
 
     /// Indices into [`Machine::bodies`] of the bodies whose outer end is free, in order.
     pub fn tip_bodies(&self) -> &[usize] {
-        todo!()
+        &self.tip_bodies
+    }
+
+    /// Number of coordinates: joint angles and strains.
+    pub fn coordinates(&self) -> usize {
+        self.equations.model.coordinates
+    }
+
+    /// Mass of the wing in kg, with the mass factors of the last initialisation.
+    pub fn mass_kg(&self) -> f64 {
+        crate::multibody::energy::mass_kg(&self.equations.model)
     }
 
     /// Inputs of the coming step.
     pub fn inputs(&self) -> &Inputs {
-        &self.inputs
+        &self.state.inputs
     }
 
     /// Inputs of the coming step, to be changed. A change takes effect at the next [`Plant::step`].
     pub fn inputs_mut(&mut self) -> &mut Inputs {
-        &mut self.inputs
+        &mut self.state.inputs
     }
 
     /// Parameters.
     pub fn parameters(&self) -> &Parameters {
-        &self.parameters
+        &self.state.parameters
     }
 
     /// Parameters, to be changed: fixed ones before [`Plant::initialize`], tunable ones at any time.
     pub fn parameters_mut(&mut self) -> &mut Parameters {
-        &mut self.parameters
-    }
-
-    /// Builds the equations, sets the start state, finds the accelerations and the outputs at `time_s`.
-    ///
-    /// May be called again (an FMU re-evaluates in Initialization Mode).
-    pub fn initialize(&mut self, _time_s: f64) -> Result<(), PlantError> {
-        todo!()
-    }
-
-    /// Goes on to `end_s` with the present inputs; the outputs then belong to `end_s`.
-    ///
-    /// On an error the plant stands at the last good time, [`Plant::time_s`], and its outputs belong to it.
-    pub fn step(&mut self, _end_s: f64) -> Result<(), PlantError> {
-        todo!()
+        &mut self.state.parameters
     }
 
     /// Present time in s.
     pub fn time_s(&self) -> f64 {
-        self.outputs.time_s
-    }
-
-    /// Adopts `time_s` as the present time: for callers whose clock carries round-off.
-    pub fn adopt_time(&mut self, _time_s: f64) {
-        todo!()
+        self.state.now.time_s
     }
 
     /// Outputs at the present time, with the inputs of the step that led here.
@@ -280,16 +133,39 @@ impl Plant {
 
     /// Counters since initialisation.
     pub fn statistics(&self) -> Statistics {
-        todo!()
+        self.state.statistics
     }
 
     /// Copies everything that a rollback needs.
     pub fn snapshot(&self) -> Snapshot {
-        todo!()
+        Snapshot::of(&self.state)
     }
 
     /// Goes back to a snapshot of the same model; outputs included, bit for bit.
-    pub fn restore(&mut self, _snapshot: &Snapshot) -> Result<(), PlantError> {
-        todo!()
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), PlantError> {
+        snapshot.check(&self.state)?;
+        self.state = snapshot.state().clone();
+        self.rebuild();
+        if self.state.initialized {
+            self.configure();
+            self.evaluate();
+        }
+        Ok(())
     }
+
+    /// Makes the equations anew where a fixed parameter has changed since they were made.
+    fn rebuild(&mut self) {
+        if self.built_with != self.state.parameters {
+            self.equations = Equations::new(&self.machine, &self.state.parameters);
+            self.built_with.clone_from(&self.state.parameters);
+        }
+    }
+}
+
+/// Bodies whose joint is revolute, with that joint.
+fn revolutes(machine: &Machine) -> impl Iterator<Item = (usize, &Revolute)> {
+    machine.bodies.iter().enumerate().filter_map(|(index, body)| match &body.joint.kind {
+        JointKind::Revolute(revolute) => Some((index, revolute.as_ref())),
+        JointKind::Clamped => None,
+    })
 }

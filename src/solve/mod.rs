@@ -1,1 +1,55 @@
-//! solve
+//! Time integration of second-order equations of motion: one trait, two families of methods on it.
+
+pub mod control;
+pub mod generalized_alpha;
+pub mod newton;
+pub mod point;
+pub mod runge_kutta;
+pub mod stepper;
+pub mod tableau;
+
+/// Equations of motion `residual(t, q, q̇, q̈) = 0` with a solver for their Newton matrix.
+///
+/// All vectors have [`EquationsOfMotion::coordinates`] entries. Nothing may allocate.
+pub trait EquationsOfMotion {
+    /// Number of coordinates.
+    fn coordinates(&self) -> usize;
+
+    /// Overwrites the coordinates whose motion is given as a function of time.
+    fn prescribe(&self, time_s: f64, q: &mut [f64], v: &mut [f64], a: &mut [f64]);
+
+    /// Residual at a state; entries of held and prescribed coordinates are zero.
+    fn residual(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]);
+
+    /// Factorises `mass·M + damping·C + stiffness·K` at the configuration of the last residual.
+    ///
+    /// `damping` in s, `stiffness` in s². Fails where a pivot is not positive: a shorter step may help.
+    fn factorize(&mut self, mass: f64, damping: f64, stiffness: f64) -> Result<(), Singular>;
+
+    /// Solves with the last factorisation in place; returns the kinematic norm of the solution.
+    fn solve(&mut self, x: &mut [f64]) -> f64;
+
+    /// Kinematic norm of a change of coordinates at the configuration of the last residual: largest displacement
+    /// over the machine's length, or rotation in rad.
+    fn norm(&mut self, change: &[f64]) -> f64;
+
+    /// Power of the inputs and of damping in W at the state of the last residual, which the arguments repeat.
+    fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64]) -> Powers;
+}
+
+/// Rates of the energy accounts in W.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+pub struct Powers {
+    /// Work of the inputs.
+    pub work: f64,
+    /// Dissipation.
+    pub dissipated: f64,
+}
+
+/// The Newton matrix has no factor at this iterate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the Newton matrix has no positive pivot at coordinate {coordinate}")]
+pub struct Singular {
+    /// Coordinate of the pivot.
+    pub coordinate: usize,
+}

@@ -1,0 +1,133 @@
+//! Joint angles prescribed as functions of time.
+
+/// A twice continuously differentiable angle over absolute time.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Motion {
+    /// `θ(t) = Σ coefficients[i] tⁱ` in rad and s.
+    Polynomial(Vec<f64>),
+    /// Natural cubic spline through `(time_s, angle_rad)`, constant outside; times ascending, at least two.
+    ///
+    /// End slopes are zero (clamped spline), so that the angle joins its constant ends with continuous rate.
+    Table(Vec<(f64, f64)>),
+}
+
+/// A motion made ready for evaluation.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Law {
+    /// Polynomial coefficients.
+    Polynomial(Vec<f64>),
+    /// Clamped cubic spline: `(time_s, angle_rad, curvature_rad_s2)` per knot.
+    Spline(Vec<[f64; 3]>),
+}
+
+impl Law {
+    /// Prepares a motion; the spline's curvatures follow from a tridiagonal system.
+    pub fn new(motion: &Motion) -> Self {
+        match motion {
+            Motion::Polynomial(coefficients) => Self::Polynomial(coefficients.clone()),
+            Motion::Table(points) => Self::Spline(clamped_spline(points)),
+        }
+    }
+
+    /// Angle (rad), rate (rad/s) and acceleration (rad/s²) at `time_s`.
+    pub fn at(&self, time_s: f64) -> [f64; 3] {
+        match self {
+            Self::Polynomial(coefficients) => {
+                let (mut angle, mut rate, mut half) = (0.0, 0.0, 0.0);
+                for coefficient in coefficients.iter().rev() {
+                    half = half * time_s + rate;
+                    rate = rate * time_s + angle;
+                    angle = angle * time_s + coefficient;
+                }
+                [angle, rate, 2.0 * half]
+            }
+            Self::Spline(knots) => spline_at(knots, time_s),
+        }
+    }
+
+    /// First knot after `time_s`: there the third derivative jumps, and a step should end. Infinite without one.
+    pub fn next_knot_s(&self, time_s: f64) -> f64 {
+        match self {
+            Self::Polynomial(_) => f64::INFINITY,
+            Self::Spline(knots) => {
+                knots.iter().map(|knot| knot[0]).find(|&knot| knot > time_s).unwrap_or(f64::INFINITY)
+            }
+        }
+    }
+}
+
+/// Curvatures of the cubic spline with zero end slopes, by the Thomas algorithm.
+fn clamped_spline(points: &[(f64, f64)]) -> Vec<[f64; 3]> {
+    let n = points.len();
+    let slope = |i: usize| (points[i + 1].1 - points[i].1) / (points[i + 1].0 - points[i].0);
+    let width = |i: usize| points[i + 1].0 - points[i].0;
+    let (mut upper, mut right) = (vec![0.0; n], vec![0.0; n]);
+    for i in 0..n {
+        // row: lower·m[i−1] + diagonal·m[i] + after·m[i+1] = load
+        let (lower, after) = (if i > 0 { width(i - 1) } else { 0.0 }, if i + 1 < n { width(i) } else { 0.0 });
+        let before_slope = if i > 0 { slope(i - 1) } else { 0.0 };
+        let after_slope = if i + 1 < n { slope(i) } else { 0.0 };
+        let (previous_upper, previous_right) = if i > 0 { (upper[i - 1], right[i - 1]) } else { (0.0, 0.0) };
+        let pivot = 2.0 * (lower + after) - lower * previous_upper;
+        upper[i] = after / pivot;
+        right[i] = (6.0 * (after_slope - before_slope) - lower * previous_right) / pivot;
+    }
+    let mut knots: Vec<[f64; 3]> = points.iter().map(|&(time, angle)| [time, angle, 0.0]).collect();
+    for i in (0..n).rev() {
+        let after = if i + 1 < n { knots[i + 1][2] } else { 0.0 };
+        knots[i][2] = right[i] - upper[i] * after;
+    }
+    knots
+}
+
+fn spline_at(knots: &[[f64; 3]], time_s: f64) -> [f64; 3] {
+    let (first, last) = (knots[0], knots[knots.len() - 1]);
+    if time_s <= first[0] {
+        return [first[1], 0.0, 0.0];
+    }
+    if time_s >= last[0] {
+        return [last[1], 0.0, 0.0];
+    }
+    let i = knots.partition_point(|knot| knot[0] <= time_s) - 1;
+    let ([t0, y0, m0], [t1, y1, m1]) = (knots[i], knots[i + 1]);
+    let h = t1 - t0;
+    let (a, b) = ((t1 - time_s) / h, (time_s - t0) / h);
+    let angle = a * y0 + b * y1 + ((a.powi(3) - a) * m0 + (b.powi(3) - b) * m1) * h * h / 6.0;
+    let rate = (y1 - y0) / h + ((3.0 * b * b - 1.0) * m1 - (3.0 * a * a - 1.0) * m0) * h / 6.0;
+    [angle, rate, a * m0 + b * m1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rates and accelerations against central differences, and continuity across a knot.
+    #[test]
+    fn derivatives_match_differences() {
+        let laws = [
+            Law::new(&Motion::Polynomial(vec![0.3, -1.0, 2.0, 0.5])),
+            Law::new(&Motion::Table(vec![(0.0, 0.0), (0.5, 1.0), (0.7, 0.8), (2.0, -1.0)])),
+        ];
+        let step = 1e-5;
+        for law in &laws {
+            for time in [0.1, 0.49, 0.6, 1.3] {
+                let [_, rate, acceleration] = law.at(time);
+                let ([below, rate_below, _], [above, rate_above, _]) = (law.at(time - step), law.at(time + step));
+                assert!(((above - below) / (2.0 * step) - rate).abs() < 1e-8);
+                assert!(((rate_above - rate_below) / (2.0 * step) - acceleration).abs() < 1e-7);
+            }
+            let (left, right) = (law.at(0.5 - 1e-9), law.at(0.5 + 1e-9));
+            assert!((left[2] - right[2]).abs() < 1e-6, "acceleration jumps by {}", left[2] - right[2]);
+        }
+    }
+
+    #[test]
+    fn table_is_met_and_held_outside() {
+        let law = Law::new(&Motion::Table(vec![(1.0, 0.2), (2.0, 1.0), (4.0, 0.5)]));
+        for (time, angle) in [(0.0, 0.2), (1.0, 0.2), (2.0, 1.0), (4.0, 0.5), (9.0, 0.5)] {
+            assert!((law.at(time)[0] - angle).abs() < 1e-15);
+        }
+        assert!(law.at(1.0 + 1e-9)[1].abs() < 1e-8, "starts from rest");
+        assert_eq!((law.next_knot_s(1.0), law.next_knot_s(4.0)), (2.0, f64::INFINITY));
+    }
+}

@@ -1,0 +1,204 @@
+//! Residual of the equations of motion, seed eq. (9), by recursion: `BᵀM(ë − g) + K(q − q₀) + damping − loads`.
+//!
+//! Everything is written with the nodal vectors `(r, r_x, r_y, r_z)`: their mass is constant, so no velocity
+//! term appears besides `ω × (ω × r_k)`, NOTATION eqs. (D4)–(D7).
+
+use crate::beam::element::ElementKind;
+use crate::load::{RootMotion, Wrench};
+use crate::math::so3::hat;
+use crate::multibody::kinematics::{Motion, strains, sweep_motion};
+use crate::multibody::model::{Base, Element, Model};
+use crate::multibody::station;
+use crate::multibody::workspace::{Node, Workspace};
+use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
+
+/// Damping of one body; acts on its beam only, on velocity relative to the root frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Damping {
+    /// Mass proportional, `α` in 1/s.
+    pub mass_1_s: f64,
+    /// Stiffness proportional, `β` in s.
+    pub stiffness_s: f64,
+}
+
+/// What acts on the tree from outside.
+#[derive(Debug, Clone, Copy)]
+pub struct Environment<'a> {
+    /// Gravity and motion of the root.
+    pub root: &'a RootMotion,
+    /// Damping per body.
+    pub damping: &'a [Damping],
+    /// Wrench per station, in its station's frame; empty where nothing acts.
+    pub stations: &'a [Wrench],
+}
+
+/// Residual in generalised coordinates: what must be added to the loads for the motion to be possible.
+///
+/// `residual` has [`Model::coordinates`] entries: N·m at joints (torques of drives not included: the caller
+/// subtracts them), N·m and N·m² at strains. Leaves poses, accelerations and accumulated wrenches in `work`.
+/// Allocates nothing.
+pub fn residual(model: &Model, work: &mut Workspace, motion: Motion, environment: Environment, residual: &mut [f64]) {
+    sweep_motion(model, work, motion);
+    node_forces(model, work, environment);
+    element_forces(model, work, motion, environment.damping, residual);
+    if !environment.stations.is_empty() {
+        for (station, load) in model.stations.iter().zip(environment.stations) {
+            if !load.is_zero() {
+                station::apply(model, work, motion.q, station, load, residual);
+            }
+        }
+    }
+    sweep_inward(model, work, residual);
+}
+
+/// Inertia forces of the node lumps, eq. (D5).
+fn node_forces(model: &Model, work: &mut Workspace, environment: Environment) {
+    let root = environment.root;
+    let field = root.apparent_gravity_m_s2();
+    let rotates = root.rotates();
+    let turn = hat(&root.angular_velocity_rad_s);
+    let frame = hat(&root.angular_acceleration_rad_s2) + turn * turn;
+    for (body, damping) in model.bodies.iter().zip(environment.damping) {
+        let range = body.first_node..=body.last_node();
+        let alpha = damping.mass_1_s;
+        for (node, mass) in work.nodes[range.clone()].iter_mut().zip(&model.nodes[range]) {
+            let mut origin = node.acceleration - field;
+            let mut spread = turning(&node.spin_rate, &node.spin);
+            if rotates {
+                origin += turn * node.velocity * 2.0 + frame * node.position;
+                spread += turn * hat(&node.spin) * 2.0 + frame;
+            }
+            let damped = spread + hat(&node.spin) * alpha;
+            node.load_rate = nodal_rates(origin + node.velocity * alpha, &damped, &node.rotation);
+            let mut forces = multiply(&mass.beam, &node.load_rate);
+            if let Some(attached) = &mass.attached {
+                let undamped = nodal_rates(origin, &spread, &node.rotation);
+                let more = multiply(attached, &undamped);
+                for (force, more) in forces.iter_mut().zip(&more) {
+                    *force += more;
+                }
+            }
+            (node.force, node.moment) = wrench_of(&node.rotation, &forces);
+        }
+    }
+}
+
+/// `[α]× + [ω]×²`: turns a vector fixed to the node into its acceleration.
+#[inline]
+fn turning(spin_rate: &Vector3<f64>, spin: &Vector3<f64>) -> Matrix3<f64> {
+    let square = spin.norm_squared();
+    hat(spin_rate) + spin * spin.transpose() - Matrix3::from_diagonal_element(square)
+}
+
+/// Rates of the four nodal vectors from that of the origin and the matrix that turns the gradients.
+#[inline]
+fn nodal_rates(origin: Vector3<f64>, turn: &Matrix3<f64>, rotation: &Matrix3<f64>) -> [Vector3<f64>; 4] {
+    let gradients = turn * rotation;
+    [
+        origin,
+        gradients.fixed_view::<3, 1>(0, 0).into_owned(),
+        gradients.fixed_view::<3, 1>(0, 1).into_owned(),
+        gradients.fixed_view::<3, 1>(0, 2).into_owned(),
+    ]
+}
+
+/// `f_i = Σ_j m[i,j] e_j`.
+#[inline]
+pub(crate) fn multiply(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
+    std::array::from_fn(|i| {
+        vectors[0] * mass[(i, 0)] + vectors[1] * mass[(i, 1)] + vectors[2] * mass[(i, 2)] + vectors[3] * mass[(i, 3)]
+    })
+}
+
+/// `f_j = Σ_i m[i,j] e_i`.
+#[inline]
+fn multiply_transposed(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
+    std::array::from_fn(|j| {
+        vectors[0] * mass[(0, j)] + vectors[1] * mass[(1, j)] + vectors[2] * mass[(2, j)] + vectors[3] * mass[(3, j)]
+    })
+}
+
+/// Force and moment of nodal forces: `F = f₀`, `M = Σ r_k × f_k`, eq. (D6).
+#[inline]
+pub(crate) fn wrench_of(rotation: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) -> (Vector3<f64>, Vector3<f64>) {
+    let column = |k: usize| rotation.fixed_view::<3, 1>(0, k).into_owned();
+    let moment = column(0).cross(&forces[1]) + column(1).cross(&forces[2]) + column(2).cross(&forces[3]);
+    (forces[0], moment)
+}
+
+/// Cross inertia of the elements, and elastic and damping forces of their strains, eqs. (D7)–(D8).
+fn element_forces(model: &Model, work: &mut Workspace, motion: Motion, damping: &[Damping], residual: &mut [f64]) {
+    for (body, damping) in model.bodies.iter().zip(damping) {
+        if let Some(hinge) = &body.hinge {
+            residual[hinge.coordinate] = 0.0;
+        }
+        let beta = damping.stiffness_s;
+        let range = body.first_element..body.first_element + body.elements;
+        let elements = &model.elements[range];
+        for (i, element) in elements.iter().enumerate() {
+            let [inner, outer] = &mut work.nodes[body.first_node + i..body.first_node + i + 2] else { unreachable!() };
+            add_cross_inertia(element, inner, outer);
+
+            let stretch = excess_strain(element, motion, beta);
+            let mut force = element.stiffness * stretch;
+            if body.kind == ElementKind::Linear {
+                force += element.coupling * excess_strain(&elements[i ^ 1], motion, beta);
+            }
+            residual[element.coordinate..element.coordinate + 4].copy_from_slice(force.as_slice());
+        }
+    }
+}
+
+#[inline]
+fn add_cross_inertia(element: &Element, inner: &mut Node, outer: &mut Node) {
+    let (force, moment) = wrench_of(&inner.rotation, &multiply_transposed(&element.cross_mass, &outer.load_rate));
+    inner.force += force;
+    inner.moment += moment;
+    let (force, moment) = wrench_of(&outer.rotation, &multiply(&element.cross_mass, &inner.load_rate));
+    outer.force += force;
+    outer.moment += moment;
+}
+
+/// `ε − ε₀ + β ε̇`.
+#[inline]
+pub(crate) fn excess_strain(element: &Element, motion: Motion, beta: f64) -> Vector4<f64> {
+    let (q, v) = (strains(motion.q, element.coordinate), strains(motion.v, element.coordinate));
+    Vector4::from_fn(|i, _| q[i] - element.natural_strain[i] + beta * v[i])
+}
+
+/// Projects the node wrenches on the coordinates, from the tips to the root, eq. (D9).
+fn sweep_inward(model: &Model, work: &mut Workspace, residual: &mut [f64]) {
+    work.root_force = Vector3::zeros();
+    work.root_moment = Vector3::zeros();
+    for (index, body) in model.bodies.iter().enumerate().rev() {
+        let outer = &work.nodes[body.last_node()];
+        let (mut force, mut moment) = (outer.force, outer.moment);
+        for i in (0..body.elements).rev() {
+            let element = &model.elements[body.first_element + i];
+            let link = &work.links[body.first_element + i];
+            let res = &mut residual[element.coordinate..element.coordinate + 4];
+            res[0] += link.velocity[0].dot(&force);
+            res[1] += link.velocity[1].dot(&force) + link.spin[0].dot(&moment);
+            res[2] += link.velocity[2].dot(&force) + link.spin[1].dot(&moment);
+            res[3] += link.velocity[3].dot(&force) + link.spin[2].dot(&moment);
+            let inner = &mut work.nodes[body.first_node + i];
+            moment += link.arm_m.cross(&force);
+            inner.moment += moment;
+            inner.force += force;
+            (force, moment) = (inner.force, inner.moment);
+        }
+        if let Some(hinge) = &body.hinge {
+            residual[hinge.coordinate] += work.hinges[index].dot(&moment);
+        }
+        match body.base {
+            Base::Root(position) => {
+                work.root_force += force;
+                work.root_moment += moment + position.cross(&force);
+            }
+            Base::Node(node) => {
+                work.nodes[node].force += force;
+                work.nodes[node].moment += moment;
+            }
+        }
+    }
+}

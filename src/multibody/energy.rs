@@ -1,0 +1,146 @@
+//! Energies and powers of the tree, from the motion that the last sweep left in the workspace.
+
+use crate::load::RootMotion;
+use crate::math::so3::hat;
+use crate::multibody::dynamics::{Damping, multiply};
+use crate::multibody::kinematics::strains;
+use crate::multibody::model::Model;
+use crate::multibody::workspace::{Node, Workspace};
+use nalgebra::{Matrix4, Vector3, Vector4};
+
+/// Kinetic energy relative to the root frame, J: of the beams per body through `per_body`, and in all.
+pub fn kinetic(model: &Model, work: &Workspace, mut per_body: impl FnMut(usize, f64)) -> f64 {
+    let mut total = 0.0;
+    for (index, body) in model.bodies.iter().enumerate() {
+        let mut beam = 0.0;
+        let mut attached = 0.0;
+        for i in 0..=body.elements {
+            let rates = nodal_velocities(&work.nodes[body.first_node + i]);
+            let mass = &model.nodes[body.first_node + i];
+            beam += 0.5 * quadratic(&mass.beam, &rates, &rates);
+            if let Some(mass) = &mass.attached {
+                attached += 0.5 * quadratic(mass, &rates, &rates);
+            }
+            if i < body.elements {
+                let outer = nodal_velocities(&work.nodes[body.first_node + i + 1]);
+                beam += quadratic(&model.elements[body.first_element + i].cross_mass, &outer, &rates);
+            }
+        }
+        per_body(index, beam);
+        total += beam + attached;
+    }
+    total
+}
+
+/// Strain energy of the beams in J; linear elements with their coupling.
+pub fn elastic(model: &Model, q: &[f64]) -> f64 {
+    strain_form(model, |element| {
+        let strain = strains(q, element.coordinate);
+        Vector4::from_fn(|i, _| strain[i] - element.natural_strain[i])
+    })
+    .into_iter()
+    .sum::<f64>()
+        * 0.5
+}
+
+/// `Σ β_body q̇ᵀ K q̇` in W.
+pub fn stiffness_damping_power(model: &Model, v: &[f64], damping: &[Damping]) -> f64 {
+    strain_form(model, |element| Vector4::from(strains(v, element.coordinate)))
+        .into_iter()
+        .zip(damping)
+        .map(|(form, damping)| form * damping.stiffness_s)
+        .sum()
+}
+
+/// `xᵀ K x` per body.
+fn strain_form<'a>(
+    model: &'a Model,
+    vector: impl Fn(&crate::multibody::model::Element) -> Vector4<f64> + 'a,
+) -> impl IntoIterator<Item = f64> + 'a {
+    model.bodies.iter().map(move |body| {
+        let elements = &model.elements[body.first_element..body.first_element + body.elements];
+        let mut form = 0.0;
+        for (i, element) in elements.iter().enumerate() {
+            let x = vector(element);
+            form += x.dot(&(element.stiffness * x));
+            if i % 2 == 1 {
+                form += 2.0 * x.dot(&(element.coupling * vector(&elements[i - 1])));
+            }
+        }
+        form
+    })
+}
+
+/// First moment of mass of the whole tree about the root's origin, `∫ r dm` in kg·m.
+pub fn first_moment_kg_m(model: &Model, work: &Workspace) -> Vector3<f64> {
+    sum_of_mass_rows(model, |node| nodal_vectors(&work.nodes[node]))
+}
+
+/// Mass of the whole tree in kg.
+pub fn mass_kg(model: &Model) -> f64 {
+    sum_of_mass_rows(model, |_| [Vector3::x(), Vector3::zeros(), Vector3::zeros(), Vector3::zeros()]).x
+}
+
+/// `Σ uᵀ M̂ e` with `u` that picks positions: shape functions of the positions add up to one.
+fn sum_of_mass_rows(model: &Model, vectors: impl Fn(usize) -> [Vector3<f64>; 4]) -> Vector3<f64> {
+    let row = |mass: &Matrix4<f64>, e: &[Vector3<f64>; 4]| multiply(mass, e)[0];
+    let mut sum = Vector3::zeros();
+    for body in &model.bodies {
+        for i in 0..=body.elements {
+            let n = body.first_node + i;
+            let e = vectors(n);
+            sum += row(&model.nodes[n].beam, &e);
+            if let Some(attached) = &model.nodes[n].attached {
+                sum += row(attached, &e);
+            }
+            if i < body.elements {
+                let cross = &model.elements[body.first_element + i].cross_mass;
+                sum += row(cross, &e) + row(&cross.transpose(), &vectors(n + 1));
+            }
+        }
+    }
+    sum
+}
+
+/// Power of the inertia forces that a rotating root frame adds, in W: centrifugal and Euler terms (the Coriolis
+/// term does no work).
+pub fn frame_power(model: &Model, work: &Workspace, root: &RootMotion) -> f64 {
+    let turn = hat(&root.angular_velocity_rad_s);
+    let frame = hat(&root.angular_acceleration_rad_s2) + turn * turn;
+    let turned = |node: usize| nodal_vectors(&work.nodes[node]).map(|vector| frame * vector);
+    let mut power = 0.0;
+    for body in &model.bodies {
+        for i in 0..=body.elements {
+            let n = body.first_node + i;
+            let rates = nodal_velocities(&work.nodes[n]);
+            let here = turned(n);
+            power -= quadratic(&model.nodes[n].beam, &rates, &here);
+            if let Some(attached) = &model.nodes[n].attached {
+                power -= quadratic(attached, &rates, &here);
+            }
+            if i < body.elements {
+                let cross = &model.elements[body.first_element + i].cross_mass;
+                let outer = nodal_velocities(&work.nodes[n + 1]);
+                power -= quadratic(cross, &outer, &here) + quadratic(cross, &turned(n + 1), &rates);
+            }
+        }
+    }
+    power
+}
+
+/// `(r, r_x, r_y, r_z)` of a node.
+fn nodal_vectors(node: &Node) -> [Vector3<f64>; 4] {
+    let column = |k: usize| node.rotation.fixed_view::<3, 1>(0, k).into_owned();
+    [node.position, column(0), column(1), column(2)]
+}
+
+/// Rates of the nodal vectors relative to the root frame.
+fn nodal_velocities(node: &Node) -> [Vector3<f64>; 4] {
+    let [_, x, y, z] = nodal_vectors(node);
+    [node.velocity, node.spin.cross(&x), node.spin.cross(&y), node.spin.cross(&z)]
+}
+
+/// `Σ m[i,j] a_i · b_j`.
+fn quadratic(mass: &Matrix4<f64>, a: &[Vector3<f64>; 4], b: &[Vector3<f64>; 4]) -> f64 {
+    multiply(mass, b).iter().zip(a).map(|(mb, a)| a.dot(mb)).sum()
+}

@@ -1,0 +1,463 @@
+//! Factorisation and solution of `(a BᵀM B + b C + c K) x = r` by the articulated-body recursion.
+//!
+//! Per element the strains are eliminated by a 4×4 Cholesky, per hinge its angle by a scalar pivot, and a 6×6
+//! inertia passes inward; trees branch freely. The halves of a pair are eliminated one after the other, the outer
+//! one first, with their coupled stiffness carried along; NOTATION eqs. (D10)–(D14).
+
+use crate::math::so3::hat;
+use crate::multibody::dynamics::Damping;
+use crate::multibody::model::{Base, Element, Model};
+use crate::multibody::workspace::{ArticulatedInertia, ElementFactor, HingeFactor, Node, Pair, Workspace};
+use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
+
+/// Weights `a`, `b`, `c` of mass, damping and stiffness in the matrix.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Weights {
+    /// `a`, of the mass.
+    pub mass: f64,
+    /// `b` in s, of the damping.
+    pub damping: f64,
+    /// `c` in s², of the stiffness.
+    pub stiffness: f64,
+}
+
+/// Tangent of a hinge's torques.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HingeTangent {
+    /// The angle is an unknown; otherwise it is held or prescribed.
+    pub free: bool,
+    /// `−∂τ/∂θ` in N·m/rad.
+    pub stiffness_n_m_rad: f64,
+    /// `−∂τ/∂θ̇` in N·m·s/rad.
+    pub damping_n_m_s_rad: f64,
+}
+
+/// The matrix has no Cholesky factor: an iterate has gone astray. A shorter step may help.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the pivot of coordinate {coordinate} is not positive")]
+pub struct BadPivot {
+    /// Index in `q` of the pivot.
+    pub coordinate: usize,
+}
+
+/// Factorises at the poses in `work`. `hinges` has one entry per body; those of clamped bodies are ignored.
+/// Allocates nothing.
+pub fn factorize(
+    model: &Model,
+    work: &mut Workspace,
+    weights: Weights,
+    damping: &[Damping],
+    hinges: &[HingeTangent],
+) -> Result<(), BadPivot> {
+    for (body, damping) in model.bodies.iter().zip(damping) {
+        let beam = weights.mass + weights.damping * damping.mass_1_s;
+        for n in body.first_node..=body.last_node() {
+            let node = &work.nodes[n];
+            let mut mass = model.nodes[n].beam * beam;
+            if let Some(attached) = &model.nodes[n].attached {
+                mass += attached * weights.mass;
+            }
+            work.inertia[n] = lump(&mass, &node.rotation);
+        }
+    }
+    for (index, body) in model.bodies.iter().enumerate().rev() {
+        let scale = weights.mass + weights.damping * damping[index].mass_1_s;
+        let stiffness = weights.stiffness + weights.damping * damping[index].stiffness_s;
+        // what the outer half of a pair leaves for the inner one: coupling to the middle node, and stiffness
+        let mut carried: Option<Carried> = None;
+        for i in (0..body.elements).rev() {
+            let e = body.first_element + i;
+            let element = &model.elements[e];
+            let outer_half = i % 2 == 1 && element.coupling != Matrix4::zeros();
+            let n = body.first_node + i;
+            let (inner, outer) = (&work.nodes[n], &work.nodes[n + 1]);
+            let elimination = eliminate(
+                element,
+                &work.links[e],
+                (inner, outer),
+                &work.inertia[n + 1],
+                (scale, stiffness),
+                carried.take().as_ref(),
+            )?;
+            if outer_half {
+                carried = Some(Carried::new(element, stiffness, &elimination.factor));
+            }
+            let mut factor = elimination.factor;
+            factor.coupling = element.coupling * stiffness;
+            work.element_factors[e] = factor;
+            let p = &mut work.inertia[n];
+            p.vv += elimination.inertia.vv;
+            p.vw += elimination.inertia.vw;
+            p.ww += elimination.inertia.ww;
+        }
+        let inertia = work.inertia[body.first_node];
+        let (factor, passed) = eliminate_hinge(model, index, &work.hinges[index], inertia, weights, &hinges[index])?;
+        work.hinge_factors[index] = factor;
+        if let Base::Node(node) = body.base {
+            let p = &mut work.inertia[node];
+            p.vv += passed.vv;
+            p.vw += passed.vw;
+            p.ww += passed.ww;
+        }
+    }
+    Ok(())
+}
+
+/// Node lump in twist form, eq. (D10).
+#[inline]
+fn lump(mass: &Matrix4<f64>, rotation: &Matrix3<f64>) -> ArticulatedInertia {
+    let gradients: Matrix3<f64> = mass.fixed_view::<3, 3>(1, 1).into_owned();
+    let spread = rotation * gradients * rotation.transpose();
+    let first = rotation * Vector3::new(mass[(0, 1)], mass[(0, 2)], mass[(0, 3)]);
+    ArticulatedInertia {
+        vv: Matrix3::from_diagonal_element(mass[(0, 0)]),
+        vw: -hat(&first),
+        ww: Matrix3::from_diagonal_element(spread.trace()) - spread,
+    }
+}
+
+/// What an eliminated outer half leaves for its sibling.
+struct Carried {
+    /// Coupling of the middle node to the sibling's strains.
+    velocity: [Vector3<f64>; 4],
+    spin: [Vector3<f64>; 4],
+    /// Change of the sibling's own block.
+    block: Matrix4<f64>,
+}
+
+impl Carried {
+    /// `G = −U X⁻¹ D_BA`, `ΔD = −D_AB X⁻¹ D_BA`, eq. (D14).
+    fn new(element: &Element, stiffness: f64, factor: &ElementFactor) -> Self {
+        let coupling = element.coupling * stiffness;
+        let solved = Matrix4::from_columns(
+            &[0, 1, 2, 3].map(|j| back(&factor.cholesky, forward(&factor.cholesky, coupling.column(j).into_owned()))),
+        );
+        Self {
+            velocity: combine(&factor.velocity, &solved, -1.0),
+            spin: combine(&factor.spin, &solved, -1.0),
+            block: -(coupling.transpose() * solved),
+        }
+    }
+}
+
+#[inline]
+fn combine(columns: &[Vector3<f64>; 4], weights: &Matrix4<f64>, sign: f64) -> [Vector3<f64>; 4] {
+    std::array::from_fn(|j| {
+        (columns[0] * weights[(0, j)]
+            + columns[1] * weights[(1, j)]
+            + columns[2] * weights[(2, j)]
+            + columns[3] * weights[(3, j)])
+            * sign
+    })
+}
+
+struct Elimination {
+    factor: ElementFactor,
+    inertia: ArticulatedInertia,
+}
+
+/// Eliminates the strains of one element, eqs. (D11)–(D13).
+#[inline]
+fn eliminate(
+    element: &Element,
+    link: &crate::math::se3::Link,
+    (inner, outer): (&Node, &Node),
+    p: &ArticulatedInertia,
+    (scale, stiffness): (f64, f64),
+    carried: Option<&Carried>,
+) -> Result<Elimination, BadPivot> {
+    let zero = Vector3::zeros();
+    let jv = &link.velocity;
+    let jw = [zero, link.spin[0], link.spin[1], link.spin[2]];
+    let d = &link.arm_m;
+
+    // cross inertia of the element in twist form
+    let cross = element.cross_mass * scale;
+    let mass = cross[(0, 0)];
+    let along = |m: [f64; 3], rotation: &Matrix3<f64>| rotation * Vector3::from(m);
+    let s_inner = along([cross[(0, 1)], cross[(0, 2)], cross[(0, 3)]], &inner.rotation);
+    let s_outer = along([cross[(1, 0)], cross[(2, 0)], cross[(3, 0)]], &outer.rotation);
+    let gradients: Matrix3<f64> = cross.fixed_view::<3, 3>(1, 1).into_owned();
+    let w = inner.rotation * gradients.transpose() * outer.rotation.transpose();
+    let trace = w.trace();
+
+    // T = P J, U = Φᵀ T + H_baᵀ J
+    let vwt = p.vw.transpose();
+    let wt = w.transpose();
+    let mut tv = [zero; 4];
+    let mut tw = [zero; 4];
+    let mut uv = [zero; 4];
+    let mut uw = [zero; 4];
+    for j in 0..4 {
+        tv[j] = p.vv * jv[j] + p.vw * jw[j];
+        tw[j] = vwt * jv[j] + p.ww * jw[j];
+        if let Some(carried) = carried {
+            tv[j] += carried.velocity[j];
+            tw[j] += carried.spin[j];
+        }
+        uv[j] = tv[j] + jv[j] * mass - s_outer.cross(&jw[j]);
+        uw[j] = tw[j] + d.cross(&tv[j]) + s_inner.cross(&jv[j]) + jw[j] * trace - wt * jw[j];
+    }
+    let mut x = element.stiffness * stiffness;
+    for i in 0..4 {
+        for j in 0..=i {
+            let mut entry = jv[i].dot(&tv[j]) + jw[i].dot(&tw[j]);
+            if let Some(carried) = carried {
+                entry += carried.velocity[i].dot(&jv[j]) + carried.spin[i].dot(&jw[j]) + carried.block[(i, j)];
+            }
+            x[(i, j)] += entry;
+        }
+    }
+    let cholesky = cholesky(&x).ok_or(BadPivot { coordinate: element.coordinate })?;
+
+    // P_a += Φᵀ(PΦ + H_ba) + H_baᵀΦ − U X⁻¹ Uᵀ
+    let dh = hat(d);
+    let sh = hat(&s_inner);
+    let shift = p.vw - p.vv * dh - sh;
+    let mut vv = p.vv + Matrix3::from_diagonal_element(2.0 * mass);
+    let mut vw = shift - dh * mass - hat(&s_outer);
+    let mut ww = p.ww - vwt * dh + dh * shift - sh * dh + Matrix3::from_diagonal_element(2.0 * trace) - w - wt;
+    let mut zv = uv;
+    let mut zw = uw;
+    for j in 0..4 {
+        for k in 0..j {
+            let l = cholesky[(j, k)];
+            zv[j] = zv[j] - zv[k] * l;
+            zw[j] = zw[j] - zw[k] * l;
+        }
+        zv[j] *= cholesky[(j, j)];
+        zw[j] *= cholesky[(j, j)];
+        vv -= zv[j] * zv[j].transpose();
+        vw -= zv[j] * zw[j].transpose();
+        ww -= zw[j] * zw[j].transpose();
+    }
+    Ok(Elimination {
+        factor: ElementFactor { cholesky, velocity: uv, spin: uw, coupling: Matrix4::zeros() },
+        inertia: ArticulatedInertia { vv, vw, ww },
+    })
+}
+
+fn eliminate_hinge(
+    model: &Model,
+    index: usize,
+    axis: &Vector3<f64>,
+    inertia: ArticulatedInertia,
+    weights: Weights,
+    tangent: &HingeTangent,
+) -> Result<(HingeFactor, ArticulatedInertia), BadPivot> {
+    let held = HingeFactor { inverse_pivot: 0.0, velocity: Vector3::zeros(), spin: Vector3::zeros() };
+    let Some(hinge) = model.bodies[index].hinge.filter(|_| tangent.free) else {
+        return Ok((held, inertia));
+    };
+    let velocity = inertia.vw * axis;
+    let spin = inertia.ww * axis;
+    let pivot =
+        axis.dot(&spin) + weights.stiffness * tangent.stiffness_n_m_rad + weights.damping * tangent.damping_n_m_s_rad;
+    if !(pivot > 0.0 && pivot.is_finite()) {
+        return Err(BadPivot { coordinate: hinge.coordinate });
+    }
+    let inverse_pivot = 1.0 / pivot;
+    let passed = ArticulatedInertia {
+        vv: inertia.vv - velocity * velocity.transpose() * inverse_pivot,
+        vw: inertia.vw - velocity * spin.transpose() * inverse_pivot,
+        ww: inertia.ww - spin * spin.transpose() * inverse_pivot,
+    };
+    Ok((HingeFactor { inverse_pivot, velocity, spin }, passed))
+}
+
+/// Cholesky factor of a symmetric matrix given by its lower part, with inverted diagonal; `None` at a pivot that
+/// is not positive or not finite.
+#[inline]
+fn cholesky(matrix: &Matrix4<f64>) -> Option<Matrix4<f64>> {
+    let mut l = Matrix4::zeros();
+    for j in 0..4 {
+        let mut pivot = matrix[(j, j)];
+        for k in 0..j {
+            pivot -= l[(j, k)] * l[(j, k)];
+        }
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return None;
+        }
+        let inverse = 1.0 / pivot.sqrt();
+        l[(j, j)] = inverse;
+        for i in j + 1..4 {
+            let mut entry = matrix[(i, j)];
+            for k in 0..j {
+                entry -= l[(i, k)] * l[(j, k)];
+            }
+            l[(i, j)] = entry * inverse;
+        }
+    }
+    Some(l)
+}
+
+#[inline]
+fn forward(l: &Matrix4<f64>, mut b: Vector4<f64>) -> Vector4<f64> {
+    for i in 0..4 {
+        for k in 0..i {
+            b[i] -= l[(i, k)] * b[k];
+        }
+        b[i] *= l[(i, i)];
+    }
+    b
+}
+
+#[inline]
+fn back(l: &Matrix4<f64>, mut b: Vector4<f64>) -> Vector4<f64> {
+    for i in (0..4).rev() {
+        for k in i + 1..4 {
+            b[i] -= l[(k, i)] * b[k];
+        }
+        b[i] *= l[(i, i)];
+    }
+    b
+}
+
+/// Solves with the last factorisation: `x` holds the right side and then the solution.
+///
+/// Returns the kinematic norm of the solution: the largest node displacement over the reference length or
+/// rotation in rad that `x` would cause. Not finite if an entry is not. Allocates nothing.
+pub fn solve(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
+    work.bias.fill(Pair::ZERO);
+    for (index, body) in model.bodies.iter().enumerate().rev() {
+        let mut p = work.bias[body.last_node()];
+        let mut from_sibling = Vector4::zeros();
+        for i in (0..body.elements).rev() {
+            let e = body.first_element + i;
+            let (link, factor) = (&work.links[e], &work.element_factors[e]);
+            let c = model.elements[e].coordinate;
+            let g = Vector4::new(
+                x[c] + link.velocity[0].dot(&p.linear),
+                x[c + 1] + link.velocity[1].dot(&p.linear) + link.spin[0].dot(&p.angular),
+                x[c + 2] + link.velocity[2].dot(&p.linear) + link.spin[1].dot(&p.angular),
+                x[c + 3] + link.velocity[3].dot(&p.linear) + link.spin[2].dot(&p.angular),
+            ) - from_sibling;
+            work.right_hand[e] = g;
+            let y = back(&factor.cholesky, forward(&factor.cholesky, g));
+            from_sibling = if i % 2 == 1 { factor.coupling * y } else { Vector4::zeros() };
+            let own = &work.bias[body.first_node + i];
+            let mut linear = own.linear + p.linear;
+            let mut angular = own.angular + p.angular + link.arm_m.cross(&p.linear);
+            for j in 0..4 {
+                linear -= factor.velocity[j] * y[j];
+                angular -= factor.spin[j] * y[j];
+            }
+            p = Pair { linear, angular };
+        }
+        if let Some(hinge) = &body.hinge {
+            let factor = &work.hinge_factors[index];
+            let g = x[hinge.coordinate] + work.hinges[index].dot(&p.angular);
+            work.hinge_right_hand[index] = g;
+            let y = g * factor.inverse_pivot;
+            p.linear -= factor.velocity * y;
+            p.angular -= factor.spin * y;
+        }
+        if let Base::Node(node) = body.base {
+            work.bias[node].linear += p.linear;
+            work.bias[node].angular += p.angular;
+        }
+    }
+    back_substitute(model, work, x)
+}
+
+/// Outward half of [`solve`]; node displacements overwrite `bias`.
+fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
+    let mut norm = NormSquared::default();
+    for (index, body) in model.bodies.iter().enumerate() {
+        let mut moved = match body.base {
+            Base::Root(_) => Pair::ZERO,
+            Base::Node(node) => work.bias[node],
+        };
+        if let Some(hinge) = &body.hinge {
+            let factor = &work.hinge_factors[index];
+            let pull =
+                work.hinge_right_hand[index] - factor.velocity.dot(&moved.linear) - factor.spin.dot(&moved.angular);
+            let angle = pull * factor.inverse_pivot;
+            x[hinge.coordinate] = angle;
+            moved.angular += work.hinges[index] * angle;
+            norm.include(&moved);
+        }
+        work.bias[body.first_node] = moved;
+        let mut sibling = Vector4::zeros();
+        for i in 0..body.elements {
+            let e = body.first_element + i;
+            let (link, factor) = (&work.links[e], &work.element_factors[e]);
+            let mut g = work.right_hand[e];
+            for j in 0..4 {
+                g[j] -= factor.velocity[j].dot(&moved.linear) + factor.spin[j].dot(&moved.angular);
+            }
+            if i % 2 == 1 {
+                g -= factor.coupling * sibling;
+            }
+            let strain = back(&factor.cholesky, forward(&factor.cholesky, g));
+            sibling = strain;
+            let c = model.elements[e].coordinate;
+            x[c..c + 4].copy_from_slice(strain.as_slice());
+            moved = displaced(&moved, link, &strain);
+            work.bias[body.first_node + i + 1] = moved;
+            norm.include(&moved);
+        }
+    }
+    norm.value(model.reference_length_m)
+}
+
+/// Twist of a link's outer end from that of its inner end and the change of its strains.
+#[inline]
+fn displaced(inner: &Pair, link: &crate::math::se3::Link, strain: &Vector4<f64>) -> Pair {
+    Pair {
+        linear: inner.linear
+            + inner.angular.cross(&link.arm_m)
+            + link.velocity[0] * strain[0]
+            + link.velocity[1] * strain[1]
+            + link.velocity[2] * strain[2]
+            + link.velocity[3] * strain[3],
+        angular: inner.angular + link.spin[0] * strain[1] + link.spin[1] * strain[2] + link.spin[2] * strain[3],
+    }
+}
+
+/// Kinematic norm of a change of coordinates at the poses in `work`: largest node displacement over the
+/// reference length, or rotation in rad.
+pub fn kinematic_norm(model: &Model, work: &mut Workspace, change: &[f64]) -> f64 {
+    let mut norm = NormSquared::default();
+    for (index, body) in model.bodies.iter().enumerate() {
+        let mut moved = match body.base {
+            Base::Root(_) => Pair::ZERO,
+            Base::Node(node) => work.bias[node],
+        };
+        if let Some(hinge) = &body.hinge {
+            moved.angular += work.hinges[index] * change[hinge.coordinate];
+            norm.include(&moved);
+        }
+        work.bias[body.first_node] = moved;
+        for i in 0..body.elements {
+            let c = model.elements[body.first_element + i].coordinate;
+            let strain = Vector4::from_column_slice(&change[c..c + 4]);
+            moved = displaced(&moved, &work.links[body.first_element + i], &strain);
+            work.bias[body.first_node + i + 1] = moved;
+            norm.include(&moved);
+        }
+    }
+    norm.value(model.reference_length_m)
+}
+
+#[derive(Default)]
+struct NormSquared {
+    linear: f64,
+    angular: f64,
+    /// Sum of all entries times zero: NaN or infinity stays visible, which `max` would swallow.
+    taint: f64,
+}
+
+impl NormSquared {
+    #[inline]
+    fn include(&mut self, moved: &Pair) {
+        let (linear, angular) = (moved.linear.norm_squared(), moved.angular.norm_squared());
+        self.taint += (linear + angular) * 0.0;
+        self.linear = self.linear.max(linear);
+        self.angular = self.angular.max(angular);
+    }
+
+    fn value(&self, reference_length_m: f64) -> f64 {
+        (self.linear.sqrt() / reference_length_m).max(self.angular.sqrt()) + self.taint
+    }
+}

@@ -1,0 +1,308 @@
+//! The immutable tree: mesh, masses, stiffness, joints and where their coordinates stand in `q`.
+//!
+//! Coordinates follow seed eqs. (10)–(12): body by body, first the joint parameter (if the joint is revolute),
+//! then four strains per element; a linear element is two halves with four strains each.
+
+use crate::beam::element::{ElementKind, ElementMass, PAIR_STIFFNESS};
+use crate::beam::section::Section;
+use crate::load::LoadFrame;
+use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
+
+/// A body as the mesh maker needs it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyDescription {
+    /// Arc length in m.
+    pub length_m: f64,
+    /// Cross-section.
+    pub section: Section,
+    /// Kind of element.
+    pub kind: ElementKind,
+    /// Number of elements; more are made where masses or children demand mesh boundaries.
+    pub elements: usize,
+    /// Natural strains `(εx, κx, κy, κz)`.
+    pub natural_strain: [f64; 4],
+    /// What the inner end hangs on.
+    pub parent: Attachment,
+    /// Parent ← body at angle zero.
+    pub mount: Matrix3<f64>,
+    /// Unit hinge axis in the parent's frame; `None` for a clamped joint.
+    pub hinge_axis: Option<Vector3<f64>>,
+    /// Rigid masses: distance from the inner end in m, and reduced mass matrix ([`crate::beam::element::rigid_body_mass`]).
+    pub masses: Vec<(f64, Matrix4<f64>)>,
+    /// Load stations: distance from the inner end in m.
+    pub stations_m: Vec<f64>,
+    /// Frame of the station loads.
+    pub load_frame: LoadFrame,
+}
+
+/// What a body's inner end hangs on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Attachment {
+    /// The root frame, at a position in m.
+    Root(Vector3<f64>),
+    /// A section of an earlier body, at a distance from its inner end in m.
+    Body {
+        /// Index of that body.
+        index: usize,
+        /// Distance from its inner end in m.
+        position_m: f64,
+    },
+}
+
+/// Where a body hangs in the tree of nodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Base {
+    /// Root frame, position in m.
+    Root(Vector3<f64>),
+    /// Node of an earlier body.
+    Node(usize),
+}
+
+/// One body: a joint, then a chain of elements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// What it hangs on.
+    pub base: Base,
+    /// Parent ← body at angle zero.
+    pub mount: Matrix3<f64>,
+    /// Hinge: unit axis in the parent's frame and the coordinate's index in `q`.
+    pub hinge: Option<Hinge>,
+    /// First of its nodes; node `first_node + i` is the inner end of element `first_element + i`.
+    pub first_node: usize,
+    /// First of its (half-)elements.
+    pub first_element: usize,
+    /// Number of (half-)elements.
+    pub elements: usize,
+    /// Kind of element.
+    pub kind: ElementKind,
+}
+
+impl Body {
+    /// Node at the outer end.
+    pub fn last_node(&self) -> usize {
+        self.first_node + self.elements
+    }
+}
+
+/// A revolute joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hinge {
+    /// Unit axis in the parent's frame.
+    pub axis: Vector3<f64>,
+    /// Index of `θ` in `q`.
+    pub coordinate: usize,
+}
+
+/// A constant-strain element or half of a pair.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Element {
+    /// Length in m.
+    pub length_m: f64,
+    /// Arc length from the body's inner end to the element's inner end in m.
+    pub start_m: f64,
+    /// Index of its first strain in `q`.
+    pub coordinate: usize,
+    /// Natural strain.
+    pub natural_strain: Vector4<f64>,
+    /// Stiffness of its own strains, `∫ K_s ds` weighted by its kind, N·m, N·m², N·m³.
+    pub stiffness: Matrix4<f64>,
+    /// Stiffness that couples it to its sibling in a pair; zero for constant elements.
+    pub coupling: Matrix4<f64>,
+    /// Section stiffness, for strain recovery.
+    pub section_stiffness: Matrix4<f64>,
+    /// Mass block that couples the ends: rows outer, columns inner.
+    pub cross_mass: Matrix4<f64>,
+    /// Mass block of the outer end, for the section wrench.
+    pub outer_mass: Matrix4<f64>,
+}
+
+/// Mass that the elements and attachments lump at a node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NodeMass {
+    /// Beam inertia: outer block of the element before, inner block of the element after.
+    pub beam: Matrix4<f64>,
+    /// Attached rigid masses: not damped.
+    pub attached: Option<Matrix4<f64>>,
+}
+
+/// A load station.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Station {
+    /// Body.
+    pub body: usize,
+    /// Element, or inner half of the pair, that holds it.
+    pub element: usize,
+    /// Arc length from the inner end of that element or pair in m.
+    pub offset_m: f64,
+    /// Frame of its load.
+    pub frame: LoadFrame,
+}
+
+/// The tree. Bodies stand after their parents; nodes and elements run outward within each body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// Bodies.
+    pub bodies: Vec<Body>,
+    /// Elements.
+    pub elements: Vec<Element>,
+    /// Node masses.
+    pub nodes: Vec<NodeMass>,
+    /// Stations, body by body.
+    pub stations: Vec<Station>,
+    /// Number of coordinates.
+    pub coordinates: usize,
+    /// Longest path from the root to a free end in m; scales displacements in the kinematic norm.
+    pub reference_length_m: f64,
+}
+
+impl Model {
+    /// Meshes the bodies. Bodies must be sorted parent before child; positions must lie on their bodies.
+    pub fn new(descriptions: &[BodyDescription]) -> Self {
+        let mut model = Self {
+            bodies: Vec::new(),
+            elements: Vec::new(),
+            nodes: Vec::new(),
+            stations: Vec::new(),
+            coordinates: 0,
+            reference_length_m: 0.0,
+        };
+        let mut path_m: Vec<f64> = Vec::new();
+        for (index, description) in descriptions.iter().enumerate() {
+            let (base, inner_path_m) = match description.parent {
+                Attachment::Root(position) => (Base::Root(position), position.norm()),
+                Attachment::Body { index: parent, position_m } => (
+                    Base::Node(model.node_at(parent, position_m)),
+                    path_m[parent] - descriptions[parent].length_m + position_m,
+                ),
+            };
+            path_m.push(inner_path_m + description.length_m);
+            let children = descriptions.iter().filter_map(|child| match child.parent {
+                Attachment::Body { index: parent, position_m } if parent == index => Some(position_m),
+                _ => None,
+            });
+            model.add_body(description, base, children.collect());
+        }
+        model.reference_length_m = path_m.iter().copied().fold(0.0, f64::max);
+        model
+    }
+
+    fn add_body(&mut self, description: &BodyDescription, base: Base, children_m: Vec<f64>) {
+        let hinge = description.hinge_axis.map(|axis| {
+            self.coordinates += 1;
+            Hinge { axis, coordinate: self.coordinates - 1 }
+        });
+        let body_index = self.bodies.len();
+        let mut body = Body {
+            base,
+            mount: description.mount,
+            hinge,
+            first_node: self.nodes.len(),
+            first_element: self.elements.len(),
+            elements: 0,
+            kind: description.kind,
+        };
+
+        let boundaries = mesh_boundaries(description, children_m);
+        let empty = NodeMass { beam: Matrix4::zeros(), attached: None };
+        self.nodes.push(empty.clone());
+        for pair in boundaries.windows(2) {
+            let (start_m, length_m) = (pair[0], pair[1] - pair[0]);
+            let pieces = match description.kind {
+                ElementKind::Constant => 1,
+                ElementKind::Linear => 2,
+            };
+            let (own, coupling) = match description.kind {
+                ElementKind::Constant => (1.0, 0.0),
+                ElementKind::Linear => PAIR_STIFFNESS,
+            };
+            let piece_m = length_m / f64::from(pieces);
+            let mass = ElementMass::new(piece_m, |_| description.section.clone());
+            for piece in 0..pieces {
+                self.elements.push(Element {
+                    length_m: piece_m,
+                    start_m: start_m + f64::from(piece) * piece_m,
+                    coordinate: self.coordinates,
+                    natural_strain: description.natural_strain.into(),
+                    stiffness: description.section.stiffness * (own * length_m),
+                    coupling: description.section.stiffness * (coupling * length_m),
+                    section_stiffness: description.section.stiffness,
+                    cross_mass: mass.cross,
+                    outer_mass: mass.outer,
+                });
+                self.coordinates += 4;
+                body.elements += 1;
+                let inner = self.nodes.len() - 1;
+                self.nodes[inner].beam += mass.inner;
+                self.nodes.push(NodeMass { beam: mass.outer, attached: None });
+            }
+        }
+        self.bodies.push(body);
+
+        for (position_m, mass) in &description.masses {
+            let node = self.node_at(body_index, *position_m);
+            let attached = &mut self.nodes[node].attached;
+            *attached = Some(attached.unwrap_or_else(Matrix4::zeros) + mass);
+        }
+        for &position_m in &description.stations_m {
+            let (element, offset_m) = self.locate(body_index, position_m);
+            self.stations.push(Station { body: body_index, element, offset_m, frame: description.load_frame });
+        }
+    }
+
+    /// Node nearest to a position on a body; exact at mesh boundaries.
+    pub fn node_at(&self, body: usize, position_m: f64) -> usize {
+        let body = &self.bodies[body];
+        let elements = &self.elements[body.first_element..body.first_element + body.elements];
+        // a pair's middle node is not a frame of the beam: skip it
+        let stride = if body.kind == ElementKind::Linear { 2 } else { 1 };
+        let ends = (0..=body.elements).step_by(stride);
+        let place = |i: usize| elements.get(i).map_or_else(|| end_of(elements), |element| element.start_m);
+        let nearest = ends.min_by(|&i, &j| (place(i) - position_m).abs().total_cmp(&(place(j) - position_m).abs()));
+        body.first_node + nearest.unwrap_or(0)
+    }
+
+    /// Element (or inner half of the pair) that holds a position, and the arc length from its inner end in m.
+    pub fn locate(&self, body: usize, position_m: f64) -> (usize, f64) {
+        let body = &self.bodies[body];
+        let stride = if body.kind == ElementKind::Linear { 2 } else { 1 };
+        let mut element = body.first_element;
+        for candidate in (body.first_element..body.first_element + body.elements).step_by(stride) {
+            if self.elements[candidate].start_m <= position_m * (1.0 + 1e-12) {
+                element = candidate;
+            }
+        }
+        (element, position_m - self.elements[element].start_m)
+    }
+
+    /// Coordinates at rest: natural strains, joint angles zero.
+    pub fn natural_coordinates(&self) -> Vec<f64> {
+        let mut q = vec![0.0; self.coordinates];
+        for element in &self.elements {
+            q[element.coordinate..element.coordinate + 4].copy_from_slice(element.natural_strain.as_slice());
+        }
+        q
+    }
+}
+
+fn end_of(elements: &[Element]) -> f64 {
+    elements.last().map_or(0.0, |element| element.start_m + element.length_m)
+}
+
+/// Mesh boundaries from 0 to the body's length: every mass and child sits on one, the rest evenly between.
+fn mesh_boundaries(description: &BodyDescription, children_m: Vec<f64>) -> Vec<f64> {
+    let length_m = description.length_m;
+    let near = 1e-9 * length_m;
+    let mut stops: Vec<f64> = children_m.into_iter().chain(description.masses.iter().map(|mass| mass.0)).collect();
+    stops.retain(|&stop| stop > near && stop < length_m - near);
+    stops.extend([0.0, length_m]);
+    stops.sort_by(f64::total_cmp);
+    stops.dedup_by(|b, a| *b - *a <= near);
+
+    let mut boundaries = vec![0.0];
+    for segment in stops.windows(2) {
+        let share = (description.elements as f64 * (segment[1] - segment[0]) / length_m).round();
+        let count = (share as usize).max(1);
+        boundaries.extend((1..=count).map(|i| segment[0] + (segment[1] - segment[0]) * (i as f64 / count as f64)));
+    }
+    boundaries
+}

@@ -1,0 +1,138 @@
+//! Stations: points inside elements where loads act and motion is reported.
+//!
+//! Inside a pair the pose at `σ = s/ℓ` is that of two constant-strain links of length `s/2` with mixed strains
+//! `αA + (1−α)B` and `βA + (1−β)B`, `α = 5/4 − σ/4`, `β = 5/4 − 5σ/4`, NOTATION eq. (K10): fourth order. Loads go
+//! to the coordinates through the same map that gives the station's velocity, so their power is conserved.
+
+use crate::beam::element::ElementKind;
+use crate::load::{LoadFrame, Wrench};
+use crate::math::se3::{Link, LinkGeometry};
+use crate::multibody::kinematics::{Motion, strains};
+use crate::multibody::model::{Model, Station};
+use crate::multibody::workspace::Workspace;
+use nalgebra::{Matrix3, Vector3};
+
+/// Motion of a station relative to the root frame, resolved in it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StationMotion {
+    /// Root ← section.
+    pub rotation: Matrix3<f64>,
+    /// Position in m.
+    pub position_m: Vector3<f64>,
+    /// Velocity in m/s.
+    pub velocity_m_s: Vector3<f64>,
+    /// Angular velocity in rad/s.
+    pub spin_rad_s: Vector3<f64>,
+}
+
+/// One link of the way from the element's inner node to the station: its strain is
+/// `own · (this element) + sibling · (other half)`.
+struct Step {
+    length_m: f64,
+    weights: [f64; 2],
+}
+
+/// The links that lead to a station, and how many of them there are.
+fn steps(model: &Model, station: &Station) -> ([Step; 2], usize) {
+    let element = &model.elements[station.element];
+    match model.bodies[station.body].kind {
+        ElementKind::Constant => {
+            let none = Step { length_m: 0.0, weights: [1.0, 0.0] };
+            ([Step { length_m: station.offset_m, weights: [1.0, 0.0] }, none], 1)
+        }
+        ElementKind::Linear => {
+            let sigma = station.offset_m / (2.0 * element.length_m);
+            let (alpha, beta) = (1.25 - 0.25 * sigma, 1.25 - 1.25 * sigma);
+            let length_m = 0.5 * station.offset_m;
+            ([Step { length_m, weights: [alpha, 1.0 - alpha] }, Step { length_m, weights: [beta, 1.0 - beta] }], 2)
+        }
+    }
+}
+
+/// Mixed strains (or rates) of one link; `coordinates` hold the inner half and then the outer half.
+fn mix(coordinates: &[f64], first: usize, weights: [f64; 2]) -> [f64; 4] {
+    let own = strains(coordinates, first);
+    if weights[1] == 0.0 {
+        return own.map(|strain| strain * weights[0]);
+    }
+    let other = strains(coordinates, first + 4);
+    std::array::from_fn(|i| weights[0] * own[i] + weights[1] * other[i])
+}
+
+/// Pose, velocity and angular velocity of a station; poses of the nodes must be current in `work`, for rates the
+/// whole motion.
+pub fn motion(model: &Model, work: &Workspace, motion: Motion, station: &Station) -> StationMotion {
+    let first = model.elements[station.element].coordinate;
+    let node = &work.nodes[inner_node(model, station)];
+    let mut point = StationMotion {
+        rotation: node.rotation,
+        position_m: node.position,
+        velocity_m_s: node.velocity,
+        spin_rad_s: node.spin,
+    };
+    let (steps, count) = steps(model, station);
+    for step in &steps[..count] {
+        let (geometry, link) = LinkGeometry::new(&point.rotation, step.length_m, &mix(motion.q, first, step.weights));
+        let rates = geometry.rates(&point.rotation, &mix(motion.v, first, step.weights));
+        point.velocity_m_s += point.spin_rad_s.cross(&link.arm_m) + rates.velocity;
+        point.spin_rad_s += rates.spin;
+        point.position_m += link.arm_m;
+        point.rotation = link.rotation;
+    }
+    point
+}
+
+/// Subtracts a station's load from the residual: on the strains of its element, and on its inner node's wrench.
+pub(crate) fn apply(
+    model: &Model,
+    work: &mut Workspace,
+    q: &[f64],
+    station: &Station,
+    load: &Wrench,
+    residual: &mut [f64],
+) {
+    let first = model.elements[station.element].coordinate;
+    let node = inner_node(model, station);
+    let (steps, count) = steps(model, station);
+    let mut rotation = work.nodes[node].rotation;
+    let mut links = [Link::ZERO; 2];
+    for (step, link) in steps[..count].iter().zip(&mut links) {
+        (_, *link) = LinkGeometry::new(&rotation, step.length_m, &mix(q, first, step.weights));
+        rotation = link.rotation;
+    }
+    let (force, mut moment) = match station.frame {
+        LoadFrame::Root => (load.force_n, load.moment_n_m),
+        LoadFrame::Section => (rotation * load.force_n, rotation * load.moment_n_m),
+    };
+    for (step, link) in steps[..count].iter().zip(&links).rev() {
+        let projected = [
+            link.velocity[0].dot(&force),
+            link.velocity[1].dot(&force) + link.spin[0].dot(&moment),
+            link.velocity[2].dot(&force) + link.spin[1].dot(&moment),
+            link.velocity[3].dot(&force) + link.spin[2].dot(&moment),
+        ];
+        for (i, projected) in projected.iter().enumerate() {
+            residual[first + i] -= step.weights[0] * projected;
+            if step.weights[1] != 0.0 {
+                residual[first + 4 + i] -= step.weights[1] * projected;
+            }
+        }
+        moment += link.arm_m.cross(&force);
+    }
+    work.nodes[node].force -= force;
+    work.nodes[node].moment -= moment;
+}
+
+fn inner_node(model: &Model, station: &Station) -> usize {
+    let body = &model.bodies[station.body];
+    body.first_node + station.element - body.first_element
+}
+
+/// Power of a station's load in W.
+pub fn power_w(point: &StationMotion, load: &Wrench, frame: LoadFrame) -> f64 {
+    let (force, moment) = match frame {
+        LoadFrame::Root => (load.force_n, load.moment_n_m),
+        LoadFrame::Section => (point.rotation * load.force_n, point.rotation * load.moment_n_m),
+    };
+    force.dot(&point.velocity_m_s) + moment.dot(&point.spin_rad_s)
+}

@@ -1,0 +1,153 @@
+//! Scratch of the recursions, sized once per model and rebuilt by every sweep.
+
+use crate::math::se3::Link;
+use crate::multibody::model::Model;
+use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
+
+/// Motion of a node relative to the root frame, and the wrench that has arrived at it.
+#[derive(Debug, Clone, Copy)]
+pub struct Node {
+    /// Root ← node.
+    pub rotation: Matrix3<f64>,
+    /// Position in m.
+    pub position: Vector3<f64>,
+    /// Velocity in m/s.
+    pub velocity: Vector3<f64>,
+    /// Angular velocity in rad/s.
+    pub spin: Vector3<f64>,
+    /// Acceleration relative to the root frame in m/s².
+    pub acceleration: Vector3<f64>,
+    /// Angular acceleration relative to the root frame in rad/s².
+    pub spin_rate: Vector3<f64>,
+    /// `ë + α ė` of the nodal vectors `(r, r_x, r_y, r_z)`, inertial, less gravity: what the mass multiplies.
+    pub load_rate: [Vector3<f64>; 4],
+    /// Force at the node: inertia less loads of all that lies outboard, N.
+    pub force: Vector3<f64>,
+    /// Moment at the node in N·m.
+    pub moment: Vector3<f64>,
+}
+
+impl Node {
+    const ZERO: Self = Self {
+        rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+        position: Vector3::new(0.0, 0.0, 0.0),
+        velocity: Vector3::new(0.0, 0.0, 0.0),
+        spin: Vector3::new(0.0, 0.0, 0.0),
+        acceleration: Vector3::new(0.0, 0.0, 0.0),
+        spin_rate: Vector3::new(0.0, 0.0, 0.0),
+        load_rate: [Vector3::new(0.0, 0.0, 0.0); 4],
+        force: Vector3::new(0.0, 0.0, 0.0),
+        moment: Vector3::new(0.0, 0.0, 0.0),
+    };
+}
+
+/// Symmetric 6×6 articulated inertia in blocks over (velocity, spin).
+#[derive(Debug, Clone, Copy)]
+pub struct ArticulatedInertia {
+    /// velocity–velocity.
+    pub vv: Matrix3<f64>,
+    /// velocity–spin.
+    pub vw: Matrix3<f64>,
+    /// spin–spin.
+    pub ww: Matrix3<f64>,
+}
+
+impl ArticulatedInertia {
+    /// Nothing.
+    pub const ZERO: Self = Self {
+        vv: Matrix3::from_array_storage(ZERO_3),
+        vw: Matrix3::from_array_storage(ZERO_3),
+        ww: Matrix3::from_array_storage(ZERO_3),
+    };
+}
+
+const ZERO_3: nalgebra::ArrayStorage<f64, 3, 3> = nalgebra::ArrayStorage([[0.0; 3]; 3]);
+const ZERO_4: nalgebra::ArrayStorage<f64, 4, 4> = nalgebra::ArrayStorage([[0.0; 4]; 4]);
+
+/// Factor of one element's elimination.
+#[derive(Debug, Clone, Copy)]
+pub struct ElementFactor {
+    /// Lower Cholesky factor of `X`, with inverted diagonal.
+    pub cholesky: Matrix4<f64>,
+    /// `U`: coupling of the strains to the inner node, velocity rows.
+    pub velocity: [Vector3<f64>; 4],
+    /// `U`, spin rows.
+    pub spin: [Vector3<f64>; 4],
+    /// Outer halves: coupling to the inner half's strains.
+    pub coupling: Matrix4<f64>,
+}
+
+/// Factor of one hinge's elimination.
+#[derive(Debug, Clone, Copy)]
+pub struct HingeFactor {
+    /// Inverse of the pivot; 0 for a held joint.
+    pub inverse_pivot: f64,
+    /// `P J`, velocity and spin rows.
+    pub velocity: Vector3<f64>,
+    /// Spin rows.
+    pub spin: Vector3<f64>,
+}
+
+/// Small displacement or wrench in blocks.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair {
+    /// Velocity or force.
+    pub linear: Vector3<f64>,
+    /// Spin or moment.
+    pub angular: Vector3<f64>,
+}
+
+impl Pair {
+    /// Zero.
+    pub const ZERO: Self = Self { linear: Vector3::new(0.0, 0.0, 0.0), angular: Vector3::new(0.0, 0.0, 0.0) };
+}
+
+/// Scratch of the recursions.
+#[derive(Debug, Clone)]
+pub struct Workspace {
+    /// Per node.
+    pub nodes: Vec<Node>,
+    /// Per element: pose and Jacobian.
+    pub links: Vec<Link>,
+    /// Per body: hinge axis in the root frame.
+    pub hinges: Vec<Vector3<f64>>,
+    /// Reaction at the root's origin: inertia less loads of the whole wing, N and N·m.
+    pub root_force: Vector3<f64>,
+    /// Moment of the same about the origin.
+    pub root_moment: Vector3<f64>,
+    pub(crate) inertia: Vec<ArticulatedInertia>,
+    pub(crate) bias: Vec<Pair>,
+    pub(crate) element_factors: Vec<ElementFactor>,
+    pub(crate) hinge_factors: Vec<HingeFactor>,
+    pub(crate) right_hand: Vec<Vector4<f64>>,
+    pub(crate) hinge_right_hand: Vec<f64>,
+}
+
+impl Workspace {
+    /// Scratch for a model.
+    pub fn new(model: &Model) -> Self {
+        let (nodes, elements, bodies) = (model.nodes.len(), model.elements.len(), model.bodies.len());
+        let zero = Vector3::zeros();
+        Self {
+            nodes: vec![Node::ZERO; nodes],
+            links: vec![Link::ZERO; elements],
+            hinges: vec![zero; bodies],
+            root_force: zero,
+            root_moment: zero,
+            inertia: vec![ArticulatedInertia::ZERO; nodes],
+            bias: vec![Pair::ZERO; nodes],
+            element_factors: vec![
+                ElementFactor {
+                    cholesky: Matrix4::from_array_storage(ZERO_4),
+                    velocity: [zero; 4],
+                    spin: [zero; 4],
+                    coupling: Matrix4::zeros(),
+                };
+                elements
+            ],
+            hinge_factors: vec![HingeFactor { inverse_pivot: 0.0, velocity: zero, spin: zero }; bodies],
+            right_hand: vec![Vector4::zeros(); elements],
+            hinge_right_hand: vec![0.0; bodies],
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! The equations of motion of the whole machine: the tree, its drives and latches, its loads.
+
+use crate::actuation::drive::{Drive, DriveTorque, Slew};
+use crate::actuation::latch::Latch;
+use crate::actuation::prescribed::Law;
+use crate::beam::element::rigid_body_mass;
+use crate::config::Machine;
+use crate::config::machine::{JointKind, JointMotion, Parent};
+use crate::load::{RootMotion, Wrench};
+use crate::multibody::dynamics::{self, Damping, Environment};
+use crate::multibody::factor::{self, HingeTangent, Weights};
+use crate::multibody::kinematics::Motion;
+use crate::multibody::model::{Attachment, BodyDescription};
+use crate::multibody::{Model, Workspace, energy, station};
+use crate::plant::face::Parameters;
+use crate::plant::revolutes;
+use crate::solve::{EquationsOfMotion, Powers, Singular};
+
+/// A revolute joint as the equations see it.
+#[derive(Debug, Clone)]
+pub(super) struct JointEquations {
+    /// Body that it holds.
+    pub body: usize,
+    /// Index of its angle in `q`.
+    pub coordinate: usize,
+    /// The angle does not follow from torques: stopper, lock or prescribed motion.
+    pub held: bool,
+    /// Spring, damper and motor act: joints that are neither locked nor prescribed.
+    pub driven: bool,
+    /// Prescribed motion.
+    pub law: Option<Law>,
+    /// Drive.
+    pub drive: Drive,
+    /// Its neutral angle.
+    pub slew: Slew,
+    /// External torque in N·m.
+    pub external_n_m: f64,
+    /// Latch.
+    pub latch: Option<Latch>,
+    /// Latch closed.
+    pub latched: bool,
+    /// Torque that holds the joint, of the last residual, in N·m.
+    pub holding_n_m: f64,
+}
+
+impl JointEquations {
+    /// Drive torque at a state; nothing where no drive acts.
+    pub fn drive_torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> DriveTorque {
+        if !self.driven {
+            return DriveTorque::default();
+        }
+        self.drive.torque(angle_rad, rate_rad_s, self.slew.at(time_s).0, self.external_n_m)
+    }
+
+    /// The latch, if it is closed.
+    pub fn closed_latch(&self) -> Option<&Latch> {
+        self.latch.as_ref().filter(|_| self.latched)
+    }
+}
+
+/// Equations of motion with their scratch.
+pub(super) struct Equations {
+    pub model: Model,
+    pub work: Workspace,
+    pub root: RootMotion,
+    pub damping: Vec<Damping>,
+    pub stations: Vec<Wrench>,
+    /// Some station carries a load.
+    pub loaded: bool,
+    pub joints: Vec<JointEquations>,
+    tangents: Vec<HingeTangent>,
+}
+
+impl Equations {
+    /// Equations of a machine with the fixed factors of `parameters`; inputs and tunable parameters come later.
+    pub fn new(machine: &Machine, parameters: &Parameters) -> Self {
+        let descriptions: Vec<BodyDescription> = machine
+            .bodies
+            .iter()
+            .zip(&parameters.bodies)
+            .map(|(body, factors)| BodyDescription {
+                length_m: body.length_m,
+                section: body.section.scaled(factors.mass_factor, factors.stiffness_factor),
+                kind: body.element,
+                elements: body.elements,
+                natural_strain: body.natural_strain,
+                parent: match body.joint.parent {
+                    Parent::Root { position_m } => Attachment::Root(position_m),
+                    Parent::Body { index, position_m } => Attachment::Body { index, position_m },
+                },
+                mount: body.joint.mount,
+                hinge_axis: match &body.joint.kind {
+                    JointKind::Clamped => None,
+                    JointKind::Revolute(revolute) => Some(revolute.axis),
+                },
+                masses: body
+                    .masses
+                    .iter()
+                    .map(|mass| (mass.position_m, rigid_body_mass(mass.mass_kg, &mass.offset_m, &mass.inertia_kg_m2)))
+                    .collect(),
+                stations_m: body.station_positions_m.clone(),
+                load_frame: body.load_frame,
+            })
+            .collect();
+        let model = Model::new(&descriptions);
+        let joints = revolutes(machine)
+            .zip(&parameters.joints)
+            .map(|((body, revolute), parameters)| JointEquations {
+                body,
+                coordinate: model.bodies[body].hinge.map_or(0, |hinge| hinge.coordinate),
+                held: true,
+                driven: revolute.motion == JointMotion::Free,
+                law: match &revolute.motion {
+                    JointMotion::Prescribed(motion) => Some(Law::new(motion)),
+                    _ => None,
+                },
+                drive: Drive::default(),
+                slew: Slew::default(),
+                external_n_m: 0.0,
+                latch: revolute.latch.as_ref().map(|latch| Latch {
+                    angle_rad: latch.angle_rad,
+                    stiffness_n_m_rad: latch.stiffness_n_m_rad,
+                    capture_rad: latch.capture_rad,
+                    side: Latch::side_of(parameters.start_angle_rad, latch.angle_rad),
+                }),
+                latched: false,
+                holding_n_m: 0.0,
+            })
+            .collect();
+        let held = HingeTangent { free: false, stiffness_n_m_rad: 0.0, damping_n_m_s_rad: 0.0 };
+        Self {
+            work: Workspace::new(&model),
+            root: RootMotion::default(),
+            damping: vec![Damping::default(); model.bodies.len()],
+            stations: vec![Wrench::default(); model.stations.len()],
+            loaded: false,
+            joints,
+            tangents: vec![held; model.bodies.len()],
+            model,
+        }
+    }
+
+    /// Gravity, drive and elastic potentials in J at the configuration of the last residual.
+    pub fn potentials(&self, time_s: f64, q: &[f64]) -> Potentials {
+        let mut potentials = Potentials {
+            elastic: energy::elastic(&self.model, q),
+            gravity: -self.root.apparent_gravity_m_s2().dot(&energy::first_moment_kg_m(&self.model, &self.work)),
+            drive: 0.0,
+        };
+        for joint in &self.joints {
+            let angle = q[joint.coordinate];
+            if joint.driven {
+                potentials.drive += joint.drive.potential_j(angle, joint.slew.at(time_s).0);
+            }
+            potentials.elastic += joint.closed_latch().map_or(0.0, |latch| latch.energy_j(angle));
+        }
+        potentials
+    }
+
+    /// Next time after `time_s` at which a known kink lies: end of a slew, knot of a prescribed motion.
+    pub fn next_kink_s(&self, time_s: f64) -> f64 {
+        let mut next = f64::INFINITY;
+        for joint in &self.joints {
+            if let Some(law) = &joint.law {
+                next = next.min(law.next_knot_s(time_s));
+            } else if joint.driven && joint.slew.end_s() > time_s {
+                next = next.min(joint.slew.end_s());
+            }
+        }
+        next
+    }
+}
+
+/// Potential energies in J.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Potentials {
+    /// Beams and closed latches.
+    pub elastic: f64,
+    /// Apparent gravity, zero at the origin.
+    pub gravity: f64,
+    /// Springs and constant torques of the drives.
+    pub drive: f64,
+}
+
+impl Potentials {
+    /// Sum in J.
+    pub fn total(&self) -> f64 {
+        self.elastic + self.gravity + self.drive
+    }
+}
+
+impl EquationsOfMotion for Equations {
+    fn coordinates(&self) -> usize {
+        self.model.coordinates
+    }
+
+    fn prescribe(&self, time_s: f64, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
+        for joint in self.joints.iter().filter(|joint| joint.held) {
+            let c = joint.coordinate;
+            [q[c], v[c], a[c]] = joint.law.as_ref().map_or([q[c], 0.0, 0.0], |law| law.at(time_s));
+        }
+    }
+
+    fn residual(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]) {
+        let environment = Environment {
+            root: &self.root,
+            damping: &self.damping,
+            stations: if self.loaded { &self.stations } else { &[] },
+        };
+        dynamics::residual(&self.model, &mut self.work, Motion { q, v, a }, environment, residual);
+        for joint in &mut self.joints {
+            let c = joint.coordinate;
+            let tangent = &mut self.tangents[joint.body];
+            joint.holding_n_m = residual[c];
+            if joint.held {
+                residual[c] = 0.0;
+                tangent.free = false;
+                continue;
+            }
+            let torque = joint.drive_torque(time_s, q[c], v[c]);
+            residual[c] -= torque.applied_n_m;
+            let (mut stiffness, damping) = if torque.saturated {
+                (0.0, 0.0)
+            } else {
+                (joint.drive.stiffness_n_m_rad, joint.drive.damping_n_m_s_rad)
+            };
+            if let Some(latch) = joint.closed_latch() {
+                residual[c] -= latch.torque_n_m(q[c]);
+                stiffness += latch.stiffness_n_m_rad;
+            }
+            *tangent = HingeTangent { free: true, stiffness_n_m_rad: stiffness, damping_n_m_s_rad: damping };
+        }
+    }
+
+    fn factorize(&mut self, mass: f64, damping: f64, stiffness: f64) -> Result<(), Singular> {
+        let weights = Weights { mass, damping, stiffness };
+        factor::factorize(&self.model, &mut self.work, weights, &self.damping, &self.tangents)
+            .map_err(|pivot| Singular { coordinate: pivot.coordinate })
+    }
+
+    fn solve(&mut self, x: &mut [f64]) -> f64 {
+        factor::solve(&self.model, &mut self.work, x)
+    }
+
+    fn norm(&mut self, change: &[f64]) -> f64 {
+        factor::kinematic_norm(&self.model, &mut self.work, change)
+    }
+
+    fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64]) -> Powers {
+        let mut powers =
+            Powers { work: 0.0, dissipated: energy::stiffness_damping_power(&self.model, v, &self.damping) };
+        let damping = &self.damping;
+        energy::kinetic(&self.model, &self.work, |body, beam| {
+            powers.dissipated += 2.0 * damping[body].mass_1_s * beam;
+        });
+        for joint in &self.joints {
+            let (angle, rate) = (q[joint.coordinate], v[joint.coordinate]);
+            if !joint.driven {
+                powers.work += joint.holding_n_m * rate;
+                continue;
+            }
+            let (neutral, slew_rate) = joint.slew.at(time_s);
+            let torque = joint.drive_torque(time_s, angle, rate);
+            powers.work += (joint.external_n_m + torque.clipped_n_m) * rate
+                - joint.drive.stiffness_n_m_rad * (angle - neutral) * slew_rate;
+            powers.dissipated += joint.drive.damping_n_m_s_rad * rate * rate;
+        }
+        if self.root.rotates() {
+            powers.work += energy::frame_power(&self.model, &self.work, &self.root);
+        }
+        if self.loaded {
+            let motion = Motion { q, v, a: &[] };
+            for (place, load) in self.model.stations.iter().zip(&self.stations) {
+                if !load.is_zero() {
+                    let point = station::motion(&self.model, &self.work, motion, place);
+                    powers.work += station::power_w(&point, load, place.frame);
+                }
+            }
+        }
+        powers
+    }
+}

@@ -1,0 +1,210 @@
+//! Discontinuities: initialisation, changed inputs, releases, latches.
+
+use crate::actuation::drive::Slew;
+use crate::actuation::latch::LatchState;
+use crate::multibody::dynamics::Damping;
+use crate::plant::equations::Equations;
+use crate::plant::face::PlantError;
+use crate::plant::state::{JointState, State};
+use crate::plant::{Plant, revolutes};
+use crate::solve::point::Point;
+use crate::solve::{EquationsOfMotion, Singular, control};
+
+/// Share of the step before a latch closes that the first step after it may have.
+const STEP_SHARE_AFTER_LATCH: f64 = 0.1;
+
+impl Plant {
+    /// Builds the equations, sets the start state, finds the accelerations and the outputs at `time_s`.
+    ///
+    /// May be called again (an FMU re-evaluates in Initialization Mode).
+    pub fn initialize(&mut self, time_s: f64) -> Result<(), PlantError> {
+        self.rebuild();
+        let mut q = self.equations.model.natural_coordinates();
+        let mut v = vec![0.0; q.len()];
+        let mut joints = Vec::new();
+        let inputs = &self.state.inputs;
+        for (((_, revolute), inputs), (parameters, equations)) in revolutes(&self.machine)
+            .zip(&inputs.joints)
+            .zip(self.state.parameters.joints.iter().zip(&self.equations.joints))
+        {
+            let c = equations.coordinate;
+            q[c] = parameters.start_angle_rad;
+            if equations.driven && inputs.release {
+                v[c] = revolute.start_rate_rad_s;
+            }
+            let closed = inputs.latch_enable && revolute.latch.as_ref().is_some_and(|latch| latch.initially_closed);
+            joints.push(JointState {
+                released: inputs.release,
+                latch: LatchState { closed, enabled: inputs.latch_enable, time_s: -1.0, count: 0 },
+                slew: Slew {
+                    from_rad: inputs.command_rad,
+                    target_rad: inputs.command_rad,
+                    start_s: time_s,
+                    rate_limit_rad_s: parameters.rate_limit_rad_s,
+                },
+            });
+        }
+
+        let state = &mut self.state;
+        state.joints = joints;
+        state.applied_inputs.clone_from(&state.inputs);
+        state.applied_parameters.clone_from(&state.parameters);
+        state.statistics = Default::default();
+        state.pending_latch = None;
+        state.tip_rotations = vec![Default::default(); self.tip_bodies.len()];
+        state.station_rotations = vec![Default::default(); self.equations.model.stations.len()];
+        let coordinates = q.len();
+        state.now = Point { time_s, q, v, ..Point::zeros(coordinates) };
+        state.step_s = state.parameters.max_step_s;
+        self.configure();
+
+        let now = &mut self.state.now;
+        self.equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
+        self.equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
+        let jump = settle(&mut self.equations, &mut self.scratch[0], now)
+            .map_err(|singular| PlantError::Initialization { time_s, cause: singular.to_string() })?;
+        if !jump.is_finite() {
+            return Err(PlantError::Initialization { time_s, cause: "accelerations are not finite".into() });
+        }
+        self.restrain_step(jump);
+        self.state.start = self.state.now.clone();
+        self.state.ahead = self.state.now.clone();
+        self.state.initialized = true;
+        self.evaluate();
+        Ok(())
+    }
+
+    /// Brings the equations in line with the applied inputs and parameters and the joints' states.
+    pub(super) fn configure(&mut self) {
+        let State { applied_inputs: inputs, applied_parameters: parameters, joints, .. } = &self.state;
+        let equations = &mut self.equations;
+        equations.root = inputs.root;
+        equations.stations.copy_from_slice(&inputs.stations);
+        equations.loaded = inputs.stations.iter().any(|load| !load.is_zero());
+        for (damping, body) in equations.damping.iter_mut().zip(&parameters.bodies) {
+            *damping = Damping { mass_1_s: body.mass_damping_1_s, stiffness_s: body.stiffness_damping_s };
+        }
+        for (i, joint) in equations.joints.iter_mut().enumerate() {
+            let (state, parameters) = (&joints[i], &parameters.joints[i]);
+            joint.held = !joint.driven || !state.released;
+            joint.drive.stiffness_n_m_rad = parameters.stiffness_n_m_rad;
+            joint.drive.damping_n_m_s_rad = parameters.damping_n_m_s_rad;
+            joint.drive.constant_torque_n_m = parameters.constant_torque_n_m;
+            joint.drive.torque_limit_n_m = parameters.torque_limit_n_m;
+            joint.slew = state.slew;
+            joint.external_n_m = inputs.joints[i].torque_n_m;
+            joint.latched = state.latch.closed;
+            if let Some(latch) = &mut joint.latch {
+                latch.stiffness_n_m_rad = parameters.latch_stiffness_n_m_rad;
+            }
+        }
+    }
+
+    /// Whether inputs or parameters differ from those that the present step runs with.
+    pub(super) fn inputs_changed(&self) -> bool {
+        self.state.inputs != self.state.applied_inputs || self.state.parameters != self.state.applied_parameters
+    }
+
+    /// Cuts the integrator's step at the present time and goes on with the new inputs and parameters.
+    pub(super) fn apply_inputs(&mut self) -> Result<(), PlantError> {
+        let state = &mut self.state;
+        state.start.copy_from(&state.now);
+        state.pending_latch = None;
+        self.discontinuity(|state, equations| {
+            let time_s = state.start.time_s;
+            state.applied_inputs.clone_from(&state.inputs);
+            state.applied_parameters.clone_from(&state.parameters);
+            let mut released_energy = 0.0;
+            for (i, joint) in state.joints.iter_mut().enumerate() {
+                let inputs = &state.inputs.joints[i];
+                let angle = state.start.q[equations.joints[i].coordinate];
+                if inputs.release && !joint.released {
+                    joint.released = true;
+                    state.statistics.events += u64::from(equations.joints[i].driven);
+                }
+                joint.slew.redirect(time_s, inputs.command_rad, state.parameters.joints[i].rate_limit_rad_s);
+                let Some(latch) = &equations.joints[i].latch else { continue };
+                if joint.latch.closed && !inputs.latch_enable {
+                    joint.latch.closed = false;
+                    released_energy += latch.energy_j(angle);
+                    state.statistics.events += 1;
+                } else if !joint.latch.closed
+                    && inputs.latch_enable
+                    && !joint.latch.enabled
+                    && latch.gap_rad(angle).abs() <= latch.capture_rad
+                {
+                    close(&mut joint.latch, time_s);
+                    state.statistics.events += 1;
+                }
+                joint.latch.enabled = inputs.latch_enable;
+            }
+            released_energy
+        })
+    }
+
+    /// Closes the latch that the present step has led to.
+    pub(super) fn apply_pending_latch(&mut self) -> Result<(), PlantError> {
+        let Some(joint) = self.state.pending_latch.take() else { return Ok(()) };
+        self.state.step_s *= STEP_SHARE_AFTER_LATCH;
+        self.discontinuity(|state, _| {
+            close(&mut state.joints[joint as usize].latch, state.start.time_s);
+            state.statistics.events += 1;
+            0.0
+        })
+    }
+
+    /// Changes the equations at `start` and re-solves the accelerations; the present step then has no length.
+    ///
+    /// `change` returns the energy that it dissipates; the rest of the jump of the potentials is booked as work.
+    /// The accelerations move by what the change of the residual asks for, so that errors of the interpolation in
+    /// stiff modes are not multiplied by the stiffness.
+    fn discontinuity(&mut self, change: impl FnOnce(&mut State, &Equations) -> f64) -> Result<(), PlantError> {
+        let old = &mut self.scratch[0];
+        let start = &self.state.start;
+        let time_s = start.time_s;
+        self.equations.residual(time_s, &start.q, &start.v, &start.a, old);
+        let before = self.equations.potentials(time_s, &start.q).total();
+        let dissipated = change(&mut self.state, &self.equations);
+        self.configure();
+
+        let [old, new_residual] = &mut self.scratch;
+        let start = &mut self.state.start;
+        self.equations.prescribe(time_s, &mut start.q, &mut start.v, &mut start.a);
+        self.equations.residual(time_s, &start.q, &start.v, &start.a, new_residual);
+        let after = self.equations.potentials(time_s, &start.q).total();
+        new_residual.iter_mut().zip(old.iter()).for_each(|(new, old)| *new -= old);
+        let jump = settle(&mut self.equations, new_residual, start)
+            .map_err(|singular| PlantError::Initialization { time_s, cause: singular.to_string() })?;
+        start.dissipated += dissipated;
+        start.work += after - before + dissipated;
+        self.restrain_step(jump);
+        self.state.ahead.copy_from(&self.state.start);
+        Ok(())
+    }
+
+    /// Shortens the next step where the accelerations have jumped.
+    fn restrain_step(&mut self, jump_norm_1_s2: f64) {
+        let parameters = &self.state.applied_parameters;
+        let short = control::after_jump(jump_norm_1_s2, parameters.tolerance);
+        self.state.step_s = self.state.step_s.min(short).clamp(parameters.min_step_s, parameters.max_step_s);
+    }
+}
+
+fn close(latch: &mut LatchState, time_s: f64) {
+    latch.closed = true;
+    latch.time_s = time_s;
+    latch.count += 1;
+}
+
+/// Takes `residual` away from the accelerations of `point` by the mass matrix; returns the kinematic norm of the
+/// jump in 1/s².
+fn settle(equations: &mut Equations, residual: &mut [f64], point: &mut Point) -> Result<f64, Singular> {
+    equations.factorize(1.0, 0.0, 0.0)?;
+    let jump = equations.solve(residual);
+    for (i, step) in residual.iter().enumerate() {
+        point.a[i] -= step;
+        point.auxiliary[i] -= step;
+    }
+    point.powers = equations.powers(point.time_s, &point.q, &point.v);
+    Ok(jump)
+}

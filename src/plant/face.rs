@@ -1,0 +1,192 @@
+//! What goes in and what comes out: plain data without behaviour.
+
+use crate::load::{RootMotion, Wrench};
+use nalgebra::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Inputs of one revolute joint.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct JointInputs {
+    /// Neutral angle `θ_cmd` in rad.
+    pub command_rad: f64,
+    /// External torque `τ_ext` on the outer body about `+θ` in N·m.
+    pub torque_n_m: f64,
+    /// Release of the stopper.
+    pub release: bool,
+    /// Latch may close; ignored by joints without a latch.
+    pub latch_enable: bool,
+}
+
+/// All inputs, held during a step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Inputs {
+    /// Per revolute joint, in the order of [`crate::plant::Plant::revolute_joints`].
+    pub joints: Vec<JointInputs>,
+    /// Total force and moment per station, bodies in model order, stations from the inner end outward,
+    /// each in its body's `load_frame`.
+    pub stations: Vec<Wrench>,
+    /// Gravity and motion of the root.
+    pub root: RootMotion,
+}
+
+/// Parameters of one revolute joint.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct JointParameters {
+    /// Fold angle at the start in rad; fixed.
+    pub start_angle_rad: f64,
+    /// Spring stiffness `k` in N·m/rad; tunable, as all that follow.
+    pub stiffness_n_m_rad: f64,
+    /// Damping `c` in N·m·s/rad.
+    pub damping_n_m_s_rad: f64,
+    /// Constant torque `T` in N·m.
+    pub constant_torque_n_m: f64,
+    /// Largest magnitude of the drive torque in N·m.
+    pub torque_limit_n_m: f64,
+    /// Largest slew of the neutral angle in rad/s.
+    pub rate_limit_rad_s: f64,
+    /// Stiffness of the closed latch in N·m/rad; 0 without a latch.
+    pub latch_stiffness_n_m_rad: f64,
+}
+
+/// Parameters of one body.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BodyParameters {
+    /// Multiplies the beam's inertia (not attached masses); fixed.
+    pub mass_factor: f64,
+    /// Multiplies the section stiffness; fixed.
+    pub stiffness_factor: f64,
+    /// Mass-proportional damping `α` in 1/s; tunable.
+    pub mass_damping_1_s: f64,
+    /// Stiffness-proportional damping `β` in s; tunable.
+    pub stiffness_damping_s: f64,
+}
+
+/// All parameters. Fixed ones act at [`crate::plant::Plant::initialize`], tunable ones from the next step on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Parameters {
+    /// Per revolute joint.
+    pub joints: Vec<JointParameters>,
+    /// Per body.
+    pub bodies: Vec<BodyParameters>,
+    /// Solver tolerance; fixed.
+    pub tolerance: f64,
+    /// Largest internal step in s; fixed.
+    pub max_step_s: f64,
+    /// Smallest internal step in s; fixed.
+    pub min_step_s: f64,
+}
+
+/// Outputs of one revolute joint.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointOutputs {
+    /// Fold angle in rad.
+    pub angle_rad: f64,
+    /// Fold rate in rad/s.
+    pub rate_rad_s: f64,
+    /// Drive torque on the outer body, limited, with `τ_ext`, in N·m.
+    pub torque_applied_n_m: f64,
+    /// Latch torque on the outer body in N·m.
+    pub latch_torque_n_m: f64,
+    /// Latch closed.
+    pub latched: bool,
+    /// Time of the last closing in s; −1 before the first.
+    pub latch_time_s: f64,
+    /// Number of closings.
+    pub latch_count: i32,
+}
+
+/// Position, velocities and attitude of a point of the wing, root frame, relative to the root frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointOutputs {
+    /// Position in m.
+    pub position_m: Vector3<f64>,
+    /// Velocity in m/s.
+    pub velocity_m_s: Vector3<f64>,
+    /// Angular velocity in rad/s.
+    pub angular_velocity_rad_s: Vector3<f64>,
+    /// Inertial acceleration (without gravity) in m/s²; zero for stations, which do not report it.
+    pub acceleration_m_s2: Vector3<f64>,
+    /// Attitude, root ← section; sign continuous in time.
+    pub rotation: UnitQuaternion<f64>,
+}
+
+/// Energies in J. `total − work + dissipated` is constant.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct EnergyOutputs {
+    /// Kinetic energy relative to the root frame.
+    pub kinetic: f64,
+    /// Strain energy of beams and closed latches.
+    pub elastic: f64,
+    /// Potential of `gravity − root acceleration`, zero at the root's origin.
+    pub gravity: f64,
+    /// Potential of the drives' springs and constant torques.
+    pub drive: f64,
+    /// Work of inputs: loads, torques, commands, root motion, changed parameters.
+    pub work: f64,
+    /// Energy dissipated by damping and by opening latches.
+    pub dissipated: f64,
+    /// `kinetic + elastic + gravity + drive`.
+    pub total: f64,
+}
+
+/// Everything the interface reports, at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outputs {
+    /// Time in s.
+    pub time_s: f64,
+    /// Per revolute joint.
+    pub joints: Vec<JointOutputs>,
+    /// Axial strain per gauge.
+    pub gauges: Vec<f64>,
+    /// Force and moment of the wing on the aircraft at the origin, root frame.
+    pub root: Wrench,
+    /// Per free end, in the order of [`crate::plant::Plant::tip_bodies`].
+    pub tips: Vec<PointOutputs>,
+    /// Per station, in the order of [`Inputs::stations`].
+    pub stations: Vec<PointOutputs>,
+    /// Energies.
+    pub energy: EnergyOutputs,
+}
+
+/// Counters of the time integration since initialisation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Statistics {
+    /// Accepted steps.
+    pub steps: u64,
+    /// Steps rejected by the error estimate.
+    pub rejections: u64,
+    /// Steps given up by the Newton iteration.
+    pub failures: u64,
+    /// Newton iterations (residuals with a solve).
+    pub iterations: u64,
+    /// Factorisations.
+    pub factorizations: u64,
+    /// Events: releases, closings, openings.
+    pub events: u64,
+}
+
+/// Why a plant cannot go on.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PlantError {
+    /// The time integration gave up.
+    #[error("no convergence at t = {time_s} s with the smallest step {step_s:e} s: {cause}")]
+    NoConvergence {
+        /// Last good time in s.
+        time_s: f64,
+        /// Step tried last in s.
+        step_s: f64,
+        /// What failed.
+        cause: String,
+    },
+    /// The initial accelerations could not be found.
+    #[error("no initial accelerations at t = {time_s} s: {cause}")]
+    Initialization {
+        /// Start time in s.
+        time_s: f64,
+        /// What failed.
+        cause: String,
+    },
+    /// A snapshot of another model.
+    #[error("the snapshot does not fit this model: {0}")]
+    Snapshot(String),
+}

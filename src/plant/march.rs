@@ -1,0 +1,240 @@
+//! Marching in time: variable steps that run ahead of the caller, latch crossings located inside them.
+
+use crate::plant::Plant;
+use crate::plant::face::PlantError;
+use crate::plant::state::State;
+use crate::solve::control;
+use crate::solve::newton::Effort;
+use crate::solve::point::Point;
+
+/// Displacement error that Newton's iteration may leave, as a share of the step's tolerance.
+const NEWTON_SHARE: f64 = 1e-2;
+/// Largest displacement error that Newton's iteration may leave at any tolerance: latch crossings are located to
+/// 1e-9 s, at some 10 rad/s.
+const NEWTON_CEILING: f64 = 1e-8;
+/// Cut of the step after Newton's iteration has failed.
+const FAILURE_CUT: f64 = 0.25;
+/// Accuracy of a located latch crossing in s.
+const CROSSING_S: f64 = 1e-10;
+/// Most steps spent on locating one crossing.
+const MAX_LOCATING_STEPS: usize = 40;
+/// Interior places at which a step is searched for a crossing and return.
+const CROSSING_SAMPLES: u32 = 8;
+
+impl Plant {
+    /// Goes on to `end_s` with the present inputs; the outputs then belong to `end_s`.
+    ///
+    /// On an error the plant stands at the last good time, [`Plant::time_s`], and its outputs belong to it.
+    /// Allocates nothing.
+    pub fn step(&mut self, end_s: f64) -> Result<(), PlantError> {
+        let changed = self.inputs_changed();
+        let outcome = if changed { self.apply_inputs() } else { Ok(()) }.and_then(|()| self.march(end_s, changed));
+        let State { start, ahead, now, .. } = &mut self.state;
+        match &outcome {
+            Ok(()) => now.interpolate(start, ahead, end_s),
+            Err(_) => {
+                now.copy_from(start);
+                ahead.copy_from(start);
+            }
+        }
+        self.evaluate();
+        outcome
+    }
+
+    /// Takes steps until one reaches `end_s`. Runs ahead of `end_s` only while the inputs stay as they are, and never
+    /// with fixed steps.
+    fn march(&mut self, end_s: f64, changed: bool) -> Result<(), PlantError> {
+        let fixed = self.machine.solver.fixed_step_s.map(|step_s| {
+            let span_s = end_s - self.state.now.time_s;
+            span_s / (span_s / step_s * (1.0 - 1e-9)).ceil().max(1.0)
+        });
+        let limit_s = if changed || fixed.is_some() { end_s } else { f64::INFINITY };
+        while self.state.ahead.time_s <= end_s {
+            let State { start, ahead, .. } = &mut self.state;
+            start.copy_from(ahead);
+            self.apply_pending_latch()?;
+            if self.state.start.time_s >= end_s {
+                break;
+            }
+            match fixed {
+                Some(step_s) => self.advance_fixed(step_s, end_s)?,
+                None => self.advance(limit_s)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// One accepted step of variable length from `start` to `ahead`, at most to `limit_s`.
+    fn advance(&mut self, limit_s: f64) -> Result<(), PlantError> {
+        let tolerance = self.state.applied_parameters.tolerance;
+        let (min_step_s, max_step_s) =
+            (self.state.applied_parameters.min_step_s, self.state.applied_parameters.max_step_s);
+        let time_s = self.state.start.time_s;
+        let stop_s = limit_s.min(self.equations.next_kink_s(time_s));
+        let order = self.stepper.error_order();
+        loop {
+            let wanted_s = self.state.step_s.min(max_step_s);
+            let (step_s, end_s) = fit_step(time_s, wanted_s, stop_s);
+            match self.attempt(step_s) {
+                Ok(error) if error <= tolerance => {
+                    self.state.ahead.time_s = end_s;
+                    let grown_s = step_s * control::factor(error / tolerance, order);
+                    // a step cut short by `stop_s` says nothing against the longer one
+                    self.state.step_s = if step_s < wanted_s { grown_s.max(wanted_s) } else { grown_s }.min(max_step_s);
+                    break;
+                }
+                Ok(error) => {
+                    self.state.statistics.rejections += 1;
+                    self.state.step_s = step_s * control::factor(error / tolerance, order).min(0.9);
+                    self.refuse_small_step(min_step_s, || {
+                        format!("error estimate {error:.1e} exceeds tolerance {tolerance:.1e}")
+                    })?;
+                }
+                Err(error) => {
+                    self.state.statistics.failures += 1;
+                    self.state.step_s = step_s * FAILURE_CUT;
+                    self.refuse_small_step(min_step_s, || error.to_string())?;
+                }
+            }
+        }
+        self.state.statistics.steps += 1;
+        self.locate_crossing()
+    }
+
+    fn refuse_small_step(&self, min_step_s: f64, cause: impl FnOnce() -> String) -> Result<(), PlantError> {
+        if self.state.step_s >= min_step_s {
+            return Ok(());
+        }
+        Err(PlantError::NoConvergence { time_s: self.state.start.time_s, step_s: self.state.step_s, cause: cause() })
+    }
+
+    /// One step of given length; halved where Newton's iteration fails.
+    fn advance_fixed(&mut self, step_s: f64, end_s: f64) -> Result<(), PlantError> {
+        let time_s = self.state.start.time_s;
+        let stop_s = end_s.min(self.equations.next_kink_s(time_s));
+        let (mut step_s, mut target_s) = fit_step(time_s, step_s, stop_s);
+        while let Err(error) = self.attempt(step_s) {
+            self.state.statistics.failures += 1;
+            step_s *= 0.5;
+            target_s = time_s + step_s;
+            self.state.step_s = step_s;
+            self.refuse_small_step(self.state.applied_parameters.min_step_s, || error.to_string())?;
+        }
+        self.state.ahead.time_s = target_s;
+        self.state.statistics.steps += 1;
+        self.locate_crossing()
+    }
+
+    /// One step from `start` into `ahead`; returns the error estimate.
+    fn attempt(&mut self, step_s: f64) -> Result<f64, crate::solve::newton::NewtonError> {
+        let tolerance = (NEWTON_SHARE * self.state.applied_parameters.tolerance).min(NEWTON_CEILING);
+        let mut effort = Effort::default();
+        let State { start, ahead, statistics, .. } = &mut self.state;
+        let outcome = self.stepper.step(&mut self.equations, start, step_s, ahead, tolerance, &mut effort);
+        statistics.iterations += effort.iterations;
+        statistics.factorizations += effort.factorizations;
+        outcome
+    }
+
+    /// Where a latch closes inside the step, repeats the step so that it ends there.
+    ///
+    /// Regula falsi (Illinois) on the step's length: each trial is a full step, so the state at the crossing is as
+    /// good as at any step's end.
+    fn locate_crossing(&mut self) -> Result<(), PlantError> {
+        let Some((joint, fraction)) = self.first_crossing() else { return Ok(()) };
+        let start_s = self.state.start.time_s;
+        let step_s = self.state.ahead.time_s - start_s;
+        let gap = |plant: &Self| plant.gap_rad(joint, &plant.state.ahead);
+        let (mut low, mut low_gap) = (0.0, self.gap_rad(joint, &self.state.start));
+        let (mut high, mut high_gap) = (step_s, gap(self));
+        let mut trial_s = fraction * step_s;
+        if high_gap > 0.0 {
+            // crossing and return within the step: the sample inside brackets it
+            high = trial_s;
+            high_gap = -f64::MIN_POSITIVE;
+        }
+        for _ in 0..MAX_LOCATING_STEPS {
+            if let Err(error) = self.attempt(trial_s) {
+                self.state.step_s = trial_s * FAILURE_CUT;
+                return Err(PlantError::NoConvergence { time_s: start_s, step_s: trial_s, cause: error.to_string() });
+            }
+            let here = gap(self);
+            let coordinate = self.equations.joints[joint].coordinate;
+            let rate = self.state.ahead.v[coordinate].abs();
+            if here.abs() <= CROSSING_S * rate || high - low <= CROSSING_S {
+                break;
+            }
+            if here > 0.0 {
+                (low, low_gap, high_gap) = (trial_s, here, 0.5 * high_gap);
+            } else {
+                (high, high_gap, low_gap) = (trial_s, here, 0.5 * low_gap);
+            }
+            // the tangent is best near the crossing; the secant keeps the bracket
+            let newton_s = trial_s + here / rate;
+            let inside = newton_s > low && newton_s < high;
+            trial_s = if inside { newton_s } else { low + (high - low) * low_gap / (low_gap - high_gap) };
+        }
+        self.state.ahead.time_s = start_s + trial_s;
+        self.state.pending_latch = u32::try_from(joint).ok();
+        Ok(())
+    }
+
+    /// Joint whose enabled, open latch is reached first from its folded side inside the step, and an estimate of the
+    /// fraction of the step at which.
+    fn first_crossing(&self) -> Option<(usize, f64)> {
+        let State { start, ahead, joints, .. } = &self.state;
+        let mut first: Option<(usize, f64)> = None;
+        for (i, (joint, state)) in self.equations.joints.iter().zip(joints).enumerate() {
+            let Some(latch) = &joint.latch else { continue };
+            let waits = state.latch.enabled && !state.latch.closed && !joint.held;
+            if !waits || latch.gap_rad(start.q[joint.coordinate]) <= 0.0 {
+                continue;
+            }
+            let gap =
+                |fraction: f64| latch.gap_rad(Point::coordinate_between(start, ahead, fraction, joint.coordinate));
+            let sample = |k: u32| f64::from(k) / f64::from(CROSSING_SAMPLES);
+            let Some(k) = (1..=CROSSING_SAMPLES).find(|&k| gap(sample(k)) <= 0.0) else { continue };
+            let (mut low, mut high) = (sample(k - 1), sample(k));
+            for _ in 0..40 {
+                let middle = 0.5 * (low + high);
+                if gap(middle) > 0.0 { low = middle } else { high = middle }
+            }
+            if first.is_none_or(|(_, earliest)| high < earliest) {
+                first = Some((i, high));
+            }
+        }
+        first
+    }
+
+    /// Distance of a joint to its latch angle in rad, positive on the folded side.
+    fn gap_rad(&self, joint: usize, point: &Point) -> f64 {
+        let joint = &self.equations.joints[joint];
+        joint.latch.as_ref().map_or(f64::INFINITY, |latch| latch.gap_rad(point.q[joint.coordinate]))
+    }
+
+    /// Adopts `time_s` as the present time: for callers whose clock carries round-off.
+    ///
+    /// Shifts the present by at most what the caller has checked; the state itself stays.
+    pub fn adopt_time(&mut self, time_s: f64) {
+        let shift_s = time_s - self.state.now.time_s;
+        if shift_s != 0.0 {
+            for point in [&mut self.state.start, &mut self.state.ahead, &mut self.state.now] {
+                point.time_s += shift_s;
+            }
+            self.state.now.time_s = time_s;
+            self.outputs.time_s = time_s;
+        }
+    }
+}
+
+/// Length of the next step and its end: as wanted, but never beyond `stop_s` and never leaving a sliver before it.
+fn fit_step(time_s: f64, wanted_s: f64, stop_s: f64) -> (f64, f64) {
+    let room_s = stop_s - time_s;
+    if wanted_s >= room_s * (1.0 - 1e-9) {
+        (room_s, stop_s)
+    } else if 2.0 * wanted_s > room_s {
+        (0.5 * room_s, time_s + 0.5 * room_s)
+    } else {
+        (wanted_s, time_s + wanted_s)
+    }
+}

@@ -1,0 +1,150 @@
+//! The plant's state: small, clonable, and all that an FMU state needs.
+
+use crate::actuation::drive::Slew;
+use crate::actuation::latch::LatchState;
+use crate::config::Machine;
+use crate::load::{RootMotion, Wrench};
+use crate::plant::face::{BodyParameters, Inputs, JointInputs, JointParameters, Parameters, PlantError, Statistics};
+use crate::plant::revolutes;
+use crate::solve::point::Point;
+use nalgebra::UnitQuaternion;
+use serde::{Deserialize, Serialize};
+
+/// State of one revolute joint beyond its angle.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(super) struct JointState {
+    /// The stopper has let go.
+    pub released: bool,
+    /// Latch, of joints that have one.
+    pub latch: LatchState,
+    /// Neutral angle of the drive.
+    pub slew: Slew,
+}
+
+/// Everything that changes in time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct State {
+    /// [`crate::plant::Plant::initialize`] has succeeded.
+    pub initialized: bool,
+    /// Inputs as the caller last set them.
+    pub inputs: Inputs,
+    /// Parameters as the caller last set them.
+    pub parameters: Parameters,
+    /// Inputs that the present step runs with.
+    pub applied_inputs: Inputs,
+    /// Parameters that the present step runs with.
+    pub applied_parameters: Parameters,
+    /// Begin of the integrator's present step.
+    pub start: Point,
+    /// End of the integrator's present step, at or ahead of the present time.
+    pub ahead: Point,
+    /// The present.
+    pub now: Point,
+    /// Next step to try in s.
+    pub step_s: f64,
+    /// Joint whose latch closes at `ahead`.
+    pub pending_latch: Option<u32>,
+    /// Per revolute joint.
+    pub joints: Vec<JointState>,
+    /// Last quaternions of the tips, for a continuous sign.
+    pub tip_rotations: Vec<UnitQuaternion<f64>>,
+    /// Last quaternions of the stations.
+    pub station_rotations: Vec<UnitQuaternion<f64>>,
+    /// Counters.
+    pub statistics: Statistics,
+}
+
+impl State {
+    /// Inputs and parameters that the model states; the rest is made by initialisation.
+    pub fn of_model(machine: &Machine) -> Self {
+        let inputs = Inputs {
+            joints: revolutes(machine)
+                .map(|(_, revolute)| JointInputs {
+                    command_rad: revolute.drive.command_rad,
+                    torque_n_m: 0.0,
+                    release: revolute.release,
+                    latch_enable: revolute.latch.as_ref().is_some_and(|latch| latch.enable),
+                })
+                .collect(),
+            stations: vec![Wrench::default(); machine.bodies.iter().map(|body| body.station_positions_m.len()).sum()],
+            root: RootMotion { gravity_m_s2: machine.gravity_m_s2, ..RootMotion::default() },
+        };
+        let parameters = Parameters {
+            joints: revolutes(machine)
+                .map(|(_, revolute)| JointParameters {
+                    start_angle_rad: revolute.start_angle_rad,
+                    stiffness_n_m_rad: revolute.drive.stiffness_n_m_rad,
+                    damping_n_m_s_rad: revolute.drive.damping_n_m_s_rad,
+                    constant_torque_n_m: revolute.drive.constant_torque_n_m,
+                    torque_limit_n_m: revolute.drive.torque_limit_n_m,
+                    rate_limit_rad_s: revolute.drive.rate_limit_rad_s,
+                    latch_stiffness_n_m_rad: revolute.latch.as_ref().map_or(0.0, |latch| latch.stiffness_n_m_rad),
+                })
+                .collect(),
+            bodies: machine
+                .bodies
+                .iter()
+                .map(|body| BodyParameters {
+                    mass_factor: 1.0,
+                    stiffness_factor: 1.0,
+                    mass_damping_1_s: body.mass_damping_1_s,
+                    stiffness_damping_s: body.stiffness_damping_s,
+                })
+                .collect(),
+            tolerance: machine.solver.tolerance,
+            max_step_s: machine.solver.max_step_s,
+            min_step_s: machine.solver.min_step_s,
+        };
+        Self {
+            initialized: false,
+            applied_inputs: inputs.clone(),
+            applied_parameters: parameters.clone(),
+            inputs,
+            parameters,
+            start: Point::default(),
+            ahead: Point::default(),
+            now: Point::default(),
+            step_s: 0.0,
+            pending_latch: None,
+            joints: Vec::new(),
+            tip_rotations: Vec::new(),
+            station_rotations: Vec::new(),
+            statistics: Statistics::default(),
+        }
+    }
+}
+
+/// Everything that must survive rollback: inputs, parameters, integrator history, events, energies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot(Box<State>);
+
+impl Snapshot {
+    pub(super) fn of(state: &State) -> Self {
+        Self(Box::new(state.clone()))
+    }
+
+    pub(super) fn state(&self) -> &State {
+        &self.0
+    }
+
+    /// Refuses a snapshot whose vectors do not have the lengths of this model's.
+    pub(super) fn check(&self, own: &State) -> Result<(), PlantError> {
+        let theirs = &*self.0;
+        let lengths = |state: &State| {
+            [
+                state.inputs.joints.len(),
+                state.inputs.stations.len(),
+                state.parameters.joints.len(),
+                state.parameters.bodies.len(),
+                state.applied_inputs.joints.len(),
+                state.applied_inputs.stations.len(),
+                state.applied_parameters.joints.len(),
+                state.applied_parameters.bodies.len(),
+            ]
+        };
+        if lengths(theirs) != lengths(own) {
+            return Err(PlantError::Snapshot("numbers of joints, bodies or stations differ".into()));
+        }
+        Ok(())
+    }
+}

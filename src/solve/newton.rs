@@ -1,0 +1,110 @@
+//! Modified Newton iteration for the accelerations of one stage, with one factorisation per step.
+
+use crate::solve::{EquationsOfMotion, Singular};
+
+/// Why a stage gave up. A shorter step may help in every case.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum NewtonError {
+    /// Too slow or diverging.
+    #[error("no convergence in {iterations} iterations: last correction {correction:.1e}, tolerance {tolerance:.1e}")]
+    NotConverged {
+        /// Iterations done.
+        iterations: usize,
+        /// Kinematic norm of the last correction.
+        correction: f64,
+        /// Tolerance of the error left.
+        tolerance: f64,
+    },
+    /// No factor at this iterate.
+    #[error(transparent)]
+    Singular(#[from] Singular),
+    /// NaN or infinity.
+    #[error("residual not finite in iteration {iteration}")]
+    NotFinite {
+        /// Iteration.
+        iteration: usize,
+    },
+}
+
+/// Counters of one step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Effort {
+    /// Residuals, each with a solve.
+    pub iterations: u64,
+    /// Factorisations.
+    pub factorizations: u64,
+}
+
+/// State of one stage during the iteration.
+pub struct Stage<'a> {
+    /// Time of the stage in s.
+    pub time_s: f64,
+    /// Coordinates.
+    pub q: &'a mut [f64],
+    /// Rates.
+    pub v: &'a mut [f64],
+    /// Accelerations: the unknowns.
+    pub a: &'a mut [f64],
+    /// Scratch.
+    pub residual: &'a mut [f64],
+    /// `∂v/∂a` in s.
+    pub velocity_gain: f64,
+    /// `∂q/∂a` in s².
+    pub position_gain: f64,
+}
+
+/// Most iterations with one factorisation before the step is given up.
+const MAX_ITERATIONS: usize = 10;
+
+/// Iterates until the estimated error of the displacement, in the kinematic norm, falls below `tolerance`.
+///
+/// `factorized` tells whether the factors of this step stand; they are made at the first iterate, and once more
+/// where the iteration contracts slower than a half.
+pub fn iterate(
+    equations: &mut impl EquationsOfMotion,
+    stage: &mut Stage,
+    tolerance: f64,
+    factorized: &mut bool,
+    effort: &mut Effort,
+) -> Result<(), NewtonError> {
+    let mut previous = f64::INFINITY;
+    let mut refreshed = false;
+    for iteration in 0..MAX_ITERATIONS {
+        equations.residual(stage.time_s, stage.q, stage.v, stage.a, stage.residual);
+        effort.iterations += 1;
+        if !*factorized {
+            equations.factorize(1.0, stage.velocity_gain, stage.position_gain)?;
+            effort.factorizations += 1;
+            *factorized = true;
+            refreshed = true;
+        }
+        let correction = equations.solve(stage.residual) * stage.position_gain;
+        if !correction.is_finite() {
+            return Err(NewtonError::NotFinite { iteration });
+        }
+        for i in 0..stage.a.len() {
+            let step = stage.residual[i];
+            stage.a[i] -= step;
+            stage.v[i] -= stage.velocity_gain * step;
+            stage.q[i] -= stage.position_gain * step;
+        }
+        let rate = correction / previous;
+        let left = if iteration == 0 {
+            // no rate yet: contraction by a hundred is usual at these steps
+            correction * if correction < tolerance { 0.5 } else { f64::INFINITY }
+        } else {
+            correction * rate / (1.0 - rate).max(0.0)
+        };
+        if left <= tolerance {
+            return Ok(());
+        }
+        if iteration > 0 && rate > 0.5 {
+            if refreshed && rate > 1.0 {
+                return Err(NewtonError::NotConverged { iterations: iteration + 1, correction, tolerance });
+            }
+            *factorized = refreshed;
+        }
+        previous = correction;
+    }
+    Err(NewtonError::NotConverged { iterations: MAX_ITERATIONS, correction: previous, tolerance })
+}

@@ -1,0 +1,101 @@
+//! ESDIRK steps for second-order equations: the unknown of a stage is its acceleration, NOTATION eqs. (T1)–(T3).
+
+use crate::solve::newton::{Effort, NewtonError, Stage, iterate};
+use crate::solve::point::Point;
+use crate::solve::tableau::{MAX_STAGES, Tableau};
+use crate::solve::{EquationsOfMotion, Powers};
+
+/// Scratch of an ESDIRK step, sized once.
+#[derive(Debug, Clone)]
+pub struct Esdirk {
+    velocities: Vec<Vec<f64>>,
+    accelerations: Vec<Vec<f64>>,
+    powers: [Powers; MAX_STAGES],
+    q: Vec<f64>,
+    v: Vec<f64>,
+    residual: Vec<f64>,
+}
+
+impl Esdirk {
+    /// Scratch for `coordinates` unknowns.
+    pub fn new(coordinates: usize) -> Self {
+        let zeros = vec![0.0; coordinates];
+        Self {
+            velocities: vec![zeros.clone(); MAX_STAGES],
+            accelerations: vec![zeros.clone(); MAX_STAGES],
+            powers: [Powers::default(); MAX_STAGES],
+            q: zeros.clone(),
+            v: zeros.clone(),
+            residual: zeros,
+        }
+    }
+
+    /// One step of `h_s` from `start`; fills `end` and returns the error estimate in the kinematic norm.
+    #[allow(clippy::too_many_arguments)]
+    pub fn step(
+        &mut self,
+        tableau: &Tableau,
+        equations: &mut impl EquationsOfMotion,
+        start: &Point,
+        h_s: f64,
+        end: &mut Point,
+        tolerance: f64,
+        effort: &mut Effort,
+    ) -> Result<f64, NewtonError> {
+        let coordinates = start.q.len();
+        let gain = h_s * tableau.gamma;
+        self.velocities[0].copy_from_slice(&start.v);
+        self.accelerations[0].copy_from_slice(&start.a);
+        self.powers[0] = start.powers;
+        let mut factorized = false;
+        for stage in 1..tableau.stages() {
+            let row = tableau.rows[stage - 1];
+            let (before, rest) = self.accelerations.split_at_mut(stage);
+            let a = &mut rest[0];
+            // predictor: the stage before
+            a.copy_from_slice(&before[stage - 1]);
+            for i in 0..coordinates {
+                let (mut q, mut v) = (start.q[i], start.v[i]);
+                for (j, weight) in row.iter().enumerate() {
+                    q += h_s * weight * self.velocities[j][i];
+                    v += h_s * weight * before[j][i];
+                }
+                self.v[i] = v + gain * a[i];
+                self.q[i] = q + gain * self.v[i];
+            }
+            let time_s = start.time_s + tableau.abscissa(stage) * h_s;
+            equations.prescribe(time_s, &mut self.q, &mut self.v, a);
+            let mut unknown = Stage {
+                time_s,
+                q: &mut self.q,
+                v: &mut self.v,
+                a,
+                residual: &mut self.residual,
+                velocity_gain: gain,
+                position_gain: gain * gain,
+            };
+            iterate(equations, &mut unknown, tolerance, &mut factorized, effort)?;
+            self.velocities[stage].copy_from_slice(&self.v);
+            self.powers[stage] = equations.powers(time_s, &self.q, &self.v);
+        }
+
+        let last = tableau.stages() - 1;
+        end.time_s = start.time_s + h_s;
+        end.q.copy_from_slice(&self.q);
+        end.v.copy_from_slice(&self.v);
+        end.a.copy_from_slice(&self.accelerations[last]);
+        end.auxiliary.copy_from_slice(&self.accelerations[last]);
+        end.powers = self.powers[last];
+        let weights = tableau.rows[last - 1].iter().chain(std::iter::once(&tableau.gamma));
+        (end.work, end.dissipated) = (start.work, start.dissipated);
+        for (weight, powers) in weights.zip(&self.powers) {
+            end.work += h_s * weight * powers.work;
+            end.dissipated += h_s * weight * powers.dissipated;
+        }
+
+        for i in 0..coordinates {
+            self.residual[i] = tableau.error.iter().zip(&self.velocities).map(|(e, v)| h_s * e * v[i]).sum();
+        }
+        Ok(equations.norm(&self.residual))
+    }
+}

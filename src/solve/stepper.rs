@@ -1,0 +1,78 @@
+//! One step by the chosen method.
+
+use crate::solve::EquationsOfMotion;
+use crate::solve::generalized_alpha::{GeneralizedAlpha, Parameters};
+use crate::solve::newton::{Effort, NewtonError};
+use crate::solve::point::Point;
+use crate::solve::runge_kutta::Esdirk;
+use crate::solve::tableau::{ESDIRK3, ESDIRK4, TR_BDF2, Tableau};
+
+/// Time integration method.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// Generalised-α, second order, with its spectral radius at infinity.
+    GeneralizedAlpha {
+        /// In `[0, 1]`.
+        rho_infinity: f64,
+    },
+    /// TR-BDF2, second order.
+    TrBdf2,
+    /// ESDIRK3(2)4L[2]SA, third order.
+    Esdirk3,
+    /// ESDIRK4(3)6L[2]SA, fourth order.
+    Esdirk4,
+}
+
+/// A method with its scratch.
+#[derive(Debug, Clone)]
+pub struct Stepper {
+    method: Method,
+    esdirk: Esdirk,
+    generalized_alpha: GeneralizedAlpha,
+}
+
+impl Stepper {
+    /// A method for `coordinates` unknowns.
+    pub fn new(method: Method, coordinates: usize) -> Self {
+        Self { method, esdirk: Esdirk::new(coordinates), generalized_alpha: GeneralizedAlpha::new(coordinates) }
+    }
+
+    /// Power of the step with which the error estimate falls.
+    pub fn error_order(&self) -> u32 {
+        self.tableau().map_or(3, |tableau| tableau.error_order)
+    }
+
+    fn tableau(&self) -> Option<&'static Tableau<'static>> {
+        match self.method {
+            Method::GeneralizedAlpha { .. } => None,
+            Method::TrBdf2 => Some(&TR_BDF2),
+            Method::Esdirk3 => Some(&ESDIRK3),
+            Method::Esdirk4 => Some(&ESDIRK4),
+        }
+    }
+
+    /// One step of `h_s` from `start` into `end`. Returns the error estimate in the kinematic norm.
+    ///
+    /// `newton_tolerance` bounds the displacement error that the iteration leaves, in the same norm. Allocates
+    /// nothing. On an error `end` is undefined and `start` untouched.
+    pub fn step(
+        &mut self,
+        equations: &mut impl EquationsOfMotion,
+        start: &Point,
+        h_s: f64,
+        end: &mut Point,
+        newton_tolerance: f64,
+        effort: &mut Effort,
+    ) -> Result<f64, NewtonError> {
+        match (self.tableau(), self.method) {
+            (None, Method::GeneralizedAlpha { rho_infinity }) => {
+                let parameters = Parameters::new(rho_infinity);
+                self.generalized_alpha.step(&parameters, equations, start, h_s, end, newton_tolerance, effort)
+            }
+            (tableau, _) => {
+                let tableau = tableau.unwrap_or(&ESDIRK4);
+                self.esdirk.step(tableau, equations, start, h_s, end, newton_tolerance, effort)
+            }
+        }
+    }
+}
