@@ -22,3 +22,7 @@ pub mod plant;
 pub mod interface;
 
 pub mod fmi2;
+
+pub mod packaging;
+
+pub mod report;

@@ -1,1 +1,9 @@
-fn main() {}
+//! The command `foldwing`: models to FMUs, simulations, checks.
+
+mod cli;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::run()
+}

@@ -1,0 +1,70 @@
+# Two commands: `make` builds, packages and unfolds the wing; `make test` checks everything.
+# `make help` lists the rest.
+
+SHELL   := /bin/sh
+PYTHON  ?= python3
+CARGO   ?= cargo
+TARGET  := $(or $(CARGO_TARGET_DIR),target)
+VENV    ?= $(TARGET)/venv
+MODELS  := $(wildcard examples/models/*.toml)
+
+MINIMUM_RUST   := $(shell sed -n 's/^rust-version *= *"\(.*\)"/\1/p' Cargo.toml)
+MINIMUM_PYTHON := 3.9
+
+VENV_PYTHON := $(VENV)/bin/python
+COMMAND     := $(TARGET)/release/foldwing
+FMU         := $(TARGET)/fmu/FoldingWing.fmu
+DEPLOYMENT  := $(TARGET)/deployment
+
+.PHONY: all build package venv deploy test format lint unit pytest bless python-lock clean help toolchain
+.DEFAULT_GOAL := all
+
+all: deploy ## Build, package, unfold the wing through FMPy
+
+toolchain: ## Check what `make` needs
+	@PYTHON="$(PYTHON)" sh tools/check_toolchain.sh "$(MINIMUM_RUST)" "$(MINIMUM_PYTHON)" "$(MAKE_VERSION)"
+
+build: toolchain ## Build library and command, optimised
+	$(CARGO) build --release --locked
+
+package: build ## Make the FMU of every shipped model in $(TARGET)/fmu
+	@mkdir -p $(TARGET)/fmu
+	@set -e; for model in $(MODELS); do \
+	    $(COMMAND) package $$model -o $(TARGET)/fmu/$$(basename $$model .toml).fmu; \
+	done
+	@cp $(TARGET)/fmu/folding_wing.fmu $(FMU)
+	@echo "packaged $(FMU)"
+
+venv: toolchain ## Create the Python environment from pinned packages
+	@$(PYTHON) tools/create_venv.py $(VENV) --requirements python/requirements.txt
+
+deploy: package venv ## Unfold the wing: latch time, peak strain, CSV and plots
+	@$(VENV_PYTHON) examples/deploy.py --fmu $(FMU) --output $(DEPLOYMENT)
+
+test: toolchain format lint unit pytest ## Check everything
+
+format:
+	$(CARGO) fmt --check
+
+lint: toolchain
+	$(CARGO) clippy --all-targets --locked -- -D warnings
+
+unit: toolchain
+	$(CARGO) test --release --locked
+
+pytest: package venv
+	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) \
+	    $(VENV_PYTHON) -m pytest -q tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
+
+bless: toolchain ## Rewrite modelDescription/ after a deliberate change of the interface
+	FOLDWING_BLESS=1 $(CARGO) test --release --locked --test model_description
+
+python-lock: venv ## Renew python/requirements.txt from requirements.in
+	$(VENV_PYTHON) tools/lock_python.py python/requirements.in python/requirements.txt
+
+clean: ## Remove everything that was built
+	$(CARGO) clean
+	rm -rf $(VENV)
+
+help: ## List the targets
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 14

@@ -1,0 +1,249 @@
+//! `foldwing check`: what was understood of a model.
+
+use crate::cli::{Failure, print, read_model};
+use foldwing::config::Machine;
+use foldwing::config::machine::{Body, ElementKind, JointKind, JointMotion, Parent, UNLIMITED};
+use foldwing::interface::{Causality, Interface, Value};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// Print JSON, for programs
+    #[arg(long)]
+    json: bool,
+    /// List every variable of the FMU
+    #[arg(long)]
+    variables: bool,
+}
+
+/// Prints the summary.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (machine, _) = read_model(&arguments.model)?;
+    let summary = Summary::new(&machine);
+    if arguments.json {
+        return print(&serde_json::to_string_pretty(&summary).expect("names and finite numbers always serialise"));
+    }
+    print(&summary.text(arguments.variables))
+}
+
+/// A model in numbers.
+#[derive(Serialize)]
+struct Summary {
+    name: String,
+    description: String,
+    mass_kg: f64,
+    degrees_of_freedom: usize,
+    stations: usize,
+    bodies: Vec<BodySummary>,
+    joints: Vec<JointSummary>,
+    gauges: Vec<String>,
+    variables: Vec<VariableSummary>,
+}
+
+#[derive(Serialize)]
+struct BodySummary {
+    name: String,
+    length_m: f64,
+    mass_kg: f64,
+    attached_mass_kg: f64,
+    elements: usize,
+    element_kind: &'static str,
+    degrees_of_freedom: usize,
+    stations_m: Vec<f64>,
+}
+
+#[derive(Serialize)]
+struct JointSummary {
+    name: String,
+    body: String,
+    parent: String,
+    kind: &'static str,
+    start_angle_deg: Option<f64>,
+    stiffness_n_m_rad: Option<f64>,
+    damping_n_m_s_rad: Option<f64>,
+    constant_torque_n_m: Option<f64>,
+    torque_limit_n_m: Option<f64>,
+    latch_angle_deg: Option<f64>,
+    latch_stiffness_n_m_rad: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct VariableSummary {
+    name: String,
+    causality: &'static str,
+    r#type: &'static str,
+    unit: &'static str,
+    start: Option<String>,
+    description: String,
+}
+
+impl Summary {
+    fn new(machine: &Machine) -> Self {
+        let bodies: Vec<BodySummary> = machine.bodies.iter().map(BodySummary::new).collect();
+        let interface = Interface::new(machine);
+        Self {
+            name: machine.name.clone(),
+            description: machine.description.clone(),
+            mass_kg: bodies.iter().map(|body| body.mass_kg + body.attached_mass_kg).sum(),
+            degrees_of_freedom: bodies.iter().map(|body| body.degrees_of_freedom).sum::<usize>()
+                + machine.bodies.iter().filter(|body| moves_freely(body)).count(),
+            stations: bodies.iter().map(|body| body.stations_m.len()).sum(),
+            bodies,
+            joints: machine.bodies.iter().map(|body| JointSummary::new(body, machine)).collect(),
+            gauges: machine.gauges.iter().map(|gauge| gauge.name.clone()).collect(),
+            variables: interface.variables().iter().map(VariableSummary::new).collect(),
+        }
+    }
+
+    fn text(&self, list_variables: bool) -> String {
+        let mut text = format!(
+            "{}: {}\n{:.6} kg, {} degrees of freedom, {} load stations\n\nbodies\n",
+            self.name, self.description, self.mass_kg, self.degrees_of_freedom, self.stations
+        );
+        for body in &self.bodies {
+            let _ = writeln!(
+                text,
+                "  {}: {} m, {:.6} kg and {:.6} kg attached, {} {} elements, {} stations",
+                body.name,
+                body.length_m,
+                body.mass_kg,
+                body.attached_mass_kg,
+                body.elements,
+                body.element_kind,
+                body.stations_m.len()
+            );
+        }
+        text.push_str("\njoints\n");
+        self.joints.iter().for_each(|joint| text.push_str(&joint.text()));
+        let gauges = if self.gauges.is_empty() { "none".to_owned() } else { self.gauges.join(", ") };
+        let count = |causality: &str| self.variables.iter().filter(|v| v.causality == causality).count();
+        let _ = writeln!(
+            text,
+            "\ngauges: {gauges}\n{} inputs, {} outputs, {} parameters",
+            count("input"),
+            count("output"),
+            count("parameter")
+        );
+        if list_variables {
+            for variable in &self.variables {
+                let start = variable.start.as_ref().map(|start| format!(" = {start}")).unwrap_or_default();
+                let unit = if variable.unit.is_empty() { String::new() } else { format!(" [{}]", variable.unit) };
+                let _ =
+                    writeln!(text, "  {} {}{start}{unit}: {}", variable.causality, variable.name, variable.description);
+            }
+        } else {
+            text.push_str("(--variables lists them)\n");
+        }
+        text
+    }
+}
+
+/// Whether the joint adds a degree of freedom.
+fn moves_freely(body: &Body) -> bool {
+    matches!(&body.joint.kind, JointKind::Revolute(joint) if joint.motion == JointMotion::Free)
+}
+
+impl BodySummary {
+    fn new(body: &Body) -> Self {
+        // A linear element is a pair of constant halves; each of those has four strains.
+        let (element_kind, strains) = match body.element {
+            ElementKind::Constant => ("constant", 4),
+            ElementKind::Linear => ("linear", 8),
+        };
+        Self {
+            name: body.name.clone(),
+            length_m: body.length_m,
+            mass_kg: body.section.mass_kg_m * body.length_m,
+            attached_mass_kg: body.masses.iter().map(|mass| mass.mass_kg).sum(),
+            elements: body.elements,
+            element_kind,
+            degrees_of_freedom: strains * body.elements,
+            stations_m: body.station_positions_m.clone(),
+        }
+    }
+}
+
+impl JointSummary {
+    fn new(body: &Body, machine: &Machine) -> Self {
+        let parent = match body.joint.parent {
+            Parent::Root { .. } => "root".to_owned(),
+            Parent::Body { index, position_m } => format!("{} at {position_m} m", machine.bodies[index].name),
+        };
+        let mut summary = Self {
+            name: body.joint.name.clone(),
+            body: body.name.clone(),
+            parent,
+            kind: "clamped",
+            start_angle_deg: None,
+            stiffness_n_m_rad: None,
+            damping_n_m_s_rad: None,
+            constant_torque_n_m: None,
+            torque_limit_n_m: None,
+            latch_angle_deg: None,
+            latch_stiffness_n_m_rad: None,
+        };
+        if let JointKind::Revolute(joint) = &body.joint.kind {
+            summary.kind = match joint.motion {
+                JointMotion::Free => "revolute",
+                JointMotion::Locked => "revolute, locked",
+                JointMotion::Prescribed(_) => "revolute, prescribed",
+            };
+            summary.start_angle_deg = Some(joint.start_angle_rad.to_degrees());
+            summary.stiffness_n_m_rad = Some(joint.drive.stiffness_n_m_rad);
+            summary.damping_n_m_s_rad = Some(joint.drive.damping_n_m_s_rad);
+            summary.constant_torque_n_m = Some(joint.drive.constant_torque_n_m);
+            summary.torque_limit_n_m = Some(joint.drive.torque_limit_n_m).filter(|limit| *limit < UNLIMITED);
+            summary.latch_angle_deg = joint.latch.as_ref().map(|latch| latch.angle_rad.to_degrees());
+            summary.latch_stiffness_n_m_rad = joint.latch.as_ref().map(|latch| latch.stiffness_n_m_rad);
+        }
+        summary
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!("  {}: {} on {}, {}", self.name, self.body, self.parent, self.kind);
+        for (name, value, unit) in [
+            ("start", self.start_angle_deg, "deg"),
+            ("k", self.stiffness_n_m_rad, "N.m/rad"),
+            ("c", self.damping_n_m_s_rad, "N.m.s/rad"),
+            ("T", self.constant_torque_n_m, "N.m"),
+            ("torque limit", self.torque_limit_n_m, "N.m"),
+            ("latch at", self.latch_angle_deg, "deg"),
+            ("latch stiffness", self.latch_stiffness_n_m_rad, "N.m/rad"),
+        ] {
+            if let Some(value) = value {
+                let _ = write!(text, ", {name} {} {unit}", (value * 1e9).round() / 1e9);
+            }
+        }
+        text + "\n"
+    }
+}
+
+impl VariableSummary {
+    fn new(variable: &foldwing::interface::Variable) -> Self {
+        let causality = match variable.causality {
+            Causality::Input => "input",
+            Causality::Output => "output",
+            Causality::Parameter => "parameter",
+            Causality::Local => "local",
+            Causality::Independent => "independent",
+        };
+        let (r#type, start) = match variable.value {
+            Value::Real(value) => ("Real", value.to_string()),
+            Value::Integer(value) => ("Integer", value.to_string()),
+            Value::Boolean(value) => ("Boolean", value.to_string()),
+        };
+        let has_start = matches!(variable.causality, Causality::Input | Causality::Parameter);
+        Self {
+            name: variable.name.clone(),
+            causality,
+            r#type,
+            unit: variable.unit(),
+            start: has_start.then_some(start),
+            description: variable.description.clone(),
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! `foldwing simulate`: outputs over time as CSV.
+
+use crate::cli::{Failure, read_model};
+use clap::builder::NonEmptyStringValueParser;
+use foldwing::config::Machine;
+use foldwing::interface::{Causality, Interface, Value, Variable};
+use foldwing::plant::Plant;
+use foldwing::report::inputs::unknown_name;
+use foldwing::report::{InputTable, Recorder};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::fs::File;
+use std::io::{self, BufWriter, IsTerminal, Write};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Shorter runs show no progress bar.
+const PROGRESS_AFTER: Duration = Duration::from_millis(500);
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// CSV file to write; `-` is standard output
+    #[arg(long, value_name = "OUT.csv")]
+    csv: PathBuf,
+    /// Inputs over time: CSV with a column `time` and columns named after inputs; taken at the start of each step,
+    /// reals on straight lines between rows, Booleans held
+    #[arg(long, value_name = "IN.csv")]
+    inputs: Option<PathBuf>,
+    /// Start value of an input or parameter; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
+    settings: Vec<String>,
+    /// Communication step in s [default: the model's]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    step: Option<f64>,
+    /// Start time in s [default: the model's]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    start: Option<f64>,
+    /// Stop time in s [default: the model's]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    stop: Option<f64>,
+    /// Variable to write; may be repeated [default: all outputs]
+    #[arg(long = "output", value_name = "NAME")]
+    outputs: Vec<String>,
+    /// Print no summary
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Simulates and writes the CSV; the rows up to a failure are kept.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (machine, _) = read_model(&arguments.model)?;
+    let grid = Grid::new(arguments, &machine)?;
+    let interface = Interface::new(&machine);
+    let recorded = recorded(&arguments.outputs, &interface)?;
+    let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, &interface)).transpose()?;
+    let mut plant = Plant::new(Arc::new(machine));
+    for setting in &arguments.settings {
+        apply_setting(setting, &interface, &mut plant)?;
+    }
+
+    let target = arguments.csv.display().to_string();
+    let writing = |error: io::Error| Failure::writing(&target, &error);
+    let sink: Box<dyn Write> = match target.as_str() {
+        "-" => Box::new(io::stdout().lock()),
+        path => Box::new(File::create(path).map_err(writing)?),
+    };
+    let recorder = Recorder::new(BufWriter::new(sink), &recorded).map_err(writing)?;
+    let mut run = Run { plant, interface: &interface, inputs, recorded: &recorded, recorder };
+    let clock = Instant::now();
+    let outcome = run.through(&grid, &writing);
+    let Run { plant, recorder, .. } = run;
+    recorder.finish().and_then(|mut sink| sink.flush()).map_err(writing)?;
+    outcome?;
+    if !arguments.quiet {
+        eprint!("{}", summary(&plant, &grid, clock.elapsed()));
+    }
+    Ok(())
+}
+
+/// Communication points.
+struct Grid {
+    start_s: f64,
+    stop_s: f64,
+    step_s: f64,
+    steps: u64,
+}
+
+impl Grid {
+    /// Most rows that a run may have: beyond it the step is surely a slip.
+    const MOST_STEPS: f64 = 1e9;
+
+    fn new(arguments: &Arguments, machine: &Machine) -> Result<Self, Failure> {
+        let experiment = &machine.experiment;
+        let start_s = finite("--start", arguments.start, experiment.start_time_s)?;
+        // A start given alone moves the experiment; it does not shorten it.
+        let duration_s = experiment.stop_time_s - experiment.start_time_s;
+        let stop_s = finite("--stop", arguments.stop, start_s + duration_s)?;
+        let step_s = finite("--step", arguments.step, experiment.step_s)?;
+        if step_s <= 0.0 {
+            return Err(Failure::Usage(format!("--step {step_s}: the step must be positive")));
+        }
+        if stop_s <= start_s {
+            return Err(Failure::Usage(format!("--stop {stop_s}: must lie after the start time, {start_s} s")));
+        }
+        let steps = ((stop_s - start_s) / step_s - 1e-9).ceil().max(1.0);
+        if steps > Self::MOST_STEPS {
+            return Err(Failure::Usage(format!(
+                "--step {step_s}: {steps:.0} rows are more than {:.0}",
+                Self::MOST_STEPS
+            )));
+        }
+        Ok(Self { start_s, stop_s, step_s, steps: steps as u64 })
+    }
+
+    /// Time of a communication point; the last is the stop time exactly.
+    fn time_s(&self, point: u64) -> f64 {
+        if point == self.steps { self.stop_s } else { self.start_s + point as f64 * self.step_s }
+    }
+}
+
+fn finite(option: &str, given: Option<f64>, default: f64) -> Result<f64, Failure> {
+    match given {
+        Some(value) if !value.is_finite() => Err(Failure::Usage(format!("{option} {value}: must be a finite number"))),
+        Some(value) => Ok(value),
+        None => Ok(default),
+    }
+}
+
+/// Rows of the table to write: those named, else all outputs.
+fn recorded<'a>(names: &[String], interface: &'a Interface) -> Result<Vec<&'a Variable>, Failure> {
+    let variables = interface.variables();
+    if names.is_empty() {
+        return Ok(variables.iter().filter(|variable| variable.causality == Causality::Output).collect());
+    }
+    let find = |name: &String| interface.find(name).ok_or_else(|| unknown(name, "variable", variables));
+    names.iter().map(find).collect()
+}
+
+fn unknown(name: &str, what: &str, variables: &[Variable]) -> Failure {
+    Failure::Usage(unknown_name(name, what, variables.iter().map(|variable| variable.name.as_str())))
+}
+
+fn read_inputs(path: &PathBuf, interface: &Interface) -> Result<InputTable, Failure> {
+    let name = path.display().to_string();
+    let file = File::open(path).map_err(|error| Failure::Files(format!("{name}: cannot be read: {error}")))?;
+    InputTable::read(file, &name, interface.variables()).map_err(|error| Failure::Refused(error.to_string()))
+}
+
+/// `NAME=VALUE` of an input or parameter.
+fn apply_setting(setting: &str, interface: &Interface, plant: &mut Plant) -> Result<(), Failure> {
+    let refused = |cause: String| Failure::Usage(format!("--set {setting}: {cause}"));
+    let (name, text) = setting.split_once('=').ok_or_else(|| refused("must be NAME=VALUE".to_owned()))?;
+    let variable = interface.find(name).ok_or_else(|| unknown(name, "input or parameter", interface.variables()))?;
+    let value = match variable.value {
+        Value::Real(_) => text.parse().map(Value::Real).map_err(|_| "is not a number"),
+        Value::Integer(_) => text.parse().map(Value::Integer).map_err(|_| "is not a whole number"),
+        Value::Boolean(_) => match text {
+            "1" | "true" => Ok(Value::Boolean(true)),
+            "0" | "false" => Ok(Value::Boolean(false)),
+            _ => Err("is not a Boolean; allowed are 0, 1, false and true"),
+        },
+    };
+    let value = value.map_err(|cause| refused(format!("`{text}` {cause}")))?;
+    interface.set(plant, variable.value_reference, value).map_err(|error| refused(error.to_string()))
+}
+
+/// One simulation.
+struct Run<'a, W: Write> {
+    plant: Plant,
+    interface: &'a Interface,
+    inputs: Option<InputTable>,
+    recorded: &'a [&'a Variable],
+    recorder: Recorder<W>,
+}
+
+impl<W: Write> Run<'_, W> {
+    fn through(&mut self, grid: &Grid, writing: &impl Fn(io::Error) -> Failure) -> Result<(), Failure> {
+        let failed = |error: foldwing::plant::PlantError| Failure::Simulation(error.to_string());
+        self.feed(grid.start_s)?;
+        self.plant.initialize(grid.start_s).map_err(failed)?;
+        self.record(grid.start_s).map_err(writing)?;
+        let mut progress = Progress::new(grid.steps);
+        for point in 1..=grid.steps {
+            self.feed(grid.time_s(point - 1))?;
+            let time_s = grid.time_s(point);
+            if let Err(error) = self.plant.step(time_s) {
+                self.record(self.plant.time_s()).map_err(writing)?; // the last good time
+                return Err(failed(error));
+            }
+            self.record(time_s).map_err(writing)?;
+            progress.at(point);
+        }
+        Ok(())
+    }
+
+    /// Inputs of the step that begins at `time_s`.
+    fn feed(&mut self, time_s: f64) -> Result<(), Failure> {
+        let Some(table) = &self.inputs else { return Ok(()) };
+        for (value_reference, value) in table.at(time_s) {
+            self.interface
+                .set(&mut self.plant, value_reference, value)
+                .map_err(|error| Failure::Refused(format!("input at {time_s} s: {error}")))?;
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, time_s: f64) -> io::Result<()> {
+        let (plant, interface) = (&self.plant, self.interface);
+        let value = |variable: &&Variable| {
+            interface.get(plant, plant.outputs(), variable.value_reference).expect("rows come from the same table")
+        };
+        self.recorder.record(time_s, self.recorded.iter().map(value))
+    }
+}
+
+/// A bar on standard error for runs that last, none where nobody watches.
+struct Progress {
+    bar: Option<ProgressBar>,
+    steps: u64,
+    started: Instant,
+}
+
+impl Progress {
+    fn new(steps: u64) -> Self {
+        Self { bar: None, steps, started: Instant::now() }
+    }
+
+    fn at(&mut self, step: u64) {
+        if self.bar.is_none() && self.started.elapsed() > PROGRESS_AFTER && io::stderr().is_terminal() {
+            let style = ProgressStyle::with_template("{wide_bar} {percent} % of the time, {eta} left")
+                .expect("the template is valid");
+            let bar = ProgressBar::with_draw_target(Some(self.steps), ProgressDrawTarget::stderr());
+            self.bar = Some(bar.with_style(style));
+        }
+        if let Some(bar) = &self.bar {
+            bar.set_position(step);
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// What happened, in a few lines.
+fn summary(plant: &Plant, grid: &Grid, elapsed: Duration) -> String {
+    let machine = plant.machine();
+    let mut text = String::new();
+    for (joint, body) in plant.outputs().joints.iter().zip(plant.revolute_joints()) {
+        let name = &machine.bodies[*body].joint.name;
+        let latch = match joint.latch_count {
+            0 => "did not latch".to_owned(),
+            count => format!("latched at {:.6} s ({count} in all)", joint.latch_time_s),
+        };
+        text += &format!("{name}: {latch}, angle {:.3} deg at the end\n", joint.angle_rad.to_degrees());
+    }
+    let statistics = plant.statistics();
+    text + &format!(
+        "{:.6} s simulated in {:.4} s: {} steps, {} rejected, {} failed, {} iterations, {} events\n",
+        grid.stop_s - grid.start_s,
+        elapsed.as_secs_f64(),
+        statistics.steps,
+        statistics.rejections,
+        statistics.failures,
+        statistics.iterations,
+        statistics.events
+    )
+}

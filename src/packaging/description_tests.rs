@@ -1,0 +1,93 @@
+//! The description of a hand-made table, read as text: what the standard wants, where it wants it.
+
+use super::*;
+use crate::packaging::drawing::tests::two_body_machine;
+
+fn row(row: u32, name: &str, causality: Causality, value: Value) -> Variable {
+    let (variability, initial) = match causality {
+        Causality::Output => (Variability::Continuous, Some(Initial::Calculated)),
+        Causality::Parameter => (Variability::Fixed, Some(Initial::Exact)),
+        _ => (Variability::Continuous, None),
+    };
+    Variable {
+        name: name.to_owned(),
+        value_reference: row,
+        causality,
+        variability,
+        initial,
+        value,
+        declared_type: None,
+        range: None,
+        description: format!("{name} < & \" of the wing"),
+        dependencies: vec![],
+        initial_dependencies: vec![],
+    }
+}
+
+fn table() -> Vec<Variable> {
+    let mut rows = vec![
+        row(0, "time", Causality::Independent, Value::Real(0.0)),
+        row(1, "fold.command", Causality::Input, Value::Real(0.25)),
+        row(2, "fold.release", Causality::Input, Value::Boolean(true)),
+        row(3, "parameter.limit", Causality::Parameter, Value::Real(1e30)),
+        row(4, "fold.angle", Causality::Output, Value::Real(0.0)),
+        row(5, "fold.latch_count", Causality::Output, Value::Integer(0)),
+    ];
+    rows[2].variability = Variability::Discrete;
+    rows[5].variability = Variability::Discrete;
+    rows[3].range = Some((0.0, 1e30));
+    rows[4].dependencies = vec![(2, DependencyKind::Dependent), (1, DependencyKind::Constant)];
+    rows[4].initial_dependencies = vec![(3, DependencyKind::Dependent)];
+    rows
+}
+
+fn text() -> String {
+    model_description(&two_body_machine(), &table(), "{guid}")
+}
+
+/// Elements stand in the order of the schema's sequence.
+#[test]
+fn elements_follow_the_schema_order() {
+    let text = text();
+    let order = ["<CoSimulation", "<LogCategories", "<DefaultExperiment", "<ModelVariables", "<ModelStructure"];
+    let positions: Vec<_> = order.iter().map(|element| text.find(element).expect(element)).collect();
+    assert!(positions.is_sorted(), "{positions:?}");
+}
+
+/// Inputs and parameters carry a start value, outputs and time none.
+#[test]
+fn start_values_stand_where_the_standard_wants_them() {
+    let text = text();
+    for expected in [
+        "<Real start=\"0.25\"/>",
+        "<Boolean start=\"true\"/>",
+        "<Real min=\"0.0\" max=\"1e30\" start=\"1e30\"/>",
+        "<Integer/>",
+    ] {
+        assert!(text.contains(expected), "{expected} is missing in\n{text}");
+    }
+    assert_eq!(text.matches("start=").count(), 3);
+}
+
+/// Dependencies are indices from 1 in ascending order, each kind beside its index; "none" is an empty list.
+#[test]
+fn structure_counts_from_one_and_sorts() {
+    let text = text();
+    for expected in [
+        "<Unknown index=\"5\" dependencies=\"2 3\" dependenciesKind=\"constant dependent\"/>",
+        "<Unknown index=\"6\" dependencies=\"\" dependenciesKind=\"\"/>",
+        "<Unknown index=\"5\" dependencies=\"4\" dependenciesKind=\"dependent\"/>",
+    ] {
+        assert!(text.contains(expected), "{expected} is missing in\n{text}");
+    }
+}
+
+/// Markup in a description is escaped, and nothing depends on when or where the text is written.
+#[test]
+fn text_is_escaped_and_reproducible() {
+    let text = text();
+    assert!(text.contains("fold.angle &lt; &amp; &quot; of the wing"));
+    assert!(!text.contains("generationDateAndTime"));
+    assert!(text.contains(&format!("generationTool=\"foldwing {VERSION}\"")));
+    assert_eq!(text, self::text());
+}

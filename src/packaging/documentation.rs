@@ -1,0 +1,262 @@
+//! `documentation/index.html`: one page without outside references, made from the model and the variable table.
+
+use crate::config::Machine;
+use crate::config::machine::{Body, ElementKind, JointKind, JointMotion, Parent, Revolute, UNLIMITED};
+use crate::interface::{Causality, TYPES, UNITS, Value, Variability, Variable};
+use crate::packaging::{VERSION, drawing};
+use quick_xml::escape::escape;
+use std::fmt::Write;
+
+const STYLE: &str = include_str!("documentation.css");
+const EQUATIONS: &str = include_str!("equations.html");
+
+/// The whole page.
+pub fn page(machine: &Machine, variables: &[Variable]) -> String {
+    let name = escape(&machine.name);
+    let mut html = String::new();
+    let _ = write!(
+        html,
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{name}</title>\n\
+         <style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{name}</h1>\n<p>{}</p>\n\
+         <p>FMI 2.0 co-simulation FMU made by foldwing {VERSION}. All quantities are in SI units and radians; \
+         vectors are resolved in the root frame unless a description says otherwise.</p>\n",
+        escape(&machine.description)
+    );
+    drawing_section(&mut html, machine);
+    bodies_section(&mut html, machine);
+    joints_section(&mut html, machine);
+    experiment_section(&mut html, machine);
+    variables_section(&mut html, variables);
+    html.push_str(EQUATIONS);
+    html.push_str("</body>\n</html>\n");
+    html
+}
+
+fn drawing_section(html: &mut String, machine: &Machine) {
+    let _ = write!(
+        html,
+        "<h2>The wing</h2>\n<figure>\n{}<figcaption>Undeformed wing: deployed (filled), at its start angles \
+         (outlined) and between. <span class=\"key joint\"></span> joint, <span class=\"key station\"></span> load \
+         station, <span class=\"key mass\"></span> mass, <span class=\"key gauge\"></span> strain gauge. The axes \
+         are the root frame.</figcaption>\n</figure>\n",
+        drawing::svg(machine)
+    );
+}
+
+fn bodies_section(html: &mut String, machine: &Machine) {
+    html.push_str("<h2>Bodies</h2>\n");
+    let head = [
+        "body",
+        "length (m)",
+        "mass (kg/m)",
+        "EA (N)",
+        "GJ (N·m²)",
+        "EI<sub>y</sub> (N·m²)",
+        "EI<sub>z</sub> (N·m²)",
+        "elements",
+        "stations",
+        "α (1/s)",
+        "β (s)",
+    ];
+    table(
+        html,
+        &head,
+        machine.bodies.iter().map(|body| {
+            let stiffness = &body.section.stiffness;
+            let mut row = vec![escape(&body.name).into_owned(), number(body.length_m), number(body.section.mass_kg_m)];
+            row.extend((0..4).map(|i| number(stiffness[(i, i)])));
+            row.extend([elements(body), body.station_positions_m.len().to_string()]);
+            row.extend([number(body.mass_damping_1_s), number(body.stiffness_damping_s)]);
+            row
+        }),
+    );
+}
+
+fn elements(body: &Body) -> String {
+    let kind = match body.element {
+        ElementKind::Constant => "constant strain",
+        ElementKind::Linear => "linear strain (pairs)",
+    };
+    format!("{} × {kind}", body.elements)
+}
+
+fn joints_section(html: &mut String, machine: &Machine) {
+    html.push_str("<h2>Joints</h2>\n");
+    let head = [
+        "joint",
+        "holds",
+        "on",
+        "kind",
+        "start (rad)",
+        "k (N·m/rad)",
+        "c (N·m·s/rad)",
+        "T (N·m)",
+        "torque limit (N·m)",
+        "latch",
+    ];
+    table(
+        html,
+        &head,
+        machine.bodies.iter().map(|body| {
+            let on = match body.joint.parent {
+                Parent::Root { .. } => "root".to_owned(),
+                Parent::Body { index, position_m } => {
+                    format!("{} at {} m", escape(&machine.bodies[index].name), number(position_m))
+                }
+            };
+            let mut row = vec![escape(&body.joint.name).into_owned(), escape(&body.name).into_owned(), on];
+            match &body.joint.kind {
+                JointKind::Clamped => row.extend(["clamped", "", "", "", "", "", ""].map(str::to_owned)),
+                JointKind::Revolute(joint) => row.extend(revolute(joint)),
+            }
+            row
+        }),
+    );
+}
+
+fn revolute(joint: &Revolute) -> Vec<String> {
+    let motion = match joint.motion {
+        JointMotion::Free => "revolute",
+        JointMotion::Locked => "revolute, locked",
+        JointMotion::Prescribed(_) => "revolute, prescribed",
+    };
+    let drive = &joint.drive;
+    let latch = joint.latch.as_ref().map_or("none".to_owned(), |latch| {
+        format!("at {} rad, {} N·m/rad", number(latch.angle_rad), number(latch.stiffness_n_m_rad))
+    });
+    let mut row = vec![format!("{motion} about {}", vector(joint.axis.as_slice())), number(joint.start_angle_rad)];
+    row.extend([drive.stiffness_n_m_rad, drive.damping_n_m_s_rad, drive.constant_torque_n_m].map(number));
+    row.extend([number(drive.torque_limit_n_m), latch]);
+    row
+}
+
+fn experiment_section(html: &mut String, machine: &Machine) {
+    let (experiment, solver) = (&machine.experiment, &machine.solver);
+    let _ = write!(
+        html,
+        "<h2>Default experiment</h2>\n<p>From {} s to {} s with a communication step of {} s and a solver tolerance of \
+         {}. Any other step works: the integrator chooses its own steps and locates releases and latch closings \
+         inside them. Gravity is {} m/s².</p>\n",
+        number(experiment.start_time_s),
+        number(experiment.stop_time_s),
+        number(experiment.step_s),
+        number(solver.tolerance),
+        vector(machine.gravity_m_s2.as_slice())
+    );
+}
+
+fn variables_section(html: &mut String, variables: &[Variable]) {
+    for (title, causality) in
+        [("Inputs", Causality::Input), ("Outputs", Causality::Output), ("Parameters", Causality::Parameter)]
+    {
+        let rows: Vec<&Variable> = variables.iter().filter(|v| v.causality == causality).collect();
+        let _ = writeln!(html, "<h2>{title} ({})</h2>", rows.len());
+        let head: &[&str] = match causality {
+            Causality::Output => &["name", "type", "unit", "meaning"],
+            _ => &["name", "type", "unit", "start", "meaning"],
+        };
+        table(
+            html,
+            head,
+            rows.into_iter().map(|variable| {
+                let mut row =
+                    vec![format!("<code>{}</code>", escape(&variable.name)), type_name(variable), unit(variable)];
+                if causality != Causality::Output {
+                    row.push(start(&variable.value));
+                }
+                row.push(escape(&variable.description).into_owned());
+                row
+            }),
+        );
+    }
+}
+
+fn type_name(variable: &Variable) -> String {
+    let name = match variable.value {
+        Value::Real(_) => "Real",
+        Value::Integer(_) => "Integer",
+        Value::Boolean(_) => "Boolean",
+    };
+    match (variable.causality, variable.variability) {
+        (Causality::Parameter, Variability::Fixed) => format!("{name}, fixed"),
+        (Causality::Parameter, _) => format!("{name}, tunable"),
+        _ => name.to_owned(),
+    }
+}
+
+/// Unit with the display unit behind it, as `rad (deg)`.
+fn unit(variable: &Variable) -> String {
+    let declared = TYPES.iter().find(|t| Some(t.name) == variable.declared_type);
+    let Some(unit) = declared.and_then(|t| UNITS.iter().find(|unit| unit.name == t.unit)) else {
+        return String::new();
+    };
+    match unit.display {
+        Some((display, _)) => format!("{} ({display})", unit.name),
+        None => unit.name.to_owned(),
+    }
+}
+
+fn start(value: &Value) -> String {
+    match value {
+        Value::Real(value) => number(*value),
+        Value::Integer(value) => value.to_string(),
+        Value::Boolean(value) => value.to_string(),
+    }
+}
+
+/// Six significant digits at most, a power of ten where it is shorter, `unlimited` for limits that are none.
+fn number(value: f64) -> String {
+    if value.abs() >= UNLIMITED {
+        return "unlimited".to_owned();
+    }
+    let rounded: f64 = format!("{value:.5e}").parse().expect("a number just written");
+    let plain = rounded.to_string();
+    let short = format!("{rounded:e}");
+    if plain.len() <= short.len() + 3 { plain } else { short }
+}
+
+fn vector(components: &[f64]) -> String {
+    format!("({})", components.iter().map(|value| number(*value)).collect::<Vec<_>>().join(", "))
+}
+
+/// A table of ready-made cells.
+fn table(html: &mut String, head: &[&str], rows: impl Iterator<Item = Vec<String>>) {
+    let line = |cell: &str, cells: &[String]| -> String {
+        let cells: String = cells.iter().map(|text| format!("<{cell}>{text}</{cell}>")).collect();
+        format!("<tr>{cells}</tr>\n")
+    };
+    let head: Vec<String> = head.iter().map(|text| (*text).to_owned()).collect();
+    let _ = write!(html, "<table>\n<thead>{}</thead>\n<tbody>\n", line("th", &head).trim_end());
+    rows.for_each(|row| html.push_str(&line("td", &row)));
+    html.push_str("</tbody>\n</table>\n");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::packaging::drawing::tests::two_body_machine;
+
+    /// The page names what the model has, escapes its text, refers to nothing outside itself and closes its tags.
+    #[test]
+    fn page_is_complete_and_self_contained() {
+        let html = page(&two_body_machine(), &[]);
+        for expected in ["<h1>TwoBodies</h1>", "one wing &amp; a joint", "<svg", "<td>outer</td>", "260 N·m/rad"] {
+            assert!(html.contains(expected), "{expected} is missing");
+        }
+        assert!(!html.contains("http"), "the page must stand alone");
+        for tag in ["table", "tr", "td", "th", "figure", "svg", "p", "h2"] {
+            let open = html.matches(&format!("<{tag}>")).count() + html.matches(&format!("<{tag} ")).count();
+            assert_eq!(open, html.matches(&format!("</{tag}>")).count(), "<{tag}> and </{tag}>");
+        }
+    }
+
+    /// Numbers stay short and readable.
+    #[test]
+    fn numbers_are_short() {
+        let cases =
+            [(0.15, "0.15"), (2.83e5, "283000"), (1e-9, "1e-9"), (2.0 / 3.0, "0.666667"), (UNLIMITED, "unlimited")];
+        for (value, text) in cases {
+            assert_eq!(number(value), text);
+        }
+    }
+}

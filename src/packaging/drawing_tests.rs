@@ -1,0 +1,112 @@
+//! The undeformed wing: joints turn where design section 1 says, curved bodies close.
+
+use super::*;
+use crate::beam::section::{Material, Section};
+use crate::config::machine::{
+    Drive, ElementKind, Experiment, Joint, JointMotion, Latch, Method, Revolute, Solver, UNLIMITED,
+};
+use crate::load::LoadFrame;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+fn body(name: &str, joint: Joint) -> Body {
+    let material = Material { young_pa: 2.83e9, shear_pa: 1e9, density_kg_m3: 1425.0 };
+    Body {
+        name: name.to_owned(),
+        length_m: 0.15,
+        section: Section::rectangle(0.05, 0.002, &material, Some(0.18)),
+        element: ElementKind::Linear,
+        elements: 3,
+        natural_strain: [0.0; 4],
+        mass_damping_1_s: 2.5,
+        stiffness_damping_s: 0.0,
+        station_positions_m: vec![0.05, 0.1],
+        load_frame: LoadFrame::Root,
+        masses: vec![],
+        joint,
+    }
+}
+
+/// Two bodies in line with a fold joint between them, as every test of this module wants them.
+pub(crate) fn two_body_machine() -> Machine {
+    let clamp = Joint {
+        name: "clamp".to_owned(),
+        parent: Parent::Root { position_m: Vector3::zeros() },
+        mount: Matrix3::identity(),
+        kind: JointKind::Clamped,
+    };
+    let revolute = Revolute {
+        axis: Vector3::y(),
+        start_angle_rad: FRAC_PI_2,
+        start_rate_rad_s: 0.0,
+        motion: JointMotion::Free,
+        release: true,
+        drive: Drive {
+            stiffness_n_m_rad: 0.026,
+            damping_n_m_s_rad: 0.0008,
+            constant_torque_n_m: 0.043,
+            torque_limit_n_m: UNLIMITED,
+            rate_limit_rad_s: UNLIMITED,
+            command_rad: 0.0,
+        },
+        latch: Some(Latch {
+            angle_rad: 0.0,
+            stiffness_n_m_rad: 260.0,
+            capture_rad: 0.0,
+            initially_closed: false,
+            enable: true,
+        }),
+    };
+    let fold = Joint {
+        name: "fold".to_owned(),
+        parent: Parent::Body { index: 0, position_m: 0.15 },
+        mount: Matrix3::identity(),
+        kind: JointKind::Revolute(Box::new(revolute)),
+    };
+    Machine {
+        name: "TwoBodies".to_owned(),
+        description: "Two bodies < one wing & a joint".to_owned(),
+        bodies: vec![body("inner", clamp), body("outer", fold)],
+        gauges: vec![],
+        gravity_m_s2: Vector3::new(-9.8, 0.0, 0.0),
+        solver: Solver {
+            method: Method::Esdirk3,
+            tolerance: 1e-5,
+            max_step_s: 1e-2,
+            min_step_s: 1e-9,
+            fixed_step_s: None,
+            rho_infinity: 0.8,
+        },
+        experiment: Experiment { start_time_s: 0.0, stop_time_s: 0.4, step_s: 5e-4 },
+    }
+}
+
+/// Positive fold angles about `r_y` turn the outer body towards `−z` (design section 1).
+#[test]
+fn positive_angle_folds_downwards() {
+    let wing = undeformed(&two_body_machine(), 1.0);
+    let tip = wing[1].last().unwrap().position_m;
+    assert!((tip - Vector3::new(0.15, 0.0, -0.15)).norm() < 1e-12, "tip at {tip}");
+    let deployed = undeformed(&two_body_machine(), 0.0);
+    let tip = deployed[1].last().unwrap().position_m;
+    assert!((tip - Vector3::new(0.3, 0.0, 0.0)).norm() < 1e-12, "tip at {tip}");
+}
+
+/// A body with a full turn of natural curvature ends where it starts, to what a drawing can show.
+#[test]
+fn natural_curvature_is_followed() {
+    let mut machine = two_body_machine();
+    machine.bodies.truncate(1);
+    machine.bodies[0].natural_strain[2] = 2.0 * PI / 0.15;
+    let gap = undeformed(&machine, 0.0)[0].last().unwrap().position_m.norm();
+    assert!(gap < 1e-6, "tip misses root by {gap:.1e} m");
+}
+
+/// Coordinates are finite even for a wing that projects to a line.
+#[test]
+fn drawing_is_finite() {
+    let mut machine = two_body_machine();
+    machine.bodies.truncate(1);
+    machine.bodies[0].section.half_width_m = 0.0;
+    let svg = svg(&machine);
+    assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+}

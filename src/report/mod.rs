@@ -1,0 +1,18 @@
+//! Results as CSV, and inputs over time from CSV.
+
+pub mod inputs;
+pub mod recorder;
+
+pub use inputs::{InputTable, InputsError};
+pub use recorder::Recorder;
+
+use crate::interface::Value;
+
+/// A value as a CSV cell: reals with the shortest text that reads back to the same bits, Booleans as 0 and 1.
+pub fn cell(value: &Value) -> String {
+    match value {
+        Value::Real(value) => value.to_string(),
+        Value::Integer(value) => value.to_string(),
+        Value::Boolean(value) => u8::from(*value).to_string(),
+    }
+}

@@ -1,0 +1,66 @@
+//! Chosen variables over time, written row by row as CSV.
+
+use crate::interface::{Value, Variable};
+use crate::report::cell;
+use std::io::{self, Write};
+
+/// Writes a header of variable names, then one row per time.
+pub struct Recorder<W: Write> {
+    writer: csv::Writer<W>,
+}
+
+impl<W: Write> Recorder<W> {
+    /// Writes the header: `time` and the names of the variables, in their order.
+    pub fn new(target: W, variables: &[&Variable]) -> io::Result<Self> {
+        let mut writer = csv::Writer::from_writer(target);
+        writer.write_record(std::iter::once("time").chain(variables.iter().map(|v| v.name.as_str())))?;
+        Ok(Self { writer })
+    }
+
+    /// Writes one row.
+    pub fn record(&mut self, time_s: f64, values: impl IntoIterator<Item = Value>) -> io::Result<()> {
+        let cells = values.into_iter().map(|value| cell(&value));
+        Ok(self.writer.write_record(std::iter::once(time_s.to_string()).chain(cells))?)
+    }
+
+    /// Flushes, and hands the target back.
+    pub fn finish(self) -> io::Result<W> {
+        self.writer.into_inner().map_err(|error| error.into_error())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interface::{Causality, Variability};
+
+    fn variable(name: &str) -> Variable {
+        Variable {
+            name: name.to_owned(),
+            value_reference: 0,
+            causality: Causality::Output,
+            variability: Variability::Continuous,
+            initial: None,
+            value: Value::Real(0.0),
+            declared_type: None,
+            range: None,
+            description: String::new(),
+            dependencies: vec![],
+            initial_dependencies: vec![],
+        }
+    }
+
+    /// Numbers read back to the same bits, Booleans are 0 and 1.
+    #[test]
+    fn rows_read_back_to_the_same_bits() {
+        let variables = ["a", "b", "c"].map(variable);
+        let mut recorder = Recorder::new(Vec::new(), &variables.iter().collect::<Vec<_>>()).unwrap();
+        let value = 0.1 + 0.2;
+        recorder.record(1e-3, [Value::Real(value), Value::Boolean(true), Value::Integer(-1)]).unwrap();
+        let text = String::from_utf8(recorder.finish().unwrap()).unwrap();
+        assert_eq!(text.lines().next(), Some("time,a,b,c"));
+        let cells: Vec<_> = text.lines().nth(1).unwrap().split(',').collect();
+        assert_eq!(cells[1].parse::<f64>().unwrap().to_bits(), value.to_bits());
+        assert_eq!(&cells[2..], ["1", "-1"]);
+    }
+}
