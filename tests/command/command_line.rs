@@ -89,6 +89,17 @@ fn simulation_writes_the_deployment() {
     assert!((latch_s - 0.1222).abs() < 0.005 * 0.1222, "latch at {latch_s} s");
 }
 
+/// A run that cannot go on says when and why, and keeps the rows up to then.
+#[test]
+fn failed_simulation_keeps_its_rows() {
+    let settings = ["solver.min_step=0.01", "solver.max_step=0.02", "solver.tolerance=1e-9"];
+    let sets: Vec<&str> = settings.iter().flat_map(|setting| ["--set", setting]).collect();
+    let output = on_model("simulate", &[&["--csv", "-"], sets.as_slice()].concat());
+    refuses(&output, 3, "no convergence at t = ");
+    let csv = String::from_utf8(output.stdout).unwrap();
+    assert!(column(&csv, "time").is_sorted_by(|a, b| a < b) && csv.lines().count() >= 2, "{csv}");
+}
+
 /// A last step that does not fit is shortened, a start alone moves the experiment.
 #[test]
 fn grid_ends_at_the_stop_time() {
