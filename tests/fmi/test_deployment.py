@@ -27,7 +27,7 @@ def final(result, name):
 
 
 def test_f10_default_arguments_unfold_and_latch(shipped):
-    """F-10. FMPy's simulation with nothing but the file name runs to the end; finite throughout, energy books balance."""
+    """F-10. FMPy's simulation with nothing but the file name runs to the end, finite throughout."""
     result = shipped.simulate()
     assert final(result, "time") == pytest.approx(float(shipped.description.defaultExperiment.stopTime))
     for name in result.dtype.names:
@@ -100,11 +100,15 @@ def test_f17_repeated_runs_give_the_same_bits(shipped):
 
 
 def test_f18_energy_books_balance(shipped):
-    """F-18. total − work + dissipated stays constant, through releases and latching, to 0.1 % of the largest energy.
+    """F-18. total − work + dissipated stays constant through releases and latching, the better the tighter the tolerance.
 
-    At the models' own tolerances; the bound for tight tolerances stands in the engine's tests.
+    Within 1 % of the largest kinetic energy at the models' own tolerance, 1e-5 at 1e-8; each hundredth of the tolerance
+    must gain a factor of ten at least.
     """
-    result = shipped.simulate()
-    balance_j = result["energy.total"] - result["energy.work"] + result["energy.dissipated"]
-    scale_j = np.abs(result["energy.kinetic"]).max()
-    assert np.ptp(balance_j) < 1e-3 * scale_j
+    drift = []
+    for tolerance in (None, 1e-6, 1e-8):
+        result = shipped.simulate(relative_tolerance=tolerance)
+        balance_j = result["energy.total"] - result["energy.work"] + result["energy.dissipated"]
+        drift.append(np.ptp(balance_j) / result["energy.kinetic"].max())
+    assert drift[0] < 1e-2 and drift[2] < 1e-5, drift
+    assert drift[1] < drift[0] / 10 and drift[2] < drift[1] / 10, drift

@@ -9,8 +9,9 @@ from driving import Instance, instance
 from fmpy.fmi1 import FMICallException
 
 # Hidden state would show where something happens: the latch closes at 0.1222 s.
-BEFORE_LATCH_S = 0.121
+BEFORE_LATCH = 121, 1e-3  # steps and their size in s
 SPANNING_STEP_S = 2e-3
+STEPS_BEYOND = 15
 
 
 def test_f20_restored_state_repeats_the_step_bit_for_bit(either_wing):
@@ -20,39 +21,40 @@ def test_f20_restored_state_repeats_the_step_bit_for_bit(either_wing):
     the second time after the run has gone far on.
     """
     with instance(either_wing) as fmu:
-        fmu.initialize().advance(BEFORE_LATCH_S, 1e-3)
+        fmu.initialize().advance(*BEFORE_LATCH)
         at = fmu.time_s
         before = fmu.slave.getFMUstate()
         standing = fmu.bits()
-        first = fmu.history(at + 3 * SPANNING_STEP_S, SPANNING_STEP_S)
+        first = fmu.history(3, SPANNING_STEP_S)
         assert fmu.get("fold.latched")
-        for excursion_s in (0.0, 0.05):
-            fmu.advance(fmu.time_s + excursion_s, 1e-3)
+        for excursion in (0, 50):
+            fmu.advance(excursion, 1e-3)
             fmu.slave.setFMUstate(before)
             fmu.time_s = at
             assert not fmu.get("fold.latched")
             assert fmu.bits() == standing
-            assert fmu.history(at + 3 * SPANNING_STEP_S, SPANNING_STEP_S) == first
+            assert fmu.history(3, SPANNING_STEP_S) == first
         fmu.slave.freeFMUstate(before)
 
 
 def test_f21_state_holds_inputs_and_parameters(wing):
     """F-21. Inputs and tunable parameters set after a snapshot are undone by restoring it."""
     with instance(wing) as fmu:
-        fmu.initialize(fold__stiffness=0.03).advance(0.02, 1e-3)
+        fmu.initialize(fold__stiffness=0.03).advance(20, 1e-3)
+        at = fmu.time_s
         fmu.set("fold.torque", 0.01)
         state = fmu.slave.getFMUstate()
-        expected = fmu.history(0.04, 1e-3)
+        expected = fmu.history(20, 1e-3)
         fmu.set("fold.torque", -0.02)
         fmu.set("fold.stiffness", 0.05)
         fmu.slave.setFMUstate(state)
-        fmu.time_s = 0.02
+        fmu.time_s = at
         assert fmu.get("fold.torque") == 0.01 and fmu.get("fold.stiffness") == 0.03
-        assert fmu.history(0.04, 1e-3) == expected
+        assert fmu.history(20, 1e-3) == expected
         fmu.slave.freeFMUstate(state)
 
 
-def continue_elsewhere(fmu_path, folder, serialized, time_s, until_s, queue):
+def continue_elsewhere(fmu_path, folder, serialized, time_s, steps, queue):
     """Body of the other process: restores a serialised state in a fresh instance and goes on."""
     from driving import Fmu
 
@@ -62,25 +64,25 @@ def continue_elsewhere(fmu_path, folder, serialized, time_s, until_s, queue):
         fmu.slave.setFMUstate(state)
         fmu.slave.freeFMUstate(state)
         fmu.time_s = time_s
-        queue.put(fmu.history(until_s, SPANNING_STEP_S))
+        queue.put(fmu.history(steps, SPANNING_STEP_S))
 
 
 def test_f22_serialised_state_continues_in_another_process(wing, tmp_path):
     """F-22. A state serialised in mid-deployment and restored in another process continues bit for bit past the latch."""
     with instance(wing) as fmu:
-        fmu.initialize().advance(BEFORE_LATCH_S, 1e-3)
+        fmu.initialize().advance(*BEFORE_LATCH)
         at = fmu.time_s
         state = fmu.slave.getFMUstate()
         serialized = fmu.slave.serializeFMUstate(state)
         assert fmu.slave.serializeFMUstate(state) == serialized
         fmu.slave.freeFMUstate(state)
-        here = fmu.history(0.15, SPANNING_STEP_S)
+        here = fmu.history(STEPS_BEYOND, SPANNING_STEP_S)
         assert fmu.get("fold.latched")
 
     context = multiprocessing.get_context("spawn")  # nothing inherited
     queue = context.Queue()
     other = context.Process(
-        target=continue_elsewhere, args=(wing.path, str(tmp_path), serialized, at, 0.15, queue), daemon=True
+        target=continue_elsewhere, args=(wing.path, str(tmp_path), serialized, at, STEPS_BEYOND, queue), daemon=True
     )
     other.start()
     there = queue.get(timeout=60)
@@ -92,8 +94,8 @@ def test_f22_serialised_state_continues_in_another_process(wing, tmp_path):
 def test_f23_damaged_or_foreign_state_is_refused(fmus, damage):
     """F-23. A serialised state that was cut, changed, emptied or made by another model is refused; the run goes on."""
     with instance(fmus["folding_wing"]) as fmu, instance(fmus["three_bodies"]) as other:
-        fmu.initialize().advance(0.01, 1e-3)
-        other.initialize().advance(0.01, 1e-3)
+        fmu.initialize().advance(10, 1e-3)
+        other.initialize().advance(10, 1e-3)
         donor = other if damage == "foreign" else fmu
         state = donor.slave.getFMUstate()
         good = donor.slave.serializeFMUstate(state)
@@ -112,24 +114,24 @@ def test_f24_interleaved_instances_equal_each_alone(wing):
 
     def alone(values):
         with instance(wing) as fmu:
-            return fmu.initialize(**values).history(0.15, 1e-3)
+            return fmu.initialize(**values).history(150, 1e-3)
 
     with instance(wing, name="one") as one, instance(wing, name="two") as two:
         one.initialize(**settings[0])
         two.initialize(**settings[1])
-        rows = [(one.history(t * 1e-3, 1e-3), two.history(t * 1e-3, 1e-3)) for t in range(1, 151)]
-    together = [[row for steps in column for row in steps] for column in zip(*rows)]
+        rows = [(one.advance(1, 1e-3).bits(), two.advance(1, 1e-3).bits()) for _ in range(150)]
+    together = [list(column) for column in zip(*rows)]
     assert together == [alone(values) for values in settings]
 
 
 def test_f25_reset_equals_fresh(wing):
     """F-25. After a run with other inputs and parameters, reset gives the bits of a fresh instance."""
     with instance(wing) as fmu:
-        fresh = fmu.initialize().history(0.15, 1e-3)
+        fresh = fmu.initialize().history(150, 1e-3)
         fmu.slave.reset()
-        fmu.initialize(fold__start_angle=1.0, fold__command=0.2, body__outer__mass_factor=2.0).advance(0.05, 1e-3)
+        fmu.initialize(fold__start_angle=1.0, fold__command=0.2, body__outer__mass_factor=2.0).advance(50, 1e-3)
         fmu.slave.reset()
-        assert fmu.initialize().history(0.15, 1e-3) == fresh
+        assert fmu.initialize().history(150, 1e-3) == fresh
 
 
 def resident_kib():
@@ -149,7 +151,7 @@ def test_f26_instantiating_and_freeing_leaves_memory_flat(wing):
     def cycle(index):
         fmu = Instance(wing)
         if index % 2:
-            fmu.initialize().advance(2e-3, 1e-3)
+            fmu.initialize().advance(2, 1e-3)
             states = [fmu.slave.getFMUstate() for _ in range(3)]
             fmu.slave.freeFMUstate(states[0])  # the instance frees the other two
         fmu.slave.freeInstance()
@@ -182,10 +184,11 @@ def test_f27_wrong_guid_is_refused(wing):
 def test_f28_bad_steps_are_refused_and_harm_nothing(wing):
     """F-28. Steps of zero or negative size and times that do not match are refused; the run goes on unharmed."""
     with instance(wing) as fmu:
-        undisturbed = fmu.initialize().history(0.02, 1e-3)
+        undisturbed = fmu.initialize().history(20, 1e-3)
     with instance(wing) as fmu:
-        fmu.initialize().advance(0.01, 1e-3)
-        for time_s, step_s in [(0.01, 0.0), (0.01, -1e-3), (0.5, 1e-3), (0.01, float("nan"))]:
+        fmu.initialize().advance(10, 1e-3)
+        now = fmu.time_s
+        for time_s, step_s in [(now, 0.0), (now, -1e-3), (now + 0.5, 1e-3), (now, float("nan"))]:
             with pytest.raises(FMICallException):
                 fmu.slave.doStep(time_s, step_s)
-        assert fmu.history(0.02, 1e-3) == undisturbed[10:]
+        assert fmu.history(10, 1e-3) == undisturbed[10:]
