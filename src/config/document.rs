@@ -74,6 +74,7 @@ impl<'a> Document<'a> {
     /// The value as a message repeats it.
     pub fn value_text(&self, value: &Spanned<DeValue<'a>>) -> String {
         match value.get_ref() {
+            DeValue::Table(table) if table.is_empty() => "an empty table".to_owned(),
             DeValue::Table(_) => "a table".to_owned(),
             DeValue::Array(array) if array.iter().any(|item| item.get_ref().is_table()) => {
                 "an array of tables".to_owned()

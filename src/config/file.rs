@@ -24,13 +24,13 @@ pub(super) struct ModelFile {
     #[serde(default)]
     pub gravity_m_s2: [f64; 3],
     /// Cross-sections by name.
-    #[schemars(length(min = 1), extend("x-allowed" = "at least one table [section.<name>]"))]
+    #[schemars(extend("minProperties" = 1, "x-allowed" = "at least one table [section.<name>]"))]
     pub section: IndexMap<String, SectionFile>,
     /// Bodies by name: beams, each held by exactly one joint at its inner end.
-    #[schemars(length(min = 1), extend("x-allowed" = "at least one table [body.<name>]"))]
+    #[schemars(extend("minProperties" = 1, "x-allowed" = "at least one table [body.<name>]"))]
     pub body: IndexMap<String, BodyFile>,
     /// Joints by name; a joint's name is a group of the FMU's variables.
-    #[schemars(length(min = 1), extend("x-allowed" = "at least one table [joint.<name>]"))]
+    #[schemars(extend("minProperties" = 1, "x-allowed" = "at least one table [joint.<name>]"))]
     pub joint: IndexMap<String, JointFile>,
     /// Point masses and rigid bodies by name.
     #[serde(default)]

@@ -7,7 +7,7 @@ use crate::config::validate::Checker;
 use nalgebra::{Rotation3, Vector3};
 
 /// Groups of the FMU's variables, which a joint's name would clash with.
-const RESERVED: &[&str] =
+pub(super) const RESERVED: &[&str] =
     &["load", "gravity", "root", "wind", "gauge", "tip", "station", "aero", "energy", "solver", "body", "time", "der"];
 
 /// Beginning of the groups of several free ends, `tip_<body>`.

@@ -195,9 +195,9 @@ pub enum Method {
     GeneralizedAlpha,
     /// TR-BDF2, second order.
     TrBdf2,
-    /// ESDIRK3(2)4L[2]SA, third order.
+    /// `ESDIRK3(2)4L[2]SA`, third order.
     Esdirk3,
-    /// ESDIRK4(3)6L[2]SA, fourth order.
+    /// `ESDIRK4(3)6L[2]SA`, fourth order.
     Esdirk4,
 }
 

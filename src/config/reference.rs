@@ -1,5 +1,6 @@
 //! `docs/MODEL_FILE.md`: the reference of all keys, written from the schema.
 
+use crate::config::joints::RESERVED;
 use crate::config::schema::{allowed, is_required, properties, resolve, shortest, tagged, tree};
 use serde_json::Value;
 use std::fmt::Write;
@@ -16,15 +17,15 @@ unknown key, a missing one or a value outside its range is refused with file, li
   axis, `y` chordwise, `z` through the thickness; without rotations it equals the root frame.
 - Strains are ordered `(εx, κx, κy, κz)`: stretch, twist, curvature about `y` (flap), curvature about `z` (lag).
 - Names are identifiers: letters, digits and `_`, no digit first. Joint names are groups of the FMU's variables and
-  must not be `load`, `gravity`, `root`, `wind`, `gauge`, `tip`, `station`, `aero`, `energy`, `solver`, `body`,
-  `time`, `der` or begin with `tip_`. No body is called `root`.
+  must not begin with `tip_` or be one of RESERVED.
+  No body is called `root`.
 - Every body has exactly one joint with it as `child`. Bodies may branch: several may hang on the root or on one body.
 - Numbers are finite and at most 1e30 in magnitude.
 ";
 
 /// The reference of all keys as Markdown, the text of `docs/MODEL_FILE.md`.
 pub fn reference() -> String {
-    let mut page = HEAD.to_owned();
+    let mut page = HEAD.replace("RESERVED", &format!("`{}`", RESERVED.join("`, `")));
     table(&mut page, "Top level", tree());
     for (key, property) in properties(tree()) {
         let items = &property["additionalProperties"];
@@ -67,13 +68,13 @@ fn table(page: &mut String, title: &str, schema: &'static Value) {
     }
     let head = "| key | allowed | default | meaning |\n|---|---|---|---|\n";
     // Writing to a String cannot fail.
-    let _ = write!(page, "\n## {}\n\n{description}\n\n{head}{rows}", title.replace('<', "\\<"));
+    let _ = write!(page, "\n## {}\n\n{description}\n\n{head}{rows}", title.replace('[', "`[").replace(']', "]`"));
 }
 
 fn allowed_words(key: &str, property: &'static Value) -> String {
     match property["const"].as_str() {
         Some(constant) => format!("{constant:?}"),
-        None if property["additionalProperties"].is_object() => format!("tables [{key}.<name>]"),
+        None if property["additionalProperties"].is_object() => format!("tables `[{key}.<name>]`"),
         None => allowed(key, property),
     }
 }
@@ -93,5 +94,5 @@ fn default_words(schema: &Value, key: &str, property: &Value) -> String {
 
 /// Text that stands in a Markdown table.
 fn cell(text: &str) -> String {
-    text.replace('|', "\\|").replace('<', "\\<")
+    text.replace('|', "\\|")
 }

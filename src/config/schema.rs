@@ -55,6 +55,10 @@ fn tidy_object(map: &mut Map<String, Value>) {
             });
         }
     }
+    // Rust's own number types; JSON schema knows no such formats.
+    if map.get("format").is_some_and(|format| format == "double" || format == "uint") {
+        map.remove("format");
+    }
     if map.get("default").is_some_and(Value::is_null) {
         map.remove("default");
     }
@@ -63,9 +67,6 @@ fn tidy_object(map: &mut Map<String, Value>) {
     }
     if map.get("additionalProperties").is_some_and(Value::is_object) {
         map.insert("propertyNames".to_owned(), json!({ "pattern": IDENTIFIER }));
-        if let Some(least) = map.remove("minLength") {
-            map.insert("minProperties".to_owned(), least);
-        }
     }
     if let Some(Value::String(description)) = map.get_mut("description") {
         *description = description.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -138,12 +139,13 @@ fn number(key: &str, schema: &Value, plural: &str) -> String {
     let article = if plural.is_empty() { "a " } else { "" };
     let (quantity, unit) = unit_of(key).map_or(("number", ""), |unit| (unit.quantity, unit.symbol));
     let range = range(schema);
-    let separator = match (unit.is_empty(), range.is_empty()) {
-        (true, _) => "",
-        (false, true) => " in ",
-        (false, false) => " ",
+    let unit = match (unit, range.is_empty()) {
+        ("", _) => String::new(),
+        (unit, true) => format!(" in {unit}"),
+        (unit, false) if unit.starts_with(char::is_numeric) => format!(" ({unit})"),
+        (unit, false) => format!(" {unit}"),
     };
-    format!("{article}finite {quantity}{plural}{range}{separator}{unit}")
+    format!("{article}finite {quantity}{plural}{range}{unit}")
 }
 
 fn array(key: &str, schema: &'static Value) -> String {

@@ -2,6 +2,7 @@
 
 use crate::config::document::{Document, key_text};
 use crate::config::error::{Fault, Problem, nearest};
+use crate::config::machine::UNLIMITED;
 use crate::config::schema::{
     IDENTIFIER, IDENTIFIER_ALLOWED, allowed, in_range, is_required, options, properties, resolve, tagged, tree,
 };
@@ -69,17 +70,23 @@ impl<'a> Check<'_, 'a> {
     }
 
     fn keys(&mut self, schema: &'static Value, table: &DeTable<'a>, offset: usize) {
+        let mut meant = Vec::new();
         for (key, value) in table {
             let name = key.get_ref();
             self.path.push(name.to_string());
             match properties(schema).find(|(known, _)| known == name) {
                 Some((known, schema)) => self.value(known, schema, value, key.span().start),
-                None => self.named_or_unknown(schema, name, value, key.span().start),
+                None if schema["additionalProperties"].is_object() => {
+                    self.named(&schema["additionalProperties"], name, value, key.span().start);
+                }
+                None => meant.extend(self.unknown(schema, name, key.span().start)),
             }
             self.path.pop();
         }
         for (known, property) in properties(schema) {
-            if is_required(schema, known) && !table.iter().any(|(key, _)| key.get_ref() == known) {
+            // A key that is there under a wrong name is refused once.
+            let required = is_required(schema, known) && !meant.contains(&known);
+            if required && !table.iter().any(|(key, _)| key.get_ref() == known) {
                 self.path.push(known.to_owned());
                 let fault = Fault::MissingKey { allowed: allowed(known, property) };
                 self.problem(offset, key_text(&self.path), fault);
@@ -88,27 +95,32 @@ impl<'a> Check<'_, 'a> {
         }
     }
 
-    fn named_or_unknown(&mut self, schema: &'static Value, name: &str, value: &Spanned<DeValue<'a>>, offset: usize) {
-        let items = &schema["additionalProperties"];
-        if !items.is_object() {
-            return self.unknown(schema, name, offset);
-        }
+    /// A table that the file names, as `[body.inner]`.
+    fn named(&mut self, schema: &'static Value, name: &str, value: &Spanned<DeValue<'a>>, offset: usize) {
         if !is_identifier(name) {
-            let fault =
-                Fault::NotAllowed { value: format!("the name {name:?}"), allowed: IDENTIFIER_ALLOWED.to_owned() };
-            self.problem(offset, key_text(&self.path), fault);
+            let value = format!("the name {name:?}");
+            self.problem(
+                offset,
+                key_text(&self.path),
+                Fault::NotAllowed { value, allowed: IDENTIFIER_ALLOWED.to_owned() },
+            );
         }
-        self.value(name, items, value, offset);
+        self.value(name, schema, value, offset);
     }
 
-    fn unknown(&mut self, schema: &'static Value, name: &str, offset: usize) {
+    /// Returns the key that is probably meant.
+    fn unknown(&mut self, schema: &'static Value, name: &str, offset: usize) -> Option<&'static str> {
         let known = || properties(schema).map(|(key, _)| key);
-        let suggestion = match same_quantity(name, known()) {
-            Some((key, unit)) => Some(format!("write {key} ({})", unit.symbol)),
-            None => nearest(name, known()).map(|key| format!("did you mean {key}?")),
+        let (meant, suggestion) = match same_quantity(name, known()) {
+            Some((key, unit)) => (Some(key), Some(format!("write {key} ({})", unit.symbol))),
+            None => {
+                let near = nearest(name, known());
+                (near, near.map(|key| format!("perhaps {key} is meant")))
+            }
         };
         let fault = Fault::UnknownKey { suggestion, allowed: known().map(str::to_owned).collect() };
         self.problem(offset, key_text(&self.path), fault);
+        meant
     }
 
     fn value(&mut self, key: &str, property: &'static Value, value: &Spanned<DeValue<'a>>, offset: usize) {
@@ -125,8 +137,12 @@ impl<'a> Check<'_, 'a> {
             (single, _) => fits(single, schema),
         };
         if !fits {
+            let too_large = matches!(value.get_ref(), DeValue::Float(number)
+                if number.as_str().parse::<f64>().is_ok_and(|value| value.is_finite() && value.abs() > UNLIMITED));
             let allowed = if is_table(schema) && property.get("x-allowed").is_none() {
                 "a table".to_owned()
+            } else if too_large {
+                format!("{}, at most {UNLIMITED:e} in magnitude", allowed(key, property))
             } else {
                 allowed(key, property)
             };

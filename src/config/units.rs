@@ -41,7 +41,9 @@ const UNITS: &[Unit] = &[
 
 /// Unit of a key, `None` where its ending states none.
 pub(super) fn unit_of(key: &str) -> Option<Unit> {
-    UNITS.iter().find(|unit| key.ends_with(unit.suffix)).copied()
+    let unit = UNITS.iter().find(|unit| key.ends_with(unit.suffix)).copied()?;
+    // Off-diagonal stiffnesses in N·m are no torques.
+    Some(if key.starts_with("coupling_") { Unit { quantity: "stiffness", ..unit } } else { unit })
 }
 
 /// The known key that `key` is without its unit or with another one, e.g. `length` or `length_mm` for `length_m`.

@@ -1,0 +1,111 @@
+//! Cost of the recursions: residual, factorisation, solve, over the number of elements.
+//!
+//! `cargo bench --bench kernels` (or `make bench`); results stand in `docs/BENCHMARKS.md`.
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use foldwing::beam::element::ElementKind;
+use foldwing::beam::section::{Material, Section};
+use foldwing::load::{LoadFrame, RootMotion};
+use foldwing::multibody::dynamics::{Damping, Environment, residual};
+use foldwing::multibody::factor::{HingeTangent, Weights, factorize, solve};
+use foldwing::multibody::kinematics::Motion;
+use foldwing::multibody::model::{Attachment, BodyDescription};
+use foldwing::multibody::{Model, Workspace};
+use nalgebra::{Matrix3, Vector3};
+use std::hint::black_box;
+
+/// Two bodies with a hinge between them, `sets` strain sets in all, bent and moving.
+struct Case {
+    model: Model,
+    work: Workspace,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    a: Vec<f64>,
+    out: Vec<f64>,
+}
+
+impl Case {
+    fn new(kind: ElementKind, sets: usize) -> Self {
+        let material = Material { young_pa: 2.83e9, shear_pa: 1.0e9, density_kg_m3: 1425.0 };
+        let body = |parent, hinge_axis| BodyDescription {
+            length_m: 0.15,
+            section: Section::rectangle(0.05, 0.002, &material, Some(0.18)),
+            kind,
+            elements: if kind == ElementKind::Linear { sets / 4 } else { sets / 2 },
+            natural_strain: [0.0; 4],
+            parent,
+            mount: Matrix3::identity(),
+            hinge_axis,
+            masses: Vec::new(),
+            stations_m: Vec::new(),
+            load_frame: LoadFrame::Root,
+        };
+        let model = Model::new(&[
+            body(Attachment::Root(Vector3::zeros()), None),
+            body(Attachment::Body { index: 0, position_m: 0.15 }, Some(Vector3::y())),
+        ]);
+        let wave = |scale: f64| (0..model.coordinates).map(|i| scale * (1.7 * i as f64).sin()).collect();
+        Self {
+            work: Workspace::new(&model),
+            q: wave(0.5),
+            v: wave(3.0),
+            a: wave(100.0),
+            out: vec![0.0; model.coordinates],
+            model,
+        }
+    }
+
+    fn residual(&mut self) {
+        let environment = Environment { root: &RootMotion::default(), damping: &DAMPING, stations: &[] };
+        let motion = Motion { q: &self.q, v: &self.v, a: &self.a };
+        residual(&self.model, &mut self.work, motion, environment, &mut self.out);
+    }
+
+    fn factorize(&mut self) {
+        let weights = Weights { mass: 1.0, damping: 1e-4, stiffness: 1e-8 };
+        let tangent = HingeTangent { free: true, stiffness_n_m_rad: 0.026, damping_n_m_s_rad: 8e-4 };
+        factorize(&self.model, &mut self.work, weights, &DAMPING, &[tangent; 2]).expect("positive definite");
+    }
+
+    fn solve(&mut self) -> f64 {
+        solve(&self.model, &mut self.work, &mut self.out)
+    }
+}
+
+const DAMPING: [Damping; 2] = [Damping { mass_1_s: 2.5, stiffness_s: 0.0 }; 2];
+
+fn kernels(criterion: &mut Criterion) {
+    for (kind, name) in [(ElementKind::Constant, "constant"), (ElementKind::Linear, "linear")] {
+        let mut group = criterion.benchmark_group(name);
+        for sets in [8, 16, 32, 64, 128, 256, 512] {
+            let mut case = Case::new(kind, sets);
+            case.residual();
+            group.throughput(Throughput::Elements(sets as u64));
+            group.bench_function(BenchmarkId::new("residual", sets), |b| b.iter(|| case.residual()));
+            group.bench_function(BenchmarkId::new("factorize", sets), |b| b.iter(|| case.factorize()));
+            group.bench_function(BenchmarkId::new("solve", sets), |b| {
+                b.iter(|| {
+                    case.out.fill(1.0);
+                    black_box(case.solve())
+                });
+            });
+        }
+        group.finish();
+    }
+    let mut case = Case::new(ElementKind::Constant, 30);
+    criterion.bench_function("30 elements: residual, factorize, solve", |b| {
+        b.iter(|| {
+            case.residual();
+            case.factorize();
+            black_box(case.solve())
+        });
+    });
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(30).warm_up_time(std::time::Duration::from_millis(300))
+        .measurement_time(std::time::Duration::from_millis(1000));
+    targets = kernels
+}
+criterion_main!(benches);
