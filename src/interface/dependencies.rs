@@ -91,9 +91,10 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
             };
             parameters || drives(joint, known) || start_rate(topology, joint, known)
         }
-        Output::Joint(joint, JointOutput::LatchTorque) => latches(topology, joint, known) || latch_spring(joint, known),
-        Output::Joint(joint, JointOutput::Latched | JointOutput::LatchCount) => latches(topology, joint, known),
-        Output::Joint(joint, JointOutput::LatchTime) => known == Binding::Time || latches(topology, joint, known),
+        Output::Joint(joint, JointOutput::LatchTorque) => latch_pulls(topology, joint, known),
+        Output::Joint(joint, JointOutput::Latched) => latches(topology, joint, known),
+        // A latch that is closed at the start has not closed: the first closing is the first event.
+        Output::Joint(_, JointOutput::LatchTime | JointOutput::LatchCount) => false,
         Output::Gauge(gauge) => {
             let body = topology.machine.gauges[gauge].body;
             accelerates_initially(topology, branch(topology, output), known)
@@ -106,8 +107,9 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
             body(topology, output).is_some_and(|body| point_initially(topology, body, field, known))
         }
         Output::Energy(E::Kinetic) => moves_initially(topology, known),
-        Output::Energy(E::Elastic) => (0..topology.revolutes.len())
-            .any(|joint| topology.is_free(joint) && (latches(topology, joint, known) || latch_spring(joint, known))),
+        Output::Energy(E::Elastic) => {
+            (0..topology.revolutes.len()).any(|joint| topology.is_free(joint) && latch_pulls(topology, joint, known))
+        }
         Output::Energy(E::Gravity) => {
             weighs(known)
                 || is_mass_factor(known)
@@ -218,16 +220,19 @@ fn accelerates_initially(topology: &Topology, branch: Option<usize>, known: Bind
         (0..topology.revolutes.len()).any(|joint| joint_in(joint) && only(joint) && topology.turns_at_start(joint))
     };
     match known {
-        Binding::Input(Input::Joint(joint, JointInput::Release | JointInput::LatchEnable)) => joint_in(joint),
+        Binding::Input(Input::Joint(joint, JointInput::Release)) => joint_in(joint),
+        Binding::Input(Input::Joint(joint, JointInput::LatchEnable)) => {
+            joint_in(joint) && starts_closed(topology, joint)
+        }
         Binding::Parameter(Parameter::Joint(joint, field)) => {
             joint_in(joint)
                 && match field {
                     JointParameter::StartAngle
                     | JointParameter::Stiffness
                     | JointParameter::ConstantTorque
-                    | JointParameter::TorqueLimit
-                    | JointParameter::LatchStiffness => true,
+                    | JointParameter::TorqueLimit => true,
                     JointParameter::Damping => topology.turns_at_start(joint),
+                    JointParameter::LatchStiffness => starts_closed(topology, joint),
                     JointParameter::RateLimit => false,
                 }
         }
@@ -259,14 +264,20 @@ fn start_rate(topology: &Topology, joint: usize, known: Binding) -> bool {
     topology.turns_at_start(joint) && known == Binding::Input(Input::Joint(joint, JointInput::Release))
 }
 
-/// What decides whether a latch is closed at the start.
+/// What decides whether a latch is closed at the start: only one that the model closes there.
 fn latches(topology: &Topology, joint: usize, known: Binding) -> bool {
-    topology.revolute(joint).latch.is_some()
-        && (known == Binding::Input(Input::Joint(joint, JointInput::LatchEnable)) || starts(topology, joint, known))
+    starts_closed(topology, joint) && known == Binding::Input(Input::Joint(joint, JointInput::LatchEnable))
 }
 
-fn latch_spring(joint: usize, known: Binding) -> bool {
-    known == Binding::Parameter(Parameter::Joint(joint, JointParameter::LatchStiffness))
+/// What decides about the torque of a latch at the start.
+fn latch_pulls(topology: &Topology, joint: usize, known: Binding) -> bool {
+    let stiffness = Binding::Parameter(Parameter::Joint(joint, JointParameter::LatchStiffness));
+    starts_closed(topology, joint)
+        && (latches(topology, joint, known) || starts(topology, joint, known) || known == stiffness)
+}
+
+fn starts_closed(topology: &Topology, joint: usize) -> bool {
+    topology.revolute(joint).latch.as_ref().is_some_and(|latch| latch.initially_closed)
 }
 
 /// Initial kinetic energy: only joints that turn at the start give it.
