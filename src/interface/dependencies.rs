@@ -59,9 +59,11 @@ fn depends(topology: &Topology, output: Output, known: Binding) -> bool {
             known == Binding::Time && body(topology, output).is_some_and(|body| moved(topology, body))
         }
         Output::Energy(E::Kinetic) => known == Binding::Time && any_moved(topology),
-        Output::Energy(E::Elastic | E::Work | E::Dissipated) => false,
+        Output::Energy(E::Elastic | E::Dissipated) => false,
+        // A jump of an input moves a potential at once; the jump is booked as its work.
+        Output::Energy(E::Work) => weighs(known) || commands(known),
         Output::Energy(E::Gravity) => weighs(known) || (known == Binding::Time && any_moved(topology)),
-        Output::Energy(E::Drive) => matches!(known, Binding::Input(Input::Joint(_, JointInput::Command))),
+        Output::Energy(E::Drive) => commands(known),
         Output::Energy(E::Total) => {
             [E::Kinetic, E::Gravity, E::Drive].into_iter().any(|part| depends(topology, Output::Energy(part), known))
         }
@@ -138,10 +140,15 @@ fn point_initially(topology: &Topology, body: usize, field: PointOutput, known: 
     let path = &topology.path[body];
     match field {
         PointOutput::Position(_) | PointOutput::Rotation(_) => path.iter().any(|&joint| starts(topology, joint, known)),
-        PointOutput::Velocity(_) | PointOutput::AngularVelocity(_) => {
+        PointOutput::Velocity(_) => {
             path.iter().any(|&joint| topology.turns_at_start(joint))
                 && path.iter().any(|&joint| starts(topology, joint, known) || start_rate(topology, joint, known))
         }
+        // An angle turns the hinges behind it, not its own.
+        PointOutput::AngularVelocity(_) => path.iter().enumerate().any(|(i, &joint)| {
+            start_rate(topology, joint, known)
+                || (starts(topology, joint, known) && path[i + 1..].iter().any(|&outer| topology.turns_at_start(outer)))
+        }),
         PointOutput::Acceleration(_) => accelerates_initially(topology, Some(topology.branch[body]), known),
     }
 }
@@ -183,6 +190,10 @@ fn drives(joint: usize, known: Binding) -> bool {
 /// Gravity and the root's linear acceleration.
 fn weighs(known: Binding) -> bool {
     matches!(known, Binding::Input(Input::Gravity(_) | Input::RootAcceleration(_)))
+}
+
+fn commands(known: Binding) -> bool {
+    matches!(known, Binding::Input(Input::Joint(_, JointInput::Command)))
 }
 
 fn is_mass_factor(known: Binding) -> bool {
@@ -285,9 +296,12 @@ fn moves_initially(topology: &Topology, known: Binding) -> bool {
     let turns = |body: usize| topology.path[body].iter().any(|&joint| topology.turns_at_start(joint));
     match known {
         Binding::Parameter(Parameter::Body(body, BodyParameter::MassFactor)) => turns(body),
-        _ => (0..topology.machine.bodies.len()).filter(|&body| turns(body)).any(|body| {
-            let path = &topology.path[body];
-            path.iter().any(|&joint| starts(topology, joint, known) || start_rate(topology, joint, known))
+        // The angle of the first joint that turns moves the wing as a whole.
+        _ => topology.path.iter().any(|path| {
+            path.iter().enumerate().any(|(i, &joint)| {
+                start_rate(topology, joint, known)
+                    || (starts(topology, joint, known) && path[..i].iter().any(|&inner| topology.turns_at_start(inner)))
+            })
         }),
     }
 }

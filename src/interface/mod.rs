@@ -187,3 +187,6 @@ impl Interface {
         self.slots.get(value_reference as usize).is_some_and(|slot| slot.binding.is_computed())
     }
 }
+
+#[cfg(test)]
+mod tests;

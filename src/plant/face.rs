@@ -18,7 +18,7 @@ pub struct JointInputs {
 }
 
 /// All inputs, held during a step.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inputs {
     /// Per revolute joint, in the order of [`crate::plant::Plant::revolute_joints`].
     pub joints: Vec<JointInputs>,
@@ -27,6 +27,19 @@ pub struct Inputs {
     pub stations: Vec<Wrench>,
     /// Gravity and motion of the root.
     pub root: RootMotion,
+}
+
+/// By hand, because a derived `clone_from` allocates and inputs are copied whenever they change.
+impl Clone for Inputs {
+    fn clone(&self) -> Self {
+        Self { joints: self.joints.clone(), stations: self.stations.clone(), root: self.root }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.joints.clone_from(&source.joints);
+        self.stations.clone_from(&source.stations);
+        self.root = source.root;
+    }
 }
 
 /// Parameters of one revolute joint.
@@ -62,7 +75,7 @@ pub struct BodyParameters {
 }
 
 /// All parameters. Fixed ones act at [`crate::plant::Plant::initialize`], tunable ones from the next step on.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     /// Per revolute joint.
     pub joints: Vec<JointParameters>,
@@ -74,6 +87,21 @@ pub struct Parameters {
     pub max_step_s: f64,
     /// Smallest internal step in s; fixed.
     pub min_step_s: f64,
+}
+
+/// By hand, because a derived `clone_from` allocates.
+impl Clone for Parameters {
+    fn clone(&self) -> Self {
+        Self { joints: self.joints.clone(), bodies: self.bodies.clone(), ..*self }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.joints.clone_from(&source.joints);
+        self.bodies.clone_from(&source.bodies);
+        self.tolerance = source.tolerance;
+        self.max_step_s = source.max_step_s;
+        self.min_step_s = source.min_step_s;
+    }
 }
 
 /// Outputs of one revolute joint.

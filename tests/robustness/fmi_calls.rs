@@ -1,6 +1,7 @@
 //! Bad calls: each kind is refused with the right status and a message that says what is wrong, and leaves the
 //! instance unharmed.
 
+mod fmi_semantics;
 mod fmu;
 
 use fmu::{Attempt, Fmu, OTHER, Resources, WING, callbacks, guid_of};

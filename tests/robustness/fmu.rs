@@ -1,5 +1,7 @@
 //! An importer in miniature: calls the exported functions and records what is logged.
 
+#![allow(dead_code, reason = "each test uses a part of it")]
+
 use foldwing::config;
 use foldwing::fmi2::abi::functions::*;
 use foldwing::fmi2::abi::states::*;
