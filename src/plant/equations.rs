@@ -68,7 +68,10 @@ pub(super) struct Equations {
     /// Some station carries a load.
     pub loaded: bool,
     pub joints: Vec<JointEquations>,
+    /// Time whose branch of slews and prescribed motions holds, in s: the middle of a step, or the present.
+    pub branch_s: f64,
     tangents: Vec<HingeTangent>,
+    scratch: Vec<f64>,
 }
 
 impl Equations {
@@ -135,7 +138,9 @@ impl Equations {
             stations: vec![Wrench::default(); model.stations.len()],
             loaded: false,
             joints,
+            branch_s: 0.0,
             tangents: vec![held; model.bodies.len()],
+            scratch: vec![0.0; model.coordinates],
             model,
         }
     }
@@ -155,6 +160,14 @@ impl Equations {
             potentials.elastic += joint.closed_latch().map_or(0.0, |latch| latch.energy_j(angle));
         }
         potentials
+    }
+
+    /// Whether a known kink lies exactly at `time_s`: rates or accelerations that are given may jump.
+    pub fn kink_at(&self, time_s: f64) -> bool {
+        self.joints.iter().any(|joint| match &joint.law {
+            Some(law) => law.has_knot_at(time_s),
+            None => joint.driven && joint.slew.from_rad != joint.slew.target_rad && joint.slew.end_s() == time_s,
+        })
     }
 
     /// Next time after `time_s` at which a known kink lies: end of a slew, knot of a prescribed motion.
@@ -197,7 +210,7 @@ impl EquationsOfMotion for Equations {
     fn prescribe(&self, time_s: f64, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
         for joint in self.joints.iter().filter(|joint| joint.held) {
             let c = joint.coordinate;
-            [q[c], v[c], a[c]] = joint.law.as_ref().map_or([q[c], 0.0, 0.0], |law| law.at(time_s));
+            [q[c], v[c], a[c]] = joint.law.as_ref().map_or([q[c], 0.0, 0.0], |law| law.at_on(time_s, self.branch_s));
         }
     }
 
@@ -246,7 +259,13 @@ impl EquationsOfMotion for Equations {
         factor::kinematic_norm(&self.model, &mut self.work, change)
     }
 
-    fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64]) -> Powers {
+    fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64]) -> Powers {
+        if self.joints.iter().any(|joint| joint.law.is_some()) {
+            // the torque that holds a prescribed joint belongs to these accelerations, not to the last iterate's
+            let mut residual = std::mem::take(&mut self.scratch);
+            self.residual(time_s, q, v, a, &mut residual);
+            self.scratch = residual;
+        }
         let mut powers =
             Powers { work: 0.0, dissipated: energy::stiffness_damping_power(&self.model, v, &self.damping) };
         let damping = &self.damping;
@@ -259,7 +278,7 @@ impl EquationsOfMotion for Equations {
                 powers.work += joint.holding_n_m * rate;
                 continue;
             }
-            let (neutral, slew_rate) = joint.slew.at(time_s);
+            let (neutral, slew_rate) = joint.slew.at_on(time_s, self.branch_s);
             let torque = joint.drive_torque(time_s, angle, rate);
             powers.work += (joint.external_n_m + torque.clipped_n_m) * rate
                 - joint.drive.stiffness_n_m_rad * (angle - neutral) * slew_rate;

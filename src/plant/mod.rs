@@ -143,7 +143,7 @@ impl Plant {
 
     /// Goes back to a snapshot of the same model; outputs included, bit for bit.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), PlantError> {
-        snapshot.check(&self.state)?;
+        snapshot.check(&self.state, self.coordinates(), self.tip_bodies.len())?;
         self.state = snapshot.state().clone();
         self.rebuild();
         if self.state.initialized {

@@ -38,6 +38,7 @@ impl Plant {
         let (state, equations, outputs) = (&mut self.state, &mut self.equations, &mut self.outputs);
         let now = &state.now;
         let time_s = now.time_s;
+        equations.branch_s = time_s;
         equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
         let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
         let (model, work) = (&equations.model, &equations.work);

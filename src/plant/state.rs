@@ -17,6 +17,8 @@ pub(super) struct JointState {
     pub released: bool,
     /// Latch, of joints that have one.
     pub latch: LatchState,
+    /// The latch closes at the end of the integrator's present step.
+    pub closing: bool,
     /// Neutral angle of the drive.
     pub slew: Slew,
 }
@@ -42,8 +44,6 @@ pub(super) struct State {
     pub now: Point,
     /// Next step to try in s.
     pub step_s: f64,
-    /// Joint whose latch closes at `ahead`.
-    pub pending_latch: Option<u32>,
     /// Per revolute joint.
     pub joints: Vec<JointState>,
     /// Last quaternions of the tips, for a continuous sign.
@@ -105,7 +105,6 @@ impl State {
             ahead: Point::default(),
             now: Point::default(),
             step_s: 0.0,
-            pending_latch: None,
             joints: Vec::new(),
             tip_rotations: Vec::new(),
             station_rotations: Vec::new(),
@@ -127,8 +126,8 @@ impl Snapshot {
         &self.0
     }
 
-    /// Refuses a snapshot whose vectors do not have the lengths of this model's.
-    pub(super) fn check(&self, own: &State) -> Result<(), PlantError> {
+    /// Refuses a snapshot whose vectors do not have the lengths of this model's, which has `coordinates` and `tips`.
+    pub(super) fn check(&self, own: &State, coordinates: usize, tips: usize) -> Result<(), PlantError> {
         let theirs = &*self.0;
         let lengths = |state: &State| {
             [
@@ -144,6 +143,17 @@ impl Snapshot {
         };
         if lengths(theirs) != lengths(own) {
             return Err(PlantError::Snapshot("numbers of joints, bodies or stations differ".into()));
+        }
+        let fits = |point: &Point| {
+            [&point.q, &point.v, &point.a, &point.auxiliary].iter().all(|vector| vector.len() == coordinates)
+        };
+        let points_fit = [&theirs.start, &theirs.ahead, &theirs.now].into_iter().all(fits);
+        if theirs.initialized && !points_fit {
+            return Err(PlantError::Snapshot("numbers of coordinates differ".into()));
+        }
+        let rest = [theirs.joints.len(), theirs.tip_rotations.len(), theirs.station_rotations.len()];
+        if theirs.initialized && rest != [own.inputs.joints.len(), tips, own.inputs.stations.len()] {
+            return Err(PlantError::Snapshot("numbers of free ends or joint states differ".into()));
         }
         Ok(())
     }

@@ -76,7 +76,7 @@ impl GeneralizedAlpha {
             end.auxiliary[i] = auxiliary(end.a[i], start.a[i], start.auxiliary[i]);
             self.residual[i] = estimate * (end.auxiliary[i] - start.auxiliary[i]);
         }
-        end.powers = equations.powers(end.time_s, &end.q, &end.v);
+        end.powers = equations.powers(end.time_s, &end.q, &end.v, &end.a);
         let mean = |from: f64, to: f64| 0.5 * h_s * (from + to);
         let Powers { work, dissipated } = start.powers;
         end.work = start.work + mean(work, end.powers.work);

@@ -33,8 +33,9 @@ pub trait EquationsOfMotion {
     /// over the machine's length, or rotation in rad.
     fn norm(&mut self, change: &[f64]) -> f64;
 
-    /// Power of the inputs and of damping in W at the state of the last residual, which the arguments repeat.
-    fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64]) -> Powers;
+    /// Power of the inputs and of damping in W. The arguments repeat the state of the last residual, with the last
+    /// correction of Newton's iteration added.
+    fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64]) -> Powers;
 }
 
 /// Rates of the energy accounts in W.

@@ -76,7 +76,7 @@ impl Esdirk {
             };
             iterate(equations, &mut unknown, tolerance, &mut factorized, effort)?;
             self.velocities[stage].copy_from_slice(&self.v);
-            self.powers[stage] = equations.powers(time_s, &self.q, &self.v);
+            self.powers[stage] = equations.powers(time_s, &self.q, &self.v, &self.accelerations[stage]);
         }
 
         let last = tableau.stages() - 1;
