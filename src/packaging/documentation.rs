@@ -40,7 +40,7 @@ fn drawing_section(html: &mut String, machine: &Machine) {
         "<h2>The wing</h2>\n<figure>\n{}<figcaption>Undeformed wing: deployed (filled), at its start angles \
          (outlined) and between. <span class=\"key joint\"></span> joint, <span class=\"key station\"></span> load \
          station, <span class=\"key mass\"></span> mass, <span class=\"key gauge\"></span> strain gauge. The axes \
-         are the root frame.</figcaption>\n</figure>\n",
+         show the directions of the root frame.</figcaption>\n</figure>\n",
         drawing::svg(machine)
     );
 }
