@@ -49,3 +49,26 @@ fn p02_wing_as_printed_latches_early() {
     let (latch_s, ..) = deploy(machine);
     assert_relative("latch time", "s", latch_s, 0.0407, 1e-2);
 }
+
+/// P-03 probe.
+#[test]
+fn p03_probe() {
+    let rows = reference_rows("folding_wing_still_air.csv");
+    for (name, kind, count, tol) in [
+        ("2p", ElementKind::Linear, 2, 1e-5),
+        ("2p", ElementKind::Linear, 2, 1e-7),
+        ("6p", ElementKind::Linear, 6, 1e-7),
+        ("15c", ElementKind::Constant, 15, 1e-6),
+        ("20c", ElementKind::Constant, 20, 1e-7),
+    ] {
+        let mut plant = start(wing(kind, count, Method::Esdirk4, tol));
+        let mut out = String::new();
+        for row in &rows[1..] {
+            coast(&mut plant, row[0]);
+            let o = plant.outputs();
+            let tip = o.tips[0].position_m;
+            out += &format!("{},{},{},{},{}\n", row[0], o.joints[0].angle_rad.to_degrees(), o.gauges[0], tip.x, tip.z);
+        }
+        std::fs::write(format!("/tmp/fw/plant_probe_{name}_{tol:e}.csv"), out).unwrap();
+    }
+}
