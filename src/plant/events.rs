@@ -113,8 +113,8 @@ impl Plant {
         state.start.copy_from(&state.now);
         self.discontinuity(|state, equations| {
             let time_s = state.start.time_s;
-            state.applied_inputs.clone_from(&state.inputs);
-            state.applied_parameters.clone_from(&state.parameters);
+            state.applied_inputs.copy_from(&state.inputs);
+            state.applied_parameters.copy_from(&state.parameters);
             let mut released_energy = 0.0;
             for (i, joint) in state.joints.iter_mut().enumerate() {
                 let inputs = &state.inputs.joints[i];

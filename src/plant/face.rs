@@ -29,6 +29,15 @@ pub struct Inputs {
     pub root: RootMotion,
 }
 
+impl Inputs {
+    /// Copies the inputs of the same model without allocating, which a derived `clone_from` does.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.joints.copy_from_slice(&other.joints);
+        self.stations.copy_from_slice(&other.stations);
+        self.root = other.root;
+    }
+}
+
 /// Parameters of one revolute joint.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct JointParameters {
@@ -74,6 +83,15 @@ pub struct Parameters {
     pub max_step_s: f64,
     /// Smallest internal step in s; fixed.
     pub min_step_s: f64,
+}
+
+impl Parameters {
+    /// Copies the parameters of the same model without allocating.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.joints.copy_from_slice(&other.joints);
+        self.bodies.copy_from_slice(&other.bodies);
+        (self.tolerance, self.max_step_s, self.min_step_s) = (other.tolerance, other.max_step_s, other.min_step_s);
+    }
 }
 
 /// Outputs of one revolute joint.

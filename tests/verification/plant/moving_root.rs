@@ -41,7 +41,7 @@ fn skew_wing(tolerance: f64) -> Machine {
     hinge.latch = None;
     for body in &mut machine.bodies {
         body.station_positions_m = vec![0.07, 0.15];
-        body.mass_damping_1_s = 0.0;
+        (body.mass_damping_1_s, body.stiffness_damping_s) = (0.0, 2e-5);
     }
     machine
 }
