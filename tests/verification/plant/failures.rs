@@ -35,7 +35,8 @@ fn p96_contradicting_step_limits_do_not_panic() {
 /// The FMI layer refuses such values before they come here; the plant is the second line.
 #[test]
 fn p97_values_that_are_not_numbers_are_errors() {
-    let spoil: [(&str, fn(&mut Inputs)); 6] = [
+    type Spoil = (&'static str, fn(&mut Inputs));
+    let spoil: [Spoil; 6] = [
         ("command", |inputs| inputs.joints[0].command_rad = f64::NAN),
         ("torque", |inputs| inputs.joints[0].torque_n_m = f64::INFINITY),
         ("force", |inputs| inputs.stations[0].force_n.y = f64::NAN),
