@@ -3,9 +3,7 @@
 use crate::actuation::drive::Slew;
 use crate::actuation::latch::LatchState;
 use crate::config::Machine;
-use crate::load::{RootMotion, Wrench};
-use crate::plant::face::{BodyParameters, Inputs, JointInputs, JointParameters, Parameters, PlantError, Statistics};
-use crate::plant::revolutes;
+use crate::plant::face::{Inputs, Parameters, PlantError, Statistics};
 use crate::solve::point::Point;
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
@@ -46,6 +44,8 @@ pub(super) struct State {
     pub step_s: f64,
     /// Per revolute joint.
     pub joints: Vec<JointState>,
+    /// Last quaternions of universal, ball and free joints.
+    pub spatial_rotations: Vec<UnitQuaternion<f64>>,
     /// Last quaternions of the tips, for a continuous sign.
     pub tip_rotations: Vec<UnitQuaternion<f64>>,
     /// Last quaternions of the stations.
@@ -57,44 +57,7 @@ pub(super) struct State {
 impl State {
     /// Inputs and parameters that the model states; the rest is made by initialisation.
     pub fn of_model(machine: &Machine) -> Self {
-        let inputs = Inputs {
-            joints: revolutes(machine)
-                .map(|(_, revolute)| JointInputs {
-                    command_rad: revolute.drive.command_rad,
-                    torque_n_m: 0.0,
-                    release: revolute.release,
-                    latch_enable: revolute.latch.as_ref().is_some_and(|latch| latch.enable),
-                })
-                .collect(),
-            stations: vec![Wrench::default(); machine.bodies.iter().map(|body| body.station_positions_m.len()).sum()],
-            root: RootMotion { gravity_m_s2: machine.gravity_m_s2, ..RootMotion::default() },
-        };
-        let parameters = Parameters {
-            joints: revolutes(machine)
-                .map(|(_, revolute)| JointParameters {
-                    start_angle_rad: revolute.start_angle_rad,
-                    stiffness_n_m_rad: revolute.drive.stiffness_n_m_rad,
-                    damping_n_m_s_rad: revolute.drive.damping_n_m_s_rad,
-                    constant_torque_n_m: revolute.drive.constant_torque_n_m,
-                    torque_limit_n_m: revolute.drive.torque_limit_n_m,
-                    rate_limit_rad_s: revolute.drive.rate_limit_rad_s,
-                    latch_stiffness_n_m_rad: revolute.latch.as_ref().map_or(0.0, |latch| latch.stiffness_n_m_rad),
-                })
-                .collect(),
-            bodies: machine
-                .bodies
-                .iter()
-                .map(|body| BodyParameters {
-                    mass_factor: 1.0,
-                    stiffness_factor: 1.0,
-                    mass_damping_1_s: body.mass_damping_1_s,
-                    stiffness_damping_s: body.stiffness_damping_s,
-                })
-                .collect(),
-            tolerance: machine.solver.tolerance,
-            max_step_s: machine.solver.max_step_s,
-            min_step_s: machine.solver.min_step_s,
-        };
+        let (inputs, parameters) = (Inputs::of(machine), Parameters::of(machine));
         Self {
             initialized: false,
             applied_inputs: inputs.clone(),
@@ -106,6 +69,7 @@ impl State {
             now: Point::default(),
             step_s: 0.0,
             joints: Vec::new(),
+            spatial_rotations: Vec::new(),
             tip_rotations: Vec::new(),
             station_rotations: Vec::new(),
             statistics: Statistics::default(),
@@ -135,6 +99,7 @@ impl Snapshot {
                 state.inputs.stations.len(),
                 state.parameters.joints.len(),
                 state.parameters.bodies.len(),
+                state.parameters.spatial.len(),
                 state.applied_inputs.joints.len(),
                 state.applied_inputs.stations.len(),
                 state.applied_parameters.joints.len(),
