@@ -116,6 +116,7 @@ impl<'a> Topology<'a> {
                     latch_stiffness_n_m_rad: revolute.latch.as_ref().map_or(0.0, |latch| latch.stiffness_n_m_rad),
                 })
                 .collect(),
+            spatial: Vec::new(),
             bodies: self
                 .machine
                 .bodies
@@ -138,6 +139,6 @@ impl<'a> Topology<'a> {
 fn revolute(machine: &Machine, body: usize) -> Option<&Revolute> {
     match &machine.bodies[body].joint.kind {
         JointKind::Revolute(revolute) => Some(revolute),
-        JointKind::Clamped => None,
+        JointKind::Clamped | JointKind::Spatial(_) => None,
     }
 }

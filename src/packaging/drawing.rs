@@ -35,7 +35,7 @@ pub fn undeformed(machine: &Machine, fraction: f64) -> Vec<Vec<Frame>> {
             }
         };
         let fold = match &body.joint.kind {
-            JointKind::Clamped => Matrix3::identity(),
+            JointKind::Clamped | JointKind::Spatial(_) => Matrix3::identity(),
             JointKind::Revolute(joint) => {
                 let deployed = joint.latch.as_ref().map_or(0.0, |latch| latch.angle_rad);
                 let angle = deployed + fraction * (joint.start_angle_rad - deployed);

@@ -10,10 +10,11 @@ use crate::load::{RootMotion, Wrench};
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::factor::{self, HingeTangent, Weights};
 use crate::multibody::kinematics::Motion;
-use crate::multibody::model::{Attachment, BodyDescription};
+use crate::multibody::model::{Attachment, BodyDescription, JointDescription};
 use crate::multibody::{Model, Workspace, energy, station};
 use crate::plant::face::Parameters;
-use crate::plant::revolutes;
+use crate::plant::spatial::SpatialEquations;
+use crate::plant::{revolutes, spatials};
 use crate::solve::{EquationsOfMotion, Powers, Singular};
 
 /// A revolute joint as the equations see it.
@@ -68,6 +69,7 @@ pub(super) struct Equations {
     /// Some station carries a load.
     pub loaded: bool,
     pub joints: Vec<JointEquations>,
+    pub spatial: Vec<SpatialEquations>,
     /// Time whose branch of slews and prescribed motions holds, in s: the middle of a step, or the present.
     pub branch_s: f64,
     tangents: Vec<HingeTangent>,
@@ -92,9 +94,10 @@ impl Equations {
                     Parent::Body { index, position_m } => Attachment::Body { index, position_m },
                 },
                 mount: body.joint.mount,
-                hinge_axis: match &body.joint.kind {
-                    JointKind::Clamped => None,
-                    JointKind::Revolute(revolute) => Some(revolute.axis),
+                joint: match &body.joint.kind {
+                    JointKind::Clamped => JointDescription::Clamped,
+                    JointKind::Spatial(spatial) => SpatialEquations::describe(spatial),
+                    JointKind::Revolute(revolute) => JointDescription::Revolute(revolute.axis),
                 },
                 masses: body
                     .masses
@@ -131,6 +134,10 @@ impl Equations {
             })
             .collect();
         let held = HingeTangent { free: false, stiffness_n_m_rad: 0.0, damping_n_m_s_rad: 0.0 };
+        let mut tangents = vec![held; model.bodies.len()];
+        for (body, _) in spatials(machine) {
+            tangents[body].free = true;
+        }
         Self {
             work: Workspace::new(&model),
             root: RootMotion::default(),
@@ -138,8 +145,9 @@ impl Equations {
             stations: vec![Wrench::default(); model.stations.len()],
             loaded: false,
             joints,
+            spatial: SpatialEquations::of_machine(machine, &model),
+            tangents,
             branch_s: 0.0,
-            tangents: vec![held; model.bodies.len()],
             scratch: vec![0.0; model.coordinates],
             model,
         }
@@ -158,6 +166,9 @@ impl Equations {
                 potentials.drive += joint.drive.potential_j(angle, joint.slew.at(time_s).0);
             }
             potentials.elastic += joint.closed_latch().map_or(0.0, |latch| latch.energy_j(angle));
+        }
+        for joint in &self.spatial {
+            potentials.drive += joint.potential_j(&self.work);
         }
         potentials
     }
@@ -214,6 +225,12 @@ impl EquationsOfMotion for Equations {
         }
     }
 
+    fn project(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
+        for joint in &self.spatial {
+            joint.project(q, v, a);
+        }
+    }
+
     fn residual(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]) {
         let environment = Environment {
             root: &self.root,
@@ -242,6 +259,10 @@ impl EquationsOfMotion for Equations {
                 stiffness += latch.stiffness_n_m_rad;
             }
             *tangent = HingeTangent { free: true, stiffness_n_m_rad: stiffness, damping_n_m_s_rad: damping };
+        }
+        for joint in &self.spatial {
+            joint.add_torque(&self.work, v, residual);
+            self.tangents[joint.body] = joint.tangent();
         }
     }
 
@@ -283,6 +304,9 @@ impl EquationsOfMotion for Equations {
             powers.work += (joint.external_n_m + torque.clipped_n_m) * rate
                 - joint.drive.stiffness_n_m_rad * (angle - neutral) * slew_rate;
             powers.dissipated += joint.drive.damping_n_m_s_rad * rate * rate;
+        }
+        for joint in &self.spatial {
+            powers.dissipated += joint.dissipation_w(&self.work, v);
         }
         if self.root.rotates() {
             powers.work += energy::frame_power(&self.model, &self.work, &self.root);

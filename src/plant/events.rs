@@ -7,7 +7,7 @@ use crate::plant::equations::Equations;
 use crate::plant::face::PlantError;
 use crate::plant::march::CROSSING_S;
 use crate::plant::state::{JointState, State};
-use crate::plant::{Plant, revolutes};
+use crate::plant::{Plant, revolutes, spatials};
 use crate::solve::point::Point;
 use crate::solve::{EquationsOfMotion, Singular, control};
 
@@ -47,8 +47,12 @@ impl Plant {
             });
         }
 
+        for ((_, spatial), equations) in spatials(&self.machine).zip(&self.equations.spatial) {
+            equations.start(spatial, &q, &mut v);
+        }
         let state = &mut self.state;
         state.joints = joints;
+        state.spatial_rotations = vec![Default::default(); self.spatial_joints.len()];
         state.applied_inputs.clone_from(&state.inputs);
         state.applied_parameters.clone_from(&state.parameters);
         state.statistics = Default::default();
@@ -100,6 +104,10 @@ impl Plant {
                 latch.stiffness_n_m_rad = parameters.latch_stiffness_n_m_rad;
             }
         }
+        for (joint, parameters) in equations.spatial.iter_mut().zip(&parameters.spatial) {
+            joint.stiffness_n_m_rad = parameters.stiffness_n_m_rad;
+            joint.damping_n_m_s_rad = parameters.damping_n_m_s_rad;
+        }
     }
 
     /// Whether inputs or parameters differ from those that the present step runs with.
@@ -109,8 +117,10 @@ impl Plant {
 
     /// Cuts the integrator's step at the present time and goes on with the new inputs and parameters.
     pub(super) fn apply_inputs(&mut self) -> Result<(), PlantError> {
-        let state = &mut self.state;
-        state.start.copy_from(&state.now);
+        let State { start, now, .. } = &mut self.state;
+        start.copy_from(now);
+        // interpolation leaves the constraints of joint parameters by its own error
+        self.equations.project(&mut start.q, &mut start.v, &mut start.a);
         self.discontinuity(|state, equations| {
             let time_s = state.start.time_s;
             state.applied_inputs.clone_from(&state.inputs);

@@ -61,6 +61,15 @@ pub struct JointParameters {
     pub latch_stiffness_n_m_rad: f64,
 }
 
+/// Parameters of one universal, ball or free joint; tunable.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SpatialParameters {
+    /// Spring stiffness in N·m/rad.
+    pub stiffness_n_m_rad: f64,
+    /// Damping in N·m·s/rad.
+    pub damping_n_m_s_rad: f64,
+}
+
 /// Parameters of one body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BodyParameters {
@@ -79,6 +88,8 @@ pub struct BodyParameters {
 pub struct Parameters {
     /// Per revolute joint.
     pub joints: Vec<JointParameters>,
+    /// Per universal, ball or free joint.
+    pub spatial: Vec<SpatialParameters>,
     /// Per body.
     pub bodies: Vec<BodyParameters>,
     /// Solver tolerance; fixed.
@@ -123,6 +134,15 @@ pub struct JointOutputs {
     pub latch_count: i32,
 }
 
+/// Outputs of one universal, ball or free joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpatialOutputs {
+    /// Attitude, parent ← body; sign continuous in time.
+    pub rotation: UnitQuaternion<f64>,
+    /// Angular velocity relative to the parent, parent's frame, rad/s.
+    pub angular_velocity_rad_s: Vector3<f64>,
+}
+
 /// Position, velocities and attitude of a point of the wing, root frame, relative to the root frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointOutputs {
@@ -164,6 +184,10 @@ pub struct Outputs {
     pub time_s: f64,
     /// Per revolute joint.
     pub joints: Vec<JointOutputs>,
+    /// Per universal, ball or free joint, in the order of [`crate::plant::Plant::spatial_joints`].
+    pub spatial: Vec<SpatialOutputs>,
+    /// Per body: force and moment of the joint on the body's inner end, root frame, at that end.
+    pub joint_reactions: Vec<Wrench>,
     /// Axial strain per gauge.
     pub gauges: Vec<f64>,
     /// Force and moment of the wing on the aircraft at the origin, root frame.

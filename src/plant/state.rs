@@ -4,8 +4,10 @@ use crate::actuation::drive::Slew;
 use crate::actuation::latch::LatchState;
 use crate::config::Machine;
 use crate::load::{RootMotion, Wrench};
-use crate::plant::face::{BodyParameters, Inputs, JointInputs, JointParameters, Parameters, PlantError, Statistics};
-use crate::plant::revolutes;
+use crate::plant::face::{
+    BodyParameters, Inputs, JointInputs, JointParameters, Parameters, PlantError, SpatialParameters, Statistics,
+};
+use crate::plant::{revolutes, spatials};
 use crate::solve::point::Point;
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
@@ -46,6 +48,8 @@ pub(super) struct State {
     pub step_s: f64,
     /// Per revolute joint.
     pub joints: Vec<JointState>,
+    /// Last quaternions of universal, ball and free joints.
+    pub spatial_rotations: Vec<UnitQuaternion<f64>>,
     /// Last quaternions of the tips, for a continuous sign.
     pub tip_rotations: Vec<UnitQuaternion<f64>>,
     /// Last quaternions of the stations.
@@ -81,6 +85,12 @@ impl State {
                     latch_stiffness_n_m_rad: revolute.latch.as_ref().map_or(0.0, |latch| latch.stiffness_n_m_rad),
                 })
                 .collect(),
+            spatial: spatials(machine)
+                .map(|(_, spatial)| SpatialParameters {
+                    stiffness_n_m_rad: spatial.stiffness_n_m_rad,
+                    damping_n_m_s_rad: spatial.damping_n_m_s_rad,
+                })
+                .collect(),
             bodies: machine
                 .bodies
                 .iter()
@@ -106,6 +116,7 @@ impl State {
             now: Point::default(),
             step_s: 0.0,
             joints: Vec::new(),
+            spatial_rotations: Vec::new(),
             tip_rotations: Vec::new(),
             station_rotations: Vec::new(),
             statistics: Statistics::default(),
@@ -135,6 +146,7 @@ impl Snapshot {
                 state.inputs.stations.len(),
                 state.parameters.joints.len(),
                 state.parameters.bodies.len(),
+                state.parameters.spatial.len(),
                 state.applied_inputs.joints.len(),
                 state.applied_inputs.stations.len(),
                 state.applied_parameters.joints.len(),

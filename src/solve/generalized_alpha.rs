@@ -81,6 +81,8 @@ impl GeneralizedAlpha {
         let Powers { work, dissipated } = start.powers;
         end.work = start.work + mean(work, end.powers.work);
         end.dissipated = start.dissipated + mean(dissipated, end.powers.dissipated);
-        Ok(equations.norm(&self.residual))
+        let error = equations.norm(&self.residual);
+        equations.project(&mut end.q, &mut end.v, &mut end.a);
+        Ok(error)
     }
 }
