@@ -50,7 +50,7 @@ lint: toolchain
 	$(CARGO) clippy --all-targets --locked -- -D warnings
 
 unit: toolchain
-	$(CARGO) test --release --locked
+	$(CARGO) test --locked
 
 pytest: package venv
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) \
@@ -60,7 +60,7 @@ bench: toolchain ## Measure the cost of the recursions; docs/BENCHMARKS.md
 	$(CARGO) bench --locked --bench kernels
 
 bless: toolchain ## Rewrite modelDescription/ after a deliberate change of the interface
-	FOLDWING_BLESS=1 $(CARGO) test --release --locked --test model_description
+	FOLDWING_BLESS=1 $(CARGO) test --locked --test model_description
 
 python-lock: venv ## Renew python/requirements.txt from requirements.in
 	$(VENV_PYTHON) tools/lock_python.py python/requirements.in python/requirements.txt
