@@ -153,8 +153,8 @@ const COUNTERS: &[(&str, Counter, &str)] = &[
 pub(super) fn build(machine: &Machine) -> (Vec<Variable>, Vec<Binding>) {
     let topology = Topology::new(machine);
     let mut table = Table {
-        inputs: topology.start_inputs(),
-        parameters: topology.start_parameters(),
+        inputs: Inputs::of(machine),
+        parameters: Parameters::of(machine),
         variables: Vec::new(),
         bindings: Vec::new(),
     };

@@ -103,11 +103,19 @@ pub struct Parameters {
 /// By hand, because a derived `clone_from` allocates.
 impl Clone for Parameters {
     fn clone(&self) -> Self {
-        Self { joints: self.joints.clone(), bodies: self.bodies.clone(), ..*self }
+        Self {
+            joints: self.joints.clone(),
+            spatial: self.spatial.clone(),
+            bodies: self.bodies.clone(),
+            tolerance: self.tolerance,
+            max_step_s: self.max_step_s,
+            min_step_s: self.min_step_s,
+        }
     }
 
     fn clone_from(&mut self, source: &Self) {
         self.joints.clone_from(&source.joints);
+        self.spatial.clone_from(&source.spatial);
         self.bodies.clone_from(&source.bodies);
         self.tolerance = source.tolerance;
         self.max_step_s = source.max_step_s;

@@ -11,6 +11,7 @@ mod face;
 mod march;
 mod outputs;
 mod spatial;
+mod start;
 mod state;
 
 pub use face::{

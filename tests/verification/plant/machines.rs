@@ -153,7 +153,7 @@ pub fn point_mass(position_m: f64, mass_kg: f64) -> AttachedMass {
 pub fn hinge_of(machine: &mut Machine, index: usize) -> &mut Revolute {
     match &mut machine.bodies[index].joint.kind {
         JointKind::Revolute(revolute) => revolute,
-        JointKind::Clamped => panic!("body {index} is clamped"),
+        _ => panic!("the joint of body {index} is not revolute"),
     }
 }
 
