@@ -130,6 +130,9 @@ impl ClosureFactor {
     }
 }
 
+/// Stands for no penalty; its inverse and the square of that are still finite.
+const ABSENT: f64 = 1e-150;
+
 /// Adds the closures to a factorisation of the tree. `None` where the small matrix has no factor.
 pub(crate) fn factorize(model: &Model, work: &mut Workspace, weights: Weights) -> Option<()> {
     let rows = 3 * model.closures.len();
@@ -145,9 +148,9 @@ pub(crate) fn factorize(model: &Model, work: &mut Workspace, weights: Weights) -
             }
         }
         let Penalty { inertia_kg, damping_n_s_m, stiffness_n_m } = closure.penalty;
-        let penalty =
-            weights.mass * inertia_kg + weights.damping * damping_n_s_m + weights.stiffness * stiffness_n_m;
-        factor.cholesky[row * rows + row] += 1.0 / penalty;
+        let penalty = weights.mass * inertia_kg + weights.damping * damping_n_s_m + weights.stiffness * stiffness_n_m;
+        // without inertia the mass matrix alone knows nothing of the loop
+        factor.cholesky[row * rows + row] += 1.0 / penalty.max(ABSENT);
     }
     let outcome = cholesky(&mut factor.cholesky, rows);
     work.closure_factor = factor;
@@ -204,10 +207,7 @@ fn project_unit_force(model: &Model, work: &mut Workspace, closure: &Closure, ax
                 out[c + 1 + j] = link.velocity[j + 1].dot(&p.linear) + link.spin[j].dot(&p.angular);
             }
             let own = &work.bias[body.first_node + i];
-            p = Pair {
-                linear: own.linear + p.linear,
-                angular: own.angular + p.angular + link.arm_m.cross(&p.linear),
-            };
+            p = Pair { linear: own.linear + p.linear, angular: own.angular + p.angular + link.arm_m.cross(&p.linear) };
         }
         if let Some(hinge) = &body.hinge {
             out[hinge.coordinate] = work.hinges[index].dot(&p.angular);
