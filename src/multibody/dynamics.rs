@@ -9,7 +9,7 @@ use crate::math::so3::hat;
 use crate::multibody::kinematics::{Motion, strains, sweep_motion};
 use crate::multibody::model::{Base, Element, Model};
 use crate::multibody::station;
-use crate::multibody::workspace::{Node, Workspace};
+use crate::multibody::workspace::{Node, Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
 /// Damping of one body; acts on its beam only, on velocity relative to the root frame.
@@ -70,15 +70,13 @@ fn node_forces(model: &Model, work: &mut Workspace, environment: Environment) {
             }
             let damped = spread + hat(&node.spin) * alpha;
             node.load_rate = nodal_rates(origin + node.velocity * alpha, &damped, &node.rotation);
-            let mut forces = multiply(&mass.beam, &node.load_rate);
+            (node.force, node.moment) = wrench_of(&node.rotation, &multiply(&mass.beam, &node.load_rate));
+            node.fixed = Pair::ZERO;
             if let Some(attached) = &mass.attached {
                 let undamped = nodal_rates(origin, &spread, &node.rotation);
-                let more = multiply(attached, &undamped);
-                for (force, more) in forces.iter_mut().zip(&more) {
-                    *force += more;
-                }
+                let (force, moment) = wrench_of(&node.rotation, &multiply(attached, &undamped));
+                node.add_fixed(&force, &moment);
             }
-            (node.force, node.moment) = wrench_of(&node.rotation, &forces);
         }
     }
 }
@@ -195,10 +193,7 @@ fn sweep_inward(model: &Model, work: &mut Workspace, residual: &mut [f64]) {
                 work.root_force += force;
                 work.root_moment += moment + position.cross(&force);
             }
-            Base::Node(node) => {
-                work.nodes[node].force += force;
-                work.nodes[node].moment += moment;
-            }
+            Base::Node(node) => work.nodes[node].add_fixed(&force, &moment),
         }
     }
 }

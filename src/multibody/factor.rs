@@ -222,8 +222,8 @@ fn eliminate(
     for j in 0..4 {
         for k in 0..j {
             let l = cholesky[(j, k)];
-            zv[j] = zv[j] - zv[k] * l;
-            zw[j] = zw[j] - zw[k] * l;
+            zv[j] -= zv[k] * l;
+            zw[j] -= zw[k] * l;
         }
         zv[j] *= cholesky[(j, j)];
         zw[j] *= cholesky[(j, j)];

@@ -262,7 +262,11 @@ impl Model {
     }
 
     /// Element (or inner half of the pair) that holds a position, and the arc length from its inner end in m.
+    ///
+    /// A position on a mesh boundary belongs to the element outboard of it; within 1e-9 of an element it snaps to its
+    /// ends.
     pub fn locate(&self, body: usize, position_m: f64) -> (usize, f64) {
+        let body_index = body;
         let body = &self.bodies[body];
         let stride = if body.kind == ElementKind::Linear { 2 } else { 1 };
         let mut element = body.first_element;
@@ -271,7 +275,19 @@ impl Model {
                 element = candidate;
             }
         }
-        (element, position_m - self.elements[element].start_m)
+        let offset_m = position_m - self.elements[element].start_m;
+        let (length_m, _) = self.span(element, body_index);
+        let near = 1e-9 * length_m;
+        let snapped = [0.0, length_m].into_iter().find(|end| (offset_m - end).abs() <= near);
+        (element, snapped.unwrap_or(offset_m))
+    }
+
+    /// Length in m of the element, or pair, that starts with `element`, and its number of pieces.
+    pub fn span(&self, element: usize, body: usize) -> (f64, usize) {
+        match self.bodies[body].kind {
+            ElementKind::Constant => (self.elements[element].length_m, 1),
+            ElementKind::Linear => (self.elements[element].length_m + self.elements[element + 1].length_m, 2),
+        }
     }
 
     /// Coordinates at rest: natural strains, joint angles zero.

@@ -25,6 +25,8 @@ pub struct Node {
     pub force: Vector3<f64>,
     /// Moment at the node in N·m.
     pub moment: Vector3<f64>,
+    /// Share of `force` and `moment` that sits on the node itself: attached masses, loads on it, child bodies.
+    pub fixed: Pair,
 }
 
 impl Node {
@@ -38,7 +40,17 @@ impl Node {
         load_rate: [Vector3::new(0.0, 0.0, 0.0); 4],
         force: Vector3::new(0.0, 0.0, 0.0),
         moment: Vector3::new(0.0, 0.0, 0.0),
+        fixed: Pair::ZERO,
     };
+
+    /// Adds a wrench of what sits on the node itself.
+    #[inline]
+    pub(crate) fn add_fixed(&mut self, force: &Vector3<f64>, moment: &Vector3<f64>) {
+        self.force += force;
+        self.moment += moment;
+        self.fixed.linear += force;
+        self.fixed.angular += moment;
+    }
 }
 
 /// Symmetric 6×6 articulated inertia in blocks over (velocity, spin).
