@@ -157,7 +157,7 @@ impl BodySummary {
         Self {
             name: body.name.clone(),
             length_m: body.length_m,
-            mass_kg: body.section.mass_kg_m * body.length_m,
+            mass_kg: body.section.mass_kg(body.length_m),
             attached_mass_kg: body.masses.iter().map(|mass| mass.mass_kg).sum(),
             elements: body.elements,
             element_kind,

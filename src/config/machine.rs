@@ -2,9 +2,9 @@
 
 pub use crate::actuation::prescribed::Motion;
 pub use crate::beam::element::ElementKind;
-use crate::beam::section::Section;
+pub use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::load::LoadFrame;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3, Vector4};
 
 /// A whole machine as validated. Bodies are in topological order: a parent stands before its children.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,14 +32,14 @@ pub struct Body {
     pub name: String,
     /// Arc length of the undeformed axis in m.
     pub length_m: f64,
-    /// Cross-section, constant along the body.
-    pub section: Section,
+    /// Cross-section along the body.
+    pub section: SectionLaw,
     /// Kind of strain element.
     pub element: ElementKind,
     /// Number of elements of that kind along the body (a linear element is one pair of halves).
     pub elements: usize,
-    /// Natural strains `(εx, κx, κy, κz)`: initial stretch (–), twist and curvatures (1/m).
-    pub natural_strain: [f64; 4],
+    /// Natural strains `(εx, κx, κy, κz)` along the body: initial stretch (–), twist and curvatures (1/m).
+    pub natural_strain: NaturalStrain,
     /// Mass-proportional damping `α` in 1/s.
     pub mass_damping_1_s: f64,
     /// Stiffness-proportional damping `β` in s.
@@ -173,7 +173,7 @@ pub struct Latch {
     pub enable: bool,
 }
 
-/// A strain gauge: axial strain at a point of a section.
+/// A strain gauge: strain of a fibre at a point of a section.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gauge {
     /// Identifier.
@@ -186,6 +186,10 @@ pub struct Gauge {
     pub y_m: f64,
     /// Thickness coordinate of the point in m.
     pub z_m: f64,
+    /// Unit vector along the fibre, section frame.
+    pub direction: Vector3<f64>,
+    /// Strain that it reads per strain measure `(γ₁, k₁, k₂, k₃)` of the section.
+    pub row: Vector4<f64>,
 }
 
 /// Time integration method.

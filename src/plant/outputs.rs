@@ -56,7 +56,7 @@ impl Plant {
             };
         }
         for (strain, gauge) in outputs.gauges.iter_mut().zip(&self.machine.gauges) {
-            let point = GaugePoint { body: gauge.body, position_m: gauge.position_m, y_m: gauge.y_m, z_m: gauge.z_m };
+            let point = GaugePoint { body: gauge.body, position_m: gauge.position_m, row: gauge.row };
             *strain = point.strain(model, work, motion, &equations.damping);
         }
         outputs.root = Wrench { force_n: -work.root_force, moment_n_m: -work.root_moment };
