@@ -82,7 +82,7 @@ fn torsion_shear_runs_along_the_rim_and_makes_the_torque() {
             }
         }
         let error = (torque / solid.torsion_constant_m4() - 1.0).abs();
-        assert!(error < 1e-5, "{width}×{height}: torque off by {error:.1e}");
+        assert!(error < 1e-4, "{width}×{height}: torque off by {error:.1e}");
     }
     // Timoshenko & Goodier, table: largest shear of a square is 0.675 of twist times its side
     let [shear, _] = torsion_shear(&solid(Outline::Rectangle, 1.0, 1.0), 0.0, 0.5);

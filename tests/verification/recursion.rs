@@ -207,7 +207,7 @@ fn v08_mesh_puts_everything_in_its_place() {
     for kind in [ElementKind::Constant, ElementKind::Linear] {
         for elements in [1, 2, 3, 7, 20] {
             let mut parent = random_body(&mut random, 1.3, kind, elements);
-            parent.natural_strain = [0.0; 4];
+            parent.natural_strain = [0.0; 4].into();
             parent.stations_m = vec![0.0, 0.11, 0.5, 0.77, 1.3];
             let mut child = random_body(&mut random, 0.4, kind, elements);
             child.parent = Attachment::Body { index: 0, position_m: 0.77 };
