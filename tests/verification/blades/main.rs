@@ -2,9 +2,11 @@
 //! curved, twisted and tapered HAWT blades in large displacements* ("the paper" here), against boundary-value
 //! solutions written for these tests.
 
-mod boundary_value;
 mod blade;
+mod boundary_value;
 mod elements;
+#[path = "../reference.rs"]
+mod reference_file;
 mod sets;
 #[path = "../statics.rs"]
 #[allow(dead_code)]
