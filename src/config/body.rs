@@ -37,7 +37,7 @@ pub(super) struct BodyFile {
     /// Natural twist and curvatures `[κx, κy, κz]`, constant along the body: the shape without loads.
     #[serde(default)]
     pub natural_curvature_1_m: [f64; 3],
-    /// Natural twist `κx` along the body; instead of its entry in `natural_curvature_1_m`.
+    /// Natural twist `κx` along the body; instead of `natural_curvature_1_m`.
     pub twist_1_m: Option<FunctionFile>,
     /// Natural curvature `κy` along the body; positive bends the axis towards `−z`.
     pub curvature_y_1_m: Option<FunctionFile>,

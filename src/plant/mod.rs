@@ -11,12 +11,14 @@ mod face;
 mod march;
 mod outputs;
 mod state;
+mod strains;
 
 pub use face::{
     BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, Outputs, Parameters, PlantError,
     PointOutputs, Statistics,
 };
 pub use state::Snapshot;
+pub use strains::SectionStrain;
 
 use crate::config::Machine;
 use crate::config::machine::{JointKind, Method, Parent, Revolute};
