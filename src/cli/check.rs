@@ -158,7 +158,7 @@ impl BodySummary {
             name: body.name.clone(),
             length_m: body.length_m,
             mass_kg: body.section.mass_kg(body.length_m),
-            attached_mass_kg: body.masses.iter().map(|mass| mass.mass_kg).sum(),
+            attached_mass_kg: body.masses.iter().fold(0.0, |sum, mass| sum + mass.mass_kg), // an empty sum is −0
             elements: body.elements,
             element_kind,
             degrees_of_freedom: strains * body.elements,

@@ -5,6 +5,7 @@
 mod blade;
 mod boundary_value;
 mod elements;
+mod product;
 #[path = "../reference.rs"]
 mod reference_file;
 mod sets;
