@@ -57,8 +57,6 @@ pub struct Solution {
     pub root_moment: Vector3<f64>,
     /// Strain measures at `i L / count`.
     pub measures: Vec<Vector4<f64>>,
-    /// Meshed.
-    pub model: Model,
 }
 
 /// Static equilibrium with `elements` elements of a kind.
@@ -83,7 +81,6 @@ pub fn solve(
         frame: tip.rotation,
         root_moment: -work.root_moment,
         measures: (0..=count).map(|i| strain_measures(&model, &work, motion, &damping, 0, at(i))).collect(),
-        model: model.clone(),
     }
 }
 
