@@ -9,7 +9,7 @@ use foldwing::load::{LoadFrame, RootMotion};
 use foldwing::multibody::Workspace;
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
 use foldwing::multibody::kinematics::Motion;
-use foldwing::multibody::model::Attachment;
+use foldwing::multibody::model::{Attachment, JointDescription};
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::f64::consts::PI;
 
@@ -165,7 +165,7 @@ fn v43_folded_frame() {
             a.stations_m.clear();
             let mut b = a.clone();
             b.parent = Attachment::Body { index: 0, position_m: 0.15 };
-            b.hinge_axis = Some(Vector3::y());
+            b.joint = JointDescription::Revolute(Vector3::y());
             let list = modes(&Case::new(vec![a, b], Vec::new()), &[fold_deg.to_radians()]);
             let relative = |mode: usize| list[mode].0 / (2.0 * PI) / expected[mode] - 1.0;
             [0, 1, 2, 3].map(relative)

@@ -8,7 +8,7 @@ use foldwing::load::{LoadFrame, RootMotion, Wrench};
 use foldwing::multibody::dynamics::Damping;
 use foldwing::multibody::factor::{HingeTangent, Weights, factorize, solve};
 use foldwing::multibody::kinematics::{Motion, sweep_motion};
-use foldwing::multibody::model::Attachment;
+use foldwing::multibody::model::{Attachment, JointDescription};
 use foldwing::multibody::{Workspace, energy, station};
 use nalgebra::{DVector, Vector3};
 
@@ -137,7 +137,9 @@ fn v14_frame_invariance() {
             if let Attachment::Root(position) = body.parent {
                 body.parent = Attachment::Root(turn * position);
                 body.mount = turn * body.mount;
-                body.hinge_axis = body.hinge_axis.map(|axis| turn * axis);
+                if let JointDescription::Revolute(axis) = &mut body.joint {
+                    *axis = turn * *axis;
+                }
             }
         }
         let turned_case = Case::new(bodies, case.clouds.clone());
@@ -267,7 +269,7 @@ fn v17_turning_root_equals_turning_hinge() {
         clamped.descriptions[0].parent = Attachment::Root(Vector3::zeros());
         let mut hinged = clamped.descriptions.clone();
         let axis = Random::new(27).direction();
-        hinged[0].hinge_axis = Some(axis);
+        hinged[0].joint = JointDescription::Revolute(axis);
         let (clamped, hinged) = (Case::new(clamped.descriptions.clone(), Vec::new()), Case::new(hinged, Vec::new()));
         let (rate, pull) = (1.7, -2.3);
 

@@ -5,7 +5,7 @@ use foldwing::beam::section::Section;
 use foldwing::load::{LoadFrame, RootMotion, Wrench};
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
 use foldwing::multibody::kinematics::Motion;
-use foldwing::multibody::model::{Attachment, BodyDescription};
+use foldwing::multibody::model::{Attachment, BodyDescription, JointDescription};
 use foldwing::multibody::{Model, Workspace};
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, Vector3, Vector4};
 
@@ -115,7 +115,7 @@ pub fn cantilever(
         natural_strain: [0.0; 4].into(),
         parent: Attachment::Root(Vector3::zeros()),
         mount: Matrix3::identity(),
-        hinge_axis: None,
+        joint: JointDescription::Clamped,
         masses: Vec::new(),
         stations_m: vec![length_m],
         load_frame: frame,

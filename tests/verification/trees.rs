@@ -6,7 +6,7 @@ use foldwing::load::{LoadFrame, RootMotion, Wrench};
 use foldwing::multibody::Model;
 use foldwing::multibody::dynamics::Damping;
 use foldwing::multibody::factor::HingeTangent;
-use foldwing::multibody::model::{Attachment, BodyDescription};
+use foldwing::multibody::model::{Attachment, BodyDescription, JointDescription};
 use nalgebra::{Matrix3, Matrix4, Rotation3, Unit, Vector3};
 
 /// Numerical Recipes' 64-bit linear congruential generator; the upper bits are good enough for test states.
@@ -106,7 +106,7 @@ pub fn random_body(random: &mut Random, length_m: f64, kind: ElementKind, elemen
         .into(),
         parent: Attachment::Root(Vector3::zeros()),
         mount: Matrix3::identity(),
-        hinge_axis: None,
+        joint: JointDescription::Clamped,
         masses: Vec::new(),
         stations_m: Vec::new(),
         load_frame: LoadFrame::Root,
@@ -123,7 +123,7 @@ pub fn two_bodies(seed: u64, kinds: [ElementKind; 2], elements: usize) -> Case {
     a.stations_m = vec![0.21, 0.9];
     a.load_frame = LoadFrame::Section;
     b.parent = Attachment::Body { index: 0, position_m: 0.9 };
-    b.hinge_axis = Some(random.direction());
+    b.joint = JointDescription::Revolute(random.direction());
     b.mount = random.rotation();
     b.stations_m = vec![0.0, 0.13, 0.35, 0.7];
     Case::new(vec![a, b], Vec::new())
@@ -139,10 +139,10 @@ pub fn branching_tree(seed: u64, kinds: [ElementKind; 4]) -> Case {
     }
     bodies[0].parent = Attachment::Root(random.vector());
     bodies[1].parent = Attachment::Body { index: 0, position_m: 0.4 };
-    bodies[1].hinge_axis = Some(random.direction());
+    bodies[1].joint = JointDescription::Revolute(random.direction());
     bodies[2].parent = Attachment::Body { index: 0, position_m: 1.0 };
     bodies[3].parent = Attachment::Root(random.vector());
-    bodies[3].hinge_axis = Some(random.direction());
+    bodies[3].joint = JointDescription::Revolute(random.direction());
     bodies[0].stations_m = vec![0.1, 0.4, 0.77];
     bodies[1].stations_m = vec![0.33, 0.6];
     bodies[1].load_frame = LoadFrame::Section;
