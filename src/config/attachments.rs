@@ -1,7 +1,6 @@
 //! What sits on bodies: point masses, rigid bodies and gauges.
 
 use crate::beam::law::SectionLaw;
-use crate::beam::recovery::{axial_row, gauge_row};
 use crate::beam::section::{Outline, Section};
 use crate::config::body;
 use crate::config::file::{GaugeFile, MassFile, ModelFile};
@@ -103,17 +102,14 @@ fn build_gauge(name: &str, file: &GaugeFile, body: usize, law: &SectionLaw, chec
         checker.refuse(&["gauge", name, "direction"], "an array of 3 finite numbers, not all 0");
         return None;
     };
-    let row = match solid.filter(|solid| solid.material.poisson_ratio().is_some()) {
-        _ if direction.y == 0.0 && direction.z == 0.0 => axial_row(y_m, z_m),
-        Some(solid) => gauge_row(&solid, y_m, z_m, &direction),
-        None => {
-            let allowed = "the axis, [1, 0, 0], on a section that is not a rectangle or an ellipse with shear_Pa or \
+    let gauge = Gauge { name: name.to_owned(), body, position_m: file.position_m, y_m, z_m, direction };
+    if gauge.row(law).is_none() {
+        let allowed = "the axis, [1, 0, 0], on a section that is not a rectangle or an ellipse with shear_Pa or \
                            poisson_ratio";
-            checker.refuse(&["gauge", name, "direction"], allowed);
-            return None;
-        }
-    };
-    Some(Gauge { name: name.to_owned(), body, position_m: file.position_m, y_m, z_m, direction, row })
+        checker.refuse(&["gauge", name, "direction"], allowed);
+        return None;
+    }
+    Some(gauge)
 }
 
 /// Refuses a point off the section; round-off of the rim is forgiven.

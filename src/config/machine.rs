@@ -3,6 +3,7 @@
 pub use crate::actuation::prescribed::Motion;
 pub use crate::beam::element::ElementKind;
 pub use crate::beam::law::{NaturalStrain, SectionLaw};
+use crate::beam::recovery::{axial_row, gauge_row};
 use crate::load::LoadFrame;
 use nalgebra::{Matrix3, Vector3, Vector4};
 
@@ -221,15 +222,22 @@ pub struct Gauge {
     pub z_m: f64,
     /// Unit vector along the fibre, section frame.
     pub direction: Vector3<f64>,
-    /// Strain that it reads per strain measure `(γ₁, k₁, k₂, k₃)` of the section.
-    pub row: Vector4<f64>,
 }
 
 impl Gauge {
     /// A gauge along the beam axis at the point `(y_m, z_m)` of a section.
     pub fn axial(name: impl Into<String>, body: usize, position_m: f64, [y_m, z_m]: [f64; 2]) -> Self {
-        let row = crate::beam::recovery::axial_row(y_m, z_m);
-        Self { name: name.into(), body, position_m, y_m, z_m, direction: Vector3::x(), row }
+        Self { name: name.into(), body, position_m, y_m, z_m, direction: Vector3::x() }
+    }
+
+    /// What it reads per strain measure `(γ₁, k₁, k₂, k₃)` of its section, NOTATION eqs. (R1), (R6). `None` where the
+    /// fibre lies across the axis of a section that is no solid with known Poisson's ratio.
+    pub fn row(&self, section: &SectionLaw) -> Option<Vector4<f64>> {
+        if self.direction.y == 0.0 && self.direction.z == 0.0 {
+            return Some(axial_row(self.y_m, self.z_m));
+        }
+        let solid = section.solid_at(self.position_m).filter(|solid| solid.material.poisson_ratio().is_some())?;
+        Some(gauge_row(&solid, self.y_m, self.z_m, &self.direction))
     }
 }
 

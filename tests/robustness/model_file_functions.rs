@@ -60,7 +60,7 @@ fn sections_between_two_ends() {
 #[test]
 fn gauge_directions() {
     let machine = accepted(&with("z_m = 0.001", "z_m = 0.001\ndirection = [1, 1, 0]"));
-    let row = machine.gauges[0].row;
+    let row = machine.gauges[0].row(&machine.bodies[0].section).unwrap();
     assert!((row[1] + 0.001).abs() < 1e-5 * 0.001, "{row}");
     assert!((row[0] - 0.5 * (1.0 - 0.3)).abs() < 1e-12, "{row}");
 }

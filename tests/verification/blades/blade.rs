@@ -8,7 +8,7 @@ use foldwing::load::{LoadFrame, Wrench};
 use foldwing::multibody::dynamics::Damping;
 use foldwing::multibody::gauge::strain_measures;
 use foldwing::multibody::kinematics::Motion;
-use foldwing::multibody::model::{Attachment, BodyDescription};
+use foldwing::multibody::model::{Attachment, BodyDescription, JointDescription};
 use foldwing::multibody::{Model, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 use std::f64::consts::PI;
@@ -40,7 +40,7 @@ pub fn description(length_m: f64, section: SectionLaw, natural_strain: NaturalSt
         natural_strain,
         parent: Attachment::Root(Vector3::zeros()),
         mount: Matrix3::identity(),
-        hinge_axis: None,
+        joint: JointDescription::Clamped,
         masses: Vec::new(),
         stations_m: vec![length_m],
         load_frame: LoadFrame::Root,
