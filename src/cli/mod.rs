@@ -3,6 +3,7 @@
 mod check;
 mod package;
 mod simulate;
+mod strains;
 
 use clap::{Parser, Subcommand};
 use foldwing::config::{self, Machine};

@@ -8,9 +8,11 @@
 pub mod machine;
 
 mod attachments;
+mod body;
 mod document;
 mod error;
 mod file;
+mod function;
 mod joints;
 mod reference;
 mod schema;
