@@ -2,13 +2,75 @@
 
 use super::*;
 use crate::config;
-use crate::config::machine::{JointKind, JointMotion, Motion, Revolute};
+use crate::config::machine::{JointKind, JointMotion, Motion, Parent, Revolute, SpatialFreedom};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 const WING: &str = include_str!("../../examples/models/folding_wing.toml");
 const THREE: &str = include_str!("../../examples/models/three_bodies.toml");
 const BRANCHED: &str = include_str!("../../examples/models/branched.toml");
+
+/// Every kind of joint, each where another one turns or is set before it, and a branch that floats.
+const SPATIAL: &str = r#"
+name = "Spatial"
+gravity_m_s2 = [0.3, -0.4, -9.81]
+[section.plate]
+shape = "rectangle"
+width_m = 0.05
+height_m = 0.004
+density_kg_m3 = 1400
+young_Pa = 3e9
+poisson_ratio = 0.3
+[body]
+a = { length_m = 0.2, section = "plate", elements = 1, load_stations = 1 }
+b = { length_m = 0.15, section = "plate", elements = 1, load_stations = 1 }
+c = { length_m = 0.1, section = "plate", elements = 1, load_stations = 1 }
+d = { length_m = 0.2, section = "plate", elements = 1, load_stations = 1 }
+e = { length_m = 0.15, section = "plate", elements = 1, load_stations = 1 }
+f = { length_m = 0.15, section = "plate", elements = 1, load_stations = 1 }
+[joint.hinge]
+type = "revolute"
+parent = "root"
+child = "a"
+axis = [0.1, 1, 0.3]
+start_angle_deg = 20
+drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+[joint.cross]
+type = "universal"
+parent = "a"
+child = "b"
+axis = [0.2, 1, 0.1]
+body_axis = [0.1, -0.2, 1]
+mount_rotation_deg = [10, 20, 30]
+drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+[joint.ball]
+type = "ball"
+parent = "b"
+child = "c"
+mount_rotation_deg = [-10, 40, 30]
+drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+[joint.flight]
+type = "free"
+parent = "root"
+child = "d"
+root_position_m = [0, 1, 0]
+mount_rotation_deg = [30, 10, -20]
+[joint.flap]
+type = "revolute"
+parent = "d"
+child = "e"
+axis = [0.2, 1, 0.3]
+start_angle_deg = 30
+drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+[joint.tail]
+type = "ball"
+parent = "e"
+child = "f"
+mount_rotation_deg = [0, 20, 10]
+[gauge]
+c = { body = "c", position_m = 0.02, y_m = 0.01 }
+e = { body = "e", position_m = 0.02, y_m = 0.01 }
+"#;
 
 fn machine(text: &str) -> Machine {
     config::parse(text, "model.toml").expect("valid")
@@ -49,7 +111,66 @@ fn machines() -> Vec<(&'static str, Machine)> {
         ),
         ("prescribed", with_joints(THREE, last_prescribed)),
         ("locked", with_joints(BRANCHED, |_, revolute| revolute.motion = JointMotion::Locked)),
+        ("spatial", machine(SPATIAL)),
+        ("spatial, spinning", with_spins(&["cross", "ball", "flight"])),
+        ("spatial, outer ones spinning", with_spins(&["ball", "tail"])),
+        ("spatial, drifting", with_spins(&["drift"])),
+        ("spatial, drifting and spinning", with_spins(&["drift", "tail"])),
+        ("spatial, prescribed", {
+            let mut machine = with_spins(&["ball"]);
+            if let JointKind::Revolute(revolute) = &mut machine.bodies[0].joint.kind {
+                revolute.motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.3, 0.5, 1.5]));
+            }
+            machine
+        }),
+        ("nothing but free bodies", {
+            let mut machine = machine(SPATIAL);
+            machine.bodies.drain(..3);
+            machine.gauges.remove(0);
+            machine.gauges[0].body -= 3;
+            for body in &mut machine.bodies {
+                if let Parent::Body { index, .. } = &mut body.joint.parent {
+                    *index -= 3;
+                }
+            }
+            machine
+        }),
     ]
+}
+
+/// The machine of every kind of joint; those named turn at the start, `drift` gives the free body a velocity.
+fn with_spins(names: &[&str]) -> Machine {
+    let mut machine = machine(SPATIAL);
+    for body in &mut machine.bodies {
+        let JointKind::Spatial(joint) = &mut body.joint.kind else { continue };
+        if names.contains(&body.joint.name.as_str()) {
+            joint.start_angular_velocity_rad_s = match joint.freedom {
+                SpatialFreedom::Universal { parent_axis, body_axis } => {
+                    parent_axis * 0.8 + body.joint.mount * body_axis * 0.5
+                }
+                SpatialFreedom::Ball | SpatialFreedom::Free => nalgebra::Vector3::new(0.9, -0.6, 1.3),
+            };
+        }
+        if joint.freedom == SpatialFreedom::Free && names.contains(&"drift") {
+            joint.start_velocity_m_s = nalgebra::Vector3::new(3.0, 1.0, -0.5);
+        }
+    }
+    machine
+}
+
+#[test]
+fn joints_of_several_freedoms_have_the_promised_names() {
+    let interface = Interface::new(&machine(SPATIAL));
+    for joint in ["cross", "ball", "tail", "flight"] {
+        let free = joint == "flight";
+        for name in "rotation.w rotation.x rotation.y rotation.z angular_velocity.x angular_velocity.z".split(' ') {
+            assert!(interface.find(&format!("{joint}.{name}")).is_some(), "{joint}.{name} is missing");
+        }
+        // what is free has no spring, and nothing holds it
+        for name in "force.x force.z moment.y stiffness damping".split(' ') {
+            assert_eq!(interface.find(&format!("{joint}.{name}")).is_none(), free, "{joint}.{name}");
+        }
+    }
 }
 
 #[test]
@@ -117,6 +238,7 @@ fn start_values_and_order_are_the_plant_s() {
         let topology = topology::Topology::new(&machine);
         let plant = Plant::new(Arc::new(machine.clone()));
         assert_eq!(plant.revolute_joints(), topology.revolutes, "{label}");
+        assert_eq!(plant.spatial_joints(), topology.spatials, "{label}");
         assert_eq!(plant.tip_bodies(), topology.tips, "{label}");
         for row in interface.variables() {
             if matches!(row.causality, Causality::Input | Causality::Parameter) {

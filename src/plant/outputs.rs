@@ -71,6 +71,11 @@ impl Plant {
             let node = &work.nodes[body.first_node];
             *reaction = Wrench { force_n: node.force, moment_n_m: node.moment };
         }
+        for joint in &equations.spatial {
+            if let Some(moment_n_m) = joint.ball_moment_n_m(work, &now.v) {
+                outputs.joint_reactions[joint.body].moment_n_m = moment_n_m;
+            }
+        }
         for (strain, gauge) in outputs.gauges.iter_mut().zip(&self.machine.gauges) {
             let point = GaugePoint { body: gauge.body, position_m: gauge.position_m, y_m: gauge.y_m, z_m: gauge.z_m };
             *strain = point.strain(model, work, motion, &equations.damping);

@@ -4,6 +4,7 @@
 //! wording is seen.
 
 mod model_file_accepted;
+mod model_file_joints;
 mod model_file_keys;
 mod model_file_meaning;
 
