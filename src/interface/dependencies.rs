@@ -112,9 +112,10 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
         Output::RootForce(_) | Output::RootMoment(_) | Output::JointForce(_, _) | Output::JointMoment(_, _) => {
             accelerates_initially(topology, reach(topology, output), known)
         }
-        Output::Tip(_, field) | Output::Station(_, field) => {
-            body(topology, output).is_some_and(|body| point_initially(topology, body, field, known))
-        }
+        Output::Tip(_, field) | Output::Station(_, field) => body(topology, output).is_some_and(|body| match field {
+            PointOutput::Acceleration(_) => accelerates_initially(topology, reach(topology, output), known),
+            _ => point_initially(topology, body, field, known),
+        }),
         Output::Energy(E::Kinetic) => moves_initially(topology, known),
         Output::Energy(E::Elastic) => {
             (0..topology.revolutes.len()).any(|joint| topology.is_free(joint) && latch_pulls(topology, joint, known))
@@ -142,7 +143,7 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
     }
 }
 
-/// Initial value of a point's row.
+/// Initial value of a point's row, accelerations excepted.
 fn point_initially(topology: &Topology, body: usize, field: PointOutput, known: Binding) -> bool {
     let path = &topology.path[body];
     let turns = |joints: &[Turning]| joints.iter().any(|&joint| topology.starts_turning(joint));
@@ -159,7 +160,7 @@ fn point_initially(topology: &Topology, body: usize, field: PointOutput, known: 
             let Turning::Revolute(joint) = joint else { return false };
             start_rate(topology, joint, known) || (starts(topology, joint, known) && turns(&path[i + 1..]))
         }),
-        PointOutput::Acceleration(_) => accelerates_initially(topology, Reach::Branch(topology.branch[body]), known),
+        PointOutput::Acceleration(_) => false,
     }
 }
 
@@ -177,28 +178,40 @@ fn body(topology: &Topology, output: Output) -> Option<usize> {
 /// Bodies whose accelerations an output feels.
 #[derive(Debug, Clone, Copy)]
 enum Reach {
-    /// One branch, by its first body: branches meet only at the root, whose motion is given.
-    Branch(usize),
     /// All branches that the root holds.
     Root,
+    /// One branch, by its first body: branches meet only at the root, whose motion is given.
+    Branch(usize),
+    /// Inertial motion of a branch that floats.
+    Flight(usize),
 }
 
 impl Reach {
     fn holds(self, topology: &Topology, body: usize) -> bool {
         match self {
-            Self::Branch(first) => topology.branch[body] == first,
             Self::Root => !topology.floats(body),
+            Self::Branch(first) | Self::Flight(first) => topology.branch[body] == first,
         }
     }
 
-    /// Whether it holds any body at all: the root of nothing but free bodies feels nothing.
-    fn is_empty(self, topology: &Topology) -> bool {
-        !(0..topology.machine.bodies.len()).any(|body| self.holds(topology, body))
+    /// Whether gravity or the root's motion acts. What floats has its own inertial motion, of which gravity is part;
+    /// all of it falls alike, so that forces inside feel neither gravity nor accelerations of the root frame.
+    fn feels(self, topology: &Topology, input: Input) -> bool {
+        match self {
+            Self::Root => (0..topology.machine.bodies.len()).any(|body| self.holds(topology, body)),
+            Self::Branch(first) => !topology.floats(first) || matches!(input, Input::RootAngularVelocity(_)),
+            Self::Flight(_) => matches!(input, Input::Gravity(_) | Input::RootAngularVelocity(_)),
+        }
     }
 }
 
 fn reach(topology: &Topology, output: Output) -> Reach {
-    body(topology, output).map_or(Reach::Root, |body| Reach::Branch(topology.branch[body]))
+    match (output, body(topology, output)) {
+        (Output::Tip(_, PointOutput::Acceleration(_)), Some(body)) if topology.floats(body) => {
+            Reach::Flight(topology.branch[body])
+        }
+        (_, body) => body.map_or(Reach::Root, |body| Reach::Branch(topology.branch[body])),
+    }
 }
 
 /// A prescribed joint between the root and a body makes its position a function of time.
@@ -245,7 +258,7 @@ fn pushes(topology: &Topology, reach: Reach, known: Binding) -> bool {
             Input::Gravity(_)
             | Input::RootAcceleration(_)
             | Input::RootAngularVelocity(_)
-            | Input::RootAngularAcceleration(_) => !reach.is_empty(topology),
+            | Input::RootAngularAcceleration(_) => reach.feels(topology, input),
         },
         Binding::Parameter(_) | Binding::Output(_) | Binding::Local(_) => false,
     }
