@@ -11,19 +11,6 @@ fn shipped(name: &str) -> Machine {
     config::read(path).unwrap_or_else(|error| panic!("{error}")).0
 }
 
-/// Rows of the reference: time in s, then positions of joint and tip in m.
-fn reference() -> Vec<[f64; 7]> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference/double_pendulum_ball_ball_exudyn.csv");
-    let text = std::fs::read_to_string(path).expect("the reference");
-    text.lines()
-        .skip(1)
-        .map(|line| {
-            let numbers: Vec<f64> = line.split(',').map(|number| number.parse().expect("a number")).collect();
-            numbers.try_into().expect("seven columns")
-        })
-        .collect()
-}
-
 /// P-82. Ball and ball joints up to 1 s: the tip within 1 mm of the reference, energy kept, the bars joined.
 ///
 /// Source: `double_pendulum_ball_ball_exudyn.csv`, 8 elements of another formulation, converged to 2e-5 m. The total
@@ -34,7 +21,9 @@ fn p82_double_pendulum_falls_as_the_reference() {
     assert!(machine.bodies.iter().all(|body| body.elements == 8));
     let mut plant = start(machine);
     let (mut largest_m, mut kinetic_j, mut drift_j) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for row in reference().iter().filter(|row| row[0] > 0.0 && row[0] < 1.005) {
+    for row in
+        reference_rows("double_pendulum_ball_ball_exudyn.csv").iter().filter(|row| row[0] > 0.0 && row[0] < 1.005)
+    {
         plant.step(row[0]).expect("a step");
         let outputs = plant.outputs();
         let tip = Vector3::new(row[4], row[5], row[6]);
