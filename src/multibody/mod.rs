@@ -1,5 +1,6 @@
 //! The tree of beams and joints, and the recursions over it: kinematics, residual, solve. All O(n).
 
+pub mod closure;
 pub mod dynamics;
 pub mod energy;
 pub mod factor;
@@ -8,6 +9,7 @@ pub mod joint;
 mod joint_factor;
 pub mod kinematics;
 pub mod model;
+pub mod norm;
 pub mod station;
 pub mod workspace;
 
