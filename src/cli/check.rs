@@ -202,7 +202,7 @@ impl BodySummary {
         Self {
             name: body.name.clone(),
             length_m: body.length_m,
-            mass_kg: body.section.mass_kg_m * body.length_m,
+            mass_kg: body.section.mass_kg(body.length_m),
             attached_mass_kg: body.masses.iter().fold(0.0, |sum, mass| sum + mass.mass_kg),
             elements: body.elements,
             element_kind,

@@ -4,6 +4,7 @@ mod check;
 mod joint_size;
 mod package;
 mod simulate;
+mod strains;
 
 use clap::{Parser, Subcommand};
 use foldwing::config::{self, Machine};

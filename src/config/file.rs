@@ -3,9 +3,9 @@
 //! Ranges that one key states alone stand here as JSON schema keywords (`minimum`, `exclusiveMinimum`, …) and are
 //! enforced from there; `x-allowed` overrides the wording of error messages where a range cannot say it.
 
+use crate::config::body::BodyFile;
 use crate::config::joint_file::JointFile;
-use crate::config::machine::{ElementKind, Method};
-use crate::load::LoadFrame;
+use crate::config::machine::Method;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -47,7 +47,7 @@ pub(super) struct ModelFile {
     pub experiment: ExperimentFile,
 }
 
-/// Cross-section, constant along a body. `y` runs chordwise, `z` through the thickness.
+/// Cross-section. `y` runs chordwise, `z` through the thickness.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(tag = "shape", rename_all = "lowercase", deny_unknown_fields)]
 pub(super) enum SectionFile {
@@ -149,83 +149,6 @@ pub(super) struct ExplicitSection {
     pub half_height_m: Option<f64>,
 }
 
-/// A beam.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct BodyFile {
-    /// Arc length of the undeformed axis.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub length_m: f64,
-    /// Name of the cross-section.
-    pub section: String,
-    /// Kind of strain element.
-    #[serde(default)]
-    pub element: ElementFile,
-    /// Number of elements along the body; a linear element is one pair of halves.
-    #[schemars(range(min = 1, max = 1000))]
-    pub elements: usize,
-    /// Natural twist and curvatures `[κx, κy, κz]`: the shape without loads.
-    #[serde(default)]
-    pub natural_curvature_1_m: [f64; 3],
-    /// Mass-proportional damping `α`; acts on the beam only, not on attached masses.
-    #[serde(default)]
-    #[schemars(range(min = 0.0))]
-    pub mass_damping_1_s: f64,
-    /// Stiffness-proportional damping `β`.
-    #[serde(default)]
-    #[schemars(range(min = 0.0))]
-    pub stiffness_damping_s: f64,
-    /// Number of load stations at the centres of equal strips, default 4.
-    #[schemars(range(min = 0, max = 1000))]
-    pub load_stations: Option<usize>,
-    /// Distances of the load stations from the inner end, ascending; instead of `load_stations`.
-    #[schemars(length(max = 1000))]
-    pub load_station_positions_m: Option<Vec<f64>>,
-    /// Frame of the forces and moments at the stations: `root` (dead loads) or `section` (follower loads).
-    #[serde(default)]
-    pub load_frame: LoadFrameFile,
-}
-
-/// Kind of strain element.
-#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum ElementFile {
-    /// Linear strain: fourth order.
-    #[default]
-    Linear,
-    /// Constant strain: second order.
-    Constant,
-}
-
-impl From<ElementFile> for ElementKind {
-    fn from(kind: ElementFile) -> Self {
-        match kind {
-            ElementFile::Linear => Self::Linear,
-            ElementFile::Constant => Self::Constant,
-        }
-    }
-}
-
-/// Frame of station loads.
-#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum LoadFrameFile {
-    /// Root frame: a dead load.
-    #[default]
-    Root,
-    /// Section frame: a follower load.
-    Section,
-}
-
-impl From<LoadFrameFile> for LoadFrame {
-    fn from(frame: LoadFrameFile) -> Self {
-        match frame {
-            LoadFrameFile::Root => Self::Root,
-            LoadFrameFile::Section => Self::Section,
-        }
-    }
-}
-
 /// A point mass or rigid body fixed to a section.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -247,7 +170,7 @@ pub(super) struct MassFile {
     pub inertia_kg_m2: [f64; 6],
 }
 
-/// A strain gauge: axial strain at a point of a section.
+/// A strain gauge: strain of a fibre at a point of a section, zero where the body is not strained.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GaugeFile {
@@ -261,6 +184,10 @@ pub(super) struct GaugeFile {
     pub y_m: f64,
     /// Thickness coordinate, default the upper face `+h/2`.
     pub z_m: Option<f64>,
+    /// Direction of the fibre in the section frame, of any length but zero; default along the axis. Other directions
+    /// need a rectangle or an ellipse with known Poisson's ratio.
+    #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
+    pub direction: Option<[f64; 3]>,
 }
 
 /// Time integration.

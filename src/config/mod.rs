@@ -8,9 +8,11 @@
 pub mod machine;
 
 mod attachments;
+mod body;
 mod document;
 mod error;
 mod file;
+mod function;
 mod joint_file;
 mod joints;
 mod reference;

@@ -237,8 +237,13 @@ fn outputs(table: &mut Table, topology: &Topology) {
     }
     for (index, gauge) in topology.machine.gauges.iter().enumerate() {
         let body = &topology.machine.bodies[gauge.body].name;
-        let meaning =
-            format!("axial strain on body {body} at {} m, y = {} m, z = {} m", gauge.position_m, gauge.y_m, gauge.z_m);
+        let [x, y, z] = gauge.direction.into();
+        let what = match (y, z) {
+            (0.0, 0.0) => "axial strain".to_owned(),
+            _ => format!("strain along ({x:.4}, {y:.4}, {z:.4}) of the section frame"),
+        };
+        let (at, [y, z]) = (gauge.position_m, [gauge.y_m, gauge.z_m]);
+        let meaning = format!("{what} on body {body} at {at} m, y = {y} m, z = {z} m");
         table.output(Output::Gauge(index), format!("gauge.{}.strain", gauge.name), Some("Strain"), meaning);
     }
     for (i, axis) in AXES.iter().enumerate() {

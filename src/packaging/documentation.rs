@@ -1,5 +1,6 @@
 //! `documentation/index.html`: one page without outside references, made from the model and the variable table.
 
+use crate::beam::section::Section;
 use crate::config::Machine;
 use crate::config::machine::{
     Body, ElementKind, JointKind, JointMotion, Parent, Revolute, Spatial, SpatialFreedom, UNLIMITED,
@@ -75,9 +76,17 @@ fn bodies_section(html: &mut String, machine: &Machine) {
         html,
         &head,
         machine.bodies.iter().map(|body| {
-            let stiffness = &body.section.stiffness;
-            let mut row = vec![escape(&body.name).into_owned(), number(body.length_m), number(body.section.mass_kg_m)];
-            row.extend((0..4).map(|i| number(stiffness[(i, i)])));
+            // a section that varies is shown at both ends
+            let ends = match body.section.is_uniform() {
+                true => vec![body.section.at(0.0)],
+                false => vec![body.section.at(0.0), body.section.at(body.length_m)],
+            };
+            let range = |of: &dyn Fn(&Section) -> f64| {
+                ends.iter().map(|section| number(of(section))).collect::<Vec<_>>().join(" … ")
+            };
+            let mut row = vec![escape(&body.name).into_owned(), number(body.length_m)];
+            row.push(range(&|section| section.mass_kg_m));
+            row.extend((0..4).map(|i| range(&|section| section.stiffness[(i, i)])));
             row.extend([elements(body), body.station_positions_m.len().to_string()]);
             row.extend([number(body.mass_damping_1_s), number(body.stiffness_damping_s)]);
             row

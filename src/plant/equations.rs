@@ -89,7 +89,7 @@ impl Equations {
                 section: body.section.scaled(factors.mass_factor, factors.stiffness_factor),
                 kind: body.element,
                 elements: body.elements,
-                natural_strain: body.natural_strain,
+                natural_strain: body.natural_strain.clone(),
                 parent: match body.joint.parent {
                     Parent::Root { position_m } => Attachment::Root(position_m),
                     Parent::Body { index, position_m } => Attachment::Body { index, position_m },

@@ -13,15 +13,18 @@ mod outputs;
 mod spatial;
 mod start;
 mod state;
+mod strains;
 
 pub use face::{
     BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, JointStatus, Outputs,
     Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
 };
 pub use state::Snapshot;
+pub use strains::SectionStrain;
 
 use crate::config::Machine;
 use crate::config::machine::{JointKind, Method, Parent, Revolute, Spatial};
+use crate::multibody::gauge::GaugePoint;
 use crate::solve::stepper::{self, Stepper};
 use equations::Equations;
 use state::State;
@@ -33,6 +36,7 @@ pub struct Plant {
     revolute_joints: Vec<usize>,
     spatial_joints: Vec<usize>,
     tip_bodies: Vec<usize>,
+    gauges: Vec<GaugePoint>,
     state: State,
     equations: Equations,
     /// Fixed parameters that `equations` was built with.
@@ -69,6 +73,7 @@ impl Plant {
         };
         let outputs = outputs::blank(&machine, revolute_joints.len(), spatial_joints.len(), tip_bodies.len());
         Self {
+            gauges: outputs::gauge_points(&machine),
             revolute_joints,
             spatial_joints,
             tip_bodies,

@@ -1,6 +1,8 @@
 //! Outputs at the present time.
 
+use crate::beam::recovery::axial_row;
 use crate::config::Machine;
+use crate::config::machine::Gauge;
 use crate::load::Wrench;
 use crate::math::so3::quaternion_near;
 use crate::multibody::gauge::GaugePoint;
@@ -35,6 +37,16 @@ pub(super) fn blank(machine: &Machine, joints: usize, spatial: usize, tips: usiz
         stations: vec![point; stations],
         energy: EnergyOutputs::default(),
     }
+}
+
+/// Where the gauges sit and what they read per strain measure; a fibre that the file would refuse is read as axial.
+pub(super) fn gauge_points(machine: &Machine) -> Vec<GaugePoint> {
+    let point = |gauge: &Gauge| {
+        let row = gauge.row(&machine.bodies[gauge.body].section);
+        let row = row.unwrap_or_else(|| axial_row(gauge.y_m, gauge.z_m));
+        GaugePoint { body: gauge.body, position_m: gauge.position_m, row }
+    };
+    machine.gauges.iter().map(point).collect()
 }
 
 impl Plant {
@@ -76,9 +88,8 @@ impl Plant {
                 outputs.joint_reactions[joint.body].moment_n_m = moment_n_m;
             }
         }
-        for (strain, gauge) in outputs.gauges.iter_mut().zip(&self.machine.gauges) {
-            let point = GaugePoint { body: gauge.body, position_m: gauge.position_m, y_m: gauge.y_m, z_m: gauge.z_m };
-            *strain = point.strain(model, work, motion, &equations.damping);
+        for (strain, gauge) in outputs.gauges.iter_mut().zip(&self.gauges) {
+            *strain = gauge.strain(model, work, motion, &equations.damping);
         }
         outputs.root = Wrench { force_n: -work.root_force, moment_n_m: -work.root_moment };
 
