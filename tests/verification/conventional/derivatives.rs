@@ -44,7 +44,8 @@ fn c01_velocity_transformation_is_the_derivative_of_the_nodes() {
         for (body, moving) in motion.iter().enumerate() {
             for (i, node) in moving.nodes.iter().enumerate() {
                 let [a, b] = [&ahead[body].nodes[i], &behind[body].nodes[i]];
-                let product = node.columns.iter().zip(&moving.active).map(|(c, &j)| c * v[j]).sum::<crate::link::Node>();
+                let product =
+                    node.columns.iter().zip(&moving.active).map(|(c, &j)| c * v[j]).sum::<crate::link::Node>();
                 let first = ((a.h - b.h) / (2.0 * h) - node.rate).amax();
                 let second = ((a.rate - b.rate) / (2.0 * h) - node.bias).amax();
                 let columns = (product - node.rate).amax();

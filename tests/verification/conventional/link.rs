@@ -269,11 +269,7 @@ pub fn turn(axis: Axis, angle_rad: f64) -> [Matrix3<f64>; 3] {
     };
     let cross = n.cross_matrix();
     let plane = Matrix3::identity() - n * n.transpose();
-    [
-        n * n.transpose() + plane * cosine + cross * sine,
-        cross * cosine - plane * sine,
-        -(cross * sine) - plane * cosine,
-    ]
+    [n * n.transpose() + plane * cosine + cross * sine, cross * cosine - plane * sine, -(cross * sine) - plane * cosine]
 }
 
 /// Jet of three successive rotations by the product rule.

@@ -5,9 +5,13 @@
 //! and solution are written a second time, for clarity instead of speed. Results stand in
 //! `docs/validation/conventional.md`; `make validate` runs the long studies too.
 
+mod angles;
 mod assembly;
 mod constraint;
 mod derivatives;
 mod double_pendulum;
 mod link;
 mod pendulum;
+mod reference;
+mod sample;
+mod table_2;

@@ -3,10 +3,10 @@
 //! Body A lies along `X`, hung at the origin by a ball joint; body B hangs at its end along `+Z`, so that
 //! `r_x^P + r_z^Q = 0` as §4.3 has it; gravity acts along `−Y`. Point P is A's end, Q is B's beginning.
 
-use crate::assembly::{Assembly, Body, row};
+use crate::assembly::{Assembly, Body};
 use crate::constraint::{Constraint, End, Spring};
 use crate::link::{Axis, Joint, turn};
-use nalgebra::{DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
 /// Table 3: length in m; the section is a square of 20 mm.
@@ -127,7 +127,12 @@ pub fn index_1_dae(between: Between, elements: usize) -> (Assembly, DVector<f64>
 
 /// The second conventional method: body B is free, with springs of `position_n_m` (N/m) between the joined nodes and,
 /// at the revolute joint, of `gradient_n_m` (N·m) on `r_x^P + r_z^Q`.
-pub fn penalty_joint(between: Between, elements: usize, position_n_m: f64, gradient_n_m: f64) -> (Assembly, DVector<f64>) {
+pub fn penalty_joint(
+    between: Between,
+    elements: usize,
+    position_n_m: f64,
+    gradient_n_m: f64,
+) -> (Assembly, DVector<f64>) {
     let identity = Matrix3::identity();
     let bodies = vec![body(None, Joint::Ball, identity, elements), body(None, Joint::Free, identity, elements)];
     let [p, q_end] = joined_nodes(elements);
@@ -146,7 +151,7 @@ pub fn penalty_joint(between: Between, elements: usize, position_n_m: f64, gradi
     (system, q)
 }
 
-/// The first conventional method: three angles about `x, y, z` at both joints. Body A's attitude is
+/// The first conventional method: three angles about `z, y, x` at both joints. Body A's attitude is
 /// `chart · R(angles)`, so that the chart decides which attitude is singular; B's angles start at zero. Fictitious
 /// springs of `redundant_n_m_rad` hold two angles where the joint is revolute.
 pub fn rotation_angles(
@@ -156,7 +161,7 @@ pub fn rotation_angles(
     redundant_n_m_rad: f64,
 ) -> (Assembly, DVector<f64>) {
     let identity = Matrix3::identity();
-    let angles = Joint::Angles([Axis::X, Axis::Y, Axis::Z]);
+    let angles = Joint::Angles([Axis::Z, Axis::Y, Axis::X]);
     let carrier = |parent, attitude| Body { elements: 0, ..body(parent, Joint::Clamped, attitude, 1) };
     let revolute = between == Between::Revolute;
     let (chart_of_b, mount) = if revolute { (identity, start_of_b()) } else { (start_of_b(), identity) };
@@ -168,16 +173,16 @@ pub fn rotation_angles(
     ];
     let at = 3 + 4 * elements;
     let held = |index| Spring::Coordinate { index, rest: 0.0, stiffness: redundant_n_m_rad };
-    let springs = if revolute { vec![held(at + 1), held(at + 2)] } else { vec![] };
+    let springs = if revolute { vec![held(at), held(at + 1)] } else { vec![] };
     let system = Assembly::new(bodies, vec![], springs, gravity());
     let mut q = DVector::zeros(system.coordinates());
     q.rows_mut(0, 3).copy_from_slice(&angles_of(&chart.transpose()));
     (system, q)
 }
 
-/// Angles about x, y, z of a rotation `R_x(α) R_y(β) R_z(γ)`.
+/// Angles about z, y, x of a rotation `R_z(α) R_y(β) R_x(γ)`; singular at `β = ±90°`.
 fn angles_of(r: &Matrix3<f64>) -> [f64; 3] {
-    [(-r[(1, 2)]).atan2(r[(2, 2)]), r[(0, 2)].asin(), (-r[(0, 1)]).atan2(r[(0, 0)])]
+    [r[(1, 0)].atan2(r[(0, 0)]), -r[(2, 0)].asin(), r[(2, 1)].atan2(r[(2, 2)])]
 }
 
 fn set_node(system: &Assembly, q: &mut DVector<f64>, body: usize, r: Vector3<f64>, attitude: &Matrix3<f64>) {
@@ -202,71 +207,29 @@ pub fn runge_kutta(system: &Assembly, q: &mut DVector<f64>, v: &mut DVector<f64>
     }
 }
 
-/// What the figures of the paper show at one time.
-#[derive(Debug, Clone, Copy)]
-pub struct Sample {
-    /// Time in s.
-    pub time_s: f64,
-    /// Strains of A's first element.
-    pub root_strain: [f64; 4],
-    /// P and the tip in m.
-    pub points_m: [Vector3<f64>; 2],
-    /// Kinetic, elastic, gravity in J.
-    pub energy_j: [f64; 3],
-    /// `|r_P − r_Q|` in m.
-    pub gap_m: f64,
-    /// `r_y^P · r_z^Q`.
-    pub cardan: f64,
-    /// `|r_x^P + r_z^Q|`.
-    pub hinge: f64,
-    /// Largest residual of the constraints `Ψ` that belong to joint variables or root nodes.
-    pub own: f64,
-}
-
-impl Sample {
-    /// Reads a state; `bodies` are the indices of A and B.
-    pub fn of(system: &Assembly, bodies: [usize; 2], time_s: f64, q: &DVector<f64>, v: &DVector<f64>) -> Self {
-        let motion = system.motion(q, v);
-        let elements = system.bodies[bodies[0]].elements;
-        let (p, b) = (&motion[bodies[0]].nodes[elements].h, &motion[bodies[1]].nodes[0].h);
-        let strain = system.strain(bodies[0], 0);
-        let energies = system.energies(q, v);
-        let own = system.constraints.iter().filter(|constraint| constraint.is_local());
-        Self {
-            time_s,
-            root_strain: std::array::from_fn(|i| q[strain + i]),
-            points_m: [row(p, 0), row(&motion[bodies[1]].nodes[elements].h, 0)],
-            energy_j: [energies.kinetic, energies.elastic, energies.gravity],
-            gap_m: (row(p, 0) - row(b, 0)).norm(),
-            cardan: row(p, 2).dot(&row(b, 3)),
-            hinge: (row(p, 1) + row(b, 3)).norm(),
-            own: own.flat_map(|constraint| constraint.value(&motion, q)).fold(0.0, |m: f64, x| m.max(x.abs())),
-        }
-    }
-
-    /// Sum of the energies in J: zero in this motion.
-    pub fn total_j(&self) -> f64 {
-        self.energy_j.iter().sum()
-    }
-}
-
-/// Indices of A and B among bodies that may be mere carriers.
-pub fn beams(system: &Assembly) -> [usize; 2] {
-    let beams: Vec<usize> = (0..system.bodies.len()).filter(|&i| system.bodies[i].elements > 0).collect();
-    [beams[0], beams[1]]
-}
-
-/// Integrates with the paper's step and samples every `every` steps, the start included.
-pub fn run(system: &Assembly, start: &DVector<f64>, end_s: f64, every: usize, project: bool) -> Vec<Sample> {
-    let (mut q, mut v) = (start.clone(), DVector::zeros(start.len()));
-    let bodies = beams(system);
-    let mut samples = vec![Sample::of(system, bodies, 0.0, &q, &v)];
-    let steps = (end_s / STEP_S).round() as usize;
-    for step in 1..=steps {
-        runge_kutta(system, &mut q, &mut v, STEP_S, project);
-        if step % every == 0 {
-            samples.push(Sample::of(system, bodies, step as f64 * STEP_S, &q, &v));
-        }
-    }
-    samples
+/// Highest angular frequency in rad/s of small motions about a state at rest, in the null space of the constraints.
+pub fn highest_frequency(system: &Assembly, q: &DVector<f64>) -> f64 {
+    let still = DVector::zeros(q.len());
+    let (equations, _) = system.equations(q, &still);
+    let h = 1e-6;
+    let force = |j: usize, sign: f64| {
+        let mut shifted = q.clone();
+        shifted[j] += sign * h;
+        system.equations(&shifted, &still).0.force
+    };
+    let n = q.len();
+    let columns: Vec<DVector<f64>> = (0..n).map(|j| (force(j, -1.0) - force(j, 1.0)) / (2.0 * h)).collect();
+    let stiffness = DMatrix::from_columns(&columns);
+    let gram = equations.jacobian.transpose() * &equations.jacobian;
+    let eigen = gram.symmetric_eigen();
+    let free: Vec<DVector<f64>> = (0..n)
+        .filter(|&j| eigen.eigenvalues[j] < 1e-8 * eigen.eigenvalues.amax().max(1e-300))
+        .map(|j| eigen.eigenvectors.column(j).into_owned())
+        .collect();
+    let basis = DMatrix::from_columns(&free);
+    let mass = basis.transpose() * equations.mass * &basis;
+    let inverse = mass.cholesky().expect("positive definite mass").l().try_inverse().expect("regular");
+    let scaled = &inverse * (basis.transpose() * stiffness * &basis) * inverse.transpose();
+    let symmetric = (&scaled + scaled.transpose()) * 0.5;
+    symmetric.symmetric_eigenvalues().max().sqrt()
 }
