@@ -50,14 +50,14 @@ lint: toolchain
 	$(CARGO) clippy --all-targets --locked -- -D warnings
 
 unit: toolchain
-	$(CARGO) test --release --locked
+	$(CARGO) test --locked
 
 pytest: package venv
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) \
 	    $(VENV_PYTHON) -m pytest -q tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
 
 bless: toolchain ## Rewrite modelDescription/ after a deliberate change of the interface
-	FOLDWING_BLESS=1 $(CARGO) test --release --locked --test model_description
+	FOLDWING_BLESS=1 $(CARGO) test --locked --test model_description
 
 python-lock: venv ## Renew python/requirements.txt from requirements.in
 	$(VENV_PYTHON) tools/lock_python.py python/requirements.in python/requirements.txt

@@ -9,7 +9,7 @@ use foldwing::load::{LoadFrame, RootMotion};
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
 use foldwing::multibody::factor::{HingeTangent, Weights, factorize, solve};
 use foldwing::multibody::kinematics::Motion;
-use foldwing::multibody::model::{Attachment, BodyDescription};
+use foldwing::multibody::model::{Attachment, BodyDescription, JointDescription};
 use foldwing::multibody::{Model, Workspace};
 use nalgebra::{Matrix3, Vector3};
 use std::hint::black_box;
@@ -27,7 +27,7 @@ struct Case {
 impl Case {
     fn new(kind: ElementKind, sets: usize) -> Self {
         let material = Material { young_pa: 2.83e9, shear_pa: 1.0e9, density_kg_m3: 1425.0 };
-        let body = |parent, hinge_axis| BodyDescription {
+        let body = |parent, joint| BodyDescription {
             length_m: 0.15,
             section: Section::rectangle(0.05, 0.002, &material, Some(0.18)),
             kind,
@@ -35,14 +35,14 @@ impl Case {
             natural_strain: [0.0; 4],
             parent,
             mount: Matrix3::identity(),
-            hinge_axis,
+            joint,
             masses: Vec::new(),
             stations_m: Vec::new(),
             load_frame: LoadFrame::Root,
         };
         let model = Model::new(&[
-            body(Attachment::Root(Vector3::zeros()), None),
-            body(Attachment::Body { index: 0, position_m: 0.15 }, Some(Vector3::y())),
+            body(Attachment::Root(Vector3::zeros()), JointDescription::Clamped),
+            body(Attachment::Body { index: 0, position_m: 0.15 }, JointDescription::Revolute(Vector3::y())),
         ]);
         let wave = |scale: f64| (0..model.coordinates).map(|i| scale * (1.7 * i as f64).sin()).collect();
         Self {

@@ -122,7 +122,7 @@ def plot_root_strain(result, path):
     axes.plot(result["time"], 1e3 * result["gauge.root.strain"], color=INK, linewidth=1.2)
     mark_latch(axes, result)
     time_s, strain = peak(result)
-    axes.plot(time_s, 1e3 * strain, "o", color=ACCENT, label=f"peak {1e3 * strain:.2f}·10⁻³ at {time_s:.3f} s")
+    axes.plot(time_s, 1e3 * strain, "o", color=ACCENT, label=f"peak {1e3 * strain:.2f}·10⁻³ at {time_s:.4f} s".replace("-", "−", 1))
     axes.set_xlim(result["time"][0], result["time"][-1])
     axes.legend()
     save(fig, path)

@@ -4,6 +4,9 @@
 //! beam multibody wing with fold joints, drives and latches. `docs/ARCHITECTURE.md` maps the modules,
 //! `docs/NOTATION.md` numbers the equations that the code cites.
 
+#![deny(unsafe_code)]
+#![warn(missing_docs)]
+
 pub mod math;
 
 pub mod beam;

@@ -33,7 +33,8 @@ impl Drive {
             + self.damping_n_m_s_rad * rate_rad_s
             + self.constant_torque_n_m)
             + external_n_m;
-        let applied = wanted.clamp(-self.torque_limit_n_m, self.torque_limit_n_m);
+        // not `clamp`, which panics on a limit that is negative or NaN
+        let applied = wanted.max(-self.torque_limit_n_m).min(self.torque_limit_n_m);
         DriveTorque { applied_n_m: applied, clipped_n_m: applied - wanted, saturated: applied != wanted }
     }
 
@@ -58,10 +59,17 @@ pub struct Slew {
 }
 
 impl Slew {
-    /// Neutral angle in rad and its rate in rad/s at `time_s`.
+    /// Neutral angle in rad and its rate in rad/s at `time_s`; after the end if the end itself.
     pub fn at(&self, time_s: f64) -> (f64, f64) {
+        self.at_on(time_s, time_s)
+    }
+
+    /// The same on the branch, before or after the end, on which `branch_s` lies.
+    ///
+    /// A step that ends at the kink must see the rate before it even where round-off puts its last stage beyond.
+    pub fn at_on(&self, time_s: f64, branch_s: f64) -> (f64, f64) {
         let gap = self.target_rad - self.from_rad;
-        if time_s >= self.end_s() {
+        if branch_s >= self.end_s() {
             return (self.target_rad, 0.0);
         }
         let rate = self.rate_limit_rad_s.copysign(gap);

@@ -1,13 +1,14 @@
 //! Joint angles prescribed as functions of time.
 
-/// A twice continuously differentiable angle over absolute time.
+/// An angle over absolute time, twice continuously differentiable except where a table begins and ends.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
     /// `θ(t) = Σ coefficients[i] tⁱ` in rad and s.
     Polynomial(Vec<f64>),
-    /// Natural cubic spline through `(time_s, angle_rad)`, constant outside; times ascending, at least two.
+    /// Cubic spline through `(time_s, angle_rad)`, constant outside; times ascending, at least two.
     ///
-    /// End slopes are zero (clamped spline), so that the angle joins its constant ends with continuous rate.
+    /// End slopes are zero (clamped spline), so that the angle joins its constant ends with continuous rate; the
+    /// acceleration jumps there, and the time integration starts anew.
     Table(Vec<(f64, f64)>),
 }
 
@@ -29,8 +30,16 @@ impl Law {
         }
     }
 
-    /// Angle (rad), rate (rad/s) and acceleration (rad/s²) at `time_s`.
+    /// Angle (rad), rate (rad/s) and acceleration (rad/s²) at `time_s`; at a knot, of the piece after it.
     pub fn at(&self, time_s: f64) -> [f64; 3] {
+        self.at_on(time_s, time_s)
+    }
+
+    /// The same by the piece on which `branch_s` lies.
+    ///
+    /// The acceleration jumps at the first and the last knot: a step that ends there must see the piece before it
+    /// at its last stage too.
+    pub fn at_on(&self, time_s: f64, branch_s: f64) -> [f64; 3] {
         match self {
             Self::Polynomial(coefficients) => {
                 let (mut angle, mut rate, mut half) = (0.0, 0.0, 0.0);
@@ -41,8 +50,13 @@ impl Law {
                 }
                 [angle, rate, 2.0 * half]
             }
-            Self::Spline(knots) => spline_at(knots, time_s),
+            Self::Spline(knots) => spline_at(knots, time_s, branch_s),
         }
+    }
+
+    /// Whether a knot lies exactly at `time_s`.
+    pub fn has_knot_at(&self, time_s: f64) -> bool {
+        matches!(self, Self::Spline(knots) if knots.iter().any(|knot| knot[0] == time_s))
     }
 
     /// First knot after `time_s`: there the third derivative jumps, and a step should end. Infinite without one.
@@ -80,15 +94,16 @@ fn clamped_spline(points: &[(f64, f64)]) -> Vec<[f64; 3]> {
     knots
 }
 
-fn spline_at(knots: &[[f64; 3]], time_s: f64) -> [f64; 3] {
+fn spline_at(knots: &[[f64; 3]], time_s: f64, branch_s: f64) -> [f64; 3] {
     let (first, last) = (knots[0], knots[knots.len() - 1]);
-    if time_s <= first[0] {
+    let pieces_before = knots.partition_point(|knot| knot[0] <= branch_s);
+    if pieces_before == 0 {
         return [first[1], 0.0, 0.0];
     }
-    if time_s >= last[0] {
+    if pieces_before == knots.len() {
         return [last[1], 0.0, 0.0];
     }
-    let i = knots.partition_point(|knot| knot[0] <= time_s) - 1;
+    let i = pieces_before - 1;
     let ([t0, y0, m0], [t1, y1, m1]) = (knots[i], knots[i + 1]);
     let h = t1 - t0;
     let (a, b) = ((t1 - time_s) / h, (time_s - t0) / h);

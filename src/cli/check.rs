@@ -71,13 +71,42 @@ struct JointSummary {
     latch_stiffness_n_m_rad: Option<f64>,
 }
 
+/// A start value, in JSON a number or a Boolean.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Start {
+    Real(f64),
+    Integer(i32),
+    Boolean(bool),
+}
+
+impl Start {
+    fn text(&self) -> String {
+        match self {
+            Self::Real(value) => format!("{value:?}"),
+            Self::Integer(value) => value.to_string(),
+            Self::Boolean(value) => value.to_string(),
+        }
+    }
+}
+
+impl From<Value> for Start {
+    fn from(value: Value) -> Self {
+        match value {
+            Value::Real(value) => Self::Real(value),
+            Value::Integer(value) => Self::Integer(value),
+            Value::Boolean(value) => Self::Boolean(value),
+        }
+    }
+}
+
 #[derive(Serialize)]
 struct VariableSummary {
     name: String,
     causality: &'static str,
     r#type: &'static str,
     unit: &'static str,
-    start: Option<String>,
+    start: Option<Start>,
     description: String,
 }
 
@@ -130,7 +159,7 @@ impl Summary {
         );
         if list_variables {
             for variable in &self.variables {
-                let start = variable.start.as_ref().map(|start| format!(" = {start}")).unwrap_or_default();
+                let start = variable.start.as_ref().map(|start| format!(" = {}", start.text())).unwrap_or_default();
                 let unit = if variable.unit.is_empty() { String::new() } else { format!(" [{}]", variable.unit) };
                 let _ =
                     writeln!(text, "  {} {}{start}{unit}: {}", variable.causality, variable.name, variable.description);
@@ -158,7 +187,7 @@ impl BodySummary {
             name: body.name.clone(),
             length_m: body.length_m,
             mass_kg: body.section.mass_kg_m * body.length_m,
-            attached_mass_kg: body.masses.iter().map(|mass| mass.mass_kg).sum(),
+            attached_mass_kg: body.masses.iter().fold(0.0, |sum, mass| sum + mass.mass_kg),
             elements: body.elements,
             element_kind,
             degrees_of_freedom: strains * body.elements,
@@ -231,10 +260,10 @@ impl VariableSummary {
             Causality::Local => "local",
             Causality::Independent => "independent",
         };
-        let (r#type, start) = match variable.value {
-            Value::Real(value) => ("Real", value.to_string()),
-            Value::Integer(value) => ("Integer", value.to_string()),
-            Value::Boolean(value) => ("Boolean", value.to_string()),
+        let r#type = match variable.value {
+            Value::Real(_) => "Real",
+            Value::Integer(_) => "Integer",
+            Value::Boolean(_) => "Boolean",
         };
         let has_start = matches!(variable.causality, Causality::Input | Causality::Parameter);
         Self {
@@ -242,7 +271,7 @@ impl VariableSummary {
             causality,
             r#type,
             unit: variable.unit(),
-            start: has_start.then_some(start),
+            start: has_start.then(|| Start::from(variable.value)),
             description: variable.description.clone(),
         }
     }

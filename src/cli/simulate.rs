@@ -186,7 +186,9 @@ impl<W: Write> Run<'_, W> {
             self.feed(grid.time_s(point - 1))?;
             let time_s = grid.time_s(point);
             if let Err(error) = self.plant.step(time_s) {
-                self.record(self.plant.time_s()).map_err(writing)?; // the last good time
+                if self.plant.time_s() > grid.time_s(point - 1) {
+                    self.record(self.plant.time_s()).map_err(writing)?; // the last good time
+                }
                 return Err(failed(error));
             }
             self.record(time_s).map_err(writing)?;

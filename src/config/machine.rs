@@ -106,6 +106,39 @@ pub enum JointKind {
     Clamped,
     /// Rotation about one axis: `R_body = R_parent · Rot(axis, θ) · mount`.
     Revolute(Box<Revolute>),
+    /// Several freedoms, described by the paper's redundant parameters; `mount` is the attitude at the start.
+    Spatial(Box<Spatial>),
+}
+
+/// A universal, ball or free joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spatial {
+    /// What it allows.
+    pub freedom: SpatialFreedom,
+    /// Spring towards the start attitude in N·m/rad: per axis of a universal joint, about the rotation vector of a ball.
+    pub stiffness_n_m_rad: f64,
+    /// Damping in N·m·s/rad.
+    pub damping_n_m_s_rad: f64,
+    /// Angular velocity at the start relative to the parent, parent's frame, rad/s.
+    pub start_angular_velocity_rad_s: Vector3<f64>,
+    /// Velocity of the body's inner end at the start, root frame, m/s; free joints only.
+    pub start_velocity_m_s: Vector3<f64>,
+}
+
+/// What a joint with several freedoms allows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SpatialFreedom {
+    /// Rotation about two axes, one fixed to each side.
+    Universal {
+        /// Unit axis in the parent's section frame.
+        parent_axis: Vector3<f64>,
+        /// Unit axis in the body's section frame.
+        body_axis: Vector3<f64>,
+    },
+    /// All rotations.
+    Ball,
+    /// Everything; only on the root.
+    Free,
 }
 
 /// A fold joint.

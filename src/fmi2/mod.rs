@@ -3,6 +3,7 @@
 //! [`abi`] holds the only `unsafe` code: it turns C calls into calls of [`Instance`], behind one gate that checks
 //! the handle and the life cycle and stops panics. Everything else is ordinary Rust and can be tested as such.
 
+#[allow(unsafe_code, reason = "the C interface")]
 pub mod abi;
 mod error;
 mod instance;

@@ -197,16 +197,42 @@ pub enum Counter {
     Events,
 }
 
+/// A component of a vector; nalgebra's own index checks more than the bound.
+#[inline]
+fn component(vector: &Vector3<f64>, i: usize) -> f64 {
+    vector.as_slice()[i]
+}
+
+/// Where values are read from.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a> {
+    /// Inputs.
+    pub inputs: &'a Inputs,
+    /// Parameters.
+    pub parameters: &'a Parameters,
+    /// Outputs.
+    pub outputs: &'a Outputs,
+    /// Counters.
+    pub statistics: Statistics,
+}
+
+impl<'a> Source<'a> {
+    /// Inputs and parameters of a plant, with outputs of the caller's choice.
+    pub fn new(plant: &'a Plant, outputs: &'a Outputs) -> Self {
+        Self { inputs: plant.inputs(), parameters: plant.parameters(), outputs, statistics: plant.statistics() }
+    }
+}
+
 impl Binding {
     /// Present value.
     #[inline]
-    pub(super) fn read(self, plant: &Plant, outputs: &Outputs) -> Value {
+    pub(super) fn read(self, source: &Source) -> Value {
         match self {
-            Self::Time => Value::Real(outputs.time_s),
-            Self::Input(input) => input.read(plant.inputs()),
-            Self::Parameter(parameter) => Value::Real(parameter.read(plant.parameters())),
-            Self::Output(output) => output.read(outputs),
-            Self::Local(counter) => Value::Integer(counter.read(&plant.statistics())),
+            Self::Time => Value::Real(source.outputs.time_s),
+            Self::Input(input) => input.read(source.inputs),
+            Self::Parameter(parameter) => Value::Real(parameter.read(source.parameters)),
+            Self::Output(output) => output.read(source.outputs),
+            Self::Local(counter) => Value::Integer(counter.read(&source.statistics)),
         }
     }
 
@@ -241,12 +267,12 @@ impl Input {
     pub(super) fn read(self, inputs: &Inputs) -> Value {
         match self {
             Self::Joint(joint, field) => field.read(&inputs.joints[joint]),
-            Self::StationForce(station, i) => Value::Real(inputs.stations[station].force_n[i]),
-            Self::StationMoment(station, i) => Value::Real(inputs.stations[station].moment_n_m[i]),
-            Self::Gravity(i) => Value::Real(inputs.root.gravity_m_s2[i]),
-            Self::RootAcceleration(i) => Value::Real(inputs.root.acceleration_m_s2[i]),
-            Self::RootAngularVelocity(i) => Value::Real(inputs.root.angular_velocity_rad_s[i]),
-            Self::RootAngularAcceleration(i) => Value::Real(inputs.root.angular_acceleration_rad_s2[i]),
+            Self::StationForce(station, i) => Value::Real(component(&inputs.stations[station].force_n, i)),
+            Self::StationMoment(station, i) => Value::Real(component(&inputs.stations[station].moment_n_m, i)),
+            Self::Gravity(i) => Value::Real(component(&inputs.root.gravity_m_s2, i)),
+            Self::RootAcceleration(i) => Value::Real(component(&inputs.root.acceleration_m_s2, i)),
+            Self::RootAngularVelocity(i) => Value::Real(component(&inputs.root.angular_velocity_rad_s, i)),
+            Self::RootAngularAcceleration(i) => Value::Real(component(&inputs.root.angular_acceleration_rad_s2, i)),
         }
     }
 
@@ -256,12 +282,12 @@ impl Input {
             Self::Joint(joint, JointInput::Command) => &mut inputs.joints[joint].command_rad,
             Self::Joint(joint, JointInput::Torque) => &mut inputs.joints[joint].torque_n_m,
             Self::Joint(_, JointInput::Release | JointInput::LatchEnable) => return None,
-            Self::StationForce(station, i) => &mut inputs.stations[station].force_n[i],
-            Self::StationMoment(station, i) => &mut inputs.stations[station].moment_n_m[i],
-            Self::Gravity(i) => &mut inputs.root.gravity_m_s2[i],
-            Self::RootAcceleration(i) => &mut inputs.root.acceleration_m_s2[i],
-            Self::RootAngularVelocity(i) => &mut inputs.root.angular_velocity_rad_s[i],
-            Self::RootAngularAcceleration(i) => &mut inputs.root.angular_acceleration_rad_s2[i],
+            Self::StationForce(station, i) => &mut inputs.stations[station].force_n.as_mut_slice()[i],
+            Self::StationMoment(station, i) => &mut inputs.stations[station].moment_n_m.as_mut_slice()[i],
+            Self::Gravity(i) => &mut inputs.root.gravity_m_s2.as_mut_slice()[i],
+            Self::RootAcceleration(i) => &mut inputs.root.acceleration_m_s2.as_mut_slice()[i],
+            Self::RootAngularVelocity(i) => &mut inputs.root.angular_velocity_rad_s.as_mut_slice()[i],
+            Self::RootAngularAcceleration(i) => &mut inputs.root.angular_acceleration_rad_s2.as_mut_slice()[i],
         })
     }
 
@@ -275,6 +301,7 @@ impl Input {
 }
 
 impl JointInput {
+    #[inline]
     fn read(self, joint: &JointInputs) -> Value {
         match self {
             Self::Command => Value::Real(joint.command_rad),
@@ -309,6 +336,7 @@ impl Parameter {
 }
 
 impl JointParameter {
+    #[inline]
     fn read(self, joint: &JointParameters) -> f64 {
         match self {
             Self::StartAngle => joint.start_angle_rad,
@@ -361,8 +389,8 @@ impl Output {
         match self {
             Self::Joint(joint, field) => field.read(&outputs.joints[joint]),
             Self::Gauge(gauge) => Value::Real(outputs.gauges[gauge]),
-            Self::RootForce(i) => Value::Real(outputs.root.force_n[i]),
-            Self::RootMoment(i) => Value::Real(outputs.root.moment_n_m[i]),
+            Self::RootForce(i) => Value::Real(component(&outputs.root.force_n, i)),
+            Self::RootMoment(i) => Value::Real(component(&outputs.root.moment_n_m, i)),
             Self::Tip(tip, field) => Value::Real(field.read(&outputs.tips[tip])),
             Self::Station(station, field) => Value::Real(field.read(&outputs.stations[station])),
             Self::Energy(field) => Value::Real(field.read(&outputs.energy)),
@@ -380,6 +408,7 @@ impl Output {
 }
 
 impl JointOutput {
+    #[inline]
     fn read(self, joint: &JointOutputs) -> Value {
         match self {
             Self::Angle => Value::Real(joint.angle_rad),
@@ -396,19 +425,19 @@ impl JointOutput {
 impl PointOutput {
     #[inline]
     fn read(self, point: &PointOutputs) -> f64 {
-        let of = |vector: &Vector3<f64>, i: usize| vector[i];
         match self {
-            Self::Position(i) => of(&point.position_m, i),
-            Self::Velocity(i) => of(&point.velocity_m_s, i),
-            Self::AngularVelocity(i) => of(&point.angular_velocity_rad_s, i),
-            Self::Acceleration(i) => of(&point.acceleration_m_s2, i),
-            Self::Rotation(0) => point.rotation.w,
-            Self::Rotation(i) => point.rotation.imag()[i - 1],
+            Self::Position(i) => component(&point.position_m, i),
+            Self::Velocity(i) => component(&point.velocity_m_s, i),
+            Self::AngularVelocity(i) => component(&point.angular_velocity_rad_s, i),
+            Self::Acceleration(i) => component(&point.acceleration_m_s2, i),
+            // nalgebra stores x, y, z, w.
+            Self::Rotation(i) => point.rotation.coords.as_slice()[(i + 3) % 4],
         }
     }
 }
 
 impl EnergyOutput {
+    #[inline]
     fn read(self, energy: &EnergyOutputs) -> f64 {
         match self {
             Self::Kinetic => energy.kinetic,

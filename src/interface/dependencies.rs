@@ -59,9 +59,11 @@ fn depends(topology: &Topology, output: Output, known: Binding) -> bool {
             known == Binding::Time && body(topology, output).is_some_and(|body| moved(topology, body))
         }
         Output::Energy(E::Kinetic) => known == Binding::Time && any_moved(topology),
-        Output::Energy(E::Elastic | E::Work | E::Dissipated) => false,
+        Output::Energy(E::Elastic | E::Dissipated) => false,
+        // A jump of an input moves a potential at once; the jump is booked as its work.
+        Output::Energy(E::Work) => weighs(known) || commands(known),
         Output::Energy(E::Gravity) => weighs(known) || (known == Binding::Time && any_moved(topology)),
-        Output::Energy(E::Drive) => matches!(known, Binding::Input(Input::Joint(_, JointInput::Command))),
+        Output::Energy(E::Drive) => commands(known),
         Output::Energy(E::Total) => {
             [E::Kinetic, E::Gravity, E::Drive].into_iter().any(|part| depends(topology, Output::Energy(part), known))
         }
@@ -91,9 +93,10 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
             };
             parameters || drives(joint, known) || start_rate(topology, joint, known)
         }
-        Output::Joint(joint, JointOutput::LatchTorque) => latches(topology, joint, known) || latch_spring(joint, known),
-        Output::Joint(joint, JointOutput::Latched | JointOutput::LatchCount) => latches(topology, joint, known),
-        Output::Joint(joint, JointOutput::LatchTime) => known == Binding::Time || latches(topology, joint, known),
+        Output::Joint(joint, JointOutput::LatchTorque) => latch_pulls(topology, joint, known),
+        Output::Joint(joint, JointOutput::Latched) => latches(topology, joint, known),
+        // A latch that is closed at the start has not closed: the first closing is the first event.
+        Output::Joint(_, JointOutput::LatchTime | JointOutput::LatchCount) => false,
         Output::Gauge(gauge) => {
             let body = topology.machine.gauges[gauge].body;
             accelerates_initially(topology, branch(topology, output), known)
@@ -106,8 +109,9 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
             body(topology, output).is_some_and(|body| point_initially(topology, body, field, known))
         }
         Output::Energy(E::Kinetic) => moves_initially(topology, known),
-        Output::Energy(E::Elastic) => (0..topology.revolutes.len())
-            .any(|joint| topology.is_free(joint) && (latches(topology, joint, known) || latch_spring(joint, known))),
+        Output::Energy(E::Elastic) => {
+            (0..topology.revolutes.len()).any(|joint| topology.is_free(joint) && latch_pulls(topology, joint, known))
+        }
         Output::Energy(E::Gravity) => {
             weighs(known)
                 || is_mass_factor(known)
@@ -136,10 +140,15 @@ fn point_initially(topology: &Topology, body: usize, field: PointOutput, known: 
     let path = &topology.path[body];
     match field {
         PointOutput::Position(_) | PointOutput::Rotation(_) => path.iter().any(|&joint| starts(topology, joint, known)),
-        PointOutput::Velocity(_) | PointOutput::AngularVelocity(_) => {
+        PointOutput::Velocity(_) => {
             path.iter().any(|&joint| topology.turns_at_start(joint))
                 && path.iter().any(|&joint| starts(topology, joint, known) || start_rate(topology, joint, known))
         }
+        // An angle turns the hinges behind it, not its own.
+        PointOutput::AngularVelocity(_) => path.iter().enumerate().any(|(i, &joint)| {
+            start_rate(topology, joint, known)
+                || (starts(topology, joint, known) && path[i + 1..].iter().any(|&outer| topology.turns_at_start(outer)))
+        }),
         PointOutput::Acceleration(_) => accelerates_initially(topology, Some(topology.branch[body]), known),
     }
 }
@@ -183,6 +192,10 @@ fn weighs(known: Binding) -> bool {
     matches!(known, Binding::Input(Input::Gravity(_) | Input::RootAcceleration(_)))
 }
 
+fn commands(known: Binding) -> bool {
+    matches!(known, Binding::Input(Input::Joint(_, JointInput::Command)))
+}
+
 fn is_mass_factor(known: Binding) -> bool {
     matches!(known, Binding::Parameter(Parameter::Body(_, BodyParameter::MassFactor)))
 }
@@ -218,16 +231,19 @@ fn accelerates_initially(topology: &Topology, branch: Option<usize>, known: Bind
         (0..topology.revolutes.len()).any(|joint| joint_in(joint) && only(joint) && topology.turns_at_start(joint))
     };
     match known {
-        Binding::Input(Input::Joint(joint, JointInput::Release | JointInput::LatchEnable)) => joint_in(joint),
+        Binding::Input(Input::Joint(joint, JointInput::Release)) => joint_in(joint),
+        Binding::Input(Input::Joint(joint, JointInput::LatchEnable)) => {
+            joint_in(joint) && starts_closed(topology, joint)
+        }
         Binding::Parameter(Parameter::Joint(joint, field)) => {
             joint_in(joint)
                 && match field {
                     JointParameter::StartAngle
                     | JointParameter::Stiffness
                     | JointParameter::ConstantTorque
-                    | JointParameter::TorqueLimit
-                    | JointParameter::LatchStiffness => true,
+                    | JointParameter::TorqueLimit => true,
                     JointParameter::Damping => topology.turns_at_start(joint),
+                    JointParameter::LatchStiffness => starts_closed(topology, joint),
                     JointParameter::RateLimit => false,
                 }
         }
@@ -259,14 +275,20 @@ fn start_rate(topology: &Topology, joint: usize, known: Binding) -> bool {
     topology.turns_at_start(joint) && known == Binding::Input(Input::Joint(joint, JointInput::Release))
 }
 
-/// What decides whether a latch is closed at the start.
+/// What decides whether a latch is closed at the start: only one that the model closes there.
 fn latches(topology: &Topology, joint: usize, known: Binding) -> bool {
-    topology.revolute(joint).latch.is_some()
-        && (known == Binding::Input(Input::Joint(joint, JointInput::LatchEnable)) || starts(topology, joint, known))
+    starts_closed(topology, joint) && known == Binding::Input(Input::Joint(joint, JointInput::LatchEnable))
 }
 
-fn latch_spring(joint: usize, known: Binding) -> bool {
-    known == Binding::Parameter(Parameter::Joint(joint, JointParameter::LatchStiffness))
+/// What decides about the torque of a latch at the start.
+fn latch_pulls(topology: &Topology, joint: usize, known: Binding) -> bool {
+    let stiffness = Binding::Parameter(Parameter::Joint(joint, JointParameter::LatchStiffness));
+    starts_closed(topology, joint)
+        && (latches(topology, joint, known) || starts(topology, joint, known) || known == stiffness)
+}
+
+fn starts_closed(topology: &Topology, joint: usize) -> bool {
+    topology.revolute(joint).latch.as_ref().is_some_and(|latch| latch.initially_closed)
 }
 
 /// Initial kinetic energy: only joints that turn at the start give it.
@@ -274,9 +296,12 @@ fn moves_initially(topology: &Topology, known: Binding) -> bool {
     let turns = |body: usize| topology.path[body].iter().any(|&joint| topology.turns_at_start(joint));
     match known {
         Binding::Parameter(Parameter::Body(body, BodyParameter::MassFactor)) => turns(body),
-        _ => (0..topology.machine.bodies.len()).filter(|&body| turns(body)).any(|body| {
-            let path = &topology.path[body];
-            path.iter().any(|&joint| starts(topology, joint, known) || start_rate(topology, joint, known))
+        // The angle of the first joint that turns moves the wing as a whole.
+        _ => topology.path.iter().any(|path| {
+            path.iter().enumerate().any(|(i, &joint)| {
+                start_rate(topology, joint, known)
+                    || (starts(topology, joint, known) && path[..i].iter().any(|&inner| topology.turns_at_start(inner)))
+            })
         }),
     }
 }

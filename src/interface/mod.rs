@@ -18,6 +18,7 @@ pub use units::{RealType, TYPES, UNITS, Unit};
 use crate::config::Machine;
 use crate::plant::{Outputs, Plant};
 use access::Slot;
+use binding::Source;
 use std::collections::HashMap;
 
 /// FMI 2.0 causality.
@@ -138,7 +139,7 @@ impl Interface {
 
     /// Present value: inputs and parameters as the plant holds them, outputs from `outputs`.
     pub fn get(&self, plant: &Plant, outputs: &Outputs, value_reference: u32) -> Option<Value> {
-        self.slots.get(value_reference as usize).map(|slot| slot.binding.read(plant, outputs))
+        self.slots.get(value_reference as usize).map(|slot| slot.binding.read(&Source::new(plant, outputs)))
     }
 
     /// Sets an input or parameter, fixed ones included (they act at the next [`Plant::initialize`]); the row's
@@ -154,9 +155,9 @@ impl Interface {
     /// `references` and `values` are equally long. Allocates nothing.
     pub fn get_all<T: Scalar>(&self, plant: &Plant, references: &[u32], values: &mut [T]) -> Result<(), AccessError> {
         self.check_kind(references, T::KIND)?;
-        let outputs = plant.outputs();
+        let source = Source::new(plant, plant.outputs());
         for (&reference, value) in references.iter().zip(values) {
-            if let Some(read) = T::from_value(self.slots[reference as usize].binding.read(plant, outputs)) {
+            if let Some(read) = T::from_value(self.slots[reference as usize].binding.read(&source)) {
                 *value = read;
             }
         }
@@ -187,3 +188,6 @@ impl Interface {
         self.slots.get(value_reference as usize).is_some_and(|slot| slot.binding.is_computed())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -10,7 +10,6 @@ use crate::interface::dependencies::add_dependencies;
 use crate::interface::topology::Topology;
 use crate::interface::{Causality, Initial, Value, Variability, Variable};
 use crate::plant::{Inputs, Parameters};
-use std::f64::consts::PI;
 
 /// Components of a vector.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -21,9 +20,10 @@ const NON_NEGATIVE: Option<(f64, f64)> = Some((0.0, UNLIMITED));
 /// Factors must leave equations that can be solved in double precision.
 const FACTOR: Option<(f64, f64)> = Some((1e-6, 1e6));
 /// A fold joint starts within one turn either way.
-const TURN: Option<(f64, f64)> = Some((-2.0 * PI, 2.0 * PI));
-const TOLERANCE: Option<(f64, f64)> = Some((1e-14, 1.0));
-const STEP: Option<(f64, f64)> = Some((1e-15, 1e6));
+const TURN: Option<(f64, f64)> = Some((-360_f64.to_radians(), 360_f64.to_radians()));
+const TOLERANCE: Option<(f64, f64)> = Some((1e-12, 1e-1));
+/// Steps are positive; the bounds only keep zero and nonsense out.
+const STEP: Option<(f64, f64)> = Some((1e-30, UNLIMITED));
 
 type Range = Option<(f64, f64)>;
 type ParameterRow<Field> = (&'static str, Field, Variability, &'static str, Range, &'static str);
@@ -153,8 +153,8 @@ const COUNTERS: &[(&str, Counter, &str)] = &[
 pub(super) fn build(machine: &Machine) -> (Vec<Variable>, Vec<Binding>) {
     let topology = Topology::new(machine);
     let mut table = Table {
-        inputs: topology.start_inputs(),
-        parameters: topology.start_parameters(),
+        inputs: Inputs::of(machine),
+        parameters: Parameters::of(machine),
         variables: Vec::new(),
         bindings: Vec::new(),
     };

@@ -2,8 +2,6 @@
 
 use crate::config::Machine;
 use crate::config::machine::{JointKind, JointMotion, Parent, Revolute};
-use crate::load::{RootMotion, Wrench};
-use crate::plant::{BodyParameters, Inputs, JointInputs, JointParameters, Parameters};
 
 /// Order and connection of joints, stations and free ends, as [`crate::plant::Plant`] numbers them.
 pub(super) struct Topology<'a> {
@@ -81,63 +79,12 @@ impl<'a> Topology<'a> {
     pub fn turns_at_start(&self, joint: usize) -> bool {
         self.is_prescribed(joint) || (self.is_free(joint) && self.revolute(joint).start_rate_rad_s != 0.0)
     }
-
-    /// Inputs as the model states them.
-    pub fn start_inputs(&self) -> Inputs {
-        let joints = 0..self.revolutes.len();
-        Inputs {
-            joints: joints
-                .map(|joint| self.revolute(joint))
-                .map(|revolute| JointInputs {
-                    command_rad: revolute.drive.command_rad,
-                    torque_n_m: 0.0,
-                    release: revolute.release,
-                    latch_enable: revolute.latch.as_ref().is_some_and(|latch| latch.enable),
-                })
-                .collect(),
-            stations: vec![Wrench::default(); self.stations.len()],
-            root: RootMotion { gravity_m_s2: self.machine.gravity_m_s2, ..RootMotion::default() },
-        }
-    }
-
-    /// Parameters as the model states them.
-    pub fn start_parameters(&self) -> Parameters {
-        let joints = 0..self.revolutes.len();
-        Parameters {
-            joints: joints
-                .map(|joint| self.revolute(joint))
-                .map(|revolute| JointParameters {
-                    start_angle_rad: revolute.start_angle_rad,
-                    stiffness_n_m_rad: revolute.drive.stiffness_n_m_rad,
-                    damping_n_m_s_rad: revolute.drive.damping_n_m_s_rad,
-                    constant_torque_n_m: revolute.drive.constant_torque_n_m,
-                    torque_limit_n_m: revolute.drive.torque_limit_n_m,
-                    rate_limit_rad_s: revolute.drive.rate_limit_rad_s,
-                    latch_stiffness_n_m_rad: revolute.latch.as_ref().map_or(0.0, |latch| latch.stiffness_n_m_rad),
-                })
-                .collect(),
-            bodies: self
-                .machine
-                .bodies
-                .iter()
-                .map(|body| BodyParameters {
-                    mass_factor: 1.0,
-                    stiffness_factor: 1.0,
-                    mass_damping_1_s: body.mass_damping_1_s,
-                    stiffness_damping_s: body.stiffness_damping_s,
-                })
-                .collect(),
-            tolerance: self.machine.solver.tolerance,
-            max_step_s: self.machine.solver.max_step_s,
-            min_step_s: self.machine.solver.min_step_s,
-        }
-    }
 }
 
 /// The fold joint that holds a body, if it is one.
 fn revolute(machine: &Machine, body: usize) -> Option<&Revolute> {
     match &machine.bodies[body].joint.kind {
         JointKind::Revolute(revolute) => Some(revolute),
-        JointKind::Clamped => None,
+        JointKind::Clamped | JointKind::Spatial(_) => None,
     }
 }

@@ -6,10 +6,11 @@
 use crate::beam::element::ElementKind;
 use crate::load::{RootMotion, Wrench};
 use crate::math::so3::hat;
+use crate::multibody::joint::ParameterKind;
 use crate::multibody::kinematics::{Motion, strains, sweep_motion};
 use crate::multibody::model::{Base, Element, Model};
 use crate::multibody::station;
-use crate::multibody::workspace::{Node, Workspace};
+use crate::multibody::workspace::{Node, Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
 /// Damping of one body; acts on its beam only, on velocity relative to the root frame.
@@ -70,15 +71,13 @@ fn node_forces(model: &Model, work: &mut Workspace, environment: Environment) {
             }
             let damped = spread + hat(&node.spin) * alpha;
             node.load_rate = nodal_rates(origin + node.velocity * alpha, &damped, &node.rotation);
-            let mut forces = multiply(&mass.beam, &node.load_rate);
+            (node.force, node.moment) = wrench_of(&node.rotation, &multiply(&mass.beam, &node.load_rate));
+            node.fixed = Pair::ZERO;
             if let Some(attached) = &mass.attached {
                 let undamped = nodal_rates(origin, &spread, &node.rotation);
-                let more = multiply(attached, &undamped);
-                for (force, more) in forces.iter_mut().zip(&more) {
-                    *force += more;
-                }
+                let (force, moment) = wrench_of(&node.rotation, &multiply(attached, &undamped));
+                node.add_fixed(&force, &moment);
             }
-            (node.force, node.moment) = wrench_of(&node.rotation, &forces);
         }
     }
 }
@@ -128,9 +127,20 @@ pub(crate) fn wrench_of(rotation: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) -> 
 
 /// Cross inertia of the elements, and elastic and damping forces of their strains, eqs. (D7)–(D8).
 fn element_forces(model: &Model, work: &mut Workspace, motion: Motion, damping: &[Damping], residual: &mut [f64]) {
-    for (body, damping) in model.bodies.iter().zip(damping) {
+    for (index, (body, damping)) in model.bodies.iter().zip(damping).enumerate() {
         if let Some(hinge) = &body.hinge {
             residual[hinge.coordinate] = 0.0;
+        }
+        if let (Some(joint), Some(parameters)) = (&body.parameters, &work.parameters[index]) {
+            let (c, freedoms) = (joint.coordinate, joint.kind.freedoms());
+            let range = c..c + joint.kind.parameters();
+            residual[c..c + freedoms].fill(0.0);
+            parameters.pose.constraint_residual(
+                &joint.kind,
+                &motion.v[range.clone()],
+                &motion.a[range.clone()],
+                &mut residual[c + freedoms..range.end],
+            );
         }
         let beta = damping.stiffness_s;
         let range = body.first_element..body.first_element + body.elements;
@@ -190,15 +200,23 @@ fn sweep_inward(model: &Model, work: &mut Workspace, residual: &mut [f64]) {
         if let Some(hinge) = &body.hinge {
             residual[hinge.coordinate] += work.hinges[index].dot(&moment);
         }
+        if let (Some(joint), Some(parameters)) = (&body.parameters, &work.parameters[index]) {
+            let c = joint.coordinate;
+            if joint.kind == ParameterKind::Free {
+                residual[c..c + 3].copy_from_slice(force.as_slice());
+                residual[c + 3..c + 6].copy_from_slice(moment.as_slice());
+                // nothing holds it: at the solution this wrench is zero
+                continue;
+            }
+            let torques = parameters.axes.transpose() * moment;
+            residual[c..c + joint.kind.freedoms()].copy_from_slice(&torques.as_slice()[..joint.kind.freedoms()]);
+        }
         match body.base {
             Base::Root(position) => {
                 work.root_force += force;
                 work.root_moment += moment + position.cross(&force);
             }
-            Base::Node(node) => {
-                work.nodes[node].force += force;
-                work.nodes[node].moment += moment;
-            }
+            Base::Node(node) => work.nodes[node].add_fixed(&force, &moment),
         }
     }
 }

@@ -6,6 +6,7 @@
 
 use crate::math::so3::hat;
 use crate::multibody::dynamics::Damping;
+use crate::multibody::joint::ParameterKind;
 use crate::multibody::model::{Base, Element, Model};
 use crate::multibody::workspace::{ArticulatedInertia, ElementFactor, HingeFactor, Node, Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
@@ -91,8 +92,14 @@ pub fn factorize(
             p.ww += elimination.inertia.ww;
         }
         let inertia = work.inertia[body.first_node];
-        let (factor, passed) = eliminate_hinge(model, index, &work.hinges[index], inertia, weights, &hinges[index])?;
-        work.hinge_factors[index] = factor;
+        let passed = if let (Some(joint), Some(parameters)) = (&body.parameters, &mut work.parameters[index]) {
+            parameters.factorize(joint, &inertia, weights, &hinges[index])?
+        } else {
+            let (factor, passed) =
+                eliminate_hinge(model, index, &work.hinges[index], inertia, weights, &hinges[index])?;
+            work.hinge_factors[index] = factor;
+            passed
+        };
         if let Base::Node(node) = body.base {
             let p = &mut work.inertia[node];
             p.vv += passed.vv;
@@ -222,8 +229,8 @@ fn eliminate(
     for j in 0..4 {
         for k in 0..j {
             let l = cholesky[(j, k)];
-            zv[j] = zv[j] - zv[k] * l;
-            zw[j] = zw[j] - zw[k] * l;
+            zv[j] -= zv[k] * l;
+            zw[j] -= zw[k] * l;
         }
         zv[j] *= cholesky[(j, j)];
         zw[j] *= cholesky[(j, j)];
@@ -352,6 +359,9 @@ pub fn solve(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
             p.linear -= factor.velocity * y;
             p.angular -= factor.spin * y;
         }
+        if let (Some(joint), Some(parameters)) = (&body.parameters, &mut work.parameters[index]) {
+            parameters.reduce(joint, x, &mut p);
+        }
         if let Base::Node(node) = body.base {
             work.bias[node].linear += p.linear;
             work.bias[node].angular += p.angular;
@@ -376,6 +386,11 @@ fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
             x[hinge.coordinate] = angle;
             moved.angular += work.hinges[index] * angle;
             norm.include(&moved);
+        }
+        if let (Some(joint), Some(parameters)) = (&body.parameters, &work.parameters[index]) {
+            let largest = parameters.expand(joint, x, &mut moved);
+            norm.include(&moved);
+            norm.angular = norm.angular.max(if joint.kind == ParameterKind::Free { 0.0 } else { largest });
         }
         work.bias[body.first_node] = moved;
         let mut sibling = Vector4::zeros();
@@ -426,6 +441,10 @@ pub fn kinematic_norm(model: &Model, work: &mut Workspace, change: &[f64]) -> f6
         };
         if let Some(hinge) = &body.hinge {
             moved.angular += work.hinges[index] * change[hinge.coordinate];
+            norm.include(&moved);
+        }
+        if let (Some(joint), Some(parameters)) = (&body.parameters, &work.parameters[index]) {
+            parameters.displace(joint, change, &mut moved);
             norm.include(&moved);
         }
         work.bias[body.first_node] = moved;

@@ -78,10 +78,10 @@ fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: u
     };
     let sigma = offset_m / (2.0 * model.elements[inner].length_m);
     let values = [
-        end_strain(model, work, body, first_node, inner) - raw(motion.v, 0.0) * beta,
+        end_strain(model, work, body, (first_node, Side::Outboard), inner) - raw(motion.v, 0.0) * beta,
         raw(motion.q, GAUSS_2[0]),
         raw(motion.q, GAUSS_2[1]),
-        end_strain(model, work, body, first_node + 2, inner) - raw(motion.v, 1.0) * beta,
+        end_strain(model, work, body, (first_node + 2, Side::Inboard), inner) - raw(motion.v, 1.0) * beta,
     ];
     let places = [0.0, GAUSS_2[0], GAUSS_2[1], 1.0];
     let mut strain = Vector4::zeros();
@@ -93,8 +93,14 @@ fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: u
 }
 
 /// Strain that balances the wrench of all that lies outboard of a node (damping not yet taken off), eq. (G2).
-fn end_strain(model: &Model, work: &Workspace, body: usize, node: usize, element: usize) -> Vector4<f64> {
-    let (force, moment) = section_wrench(model, work, body, node);
+fn end_strain(
+    model: &Model,
+    work: &Workspace,
+    body: usize,
+    (node, side): (usize, Side),
+    element: usize,
+) -> Vector4<f64> {
+    let (force, moment) = section_wrench(model, work, body, node, side);
     let axes = work.nodes[node].rotation.transpose();
     let (force, moment): (Vector3<f64>, Vector3<f64>) = (axes * force, axes * moment);
     let element = &model.elements[element];
@@ -104,10 +110,29 @@ fn end_strain(model: &Model, work: &Workspace, body: usize, node: usize, element
     element.natural_strain + stiffness.solve(&resultant)
 }
 
-/// Force and moment that inertia less loads of all outboard parts exert at a node's section, root frame: the
-/// accumulated wrench less the inner element's own share.
-pub fn section_wrench(model: &Model, work: &Workspace, body: usize, node: usize) -> (Vector3<f64>, Vector3<f64>) {
-    let here = &work.nodes[node];
+/// Section next to a node: attached masses, loads on the node and child bodies stand between the two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Towards the body's inner end: what sits on the node lies outboard.
+    Inboard,
+    /// Towards the body's outer end.
+    Outboard,
+}
+
+/// Force and moment that inertia less loads of all outboard parts exert at a section next to a node, root frame: the
+/// accumulated wrench less the inner element's own share and, outboard of the node, what sits on it.
+pub fn section_wrench(
+    model: &Model,
+    work: &Workspace,
+    body: usize,
+    node: usize,
+    side: Side,
+) -> (Vector3<f64>, Vector3<f64>) {
+    let mut here = work.nodes[node];
+    if side == Side::Outboard {
+        here.force -= here.fixed.linear;
+        here.moment -= here.fixed.angular;
+    }
     let body = &model.bodies[body];
     if node == body.first_node {
         return (here.force, here.moment);

@@ -2,9 +2,10 @@
 
 use crate::math::se3::LinkGeometry;
 use crate::math::so3::rotation_about;
+use crate::multibody::joint::{JointPose, ParameterJoint, ParameterKind};
 use crate::multibody::model::{Base, Model};
-use crate::multibody::workspace::{Node, Workspace};
-use nalgebra::Vector3;
+use crate::multibody::workspace::{Node, ParameterWork, Workspace};
+use nalgebra::{Matrix3, Vector3};
 
 /// Coordinates, rates and accelerations, each of [`Model::coordinates`].
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +33,36 @@ pub fn sweep_poses(model: &Model, work: &mut Workspace, q: &[f64]) {
 /// Poses, velocities and accelerations, NOTATION eqs. (K8)–(K9). Allocates nothing.
 pub fn sweep_motion(model: &Model, work: &mut Workspace, motion: Motion) {
     sweep::<true>(model, work, motion);
+}
+
+/// Moves a body's first node, which stands where its parent is, by a joint with redundant parameters.
+fn move_joint<const RATES: bool>(
+    joint: &ParameterJoint,
+    work: &mut ParameterWork,
+    node: &mut Node,
+    parent: &Matrix3<f64>,
+    motion: Motion,
+) {
+    let range = joint.coordinate..joint.coordinate + joint.kind.parameters();
+    let pose = JointPose::new(&joint.kind, &motion.q[range.clone()]);
+    node.rotation = parent * pose.rotation;
+    // a free joint hangs on the root frame: its offset needs no turning
+    node.position += pose.offset_m;
+    if RATES {
+        let (rates, second) = (&motion.v[range.clone()], &motion.a[range]);
+        let (spin, spin_rate) = pose.spin(&joint.kind, rates, second);
+        let spin = parent * spin;
+        node.spin_rate += parent * spin_rate + node.spin.cross(&spin);
+        node.spin += spin;
+        if joint.kind == ParameterKind::Free {
+            node.velocity += Vector3::new(rates[0], rates[1], rates[2]);
+            node.acceleration += Vector3::new(second[0], second[1], second[2]);
+        }
+    }
+    work.axes = parent * pose.axes;
+    work.constraint_axis = parent * pose.constraint_axis;
+    work.parent = *parent;
+    work.pose = pose;
 }
 
 #[inline]
@@ -71,6 +102,10 @@ fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion)
         }
         node.rotation = parent.as_ref().map_or(mount, |parent| parent.rotation * mount);
         work.hinges[index] = axis;
+        if let (Some(joint), Some(parameters)) = (&body.parameters, &mut work.parameters[index]) {
+            let parent = parent.as_ref().map_or_else(Matrix3::identity, |parent| parent.rotation);
+            move_joint::<RATES>(joint, parameters, node, &parent, motion);
+        }
 
         let range = body.first_element..body.first_element + body.elements;
         let mut inner = *node;

@@ -4,6 +4,8 @@ pub mod dynamics;
 pub mod energy;
 pub mod factor;
 pub mod gauge;
+pub mod joint;
+mod joint_factor;
 pub mod kinematics;
 pub mod model;
 pub mod station;

@@ -6,6 +6,7 @@
 use crate::beam::element::{ElementKind, ElementMass, PAIR_STIFFNESS};
 use crate::beam::section::Section;
 use crate::load::LoadFrame;
+use crate::multibody::joint::{ParameterJoint, ParameterKind};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
 /// A body as the mesh maker needs it.
@@ -23,16 +24,36 @@ pub struct BodyDescription {
     pub natural_strain: [f64; 4],
     /// What the inner end hangs on.
     pub parent: Attachment,
-    /// Parent ← body at angle zero.
+    /// Parent ← body at angle zero, or at the start for joints without an angle.
     pub mount: Matrix3<f64>,
-    /// Unit hinge axis in the parent's frame; `None` for a clamped joint.
-    pub hinge_axis: Option<Vector3<f64>>,
+    /// What the joint allows.
+    pub joint: JointDescription,
     /// Rigid masses: distance from the inner end in m, and reduced mass matrix ([`crate::beam::element::rigid_body_mass`]).
     pub masses: Vec<(f64, Matrix4<f64>)>,
     /// Load stations: distance from the inner end in m.
     pub stations_m: Vec<f64>,
     /// Frame of the station loads.
     pub load_frame: LoadFrame,
+}
+
+/// What a joint allows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum JointDescription {
+    /// Nothing.
+    Clamped,
+    /// Rotation about a unit axis in the parent's frame.
+    Revolute(Vector3<f64>),
+    /// Rotations about a unit axis in the parent's frame and one in the body's frame.
+    Universal {
+        /// Axis in the parent's frame.
+        parent_axis: Vector3<f64>,
+        /// Axis in the body's frame.
+        body_axis: Vector3<f64>,
+    },
+    /// All rotations.
+    Ball,
+    /// Everything; only on the root frame.
+    Free,
 }
 
 /// What a body's inner end hangs on.
@@ -65,8 +86,10 @@ pub struct Body {
     pub base: Base,
     /// Parent ← body at angle zero.
     pub mount: Matrix3<f64>,
-    /// Hinge: unit axis in the parent's frame and the coordinate's index in `q`.
+    /// Hinge, if the joint is revolute.
     pub hinge: Option<Hinge>,
+    /// Redundant parameters, if the joint is universal, ball or free.
+    pub parameters: Option<ParameterJoint>,
     /// First of its nodes; node `first_node + i` is the inner end of element `first_element + i`.
     pub first_node: usize,
     /// First of its (half-)elements.
@@ -187,15 +210,25 @@ impl Model {
     }
 
     fn add_body(&mut self, description: &BodyDescription, base: Base, children_m: Vec<f64>) {
-        let hinge = description.hinge_axis.map(|axis| {
-            self.coordinates += 1;
-            Hinge { axis, coordinate: self.coordinates - 1 }
-        });
+        let coordinate = self.coordinates;
+        let (hinge, parameters) = match description.joint {
+            JointDescription::Clamped => (None, None),
+            JointDescription::Revolute(axis) => (Some(Hinge { axis, coordinate }), None),
+            JointDescription::Universal { parent_axis, body_axis } => {
+                let cosine = parent_axis.dot(&(description.mount * body_axis));
+                let kind = ParameterKind::Universal { parent_axis, body_axis, cosine };
+                (None, Some(ParameterJoint { kind, coordinate }))
+            }
+            JointDescription::Ball => (None, Some(ParameterJoint { kind: ParameterKind::Ball, coordinate })),
+            JointDescription::Free => (None, Some(ParameterJoint { kind: ParameterKind::Free, coordinate })),
+        };
+        self.coordinates += usize::from(hinge.is_some()) + parameters.map_or(0, |joint| joint.kind.parameters());
         let body_index = self.bodies.len();
         let mut body = Body {
             base,
             mount: description.mount,
             hinge,
+            parameters,
             first_node: self.nodes.len(),
             first_element: self.elements.len(),
             elements: 0,
@@ -262,7 +295,11 @@ impl Model {
     }
 
     /// Element (or inner half of the pair) that holds a position, and the arc length from its inner end in m.
+    ///
+    /// A position on a mesh boundary belongs to the element outboard of it; within 1e-9 of an element it snaps to its
+    /// ends.
     pub fn locate(&self, body: usize, position_m: f64) -> (usize, f64) {
+        let body_index = body;
         let body = &self.bodies[body];
         let stride = if body.kind == ElementKind::Linear { 2 } else { 1 };
         let mut element = body.first_element;
@@ -271,12 +308,31 @@ impl Model {
                 element = candidate;
             }
         }
-        (element, position_m - self.elements[element].start_m)
+        let offset_m = position_m - self.elements[element].start_m;
+        let (length_m, _) = self.span(element, body_index);
+        let near = 1e-9 * length_m;
+        let snapped = [0.0, length_m].into_iter().find(|end| (offset_m - end).abs() <= near);
+        (element, snapped.unwrap_or(offset_m))
     }
 
-    /// Coordinates at rest: natural strains, joint angles zero.
+    /// Length in m of the element, or pair, that starts with `element`, and its number of pieces.
+    pub fn span(&self, element: usize, body: usize) -> (f64, usize) {
+        match self.bodies[body].kind {
+            ElementKind::Constant => (self.elements[element].length_m, 1),
+            ElementKind::Linear => (self.elements[element].length_m + self.elements[element + 1].length_m, 2),
+        }
+    }
+
+    /// Coordinates at rest: natural strains, joint angles zero, other joints in their mounted attitude.
     pub fn natural_coordinates(&self) -> Vec<f64> {
         let mut q = vec![0.0; self.coordinates];
+        for body in &self.bodies {
+            if let Some(joint) = &body.parameters {
+                let count = joint.kind.parameters();
+                q[joint.coordinate..joint.coordinate + count]
+                    .copy_from_slice(&joint.kind.parameters_of(&body.mount)[..count]);
+            }
+        }
         for element in &self.elements {
             q[element.coordinate..element.coordinate + 4].copy_from_slice(element.natural_strain.as_slice());
         }

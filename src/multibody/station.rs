@@ -93,6 +93,15 @@ pub(crate) fn apply(
 ) {
     let first = model.elements[station.element].coordinate;
     let node = inner_node(model, station);
+    if let Some(node) = node_under(model, station) {
+        let rotation = &work.nodes[node].rotation;
+        let (force, moment) = match station.frame {
+            LoadFrame::Root => (load.force_n, load.moment_n_m),
+            LoadFrame::Section => (rotation * load.force_n, rotation * load.moment_n_m),
+        };
+        work.nodes[node].add_fixed(&-force, &-moment);
+        return;
+    }
     let (steps, count) = steps(model, station);
     let mut rotation = work.nodes[node].rotation;
     let mut links = [Link::ZERO; 2];
@@ -121,6 +130,17 @@ pub(crate) fn apply(
     }
     work.nodes[node].force -= force;
     work.nodes[node].moment -= moment;
+}
+
+/// Node at a station that stands on the end of an element or pair: the load then belongs to that node, and the strain
+/// on either side of it is recovered with and without it.
+fn node_under(model: &Model, station: &Station) -> Option<usize> {
+    let inner = inner_node(model, station);
+    if station.offset_m == 0.0 {
+        return Some(inner);
+    }
+    let (length_m, pieces) = model.span(station.element, station.body);
+    (station.offset_m == length_m).then_some(inner + pieces)
 }
 
 fn inner_node(model: &Model, station: &Station) -> usize {

@@ -1,7 +1,9 @@
 //! Scratch of the recursions, sized once per model and rebuilt by every sweep.
 
 use crate::math::se3::Link;
-use crate::multibody::model::Model;
+use crate::multibody::joint::{JointPose, ParameterJoint};
+use crate::multibody::joint_factor::ParameterFactor;
+use crate::multibody::model::{Body, Model};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
 /// Motion of a node relative to the root frame, and the wrench that has arrived at it.
@@ -25,6 +27,8 @@ pub struct Node {
     pub force: Vector3<f64>,
     /// Moment at the node in N·m.
     pub moment: Vector3<f64>,
+    /// Share of `force` and `moment` that sits on the node itself: attached masses, loads on it, child bodies.
+    pub fixed: Pair,
 }
 
 impl Node {
@@ -38,7 +42,17 @@ impl Node {
         load_rate: [Vector3::new(0.0, 0.0, 0.0); 4],
         force: Vector3::new(0.0, 0.0, 0.0),
         moment: Vector3::new(0.0, 0.0, 0.0),
+        fixed: Pair::ZERO,
     };
+
+    /// Adds a wrench of what sits on the node itself.
+    #[inline]
+    pub(crate) fn add_fixed(&mut self, force: &Vector3<f64>, moment: &Vector3<f64>) {
+        self.force += force;
+        self.moment += moment;
+        self.fixed.linear += force;
+        self.fixed.angular += moment;
+    }
 }
 
 /// Symmetric 6×6 articulated inertia in blocks over (velocity, spin).
@@ -88,6 +102,33 @@ pub struct HingeFactor {
     pub spin: Vector3<f64>,
 }
 
+/// A joint with redundant parameters at the poses of the last sweep.
+#[derive(Debug, Clone)]
+pub struct ParameterWork {
+    /// Attitude and maps, parent's frame.
+    pub pose: JointPose,
+    /// Root ← parent.
+    pub parent: Matrix3<f64>,
+    /// Rotation axes of the freedoms in the root frame, as columns.
+    pub axes: Matrix3<f64>,
+    /// [`JointPose::constraint_axis`] in the root frame.
+    pub constraint_axis: Vector3<f64>,
+    pub(crate) factor: ParameterFactor,
+}
+
+impl ParameterWork {
+    fn new(body: &Body, joint: &ParameterJoint) -> Self {
+        let zero = Matrix3::zeros();
+        Self {
+            pose: JointPose::new(&joint.kind, &joint.kind.parameters_of(&body.mount)[..joint.kind.parameters()]),
+            parent: Matrix3::identity(),
+            axes: zero,
+            constraint_axis: Vector3::zeros(),
+            factor: ParameterFactor::new(),
+        }
+    }
+}
+
 /// Small displacement or wrench in blocks.
 #[derive(Debug, Clone, Copy)]
 pub struct Pair {
@@ -111,6 +152,8 @@ pub struct Workspace {
     pub links: Vec<Link>,
     /// Per body: hinge axis in the root frame.
     pub hinges: Vec<Vector3<f64>>,
+    /// Per body: its joint, if that has redundant parameters.
+    pub parameters: Vec<Option<ParameterWork>>,
     /// Reaction at the root's origin: inertia less loads of the whole wing, N and N·m.
     pub root_force: Vector3<f64>,
     /// Moment of the same about the origin.
@@ -132,6 +175,11 @@ impl Workspace {
             nodes: vec![Node::ZERO; nodes],
             links: vec![Link::ZERO; elements],
             hinges: vec![zero; bodies],
+            parameters: model
+                .bodies
+                .iter()
+                .map(|body| body.parameters.as_ref().map(|joint| ParameterWork::new(body, joint)))
+                .collect(),
             root_force: zero,
             root_moment: zero,
             inertia: vec![ArticulatedInertia::ZERO; nodes],

@@ -1,7 +1,9 @@
 //! `documentation/index.html`: one page without outside references, made from the model and the variable table.
 
 use crate::config::Machine;
-use crate::config::machine::{Body, ElementKind, JointKind, JointMotion, Parent, Revolute, UNLIMITED};
+use crate::config::machine::{
+    Body, ElementKind, JointKind, JointMotion, Parent, Revolute, Spatial, SpatialFreedom, UNLIMITED,
+};
 use crate::interface::{Causality, TYPES, UNITS, Value, Variability, Variable};
 use crate::packaging::{VERSION, drawing};
 use quick_xml::escape::escape;
@@ -38,7 +40,7 @@ fn drawing_section(html: &mut String, machine: &Machine) {
         "<h2>The wing</h2>\n<figure>\n{}<figcaption>Undeformed wing: deployed (filled), at its start angles \
          (outlined) and between. <span class=\"key joint\"></span> joint, <span class=\"key station\"></span> load \
          station, <span class=\"key mass\"></span> mass, <span class=\"key gauge\"></span> strain gauge. The axes \
-         are the root frame.</figcaption>\n</figure>\n",
+         show the directions of the root frame.</figcaption>\n</figure>\n",
         drawing::svg(machine)
     );
 }
@@ -108,10 +110,25 @@ fn joints_section(html: &mut String, machine: &Machine) {
             match &body.joint.kind {
                 JointKind::Clamped => row.extend(["clamped", "", "", "", "", "", ""].map(str::to_owned)),
                 JointKind::Revolute(joint) => row.extend(revolute(joint)),
+                JointKind::Spatial(joint) => row.extend(spatial(joint)),
             }
             row
         }),
     );
+}
+
+fn spatial(joint: &Spatial) -> Vec<String> {
+    let kind = match &joint.freedom {
+        SpatialFreedom::Universal { parent_axis, body_axis } => {
+            format!("universal about {} and {}", vector(parent_axis.as_slice()), vector(body_axis.as_slice()))
+        }
+        SpatialFreedom::Ball => "ball".to_owned(),
+        SpatialFreedom::Free => "free".to_owned(),
+    };
+    let mut row = vec![kind, String::new()];
+    row.extend([joint.stiffness_n_m_rad, joint.damping_n_m_s_rad].map(number));
+    row.extend(["", "", ""].map(str::to_owned));
+    row
 }
 
 fn revolute(joint: &Revolute) -> Vec<String> {

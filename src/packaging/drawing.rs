@@ -35,7 +35,7 @@ pub fn undeformed(machine: &Machine, fraction: f64) -> Vec<Vec<Frame>> {
             }
         };
         let fold = match &body.joint.kind {
-            JointKind::Clamped => Matrix3::identity(),
+            JointKind::Clamped | JointKind::Spatial(_) => Matrix3::identity(),
             JointKind::Revolute(joint) => {
                 let deployed = joint.latch.as_ref().map_or(0.0, |latch| latch.angle_rad);
                 let angle = deployed + fraction * (joint.start_angle_rad - deployed);
@@ -108,7 +108,7 @@ pub fn svg(machine: &Machine) -> String {
         }
     }
     mark(&mut svg, &canvas, machine, &deployed);
-    canvas.axes(&mut svg);
+    canvas.axes(&mut svg, &deployed[0][0].position_m); // the first body hangs on the root
     svg.push_str("</svg>\n");
     svg
 }
@@ -170,11 +170,11 @@ impl Canvas {
         path + "Z"
     }
 
-    /// The root frame `G` at the origin, 60 user units long.
-    fn axes(&self, svg: &mut String) {
-        let [x0, y0] = self.place(&Vector3::zeros());
+    /// Directions of the root frame `G`, drawn at a point of the wing, 60 user units long.
+    fn axes(&self, svg: &mut String, at: &Vector3<f64>) {
+        let [x0, y0] = self.place(at);
         for (axis, name) in [(Vector3::x(), "x"), (Vector3::y(), "y"), (Vector3::z(), "z")] {
-            let [x, y] = self.place(&(axis * (60.0 / self.scale)));
+            let [x, y] = self.place(&(at + axis * (60.0 / self.scale)));
             let _ = writeln!(
                 svg,
                 "<path class=\"axis\" d=\"M{x0:.1} {y0:.1} L{x:.1} {y:.1}\"/>\

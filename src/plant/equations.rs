@@ -10,10 +10,11 @@ use crate::load::{RootMotion, Wrench};
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::factor::{self, HingeTangent, Weights};
 use crate::multibody::kinematics::Motion;
-use crate::multibody::model::{Attachment, BodyDescription};
+use crate::multibody::model::{Attachment, BodyDescription, JointDescription};
 use crate::multibody::{Model, Workspace, energy, station};
 use crate::plant::face::Parameters;
-use crate::plant::revolutes;
+use crate::plant::spatial::SpatialEquations;
+use crate::plant::{revolutes, spatials};
 use crate::solve::{EquationsOfMotion, Powers, Singular};
 
 /// A revolute joint as the equations see it.
@@ -68,7 +69,11 @@ pub(super) struct Equations {
     /// Some station carries a load.
     pub loaded: bool,
     pub joints: Vec<JointEquations>,
+    pub spatial: Vec<SpatialEquations>,
+    /// Time whose branch of slews and prescribed motions holds, in s: the middle of a step, or the present.
+    pub branch_s: f64,
     tangents: Vec<HingeTangent>,
+    scratch: Vec<f64>,
 }
 
 impl Equations {
@@ -89,9 +94,10 @@ impl Equations {
                     Parent::Body { index, position_m } => Attachment::Body { index, position_m },
                 },
                 mount: body.joint.mount,
-                hinge_axis: match &body.joint.kind {
-                    JointKind::Clamped => None,
-                    JointKind::Revolute(revolute) => Some(revolute.axis),
+                joint: match &body.joint.kind {
+                    JointKind::Clamped => JointDescription::Clamped,
+                    JointKind::Spatial(spatial) => SpatialEquations::describe(spatial),
+                    JointKind::Revolute(revolute) => JointDescription::Revolute(revolute.axis),
                 },
                 masses: body
                     .masses
@@ -128,6 +134,10 @@ impl Equations {
             })
             .collect();
         let held = HingeTangent { free: false, stiffness_n_m_rad: 0.0, damping_n_m_s_rad: 0.0 };
+        let mut tangents = vec![held; model.bodies.len()];
+        for (body, _) in spatials(machine) {
+            tangents[body].free = true;
+        }
         Self {
             work: Workspace::new(&model),
             root: RootMotion::default(),
@@ -135,7 +145,10 @@ impl Equations {
             stations: vec![Wrench::default(); model.stations.len()],
             loaded: false,
             joints,
-            tangents: vec![held; model.bodies.len()],
+            spatial: SpatialEquations::of_machine(machine, &model),
+            tangents,
+            branch_s: 0.0,
+            scratch: vec![0.0; model.coordinates],
             model,
         }
     }
@@ -154,7 +167,18 @@ impl Equations {
             }
             potentials.elastic += joint.closed_latch().map_or(0.0, |latch| latch.energy_j(angle));
         }
+        for joint in &self.spatial {
+            potentials.drive += joint.potential_j(&self.work);
+        }
         potentials
+    }
+
+    /// Whether a known kink lies exactly at `time_s`: rates or accelerations that are given may jump.
+    pub fn kink_at(&self, time_s: f64) -> bool {
+        self.joints.iter().any(|joint| match &joint.law {
+            Some(law) => law.has_knot_at(time_s),
+            None => joint.driven && joint.slew.from_rad != joint.slew.target_rad && joint.slew.end_s() == time_s,
+        })
     }
 
     /// Next time after `time_s` at which a known kink lies: end of a slew, knot of a prescribed motion.
@@ -197,7 +221,13 @@ impl EquationsOfMotion for Equations {
     fn prescribe(&self, time_s: f64, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
         for joint in self.joints.iter().filter(|joint| joint.held) {
             let c = joint.coordinate;
-            [q[c], v[c], a[c]] = joint.law.as_ref().map_or([q[c], 0.0, 0.0], |law| law.at(time_s));
+            [q[c], v[c], a[c]] = joint.law.as_ref().map_or([q[c], 0.0, 0.0], |law| law.at_on(time_s, self.branch_s));
+        }
+    }
+
+    fn project(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
+        for joint in &self.spatial {
+            joint.project(q, v, a);
         }
     }
 
@@ -230,6 +260,10 @@ impl EquationsOfMotion for Equations {
             }
             *tangent = HingeTangent { free: true, stiffness_n_m_rad: stiffness, damping_n_m_s_rad: damping };
         }
+        for joint in &self.spatial {
+            joint.add_torque(&self.work, v, residual);
+            self.tangents[joint.body] = joint.tangent();
+        }
     }
 
     fn factorize(&mut self, mass: f64, damping: f64, stiffness: f64) -> Result<(), Singular> {
@@ -246,7 +280,13 @@ impl EquationsOfMotion for Equations {
         factor::kinematic_norm(&self.model, &mut self.work, change)
     }
 
-    fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64]) -> Powers {
+    fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64]) -> Powers {
+        if self.joints.iter().any(|joint| joint.law.is_some()) {
+            // the torque that holds a prescribed joint belongs to these accelerations, not to the last iterate's
+            let mut residual = std::mem::take(&mut self.scratch);
+            self.residual(time_s, q, v, a, &mut residual);
+            self.scratch = residual;
+        }
         let mut powers =
             Powers { work: 0.0, dissipated: energy::stiffness_damping_power(&self.model, v, &self.damping) };
         let damping = &self.damping;
@@ -259,11 +299,14 @@ impl EquationsOfMotion for Equations {
                 powers.work += joint.holding_n_m * rate;
                 continue;
             }
-            let (neutral, slew_rate) = joint.slew.at(time_s);
+            let (neutral, slew_rate) = joint.slew.at_on(time_s, self.branch_s);
             let torque = joint.drive_torque(time_s, angle, rate);
             powers.work += (joint.external_n_m + torque.clipped_n_m) * rate
                 - joint.drive.stiffness_n_m_rad * (angle - neutral) * slew_rate;
             powers.dissipated += joint.drive.damping_n_m_s_rad * rate * rate;
+        }
+        for joint in &self.spatial {
+            powers.dissipated += joint.dissipation_w(&self.work, v);
         }
         if self.root.rotates() {
             powers.work += energy::frame_power(&self.model, &self.work, &self.root);

@@ -5,8 +5,9 @@ use crate::actuation::latch::LatchState;
 use crate::multibody::dynamics::Damping;
 use crate::plant::equations::Equations;
 use crate::plant::face::PlantError;
+use crate::plant::march::CROSSING_S;
 use crate::plant::state::{JointState, State};
-use crate::plant::{Plant, revolutes};
+use crate::plant::{Plant, revolutes, spatials};
 use crate::solve::point::Point;
 use crate::solve::{EquationsOfMotion, Singular, control};
 
@@ -35,6 +36,7 @@ impl Plant {
             let closed = inputs.latch_enable && revolute.latch.as_ref().is_some_and(|latch| latch.initially_closed);
             joints.push(JointState {
                 released: inputs.release,
+                closing: false,
                 latch: LatchState { closed, enabled: inputs.latch_enable, time_s: -1.0, count: 0 },
                 slew: Slew {
                     from_rad: inputs.command_rad,
@@ -45,12 +47,15 @@ impl Plant {
             });
         }
 
+        for ((_, spatial), equations) in spatials(&self.machine).zip(&self.equations.spatial) {
+            equations.start(spatial, &q, &mut v);
+        }
         let state = &mut self.state;
         state.joints = joints;
+        state.spatial_rotations = vec![Default::default(); self.spatial_joints.len()];
         state.applied_inputs.clone_from(&state.inputs);
         state.applied_parameters.clone_from(&state.parameters);
         state.statistics = Default::default();
-        state.pending_latch = None;
         state.tip_rotations = vec![Default::default(); self.tip_bodies.len()];
         state.station_rotations = vec![Default::default(); self.equations.model.stations.len()];
         let coordinates = q.len();
@@ -59,6 +64,7 @@ impl Plant {
         self.configure();
 
         let now = &mut self.state.now;
+        self.equations.branch_s = time_s;
         self.equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
         self.equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
         let jump = settle(&mut self.equations, &mut self.scratch[0], now)
@@ -98,6 +104,10 @@ impl Plant {
                 latch.stiffness_n_m_rad = parameters.latch_stiffness_n_m_rad;
             }
         }
+        for (joint, parameters) in equations.spatial.iter_mut().zip(&parameters.spatial) {
+            joint.stiffness_n_m_rad = parameters.stiffness_n_m_rad;
+            joint.damping_n_m_s_rad = parameters.damping_n_m_s_rad;
+        }
     }
 
     /// Whether inputs or parameters differ from those that the present step runs with.
@@ -107,9 +117,10 @@ impl Plant {
 
     /// Cuts the integrator's step at the present time and goes on with the new inputs and parameters.
     pub(super) fn apply_inputs(&mut self) -> Result<(), PlantError> {
-        let state = &mut self.state;
-        state.start.copy_from(&state.now);
-        state.pending_latch = None;
+        let State { start, now, .. } = &mut self.state;
+        start.copy_from(now);
+        // interpolation leaves the constraints of joint parameters by its own error
+        self.equations.project(&mut start.q, &mut start.v, &mut start.a);
         self.discontinuity(|state, equations| {
             let time_s = state.start.time_s;
             state.applied_inputs.clone_from(&state.inputs);
@@ -117,7 +128,9 @@ impl Plant {
             let mut released_energy = 0.0;
             for (i, joint) in state.joints.iter_mut().enumerate() {
                 let inputs = &state.inputs.joints[i];
-                let angle = state.start.q[equations.joints[i].coordinate];
+                let c = equations.joints[i].coordinate;
+                let (angle, rate) = (state.start.q[c], state.start.v[c]);
+                let closing = std::mem::take(&mut joint.closing);
                 if inputs.release && !joint.released {
                     joint.released = true;
                     state.statistics.events += u64::from(equations.joints[i].driven);
@@ -135,6 +148,10 @@ impl Plant {
                 {
                     close(&mut joint.latch, time_s);
                     state.statistics.events += 1;
+                } else if closing && inputs.latch_enable && latch.gap_rad(angle) <= CROSSING_S * rate.abs() {
+                    // the inputs change at the crossing itself
+                    close(&mut joint.latch, time_s);
+                    state.statistics.events += 1;
                 }
                 joint.latch.enabled = inputs.latch_enable;
             }
@@ -142,13 +159,20 @@ impl Plant {
         })
     }
 
-    /// Closes the latch that the present step has led to.
-    pub(super) fn apply_pending_latch(&mut self) -> Result<(), PlantError> {
-        let Some(joint) = self.state.pending_latch.take() else { return Ok(()) };
-        self.state.step_s *= STEP_SHARE_AFTER_LATCH;
+    /// What happens at the end of a step: closes the latches that it has led to, passes the kink that it ends at.
+    pub(super) fn apply_events(&mut self) -> Result<(), PlantError> {
+        let closing = self.state.joints.iter().any(|joint| joint.closing);
+        if closing {
+            self.state.step_s *= STEP_SHARE_AFTER_LATCH;
+        } else if !self.equations.kink_at(self.state.start.time_s) {
+            return Ok(());
+        }
         self.discontinuity(|state, _| {
-            close(&mut state.joints[joint as usize].latch, state.start.time_s);
-            state.statistics.events += 1;
+            for joint in state.joints.iter_mut().filter(|joint| joint.closing) {
+                joint.closing = false;
+                close(&mut joint.latch, state.start.time_s);
+                state.statistics.events += 1;
+            }
             0.0
         })
     }
@@ -166,6 +190,7 @@ impl Plant {
         let before = self.equations.potentials(time_s, &start.q).total();
         let dissipated = change(&mut self.state, &self.equations);
         self.configure();
+        self.equations.branch_s = time_s;
 
         let [old, new_residual] = &mut self.scratch;
         let start = &mut self.state.start;
@@ -175,6 +200,9 @@ impl Plant {
         new_residual.iter_mut().zip(old.iter()).for_each(|(new, old)| *new -= old);
         let jump = settle(&mut self.equations, new_residual, start)
             .map_err(|singular| PlantError::Initialization { time_s, cause: singular.to_string() })?;
+        if !jump.is_finite() {
+            return Err(PlantError::Initialization { time_s, cause: "accelerations are not finite".into() });
+        }
         start.dissipated += dissipated;
         start.work += after - before + dissipated;
         self.restrain_step(jump);
@@ -186,7 +214,7 @@ impl Plant {
     fn restrain_step(&mut self, jump_norm_1_s2: f64) {
         let parameters = &self.state.applied_parameters;
         let short = control::after_jump(jump_norm_1_s2, parameters.tolerance);
-        self.state.step_s = self.state.step_s.min(short).clamp(parameters.min_step_s, parameters.max_step_s);
+        self.state.step_s = self.state.step_s.min(short).max(parameters.min_step_s).min(parameters.max_step_s);
     }
 }
 
@@ -197,14 +225,20 @@ fn close(latch: &mut LatchState, time_s: f64) {
 }
 
 /// Takes `residual` away from the accelerations of `point` by the mass matrix; returns the kinematic norm of the
-/// jump in 1/s².
+/// jump in 1/s². Leaves `point` alone where it is not finite.
 fn settle(equations: &mut Equations, residual: &mut [f64], point: &mut Point) -> Result<f64, Singular> {
     equations.factorize(1.0, 0.0, 0.0)?;
     let jump = equations.solve(residual);
+    if !jump.is_finite() {
+        return Ok(jump);
+    }
     for (i, step) in residual.iter().enumerate() {
         point.a[i] -= step;
         point.auxiliary[i] -= step;
     }
-    point.powers = equations.powers(point.time_s, &point.q, &point.v);
+    for joint in equations.joints.iter().filter(|joint| joint.held) {
+        point.auxiliary[joint.coordinate] = point.a[joint.coordinate];
+    }
+    point.powers = equations.powers(point.time_s, &point.q, &point.v, &point.a);
     Ok(jump)
 }

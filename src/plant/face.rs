@@ -18,7 +18,7 @@ pub struct JointInputs {
 }
 
 /// All inputs, held during a step.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inputs {
     /// Per revolute joint, in the order of [`crate::plant::Plant::revolute_joints`].
     pub joints: Vec<JointInputs>,
@@ -27,6 +27,19 @@ pub struct Inputs {
     pub stations: Vec<Wrench>,
     /// Gravity and motion of the root.
     pub root: RootMotion,
+}
+
+/// By hand, because a derived `clone_from` allocates and inputs are copied whenever they change.
+impl Clone for Inputs {
+    fn clone(&self) -> Self {
+        Self { joints: self.joints.clone(), stations: self.stations.clone(), root: self.root }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.joints.clone_from(&source.joints);
+        self.stations.clone_from(&source.stations);
+        self.root = source.root;
+    }
 }
 
 /// Parameters of one revolute joint.
@@ -48,6 +61,15 @@ pub struct JointParameters {
     pub latch_stiffness_n_m_rad: f64,
 }
 
+/// Parameters of one universal, ball or free joint; tunable.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SpatialParameters {
+    /// Spring stiffness in N·m/rad.
+    pub stiffness_n_m_rad: f64,
+    /// Damping in N·m·s/rad.
+    pub damping_n_m_s_rad: f64,
+}
+
 /// Parameters of one body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BodyParameters {
@@ -62,10 +84,12 @@ pub struct BodyParameters {
 }
 
 /// All parameters. Fixed ones act at [`crate::plant::Plant::initialize`], tunable ones from the next step on.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     /// Per revolute joint.
     pub joints: Vec<JointParameters>,
+    /// Per universal, ball or free joint.
+    pub spatial: Vec<SpatialParameters>,
     /// Per body.
     pub bodies: Vec<BodyParameters>,
     /// Solver tolerance; fixed.
@@ -74,6 +98,29 @@ pub struct Parameters {
     pub max_step_s: f64,
     /// Smallest internal step in s; fixed.
     pub min_step_s: f64,
+}
+
+/// By hand, because a derived `clone_from` allocates.
+impl Clone for Parameters {
+    fn clone(&self) -> Self {
+        Self {
+            joints: self.joints.clone(),
+            spatial: self.spatial.clone(),
+            bodies: self.bodies.clone(),
+            tolerance: self.tolerance,
+            max_step_s: self.max_step_s,
+            min_step_s: self.min_step_s,
+        }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.joints.clone_from(&source.joints);
+        self.spatial.clone_from(&source.spatial);
+        self.bodies.clone_from(&source.bodies);
+        self.tolerance = source.tolerance;
+        self.max_step_s = source.max_step_s;
+        self.min_step_s = source.min_step_s;
+    }
 }
 
 /// Outputs of one revolute joint.
@@ -93,6 +140,15 @@ pub struct JointOutputs {
     pub latch_time_s: f64,
     /// Number of closings.
     pub latch_count: i32,
+}
+
+/// Outputs of one universal, ball or free joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpatialOutputs {
+    /// Attitude, parent ← body; sign continuous in time.
+    pub rotation: UnitQuaternion<f64>,
+    /// Angular velocity relative to the parent, parent's frame, rad/s.
+    pub angular_velocity_rad_s: Vector3<f64>,
 }
 
 /// Position, velocities and attitude of a point of the wing, root frame, relative to the root frame.
@@ -136,6 +192,10 @@ pub struct Outputs {
     pub time_s: f64,
     /// Per revolute joint.
     pub joints: Vec<JointOutputs>,
+    /// Per universal, ball or free joint, in the order of [`crate::plant::Plant::spatial_joints`].
+    pub spatial: Vec<SpatialOutputs>,
+    /// Per body: force and moment of the joint on the body's inner end, root frame, at that end.
+    pub joint_reactions: Vec<Wrench>,
     /// Axial strain per gauge.
     pub gauges: Vec<f64>,
     /// Force and moment of the wing on the aircraft at the origin, root frame.

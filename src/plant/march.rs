@@ -15,7 +15,7 @@ const NEWTON_CEILING: f64 = 1e-8;
 /// Cut of the step after Newton's iteration has failed.
 const FAILURE_CUT: f64 = 0.25;
 /// Accuracy of a located latch crossing in s.
-const CROSSING_S: f64 = 1e-10;
+pub(super) const CROSSING_S: f64 = 1e-10;
 /// Most steps spent on locating one crossing.
 const MAX_LOCATING_STEPS: usize = 40;
 /// Interior places at which a step is searched for a crossing and return.
@@ -52,7 +52,7 @@ impl Plant {
         while self.state.ahead.time_s <= end_s {
             let State { start, ahead, .. } = &mut self.state;
             start.copy_from(ahead);
-            self.apply_pending_latch()?;
+            self.apply_events()?;
             if self.state.start.time_s >= end_s {
                 break;
             }
@@ -130,18 +130,46 @@ impl Plant {
         let tolerance = (NEWTON_SHARE * self.state.applied_parameters.tolerance).min(NEWTON_CEILING);
         let mut effort = Effort::default();
         let State { start, ahead, statistics, .. } = &mut self.state;
+        self.equations.branch_s = start.time_s + 0.5 * step_s;
         let outcome = self.stepper.step(&mut self.equations, start, step_s, ahead, tolerance, &mut effort);
         statistics.iterations += effort.iterations;
         statistics.factorizations += effort.factorizations;
         outcome
     }
 
-    /// Where a latch closes inside the step, repeats the step so that it ends there.
+    /// Where latches close inside the step, repeats the step so that it ends at the first closing.
+    ///
+    /// Several may close at the same instant (mirrored wings): all that are within the accuracy of location close.
+    fn locate_crossing(&mut self) -> Result<(), PlantError> {
+        let Some((mut joint, mut fraction)) = self.first_crossing() else { return Ok(()) };
+        for _ in 0..self.state.joints.len() {
+            self.end_step_at_crossing(joint, fraction)?;
+            // the estimates may have named the wrong one of two that are close together
+            match self.first_crossing() {
+                Some((other, at)) if other != joint && !self.has_arrived(other, true) => {
+                    (joint, fraction) = (other, at)
+                }
+                _ => break,
+            }
+        }
+        for i in 0..self.state.joints.len() {
+            self.state.joints[i].closing = i == joint || self.waits(i) && self.has_arrived(i, false);
+        }
+        Ok(())
+    }
+
+    /// Whether a joint stands at its latch angle at `ahead` to the accuracy of location; `only_just`: and not beyond.
+    fn has_arrived(&self, joint: usize, only_just: bool) -> bool {
+        let rate_rad_s = self.state.ahead.v[self.equations.joints[joint].coordinate].abs();
+        let gap_rad = self.gap_rad(joint, &self.state.ahead);
+        gap_rad <= CROSSING_S * rate_rad_s && (!only_just || gap_rad >= -CROSSING_S * rate_rad_s)
+    }
+
+    /// Repeats the step so that it ends where a joint reaches its latch angle.
     ///
     /// Regula falsi (Illinois) on the step's length: each trial is a full step, so the state at the crossing is as
     /// good as at any step's end.
-    fn locate_crossing(&mut self) -> Result<(), PlantError> {
-        let Some((joint, fraction)) = self.first_crossing() else { return Ok(()) };
+    fn end_step_at_crossing(&mut self, joint: usize, fraction: f64) -> Result<(), PlantError> {
         let start_s = self.state.start.time_s;
         let step_s = self.state.ahead.time_s - start_s;
         let gap = |plant: &Self| plant.gap_rad(joint, &plant.state.ahead);
@@ -174,20 +202,17 @@ impl Plant {
             let inside = newton_s > low && newton_s < high;
             trial_s = if inside { newton_s } else { low + (high - low) * low_gap / (low_gap - high_gap) };
         }
-        self.state.ahead.time_s = start_s + trial_s;
-        self.state.pending_latch = u32::try_from(joint).ok();
         Ok(())
     }
 
     /// Joint whose enabled, open latch is reached first from its folded side inside the step, and an estimate of the
     /// fraction of the step at which.
     fn first_crossing(&self) -> Option<(usize, f64)> {
-        let State { start, ahead, joints, .. } = &self.state;
+        let State { start, ahead, .. } = &self.state;
         let mut first: Option<(usize, f64)> = None;
-        for (i, (joint, state)) in self.equations.joints.iter().zip(joints).enumerate() {
+        for (i, joint) in self.equations.joints.iter().enumerate() {
             let Some(latch) = &joint.latch else { continue };
-            let waits = state.latch.enabled && !state.latch.closed && !joint.held;
-            if !waits || latch.gap_rad(start.q[joint.coordinate]) <= 0.0 {
+            if !self.waits(i) {
                 continue;
             }
             let gap =
@@ -204,6 +229,15 @@ impl Plant {
             }
         }
         first
+    }
+
+    /// Whether a joint's latch is enabled and open and the present step starts on its folded side.
+    fn waits(&self, joint: usize) -> bool {
+        let latch = &self.state.joints[joint].latch;
+        latch.enabled
+            && !latch.closed
+            && !self.equations.joints[joint].held
+            && self.gap_rad(joint, &self.state.start) > 0.0
     }
 
     /// Distance of a joint to its latch angle in rad, positive on the folded side.

@@ -10,16 +10,18 @@ mod events;
 mod face;
 mod march;
 mod outputs;
+mod spatial;
+mod start;
 mod state;
 
 pub use face::{
     BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, Outputs, Parameters, PlantError,
-    PointOutputs, Statistics,
+    PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
 };
 pub use state::Snapshot;
 
 use crate::config::Machine;
-use crate::config::machine::{JointKind, Method, Parent, Revolute};
+use crate::config::machine::{JointKind, Method, Parent, Revolute, Spatial};
 use crate::solve::stepper::{self, Stepper};
 use equations::Equations;
 use state::State;
@@ -29,6 +31,7 @@ use std::sync::Arc;
 pub struct Plant {
     machine: Arc<Machine>,
     revolute_joints: Vec<usize>,
+    spatial_joints: Vec<usize>,
     tip_bodies: Vec<usize>,
     state: State,
     equations: Equations,
@@ -43,6 +46,7 @@ impl Plant {
     /// A plant of a validated model, with the inputs and parameters that the model states; not yet initialised.
     pub fn new(machine: Arc<Machine>) -> Self {
         let revolute_joints: Vec<usize> = revolutes(&machine).map(|(body, _)| body).collect();
+        let spatial_joints: Vec<usize> = spatials(&machine).map(|(body, _)| body).collect();
         let tip_bodies: Vec<usize> = (0..machine.bodies.len())
             .filter(|&body| {
                 !machine.bodies.iter().any(|child| match child.joint.parent {
@@ -62,9 +66,10 @@ impl Plant {
             Method::Esdirk3 => stepper::Method::Esdirk3,
             Method::Esdirk4 => stepper::Method::Esdirk4,
         };
-        let outputs = outputs::blank(&machine, revolute_joints.len(), tip_bodies.len());
+        let outputs = outputs::blank(&machine, revolute_joints.len(), spatial_joints.len(), tip_bodies.len());
         Self {
             revolute_joints,
+            spatial_joints,
             tip_bodies,
             built_with: state.parameters.clone(),
             stepper: Stepper::new(method, coordinates),
@@ -84,6 +89,11 @@ impl Plant {
     /// Indices into [`Machine::bodies`] of the bodies whose joint is revolute, in order.
     pub fn revolute_joints(&self) -> &[usize] {
         &self.revolute_joints
+    }
+
+    /// Indices into [`Machine::bodies`] of the bodies whose joint is universal, ball or free, in order.
+    pub fn spatial_joints(&self) -> &[usize] {
+        &self.spatial_joints
     }
 
     /// Indices into [`Machine::bodies`] of the bodies whose outer end is free, in order.
@@ -143,7 +153,7 @@ impl Plant {
 
     /// Goes back to a snapshot of the same model; outputs included, bit for bit.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), PlantError> {
-        snapshot.check(&self.state)?;
+        snapshot.check(&self.state, self.coordinates(), self.tip_bodies.len())?;
         self.state = snapshot.state().clone();
         self.rebuild();
         if self.state.initialized {
@@ -166,6 +176,14 @@ impl Plant {
 fn revolutes(machine: &Machine) -> impl Iterator<Item = (usize, &Revolute)> {
     machine.bodies.iter().enumerate().filter_map(|(index, body)| match &body.joint.kind {
         JointKind::Revolute(revolute) => Some((index, revolute.as_ref())),
-        JointKind::Clamped => None,
+        JointKind::Clamped | JointKind::Spatial(_) => None,
+    })
+}
+
+/// Bodies whose joint has several freedoms, with that joint.
+fn spatials(machine: &Machine) -> impl Iterator<Item = (usize, &Spatial)> {
+    machine.bodies.iter().enumerate().filter_map(|(index, body)| match &body.joint.kind {
+        JointKind::Spatial(spatial) => Some((index, spatial.as_ref())),
+        JointKind::Clamped | JointKind::Revolute(_) => None,
     })
 }

@@ -7,12 +7,12 @@ use crate::multibody::gauge::GaugePoint;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::{energy, station};
 use crate::plant::Plant;
-use crate::plant::face::{EnergyOutputs, JointOutputs, Outputs, PointOutputs};
+use crate::plant::face::{EnergyOutputs, JointOutputs, Outputs, PointOutputs, SpatialOutputs};
 use crate::solve::EquationsOfMotion;
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Outputs of the right sizes, before initialisation.
-pub(super) fn blank(machine: &Machine, joints: usize, tips: usize) -> Outputs {
+pub(super) fn blank(machine: &Machine, joints: usize, spatial: usize, tips: usize) -> Outputs {
     let point = PointOutputs {
         position_m: Vector3::zeros(),
         velocity_m_s: Vector3::zeros(),
@@ -24,6 +24,11 @@ pub(super) fn blank(machine: &Machine, joints: usize, tips: usize) -> Outputs {
     Outputs {
         time_s: 0.0,
         joints: vec![JointOutputs { latch_time_s: -1.0, ..JointOutputs::default() }; joints],
+        spatial: vec![
+            SpatialOutputs { rotation: UnitQuaternion::identity(), angular_velocity_rad_s: Vector3::zeros() };
+            spatial
+        ],
+        joint_reactions: vec![Wrench::default(); machine.bodies.len()],
         gauges: vec![0.0; machine.gauges.len()],
         root: Wrench::default(),
         tips: vec![point; tips],
@@ -38,6 +43,7 @@ impl Plant {
         let (state, equations, outputs) = (&mut self.state, &mut self.equations, &mut self.outputs);
         let now = &state.now;
         let time_s = now.time_s;
+        equations.branch_s = time_s;
         equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
         let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
         let (model, work) = (&equations.model, &equations.work);
@@ -54,6 +60,16 @@ impl Plant {
                 latch_time_s: state.latch.time_s,
                 latch_count: state.latch.count,
             };
+        }
+        for (i, joint) in equations.spatial.iter().enumerate() {
+            let (rotation, angular_velocity_rad_s) = joint.motion(work, &now.v);
+            let rotation = quaternion_near(&rotation, &state.spatial_rotations[i]);
+            state.spatial_rotations[i] = rotation;
+            outputs.spatial[i] = SpatialOutputs { rotation, angular_velocity_rad_s };
+        }
+        for (reaction, body) in outputs.joint_reactions.iter_mut().zip(&model.bodies) {
+            let node = &work.nodes[body.first_node];
+            *reaction = Wrench { force_n: node.force, moment_n_m: node.moment };
         }
         for (strain, gauge) in outputs.gauges.iter_mut().zip(&self.machine.gauges) {
             let point = GaugePoint { body: gauge.body, position_m: gauge.position_m, y_m: gauge.y_m, z_m: gauge.z_m };

@@ -3,9 +3,7 @@
 use crate::actuation::drive::Slew;
 use crate::actuation::latch::LatchState;
 use crate::config::Machine;
-use crate::load::{RootMotion, Wrench};
-use crate::plant::face::{BodyParameters, Inputs, JointInputs, JointParameters, Parameters, PlantError, Statistics};
-use crate::plant::revolutes;
+use crate::plant::face::{Inputs, Parameters, PlantError, Statistics};
 use crate::solve::point::Point;
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
@@ -17,6 +15,8 @@ pub(super) struct JointState {
     pub released: bool,
     /// Latch, of joints that have one.
     pub latch: LatchState,
+    /// The latch closes at the end of the integrator's present step.
+    pub closing: bool,
     /// Neutral angle of the drive.
     pub slew: Slew,
 }
@@ -42,10 +42,10 @@ pub(super) struct State {
     pub now: Point,
     /// Next step to try in s.
     pub step_s: f64,
-    /// Joint whose latch closes at `ahead`.
-    pub pending_latch: Option<u32>,
     /// Per revolute joint.
     pub joints: Vec<JointState>,
+    /// Last quaternions of universal, ball and free joints.
+    pub spatial_rotations: Vec<UnitQuaternion<f64>>,
     /// Last quaternions of the tips, for a continuous sign.
     pub tip_rotations: Vec<UnitQuaternion<f64>>,
     /// Last quaternions of the stations.
@@ -57,44 +57,7 @@ pub(super) struct State {
 impl State {
     /// Inputs and parameters that the model states; the rest is made by initialisation.
     pub fn of_model(machine: &Machine) -> Self {
-        let inputs = Inputs {
-            joints: revolutes(machine)
-                .map(|(_, revolute)| JointInputs {
-                    command_rad: revolute.drive.command_rad,
-                    torque_n_m: 0.0,
-                    release: revolute.release,
-                    latch_enable: revolute.latch.as_ref().is_some_and(|latch| latch.enable),
-                })
-                .collect(),
-            stations: vec![Wrench::default(); machine.bodies.iter().map(|body| body.station_positions_m.len()).sum()],
-            root: RootMotion { gravity_m_s2: machine.gravity_m_s2, ..RootMotion::default() },
-        };
-        let parameters = Parameters {
-            joints: revolutes(machine)
-                .map(|(_, revolute)| JointParameters {
-                    start_angle_rad: revolute.start_angle_rad,
-                    stiffness_n_m_rad: revolute.drive.stiffness_n_m_rad,
-                    damping_n_m_s_rad: revolute.drive.damping_n_m_s_rad,
-                    constant_torque_n_m: revolute.drive.constant_torque_n_m,
-                    torque_limit_n_m: revolute.drive.torque_limit_n_m,
-                    rate_limit_rad_s: revolute.drive.rate_limit_rad_s,
-                    latch_stiffness_n_m_rad: revolute.latch.as_ref().map_or(0.0, |latch| latch.stiffness_n_m_rad),
-                })
-                .collect(),
-            bodies: machine
-                .bodies
-                .iter()
-                .map(|body| BodyParameters {
-                    mass_factor: 1.0,
-                    stiffness_factor: 1.0,
-                    mass_damping_1_s: body.mass_damping_1_s,
-                    stiffness_damping_s: body.stiffness_damping_s,
-                })
-                .collect(),
-            tolerance: machine.solver.tolerance,
-            max_step_s: machine.solver.max_step_s,
-            min_step_s: machine.solver.min_step_s,
-        };
+        let (inputs, parameters) = (Inputs::of(machine), Parameters::of(machine));
         Self {
             initialized: false,
             applied_inputs: inputs.clone(),
@@ -105,8 +68,8 @@ impl State {
             ahead: Point::default(),
             now: Point::default(),
             step_s: 0.0,
-            pending_latch: None,
             joints: Vec::new(),
+            spatial_rotations: Vec::new(),
             tip_rotations: Vec::new(),
             station_rotations: Vec::new(),
             statistics: Statistics::default(),
@@ -127,8 +90,8 @@ impl Snapshot {
         &self.0
     }
 
-    /// Refuses a snapshot whose vectors do not have the lengths of this model's.
-    pub(super) fn check(&self, own: &State) -> Result<(), PlantError> {
+    /// Refuses a snapshot whose vectors do not have the lengths of this model's, which has `coordinates` and `tips`.
+    pub(super) fn check(&self, own: &State, coordinates: usize, tips: usize) -> Result<(), PlantError> {
         let theirs = &*self.0;
         let lengths = |state: &State| {
             [
@@ -136,6 +99,7 @@ impl Snapshot {
                 state.inputs.stations.len(),
                 state.parameters.joints.len(),
                 state.parameters.bodies.len(),
+                state.parameters.spatial.len(),
                 state.applied_inputs.joints.len(),
                 state.applied_inputs.stations.len(),
                 state.applied_parameters.joints.len(),
@@ -144,6 +108,17 @@ impl Snapshot {
         };
         if lengths(theirs) != lengths(own) {
             return Err(PlantError::Snapshot("numbers of joints, bodies or stations differ".into()));
+        }
+        let fits = |point: &Point| {
+            [&point.q, &point.v, &point.a, &point.auxiliary].iter().all(|vector| vector.len() == coordinates)
+        };
+        let points_fit = [&theirs.start, &theirs.ahead, &theirs.now].into_iter().all(fits);
+        if theirs.initialized && !points_fit {
+            return Err(PlantError::Snapshot("numbers of coordinates differ".into()));
+        }
+        let rest = [theirs.joints.len(), theirs.tip_rotations.len(), theirs.station_rotations.len()];
+        if theirs.initialized && rest != [own.inputs.joints.len(), tips, own.inputs.stations.len()] {
+            return Err(PlantError::Snapshot("numbers of free ends or joint states differ".into()));
         }
         Ok(())
     }

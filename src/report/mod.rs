@@ -11,7 +11,7 @@ use crate::interface::Value;
 /// A value as a CSV cell: reals with the shortest text that reads back to the same bits, Booleans as 0 and 1.
 pub fn cell(value: &Value) -> String {
     match value {
-        Value::Real(value) => value.to_string(),
+        Value::Real(value) => format!("{value:?}"), // 1e-9 and 1e30, not strings of zeros
         Value::Integer(value) => value.to_string(),
         Value::Boolean(value) => u8::from(*value).to_string(),
     }

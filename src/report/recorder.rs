@@ -20,7 +20,7 @@ impl<W: Write> Recorder<W> {
     /// Writes one row.
     pub fn record(&mut self, time_s: f64, values: impl IntoIterator<Item = Value>) -> io::Result<()> {
         let cells = values.into_iter().map(|value| cell(&value));
-        Ok(self.writer.write_record(std::iter::once(time_s.to_string()).chain(cells))?)
+        Ok(self.writer.write_record(std::iter::once(cell(&Value::Real(time_s))).chain(cells))?)
     }
 
     /// Flushes, and hands the target back.

@@ -76,11 +76,13 @@ impl GeneralizedAlpha {
             end.auxiliary[i] = auxiliary(end.a[i], start.a[i], start.auxiliary[i]);
             self.residual[i] = estimate * (end.auxiliary[i] - start.auxiliary[i]);
         }
-        end.powers = equations.powers(end.time_s, &end.q, &end.v);
+        end.powers = equations.powers(end.time_s, &end.q, &end.v, &end.a);
         let mean = |from: f64, to: f64| 0.5 * h_s * (from + to);
         let Powers { work, dissipated } = start.powers;
         end.work = start.work + mean(work, end.powers.work);
         end.dissipated = start.dissipated + mean(dissipated, end.powers.dissipated);
-        Ok(equations.norm(&self.residual))
+        let error = equations.norm(&self.residual);
+        equations.project(&mut end.q, &mut end.v, &mut end.a);
+        Ok(error)
     }
 }

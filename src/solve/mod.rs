@@ -18,6 +18,10 @@ pub trait EquationsOfMotion {
     /// Overwrites the coordinates whose motion is given as a function of time.
     fn prescribe(&self, time_s: f64, q: &mut [f64], v: &mut [f64], a: &mut [f64]);
 
+    /// Brings coordinates that obey constraints among themselves back to them, with their rates and accelerations.
+    /// Steps call it at their ends.
+    fn project(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]);
+
     /// Residual at a state; entries of held and prescribed coordinates are zero.
     fn residual(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]);
 
@@ -33,8 +37,9 @@ pub trait EquationsOfMotion {
     /// over the machine's length, or rotation in rad.
     fn norm(&mut self, change: &[f64]) -> f64;
 
-    /// Power of the inputs and of damping in W at the state of the last residual, which the arguments repeat.
-    fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64]) -> Powers;
+    /// Power of the inputs and of damping in W. The arguments repeat the state of the last residual, with the last
+    /// correction of Newton's iteration added.
+    fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64]) -> Powers;
 }
 
 /// Rates of the energy accounts in W.

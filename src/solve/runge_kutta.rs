@@ -76,7 +76,7 @@ impl Esdirk {
             };
             iterate(equations, &mut unknown, tolerance, &mut factorized, effort)?;
             self.velocities[stage].copy_from_slice(&self.v);
-            self.powers[stage] = equations.powers(time_s, &self.q, &self.v);
+            self.powers[stage] = equations.powers(time_s, &self.q, &self.v, &self.accelerations[stage]);
         }
 
         let last = tableau.stages() - 1;
@@ -84,7 +84,6 @@ impl Esdirk {
         end.q.copy_from_slice(&self.q);
         end.v.copy_from_slice(&self.v);
         end.a.copy_from_slice(&self.accelerations[last]);
-        end.auxiliary.copy_from_slice(&self.accelerations[last]);
         end.powers = self.powers[last];
         let weights = tableau.rows[last - 1].iter().chain(std::iter::once(&tableau.gamma));
         (end.work, end.dissipated) = (start.work, start.dissipated);
@@ -96,6 +95,9 @@ impl Esdirk {
         for i in 0..coordinates {
             self.residual[i] = tableau.error.iter().zip(&self.velocities).map(|(e, v)| h_s * e * v[i]).sum();
         }
-        Ok(equations.norm(&self.residual))
+        let error = equations.norm(&self.residual);
+        equations.project(&mut end.q, &mut end.v, &mut end.a);
+        end.auxiliary.copy_from_slice(&end.a);
+        Ok(error)
     }
 }

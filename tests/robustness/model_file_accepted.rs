@@ -24,7 +24,7 @@ fn revolute<'m>(machine: &'m Machine, joint: &str) -> &'m Revolute {
     let body = machine.bodies.iter().find(|body| body.joint.name == joint).unwrap();
     match &body.joint.kind {
         JointKind::Revolute(revolute) => revolute,
-        JointKind::Clamped => panic!("{joint} is clamped"),
+        _ => panic!("{joint} is not revolute"),
     }
 }
 

@@ -1,0 +1,443 @@
+//! The rules of `docs/ARCHITECTURE.md`, executable: who may name whom, where `unsafe` stands, what physics may not
+//! do, and that the documents speak of what exists.
+//!
+//! A failure names the file and the rule. Changing a table here is a design decision: change the same row in
+//! `docs/ARCHITECTURE.md` and say why in the commit.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Module → modules of this crate that it may name, in the order of `docs/ARCHITECTURE.md`. Rows name earlier rows
+/// only, so there are no cycles.
+const MAY_IMPORT: &[(&str, &[&str])] = &[
+    ("math", &[]),
+    ("load", &[]),
+    ("actuation", &[]),
+    ("solve", &[]),
+    ("beam", &["math"]),
+    ("multibody", &["math", "load", "beam"]),
+    ("config", &["load", "actuation", "beam"]),
+    ("plant", &["math", "load", "actuation", "solve", "beam", "multibody", "config"]),
+    ("interface", &["load", "config", "plant"]),
+    ("fmi2", &["config", "plant", "interface"]),
+    ("packaging", &["load", "beam", "config", "interface", "fmi2"]),
+    ("report", &["interface"]),
+    ("cli", &["config", "plant", "interface", "packaging", "report"]),
+];
+
+/// Modules that compute: no files, no output, no clock, no environment, no threads, no order left to chance.
+const PHYSICS: &[&str] = &["math", "load", "actuation", "solve", "beam", "multibody", "plant"];
+
+/// What must not stand in them.
+const NOT_IN_PHYSICS: &[&str] = &[
+    "std::fs",
+    "std::io",
+    "std::net",
+    "std::env",
+    "std::time",
+    "std::thread",
+    "std::process",
+    "println!",
+    "eprintln!",
+    "print!",
+    "dbg!",
+    "thread_local!",
+    "static mut",
+    "HashMap",
+    "HashSet",
+    "Mutex",
+    "OnceLock",
+    "LazyLock",
+    "Atomic",
+];
+
+/// The only place for `unsafe`.
+const UNSAFE_FOLDER: &str = "src/fmi2/abi/";
+
+/// Lines that a source file may have.
+const MOST_LINES: usize = 500;
+
+/// Files that may be longer, each with its reason.
+const LONGER: &[(&str, &str)] = &[];
+
+/// Documents whose paths and commands are checked.
+const DOCUMENTS: &[&str] =
+    &["README.md", "docs/ARCHITECTURE.md", "docs/VALIDATION.md", "docs/BENCHMARKS.md", "CHANGELOG.md"];
+
+/// Folders at the top: what begins with one of them in a document is a path.
+const TOP: &[&str] = &[".ci", "benches", "docs", "examples", "modelDescription", "python", "src", "tests", "tools"];
+
+/// Letters of the equation numbers of `docs/NOTATION.md`.
+const CHAPTERS: &str = "KSDGAT";
+
+#[test]
+fn imports_point_one_way() {
+    let mut used: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for source in sources() {
+        let text = &source.whole;
+        for forbidden in ["crate::{", "foldwing::{", "super::super"] {
+            assert!(
+                !text.contains(forbidden),
+                "{}: write one `crate::module::…` instead of `{forbidden}`",
+                source.path
+            );
+        }
+        for (module, _) in MAY_IMPORT {
+            assert!(!text.contains(&format!("super::{module}::")), "{}: write `crate::{module}`", source.path);
+        }
+        let names = ["crate::", "foldwing::"].iter().flat_map(|prefix| words_after(text, prefix));
+        used.entry(source.module.clone()).or_default().extend(names.filter(|name| *name != source.module));
+    }
+    // the roots only declare and start; `lib` declares modules without naming paths
+    assert_eq!(used.remove("lib"), Some(BTreeSet::new()), "src/lib.rs only declares modules");
+    assert_eq!(used.remove("main"), Some(BTreeSet::new()), "src/main.rs only starts the command line");
+
+    let allowed: BTreeMap<String, BTreeSet<String>> =
+        MAY_IMPORT.iter().map(|(module, imports)| ((*module).to_owned(), owned(imports))).collect();
+    for (module, imports) in &used {
+        let row = allowed.get(module).unwrap_or_else(|| panic!("src/{module} has no row in MAY_IMPORT"));
+        let beyond: Vec<_> = imports.difference(row).collect();
+        assert!(beyond.is_empty(), "src/{module} names {beyond:?}; see MAY_IMPORT");
+        let unused: Vec<_> = row.difference(imports).collect();
+        assert!(unused.is_empty(), "src/{module} no longer names {unused:?}: take them out of MAY_IMPORT");
+    }
+    assert_eq!(used.keys().collect::<Vec<_>>(), allowed.keys().collect::<Vec<_>>(), "rows and folders of src");
+}
+
+/// Without this a cycle could be written into the table.
+#[test]
+fn every_row_names_earlier_rows_only() {
+    for (i, (module, imports)) in MAY_IMPORT.iter().enumerate() {
+        let earlier: Vec<&str> = MAY_IMPORT[..i].iter().map(|row| row.0).collect();
+        let places: Vec<_> = imports.iter().map(|import| earlier.iter().position(|name| name == import)).collect();
+        assert!(places.iter().all(Option::is_some), "{module} names a row at or below its own");
+        assert!(places.is_sorted(), "{module}: imports stand in the order of the rows");
+    }
+}
+
+/// The table in the document is the table that is enforced, row by row and in the same order.
+#[test]
+fn architecture_page_shows_the_same_table() {
+    let page = read("docs/ARCHITECTURE.md");
+    let rows: Vec<(String, Vec<String>)> = page
+        .lines()
+        .skip_while(|line| !line.starts_with("| module |"))
+        .skip(2)
+        .take_while(|line| line.starts_with('|'))
+        .map(|line| {
+            let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+            assert_eq!(cells.len(), 3, "module, what it does, what it may name: {line}");
+            assert!(cells[1].len() > 20, "no description: {line}");
+            let names = |cell| -> Vec<String> {
+                code_spans(cell).into_iter().map(|name| name.trim_end_matches('/').to_owned()).collect()
+            };
+            (names(cells[0]).concat(), names(cells[2]))
+        })
+        .collect();
+    let expected: Vec<(String, Vec<String>)> = MAY_IMPORT
+        .iter()
+        .map(|(module, imports)| ((*module).to_owned(), imports.iter().map(|name| (*name).to_owned()).collect()))
+        .collect();
+    assert_eq!(rows, expected, "docs/ARCHITECTURE.md (left) and MAY_IMPORT (right)");
+}
+
+#[test]
+fn unsafe_code_stands_behind_the_gate_only() {
+    for source in sources().into_iter().filter(|source| !source.path.starts_with(UNSAFE_FOLDER)) {
+        assert!(!has_word(&source.code, "unsafe"), "{}: `unsafe` belongs into {UNSAFE_FOLDER}", source.path);
+    }
+}
+
+#[test]
+fn physics_does_no_input_output_and_knows_no_fmi() {
+    for source in sources() {
+        let physics = PHYSICS.contains(&source.module.as_str());
+        for forbidden in NOT_IN_PHYSICS.iter().filter(|_| physics) {
+            assert!(!source.code.contains(forbidden), "{}: `{forbidden}` in a module that computes", source.path);
+        }
+        let below_interface = physics || source.module == "config";
+        assert!(!below_interface || !source.code.contains("fmi"), "{}: FMI begins at `interface`", source.path);
+    }
+}
+
+#[test]
+fn cited_equations_exist() {
+    let known = equations();
+    assert!(known.len() > 30, "docs/NOTATION.md numbers its equations as **(K1)**");
+    let mut citations = 0;
+    for source in sources() {
+        for number in cited(&source.whole) {
+            assert!(known.contains(&number), "{}: eq. ({number}) is not in docs/NOTATION.md", source.path);
+            citations += 1;
+        }
+    }
+    assert!(citations > 30, "only {citations} citations found: has their form changed?");
+}
+
+/// An equation that no line of the code cites is either not implemented or not findable from the page.
+#[test]
+fn numbered_equations_are_cited() {
+    let cited: BTreeSet<String> = sources().iter().flat_map(|source| cited(&source.whole)).collect();
+    let missing: Vec<_> = equations().into_iter().filter(|number| !cited.contains(number)).collect();
+    assert!(missing.is_empty(), "no source line cites {missing:?}");
+}
+
+#[test]
+fn files_stay_short_and_have_names_that_say_something() {
+    for source in sources() {
+        let lines = source.whole.lines().count();
+        let reason = LONGER.iter().find(|(path, _)| *path == source.path);
+        assert!(lines <= MOST_LINES || reason.is_some(), "{}: {lines} lines; split it or give a reason", source.path);
+        assert!(lines > MOST_LINES || reason.is_none(), "{}: short enough now, take it out of LONGER", source.path);
+        for word in ["util", "helper", "manager", "misc", "common"] {
+            assert!(!source.path.contains(word), "{}: `{word}` says nothing about what is inside", source.path);
+        }
+    }
+}
+
+#[test]
+fn paths_in_documents_exist() {
+    for document in DOCUMENTS {
+        let text = read(document);
+        let folder = root().join(document).parent().expect("a document has a folder").to_owned();
+        for span in code_spans(&text) {
+            let path = span.split([' ', ':']).next().unwrap_or_default();
+            let looks_like_a_path = TOP.iter().any(|top| path.starts_with(&format!("{top}/")))
+                || (!path.contains(['/', '*', '<']) && path.ends_with(".md"));
+            let exists = root().join(path).exists() || folder.join(path).exists();
+            assert!(!looks_like_a_path || exists, "{document}: `{path}` does not exist");
+        }
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next()) {
+            let local = !link.is_empty() && !link.contains("://");
+            assert!(!local || folder.join(link).exists(), "{document}: the link to {link} is broken");
+        }
+    }
+}
+
+/// `make X` in a code block names a target; `foldwing X` a command.
+#[test]
+fn commands_in_documents_exist() {
+    let makefile = read("Makefile");
+    let targets: BTreeSet<&str> =
+        makefile.lines().filter_map(|line| line.split_once(':')).map(|(target, _)| target).collect();
+    let command_line = read("src/cli/mod.rs");
+    for document in DOCUMENTS {
+        let text = read(document);
+        let lines = code_blocks(&text, "sh").into_iter().flat_map(str::lines);
+        for command in lines.chain(code_spans(&text)) {
+            let words: Vec<&str> = command.split(['#', '|']).next().unwrap_or_default().split_whitespace().collect();
+            let Some(name) = words.first().and_then(|path| path.rsplit('/').next()) else { continue };
+            let argument = words.iter().skip(1).find(|word| !word.starts_with('-') && !word.contains('='));
+            let Some(argument) = argument else { continue };
+            if name == "make" {
+                assert!(targets.contains(argument), "{document}: the Makefile has no target {argument}: {command}");
+            }
+            if name == "foldwing" && argument.chars().all(char::is_lowercase) {
+                let variant = format!("    {}{}", argument[..1].to_uppercase(), &argument[1..]);
+                assert!(command_line.contains(&variant), "{document}: no command {argument}: {command}");
+            }
+        }
+    }
+}
+
+/// The model in the README is one that the reader takes; the Python in it is a file that the tests run.
+#[test]
+fn examples_in_the_readme_work() {
+    let text = read("README.md");
+    let models = code_blocks(&text, "toml");
+    assert!(!models.is_empty(), "README.md shows a model file");
+    for model in models {
+        foldwing::config::parse(model, "README.md").unwrap_or_else(|error| panic!("{error}"));
+    }
+    let script = read("examples/fmpy_ten_lines.py");
+    assert_eq!(code_blocks(&text, "python"), [script.as_str()], "README.md repeats examples/fmpy_ten_lines.py");
+}
+
+/// The checks above see through comments and strings; a check that sees nothing would always pass.
+#[test]
+fn comments_and_strings_are_told_from_code() {
+    let text = "let a = 'x'; // unsafe\n/* unsafe /* nested */ unsafe */ let b: &'a str = \"un\\\"safe\";\nlet c = r#\"unsafe\"#;";
+    let code = code_of(text);
+    assert!(!code.contains("safe") && !code.contains("nested"), "{code}");
+    assert!(code.contains("let b: &'a str = ") && code.contains("let c = "), "{code}");
+    assert!(has_word("unsafe { x }", "unsafe") && !has_word("deny(unsafe_code)", "unsafe"));
+    let citations = "/// see eqs. (D4)–(D6),\n    /// (D8) and NOTATION eq.\n/// (K10); not f(A1), not eq. (15)";
+    assert_eq!(cited(citations), ["D4", "D5", "D6", "D8", "K10"]);
+}
+
+/// A source file.
+struct Source {
+    /// Path from the root, with `/`.
+    path: String,
+    /// First folder below `src`, or the file's name.
+    module: String,
+    /// As it stands.
+    whole: String,
+    /// Without comments and the contents of strings.
+    code: String,
+}
+
+fn sources() -> Vec<Source> {
+    let mut paths = Vec::new();
+    walk(&root().join("src"), &mut paths);
+    paths.sort();
+    let of = |path: PathBuf| {
+        let inside = path.strip_prefix(root()).expect("inside the repository");
+        let parts: Vec<String> = inside.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+        let whole = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        Source {
+            path: parts.join("/"),
+            module: parts[1].trim_end_matches(".rs").to_owned(),
+            code: code_of(&whole),
+            whole,
+        }
+    };
+    let sources: Vec<Source> = paths.into_iter().map(of).collect();
+    assert!(sources.len() > 50, "only {} files found", sources.len());
+    sources
+}
+
+fn walk(folder: &Path, paths: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display())) {
+        let path = entry.expect("readable").path();
+        if path.is_dir() {
+            walk(&path, paths);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            paths.push(path);
+        }
+    }
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: &str) -> String {
+    fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+fn owned(names: &[&str]) -> BTreeSet<String> {
+    names.iter().map(|name| (*name).to_owned()).collect()
+}
+
+fn is_word(character: char) -> bool {
+    character.is_alphanumeric() || character == '_'
+}
+
+/// Words that follow each occurrence of `prefix` where it begins a path.
+fn words_after(text: &str, prefix: &str) -> Vec<String> {
+    text.match_indices(prefix)
+        .filter(|(at, _)| !text[..*at].ends_with(|before: char| is_word(before) || before == ':'))
+        .map(|(at, _)| text[at + prefix.len()..].chars().take_while(|&c| is_word(c)).collect())
+        .collect()
+}
+
+fn has_word(text: &str, word: &str) -> bool {
+    text.match_indices(word)
+        .any(|(at, _)| !text[..at].ends_with(is_word) && !text[at + word.len()..].starts_with(is_word))
+}
+
+/// Rust text without comments and without what stands inside quotes.
+fn code_of(text: &str) -> String {
+    let mut code = String::new();
+    let mut rest = text;
+    while let Some(first) = rest.chars().next() {
+        let skip = if rest.starts_with("//") {
+            rest.find('\n').unwrap_or(rest.len())
+        } else if rest.starts_with("/*") {
+            block_comment(rest)
+        } else if rest.starts_with("r\"")
+            || rest.starts_with("r#") && rest.trim_start_matches(['r', '#']).starts_with('"')
+        {
+            let hashes = rest[1..].chars().take_while(|&c| c == '#').count();
+            let end = format!("\"{}", "#".repeat(hashes));
+            2 + hashes + rest[2 + hashes..].find(&end).map_or(0, |at| at + end.len())
+        } else if first == '"' {
+            quoted(rest, '"')
+        } else if first == '\'' && (rest[1..].starts_with('\\') || rest[1..].chars().nth(1) == Some('\'')) {
+            quoted(rest, '\'') // a character; otherwise a lifetime
+        } else {
+            code.push(first);
+            first.len_utf8()
+        };
+        rest = &rest[skip..];
+    }
+    code
+}
+
+/// Length of a block comment, which may hold others.
+fn block_comment(text: &str) -> usize {
+    let mut depth = 0;
+    let mut at = 0;
+    loop {
+        match &text[at..] {
+            "" => return at,
+            rest if rest.starts_with("/*") => (depth, at) = (depth + 1, at + 2),
+            rest if rest.starts_with("*/") => (depth, at) = (depth - 1, at + 2),
+            rest => at += rest.chars().next().map_or(0, char::len_utf8),
+        }
+        if depth == 0 {
+            return at;
+        }
+    }
+}
+
+/// Length of a quoted text with both quotes.
+fn quoted(text: &str, quote: char) -> usize {
+    let mut escaped = true; // the opening quote does not close
+    for (at, character) in text.char_indices() {
+        if character == quote && !escaped {
+            return at + 1;
+        }
+        escaped = at > 0 && character == '\\' && !escaped;
+    }
+    text.len()
+}
+
+/// Numbers of `docs/NOTATION.md`.
+fn equations() -> BTreeSet<String> {
+    let page = read("docs/NOTATION.md");
+    let numbers: Vec<String> = page
+        .lines()
+        .filter_map(|line| line.strip_prefix("**(")?.split_once(")**"))
+        .map(|(number, _)| number.to_owned())
+        .collect();
+    let set: BTreeSet<String> = numbers.iter().cloned().collect();
+    assert_eq!(set.len(), numbers.len(), "docs/NOTATION.md uses a number twice");
+    set
+}
+
+/// Equation numbers in `eq. (D5)`, `eqs. (K2)–(K5)`, `eqs. (D4), (D6) and (T1)`; ranges are filled in.
+fn cited(text: &str) -> Vec<String> {
+    let words: Vec<&str> = text.split_whitespace().filter(|word| !["//", "///", "//!"].contains(word)).collect();
+    let text = words.join(" ");
+    let mut numbers = Vec::new();
+    for (at, mark) in text.match_indices("eq. (").chain(text.match_indices("eqs. (")) {
+        let mut rest = &text[at + mark.len() - 1..];
+        let mut range_from: Option<u32> = None;
+        while let Some((number, after)) = rest.strip_prefix('(').and_then(|inside| inside.split_once(')')) {
+            let chapter = number.chars().next().filter(|&letter| CHAPTERS.contains(letter));
+            let (Some(chapter), Ok(last)) = (chapter, number.get(1..).unwrap_or_default().parse()) else { break };
+            let first = range_from.map_or(last, |first: u32| first + 1);
+            numbers.extend((first..=last).map(|n| format!("{chapter}{n}")));
+            let joint = ["–", ", ", " and "].into_iter().find(|joint| after.starts_with(&format!("{joint}(")));
+            let Some(joint) = joint else { break };
+            range_from = (joint == "–").then_some(last);
+            rest = &after[joint.len()..];
+        }
+    }
+    numbers
+}
+
+/// What stands between single backticks outside of code blocks.
+fn code_spans(text: &str) -> Vec<&str> {
+    let outside = text.split("```").step_by(2);
+    outside.flat_map(|part| part.split('`').skip(1).step_by(2)).collect()
+}
+
+/// Code blocks of a language.
+fn code_blocks<'a>(text: &'a str, language: &str) -> Vec<&'a str> {
+    let blocks = text.split("```").skip(1).step_by(2);
+    blocks.filter_map(|block| block.strip_prefix(language)?.strip_prefix('\n')).collect()
+}

@@ -1,0 +1,159 @@
+//! The command as a script sees it: exit codes, messages, files.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn model() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/folding_wing.toml")
+}
+
+fn foldwing(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_foldwing")).args(arguments).output().expect("the command runs")
+}
+
+/// Runs the command on the shipped model: `command MODEL arguments…`.
+fn on_model(command: &str, arguments: &[&str]) -> Output {
+    let model = model();
+    foldwing(&[&[command, model.to_str().unwrap()], arguments].concat())
+}
+
+#[track_caller]
+fn refuses(output: &Output, code: i32, message: &str) {
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{stderr}");
+    assert!(stderr.contains(message), "`{message}` is not in\n{stderr}");
+    assert!(!stderr.contains("panicked"), "{stderr}");
+}
+
+#[track_caller]
+fn succeeds(output: &Output) -> String {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn scratch() -> tempfile::TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+/// Columns of a CSV by name.
+fn column(csv: &str, name: &str) -> Vec<f64> {
+    let mut lines = csv.lines();
+    let index = lines.next().unwrap().split(',').position(|header| header == name).expect(name);
+    lines.map(|line| line.split(',').nth(index).unwrap().parse().unwrap()).collect()
+}
+
+/// The version carries the target, so that a report of a fault says what ran.
+#[test]
+fn version_names_the_build() {
+    let text = succeeds(&foldwing(&["--version"]));
+    assert!(text.starts_with(concat!("foldwing ", env!("CARGO_PKG_VERSION"), " (")), "{text}");
+    assert!(text.contains(std::env::consts::ARCH), "{text}");
+}
+
+/// Each exit code that `--help` documents, with a message that names the cause.
+#[test]
+fn exit_codes_tell_causes_apart() {
+    let folder = scratch();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    std::fs::write(path("broken.toml"), "name = \"X\"\nnonsense = 1\n").unwrap();
+    std::fs::write(path("binary.toml"), b"name = \"\xff\"\n").unwrap();
+    std::fs::write(path("library.so"), "not a library").unwrap();
+
+    refuses(&foldwing(&["check", &path("broken.toml")]), 1, "broken.toml");
+    refuses(&foldwing(&["check", &path("binary.toml")]), 1, "binary.toml:1: a model file is UTF-8 text");
+    refuses(&on_model("package", &["-o", &path("x.fmu"), "--library", &path("library.so")]), 1, "shared library");
+    refuses(&foldwing(&["fold"]), 2, "fold");
+    refuses(&on_model("simulate", &[]), 2, "--csv");
+    refuses(&on_model("simulate", &["--csv", "-", "--output", "fold.angel"]), 2, "did you mean `fold.angle`");
+    refuses(&on_model("simulate", &["--csv", "-", "--step", "0"]), 2, "must be positive");
+    refuses(&on_model("simulate", &["--csv", "-", "--step", "NaN"]), 2, "finite");
+    refuses(&on_model("simulate", &["--csv", "-", "--stop", "-1"]), 2, "after the start time");
+    refuses(&on_model("simulate", &["--csv", "-", "--step", "1e-12"]), 2, "rows");
+    refuses(&on_model("simulate", &["--csv", "-", "--set", "fold.command"]), 2, "NAME=VALUE");
+    refuses(&on_model("simulate", &["--csv", "-", "--set", "fold.command=x"]), 2, "`x` is not a number");
+    refuses(&on_model("simulate", &["--csv", "-", "--set", "fold.angle=1"]), 2, "fold.angle");
+    refuses(&on_model("simulate", &["--csv", "-", "--inputs", &path("no.csv")]), 4, "no.csv: cannot be read");
+    refuses(&on_model("simulate", &["--csv", &path("missing/out.csv")]), 4, "out.csv: cannot be written");
+    refuses(&on_model("package", &["-o", &path("x.fmu"), "--library", &path("none.so")]), 4, "none.so");
+    refuses(&foldwing(&["check", &path("missing.toml")]), 4, "missing.toml: cannot be read");
+    assert!(!Path::new(&path("x.fmu")).exists(), "a refused package leaves no file");
+}
+
+/// The default simulation latches; the CSV holds the outputs on the communication grid.
+#[test]
+fn simulation_writes_the_deployment() {
+    let csv = succeeds(&on_model("simulate", &["--csv", "-", "--step", "1e-3"]));
+    assert_eq!(csv.lines().count(), 402);
+    assert_eq!(column(&csv, "time").last(), Some(&0.4));
+    let latch_s = *column(&csv, "fold.latch_time").last().unwrap();
+    assert!((latch_s - 0.1222).abs() < 0.005 * 0.1222, "latch at {latch_s} s");
+}
+
+/// A run that cannot go on says when and why, and keeps the rows up to then.
+#[test]
+fn failed_simulation_keeps_its_rows() {
+    let settings = ["solver.min_step=0.01", "solver.max_step=0.02", "solver.tolerance=1e-9"];
+    let sets: Vec<&str> = settings.iter().flat_map(|setting| ["--set", setting]).collect();
+    let output = on_model("simulate", &[&["--csv", "-"], sets.as_slice()].concat());
+    refuses(&output, 3, "no convergence at t = ");
+    let csv = String::from_utf8(output.stdout).unwrap();
+    assert!(column(&csv, "time").is_sorted_by(|a, b| a < b) && csv.lines().count() >= 2, "{csv}");
+}
+
+/// A last step that does not fit is shortened, a start alone moves the experiment.
+#[test]
+fn grid_ends_at_the_stop_time() {
+    let csv = succeeds(&on_model(
+        "simulate",
+        &["--csv", "-", "--start", "1", "--stop", "1.01", "--step", "0.004", "--output", "fold.angle"],
+    ));
+    assert_eq!(column(&csv, "time"), [1.0, 1.004, 1.008, 1.01]);
+    let moved = succeeds(&on_model("simulate", &["--csv", "-", "--start", "1", "--step", "0.1"]));
+    assert_eq!(column(&moved, "time").last(), Some(&1.4));
+}
+
+/// Inputs from a file act: a wing that is never released stays folded; errors name file, line and column.
+#[test]
+fn inputs_come_from_a_file() {
+    let folder = scratch();
+    let inputs = folder.path().join("in.csv");
+    let run = |text: &str| {
+        std::fs::write(&inputs, text).unwrap();
+        on_model(
+            "simulate",
+            &["--csv", "-", "--inputs", inputs.to_str().unwrap(), "--output", "fold.angle", "--output", "fold.command"],
+        )
+    };
+    let held = succeeds(&run("time,fold.release,fold.command\n0,0,0\n0.4,0,0.4\n"));
+    let angle = column(&held, "fold.angle");
+    assert!(angle.iter().all(|a| (a - angle[0]).abs() < 1e-9), "the stopper must hold the angle");
+    assert!((column(&held, "fold.command").last().unwrap() - 0.4).abs() < 1e-2);
+    refuses(&run("time,fold.command\n0,0\n0.1,x\n"), 1, "in.csv:3: column 2 (fold.command): `x`");
+    refuses(&run("time,fold.comand\n0,0\n"), 1, "did you mean `fold.command`");
+}
+
+/// `check --json` is JSON with what scripts look for; the text says the same.
+#[test]
+fn check_says_what_was_understood() {
+    let json: serde_json::Value = serde_json::from_str(&succeeds(&on_model("check", &["--json"]))).unwrap();
+    assert_eq!(json["bodies"].as_array().unwrap().len(), 2);
+    assert!((json["mass_kg"].as_f64().unwrap() - 0.06305).abs() < 1e-9);
+    let text = succeeds(&on_model("check", &["--variables"]));
+    for expected in ["inner", "outer", "fold", "degrees of freedom", "input fold.command", "gauge.root.strain"] {
+        assert!(text.contains(expected), "{expected} is missing in\n{text}");
+    }
+}
+
+/// The schema is JSON, and a closed pipe is not an error.
+#[test]
+fn schema_is_json() {
+    let schema: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&["schema"]))).unwrap();
+    assert!(schema.is_object());
+}
+
+/// The description alone can be printed, and nothing depends on where the command runs.
+#[test]
+fn description_can_be_printed() {
+    let text = succeeds(&on_model("package", &["--description-only"]));
+    assert!(text.starts_with("<?xml") && text.contains("modelName=\"FoldingWing\""), "{text}");
+}

@@ -1,0 +1,118 @@
+"""The archive and its description, through the importer's eyes."""
+
+import re
+import subprocess
+import zipfile
+
+import pytest
+from conftest import ROOT
+from fmpy.validation import validate_fmu
+
+# Design of the FMU's face: a flag is true once the work behind it exists.
+FLAGS = {
+    "modelIdentifier": "foldwing",
+    "needsExecutionTool": False,
+    "canHandleVariableCommunicationStepSize": True,
+    "canInterpolateInputs": False,
+    "maxOutputDerivativeOrder": 0,
+    "canRunAsynchronuously": False,
+    "canBeInstantiatedOnlyOncePerProcess": False,
+    "canNotUseMemoryManagementFunctions": True,
+    "canGetAndSetFMUstate": True,
+    "canSerializeFMUstate": True,
+    "providesDirectionalDerivative": False,
+}
+
+# One fault each, as (what, pattern, replacement, words of FMPy's complaint).
+FAULTS = [
+    ("schema", r"<DefaultExperiment ", "<DefaultExperimnt ", "DefaultExperimnt"),
+    ("unit", r'<Unit name="N.m">', '<Unit name="N_m">', "N.m"),
+    ("start value", r'(<ScalarVariable name="fold.command"[^>]*>\s*<Real[^>]*?) start="[^"]*"', r"\1", "fold.command"),
+    ("duplicate name", r'name="fold.rate"', 'name="fold.angle"', "fold.angle"),
+    ("initial unknowns", r"(<InitialUnknowns>\s*)<Unknown [^>]*/>", r"\1", "InitialUnknowns|initial unknowns"),
+    ("variable name", r'name="tip.position.x"', 'name="tip.position..x"', "tip.position..x"),
+]
+
+
+def members(path):
+    """Every file of an archive."""
+    with zipfile.ZipFile(path) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def test_f01_validation_finds_nothing(shipped):
+    """F-01. FMPy's validation (schema, names, structure, start values, units) finds no problem in any shipped FMU."""
+    assert validate_fmu(shipped.path) == []
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=[fault[0] for fault in FAULTS])
+def test_f02_validation_finds_deliberate_faults(wing, tmp_path, fault):
+    """F-02. The validation of F-01 does find faults: each of several, planted one at a time, is named."""
+    _, pattern, replacement, words = fault
+    files = members(wing.path)
+    description = files["modelDescription.xml"].decode()
+    broken, count = re.subn(pattern, replacement, description, count=1)
+    assert count == 1, f"{pattern} is not in the description"
+    files["modelDescription.xml"] = broken.encode()
+
+    path = tmp_path / "broken.fmu"
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+
+    problems = validate_fmu(str(path))
+    assert any(re.search(words, problem) for problem in problems), problems
+
+
+def test_f03_archive_is_the_same_when_packaged_twice(foldwing, tmp_path):
+    """F-03. Packaging is reproducible: the same model, library and command give the same bytes, elsewhere and later."""
+    model = ROOT / "examples/models/folding_wing.toml"
+    copies = [tmp_path / "first.fmu", tmp_path / "folder/second.fmu"]
+    copies[1].parent.mkdir()
+    (tmp_path / "copy.toml").write_bytes(model.read_bytes())
+    for source, copy in zip([model, tmp_path / "copy.toml"], copies):
+        subprocess.run([foldwing, "package", source, "-o", copy], check=True, cwd=copy.parent)
+    assert copies[0].read_bytes() == copies[1].read_bytes()
+    leftovers = {path.name for path in tmp_path.rglob("*") if path.is_file()} - {"first.fmu", "second.fmu", "copy.toml"}
+    assert not leftovers
+
+
+def test_f04_archive_holds_what_it_must(shipped):
+    """F-04. Library, model file, documentation and licences are in the archive; the model file is the one packaged."""
+    files = members(shipped.path)
+    assert "modelDescription.xml" in files
+    assert any(re.fullmatch(r"binaries/(linux64|win64|darwin64)/foldwing\.(so|dll|dylib)", name) for name in files)
+    models = [path.read_bytes() for path in (ROOT / "examples/models").glob("*.toml")]
+    assert files["resources/model.toml"] in models
+    page = files["documentation/index.html"].decode()
+    assert shipped.description.modelName in page and "<svg" in page
+    assert all(name in page for name in shipped.variables if shipped.variables[name].causality == "input")
+    assert {name for name in files if "LICENSE" in name} == {
+        "documentation/licenses/LICENSE-APACHE.txt",
+        "documentation/licenses/LICENSE-MIT.txt",
+    }
+
+
+def test_f05_flags_are_what_the_library_can_do(shipped):
+    """F-05. Capability flags literally; the naming convention is structured and the description carries no date."""
+    found = {name: getattr(shipped.description.coSimulation, name) for name in FLAGS}
+    assert found == FLAGS
+    assert shipped.description.variableNamingConvention == "structured"
+    assert shipped.description.generationDateAndTime is None
+    assert shipped.description.generationTool == f"foldwing {shipped.description.version}"
+
+
+def test_f06_archive_carries_the_committed_description(fmus):
+    """F-06. The description inside each FMU is the one committed in the repository, byte for byte."""
+    for model, fmu in fmus.items():
+        committed = (ROOT / f"modelDescription/{model}.xml").read_bytes()
+        assert members(fmu.path)["modelDescription.xml"] == committed, f"{model}: `make bless` after a deliberate change"
+
+
+def test_f07_every_real_has_a_unit_and_start_values_follow_the_rules(shipped):
+    """F-07. Reals have a declared type with a unit, inputs and parameters have a start value, outputs have none."""
+    for variable in shipped.description.modelVariables:
+        if variable.type == "Real" and variable.causality != "independent":
+            assert variable.declaredType is not None and variable.declaredType.unit, variable.name
+        has_start = variable.start is not None
+        assert has_start == (variable.causality in {"input", "parameter"}), variable.name

@@ -1,0 +1,197 @@
+//! What calls do, as design and standard say it: values and their times, initialisation, rollback, reset.
+
+use crate::fmu::{Attempt, Fmu, Resources, WING};
+use foldwing::fmi2::abi::functions::*;
+use foldwing::fmi2::abi::states::*;
+use foldwing::fmi2::abi::types::*;
+
+const STEP_S: f64 = 1e-3;
+
+/// Steps of 1 ms from `from` to `to` ms.
+fn advance(fmu: &Fmu, from: usize, to: usize) {
+    for i in from..to {
+        fmu.step(i as f64 * STEP_S, STEP_S);
+    }
+}
+
+#[test]
+fn in_initialization_mode_a_get_evaluates_again() {
+    let fmu = Fmu::initializing(0.0);
+    let folded = fmu.get("tip.position.x");
+    fmu.set("fold.start_angle", 0.0);
+    let unfolded = fmu.get("tip.position.x");
+    assert!((unfolded - 0.3).abs() < 1e-9 && folded < 0.1, "{folded} m, then {unfolded} m");
+    fmu.set("fold.torque", 1e-3);
+    let torque = fmu.get("fold.torque_applied");
+    fmu.set("fold.torque", 2e-3);
+    assert!((fmu.get("fold.torque_applied") - torque - 1e-3).abs() < 1e-12, "inputs act at once");
+}
+
+#[test]
+fn between_steps_a_get_after_a_set_belongs_to_the_last_step() {
+    let fmu = Fmu::stepping();
+    advance(&fmu, 0, 5);
+    let names = ["fold.torque_applied", "root.force.z", "tip.acceleration.z", "gauge.root.strain", "energy.gravity"];
+    let before = names.map(|name| fmu.get(name));
+    fmu.set("fold.torque", 0.01);
+    fmu.set("gravity.z", 3.0);
+    fmu.set("load.outer[4].force.z", 0.1);
+    assert_eq!(names.map(|name| fmu.get(name)), before, "outputs wait for the next step");
+    assert_eq!(fmu.get("gravity.z"), 3.0, "inputs do not");
+    advance(&fmu, 5, 6);
+    assert_ne!(names.map(|name| fmu.get(name)), before);
+}
+
+#[test]
+fn start_values_hold_before_initialisation_too() {
+    let fmu = Fmu::new(WING);
+    fmu.set("fold.start_angle", 0.5);
+    fmu.set("body.outer.mass_factor", 2.0);
+    fmu.setup(0.0, None);
+    fmu.ok(unsafe { fmi2EnterInitializationMode(fmu.component) });
+    assert_eq!(fmu.get("fold.angle"), 0.5);
+    assert_eq!(fmu.get("body.outer.mass_factor"), 2.0);
+}
+
+#[test]
+fn the_tolerance_of_the_experiment_wins_over_the_model_s() {
+    let fmu = Fmu::new(WING);
+    fmu.ok(unsafe { fmi2SetupExperiment(fmu.component, 1, 3e-6, 0.0, 0, 0.0) });
+    fmu.ok(unsafe { fmi2EnterInitializationMode(fmu.component) });
+    assert_eq!(fmu.get("solver.tolerance"), 3e-6);
+    let model = Fmu::initializing(0.0);
+    assert_ne!(model.get("solver.tolerance"), 3e-6, "without one the model's holds");
+}
+
+#[test]
+fn a_later_start_only_shifts_the_time() {
+    let early = Fmu::stepping();
+    let late = Fmu::initializing(100.0);
+    late.ok(unsafe { fmi2ExitInitializationMode(late.component) });
+    for i in 0..150 {
+        early.step(i as f64 * STEP_S, STEP_S);
+        late.step(100.0 + i as f64 * STEP_S, STEP_S);
+    }
+    let (first, second) = (early.get("fold.latch_time"), late.get("fold.latch_time") - 100.0);
+    assert!((first - second).abs() < 1e-6, "latched at {first} s and {second} s");
+}
+
+#[test]
+fn reset_equals_fresh_and_frees_nothing() {
+    let fmu = Fmu::stepping();
+    let state = fmu.save();
+    fmu.set("fold.stiffness", 0.05);
+    advance(&fmu, 0, 20);
+    unsafe {
+        fmu.ok(fmi2Reset(fmu.component));
+        fmu.setup(0.0, None);
+        fmu.ok(fmi2EnterInitializationMode(fmu.component));
+        fmu.ok(fmi2ExitInitializationMode(fmu.component));
+    }
+    let fresh = Fmu::stepping();
+    assert_eq!(fmu.bits(), fresh.bits());
+    advance(&fmu, 0, 130);
+    advance(&fresh, 0, 130);
+    assert_eq!(fmu.bits(), fresh.bits());
+    fmu.ok(unsafe { fmi2SetFMUstate(fmu.component, state) });
+}
+
+/// The step spans the latch closing (t = 0.122 s), where hidden state would show.
+#[test]
+fn a_restored_state_repeats_the_step_bit_for_bit() {
+    let fmu = Fmu::stepping();
+    advance(&fmu, 0, 121);
+    fmu.set("fold.torque", 1e-3);
+    let state = fmu.save();
+    let before = fmu.bits();
+    fmu.step(0.121, 5e-3);
+    let first = fmu.bits();
+    assert!(fmu.get_boolean("fold.latched"));
+    for _ in 0..2 {
+        fmu.ok(unsafe { fmi2SetFMUstate(fmu.component, state) });
+        assert_eq!(fmu.bits(), before);
+        fmu.step(0.121, 5e-3);
+        assert_eq!(fmu.bits(), first);
+    }
+}
+
+#[test]
+fn a_serialised_state_goes_on_in_another_instance_bit_for_bit() {
+    let fmu = Fmu::stepping();
+    advance(&fmu, 0, 121);
+    let bytes = fmu.serialize(fmu.save());
+    let heir = Fmu::new(WING);
+    let (status, state) = heir.deserialize(&bytes);
+    heir.ok(status);
+    heir.ok(unsafe { fmi2SetFMUstate(heir.component, state) });
+    assert_eq!(heir.bits(), fmu.bits());
+    advance(&fmu, 121, 140);
+    advance(&heir, 121, 140);
+    assert_eq!(heir.bits(), fmu.bits());
+    assert_eq!(heir.serialize(heir.save()), fmu.serialize(fmu.save()));
+}
+
+#[test]
+fn a_state_saved_before_and_in_the_initialisation_can_be_restored() {
+    let fmu = Fmu::new(WING);
+    fmu.set("fold.start_angle", 1.0);
+    let fresh = fmu.save();
+    fmu.setup(0.0, None);
+    fmu.ok(unsafe { fmi2EnterInitializationMode(fmu.component) });
+    fmu.set("body.outer.stiffness_factor", 3.0);
+    let initializing = fmu.save();
+    fmu.ok(unsafe { fmi2ExitInitializationMode(fmu.component) });
+    advance(&fmu, 0, 10);
+    let first = fmu.bits();
+
+    fmu.ok(unsafe { fmi2SetFMUstate(fmu.component, initializing) });
+    fmu.ok(unsafe { fmi2ExitInitializationMode(fmu.component) });
+    advance(&fmu, 0, 10);
+    assert_eq!(fmu.bits(), first);
+
+    fmu.ok(unsafe { fmi2SetFMUstate(fmu.component, fresh) });
+    fmu.setup(0.0, None);
+    fmu.ok(unsafe { fmi2EnterInitializationMode(fmu.component) });
+    assert_eq!((fmu.get("fold.angle"), fmu.get("body.outer.stiffness_factor")), (1.0, 1.0));
+}
+
+#[test]
+fn a_state_handle_can_be_used_again() {
+    let fmu = Fmu::stepping();
+    let mut state = fmu.save();
+    let handle = state;
+    advance(&fmu, 0, 3);
+    fmu.ok(unsafe { fmi2GetFMUstate(fmu.component, &mut state) });
+    assert_eq!(state, handle, "overwritten in place");
+    advance(&fmu, 3, 5);
+    fmu.ok(unsafe { fmi2SetFMUstate(fmu.component, state) });
+    assert_eq!(fmu.get("time"), 3e-3);
+}
+
+#[test]
+fn interleaved_instances_equal_each_alone() {
+    let alone = Fmu::stepping();
+    advance(&alone, 0, 130);
+    let (one, two) = (Fmu::stepping(), Fmu::stepping());
+    two.set("fold.torque", 5e-3);
+    for i in 0..130 {
+        advance(&one, i, i + 1);
+        advance(&two, i, i + 1);
+    }
+    assert_eq!(one.bits(), alone.bits());
+    assert_ne!(two.bits(), alone.bits());
+}
+
+#[test]
+fn many_instances_come_and_go() {
+    let resources = Resources::with(WING);
+    for _ in 0..200 {
+        let (component, messages) = Attempt::of(WING, &resources).run();
+        assert!(!component.is_null(), "{messages:?}");
+        let mut state: fmi2FMUstate = std::ptr::null_mut();
+        unsafe {
+            assert_eq!(fmi2GetFMUstate(component, &mut state), fmi2OK);
+            fmi2FreeInstance(component);
+        }
+    }
+}

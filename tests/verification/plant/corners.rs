@@ -1,0 +1,291 @@
+//! Corner cases of drive, stopper and latch.
+
+use crate::machines::*;
+use foldwing::beam::section::{Material, Section};
+use foldwing::config::machine::*;
+use foldwing::plant::Plant;
+use nalgebra::Vector3;
+
+/// A stiff rod of 0.15 m on a hinge at the root, without gravity: one coordinate matters, closed forms exist.
+fn rod(revolute: Revolute) -> Machine {
+    let material = Material { young_pa: 2.83e12, shear_pa: 1e12, density_kg_m3: 1425.0 };
+    let section = Section::rectangle(0.02, 0.01, &material, None);
+    let mut machine = machine(vec![body("rod", 0.15, &section, ElementKind::Linear, 1, hinged_to_root(revolute))]);
+    machine.bodies[0].stiffness_damping_s = 1e-5;
+    machine
+}
+
+/// Inertia of [`rod`] about its hinge in kg·m², rotary inertia of the section included.
+fn rod_inertia_kg_m2() -> f64 {
+    let mass_kg = 1425.0 * 0.02 * 0.01 * 0.15;
+    mass_kg * (0.15f64.powi(2) / 3.0 + 0.01f64.powi(2) / 12.0)
+}
+
+fn only(plant: &Plant) -> foldwing::plant::JointOutputs {
+    plant.outputs().joints[0]
+}
+
+/// P-40. A command to a latched joint turns the drive, not the joint: the angle moves by `k/(k + k_L)` of it.
+///
+/// Closed form, against the mean over the last 50 ms; the latch's own ringing decays by the drive's damper.
+#[test]
+fn p40_command_while_latched_moves_the_joint_by_the_ratio_of_stiffnesses() {
+    let mut revolute = free_hinge(0.0);
+    revolute.drive = Drive { stiffness_n_m_rad: 0.1, damping_n_m_s_rad: 0.01, ..no_drive() };
+    revolute.latch = Some(Latch { initially_closed: true, ..latch(10.0) });
+    let mut plant = start(rod(revolute));
+    assert!(only(&plant).latched && only(&plant).latch_count == 0 && only(&plant).latch_time_s == -1.0);
+    plant.inputs_mut().joints[0].command_rad = 0.5;
+    coast(&mut plant, 1.0);
+    let expected_rad = 0.5 * 0.1 / 10.1;
+    let error_rad = only(&plant).angle_rad - expected_rad;
+    assert!(only(&plant).latched, "a command must not open the latch");
+    assert!(error_rad.abs() < 1e-6 * expected_rad, "angle misses {expected_rad} rad by {error_rad:.1e} rad");
+    let sum_n_m = only(&plant).torque_applied_n_m + only(&plant).latch_torque_n_m;
+    assert!(sum_n_m.abs() < 1e-6 * only(&plant).latch_torque_n_m.abs(), "drive and latch differ by {sum_n_m:.1e} N·m");
+}
+
+/// P-41. A free hinge (k = 0) with a latch of its own stiffness catches at the time of the closed form `Δθ/θ̇` and
+/// then swings at `√(k_L/J)`.
+///
+/// The rod is rigid to 1e-5 of a radian; times to 1e-6 s.
+#[test]
+fn p41_latch_on_a_free_hinge() {
+    let mut revolute = free_hinge(0.5);
+    revolute.start_rate_rad_s = -4.0;
+    revolute.latch = Some(latch(2.0));
+    let mut plant = start(rod(revolute));
+    coast(&mut plant, 0.13);
+    let joint = only(&plant);
+    assert!((joint.latch_time_s - 0.125).abs() < 1e-6, "caught at {} s, expected 0.125 s", joint.latch_time_s);
+    let frequency = (2.0 / rod_inertia_kg_m2()).sqrt();
+    let expected_rad = -4.0 / frequency * (frequency * 0.005).sin();
+    let error_rad = joint.angle_rad - expected_rad;
+    println!("latch at {} s, angle misses the sine by {error_rad:.1e} rad of {expected_rad:.2e}", joint.latch_time_s);
+    assert!(error_rad.abs() < 5e-4 * (4.0 / frequency), "angle misses the sine by {error_rad:.1e} rad");
+}
+
+/// P-42. A saturated drive accelerates the rod by `limit/J`; the output shows the limit.
+#[test]
+fn p42_torque_limit_gives_constant_acceleration() {
+    let mut revolute = free_hinge(2.0);
+    revolute.drive = Drive { stiffness_n_m_rad: 1.0, torque_limit_n_m: 0.01, ..no_drive() };
+    let mut plant = start(rod(revolute));
+    coast(&mut plant, 0.05);
+    let expected_rad = 2.0 - 0.5 * 0.01 / rod_inertia_kg_m2() * 0.05f64.powi(2);
+    let error_rad = only(&plant).angle_rad - expected_rad;
+    assert_eq!(only(&plant).torque_applied_n_m, -0.01);
+    assert!(error_rad.abs() < 2e-5 * (2.0 - expected_rad), "angle misses the parabola by {error_rad:.1e} rad");
+}
+
+/// P-43. A slewing command: the drive's torque is that of the neutral angle on its way, exact at every time.
+#[test]
+fn p43_slew_limits_the_neutral_angle() {
+    let mut revolute = free_hinge(0.0);
+    revolute.drive = Drive { stiffness_n_m_rad: 0.2, rate_limit_rad_s: 3.0, ..no_drive() };
+    let mut plant = start(rod(revolute));
+    coast(&mut plant, 0.1);
+    plant.inputs_mut().joints[0].command_rad = 0.9;
+    for (time_s, neutral_rad) in [(0.15, 0.15), (0.3, 0.6), (0.45, 0.9), (0.6, 0.9)] {
+        coast(&mut plant, time_s);
+        let expected_n_m = -0.2 * (only(&plant).angle_rad - neutral_rad);
+        let error_n_m = only(&plant).torque_applied_n_m - expected_n_m;
+        assert!(error_n_m.abs() < 1e-12, "t = {time_s} s: torque misses {expected_n_m} by {error_n_m:.1e} N·m");
+    }
+}
+
+/// P-44. Opening the latch lets the wing go, enabling it catches the wing again at the next crossing: two closings.
+#[test]
+fn p44_latch_opens_and_catches_again() {
+    let mut plant = start(default_wing(1e-5));
+    coast(&mut plant, 0.2);
+    let first_s = only(&plant).latch_time_s;
+    plant.inputs_mut().joints[0].latch_enable = false;
+    plant.inputs_mut().joints[0].command_rad = 4.0;
+    plant.inputs_mut().joints[0].torque_n_m = 0.05;
+    coast(&mut plant, 0.3);
+    assert!(!only(&plant).latched && only(&plant).angle_rad > 0.2, "open at {} rad", only(&plant).angle_rad);
+    assert_eq!((only(&plant).latch_count, only(&plant).latch_time_s), (1, first_s), "the past must stay");
+    assert_eq!(only(&plant).latch_torque_n_m, 0.0);
+    plant.inputs_mut().joints[0].latch_enable = true;
+    plant.inputs_mut().joints[0].command_rad = -1.0;
+    plant.inputs_mut().joints[0].torque_n_m = 0.0;
+    coast(&mut plant, 0.7);
+    assert!(only(&plant).latched && only(&plant).latch_count == 2, "{:?}", only(&plant));
+    assert!(only(&plant).latch_time_s > 0.3, "second closing at {} s", only(&plant).latch_time_s);
+}
+
+/// P-45. Enabling inside the capture window closes at once, outside it waits for the crossing.
+#[test]
+fn p45_capture_window() {
+    for (capture_rad, at_once) in [(0.6, true), (0.4, false)] {
+        let mut revolute = free_hinge(0.5);
+        revolute.latch = Some(Latch { capture_rad, enable: false, ..latch(2.0) });
+        let mut plant = start(rod(revolute));
+        coast(&mut plant, 0.01);
+        plant.inputs_mut().joints[0].latch_enable = true;
+        coast(&mut plant, 0.0101);
+        assert_eq!(only(&plant).latched, at_once, "window {capture_rad} rad, angle 0.5 rad");
+        if at_once {
+            assert!((only(&plant).latch_time_s - 0.01).abs() < 1e-12, "closed at {} s", only(&plant).latch_time_s);
+        }
+    }
+}
+
+/// P-46. Passing the latch angle from the other side does not close the latch; coming back from the folded side does.
+#[test]
+fn p46_latch_closes_from_the_folded_side_only() {
+    let mut revolute = free_hinge(0.5);
+    revolute.start_rate_rad_s = -4.0;
+    revolute.latch = Some(Latch { enable: false, ..latch(2.0) });
+    let mut plant = start(rod(revolute));
+    coast(&mut plant, 0.2);
+    assert!(only(&plant).angle_rad < -0.29, "passed the disabled latch to {} rad", only(&plant).angle_rad);
+    plant.inputs_mut().joints[0].latch_enable = true;
+    plant.inputs_mut().joints[0].torque_n_m = 0.05;
+    coast(&mut plant, 0.35);
+    assert!(!only(&plant).latched && only(&plant).angle_rad > 0.0, "must pass from the unfolded side unlatched");
+    plant.inputs_mut().joints[0].torque_n_m = -0.2;
+    coast(&mut plant, 0.8);
+    assert!(only(&plant).latched, "must catch on the way back: {:?}", only(&plant));
+}
+
+/// Three bodies: two folds that latch at different times.
+fn three_bodies() -> Machine {
+    let section = wing_section();
+    let mut bodies = vec![body("a", 0.1, &section, ElementKind::Linear, 2, clamped())];
+    let mut first = wing_hinge(0.05);
+    first.start_angle_rad = 1.2;
+    bodies.push(body("b", 0.1, &section, ElementKind::Linear, 2, hinged_to(&bodies, first)));
+    let mut second = wing_hinge(0.05);
+    second.start_angle_rad = -1.0;
+    second.drive.constant_torque_n_m = -0.05;
+    bodies.push(body("c", 0.1, &section, ElementKind::Linear, 2, hinged_to(&bodies, second)));
+    machine(bodies)
+}
+
+/// P-47. Two joints latch at different times, each from its own folded side.
+#[test]
+fn p47_two_joints_latch_at_different_times() {
+    let mut plant = start(three_bodies());
+    coast(&mut plant, 0.3);
+    let joints = plant.outputs().joints.clone();
+    println!("latched at {} s and {} s", joints[0].latch_time_s, joints[1].latch_time_s);
+    assert!(joints.iter().all(|joint| joint.latched && joint.latch_count == 1), "{joints:?}");
+    assert!((joints[0].latch_time_s - joints[1].latch_time_s).abs() > 1e-3, "the times must differ: {joints:?}");
+}
+
+/// P-48. Two mirrored wings reach their latches at the same instant: both close, at the same time.
+///
+/// Used to miss the second latch: the step ended on the first crossing, beyond the second by round-off.
+#[test]
+fn p48_two_joints_latch_at_the_same_instant() {
+    for lag_rad in [0.0, 1e-15, 1e-13, 1e-11, 1e-9, -1e-13, -1e-11] {
+        let material = Material { young_pa: 2.83e12, shear_pa: 1e12, density_kg_m3: 1425.0 };
+        let section = Section::rectangle(0.02, 0.01, &material, None);
+        let half = |start_angle_rad: f64, rate: f64| {
+            let mut revolute = free_hinge(start_angle_rad);
+            revolute.start_rate_rad_s = rate;
+            revolute.latch = Some(latch(2.0));
+            body("rod", 0.15, &section, ElementKind::Linear, 1, hinged_to_root(revolute))
+        };
+        let mut plant = start(machine(vec![half(0.5, -4.0), half(-0.5 + lag_rad, 4.0), half(0.5 - lag_rad, -4.0)]));
+        coast(&mut plant, 0.2);
+        for joint in &plant.outputs().joints {
+            assert!(joint.latched && (joint.latch_time_s - 0.125).abs() < 1e-6, "lag {lag_rad:e} rad: {joint:?}");
+        }
+    }
+}
+
+/// P-49. The stopper holds exactly at the start angle until released; a release cannot be undone.
+#[test]
+fn p49_stopper_holds_until_released_for_good() {
+    let mut machine = default_wing(1e-5);
+    hinge_of(&mut machine, 1).release = false;
+    let mut plant = start(machine);
+    let start_rad = 170f64.to_radians();
+    run(
+        &mut plant,
+        0.05,
+        50,
+        |_| {},
+        |outputs| {
+            assert_eq!((outputs.joints[0].angle_rad, outputs.joints[0].rate_rad_s), (start_rad, 0.0));
+        },
+    );
+    plant.inputs_mut().joints[0].release = true;
+    coast(&mut plant, 0.06);
+    let released_rad = only(&plant).angle_rad;
+    assert!(released_rad < start_rad - 0.01, "released, still at {released_rad} rad");
+    plant.inputs_mut().joints[0].release = false;
+    coast(&mut plant, 0.25);
+    assert!(only(&plant).latched, "release must not be undone: {:?}", only(&plant));
+    println!("released at 0.05 s, latched at {} s", only(&plant).latch_time_s);
+}
+
+/// P-50. A wing folded to the other side is the mirror image: angle and z-positions change sign,
+/// the strain at the mirrored point stays.
+///
+/// The equations are mirrored term by term, but sums run in another order: round-off grows to 1e-9 through 0.2 s.
+#[test]
+fn p50_folding_to_the_other_side_mirrors_the_answer() {
+    let mut mirrored = default_wing(1e-5);
+    let hinge = hinge_of(&mut mirrored, 1);
+    hinge.start_angle_rad = -hinge.start_angle_rad;
+    hinge.drive.constant_torque_n_m = -hinge.drive.constant_torque_n_m;
+    mirrored.gauges[0].z_m = -mirrored.gauges[0].z_m;
+    let (mut plant, mut mirror) = (start(default_wing(1e-5)), start(mirrored));
+    coast(&mut plant, 0.2);
+    coast(&mut mirror, 0.2);
+    let (plant, mirror) = (plant.outputs(), mirror.outputs());
+    let (a, b) = (plant.joints[0], mirror.joints[0]);
+    assert!(b.latched && (a.latch_time_s - b.latch_time_s).abs() < 1e-9, "{} s, {} s", a.latch_time_s, b.latch_time_s);
+    assert!((a.angle_rad + b.angle_rad).abs() < 1e-9, "angles {} and {} rad", a.angle_rad, b.angle_rad);
+    let reflected = Vector3::new(1.0, 1.0, -1.0).component_mul(&mirror.tips[0].position_m);
+    let miss_m = (reflected - plant.tips[0].position_m).norm();
+    assert!(miss_m < 1e-9, "the mirrored tip misses by {miss_m:.1e} m");
+    let strain = plant.gauges[0] - mirror.gauges[0];
+    assert!(strain.abs() < 1e-9, "strains differ by {strain:.1e}");
+}
+
+/// P-51. A locked joint behaves as a clamped one mounted at its angle.
+#[test]
+fn p51_locked_joint_equals_clamped_mount() {
+    let mut locked = default_wing(1e-7);
+    let hinge = hinge_of(&mut locked, 1);
+    (hinge.motion, hinge.start_angle_rad) = (JointMotion::Locked, 0.7);
+    let mut fixed = locked.clone();
+    fixed.bodies[1].joint.mount = foldwing::math::so3::rotation_about(&Vector3::y(), 0.7);
+    fixed.bodies[1].joint.kind = JointKind::Clamped;
+    let (mut locked, mut fixed) = (start(locked), start(fixed));
+    coast(&mut locked, 0.1);
+    coast(&mut fixed, 0.1);
+    let miss_m = (locked.outputs().tips[0].position_m - fixed.outputs().tips[0].position_m).norm();
+    assert!(miss_m < 1e-12, "tips differ by {miss_m:.1e} m");
+    assert_eq!(only(&locked).angle_rad, 0.7);
+    assert_eq!(only(&locked).torque_applied_n_m, 0.0, "no drive acts on a locked joint");
+}
+
+/// P-52. A prescribed joint follows its law, and what it does is booked as work: P-11 has the account.
+#[test]
+fn p52_prescribed_joint_follows_its_law() {
+    let law = |t: f64| 3.0 - 100.0 * t * t + 500.0 * t * t * t;
+    let mut machine = default_wing(1e-6);
+    hinge_of(&mut machine, 1).motion = JointMotion::Prescribed(Motion::Polynomial(vec![3.0, 0.0, -100.0, 500.0]));
+    let mut plant = start(machine);
+    run(
+        &mut plant,
+        0.1,
+        73,
+        |_| {},
+        |outputs| {
+            let error_rad = outputs.joints[0].angle_rad - law(outputs.time_s);
+            assert!(
+                error_rad.abs() < 1e-9,
+                "t = {} s: the angle misses its law by {error_rad:.1e} rad",
+                outputs.time_s
+            );
+        },
+    );
+    assert!(plant.outputs().energy.work.abs() > 1e-3, "work {} J", plant.outputs().energy.work);
+}

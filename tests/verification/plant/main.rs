@@ -1,0 +1,17 @@
+//! The whole plant against references, identities and properties; no FMI.
+//!
+//! Cases are numbered P-xx. Machines stand in `machines`, reference files in `tests/reference`.
+
+mod machines;
+
+mod corners;
+mod deployment;
+mod energy;
+mod failures;
+mod moving_root;
+mod reaction;
+mod rigid;
+mod snapshot;
+mod statics;
+mod steps;
+mod two_body;

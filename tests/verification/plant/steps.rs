@@ -1,0 +1,79 @@
+//! The answer against communication steps, start times and tolerances.
+
+use crate::machines::*;
+use foldwing::config::machine::{ElementKind, Method};
+use foldwing::plant::{Plant, Statistics};
+
+/// Communication steps to a little beyond the latch from `start_s`; latch time counted from the start.
+fn latch_time_s(start_s: f64, step_s: f64, before: impl FnMut(&mut Plant)) -> f64 {
+    let mut plant = start_at(default_wing(1e-5), start_s);
+    let steps = (0.13 / step_s).ceil();
+    run(&mut plant, start_s + steps * step_s, steps as usize, before, |_| {});
+    plant.outputs().joints[0].latch_time_s - start_s
+}
+
+/// P-20. With constant inputs the communication step and the start time do not move the latch time.
+///
+/// The integrator takes the same steps whatever the caller asks for: only the rounding of `start + t` differs
+/// (1e-13 s at a start of 1000 s, grown by the motion).
+#[test]
+fn p20_latch_time_is_independent_of_the_communication_step() {
+    let reference_s = latch_time_s(0.0, 1e-3, |_| {});
+    for start_s in [0.0, 7.3, 1000.0] {
+        for step_s in [1e-4, 3.7e-4, 5e-4, 1.3e-3, 2e-3, 5e-3, 0.13] {
+            let error_s = latch_time_s(start_s, step_s, |_| {}) - reference_s;
+            println!("start {start_s} s, step {step_s} s: latch moves by {error_s:.1e} s");
+            assert!(error_s.abs() < 1e-9, "start {start_s} s, step {step_s} s: latch moves by {error_s:.1e} s");
+        }
+    }
+}
+
+/// P-21. With an input that changes at every step, so little that it means nothing, the integrator is cut at every
+/// communication point; the latch time stays within the integrator's own error at this tolerance.
+#[test]
+fn p21_changing_inputs_leave_the_latch_time() {
+    let reference_s = latch_time_s(0.0, 1e-3, |_| {});
+    for step_s in [1e-4, 3.7e-4, 1e-3, 2.3e-3, 5e-3] {
+        let mut sign = 1.0;
+        let error_s = latch_time_s(0.0, step_s, |plant| {
+            sign = -sign;
+            plant.inputs_mut().joints[0].torque_n_m = sign * 1e-12;
+        }) - reference_s;
+        println!("step {step_s} s: latch moves by {error_s:.1e} s");
+        assert!(error_s.abs() < 2e-5, "step {step_s} s: latch moves by {error_s:.1e} s");
+    }
+}
+
+/// P-22. The latch time converges with the tolerance, and the table of what that costs.
+///
+/// Reference: ESDIRK4 at 1e-9 on the same mesh. For the default method a thousandth of the tolerance must bring at
+/// least a tenth of the error (errors are not monotone: the tolerance bounds the step's error, not the run's).
+#[test]
+fn p22_latch_time_converges_with_tolerance() {
+    let run = |method: Method, tolerance: f64| -> (f64, f64, Statistics) {
+        let mut plant = start(wing(ElementKind::Linear, 2, method, tolerance));
+        let mut peak = 0f64;
+        run(&mut plant, 0.4, 800, |_| {}, |outputs| peak = peak.max(outputs.gauges[0].abs()));
+        (plant.outputs().joints[0].latch_time_s, peak, plant.statistics())
+    };
+    let (reference_s, reference_peak, _) = run(Method::Esdirk4, 1e-9);
+    println!("reference: latch {reference_s:.9} s, peak {reference_peak:.6e}");
+    println!("| method | tolerance | steps | rejected | iterations | factorisations | latch error s | peak error % |");
+    println!("|---|---|---|---|---|---|---|---|");
+    for method in [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::GeneralizedAlpha] {
+        let errors_s = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7].map(|tolerance| {
+            let (latch_s, peak, counted) = run(method, tolerance);
+            let (error_s, peak_error) = (latch_s - reference_s, 100.0 * (peak / reference_peak - 1.0));
+            println!(
+                "| {method:?} | {tolerance:.0e} | {} | {} | {} | {} | {error_s:.1e} | {peak_error:.2} |",
+                counted.steps, counted.rejections, counted.iterations, counted.factorizations
+            );
+            error_s.abs()
+        });
+        assert!(errors_s[2] < 1.0e-4, "{method:?}: latch error {:.1e} s at tolerance 1e-5", errors_s[2]);
+        if method == Method::Esdirk4 {
+            assert!(errors_s[3] < 0.1 * errors_s[0] + 1e-9, "latch errors {errors_s:?} s do not fall with tolerance");
+            assert!(errors_s[4] < 0.1 * errors_s[1] + 1e-9, "latch errors {errors_s:?} s do not fall with tolerance");
+        }
+    }
+}
