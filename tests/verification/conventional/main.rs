@@ -11,7 +11,13 @@ mod constraint;
 mod derivatives;
 mod double_pendulum;
 mod link;
+#[allow(dead_code)]
+#[path = "../plant/machines.rs"]
+mod machines;
 mod pendulum;
+mod product;
 mod reference;
 mod sample;
+mod segments;
 mod table_2;
+mod two_body;
