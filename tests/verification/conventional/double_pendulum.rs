@@ -27,7 +27,7 @@ fn compare(between: Between) {
     let max_kinetic_j = largest(&ours, |s| s.energy_j[0]);
     println!(
         "{name}: tip {tip_m:.1e} m, strain {strain:.1e}, joint force {force_n:.1e} N of {max_force_n:.0} N, \
-         moment {moment_n_m:.1e} N·m of {:.0} N·m, kinetic energy {max_kinetic_j:.1} J",
+         moment {moment_n_m:.1e} N·m of {:.1e} N·m, kinetic energy {max_kinetic_j:.1} J",
         largest(&dae, |s| s.reaction[1].norm()),
     );
     assert!(tip_m < 1e-9, "{name}: tips differ by {tip_m:.1e} m");

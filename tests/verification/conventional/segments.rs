@@ -262,7 +262,9 @@ impl EquationsOfMotion for Segments {
         norm
     }
 
-    fn powers(&mut self, _: f64, _: &[f64], _: &[f64]) -> Powers {
+    fn project(&self, _: &mut [f64], _: &mut [f64], _: &mut [f64]) {}
+
+    fn powers(&mut self, _: f64, _: &[f64], _: &[f64], _: &[f64]) -> Powers {
         Powers::default()
     }
 }
