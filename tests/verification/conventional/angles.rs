@@ -13,6 +13,11 @@ fn tip_difference(a: &[Sample], b: &[Sample]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a.tip_m - b.tip_m).norm()).fold(0.0, |m: f64, x| if m >= x { m } else { x })
 }
 
+/// An energy in J or a length in m that has left all bounds.
+fn blown_up(value: f64) -> bool {
+    value.is_nan() || value.abs() > 10.0
+}
+
 /// C-20. Rotation angles break down where the motion passes their singular attitude; joint parameters pass through.
 ///
 /// Which attitude is singular is a matter of the chart. Body A of the ball–ball pendulum reaches some attitude at
@@ -53,7 +58,7 @@ fn c20_rotation_angles_fail_at_their_singular_attitude() {
     let after = through.last().expect("samples");
     println!("through the singularity: energy {} J, tip x {} m", after.total_j(), after.tip_m.x);
     assert!(
-        !(after.total_j().abs() < 1.0),
+        blown_up(after.total_j()),
         "the method went through its singular attitude with an energy of {:.1e} J",
         after.total_j()
     );
@@ -78,7 +83,7 @@ fn c21_redundant_angles_need_tuning() {
     assert!(soft.0 / middle.0 > 3.0, "tip errors {:.1e} m and {:.1e} m at ten times the stiffness", soft.0, middle.0);
     assert!(middle.0 > 1e-3, "tip error {:.1e} m", middle.0);
     let stiff = outcome(1e5, STEP_S);
-    assert!(!(stiff.0 < 10.0), "k = 1e5: the paper's step stays stable, tip error {:.1e} m", stiff.0);
+    assert!(blown_up(stiff.0), "k = 1e5: the paper's step stays stable, tip error {:.1e} m", stiff.0);
     assert!(stiff.1 > 2.5 * own_rad_s, "highest frequencies {:.2e} and {own_rad_s:.2e} rad/s", stiff.1);
     let fine = outcome(1e5, 0.25 * STEP_S);
     assert!(fine.0 < 0.3 * middle.0, "k = 1e5 with a quarter of the step: tip error {:.1e} m", fine.0);
@@ -113,6 +118,6 @@ fn c22_penalty_joint_needs_tuning() {
             assert!(error > 1.5, "{name}: error falls by {error:.1} for ten times the stiffness");
         }
         let (error_m, _) = outcome(unstable);
-        assert!(!(error_m < 10.0), "{name}: stable at k = {unstable:.0e} N/m, tip error {error_m:.1e} m");
+        assert!(blown_up(error_m), "{name}: stable at k = {unstable:.0e} N/m, tip error {error_m:.1e} m");
     }
 }

@@ -133,7 +133,7 @@ pub fn write_table(name: &str, header: &str, rows: impl Iterator<Item = Vec<f64>
     std::fs::create_dir_all(&folder).expect("folder of the results");
     let mut text = format!("{header}\n");
     for row in rows {
-        let cells: Vec<String> = row.iter().map(|x| format!("{x:.10e}")).collect();
+        let cells: Vec<String> = row.iter().map(|x| format!("{x:.15e}")).collect();
         writeln!(text, "{}", cells.join(",")).expect("text");
     }
     std::fs::write(folder.join(format!("{name}.csv")), text).expect("table of results");

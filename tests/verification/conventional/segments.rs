@@ -215,7 +215,7 @@ impl EquationsOfMotion for Segments {
             let inertia = self.spatial(link, mass) + shift.transpose() * outer * shift;
             let column: Vector3<f64> = inertia.column(2).into_owned();
             let pivot = column.z + stiffness * self.springs[i];
-            if !(pivot > 0.0) {
+            if pivot.is_nan() || pivot <= 0.0 {
                 return Err(Singular { coordinate: i });
             }
             self.columns[i] = column;
@@ -240,9 +240,9 @@ impl EquationsOfMotion for Segments {
             outer -= self.columns[i] * (self.carried[i] / self.pivots[i]);
         }
         let mut motion = Vector3::zeros();
-        for i in 0..self.links.len() {
-            x[i] = (self.carried[i] - self.columns[i].dot(&motion)) / self.pivots[i];
-            motion.z += x[i];
+        for (i, x) in x.iter_mut().enumerate() {
+            *x = (self.carried[i] - self.columns[i].dot(&motion)) / self.pivots[i];
+            motion.z += *x;
             let shift = self.links[i].normal * (self.length_m * motion.z);
             motion += Vector3::new(shift.x, shift.y, 0.0);
         }

@@ -103,7 +103,7 @@ fn inextensible_rms_m() -> f64 {
 
 /// RMS(Z) of the product with EA = 1e7 N, 20 pairs per body at 5 ms, in m; C-34 computes it again. It lies 1.9e-5
 /// above the inextensible value, which is what the axial stiffness does (C-33).
-const EXTENSIBLE_RMS_M: f64 = 10.146_184;
+const EXTENSIBLE_RMS_M: f64 = 10.146_183_3;
 
 /// Converged value for a model: segments are inextensible.
 fn converged_rms_m(model: Model) -> f64 {
@@ -246,9 +246,9 @@ fn c33_refined_path_meets_the_references() {
 }
 
 /// C-34. Fig. 7: paths, and the error of RMS(Z) against the number of sections, 2 to 50, by eq. (23) as printed
-/// (reference: 50 sections of the same method) and against the converged value. `make validate` runs it.
+/// (reference: 50 sections of the same method) and against the converged value. Limits by eq. (23): 2.6e-3 with 6
+/// constant elements, 6e-4 with 12; 1e-4 with two linear ones.
 #[test]
-#[ignore = "a study: two minutes"]
 fn c34_error_against_sections() {
     let models = [
         Model::Constant,
@@ -256,7 +256,9 @@ fn c34_error_against_sections() {
         Model::Segments(RootSpring::HalfSegment),
         Model::Segments(RootSpring::WholeSegment),
     ];
-    println!("converged, EA = 1e7 N: {:.7} m", rms_m(&path(machine(ElementKind::Linear, 20, AXIAL_N, 0.005))));
+    let converged_m = rms_m(&path(machine(ElementKind::Linear, 20, AXIAL_N, 0.005)));
+    println!("converged, EA = 1e7 N: {converged_m:.7} m");
+    assert!((converged_m - EXTENSIBLE_RMS_M).abs() < 1e-6, "RMS(Z) = {converged_m:.7} m, not {EXTENSIBLE_RMS_M} m");
     for model in models {
         let name = model.name();
         let fifty_m = model.rms_m(50);
