@@ -232,6 +232,8 @@ pub enum Method {
     Esdirk3,
     /// `ESDIRK4(3)6L[2]SA`, fourth order.
     Esdirk4,
+    /// Classical explicit Runge–Kutta, fourth order; with fixed steps only.
+    Rk4,
 }
 
 /// Settings of the time integration.

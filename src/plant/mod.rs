@@ -65,6 +65,7 @@ impl Plant {
             Method::TrBdf2 => stepper::Method::TrBdf2,
             Method::Esdirk3 => stepper::Method::Esdirk3,
             Method::Esdirk4 => stepper::Method::Esdirk4,
+            Method::Rk4 => stepper::Method::Rk4,
         };
         let outputs = outputs::blank(&machine, revolute_joints.len(), spatial_joints.len(), tip_bodies.len());
         Self {

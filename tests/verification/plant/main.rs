@@ -11,6 +11,7 @@ mod failures;
 mod moving_root;
 mod reaction;
 mod rigid;
+mod rod;
 mod snapshot;
 mod statics;
 mod steps;
