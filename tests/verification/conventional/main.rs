@@ -15,6 +15,7 @@ mod link;
 #[path = "../plant/machines.rs"]
 mod machines;
 mod pendulum;
+mod planar;
 mod product;
 mod reference;
 mod sample;

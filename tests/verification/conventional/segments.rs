@@ -118,13 +118,6 @@ impl Segments {
         }
     }
 
-    /// Free end in m at a configuration.
-    pub fn tip_m(&mut self, q: &[f64]) -> Vector2<f64> {
-        self.place(q, &vec![0.0; q.len()]);
-        let last = self.links.last().expect("links");
-        last.hinge_m + last.axis * self.length_m
-    }
-
     /// Kinetic, elastic and gravity energy in J.
     pub fn energy_j(&mut self, q: &[f64], v: &[f64]) -> [f64; 3] {
         self.place(q, v);
@@ -269,8 +262,22 @@ impl EquationsOfMotion for Segments {
     }
 }
 
+/// Equations of a planar system with a free end.
+pub trait PlanarChain: EquationsOfMotion {
+    /// Free end in m at a configuration.
+    fn tip_m(&mut self, q: &[f64]) -> Vector2<f64>;
+}
+
+impl PlanarChain for Segments {
+    fn tip_m(&mut self, q: &[f64]) -> Vector2<f64> {
+        self.place(q, &vec![0.0; q.len()]);
+        let last = self.links.last().expect("links");
+        last.hinge_m + last.axis * self.length_m
+    }
+}
+
 /// Free end every 10 ms from 10 ms to 5 s, by fixed steps.
-pub fn fall(segments: &mut Segments, method: Method, step_s: f64) -> Vec<Vector2<f64>> {
+pub fn fall(segments: &mut impl PlanarChain, method: Method, step_s: f64) -> Vec<Vector2<f64>> {
     let n = segments.coordinates();
     let mut stepper = Stepper::new(method, n);
     let (mut start, mut end) = (Point::zeros(n), Point::zeros(n));

@@ -1,6 +1,7 @@
 //! C-30 to C-35: the two-body system of §4.4 by the product and by finite segments: convergence.
 
 use crate::machines;
+use crate::planar::PlanarBeams;
 use crate::reference;
 use crate::sample::write_table;
 use crate::segments::{Algebra, RootSpring, Segments, fall, table_4};
@@ -186,6 +187,43 @@ fn c31_finite_segments_conserve_energy() {
     }
     println!("finite segments: energy {:.1e} of {kinetic_j:.0} J in 2 s", largest_j / kinetic_j);
     assert!(largest_j < 1e-8 * kinetic_j, "energy off by {largest_j:.1e} J of {kinetic_j:.0} J");
+}
+
+/// C-35. The planar beams that the benchmark times are the paper's method: recursion equals dense form, and they fall
+/// as the product does with EA = 1e9 N, where the extension is gone (1e-6 of RMS(Z) with EA = 1e9 N, C-33).
+#[test]
+fn c35_planar_beams_are_the_product_in_the_plane() {
+    let n = 11;
+    let wave = |i: usize, phase: f64| 0.2 * (1.7 * i as f64 + phase).sin();
+    let [q, v]: [Vec<f64>; 2] = [0.2, 1.0].map(|phase| (0..n).map(|i| wave(i, phase)).collect());
+    let [mut recursive, mut dense] =
+        [Algebra::Recursive, Algebra::Dense].map(|algebra| PlanarBeams::table_4(5, algebra));
+    let (zero, mut still, mut moved) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    recursive.residual(0.0, &q, &v, &zero, &mut still);
+    dense.residual(0.0, &q, &v, &zero, &mut moved);
+    let mass = recursive.dense_mass();
+    for j in 0..n {
+        let mut unit = zero.clone();
+        unit[j] = 1.0;
+        recursive.residual(0.0, &q, &v, &unit, &mut moved);
+        let error = (0..n).map(|i| (moved[i] - still[i] - mass[(i, j)]).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-11 * mass.amax(), "column {j}: mass matrices differ by {error:.1e}");
+    }
+    for stiffness in [0.0, 1e-4] {
+        let mut x: Vec<f64> = (0..n).map(|i| wave(i, 2.0)).collect();
+        let mut y = x.clone();
+        recursive.factorize(1.0, 0.0, stiffness).expect("positive pivots");
+        dense.factorize(1.0, 0.0, stiffness).expect("a Cholesky factor");
+        recursive.solve(&mut x);
+        dense.solve(&mut y);
+        let scale = x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let error = x.iter().zip(&y).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-9 * scale, "weight {stiffness} s²: solutions differ by {error:.1e} of {scale:.1e}");
+    }
+    let planar_m = rms_m(&fall(&mut PlanarBeams::table_4(6, Algebra::Recursive), stepper::Method::Esdirk4, 0.01));
+    let product_m = rms_m(&path(machine(ElementKind::Constant, 6, 1e9, 0.01)));
+    println!("6 elements: RMS(Z) {planar_m:.6} m in the plane, {product_m:.6} m by the product at EA = 1e9 N");
+    assert!((planar_m / product_m - 1.0).abs() < 2e-6, "RMS(Z) {planar_m:.6} m and {product_m:.6} m");
 }
 
 /// Orders between successive meshes.
