@@ -160,10 +160,10 @@ fn c43_product_conserves_energy() {
 fn model(between: Between) -> Model {
     let body = |parent, mount, joint| BodyDescription {
         length_m: LENGTH_M,
-        section: section(),
+        section: foldwing::beam::law::SectionLaw::Uniform(section()),
         kind: ElementKind::Constant,
         elements: 2,
-        natural_strain: [0.0; 4],
+        natural_strain: [0.0; 4].into(),
         parent,
         mount,
         joint,
