@@ -117,6 +117,11 @@ impl Plant {
         crate::multibody::energy::mass_kg(&self.equations.model)
     }
 
+    /// Gaps of the closed loops at the present time in m, root frame, in the order of [`Machine::closures`].
+    pub fn loop_gaps_m(&self) -> impl Iterator<Item = nalgebra::Vector3<f64>> {
+        self.equations.model.closures.iter().map(|closure| closure.gap(&self.equations.work).position_m)
+    }
+
     /// Inputs of the coming step.
     pub fn inputs(&self) -> &Inputs {
         &self.state.inputs

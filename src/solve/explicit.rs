@@ -4,13 +4,15 @@ use crate::solve::newton::{Effort, NewtonError};
 use crate::solve::point::Point;
 use crate::solve::{EquationsOfMotion, Powers};
 
+/// Velocities and accelerations of one stage.
+type Rates = (Vec<f64>, Vec<f64>);
+
 /// Scratch of an explicit step, sized once.
 #[derive(Debug, Clone)]
 pub struct Rk4 {
     q: Vec<f64>,
     v: Vec<f64>,
-    /// Velocities and accelerations of the stages.
-    stages: [(Vec<f64>, Vec<f64>); 4],
+    stages: [Rates; 4],
     residual: Vec<f64>,
 }
 
@@ -64,7 +66,7 @@ impl Rk4 {
             sums.dissipated += weight * powers.dissipated;
         }
         for i in 0..self.q.len() {
-            let weighted = |pick: fn(&(Vec<f64>, Vec<f64>)) -> &Vec<f64>| -> f64 {
+            let weighted = |pick: fn(&Rates) -> &Vec<f64>| -> f64 {
                 self.stages.iter().zip(WEIGHTS).map(|(stage, weight)| weight * pick(stage)[i]).sum()
             };
             end.q[i] = start.q[i] + h_s * weighted(|stage| &stage.0);

@@ -8,6 +8,7 @@ mod corners;
 mod deployment;
 mod energy;
 mod failures;
+mod loops;
 mod moving_root;
 mod reaction;
 mod rigid;
