@@ -1,6 +1,7 @@
 //! The command line: arguments, exit codes, and one module per command.
 
 mod check;
+mod joint_size;
 mod package;
 mod simulate;
 mod strains;

@@ -4,6 +4,7 @@ use crate::cli::strains::StrainPeaks;
 use crate::cli::{Failure, read_model};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing::config::Machine;
+use foldwing::config::machine::JointKind;
 use foldwing::interface::{Causality, Interface, Value, Variable};
 use foldwing::plant::Plant;
 use foldwing::report::inputs::unknown_name;
@@ -270,10 +271,18 @@ fn summary(plant: &Plant, grid: &Grid, elapsed: Duration) -> String {
     let machine = plant.machine();
     let mut text = String::new();
     for (joint, body) in plant.outputs().joints.iter().zip(plant.revolute_joints()) {
-        let name = &machine.bodies[*body].joint.name;
-        let latch = match joint.latch_count {
-            0 => "did not latch".to_owned(),
-            count => format!("latched at {:.6} s ({count} in all)", joint.latch_time_s),
+        let holder = &machine.bodies[*body].joint;
+        let name = &holder.name;
+        let latch = match &holder.kind {
+            JointKind::Revolute(revolute) => revolute.latch.as_ref(),
+            JointKind::Clamped | JointKind::Spatial(_) => None,
+        };
+        let latch = match (latch, joint.latch_count) {
+            (None, _) => "has no latch".to_owned(),
+            (Some(_), 0) if joint.latched => "latched from the start".to_owned(),
+            (Some(latch), 0) if latch.initially_closed => "latch open at the end".to_owned(),
+            (Some(_), 0) => "did not latch".to_owned(),
+            (Some(_), count) => format!("latched at {:.6} s ({count} in all)", joint.latch_time_s),
         };
         text += &format!("{name}: {latch}, angle {:.3} deg at the end\n", joint.angle_rad.to_degrees());
     }

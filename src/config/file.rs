@@ -4,6 +4,7 @@
 //! enforced from there; `x-allowed` overrides the wording of error messages where a range cannot say it.
 
 use crate::config::body::BodyFile;
+use crate::config::joint_file::JointFile;
 use crate::config::machine::Method;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
@@ -148,133 +149,6 @@ pub(super) struct ExplicitSection {
     pub half_height_m: Option<f64>,
 }
 
-/// Joint that holds a body's inner end. The keys from `axis` on belong to revolute joints.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct JointFile {
-    /// What the joint allows.
-    #[serde(rename = "type")]
-    pub kind: JointType,
-    /// What the joint holds on to: `root` or a body.
-    pub parent: String,
-    /// Body whose inner end the joint holds.
-    pub child: String,
-    /// Distance along the parent body from its inner end, default its outer end.
-    #[schemars(range(min = 0.0))]
-    pub parent_position_m: Option<f64>,
-    /// Position in the root frame where the parent is `root`, default the origin.
-    pub root_position_m: Option<[f64; 3]>,
-    /// Rotation vector of the body's first frame in the parent's frame at angle zero.
-    #[serde(default)]
-    #[schemars(inner(range(min = -360.0, max = 360.0)))]
-    pub mount_rotation_deg: [f64; 3],
-    /// Hinge axis in the parent's section frame, of any length but zero. Positive angles by the right hand.
-    pub axis: Option<[f64; 3]>,
-    /// Fold angle at the start, default 0; 0 is deployed.
-    #[schemars(range(min = -360.0, max = 360.0))]
-    pub start_angle_deg: Option<f64>,
-    /// Fold rate at the start, default 0.
-    pub start_rate_deg_s: Option<f64>,
-    /// Start value of the release input: false holds the joint at its start angle until released. Default true.
-    pub release: Option<bool>,
-    /// How the angle moves, default `free`.
-    pub motion: Option<MotionType>,
-    /// Prescribed angle as a polynomial of absolute time: coefficients of 1, t, t², …
-    #[schemars(length(min = 1, max = 100))]
-    pub polynomial_deg: Option<Vec<f64>>,
-    /// Prescribed angle as a smooth curve through `[time_s, angle_deg]`, times ascending; constant outside.
-    #[schemars(
-        length(min = 2),
-        extend("x-allowed" = "at least 2 pairs [time in s, angle in deg] of finite numbers")
-    )]
-    pub table_s_deg: Option<Vec<[f64; 2]>>,
-    /// Spring, damper and motor.
-    pub drive: Option<DriveFile>,
-    /// Latch.
-    pub latch: Option<LatchFile>,
-}
-
-/// What a joint allows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum JointType {
-    /// Nothing.
-    Clamped,
-    /// Rotation about one axis.
-    Revolute,
-}
-
-/// How a fold angle moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum MotionType {
-    /// By its torques.
-    Free,
-    /// Not at all: held at the start angle.
-    Locked,
-    /// By `polynomial_deg` or `table_s_deg`.
-    Prescribed,
-}
-
-/// Drive: the torque on the outer body about the hinge is `−(k (θ − θ_cmd) + c θ̇ + T)`, limited.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct DriveFile {
-    /// Spring stiffness `k`.
-    #[serde(default, rename = "stiffness_N_m_rad")]
-    #[schemars(range(min = 0.0))]
-    pub stiffness_n_m_rad: f64,
-    /// Damping `c`.
-    #[serde(default, rename = "damping_N_m_s_rad")]
-    #[schemars(range(min = 0.0))]
-    pub damping_n_m_s_rad: f64,
-    /// Constant torque `T`, towards negative angles.
-    #[serde(default, rename = "constant_torque_N_m")]
-    pub constant_torque_n_m: f64,
-    /// Largest magnitude of the drive torque, default unlimited.
-    #[serde(rename = "torque_limit_N_m")]
-    #[schemars(range(min = 0.0))]
-    pub torque_limit_n_m: Option<f64>,
-    /// Largest slew of the commanded angle, default unlimited.
-    #[schemars(range(min = 0.0))]
-    pub rate_limit_deg_s: Option<f64>,
-    /// Start value of the commanded (neutral) angle `θ_cmd`.
-    #[serde(default)]
-    #[schemars(range(min = -360.0, max = 360.0))]
-    pub command_deg: f64,
-}
-
-/// Latch: closes when the angle reaches `angle_deg` from the folded side.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct LatchFile {
-    /// Angle at which it closes.
-    #[serde(default)]
-    #[schemars(range(min = -360.0, max = 360.0))]
-    pub angle_deg: f64,
-    /// Stiffness of the closed joint over the drive's `k`: the latch adds `(ratio − 1) k`.
-    #[schemars(extend("exclusiveMinimum" = 1))]
-    pub stiffness_ratio: Option<f64>,
-    /// Stiffness that the latch adds; instead of `stiffness_ratio`.
-    #[serde(rename = "stiffness_N_m_rad")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub stiffness_n_m_rad: Option<f64>,
-    /// Half-width of the window in which enabling closes it at once.
-    #[serde(default)]
-    #[schemars(range(min = 0.0, max = 360.0))]
-    pub capture_deg: f64,
-    /// Closed at the start.
-    #[serde(default)]
-    pub initially_closed: bool,
-    /// Start value of the enable input.
-    #[serde(default = "yes")]
-    pub enable: bool,
-}
-
-fn yes() -> bool {
-    true
-}
-
 /// A point mass or rigid body fixed to a section.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -331,7 +205,7 @@ pub(super) struct SolverFile {
     /// Smallest internal step; less than `max_step_s`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub min_step_s: f64,
-    /// Fixed internal step, default variable steps.
+    /// Fixed internal step, default variable steps; `rk4` needs one.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub fixed_step_s: Option<f64>,
     /// Spectral radius at infinity of the generalised-α method.
@@ -353,7 +227,7 @@ impl Default for SolverFile {
 }
 
 /// Time integration method.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub(super) enum MethodFile {
     /// Generalised-α, second order.
     #[serde(rename = "generalized_alpha")]
@@ -367,6 +241,9 @@ pub(super) enum MethodFile {
     /// ESDIRK, fourth order.
     #[serde(rename = "esdirk4")]
     Esdirk4,
+    /// Classical explicit Runge–Kutta, fourth order; needs `fixed_step_s`.
+    #[serde(rename = "rk4")]
+    Rk4,
 }
 
 impl From<MethodFile> for Method {
@@ -376,6 +253,7 @@ impl From<MethodFile> for Method {
             MethodFile::TrBdf2 => Self::TrBdf2,
             MethodFile::Esdirk3 => Self::Esdirk3,
             MethodFile::Esdirk4 => Self::Esdirk4,
+            MethodFile::Rk4 => Self::Rk4,
         }
     }
 }

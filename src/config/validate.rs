@@ -3,7 +3,7 @@
 use crate::config::body::{self, BodyFile};
 use crate::config::document::{Document, key_text};
 use crate::config::error::{Fault, Problem, nearest};
-use crate::config::file::ModelFile;
+use crate::config::file::{MethodFile, ModelFile};
 use crate::config::machine::{Body, Experiment, Joint, Machine, Solver};
 use crate::config::schema::{quoted, shortest};
 use crate::config::{attachments, joints, sections, tree};
@@ -105,6 +105,10 @@ fn build_solver(file: &ModelFile, checker: &mut Checker) -> Solver {
             _ => (">", "min_step_s", solver.min_step_s),
         };
         checker.refuse(&["solver", key], format!("a finite time {sign} {other} = {} s", shortest(bound)));
+    }
+    if solver.method == MethodFile::Rk4 && solver.fixed_step_s.is_none() {
+        let allowed = "a finite time > 0 s: method = \"rk4\" has no error estimate to choose its steps by";
+        checker.refuse(&["solver", "fixed_step_s"], allowed);
     }
     Solver {
         method: solver.method.into(),

@@ -23,7 +23,8 @@ pub struct Frame {
 
 /// Frames along every body at equal arc lengths, `POINTS + 1` each, natural strains only.
 ///
-/// Fold angles lie at `fraction` of the way from deployed (latch angle, else 0) to the start angle.
+/// Fold angles lie at `fraction` of the way from deployed (latch angle, else 0) to the start angle; universal, ball and
+/// free joints stand in their start attitude, which is their mount.
 pub fn undeformed(machine: &Machine, fraction: f64) -> Vec<Vec<Frame>> {
     let mut bodies: Vec<Vec<Frame>> = Vec::with_capacity(machine.bodies.len());
     for body in &machine.bodies {

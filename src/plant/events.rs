@@ -4,7 +4,7 @@ use crate::actuation::drive::Slew;
 use crate::actuation::latch::LatchState;
 use crate::multibody::dynamics::Damping;
 use crate::plant::equations::Equations;
-use crate::plant::face::PlantError;
+use crate::plant::face::{Parameters, PlantError};
 use crate::plant::march::CROSSING_S;
 use crate::plant::state::{JointState, State};
 use crate::plant::{Plant, revolutes, spatials};
@@ -19,6 +19,10 @@ impl Plant {
     ///
     /// May be called again (an FMU re-evaluates in Initialization Mode).
     pub fn initialize(&mut self, time_s: f64) -> Result<(), PlantError> {
+        let Parameters { min_step_s, max_step_s, .. } = self.state.parameters;
+        if min_step_s > max_step_s {
+            return Err(PlantError::Steps { min_step_s, max_step_s });
+        }
         self.rebuild();
         let mut q = self.equations.model.natural_coordinates();
         let mut v = vec![0.0; q.len()];

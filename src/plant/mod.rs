@@ -16,8 +16,8 @@ mod state;
 mod strains;
 
 pub use face::{
-    BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, Outputs, Parameters, PlantError,
-    PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
+    BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, JointStatus, Outputs,
+    Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
 };
 pub use state::Snapshot;
 pub use strains::SectionStrain;
@@ -107,7 +107,17 @@ impl Plant {
         &self.tip_bodies
     }
 
-    /// Number of coordinates: joint angles and strains.
+    /// Joint variables and Lagrange multipliers of a body's joint in our form: `N_J` and `N_L` of Otsuka et al., Table 2.
+    pub fn joint_size(&self, body: usize) -> (usize, usize) {
+        let body = &self.equations.model.bodies[body];
+        match (&body.parameters, &body.hinge) {
+            (Some(joint), _) => (joint.kind.parameters(), joint.kind.constraints()),
+            (None, Some(_)) => (1, 0),
+            (None, None) => (0, 0),
+        }
+    }
+
+    /// Number of coordinates: joint angles, joint parameters and strains.
     pub fn coordinates(&self) -> usize {
         self.equations.model.coordinates
     }
@@ -150,6 +160,18 @@ impl Plant {
     /// Outputs at the present time, with the inputs of the step that led here.
     pub fn outputs(&self) -> &Outputs {
         &self.outputs
+    }
+
+    /// Stopper and latch of each revolute joint, in the order of [`Plant::revolute_joints`]; nothing before
+    /// [`Plant::initialize`].
+    pub fn joint_statuses(&self) -> impl Iterator<Item = JointStatus> {
+        let driven = self.equations.joints.iter().map(|joint| joint.driven);
+        self.state.joints.iter().zip(driven).map(|(joint, driven)| JointStatus {
+            released: driven && joint.released,
+            latched: joint.latch.closed,
+            latch_time_s: joint.latch.time_s,
+            latch_count: joint.latch.count,
+        })
     }
 
     /// Counters since initialisation.

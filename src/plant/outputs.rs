@@ -83,6 +83,11 @@ impl Plant {
             let node = &work.nodes[body.first_node];
             *reaction = Wrench { force_n: node.force, moment_n_m: node.moment };
         }
+        for joint in &equations.spatial {
+            if let Some(moment_n_m) = joint.ball_moment_n_m(work, &now.v) {
+                outputs.joint_reactions[joint.body].moment_n_m = moment_n_m;
+            }
+        }
         for (strain, gauge) in outputs.gauges.iter_mut().zip(&self.gauges) {
             *strain = gauge.strain(model, work, motion, &equations.damping);
         }

@@ -151,12 +151,13 @@ fn choices() {
     );
     assert_eq!(
         message("\"clamped\"", "\"welded\""),
-        "wing.toml:25: key 'joint.mount.type': \"welded\" is not allowed; allowed: \"clamped\" or \"revolute\""
+        "wing.toml:25: key 'joint.mount.type': \"welded\" is not allowed; allowed: \"clamped\" or \"revolute\" or \
+         \"universal\" or \"ball\" or \"free\""
     );
     assert_eq!(
         message("[solver]", "[solver]\nmethod = \"euler\""),
         "wing.toml:48: key 'solver.method': \"euler\" is not allowed; allowed: \"generalized_alpha\" or \
-         \"tr_bdf2\" or \"esdirk3\" or \"esdirk4\""
+         \"tr_bdf2\" or \"esdirk3\" or \"esdirk4\" or \"rk4\""
     );
     assert_eq!(
         message("load_stations = 4", "element = \"quadratic\""),

@@ -4,9 +4,10 @@ use crate::oracle::{Oracle, element_mass};
 use crate::trees::{Case, Named, Random, State, all_trees, full_section, random_body, two_bodies};
 use foldwing::beam::element::{ElementKind, ElementMass};
 use foldwing::multibody::dynamics::{Environment, residual};
-use foldwing::multibody::factor::{HingeTangent, Weights, factorize, kinematic_norm, solve};
+use foldwing::multibody::factor::{HingeTangent, Weights, factorize, solve};
 use foldwing::multibody::kinematics::{Motion, sweep_motion, sweep_poses};
 use foldwing::multibody::model::{Attachment, Base};
+use foldwing::multibody::norm::kinematic_norm;
 use foldwing::multibody::{Workspace, station};
 use nalgebra::{DMatrix, DVector, Vector3};
 
