@@ -3,7 +3,7 @@
 //! Ranges that one key states alone stand here as JSON schema keywords (`minimum`, `exclusiveMinimum`, …) and are
 //! enforced from there; `x-allowed` overrides the wording of error messages where a range cannot say it.
 
-use crate::config::machine::{ElementKind, Method};
+use crate::config::machine::{ElementKind, Method, StartState};
 use crate::load::LoadFrame;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
@@ -464,10 +464,32 @@ pub(super) struct ExperimentFile {
     /// Communication step.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub step_s: f64,
+    /// State at the start.
+    pub start: StartFile,
+}
+
+/// State at the start of the experiment.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum StartFile {
+    /// Without strains; gravity and loads act from the start on.
+    Unstrained,
+    /// At rest under gravity and loads. Stoppers hold the joints at their start angles while the wing settles, but those
+    /// whose latch is closed; joints that are released let go at the start.
+    Equilibrium,
+}
+
+impl From<StartFile> for StartState {
+    fn from(start: StartFile) -> Self {
+        match start {
+            StartFile::Unstrained => Self::Unstrained,
+            StartFile::Equilibrium => Self::Equilibrium,
+        }
+    }
 }
 
 impl Default for ExperimentFile {
     fn default() -> Self {
-        Self { start_time_s: 0.0, stop_time_s: 0.4, step_s: 5e-4 }
+        Self { start_time_s: 0.0, stop_time_s: 0.4, step_s: 5e-4, start: StartFile::Unstrained }
     }
 }

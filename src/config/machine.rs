@@ -260,4 +260,15 @@ pub struct Experiment {
     pub stop_time_s: f64,
     /// Communication step in s.
     pub step_s: f64,
+    /// State at the start.
+    pub start: StartState,
+}
+
+/// State of the machine at the start of the experiment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StartState {
+    /// Without strains: loads act from the start on.
+    Unstrained,
+    /// At rest under the loads of the start, stoppers holding the joints that are not latched.
+    Equilibrium,
 }

@@ -199,5 +199,6 @@ fn build_experiment(file: &ModelFile, checker: &mut Checker) -> Experiment {
         start_time_s: experiment.start_time_s,
         stop_time_s: experiment.stop_time_s,
         step_s: experiment.step_s.min(if duration_s > 0.0 { duration_s } else { experiment.step_s }),
+        start: experiment.start.into(),
     }
 }

@@ -9,6 +9,7 @@ mod joint_factor;
 pub mod kinematics;
 pub mod model;
 pub mod station;
+pub mod tangent;
 pub mod workspace;
 
 pub use model::Model;

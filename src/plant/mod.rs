@@ -13,12 +13,14 @@ mod outputs;
 mod spatial;
 mod start;
 mod state;
+mod statics;
 
 pub use face::{
     BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, Outputs, Parameters, PlantError,
     PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
 };
 pub use state::Snapshot;
+pub use statics::Holding;
 
 use crate::config::Machine;
 use crate::config::machine::{JointKind, Method, Parent, Revolute, Spatial};

@@ -1,6 +1,7 @@
 //! Time integration of second-order equations of motion: one trait, two families of methods on it.
 
 pub mod control;
+pub mod equilibrium;
 pub mod generalized_alpha;
 pub mod newton;
 pub mod point;

@@ -1,0 +1,3 @@
+//! Statics, modes and linearisation against theory and independent solutions. Case numbers S-xx.
+
+mod tangent;
