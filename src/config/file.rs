@@ -35,6 +35,9 @@ pub(super) struct ModelFile {
     /// Point masses and rigid bodies by name.
     #[serde(default)]
     pub mass: IndexMap<String, MassFile>,
+    /// Loads at stations by name: start values of the inputs `load.<body>[station]`, constant unless these are set.
+    #[serde(default)]
+    pub load: IndexMap<String, LoadFile>,
     /// Strain gauges by name; the FMU's output is `gauge.<name>.strain`.
     #[serde(default)]
     pub gauge: IndexMap<String, GaugeFile>,
@@ -371,6 +374,23 @@ pub(super) struct MassFile {
     /// `Ixy = −∫xy dm`. Default: a point.
     #[serde(default)]
     pub inertia_kg_m2: [f64; 6],
+}
+
+/// Force and moment at a load station from the start on; several loads at one station add up.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LoadFile {
+    /// Body that carries it.
+    pub body: String,
+    /// Number of the load station on that body, from 1 at its inner end.
+    #[schemars(range(min = 1, max = 1000))]
+    pub station: usize,
+    /// Force in the body's `load_frame`.
+    #[serde(default, rename = "force_N")]
+    pub force_n: [f64; 3],
+    /// Moment in the body's `load_frame`.
+    #[serde(default, rename = "moment_N_m")]
+    pub moment_n_m: [f64; 3],
 }
 
 /// A strain gauge: axial strain at a point of a section.

@@ -3,7 +3,7 @@
 pub use crate::actuation::prescribed::Motion;
 pub use crate::beam::element::ElementKind;
 use crate::beam::section::Section;
-use crate::load::LoadFrame;
+use crate::load::{LoadFrame, Wrench};
 use nalgebra::{Matrix3, Vector3};
 
 /// A whole machine as validated. Bodies are in topological order: a parent stands before its children.
@@ -48,6 +48,8 @@ pub struct Body {
     pub station_positions_m: Vec<f64>,
     /// Frame of the station loads.
     pub load_frame: LoadFrame,
+    /// Start values of the loads, per station, in that frame.
+    pub station_loads: Vec<Wrench>,
     /// Point masses and rigid bodies on this body.
     pub masses: Vec<AttachedMass>,
     /// Joint to the parent.

@@ -6,6 +6,7 @@ use crate::config::file::{BodyFile, ModelFile};
 use crate::config::machine::{AttachedMass, Body, Experiment, Joint, Machine, Solver};
 use crate::config::schema::{quoted, shortest};
 use crate::config::{attachments, joints, sections, tree};
+use crate::load::Wrench;
 use indexmap::IndexMap;
 use nalgebra::Vector3;
 use sections::NamedSection;
@@ -75,10 +76,15 @@ fn build(file: &ModelFile, checker: &mut Checker) -> Option<Machine> {
     let joints: Vec<Option<Joint>> =
         file.joint.iter().map(|(name, joint)| joints::build(name, joint, file, tree.as_ref(), checker)).collect();
     let mut masses = attachments::masses(file, checker);
+    let mut loads = attachments::loads(file, checker);
     let mut bodies: Vec<Option<Body>> = Vec::with_capacity(file.body.len());
     for (index, (name, body)) in file.body.iter().enumerate() {
         let joint = tree.as_ref().and_then(|tree| joints[tree.joint_of[index]].clone());
-        bodies.push(build_body(name, body, &sections, std::mem::take(&mut masses[index]), joint, checker));
+        let mut body = build_body(name, body, &sections, std::mem::take(&mut masses[index]), joint, checker);
+        if let Some(body) = &mut body {
+            attachments::place_loads(std::mem::take(&mut loads[index]), body, checker);
+        }
+        bodies.push(body);
     }
     let gauges = attachments::gauges(file, &sections, tree.as_ref(), checker);
     let (solver, experiment) = (build_solver(file, checker), build_experiment(file, checker));
@@ -122,6 +128,7 @@ fn build_body(
         natural_strain: [0.0, twist, curvature_y, curvature_z],
         mass_damping_1_s: body.mass_damping_1_s,
         stiffness_damping_s: body.stiffness_damping_s,
+        station_loads: vec![Wrench::default(); station_positions_m.len()],
         station_positions_m,
         load_frame: body.load_frame.into(),
         masses,

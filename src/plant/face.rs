@@ -258,6 +258,14 @@ pub enum PlantError {
         /// Why.
         cause: String,
     },
+    /// No linear model of the present state.
+    #[error("no linearisation at t = {time_s} s: {cause}")]
+    Linearization {
+        /// Time in s.
+        time_s: f64,
+        /// Why.
+        cause: String,
+    },
     /// A snapshot of another model.
     #[error("the snapshot does not fit this model: {0}")]
     Snapshot(String),

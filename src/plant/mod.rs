@@ -8,17 +8,22 @@
 mod equations;
 mod events;
 mod face;
+mod linear;
 mod march;
 mod outputs;
+mod shape;
 mod spatial;
 mod start;
 mod state;
 mod statics;
 
+pub use crate::solve::equilibrium::Effort as StaticEffort;
 pub use face::{
     BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, Outputs, Parameters, PlantError,
     PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
 };
+pub use linear::{Argument, Freedom};
+pub use shape::{ModeShape, NodeMotion, SectionShape};
 pub use state::Snapshot;
 pub use statics::Holding;
 

@@ -9,7 +9,7 @@ use crate::multibody::model::JointDescription;
 use crate::multibody::workspace::ParameterWork;
 use crate::multibody::{Model, Workspace};
 use crate::plant::spatials;
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 
 /// A universal, ball or free joint as the equations see it.
 #[derive(Debug, Clone)]
@@ -128,6 +128,15 @@ impl SpatialEquations {
         let gamma = if square < 1e-4 { 1.0 / 12.0 + square / 720.0 } else { (1.0 - half / half.tan()) / square };
         let turn = hat(&angles);
         identity + (turn * turn * gamma - turn * 0.5) * self.stiffness_n_m_rad
+    }
+
+    /// Adds the damper to a matrix over the coordinates.
+    pub fn add_damping(&self, matrix: &mut DMatrix<f64>) {
+        if self.joint.kind != ParameterKind::Free {
+            for c in self.joint.coordinate..self.joint.coordinate + self.joint.kind.freedoms() {
+                matrix[(c, c)] += self.damping_n_m_s_rad;
+            }
+        }
     }
 
     fn range(&self) -> std::ops::Range<usize> {

@@ -132,6 +132,12 @@ impl Plant {
         self.state.now.v.fill(0.0);
         self.state.now.a.fill(0.0);
         self.conclude_start(time_s)?;
+        // what is left of the accelerations is round-off times stiffness
+        for point in [&mut self.state.now, &mut self.state.start, &mut self.state.ahead] {
+            point.a.fill(0.0);
+            point.auxiliary.fill(0.0);
+        }
+        self.evaluate();
         Ok(effort)
     }
 

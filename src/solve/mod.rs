@@ -3,6 +3,8 @@
 pub mod control;
 pub mod equilibrium;
 pub mod generalized_alpha;
+pub mod linearize;
+pub mod modes;
 pub mod newton;
 pub mod point;
 pub mod runge_kutta;

@@ -133,7 +133,9 @@ impl Case {
     fn freedoms(&self) -> Vec<usize> {
         let mut list = Vec::new();
         for (body, joint) in self.model.bodies.iter().zip(&self.joints) {
-            if joint.free && let Some(hinge) = &body.hinge {
+            if joint.free
+                && let Some(hinge) = &body.hinge
+            {
                 list.push(hinge.coordinate);
             }
             if let Some(joint) = &body.parameters {
