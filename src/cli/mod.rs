@@ -1,8 +1,11 @@
 //! The command line: arguments, exit codes, and one module per command.
 
 mod check;
+mod linearize;
+mod modes;
 mod package;
 mod simulate;
+mod statics;
 
 use clap::{Parser, Subcommand};
 use foldwing::config::{self, Machine};
@@ -16,7 +19,7 @@ Exit codes:
   0  done
   1  the content of a file was refused: model, inputs or library
   2  the command line was refused
-  3  the simulation failed; the rows up to that time are in the CSV
+  3  the simulation failed, the rows up to that time are in the CSV; or there is no equilibrium or linear model
   4  a file could not be read or written";
 
 /// Name of the build: version, commit if it was built from a repository, target.
@@ -44,6 +47,12 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Say what was understood of a model
     Check(check::Arguments),
+    /// Bring a model to rest under its loads and print its shape
+    Static(statics::Arguments),
+    /// Print natural frequencies and damping
+    Modes(modes::Arguments),
+    /// Write the linear model between inputs and outputs
+    Linearize(linearize::Arguments),
     /// Print the JSON schema of model files, for editors that complete them
     Schema,
 }
@@ -60,6 +69,9 @@ enum Failure {
     /// The simulation gave up.
     #[error("the simulation failed: {0}")]
     Simulation(String),
+    /// Statics, modes or linearisation gave up.
+    #[error("{0}")]
+    Statics(String),
     /// A file could not be read or written.
     #[error("{0}")]
     Files(String),
@@ -74,7 +86,7 @@ impl Failure {
             Self::Closed => 0,
             Self::Refused(_) => 1,
             Self::Usage(_) => 2,
-            Self::Simulation(_) => 3,
+            Self::Simulation(_) | Self::Statics(_) => 3,
             Self::Files(_) => 4,
         }
     }
@@ -94,6 +106,9 @@ pub fn run() -> ExitCode {
         Command::Package(arguments) => package::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Static(arguments) => statics::run(&arguments),
+        Command::Modes(arguments) => modes::run(&arguments),
+        Command::Linearize(arguments) => linearize::run(&arguments),
         Command::Schema => print(&config::schema()),
     };
     match outcome {

@@ -277,7 +277,7 @@ impl Input {
     }
 
     #[inline]
-    fn real_mut(self, inputs: &mut Inputs) -> Option<&mut f64> {
+    pub(super) fn real_mut(self, inputs: &mut Inputs) -> Option<&mut f64> {
         Some(match self {
             Self::Joint(joint, JointInput::Command) => &mut inputs.joints[joint].command_rad,
             Self::Joint(joint, JointInput::Torque) => &mut inputs.joints[joint].torque_n_m,
@@ -385,7 +385,7 @@ impl BodyParameter {
 impl Output {
     /// Present value.
     #[inline]
-    fn read(self, outputs: &Outputs) -> Value {
+    pub(super) fn read(self, outputs: &Outputs) -> Value {
         match self {
             Self::Joint(joint, field) => field.read(&outputs.joints[joint]),
             Self::Gauge(gauge) => Value::Real(outputs.gauges[gauge]),

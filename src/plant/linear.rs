@@ -91,6 +91,23 @@ impl Plant {
         list
     }
 
+    /// Present values of [`Plant::freedoms`] and of their rates. Freedoms of universal, ball and free joints have no
+    /// values of their own: they count from the present attitude, and stand still where the machine is linearised.
+    pub fn free_state(&self) -> (Vec<f64>, Vec<f64>) {
+        let spatial = |index: usize| {
+            self.equations.model.bodies.iter().any(|body| {
+                body.parameters.is_some_and(|joint| {
+                    (joint.coordinate..joint.coordinate + joint.kind.parameters()).contains(&index)
+                })
+            })
+        };
+        let read = |vector: &[f64]| {
+            let value = |freedom: &Freedom| if spatial(freedom.index) { 0.0 } else { vector[freedom.index] };
+            self.freedoms().iter().map(value).collect()
+        };
+        (read(&self.state.now.q), read(&self.state.now.v))
+    }
+
     /// Mass, damping and stiffness about the present state, over [`Plant::freedoms`].
     pub fn second_order(&mut self) -> Result<SecondOrder, PlantError> {
         let freedoms = self.freedoms();

@@ -15,9 +15,11 @@ mod shape;
 mod spatial;
 mod start;
 mod state;
+mod state_space;
 mod statics;
 
 pub use crate::solve::equilibrium::Effort as StaticEffort;
+pub use crate::solve::linearize::{SecondOrder, StateSpace};
 pub use face::{
     BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, Outputs, Parameters, PlantError,
     PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
@@ -25,6 +27,7 @@ pub use face::{
 pub use linear::{Argument, Freedom};
 pub use shape::{ModeShape, NodeMotion, SectionShape};
 pub use state::Snapshot;
+pub use state_space::InputSlope;
 pub use statics::Holding;
 
 use crate::config::Machine;

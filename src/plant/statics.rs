@@ -133,12 +133,29 @@ impl Plant {
         self.state.now.a.fill(0.0);
         self.conclude_start(time_s)?;
         // what is left of the accelerations is round-off times stiffness
+        self.stand_still();
+        Ok(effort)
+    }
+
+    /// Initialises at `time_s` without loads, gravity and root motion, which are set to zero, and stands still at the
+    /// start angles: the state about which the modes of the bare structure are meant.
+    pub fn undeformed(&mut self, time_s: f64) -> Result<(), PlantError> {
+        self.state.inputs.root = RootMotion::default();
+        self.state.inputs.stations.fill(Wrench::default());
+        self.start(time_s);
+        self.state.now.v.fill(0.0);
+        self.conclude_start(time_s)?;
+        self.stand_still();
+        Ok(())
+    }
+
+    /// Takes away the accelerations, with the outputs.
+    fn stand_still(&mut self) {
         for point in [&mut self.state.now, &mut self.state.start, &mut self.state.ahead] {
             point.a.fill(0.0);
             point.auxiliary.fill(0.0);
         }
         self.evaluate();
-        Ok(effort)
     }
 
     /// Replaces the start coordinates by those of the equilibrium.
