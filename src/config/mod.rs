@@ -13,6 +13,7 @@ mod error;
 mod file;
 mod joints;
 mod reference;
+mod run;
 mod schema;
 mod sections;
 mod structure;

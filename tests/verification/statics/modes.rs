@@ -111,7 +111,7 @@ fn s34_folded_frames() {
         let text = format!(
             "name = 'F'\n[section.s]\nshape = 'explicit'\naxial_stiffness_N = {:?}\ntorsional_rigidity_N_m2 = 1e4\n\
              flap_stiffness_N_m2 = {:?}\nlag_stiffness_N_m2 = 1e4\nmass_kg_m = {:?}\n\
-             second_moments_kg_m = [0.0, 0.0, 0.0]\n[body.a]\n{plate}\n[body.b]\n{plate}\n\
+             second_moments_kg_m = [1e-9, 0.0, 0.0]\n[body.a]\n{plate}\n[body.b]\n{plate}\n\
              [joint.mount]\ntype = 'clamped'\nparent = 'root'\nchild = 'a'\n\
              [joint.fold]\ntype = 'revolute'\nparent = 'a'\nchild = 'b'\naxis = [0.0, 1.0, 0.0]\n\
              start_angle_deg = {fold:?}\nrelease = false\n",
@@ -131,7 +131,8 @@ fn s34_folded_frames() {
 
 /// S-35. A beam on a root that turns about `z` with `Ω = 3` and 12 (unit `√(EI/ρA)/L²`): flap stiffened by the
 /// centrifugal force, lag by the same less `Ω²`; against Ritz's method and, for `Ω = 12`, the published flap frequencies
-/// 13.1702, 37.6031 and 79.6145 of Wright et al. (1982). Ten pairs: 2e-5, 1e-4, 1e-3.
+/// 13.1702, 37.6031 and 79.6145 of Wright et al. (1982). Ten pairs: 1e-4, 2e-4, 5e-4 (the root bends within one pair
+/// at `Ω = 12`).
 #[test]
 fn s35_spinning_beam_is_stiffened() {
     for omega in [3.0f64, 12.0] {
@@ -157,7 +158,7 @@ fn s35_spinning_beam_is_stiffened() {
                     i + 1,
                     mode.frequency_hz * TAU
                 );
-                assert!(error.abs() < [2e-5, 1e-4, 1e-3][i], "Ω = {omega}, mode {}: {error:.1e}", i + 1);
+                assert!(error.abs() < [1e-4, 2e-4, 5e-4][i], "Ω = {omega}, mode {}: {error:.1e}", i + 1);
                 assert!(mode.shares[share] > 0.99 && mode.damping_ratio.abs() < 1e-9, "{mode:?}");
             }
         }

@@ -70,7 +70,8 @@ pub fn frequencies(tension: impl Fn(f64) -> f64, softening: f64) -> Vec<f64> {
 #[test]
 fn ritz_reproduces_the_clamped_free_beam() {
     let squares = frequencies(|_| 0.0, 0.0);
-    for (square, beta) in squares.iter().zip([1.875_104_068_711_961_1, 4.694_091_132_974_175, 7.854_757_438_237_613]) {
+    for (square, beta) in squares.iter().zip([1.875_104_068_711_961_1f64, 4.694_091_132_974_175, 7.854_757_438_237_613])
+    {
         assert!((square.sqrt() / beta.powi(2) - 1.0).abs() < 1e-8, "{} against {}", square.sqrt(), beta * beta);
     }
 }
