@@ -16,7 +16,7 @@ COMMAND     := $(TARGET)/release/foldwing
 FMU         := $(TARGET)/fmu/FoldingWing.fmu
 DEPLOYMENT  := $(TARGET)/deployment
 
-.PHONY: all build package venv deploy test format lint unit pytest bless python-lock clean help toolchain
+.PHONY: all build package venv deploy test format lint unit pytest bench bless python-lock clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -55,6 +55,9 @@ unit: toolchain
 pytest: package venv
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) \
 	    $(VENV_PYTHON) -m pytest -q tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
+
+bench: toolchain ## Measure the cost of the recursions; docs/BENCHMARKS.md
+	$(CARGO) bench --locked --bench kernels
 
 bless: toolchain ## Rewrite modelDescription/ after a deliberate change of the interface
 	FOLDWING_BLESS=1 $(CARGO) test --locked --test model_description

@@ -45,7 +45,7 @@ impl Drive {
     }
 }
 
-/// Neutral angle on its way to the command at the rate limit, in closed form.
+/// Neutral angle on its way to the command at the rate limit, in closed form, NOTATION eq. (A2).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Slew {
     /// Angle at `start_s` in rad.

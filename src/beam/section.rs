@@ -7,7 +7,7 @@ use nalgebra::Matrix4;
 /// Strains are ordered `(εx, κx, κy, κz)`; the axial strain at a point is `εx + z κy − y κz`, NOTATION eq. (K7).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
-    /// Symmetric positive definite stiffness of `(εx, κx, κy, κz)`: N, N·m and N·m².
+    /// Symmetric positive definite stiffness of `(εx, κx, κy, κz)`: N, N·m and N·m², NOTATION eq. (S1).
     pub stiffness: Matrix4<f64>,
     /// Mass per length in kg/m.
     pub mass_kg_m: f64,

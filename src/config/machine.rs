@@ -15,6 +15,8 @@ pub struct Machine {
     pub description: String,
     /// Bodies, each with the joint that holds it to its parent.
     pub bodies: Vec<Body>,
+    /// Joints that close loops, by the penalty method.
+    pub closures: Vec<Closure>,
     /// Strain gauges.
     pub gauges: Vec<Gauge>,
     /// Gravity in the root frame, m/s².
@@ -208,6 +210,23 @@ pub struct Latch {
     pub enable: bool,
 }
 
+/// Two sections whose points coincide: a ball joint that closes a loop. Two of them on one axis make a hinge.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Closure {
+    /// Identifier.
+    pub name: String,
+    /// Indices into [`Machine::bodies`] and distances from the bodies' inner ends in m.
+    pub places: [(usize, f64); 2],
+    /// Points from the sections' axes, section frames, m.
+    pub offsets_m: [Vector3<f64>; 2],
+    /// Penalty on the gap: inertia in kg.
+    pub inertia_kg: f64,
+    /// Penalty on the gap: damping in N·s/m.
+    pub damping_n_s_m: f64,
+    /// Penalty on the gap: stiffness in N/m.
+    pub stiffness_n_m: f64,
+}
+
 /// A strain gauge: axial strain at a point of a section.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gauge {
@@ -234,6 +253,8 @@ pub enum Method {
     Esdirk3,
     /// `ESDIRK4(3)6L[2]SA`, fourth order.
     Esdirk4,
+    /// Classical explicit Runge–Kutta, fourth order; with fixed steps only.
+    Rk4,
 }
 
 /// Settings of the time integration.

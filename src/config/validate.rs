@@ -93,6 +93,7 @@ fn build(file: &ModelFile, checker: &mut Checker) -> Option<Machine> {
         name: file.name.clone(),
         description: file.description.clone(),
         bodies: order.iter().map(|index| bodies[*index].take()).collect::<Option<_>>()?,
+        closures: Vec::new(),
         gauges: gauges?,
         gravity_m_s2: Vector3::from(file.gravity_m_s2),
         solver,

@@ -49,6 +49,9 @@ pub fn residual(model: &Model, work: &mut Workspace, motion: Motion, environment
             }
         }
     }
+    for closure in &model.closures {
+        closure.apply(work);
+    }
     sweep_inward(model, work, residual);
 }
 

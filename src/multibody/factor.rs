@@ -5,6 +5,7 @@
 //! one first, with their coupled stiffness carried along; NOTATION eqs. (D10)–(D14).
 
 use crate::math::so3::hat;
+use crate::multibody::closure;
 use crate::multibody::dynamics::Damping;
 use crate::multibody::joint::ParameterKind;
 use crate::multibody::model::{Base, Element, Model};
@@ -44,6 +45,20 @@ pub struct BadPivot {
 /// Factorises at the poses in `work`. `hinges` has one entry per body; those of clamped bodies are ignored.
 /// Allocates nothing.
 pub fn factorize(
+    model: &Model,
+    work: &mut Workspace,
+    weights: Weights,
+    damping: &[Damping],
+    hinges: &[HingeTangent],
+) -> Result<(), BadPivot> {
+    factorize_tree(model, work, weights, damping, hinges)?;
+    if model.closures.is_empty() {
+        return Ok(());
+    }
+    closure::factorize(model, work, weights).ok_or(BadPivot { coordinate: 0 })
+}
+
+fn factorize_tree(
     model: &Model,
     work: &mut Workspace,
     weights: Weights,
@@ -325,6 +340,12 @@ fn back(l: &Matrix4<f64>, mut b: Vector4<f64>) -> Vector4<f64> {
 /// Returns the kinematic norm of the solution: the largest node displacement over the reference length or
 /// rotation in rad that `x` would cause. Not finite if an entry is not. Allocates nothing.
 pub fn solve(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
+    let norm = solve_tree(model, work, x);
+    if model.closures.is_empty() { norm } else { closure::correct(model, work, x) }
+}
+
+/// [`solve`] without closed loops; the displacements of the nodes stay in `bias`.
+pub(crate) fn solve_tree(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     work.bias.fill(Pair::ZERO);
     for (index, body) in model.bodies.iter().enumerate().rev() {
         let mut p = work.bias[body.last_node()];

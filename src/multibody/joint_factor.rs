@@ -154,6 +154,19 @@ impl ParameterWork {
         change.iter().fold(0.0, |largest, change| largest.max(change * change))
     }
 
+    /// Forces on the freedoms from the wrench `p` of the joint's node.
+    pub(crate) fn project(&self, joint: &ParameterJoint, p: &Pair, out: &mut [f64]) {
+        let c = joint.coordinate;
+        if joint.kind == ParameterKind::Free {
+            out[c..c + 3].copy_from_slice(p.linear.as_slice());
+            out[c + 3..c + 6].copy_from_slice(p.angular.as_slice());
+            return;
+        }
+        let torques = self.axes.transpose() * p.angular;
+        let freedoms = joint.kind.freedoms();
+        out[c..c + freedoms].copy_from_slice(&torques.as_slice()[..freedoms]);
+    }
+
     /// Twist of the node that a change of the parameters causes, added to that of the parent.
     pub(crate) fn displace(&self, joint: &ParameterJoint, change: &[f64], moved: &mut Pair) {
         let c = joint.coordinate;

@@ -6,6 +6,7 @@
 use crate::beam::element::{ElementKind, ElementMass, PAIR_STIFFNESS};
 use crate::beam::section::Section;
 use crate::load::LoadFrame;
+use crate::multibody::closure::{Closure, ClosureDescription};
 use crate::multibody::joint::{ParameterJoint, ParameterKind};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
@@ -178,6 +179,8 @@ pub struct Model {
     pub nodes: Vec<NodeMass>,
     /// Stations, body by body.
     pub stations: Vec<Station>,
+    /// Closed loops.
+    pub closures: Vec<Closure>,
     /// Number of coordinates.
     pub coordinates: usize,
     /// Longest path from the root to a free end in m; scales displacements in the kinematic norm.
@@ -187,11 +190,17 @@ pub struct Model {
 impl Model {
     /// Meshes the bodies. Bodies must be sorted parent before child; positions must lie on their bodies.
     pub fn new(descriptions: &[BodyDescription]) -> Self {
+        Self::with_closures(descriptions, &[])
+    }
+
+    /// Meshes the bodies of a machine with closed loops; the loops' places become mesh boundaries.
+    pub fn with_closures(descriptions: &[BodyDescription], closures: &[ClosureDescription]) -> Self {
         let mut model = Self {
             bodies: Vec::new(),
             elements: Vec::new(),
             nodes: Vec::new(),
             stations: Vec::new(),
+            closures: Vec::new(),
             coordinates: 0,
             reference_length_m: 0.0,
         };
@@ -209,8 +218,18 @@ impl Model {
                 Attachment::Body { index: parent, position_m } if parent == index => Some(position_m),
                 _ => None,
             });
-            model.add_body(description, base, children.collect());
+            let looped = closures.iter().flat_map(|closure| closure.places);
+            let looped = looped.filter_map(|(body, position_m)| (body == index).then_some(position_m));
+            model.add_body(description, base, children.chain(looped).collect());
         }
+        model.closures = closures
+            .iter()
+            .map(|closure| Closure {
+                nodes: closure.places.map(|(body, position_m)| model.node_at(body, position_m)),
+                offsets_m: closure.offsets_m,
+                penalty: closure.penalty,
+            })
+            .collect();
         model.reference_length_m = path_m.iter().copied().fold(0.0, f64::max);
         model
     }

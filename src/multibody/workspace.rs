@@ -1,6 +1,7 @@
 //! Scratch of the recursions, sized once per model and rebuilt by every sweep.
 
 use crate::math::se3::Link;
+use crate::multibody::closure::ClosureFactor;
 use crate::multibody::joint::{JointPose, ParameterJoint};
 use crate::multibody::joint_factor::ParameterFactor;
 use crate::multibody::model::{Body, Model};
@@ -164,6 +165,7 @@ pub struct Workspace {
     pub(crate) hinge_factors: Vec<HingeFactor>,
     pub(crate) right_hand: Vec<Vector4<f64>>,
     pub(crate) hinge_right_hand: Vec<f64>,
+    pub(crate) closure_factor: ClosureFactor,
 }
 
 impl Workspace {
@@ -196,6 +198,7 @@ impl Workspace {
             hinge_factors: vec![HingeFactor { inverse_pivot: 0.0, velocity: zero, spin: zero }; bodies],
             right_hand: vec![Vector4::zeros(); elements],
             hinge_right_hand: vec![0.0; bodies],
+            closure_factor: ClosureFactor::new(model.closures.len(), model.coordinates),
         }
     }
 }

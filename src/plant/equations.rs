@@ -7,6 +7,7 @@ use crate::beam::element::rigid_body_mass;
 use crate::config::Machine;
 use crate::config::machine::{JointKind, JointMotion, Parent};
 use crate::load::{RootMotion, Wrench};
+use crate::multibody::closure::{ClosureDescription, Penalty};
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::factor::{self, HingeTangent, Weights};
 use crate::multibody::kinematics::Motion;
@@ -108,7 +109,20 @@ impl Equations {
                 load_frame: body.load_frame,
             })
             .collect();
-        let model = Model::new(&descriptions);
+        let closures: Vec<ClosureDescription> = machine
+            .closures
+            .iter()
+            .map(|closure| ClosureDescription {
+                places: closure.places,
+                offsets_m: closure.offsets_m,
+                penalty: Penalty {
+                    inertia_kg: closure.inertia_kg,
+                    damping_n_s_m: closure.damping_n_s_m,
+                    stiffness_n_m: closure.stiffness_n_m,
+                },
+            })
+            .collect();
+        let model = Model::with_closures(&descriptions, &closures);
         let joints = revolutes(machine)
             .zip(&parameters.joints)
             .map(|((body, revolute), parameters)| JointEquations {
@@ -169,6 +183,9 @@ impl Equations {
         }
         for joint in &self.spatial {
             potentials.drive += joint.potential_j(&self.work);
+        }
+        for closure in &self.model.closures {
+            potentials.elastic += closure.energy_j(&self.work).1;
         }
         potentials
     }
@@ -307,6 +324,9 @@ impl EquationsOfMotion for Equations {
         }
         for joint in &self.spatial {
             powers.dissipated += joint.dissipation_w(&self.work, v);
+        }
+        for closure in &self.model.closures {
+            powers.dissipated += closure.dissipation_w(&self.work);
         }
         if self.root.rotates() {
             powers.work += energy::frame_power(&self.model, &self.work, &self.root);

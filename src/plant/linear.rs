@@ -134,6 +134,9 @@ impl Plant {
     /// `BᵀMB`: residual of unit accelerations, nothing else acting.
     fn mass_matrix(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
         let mut bare = Bare::new(self);
+        for closure in &mut bare.model.closures {
+            closure.penalty.stiffness_n_m = 0.0;
+        }
         let n = self.coordinates();
         let zero = vec![0.0; n];
         let columns = freedoms.iter().map(|freedom| {

@@ -75,6 +75,7 @@ impl Plant {
             Method::TrBdf2 => stepper::Method::TrBdf2,
             Method::Esdirk3 => stepper::Method::Esdirk3,
             Method::Esdirk4 => stepper::Method::Esdirk4,
+            Method::Rk4 => stepper::Method::Rk4,
         };
         let outputs = outputs::blank(&machine, revolute_joints.len(), spatial_joints.len(), tip_bodies.len());
         Self {
@@ -119,6 +120,11 @@ impl Plant {
     /// Mass of the wing in kg, with the mass factors of the last initialisation.
     pub fn mass_kg(&self) -> f64 {
         crate::multibody::energy::mass_kg(&self.equations.model)
+    }
+
+    /// Gaps of the closed loops at the present time in m, root frame, in the order of [`Machine::closures`].
+    pub fn loop_gaps_m(&self) -> impl Iterator<Item = nalgebra::Vector3<f64>> {
+        self.equations.model.closures.iter().map(|closure| closure.gap(&self.equations.work).position_m)
     }
 
     /// Inputs of the coming step.

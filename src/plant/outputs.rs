@@ -107,7 +107,8 @@ impl Plant {
                 rotation,
             };
         }
-        let kinetic = energy::kinetic(model, work, |_, _| {});
+        let penalty: f64 = model.closures.iter().map(|closure| closure.energy_j(work).0).sum();
+        let kinetic = energy::kinetic(model, work, |_, _| {}) + penalty;
         let potentials = equations.potentials(time_s, &now.q);
         outputs.energy = EnergyOutputs {
             kinetic,

@@ -1,6 +1,7 @@
 //! One step by the chosen method.
 
 use crate::solve::EquationsOfMotion;
+use crate::solve::explicit::Rk4;
 use crate::solve::generalized_alpha::{GeneralizedAlpha, Parameters};
 use crate::solve::newton::{Effort, NewtonError};
 use crate::solve::point::Point;
@@ -21,6 +22,8 @@ pub enum Method {
     Esdirk3,
     /// ESDIRK4(3)6L[2]SA, fourth order.
     Esdirk4,
+    /// Classical explicit Runge–Kutta, fourth order, without error estimate.
+    Rk4,
 }
 
 /// A method with its scratch.
@@ -29,12 +32,18 @@ pub struct Stepper {
     method: Method,
     esdirk: Esdirk,
     generalized_alpha: GeneralizedAlpha,
+    rk4: Rk4,
 }
 
 impl Stepper {
     /// A method for `coordinates` unknowns.
     pub fn new(method: Method, coordinates: usize) -> Self {
-        Self { method, esdirk: Esdirk::new(coordinates), generalized_alpha: GeneralizedAlpha::new(coordinates) }
+        Self {
+            method,
+            esdirk: Esdirk::new(coordinates),
+            generalized_alpha: GeneralizedAlpha::new(coordinates),
+            rk4: Rk4::new(coordinates),
+        }
     }
 
     /// Power of the step with which the error estimate falls.
@@ -44,7 +53,7 @@ impl Stepper {
 
     fn tableau(&self) -> Option<&'static Tableau<'static>> {
         match self.method {
-            Method::GeneralizedAlpha { .. } => None,
+            Method::GeneralizedAlpha { .. } | Method::Rk4 => None,
             Method::TrBdf2 => Some(&TR_BDF2),
             Method::Esdirk3 => Some(&ESDIRK3),
             Method::Esdirk4 => Some(&ESDIRK4),
@@ -69,6 +78,7 @@ impl Stepper {
                 let parameters = Parameters::new(rho_infinity);
                 self.generalized_alpha.step(&parameters, equations, start, h_s, end, newton_tolerance, effort)
             }
+            (None, Method::Rk4) => self.rk4.step(equations, start, h_s, end, effort).map(|()| 0.0),
             (tableau, _) => {
                 let tableau = tableau.unwrap_or(&ESDIRK4);
                 self.esdirk.step(tableau, equations, start, h_s, end, newton_tolerance, effort)

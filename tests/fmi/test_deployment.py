@@ -40,15 +40,18 @@ def test_f11_latch_time_and_peak_strain(either_wing):
     Figures of an independent planar program, converged to 3e-4; the tolerances are the project's own targets.
     """
     result = either_wing.simulate()
+    peak = np.abs(result["gauge.root.strain"]).max()
+    print(f"latch at {final(result, 'fold.latch_time'):.6f} s, peak strain {peak:.4e}")
     assert final(result, "fold.latch_count") == 1
     assert final(result, "fold.latch_time") == pytest.approx(LATCH_S, rel=5e-3)
-    assert np.abs(result["gauge.root.strain"]).max() == pytest.approx(PEAK_STRAIN, rel=1e-2)
+    assert peak == pytest.approx(PEAK_STRAIN, rel=1e-2)
 
 
 def test_f12_as_printed_model_latches_early(fmus):
     """F-12. With the spring stiffness as printed the wing latches at 0.0407 s ± 1 %, as independent programs say."""
     result = fmus["folding_wing_as_printed"].simulate()
     first = result["fold.latch_time"][result["fold.latch_count"] > 0][0]
+    print(f"latch at {first:.6f} s")
     assert first == pytest.approx(AS_PRINTED_LATCH_S, rel=1e-2)
 
 
@@ -57,6 +60,7 @@ def test_f13_fold_angle_follows_the_reference(either_wing, reference):
     result = either_wing.simulate(output_interval=5e-4)
     before = reference["time_s"] < LATCH_S
     error_deg = np.degrees(result["fold.angle"]) - reference["fold_deg"]
+    print(f"largest error of the fold angle before the latch: {np.abs(error_deg[before]).max():.3f} deg")
     assert np.abs(error_deg[before]).max() < 0.5
 
 
@@ -66,6 +70,7 @@ def test_f14_root_strain_follows_the_reference(either_wing, reference):
     error = np.abs(result["gauge.root.strain"] - reference["gauge_strain_0p02m"]) / PEAK_STRAIN
     time_s = reference["time_s"]
     start, rest = time_s < START_S, (time_s >= START_S) & (time_s <= 0.3)
+    print(f"largest error of the strain over its peak: {error[rest].max():.2%}; first 10 ms: {error[start].max():.2%}")
     assert error[rest].max() < 0.02, f"{error[rest].max():.1%} at {time_s[rest][error[rest].argmax()]} s"
     assert error[start].max() < START_TOLERANCE, f"{error[start].max():.1%} at {time_s[error[start].argmax()]} s"
 
@@ -77,6 +82,7 @@ def test_f15_tip_follows_the_reference(either_wing, reference):
     gap_m = np.hypot(
         result["tip.position.x"] - reference["tip_x_m"], -result["tip.position.z"] - reference["tip_offaxis_m"]
     )
+    print(f"largest distance of the tip before the latch: {1e3 * gap_m[before].max():.3f} mm")
     assert gap_m[before].max() < 1e-3
 
 
@@ -91,6 +97,7 @@ def test_f16_latch_time_does_not_depend_on_the_communication_step(either_wing):
             result = either_wing.simulate(start_time=start_s, stop_time=start_s + 0.2, output_interval=step_s)
             latch_s[start_s, step_s] = final(result, "fold.latch_time") - start_s
     spread_s = max(latch_s.values()) - min(latch_s.values())
+    print(f"spread of the latch time: {spread_s:.1e} s")
     assert spread_s < 2e-5, f"spread {spread_s:.1e} s: {latch_s}"
 
 
@@ -110,5 +117,6 @@ def test_f18_energy_books_balance(shipped):
         result = shipped.simulate(relative_tolerance=tolerance)
         balance_j = result["energy.total"] - result["energy.work"] + result["energy.dissipated"]
         drift.append(np.ptp(balance_j) / result["energy.kinetic"].max())
+    print("drift over the largest kinetic energy:", ", ".join(f"{value:.1e}" for value in drift))
     assert drift[0] < 1e-2 and drift[2] < 1e-5, drift
     assert drift[1] < drift[0] / 10 and drift[2] < drift[1] / 10, drift

@@ -63,6 +63,7 @@ impl Tangent {
     /// Factorises the linearisation.
     pub fn factorize(&mut self, model: &Model) -> Result<(), SingularTangent> {
         let mut outer = self.nodes.clone();
+        self.add_own_springs(&mut outer);
         for (index, body) in model.bodies.iter().enumerate().rev() {
             let stride = stride(body);
             for i in (0..body.elements).step_by(stride).rev() {
@@ -88,7 +89,7 @@ impl Tangent {
                 outer[node] += passed;
             }
         }
-        Ok(())
+        self.factorize_closures(model)
     }
 
     /// Block of the element or pair that starts with element `i` of a body, and the sizes of its pivots.
@@ -118,7 +119,17 @@ impl Tangent {
 
     /// Solves with the last factorisation: `x` holds the right side and then the solution. Held joints do not move.
     pub fn solve(&mut self, model: &Model, x: &mut [f64]) {
+        self.solve_tree(model, x, None);
+        self.correct_closures(x);
+    }
+
+    /// Solves for the tree with the closures' own springs; the right side may hold a wrench on a node as well.
+    pub(super) fn solve_tree(&mut self, model: &Model, x: &mut [f64], load: Option<(usize, &Vector6<f64>)>) {
         self.wrenches.fill(Pair::ZERO);
+        if let Some((node, wrench)) = load {
+            // a wrench on the residual's side counts against the right side
+            self.wrenches[node] = pair(&-wrench);
+        }
         for (index, body) in model.bodies.iter().enumerate().rev() {
             let stride = stride(body);
             for i in (0..body.elements).step_by(stride).rev() {

@@ -2,13 +2,15 @@
 //!
 //! The tangent is not symmetric: forces and moments turn with the body or stay in the root frame, and rotations do
 //! not commute. It is kept link by link and never as a matrix of its own: [`Tangent::apply`] multiplies with it,
-//! [`Tangent::factorize`] and [`Tangent::solve`] invert it, each in O(n); NOTATION eqs. (L1)–(L7).
+//! [`Tangent::factorize`] and [`Tangent::solve`] invert it, each in O(n); NOTATION eqs. (L1)–(L7). Closed loops add a
+//! small dense correction.
 //!
 //! Vectors have [`Model::coordinates`] entries as the residual has. A joint with redundant parameters uses the first
 //! of its entries for its freedoms (rotations about its axes, rad) and leaves the rest at zero;
 //! [`Tangent::to_coordinates`] turns them into changes of the parameters.
 
 mod block;
+mod closure;
 mod factor;
 mod joint;
 
@@ -23,6 +25,7 @@ use crate::multibody::model::{Base, Body, Model, Station};
 use crate::multibody::station;
 use crate::multibody::workspace::{Node, Pair, Workspace};
 use block::{Block, Cross, LinkTangent, turned};
+use closure::{ClosureTangent, Coupling};
 use factor::{Factor, twist};
 use joint::JointBlock;
 use nalgebra::{DMatrix, Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector4, Vector6};
@@ -60,6 +63,8 @@ pub struct Tangent {
     /// Of the element, or pair, that starts with this element.
     factors: Vec<Option<Factor>>,
     joint_factors: Vec<Option<Factor>>,
+    closures: Vec<ClosureTangent>,
+    coupling: Option<Coupling>,
     displaced: Vec<Pair>,
     wrenches: Vec<Pair>,
 }
@@ -76,6 +81,8 @@ impl Tangent {
             joints: vec![JointBlock::default(); bodies],
             factors: vec![None; elements],
             joint_factors: vec![None; bodies],
+            closures: Vec::new(),
+            coupling: None,
             displaced: vec![Pair::ZERO; nodes],
             wrenches: vec![Pair::ZERO; nodes],
         }
@@ -112,6 +119,7 @@ impl Tangent {
             self.joints[index] = JointBlock::new(model, work, index, &surroundings.joints[index]);
         }
         self.linearize_stations(model, work, q, surroundings.stations);
+        self.linearize_closures(model, work);
     }
 
     /// Nodal forces turn with their node, and change with its place in a rotating frame, eq. (L4).
@@ -169,6 +177,7 @@ impl Tangent {
                 }
             }
         }
+        self.push_closures();
         for (index, body) in model.bodies.iter().enumerate().rev() {
             let stride = stride(body);
             for i in (0..body.elements).rev() {

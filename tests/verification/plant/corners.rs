@@ -197,6 +197,36 @@ fn p48_two_joints_latch_at_the_same_instant() {
     }
 }
 
+/// P-53. Inputs that change at the very time of the crossing, or within round-off of it, do not lose the closing.
+///
+/// The plant used to forget a closing that it had located when the inputs changed between it and the present.
+#[test]
+fn p53_inputs_changed_at_the_crossing_keep_the_closing() {
+    let falling = || {
+        let mut revolute = free_hinge(0.5);
+        revolute.start_rate_rad_s = -4.0;
+        revolute.latch = Some(latch(2.0));
+        start(rod(revolute))
+    };
+    let mut plant = falling();
+    coast(&mut plant, 0.13);
+    let crossing_s = only(&plant).latch_time_s;
+    for shift_s in [0.0, 1e-16, -1e-16, 1e-13, -1e-13, 1e-11, -1e-11, 1e-10, -1e-10, 1e-9, -1e-9] {
+        for early in [false, true] {
+            let mut plant = falling();
+            for (i, time_s) in [0.05, 0.1, crossing_s + shift_s, 0.126, 0.13].into_iter().enumerate() {
+                if early || i >= 3 {
+                    plant.inputs_mut().joints[0].torque_n_m = 1e-12 * i as f64;
+                }
+                coast(&mut plant, time_s);
+            }
+            let joint = only(&plant);
+            assert!(joint.latched && joint.latch_count == 1, "shift {shift_s:e} s, {early}: {joint:?}");
+            assert!((joint.latch_time_s - crossing_s).abs() < 1e-7, "closed at {} s", joint.latch_time_s);
+        }
+    }
+}
+
 /// P-49. The stopper holds exactly at the start angle until released; a release cannot be undone.
 #[test]
 fn p49_stopper_holds_until_released_for_good() {

@@ -49,3 +49,43 @@ fn p02_wing_as_printed_latches_early() {
     let (latch_s, ..) = deploy(machine);
     assert_relative("latch time", "s", latch_s, 0.0407, 1e-2);
 }
+
+/// P-03. Time histories against `folding_wing_still_air.csv` at the file's own times, up to 0.3 s.
+///
+/// Fold angle within 0.5° before the latch, strain within 2 % of the peak. The latch's ringing needs no filter: both
+/// sides ring alike, and the differences stay below 1.4 % of the peak point by point from the latch to 0.3 s (0.4 %
+/// in a moving average over 6.5 ms). Left out of the 2 % is only the impulsive start: content above 1 kHz that two
+/// pairs do not resolve differs by 3.8 % at 1 ms, 15 constant elements by 1.7 %. It has its own limit of 4 % up to
+/// 5 ms. With 6 pairs, the reference's 20 elements being 5e-4 high in time, the fold angle differs by 0.05°.
+#[test]
+fn p03_histories_follow_the_reference() {
+    let rows = reference_rows("folding_wing_still_air.csv");
+    for (name, kind, count) in [("2 pairs", ElementKind::Linear, 2), ("15 constant", ElementKind::Constant, 15)] {
+        let mut plant = start(wing(kind, count, Method::Esdirk4, 1e-5));
+        let (mut fold_deg, mut early, mut strain, mut tip_m) = (0f64, 0f64, 0f64, 0f64);
+        for row in rows.iter().skip(1).filter(|row| row[0] <= 0.3) {
+            coast(&mut plant, row[0]);
+            let outputs = plant.outputs();
+            if row[0] < 0.122 {
+                fold_deg = fold_deg.max((outputs.joints[0].angle_rad.to_degrees() - row[1]).abs());
+            }
+            let difference = (outputs.gauges[0] - row[2]).abs() / 5.31e-3;
+            if row[0] < 5e-3 {
+                early = early.max(difference)
+            } else {
+                strain = strain.max(difference)
+            }
+            let tip = outputs.tips[0].position_m;
+            tip_m = tip_m.max((tip.x - row[3]).abs()).max((-tip.z - row[4]).abs());
+        }
+        println!(
+            "{name}: fold {fold_deg:.3}°, strain {:.2} % of the peak ({:.2} % before 5 ms), tip {tip_m:.1e} m",
+            100.0 * strain,
+            100.0 * early
+        );
+        assert!(fold_deg < 0.5, "{name}: fold angle differs by {fold_deg:.3}°");
+        assert!(strain < 0.02, "{name}: strain differs by {:.2} % of the peak", 100.0 * strain);
+        assert!(early < 0.04, "{name}: strain differs by {:.2} % of the peak before 5 ms", 100.0 * early);
+        assert!(tip_m < 5e-4, "{name}: tip coordinates differ by {tip_m:.1e} m");
+    }
+}

@@ -19,6 +19,7 @@ pub fn machine(bodies: Vec<Body>) -> Machine {
         name: "test".into(),
         description: String::new(),
         bodies,
+        closures: Vec::new(),
         gauges: Vec::new(),
         gravity_m_s2: Vector3::zeros(),
         solver: solver(Method::Esdirk4, 1e-6),
@@ -126,6 +127,7 @@ pub fn wing(kind: ElementKind, count: usize, method: Method, tolerance: f64) -> 
     outer.mass_damping_1_s = 2.5;
     bodies.push(outer);
     Machine {
+        closures: Vec::new(),
         gauges: vec![Gauge { name: "root".into(), body: 0, position_m: 0.02, y_m: 0.0, z_m: 0.001 }],
         gravity_m_s2: Vector3::new(-9.8, 0.0, 0.0),
         solver: solver(method, tolerance),

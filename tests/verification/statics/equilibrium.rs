@@ -80,12 +80,8 @@ fn s12_elastica_follower() {
         assert_order(&format!("S-12 pairs, load {load}"), &pairs, 3.5, 4.5);
         assert!(pairs[1] <= 1e-4, "load {load}: 8 pairs off by {:.1e} L", pairs[1]);
 
-        let follower = Cantilever {
-            load_frame: "section",
-            elements: 16,
-            tip: [[0.0, 0.0, load], [0.0; 3]],
-            ..Default::default()
-        };
+        let follower =
+            Cantilever { load_frame: "section", elements: 16, tip: [[0.0, 0.0, load], [0.0; 3]], ..Default::default() };
         let (plant, _) = at_rest(&follower.text());
         let (sections, _, _) = rod.solve(16);
         for (here, exact) in plant.shape()[0].iter().zip(&sections) {

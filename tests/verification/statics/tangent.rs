@@ -1,8 +1,9 @@
-//! S-01 to S-03: the exact tangent against differences of the residual and against a dense solution.
+//! S-01 to S-04: the exact tangent against differences of the residual and against a dense solution.
 
 use foldwing::beam::element::{ElementKind, rigid_body_mass};
 use foldwing::beam::section::Section;
 use foldwing::load::{LoadFrame, RootMotion, Wrench};
+use foldwing::multibody::closure::{Closure, Penalty};
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
 use foldwing::multibody::joint::project;
 use foldwing::multibody::kinematics::Motion;
@@ -250,5 +251,37 @@ fn s03_recursive_solution_is_the_dense_one() {
         let backward = worst / (dense.amax() * largest);
         println!("S-03 seed {seed}: backward error {backward:.1e}");
         assert!(backward < 1e-14, "seed {seed}: backward error {backward:.1e}");
+    }
+}
+
+/// S-04. Closed loops: two closures between branches, with offset points and gaps of some millimetres. The tangent
+/// against differences, and the corrected O(n) solution against the dense matrix; hinges that nothing but the loops
+/// holds included.
+#[test]
+fn s04_closed_loops() {
+    for seed in 8..=10 {
+        let mut case = Case::new(seed, HINGES, [false; 4], seed == 9);
+        let mut dice = Dice(seed);
+        let mut closure = |first: usize, second: usize, stiffness_n_m: f64| Closure {
+            nodes: [case.model.bodies[first].last_node(), case.model.bodies[second].last_node()],
+            offsets_m: [dice.vector() * 0.1, dice.vector() * 0.1],
+            penalty: Penalty { inertia_kg: 0.1, damping_n_s_m: 1.0, stiffness_n_m },
+        };
+        case.model.closures = vec![closure(1, 3, 300.0), closure(0, 1, 80.0)];
+        let worst = case.worst_column();
+
+        let n = case.model.coordinates;
+        let mut work = Workspace::new(&case.model);
+        let mut tangent = case.tangent(&mut work);
+        let right: Vec<f64> = (0..n).map(|_| dice.roll()).collect();
+        let mut x = right.clone();
+        tangent.factorize(&case.model).expect("random tangents are regular");
+        tangent.solve(&case.model, &mut x);
+        let dense = tangent.dense(&case.model);
+        let product = &dense * DVector::from_column_slice(&x);
+        let gap = (product - DVector::from_vec(right)).amax();
+        let backward = gap / (dense.amax() * x.iter().fold(0.0f64, |largest, x| largest.max(x.abs())));
+        println!("S-04 seed {seed}: differences {worst:.1e}, backward error {backward:.1e}");
+        assert!(worst < 1e-11 && backward < 1e-12, "seed {seed}: {worst:.1e}, {backward:.1e}");
     }
 }

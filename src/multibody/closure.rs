@@ -1,0 +1,244 @@
+//! Closed loops by the penalty method: a joint between two nodes of the tree.
+//!
+//! The gap `g` between a point of either node is held small by `m g̈ + c ġ + k g`, seed section 1 and NOTATION
+//! eqs. (C1)–(C3). Its part of the Newton matrix couples distant branches; it has low rank, so the tree's O(n)
+//! factorisation stays and Woodbury's formula adds the loops.
+
+use crate::multibody::factor::{Weights, kinematic_norm, solve_tree};
+use crate::multibody::model::{Base, Model};
+use crate::multibody::workspace::{Node, Pair, Workspace};
+use nalgebra::Vector3;
+
+/// Penalty on the gap of a closed loop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Penalty {
+    /// Inertia `m` in kg.
+    pub inertia_kg: f64,
+    /// Damping `c` in N·s/m.
+    pub damping_n_s_m: f64,
+    /// Stiffness `k` in N/m.
+    pub stiffness_n_m: f64,
+}
+
+/// A closure as the mesh maker needs it: two points that coincide.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClosureDescription {
+    /// Bodies and the distances of the sections from their inner ends in m.
+    pub places: [(usize, f64); 2],
+    /// Points from the sections' axes, section frames, m.
+    pub offsets_m: [Vector3<f64>; 2],
+    /// Penalty.
+    pub penalty: Penalty,
+}
+
+/// Two points of the tree that coincide.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Closure {
+    /// Nodes.
+    pub nodes: [usize; 2],
+    /// Points from the nodes, node frames, m.
+    pub offsets_m: [Vector3<f64>; 2],
+    /// Penalty.
+    pub penalty: Penalty,
+}
+
+/// Gap of a closure with its rates, root frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gap {
+    /// Second point less first point in m.
+    pub position_m: Vector3<f64>,
+    /// Its rate in m/s.
+    pub velocity_m_s: Vector3<f64>,
+    /// Its second rate in m/s².
+    pub acceleration_m_s2: Vector3<f64>,
+}
+
+impl Closure {
+    /// Gap at the motion of the last sweep, eq. (C1).
+    pub fn gap(&self, work: &Workspace) -> Gap {
+        let point = |side: usize| {
+            let node = &work.nodes[self.nodes[side]];
+            let arm = node.rotation * self.offsets_m[side];
+            let swing = node.spin.cross(&arm);
+            [
+                node.position + arm,
+                node.velocity + swing,
+                node.acceleration + node.spin_rate.cross(&arm) + node.spin.cross(&swing),
+            ]
+        };
+        let (first, second) = (point(0), point(1));
+        Gap {
+            position_m: second[0] - first[0],
+            velocity_m_s: second[1] - first[1],
+            acceleration_m_s2: second[2] - first[2],
+        }
+    }
+
+    /// Energy of the penalty in J: kinetic and elastic.
+    pub fn energy_j(&self, work: &Workspace) -> (f64, f64) {
+        let gap = self.gap(work);
+        (
+            0.5 * self.penalty.inertia_kg * gap.velocity_m_s.norm_squared(),
+            0.5 * self.penalty.stiffness_n_m * gap.position_m.norm_squared(),
+        )
+    }
+
+    /// Power of the penalty's damping in W.
+    pub fn dissipation_w(&self, work: &Workspace) -> f64 {
+        self.penalty.damping_n_s_m * self.gap(work).velocity_m_s.norm_squared()
+    }
+
+    /// Adds the penalty force to the wrenches of both nodes, eq. (C2).
+    pub(crate) fn apply(&self, work: &mut Workspace) {
+        let gap = self.gap(work);
+        let force = gap.acceleration_m_s2 * self.penalty.inertia_kg
+            + gap.velocity_m_s * self.penalty.damping_n_s_m
+            + gap.position_m * self.penalty.stiffness_n_m;
+        for (side, force) in [(0, -force), (1, force)] {
+            let node = &mut work.nodes[self.nodes[side]];
+            let moment = (node.rotation * self.offsets_m[side]).cross(&force);
+            node.add_fixed(&force, &moment);
+        }
+    }
+
+    /// Change of the gap that the node displacements in `work.bias` make.
+    fn gap_change(&self, work: &Workspace) -> Vector3<f64> {
+        let change = |side: usize| {
+            let n = self.nodes[side];
+            let arm = work.nodes[n].rotation * self.offsets_m[side];
+            work.bias[n].linear + work.bias[n].angular.cross(&arm)
+        };
+        change(1) - change(0)
+    }
+}
+
+/// Scratch for the closures of a model.
+#[derive(Debug, Clone)]
+pub(crate) struct ClosureFactor {
+    /// Columns `Z = A⁻¹ Gᵀ`, one per row of the gaps.
+    columns: Vec<Vec<f64>>,
+    /// Lower Cholesky factor of `S = D⁻¹ + G Z`, by rows.
+    cholesky: Vec<f64>,
+    gaps: Vec<f64>,
+}
+
+impl ClosureFactor {
+    /// Scratch for `closures` closures on `coordinates` coordinates.
+    pub(crate) fn new(closures: usize, coordinates: usize) -> Self {
+        let rows = 3 * closures;
+        Self { columns: vec![vec![0.0; coordinates]; rows], cholesky: vec![0.0; rows * rows], gaps: vec![0.0; rows] }
+    }
+}
+
+/// Stands for no penalty; its inverse and the square of that are still finite.
+const ABSENT: f64 = 1e-150;
+
+/// Adds the closures to a factorisation of the tree. `None` where the small matrix has no factor.
+pub(crate) fn factorize(model: &Model, work: &mut Workspace, weights: Weights) -> Option<()> {
+    let rows = 3 * model.closures.len();
+    let mut factor = std::mem::replace(&mut work.closure_factor, ClosureFactor::new(0, 0));
+    for row in 0..rows {
+        let closure = &model.closures[row / 3];
+        project_unit_force(model, work, closure, row % 3, &mut factor.columns[row]);
+        solve_tree(model, work, &mut factor.columns[row]);
+        for (other, closure) in model.closures.iter().enumerate() {
+            let change = closure.gap_change(work);
+            for axis in 0..3 {
+                factor.cholesky[(3 * other + axis) * rows + row] = change[axis];
+            }
+        }
+        let Penalty { inertia_kg, damping_n_s_m, stiffness_n_m } = closure.penalty;
+        let penalty = weights.mass * inertia_kg + weights.damping * damping_n_s_m + weights.stiffness * stiffness_n_m;
+        // without inertia the mass matrix alone knows nothing of the loop
+        factor.cholesky[row * rows + row] += 1.0 / penalty.max(ABSENT);
+    }
+    let outcome = cholesky(&mut factor.cholesky, rows);
+    work.closure_factor = factor;
+    outcome
+}
+
+/// Corrects a solution of the tree for the closures, eq. (C3); returns its kinematic norm. The node displacements of
+/// the tree's solution must stand in `work.bias`.
+pub(crate) fn correct(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
+    let rows = 3 * model.closures.len();
+    let mut factor = std::mem::replace(&mut work.closure_factor, ClosureFactor::new(0, 0));
+    for (i, closure) in model.closures.iter().enumerate() {
+        factor.gaps[3 * i..3 * i + 3].copy_from_slice(closure.gap_change(work).as_slice());
+    }
+    let (l, w) = (&factor.cholesky, &mut factor.gaps);
+    for i in 0..rows {
+        for k in 0..i {
+            w[i] -= l[i * rows + k] * w[k];
+        }
+        w[i] /= l[i * rows + i];
+    }
+    for i in (0..rows).rev() {
+        for k in i + 1..rows {
+            w[i] -= l[k * rows + i] * w[k];
+        }
+        w[i] /= l[i * rows + i];
+    }
+    for (column, weight) in factor.columns.iter().zip(&factor.gaps) {
+        x.iter_mut().zip(column).for_each(|(x, z)| *x -= weight * z);
+    }
+    work.closure_factor = factor;
+    kinematic_norm(model, work, x)
+}
+
+/// Generalised forces of a unit force across a closure's gap.
+fn project_unit_force(model: &Model, work: &mut Workspace, closure: &Closure, axis: usize, out: &mut [f64]) {
+    work.bias.fill(Pair::ZERO);
+    let mut unit = Vector3::zeros();
+    unit[axis] = 1.0;
+    for (side, force) in [(0, -unit), (1, unit)] {
+        let n = closure.nodes[side];
+        let node: &Node = &work.nodes[n];
+        work.bias[n].linear += force;
+        work.bias[n].angular += (node.rotation * closure.offsets_m[side]).cross(&force);
+    }
+    out.fill(0.0);
+    for (index, body) in model.bodies.iter().enumerate().rev() {
+        let mut p = work.bias[body.last_node()];
+        for i in (0..body.elements).rev() {
+            let link = &work.links[body.first_element + i];
+            let c = model.elements[body.first_element + i].coordinate;
+            out[c] = link.velocity[0].dot(&p.linear);
+            for j in 0..3 {
+                out[c + 1 + j] = link.velocity[j + 1].dot(&p.linear) + link.spin[j].dot(&p.angular);
+            }
+            let own = &work.bias[body.first_node + i];
+            p = Pair { linear: own.linear + p.linear, angular: own.angular + p.angular + link.arm_m.cross(&p.linear) };
+        }
+        if let Some(hinge) = &body.hinge {
+            out[hinge.coordinate] = work.hinges[index].dot(&p.angular);
+        }
+        if let (Some(joint), Some(parameters)) = (&body.parameters, &work.parameters[index]) {
+            parameters.project(joint, &p, out);
+        }
+        if let Base::Node(node) = body.base {
+            work.bias[node].linear += p.linear;
+            work.bias[node].angular += p.angular;
+        }
+    }
+}
+
+/// In-place Cholesky factorisation of a small dense matrix, by rows.
+fn cholesky(matrix: &mut [f64], n: usize) -> Option<()> {
+    for j in 0..n {
+        for i in j..n {
+            let mut entry = matrix[i * n + j];
+            for k in 0..j {
+                entry -= matrix[i * n + k] * matrix[j * n + k];
+            }
+            if i == j {
+                if !(entry > 0.0 && entry.is_finite()) {
+                    return None;
+                }
+                matrix[i * n + j] = entry.sqrt();
+            } else {
+                matrix[i * n + j] = entry / matrix[j * n + j];
+            }
+        }
+    }
+    Some(())
+}

@@ -1,0 +1,111 @@
+//! Stepping a plant allocates nothing after the first step.
+
+#[allow(dead_code)]
+#[path = "verification/plant/machines.rs"]
+mod machines;
+
+use foldwing::config::machine::{ElementKind, JointMotion, Machine, Method, Motion};
+use foldwing::load::LoadFrame;
+use machines::*;
+use nalgebra::Vector3;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+/// The system's allocator, which counts per thread.
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+fn count() {
+    // during a thread's teardown there is no counter any more
+    let _ = ALLOCATIONS.try_with(|allocations| allocations.set(allocations.get() + 1));
+}
+
+// SAFETY: every call is forwarded unchanged to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: forwarded from the caller.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: forwarded from the caller.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn realloc(&self, block: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
+        count();
+        // SAFETY: forwarded from the caller.
+        unsafe { System.realloc(block, layout, new_size) }
+    }
+
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        // SAFETY: forwarded from the caller.
+        unsafe { System.dealloc(block, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Allocations of a run of 0.3 s after its first step: inputs, loads, root and parameters change, the latch closes,
+/// opens and closes.
+fn allocations(machine: Machine) -> (u64, i32) {
+    let mut plant = start(machine);
+    coast(&mut plant, 1e-3);
+    let before = ALLOCATIONS.with(Cell::get);
+    for i in 2..=400 {
+        let share = f64::from(i) / 400.0;
+        let inputs = plant.inputs_mut();
+        if i % 3 == 0 {
+            for load in &mut inputs.stations {
+                load.force_n = Vector3::new(0.01, 0.02, 0.03) * share;
+                load.moment_n_m = Vector3::new(1e-4, 0.0, 1e-4) * share;
+            }
+            inputs.root.angular_velocity_rad_s = Vector3::new(0.1, 0.2, 0.3) * share;
+        }
+        inputs.joints[0].latch_enable = !(200..250).contains(&i);
+        inputs.joints[0].command_rad = if (200..250).contains(&i) { 2.0 } else { -0.5 };
+        if i == 100 {
+            plant.parameters_mut().joints[0].damping_n_m_s_rad *= 1.1;
+        }
+        coast(&mut plant, 1e-3 * f64::from(i));
+    }
+    (ALLOCATIONS.with(Cell::get) - before, plant.outputs().joints[0].latch_count)
+}
+
+/// No method allocates in [`foldwing::plant::Plant::step`] after the first step; variable and fixed steps, both
+/// kinds of element, dead and follower loads, through latching twice.
+#[test]
+fn a01_steps_allocate_nothing() {
+    for method in [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::GeneralizedAlpha] {
+        for (kind, count) in [(ElementKind::Linear, 2), (ElementKind::Constant, 5)] {
+            for fixed_step_s in [None, Some(2e-4)] {
+                let mut machine = wing(kind, count, method, 1e-4);
+                machine.solver.fixed_step_s = fixed_step_s;
+                hinge_of(&mut machine, 1).drive.rate_limit_rad_s = 30.0;
+                for body in &mut machine.bodies {
+                    body.station_positions_m = vec![0.05, 0.15];
+                    body.stiffness_damping_s = 1e-6;
+                }
+                machine.bodies[1].load_frame = LoadFrame::Section;
+                let (allocations, closings) = allocations(machine);
+                assert_eq!(allocations, 0, "{method:?}, {kind:?}, fixed step {fixed_step_s:?}: allocations");
+                assert!(closings >= 1, "{method:?}, {kind:?}: the run must span a latch, closings: {closings}");
+            }
+        }
+    }
+}
+
+/// Nor with a prescribed joint.
+#[test]
+fn a02_prescribed_joint_allocates_nothing() {
+    let mut machine = default_wing(1e-4);
+    let knots = vec![(0.02, 2.9), (0.15, 1.0), (0.3, 0.1)];
+    hinge_of(&mut machine, 1).motion = JointMotion::Prescribed(Motion::Table(knots));
+    assert_eq!(allocations(machine).0, 0, "allocations");
+}

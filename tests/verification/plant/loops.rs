@@ -1,0 +1,104 @@
+//! Closed loops by the penalty method.
+
+use crate::machines::*;
+use foldwing::beam::section::{Material, Section};
+use foldwing::config::machine::*;
+use foldwing::plant::Plant;
+use nalgebra::{Vector2, Vector3};
+use std::sync::Arc;
+
+/// Crank, coupler, rocker and ground of a four-bar linkage in m; the crank turns fully.
+const BARS_M: [f64; 4] = [0.3, 0.8, 0.6, 0.7];
+const START_RAD: f64 = 0.5;
+/// The crank angle is `START_RAD + SPIN_UP t²`.
+const SPIN_UP_RAD_S2: f64 = 3.0;
+
+/// Angles of coupler and rocker against the ground, and their common end, for a crank angle (all in the plane).
+fn kinematics(crank_rad: f64) -> (f64, f64, Vector2<f64>) {
+    let [crank, coupler, rocker, ground] = BARS_M;
+    let pin = Vector2::new(crank_rad.cos(), crank_rad.sin()) * crank;
+    let pivot = Vector2::new(ground, 0.0);
+    let span = pivot - pin;
+    let angle = ((coupler * coupler + span.norm_squared() - rocker * rocker) / (2.0 * coupler * span.norm())).acos();
+    let coupler_rad = span.y.atan2(span.x) + angle;
+    let end = pin + Vector2::new(coupler_rad.cos(), coupler_rad.sin()) * coupler;
+    let arm = end - pivot;
+    (coupler_rad, arm.y.atan2(arm.x), end)
+}
+
+/// Steel bars in the `x`–`z` plane, 1e4 times too stiff, crank prescribed; the coupler's end meets the rocker's.
+fn four_bar(stiffness_n_m: f64, tolerance: f64) -> Plant {
+    let material = Material { young_pa: 2e11, shear_pa: 8e10, density_kg_m3: 7800.0 };
+    let section = Section::rectangle(0.02, 0.02, &material, None);
+    let (coupler_rad, rocker_rad, _) = kinematics(START_RAD);
+    // positive angles about y turn x towards −z
+    let mut crank_hinge = free_hinge(-START_RAD);
+    crank_hinge.motion = JointMotion::Prescribed(Motion::Polynomial(vec![-START_RAD, 0.0, -SPIN_UP_RAD_S2]));
+    let bar = |name: &str, i: usize, joint| body(name, BARS_M[i], &section, ElementKind::Linear, 1, joint);
+    let mut bodies = vec![bar("crank", 0, hinged_to_root(crank_hinge))];
+    let coupler_hinge = hinged_to(&bodies, free_hinge(START_RAD - coupler_rad));
+    bodies.push(bar("coupler", 1, coupler_hinge));
+    let mut rocker_hinge = hinged_to_root(free_hinge(-rocker_rad));
+    rocker_hinge.parent = Parent::Root { position_m: Vector3::new(BARS_M[3], 0.0, 0.0) };
+    bodies.push(bar("rocker", 2, rocker_hinge));
+    let mut machine = machine(bodies);
+    machine.gravity_m_s2 = Vector3::new(0.0, 0.0, -9.8);
+    machine.solver.tolerance = tolerance;
+    machine.closures = vec![Closure {
+        name: "pin".into(),
+        places: [(1, BARS_M[1]), (2, BARS_M[2])],
+        offsets_m: [Vector3::zeros(); 2],
+        inertia_kg: 0.0,
+        damping_n_s_m: 2e-4 * stiffness_n_m,
+        stiffness_n_m,
+    }];
+    let mut plant = Plant::new(Arc::new(machine));
+    plant.parameters_mut().bodies.iter_mut().for_each(|body| body.stiffness_factor = 1e4);
+    plant.initialize(0.0).expect("initial accelerations");
+    plant
+}
+
+/// P-68. A four-bar linkage that one penalty joint closes follows its exact kinematics over two turns of the crank.
+///
+/// The pin force is of the order of 200 N (3 kg/m bars, 43 m/s² at the end), so the gap is 200 N over the stiffness:
+/// it must fall in proportion, and the end of the coupler misses by about the gap times the mechanism's lever.
+#[test]
+fn p68_four_bar_linkage_follows_its_kinematics() {
+    let mut gaps = Vec::new();
+    for stiffness_n_m in [1e6, 1e7] {
+        let mut plant = four_bar(stiffness_n_m, 1e-6);
+        let (mut miss_m, mut gap_m) = (0f64, 0f64);
+        for step in 1..=200 {
+            let time_s = 0.01 * f64::from(step);
+            plant.step(time_s).expect("a step");
+            let (_, _, end) = kinematics(START_RAD + SPIN_UP_RAD_S2 * time_s * time_s);
+            let tip = plant.outputs().tips[0].position_m;
+            miss_m = miss_m.max((tip - Vector3::new(end.x, 0.0, end.y)).norm());
+            gap_m = gap_m.max(plant.loop_gaps_m().next().expect("one loop").norm());
+        }
+        println!("penalty {stiffness_n_m:.0e} N/m: gap {gap_m:.2e} m, end misses by {miss_m:.2e} m");
+        assert!(gap_m < 400.0 / stiffness_n_m, "gap {gap_m:.1e} m at {stiffness_n_m:.0e} N/m");
+        assert!(miss_m < 3.0 * gap_m, "end misses by {miss_m:.1e} m at a gap of {gap_m:.1e} m");
+        gaps.push(gap_m);
+    }
+    let ratio = gaps[0] / gaps[1];
+    assert!((9.0..11.0).contains(&ratio), "ten times the penalty divides the gap by {ratio:.2}");
+}
+
+/// P-69. The energy accounts close with a penalty joint too: its springs count as elastic, its dampers as dissipation.
+///
+/// Tolerance 1e-8 per step; 1e-5 of the largest kinetic energy is what the prescribed crank's work leaves.
+#[test]
+fn p69_energy_accounts_close_around_a_loop() {
+    let mut plant = four_bar(1e6, 1e-8);
+    let start_j = balance_j(plant.outputs());
+    let (mut drift_j, mut kinetic_j) = (0f64, 0f64);
+    for step in 1..=50 {
+        plant.step(0.01 * f64::from(step)).expect("a step");
+        drift_j = drift_j.max((balance_j(plant.outputs()) - start_j).abs());
+        kinetic_j = kinetic_j.max(plant.outputs().energy.kinetic);
+    }
+    let share = drift_j / kinetic_j;
+    println!("drift {share:.1e} of the largest kinetic energy");
+    assert!(share < 1e-5, "drift {share:.1e} of the largest kinetic energy {kinetic_j:.2e} J");
+}
