@@ -50,7 +50,7 @@ pub struct Body {
     pub station_positions_m: Vec<f64>,
     /// Frame of the station loads.
     pub load_frame: LoadFrame,
-    /// Start values of the loads, per station, in that frame.
+    /// Start values of the loads, per station, in that frame; stations beyond the list carry none.
     pub station_loads: Vec<Wrench>,
     /// Point masses and rigid bodies on this body.
     pub masses: Vec<AttachedMass>,

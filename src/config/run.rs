@@ -79,7 +79,9 @@ pub(super) struct ExperimentFile {
     /// Communication step.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub step_s: f64,
-    /// State at the start.
+    /// State at the start: `unstrained`, gravity and loads then act at once; or `equilibrium`, at rest under them. Stoppers
+    /// hold the joints at their start angles while the wing settles, but those whose latch is closed; joints that are
+    /// released let go at the start.
     pub start: StartFile,
 }
 
@@ -89,8 +91,7 @@ pub(super) struct ExperimentFile {
 pub(super) enum StartFile {
     /// Without strains; gravity and loads act from the start on.
     Unstrained,
-    /// At rest under gravity and loads. Stoppers hold the joints at their start angles while the wing settles, but those
-    /// whose latch is closed; joints that are released let go at the start.
+    /// At rest under gravity and loads.
     Equilibrium,
 }
 

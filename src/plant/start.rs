@@ -17,7 +17,14 @@ impl Inputs {
                     latch_enable: revolute.latch.as_ref().is_some_and(|latch| latch.enable),
                 })
                 .collect(),
-            stations: machine.bodies.iter().flat_map(|body| body.station_loads.iter().copied()).collect(),
+            stations: machine
+                .bodies
+                .iter()
+                .flat_map(|body| {
+                    let load = |i: usize| body.station_loads.get(i).copied().unwrap_or_default();
+                    (0..body.station_positions_m.len()).map(load)
+                })
+                .collect(),
             root: RootMotion { gravity_m_s2: machine.gravity_m_s2, ..RootMotion::default() },
         }
     }
