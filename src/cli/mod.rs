@@ -2,8 +2,11 @@
 
 mod check;
 mod joint_size;
+mod linearize;
+mod modes;
 mod package;
 mod simulate;
+mod statics;
 mod strains;
 
 use clap::{Parser, Subcommand};
@@ -18,7 +21,7 @@ Exit codes:
   0  done
   1  the content of a file was refused: model, inputs or library
   2  the command line was refused
-  3  the simulation failed; the rows up to that time are in the CSV
+  3  the simulation failed, the rows up to that time are in the CSV; or there is no equilibrium or linear model
   4  a file could not be read or written";
 
 /// Name of the build: version, commit if it was built from a repository, target.
@@ -46,6 +49,12 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Say what was understood of a model
     Check(check::Arguments),
+    /// Bring a model to rest under its loads and print its shape
+    Static(statics::Arguments),
+    /// Print natural frequencies and damping
+    Modes(modes::Arguments),
+    /// Write the linear model between inputs and outputs
+    Linearize(linearize::Arguments),
     /// Print the JSON schema of model files, for editors that complete them
     Schema,
 }
@@ -62,6 +71,9 @@ enum Failure {
     /// The simulation gave up.
     #[error("the simulation failed: {0}")]
     Simulation(String),
+    /// Statics, modes or linearisation gave up.
+    #[error("{0}")]
+    Statics(String),
     /// A file could not be read or written.
     #[error("{0}")]
     Files(String),
@@ -76,7 +88,7 @@ impl Failure {
             Self::Closed => 0,
             Self::Refused(_) => 1,
             Self::Usage(_) => 2,
-            Self::Simulation(_) => 3,
+            Self::Simulation(_) | Self::Statics(_) => 3,
             Self::Files(_) => 4,
         }
     }
@@ -96,6 +108,9 @@ pub fn run() -> ExitCode {
         Command::Package(arguments) => package::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Static(arguments) => statics::run(&arguments),
+        Command::Modes(arguments) => modes::run(&arguments),
+        Command::Linearize(arguments) => linearize::run(&arguments),
         Command::Schema => print(&config::schema()),
     };
     match outcome {

@@ -149,8 +149,9 @@ fn recorded<'a>(names: &[String], interface: &'a Interface) -> Result<Vec<&'a Va
     names.iter().map(find).collect()
 }
 
-fn unknown(name: &str, what: &str, variables: &[Variable]) -> Failure {
-    Failure::Usage(unknown_name(name, what, variables.iter().map(|variable| variable.name.as_str())))
+/// A name that no row has.
+pub(super) fn unknown<'a>(name: &str, what: &str, rows: impl IntoIterator<Item = &'a Variable>) -> Failure {
+    Failure::Usage(unknown_name(name, what, rows.into_iter().map(|row| row.name.as_str())))
 }
 
 fn read_inputs(path: &PathBuf, interface: &Interface) -> Result<InputTable, Failure> {
@@ -160,7 +161,7 @@ fn read_inputs(path: &PathBuf, interface: &Interface) -> Result<InputTable, Fail
 }
 
 /// `NAME=VALUE` of an input or parameter.
-fn apply_setting(setting: &str, interface: &Interface, plant: &mut Plant) -> Result<(), Failure> {
+pub(super) fn apply_setting(setting: &str, interface: &Interface, plant: &mut Plant) -> Result<(), Failure> {
     let refused = |cause: String| Failure::Usage(format!("--set {setting}: {cause}"));
     let (name, text) = setting.split_once('=').ok_or_else(|| refused("must be NAME=VALUE".to_owned()))?;
     let variable = interface.find(name).ok_or_else(|| unknown(name, "input or parameter", interface.variables()))?;

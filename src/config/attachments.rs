@@ -1,13 +1,14 @@
-//! What sits on bodies: point masses, rigid bodies and gauges.
+//! What sits on bodies: point masses, rigid bodies, loads and gauges.
 
 use crate::beam::law::SectionLaw;
 use crate::beam::section::{Outline, Section};
 use crate::config::body;
 use crate::config::file::{GaugeFile, MassFile, ModelFile};
-use crate::config::machine::{AttachedMass, Gauge};
+use crate::config::machine::{AttachedMass, Body, Gauge};
 use crate::config::sections::Sections;
 use crate::config::tree::Tree;
 use crate::config::validate::Checker;
+use crate::load::Wrench;
 use nalgebra::{Matrix3, Vector3};
 
 /// Violation of an inequality between moments of inertia that is taken for round-off, relative to the largest.
@@ -55,6 +56,44 @@ fn is_rigid_body(tensor: &Matrix3<f64>) -> bool {
     }
     let moments = (tensor / scale).symmetric_eigenvalues();
     moments.min() >= -INERTIA_TOLERANCE && moments.max() <= 0.5 * moments.sum() + INERTIA_TOLERANCE
+}
+
+/// A load of the file: its name, station and wrench.
+pub(super) type NamedLoad = (String, usize, Wrench);
+
+/// Loads per body of the file.
+pub(super) fn loads(file: &ModelFile, checker: &mut Checker) -> Vec<Vec<NamedLoad>> {
+    let mut loads = vec![Vec::new(); file.body.len()];
+    for (name, load) in &file.load {
+        let Some(index) = file.body.get_index_of(&load.body) else {
+            let bodies = file.body.keys().map(String::as_str);
+            checker.unknown_name(&["load", name, "body"], &load.body, "a body", bodies);
+            continue;
+        };
+        let wrench = Wrench { force_n: load.force_n.into(), moment_n_m: load.moment_n_m.into() };
+        loads[index].push((name.clone(), load.station, wrench));
+    }
+    loads
+}
+
+/// Puts the loads of a body on its stations.
+pub(super) fn place_loads(loads: Vec<NamedLoad>, body: &mut Body, checker: &mut Checker) {
+    for (name, station, load) in loads {
+        let count = body.station_loads.len();
+        match station.checked_sub(1).and_then(|i| body.station_loads.get_mut(i)) {
+            Some(sum) => {
+                sum.force_n += load.force_n;
+                sum.moment_n_m += load.moment_n_m;
+            }
+            None => checker.refuse(
+                &["load", &name, "station"],
+                match count {
+                    0 => format!("a body with load stations: {:?} has none", body.name),
+                    count => format!("a whole number from 1 to {count}, the load stations of {:?}", body.name),
+                },
+            ),
+        }
+    }
 }
 
 /// All gauges; `None` if one cannot be placed.

@@ -7,7 +7,7 @@ use crate::config::machine::{AttachedMass, Body, ElementKind, Joint};
 use crate::config::schema::shortest;
 use crate::config::sections::{Built, Sections, is_sound};
 use crate::config::validate::Checker;
-use crate::load::LoadFrame;
+use crate::load::{LoadFrame, Wrench};
 use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -130,6 +130,7 @@ pub(super) fn build(
         natural_strain: natural_strain?,
         mass_damping_1_s: file.mass_damping_1_s,
         stiffness_damping_s: file.stiffness_damping_s,
+        station_loads: vec![Wrench::default(); station_positions_m.len()],
         station_positions_m,
         load_frame: file.load_frame.into(),
         masses,

@@ -5,10 +5,10 @@
 
 use crate::config::body::BodyFile;
 use crate::config::joint_file::JointFile;
-use crate::config::machine::Method;
+use crate::config::run::{ExperimentFile, SolverFile};
 use indexmap::IndexMap;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 /// A Foldwing model: a wing of flexible bodies and fold joints. SI units; angles in degrees where the key says `_deg`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
@@ -36,6 +36,9 @@ pub(super) struct ModelFile {
     /// Point masses and rigid bodies by name.
     #[serde(default)]
     pub mass: IndexMap<String, MassFile>,
+    /// Loads at stations by name: start values of the inputs `load.<body>[station]`, constant unless these are set.
+    #[serde(default)]
+    pub load: IndexMap<String, LoadFile>,
     /// Strain gauges by name; the FMU's output is `gauge.<name>.strain`.
     #[serde(default)]
     pub gauge: IndexMap<String, GaugeFile>,
@@ -170,6 +173,23 @@ pub(super) struct MassFile {
     pub inertia_kg_m2: [f64; 6],
 }
 
+/// Force and moment at a load station from the start on; several loads at one station add up.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LoadFile {
+    /// Body that carries it.
+    pub body: String,
+    /// Number of the load station on that body, from 1 at its inner end.
+    #[schemars(range(min = 1, max = 1000))]
+    pub station: usize,
+    /// Force in the body's `load_frame`.
+    #[serde(default, rename = "force_N")]
+    pub force_n: [f64; 3],
+    /// Moment in the body's `load_frame`.
+    #[serde(default, rename = "moment_N_m")]
+    pub moment_n_m: [f64; 3],
+}
+
 /// A strain gauge: strain of a fibre at a point of a section, zero where the body is not strained.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -188,91 +208,4 @@ pub(super) struct GaugeFile {
     /// need a rectangle or an ellipse with known Poisson's ratio.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub direction: Option<[f64; 3]>,
-}
-
-/// Time integration.
-#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub(super) struct SolverFile {
-    /// Method.
-    pub method: MethodFile,
-    /// Tolerance of the error per step: displacement over wing length, rotation in rad.
-    #[schemars(range(min = 1e-12, max = 1e-1))]
-    pub tolerance: f64,
-    /// Largest internal step.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub max_step_s: f64,
-    /// Smallest internal step; less than `max_step_s`.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub min_step_s: f64,
-    /// Fixed internal step, default variable steps; `rk4` needs one.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub fixed_step_s: Option<f64>,
-    /// Spectral radius at infinity of the generalised-α method.
-    #[schemars(range(min = 0.0, max = 1.0))]
-    pub rho_infinity: f64,
-}
-
-impl Default for SolverFile {
-    fn default() -> Self {
-        Self {
-            method: MethodFile::Esdirk4,
-            tolerance: 1e-4,
-            max_step_s: 5e-3,
-            min_step_s: 1e-9,
-            fixed_step_s: None,
-            rho_infinity: 0.8,
-        }
-    }
-}
-
-/// Time integration method.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub(super) enum MethodFile {
-    /// Generalised-α, second order.
-    #[serde(rename = "generalized_alpha")]
-    GeneralizedAlpha,
-    /// TR-BDF2, second order.
-    #[serde(rename = "tr_bdf2")]
-    TrBdf2,
-    /// ESDIRK, third order.
-    #[serde(rename = "esdirk3")]
-    Esdirk3,
-    /// ESDIRK, fourth order.
-    #[serde(rename = "esdirk4")]
-    Esdirk4,
-    /// Classical explicit Runge–Kutta, fourth order; needs `fixed_step_s`.
-    #[serde(rename = "rk4")]
-    Rk4,
-}
-
-impl From<MethodFile> for Method {
-    fn from(method: MethodFile) -> Self {
-        match method {
-            MethodFile::GeneralizedAlpha => Self::GeneralizedAlpha,
-            MethodFile::TrBdf2 => Self::TrBdf2,
-            MethodFile::Esdirk3 => Self::Esdirk3,
-            MethodFile::Esdirk4 => Self::Esdirk4,
-            MethodFile::Rk4 => Self::Rk4,
-        }
-    }
-}
-
-/// Default experiment.
-#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub(super) struct ExperimentFile {
-    /// Start time.
-    pub start_time_s: f64,
-    /// Stop time, after the start.
-    pub stop_time_s: f64,
-    /// Communication step.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub step_s: f64,
-}
-
-impl Default for ExperimentFile {
-    fn default() -> Self {
-        Self { start_time_s: 0.0, stop_time_s: 0.4, step_s: 5e-4 }
-    }
 }

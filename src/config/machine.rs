@@ -4,7 +4,7 @@ pub use crate::actuation::prescribed::Motion;
 pub use crate::beam::element::ElementKind;
 pub use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::recovery::{axial_row, gauge_row};
-use crate::load::LoadFrame;
+use crate::load::{LoadFrame, Wrench};
 use nalgebra::{Matrix3, Vector3, Vector4};
 
 /// A whole machine as validated. Bodies are in topological order: a parent stands before its children.
@@ -51,6 +51,8 @@ pub struct Body {
     pub station_positions_m: Vec<f64>,
     /// Frame of the station loads.
     pub load_frame: LoadFrame,
+    /// Start values of the loads, per station, in that frame; stations beyond the list carry none.
+    pub station_loads: Vec<Wrench>,
     /// Point masses and rigid bodies on this body.
     pub masses: Vec<AttachedMass>,
     /// Joint to the parent.
@@ -301,4 +303,15 @@ pub struct Experiment {
     pub stop_time_s: f64,
     /// Communication step in s.
     pub step_s: f64,
+    /// State at the start.
+    pub start: StartState,
+}
+
+/// State of the machine at the start of the experiment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StartState {
+    /// Without strains: loads act from the start on.
+    Unstrained,
+    /// At rest under the loads of the start, stoppers holding the joints that are not latched.
+    Equilibrium,
 }

@@ -16,6 +16,7 @@ mod function;
 mod joint_file;
 mod joints;
 mod reference;
+mod run;
 mod schema;
 mod sections;
 mod spatial;

@@ -35,6 +35,7 @@ const UNITS: &[Unit] = &[
     unit("_1_m", "1/m", "curvature"),
     unit("_1_s", "1/s", "damping"),
     unit("_SI", "SI", "number"),
+    unit("force_N", "N", "force"),
     unit("_N", "N", "stiffness"),
     unit("_s", "s", "time"),
     unit("_m", "m", "length"),

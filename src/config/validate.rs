@@ -3,8 +3,9 @@
 use crate::config::body::{self, BodyFile};
 use crate::config::document::{Document, key_text};
 use crate::config::error::{Fault, Problem, nearest};
-use crate::config::file::{MethodFile, ModelFile};
+use crate::config::file::ModelFile;
 use crate::config::machine::{Body, Experiment, Joint, Machine, Solver};
+use crate::config::run::MethodFile;
 use crate::config::schema::{quoted, shortest};
 use crate::config::{attachments, joints, sections, tree};
 use nalgebra::Vector3;
@@ -76,10 +77,15 @@ fn build(file: &ModelFile, checker: &mut Checker) -> Option<Machine> {
     let joints: Vec<Option<Joint>> =
         file.joint.iter().map(|(name, joint)| joints::build(name, joint, file, tree.as_ref(), checker)).collect();
     let mut masses = attachments::masses(file, checker);
+    let mut loads = attachments::loads(file, checker);
     let mut bodies: Vec<Option<Body>> = Vec::with_capacity(file.body.len());
     for (index, (name, file)) in file.body.iter().enumerate() {
         let joint = tree.as_ref().and_then(|tree| joints[tree.joint_of[index]].clone());
-        bodies.push(body::build(name, file, &sections, std::mem::take(&mut masses[index]), joint, checker));
+        let mut body = body::build(name, file, &sections, std::mem::take(&mut masses[index]), joint, checker);
+        if let Some(body) = &mut body {
+            attachments::place_loads(std::mem::take(&mut loads[index]), body, checker);
+        }
+        bodies.push(body);
     }
     let gauges = attachments::gauges(file, &sections, tree.as_ref(), checker);
     let (solver, experiment) = (build_solver(file, checker), build_experiment(file, checker));
@@ -138,5 +144,6 @@ fn build_experiment(file: &ModelFile, checker: &mut Checker) -> Experiment {
         start_time_s: experiment.start_time_s,
         stop_time_s: experiment.stop_time_s,
         step_s: experiment.step_s.min(if duration_s > 0.0 { duration_s } else { experiment.step_s }),
+        start: experiment.start.into(),
     }
 }

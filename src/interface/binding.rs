@@ -294,7 +294,7 @@ impl Input {
     }
 
     #[inline]
-    fn real_mut(self, inputs: &mut Inputs) -> Option<&mut f64> {
+    pub(super) fn real_mut(self, inputs: &mut Inputs) -> Option<&mut f64> {
         Some(match self {
             Self::Joint(joint, JointInput::Command) => &mut inputs.joints[joint].command_rad,
             Self::Joint(joint, JointInput::Torque) => &mut inputs.joints[joint].torque_n_m,
@@ -345,7 +345,7 @@ impl Parameter {
 impl Output {
     /// Present value.
     #[inline]
-    fn read(self, outputs: &Outputs) -> Value {
+    pub(super) fn read(self, outputs: &Outputs) -> Value {
         match self {
             Self::Joint(joint, field) => field.read(&outputs.joints[joint]),
             Self::Spatial(joint, field) => Value::Real(field.read(&outputs.spatial[joint])),

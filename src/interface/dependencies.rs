@@ -5,7 +5,9 @@
 //! input; accelerations and the forces recovered from them depend on everything that pushes within the branch.
 //! At the start the strains are the natural ones and at rest, so the state follows from start angles, start
 //! rates and the inputs that decide about stoppers and latches; the springs of universal and ball joints are slack.
+//! Where the experiment starts from equilibrium they depend on all that acts on the machine.
 
+use crate::config::machine::StartState;
 use crate::interface::binding::{
     Binding, BodyParameter, EnergyOutput, Input, JointInput, JointOutput, JointParameter, Output, Parameter,
     PointOutput, SpatialParameter,
@@ -24,7 +26,10 @@ pub(super) fn add_dependencies(topology: &Topology, variables: &mut [Variable], 
             .collect();
         variable.initial_dependencies = knowns()
             .filter(|&(_, known)| depends_initially(topology, output, known))
-            .map(|(reference, known)| (reference, initial_kind(output, known)))
+            .map(|(reference, known)| {
+                let settles = settles(topology, output);
+                (reference, if settles { DependencyKind::Dependent } else { initial_kind(output, known) })
+            })
             .collect();
     }
 }
@@ -35,6 +40,18 @@ fn initial_kind(output: Output, known: Binding) -> DependencyKind {
         (Output::Joint(_, JointOutput::Angle), Binding::Parameter(_)) => DependencyKind::Constant,
         _ => DependencyKind::Dependent,
     }
+}
+
+/// Whether the initial value is that of an equilibrium, on which all that loads or holds the machine acts. Stoppers hold
+/// the angles of joints that are not latched, and the start rates are the model's.
+fn settles(topology: &Topology, output: Output) -> bool {
+    let starts_at_rest = topology.machine.experiment.start == StartState::Equilibrium;
+    starts_at_rest
+        && match output {
+            Output::Joint(joint, JointOutput::Angle) => starts_closed(topology, joint),
+            Output::Joint(_, field) => matches!(field, JointOutput::TorqueApplied | JointOutput::LatchTorque),
+            _ => true,
+        }
 }
 
 /// Dependence at a communication point, state frozen.
@@ -78,6 +95,15 @@ fn depends(topology: &Topology, output: Output, known: Binding) -> bool {
 /// Dependence of the initial value.
 fn depends_initially(topology: &Topology, output: Output, known: Binding) -> bool {
     use EnergyOutput as E;
+    if settles(topology, output) {
+        return match known {
+            Binding::Time => any_moved(topology),
+            Binding::Input(_) => true,
+            Binding::Parameter(Parameter::Joint(_, JointParameter::RateLimit) | Parameter::Solver(_)) => false,
+            Binding::Parameter(_) => true,
+            Binding::Output(_) | Binding::Local(_) => false,
+        };
+    }
     match output {
         Output::Joint(joint, JointOutput::Angle) => starts(topology, joint, known),
         Output::Joint(joint, JointOutput::Rate) => start_rate(topology, joint, known),

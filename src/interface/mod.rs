@@ -8,12 +8,14 @@ mod binding;
 mod dependencies;
 mod fields;
 mod guid;
+mod linear;
 mod table;
 mod topology;
 mod units;
 
 pub use access::{AccessError, Kind, Scalar, Stage};
 pub use guid::guid;
+pub use linear::{LinearModel, Signal};
 pub use units::{RealType, TYPES, UNITS, Unit};
 
 use crate::config::Machine;
@@ -182,6 +184,11 @@ impl Interface {
             self.slots[reference as usize].binding.write(plant, value.into_value());
         }
         Ok(())
+    }
+
+    /// What a row is bound to.
+    fn binding(&self, value_reference: u32) -> Option<binding::Binding> {
+        self.slots.get(value_reference as usize).map(|slot| slot.binding)
     }
 
     /// Whether a row's value comes from the last evaluation (outputs and locals).

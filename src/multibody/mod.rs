@@ -11,6 +11,7 @@ pub mod kinematics;
 pub mod model;
 pub mod norm;
 pub mod station;
+pub mod tangent;
 pub mod workspace;
 
 pub use model::Model;

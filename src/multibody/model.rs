@@ -108,6 +108,12 @@ impl Body {
     pub fn last_node(&self) -> usize {
         self.first_node + self.elements
     }
+
+    /// Nodes that are frames of the beam: all but the middles of pairs.
+    pub fn frames(&self) -> impl Iterator<Item = usize> + use<> {
+        let stride = if self.kind == ElementKind::Linear { 2 } else { 1 };
+        (self.first_node..=self.last_node()).step_by(stride)
+    }
 }
 
 /// A revolute joint.

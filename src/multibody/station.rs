@@ -27,13 +27,15 @@ pub struct StationMotion {
 
 /// One link of the way from the element's inner node to the station: its strain is
 /// `own · (this element) + sibling · (other half)`.
-struct Step {
-    length_m: f64,
-    weights: [f64; 2],
+pub(crate) struct Step {
+    /// Length in m.
+    pub length_m: f64,
+    /// Weights of the element's own strain and of its sibling's.
+    pub weights: [f64; 2],
 }
 
 /// The links that lead to a station, and how many of them there are.
-fn steps(model: &Model, station: &Station) -> ([Step; 2], usize) {
+pub(crate) fn steps(model: &Model, station: &Station) -> ([Step; 2], usize) {
     let element = &model.elements[station.element];
     match model.bodies[station.body].kind {
         ElementKind::Constant => {
@@ -50,7 +52,7 @@ fn steps(model: &Model, station: &Station) -> ([Step; 2], usize) {
 }
 
 /// Mixed strains (or rates) of one link; `coordinates` hold the inner half and then the outer half.
-fn mix(coordinates: &[f64], first: usize, weights: [f64; 2]) -> [f64; 4] {
+pub(crate) fn mix(coordinates: &[f64], first: usize, weights: [f64; 2]) -> [f64; 4] {
     let own = strains(coordinates, first);
     if weights[1] == 0.0 {
         return own.map(|strain| strain * weights[0]);
@@ -134,7 +136,7 @@ pub(crate) fn apply(
 
 /// Node at a station that stands on the end of an element or pair: the load then belongs to that node, and the strain
 /// on either side of it is recovered with and without it.
-fn node_under(model: &Model, station: &Station) -> Option<usize> {
+pub(crate) fn node_under(model: &Model, station: &Station) -> Option<usize> {
     let inner = inner_node(model, station);
     if station.offset_m == 0.0 {
         return Some(inner);
@@ -143,7 +145,8 @@ fn node_under(model: &Model, station: &Station) -> Option<usize> {
     (station.offset_m == length_m).then_some(inner + pieces)
 }
 
-fn inner_node(model: &Model, station: &Station) -> usize {
+/// Inner node of the element or pair that holds a station.
+pub(crate) fn inner_node(model: &Model, station: &Station) -> usize {
     let body = &model.bodies[station.body];
     body.first_node + station.element - body.first_element
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::beam::section::{Material, Section};
 use crate::config::machine::{
     Drive, ElementKind, Experiment, Joint, JointMotion, Latch, Method, Revolute, Solver, Spatial, SpatialFreedom,
-    UNLIMITED,
+    StartState, UNLIMITED,
 };
 use crate::load::LoadFrame;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -21,6 +21,7 @@ fn body(name: &str, joint: Joint) -> Body {
         mass_damping_1_s: 2.5,
         stiffness_damping_s: 0.0,
         station_positions_m: vec![0.05, 0.1],
+        station_loads: vec![],
         load_frame: LoadFrame::Root,
         masses: vec![],
         joint,
@@ -78,7 +79,7 @@ pub(crate) fn two_body_machine() -> Machine {
             fixed_step_s: None,
             rho_infinity: 0.8,
         },
-        experiment: Experiment { start_time_s: 0.0, stop_time_s: 0.4, step_s: 5e-4 },
+        experiment: Experiment { start_time_s: 0.0, stop_time_s: 0.4, step_s: 5e-4, start: StartState::Unstrained },
     }
 }
 

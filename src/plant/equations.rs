@@ -73,7 +73,7 @@ pub(super) struct Equations {
     pub spatial: Vec<SpatialEquations>,
     /// Time whose branch of slews and prescribed motions holds, in s: the middle of a step, or the present.
     pub branch_s: f64,
-    tangents: Vec<HingeTangent>,
+    pub tangents: Vec<HingeTangent>,
     scratch: Vec<f64>,
 }
 

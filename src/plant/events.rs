@@ -2,11 +2,13 @@
 
 use crate::actuation::drive::Slew;
 use crate::actuation::latch::LatchState;
+use crate::config::machine::StartState;
 use crate::multibody::dynamics::Damping;
 use crate::plant::equations::Equations;
 use crate::plant::face::{Parameters, PlantError};
 use crate::plant::march::CROSSING_S;
 use crate::plant::state::{JointState, State};
+use crate::plant::statics::Holding;
 use crate::plant::{Plant, revolutes, spatials};
 use crate::solve::point::Point;
 use crate::solve::{EquationsOfMotion, Singular, control};
@@ -23,6 +25,15 @@ impl Plant {
         if min_step_s > max_step_s {
             return Err(PlantError::Steps { min_step_s, max_step_s });
         }
+        self.start(time_s);
+        if self.machine.experiment.start == StartState::Equilibrium {
+            self.settle_at_rest(time_s, Holding::Stopped)?;
+        }
+        self.conclude_start(time_s)
+    }
+
+    /// Builds the equations and sets the unstrained start state.
+    pub(super) fn start(&mut self, time_s: f64) {
         self.rebuild();
         let mut q = self.equations.model.natural_coordinates();
         let mut v = vec![0.0; q.len()];
@@ -66,7 +77,10 @@ impl Plant {
         state.now = Point { time_s, q, v, ..Point::zeros(coordinates) };
         state.step_s = state.parameters.max_step_s;
         self.configure();
+    }
 
+    /// Finds the accelerations and the outputs of the start state.
+    pub(super) fn conclude_start(&mut self, time_s: f64) -> Result<(), PlantError> {
         let now = &mut self.state.now;
         self.equations.branch_s = time_s;
         self.equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);

@@ -267,6 +267,26 @@ pub enum PlantError {
         /// What failed.
         cause: String,
     },
+    /// No state of rest was found.
+    #[error("no equilibrium at t = {time_s} s beyond {reached:.4} of the load, last tried {tried:.4}: {cause}")]
+    Equilibrium {
+        /// Time in s.
+        time_s: f64,
+        /// Largest load factor with an equilibrium.
+        reached: f64,
+        /// Load factor that failed.
+        tried: f64,
+        /// Why.
+        cause: String,
+    },
+    /// No linear model of the present state.
+    #[error("no linearisation at t = {time_s} s: {cause}")]
+    Linearization {
+        /// Time in s.
+        time_s: f64,
+        /// Why.
+        cause: String,
+    },
     /// A snapshot of another model.
     #[error("the snapshot does not fit this model: {0}")]
     Snapshot(String),

@@ -8,18 +8,28 @@
 mod equations;
 mod events;
 mod face;
+mod linear;
 mod march;
 mod outputs;
+mod shape;
 mod spatial;
 mod start;
 mod state;
+mod state_space;
+mod statics;
 mod strains;
 
+pub use crate::solve::equilibrium::Effort as StaticEffort;
+pub use crate::solve::linearize::{SecondOrder, StateSpace};
 pub use face::{
     BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, JointStatus, Outputs,
     Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
 };
+pub use linear::{Argument, Freedom};
+pub use shape::{ModeShape, NodeMotion, SectionShape};
 pub use state::Snapshot;
+pub use state_space::InputSlope;
+pub use statics::Holding;
 pub use strains::SectionStrain;
 
 use crate::config::Machine;

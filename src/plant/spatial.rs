@@ -2,13 +2,14 @@
 
 use crate::config::Machine;
 use crate::config::machine::{Spatial, SpatialFreedom};
+use crate::math::so3::hat;
 use crate::multibody::factor::HingeTangent;
 use crate::multibody::joint::{self, ParameterJoint, ParameterKind};
 use crate::multibody::model::JointDescription;
 use crate::multibody::workspace::ParameterWork;
 use crate::multibody::{Model, Workspace};
 use crate::plant::spatials;
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 
 /// A universal, ball or free joint as the equations see it.
 #[derive(Debug, Clone)]
@@ -121,6 +122,30 @@ impl SpatialEquations {
         }
     }
 
+    /// Exact change of the spring's torques with the freedoms, N·m/rad: for a ball joint the inverse left tangent map of
+    /// its rotation vector `φ`, `k (I − [φ]/2 + γ[φ]²)`, `γ = (1 − |φ|/2 cot(|φ|/2))/φ·φ`, NOTATION eq. (L7).
+    pub fn stiffness(&self, work: &Workspace) -> Matrix3<f64> {
+        let identity = Matrix3::identity() * self.stiffness_n_m_rad;
+        let (ParameterKind::Ball, Some(parameters)) = (self.joint.kind, &work.parameters[self.body]) else {
+            return if self.joint.kind == ParameterKind::Free { Matrix3::zeros() } else { identity };
+        };
+        let angles = self.angles(parameters);
+        let square = angles.norm_squared();
+        let half = 0.5 * square.sqrt();
+        let gamma = if square < 1e-4 { 1.0 / 12.0 + square / 720.0 } else { (1.0 - half / half.tan()) / square };
+        let turn = hat(&angles);
+        identity + (turn * turn * gamma - turn * 0.5) * self.stiffness_n_m_rad
+    }
+
+    /// Adds the damper to a matrix over the coordinates.
+    pub fn add_damping(&self, matrix: &mut DMatrix<f64>) {
+        if self.joint.kind != ParameterKind::Free {
+            for c in self.joint.coordinate..self.joint.coordinate + self.joint.kind.freedoms() {
+                matrix[(c, c)] += self.damping_n_m_s_rad;
+            }
+        }
+    }
+
     fn range(&self) -> std::ops::Range<usize> {
         self.joint.coordinate..self.joint.coordinate + self.joint.kind.parameters()
     }
@@ -130,7 +155,7 @@ impl SpatialEquations {
         parameters.pose.spin(&self.joint.kind, rates, rates).0
     }
 
-    /// Spring angles and their rates along the freedoms: rotation vector in the root frame for a ball joint, the two
+    /// Spring angles and their rates along the freedoms: rotation vector in the parent's frame for a ball joint, the two
     /// angles of a universal joint (third entry zero).
     fn deflection(&self, parameters: &ParameterWork, v: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
         let spin = self.spin(parameters, v);
@@ -143,7 +168,7 @@ impl SpatialEquations {
                 let scale = 1.0 / (1.0 - cosine * cosine);
                 Vector3::new((a - cosine * b) * scale, (b - cosine * a) * scale, 0.0)
             }
-            ParameterKind::Ball | ParameterKind::Free => parameters.parent * spin,
+            ParameterKind::Ball | ParameterKind::Free => spin,
         };
         (self.angles(parameters), rates)
     }
@@ -160,7 +185,7 @@ impl SpatialEquations {
             }
             ParameterKind::Ball | ParameterKind::Free => {
                 let relative = rotation * self.neutral.transpose();
-                parameters.parent * Rotation3::from_matrix_unchecked(relative).scaled_axis()
+                Rotation3::from_matrix_unchecked(relative).scaled_axis()
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Inputs and parameters as the model states them.
 
 use crate::config::Machine;
-use crate::load::{RootMotion, Wrench};
+use crate::load::RootMotion;
 use crate::plant::face::{BodyParameters, Inputs, JointInputs, JointParameters, Parameters, SpatialParameters};
 use crate::plant::{revolutes, spatials};
 
@@ -17,7 +17,14 @@ impl Inputs {
                     latch_enable: revolute.latch.as_ref().is_some_and(|latch| latch.enable),
                 })
                 .collect(),
-            stations: vec![Wrench::default(); machine.bodies.iter().map(|body| body.station_positions_m.len()).sum()],
+            stations: machine
+                .bodies
+                .iter()
+                .flat_map(|body| {
+                    let load = |i: usize| body.station_loads.get(i).copied().unwrap_or_default();
+                    (0..body.station_positions_m.len()).map(load)
+                })
+                .collect(),
             root: RootMotion { gravity_m_s2: machine.gravity_m_s2, ..RootMotion::default() },
         }
     }

@@ -1,9 +1,11 @@
-//! Results as CSV, and inputs over time from CSV.
+//! Results as CSV, inputs over time from CSV, linear models as files.
 
 pub mod inputs;
+pub mod linear;
 pub mod recorder;
 
 pub use inputs::{InputTable, InputsError};
+pub use linear::{linear_json, write_npz};
 pub use recorder::Recorder;
 
 use crate::interface::Value;

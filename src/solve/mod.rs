@@ -1,8 +1,12 @@
-//! Time integration of second-order equations of motion: one trait, two families of methods on it.
+//! Time integration of second-order equations of motion (one trait, two families of methods on it), their equilibria,
+//! modes and linear models.
 
 pub mod control;
+pub mod equilibrium;
 pub mod explicit;
 pub mod generalized_alpha;
+pub mod linearize;
+pub mod modes;
 pub mod newton;
 pub mod point;
 pub mod runge_kutta;

@@ -258,3 +258,85 @@ fn description_can_be_printed() {
     let text = succeeds(&on_model("package", &["--description-only"]));
     assert!(text.starts_with("<?xml") && text.contains("modelName=\"FoldingWing\""), "{text}");
 }
+
+/// `static` prints a shape for people and JSON for programs. The wing at rest weighs what `check` says; the joint stays
+/// where the stopper holds it, and turns until its spring balances its motor where it is released.
+#[test]
+fn static_brings_the_wing_to_rest() {
+    let json = |arguments: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&succeeds(&on_model("static", &[&["--json"], arguments].concat()))).unwrap()
+    };
+    let held = json(&["--set", "fold.release=0"]);
+    assert_eq!(held["joints"][0]["angle_rad"].as_f64(), Some(170f64.to_radians()));
+    let force = held["root"]["force_N"][0].as_f64().unwrap();
+    assert!((force + 0.06305 * 9.8).abs() < 1e-9, "{force}");
+    assert_eq!(held["bodies"][1]["sections"].as_array().unwrap().len(), 3, "the mesh boundaries of two pairs");
+    let free = json(&["--set", "gravity.x=0"]);
+    // k θ + T = 0
+    let angle = free["joints"][0]["angle_rad"].as_f64().unwrap();
+    assert!((angle + 0.043 / 0.026).abs() < 1e-9, "{angle}");
+    let text = succeeds(&on_model("static", &["--set", "fold.release=0"]));
+    for expected in ["kappa y 1/m", "fold: angle 170.000000 deg", "gauge root", "tip of outer", "wing on root"] {
+        assert!(text.contains(expected), "{expected} is missing in\n{text}");
+    }
+    let loose = on_model("static", &["--set", "fold.stiffness=0", "--set", "gravity.x=0"]);
+    refuses(&loose, 3, "joint \"fold\"");
+}
+
+/// `modes` orders frequencies, with the exact first one of the straight cantilever where the wing is held unfolded
+/// (without the joint's mass the 0.3 m plate has 5.0589 Hz; with it less), and refuses unknown settings.
+#[test]
+fn modes_lists_frequencies() {
+    let straight = ["--about", "undeformed", "--set", "fold.start_angle=0", "--set", "fold.release=0"];
+    let json: serde_json::Value =
+        serde_json::from_str(&succeeds(&on_model("modes", &[&["--json", "--count", "4"], &straight[..]].concat())))
+            .unwrap();
+    let list: Vec<f64> =
+        json["modes"].as_array().unwrap().iter().map(|mode| mode["frequency_Hz"].as_f64().unwrap()).collect();
+    assert!(list.len() == 4 && list.is_sorted(), "{list:?}");
+    assert!(list[0] > 3.0 && list[0] < 5.0589, "{list:?}");
+    let shape = &json["modes"][0]["shape"][1]["sections"][2];
+    assert!(shape["displacement_m"][2].as_f64().unwrap().abs() > 0.1, "{shape}");
+    let text = succeeds(&on_model("modes", &straight));
+    assert!(text.contains("frequency Hz") && text.contains("flap"), "{text}");
+    refuses(&on_model("modes", &["--set", "gravity.q=1"]), 2, "did you mean `gravity.");
+}
+
+/// `linearize` writes both kinds of file, at each kind of state; names choose rows, and mistakes are told.
+#[test]
+fn linearize_writes_json_and_npz() {
+    let folder = scratch();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let held = ["--set", "fold.release=0"];
+    for at in ["start", "equilibrium", "0.01"] {
+        let file = path("x.json");
+        let arguments =
+            ["--at", at, "--inputs", "fold.torque,load.inner[1].", "--outputs", "tip.position.,gauge.root.strain"];
+        let text = succeeds(&on_model("linearize", &[&arguments[..], &held[..], &["-o", &file]].concat()));
+        assert!(text.contains("7 inputs, 4 outputs"), "{text}");
+        let json: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
+        let rows = |key: &str| json[key].as_array().unwrap().len();
+        // two bodies of two pairs with eight strains each, and their rates
+        assert_eq!((rows("A"), rows("B"), rows("C"), rows("D"), rows("states")), (64, 64, 4, 4, 64));
+        assert_eq!(json["inputs"][1]["name"], "load.inner[1].force.x");
+        assert_eq!(
+            (&json["outputs"][3]["name"], &json["outputs"][0]["unit"]),
+            (&"gauge.root.strain".into(), &"m".into())
+        );
+    }
+    let file = path("x.npz");
+    succeeds(&on_model("linearize", &["--outputs", "tip.position.", "-o", &file, "--set", "fold.release=0"]));
+    let mut archive = zip::ZipArchive::new(std::fs::File::open(&file).unwrap()).unwrap();
+    let names: Vec<String> = archive.file_names().map(|name| name.expect("a name").into_owned()).collect();
+    for name in
+        ["A.npy", "B.npy", "C.npy", "D.npy", "x0.npy", "u0.npy", "y0.npy", "state_names.npy", "output_units.npy"]
+    {
+        assert!(names.iter().any(|other| other == name), "{name} is missing in {names:?}");
+    }
+    let mut bytes = Vec::new();
+    std::io::Read::read_to_end(&mut archive.by_name("C.npy").unwrap(), &mut bytes).unwrap();
+    assert!(String::from_utf8_lossy(&bytes[..128]).contains("'shape': (3, 64)"));
+    refuses(&on_model("linearize", &["-o", &path("x.mat")]), 2, "must end in .json or .npz");
+    refuses(&on_model("linearize", &["--at", "never", "-o", &file]), 2, "start, equilibrium or a time");
+    refuses(&on_model("linearize", &["--inputs", "fold.release", "-o", &file]), 2, "no real input is named");
+}

@@ -2,7 +2,9 @@
 
 use crate::{MODEL, repository, with};
 use approx::assert_relative_eq;
-use foldwing::config::machine::{ElementKind, JointKind, JointMotion, Method, Motion, Parent, Revolute, UNLIMITED};
+use foldwing::config::machine::{
+    ElementKind, JointKind, JointMotion, Method, Motion, Parent, Revolute, StartState, UNLIMITED,
+};
 use foldwing::config::{self, Machine};
 use foldwing::load::LoadFrame;
 use nalgebra::{Matrix3, Vector3};
@@ -178,4 +180,24 @@ fn stations_may_be_listed() {
     let machine = accepted(&with("load_stations = 4", "load_station_positions_m = [0, 0.05, 0.15]"));
     assert_eq!(machine.bodies[0].station_positions_m, [0.0, 0.05, 0.15]);
     assert_eq!(machine.bodies[1].station_positions_m.len(), 4, "the default");
+}
+
+/// Loads sit on the stations that they name, add up, and become start values of the inputs.
+#[test]
+fn loads_add_up_at_their_stations() {
+    let loads = "[load.lift]\nbody = \"inner\"\nstation = 4\nforce_N = [0, 0, 2]\n\
+                 [load.store]\nbody = \"inner\"\nstation = 4\nforce_N = [0, 0, -0.5]\nmoment_N_m = [0, 0.1, 0]\n";
+    let text = with("[mass.actuator]", &format!("{loads}[mass.actuator]"));
+    let machine = accepted(&text.replace("[experiment]", "[experiment]\nstart = \"equilibrium\""));
+    let inner = &machine.bodies[0];
+    assert_eq!(inner.station_loads.len(), 4);
+    assert_eq!(inner.station_loads[3].force_n, Vector3::new(0.0, 0.0, 1.5));
+    assert_eq!(inner.station_loads[3].moment_n_m, Vector3::new(0.0, 0.1, 0.0));
+    assert!(inner.station_loads[..3].iter().all(foldwing::load::Wrench::is_zero));
+    assert_eq!(machine.experiment.start, StartState::Equilibrium);
+    let interface = foldwing::interface::Interface::new(&machine);
+    let start = |name: &str| interface.find(name).unwrap().value;
+    assert_eq!(start("load.inner[4].force.z"), foldwing::interface::Value::Real(1.5));
+    assert_eq!(start("load.inner[3].force.z"), foldwing::interface::Value::Real(0.0));
+    assert_eq!(shipped("folding_wing.toml").experiment.start, StartState::Unstrained);
 }

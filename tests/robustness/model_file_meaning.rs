@@ -473,3 +473,23 @@ fn experiments() {
          the length of the experiment"
     );
 }
+
+/// Loads name a body and one of its stations.
+#[test]
+fn loads() {
+    let load = |lines: &str| message("[mass.actuator]", &format!("[load.a]\n{lines}\n[mass.actuator]"));
+    assert_eq!(
+        load("body = \"innr\"\nstation = 1"),
+        "wing.toml:39: key 'load.a.body': \"innr\" is not allowed; allowed: a body: \"inner\" or \"outer\" (did you mean \
+         \"inner\"?)"
+    );
+    assert_eq!(
+        load("body = \"inner\"\nstation = 5"),
+        "wing.toml:40: key 'load.a.station': 5 is not allowed; allowed: a whole number from 1 to 4, the load stations of \
+         \"inner\""
+    );
+    assert_eq!(
+        load("body = \"inner\"\nstation = 1\nforce_N = [0, 1]"),
+        "wing.toml:41: key 'load.a.force_N': [0, 1] is not allowed; allowed: an array of 3 finite forces in N"
+    );
+}

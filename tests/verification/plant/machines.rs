@@ -23,7 +23,7 @@ pub fn machine(bodies: Vec<Body>) -> Machine {
         gauges: Vec::new(),
         gravity_m_s2: Vector3::zeros(),
         solver: solver(Method::Esdirk4, 1e-6),
-        experiment: Experiment { start_time_s: 0.0, stop_time_s: 1.0, step_s: 1e-3 },
+        experiment: Experiment { start_time_s: 0.0, stop_time_s: 1.0, step_s: 1e-3, start: StartState::Unstrained },
     }
 }
 
@@ -95,6 +95,7 @@ pub fn body(name: &str, length_m: f64, section: &Section, kind: ElementKind, cou
         mass_damping_1_s: 0.0,
         stiffness_damping_s: 0.0,
         station_positions_m: Vec::new(),
+        station_loads: Vec::new(),
         load_frame: LoadFrame::Root,
         masses: Vec::new(),
         joint,

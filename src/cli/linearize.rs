@@ -1,0 +1,122 @@
+//! `foldwing linearize`: `A`, `B`, `C`, `D` about a state.
+
+use crate::cli::simulate::{apply_setting, unknown};
+use crate::cli::{Failure, print, read_model};
+use clap::builder::NonEmptyStringValueParser;
+use foldwing::interface::{Interface, LinearModel, Variable};
+use foldwing::plant::{Holding, Plant, PlantError};
+use foldwing::report::{linear_json, write_npz};
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// State: `start`, `equilibrium`, or a time in s up to which the model is simulated
+    #[arg(long, value_name = "STATE", default_value = "equilibrium")]
+    at: String,
+    /// Real inputs, separated by commas; `load.` and the like stand for all that begin so [default: all]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    inputs: Vec<String>,
+    /// Real outputs, in the same way [default: all]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    outputs: Vec<String>,
+    /// Start value of an input or parameter; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
+    settings: Vec<String>,
+    /// File to write: `.json` or `.npz` (NumPy)
+    #[arg(short, long, value_name = "X.json|X.npz")]
+    output: PathBuf,
+}
+
+/// Writes the linear model.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let extension = arguments.output.extension().and_then(|extension| extension.to_str());
+    if !matches!(extension, Some("json" | "npz")) {
+        let output = arguments.output.display();
+        return Err(Failure::Usage(format!("--output {output}: the name must end in .json or .npz")));
+    }
+    let (machine, _) = read_model(&arguments.model)?;
+    let interface = Interface::new(&machine);
+    let inputs = chosen(&arguments.inputs, interface.real_inputs(), "real input")?;
+    let outputs = chosen(&arguments.outputs, interface.real_outputs(), "real output")?;
+    let mut plant = Plant::new(Arc::new(machine));
+    for setting in &arguments.settings {
+        apply_setting(setting, &interface, &mut plant)?;
+    }
+    reach(&arguments.at, &mut plant)?;
+    let model =
+        interface.linearize(&mut plant, &inputs, &outputs).map_err(|error| Failure::Statics(error.to_string()))?;
+    write(&model, &arguments.output, extension == Some("npz"))?;
+    print(&format!(
+        "{}: {} states, {} inputs, {} outputs at t = {} s, written to {}",
+        plant.machine().name,
+        model.states.len(),
+        model.inputs.len(),
+        model.outputs.len(),
+        model.time_s,
+        arguments.output.display()
+    ))
+}
+
+/// Rows that the names choose; all without names.
+fn chosen<'a>(
+    names: &[String],
+    rows: impl Iterator<Item = &'a Variable>,
+    what: &str,
+) -> Result<Vec<&'a Variable>, Failure> {
+    let rows: Vec<&Variable> = rows.collect();
+    if names.is_empty() {
+        return Ok(rows);
+    }
+    let mut list = Vec::new();
+    for name in names {
+        let found: Vec<&Variable> = rows
+            .iter()
+            .copied()
+            .filter(|row| row.name == *name || (name.ends_with('.') && row.name.starts_with(name.as_str())))
+            .collect();
+        if found.is_empty() {
+            return Err(unknown(name, what, rows.iter().copied()));
+        }
+        list.extend(found);
+    }
+    Ok(list)
+}
+
+/// Brings the plant to the state asked for.
+fn reach(at: &str, plant: &mut Plant) -> Result<(), Failure> {
+    let start_s = plant.machine().experiment.start_time_s;
+    let statics = |error: PlantError| Failure::Statics(error.to_string());
+    match at {
+        "start" => plant.initialize(start_s).map_err(statics),
+        "equilibrium" => plant.equilibrium(start_s, Holding::AsReleased).map(|_| ()).map_err(statics),
+        time => {
+            let time_s: f64 = time
+                .parse()
+                .ok()
+                .filter(|time_s: &f64| time_s.is_finite() && *time_s >= start_s)
+                .ok_or_else(|| {
+                    Failure::Usage(format!(
+                        "--at {time}: must be start, equilibrium or a time from {start_s} s, the start of the experiment"
+                    ))
+                })?;
+            plant.initialize(start_s).map_err(statics)?;
+            if time_s > start_s {
+                plant.step(time_s).map_err(|error| Failure::Simulation(error.to_string()))?;
+            }
+            Ok(())
+        }
+    }
+}
+
+fn write(model: &LinearModel, path: &Path, npz: bool) -> Result<(), Failure> {
+    let failed = |error: std::io::Error| Failure::writing(&path.display().to_string(), &error);
+    if npz {
+        let file = File::create(path).map_err(failed)?;
+        return write_npz(model, std::io::BufWriter::new(file)).map_err(failed);
+    }
+    std::fs::write(path, format!("{:#}\n", linear_json(model))).map_err(failed)
+}

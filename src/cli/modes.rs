@@ -1,0 +1,131 @@
+//! `foldwing modes`: natural frequencies and shapes.
+
+use crate::cli::simulate::apply_setting;
+use crate::cli::{Failure, print, read_model};
+use clap::builder::NonEmptyStringValueParser;
+use foldwing::interface::Interface;
+use foldwing::plant::{Holding, ModeShape, NodeMotion, Plant};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// State: without loads, gravity and root motion, or at rest under those that are set
+    #[arg(long, value_enum, default_value = "equilibrium")]
+    about: About,
+    /// Number of modes
+    #[arg(long, default_value_t = 10)]
+    count: usize,
+    /// Start value of an input or parameter, e.g. `root.angular_velocity.z=20`, `fold.release=0`; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
+    settings: Vec<String>,
+    /// Print JSON with shapes, for programs
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum About {
+    /// No loads, gravity or root motion; joints at their start angles
+    Undeformed,
+    /// At rest under the loads
+    Equilibrium,
+}
+
+/// Names of [`ModeShape::shares`].
+const SHARES: [&str; 5] = ["stretch", "twist", "flap", "lag", "joints"];
+
+/// Prints the modes of lowest frequency.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (machine, _) = read_model(&arguments.model)?;
+    let time_s = machine.experiment.start_time_s;
+    let interface = Interface::new(&machine);
+    let mut plant = Plant::new(Arc::new(machine));
+    for setting in &arguments.settings {
+        apply_setting(setting, &interface, &mut plant)?;
+    }
+    let failed = |error: foldwing::plant::PlantError| Failure::Statics(error.to_string());
+    match arguments.about {
+        About::Undeformed => plant.undeformed(time_s).map_err(failed)?,
+        About::Equilibrium => plant.equilibrium(time_s, Holding::AsReleased).map(|_| ()).map_err(failed)?,
+    }
+    let modes = plant.modes(arguments.count).map_err(failed)?;
+    if arguments.json {
+        return print(&format!("{:#}", as_json(&plant, &modes)));
+    }
+    let mut text = format!(
+        "{} about its {} state\n{:>4} {:>14} {:>10}  elastic energy\n",
+        plant.machine().name,
+        if arguments.about == About::Undeformed { "undeformed" } else { "equilibrium" },
+        "mode",
+        "frequency Hz",
+        "damping"
+    );
+    for (i, mode) in modes.iter().enumerate() {
+        let _ = writeln!(
+            text,
+            "{:4} {:14.6} {:10.6}  {}",
+            i + 1,
+            mode.frequency_hz,
+            if mode.damping_ratio.abs() < 5e-7 { 0.0 } else { mode.damping_ratio },
+            shares(mode)
+        );
+    }
+    print(&text)
+}
+
+/// What bends, largest share first.
+fn shares(mode: &ModeShape) -> String {
+    let mut list: Vec<(f64, &str)> =
+        mode.shares.iter().copied().zip(SHARES).filter(|(share, _)| *share > 5e-3).collect();
+    list.sort_by(|a, b| b.0.total_cmp(&a.0));
+    list.iter().map(|(share, name)| format!("{name} {:.0} %", 100.0 * share)).collect::<Vec<_>>().join(", ")
+}
+
+fn as_json(plant: &Plant, modes: &[ModeShape]) -> Value {
+    let names: Vec<&str> = plant.machine().bodies.iter().map(|body| body.name.as_str()).collect();
+    let bodies: Vec<Value> = names
+        .iter()
+        .zip(plant.shape())
+        .map(|(name, sections)| {
+            let sections: Vec<Value> = sections
+                .iter()
+                .map(|section| json!({ "place_m": section.place_m, "position_m": section.position_m.as_slice() }))
+                .collect();
+            json!({ "name": name, "sections": sections })
+        })
+        .collect();
+    let nodes = |part: &Vec<Vec<NodeMotion>>| -> Vec<Value> {
+        let node = |node: &NodeMotion| {
+            json!({
+                "displacement_m": node.displacement_m.as_slice(),
+                "rotation_rad": node.rotation_rad.as_slice(),
+            })
+        };
+        names
+            .iter()
+            .zip(part)
+            .map(|(name, body)| json!({ "name": name, "sections": body.iter().map(node).collect::<Vec<_>>() }))
+            .collect()
+    };
+    let modes: Vec<Value> = modes
+        .iter()
+        .map(|mode| {
+            let shares: serde_json::Map<String, Value> =
+                SHARES.iter().zip(mode.shares).map(|(name, share)| ((*name).to_owned(), share.into())).collect();
+            json!({
+                "frequency_Hz": mode.frequency_hz,
+                "damping_ratio": mode.damping_ratio,
+                "eigenvalue_1_s": [mode.eigenvalue_1_s.re, mode.eigenvalue_1_s.im],
+                "energy_shares": shares,
+                "shape": nodes(&mode.real),
+                "shape_imaginary": nodes(&mode.imaginary),
+            })
+        })
+        .collect();
+    json!({ "name": plant.machine().name, "bodies": bodies, "modes": modes })
+}

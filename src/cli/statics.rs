@@ -1,0 +1,175 @@
+//! `foldwing static`: the machine at rest under its loads.
+
+use crate::cli::simulate::apply_setting;
+use crate::cli::{Failure, print, read_model};
+use clap::builder::NonEmptyStringValueParser;
+use foldwing::config::Machine;
+use foldwing::interface::Interface;
+use foldwing::plant::{Holding, Plant, SectionShape, StaticEffort};
+use nalgebra::Vector3;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// Start value of an input or parameter, e.g. a load, gravity, `fold.release=0`; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
+    settings: Vec<String>,
+    /// Print JSON, for programs
+    #[arg(long)]
+    json: bool,
+}
+
+/// Finds the equilibrium and prints it. Joints are held or free as their release inputs say.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (machine, _) = read_model(&arguments.model)?;
+    let time_s = machine.experiment.start_time_s;
+    let interface = Interface::new(&machine);
+    let mut plant = Plant::new(Arc::new(machine));
+    for setting in &arguments.settings {
+        apply_setting(setting, &interface, &mut plant)?;
+    }
+    let effort = plant.equilibrium(time_s, Holding::AsReleased).map_err(|error| Failure::Statics(error.to_string()))?;
+    if arguments.json {
+        return print(&format!("{:#}", as_json(&plant, effort)));
+    }
+    print(&as_text(&plant, effort))
+}
+
+fn array(vector: &Vector3<f64>) -> [f64; 3] {
+    [vector.x, vector.y, vector.z]
+}
+
+fn as_json(plant: &Plant, effort: StaticEffort) -> Value {
+    let (machine, outputs) = (plant.machine(), plant.outputs());
+    let section = |section: &SectionShape| {
+        json!({
+            "place_m": section.place_m,
+            "position_m": array(&section.position_m),
+            "rotation_rad": array(&section.rotation_vector_rad()),
+            "strain": section.strain.as_slice(),
+        })
+    };
+    let bodies: Vec<Value> = machine
+        .bodies
+        .iter()
+        .zip(plant.shape())
+        .map(|(body, sections)| json!({ "name": body.name, "sections": sections.iter().map(section).collect::<Vec<_>>() }))
+        .collect();
+    let joints: Vec<Value> = joints(plant)
+        .map(|(name, joint)| {
+            json!({
+                "name": name,
+                "angle_rad": joint.angle_rad,
+                "torque_applied_N_m": joint.torque_applied_n_m,
+                "latch_torque_N_m": joint.latch_torque_n_m,
+                "latched": joint.latched,
+            })
+        })
+        .collect();
+    let gauges: Vec<Value> = machine
+        .gauges
+        .iter()
+        .zip(&outputs.gauges)
+        .map(|(gauge, strain)| json!({ "name": gauge.name, "strain": strain }))
+        .collect();
+    let tips: Vec<Value> =
+        tips(machine, plant).map(|(name, position)| json!({ "body": name, "position_m": array(&position) })).collect();
+    json!({
+        "name": machine.name,
+        "time_s": outputs.time_s,
+        "load_steps": effort.load_steps,
+        "iterations": effort.iterations,
+        "bodies": bodies,
+        "joints": joints,
+        "gauges": gauges,
+        "tips": tips,
+        "root": { "force_N": array(&outputs.root.force_n), "moment_N_m": array(&outputs.root.moment_n_m) },
+        "energy_J": { "elastic": outputs.energy.elastic, "gravity": outputs.energy.gravity, "drive": outputs.energy.drive },
+    })
+}
+
+fn joints(plant: &Plant) -> impl Iterator<Item = (&str, &foldwing::plant::JointOutputs)> {
+    let name = |&body: &usize| plant.machine().bodies[body].joint.name.as_str();
+    plant.revolute_joints().iter().map(name).zip(&plant.outputs().joints)
+}
+
+fn tips<'a>(machine: &'a Machine, plant: &'a Plant) -> impl Iterator<Item = (&'a str, Vector3<f64>)> {
+    let name = |&body: &usize| machine.bodies[body].name.as_str();
+    plant.tip_bodies().iter().map(name).zip(plant.outputs().tips.iter().map(|tip| tip.position_m))
+}
+
+fn as_text(plant: &Plant, effort: StaticEffort) -> String {
+    let (machine, outputs) = (plant.machine(), plant.outputs());
+    let mut text =
+        format!("{} at rest: {} load steps, {} iterations\n", machine.name, effort.load_steps, effort.iterations);
+    for (body, sections) in machine.bodies.iter().zip(plant.shape()) {
+        let _ = write!(
+            text,
+            "\n{}\n{:>9} {:>11} {:>11} {:>11} {:>10} {:>10} {:>10} {:>11} {:>11} {:>11} {:>11}\n",
+            body.name,
+            "place m",
+            "x m",
+            "y m",
+            "z m",
+            "turn x deg",
+            "turn y deg",
+            "turn z deg",
+            "strain x",
+            "kappa x 1/m",
+            "kappa y 1/m",
+            "kappa z 1/m"
+        );
+        for section in &sections {
+            let (r, turn, e) = (section.position_m, section.rotation_vector_rad().map(f64::to_degrees), section.strain);
+            let _ = writeln!(
+                text,
+                "{:9.4} {:11.6} {:11.6} {:11.6} {:10.4} {:10.4} {:10.4} {:11.3e} {:11.3e} {:11.3e} {:11.3e}",
+                section.place_m,
+                tidy(r.x),
+                tidy(r.y),
+                tidy(r.z),
+                tidy(turn.x),
+                tidy(turn.y),
+                tidy(turn.z),
+                e[0],
+                e[1],
+                e[2],
+                e[3]
+            );
+        }
+    }
+    text.push('\n');
+    for (name, joint) in joints(plant) {
+        let _ = writeln!(
+            text,
+            "{name}: angle {:.6} deg, drive {:.6e} N.m, latch {:.6e} N.m{}",
+            joint.angle_rad.to_degrees(),
+            joint.torque_applied_n_m,
+            joint.latch_torque_n_m,
+            if joint.latched { ", latched" } else { "" }
+        );
+    }
+    for (gauge, strain) in machine.gauges.iter().zip(&outputs.gauges) {
+        let _ = writeln!(text, "gauge {}: {strain:.6e}", gauge.name);
+    }
+    for (name, tip) in tips(machine, plant) {
+        let _ = writeln!(text, "tip of {name}: {:.6} {:.6} {:.6} m", tidy(tip.x), tidy(tip.y), tidy(tip.z));
+    }
+    let (force, moment) = (outputs.root.force_n, outputs.root.moment_n_m);
+    let _ = writeln!(
+        text,
+        "wing on root: force {:.6e} {:.6e} {:.6e} N, moment {:.6e} {:.6e} {:.6e} N.m",
+        force.x, force.y, force.z, moment.x, moment.y, moment.z
+    );
+    text
+}
+
+/// Without the sign of zeros and of what rounds to them.
+fn tidy(value: f64) -> f64 {
+    if value.abs() < 5e-8 { 0.0 } else { value }
+}

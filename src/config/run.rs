@@ -1,0 +1,115 @@
+//! How a model is run: the tables `[solver]` and `[experiment]` of the model file.
+
+use crate::config::machine::{Method, StartState};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Time integration.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct SolverFile {
+    /// Method.
+    pub method: MethodFile,
+    /// Tolerance of the error per step: displacement over wing length, rotation in rad.
+    #[schemars(range(min = 1e-12, max = 1e-1))]
+    pub tolerance: f64,
+    /// Largest internal step.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub max_step_s: f64,
+    /// Smallest internal step; less than `max_step_s`.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub min_step_s: f64,
+    /// Fixed internal step, default variable steps; `rk4` needs one.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub fixed_step_s: Option<f64>,
+    /// Spectral radius at infinity of the generalised-α method.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub rho_infinity: f64,
+}
+
+impl Default for SolverFile {
+    fn default() -> Self {
+        Self {
+            method: MethodFile::Esdirk4,
+            tolerance: 1e-4,
+            max_step_s: 5e-3,
+            min_step_s: 1e-9,
+            fixed_step_s: None,
+            rho_infinity: 0.8,
+        }
+    }
+}
+
+/// Time integration method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub(super) enum MethodFile {
+    /// Generalised-α, second order.
+    #[serde(rename = "generalized_alpha")]
+    GeneralizedAlpha,
+    /// TR-BDF2, second order.
+    #[serde(rename = "tr_bdf2")]
+    TrBdf2,
+    /// ESDIRK, third order.
+    #[serde(rename = "esdirk3")]
+    Esdirk3,
+    /// ESDIRK, fourth order.
+    #[serde(rename = "esdirk4")]
+    Esdirk4,
+    /// Classical explicit Runge–Kutta, fourth order; needs `fixed_step_s`.
+    #[serde(rename = "rk4")]
+    Rk4,
+}
+
+impl From<MethodFile> for Method {
+    fn from(method: MethodFile) -> Self {
+        match method {
+            MethodFile::GeneralizedAlpha => Self::GeneralizedAlpha,
+            MethodFile::TrBdf2 => Self::TrBdf2,
+            MethodFile::Esdirk3 => Self::Esdirk3,
+            MethodFile::Esdirk4 => Self::Esdirk4,
+            MethodFile::Rk4 => Self::Rk4,
+        }
+    }
+}
+
+/// Default experiment.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct ExperimentFile {
+    /// Start time.
+    pub start_time_s: f64,
+    /// Stop time, after the start.
+    pub stop_time_s: f64,
+    /// Communication step.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub step_s: f64,
+    /// State at the start: `unstrained`, gravity and loads then act at once; or `equilibrium`, at rest under them. Stoppers
+    /// hold the joints at their start angles while the wing settles, but those whose latch is closed; joints that are
+    /// released let go at the start.
+    pub start: StartFile,
+}
+
+/// State at the start of the experiment.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum StartFile {
+    /// Without strains; gravity and loads act from the start on.
+    Unstrained,
+    /// At rest under gravity and loads.
+    Equilibrium,
+}
+
+impl From<StartFile> for StartState {
+    fn from(start: StartFile) -> Self {
+        match start {
+            StartFile::Unstrained => Self::Unstrained,
+            StartFile::Equilibrium => Self::Equilibrium,
+        }
+    }
+}
+
+impl Default for ExperimentFile {
+    fn default() -> Self {
+        Self { start_time_s: 0.0, stop_time_s: 0.4, step_s: 5e-4, start: StartFile::Unstrained }
+    }
+}

@@ -1,0 +1,203 @@
+//! Linearised links, and blocks of one element or pair over its strains and the twist of its inner node.
+
+use crate::load::{LoadFrame, Wrench};
+use crate::math::se3::{Link, link_curvature};
+use crate::math::so3::hat;
+use nalgebra::{Matrix3, Matrix4, Matrix4x6, Matrix6, Matrix6x4, SMatrix, Vector3, Vector4, Vector6};
+
+/// One link about its pose, under the wrench that acts at its outer end.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LinkTangent {
+    /// `J`: twist of the outer end per strain.
+    pub jacobian: Matrix6x4<f64>,
+    /// `d`.
+    arm: Vector3<f64>,
+    /// `F_b`.
+    force: Vector3<f64>,
+    /// Change of `JᵀW` with the strains, `H_loc`.
+    curvature: Matrix4<f64>,
+    /// Change of `JᵀW` with the turn of the inner node.
+    turning: SMatrix<f64, 4, 3>,
+}
+
+/// Coupling of the twists of an element's ends by its inertia in a rotating frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cross {
+    /// Wrench of the outer end per twist of the inner end.
+    pub outer_inner: Matrix6<f64>,
+    /// Wrench of the inner end per twist of the outer end.
+    pub inner_outer: Matrix6<f64>,
+}
+
+/// What one link makes of the tangent `P` of its outer end, eq. (L5).
+struct LinkBlock {
+    xx: Matrix4<f64>,
+    xa: Matrix4x6<f64>,
+    ax: Matrix6x4<f64>,
+    aa: Matrix6<f64>,
+}
+
+impl LinkTangent {
+    /// Nothing.
+    pub const ZERO: Self = Self {
+        jacobian: Matrix6x4::from_array_storage(nalgebra::ArrayStorage([[0.0; 6]; 4])),
+        arm: Vector3::new(0.0, 0.0, 0.0),
+        force: Vector3::new(0.0, 0.0, 0.0),
+        curvature: Matrix4::from_array_storage(nalgebra::ArrayStorage([[0.0; 4]; 4])),
+        turning: SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; 4]; 3])),
+    };
+
+    /// A link of `(length, strain)` on a frame `inner` (root ← a), with the wrench at its outer end in the root frame.
+    pub fn new(
+        link: &Link,
+        inner: &Matrix3<f64>,
+        (length_m, strain): (f64, &[f64; 4]),
+        force: &Vector3<f64>,
+        moment: &Vector3<f64>,
+    ) -> Self {
+        let mut jacobian = Matrix6x4::zeros();
+        let mut turning = SMatrix::<f64, 4, 3>::zeros();
+        for k in 0..4 {
+            let spin = if k == 0 { Vector3::zeros() } else { link.spin[k - 1] };
+            jacobian.fixed_view_mut::<3, 1>(0, k).copy_from(&link.velocity[k]);
+            jacobian.fixed_view_mut::<3, 1>(3, k).copy_from(&spin);
+            let row = link.velocity[k].cross(force) + spin.cross(moment);
+            turning.row_mut(k).copy_from(&row.transpose());
+        }
+        let axes = inner.transpose();
+        let curvature = link_curvature(length_m, strain, &(axes * force), &(axes * moment));
+        Self { jacobian, arm: link.arm_m, force: *force, curvature, turning }
+    }
+
+    /// `Φ`: twist of the outer end per twist of the inner end.
+    fn shift(&self) -> Matrix6<f64> {
+        let mut shift = Matrix6::identity();
+        shift.fixed_view_mut::<3, 3>(0, 3).copy_from(&-hat(&self.arm));
+        shift
+    }
+
+    /// Twist of the outer end.
+    pub fn displaced(&self, strain: &Vector4<f64>, inner: &Vector6<f64>) -> Vector6<f64> {
+        let turn: Vector3<f64> = inner.fixed_rows::<3>(3).into_owned();
+        let mut outer = self.jacobian * strain + inner;
+        let mut linear = outer.fixed_rows_mut::<3>(0);
+        linear += turn.cross(&self.arm);
+        outer
+    }
+
+    /// Changes of the forces on the strains and of the wrench that passes to the inner node, for changes of the
+    /// strains, of the inner node's twist and of the wrench at the outer end.
+    pub fn push(
+        &self,
+        strain: &Vector4<f64>,
+        inner: &Vector6<f64>,
+        outer: &Vector6<f64>,
+    ) -> (Vector4<f64>, Vector6<f64>) {
+        let turn: Vector3<f64> = inner.fixed_rows::<3>(3).into_owned();
+        let forces = self.jacobian.transpose() * outer + self.curvature * strain + self.turning * turn;
+        let mut passed = self.carried(outer);
+        let arm_change: Vector3<f64> = (self.jacobian * strain).fixed_rows::<3>(0).into_owned() + turn.cross(&self.arm);
+        let mut moment = passed.fixed_rows_mut::<3>(3);
+        moment += arm_change.cross(&self.force);
+        (forces, passed)
+    }
+
+    /// `Φᵀ` on a wrench.
+    pub fn carried(&self, wrench: &Vector6<f64>) -> Vector6<f64> {
+        let force: Vector3<f64> = wrench.fixed_rows::<3>(0).into_owned();
+        let mut carried = *wrench;
+        let mut moment = carried.fixed_rows_mut::<3>(3);
+        moment += self.arm.cross(&force);
+        carried
+    }
+
+    fn block(&self, outer: &Matrix6<f64>, cross: Option<&Cross>) -> LinkBlock {
+        let shift = self.shift();
+        let mut toward_inner = outer * shift;
+        let mut from_outer = shift.transpose() * outer;
+        if let Some(cross) = cross {
+            toward_inner += cross.outer_inner;
+            from_outer += cross.inner_outer;
+        }
+        let mut xa = self.jacobian.transpose() * toward_inner;
+        let mut columns = xa.fixed_view_mut::<4, 3>(0, 3);
+        columns += self.turning;
+        let mut ax = from_outer * self.jacobian;
+        for k in 0..4 {
+            let column: Vector3<f64> = self.jacobian.fixed_view::<3, 1>(0, k).into_owned();
+            let mut moment = ax.fixed_view_mut::<3, 1>(3, k);
+            moment += column.cross(&self.force);
+        }
+        let mut aa = shift.transpose() * toward_inner;
+        if let Some(cross) = cross {
+            aa += cross.inner_outer * shift;
+        }
+        let mut spin = aa.fixed_view_mut::<3, 3>(3, 3);
+        spin += hat(&self.force) * hat(&self.arm);
+        LinkBlock { xx: self.jacobian.transpose() * outer * self.jacobian + self.curvature, xa, ax, aa }
+    }
+}
+
+/// Tangent of an element, a pair or a joint over its own unknowns `x` (at most 8) and the twist `a` of what it hangs on.
+#[derive(Debug, Clone)]
+pub(super) struct Block {
+    pub xx: SMatrix<f64, 8, 8>,
+    pub xa: SMatrix<f64, 8, 6>,
+    pub ax: SMatrix<f64, 6, 8>,
+    pub aa: Matrix6<f64>,
+}
+
+impl Block {
+    /// Nothing.
+    pub fn zeros() -> Self {
+        Self { xx: SMatrix::zeros(), xa: SMatrix::zeros(), ax: SMatrix::zeros(), aa: Matrix6::zeros() }
+    }
+
+    /// One link or two in a row; `outer` is the tangent of the last node, `middle` that of the node between them.
+    pub fn of_links(links: &[LinkTangent], cross: &[Cross], outer: &Matrix6<f64>, middle: &Matrix6<f64>) -> Self {
+        let mut block = Self::zeros();
+        let last = links[links.len() - 1].block(outer, cross.last());
+        if links.len() == 1 {
+            block.xx.fixed_view_mut::<4, 4>(0, 0).copy_from(&last.xx);
+            block.xa.fixed_view_mut::<4, 6>(0, 0).copy_from(&last.xa);
+            block.ax.fixed_view_mut::<6, 4>(0, 0).copy_from(&last.ax);
+            block.aa = last.aa;
+            return block;
+        }
+        let first = links[0].block(&(last.aa + middle), cross.first());
+        let (jacobian, shift) = (&links[0].jacobian, links[0].shift());
+        block.xx.fixed_view_mut::<4, 4>(0, 0).copy_from(&first.xx);
+        block.xx.fixed_view_mut::<4, 4>(0, 4).copy_from(&(jacobian.transpose() * last.ax));
+        block.xx.fixed_view_mut::<4, 4>(4, 0).copy_from(&(last.xa * jacobian));
+        block.xx.fixed_view_mut::<4, 4>(4, 4).copy_from(&last.xx);
+        block.xa.fixed_view_mut::<4, 6>(0, 0).copy_from(&first.xa);
+        block.xa.fixed_view_mut::<4, 6>(4, 0).copy_from(&(last.xa * shift));
+        block.ax.fixed_view_mut::<6, 4>(0, 0).copy_from(&first.ax);
+        block.ax.fixed_view_mut::<6, 4>(0, 4).copy_from(&(shift.transpose() * last.ax));
+        block.aa = first.aa;
+        block
+    }
+
+    /// Adds another block over the same unknowns.
+    pub fn add(&mut self, other: &Self) {
+        self.xx += other.xx;
+        self.xa += other.xa;
+        self.ax += other.ax;
+        self.aa += other.aa;
+    }
+
+    /// Replaces the unknowns `x` by `T x`.
+    pub fn mix(&mut self, mixing: &SMatrix<f64, 8, 8>) {
+        self.xx = mixing.transpose() * self.xx * mixing;
+        self.xa = mixing.transpose() * self.xa;
+        self.ax *= mixing;
+    }
+}
+
+/// Force and moment of a load in the root frame.
+pub(super) fn turned(load: &Wrench, frame: LoadFrame, rotation: &Matrix3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    match frame {
+        LoadFrame::Root => (load.force_n, load.moment_n_m),
+        LoadFrame::Section => (rotation * load.force_n, rotation * load.moment_n_m),
+    }
+}

@@ -1,0 +1,135 @@
+//! Closed loops in the tangent: the penalty's force turns with the nodes and changes with the gap.
+//!
+//! The gap couples distant branches. Each end's own spring, as if the other end were fixed, joins the tree's
+//! factorisation; what couples the ends has low rank and comes back by Woodbury's formula, NOTATION eq. (L7). So a loop
+//! may hold what the tree alone lets go.
+
+use crate::math::so3::hat;
+use crate::multibody::model::Model;
+use crate::multibody::tangent::factor::twist;
+use crate::multibody::tangent::{SingularTangent, Tangent, add};
+use crate::multibody::workspace::{Pair, Workspace};
+use nalgebra::{DMatrix, DVector, Dyn, LU, Matrix3, Matrix3x6, Vector3};
+
+/// One closure about the present poses.
+#[derive(Debug, Clone)]
+pub(super) struct ClosureTangent {
+    nodes: [usize; 2],
+    /// Displacement of either point per twist of its node.
+    points: [Matrix3x6<f64>; 2],
+    stiffness_n_m: f64,
+}
+
+/// Factor of the coupling of all closures.
+#[derive(Debug, Clone)]
+pub(super) struct Coupling {
+    /// `K⁻¹Gᵀ`, one column per coordinate of a closure's points.
+    columns: DMatrix<f64>,
+    lu: LU<f64, Dyn, Dyn>,
+}
+
+impl Tangent {
+    /// Closures at the poses in `work`; their forces turn with the arms.
+    pub(super) fn linearize_closures(&mut self, model: &Model, work: &Workspace) {
+        self.closures.clear();
+        for closure in &model.closures {
+            let force = closure.gap(work).position_m * closure.penalty.stiffness_n_m;
+            let mut points = [Matrix3x6::zeros(); 2];
+            for (side, force) in [(0, -force), (1, force)] {
+                let n = closure.nodes[side];
+                let arm = work.nodes[n].rotation * closure.offsets_m[side];
+                points[side].fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::identity());
+                points[side].fixed_view_mut::<3, 3>(0, 3).copy_from(&-hat(&arm));
+                let mut spin = self.nodes[n].fixed_view_mut::<3, 3>(3, 3);
+                spin += hat(&force) * hat(&arm);
+            }
+            let stiffness_n_m = closure.penalty.stiffness_n_m;
+            self.closures.push(ClosureTangent { nodes: closure.nodes, points, stiffness_n_m });
+        }
+    }
+
+    /// Adds the change of the penalty forces with the gaps to the wrenches of the nodes.
+    pub(super) fn push_closures(&mut self) {
+        for closure in &self.closures {
+            let moved: [Vector3<f64>; 2] =
+                [0, 1].map(|side| closure.points[side] * twist(&self.displaced[closure.nodes[side]]));
+            let force = (moved[1] - moved[0]) * closure.stiffness_n_m;
+            for (side, force) in [(0, -force), (1, force)] {
+                add(&mut self.wrenches[closure.nodes[side]], &(closure.points[side].transpose() * force));
+            }
+        }
+    }
+
+    /// Factorises the coupling; the tree's factors must stand, each end with its own spring.
+    pub(super) fn factorize_closures(&mut self, model: &Model) -> Result<(), SingularTangent> {
+        self.coupling = None;
+        let rows = 6 * self.closures.len();
+        if rows == 0 {
+            return Ok(());
+        }
+        let closures = self.closures.clone();
+        let mut columns = DMatrix::zeros(model.coordinates, rows);
+        let mut small = DMatrix::zeros(rows, rows);
+        let mut x = vec![0.0; model.coordinates];
+        for row in 0..rows {
+            let (closure, side) = (&closures[row / 6], row % 6 / 3);
+            // Gᵀ: a unit force at one point, as a right side that stands on its node
+            x.fill(0.0);
+            let wrench = closure.points[side].transpose().column(row % 3).into_owned();
+            self.solve_tree(model, &mut x, Some((closure.nodes[side], &wrench)));
+            columns.column_mut(row).copy_from_slice(&x);
+            small.column_mut(row).copy_from(&self.point_displacements(&closures));
+            // inverse of the coupling −k [[0, I], [I, 0]]
+            let partner = if side == 0 { row + 3 } else { row - 3 };
+            if closure.stiffness_n_m > 0.0 {
+                small[(partner, row)] -= 1.0 / closure.stiffness_n_m;
+            } else {
+                small.column_mut(row).fill(0.0);
+                small[(row, row)] = 1.0;
+                columns.column_mut(row).fill(0.0);
+            }
+        }
+        let lu = small.lu();
+        if !lu.is_invertible() {
+            return Err(SingularTangent { coordinate: 0 });
+        }
+        self.coupling = Some(Coupling { columns, lu });
+        Ok(())
+    }
+
+    /// Springs of the closures' ends, which the tree's factorisation sees.
+    pub(super) fn add_own_springs(&self, outer: &mut [nalgebra::Matrix6<f64>]) {
+        for closure in &self.closures {
+            for side in 0..2 {
+                let points = &closure.points[side];
+                outer[closure.nodes[side]] += points.transpose() * points * closure.stiffness_n_m;
+            }
+        }
+    }
+
+    /// Takes the coupling into a solution of the tree, whose displacements stand.
+    pub(super) fn correct_closures(&mut self, x: &mut [f64]) {
+        let Some(coupling) = self.coupling.take() else { return };
+        let closures = std::mem::take(&mut self.closures);
+        let moved = self.point_displacements(&closures);
+        if let Some(weights) = coupling.lu.solve(&moved) {
+            let correction = &coupling.columns * weights;
+            x.iter_mut().zip(correction.iter()).for_each(|(x, correction)| *x -= correction);
+        }
+        self.closures = closures;
+        self.coupling = Some(coupling);
+    }
+
+    /// `G x`: displacements of all points of the closures at the displacements that stand.
+    fn point_displacements(&self, closures: &[ClosureTangent]) -> DVector<f64> {
+        let mut moved = DVector::zeros(6 * closures.len());
+        for (i, closure) in closures.iter().enumerate() {
+            for side in 0..2 {
+                let displaced: &Pair = &self.displaced[closure.nodes[side]];
+                let point: Vector3<f64> = closure.points[side] * twist(displaced);
+                moved.fixed_rows_mut::<3>(6 * i + 3 * side).copy_from(&point);
+            }
+        }
+        moved
+    }
+}

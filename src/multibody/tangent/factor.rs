@@ -1,0 +1,205 @@
+//! Factorisation and solution in O(n): every element or pair eliminates its strains by a small LU, every joint its
+//! freedoms, and a 6×6 tangent passes inward; NOTATION eqs. (L5) and (L7).
+
+use crate::multibody::model::{Base, Body, Model};
+use crate::multibody::tangent::block::Block;
+use crate::multibody::tangent::{SingularTangent, Tangent, add, pair, part, stride};
+use crate::multibody::workspace::Pair;
+use nalgebra::{Const, LU, Matrix6, SMatrix, SVector, Vector6};
+
+/// Smallest pivot of a scaled block that counts as a number.
+const SMALLEST_PIVOT: f64 = 1e-13;
+
+/// Factor of one elimination.
+#[derive(Debug, Clone)]
+pub(super) struct Factor {
+    lu: LU<f64, Const<8>, Const<8>>,
+    scale: SVector<f64, 8>,
+    xa: SMatrix<f64, 8, 6>,
+    ax: SMatrix<f64, 6, 8>,
+    /// Right side of the last inward sweep.
+    right: SVector<f64, 8>,
+}
+
+impl Factor {
+    /// Eliminates the first `count` unknowns; returns what the inner node feels. `sizes` scale the pivots.
+    fn new(mut block: Block, sizes: &[f64; 8], count: usize) -> Option<(Self, Matrix6<f64>)> {
+        let mut scale = SVector::<f64, 8>::from_element(1.0);
+        for k in 0..8 {
+            if k >= count {
+                block.xx[(k, k)] = 1.0;
+            } else if sizes[k] > 0.0 && sizes[k].is_finite() {
+                scale[k] = 1.0 / sizes[k].sqrt();
+            } else {
+                return None;
+            }
+        }
+        let scaled = SMatrix::<f64, 8, 8>::from_fn(|i, j| block.xx[(i, j)] * scale[i] * scale[j]);
+        let lu = scaled.lu();
+        let upper = lu.u();
+        // a pivot that is NaN fails the comparison as well
+        if !(0..8).all(|k| upper[(k, k)].abs() > SMALLEST_PIVOT) {
+            return None;
+        }
+        let mut factor = Self { lu, scale, xa: block.xa, ax: block.ax, right: SVector::zeros() };
+        let mut passed = block.aa;
+        for j in 0..6 {
+            let solved = factor.solve(&factor.xa.column(j).into_owned());
+            let mut column = passed.column_mut(j);
+            column -= factor.ax * solved;
+        }
+        factor.right.fill(0.0);
+        Some((factor, passed))
+    }
+
+    fn solve(&self, right: &SVector<f64, 8>) -> SVector<f64, 8> {
+        let mut x = right.component_mul(&self.scale);
+        self.lu.solve_mut(&mut x);
+        x.component_mul(&self.scale)
+    }
+}
+
+impl Tangent {
+    /// Factorises the linearisation.
+    pub fn factorize(&mut self, model: &Model) -> Result<(), SingularTangent> {
+        let mut outer = self.nodes.clone();
+        self.add_own_springs(&mut outer);
+        for (index, body) in model.bodies.iter().enumerate().rev() {
+            let stride = stride(body);
+            for i in (0..body.elements).step_by(stride).rev() {
+                let e = body.first_element + i;
+                let n = body.first_node + i;
+                let (block, sizes) = self.segment(model, body, i, &outer);
+                let (factor, passed) = Factor::new(block, &sizes, 4 * stride)
+                    .ok_or(SingularTangent { coordinate: model.elements[e].coordinate })?;
+                self.factors[e] = Some(factor);
+                outer[n] += passed;
+            }
+            let joint = &self.joints[index];
+            let mut passed = outer[body.first_node];
+            self.joint_factors[index] = None;
+            if joint.freedoms > 0 {
+                let (block, sizes) = joint.block(&passed);
+                let (factor, rest) = Factor::new(block, &sizes, joint.freedoms)
+                    .ok_or(SingularTangent { coordinate: joint.coordinate })?;
+                self.joint_factors[index] = Some(factor);
+                passed = rest;
+            }
+            if let Base::Node(node) = body.base {
+                outer[node] += passed;
+            }
+        }
+        self.factorize_closures(model)
+    }
+
+    /// Block of the element or pair that starts with element `i` of a body, and the sizes of its pivots.
+    fn segment(&self, model: &Model, body: &Body, i: usize, outer: &[Matrix6<f64>]) -> (Block, [f64; 8]) {
+        let (e, n) = (body.first_element + i, body.first_node + i);
+        let stride = stride(body);
+        let cross = if self.cross.is_empty() { &[] } else { &self.cross[e..e + stride] };
+        let mut block = Block::of_links(&self.links[e..e + stride], cross, &outer[n + stride], &outer[n + 1]);
+        let mut sizes = [1.0; 8];
+        for half in 0..stride {
+            let element = &model.elements[e + half];
+            let mut own = block.xx.fixed_view_mut::<4, 4>(4 * half, 4 * half);
+            own += element.stiffness;
+            for k in 0..4 {
+                sizes[4 * half + k] = element.stiffness[(k, k)];
+            }
+            if stride == 2 {
+                let mut coupling = block.xx.fixed_view_mut::<4, 4>(4 * half, 4 - 4 * half);
+                coupling += element.coupling;
+            }
+        }
+        if let Some(stations) = &self.stations[e] {
+            block.add(stations);
+        }
+        (block, sizes)
+    }
+
+    /// Solves with the last factorisation: `x` holds the right side and then the solution. Held joints do not move.
+    pub fn solve(&mut self, model: &Model, x: &mut [f64]) {
+        self.solve_tree(model, x, None);
+        self.correct_closures(x);
+    }
+
+    /// Solves for the tree with the closures' own springs; the right side may hold a wrench on a node as well.
+    pub(super) fn solve_tree(&mut self, model: &Model, x: &mut [f64], load: Option<(usize, &Vector6<f64>)>) {
+        self.wrenches.fill(Pair::ZERO);
+        if let Some((node, wrench)) = load {
+            // a wrench on the residual's side counts against the right side
+            self.wrenches[node] = pair(&-wrench);
+        }
+        for (index, body) in model.bodies.iter().enumerate().rev() {
+            let stride = stride(body);
+            for i in (0..body.elements).step_by(stride).rev() {
+                let (e, n) = (body.first_element + i, body.first_node + i);
+                let mut wrench = twist(&self.wrenches[n + stride]);
+                let mut right = SVector::<f64, 8>::zeros();
+                for half in (0..stride).rev() {
+                    let link = &self.links[e + half];
+                    let forces = part::<4>(x, model.elements[e + half].coordinate) - link.jacobian.transpose() * wrench;
+                    right.fixed_rows_mut::<4>(4 * half).copy_from(&forces);
+                    wrench = link.carried(&wrench);
+                }
+                if let Some(factor) = &mut self.factors[e] {
+                    factor.right = right;
+                    wrench += factor.ax * factor.solve(&right);
+                }
+                add(&mut self.wrenches[n], &wrench);
+            }
+            let mut wrench = twist(&self.wrenches[body.first_node]);
+            let joint = &self.joints[index];
+            if let Some(factor) = &mut self.joint_factors[index] {
+                let mut right = -joint.projected(&wrench);
+                for k in 0..joint.freedoms {
+                    right[k] += x[joint.coordinate + k];
+                }
+                factor.right = right;
+                wrench += factor.ax * factor.solve(&right);
+            }
+            if let Base::Node(node) = body.base {
+                add(&mut self.wrenches[node], &wrench);
+            }
+        }
+        self.substitute(model, x);
+    }
+
+    /// Outward half of [`Self::solve`].
+    fn substitute(&mut self, model: &Model, x: &mut [f64]) {
+        for (index, body) in model.bodies.iter().enumerate() {
+            let mut moved = self.base_twist(body);
+            if let Some(hinge) = &body.hinge {
+                x[hinge.coordinate] = 0.0;
+            }
+            if let Some(joint) = &body.parameters {
+                x[joint.coordinate..joint.coordinate + joint.kind.parameters()].fill(0.0);
+            }
+            if let Some(factor) = &self.joint_factors[index] {
+                let joint = &self.joints[index];
+                let freedoms = factor.solve(&(factor.right - factor.xa * moved));
+                x[joint.coordinate..joint.coordinate + joint.freedoms]
+                    .copy_from_slice(&freedoms.as_slice()[..joint.freedoms]);
+                moved = joint.displaced(x, &moved);
+            }
+            self.displaced[body.first_node] = pair(&moved);
+            let stride = stride(body);
+            for i in (0..body.elements).step_by(stride) {
+                let e = body.first_element + i;
+                let Some(factor) = &self.factors[e] else { continue };
+                let strains = factor.solve(&(factor.right - factor.xa * moved));
+                for half in 0..stride {
+                    let c = model.elements[e + half].coordinate;
+                    x[c..c + 4].copy_from_slice(&strains.as_slice()[4 * half..4 * half + 4]);
+                    moved = self.links[e + half].displaced(&part::<4>(x, c), &moved);
+                    self.displaced[body.first_node + i + half + 1] = pair(&moved);
+                }
+            }
+        }
+    }
+}
+
+/// Both halves of a twist or wrench in one vector.
+pub(super) fn twist(pair: &Pair) -> Vector6<f64> {
+    Vector6::new(pair.linear.x, pair.linear.y, pair.linear.z, pair.angular.x, pair.angular.y, pair.angular.z)
+}

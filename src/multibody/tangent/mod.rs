@@ -1,0 +1,378 @@
+//! Exact tangent of the residual at rest: elasticity, gravity, station loads that are dead or follow, a rotating root.
+//!
+//! The tangent is not symmetric: forces and moments turn with the body or stay in the root frame, and rotations do
+//! not commute. It is kept link by link and never as a matrix of its own: [`Tangent::apply`] multiplies with it,
+//! [`Tangent::factorize`] and [`Tangent::solve`] invert it, each in O(n); NOTATION eqs. (L1)–(L7). Closed loops add a
+//! small dense correction.
+//!
+//! Vectors have [`Model::coordinates`] entries as the residual has. A joint with redundant parameters uses the first
+//! of its entries for its freedoms (rotations about its axes, rad) and leaves the rest at zero;
+//! [`Tangent::to_coordinates`] turns them into changes of the parameters.
+
+mod block;
+mod closure;
+mod factor;
+mod joint;
+
+pub use joint::JointTangent;
+
+use crate::beam::element::ElementKind;
+use crate::load::{LoadFrame, RootMotion, Wrench};
+use crate::math::se3::LinkGeometry;
+use crate::math::so3::hat;
+use crate::multibody::dynamics::multiply;
+use crate::multibody::model::{Base, Body, Model, Station};
+use crate::multibody::station;
+use crate::multibody::workspace::{Node, Pair, Workspace};
+use block::{Block, Cross, LinkTangent, turned};
+use closure::{ClosureTangent, Coupling};
+use factor::{Factor, twist};
+use joint::JointBlock;
+use nalgebra::{DMatrix, Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector4, Vector6};
+
+/// No solution: a pivot of the tangent vanishes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the static tangent is singular at coordinate {coordinate}")]
+pub struct SingularTangent {
+    /// Index in `q` of the pivot's block.
+    pub coordinate: usize,
+}
+
+/// What the tangent depends on besides the configuration.
+#[derive(Debug, Clone, Copy)]
+pub struct Surroundings<'a> {
+    /// Gravity and motion of the root.
+    pub root: &'a RootMotion,
+    /// Wrench per station, in its station's frame; empty where nothing acts.
+    pub stations: &'a [Wrench],
+    /// Per body: springs of its joint. Entries of clamped bodies are ignored.
+    pub joints: &'a [JointTangent],
+}
+
+/// The tangent, link by link, with its factors.
+#[derive(Debug, Clone)]
+pub struct Tangent {
+    /// Change of each node's own wrench with its twist.
+    nodes: Vec<Matrix6<f64>>,
+    links: Vec<LinkTangent>,
+    /// Centrifugal coupling of the ends of each element; empty while the root does not rotate.
+    cross: Vec<Cross>,
+    /// Station loads inside the element, or pair, that starts with this element.
+    stations: Vec<Option<Box<Block>>>,
+    joints: Vec<JointBlock>,
+    /// Of the element, or pair, that starts with this element.
+    factors: Vec<Option<Factor>>,
+    joint_factors: Vec<Option<Factor>>,
+    closures: Vec<ClosureTangent>,
+    coupling: Option<Coupling>,
+    displaced: Vec<Pair>,
+    wrenches: Vec<Pair>,
+}
+
+impl Tangent {
+    /// Space for the tangent of a model.
+    pub fn new(model: &Model) -> Self {
+        let (nodes, elements, bodies) = (model.nodes.len(), model.elements.len(), model.bodies.len());
+        Self {
+            nodes: vec![Matrix6::zeros(); nodes],
+            links: vec![LinkTangent::ZERO; elements],
+            cross: Vec::new(),
+            stations: vec![None; elements],
+            joints: vec![JointBlock::default(); bodies],
+            factors: vec![None; elements],
+            joint_factors: vec![None; bodies],
+            closures: Vec::new(),
+            coupling: None,
+            displaced: vec![Pair::ZERO; nodes],
+            wrenches: vec![Pair::ZERO; nodes],
+        }
+    }
+
+    /// Linearises about `q`. `work` must hold the residual of `q` at rest (rates and accelerations zero) in the same
+    /// surroundings.
+    pub fn linearize(&mut self, model: &Model, work: &Workspace, q: &[f64], surroundings: Surroundings) {
+        let turn = hat(&surroundings.root.angular_velocity_rad_s);
+        let frame = hat(&surroundings.root.angular_acceleration_rad_s2) + turn * turn;
+        let rotates = surroundings.root.rotates();
+        self.linearize_nodes(model, work, &frame);
+        self.cross.clear();
+        for (index, body) in model.bodies.iter().enumerate() {
+            for i in 0..body.elements {
+                let e = body.first_element + i;
+                let element = &model.elements[e];
+                let (inner, outer) = (&work.nodes[body.first_node + i], &work.nodes[body.first_node + i + 1]);
+                let strain = std::array::from_fn(|k| q[element.coordinate + k]);
+                self.links[e] = LinkTangent::new(
+                    &work.links[e],
+                    &inner.rotation,
+                    (element.length_m, &strain),
+                    &outer.force,
+                    &outer.moment,
+                );
+                if rotates {
+                    self.cross.push(Cross {
+                        outer_inner: inertia(&element.cross_mass, &frame, &outer.rotation, &inner.rotation),
+                        inner_outer: inertia(&element.cross_mass.transpose(), &frame, &inner.rotation, &outer.rotation),
+                    });
+                }
+            }
+            self.joints[index] = JointBlock::new(model, work, index, &surroundings.joints[index]);
+        }
+        self.linearize_stations(model, work, q, surroundings.stations);
+        self.linearize_closures(model, work);
+    }
+
+    /// Nodal forces turn with their node, and change with its place in a rotating frame, eq. (L4).
+    fn linearize_nodes(&mut self, model: &Model, work: &Workspace, frame: &Matrix3<f64>) {
+        for (n, (tangent, mass)) in self.nodes.iter_mut().zip(&model.nodes).enumerate() {
+            let node = &work.nodes[n];
+            let whole = mass.attached.map_or(mass.beam, |attached| attached + mass.beam);
+            *tangent = inertia(&whole, frame, &node.rotation, &node.rotation);
+            add_turning(tangent, node, &multiply(&whole, &node.load_rate));
+        }
+        for body in &model.bodies {
+            for i in 0..body.elements {
+                let cross = &model.elements[body.first_element + i].cross_mass;
+                let (a, b) = (body.first_node + i, body.first_node + i + 1);
+                let (inner, outer) = (&work.nodes[a], &work.nodes[b]);
+                add_turning(&mut self.nodes[a], inner, &multiply(&cross.transpose(), &outer.load_rate));
+                add_turning(&mut self.nodes[b], outer, &multiply(cross, &inner.load_rate));
+            }
+        }
+    }
+
+    fn linearize_stations(&mut self, model: &Model, work: &Workspace, q: &[f64], loads: &[Wrench]) {
+        self.stations.fill(None);
+        for (place, load) in model.stations.iter().zip(loads).filter(|(_, load)| !load.is_zero()) {
+            if let Some(node) = station::node_under(model, place) {
+                if place.frame == LoadFrame::Section {
+                    let rotation = &work.nodes[node].rotation;
+                    self.nodes[node] += follower(&(rotation * load.force_n), &(rotation * load.moment_n_m));
+                }
+                continue;
+            }
+            let block = station_block(model, work, q, place, load);
+            match &mut self.stations[place.element] {
+                Some(sum) => sum.add(&block),
+                empty => *empty = Some(Box::new(block)),
+            }
+        }
+    }
+
+    /// `y = K x`: change of the residual with a change of the coordinates. Entries of held joints are not read, and
+    /// zero in `y`.
+    pub fn apply(&mut self, model: &Model, x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        self.displace(model, x);
+        for (n, wrench) in self.wrenches.iter_mut().enumerate() {
+            *wrench = pair(&(self.nodes[n] * twist(&self.displaced[n])));
+        }
+        if !self.cross.is_empty() {
+            for body in &model.bodies {
+                for i in 0..body.elements {
+                    let (cross, a) = (&self.cross[body.first_element + i], body.first_node + i);
+                    let (inner, outer) = (twist(&self.displaced[a]), twist(&self.displaced[a + 1]));
+                    add(&mut self.wrenches[a], &(cross.inner_outer * outer));
+                    add(&mut self.wrenches[a + 1], &(cross.outer_inner * inner));
+                }
+            }
+        }
+        self.push_closures();
+        for (index, body) in model.bodies.iter().enumerate().rev() {
+            let stride = stride(body);
+            for i in (0..body.elements).rev() {
+                let e = body.first_element + i;
+                let a = body.first_node + i;
+                let strain = part::<4>(x, model.elements[e].coordinate);
+                let outer = twist(&self.wrenches[a + 1]);
+                let inner = twist(&self.displaced[a]);
+                let (forces, passed) = self.links[e].push(&strain, &inner, &outer);
+                let elastic = self.elastic(model, body, i, x);
+                accumulate(y, model.elements[e].coordinate, &(forces + elastic));
+                add(&mut self.wrenches[a], &passed);
+                if i % stride == 0
+                    && let Some(block) = &self.stations[e]
+                {
+                    let mut strains = SVector::<f64, 8>::zeros();
+                    for k in 0..4 * stride {
+                        strains[k] = x[model.elements[e].coordinate + k];
+                    }
+                    let forces = block.xx * strains + block.xa * inner;
+                    for k in 0..4 * stride {
+                        y[model.elements[e].coordinate + k] += forces[k];
+                    }
+                    add(&mut self.wrenches[a], &(block.ax * strains + block.aa * inner));
+                }
+            }
+            let wrench = twist(&self.wrenches[body.first_node]);
+            let before = self.base_twist(body);
+            let passed = self.joints[index].push(x, &before, &wrench, y);
+            if let Base::Node(node) = body.base {
+                add(&mut self.wrenches[node], &passed);
+            }
+        }
+    }
+
+    fn elastic(&self, model: &Model, body: &Body, i: usize, x: &[f64]) -> Vector4<f64> {
+        let element = &model.elements[body.first_element + i];
+        let mut force = element.stiffness * part::<4>(x, element.coordinate);
+        if body.kind == ElementKind::Linear {
+            force += element.coupling * part::<4>(x, model.elements[body.first_element + (i ^ 1)].coordinate);
+        }
+        force
+    }
+
+    /// Twists of all nodes that a change of the coordinates causes.
+    fn displace(&mut self, model: &Model, x: &[f64]) {
+        for (index, body) in model.bodies.iter().enumerate() {
+            let mut moved = self.joints[index].displaced(x, &self.base_twist(body));
+            self.displaced[body.first_node] = pair(&moved);
+            for i in 0..body.elements {
+                let e = body.first_element + i;
+                moved = self.links[e].displaced(&part::<4>(x, model.elements[e].coordinate), &moved);
+                self.displaced[body.first_node + i + 1] = pair(&moved);
+            }
+        }
+    }
+
+    fn base_twist(&self, body: &Body) -> Vector6<f64> {
+        match body.base {
+            Base::Root(_) => Vector6::zeros(),
+            Base::Node(node) => twist(&self.displaced[node]),
+        }
+    }
+
+    /// Displacement (m) and rotation vector (rad) of every node, root frame, for a change of the coordinates.
+    pub fn node_displacements(&mut self, model: &Model, x: &[f64]) -> Vec<(Vector3<f64>, Vector3<f64>)> {
+        self.displace(model, x);
+        self.displaced.iter().map(|moved| (moved.linear, moved.angular)).collect()
+    }
+
+    /// The whole matrix, column by column: for modes and linearisation of small models, O(n²).
+    pub fn dense(&mut self, model: &Model) -> DMatrix<f64> {
+        let n = model.coordinates;
+        let (mut unit, mut column) = (vec![0.0; n], vec![0.0; n]);
+        let mut matrix = DMatrix::zeros(n, n);
+        for j in 0..n {
+            unit[j] = 1.0;
+            self.apply(model, &unit, &mut column);
+            matrix.column_mut(j).copy_from_slice(&column);
+            unit[j] = 0.0;
+        }
+        matrix
+    }
+
+    /// Turns changes of freedoms into changes of coordinates, in place; `work` holds the poses of the linearisation.
+    pub fn to_coordinates(model: &Model, work: &Workspace, x: &mut [f64]) {
+        for (body, parameters) in model.bodies.iter().zip(&work.parameters) {
+            if let (Some(joint), Some(parameters)) = (&body.parameters, parameters) {
+                joint::to_parameters(joint, parameters, x);
+            }
+        }
+    }
+}
+
+/// Elements of one elimination: the halves of a pair belong together.
+fn stride(body: &Body) -> usize {
+    if body.kind == ElementKind::Linear { 2 } else { 1 }
+}
+
+fn part<const N: usize>(x: &[f64], first: usize) -> SVector<f64, N> {
+    SVector::<f64, N>::from_column_slice(&x[first..first + N])
+}
+
+fn accumulate<const N: usize>(y: &mut [f64], first: usize, values: &SVector<f64, N>) {
+    for (y, value) in y[first..first + N].iter_mut().zip(values.iter()) {
+        *y += value;
+    }
+}
+
+fn pair(twist: &Vector6<f64>) -> Pair {
+    Pair { linear: twist.fixed_rows::<3>(0).into_owned(), angular: twist.fixed_rows::<3>(3).into_owned() }
+}
+
+fn add(sum: &mut Pair, wrench: &Vector6<f64>) {
+    let more = pair(wrench);
+    sum.linear += more.linear;
+    sum.angular += more.angular;
+}
+
+/// Nodal forces of the acceleration `frame·e`, in twist form: rows of the node with axes `row`, columns of `column`,
+/// eq. (L4).
+fn inertia(mass: &Matrix4<f64>, frame: &Matrix3<f64>, row: &Matrix3<f64>, column: &Matrix3<f64>) -> Matrix6<f64> {
+    let map = |rotation: &Matrix3<f64>| {
+        let mut map = SMatrix::<f64, 12, 6>::zeros();
+        map.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::identity());
+        for k in 0..3 {
+            map.fixed_view_mut::<3, 3>(3 * k + 3, 3).copy_from(&-hat(&rotation.column(k).into_owned()));
+        }
+        map
+    };
+    if *frame == Matrix3::zeros() {
+        return Matrix6::zeros();
+    }
+    let column = map(column);
+    let mut forces = SMatrix::<f64, 12, 6>::zeros();
+    for i in 0..4 {
+        for j in 0..4 {
+            let share = frame * column.fixed_view::<3, 6>(3 * j, 0) * mass[(i, j)];
+            let mut rows = forces.fixed_view_mut::<3, 6>(3 * i, 0);
+            rows += share;
+        }
+    }
+    // virtual power: the transpose of the map turns nodal forces into a wrench
+    map(row).transpose() * forces
+}
+
+/// Constant nodal forces on gradients that turn: `M = Σ r_k × f_k`, `δM = Σ [f_k][r_k] δφ`.
+fn add_turning(tangent: &mut Matrix6<f64>, node: &Node, forces: &[Vector3<f64>; 4]) {
+    let mut spin = tangent.fixed_view_mut::<3, 3>(3, 3);
+    for k in 0..3 {
+        spin += hat(&forces[k + 1]) * hat(&node.rotation.column(k).into_owned());
+    }
+}
+
+/// A load that turns with its node, as a share of the residual (loads count negative).
+fn follower(force_n: &Vector3<f64>, moment_n_m: &Vector3<f64>) -> Matrix6<f64> {
+    let mut tangent = Matrix6::zeros();
+    tangent.fixed_view_mut::<3, 3>(0, 3).copy_from(&hat(force_n));
+    tangent.fixed_view_mut::<3, 3>(3, 3).copy_from(&hat(moment_n_m));
+    tangent
+}
+
+/// A load inside an element or pair: a massless branch of one or two links whose strains are mixed from those of the
+/// element, eqs. (K10) and (L6).
+fn station_block(model: &Model, work: &Workspace, q: &[f64], place: &Station, load: &Wrench) -> Block {
+    let first = model.elements[place.element].coordinate;
+    let (steps, count) = station::steps(model, place);
+    let start = work.nodes[station::inner_node(model, place)].rotation;
+    let mut rotations = [start; 3];
+    let strains: [[f64; 4]; 2] =
+        std::array::from_fn(|i| if i < count { station::mix(q, first, steps[i].weights) } else { [0.0; 4] });
+    let mut links = [crate::math::se3::Link::ZERO; 2];
+    for i in 0..count {
+        (_, links[i]) = LinkGeometry::new(&rotations[i], steps[i].length_m, &strains[i]);
+        rotations[i + 1] = links[i].rotation;
+    }
+    let (load_force, load_moment) = turned(load, place.frame, &rotations[count]);
+    let outer = if place.frame == LoadFrame::Section { follower(&load_force, &load_moment) } else { Matrix6::zeros() };
+    // loads count negative
+    let (force, mut moment) = (-load_force, -load_moment);
+    let mut tangents = [LinkTangent::ZERO; 2];
+    for i in (0..count).rev() {
+        tangents[i] = LinkTangent::new(&links[i], &rotations[i], (steps[i].length_m, &strains[i]), &force, &moment);
+        moment += links[i].arm_m.cross(&force);
+    }
+    let mut block = Block::of_links(&tangents[..count], &[], &outer, &Matrix6::zeros());
+    if count == 2 {
+        let mut mixing = SMatrix::<f64, 8, 8>::zeros();
+        for (i, step) in steps.iter().enumerate() {
+            for k in 0..4 {
+                mixing[(4 * i + k, k)] = step.weights[0];
+                mixing[(4 * i + k, 4 + k)] = step.weights[1];
+            }
+        }
+        block.mix(&mixing);
+    }
+    block
+}

@@ -1,0 +1,83 @@
+//! Shapes along the bodies: of the present state and of modes.
+
+use crate::multibody::gauge;
+use crate::multibody::kinematics::Motion;
+use crate::plant::Plant;
+use nalgebra::{Complex, Matrix3, Rotation3, Vector3, Vector4};
+
+/// A section of a body at a mesh boundary.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SectionShape {
+    /// Distance from the body's inner end along the undeformed axis in m.
+    pub place_m: f64,
+    /// Position in the root frame in m.
+    pub position_m: Vector3<f64>,
+    /// Root ← section.
+    pub rotation: Matrix3<f64>,
+    /// Strains `(εx, κx, κy, κz)`; –, 1/m.
+    pub strain: Vector4<f64>,
+}
+
+impl SectionShape {
+    /// Rotation vector of the section in rad, root frame.
+    pub fn rotation_vector_rad(&self) -> Vector3<f64> {
+        Rotation3::from_matrix_unchecked(self.rotation).scaled_axis()
+    }
+}
+
+/// Motion of a section in a mode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeMotion {
+    /// Displacement in m, root frame.
+    pub displacement_m: Vector3<f64>,
+    /// Rotation vector in rad, root frame.
+    pub rotation_rad: Vector3<f64>,
+}
+
+/// A mode with its shape: per body, the motion of the sections of [`Plant::shape`]. The largest rotation in rad, or
+/// displacement over the machine's length, is 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModeShape {
+    /// `|λ|/2π` in Hz.
+    pub frequency_hz: f64,
+    /// `−Re λ/|λ|`.
+    pub damping_ratio: f64,
+    /// `λ` in 1/s.
+    pub eigenvalue_1_s: Complex<f64>,
+    /// Shares of stretch, twist, flap, lag and joint springs in the elastic energy.
+    pub shares: [f64; 5],
+    /// Real part of the shape.
+    pub real: Vec<Vec<NodeMotion>>,
+    /// Imaginary part; zero without damping and gyroscopic forces.
+    pub imaginary: Vec<Vec<NodeMotion>>,
+}
+
+impl Plant {
+    /// Sections at the mesh boundaries of every body, inner end first, at the present time.
+    pub fn shape(&self) -> Vec<Vec<SectionShape>> {
+        let (model, work, now) = (&self.equations.model, &self.equations.work, &self.state.now);
+        let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
+        let section = |index: usize, node: usize| {
+            let body = &model.bodies[index];
+            let next = body.first_element + node - body.first_node;
+            let place_m = if node == body.last_node() {
+                let last = &model.elements[next - 1];
+                last.start_m + last.length_m
+            } else {
+                model.elements[next].start_m
+            };
+            SectionShape {
+                place_m,
+                position_m: work.nodes[node].position,
+                rotation: work.nodes[node].rotation,
+                strain: gauge::section_strain(model, work, motion, &self.equations.damping, index, place_m),
+            }
+        };
+        model
+            .bodies
+            .iter()
+            .enumerate()
+            .map(|(index, body)| body.frames().map(|node| section(index, node)).collect())
+            .collect()
+    }
+}

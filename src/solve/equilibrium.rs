@@ -1,0 +1,210 @@
+//! Static equilibrium: Newton's iteration with the exact tangent, under loads that grow step by step.
+//!
+//! The whole load is tried at once. Where the iteration fails the step is halved, where it succeeds doubled; the next
+//! start follows the secant of the last two equilibria. NOTATION eqs. (L8)–(L9).
+
+use crate::solve::Singular;
+
+/// Equations `residual(q, λ) = 0` of a state of rest, with their exact tangent.
+///
+/// All vectors have [`StaticEquations::coordinates`] entries.
+pub trait StaticEquations {
+    /// Number of coordinates.
+    fn coordinates(&self) -> usize;
+
+    /// Scales the loads: 0 is unloaded, 1 the case asked for.
+    fn load(&mut self, factor: f64);
+
+    /// Residual at rest; entries of held coordinates are zero.
+    fn residual(&mut self, q: &[f64], residual: &mut [f64]);
+
+    /// Linearises and factorises about the configuration of the last residual.
+    fn factorize(&mut self, q: &[f64]) -> Result<(), Singular>;
+
+    /// Solves with the last factorisation in place: from a residual to the change of the coordinates that it is worth.
+    fn solve(&mut self, x: &mut [f64]);
+
+    /// Kinematic norm of a change of coordinates at the configuration of the last residual: largest displacement
+    /// over the machine's length, or rotation in rad.
+    fn norm(&mut self, change: &[f64]) -> f64;
+
+    /// Brings coordinates that obey constraints among themselves back to them.
+    fn project(&mut self, q: &mut [f64]);
+}
+
+/// Settings of the search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Kinematic norm of the last correction. Newton's iteration is quadratic: what it leaves is about its square.
+    pub tolerance: f64,
+    /// Longest correction in the kinematic norm; longer ones are cut.
+    pub longest_correction: f64,
+    /// Iterations per load step.
+    pub iterations: usize,
+    /// Smallest step of the load factor.
+    pub smallest_step: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { tolerance: 1e-8, longest_correction: 1.0, iterations: 30, smallest_step: 1e-4 }
+    }
+}
+
+/// How an equilibrium was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Effort {
+    /// Load steps that converged.
+    pub load_steps: usize,
+    /// Load steps that were halved.
+    pub halvings: usize,
+    /// Iterations in all.
+    pub iterations: usize,
+}
+
+/// Why Newton's iteration gave up.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Cause {
+    /// The tangent has no inverse: something can move without resistance.
+    #[error("nothing resists coordinate {0}")]
+    Singular(usize),
+    /// Too many iterations.
+    #[error("no convergence in {iterations} iterations, last correction {correction:.1e}")]
+    NotConverged {
+        /// Iterations done.
+        iterations: usize,
+        /// Kinematic norm of the last correction.
+        correction: f64,
+    },
+    /// NaN or infinity.
+    #[error("the residual is not finite in iteration {0}")]
+    NotFinite(usize),
+}
+
+/// No equilibrium was found.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("no equilibrium beyond {reached:.4} of the load, last tried {tried:.4}: {cause}")]
+pub struct NoEquilibrium {
+    /// Largest load factor with an equilibrium.
+    pub reached: f64,
+    /// Load factor that failed.
+    pub tried: f64,
+    /// Why.
+    pub cause: Cause,
+}
+
+/// Finds the equilibrium under the whole load that lies on the path from `q`, the unloaded state. On success `q` holds
+/// it and the equations stand at it; on failure `q` holds the last equilibrium.
+pub fn find(equations: &mut impl StaticEquations, q: &mut [f64], settings: Settings) -> Result<Effort, NoEquilibrium> {
+    let mut effort = Effort::default();
+    let (mut reached, mut step) = (0.0f64, 1.0f64);
+    let mut before: Option<(f64, Vec<f64>)> = None;
+    loop {
+        let tried = if reached + step > 1.0 - 1e-12 { 1.0 } else { reached + step };
+        let mut trial = q.to_vec();
+        if let Some((factor, earlier)) = &before {
+            let ahead = (tried - reached) / (reached - factor);
+            trial.iter_mut().zip(earlier).for_each(|(trial, earlier)| *trial += ahead * (*trial - earlier));
+            equations.project(&mut trial);
+        }
+        equations.load(tried);
+        match iterate(equations, &mut trial, settings, &mut effort) {
+            Ok(()) => {
+                effort.load_steps += 1;
+                before = Some((reached, q.to_vec()));
+                q.copy_from_slice(&trial);
+                reached = tried;
+                if reached == 1.0 {
+                    return Ok(effort);
+                }
+                step *= 2.0;
+            }
+            Err(cause) => {
+                effort.halvings += 1;
+                step = 0.5 * (tried - reached);
+                if step < settings.smallest_step {
+                    return Err(NoEquilibrium { reached, tried, cause });
+                }
+            }
+        }
+    }
+}
+
+/// Newton's iteration at one load factor.
+fn iterate(
+    equations: &mut impl StaticEquations,
+    q: &mut [f64],
+    settings: Settings,
+    effort: &mut Effort,
+) -> Result<(), Cause> {
+    let mut change = vec![0.0; q.len()];
+    let mut correction = f64::INFINITY;
+    for iteration in 1..=settings.iterations {
+        effort.iterations += 1;
+        equations.residual(q, &mut change);
+        if change.iter().any(|force| !force.is_finite()) {
+            return Err(Cause::NotFinite(iteration));
+        }
+        equations.factorize(q).map_err(|singular| Cause::Singular(singular.coordinate))?;
+        equations.solve(&mut change);
+        correction = equations.norm(&change);
+        if !correction.is_finite() {
+            return Err(Cause::NotFinite(iteration));
+        }
+        let share = (settings.longest_correction / correction).min(1.0);
+        q.iter_mut().zip(&change).for_each(|(q, change)| *q -= share * change);
+        equations.project(q);
+        if correction <= settings.tolerance {
+            equations.residual(q, &mut change);
+            return Ok(());
+        }
+    }
+    Err(Cause::NotConverged { iterations: settings.iterations, correction })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A hinged bar of length 1 with a spring: `k q = λ P cos q` has one equilibrium, `P = 0` without spring none.
+    struct Bar {
+        stiffness: f64,
+        load: f64,
+        factor: f64,
+        tangent: f64,
+    }
+
+    impl StaticEquations for Bar {
+        fn coordinates(&self) -> usize {
+            1
+        }
+        fn load(&mut self, factor: f64) {
+            self.factor = factor;
+        }
+        fn residual(&mut self, q: &[f64], residual: &mut [f64]) {
+            residual[0] = self.stiffness * q[0] - self.factor * self.load * q[0].cos();
+            self.tangent = self.stiffness + self.factor * self.load * q[0].sin();
+        }
+        fn factorize(&mut self, _: &[f64]) -> Result<(), Singular> {
+            if self.tangent == 0.0 { Err(Singular { coordinate: 0 }) } else { Ok(()) }
+        }
+        fn solve(&mut self, x: &mut [f64]) {
+            x[0] /= self.tangent;
+        }
+        fn norm(&mut self, change: &[f64]) -> f64 {
+            change[0].abs()
+        }
+        fn project(&mut self, _: &mut [f64]) {}
+    }
+
+    #[test]
+    fn a_large_load_is_reached_and_nothing_is_said_plainly() {
+        let mut bar = Bar { stiffness: 0.1, load: 50.0, factor: 0.0, tangent: 0.0 };
+        let mut q = [0.0];
+        find(&mut bar, &mut q, Settings::default()).unwrap();
+        assert!((0.1 * q[0] - 50.0 * q[0].cos()).abs() < 1e-12);
+        let mut free = Bar { stiffness: 0.0, load: 1.0, factor: 0.0, tangent: 0.0 };
+        let error = find(&mut free, &mut [0.0], Settings::default()).unwrap_err();
+        assert_eq!((error.reached, error.cause), (0.0, Cause::Singular(0)));
+    }
+}

@@ -1,0 +1,241 @@
+//! Natural modes of `M ẍ + C ẋ + K x = 0`, NOTATION eqs. (L10)–(L11).
+//!
+//! Stiff motions (stretch) reach frequencies 1e5 times those of interest, so the inverse problem is solved: what is
+//! largest there, the low frequencies, is what comes out to the last digits.
+
+use nalgebra::{Complex, DMatrix, DVector, Schur};
+
+/// One mode `x(t) = shape · exp(λt)`; of a complex pair the one with positive imaginary part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mode {
+    /// Eigenvalue `λ` in 1/s.
+    pub eigenvalue_1_s: Complex<f64>,
+    /// Shape, over the coordinates of the matrices; its largest entry is real.
+    pub shape: DVector<Complex<f64>>,
+}
+
+impl Mode {
+    /// `|λ|/2π` in Hz.
+    pub fn frequency_hz(&self) -> f64 {
+        self.eigenvalue_1_s.norm() / std::f64::consts::TAU
+    }
+
+    /// `−Re λ/|λ|`: 0 undamped, 1 and more without oscillation, negative where the motion grows.
+    pub fn damping_ratio(&self) -> f64 {
+        let size = self.eigenvalue_1_s.norm();
+        if size == 0.0 { 0.0 } else { -self.eigenvalue_1_s.re / size }
+    }
+}
+
+/// No modes: the matrices are not those of a mechanical system.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum NoModes {
+    /// The mass matrix is not positive definite.
+    #[error("the mass matrix is not positive definite")]
+    Mass,
+    /// The eigenvalue iteration failed.
+    #[error("the eigenvalue iteration did not converge")]
+    Iteration,
+}
+
+/// Asymmetry of the stiffness, relative to its scaled entries, that is taken for round-off.
+const ASYMMETRY: f64 = 1e-10;
+
+/// The `count` modes of lowest frequency, ascending. `mass` is symmetric and positive definite; `damping` may hold
+/// gyroscopic terms, `stiffness` need not be symmetric (follower loads) nor positive (buckled or free machines).
+pub fn modes(
+    mass: &DMatrix<f64>,
+    damping: &DMatrix<f64>,
+    stiffness: &DMatrix<f64>,
+    count: usize,
+) -> Result<Vec<Mode>, NoModes> {
+    if mass.nrows() == 0 {
+        return Ok(Vec::new());
+    }
+    let (shift, root) = shifted_root(mass, stiffness)?;
+    let scaled = |matrix: &DMatrix<f64>| -> DMatrix<f64> {
+        let half = root.solve_lower_triangular(matrix).unwrap_or_else(|| matrix.clone());
+        let whole = root.solve_lower_triangular(&half.transpose());
+        whole.unwrap_or(half).transpose()
+    };
+    let (mass_s, damping_s, stiffness_s) = (scaled(mass), scaled(damping), scaled(stiffness));
+    let asymmetry = (&stiffness_s - stiffness_s.transpose()).amax();
+    let mut list = if damping.amax() == 0.0 && asymmetry < ASYMMETRY {
+        conservative(&mass_s, shift)
+    } else {
+        Pencil { mass: mass_s, damping: damping_s, stiffness: stiffness_s }.modes(shift.sqrt(), count)?
+    };
+    list.sort_by(|a, b| a.eigenvalue_1_s.norm().total_cmp(&b.eigenvalue_1_s.norm()));
+    list.truncate(count);
+    for mode in &mut list {
+        let parts = [mode.shape.map(|x| x.re), mode.shape.map(|x| x.im)]
+            .map(|part| root.tr_solve_lower_triangular(&part).unwrap_or(part));
+        let shape = DVector::from_fn(parts[0].len(), |i, _| Complex::new(parts[0][i], parts[1][i]));
+        let largest = shape.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap_or_default();
+        mode.shape = if largest.norm() > 0.0 { shape / largest } else { shape };
+    }
+    Ok(list)
+}
+
+/// Cholesky factor of the symmetric part of `K + σM` with the smallest `σ` tried that makes it positive definite.
+fn shifted_root(mass: &DMatrix<f64>, stiffness: &DMatrix<f64>) -> Result<(f64, DMatrix<f64>), NoModes> {
+    if mass.clone().cholesky().is_none() {
+        return Err(NoModes::Mass);
+    }
+    let symmetric = (stiffness + stiffness.transpose()) * 0.5;
+    let fastest = (0..mass.nrows()).fold(0.0f64, |fastest, i| fastest.max(symmetric[(i, i)].abs() / mass[(i, i)]));
+    let mut shift = 0.0;
+    for _ in 0..40 {
+        let matrix = &symmetric + mass * shift;
+        // pivots that are only round-off are not a stiffness
+        if let Some(factor) = matrix.clone().cholesky() {
+            let root = factor.unpack();
+            let sound = (0..root.nrows()).all(|i| root[(i, i)].powi(2) > 1e-13 * matrix[(i, i)]);
+            if sound {
+                return Ok((shift, root));
+            }
+        }
+        shift = if shift == 0.0 { 1e-12 * fastest.max(1e-12) } else { 10.0 * shift };
+    }
+    Err(NoModes::Iteration)
+}
+
+/// Modes of a symmetric problem without damping: `M z = z/(ω² + σ)` in scaled coordinates.
+fn conservative(mass: &DMatrix<f64>, shift: f64) -> Vec<Mode> {
+    let eigen = ((mass + mass.transpose()) * 0.5).symmetric_eigen();
+    (0..mass.nrows())
+        .filter(|&i| eigen.eigenvalues[i] > 0.0)
+        .map(|i| {
+            let square = 1.0 / eigen.eigenvalues[i] - shift;
+            let eigenvalue_1_s =
+                if square >= 0.0 { Complex::new(0.0, square.sqrt()) } else { Complex::new((-square).sqrt(), 0.0) };
+            Mode { eigenvalue_1_s, shape: eigen.eigenvectors.column(i).map(|x| Complex::new(x, 0.0)) }
+        })
+        .collect()
+}
+
+/// `Q(λ) = λ²M + λC + K` in scaled coordinates.
+struct Pencil {
+    mass: DMatrix<f64>,
+    damping: DMatrix<f64>,
+    stiffness: DMatrix<f64>,
+}
+
+impl Pencil {
+    /// Eigenvalues from the inverse companion form about `shift`, `ν = 1/(λ − shift)`, then polished one by one.
+    fn modes(&self, shift: f64, count: usize) -> Result<Vec<Mode>, NoModes> {
+        let n = self.mass.nrows();
+        let still = &self.stiffness + &self.damping * shift + &self.mass * (shift * shift);
+        let moving = &self.damping + &self.mass * (2.0 * shift);
+        let lu = still.lu();
+        let time_s = self.mass.amax().sqrt();
+        let mut companion = DMatrix::zeros(2 * n, 2 * n);
+        let solved = |matrix: &DMatrix<f64>| lu.solve(matrix).ok_or(NoModes::Iteration);
+        companion.view_mut((0, 0), (n, n)).copy_from(&-solved(&moving)?);
+        companion.view_mut((0, n), (n, n)).copy_from(&(-solved(&self.mass)? / time_s));
+        companion.view_mut((n, 0), (n, n)).fill_diagonal(time_s);
+        let schur = Schur::try_new(companion, f64::EPSILON, 100 * n).ok_or(NoModes::Iteration)?;
+        let mut eigenvalues: Vec<Complex<f64>> = schur
+            .complex_eigenvalues()
+            .iter()
+            .filter(|nu| nu.norm() > 0.0)
+            .map(|nu| nu.inv() + shift)
+            .filter(|lambda| lambda.im >= -1e-9 * lambda.norm())
+            .collect();
+        eigenvalues.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+        eigenvalues.truncate(count);
+        Ok(eigenvalues.into_iter().map(|eigenvalue| self.polish(eigenvalue)).collect())
+    }
+
+    fn at(&self, eigenvalue: Complex<f64>) -> DMatrix<Complex<f64>> {
+        let square = eigenvalue * eigenvalue;
+        DMatrix::from_fn(self.mass.nrows(), self.mass.nrows(), |i, j| {
+            square * self.mass[(i, j)] + eigenvalue * self.damping[(i, j)] + self.stiffness[(i, j)]
+        })
+    }
+
+    /// Shape by inverse iteration, eigenvalue by the two-sided Rayleigh quotient.
+    fn polish(&self, mut eigenvalue: Complex<f64>) -> Mode {
+        let n = self.mass.nrows();
+        let start = DVector::from_fn(n, |i, _| Complex::new(1.0 + (i % 7) as f64, 0.3 * (i % 3) as f64));
+        let (mut right, mut left) = (start.clone(), start);
+        for _ in 0..3 {
+            // off the eigenvalue by a little: the matrix must have an inverse
+            let near = eigenvalue * (1.0 + 1e-9) + Complex::new(1e-12, 0.0);
+            let matrix = self.at(near);
+            let (forward, adjoint) = (matrix.clone().lu(), matrix.adjoint().lu());
+            for _ in 0..2 {
+                let (Some(x), Some(y)) = (forward.solve(&right), adjoint.solve(&left)) else { break };
+                let (x_size, y_size) = (x.norm(), y.norm());
+                if !(x_size.is_finite() && y_size.is_finite()) {
+                    break;
+                }
+                (right, left) = (x / Complex::new(x_size, 0.0), y / Complex::new(y_size, 0.0));
+            }
+            let form = |matrix: &DMatrix<f64>| {
+                let product = matrix.map(|x| Complex::new(x, 0.0)) * &right;
+                left.dotc(&product)
+            };
+            let (m, c, k) = (form(&self.mass), form(&self.damping), form(&self.stiffness));
+            let slope = eigenvalue * m * 2.0 + c;
+            let step = (eigenvalue * eigenvalue * m + eigenvalue * c + k) / slope;
+            if step.norm() < 1e-2 * eigenvalue.norm() {
+                eigenvalue -= step;
+            }
+        }
+        Mode { eigenvalue_1_s: eigenvalue, shape: right }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A chain of unit masses and springs: `ω_i = 2 sin((2i − 1)π/(4n + 2))`; a spring 1e14 times stiffer beside it does
+    /// not spoil them, and proportional damping shifts them as it should.
+    #[test]
+    fn chain_of_masses() {
+        let n = 6;
+        let chain = DMatrix::from_fn(n + 1, n + 1, |i, j| match (i, j) {
+            (i, j) if i == n && j == n => 1e14,
+            (i, j) if i == n || j == n => 0.0,
+            (i, j) if i == j => {
+                if i + 1 == n {
+                    1.0
+                } else {
+                    2.0
+                }
+            }
+            (i, j) if i.abs_diff(j) == 1 => -1.0,
+            _ => 0.0,
+        });
+        let mass = DMatrix::identity(n + 1, n + 1);
+        let beta = 0.01;
+        for damping in [DMatrix::zeros(n + 1, n + 1), &chain * beta] {
+            let damped = damping.amax() > 0.0;
+            let list = modes(&mass, &damping, &chain, n).unwrap();
+            for (i, mode) in list.iter().enumerate() {
+                let exact = 2.0 * ((2 * i + 1) as f64 * std::f64::consts::PI / (4 * n + 2) as f64).sin();
+                let ratio = if damped { 0.5 * beta * exact } else { 0.0 };
+                assert!((mode.eigenvalue_1_s.norm() / exact - 1.0).abs() < 1e-12, "{i}: {}", mode.eigenvalue_1_s);
+                assert!((mode.damping_ratio() - ratio).abs() < 1e-12, "{i}: {}", mode.damping_ratio());
+            }
+        }
+    }
+
+    /// A rotor: `ẍ − 2Ωẏ + (k − Ω²)x` turns at `√k ± Ω`. A free mass has frequency zero, an inverted one grows.
+    #[test]
+    fn rotor_free_mass_and_inverted_pendulum() {
+        let (k, omega) = (4.0, 0.5);
+        let gyroscopic = DMatrix::from_row_slice(2, 2, &[0.0, -2.0 * omega, 2.0 * omega, 0.0]);
+        let list = modes(&DMatrix::identity(2, 2), &gyroscopic, &(DMatrix::identity(2, 2) * (k - omega * omega)), 4);
+        let found: Vec<f64> = list.unwrap().iter().map(|mode| mode.eigenvalue_1_s.im).collect();
+        assert!((found[0] - 1.5).abs() < 1e-12 && (found[1] - 2.5).abs() < 1e-12, "{found:?}");
+
+        let stiffness = DMatrix::from_diagonal(&DVector::from_vec(vec![0.0, -9.0, 100.0]));
+        let list = modes(&DMatrix::identity(3, 3), &DMatrix::zeros(3, 3), &stiffness, 3).unwrap();
+        assert!(list[0].eigenvalue_1_s.norm() < 1e-5, "{}", list[0].eigenvalue_1_s);
+        assert!((list[1].eigenvalue_1_s - Complex::new(3.0, 0.0)).norm() < 1e-9, "{}", list[1].eigenvalue_1_s);
+        assert_eq!(list[1].damping_ratio(), -1.0);
+    }
+}

@@ -1,0 +1,203 @@
+//! S-30 to S-38: natural frequencies against closed forms, an exact dynamic stiffness and Ritz's method.
+
+use crate::machines::{Cantilever, assert_order, machine, plant};
+use crate::reference::{case, numbers};
+use crate::ritz::frequencies;
+use foldwing::config::machine::{JointKind, Spatial, SpatialFreedom};
+use foldwing::plant::{Holding, ModeShape, Plant};
+use nalgebra::Vector3;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// Flap beam of unit length, mass and `EI_y`, stiff otherwise.
+fn flap(element: &'static str, elements: usize) -> Cantilever {
+    Cantilever { element, elements, stiffness: [1e8, 1e6, 1.0, 1e6], ..Default::default() }
+}
+
+fn bare_modes(text: &str, count: usize) -> Vec<ModeShape> {
+    let mut plant = plant(text);
+    plant.undeformed(0.0).unwrap_or_else(|error| panic!("{error}"));
+    plant.modes(count).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn betas(key: &str) -> Vec<f64> {
+    numbers(&case("modal.betaL")["expected"][key])
+}
+
+/// S-30. Clamped-free: constant elements within `(βL/n)²/15` per mode, order 2; ten pairs within 1e-6, 5e-5 and 5e-4.
+#[test]
+fn s30_clamped_free() {
+    let exact = betas("clamped_free_betaL");
+    let errors = |element, elements, mode: usize| {
+        let list = bare_modes(&flap(element, elements).text(), 3);
+        list[mode].frequency_hz * TAU / exact[mode].powi(2) - 1.0
+    };
+    for mode in 0..3 {
+        let constant: Vec<f64> = [10, 20, 40].iter().map(|&n| errors("constant", n, mode).abs()).collect();
+        assert_order(&format!("S-30 constant, mode {}", mode + 1), &constant, 1.9, 2.1);
+        for (error, elements) in constant.iter().zip([10.0, 20.0, 40.0]) {
+            let bound = (exact[mode] / elements).powi(2) / 15.0;
+            assert!(*error <= bound, "{elements} elements, mode {}: {error:.2e} over {bound:.2e}", mode + 1);
+        }
+        let pairs: Vec<f64> = [5, 10].iter().map(|&n| errors("linear", n, mode).abs()).collect();
+        assert_order(&format!("S-30 pairs, mode {}", mode + 1), &pairs, 3.3, 4.6);
+        let bound = [1e-6, 5e-5, 5e-4][mode];
+        assert!(pairs[1] <= bound, "10 pairs, mode {}: {:.2e} over {bound:.0e}", mode + 1, pairs[1]);
+    }
+}
+
+/// S-31. The shape of the first mode: flap, largest at the tip, ratio of rotation to displacement at the tip
+/// `βL tanh…` as the closed form `1.376 506/L`.
+#[test]
+fn s31_shape_of_the_first_mode() {
+    let list = bare_modes(&flap("linear", 10).text(), 1);
+    let mode = &list[0];
+    assert!(mode.shares[2] > 0.999_999, "{:?}", mode.shares);
+    let tip = mode.real[0].last().unwrap();
+    let ratio = tip.rotation_rad.y / -tip.displacement_m.z;
+    assert!((ratio - 1.376_505_6).abs() < 1e-5, "{ratio}");
+    assert_eq!(mode.real[0].len(), 11, "one entry per mesh boundary");
+    assert_eq!(mode.real[0][0].displacement_m, Vector3::zeros());
+}
+
+/// S-32. A hinge without spring at the root: one motion without frequency, then the pinned-free beam. Ten pairs hold
+/// 1e-4 of two modes.
+#[test]
+fn s32_pinned_free() {
+    let beam = Cantilever { joint: "type = 'revolute'\naxis = [0.0, 1.0, 0.0]", ..flap("linear", 10) };
+    let list = bare_modes(&beam.text(), 3);
+    assert!(list[0].frequency_hz * TAU < 1e-3, "{}", list[0].frequency_hz);
+    for (mode, beta) in list[1..].iter().zip(betas("pinned_free_betaL")) {
+        let error = (mode.frequency_hz * TAU / beta.powi(2) - 1.0).abs();
+        println!("S-32 error {error:.1e}");
+        assert!(error < 1e-4, "{error:.1e}");
+    }
+}
+
+/// S-33. A free joint: six motions without frequency, then the free-free beam. Ten pairs hold 5e-4 of two modes. A little
+/// rotary inertia keeps the motion about the axis from being massless; it moves the frequencies by 1e-6.
+#[test]
+fn s33_free_free() {
+    let beam = Cantilever { inertia: [1.0, 1e-8, 1e-8], ..flap("linear", 10) };
+    let mut machine = machine(&beam.text());
+    machine.bodies[0].joint.kind = JointKind::Spatial(Box::new(Spatial {
+        freedom: SpatialFreedom::Free,
+        stiffness_n_m_rad: 0.0,
+        damping_n_m_s_rad: 0.0,
+        start_angular_velocity_rad_s: Vector3::zeros(),
+        start_velocity_m_s: Vector3::zeros(),
+    }));
+    let mut plant = Plant::new(Arc::new(machine));
+    plant.undeformed(0.0).unwrap();
+    let list = plant.modes(8).unwrap_or_else(|error| panic!("{error}"));
+    for mode in &list[..6] {
+        assert!(mode.frequency_hz * TAU < 0.1, "{}", mode.frequency_hz);
+    }
+    for (mode, beta) in list[6..].iter().zip(betas("free_free_betaL")) {
+        let error = (mode.frequency_hz * TAU / beta.powi(2) - 1.0).abs();
+        println!("S-33 error {error:.1e}");
+        assert!(error < 5e-4, "{error:.1e}");
+    }
+}
+
+/// S-34. The plates of seed 000 Table 5 as a frame, fold held at 0° and 90°: flap modes against the exact dynamic
+/// stiffness. 8 pairs per body: 1e-4 of each of four frequencies. The hinge is held by its stopper.
+#[test]
+fn s34_folded_frames() {
+    let reference = case("modal.wing_table5_frames");
+    let value = |key: &str| reference["inputs"][key].as_f64().expect("a number");
+    for (fold, key) in [(0.0, "fold0"), (90.0, "fold90")] {
+        let plate = "length_m = 0.15\nsection = 's'\nelements = 8";
+        let text = format!(
+            "name = 'F'\n[section.s]\nshape = 'explicit'\naxial_stiffness_N = {:?}\ntorsional_rigidity_N_m2 = 1e4\n\
+             flap_stiffness_N_m2 = {:?}\nlag_stiffness_N_m2 = 1e4\nmass_kg_m = {:?}\n\
+             second_moments_kg_m = [1e-9, 0.0, 0.0]\n[body.a]\n{plate}\n[body.b]\n{plate}\n\
+             [joint.mount]\ntype = 'clamped'\nparent = 'root'\nchild = 'a'\n\
+             [joint.fold]\ntype = 'revolute'\nparent = 'a'\nchild = 'b'\naxis = [0.0, 1.0, 0.0]\n\
+             start_angle_deg = {fold:?}\nrelease = false\n",
+            value("EA"),
+            value("EI"),
+            value("m")
+        );
+        let list = bare_modes(&text, 4);
+        let expected = numbers(&reference["expected"]["Lframe_inplane_Hz"][key]);
+        for (mode, exact) in list.iter().zip(expected) {
+            let error = (mode.frequency_hz / exact - 1.0).abs();
+            println!("S-34 fold {fold}: {:.6} Hz, error {error:.1e}", mode.frequency_hz);
+            assert!(error < 1e-4, "fold {fold}: {:.6} Hz instead of {exact:.6}", mode.frequency_hz);
+        }
+    }
+}
+
+/// S-35. A beam on a root that turns about `z` with `Ω = 3` and 12 (unit `√(EI/ρA)/L²`): flap stiffened by the
+/// centrifugal force, lag by the same less `Ω²`; against Ritz's method and, for `Ω = 12`, the published flap frequencies
+/// 13.1702, 37.6031 and 79.6145 of Wright et al. (1982). Ten pairs: 1e-4, 2e-4, 5e-4 (the root bends within one pair
+/// at `Ω = 12`).
+#[test]
+fn s35_spinning_beam_is_stiffened() {
+    for omega in [3.0f64, 12.0] {
+        let tension = |s: f64| 0.5 * omega * omega * (1.0 - s * s);
+        let squares = [frequencies(tension, 0.0), frequencies(tension, omega * omega)];
+        if omega == 12.0 {
+            for (square, published) in squares[0].iter().zip([13.1702, 37.6031, 79.6145]) {
+                assert!((square.sqrt() - published).abs() < 1e-4, "{} against {published}", square.sqrt());
+            }
+        }
+        for (stiffness, exact, share) in
+            [([1e8, 1e6, 1.0, 1e6], &squares[0], 2), ([1e8, 1e6, 1e6, 1.0], &squares[1], 3)]
+        {
+            let beam = Cantilever { stiffness, elements: 10, ..Default::default() };
+            let mut plant = plant(&beam.text());
+            plant.inputs_mut().root.angular_velocity_rad_s = Vector3::new(0.0, 0.0, omega);
+            plant.equilibrium(0.0, Holding::AsReleased).unwrap();
+            let list = plant.modes(3).unwrap_or_else(|error| panic!("{error}"));
+            for (i, (mode, square)) in list.iter().zip(exact).enumerate() {
+                // lag is the small difference of two large terms: measured by the larger
+                let softening = if share == 3 { omega * omega } else { 0.0 };
+                let error = ((mode.frequency_hz * TAU).powi(2) - square) / (2.0 * (square + softening));
+                println!(
+                    "S-35 Ω = {omega}, share {share}, mode {}: {:.6} rad/s, {error:.1e}",
+                    i + 1,
+                    mode.frequency_hz * TAU
+                );
+                assert!(error.abs() < [1e-4, 2e-4, 5e-4][i], "Ω = {omega}, mode {}: {error:.1e}", i + 1);
+                assert!(mode.shares[share] > 0.99 && mode.damping_ratio.abs() < 1e-9, "{mode:?}");
+            }
+        }
+    }
+}
+
+/// S-36. A beam that hangs, and one that stands, under its weight `ρgL³/EI = 5`: tension `±5(1 − s)`; the one hanging is
+/// faster. One that stands under more than 7.84 falls: an unstable mode. Against Ritz's method, ten pairs.
+#[test]
+fn s36_hanging_and_standing_beam() {
+    let modes_under = |gravity: f64| {
+        let beam = Cantilever { gravity: [gravity, 0.0, 0.0], ..flap("linear", 10) };
+        let mut plant = plant(&beam.text());
+        plant.equilibrium(0.0, Holding::AsReleased).unwrap();
+        plant.modes(3).unwrap_or_else(|error| panic!("{error}"))
+    };
+    for gravity in [5.0, -5.0] {
+        let exact = frequencies(|s| gravity * (1.0 - s), 0.0);
+        for (i, (mode, square)) in modes_under(gravity).iter().zip(exact).enumerate() {
+            let error = mode.frequency_hz * TAU / square.sqrt() - 1.0;
+            println!("S-36 gravity {gravity}, mode {}: {error:.1e}", i + 1);
+            assert!(error.abs() < [5e-6, 1e-4, 1e-3][i], "gravity {gravity}, mode {}: {error:.1e}", i + 1);
+        }
+    }
+    let falling = &modes_under(-9.0)[0];
+    let exact = frequencies(|s| -9.0 * (1.0 - s), 0.0)[0];
+    assert!(exact < 0.0 && falling.damping_ratio == -1.0, "{falling:?}");
+    assert!((falling.eigenvalue_1_s.re / (-exact).sqrt() - 1.0).abs() < 1e-3, "{falling:?}");
+}
+
+/// S-37. Damping of the beams: `ζ = α/(2ω) + βω/2` for every mode, 1e-9.
+#[test]
+fn s37_damping_ratios() {
+    let body = "mass_damping_1_s = 0.4\nstiffness_damping_s = 2e-4";
+    for mode in bare_modes(&Cantilever { body, ..flap("linear", 6) }.text(), 4) {
+        let omega = mode.frequency_hz * TAU;
+        let exact = 0.2 / omega + 1e-4 * omega;
+        assert!((mode.damping_ratio - exact).abs() < 1e-9, "{} against {exact}", mode.damping_ratio);
+    }
+}
