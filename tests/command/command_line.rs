@@ -50,6 +50,23 @@ fn version_names_the_build() {
     assert!(text.contains(std::env::consts::ARCH), "{text}");
 }
 
+/// `--strains` writes one line per end of an element with the largest strain of the run, no less than any gauge saw.
+#[test]
+fn strains_are_reported_per_section() {
+    let folder = scratch();
+    let strains = folder.path().join("strains.csv");
+    let path = strains.to_str().unwrap();
+    let csv = succeeds(&on_model("simulate", &["--csv", "-", "-q", "--stop", "0.2", "--strains", path]));
+    let gauge = column(&csv, "gauge.root.strain").into_iter().fold(0.0f64, |peak, strain| peak.max(strain.abs()));
+    let report = std::fs::read_to_string(strains).unwrap();
+    assert_eq!(report.lines().next(), Some("body,position_m,largest_axial_strain,time_s,y_m,z_m"));
+    assert_eq!(report.lines().count(), 1 + 2 * 3, "two bodies of two pairs\n{report}");
+    let largest = column(&report, "largest_axial_strain").into_iter().fold(0.0f64, |peak, e| peak.max(e.abs()));
+    assert!(largest >= gauge && largest < 2.0 * gauge, "{largest} and {gauge}\n{report}");
+    let refused = on_model("simulate", &["--csv", "-", "-q", "--stop", "0.001", "--strains", "no/such/folder/x.csv"]);
+    refuses(&refused, 4, "no/such/folder/x.csv");
+}
+
 /// Each exit code that `--help` documents, with a message that names the cause.
 #[test]
 fn exit_codes_tell_causes_apart() {
