@@ -11,12 +11,12 @@ fn shipped(name: &str) -> Machine {
     config::read(path).unwrap_or_else(|error| panic!("{error}")).0
 }
 
-/// P-82. Ball and ball joints up to 1 s: the tip within 1 mm of the reference, energy kept, the bars joined.
+/// P-83. Ball and ball joints up to 1 s: the tip within 1 mm of the reference, energy kept, the bars joined.
 ///
 /// Source: `double_pendulum_ball_ball_exudyn.csv`, 8 elements of another formulation, converged to 2e-5 m. The total
 /// energy is zero at the start and stays so within 1e-4 of the largest kinetic energy at the model's tolerance.
 #[test]
-fn p82_double_pendulum_falls_as_the_reference() {
+fn p83_double_pendulum_falls_as_the_reference() {
     let machine = shipped("double_pendulum.toml");
     assert!(machine.bodies.iter().all(|body| body.elements == 8));
     let mut plant = start(machine);
@@ -40,11 +40,11 @@ fn p82_double_pendulum_falls_as_the_reference() {
     assert!((plant.outputs().tips[0].position_m - Vector3::new(-1.37383526, -2.80077724, -0.05711964)).norm() < 1e-3);
 }
 
-/// P-83. The free wing falls as any body: half a second of gravity and start velocity, whatever it does besides.
+/// P-84. The free wing falls as any body: half a second of gravity and start velocity, whatever it does besides.
 ///
 /// Its centre of mass is seen through the energy of gravity, `m g z`; the root feels nothing of it.
 #[test]
-fn p83_free_wing_falls_as_a_point() {
+fn p84_free_wing_falls_as_a_point() {
     const TIME_S: f64 = 0.5;
     let mut plant = start(shipped("flying_wing.toml"));
     let before = plant.outputs().energy;
