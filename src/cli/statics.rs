@@ -149,8 +149,8 @@ fn as_text(plant: &Plant, effort: StaticEffort) -> String {
             text,
             "{name}: angle {:.6} deg, drive {:.6e} N.m, latch {:.6e} N.m{}",
             joint.angle_rad.to_degrees(),
-            joint.torque_applied_n_m,
-            joint.latch_torque_n_m,
+            joint.torque_applied_n_m + 0.0,
+            joint.latch_torque_n_m + 0.0,
             if joint.latched { ", latched" } else { "" }
         );
     }
@@ -160,7 +160,8 @@ fn as_text(plant: &Plant, effort: StaticEffort) -> String {
     for (name, tip) in tips(machine, plant) {
         let _ = writeln!(text, "tip of {name}: {:.6} {:.6} {:.6} m", tidy(tip.x), tidy(tip.y), tidy(tip.z));
     }
-    let (force, moment) = (outputs.root.force_n, outputs.root.moment_n_m);
+    // adding zero takes the sign from −0
+    let (force, moment) = (outputs.root.force_n.add_scalar(0.0), outputs.root.moment_n_m.add_scalar(0.0));
     let _ = writeln!(
         text,
         "wing on root: force {:.6e} {:.6e} {:.6e} N, moment {:.6e} {:.6e} {:.6e} N.m",

@@ -428,6 +428,41 @@ fn initial_dependencies_are_what_the_plant_shows() {
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
 }
 
+/// Started from equilibrium, nothing shows a dependence that is not declared; stiffness and loads do show.
+#[test]
+fn initial_dependencies_of_an_equilibrium_are_declared() {
+    let mut machine = with_joints(THREE, |_, revolute| {
+        if let Some(latch) = &mut revolute.latch {
+            latch.initially_closed = true;
+        }
+    });
+    machine.experiment.start = crate::config::machine::StartState::Equilibrium;
+    let interface = Interface::new(&machine);
+    let mut plant = generic(&machine, &interface);
+    plant.initialize(0.2).expect("an equilibrium");
+    let before = outputs(&interface, &plant);
+    let declared = declared(&interface, |row| &row.initial_dependencies, |_| true);
+    // an equilibrium is found to the tolerance of its iteration
+    let mut seen = Seen::beyond(1e-9);
+    for known in interface.variables() {
+        if !matches!(known.causality, Causality::Input | Causality::Parameter) {
+            continue;
+        }
+        let mut plant = generic(&machine, &interface);
+        let value = interface.get(&plant, plant.outputs(), known.value_reference).expect("a value");
+        interface.set(&mut plant, known.value_reference, other(known, value)).expect("in range");
+        plant.initialize(0.2).expect("an equilibrium");
+        seen.add(&interface, known, &before, &outputs(&interface, &plant));
+    }
+    let undeclared: Vec<_> = seen.surely.difference(&declared).collect();
+    assert!(undeclared.is_empty(), "{undeclared:?}");
+    let body = &machine.bodies[0].name;
+    for known in ["gravity.z".to_owned(), format!("body.{body}.stiffness_factor"), format!("load.{body}[1].force.z")] {
+        let pair = ("tip.position.z".to_owned(), known);
+        assert!(seen.surely.contains(&pair), "{pair:?}");
+    }
+}
+
 /// A step of 1e-15 s leaves the state as it was, so what changes with an input depends on it directly.
 #[test]
 fn dependencies_at_a_communication_point_are_what_the_plant_shows() {

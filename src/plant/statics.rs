@@ -4,7 +4,7 @@ use crate::actuation::latch::Latch;
 use crate::load::{RootMotion, Wrench};
 use crate::multibody::tangent::{JointTangent, Surroundings, Tangent};
 use crate::plant::Plant;
-use crate::plant::equations::Equations;
+use crate::plant::equations::{Equations, JointEquations};
 use crate::plant::face::PlantError;
 use crate::solve::equilibrium::{self, Cause, Effort, NoEquilibrium, Settings, StaticEquations};
 use crate::solve::{EquationsOfMotion, Singular};
@@ -12,7 +12,8 @@ use crate::solve::{EquationsOfMotion, Singular};
 /// What holds the fold joints while the machine settles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Holding {
-    /// Their release inputs: a released joint turns until its drive and latch balance the loads.
+    /// Their release inputs: a released joint turns until its drive and latch balance the loads. If its enabled latch lies
+    /// on the way, it closes.
     AsReleased,
     /// Stoppers hold all joints at their start angles, but those whose latch is closed.
     Stopped,
@@ -32,6 +33,24 @@ struct JointTarget {
     constant_n_m: f64,
     external_n_m: f64,
     latch: Option<Latch>,
+}
+
+impl Target {
+    /// The case that the equations stand for, from the coordinates `start`.
+    fn of(equations: &Equations, time_s: f64, start: &[f64]) -> Self {
+        let joint = |joint: &JointEquations| JointTarget {
+            start_rad: start[joint.coordinate],
+            neutral_rad: joint.slew.at(time_s).0,
+            constant_n_m: joint.drive.constant_torque_n_m,
+            external_n_m: joint.external_n_m,
+            latch: joint.latch,
+        };
+        Self {
+            root: equations.root,
+            stations: equations.stations.clone(),
+            joints: equations.joints.iter().map(joint).collect(),
+        }
+    }
 }
 
 /// The equations of motion at rest, eq. (L1), with loads that can be scaled, eq. (L8).
@@ -158,7 +177,32 @@ impl Plant {
     }
 
     /// Replaces the start coordinates by those of the equilibrium.
+    ///
+    /// A joint that would come to rest beyond the angle of its enabled latch cannot get there: the latch closes, and
+    /// the search begins anew with it.
     pub(super) fn settle_at_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
+        let start = self.state.now.q.clone();
+        loop {
+            self.state.now.q.copy_from_slice(&start);
+            let effort = self.search(time_s, holding)?;
+            let mut caught = false;
+            for (joint, state) in self.equations.joints.iter().zip(&mut self.state.joints) {
+                let passes = |angle_rad: f64| joint.latch.as_ref().is_some_and(|latch| latch.gap_rad(angle_rad) < 0.0);
+                let (before, after) = (start[joint.coordinate], self.state.now.q[joint.coordinate]);
+                if state.latch.enabled && !state.latch.closed && passes(after) && !passes(before) {
+                    state.latch.closed = true;
+                    caught = true;
+                }
+            }
+            if !caught {
+                return Ok(effort);
+            }
+            self.configure();
+        }
+    }
+
+    /// The equilibrium on the path from the start coordinates, with the latches as they are.
+    fn search(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let now = &mut self.state.now;
         let equations = &mut self.equations;
         equations.branch_s = time_s;
@@ -168,21 +212,7 @@ impl Plant {
                 joint.held = true;
             }
         }
-        let target = Target {
-            root: equations.root,
-            stations: equations.stations.clone(),
-            joints: equations
-                .joints
-                .iter()
-                .map(|joint| JointTarget {
-                    start_rad: now.q[joint.coordinate],
-                    neutral_rad: joint.slew.at(time_s).0,
-                    constant_n_m: joint.drive.constant_torque_n_m,
-                    external_n_m: joint.external_n_m,
-                    latch: joint.latch,
-                })
-                .collect(),
-        };
+        let target = Target::of(equations, time_s, &now.q);
         let mut at_rest =
             AtRest { tangent: Tangent::new(&equations.model), zero: vec![0.0; now.q.len()], target, time_s, equations };
         let found = equilibrium::find(&mut at_rest, &mut now.q, Settings::default());

@@ -72,8 +72,13 @@ mod tests {
         let zero = one(0.0);
         let outputs = OutputSlopes { position: zero.clone(), rate: zero.clone(), acceleration: one(1.0), input: zero };
         let model = state_space(&system, &one(-1.0), &outputs).unwrap();
-        assert_eq!(model.a, DMatrix::from_row_slice(2, 2, &[0.0, 1.0, -4.0, -0.3]));
-        assert_eq!(model.b, DMatrix::from_row_slice(2, 1, &[0.0, 0.5]));
-        assert_eq!((model.c, model.d), (DMatrix::from_row_slice(1, 2, &[-4.0, -0.3]), one(0.5)));
+        let near = |matrix: &DMatrix<f64>, rows: usize, expected: &[f64]| {
+            let expected = DMatrix::from_row_slice(rows, expected.len() / rows, expected);
+            assert!((matrix - &expected).amax() < 1e-15, "{matrix} against {expected}");
+        };
+        near(&model.a, 2, &[0.0, 1.0, -4.0, -0.3]);
+        near(&model.b, 2, &[0.0, 0.5]);
+        near(&model.c, 1, &[-4.0, -0.3]);
+        near(&model.d, 1, &[0.5]);
     }
 }
