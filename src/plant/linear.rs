@@ -67,13 +67,13 @@ impl Plant {
             }
             if let Some(parameters) = &body.parameters {
                 let freedoms = parameters.kind.freedoms();
-                for k in 0..freedoms {
-                    let c = parameters.coordinate + k;
-                    if freedoms == 6 && k < 3 {
-                        add(c, format!("{joint}.position.{}", AXES[k]), ["m", "m/s"], STEP_RAD);
-                    } else {
-                        add(c, format!("{joint}.turn[{}]", k % 3 + 1), ["rad", "rad/s"], STEP_RAD);
-                    }
+                let c = parameters.coordinate;
+                let offsets = if freedoms == 6 { 3 } else { 0 };
+                for (k, axis) in AXES.iter().enumerate().take(offsets) {
+                    add(c + k, format!("{joint}.position.{axis}"), ["m", "m/s"], STEP_RAD);
+                }
+                for k in 0..freedoms - offsets {
+                    add(c + offsets + k, format!("{joint}.turn[{}]", k + 1), ["rad", "rad/s"], STEP_RAD);
                 }
             }
             for i in 0..body.elements {
