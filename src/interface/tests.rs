@@ -100,7 +100,8 @@ fn machines() -> Vec<(&'static str, Machine)> {
         }
     };
     vec![
-        ("wing", machine(WING)),
+        // with four pairs the tip feels a jolt of the root at once by less than round-off
+        ("wing", machine(&WING.replace("elements = 4", "elements = 2"))),
         ("three bodies", with_joints(THREE, |_, _| ())),
         ("branched", machine(BRANCHED)),
         ("turning at the start", with_joints(THREE, |_, revolute| revolute.start_rate_rad_s = 0.7)),

@@ -60,7 +60,7 @@ fn strains_are_reported_per_section() {
     let gauge = column(&csv, "gauge.root.strain").into_iter().fold(0.0f64, |peak, strain| peak.max(strain.abs()));
     let report = std::fs::read_to_string(strains).unwrap();
     assert_eq!(report.lines().next(), Some("body,position_m,largest_axial_strain,time_s,y_m,z_m"));
-    assert_eq!(report.lines().count(), 1 + 2 * 3, "two bodies of two pairs\n{report}");
+    assert_eq!(report.lines().count(), 1 + 2 * 5, "two bodies of four pairs\n{report}");
     let largest = column(&report, "largest_axial_strain").into_iter().fold(0.0f64, |peak, e| peak.max(e.abs()));
     assert!(largest >= gauge && largest < 2.0 * gauge, "{largest} and {gauge}\n{report}");
     let refused = on_model("simulate", &["--csv", "-", "-q", "--stop", "0.001", "--strains", "no/such/folder/x.csv"]);
@@ -271,7 +271,7 @@ fn static_brings_the_wing_to_rest() {
     assert_eq!(held["joints"][0]["angle_rad"].as_f64(), Some(170f64.to_radians()));
     let force = held["root"]["force_N"][0].as_f64().unwrap();
     assert!((force + 0.06305 * 9.8).abs() < 1e-9, "{force}");
-    assert_eq!(held["bodies"][1]["sections"].as_array().unwrap().len(), 3, "the mesh boundaries of two pairs");
+    assert_eq!(held["bodies"][1]["sections"].as_array().unwrap().len(), 5, "the mesh boundaries of four pairs");
     // released it unfolds, and its latch catches it on the way: 1e4 k θ + T = moment of the weight, none when it hangs
     let latched = json(&[]);
     assert_eq!(latched["joints"][0]["latched"], true);
@@ -323,8 +323,8 @@ fn linearize_writes_json_and_npz() {
         assert!(text.contains("7 inputs, 4 outputs"), "{text}");
         let json: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
         let rows = |key: &str| json[key].as_array().unwrap().len();
-        // two bodies of two pairs with eight strains each, and their rates
-        assert_eq!((rows("A"), rows("B"), rows("C"), rows("D"), rows("states")), (64, 64, 4, 4, 64));
+        // two bodies of four pairs with eight strains each, and their rates
+        assert_eq!((rows("A"), rows("B"), rows("C"), rows("D"), rows("states")), (128, 128, 4, 4, 128));
         assert_eq!(json["inputs"][1]["name"], "load.inner[1].force.x");
         assert_eq!(
             (&json["outputs"][3]["name"], &json["outputs"][0]["unit"]),
@@ -341,7 +341,7 @@ fn linearize_writes_json_and_npz() {
     }
     let mut bytes = Vec::new();
     std::io::Read::read_to_end(&mut archive.by_name("C.npy").unwrap(), &mut bytes).unwrap();
-    assert!(String::from_utf8_lossy(&bytes[..128]).contains("'shape': (3, 64)"));
+    assert!(String::from_utf8_lossy(&bytes[..128]).contains("'shape': (3, 128)"));
     refuses(&on_model("linearize", &["-o", &path("x.mat")]), 2, "must end in .json or .npz");
     refuses(&on_model("linearize", &["--at", "never", "-o", &file]), 2, "start, equilibrium or a time");
     refuses(&on_model("linearize", &["--inputs", "fold.release", "-o", &file]), 2, "no real input is named");

@@ -9,11 +9,6 @@ PEAK_STRAIN = 5.31e-3
 AS_PRINTED_LATCH_S = 0.0407
 STEPS_S = [1e-4, 3e-4, 5e-4, 7e-4, 1e-3, 2.3e-3, 5e-3]  # some divide 0.4 s and the latch time, some do not
 
-# In the first 10 ms the step of gravity and of the released stopper rings above 1 kHz; meshes that agree on everything
-# later differ there by what the coarsest of them resolves.
-START_S = 0.010
-START_TOLERANCE = 0.05
-
 
 @pytest.fixture(scope="module")
 def reference():
@@ -65,14 +60,16 @@ def test_f13_fold_angle_follows_the_reference(either_wing, reference):
 
 
 def test_f14_root_strain_follows_the_reference(either_wing, reference):
-    """F-14. Root strain within 2 % of the peak from 10 ms to 0.3 s, latch ringing included; 5 % in the first 10 ms."""
+    """F-14. Root strain within 2 % of the peak up to 0.3 s at every one of the reference's own times.
+
+    The latch's ringing and the first milliseconds, which contain more than 1 kHz, are included: nothing is filtered.
+    """
     result = either_wing.simulate(output_interval=5e-4)
     error = np.abs(result["gauge.root.strain"] - reference["gauge_strain_0p02m"]) / PEAK_STRAIN
     time_s = reference["time_s"]
-    start, rest = time_s < START_S, (time_s >= START_S) & (time_s <= 0.3)
-    print(f"largest error of the strain over its peak: {error[rest].max():.2%}; first 10 ms: {error[start].max():.2%}")
-    assert error[rest].max() < 0.02, f"{error[rest].max():.1%} at {time_s[rest][error[rest].argmax()]} s"
-    assert error[start].max() < START_TOLERANCE, f"{error[start].max():.1%} at {time_s[error[start].argmax()]} s"
+    first, compared = time_s < 0.01, time_s <= 0.3
+    print(f"largest error of the strain over its peak: {error[compared].max():.2%}; first 10 ms: {error[first].max():.2%}")
+    assert error[compared].max() < 0.02, f"{error[compared].max():.1%} at {time_s[compared][error[compared].argmax()]} s"
 
 
 def test_f15_tip_follows_the_reference(either_wing, reference):

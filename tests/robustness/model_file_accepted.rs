@@ -38,7 +38,7 @@ fn the_shipped_wing_has_the_plates_of_the_paper() {
     assert_eq!(machine.gravity_m_s2, Vector3::new(-9.8, 0.0, 0.0));
     let bending_n_m2 = 2.83e9 * 0.05 * 0.002_f64.powi(3) / 12.0;
     for body in &machine.bodies {
-        assert_eq!((body.length_m, body.element, body.elements), (0.15, ElementKind::Linear, 2));
+        assert_eq!((body.length_m, body.element, body.elements), (0.15, ElementKind::Linear, 4));
         assert_eq!(
             (body.mass_damping_1_s, body.stiffness_damping_s, body.natural_strain.clone()),
             (2.5, 0.0, [0.0; 4].into())
