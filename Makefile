@@ -16,7 +16,7 @@ COMMAND     := $(TARGET)/release/foldwing
 FMU         := $(TARGET)/fmu/FoldingWing.fmu
 DEPLOYMENT  := $(TARGET)/deployment
 
-.PHONY: all build package venv deploy test format lint unit pytest bench bless python-lock clean help toolchain
+.PHONY: all build package venv deploy test format lint unit pytest validate bench bless python-lock clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -56,8 +56,13 @@ pytest: package venv
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) \
 	    $(VENV_PYTHON) -m pytest -q tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
 
-bench: toolchain ## Measure the cost of the recursions; docs/BENCHMARKS.md
+bench: toolchain ## Measure the cost of the recursions and of other methods; docs/BENCHMARKS.md
 	$(CARGO) bench --locked --bench kernels
+	$(CARGO) bench --locked --bench conventional
+
+validate: venv ## Compare with the methods of the paper: tables in target/verification, pictures in docs/pictures
+	$(CARGO) test --locked --test conventional -- --nocapture
+	$(VENV_PYTHON) tools/plot_conventional.py $(TARGET)/verification docs/pictures
 
 bless: toolchain ## Rewrite modelDescription/ after a deliberate change of the interface
 	FOLDWING_BLESS=1 $(CARGO) test --locked --test model_description

@@ -29,10 +29,10 @@ impl Case {
         let material = Material { young_pa: 2.83e9, shear_pa: 1.0e9, density_kg_m3: 1425.0 };
         let body = |parent, joint| BodyDescription {
             length_m: 0.15,
-            section: Section::rectangle(0.05, 0.002, &material, Some(0.18)),
+            section: Section::rectangle(0.05, 0.002, &material, Some(0.18)).into(),
             kind,
             elements: if kind == ElementKind::Linear { sets / 4 } else { sets / 2 },
-            natural_strain: [0.0; 4],
+            natural_strain: [0.0; 4].into(),
             parent,
             mount: Matrix3::identity(),
             joint,

@@ -1,8 +1,9 @@
 //! The beam element's constant inertia: mass matrix of the fully parameterised ANCF element, seed eqs. (1)–(4).
 
+use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::section::Section;
-use crate::math::quadrature::GAUSS_4;
-use nalgebra::{Matrix4, SMatrix};
+use crate::math::quadrature::gauss_pieces;
+use nalgebra::{Matrix4, SMatrix, Vector4};
 
 /// Blocks of the reduced element mass matrix `m̂` (8×8, `M_e = m̂ ⊗ I₃`) over the nodal vectors
 /// `(r, r_x, r_y, r_z)` of the inner end `a` and the outer end `b`, NOTATION eq. (D1).
@@ -23,8 +24,13 @@ impl ElementMass {
     ///
     /// Four Gauss points are exact for sections that vary linearly along it (shape functions are cubic).
     pub fn new(length_m: f64, section: impl Fn(f64) -> Section) -> Self {
+        Self::with_kinks(length_m, section, &[])
+    }
+
+    /// The same for a section with kinks at some `ξ`: four Gauss points between each two.
+    pub fn with_kinks(length_m: f64, section: impl Fn(f64) -> Section, kinks: &[f64]) -> Self {
         let mut mass = SMatrix::<f64, 8, 8>::zeros();
-        for (xi, weight) in GAUSS_4 {
+        for (xi, weight) in gauss_pieces(0.0, 1.0, kinks) {
             let section = section(xi);
             let shape = shape_functions(length_m, xi);
             let (s, p, q) = (shape.axis, shape.y, shape.z);
@@ -102,6 +108,86 @@ pub enum ElementKind {
     Linear,
 }
 
-/// Own and coupling stiffness of the halves of a pair as fractions of `ℓ K_s`, `ℓ` the pair's length:
-/// `K = ℓ [[7/16, 1/16], [1/16, 7/16]] ⊗ K_s`, NOTATION eq. (D8).
-pub const PAIR_STIFFNESS: (f64, f64) = (7.0 / 16.0, 1.0 / 16.0);
+/// Elastic properties of one element: a constant-strain element, or the two halves of a pair.
+///
+/// | symbol             | field            | shape   | unit            |
+/// |--------------------|------------------|---------|-----------------|
+/// | `∫ N_i² K_s ds`    | `own`            | 4×4     | N·m, N·m², N·m³ |
+/// | `∫ N_A N_B K_s ds` | `coupling`       | 4×4     | N·m, N·m², N·m³ |
+/// | `A₀`, `B₀`         | `natural_strain` | 4       | –, 1/m          |
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElementElasticity {
+    /// Stiffness of each part's own strains: one entry for a constant element, two for a pair.
+    pub own: Vec<Matrix4<f64>>,
+    /// Stiffness between the halves of a pair, symmetric; zero for a constant element.
+    pub coupling: Matrix4<f64>,
+    /// Natural strain of each part.
+    pub natural_strain: Vec<Vector4<f64>>,
+}
+
+impl ElementElasticity {
+    /// Elasticity of the element on `[start_m, start_m + length_m]` of a body, NOTATION eqs. (S7), (S8): the section
+    /// stiffness weighted by the shape functions of the kind, and the plain L2 projection of the natural strain.
+    pub fn new(
+        kind: ElementKind,
+        (start_m, length_m): (f64, f64),
+        section: &SectionLaw,
+        natural: &NaturalStrain,
+    ) -> Self {
+        let end_m = start_m + length_m;
+        let middle_m = start_m + 0.5 * length_m;
+        // shape functions of the parts: 1, or N_A and N_B = ½ ∓ (3/2ℓ)(s − ℓ/2)
+        let shapes = |s: f64| {
+            let slope = 1.5 * (s - middle_m) / length_m;
+            match kind {
+                ElementKind::Constant => [1.0, 0.0],
+                ElementKind::Linear => [0.5 - slope, 0.5 + slope],
+            }
+        };
+        let mut own = [Matrix4::zeros(); 2];
+        let mut coupling = Matrix4::zeros();
+        for (s, weight) in gauss_pieces(start_m, end_m, &section.kinks_m()) {
+            let stiffness = section.at(s).stiffness * weight;
+            let [a, b] = shapes(s);
+            own[0] += stiffness * (a * a);
+            own[1] += stiffness * (b * b);
+            coupling += stiffness * (a * b);
+        }
+        let (mut mean, mut slope) = (Vector4::zeros(), Vector4::zeros());
+        for (s, weight) in gauss_pieces(start_m, end_m, &natural.kinks_m()) {
+            let strain = natural.at(s);
+            mean += strain * (weight / length_m);
+            slope += strain * (12.0 * (s - middle_m) * weight / length_m.powi(3));
+        }
+        match kind {
+            ElementKind::Constant => Self { own: vec![own[0]], coupling, natural_strain: vec![mean] },
+            ElementKind::Linear => {
+                let third = slope * (length_m / 3.0);
+                Self { own: own.to_vec(), coupling, natural_strain: vec![mean - third, mean + third] }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::section::Material;
+
+    /// Uniform section: `K = ℓ [[7/16, 1/16], [1/16, 7/16]] ⊗ K_s`, eq. (D8).
+    #[test]
+    fn uniform_pair_has_the_weights_of_the_pair_rule() {
+        let material = Material { young_pa: 3.0, shear_pa: 1.0, density_kg_m3: 1.0 };
+        let section = Section::rectangle(2.0, 1.0, &material, None);
+        let law = SectionLaw::from(section.clone());
+        let natural = NaturalStrain::from([0.0, 0.1, 0.2, 0.3]);
+        let pair = ElementElasticity::new(ElementKind::Linear, (0.4, 0.8), &law, &natural);
+        for (found, weight) in [(&pair.own[0], 7.0), (&pair.own[1], 7.0), (&pair.coupling, 1.0)] {
+            let expected = section.stiffness * (0.8 * weight / 16.0);
+            assert!((found - expected).norm() < 1e-14 * expected.norm());
+        }
+        for part in &pair.natural_strain {
+            assert!((part - natural.at(0.0)).norm() < 5e-15, "{part}");
+        }
+    }
+}

@@ -1,4 +1,7 @@
-//! Cross-sections and beam elements: constant stiffness and constant inertia.
+//! Cross-sections and beam elements: constant stiffness and constant inertia, laws along a body, strain recovery.
 
 pub mod element;
+pub mod law;
+pub mod profile;
+pub mod recovery;
 pub mod section;

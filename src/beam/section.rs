@@ -32,6 +32,82 @@ pub struct Material {
     pub density_kg_m3: f64,
 }
 
+impl Material {
+    /// Poisson's ratio `E/2G − 1`; `None` where the shear modulus is not known.
+    pub fn poisson_ratio(&self) -> Option<f64> {
+        (self.shear_pa > 0.0).then(|| 0.5 * self.young_pa / self.shear_pa - 1.0)
+    }
+}
+
+/// Outline of a solid section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outline {
+    /// Rectangle with sides along `y` and `z`.
+    Rectangle,
+    /// Ellipse with axes along `y` and `z`.
+    Ellipse,
+}
+
+/// A solid section of one isotropic material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solid {
+    /// Outline.
+    pub outline: Outline,
+    /// Full width along `y` in m.
+    pub width_m: f64,
+    /// Full height along `z` in m.
+    pub height_m: f64,
+    /// Material; its shear modulus may be 0, unknown, where `torsional_rigidity_n_m2` is given.
+    pub material: Material,
+    /// Torsional rigidity instead of Saint-Venant's, N·m².
+    pub torsional_rigidity_n_m2: Option<f64>,
+}
+
+impl Solid {
+    /// Its stiffness and inertia.
+    pub fn section(&self) -> Section {
+        let make = match self.outline {
+            Outline::Rectangle => Section::rectangle,
+            Outline::Ellipse => Section::ellipse,
+        };
+        make(self.width_m, self.height_m, &self.material, self.torsional_rigidity_n_m2)
+    }
+
+    /// Saint-Venant torsion constant of the outline in m⁴, NOTATION eqs. (S2), (S3).
+    pub fn torsion_constant_m4(&self) -> f64 {
+        match self.outline {
+            Outline::Rectangle => rectangle_torsion_constant_m4(self.width_m, self.height_m),
+            Outline::Ellipse => ellipse_torsion_constant_m4(self.width_m, self.height_m),
+        }
+    }
+
+    /// The solid with its width and height multiplied, NOTATION eq. (S5). A given torsional rigidity follows
+    /// Saint-Venant's value of the outline.
+    pub fn stretched(&self, width_factor: f64, height_factor: f64) -> Self {
+        let mut solid = *self;
+        solid.width_m *= width_factor;
+        solid.height_m *= height_factor;
+        if (width_factor, height_factor) != (1.0, 1.0) {
+            let growth = solid.torsion_constant_m4() / self.torsion_constant_m4();
+            solid.torsional_rigidity_n_m2 = self.torsional_rigidity_n_m2.map(|rigidity| rigidity * growth);
+        }
+        solid
+    }
+
+    /// The same outline with its density multiplied by `mass_factor` and its stiffness by `stiffness_factor`.
+    pub fn scaled(&self, mass_factor: f64, stiffness_factor: f64) -> Self {
+        Self {
+            material: Material {
+                young_pa: self.material.young_pa * stiffness_factor,
+                shear_pa: self.material.shear_pa * stiffness_factor,
+                density_kg_m3: self.material.density_kg_m3 * mass_factor,
+            },
+            torsional_rigidity_n_m2: self.torsional_rigidity_n_m2.map(|rigidity| rigidity * stiffness_factor),
+            ..*self
+        }
+    }
+}
+
 impl Section {
     /// Solid rectangle, `width_m` along `y`, `height_m` along `z`.
     ///
@@ -51,8 +127,8 @@ impl Section {
     pub fn ellipse(width_m: f64, height_m: f64, material: &Material, torsional_rigidity_n_m2: Option<f64>) -> Self {
         use std::f64::consts::PI;
         let (a, b) = (0.5 * width_m, 0.5 * height_m);
-        let torsion =
-            torsional_rigidity_n_m2.unwrap_or_else(|| material.shear_pa * PI * a.powi(3) * b.powi(3) / (a * a + b * b));
+        let torsion = torsional_rigidity_n_m2
+            .unwrap_or_else(|| material.shear_pa * ellipse_torsion_constant_m4(width_m, height_m));
         let (second_y, second_z) = (PI * a * b.powi(3) / 4.0, PI * b * a.powi(3) / 4.0);
         Self::solid(PI * a * b, second_y, second_z, torsion, material, a, b)
     }
@@ -92,6 +168,26 @@ impl Section {
             ..*self
         }
     }
+
+    /// Properties at `fraction` of the way to another section: stiffness, inertia and outline linear, NOTATION
+    /// eq. (S6).
+    pub fn towards(&self, other: &Self, fraction: f64) -> Self {
+        let mix = |a: f64, b: f64| a + (b - a) * fraction;
+        Self {
+            stiffness: self.stiffness.zip_map(&other.stiffness, mix),
+            mass_kg_m: mix(self.mass_kg_m, other.mass_kg_m),
+            first_moment_kg: std::array::from_fn(|i| mix(self.first_moment_kg[i], other.first_moment_kg[i])),
+            second_moment_kg_m: std::array::from_fn(|i| mix(self.second_moment_kg_m[i], other.second_moment_kg_m[i])),
+            half_width_m: mix(self.half_width_m, other.half_width_m),
+            half_height_m: mix(self.half_height_m, other.half_height_m),
+        }
+    }
+}
+
+/// Torsion constant of a solid ellipse with full axes in m, in m⁴: `π a³ b³ / (a² + b²)`, NOTATION eq. (S3).
+pub fn ellipse_torsion_constant_m4(width_m: f64, height_m: f64) -> f64 {
+    let (a, b) = (0.5 * width_m, 0.5 * height_m);
+    std::f64::consts::PI * a.powi(3) * b.powi(3) / (a * a + b * b)
 }
 
 /// Saint-Venant torsion constant of a solid rectangle in m⁴ by its series, NOTATION eq. (S2).

@@ -1,12 +1,15 @@
 //! `foldwing check`: what was understood of a model.
 
+use crate::cli::joint_size::JointSize;
 use crate::cli::{Failure, print, read_model};
 use foldwing::config::Machine;
-use foldwing::config::machine::{Body, ElementKind, JointKind, JointMotion, Parent, UNLIMITED};
+use foldwing::config::machine::{Body, ElementKind, JointKind, JointMotion, Parent, SpatialFreedom, UNLIMITED};
 use foldwing::interface::{Causality, Interface, Value};
+use foldwing::plant::Plant;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -69,6 +72,7 @@ struct JointSummary {
     torque_limit_n_m: Option<f64>,
     latch_angle_deg: Option<f64>,
     latch_stiffness_n_m_rad: Option<f64>,
+    size: JointSize,
 }
 
 /// A start value, in JSON a number or a Boolean.
@@ -114,15 +118,17 @@ impl Summary {
     fn new(machine: &Machine) -> Self {
         let bodies: Vec<BodySummary> = machine.bodies.iter().map(BodySummary::new).collect();
         let interface = Interface::new(machine);
+        let plant = Plant::new(Arc::new(machine.clone()));
+        let joint = |(index, body): (usize, &Body)| JointSummary::new(body, machine, plant.joint_size(index));
         Self {
             name: machine.name.clone(),
             description: machine.description.clone(),
             mass_kg: bodies.iter().map(|body| body.mass_kg + body.attached_mass_kg).sum(),
             degrees_of_freedom: bodies.iter().map(|body| body.degrees_of_freedom).sum::<usize>()
-                + machine.bodies.iter().filter(|body| moves_freely(body)).count(),
+                + machine.bodies.iter().map(joint_freedoms).sum::<usize>(),
             stations: bodies.iter().map(|body| body.stations_m.len()).sum(),
             bodies,
-            joints: machine.bodies.iter().map(|body| JointSummary::new(body, machine)).collect(),
+            joints: machine.bodies.iter().enumerate().map(joint).collect(),
             gauges: machine.gauges.iter().map(|gauge| gauge.name.clone()).collect(),
             variables: interface.variables().iter().map(VariableSummary::new).collect(),
         }
@@ -148,6 +154,8 @@ impl Summary {
         }
         text.push_str("\njoints\n");
         self.joints.iter().for_each(|joint| text.push_str(&joint.text()));
+        text.push_str(JointSize::TITLE);
+        self.joints.iter().for_each(|joint| text.push_str(&joint.size.text(&joint.name, joint.kind)));
         let gauges = if self.gauges.is_empty() { "none".to_owned() } else { self.gauges.join(", ") };
         let count = |causality: &str| self.variables.iter().filter(|v| v.causality == causality).count();
         let _ = writeln!(
@@ -171,9 +179,17 @@ impl Summary {
     }
 }
 
-/// Whether the joint adds a degree of freedom.
-fn moves_freely(body: &Body) -> bool {
-    matches!(&body.joint.kind, JointKind::Revolute(joint) if joint.motion == JointMotion::Free)
+/// Degrees of freedom that the joint adds.
+fn joint_freedoms(body: &Body) -> usize {
+    match &body.joint.kind {
+        JointKind::Clamped => 0,
+        JointKind::Revolute(joint) => usize::from(joint.motion == JointMotion::Free),
+        JointKind::Spatial(joint) => match joint.freedom {
+            SpatialFreedom::Universal { .. } => 2,
+            SpatialFreedom::Ball => 3,
+            SpatialFreedom::Free => 6,
+        },
+    }
 }
 
 impl BodySummary {
@@ -186,7 +202,7 @@ impl BodySummary {
         Self {
             name: body.name.clone(),
             length_m: body.length_m,
-            mass_kg: body.section.mass_kg_m * body.length_m,
+            mass_kg: body.section.mass_kg(body.length_m),
             attached_mass_kg: body.masses.iter().fold(0.0, |sum, mass| sum + mass.mass_kg),
             elements: body.elements,
             element_kind,
@@ -197,7 +213,7 @@ impl BodySummary {
 }
 
 impl JointSummary {
-    fn new(body: &Body, machine: &Machine) -> Self {
+    fn new(body: &Body, machine: &Machine, (variables, multipliers): (usize, usize)) -> Self {
         let parent = match body.joint.parent {
             Parent::Root { .. } => "root".to_owned(),
             Parent::Body { index, position_m } => format!("{} at {position_m} m", machine.bodies[index].name),
@@ -214,7 +230,19 @@ impl JointSummary {
             torque_limit_n_m: None,
             latch_angle_deg: None,
             latch_stiffness_n_m_rad: None,
+            size: JointSize::new(&body.joint.kind, variables, multipliers),
         };
+        if let JointKind::Spatial(joint) = &body.joint.kind {
+            summary.kind = match joint.freedom {
+                SpatialFreedom::Universal { .. } => "universal",
+                SpatialFreedom::Ball => "ball",
+                SpatialFreedom::Free => "free",
+            };
+            if joint.freedom != SpatialFreedom::Free {
+                summary.stiffness_n_m_rad = Some(joint.stiffness_n_m_rad);
+                summary.damping_n_m_s_rad = Some(joint.damping_n_m_s_rad);
+            }
+        }
         if let JointKind::Revolute(joint) = &body.joint.kind {
             summary.kind = match joint.motion {
                 JointMotion::Free => "revolute",

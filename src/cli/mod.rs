@@ -1,11 +1,13 @@
 //! The command line: arguments, exit codes, and one module per command.
 
 mod check;
+mod joint_size;
 mod linearize;
 mod modes;
 mod package;
 mod simulate;
 mod statics;
+mod strains;
 
 use clap::{Parser, Subcommand};
 use foldwing::config::{self, Machine};

@@ -1,8 +1,10 @@
 //! `foldwing simulate`: outputs over time as CSV.
 
+use crate::cli::strains::StrainPeaks;
 use crate::cli::{Failure, read_model};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing::config::Machine;
+use foldwing::config::machine::JointKind;
 use foldwing::interface::{Causality, Interface, Value, Variable};
 use foldwing::plant::Plant;
 use foldwing::report::inputs::unknown_name;
@@ -40,6 +42,9 @@ pub struct Arguments {
     /// Stop time in s [default: the model's]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     stop: Option<f64>,
+    /// CSV file for the largest longitudinal strain of every section (ends of the elements) over the run
+    #[arg(long, value_name = "OUT.csv")]
+    strains: Option<PathBuf>,
     /// Variable to write; may be repeated [default: all outputs]
     #[arg(long = "output", value_name = "NAME")]
     outputs: Vec<String>,
@@ -67,11 +72,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         path => Box::new(File::create(path).map_err(writing)?),
     };
     let recorder = Recorder::new(BufWriter::new(sink), &recorded).map_err(writing)?;
-    let mut run = Run { plant, interface: &interface, inputs, recorded: &recorded, recorder };
+    let strains = arguments.strains.as_ref().map(|_| StrainPeaks::default());
+    let mut run = Run { plant, interface: &interface, inputs, recorded: &recorded, recorder, strains };
     let clock = Instant::now();
     let outcome = run.through(&grid, &writing);
-    let Run { plant, recorder, .. } = run;
+    let Run { plant, recorder, strains, .. } = run;
     recorder.finish().and_then(|mut sink| sink.flush()).map_err(writing)?;
+    if let (Some(strains), Some(path)) = (strains, &arguments.strains) {
+        let failed = |error: io::Error| Failure::writing(&path.display().to_string(), &error);
+        let sink = BufWriter::new(File::create(path).map_err(failed)?);
+        strains.write(&plant, sink).map_err(failed)?;
+    }
     outcome?;
     if !arguments.quiet {
         eprint!("{}", summary(&plant, &grid, clock.elapsed()));
@@ -174,6 +185,8 @@ struct Run<'a, W: Write> {
     inputs: Option<InputTable>,
     recorded: &'a [&'a Variable],
     recorder: Recorder<W>,
+    /// Largest strains, where they are wanted.
+    strains: Option<StrainPeaks>,
 }
 
 impl<W: Write> Run<'_, W> {
@@ -211,6 +224,9 @@ impl<W: Write> Run<'_, W> {
 
     fn record(&mut self, time_s: f64) -> io::Result<()> {
         let (plant, interface) = (&self.plant, self.interface);
+        if let Some(strains) = &mut self.strains {
+            strains.include(plant);
+        }
         let value = |variable: &&Variable| {
             interface.get(plant, plant.outputs(), variable.value_reference).expect("rows come from the same table")
         };
@@ -256,10 +272,18 @@ fn summary(plant: &Plant, grid: &Grid, elapsed: Duration) -> String {
     let machine = plant.machine();
     let mut text = String::new();
     for (joint, body) in plant.outputs().joints.iter().zip(plant.revolute_joints()) {
-        let name = &machine.bodies[*body].joint.name;
-        let latch = match joint.latch_count {
-            0 => "did not latch".to_owned(),
-            count => format!("latched at {:.6} s ({count} in all)", joint.latch_time_s),
+        let holder = &machine.bodies[*body].joint;
+        let name = &holder.name;
+        let latch = match &holder.kind {
+            JointKind::Revolute(revolute) => revolute.latch.as_ref(),
+            JointKind::Clamped | JointKind::Spatial(_) => None,
+        };
+        let latch = match (latch, joint.latch_count) {
+            (None, _) => "has no latch".to_owned(),
+            (Some(_), 0) if joint.latched => "latched from the start".to_owned(),
+            (Some(latch), 0) if latch.initially_closed => "latch open at the end".to_owned(),
+            (Some(_), 0) => "did not latch".to_owned(),
+            (Some(_), count) => format!("latched at {:.6} s ({count} in all)", joint.latch_time_s),
         };
         text += &format!("{name}: {latch}, angle {:.3} deg at the end\n", joint.angle_rad.to_degrees());
     }

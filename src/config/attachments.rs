@@ -1,13 +1,15 @@
 //! What sits on bodies: point masses, rigid bodies, loads and gauges.
 
-use crate::config::file::{MassFile, ModelFile};
+use crate::beam::law::SectionLaw;
+use crate::beam::section::{Outline, Section};
+use crate::config::body;
+use crate::config::file::{GaugeFile, MassFile, ModelFile};
 use crate::config::machine::{AttachedMass, Body, Gauge};
-use crate::config::sections::{NamedSection, Outline};
+use crate::config::sections::Sections;
 use crate::config::tree::Tree;
 use crate::config::validate::Checker;
 use crate::load::Wrench;
-use indexmap::IndexMap;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Violation of an inequality between moments of inertia that is taken for round-off, relative to the largest.
 const INERTIA_TOLERANCE: f64 = 1e-9;
@@ -97,7 +99,7 @@ pub(super) fn place_loads(loads: Vec<NamedLoad>, body: &mut Body, checker: &mut 
 /// All gauges; `None` if one cannot be placed.
 pub(super) fn gauges(
     file: &ModelFile,
-    sections: &IndexMap<&str, Option<NamedSection>>,
+    sections: &Sections,
     tree: Option<&Tree>,
     checker: &mut Checker,
 ) -> Option<Vec<Gauge>> {
@@ -109,31 +111,60 @@ pub(super) fn gauges(
             continue;
         };
         checker.on_body(&["gauge", name, "position_m"], gauge.position_m, body);
-        let Some(Some(section)) = sections.get(body.section.as_str()) else { continue };
-        let z_m = gauge.z_m.unwrap_or(section.section.half_height_m);
-        check_point(name, gauge.y_m, z_m, section, checker);
+        let outer = body.outer_section.as_ref().unwrap_or(&body.section);
+        let (Some(Some(inner)), Some(Some(outer))) =
+            (sections.get(body.section.as_str()), sections.get(outer.as_str()))
+        else {
+            continue;
+        };
+        if !(inner.has_outline() && outer.has_outline()) {
+            let allowed = "a body whose section states half_width_m and half_height_m";
+            checker.refuse(&["gauge", name, "body"], allowed);
+            continue;
+        }
+        // a law that does not stand is refused with its body
+        let Some(law) = body::section_law(&gauge.body, body, sections, &mut checker.silent()) else { continue };
         let body = tree.map_or(index, |tree| tree.rank[index]);
-        gauges.push(Gauge { name: name.clone(), body, position_m: gauge.position_m, y_m: gauge.y_m, z_m });
+        gauges.extend(build_gauge(name, gauge, body, &law, checker));
     }
     (gauges.len() == file.gauge.len()).then_some(gauges)
 }
 
-fn check_point(name: &str, y_m: f64, z_m: f64, section: &NamedSection, checker: &mut Checker) {
-    if section.outline == Outline::Unknown {
-        let allowed = "a body whose section states half_width_m and half_height_m";
-        return checker.refuse(&["gauge", name, "body"], allowed);
-    }
-    if section.contains(y_m, z_m) {
-        return;
-    }
-    let (width, height) = (section.section.half_width_m, section.section.half_height_m);
-    let allowed = match section.outline {
-        Outline::Ellipse => format!("a point on the section: (y/{width})² + (z/{height})² <= 1, in m"),
-        _ => format!("a point on the section: |y| <= {width} m, |z| <= {height} m"),
+/// A gauge on the section at its position; `None` if a problem was found.
+fn build_gauge(name: &str, file: &GaugeFile, body: usize, law: &SectionLaw, checker: &mut Checker) -> Option<Gauge> {
+    let (section, solid) = (law.at(file.position_m), law.solid_at(file.position_m));
+    let (y_m, z_m) = (file.y_m, file.z_m.unwrap_or(section.half_height_m));
+    let outline = solid.map(|solid| solid.outline);
+    check_point(name, (y_m, z_m), &section, outline, checker);
+    let direction = Vector3::from(file.direction.unwrap_or([1.0, 0.0, 0.0]));
+    let Some(direction) = direction.try_normalize(0.0) else {
+        checker.refuse(&["gauge", name, "direction"], "an array of 3 finite numbers, not all 0");
+        return None;
     };
-    let off_in_z = z_m.abs() > height || !checker.states(&["gauge", name, "y_m"]);
-    let key = if off_in_z { "z_m" } else { "y_m" };
-    checker.refuse(&["gauge", name, key], allowed);
+    let gauge = Gauge { name: name.to_owned(), body, position_m: file.position_m, y_m, z_m, direction };
+    if gauge.row(law).is_none() {
+        let allowed = "the axis, [1, 0, 0], on a section that is not a rectangle or an ellipse with shear_Pa or \
+                           poisson_ratio";
+        checker.refuse(&["gauge", name, "direction"], allowed);
+        return None;
+    }
+    Some(gauge)
+}
+
+/// Refuses a point off the section; round-off of the rim is forgiven.
+fn check_point(name: &str, (y_m, z_m): (f64, f64), section: &Section, outline: Option<Outline>, checker: &mut Checker) {
+    let (width, height) = (section.half_width_m, section.half_height_m);
+    let (y, z) = (y_m.abs() / width, z_m.abs() / height);
+    let (reach, allowed) = match outline {
+        Some(Outline::Ellipse) => {
+            (y.hypot(z), format!("a point on the section: (y/{width})² + (z/{height})² <= 1, in m"))
+        }
+        _ => (y.max(z), format!("a point on the section: |y| <= {width} m, |z| <= {height} m")),
+    };
+    if reach > 1.0 + 1e-9 {
+        let off_in_z = z_m.abs() > height || !checker.states(&["gauge", name, "y_m"]);
+        checker.refuse(&["gauge", name, if off_in_z { "z_m" } else { "y_m" }], allowed);
+    }
 }
 
 #[cfg(test)]

@@ -3,12 +3,12 @@
 //! Ranges that one key states alone stand here as JSON schema keywords (`minimum`, `exclusiveMinimum`, …) and are
 //! enforced from there; `x-allowed` overrides the wording of error messages where a range cannot say it.
 
-use crate::config::machine::ElementKind;
+use crate::config::body::BodyFile;
+use crate::config::joint_file::JointFile;
 use crate::config::run::{ExperimentFile, SolverFile};
-use crate::load::LoadFrame;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 /// A Foldwing model: a wing of flexible bodies and fold joints. SI units; angles in degrees where the key says `_deg`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
@@ -50,7 +50,7 @@ pub(super) struct ModelFile {
     pub experiment: ExperimentFile,
 }
 
-/// Cross-section, constant along a body. `y` runs chordwise, `z` through the thickness.
+/// Cross-section. `y` runs chordwise, `z` through the thickness.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(tag = "shape", rename_all = "lowercase", deny_unknown_fields)]
 pub(super) enum SectionFile {
@@ -152,210 +152,6 @@ pub(super) struct ExplicitSection {
     pub half_height_m: Option<f64>,
 }
 
-/// A beam.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct BodyFile {
-    /// Arc length of the undeformed axis.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub length_m: f64,
-    /// Name of the cross-section.
-    pub section: String,
-    /// Kind of strain element.
-    #[serde(default)]
-    pub element: ElementFile,
-    /// Number of elements along the body; a linear element is one pair of halves.
-    #[schemars(range(min = 1, max = 1000))]
-    pub elements: usize,
-    /// Natural twist and curvatures `[κx, κy, κz]`: the shape without loads.
-    #[serde(default)]
-    pub natural_curvature_1_m: [f64; 3],
-    /// Mass-proportional damping `α`; acts on the beam only, not on attached masses.
-    #[serde(default)]
-    #[schemars(range(min = 0.0))]
-    pub mass_damping_1_s: f64,
-    /// Stiffness-proportional damping `β`.
-    #[serde(default)]
-    #[schemars(range(min = 0.0))]
-    pub stiffness_damping_s: f64,
-    /// Number of load stations at the centres of equal strips, default 4.
-    #[schemars(range(min = 0, max = 1000))]
-    pub load_stations: Option<usize>,
-    /// Distances of the load stations from the inner end, ascending; instead of `load_stations`.
-    #[schemars(length(max = 1000))]
-    pub load_station_positions_m: Option<Vec<f64>>,
-    /// Frame of the forces and moments at the stations: `root` (dead loads) or `section` (follower loads).
-    #[serde(default)]
-    pub load_frame: LoadFrameFile,
-}
-
-/// Kind of strain element.
-#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum ElementFile {
-    /// Linear strain: fourth order.
-    #[default]
-    Linear,
-    /// Constant strain: second order.
-    Constant,
-}
-
-impl From<ElementFile> for ElementKind {
-    fn from(kind: ElementFile) -> Self {
-        match kind {
-            ElementFile::Linear => Self::Linear,
-            ElementFile::Constant => Self::Constant,
-        }
-    }
-}
-
-/// Frame of station loads.
-#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum LoadFrameFile {
-    /// Root frame: a dead load.
-    #[default]
-    Root,
-    /// Section frame: a follower load.
-    Section,
-}
-
-impl From<LoadFrameFile> for LoadFrame {
-    fn from(frame: LoadFrameFile) -> Self {
-        match frame {
-            LoadFrameFile::Root => Self::Root,
-            LoadFrameFile::Section => Self::Section,
-        }
-    }
-}
-
-/// Joint that holds a body's inner end. The keys from `axis` on belong to revolute joints.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct JointFile {
-    /// What the joint allows.
-    #[serde(rename = "type")]
-    pub kind: JointType,
-    /// What the joint holds on to: `root` or a body.
-    pub parent: String,
-    /// Body whose inner end the joint holds.
-    pub child: String,
-    /// Distance along the parent body from its inner end, default its outer end.
-    #[schemars(range(min = 0.0))]
-    pub parent_position_m: Option<f64>,
-    /// Position in the root frame where the parent is `root`, default the origin.
-    pub root_position_m: Option<[f64; 3]>,
-    /// Rotation vector of the body's first frame in the parent's frame at angle zero.
-    #[serde(default)]
-    #[schemars(inner(range(min = -360.0, max = 360.0)))]
-    pub mount_rotation_deg: [f64; 3],
-    /// Hinge axis in the parent's section frame, of any length but zero. Positive angles by the right hand.
-    pub axis: Option<[f64; 3]>,
-    /// Fold angle at the start, default 0; 0 is deployed.
-    #[schemars(range(min = -360.0, max = 360.0))]
-    pub start_angle_deg: Option<f64>,
-    /// Fold rate at the start, default 0.
-    pub start_rate_deg_s: Option<f64>,
-    /// Start value of the release input: false holds the joint at its start angle until released. Default true.
-    pub release: Option<bool>,
-    /// How the angle moves, default `free`.
-    pub motion: Option<MotionType>,
-    /// Prescribed angle as a polynomial of absolute time: coefficients of 1, t, t², …
-    #[schemars(length(min = 1, max = 100))]
-    pub polynomial_deg: Option<Vec<f64>>,
-    /// Prescribed angle as a smooth curve through `[time_s, angle_deg]`, times ascending; constant outside.
-    #[schemars(
-        length(min = 2),
-        extend("x-allowed" = "at least 2 pairs [time in s, angle in deg] of finite numbers")
-    )]
-    pub table_s_deg: Option<Vec<[f64; 2]>>,
-    /// Spring, damper and motor.
-    pub drive: Option<DriveFile>,
-    /// Latch.
-    pub latch: Option<LatchFile>,
-}
-
-/// What a joint allows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum JointType {
-    /// Nothing.
-    Clamped,
-    /// Rotation about one axis.
-    Revolute,
-}
-
-/// How a fold angle moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum MotionType {
-    /// By its torques.
-    Free,
-    /// Not at all: held at the start angle.
-    Locked,
-    /// By `polynomial_deg` or `table_s_deg`.
-    Prescribed,
-}
-
-/// Drive: the torque on the outer body about the hinge is `−(k (θ − θ_cmd) + c θ̇ + T)`, limited.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct DriveFile {
-    /// Spring stiffness `k`.
-    #[serde(default, rename = "stiffness_N_m_rad")]
-    #[schemars(range(min = 0.0))]
-    pub stiffness_n_m_rad: f64,
-    /// Damping `c`.
-    #[serde(default, rename = "damping_N_m_s_rad")]
-    #[schemars(range(min = 0.0))]
-    pub damping_n_m_s_rad: f64,
-    /// Constant torque `T`, towards negative angles.
-    #[serde(default, rename = "constant_torque_N_m")]
-    pub constant_torque_n_m: f64,
-    /// Largest magnitude of the drive torque, default unlimited.
-    #[serde(rename = "torque_limit_N_m")]
-    #[schemars(range(min = 0.0))]
-    pub torque_limit_n_m: Option<f64>,
-    /// Largest slew of the commanded angle, default unlimited.
-    #[schemars(range(min = 0.0))]
-    pub rate_limit_deg_s: Option<f64>,
-    /// Start value of the commanded (neutral) angle `θ_cmd`.
-    #[serde(default)]
-    #[schemars(range(min = -360.0, max = 360.0))]
-    pub command_deg: f64,
-}
-
-/// Latch: closes when the angle reaches `angle_deg` from the folded side.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct LatchFile {
-    /// Angle at which it closes.
-    #[serde(default)]
-    #[schemars(range(min = -360.0, max = 360.0))]
-    pub angle_deg: f64,
-    /// Stiffness of the closed joint over the drive's `k`: the latch adds `(ratio − 1) k`.
-    #[schemars(extend("exclusiveMinimum" = 1))]
-    pub stiffness_ratio: Option<f64>,
-    /// Stiffness that the latch adds; instead of `stiffness_ratio`.
-    #[serde(rename = "stiffness_N_m_rad")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub stiffness_n_m_rad: Option<f64>,
-    /// Half-width of the window in which enabling closes it at once.
-    #[serde(default)]
-    #[schemars(range(min = 0.0, max = 360.0))]
-    pub capture_deg: f64,
-    /// Closed at the start.
-    #[serde(default)]
-    pub initially_closed: bool,
-    /// Start value of the enable input.
-    #[serde(default = "yes")]
-    pub enable: bool,
-}
-
-fn yes() -> bool {
-    true
-}
-
 /// A point mass or rigid body fixed to a section.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -394,7 +190,7 @@ pub(super) struct LoadFile {
     pub moment_n_m: [f64; 3],
 }
 
-/// A strain gauge: axial strain at a point of a section.
+/// A strain gauge: strain of a fibre at a point of a section, zero where the body is not strained.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GaugeFile {
@@ -408,4 +204,8 @@ pub(super) struct GaugeFile {
     pub y_m: f64,
     /// Thickness coordinate, default the upper face `+h/2`.
     pub z_m: Option<f64>,
+    /// Direction of the fibre in the section frame, of any length but zero; default along the axis. Other directions
+    /// need a rectangle or an ellipse with known Poisson's ratio.
+    #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
+    pub direction: Option<[f64; 3]>,
 }

@@ -1,7 +1,10 @@
 //! Joints of the file to [`Joint`]: where they hold, hinge axis, motion, drive, latch.
 
-use crate::config::file::{DriveFile, JointFile, JointType, LatchFile, ModelFile, MotionType};
+use crate::config::file::ModelFile;
+use crate::config::joint_file::{DriveFile, JointFile, JointType, LatchFile, MotionType};
 use crate::config::machine::{Drive, Joint, JointKind, JointMotion, Latch, Motion, Parent, Revolute, UNLIMITED};
+use crate::config::schema::quoted;
+use crate::config::spatial;
 use crate::config::tree::{ROOT, Tree};
 use crate::config::validate::Checker;
 use nalgebra::{Rotation3, Vector3};
@@ -13,18 +16,24 @@ pub(super) const RESERVED: &[&str] =
 /// Beginning of the groups of several free ends, `tip_<body>`.
 const RESERVED_BEGINNING: &str = "tip_";
 
-/// Keys that only revolute joints have.
-const REVOLUTE_KEYS: &[&str] = &[
-    "axis",
-    "start_angle_deg",
-    "start_rate_deg_s",
-    "release",
-    "motion",
-    "polynomial_deg",
-    "table_s_deg",
-    "drive",
-    "latch",
-];
+/// Keys that not every joint has, with the types that have them.
+const KEYS: &[(&str, &[JointType])] = {
+    use JointType::{Ball, Free, Revolute, Universal};
+    &[
+        ("axis", &[Revolute, Universal]),
+        ("body_axis", &[Universal]),
+        ("start_angular_velocity_deg_s", &[Universal, Ball, Free]),
+        ("start_velocity_m_s", &[Free]),
+        ("start_angle_deg", &[Revolute]),
+        ("start_rate_deg_s", &[Revolute]),
+        ("release", &[Revolute]),
+        ("motion", &[Revolute]),
+        ("polynomial_deg", &[Revolute]),
+        ("table_s_deg", &[Revolute]),
+        ("drive", &[Revolute, Universal, Ball]),
+        ("latch", &[Revolute]),
+    ]
+};
 
 /// Builds a joint; `None` if a problem was found that leaves nothing to build.
 pub(super) fn build(
@@ -40,19 +49,22 @@ pub(super) fn build(
         checker.refuse_as(&["joint", name], format!("the name {name:?}"), allowed);
     }
     let parent = build_parent(name, joint, file, tree, checker);
-    let kind = match joint.kind {
-        JointType::Clamped => {
-            for key in REVOLUTE_KEYS {
-                if checker.states(&["joint", name, key]) {
-                    checker.refuse(&["joint", name, key], "this key with type = \"revolute\" only");
-                }
-            }
-            JointKind::Clamped
+    for (key, types) in KEYS.iter().filter(|(_, types)| !types.contains(&joint.kind)) {
+        if checker.states(&["joint", name, key]) {
+            let names: Vec<&str> = types.iter().copied().map(JointType::name).collect();
+            checker.refuse(&["joint", name, key], format!("this key with type = {} only", quoted(&names)));
         }
-        JointType::Revolute => JointKind::Revolute(Box::new(build_revolute(name, joint, file, checker)?)),
-    };
+    }
     let rotation = Vector3::from(joint.mount_rotation_deg).map(f64::to_radians);
-    Some(Joint { name: name.to_owned(), parent: parent?, mount: Rotation3::new(rotation).into_inner(), kind })
+    let mount = Rotation3::new(rotation).into_inner();
+    let kind = match joint.kind {
+        JointType::Clamped => JointKind::Clamped,
+        JointType::Revolute => JointKind::Revolute(Box::new(build_revolute(name, joint, file, checker)?)),
+        JointType::Universal | JointType::Ball | JointType::Free => {
+            JointKind::Spatial(Box::new(spatial::build(name, joint, &mount, checker)?))
+        }
+    };
+    Some(Joint { name: name.to_owned(), parent: parent?, mount, kind })
 }
 
 fn build_parent(
@@ -93,7 +105,7 @@ fn build_revolute(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut
         let allowed = "a rate of 0 deg/s where the joint is locked, prescribed or not released at the start";
         checker.refuse(&["joint", name, "start_rate_deg_s"], allowed);
     }
-    let axis = unit_axis(name, joint, checker);
+    let axis = unit_axis(name, "axis", joint.axis, checker);
     let motion = motion?;
     Some(Revolute {
         axis: axis?,
@@ -109,19 +121,20 @@ fn build_revolute(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut
     })
 }
 
-fn unit_axis(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<Vector3<f64>> {
-    let path = ["joint", name, "axis"];
-    let Some(axis) = joint.axis else {
-        checker.refuse(&path, "an array of 3 finite numbers, not all 0");
-        return None;
-    };
-    let axis = Vector3::from(axis);
-    let largest = axis.amax();
+/// Unit vector of the direction at a key, which must be given and not be zero.
+pub(super) fn unit_axis(
+    name: &str,
+    key: &str,
+    direction: Option<[f64; 3]>,
+    checker: &mut Checker,
+) -> Option<Vector3<f64>> {
+    let direction = Vector3::from(direction.unwrap_or_default());
+    let largest = direction.amax();
     if largest == 0.0 {
-        checker.refuse(&path, "an array of 3 finite numbers, not all 0");
+        checker.refuse(&["joint", name, key], "an array of 3 finite numbers, not all 0");
         return None;
     }
-    Some((axis / largest).normalize())
+    Some((direction / largest).normalize())
 }
 
 fn kind_of(joint: &JointFile) -> MotionType {

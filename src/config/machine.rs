@@ -2,9 +2,10 @@
 
 pub use crate::actuation::prescribed::Motion;
 pub use crate::beam::element::ElementKind;
-use crate::beam::section::Section;
+pub use crate::beam::law::{NaturalStrain, SectionLaw};
+use crate::beam::recovery::{axial_row, gauge_row};
 use crate::load::{LoadFrame, Wrench};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3, Vector4};
 
 /// A whole machine as validated. Bodies are in topological order: a parent stands before its children.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,14 +35,14 @@ pub struct Body {
     pub name: String,
     /// Arc length of the undeformed axis in m.
     pub length_m: f64,
-    /// Cross-section, constant along the body.
-    pub section: Section,
+    /// Cross-section along the body.
+    pub section: SectionLaw,
     /// Kind of strain element.
     pub element: ElementKind,
     /// Number of elements of that kind along the body (a linear element is one pair of halves).
     pub elements: usize,
-    /// Natural strains `(εx, κx, κy, κz)`: initial stretch (–), twist and curvatures (1/m).
-    pub natural_strain: [f64; 4],
+    /// Natural strains `(εx, κx, κy, κz)` along the body: initial stretch (–), twist and curvatures (1/m).
+    pub natural_strain: NaturalStrain,
     /// Mass-proportional damping `α` in 1/s.
     pub mass_damping_1_s: f64,
     /// Stiffness-proportional damping `β` in s.
@@ -227,7 +228,7 @@ pub struct Closure {
     pub stiffness_n_m: f64,
 }
 
-/// A strain gauge: axial strain at a point of a section.
+/// A strain gauge: strain of a fibre at a point of a section.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gauge {
     /// Identifier.
@@ -240,6 +241,25 @@ pub struct Gauge {
     pub y_m: f64,
     /// Thickness coordinate of the point in m.
     pub z_m: f64,
+    /// Unit vector along the fibre, section frame.
+    pub direction: Vector3<f64>,
+}
+
+impl Gauge {
+    /// A gauge along the beam axis at the point `(y_m, z_m)` of a section.
+    pub fn axial(name: impl Into<String>, body: usize, position_m: f64, [y_m, z_m]: [f64; 2]) -> Self {
+        Self { name: name.into(), body, position_m, y_m, z_m, direction: Vector3::x() }
+    }
+
+    /// What it reads per strain measure `(γ₁, k₁, k₂, k₃)` of its section, NOTATION eqs. (R1), (R6). `None` where the
+    /// fibre lies across the axis of a section that is no solid with known Poisson's ratio.
+    pub fn row(&self, section: &SectionLaw) -> Option<Vector4<f64>> {
+        if self.direction.y == 0.0 && self.direction.z == 0.0 {
+            return Some(axial_row(self.y_m, self.z_m));
+        }
+        let solid = section.solid_at(self.position_m).filter(|solid| solid.material.poisson_ratio().is_some())?;
+        Some(gauge_row(&solid, self.y_m, self.z_m, &self.direction))
+    }
 }
 
 /// Time integration method.

@@ -8,14 +8,18 @@
 pub mod machine;
 
 mod attachments;
+mod body;
 mod document;
 mod error;
 mod file;
+mod function;
+mod joint_file;
 mod joints;
 mod reference;
 mod run;
 mod schema;
 mod sections;
+mod spatial;
 mod structure;
 mod tree;
 mod units;

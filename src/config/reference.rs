@@ -19,6 +19,9 @@ unknown key, a missing one or a value outside its range is refused with file, li
 - Names are identifiers: letters, digits and `_`, no digit first. Joint names are groups of the FMU's variables and
   must not begin with `tip_` or be one of RESERVED.
   No body is called `root`.
+- A function along a body is a number, `{ polynomial = [c0, c1, …] }` in powers of the distance `s` from the body's
+  inner end in m, or `{ table = [[s, value], …] }` with ascending `s`: straight lines between the rows, constant
+  outside them. A number is the same value all along, except in `width_taper` and `height_taper`.
 - Every body has exactly one joint with it as `child`. Bodies may branch: several may hang on the root or on one body.
 - Numbers are finite and at most 1e30 in magnitude.
 ";

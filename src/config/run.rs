@@ -19,7 +19,7 @@ pub(super) struct SolverFile {
     /// Smallest internal step; less than `max_step_s`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub min_step_s: f64,
-    /// Fixed internal step, default variable steps.
+    /// Fixed internal step, default variable steps; `rk4` needs one.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub fixed_step_s: Option<f64>,
     /// Spectral radius at infinity of the generalised-α method.
@@ -41,7 +41,7 @@ impl Default for SolverFile {
 }
 
 /// Time integration method.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub(super) enum MethodFile {
     /// Generalised-α, second order.
     #[serde(rename = "generalized_alpha")]
@@ -55,6 +55,9 @@ pub(super) enum MethodFile {
     /// ESDIRK, fourth order.
     #[serde(rename = "esdirk4")]
     Esdirk4,
+    /// Classical explicit Runge–Kutta, fourth order; needs `fixed_step_s`.
+    #[serde(rename = "rk4")]
+    Rk4,
 }
 
 impl From<MethodFile> for Method {
@@ -64,6 +67,7 @@ impl From<MethodFile> for Method {
             MethodFile::TrBdf2 => Self::TrBdf2,
             MethodFile::Esdirk3 => Self::Esdirk3,
             MethodFile::Esdirk4 => Self::Esdirk4,
+            MethodFile::Rk4 => Self::Rk4,
         }
     }
 }

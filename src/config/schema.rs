@@ -12,6 +12,9 @@ pub(super) const IDENTIFIER: &str = "^[A-Za-z_][A-Za-z0-9_]*$";
 /// Wording of [`IDENTIFIER`].
 pub(super) const IDENTIFIER_ALLOWED: &str = "an identifier: letters, digits and _, no digit first";
 
+/// Wording of a function along a body, behind that of a number.
+const FUNCTION_ALLOWED: &str = "{ polynomial = [c0, c1, …] } or { table = [[s, value], …] }";
+
 /// JSON schema (draft 2020-12) of the model file, pretty printed, for editors that complete TOML.
 pub fn schema() -> String {
     let mut text = format!("{:#}", tree());
@@ -118,6 +121,9 @@ pub(super) fn allowed(key: &str, schema: &'static Value) -> String {
     }
     if let Some((_, variants)) = tagged(schema) {
         return quoted(&variants.iter().map(|(name, _)| *name).collect::<Vec<_>>());
+    }
+    if schema["anyOf"].is_array() {
+        return format!("{}, {FUNCTION_ALLOWED}", number(key, schema, ""));
     }
     match schema["type"].as_str() {
         Some("number") => number(key, schema, ""),

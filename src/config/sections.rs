@@ -1,9 +1,10 @@
 //! Sections of the file to [`Section`]: outlines, stiffness matrices, inertia.
 
-use crate::beam::section::{Material, Section};
+use crate::beam::section::{Material, Outline, Section, Solid};
 use crate::config::file::{ExplicitSection, SectionFile, SolidSection};
 use crate::config::machine::UNLIMITED;
 use crate::config::validate::Checker;
+use indexmap::IndexMap;
 use nalgebra::{Cholesky, Matrix4};
 
 /// Asymmetry of a stiffness matrix that is taken for round-off, relative to its diagonal.
@@ -12,61 +13,45 @@ const SYMMETRY_TOLERANCE: f64 = 1e-9;
 /// Smallest pivot of a stiffness matrix scaled to a unit diagonal: below it the matrix counts as singular.
 const SMALLEST_PIVOT: f64 = 1e-10;
 
-/// A section with what is known of its outline.
-pub(super) struct NamedSection {
-    /// The section.
-    pub section: Section,
-    /// Its outline.
-    pub outline: Outline,
+/// Sections of the file by name; `None` where a problem was found.
+pub(super) type Sections<'f> = IndexMap<&'f str, Option<Built>>;
+
+/// A section as the file gives it.
+pub(super) enum Built {
+    /// Rectangle or ellipse of one material.
+    Solid(Solid),
+    /// By its properties; gauges need to know whether its half width and half height are stated.
+    Explicit {
+        /// The section.
+        section: Section,
+        /// Half width and half height are stated.
+        has_outline: bool,
+    },
 }
 
-/// Outline of a section, for gauges.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Outline {
-    /// Box with the section's half width and half height.
-    Rectangle,
-    /// Ellipse with the section's half width and half height.
-    Ellipse,
-    /// Not stated.
-    Unknown,
-}
-
-impl NamedSection {
-    /// True where a point lies on the section, rim included; round-off of the rim is forgiven.
-    pub fn contains(&self, y_m: f64, z_m: f64) -> bool {
-        let (y, z) = (y_m.abs() / self.section.half_width_m, z_m.abs() / self.section.half_height_m);
-        match self.outline {
-            Outline::Rectangle => y.max(z) <= 1.0 + 1e-9,
-            Outline::Ellipse => y.hypot(z) <= 1.0 + 1e-9,
-            Outline::Unknown => false,
+impl Built {
+    /// Its properties.
+    pub fn section(&self) -> Section {
+        match self {
+            Self::Solid(solid) => solid.section(),
+            Self::Explicit { section, .. } => section.clone(),
         }
+    }
+
+    /// True where the outline is known.
+    pub fn has_outline(&self) -> bool {
+        matches!(self, Self::Solid(_) | Self::Explicit { has_outline: true, .. })
     }
 }
 
 /// Builds a section; `None` if a problem was found.
-pub(super) fn build(name: &str, section: &SectionFile, checker: &mut Checker) -> Option<NamedSection> {
+pub(super) fn build(name: &str, section: &SectionFile, checker: &mut Checker) -> Option<Built> {
     let built = match section {
-        SectionFile::Rectangle(solid) => {
-            let section = Section::rectangle(
-                solid.width_m,
-                solid.height_m,
-                &material(name, solid, checker)?,
-                solid.torsional_rigidity_n_m2,
-            );
-            NamedSection { section, outline: Outline::Rectangle }
-        }
-        SectionFile::Ellipse(solid) => {
-            let section = Section::ellipse(
-                solid.width_m,
-                solid.height_m,
-                &material(name, solid, checker)?,
-                solid.torsional_rigidity_n_m2,
-            );
-            NamedSection { section, outline: Outline::Ellipse }
-        }
+        SectionFile::Rectangle(file) => Built::Solid(solid(name, Outline::Rectangle, file, checker)?),
+        SectionFile::Ellipse(file) => Built::Solid(solid(name, Outline::Ellipse, file, checker)?),
         SectionFile::Explicit(explicit) => build_explicit(name, explicit, checker)?,
     };
-    if !is_sound(&built.section) {
+    if !is_sound(&built.section()) {
         let allowed = "dimensions and material whose mass, inertia and stiffness are positive, finite numbers in SI";
         checker.refuse_as(&["section", name], "a section of such dimensions", allowed);
         return None;
@@ -74,8 +59,18 @@ pub(super) fn build(name: &str, section: &SectionFile, checker: &mut Checker) ->
     Some(built)
 }
 
+fn solid(name: &str, outline: Outline, file: &SolidSection, checker: &mut Checker) -> Option<Solid> {
+    Some(Solid {
+        outline,
+        width_m: file.width_m,
+        height_m: file.height_m,
+        material: material(name, file, checker)?,
+        torsional_rigidity_n_m2: file.torsional_rigidity_n_m2,
+    })
+}
+
 /// True where nothing overflowed or underflowed on the way from dimensions to properties.
-fn is_sound(section: &Section) -> bool {
+pub(super) fn is_sound(section: &Section) -> bool {
     let in_range = |value: f64| value > 0.0 && value <= UNLIMITED;
     let [yy, _, zz] = section.second_moment_kg_m;
     section.stiffness.diagonal().iter().copied().all(in_range) && in_range(section.mass_kg_m) && in_range(yy + zz)
@@ -100,12 +95,12 @@ fn material(name: &str, solid: &SolidSection, checker: &mut Checker) -> Option<M
     Some(Material { young_pa: solid.young_pa, shear_pa, density_kg_m3: solid.density_kg_m3 })
 }
 
-fn build_explicit(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> Option<NamedSection> {
+fn build_explicit(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> Option<Built> {
     let stiffness = stiffness(name, explicit, checker);
     let second_moments = second_moments(name, explicit, checker);
-    let (half_width_m, half_height_m, outline) = match (explicit.half_width_m, explicit.half_height_m) {
-        (Some(half_width_m), Some(half_height_m)) => (half_width_m, half_height_m, Outline::Rectangle),
-        (None, None) => (0.0, 0.0, Outline::Unknown),
+    let (half_width_m, half_height_m, has_outline) = match (explicit.half_width_m, explicit.half_height_m) {
+        (Some(half_width_m), Some(half_height_m)) => (half_width_m, half_height_m, true),
+        (None, None) => (0.0, 0.0, false),
         (width, _) => {
             let missing = if width.is_none() { "half_width_m" } else { "half_height_m" };
             checker.refuse(&["section", name, missing], "half_width_m and half_height_m together, or neither");
@@ -122,7 +117,7 @@ fn build_explicit(name: &str, explicit: &ExplicitSection, checker: &mut Checker)
         half_width_m,
         half_height_m,
     };
-    Some(NamedSection { section, outline })
+    Some(Built::Explicit { section, has_outline })
 }
 
 /// Second moments about the centre of mass, `[yy, yz, zz]` in kg·m, checked.

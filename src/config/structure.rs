@@ -124,7 +124,7 @@ impl<'a> Check<'_, 'a> {
     }
 
     fn value(&mut self, key: &str, property: &'static Value, value: &Spanned<DeValue<'a>>, offset: usize) {
-        let schema = resolve(property);
+        let schema = alternative(resolve(property), value.get_ref());
         let fits = match (value.get_ref(), schema["type"].as_str()) {
             (DeValue::Table(table), _) if is_table(schema) => {
                 let too_few = schema["minProperties"].as_u64().is_some_and(|least| (table.len() as u64) < least);
@@ -156,6 +156,13 @@ impl<'a> Check<'_, 'a> {
             self.refuse(at.max(offset), value, allowed(key, property));
         }
     }
+}
+
+/// Of a schema that allows a table or something else, the one that fits the kind of `value`.
+fn alternative(schema: &'static Value, value: &DeValue) -> &'static Value {
+    let Some(choices) = schema["anyOf"].as_array() else { return schema };
+    let fits = |choice: &&'static Value| is_table(choice) == matches!(value, DeValue::Table(_));
+    choices.iter().map(resolve).find(fits).unwrap_or(schema)
 }
 
 fn is_table(schema: &'static Value) -> bool {

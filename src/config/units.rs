@@ -28,6 +28,7 @@ const UNITS: &[Unit] = &[
     unit("_kg", "kg", "mass"),
     unit("_Pa", "Pa", "modulus"),
     unit("_m_s2", "m/s²", "acceleration"),
+    unit("_m_s", "m/s", "velocity"),
     unit("_deg_s", "deg/s", "rate"),
     unit("_s_deg", "s, deg", "pair"),
     unit("_deg", "deg", "angle"),

@@ -1,19 +1,15 @@
 //! Third pass: what several keys say together, and the [`Machine`] made of them.
 
+use crate::config::body::{self, BodyFile};
 use crate::config::document::{Document, key_text};
 use crate::config::error::{Fault, Problem, nearest};
-use crate::config::file::{BodyFile, ModelFile};
-use crate::config::machine::{AttachedMass, Body, Experiment, Joint, Machine, Solver};
+use crate::config::file::ModelFile;
+use crate::config::machine::{Body, Experiment, Joint, Machine, Solver};
+use crate::config::run::MethodFile;
 use crate::config::schema::{quoted, shortest};
 use crate::config::{attachments, joints, sections, tree};
-use crate::load::Wrench;
-use indexmap::IndexMap;
 use nalgebra::Vector3;
-use sections::NamedSection;
-use std::f64::consts::PI;
-
-/// Load stations of a body that says nothing about them.
-const DEFAULT_STATIONS: usize = 4;
+use sections::Sections;
 
 /// Collects problems and knows where keys stand.
 pub(super) struct Checker<'d, 'a> {
@@ -21,7 +17,7 @@ pub(super) struct Checker<'d, 'a> {
     problems: Vec<Problem>,
 }
 
-impl Checker<'_, '_> {
+impl<'d, 'a> Checker<'d, 'a> {
     /// Refuses the value at `path`, or says that it is missing.
     pub fn refuse(&mut self, path: &[&str], allowed: impl Into<String>) {
         self.problems.push(self.document.refusal(path, allowed.into()));
@@ -31,6 +27,11 @@ impl Checker<'_, '_> {
     pub fn refuse_as(&mut self, path: &[&str], value: impl Into<String>, allowed: impl Into<String>) {
         let fault = Fault::NotAllowed { value: value.into(), allowed: allowed.into() };
         self.problems.push(Problem { line: self.document.line_of(path), key: key_text(path), fault });
+    }
+
+    /// A checker of the same file whose problems are not kept, for what is checked elsewhere.
+    pub fn silent(&self) -> Checker<'d, 'a> {
+        Checker { document: self.document, problems: Vec::new() }
     }
 
     /// True where the file states the key.
@@ -70,7 +71,7 @@ pub(super) fn machine(file: &ModelFile, document: &Document) -> Result<Machine, 
 }
 
 fn build(file: &ModelFile, checker: &mut Checker) -> Option<Machine> {
-    let sections: IndexMap<&str, Option<NamedSection>> =
+    let sections: Sections =
         file.section.iter().map(|(name, section)| (name.as_str(), sections::build(name, section, checker))).collect();
     let tree = tree::build(file, checker);
     let joints: Vec<Option<Joint>> =
@@ -78,9 +79,9 @@ fn build(file: &ModelFile, checker: &mut Checker) -> Option<Machine> {
     let mut masses = attachments::masses(file, checker);
     let mut loads = attachments::loads(file, checker);
     let mut bodies: Vec<Option<Body>> = Vec::with_capacity(file.body.len());
-    for (index, (name, body)) in file.body.iter().enumerate() {
+    for (index, (name, file)) in file.body.iter().enumerate() {
         let joint = tree.as_ref().and_then(|tree| joints[tree.joint_of[index]].clone());
-        let mut body = build_body(name, body, &sections, std::mem::take(&mut masses[index]), joint, checker);
+        let mut body = body::build(name, file, &sections, std::mem::take(&mut masses[index]), joint, checker);
         if let Some(body) = &mut body {
             attachments::place_loads(std::mem::take(&mut loads[index]), body, checker);
         }
@@ -101,74 +102,6 @@ fn build(file: &ModelFile, checker: &mut Checker) -> Option<Machine> {
     })
 }
 
-fn build_body(
-    name: &str,
-    body: &BodyFile,
-    sections: &IndexMap<&str, Option<NamedSection>>,
-    masses: Vec<AttachedMass>,
-    joint: Option<Joint>,
-    checker: &mut Checker,
-) -> Option<Body> {
-    let path = ["body", name];
-    if name == "root" {
-        checker.refuse_as(&path, "the name \"root\"", "another name: \"root\" is what the wing is fixed to");
-    }
-    let section = sections.get(body.section.as_str());
-    if section.is_none() {
-        checker.unknown_name(&["body", name, "section"], &body.section, "a section", sections.keys().copied());
-    }
-    check_curvature(name, body, checker);
-    let station_positions_m = stations(name, body, checker);
-    let [twist, curvature_y, curvature_z] = body.natural_curvature_1_m;
-    Some(Body {
-        name: name.to_owned(),
-        length_m: body.length_m,
-        section: section?.as_ref()?.section.clone(),
-        element: body.element.into(),
-        elements: body.elements,
-        natural_strain: [0.0, twist, curvature_y, curvature_z],
-        mass_damping_1_s: body.mass_damping_1_s,
-        stiffness_damping_s: body.stiffness_damping_s,
-        station_loads: vec![Wrench::default(); station_positions_m.len()],
-        station_positions_m,
-        load_frame: body.load_frame.into(),
-        masses,
-        joint: joint?,
-    })
-}
-
-/// An element's rotation must stay below π, where its rotation vector is unique.
-fn check_curvature(name: &str, body: &BodyFile, checker: &mut Checker) {
-    let largest = PI * body.elements as f64 / body.length_m;
-    if Vector3::from(body.natural_curvature_1_m).norm() >= largest {
-        let allowed = format!("curvatures of a magnitude < {largest:.4} 1/m: half a turn per element");
-        checker.refuse(&["body", name, "natural_curvature_1_m"], allowed);
-    }
-}
-
-/// Distances of the load stations from the inner end in m.
-fn stations(name: &str, body: &BodyFile, checker: &mut Checker) -> Vec<f64> {
-    let path = ["body", name, "load_station_positions_m"];
-    match (&body.load_station_positions_m, body.load_stations) {
-        (Some(positions), count) => {
-            if count.is_some() {
-                checker.refuse(&path, "either load_stations or load_station_positions_m, not both");
-            }
-            let ascending = positions.windows(2).all(|pair| pair[0] < pair[1]);
-            let on_body = positions.iter().all(|position| (0.0..=body.length_m).contains(position));
-            if !(ascending && on_body) {
-                let length = shortest(body.length_m);
-                checker.refuse(&path, format!("ascending lengths from 0 to {length} m, the length of the body"));
-            }
-            positions.clone()
-        }
-        (None, count) => {
-            let count = count.unwrap_or(DEFAULT_STATIONS);
-            (0..count).map(|i| body.length_m * (i as f64 + 0.5) / count as f64).collect()
-        }
-    }
-}
-
 fn build_solver(file: &ModelFile, checker: &mut Checker) -> Solver {
     let solver = &file.solver;
     if solver.min_step_s >= solver.max_step_s {
@@ -178,6 +111,10 @@ fn build_solver(file: &ModelFile, checker: &mut Checker) -> Solver {
             _ => (">", "min_step_s", solver.min_step_s),
         };
         checker.refuse(&["solver", key], format!("a finite time {sign} {other} = {} s", shortest(bound)));
+    }
+    if solver.method == MethodFile::Rk4 && solver.fixed_step_s.is_none() {
+        let allowed = "a finite time > 0 s: method = \"rk4\" has no error estimate to choose its steps by";
+        checker.refuse(&["solver", "fixed_step_s"], allowed);
     }
     Solver {
         method: solver.method.into(),

@@ -7,7 +7,7 @@ use crate::fmi2::log::{Log, LogCategory};
 use crate::fmi2::resource::read_model;
 use crate::fmi2::state::{Experiment, Registry, SavedState};
 use crate::interface::{Interface, Kind, Scalar, Stage, Value, guid};
-use crate::plant::Plant;
+use crate::plant::{JointStatus, Plant};
 use std::sync::Arc;
 
 /// Relative round-off of the importer's clock that is accepted.
@@ -205,9 +205,12 @@ impl Instance {
         if time_s != own_s {
             self.plant.adopt_time(time_s);
         }
-        let events = self.plant.statistics().events;
+        let before: Option<Vec<JointStatus>> =
+            self.log.wants(LogCategory::Events).then(|| self.plant.joint_statuses().collect());
         let outcome = self.plant.step(end_s);
-        self.tell_events(events);
+        if let Some(before) = before {
+            self.tell_events(time_s, &before);
+        }
         if let Err(error) = outcome {
             self.step_failed = true;
             self.phase = Phase::StepFailed;
@@ -278,11 +281,24 @@ impl Instance {
         Ok(())
     }
 
-    fn tell_events(&self, before: u64) {
-        let count = self.plant.statistics().events - before;
-        if count > 0 && self.log.wants(LogCategory::Events) {
-            let text = format!("fmi2DoStep: {count} event(s) in the step to t = {} s", self.plant.time_s());
-            self.log.write(Status::Ok, LogCategory::Events, &text);
+    /// One message per release, closing and opening of a step that began at `start_s`. Releases and openings follow
+    /// from inputs, which act at the beginning.
+    fn tell_events(&self, start_s: f64, before: &[JointStatus]) {
+        for ((body, before), now) in self.plant.revolute_joints().iter().zip(before).zip(self.plant.joint_statuses()) {
+            let name = &self.machine.bodies[*body].joint.name;
+            let tell = |event: &str, time_s: f64| {
+                let text = format!("fmi2DoStep: joint {name}: {event} at t = {time_s:.9} s");
+                self.log.write(Status::Ok, LogCategory::Events, &text);
+            };
+            if now.released && !before.released {
+                tell("released", start_s);
+            }
+            if before.latched && (!now.latched || now.latch_count > before.latch_count) {
+                tell("latch opened", start_s);
+            }
+            if now.latch_count > before.latch_count {
+                tell("latch closed", now.latch_time_s);
+            }
         }
     }
 }

@@ -1,11 +1,8 @@
 //! What each row of the table is bound to: one exhaustive enum, one `match` per direction.
 
 use crate::interface::Value;
-use crate::plant::{
-    BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, Outputs, Parameters, Plant,
-    PointOutputs, Statistics,
-};
-use nalgebra::Vector3;
+use crate::interface::fields::component;
+use crate::plant::{Inputs, Outputs, Parameters, Plant, Statistics};
 
 /// What a row of the table reads and writes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,6 +56,8 @@ pub enum JointInput {
 pub enum Parameter {
     /// Of a revolute joint.
     Joint(usize, JointParameter),
+    /// Of a universal or ball joint.
+    Spatial(usize, SpatialParameter),
     /// Of a body.
     Body(usize, BodyParameter),
     /// Of the time integration.
@@ -82,6 +81,15 @@ pub enum JointParameter {
     RateLimit,
     /// Stiffness of the closed latch.
     LatchStiffness,
+}
+
+/// A parameter of a universal or ball joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SpatialParameter {
+    /// Spring stiffness.
+    Stiffness,
+    /// Damping.
+    Damping,
 }
 
 /// A parameter of a body.
@@ -113,6 +121,12 @@ pub enum SolverParameter {
 pub enum Output {
     /// Of a revolute joint.
     Joint(usize, JointOutput),
+    /// Of a universal, ball or free joint.
+    Spatial(usize, SpatialOutput),
+    /// Force of the joint that holds a body, by body.
+    JointForce(usize, usize),
+    /// Moment of the joint that holds a body, by body.
+    JointMoment(usize, usize),
     /// Strain of a gauge.
     Gauge(usize),
     /// Force of the wing on the aircraft.
@@ -144,6 +158,15 @@ pub enum JointOutput {
     LatchTime,
     /// Number of closings.
     LatchCount,
+}
+
+/// An output of a universal, ball or free joint, with its component; rotations run over w, x, y, z.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SpatialOutput {
+    /// Attitude.
+    Rotation(usize),
+    /// Angular velocity.
+    AngularVelocity(usize),
 }
 
 /// An output of a point, with its component; rotations run over w, x, y, z.
@@ -195,12 +218,6 @@ pub enum Counter {
     Factorizations,
     /// Events.
     Events,
-}
-
-/// A component of a vector; nalgebra's own index checks more than the bound.
-#[inline]
-fn component(vector: &Vector3<f64>, i: usize) -> f64 {
-    vector.as_slice()[i]
 }
 
 /// Where values are read from.
@@ -300,23 +317,12 @@ impl Input {
     }
 }
 
-impl JointInput {
-    #[inline]
-    fn read(self, joint: &JointInputs) -> Value {
-        match self {
-            Self::Command => Value::Real(joint.command_rad),
-            Self::Torque => Value::Real(joint.torque_n_m),
-            Self::Release => Value::Boolean(joint.release),
-            Self::LatchEnable => Value::Boolean(joint.latch_enable),
-        }
-    }
-}
-
 impl Parameter {
     /// Present value.
     pub(super) fn read(self, parameters: &Parameters) -> f64 {
         match self {
             Self::Joint(joint, field) => field.read(&parameters.joints[joint]),
+            Self::Spatial(joint, field) => field.read(&parameters.spatial[joint]),
             Self::Body(body, field) => field.read(&parameters.bodies[body]),
             Self::Solver(SolverParameter::Tolerance) => parameters.tolerance,
             Self::Solver(SolverParameter::MaxStep) => parameters.max_step_s,
@@ -327,57 +333,11 @@ impl Parameter {
     fn slot(self, parameters: &mut Parameters) -> &mut f64 {
         match self {
             Self::Joint(joint, field) => field.slot(&mut parameters.joints[joint]),
+            Self::Spatial(joint, field) => field.slot(&mut parameters.spatial[joint]),
             Self::Body(body, field) => field.slot(&mut parameters.bodies[body]),
             Self::Solver(SolverParameter::Tolerance) => &mut parameters.tolerance,
             Self::Solver(SolverParameter::MaxStep) => &mut parameters.max_step_s,
             Self::Solver(SolverParameter::MinStep) => &mut parameters.min_step_s,
-        }
-    }
-}
-
-impl JointParameter {
-    #[inline]
-    fn read(self, joint: &JointParameters) -> f64 {
-        match self {
-            Self::StartAngle => joint.start_angle_rad,
-            Self::Stiffness => joint.stiffness_n_m_rad,
-            Self::Damping => joint.damping_n_m_s_rad,
-            Self::ConstantTorque => joint.constant_torque_n_m,
-            Self::TorqueLimit => joint.torque_limit_n_m,
-            Self::RateLimit => joint.rate_limit_rad_s,
-            Self::LatchStiffness => joint.latch_stiffness_n_m_rad,
-        }
-    }
-
-    fn slot(self, joint: &mut JointParameters) -> &mut f64 {
-        match self {
-            Self::StartAngle => &mut joint.start_angle_rad,
-            Self::Stiffness => &mut joint.stiffness_n_m_rad,
-            Self::Damping => &mut joint.damping_n_m_s_rad,
-            Self::ConstantTorque => &mut joint.constant_torque_n_m,
-            Self::TorqueLimit => &mut joint.torque_limit_n_m,
-            Self::RateLimit => &mut joint.rate_limit_rad_s,
-            Self::LatchStiffness => &mut joint.latch_stiffness_n_m_rad,
-        }
-    }
-}
-
-impl BodyParameter {
-    fn read(self, body: &BodyParameters) -> f64 {
-        match self {
-            Self::MassFactor => body.mass_factor,
-            Self::StiffnessFactor => body.stiffness_factor,
-            Self::MassDamping => body.mass_damping_1_s,
-            Self::StiffnessDamping => body.stiffness_damping_s,
-        }
-    }
-
-    fn slot(self, body: &mut BodyParameters) -> &mut f64 {
-        match self {
-            Self::MassFactor => &mut body.mass_factor,
-            Self::StiffnessFactor => &mut body.stiffness_factor,
-            Self::MassDamping => &mut body.mass_damping_1_s,
-            Self::StiffnessDamping => &mut body.stiffness_damping_s,
         }
     }
 }
@@ -388,6 +348,9 @@ impl Output {
     pub(super) fn read(self, outputs: &Outputs) -> Value {
         match self {
             Self::Joint(joint, field) => field.read(&outputs.joints[joint]),
+            Self::Spatial(joint, field) => Value::Real(field.read(&outputs.spatial[joint])),
+            Self::JointForce(body, i) => Value::Real(component(&outputs.joint_reactions[body].force_n, i)),
+            Self::JointMoment(body, i) => Value::Real(component(&outputs.joint_reactions[body].moment_n_m, i)),
             Self::Gauge(gauge) => Value::Real(outputs.gauges[gauge]),
             Self::RootForce(i) => Value::Real(component(&outputs.root.force_n, i)),
             Self::RootMoment(i) => Value::Real(component(&outputs.root.moment_n_m, i)),
@@ -404,64 +367,5 @@ impl Output {
             Self::Joint(_, JointOutput::LatchCount) => Value::Integer(0),
             _ => Value::Real(0.0),
         }
-    }
-}
-
-impl JointOutput {
-    #[inline]
-    fn read(self, joint: &JointOutputs) -> Value {
-        match self {
-            Self::Angle => Value::Real(joint.angle_rad),
-            Self::Rate => Value::Real(joint.rate_rad_s),
-            Self::TorqueApplied => Value::Real(joint.torque_applied_n_m),
-            Self::LatchTorque => Value::Real(joint.latch_torque_n_m),
-            Self::Latched => Value::Boolean(joint.latched),
-            Self::LatchTime => Value::Real(joint.latch_time_s),
-            Self::LatchCount => Value::Integer(joint.latch_count),
-        }
-    }
-}
-
-impl PointOutput {
-    #[inline]
-    fn read(self, point: &PointOutputs) -> f64 {
-        match self {
-            Self::Position(i) => component(&point.position_m, i),
-            Self::Velocity(i) => component(&point.velocity_m_s, i),
-            Self::AngularVelocity(i) => component(&point.angular_velocity_rad_s, i),
-            Self::Acceleration(i) => component(&point.acceleration_m_s2, i),
-            // nalgebra stores x, y, z, w.
-            Self::Rotation(i) => point.rotation.coords.as_slice()[(i + 3) % 4],
-        }
-    }
-}
-
-impl EnergyOutput {
-    #[inline]
-    fn read(self, energy: &EnergyOutputs) -> f64 {
-        match self {
-            Self::Kinetic => energy.kinetic,
-            Self::Elastic => energy.elastic,
-            Self::Gravity => energy.gravity,
-            Self::Drive => energy.drive,
-            Self::Work => energy.work,
-            Self::Dissipated => energy.dissipated,
-            Self::Total => energy.total,
-        }
-    }
-}
-
-impl Counter {
-    /// Present count; stays at the largest Integer instead of wrapping.
-    fn read(self, statistics: &Statistics) -> i32 {
-        let count = match self {
-            Self::Steps => statistics.steps,
-            Self::Rejections => statistics.rejections,
-            Self::Failures => statistics.failures,
-            Self::Iterations => statistics.iterations,
-            Self::Factorizations => statistics.factorizations,
-            Self::Events => statistics.events,
-        };
-        i32::try_from(count).unwrap_or(i32::MAX)
     }
 }

@@ -4,15 +4,15 @@
 //! What follows from the state alone (positions, velocities, angles, stored energy of the wing) depends on no
 //! input; accelerations and the forces recovered from them depend on everything that pushes within the branch.
 //! At the start the strains are the natural ones and at rest, so the state follows from start angles, start
-//! rates and the inputs that decide about stoppers and latches. Where the experiment starts from equilibrium they
-//! depend on all that acts on the machine.
+//! rates and the inputs that decide about stoppers and latches; the springs of universal and ball joints are slack.
+//! Where the experiment starts from equilibrium the state depends on all that acts on the machine.
 
 use crate::config::machine::StartState;
 use crate::interface::binding::{
     Binding, BodyParameter, EnergyOutput, Input, JointInput, JointOutput, JointParameter, Output, Parameter,
-    PointOutput,
+    PointOutput, SpatialParameter,
 };
-use crate::interface::topology::Topology;
+use crate::interface::topology::{Topology, Turning};
 use crate::interface::{DependencyKind, Variable};
 
 /// Fills the dependencies of every output.
@@ -66,12 +66,17 @@ fn depends(topology: &Topology, output: Output, known: Binding) -> bool {
             _,
             JointOutput::LatchTorque | JointOutput::Latched | JointOutput::LatchTime | JointOutput::LatchCount,
         ) => false,
-        Output::Gauge(_) | Output::RootForce(_) | Output::RootMoment(_) => {
-            pushes(topology, branch(topology, output), known)
-        }
-        Output::Tip(_, PointOutput::Acceleration(_)) | Output::Station(_, PointOutput::Acceleration(_)) => {
-            pushes(topology, branch(topology, output), known)
-        }
+        // Attitude and angular velocity are relative to the parent.
+        Output::Spatial(_, _) => false,
+        // A ball joint passes on the moment of its spring and damper only.
+        Output::JointMoment(body, _) if topology.is_ball(body) => known == Binding::Time && moved(topology, body),
+        Output::Gauge(_)
+        | Output::RootForce(_)
+        | Output::RootMoment(_)
+        | Output::JointForce(_, _)
+        | Output::JointMoment(_, _)
+        | Output::Tip(_, PointOutput::Acceleration(_))
+        | Output::Station(_, PointOutput::Acceleration(_)) => pushes(topology, reach(topology, output), known),
         Output::Tip(_, _) | Output::Station(_, _) => {
             known == Binding::Time && body(topology, output).is_some_and(|body| moved(topology, body))
         }
@@ -125,15 +130,18 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
         Output::Joint(_, JointOutput::LatchTime | JointOutput::LatchCount) => false,
         Output::Gauge(gauge) => {
             let body = topology.machine.gauges[gauge].body;
-            accelerates_initially(topology, branch(topology, output), known)
+            accelerates_initially(topology, reach(topology, output), known)
                 || known == Binding::Parameter(Parameter::Body(body, BodyParameter::StiffnessFactor))
         }
-        Output::RootForce(_) | Output::RootMoment(_) => {
-            accelerates_initially(topology, branch(topology, output), known)
+        Output::Spatial(_, _) => false,
+        Output::JointMoment(body, _) if topology.is_ball(body) => damps_initially(topology, body, known),
+        Output::RootForce(_) | Output::RootMoment(_) | Output::JointForce(_, _) | Output::JointMoment(_, _) => {
+            accelerates_initially(topology, reach(topology, output), known)
         }
-        Output::Tip(_, field) | Output::Station(_, field) => {
-            body(topology, output).is_some_and(|body| point_initially(topology, body, field, known))
-        }
+        Output::Tip(_, field) | Output::Station(_, field) => body(topology, output).is_some_and(|body| match field {
+            PointOutput::Acceleration(_) => accelerates_initially(topology, reach(topology, output), known),
+            _ => point_initially(topology, body, field, known),
+        }),
         Output::Energy(E::Kinetic) => moves_initially(topology, known),
         Output::Energy(E::Elastic) => {
             (0..topology.revolutes.len()).any(|joint| topology.is_free(joint) && latch_pulls(topology, joint, known))
@@ -161,47 +169,80 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
     }
 }
 
-/// Initial value of a point's row.
+/// Initial value of a point's row, accelerations excepted.
 fn point_initially(topology: &Topology, body: usize, field: PointOutput, known: Binding) -> bool {
     let path = &topology.path[body];
+    let turns = |joints: &[Turning]| joints.iter().any(|&joint| topology.starts_turning(joint));
     match field {
-        PointOutput::Position(_) | PointOutput::Rotation(_) => path.iter().any(|&joint| starts(topology, joint, known)),
+        PointOutput::Position(_) | PointOutput::Rotation(_) => {
+            topology.folds(body).any(|joint| starts(topology, joint, known))
+        }
         PointOutput::Velocity(_) => {
-            path.iter().any(|&joint| topology.turns_at_start(joint))
-                && path.iter().any(|&joint| starts(topology, joint, known) || start_rate(topology, joint, known))
+            let changes = |joint| starts(topology, joint, known) || start_rate(topology, joint, known);
+            turns(path) && topology.folds(body).any(changes)
         }
         // An angle turns the hinges behind it, not its own.
         PointOutput::AngularVelocity(_) => path.iter().enumerate().any(|(i, &joint)| {
-            start_rate(topology, joint, known)
-                || (starts(topology, joint, known) && path[i + 1..].iter().any(|&outer| topology.turns_at_start(outer)))
+            let Turning::Revolute(joint) = joint else { return false };
+            start_rate(topology, joint, known) || (starts(topology, joint, known) && turns(&path[i + 1..]))
         }),
-        PointOutput::Acceleration(_) => accelerates_initially(topology, Some(topology.branch[body]), known),
+        PointOutput::Acceleration(_) => false,
     }
 }
 
-/// Body that carries an output's point.
+/// Body that an output's point or joint belongs to.
 fn body(topology: &Topology, output: Output) -> Option<usize> {
     match output {
         Output::Gauge(gauge) => Some(topology.machine.gauges[gauge].body),
         Output::Tip(tip, _) => Some(topology.tips[tip]),
         Output::Station(station, _) => Some(topology.stations[station].0),
+        Output::JointForce(body, _) | Output::JointMoment(body, _) => Some(body),
         _ => None,
     }
 }
 
-/// Branch that an output belongs to; `None` for all of them. Branches meet only at the root, whose motion is given.
-fn branch(topology: &Topology, output: Output) -> Option<usize> {
-    body(topology, output).map(|body| topology.branch[body])
+/// Bodies whose accelerations an output feels.
+#[derive(Debug, Clone, Copy)]
+enum Reach {
+    /// All branches that the root holds.
+    Root,
+    /// One branch, by its first body: branches meet only at the root, whose motion is given.
+    Branch(usize),
+    /// Inertial motion of a branch that floats.
+    Flight(usize),
 }
 
-/// Whether a body lies in a branch (`None`: any).
-fn within(topology: &Topology, branch: Option<usize>, body: usize) -> bool {
-    branch.is_none_or(|branch| topology.branch[body] == branch)
+impl Reach {
+    fn holds(self, topology: &Topology, body: usize) -> bool {
+        match self {
+            Self::Root => !topology.floats(body),
+            Self::Branch(first) | Self::Flight(first) => topology.branch[body] == first,
+        }
+    }
+
+    /// Whether gravity or the root's motion acts. What floats has its own inertial motion, of which gravity is part;
+    /// all of it falls alike, so that forces inside feel neither gravity nor accelerations of the root frame.
+    fn feels(self, topology: &Topology, input: Input) -> bool {
+        match self {
+            Self::Root => (0..topology.machine.bodies.len()).any(|body| self.holds(topology, body)),
+            Self::Branch(first) => !topology.floats(first) || matches!(input, Input::RootAngularVelocity(_)),
+            Self::Flight(_) => matches!(input, Input::Gravity(_) | Input::RootAngularVelocity(_)),
+        }
+    }
+}
+
+fn reach(topology: &Topology, output: Output) -> Reach {
+    match (output, body(topology, output)) {
+        (Output::Tip(_, PointOutput::Acceleration(_)), Some(body)) if topology.floats(body) => {
+            Reach::Flight(topology.branch[body])
+        }
+        (_, body) => body.map_or(Reach::Root, |body| Reach::Branch(topology.branch[body])),
+    }
 }
 
 /// A prescribed joint between the root and a body makes its position a function of time.
 fn moved(topology: &Topology, body: usize) -> bool {
-    topology.path[body].iter().any(|&joint| topology.is_prescribed(joint))
+    topology.folds(body).any(|joint| topology.is_prescribed(joint))
 }
 
 fn any_moved(topology: &Topology) -> bool {
@@ -226,36 +267,33 @@ fn is_mass_factor(known: Binding) -> bool {
     matches!(known, Binding::Parameter(Parameter::Body(_, BodyParameter::MassFactor)))
 }
 
-/// Everything that changes accelerations of a branch at once.
-fn pushes(topology: &Topology, branch: Option<usize>, known: Binding) -> bool {
+/// Everything that changes accelerations within reach at once.
+fn pushes(topology: &Topology, reach: Reach, known: Binding) -> bool {
     match known {
         Binding::Time => {
-            (0..topology.machine.bodies.len()).any(|body| within(topology, branch, body) && moved(topology, body))
+            (0..topology.machine.bodies.len()).any(|body| reach.holds(topology, body) && moved(topology, body))
         }
         Binding::Input(input) => match input {
             Input::Joint(joint, JointInput::Command | JointInput::Torque) => {
-                within(topology, branch, topology.revolutes[joint])
+                reach.holds(topology, topology.revolutes[joint])
             }
             Input::Joint(_, JointInput::Release | JointInput::LatchEnable) => false,
             Input::StationForce(station, _) | Input::StationMoment(station, _) => {
-                within(topology, branch, topology.stations[station].0)
+                reach.holds(topology, topology.stations[station].0)
             }
             Input::Gravity(_)
             | Input::RootAcceleration(_)
             | Input::RootAngularVelocity(_)
-            | Input::RootAngularAcceleration(_) => true,
+            | Input::RootAngularAcceleration(_) => reach.feels(topology, input),
         },
         Binding::Parameter(_) | Binding::Output(_) | Binding::Local(_) => false,
     }
 }
 
-/// Initial accelerations of a branch: what pushes, start angles and rates, joint parameters, inertia; strains are
+/// Initial accelerations within reach: what pushes, start angles and rates, joint parameters, inertia; strains are
 /// natural and at rest, so neither stiffness nor its damping acts yet.
-fn accelerates_initially(topology: &Topology, branch: Option<usize>, known: Binding) -> bool {
-    let joint_in = |joint: usize| within(topology, branch, topology.revolutes[joint]);
-    let turns = |only: &dyn Fn(usize) -> bool| {
-        (0..topology.revolutes.len()).any(|joint| joint_in(joint) && only(joint) && topology.turns_at_start(joint))
-    };
+fn accelerates_initially(topology: &Topology, reach: Reach, known: Binding) -> bool {
+    let joint_in = |joint: usize| reach.holds(topology, topology.revolutes[joint]);
     match known {
         Binding::Input(Input::Joint(joint, JointInput::Release)) => joint_in(joint),
         Binding::Input(Input::Joint(joint, JointInput::LatchEnable)) => {
@@ -273,15 +311,22 @@ fn accelerates_initially(topology: &Topology, branch: Option<usize>, known: Bind
                     JointParameter::RateLimit => false,
                 }
         }
+        Binding::Parameter(Parameter::Spatial(joint, field)) => {
+            reach.holds(topology, topology.spatials[joint])
+                && match field {
+                    SpatialParameter::Damping => topology.spins_at_start(joint),
+                    SpatialParameter::Stiffness => false,
+                }
+        }
         Binding::Parameter(Parameter::Body(body, field)) => {
-            within(topology, branch, body)
+            reach.holds(topology, body)
                 && match field {
                     BodyParameter::MassFactor => true,
-                    BodyParameter::MassDamping => turns(&|joint| topology.path[body].contains(&joint)),
+                    BodyParameter::MassDamping => moves_at_start(topology, body),
                     BodyParameter::StiffnessFactor | BodyParameter::StiffnessDamping => false,
                 }
         }
-        _ => pushes(topology, branch, known),
+        _ => pushes(topology, reach, known),
     }
 }
 
@@ -317,17 +362,34 @@ fn starts_closed(topology: &Topology, joint: usize) -> bool {
     topology.revolute(joint).latch.as_ref().is_some_and(|latch| latch.initially_closed)
 }
 
-/// Initial kinetic energy: only joints that turn at the start give it.
+/// Initial moment of a ball joint: of its damper alone, in the root frame.
+fn damps_initially(topology: &Topology, body: usize, known: Binding) -> bool {
+    let own = topology.spatials.iter().position(|&other| other == body);
+    own.is_some_and(|joint| {
+        topology.spins_at_start(joint)
+            && (known == Binding::Parameter(Parameter::Spatial(joint, SpatialParameter::Damping))
+                || topology.folds(body).any(|inner| starts(topology, inner, known)))
+    })
+}
+
+/// Whether a body moves at the start.
+fn moves_at_start(topology: &Topology, body: usize) -> bool {
+    topology.drifts(body) || topology.path[body].iter().any(|&joint| topology.starts_turning(joint))
+}
+
+/// Initial kinetic energy: only bodies that move at the start have it.
 fn moves_initially(topology: &Topology, known: Binding) -> bool {
-    let turns = |body: usize| topology.path[body].iter().any(|&joint| topology.turns_at_start(joint));
-    match known {
-        Binding::Parameter(Parameter::Body(body, BodyParameter::MassFactor)) => turns(body),
-        // The angle of the first joint that turns moves the wing as a whole.
-        _ => topology.path.iter().any(|path| {
-            path.iter().enumerate().any(|(i, &joint)| {
-                start_rate(topology, joint, known)
-                    || (starts(topology, joint, known) && path[..i].iter().any(|&inner| topology.turns_at_start(inner)))
-            })
-        }),
+    if let Binding::Parameter(Parameter::Body(body, BodyParameter::MassFactor)) = known {
+        return moves_at_start(topology, body);
     }
+    let turns = |joints: &[Turning]| joints.iter().any(|&joint| topology.starts_turning(joint));
+    topology.path.iter().enumerate().any(|(body, path)| {
+        path.iter().enumerate().any(|(i, &joint)| {
+            let Turning::Revolute(joint) = joint else { return false };
+            // The angle of the first joint that turns moves the wing as a whole, which changes the energy only of
+            // one that also drifts.
+            let matters = turns(&path[..i]) || (topology.drifts(body) && turns(&path[i..]));
+            start_rate(topology, joint, known) || (starts(topology, joint, known) && matters)
+        })
+    })
 }

@@ -6,6 +6,7 @@
 mod access;
 mod binding;
 mod dependencies;
+mod fields;
 mod guid;
 mod linear;
 mod table;

@@ -4,7 +4,7 @@ use crate::config::Machine;
 use crate::config::machine::UNLIMITED;
 use crate::interface::binding::{
     Binding, BodyParameter, Counter, EnergyOutput, Input, JointInput, JointOutput, JointParameter, Output, Parameter,
-    PointOutput, SolverParameter,
+    PointOutput, SolverParameter, SpatialOutput, SpatialParameter,
 };
 use crate::interface::dependencies::add_dependencies;
 use crate::interface::topology::Topology;
@@ -75,6 +75,16 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
             NON_NEGATIVE,
             "stiffness that the closed latch adds",
         ),
+    ]
+};
+
+const SPATIAL_PARAMETERS: &[ParameterRow<SpatialParameter>] = {
+    use SpatialParameter as P;
+    use Variability::Tunable;
+    let stiffness = "stiffness of the spring towards the start attitude";
+    &[
+        ("stiffness", P::Stiffness, Tunable, "RotationalStiffness", NON_NEGATIVE, stiffness),
+        ("damping", P::Damping, Tunable, "RotationalDamping", NON_NEGATIVE, "damping"),
     ]
 };
 
@@ -222,10 +232,18 @@ fn outputs(table: &mut Table, topology: &Topology) {
     for joint in 0..topology.revolutes.len() {
         joint_outputs(table, topology, joint);
     }
+    for joint in 0..topology.spatials.len() {
+        spatial_outputs(table, topology, joint);
+    }
     for (index, gauge) in topology.machine.gauges.iter().enumerate() {
         let body = &topology.machine.bodies[gauge.body].name;
-        let meaning =
-            format!("axial strain on body {body} at {} m, y = {} m, z = {} m", gauge.position_m, gauge.y_m, gauge.z_m);
+        let [x, y, z] = gauge.direction.into();
+        let what = match (y, z) {
+            (0.0, 0.0) => "axial strain".to_owned(),
+            _ => format!("strain along ({x:.4}, {y:.4}, {z:.4}) of the section frame"),
+        };
+        let (at, [y, z]) = (gauge.position_m, [gauge.y_m, gauge.z_m]);
+        let meaning = format!("{what} on body {body} at {at} m, y = {y} m, z = {z} m");
         table.output(Output::Gauge(index), format!("gauge.{}.strain", gauge.name), Some("Strain"), meaning);
     }
     for (i, axis) in AXES.iter().enumerate() {
@@ -276,6 +294,28 @@ fn joint_outputs(table: &mut Table, topology: &Topology, joint: usize) {
     }
 }
 
+fn spatial_outputs(table: &mut Table, topology: &Topology, joint: usize) {
+    let body = topology.spatials[joint];
+    let (body_name, name) = (&topology.machine.bodies[body].name, &topology.machine.bodies[body].joint.name);
+    let mut add = |bind: &dyn Fn(usize) -> Output, key: &str, components: &[&str], declared, meaning: &str| {
+        for (i, component) in components.iter().enumerate() {
+            let meaning = format!("{meaning}, {component}, joint {name}");
+            table.output(bind(i), format!("{name}.{key}.{component}"), Some(declared), meaning);
+        }
+    };
+    let bind = |field: fn(usize) -> SpatialOutput| move |i| Output::Spatial(joint, field(i));
+    let rotation = "quaternion parent from body, sign continuous";
+    add(&bind(SpatialOutput::Rotation), "rotation", &QUATERNION, "Ratio", rotation);
+    let rate = "angular velocity of the body relative to its parent, parent's frame";
+    add(&bind(SpatialOutput::AngularVelocity), "angular_velocity", &AXES, "AngularVelocity", rate);
+    if !topology.is_unbound(joint) {
+        let force = format!("force of the joint on the inner end of body {body_name}, root frame");
+        add(&|i| Output::JointForce(body, i), "force", &AXES, "Force", &force);
+        let moment = format!("moment of the joint on the inner end of body {body_name}, at that end, root frame");
+        add(&|i| Output::JointMoment(body, i), "moment", &AXES, "Moment", &moment);
+    }
+}
+
 /// Key, binding per component, component names, declared type, meaning.
 type PointRows = (&'static str, fn(usize) -> PointOutput, &'static [&'static str], &'static str, &'static str);
 
@@ -316,6 +356,13 @@ fn parameters(table: &mut Table, topology: &Topology) {
                 let text = (format!("{name}.{key}"), Some(declared), range, format!("{meaning}, joint {name}"));
                 table.parameter(Parameter::Joint(joint, field), variability, text);
             }
+        }
+    }
+    for joint in (0..topology.spatials.len()).filter(|&joint| !topology.is_unbound(joint)) {
+        let name = &topology.machine.bodies[topology.spatials[joint]].joint.name;
+        for &(key, field, variability, declared, range, meaning) in SPATIAL_PARAMETERS {
+            let text = (format!("{name}.{key}"), Some(declared), range, format!("{meaning}, joint {name}"));
+            table.parameter(Parameter::Spatial(joint, field), variability, text);
         }
     }
     for (index, body) in topology.machine.bodies.iter().enumerate() {

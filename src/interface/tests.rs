@@ -2,13 +2,78 @@
 
 use super::*;
 use crate::config;
-use crate::config::machine::{JointKind, JointMotion, Motion, Revolute};
+use crate::config::machine::{JointKind, JointMotion, Motion, Parent, Revolute, SpatialFreedom};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 const WING: &str = include_str!("../../examples/models/folding_wing.toml");
 const THREE: &str = include_str!("../../examples/models/three_bodies.toml");
 const BRANCHED: &str = include_str!("../../examples/models/branched.toml");
+
+/// Every kind of joint, each where another one turns or is set before it, and a branch that floats.
+const SPATIAL: &str = r#"
+name = "Spatial"
+gravity_m_s2 = [0.3, -0.4, -9.81]
+[section.plate]
+shape = "rectangle"
+width_m = 0.05
+height_m = 0.004
+density_kg_m3 = 1400
+young_Pa = 3e9
+poisson_ratio = 0.3
+[body]
+a = { length_m = 0.2, section = "plate", elements = 1, load_stations = 1 }
+b = { length_m = 0.15, section = "plate", elements = 1, load_stations = 1 }
+c = { length_m = 0.1, section = "plate", elements = 1, load_stations = 1 }
+d = { length_m = 0.2, section = "plate", elements = 1, load_stations = 1 }
+e = { length_m = 0.15, section = "plate", elements = 1, load_stations = 1 }
+f = { length_m = 0.15, section = "plate", elements = 1, load_stations = 1 }
+[joint.hinge]
+type = "revolute"
+parent = "root"
+child = "a"
+axis = [0.1, 1, 0.3]
+start_angle_deg = 20
+drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+[joint.cross]
+type = "universal"
+parent = "a"
+child = "b"
+axis = [0.2, 1, 0.1]
+body_axis = [0.1, -0.2, 1]
+mount_rotation_deg = [10, 20, 30]
+drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+[joint.ball]
+type = "ball"
+parent = "b"
+child = "c"
+mount_rotation_deg = [-10, 40, 30]
+drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+[joint.flight]
+type = "free"
+parent = "root"
+child = "d"
+root_position_m = [0, 1, 0]
+mount_rotation_deg = [30, 10, -20]
+[joint.flap]
+type = "revolute"
+parent = "d"
+child = "e"
+axis = [0.2, 1, 0.3]
+start_angle_deg = 30
+drive = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
+[joint.tail]
+type = "ball"
+parent = "e"
+child = "f"
+mount_rotation_deg = [0, 20, 10]
+[mass] # not damped: without them, the damping of a body that turns about its own joint only slows it down
+c = { body = "c", position_m = 0.07, mass_kg = 0.02, offset_m = [0, 0.02, 0] }
+f = { body = "f", position_m = 0.1, mass_kg = 0.02, offset_m = [0, 0.02, 0] }
+[gauge]
+c = { body = "c", position_m = 0.02, y_m = 0.01 }
+e = { body = "e", position_m = 0.02, y_m = 0.01 }
+"#;
 
 fn machine(text: &str) -> Machine {
     config::parse(text, "model.toml").expect("valid")
@@ -49,7 +114,66 @@ fn machines() -> Vec<(&'static str, Machine)> {
         ),
         ("prescribed", with_joints(THREE, last_prescribed)),
         ("locked", with_joints(BRANCHED, |_, revolute| revolute.motion = JointMotion::Locked)),
+        ("spatial", machine(SPATIAL)),
+        ("spatial, spinning", with_spins(&["cross", "ball", "flight"])),
+        ("spatial, outer ones spinning", with_spins(&["ball", "tail"])),
+        ("spatial, drifting", with_spins(&["drift"])),
+        ("spatial, drifting and spinning", with_spins(&["drift", "tail"])),
+        ("spatial, prescribed", {
+            let mut machine = with_spins(&["ball"]);
+            if let JointKind::Revolute(revolute) = &mut machine.bodies[0].joint.kind {
+                revolute.motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.3, 0.5, 1.5]));
+            }
+            machine
+        }),
+        ("nothing but free bodies", {
+            let mut machine = machine(SPATIAL);
+            machine.bodies.drain(..3);
+            machine.gauges.remove(0);
+            machine.gauges[0].body -= 3;
+            for body in &mut machine.bodies {
+                if let Parent::Body { index, .. } = &mut body.joint.parent {
+                    *index -= 3;
+                }
+            }
+            machine
+        }),
     ]
+}
+
+/// The machine of every kind of joint; those named turn at the start, `drift` gives the free body a velocity.
+fn with_spins(names: &[&str]) -> Machine {
+    let mut machine = machine(SPATIAL);
+    for body in &mut machine.bodies {
+        let JointKind::Spatial(joint) = &mut body.joint.kind else { continue };
+        if names.contains(&body.joint.name.as_str()) {
+            joint.start_angular_velocity_rad_s = match joint.freedom {
+                SpatialFreedom::Universal { parent_axis, body_axis } => {
+                    parent_axis * 0.8 + body.joint.mount * body_axis * 0.5
+                }
+                SpatialFreedom::Ball | SpatialFreedom::Free => nalgebra::Vector3::new(0.9, -0.6, 1.3),
+            };
+        }
+        if joint.freedom == SpatialFreedom::Free && names.contains(&"drift") {
+            joint.start_velocity_m_s = nalgebra::Vector3::new(3.0, 1.0, -0.5);
+        }
+    }
+    machine
+}
+
+#[test]
+fn joints_of_several_freedoms_have_the_promised_names() {
+    let interface = Interface::new(&machine(SPATIAL));
+    for joint in ["cross", "ball", "tail", "flight"] {
+        let free = joint == "flight";
+        for name in "rotation.w rotation.x rotation.y rotation.z angular_velocity.x angular_velocity.z".split(' ') {
+            assert!(interface.find(&format!("{joint}.{name}")).is_some(), "{joint}.{name} is missing");
+        }
+        // what is free has no spring, and nothing holds it
+        for name in "force.x force.z moment.y stiffness damping".split(' ') {
+            assert_eq!(interface.find(&format!("{joint}.{name}")).is_none(), free, "{joint}.{name}");
+        }
+    }
 }
 
 #[test]
@@ -117,6 +241,7 @@ fn start_values_and_order_are_the_plant_s() {
         let topology = topology::Topology::new(&machine);
         let plant = Plant::new(Arc::new(machine.clone()));
         assert_eq!(plant.revolute_joints(), topology.revolutes, "{label}");
+        assert_eq!(plant.spatial_joints(), topology.spatials, "{label}");
         assert_eq!(plant.tip_bodies(), topology.tips, "{label}");
         for row in interface.variables() {
             if matches!(row.causality, Causality::Input | Causality::Parameter) {
@@ -199,10 +324,42 @@ fn outputs(interface: &Interface, plant: &Plant) -> BTreeMap<u32, f64> {
     .collect()
 }
 
-/// Outputs that differ by more than round-off, relative to the largest value of their group.
-fn changed(before: &BTreeMap<u32, f64>, after: &BTreeMap<u32, f64>, tolerance: f64) -> BTreeSet<u32> {
-    let differ = |(a, b): (f64, f64)| (a - b).abs() > tolerance * a.abs().max(b.abs()).max(1e-3);
-    before.keys().copied().filter(|reference| differ((before[reference], after[reference]))).collect()
+/// Pairs of output and known of which a test has seen that one changes with the other.
+struct Seen {
+    /// Relative change beyond which it is a dependence.
+    sure: f64,
+    /// By more than any round-off: it must be declared.
+    surely: Pairs,
+    /// By so little that it may be a weak dependence or round-off: it may be declared.
+    perhaps: Pairs,
+}
+
+impl Seen {
+    /// Relative change that may be no more than round-off.
+    const PERHAPS: f64 = 1e-13;
+
+    fn beyond(sure: f64) -> Self {
+        Self { sure, surely: Pairs::new(), perhaps: Pairs::new() }
+    }
+
+    fn add(
+        &mut self,
+        interface: &Interface,
+        known: &Variable,
+        before: &BTreeMap<u32, f64>,
+        after: &BTreeMap<u32, f64>,
+    ) {
+        for (row, (a, b)) in before.iter().map(|(row, a)| (row, (*a, after[row]))) {
+            let change = (a - b).abs() / a.abs().max(b.abs()).max(1e-3);
+            let pair = || (interface.variables()[*row as usize].name.clone(), known.name.clone());
+            if change > self.sure {
+                self.surely.insert(pair());
+            }
+            if change > Self::PERHAPS {
+                self.perhaps.insert(pair());
+            }
+        }
+    }
 }
 
 /// Name without component and station.
@@ -216,12 +373,12 @@ type Pairs = BTreeSet<(String, String)>;
 
 /// What is seen must be declared, row by row. What is declared must be seen for at least one component of the two
 /// vectors: a straight wing decouples some, which is chance.
-fn compare(label: &str, declared: &Pairs, seen: &Pairs) -> Vec<String> {
+fn compare(label: &str, declared: &Pairs, seen: &Seen) -> Vec<String> {
     let groups =
         |pairs: &Pairs| -> Pairs { pairs.iter().map(|(output, known)| (group(output), group(known))).collect() };
     let missing =
-        seen.difference(declared).map(|(output, known)| format!("{label}: {output} depends on {known} unsaid"));
-    let (declared, seen) = (groups(declared), groups(seen));
+        seen.surely.difference(declared).map(|(output, known)| format!("{label}: {output} depends on {known} unsaid"));
+    let (declared, seen) = (groups(declared), groups(&seen.perhaps));
     let idle =
         declared.difference(&seen).map(|(output, known)| format!("{label}: {output} does not depend on {known}"));
     missing.chain(idle).collect()
@@ -249,7 +406,8 @@ fn initial_dependencies_are_what_the_plant_shows() {
         let mut plant = generic(&machine, &interface);
         plant.initialize(0.2).expect("start values");
         let before = outputs(&interface, &plant);
-        let mut all_seen = Pairs::new();
+        // no round-off, not even of forces in a body that falls freely
+        let mut seen = Seen::beyond(1e-9);
         for known in interface.variables() {
             let mut plant = generic(&machine, &interface);
             let mut start_s = 0.2;
@@ -262,12 +420,10 @@ fn initial_dependencies_are_what_the_plant_shows() {
                 Causality::Output | Causality::Local => continue,
             }
             plant.initialize(start_s).expect("start values");
-            let seen = changed(&before, &outputs(&interface, &plant), 1e-13);
-            all_seen
-                .extend(seen.iter().map(|row| (interface.variables()[*row as usize].name.clone(), known.name.clone())));
+            seen.add(&interface, known, &before, &outputs(&interface, &plant));
         }
         let declared = declared(&interface, |row| &row.initial_dependencies, |_| true);
-        wrong.extend(compare(label, &declared, &all_seen));
+        wrong.extend(compare(label, &declared, &seen));
     }
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
 }
@@ -286,7 +442,7 @@ fn initial_dependencies_of_an_equilibrium_are_declared() {
     plant.initialize(0.2).expect("an equilibrium");
     let before = outputs(&interface, &plant);
     let declared = declared(&interface, |row| &row.initial_dependencies, |_| true);
-    let mut all_seen = Pairs::new();
+    let mut seen = Seen::beyond(1e-9);
     for known in interface.variables() {
         if !matches!(known.causality, Causality::Input | Causality::Parameter) {
             continue;
@@ -295,15 +451,14 @@ fn initial_dependencies_of_an_equilibrium_are_declared() {
         let value = interface.get(&plant, plant.outputs(), known.value_reference).expect("a value");
         interface.set(&mut plant, known.value_reference, other(known, value)).expect("in range");
         plant.initialize(0.2).expect("an equilibrium");
-        let seen = changed(&before, &outputs(&interface, &plant), 1e-9);
-        all_seen.extend(seen.iter().map(|row| (interface.variables()[*row as usize].name.clone(), known.name.clone())));
+        seen.add(&interface, known, &before, &outputs(&interface, &plant));
     }
-    let undeclared: Vec<_> = all_seen.difference(&declared).collect();
+    let undeclared: Vec<_> = seen.surely.difference(&declared).collect();
     assert!(undeclared.is_empty(), "{undeclared:?}");
     let body = &machine.bodies[0].name;
     for known in ["gravity.z".to_owned(), format!("body.{body}.stiffness_factor"), format!("load.{body}[1].force.z")] {
         let pair = ("tip.position.z".to_owned(), known);
-        assert!(all_seen.contains(&pair), "{pair:?}");
+        assert!(seen.surely.contains(&pair), "{pair:?}");
     }
 }
 
@@ -311,12 +466,16 @@ fn initial_dependencies_of_an_equilibrium_are_declared() {
 #[test]
 fn dependencies_at_a_communication_point_are_what_the_plant_shows() {
     const INSTANT_S: f64 = 1e-15;
+    const CUT_S: f64 = 0.21 + 1e-12;
     let mut wrong = Vec::new();
     for (label, machine) in machines() {
         let interface = Interface::new(&machine);
         let mut start = generic(&machine, &interface);
         start.initialize(0.2).expect("start values");
         start.step(0.21).expect("a step");
+        // A changed input cuts the integrator's step: what follows starts from the state itself, not from between.
+        start.inputs_mut().root.gravity_m_s2.x += 1e-3;
+        start.step(CUT_S).expect("a step");
         let begin = start.snapshot();
         let mut run = |known: Option<&Variable>| {
             start.restore(&begin).expect("own snapshot");
@@ -324,19 +483,18 @@ fn dependencies_at_a_communication_point_are_what_the_plant_shows() {
                 let value = interface.get(&start, start.outputs(), known.value_reference).expect("a value");
                 interface.set(&mut start, known.value_reference, other(known, value)).expect("in range");
             }
-            start.step(0.21 + INSTANT_S).expect("a step");
+            start.step(CUT_S + INSTANT_S).expect("a step");
             outputs(&interface, &start)
         };
         let before = run(None);
         // Switches act through events, which change the state; time passes in every step.
         let varied = |row: &Variable| row.causality == Causality::Input && matches!(row.value, Value::Real(_));
-        let mut all_seen = Pairs::new();
+        // more than an acceleration makes of a velocity in the instant
+        let mut seen = Seen::beyond(1e-6);
         for known in interface.variables().iter().filter(|row| varied(row)) {
-            let seen = changed(&before, &run(Some(known)), 1e-6);
-            all_seen
-                .extend(seen.iter().map(|row| (interface.variables()[*row as usize].name.clone(), known.name.clone())));
+            seen.add(&interface, known, &before, &run(Some(known)));
         }
-        wrong.extend(compare(label, &declared(&interface, |row| &row.dependencies, varied), &all_seen));
+        wrong.extend(compare(label, &declared(&interface, |row| &row.dependencies, varied), &seen));
     }
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
 }

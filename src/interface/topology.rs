@@ -1,7 +1,16 @@
 //! Who is connected to whom: what the table needs to know of the tree of bodies.
 
 use crate::config::Machine;
-use crate::config::machine::{JointKind, JointMotion, Parent, Revolute};
+use crate::config::machine::{JointKind, JointMotion, Parent, Revolute, Spatial, SpatialFreedom};
+
+/// A joint that a body can turn about, by its place in [`Topology::revolutes`] or [`Topology::spatials`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Turning {
+    /// A fold joint.
+    Revolute(usize),
+    /// A universal, ball or free joint.
+    Spatial(usize),
+}
 
 /// Order and connection of joints, stations and free ends, as [`crate::plant::Plant`] numbers them.
 pub(super) struct Topology<'a> {
@@ -9,14 +18,16 @@ pub(super) struct Topology<'a> {
     pub machine: &'a Machine,
     /// Bodies whose joint is revolute.
     pub revolutes: Vec<usize>,
+    /// Bodies whose joint is universal, ball or free.
+    pub spatials: Vec<usize>,
     /// Bodies whose outer end is free.
     pub tips: Vec<usize>,
     /// Body and number (from 1, per body) of each station.
     pub stations: Vec<(usize, usize)>,
     /// Per body: the first body of its branch, the one that the root holds.
     pub branch: Vec<usize>,
-    /// Per body: revolute joints between the root and the body, by index into `revolutes`.
-    pub path: Vec<Vec<usize>>,
+    /// Per body: joints between the root and the body that turn, from the root outward.
+    pub path: Vec<Vec<Turning>>,
 }
 
 impl<'a> Topology<'a> {
@@ -24,8 +35,9 @@ impl<'a> Topology<'a> {
     pub fn new(machine: &'a Machine) -> Self {
         let revolutes: Vec<usize> =
             (0..machine.bodies.len()).filter(|&body| revolute(machine, body).is_some()).collect();
+        let spatials: Vec<usize> = (0..machine.bodies.len()).filter(|&body| spatial(machine, body).is_some()).collect();
         let mut branch: Vec<usize> = Vec::new();
-        let mut path: Vec<Vec<usize>> = Vec::new();
+        let mut path: Vec<Vec<Turning>> = Vec::new();
         let mut free = vec![true; machine.bodies.len()];
         for (index, body) in machine.bodies.iter().enumerate() {
             let (first, mut joints) = match body.joint.parent {
@@ -36,13 +48,15 @@ impl<'a> Topology<'a> {
                     (branch[parent], path[parent].clone())
                 }
             };
-            joints.extend(revolutes.iter().position(|&joint| joint == index));
+            joints.extend(revolutes.iter().position(|&joint| joint == index).map(Turning::Revolute));
+            joints.extend(spatials.iter().position(|&joint| joint == index).map(Turning::Spatial));
             branch.push(first);
             path.push(joints);
         }
         Self {
             machine,
             revolutes,
+            spatials,
             tips: (0..free.len()).filter(|&body| free[body]).collect(),
             stations: machine
                 .bodies
@@ -75,9 +89,56 @@ impl<'a> Topology<'a> {
         matches!(self.revolute(joint).motion, JointMotion::Prescribed(_))
     }
 
-    /// Whether the joint turns at the start.
+    /// Whether the fold joint turns at the start.
     pub fn turns_at_start(&self, joint: usize) -> bool {
         self.is_prescribed(joint) || (self.is_free(joint) && self.revolute(joint).start_rate_rad_s != 0.0)
+    }
+
+    /// The universal, ball or free joint of an index into `spatials`.
+    pub fn spatial(&self, joint: usize) -> &'a Spatial {
+        spatial(self.machine, self.spatials[joint]).expect("listed because it is universal, ball or free")
+    }
+
+    /// Whether the universal, ball or free joint holds nothing.
+    pub fn is_unbound(&self, joint: usize) -> bool {
+        self.spatial(joint).freedom == SpatialFreedom::Free
+    }
+
+    /// Whether the universal, ball or free joint turns at the start.
+    pub fn spins_at_start(&self, joint: usize) -> bool {
+        self.spatial(joint).start_angular_velocity_rad_s.amax() > 0.0
+    }
+
+    /// Whether a body's joint is a ball joint.
+    pub fn is_ball(&self, body: usize) -> bool {
+        spatial(self.machine, body).is_some_and(|joint| joint.freedom == SpatialFreedom::Ball)
+    }
+
+    /// Whether a joint on a path turns at the start.
+    pub fn starts_turning(&self, joint: Turning) -> bool {
+        match joint {
+            Turning::Revolute(joint) => self.turns_at_start(joint),
+            Turning::Spatial(joint) => self.spins_at_start(joint),
+        }
+    }
+
+    /// Fold joints between the root and a body, from the root outward.
+    pub fn folds(&self, body: usize) -> impl Iterator<Item = usize> {
+        self.path[body].iter().filter_map(|joint| match joint {
+            Turning::Revolute(joint) => Some(*joint),
+            Turning::Spatial(_) => None,
+        })
+    }
+
+    /// Whether nothing holds the branch of a body.
+    pub fn floats(&self, body: usize) -> bool {
+        spatial(self.machine, self.branch[body]).is_some_and(|joint| joint.freedom == SpatialFreedom::Free)
+    }
+
+    /// Whether the branch of a body floats and its first body has a velocity at the start.
+    pub fn drifts(&self, body: usize) -> bool {
+        self.floats(body)
+            && spatial(self.machine, self.branch[body]).is_some_and(|joint| joint.start_velocity_m_s.amax() > 0.0)
     }
 }
 
@@ -86,5 +147,13 @@ fn revolute(machine: &Machine, body: usize) -> Option<&Revolute> {
     match &machine.bodies[body].joint.kind {
         JointKind::Revolute(revolute) => Some(revolute),
         JointKind::Clamped | JointKind::Spatial(_) => None,
+    }
+}
+
+/// The universal, ball or free joint that holds a body, if it is one.
+fn spatial(machine: &Machine, body: usize) -> Option<&Spatial> {
+    match &machine.bodies[body].joint.kind {
+        JointKind::Spatial(spatial) => Some(spatial),
+        JointKind::Clamped | JointKind::Revolute(_) => None,
     }
 }

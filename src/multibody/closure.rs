@@ -4,8 +4,9 @@
 //! eqs. (C1)–(C3). Its part of the Newton matrix couples distant branches; it has low rank, so the tree's O(n)
 //! factorisation stays and Woodbury's formula adds the loops.
 
-use crate::multibody::factor::{Weights, kinematic_norm, solve_tree};
+use crate::multibody::factor::{Weights, solve_tree};
 use crate::multibody::model::{Base, Model};
+use crate::multibody::norm::kinematic_norm;
 use crate::multibody::workspace::{Node, Pair, Workspace};
 use nalgebra::Vector3;
 

@@ -2,40 +2,49 @@
 //! linear ones.
 //!
 //! The raw strain of a pair is second order pointwise; at its ends the wrench of all that lies outboard gives a
-//! fourth-order value, `ε = ε₀ − K_s⁻¹ Rᵀ (F, M) − β ε̇`, NOTATION eq. (G2). Inside, a cubic joins both ends and the
-//! raw values at the two Gauss points, eq. (G3).
+//! fourth-order value, `ε − ε₀ = −K_s⁻¹ Rᵀ (F, M) − β ε̇`, NOTATION eq. (G2). Inside, a cubic joins both ends and the
+//! raw values at the two Gauss points, eq. (G3). Stiffness and natural strain are those of the section itself.
 
 use crate::beam::element::ElementKind;
 use crate::multibody::dynamics::{Damping, multiply, wrench_of};
 use crate::multibody::kinematics::{Motion, strains};
-use crate::multibody::model::Model;
+use crate::multibody::model::{Element, Model};
 use crate::multibody::workspace::Workspace;
-use nalgebra::{Vector3, Vector4};
+use nalgebra::{Matrix4, Vector3, Vector4};
 
-/// Where a gauge sits.
+/// Where a gauge sits and what it measures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GaugePoint {
     /// Body.
     pub body: usize,
     /// Distance from the body's inner end in m.
     pub position_m: f64,
-    /// Chordwise coordinate in m.
-    pub y_m: f64,
-    /// Thickness coordinate in m.
-    pub z_m: f64,
+    /// What it reads per strain measure `(γ, k₁, k₂, k₃)`: the row of [`crate::beam::recovery`].
+    pub row: Vector4<f64>,
 }
 
 impl GaugePoint {
-    /// Axial strain at the point: `εx + z κy − y κz`, eq. (K7). `work` must hold a residual of `motion`.
+    /// Reading of the gauge, zero where the body is not strained, eq. (G4). `work` must hold a residual of `motion`.
     pub fn strain(&self, model: &Model, work: &Workspace, motion: Motion, damping: &[Damping]) -> f64 {
-        let section = section_strain(model, work, motion, damping, self.body, self.position_m);
-        section[0] + self.z_m * section[2] - self.y_m * section[3]
+        self.row.dot(&strain_measures(model, work, motion, damping, self.body, self.position_m))
     }
 }
 
-/// Section strains `(εx, κx, κy, κz)` of a body at `position_m` from its inner end. `work` must hold a residual of
-/// `motion`.
+/// Section strains `(εx, κx, κy, κz)` of a body at `position_m` from its inner end, natural strain included. `work`
+/// must hold a residual of `motion`.
 pub fn section_strain(
+    model: &Model,
+    work: &Workspace,
+    motion: Motion,
+    damping: &[Damping],
+    body: usize,
+    position_m: f64,
+) -> Vector4<f64> {
+    strain_measures(model, work, motion, damping, body, position_m) + model.bodies[body].natural_strain.at(position_m)
+}
+
+/// Strain measures `(γ₁, k₁, k₂, k₃)` of a section: its strains less the natural ones.
+pub fn strain_measures(
     model: &Model,
     work: &Workspace,
     motion: Motion,
@@ -53,7 +62,7 @@ pub fn section_strain(
 fn between_centres(model: &Model, q: &[f64], body: usize, position_m: f64) -> Vector4<f64> {
     let body = &model.bodies[body];
     let elements = &model.elements[body.first_element..body.first_element + body.elements];
-    let strain = |i: usize| Vector4::from(strains(q, elements[i].coordinate));
+    let strain = |i: usize| Vector4::from(strains(q, elements[i].coordinate)) - elements[i].natural_strain;
     if elements.len() == 1 {
         return strain(0);
     }
@@ -69,19 +78,21 @@ const GAUSS_2: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: usize, position_m: f64) -> Vector4<f64> {
     let (inner, offset_m) = model.locate(body, position_m);
     let first_node = model.bodies[body].first_node + inner - model.bodies[body].first_element;
-    let first = model.elements[inner].coordinate;
-    let half = |coordinates: &[f64], shift: usize| Vector4::from(strains(coordinates, first + shift));
-    // ε(σ) = (A+B)/2 + 3/2 (B−A)(σ − 1/2), eq. (D8)
-    let raw = |coordinates: &[f64], sigma: f64| {
-        let (a, b) = (half(coordinates, 0), half(coordinates, 4));
+    let halves = &model.elements[inner..inner + 2];
+    let raw = |of: &dyn Fn(&Element) -> Vector4<f64>, sigma: f64| {
+        // ε(σ) = (A+B)/2 + 3/2 (B−A)(σ − 1/2), eq. (D8)
+        let (a, b) = (of(&halves[0]), of(&halves[1]));
         (a + b) * 0.5 + (b - a) * (1.5 * (sigma - 0.5))
     };
-    let sigma = offset_m / (2.0 * model.elements[inner].length_m);
+    let strain = |half: &Element| Vector4::from(strains(motion.q, half.coordinate)) - half.natural_strain;
+    let rate = |half: &Element| Vector4::from(strains(motion.v, half.coordinate));
+    let sigma = offset_m / (2.0 * halves[0].length_m);
+    let [at_inner, at_outer] = [halves[0].section_stiffness[0], halves[1].section_stiffness[1]];
     let values = [
-        end_strain(model, work, body, (first_node, Side::Outboard), inner) - raw(motion.v, 0.0) * beta,
-        raw(motion.q, GAUSS_2[0]),
-        raw(motion.q, GAUSS_2[1]),
-        end_strain(model, work, body, (first_node + 2, Side::Inboard), inner) - raw(motion.v, 1.0) * beta,
+        end_strain(model, work, body, (first_node, Side::Outboard), &at_inner) - raw(&rate, 0.0) * beta,
+        raw(&strain, GAUSS_2[0]),
+        raw(&strain, GAUSS_2[1]),
+        end_strain(model, work, body, (first_node + 2, Side::Inboard), &at_outer) - raw(&rate, 1.0) * beta,
     ];
     let places = [0.0, GAUSS_2[0], GAUSS_2[1], 1.0];
     let mut strain = Vector4::zeros();
@@ -92,22 +103,20 @@ fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: u
     strain
 }
 
-/// Strain that balances the wrench of all that lies outboard of a node (damping not yet taken off), eq. (G2).
+/// Strain measures that balance the wrench of all that lies outboard of a node (damping not yet taken off), eq. (G2).
 fn end_strain(
     model: &Model,
     work: &Workspace,
     body: usize,
     (node, side): (usize, Side),
-    element: usize,
+    section_stiffness: &Matrix4<f64>,
 ) -> Vector4<f64> {
     let (force, moment) = section_wrench(model, work, body, node, side);
     let axes = work.nodes[node].rotation.transpose();
     let (force, moment): (Vector3<f64>, Vector3<f64>) = (axes * force, axes * moment);
-    let element = &model.elements[element];
     let resultant = Vector4::new(-force.x, -moment.x, -moment.y, -moment.z);
-    let stiffness =
-        nalgebra::Cholesky::new(element.section_stiffness).expect("a section's stiffness is positive definite");
-    element.natural_strain + stiffness.solve(&resultant)
+    let stiffness = nalgebra::Cholesky::new(*section_stiffness).expect("a section's stiffness is positive definite");
+    stiffness.solve(&resultant)
 }
 
 /// Section next to a node: attached masses, loads on the node and child bodies stand between the two.

@@ -9,6 +9,7 @@ pub mod joint;
 mod joint_factor;
 pub mod kinematics;
 pub mod model;
+pub mod norm;
 pub mod station;
 pub mod tangent;
 pub mod workspace;

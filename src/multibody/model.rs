@@ -3,8 +3,8 @@
 //! Coordinates follow seed eqs. (10)–(12): body by body, first the joint parameter (if the joint is revolute),
 //! then four strains per element; a linear element is two halves with four strains each.
 
-use crate::beam::element::{ElementKind, ElementMass, PAIR_STIFFNESS};
-use crate::beam::section::Section;
+use crate::beam::element::{ElementElasticity, ElementKind, ElementMass};
+use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::load::LoadFrame;
 use crate::multibody::closure::{Closure, ClosureDescription};
 use crate::multibody::joint::{ParameterJoint, ParameterKind};
@@ -15,14 +15,14 @@ use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 pub struct BodyDescription {
     /// Arc length in m.
     pub length_m: f64,
-    /// Cross-section.
-    pub section: Section,
+    /// Cross-section along the body.
+    pub section: SectionLaw,
     /// Kind of element.
     pub kind: ElementKind,
     /// Number of elements; more are made where masses or children demand mesh boundaries.
     pub elements: usize,
-    /// Natural strains `(εx, κx, κy, κz)`.
-    pub natural_strain: [f64; 4],
+    /// Natural strains `(εx, κx, κy, κz)` along the body.
+    pub natural_strain: NaturalStrain,
     /// What the inner end hangs on.
     pub parent: Attachment,
     /// Parent ← body at angle zero, or at the start for joints without an angle.
@@ -99,6 +99,8 @@ pub struct Body {
     pub elements: usize,
     /// Kind of element.
     pub kind: ElementKind,
+    /// Natural strains along it.
+    pub natural_strain: NaturalStrain,
 }
 
 impl Body {
@@ -138,8 +140,8 @@ pub struct Element {
     pub stiffness: Matrix4<f64>,
     /// Stiffness that couples it to its sibling in a pair; zero for constant elements.
     pub coupling: Matrix4<f64>,
-    /// Section stiffness, for strain recovery.
-    pub section_stiffness: Matrix4<f64>,
+    /// Section stiffness at its inner and outer end, for strain recovery.
+    pub section_stiffness: [Matrix4<f64>; 2],
     /// Mass block that couples the ends: rows outer, columns inner.
     pub cross_mass: Matrix4<f64>,
     /// Mass block of the outer end, for the section wrench.
@@ -258,6 +260,11 @@ impl Model {
             first_element: self.elements.len(),
             elements: 0,
             kind: description.kind,
+            natural_strain: description.natural_strain.clone(),
+        };
+        let section = match description.section.is_uniform() {
+            true => SectionLaw::Uniform(description.section.at(0.0)),
+            false => description.section.clone(),
         };
 
         let boundaries = mesh_boundaries(description, children_m);
@@ -265,25 +272,21 @@ impl Model {
         self.nodes.push(empty.clone());
         for pair in boundaries.windows(2) {
             let (start_m, length_m) = (pair[0], pair[1] - pair[0]);
-            let pieces = match description.kind {
-                ElementKind::Constant => 1,
-                ElementKind::Linear => 2,
-            };
-            let (own, coupling) = match description.kind {
-                ElementKind::Constant => (1.0, 0.0),
-                ElementKind::Linear => PAIR_STIFFNESS,
-            };
-            let piece_m = length_m / f64::from(pieces);
-            let mass = ElementMass::new(piece_m, |_| description.section.clone());
-            for piece in 0..pieces {
+            let elasticity =
+                ElementElasticity::new(description.kind, (start_m, length_m), &section, &description.natural_strain);
+            let piece_m = length_m / elasticity.own.len() as f64;
+            for (piece, (own, natural)) in elasticity.own.iter().zip(&elasticity.natural_strain).enumerate() {
+                let inner_m = start_m + piece as f64 * piece_m;
+                let kinks: Vec<f64> = section.kinks_m().iter().map(|kink| (kink - inner_m) / piece_m).collect();
+                let mass = ElementMass::with_kinks(piece_m, |xi| section.at(inner_m + xi * piece_m), &kinks);
                 self.elements.push(Element {
                     length_m: piece_m,
-                    start_m: start_m + f64::from(piece) * piece_m,
+                    start_m: inner_m,
                     coordinate: self.coordinates,
-                    natural_strain: description.natural_strain.into(),
-                    stiffness: description.section.stiffness * (own * length_m),
-                    coupling: description.section.stiffness * (coupling * length_m),
-                    section_stiffness: description.section.stiffness,
+                    natural_strain: *natural,
+                    stiffness: *own,
+                    coupling: elasticity.coupling,
+                    section_stiffness: [inner_m, inner_m + piece_m].map(|s| section.at(s).stiffness),
                     cross_mass: mass.cross,
                     outer_mass: mass.outer,
                 });

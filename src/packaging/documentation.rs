@@ -1,11 +1,13 @@
 //! `documentation/index.html`: one page without outside references, made from the model and the variable table.
 
+use crate::beam::section::Section;
 use crate::config::Machine;
 use crate::config::machine::{
     Body, ElementKind, JointKind, JointMotion, Parent, Revolute, Spatial, SpatialFreedom, UNLIMITED,
 };
 use crate::interface::{Causality, TYPES, UNITS, Value, Variability, Variable};
 use crate::packaging::{VERSION, drawing};
+use nalgebra::{Matrix3, Rotation3};
 use quick_xml::escape::escape;
 use std::fmt::Write;
 
@@ -35,10 +37,20 @@ pub fn page(machine: &Machine, variables: &[Variable]) -> String {
 }
 
 fn drawing_section(html: &mut String, machine: &Machine) {
+    let folds = machine.bodies.iter().any(|body| matches!(body.joint.kind, JointKind::Revolute(_)));
+    let turns = machine.bodies.iter().any(|body| matches!(body.joint.kind, JointKind::Spatial(_)));
+    let shown = match (folds, turns) {
+        (true, false) => "deployed (filled), at its start angles (outlined) and between",
+        (true, true) => {
+            "deployed (filled), at its start angles (outlined) and between; universal, ball and free joints in their \
+             start attitude"
+        }
+        (false, true) => "in its start attitude",
+        (false, false) => "clamped",
+    };
     let _ = write!(
         html,
-        "<h2>The wing</h2>\n<figure>\n{}<figcaption>Undeformed wing: deployed (filled), at its start angles \
-         (outlined) and between. <span class=\"key joint\"></span> joint, <span class=\"key station\"></span> load \
+        "<h2>The wing</h2>\n<figure>\n{}<figcaption>Undeformed wing: {shown}. <span class=\"key joint\"></span> joint, <span class=\"key station\"></span> load \
          station, <span class=\"key mass\"></span> mass, <span class=\"key gauge\"></span> strain gauge. The axes \
          show the directions of the root frame.</figcaption>\n</figure>\n",
         drawing::svg(machine)
@@ -64,9 +76,17 @@ fn bodies_section(html: &mut String, machine: &Machine) {
         html,
         &head,
         machine.bodies.iter().map(|body| {
-            let stiffness = &body.section.stiffness;
-            let mut row = vec![escape(&body.name).into_owned(), number(body.length_m), number(body.section.mass_kg_m)];
-            row.extend((0..4).map(|i| number(stiffness[(i, i)])));
+            // a section that varies is shown at both ends
+            let ends = match body.section.is_uniform() {
+                true => vec![body.section.at(0.0)],
+                false => vec![body.section.at(0.0), body.section.at(body.length_m)],
+            };
+            let range = |of: &dyn Fn(&Section) -> f64| {
+                ends.iter().map(|section| number(of(section))).collect::<Vec<_>>().join(" … ")
+            };
+            let mut row = vec![escape(&body.name).into_owned(), number(body.length_m)];
+            row.push(range(&|section| section.mass_kg_m));
+            row.extend((0..4).map(|i| range(&|section| section.stiffness[(i, i)])));
             row.extend([elements(body), body.station_positions_m.len().to_string()]);
             row.extend([number(body.mass_damping_1_s), number(body.stiffness_damping_s)]);
             row
@@ -110,14 +130,15 @@ fn joints_section(html: &mut String, machine: &Machine) {
             match &body.joint.kind {
                 JointKind::Clamped => row.extend(["clamped", "", "", "", "", "", ""].map(str::to_owned)),
                 JointKind::Revolute(joint) => row.extend(revolute(joint)),
-                JointKind::Spatial(joint) => row.extend(spatial(joint)),
+                JointKind::Spatial(joint) => row.extend(spatial(joint, &body.joint.mount)),
             }
             row
         }),
     );
 }
 
-fn spatial(joint: &Spatial) -> Vec<String> {
+/// The start attitude stands as a rotation vector; a free joint has no spring and no damper.
+fn spatial(joint: &Spatial, mount: &Matrix3<f64>) -> Vec<String> {
     let kind = match &joint.freedom {
         SpatialFreedom::Universal { parent_axis, body_axis } => {
             format!("universal about {} and {}", vector(parent_axis.as_slice()), vector(body_axis.as_slice()))
@@ -125,8 +146,9 @@ fn spatial(joint: &Spatial) -> Vec<String> {
         SpatialFreedom::Ball => "ball".to_owned(),
         SpatialFreedom::Free => "free".to_owned(),
     };
-    let mut row = vec![kind, String::new()];
-    row.extend([joint.stiffness_n_m_rad, joint.damping_n_m_s_rad].map(number));
+    let mut row = vec![kind, vector(Rotation3::from_matrix_unchecked(*mount).scaled_axis().as_slice())];
+    let drive = [joint.stiffness_n_m_rad, joint.damping_n_m_s_rad];
+    row.extend(drive.map(|value| if joint.freedom == SpatialFreedom::Free { String::new() } else { number(value) }));
     row.extend(["", "", ""].map(str::to_owned));
     row
 }
@@ -149,11 +171,16 @@ fn revolute(joint: &Revolute) -> Vec<String> {
 
 fn experiment_section(html: &mut String, machine: &Machine) {
     let (experiment, solver) = (&machine.experiment, &machine.solver);
+    let steps = match solver.fixed_step_s {
+        None => "Any other step works: the integrator chooses its own steps".to_owned(),
+        Some(step_s) => {
+            format!("Any other step works: the integrator takes fixed steps of at most {} s", number(step_s))
+        }
+    };
     let _ = write!(
         html,
         "<h2>Default experiment</h2>\n<p>From {} s to {} s with a communication step of {} s and a solver tolerance of \
-         {}. Any other step works: the integrator chooses its own steps and locates releases and latch closings \
-         inside them. Gravity is {} m/s².</p>\n",
+         {}. {steps} and locates releases and latch closings inside them. Gravity is {} m/s².</p>\n",
         number(experiment.start_time_s),
         number(experiment.stop_time_s),
         number(experiment.step_s),
@@ -265,6 +292,29 @@ mod tests {
             let open = html.matches(&format!("<{tag}>")).count() + html.matches(&format!("<{tag} ")).count();
             assert_eq!(open, html.matches(&format!("</{tag}>")).count(), "<{tag}> and </{tag}>");
         }
+    }
+
+    /// A joint that is no hinge shows its start attitude; the caption says what is drawn; every row fills its table.
+    #[test]
+    fn joints_of_several_freedoms_are_described() {
+        let mut machine = two_body_machine();
+        machine.bodies[1].joint.mount = *Rotation3::new(nalgebra::Vector3::new(0.0, 0.5, 0.0)).matrix();
+        let joint = |freedom| {
+            JointKind::Spatial(Box::new(Spatial {
+                freedom,
+                stiffness_n_m_rad: 2.5,
+                damping_n_m_s_rad: 0.0,
+                start_angular_velocity_rad_s: nalgebra::Vector3::zeros(),
+                start_velocity_m_s: nalgebra::Vector3::zeros(),
+            }))
+        };
+        machine.bodies[1].joint.kind = joint(SpatialFreedom::Ball);
+        let html = page(&machine, &[]);
+        assert!(html.contains("<td>ball</td><td>(0, 0.5, 0)</td><td>2.5</td><td>0</td>"), "{html}");
+        assert!(html.contains("Undeformed wing: in its start attitude."));
+        machine.bodies[1].joint.kind = joint(SpatialFreedom::Free);
+        let html = page(&machine, &[]);
+        assert!(html.contains("<td>free</td><td>(0, 0.5, 0)</td><td></td><td></td><td></td><td></td><td></td></tr>"));
     }
 
     /// Numbers stay short and readable.

@@ -23,7 +23,8 @@ pub struct Frame {
 
 /// Frames along every body at equal arc lengths, `POINTS + 1` each, natural strains only.
 ///
-/// Fold angles lie at `fraction` of the way from deployed (latch angle, else 0) to the start angle.
+/// Fold angles lie at `fraction` of the way from deployed (latch angle, else 0) to the start angle; universal, ball and
+/// free joints stand in their start attitude, which is their mount.
 pub fn undeformed(machine: &Machine, fraction: f64) -> Vec<Vec<Frame>> {
     let mut bodies: Vec<Vec<Frame>> = Vec::with_capacity(machine.bodies.len());
     for body in &machine.bodies {
@@ -49,15 +50,16 @@ pub fn undeformed(machine: &Machine, fraction: f64) -> Vec<Vec<Frame>> {
     bodies
 }
 
-/// Frame at a distance from a body's first frame: the circular helix of constant natural strain, by the
-/// midpoint rule on steps so short that the drawing cannot show the difference.
+/// Frame at a distance from a body's first frame: the curve of its natural strain, by the midpoint rule on
+/// steps so short that the drawing cannot show the difference.
 fn along(body: &Body, first: &Frame, distance_m: f64) -> Frame {
     const STEPS: usize = 200;
-    let [stretch, twist, bend_y, bend_z] = body.natural_strain;
     let step = distance_m / STEPS as f64;
-    let half_turn = Rotation3::new(Vector3::new(twist, bend_y, bend_z) * (0.5 * step)).into_inner();
     let mut frame = *first;
-    for _ in 0..STEPS {
+    for i in 0..STEPS {
+        let strain = body.natural_strain.at(step * (i as f64 + 0.5));
+        let (stretch, turn) = (strain[0], Vector3::new(strain[1], strain[2], strain[3]));
+        let half_turn = Rotation3::new(turn * (0.5 * step)).into_inner();
         let middle = frame.attitude * half_turn;
         frame.position_m += middle.column(0) * ((1.0 + stretch) * step);
         frame.attitude = middle * half_turn;
@@ -78,8 +80,10 @@ fn project(point: &Vector3<f64>) -> [f64; 2] {
 
 /// Both edges of a body as one closed outline.
 fn outline(body: &Body, frames: &[Frame]) -> Vec<Vector3<f64>> {
-    let half = body.section.half_width_m;
-    let edge = |side: f64| frames.iter().map(move |f| f.position_m + f.attitude.column(1) * (side * half));
+    let place = |i: usize| body.length_m * i as f64 / (frames.len() - 1) as f64;
+    let half: Vec<f64> = (0..frames.len()).map(|i| body.section.at(place(i)).half_width_m).collect();
+    let edge =
+        |side: f64| frames.iter().zip(&half).map(move |(f, half)| f.position_m + f.attitude.column(1) * (side * half));
     edge(1.0).chain(edge(-1.0).rev()).collect()
 }
 

@@ -3,7 +3,8 @@
 use super::*;
 use crate::beam::section::{Material, Section};
 use crate::config::machine::{
-    Drive, ElementKind, Experiment, Joint, JointMotion, Latch, Method, Revolute, Solver, StartState, UNLIMITED,
+    Drive, ElementKind, Experiment, Joint, JointMotion, Latch, Method, Revolute, Solver, Spatial, SpatialFreedom,
+    StartState, UNLIMITED,
 };
 use crate::load::LoadFrame;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -13,10 +14,10 @@ fn body(name: &str, joint: Joint) -> Body {
     Body {
         name: name.to_owned(),
         length_m: 0.15,
-        section: Section::rectangle(0.05, 0.002, &material, Some(0.18)),
+        section: Section::rectangle(0.05, 0.002, &material, Some(0.18)).into(),
         element: ElementKind::Linear,
         elements: 3,
-        natural_strain: [0.0; 4],
+        natural_strain: [0.0; 4].into(),
         mass_damping_1_s: 2.5,
         stiffness_damping_s: 0.0,
         station_positions_m: vec![0.05, 0.1],
@@ -98,9 +99,34 @@ fn positive_angle_folds_downwards() {
 fn natural_curvature_is_followed() {
     let mut machine = two_body_machine();
     machine.bodies.truncate(1);
-    machine.bodies[0].natural_strain[2] = 2.0 * PI / 0.15;
+    machine.bodies[0].natural_strain = [0.0, 0.0, 2.0 * PI / 0.15, 0.0].into();
     let gap = undeformed(&machine, 0.0)[0].last().unwrap().position_m.norm();
     assert!(gap < 1e-6, "tip misses root by {gap:.1e} m");
+}
+
+/// Universal, ball and free joints are drawn at the start: a free body where it begins, what hangs on it turned as the
+/// file says, and no frames between, where nothing folds.
+#[test]
+fn joints_of_several_freedoms_stand_at_their_start() {
+    let mut machine = two_body_machine();
+    let freedoms = [SpatialFreedom::Free, SpatialFreedom::Ball];
+    for (body, freedom) in machine.bodies.iter_mut().zip(freedoms) {
+        body.joint.kind = JointKind::Spatial(Box::new(Spatial {
+            freedom,
+            stiffness_n_m_rad: 0.0,
+            damping_n_m_s_rad: 0.0,
+            start_angular_velocity_rad_s: Vector3::zeros(),
+            start_velocity_m_s: Vector3::zeros(),
+        }));
+    }
+    machine.bodies[0].joint.parent = Parent::Root { position_m: Vector3::new(0.0, 0.0, 2.0) };
+    machine.bodies[1].joint.mount = *Rotation3::new(Vector3::new(0.0, FRAC_PI_2, 0.0)).matrix();
+    let wing = undeformed(&machine, 0.0);
+    let tip = wing[1].last().unwrap().position_m;
+    assert!((tip - Vector3::new(0.15, 0.0, 1.85)).norm() < 1e-12, "tip at {tip}");
+    let svg = svg(&machine);
+    assert!(!svg.contains("ghost") && !svg.contains("\"start\""), "{svg}");
+    assert!(svg.contains("<title>joint fold</title>"));
 }
 
 /// Coordinates are finite even for a wing that projects to a line.
@@ -108,7 +134,7 @@ fn natural_curvature_is_followed() {
 fn drawing_is_finite() {
     let mut machine = two_body_machine();
     machine.bodies.truncate(1);
-    machine.bodies[0].section.half_width_m = 0.0;
+    machine.bodies[0].section = Section { half_width_m: 0.0, ..machine.bodies[0].section.at(0.0) }.into();
     let svg = svg(&machine);
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
 }

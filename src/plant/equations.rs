@@ -12,7 +12,7 @@ use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::factor::{self, HingeTangent, Weights};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Attachment, BodyDescription, JointDescription};
-use crate::multibody::{Model, Workspace, energy, station};
+use crate::multibody::{Model, Workspace, energy, norm, station};
 use crate::plant::face::Parameters;
 use crate::plant::spatial::SpatialEquations;
 use crate::plant::{revolutes, spatials};
@@ -89,7 +89,7 @@ impl Equations {
                 section: body.section.scaled(factors.mass_factor, factors.stiffness_factor),
                 kind: body.element,
                 elements: body.elements,
-                natural_strain: body.natural_strain,
+                natural_strain: body.natural_strain.clone(),
                 parent: match body.joint.parent {
                     Parent::Root { position_m } => Attachment::Root(position_m),
                     Parent::Body { index, position_m } => Attachment::Body { index, position_m },
@@ -294,7 +294,7 @@ impl EquationsOfMotion for Equations {
     }
 
     fn norm(&mut self, change: &[f64]) -> f64 {
-        factor::kinematic_norm(&self.model, &mut self.work, change)
+        norm::kinematic_norm(&self.model, &mut self.work, change)
     }
 
     fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64]) -> Powers {

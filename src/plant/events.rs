@@ -5,7 +5,7 @@ use crate::actuation::latch::LatchState;
 use crate::config::machine::StartState;
 use crate::multibody::dynamics::Damping;
 use crate::plant::equations::Equations;
-use crate::plant::face::PlantError;
+use crate::plant::face::{Parameters, PlantError};
 use crate::plant::march::CROSSING_S;
 use crate::plant::state::{JointState, State};
 use crate::plant::statics::Holding;
@@ -21,6 +21,10 @@ impl Plant {
     ///
     /// May be called again (an FMU re-evaluates in Initialization Mode).
     pub fn initialize(&mut self, time_s: f64) -> Result<(), PlantError> {
+        let Parameters { min_step_s, max_step_s, .. } = self.state.parameters;
+        if min_step_s > max_step_s {
+            return Err(PlantError::Steps { min_step_s, max_step_s });
+        }
         self.start(time_s);
         if self.machine.experiment.start == StartState::Equilibrium {
             self.settle_at_rest(time_s, Holding::Stopped)?;

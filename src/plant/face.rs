@@ -166,6 +166,19 @@ pub struct PointOutputs {
     pub rotation: UnitQuaternion<f64>,
 }
 
+/// Stopper and latch of one revolute joint: what its events change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointStatus {
+    /// The stopper has let go.
+    pub released: bool,
+    /// Latch closed.
+    pub latched: bool,
+    /// Time of the last closing in s; −1 before the first.
+    pub latch_time_s: f64,
+    /// Number of closings.
+    pub latch_count: i32,
+}
+
 /// Energies in J. `total − work + dissipated` is constant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EnergyOutputs {
@@ -237,6 +250,14 @@ pub enum PlantError {
         step_s: f64,
         /// What failed.
         cause: String,
+    },
+    /// Parameters that contradict each other.
+    #[error("the smallest internal step, {min_step_s:e} s, is longer than the largest, {max_step_s:e} s")]
+    Steps {
+        /// Smallest internal step in s.
+        min_step_s: f64,
+        /// Largest internal step in s.
+        max_step_s: f64,
     },
     /// The initial accelerations could not be found.
     #[error("no initial accelerations at t = {time_s} s: {cause}")]

@@ -17,21 +17,24 @@ mod start;
 mod state;
 mod state_space;
 mod statics;
+mod strains;
 
 pub use crate::solve::equilibrium::Effort as StaticEffort;
 pub use crate::solve::linearize::{SecondOrder, StateSpace};
 pub use face::{
-    BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, Outputs, Parameters, PlantError,
-    PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
+    BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, JointStatus, Outputs,
+    Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
 };
 pub use linear::{Argument, Freedom};
 pub use shape::{ModeShape, NodeMotion, SectionShape};
 pub use state::Snapshot;
 pub use state_space::InputSlope;
 pub use statics::Holding;
+pub use strains::SectionStrain;
 
 use crate::config::Machine;
 use crate::config::machine::{JointKind, Method, Parent, Revolute, Spatial};
+use crate::multibody::gauge::GaugePoint;
 use crate::solve::stepper::{self, Stepper};
 use equations::Equations;
 use state::State;
@@ -43,6 +46,7 @@ pub struct Plant {
     revolute_joints: Vec<usize>,
     spatial_joints: Vec<usize>,
     tip_bodies: Vec<usize>,
+    gauges: Vec<GaugePoint>,
     state: State,
     equations: Equations,
     /// Fixed parameters that `equations` was built with.
@@ -79,6 +83,7 @@ impl Plant {
         };
         let outputs = outputs::blank(&machine, revolute_joints.len(), spatial_joints.len(), tip_bodies.len());
         Self {
+            gauges: outputs::gauge_points(&machine),
             revolute_joints,
             spatial_joints,
             tip_bodies,
@@ -112,7 +117,17 @@ impl Plant {
         &self.tip_bodies
     }
 
-    /// Number of coordinates: joint angles and strains.
+    /// Joint variables and Lagrange multipliers of a body's joint in our form: `N_J` and `N_L` of Otsuka et al., Table 2.
+    pub fn joint_size(&self, body: usize) -> (usize, usize) {
+        let body = &self.equations.model.bodies[body];
+        match (&body.parameters, &body.hinge) {
+            (Some(joint), _) => (joint.kind.parameters(), joint.kind.constraints()),
+            (None, Some(_)) => (1, 0),
+            (None, None) => (0, 0),
+        }
+    }
+
+    /// Number of coordinates: joint angles, joint parameters and strains.
     pub fn coordinates(&self) -> usize {
         self.equations.model.coordinates
     }
@@ -155,6 +170,18 @@ impl Plant {
     /// Outputs at the present time, with the inputs of the step that led here.
     pub fn outputs(&self) -> &Outputs {
         &self.outputs
+    }
+
+    /// Stopper and latch of each revolute joint, in the order of [`Plant::revolute_joints`]; nothing before
+    /// [`Plant::initialize`].
+    pub fn joint_statuses(&self) -> impl Iterator<Item = JointStatus> {
+        let driven = self.equations.joints.iter().map(|joint| joint.driven);
+        self.state.joints.iter().zip(driven).map(|(joint, driven)| JointStatus {
+            released: driven && joint.released,
+            latched: joint.latch.closed,
+            latch_time_s: joint.latch.time_s,
+            latch_count: joint.latch.count,
+        })
     }
 
     /// Counters since initialisation.

@@ -1,6 +1,8 @@
 //! Outputs at the present time.
 
+use crate::beam::recovery::axial_row;
 use crate::config::Machine;
+use crate::config::machine::Gauge;
 use crate::load::Wrench;
 use crate::math::so3::quaternion_near;
 use crate::multibody::gauge::GaugePoint;
@@ -37,6 +39,16 @@ pub(super) fn blank(machine: &Machine, joints: usize, spatial: usize, tips: usiz
     }
 }
 
+/// Where the gauges sit and what they read per strain measure; a fibre that the file would refuse is read as axial.
+pub(super) fn gauge_points(machine: &Machine) -> Vec<GaugePoint> {
+    let point = |gauge: &Gauge| {
+        let row = gauge.row(&machine.bodies[gauge.body].section);
+        let row = row.unwrap_or_else(|| axial_row(gauge.y_m, gauge.z_m));
+        GaugePoint { body: gauge.body, position_m: gauge.position_m, row }
+    };
+    machine.gauges.iter().map(point).collect()
+}
+
 impl Plant {
     /// Fills the outputs from the present state and the inputs of the step that led to it. Allocates nothing.
     pub(super) fn evaluate(&mut self) {
@@ -71,9 +83,13 @@ impl Plant {
             let node = &work.nodes[body.first_node];
             *reaction = Wrench { force_n: node.force, moment_n_m: node.moment };
         }
-        for (strain, gauge) in outputs.gauges.iter_mut().zip(&self.machine.gauges) {
-            let point = GaugePoint { body: gauge.body, position_m: gauge.position_m, y_m: gauge.y_m, z_m: gauge.z_m };
-            *strain = point.strain(model, work, motion, &equations.damping);
+        for joint in &equations.spatial {
+            if let Some(moment_n_m) = joint.ball_moment_n_m(work, &now.v) {
+                outputs.joint_reactions[joint.body].moment_n_m = moment_n_m;
+            }
+        }
+        for (strain, gauge) in outputs.gauges.iter_mut().zip(&self.gauges) {
+            *strain = gauge.strain(model, work, motion, &equations.damping);
         }
         outputs.root = Wrench { force_n: -work.root_force, moment_n_m: -work.root_moment };
 

@@ -88,6 +88,13 @@ impl SpatialEquations {
         }
     }
 
+    /// Moment of a ball joint on its body, root frame, in N·m: its spring and damper are all that passes one on.
+    pub fn ball_moment_n_m(&self, work: &Workspace, v: &[f64]) -> Option<Vector3<f64>> {
+        let parameters = work.parameters[self.body].as_ref().filter(|_| self.joint.kind == ParameterKind::Ball)?;
+        let (angles, rates) = self.deflection(parameters, v);
+        Some(-(parameters.parent * (angles * self.stiffness_n_m_rad + rates * self.damping_n_m_s_rad)))
+    }
+
     /// Energy of the spring in J.
     pub fn potential_j(&self, work: &Workspace) -> f64 {
         let Some(parameters) = &work.parameters[self.body] else { return 0.0 };

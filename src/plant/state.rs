@@ -104,6 +104,7 @@ impl Snapshot {
                 state.applied_inputs.stations.len(),
                 state.applied_parameters.joints.len(),
                 state.applied_parameters.bodies.len(),
+                state.applied_parameters.spatial.len(),
             ]
         };
         if lengths(theirs) != lengths(own) {
@@ -116,8 +117,9 @@ impl Snapshot {
         if theirs.initialized && !points_fit {
             return Err(PlantError::Snapshot("numbers of coordinates differ".into()));
         }
-        let rest = [theirs.joints.len(), theirs.tip_rotations.len(), theirs.station_rotations.len()];
-        if theirs.initialized && rest != [own.inputs.joints.len(), tips, own.inputs.stations.len()] {
+        let rotations = [&theirs.spatial_rotations, &theirs.tip_rotations, &theirs.station_rotations].map(Vec::len);
+        let rotations_fit = rotations == [own.parameters.spatial.len(), tips, own.inputs.stations.len()];
+        if theirs.initialized && !(rotations_fit && theirs.joints.len() == own.inputs.joints.len()) {
             return Err(PlantError::Snapshot("numbers of free ends or joint states differ".into()));
         }
         Ok(())

@@ -50,6 +50,23 @@ fn version_names_the_build() {
     assert!(text.contains(std::env::consts::ARCH), "{text}");
 }
 
+/// `--strains` writes one line per end of an element with the largest strain of the run, no less than any gauge saw.
+#[test]
+fn strains_are_reported_per_section() {
+    let folder = scratch();
+    let strains = folder.path().join("strains.csv");
+    let path = strains.to_str().unwrap();
+    let csv = succeeds(&on_model("simulate", &["--csv", "-", "-q", "--stop", "0.2", "--strains", path]));
+    let gauge = column(&csv, "gauge.root.strain").into_iter().fold(0.0f64, |peak, strain| peak.max(strain.abs()));
+    let report = std::fs::read_to_string(strains).unwrap();
+    assert_eq!(report.lines().next(), Some("body,position_m,largest_axial_strain,time_s,y_m,z_m"));
+    assert_eq!(report.lines().count(), 1 + 2 * 3, "two bodies of two pairs\n{report}");
+    let largest = column(&report, "largest_axial_strain").into_iter().fold(0.0f64, |peak, e| peak.max(e.abs()));
+    assert!(largest >= gauge && largest < 2.0 * gauge, "{largest} and {gauge}\n{report}");
+    let refused = on_model("simulate", &["--csv", "-", "-q", "--stop", "0.001", "--strains", "no/such/folder/x.csv"]);
+    refuses(&refused, 4, "no/such/folder/x.csv");
+}
+
 /// Each exit code that `--help` documents, with a message that names the cause.
 #[test]
 fn exit_codes_tell_causes_apart() {
@@ -87,6 +104,29 @@ fn simulation_writes_the_deployment() {
     assert_eq!(column(&csv, "time").last(), Some(&0.4));
     let latch_s = *column(&csv, "fold.latch_time").last().unwrap();
     assert!((latch_s - 0.1222).abs() < 0.005 * 0.1222, "latch at {latch_s} s");
+}
+
+/// A latch that is closed at the start has not "not latched", and a joint without one needs no word about it.
+#[test]
+fn summary_knows_what_a_latch_did() {
+    let folder = scratch();
+    let path = folder.path().join("wing.toml");
+    let summary = |old: &str, new: &str, set: &[&str]| {
+        let text = std::fs::read_to_string(model()).unwrap();
+        assert!(text.contains(old), "{old}");
+        std::fs::write(&path, text.replacen(old, new, 1)).unwrap();
+        let arguments = ["simulate", path.to_str().unwrap(), "--csv", "-", "--stop", "0.01"];
+        let output = foldwing(&[&arguments, set].concat());
+        succeeds(&output);
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let closed = ("[joint.fold.latch]\n", "[joint.fold.latch]\ninitially_closed = true\n");
+    let text = summary(closed.0, closed.1, &[]);
+    assert!(text.contains("fold: latched from the start, angle"), "{text}");
+    let text = summary(closed.0, closed.1, &["--set", "fold.latch_enable=false"]);
+    assert!(text.contains("fold: latch open at the end, angle"), "{text}");
+    let text = summary("", "", &[]);
+    assert!(text.contains("fold: did not latch, angle"), "{text}");
 }
 
 /// A run that cannot go on says when and why, and keeps the rows up to then.
@@ -142,6 +182,67 @@ fn check_says_what_was_understood() {
     for expected in ["inner", "outer", "fold", "degrees of freedom", "input fold.command", "gauge.root.strain"] {
         assert!(text.contains(expected), "{expected} is missing in\n{text}");
     }
+}
+
+/// Every kind of joint in our form and in the conventional one: Otsuka et al., Table 2, and eq. (13).
+///
+/// The table prints 33 as the sum of 12 and 11 for the revolute joint, and with it 97 % where eq. (13) gives 96 %. It
+/// has no clamped and no free joint.
+#[test]
+fn check_counts_joint_variables_as_table_2() {
+    let folder = scratch();
+    let path = folder.path().join("joints.toml");
+    let kinds = [
+        ("clamped", ""),
+        ("revolute", "axis = [0, 1, 0]"),
+        ("universal", "axis = [0, 1, 0]\nbody_axis = [0, 0, 1]"),
+        ("ball", ""),
+        ("free", ""),
+    ];
+    let mut text = "name = \"Joints\"\n[section.bar]\nshape = \"ellipse\"\nwidth_m = 0.1\nheight_m = \
+                    0.1\ndensity_kg_m3 = 1\nyoung_Pa = 1e9\npoisson_ratio = 0.3\n"
+        .to_owned();
+    for (kind, keys) in kinds {
+        text += &format!(
+            "[body.{kind}]\nlength_m = 1\nsection = \"bar\"\nelements = 1\n[joint.{kind}_joint]\ntype = \
+             \"{kind}\"\nparent = \"root\"\nchild = \"{kind}\"\n{keys}\n"
+        );
+    }
+    std::fs::write(&path, text).unwrap();
+    let path = path.to_str().unwrap();
+    let json: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&["check", path, "--json"]))).unwrap();
+    // ours N_J, N_L; conventional N_J, N_L; printed reduction rate in per cent
+    let expected = [
+        ([0, 0, 12, 12], None),
+        ([1, 0, 12, 11], Some(96.0)),
+        ([9, 7, 12, 10], Some(27.0)),
+        ([4, 1, 12, 9], Some(76.0)),
+        ([7, 1, 12, 6], None),
+    ];
+    for ((kind, _), (joint, (counts, rate_percent))) in
+        kinds.iter().zip(json["joints"].as_array().unwrap().iter().zip(expected))
+    {
+        assert_eq!(joint["kind"], *kind);
+        let size = &joint["size"];
+        let keys = ["variables", "multipliers", "conventional_variables", "conventional_multipliers"];
+        assert_eq!(keys.map(|key| size[key].as_u64().unwrap()), counts, "{kind}");
+        assert_eq!(size["in_table_2"], rate_percent.is_some(), "{kind}");
+        let rate = size["reduction_rate"].as_f64().unwrap();
+        let [a, b, c, d] = counts.map(|count| count as f64);
+        assert!((rate - ((c + d) - (a + b)) / (c + d)).abs() < 1e-12, "{kind}: {rate}");
+        assert!(rate_percent.is_none_or(|percent| (100.0 * rate).round() == percent), "{kind}: {rate}");
+    }
+    // eight strains of each linear element, and 0 + 1 + 2 + 3 + 6 of the joints
+    assert_eq!(json["degrees_of_freedom"], 5 * 8 + 12);
+    let text = succeeds(&foldwing(&["check", path]));
+    for line in [
+        "  universal_joint: universal, 9 + 7 against 12 + 10, 27 % less\n",
+        "  revolute_joint: revolute, 1 + 0 against 12 + 11, 96 % less (the table prints 33 for 12 + 11, and so 97 %)\n",
+        "  free_joint: free, 7 + 1 against 12 + 6, 56 % less (not in the table: counted in the same way)\n",
+    ] {
+        assert!(text.contains(line), "{line} is not in\n{text}");
+    }
+    assert!(!text.contains("-0"), "no negative zeros: {text}");
 }
 
 /// The schema is JSON, and a closed pipe is not an error.

@@ -49,7 +49,10 @@ def test_f30_percent_signs_are_doubled(wing):
 
 
 def test_f31_messages_name_their_instance_and_a_declared_category(wing):
-    """F-31. Messages carry the instance's name, a declared category and the importer's own environment pointer."""
+    """F-31. Messages carry the instance's name, a declared category and the importer's own environment pointer.
+
+    The event names its joint, what happened and when.
+    """
     callbacks, messages = recording_callbacks()
     declared = set(re.findall(r'<Category name="(\w+)"', Path(wing.folder, "modelDescription.xml").read_text()))
     with instance(wing, name="left wing", callbacks=callbacks, logging=True) as fmu:
@@ -57,6 +60,7 @@ def test_f31_messages_name_their_instance_and_a_declared_category(wing):
         with pytest.raises(FMICallException):
             fmu.set("fold.command", float("nan"))
     assert [category for *_, category, _ in messages] == ["logEvents", "logStatusDiscard"], messages
+    assert re.fullmatch(r"fmi2DoStep: joint fold: latch closed at t = 0\.122\d{6} s", messages[0][-1]), messages[0]
     for environment, name, _, category, text in messages:
         assert environment == ENVIRONMENT
         assert name == "left wing"

@@ -440,6 +440,33 @@ fn log_categories_are_checked_and_events_logged_on_request() {
     fmu.ok(unsafe { fmi2SetDebugLogging(fmu.component, 1, 1, &events.as_ptr()) });
     fmu.step(0.05, 0.1);
     assert!(fmu.get_boolean("fold.latched"));
+    fmu.set_boolean("fold.latch_enable", false);
+    fmu.step(0.15, 0.001);
     let messages = fmu.messages.borrow();
-    assert!(messages.iter().any(|message| message.category == "logEvents" && message.text.contains("1 event")));
+    assert!(messages.iter().all(|message| message.category == "logEvents"), "{messages:?}");
+    let texts: Vec<&str> = messages.iter().map(|message| message.text.as_str()).collect();
+    let latch_s = fmu.get("fold.latch_time");
+    assert_eq!(
+        texts,
+        [
+            format!("fmi2DoStep: joint fold: latch closed at t = {latch_s:.9} s"),
+            "fmi2DoStep: joint fold: latch opened at t = 0.150000000 s".to_owned(),
+        ]
+    );
+}
+
+/// The stopper lets go at the communication point at which the input does; later releases are none.
+#[test]
+fn releases_are_logged_with_their_time() {
+    let fmu = Fmu::initializing(0.0);
+    fmu.set_boolean("fold.release", false);
+    fmu.ok(unsafe { fmi2ExitInitializationMode(fmu.component) });
+    fmu.ok(unsafe { fmi2SetDebugLogging(fmu.component, 1, 0, ptr::null()) });
+    fmu.step(0.0, 0.05);
+    fmu.set_boolean("fold.release", true);
+    fmu.step(0.05, 0.01);
+    fmu.step(0.06, 0.01);
+    let messages = fmu.messages.borrow();
+    let texts: Vec<&str> = messages.iter().map(|message| message.text.as_str()).collect();
+    assert_eq!(texts, ["fmi2DoStep: joint fold: released at t = 0.050000000 s"]);
 }

@@ -4,6 +4,8 @@
 //! wording is seen.
 
 mod model_file_accepted;
+mod model_file_functions;
+mod model_file_joints;
 mod model_file_keys;
 mod model_file_meaning;
 
@@ -100,7 +102,7 @@ fn shipped_models() -> Vec<PathBuf> {
 #[test]
 fn shipped_models_are_accepted() {
     let models = shipped_models();
-    assert!(models.len() >= 5);
+    assert!(models.len() >= 6);
     for model in models {
         let (machine, text) = config::read(&model).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(text, std::fs::read_to_string(&model).unwrap());

@@ -26,19 +26,22 @@ fn unknown_keys() {
     assert_eq!(
         message("length_m = 0.15", "length = 0.15"),
         "wing.toml:16: key 'body.inner.length' is unknown; write length_m (m); allowed keys: length_m, section, \
-         element, elements, natural_curvature_1_m, mass_damping_1_s, stiffness_damping_s, load_stations, \
+         outer_section, width_taper, height_taper, element, elements, natural_curvature_1_m, twist_1_m, \
+         curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, stiffness_damping_s, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
         message("length_m = 0.15", "length_mm = 150"),
         "wing.toml:16: key 'body.inner.length_mm' is unknown; write length_m (m); allowed keys: length_m, \
-         section, element, elements, natural_curvature_1_m, mass_damping_1_s, stiffness_damping_s, load_stations, \
+         section, outer_section, width_taper, height_taper, element, elements, natural_curvature_1_m, twist_1_m, \
+         curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, stiffness_damping_s, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
         message("elements = 2\nload", "lenght_m = 1\nelements = 2\nload"),
         "wing.toml:18: key 'body.inner.lenght_m' is unknown; perhaps length_m is meant; allowed keys: length_m, \
-         section, element, elements, natural_curvature_1_m, mass_damping_1_s, stiffness_damping_s, load_stations, \
+         section, outer_section, width_taper, height_taper, element, elements, natural_curvature_1_m, twist_1_m, \
+         curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, stiffness_damping_s, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
@@ -148,12 +151,13 @@ fn choices() {
     );
     assert_eq!(
         message("\"clamped\"", "\"welded\""),
-        "wing.toml:25: key 'joint.mount.type': \"welded\" is not allowed; allowed: \"clamped\" or \"revolute\""
+        "wing.toml:25: key 'joint.mount.type': \"welded\" is not allowed; allowed: \"clamped\" or \"revolute\" or \
+         \"universal\" or \"ball\" or \"free\""
     );
     assert_eq!(
         message("[solver]", "[solver]\nmethod = \"euler\""),
         "wing.toml:48: key 'solver.method': \"euler\" is not allowed; allowed: \"generalized_alpha\" or \
-         \"tr_bdf2\" or \"esdirk3\" or \"esdirk4\""
+         \"tr_bdf2\" or \"esdirk3\" or \"esdirk4\" or \"rk4\""
     );
     assert_eq!(
         message("load_stations = 4", "element = \"quadratic\""),

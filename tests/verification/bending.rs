@@ -123,7 +123,7 @@ fn v23_bend_of_45_degrees() {
         let material = Material { young_pa: 1e7, shear_pa: 5e6, density_kg_m3: 1.0 };
         let section = Section::rectangle(1.0, 1.0, &material, None);
         let mut body = cantilever(length_in, section, kind, elements, LoadFrame::Root);
-        body.natural_strain = [0.0, 0.0, 0.0, 1.0 / RADIUS_IN];
+        body.natural_strain = [0.0, 0.0, 0.0, 1.0 / RADIUS_IN].into();
         (tip(body, tip_force(Vector3::z() * 600.0), 8).0 - expected).norm() / length_in
     };
     let constant: Vec<f64> = [4, 8, 16].iter().map(|&n| error(Constant, n)).collect();

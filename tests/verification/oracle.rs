@@ -50,7 +50,7 @@ impl<'a> Oracle<'a> {
         for (body, description) in model.bodies.iter().zip(&case.descriptions) {
             let mut beam = DMatrix::zeros(rows, rows);
             let mut k = DMatrix::zeros(n, n);
-            let section = &description.section;
+            let section = &description.section.at(0.0);
             for i in 0..body.elements {
                 let element = &model.elements[body.first_element + i];
                 let block = element_mass(element.length_m, section);

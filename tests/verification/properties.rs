@@ -117,7 +117,7 @@ fn v12_potentials_have_the_residual_as_gradient() {
 #[test]
 fn v13_mass_adds_up() {
     for Named { name, case, .. } in all_trees(17) {
-        let beams: f64 = case.descriptions.iter().map(|body| body.section.mass_kg_m * body.length_m).sum();
+        let beams: f64 = case.descriptions.iter().map(|body| body.section.mass_kg(body.length_m)).sum();
         let attached: f64 = case.clouds.iter().flat_map(|(_, _, cloud)| cloud.iter().map(|(mass, _)| mass)).sum();
         let engine = energy::mass_kg(&case.model);
         assert!((engine - beams - attached).abs() < 1e-13 * engine, "{name}: {engine} kg");

@@ -4,9 +4,10 @@ use crate::oracle::{Oracle, element_mass};
 use crate::trees::{Case, Named, Random, State, all_trees, full_section, random_body, two_bodies};
 use foldwing::beam::element::{ElementKind, ElementMass};
 use foldwing::multibody::dynamics::{Environment, residual};
-use foldwing::multibody::factor::{HingeTangent, Weights, factorize, kinematic_norm, solve};
+use foldwing::multibody::factor::{HingeTangent, Weights, factorize, solve};
 use foldwing::multibody::kinematics::{Motion, sweep_motion, sweep_poses};
 use foldwing::multibody::model::{Attachment, Base};
+use foldwing::multibody::norm::kinematic_norm;
 use foldwing::multibody::{Workspace, station};
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -207,7 +208,7 @@ fn v08_mesh_puts_everything_in_its_place() {
     for kind in [ElementKind::Constant, ElementKind::Linear] {
         for elements in [1, 2, 3, 7, 20] {
             let mut parent = random_body(&mut random, 1.3, kind, elements);
-            parent.natural_strain = [0.0; 4];
+            parent.natural_strain = [0.0; 4].into();
             parent.stations_m = vec![0.0, 0.11, 0.5, 0.77, 1.3];
             let mut child = random_body(&mut random, 0.4, kind, elements);
             child.parent = Attachment::Body { index: 0, position_m: 0.77 };

@@ -109,10 +109,10 @@ pub fn cantilever(
 ) -> BodyDescription {
     BodyDescription {
         length_m,
-        section,
+        section: section.into(),
         kind,
         elements,
-        natural_strain: [0.0; 4],
+        natural_strain: [0.0; 4].into(),
         parent: Attachment::Root(Vector3::zeros()),
         mount: Matrix3::identity(),
         joint: JointDescription::Clamped,

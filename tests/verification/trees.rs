@@ -94,7 +94,7 @@ pub fn full_section(random: &mut Random) -> Section {
 pub fn random_body(random: &mut Random, length_m: f64, kind: ElementKind, elements: usize) -> BodyDescription {
     BodyDescription {
         length_m,
-        section: full_section(random),
+        section: full_section(random).into(),
         kind,
         elements,
         natural_strain: [
@@ -102,7 +102,8 @@ pub fn random_body(random: &mut Random, length_m: f64, kind: ElementKind, elemen
             0.3 * random.symmetric(),
             0.3 * random.symmetric(),
             0.3 * random.symmetric(),
-        ],
+        ]
+        .into(),
         parent: Attachment::Root(Vector3::zeros()),
         mount: Matrix3::identity(),
         joint: JointDescription::Clamped,
@@ -239,8 +240,9 @@ pub fn all_trees(seed: u64) -> Vec<Named> {
         let mut random = Random::new(seed + 200);
         let mut bodies = two_bodies(seed, [Constant, Linear], 4).descriptions;
         for body in &mut bodies {
-            body.section.stiffness = Matrix4::from_diagonal(&nalgebra::Vector4::new(factor, 1.0, 1.5, 2.0))
+            let stiffness = Matrix4::from_diagonal(&nalgebra::Vector4::new(factor, 1.0, 1.5, 2.0))
                 * (1.0 + 0.1 * random.symmetric());
+            body.section = Section { stiffness, ..body.section.at(0.0) }.into();
         }
         Case::new(bodies, Vec::new())
     };

@@ -19,15 +19,17 @@ fn p95_impossible_tolerance_is_an_error() {
     assert!(plant.outputs().joints[0].angle_rad.is_finite());
 }
 
-/// P-96. Limits of the step that contradict each other do not panic.
+/// P-96. Limits of the step that contradict each other are refused at the start; they used to panic.
 #[test]
-fn p96_contradicting_step_limits_do_not_panic() {
+fn p96_contradicting_step_limits_are_an_error() {
     let mut plant = Plant::new(Arc::new(default_wing(1e-4)));
     plant.parameters_mut().min_step_s = 1e-2;
     plant.parameters_mut().max_step_s = 1e-3;
-    if plant.initialize(0.0).is_ok() {
-        let _ = plant.step(0.1);
-    }
+    let error = plant.initialize(0.0).expect_err("1e-2 s is more than 1e-3 s");
+    assert_eq!(error, PlantError::Steps { min_step_s: 1e-2, max_step_s: 1e-3 });
+    assert_eq!(error.to_string(), "the smallest internal step, 1e-2 s, is longer than the largest, 1e-3 s");
+    plant.parameters_mut().min_step_s = 1e-3;
+    plant.initialize(0.0).expect("equal limits are one step");
 }
 
 /// P-97. A value that is not a number gives an error and leaves time, state and later steps with good values alone.

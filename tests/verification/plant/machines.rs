@@ -88,10 +88,10 @@ pub fn body(name: &str, length_m: f64, section: &Section, kind: ElementKind, cou
     Body {
         name: name.into(),
         length_m,
-        section: section.clone(),
+        section: section.clone().into(),
         element: kind,
         elements: count,
-        natural_strain: [0.0; 4],
+        natural_strain: [0.0; 4].into(),
         mass_damping_1_s: 0.0,
         stiffness_damping_s: 0.0,
         station_positions_m: Vec::new(),
@@ -129,7 +129,7 @@ pub fn wing(kind: ElementKind, count: usize, method: Method, tolerance: f64) -> 
     bodies.push(outer);
     Machine {
         closures: Vec::new(),
-        gauges: vec![Gauge { name: "root".into(), body: 0, position_m: 0.02, y_m: 0.0, z_m: 0.001 }],
+        gauges: vec![Gauge::axial("root", 0, 0.02, [0.0, 0.001])],
         gravity_m_s2: Vector3::new(-9.8, 0.0, 0.0),
         solver: solver(method, tolerance),
         ..machine(bodies)

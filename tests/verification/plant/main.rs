@@ -6,6 +6,7 @@ mod machines;
 
 mod corners;
 mod deployment;
+mod double_pendulum;
 mod energy;
 mod failures;
 mod loops;

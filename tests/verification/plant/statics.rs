@@ -20,7 +20,7 @@ fn blade(frame: LoadFrame) -> Machine {
 /// Deflection, shortening (both over the length) and tip angle under `lambda = P L²/EI` across, once at rest.
 fn bent(frame: LoadFrame, lambda: f64) -> [f64; 3] {
     let machine = blade(frame);
-    let stiffness_n_m2 = machine.bodies[0].section.stiffness[(2, 2)];
+    let stiffness_n_m2 = machine.bodies[0].section.at(0.0).stiffness[(2, 2)];
     let mut plant = start(machine);
     plant.inputs_mut().stations[0].force_n.z = lambda * stiffness_n_m2 / 0.09;
     coast(&mut plant, 1.2);
@@ -63,7 +63,7 @@ fn p71_follower_force_at_the_free_end_is_the_elastica() {
         println!("follower p = {}: errors {errors:?}", row[0]);
         assert!(errors.iter().all(|error| error.abs() < 2e-5), "follower p = {}: errors {errors:?} of L, rad", row[0]);
     }
-    let section = blade(LoadFrame::Section).bodies[0].section.clone();
+    let section = blade(LoadFrame::Section).bodies[0].section.at(0.0);
     let force_n = 5.0 * section.stiffness[(2, 2)] / 0.09;
     let end = Load { position_m: 0.3, force_n: Vector3::z() * force_n, moment_n_m: Vector3::zeros(), follower: true };
     let rod = Rod { segments: vec![Segment { length_m: 0.3, joint: None, loads: vec![end] }], ..Rod::of(&section) };
@@ -88,7 +88,7 @@ fn latched_wing(pairs: usize) -> Machine {
     }
     machine.bodies[1].load_frame = LoadFrame::Section;
     machine.gravity_m_s2 = Vector3::new(-3.0, 2.0, -9.0);
-    machine.gauges.push(Gauge { name: "off".into(), body: 0, position_m: 0.0, y_m: 0.02, z_m: -0.001 });
+    machine.gauges.push(Gauge::axial("off", 0, 0.0, [0.02, -0.001]));
     machine
 }
 

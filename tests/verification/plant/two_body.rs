@@ -84,7 +84,9 @@ fn p81_two_body_path() {
 fn p82_two_body_history() {
     let mut machine = two_bodies(ElementKind::Linear, 6);
     for body in &mut machine.bodies {
-        body.section.stiffness[(0, 0)] = 1e7;
+        let mut section = body.section.at(0.0);
+        section.stiffness[(0, 0)] = 1e7;
+        body.section = section.into();
     }
     let mut plant = start(machine);
     let mut worst = (0f64, 0.0);

@@ -55,10 +55,10 @@ fn tree(dice: &mut Dice, joints: [JointDescription; 4]) -> Model {
     let bodies: Vec<BodyDescription> = (0..4)
         .map(|i| BodyDescription {
             length_m: [1.0, 0.7, 0.9, 0.8][i],
-            section: section.clone(),
+            section: section.clone().into(),
             kind: kinds[i],
             elements: [2, 3, 2, 2][i],
-            natural_strain: [0.0, 0.3, -0.2, 0.4],
+            natural_strain: [0.0, 0.3, -0.2, 0.4].into(),
             parent: parents[i],
             mount: nalgebra::Rotation3::new(dice.vector() * 0.6).into_inner(),
             joint: joints[i],

@@ -1,0 +1,137 @@
+//! How section and natural strain vary along a body.
+
+use crate::beam::profile::Profile;
+use crate::beam::section::{Section, Solid};
+use crate::math::quadrature::gauss_pieces;
+use nalgebra::Vector4;
+
+/// Cross-section as a function of the distance `s` from a body's inner end.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SectionLaw {
+    /// The same everywhere, given by its properties.
+    Uniform(Section),
+    /// A solid section whose outline is stretched by factors along the body ([M] 10–11), NOTATION eq. (S5).
+    Tapered {
+        /// Outline at factors 1.
+        solid: Solid,
+        /// Factor `λ₂(s)` of the width.
+        width: Profile,
+        /// Factor `λ₃(s)` of the height.
+        height: Profile,
+    },
+    /// Stiffness, inertia and outline linear between two sections, NOTATION eq. (S6).
+    Between {
+        /// At the inner end.
+        inner: Section,
+        /// At the outer end.
+        outer: Section,
+        /// Length of the body in m.
+        length_m: f64,
+    },
+}
+
+impl From<Section> for SectionLaw {
+    fn from(section: Section) -> Self {
+        Self::Uniform(section)
+    }
+}
+
+impl From<Solid> for SectionLaw {
+    fn from(solid: Solid) -> Self {
+        Self::Tapered { solid, width: Profile::constant(1.0), height: Profile::constant(1.0) }
+    }
+}
+
+impl SectionLaw {
+    /// Section at `s_m` from the inner end.
+    pub fn at(&self, s_m: f64) -> Section {
+        match self {
+            Self::Uniform(section) => section.clone(),
+            Self::Tapered { solid, width, height } => solid.stretched(width.at(s_m), height.at(s_m)).section(),
+            Self::Between { inner, outer, length_m } => inner.towards(outer, s_m / length_m),
+        }
+    }
+
+    /// Outline and material at `s_m`; `None` for sections given by their properties.
+    pub fn solid_at(&self, s_m: f64) -> Option<Solid> {
+        match self {
+            Self::Tapered { solid, width, height } => Some(solid.stretched(width.at(s_m), height.at(s_m))),
+            Self::Uniform(_) | Self::Between { .. } => None,
+        }
+    }
+
+    /// Places in m where the section's slope may jump.
+    pub fn kinks_m(&self) -> Vec<f64> {
+        match self {
+            Self::Tapered { width, height, .. } => [width.kinks_m(), height.kinks_m()].concat(),
+            Self::Uniform(_) | Self::Between { .. } => Vec::new(),
+        }
+    }
+
+    /// Places on `[0, length_m]` that show how the section varies.
+    pub fn samples_m(&self, length_m: f64) -> Vec<f64> {
+        match self {
+            Self::Uniform(_) => vec![0.0],
+            Self::Tapered { width, height, .. } => [width.samples_m(length_m), height.samples_m(length_m)].concat(),
+            Self::Between { .. } => vec![0.0, length_m],
+        }
+    }
+
+    /// True where the section is the same everywhere.
+    pub fn is_uniform(&self) -> bool {
+        match self {
+            Self::Uniform(_) => true,
+            Self::Tapered { width, height, .. } => width.is_constant() && height.is_constant(),
+            Self::Between { inner, outer, .. } => inner == outer,
+        }
+    }
+
+    /// Mass of a body of `length_m` in kg.
+    pub fn mass_kg(&self, length_m: f64) -> f64 {
+        if self.is_uniform() {
+            return self.at(0.0).mass_kg_m * length_m;
+        }
+        gauss_pieces(0.0, length_m, &self.kinks_m()).iter().map(|(s, weight)| weight * self.at(*s).mass_kg_m).sum()
+    }
+
+    /// The same law with its inertia multiplied by `mass_factor` and its stiffness by `stiffness_factor`.
+    pub fn scaled(&self, mass_factor: f64, stiffness_factor: f64) -> Self {
+        match self {
+            Self::Uniform(section) => Self::Uniform(section.scaled(mass_factor, stiffness_factor)),
+            Self::Tapered { solid, width, height } => Self::Tapered {
+                solid: solid.scaled(mass_factor, stiffness_factor),
+                width: width.clone(),
+                height: height.clone(),
+            },
+            Self::Between { inner, outer, length_m } => Self::Between {
+                inner: inner.scaled(mass_factor, stiffness_factor),
+                outer: outer.scaled(mass_factor, stiffness_factor),
+                length_m: *length_m,
+            },
+        }
+    }
+}
+
+/// Natural strain `(εx, κx, κy, κz)` as functions of the distance `s` from a body's inner end: the shape without
+/// loads.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NaturalStrain(pub [Profile; 4]);
+
+impl<A: Into<[f64; 4]>> From<A> for NaturalStrain {
+    /// Constant along the body.
+    fn from(strain: A) -> Self {
+        Self(strain.into().map(Profile::constant))
+    }
+}
+
+impl NaturalStrain {
+    /// Strain at `s_m` from the inner end.
+    pub fn at(&self, s_m: f64) -> Vector4<f64> {
+        Vector4::from_fn(|i, _| self.0[i].at(s_m))
+    }
+
+    /// Places in m where a slope may jump.
+    pub fn kinks_m(&self) -> Vec<f64> {
+        self.0.iter().flat_map(Profile::kinks_m).collect()
+    }
+}

@@ -1,0 +1,77 @@
+//! Functions of the distance along a body: constants, polynomials, tables.
+
+/// A scalar function of the distance `s` from a body's inner end, in m.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Profile {
+    /// `Σ coefficients[i] sⁱ`, NOTATION eq. (S4).
+    Polynomial(Vec<f64>),
+    /// Straight lines through rows `[s, value]` in ascending order of `s`; constant before the first and after the
+    /// last. Every integral over an element is split at the rows, so that the kinks cost no accuracy there.
+    Table(Vec<[f64; 2]>),
+}
+
+impl Profile {
+    /// The same value everywhere.
+    pub fn constant(value: f64) -> Self {
+        Self::Polynomial(vec![value])
+    }
+
+    /// Linear from `inner` at the inner end to `outer` at `length_m`.
+    pub fn linear(inner: f64, outer: f64, length_m: f64) -> Self {
+        Self::Polynomial(vec![inner, (outer - inner) / length_m])
+    }
+
+    /// Value at `s_m`.
+    pub fn at(&self, s_m: f64) -> f64 {
+        match self {
+            Self::Polynomial(coefficients) => coefficients.iter().rev().fold(0.0, |value, c| value * s_m + c),
+            Self::Table(rows) => {
+                let after = rows.partition_point(|row| row[0] <= s_m);
+                match (after.checked_sub(1).and_then(|before| rows.get(before)), rows.get(after)) {
+                    (Some([s0, v0]), Some([s1, v1])) => v0 + (v1 - v0) * (s_m - s0) / (s1 - s0),
+                    (Some([_, value]), None) | (None, Some([_, value])) => *value,
+                    (None, None) => 0.0,
+                }
+            }
+        }
+    }
+
+    /// Places in m where the slope may jump.
+    pub fn kinks_m(&self) -> Vec<f64> {
+        match self {
+            Self::Polynomial(_) => Vec::new(),
+            Self::Table(rows) => rows.iter().map(|row| row[0]).collect(),
+        }
+    }
+
+    /// True where the function is the same value everywhere.
+    pub fn is_constant(&self) -> bool {
+        match self {
+            Self::Polynomial(coefficients) => coefficients.iter().skip(1).all(|c| *c == 0.0),
+            Self::Table(rows) => rows.windows(2).all(|pair| pair[0][1] == pair[1][1]),
+        }
+    }
+
+    /// Places on `[0, length_m]` that show the function's shape: 200 equal steps and the kinks.
+    pub fn samples_m(&self, length_m: f64) -> Vec<f64> {
+        let mut places: Vec<f64> = (0..=200).map(|i| length_m * f64::from(i) / 200.0).collect();
+        places.extend(self.kinks_m().into_iter().filter(|s| (0.0..=length_m).contains(s)));
+        places
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polynomials_and_tables() {
+        let polynomial = Profile::Polynomial(vec![1.0, -2.0, 3.0]);
+        assert_eq!(polynomial.at(2.0), 1.0 - 4.0 + 12.0);
+        let table = Profile::Table(vec![[1.0, 5.0], [2.0, 7.0], [4.0, 3.0]]);
+        for (s, value) in [(0.0, 5.0), (1.0, 5.0), (1.5, 6.0), (2.0, 7.0), (3.0, 5.0), (4.0, 3.0), (9.0, 3.0)] {
+            assert_eq!(table.at(s), value, "at {s} m");
+        }
+        assert!(!table.is_constant() && !polynomial.is_constant() && Profile::constant(2.0).is_constant());
+    }
+}

@@ -1,0 +1,65 @@
+//! Functions along a body: a number, a polynomial or a table.
+
+use crate::beam::profile::Profile;
+use crate::config::schema::shortest;
+use crate::config::validate::Checker;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Function of the distance `s` from a body's inner end.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(super) enum FunctionFile {
+    /// A number.
+    Number(f64),
+    /// A polynomial or a table.
+    Curve(CurveFile),
+}
+
+/// Polynomial or table over the distance `s` from a body's inner end: one of the two.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CurveFile {
+    /// Coefficients of 1, s, s², … with s in m.
+    #[schemars(length(min = 1, max = 100))]
+    pub polynomial: Option<Vec<f64>>,
+    /// Rows `[s, value]`, s in m ascending; straight between rows, constant outside.
+    #[schemars(length(min = 2), extend("x-allowed" = "at least 2 rows [s in m, value] of finite numbers"))]
+    pub table: Option<Vec<[f64; 2]>>,
+}
+
+/// The function; refused where polynomial and table are both there or neither, or rows are out of order or off the
+/// body.
+pub(super) fn along_body(
+    path: &[&str],
+    function: &FunctionFile,
+    length_m: f64,
+    checker: &mut Checker,
+) -> Option<Profile> {
+    let inside = |key: &'static str| [path, &[key]].concat();
+    match function {
+        FunctionFile::Number(value) => Some(Profile::constant(*value)),
+        FunctionFile::Curve(CurveFile { polynomial: Some(coefficients), table: None }) => {
+            Some(Profile::Polynomial(coefficients.clone()))
+        }
+        FunctionFile::Curve(CurveFile { polynomial: None, table: Some(rows) }) => {
+            let ascending = rows.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+            let on_body = rows.iter().all(|row| (0.0..=length_m).contains(&row[0]));
+            if ascending && on_body {
+                return Some(Profile::Table(rows.clone()));
+            }
+            let length = shortest(length_m);
+            let allowed = format!("rows [s, value] with s ascending from 0 to at most {length} m, the body's length");
+            checker.refuse(&inside("table"), allowed);
+            None
+        }
+        FunctionFile::Curve(CurveFile { polynomial: Some(_), table: Some(_) }) => {
+            checker.refuse(&inside("table"), "either polynomial or table, not both");
+            None
+        }
+        FunctionFile::Curve(CurveFile { polynomial: None, table: None }) => {
+            checker.refuse(path, "polynomial or table in it");
+            None
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! The joints of the model file: shape and descriptions, as in [`crate::config::file`].
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Joint that holds a body's inner end. Which of the keys from `axis` on a joint has depends on its type.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct JointFile {
+    /// What the joint allows.
+    #[serde(rename = "type")]
+    pub kind: JointType,
+    /// What the joint holds on to: `root` or a body.
+    pub parent: String,
+    /// Body whose inner end the joint holds.
+    pub child: String,
+    /// Distance along the parent body from its inner end, default its outer end.
+    #[schemars(range(min = 0.0))]
+    pub parent_position_m: Option<f64>,
+    /// Position in the root frame where the parent is `root`, default the origin.
+    pub root_position_m: Option<[f64; 3]>,
+    /// Rotation vector of the body's first frame in the parent's frame: at angle zero of revolute joints, at the start
+    /// of universal, ball and free ones.
+    #[serde(default)]
+    #[schemars(inner(range(min = -360.0, max = 360.0)))]
+    pub mount_rotation_deg: [f64; 3],
+    /// Hinge axis in the parent's section frame, of any length but zero. Positive angles by the right hand. Revolute and
+    /// universal joints need it.
+    pub axis: Option<[f64; 3]>,
+    /// Second axis of a universal joint in the body's section frame, not parallel to `axis` at the start.
+    pub body_axis: Option<[f64; 3]>,
+    /// Angular velocity of a universal, ball or free joint's body at the start, relative to the parent and in its section
+    /// frame, default 0.
+    pub start_angular_velocity_deg_s: Option<[f64; 3]>,
+    /// Velocity of a free body's inner end at the start, root frame, default 0.
+    pub start_velocity_m_s: Option<[f64; 3]>,
+    /// Fold angle of a revolute joint at the start, default 0; 0 is deployed.
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub start_angle_deg: Option<f64>,
+    /// Fold rate of a revolute joint at the start, default 0.
+    pub start_rate_deg_s: Option<f64>,
+    /// Start value of a revolute joint's release input: false holds it at its start angle until released. Default true.
+    pub release: Option<bool>,
+    /// How the angle of a revolute joint moves, default `free`.
+    pub motion: Option<MotionType>,
+    /// Prescribed angle as a polynomial of absolute time: coefficients of 1, t, t², …
+    #[schemars(length(min = 1, max = 100))]
+    pub polynomial_deg: Option<Vec<f64>>,
+    /// Prescribed angle as a smooth curve through `[time_s, angle_deg]`, times ascending; constant outside.
+    #[schemars(
+        length(min = 2),
+        extend("x-allowed" = "at least 2 pairs [time in s, angle in deg] of finite numbers")
+    )]
+    pub table_s_deg: Option<Vec<[f64; 2]>>,
+    /// Spring, damper and motor of a revolute joint; spring towards the start attitude and damper of a universal or
+    /// ball joint.
+    pub drive: Option<DriveFile>,
+    /// Latch of a revolute joint.
+    pub latch: Option<LatchFile>,
+}
+
+/// What a joint allows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum JointType {
+    /// Nothing.
+    Clamped,
+    /// Rotation about one axis.
+    Revolute,
+    /// Rotation about two axes, one fixed to each side.
+    Universal,
+    /// All rotations.
+    Ball,
+    /// Everything; on the root only.
+    Free,
+}
+
+impl JointType {
+    /// Name as the file writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clamped => "clamped",
+            Self::Revolute => "revolute",
+            Self::Universal => "universal",
+            Self::Ball => "ball",
+            Self::Free => "free",
+        }
+    }
+}
+
+/// How a fold angle moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum MotionType {
+    /// By its torques.
+    Free,
+    /// Not at all: held at the start angle.
+    Locked,
+    /// By `polynomial_deg` or `table_s_deg`.
+    Prescribed,
+}
+
+/// Drive: the torque on the outer body about the hinge is `−(k (θ − θ_cmd) + c θ̇ + T)`, limited. Universal and ball
+/// joints have `k` and `c` only: per axis, or about the rotation vector from the start attitude.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DriveFile {
+    /// Spring stiffness `k`.
+    #[serde(default, rename = "stiffness_N_m_rad")]
+    #[schemars(range(min = 0.0))]
+    pub stiffness_n_m_rad: f64,
+    /// Damping `c`.
+    #[serde(default, rename = "damping_N_m_s_rad")]
+    #[schemars(range(min = 0.0))]
+    pub damping_n_m_s_rad: f64,
+    /// Constant torque `T`, towards negative angles.
+    #[serde(default, rename = "constant_torque_N_m")]
+    pub constant_torque_n_m: f64,
+    /// Largest magnitude of the drive torque, default unlimited.
+    #[serde(rename = "torque_limit_N_m")]
+    #[schemars(range(min = 0.0))]
+    pub torque_limit_n_m: Option<f64>,
+    /// Largest slew of the commanded angle, default unlimited.
+    #[schemars(range(min = 0.0))]
+    pub rate_limit_deg_s: Option<f64>,
+    /// Start value of the commanded (neutral) angle `θ_cmd`.
+    #[serde(default)]
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub command_deg: f64,
+}
+
+/// Latch: closes when the angle reaches `angle_deg` from the folded side.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LatchFile {
+    /// Angle at which it closes.
+    #[serde(default)]
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub angle_deg: f64,
+    /// Stiffness of the closed joint over the drive's `k`: the latch adds `(ratio − 1) k`.
+    #[schemars(extend("exclusiveMinimum" = 1))]
+    pub stiffness_ratio: Option<f64>,
+    /// Stiffness that the latch adds; instead of `stiffness_ratio`.
+    #[serde(rename = "stiffness_N_m_rad")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub stiffness_n_m_rad: Option<f64>,
+    /// Half-width of the window in which enabling closes it at once.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 360.0))]
+    pub capture_deg: f64,
+    /// Closed at the start.
+    #[serde(default)]
+    pub initially_closed: bool,
+    /// Start value of the enable input.
+    #[serde(default = "yes")]
+    pub enable: bool,
+}
+
+fn yes() -> bool {
+    true
+}

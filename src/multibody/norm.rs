@@ -1,0 +1,72 @@
+//! Kinematic norm: how far a change of the coordinates moves the nodes; last part of NOTATION eq. (D13).
+
+use crate::math::se3::Link;
+use crate::multibody::model::{Base, Model};
+use crate::multibody::workspace::{Pair, Workspace};
+use nalgebra::Vector4;
+
+/// Twist of a link's outer end from that of its inner end and the change of its strains.
+#[inline]
+pub(crate) fn displaced(inner: &Pair, link: &Link, strain: &Vector4<f64>) -> Pair {
+    Pair {
+        linear: inner.linear
+            + inner.angular.cross(&link.arm_m)
+            + link.velocity[0] * strain[0]
+            + link.velocity[1] * strain[1]
+            + link.velocity[2] * strain[2]
+            + link.velocity[3] * strain[3],
+        angular: inner.angular + link.spin[0] * strain[1] + link.spin[1] * strain[2] + link.spin[2] * strain[3],
+    }
+}
+
+/// Kinematic norm of a change of coordinates at the poses in `work`: largest node displacement over the
+/// reference length, or rotation in rad.
+pub fn kinematic_norm(model: &Model, work: &mut Workspace, change: &[f64]) -> f64 {
+    let mut norm = NormSquared::default();
+    for (index, body) in model.bodies.iter().enumerate() {
+        let mut moved = match body.base {
+            Base::Root(_) => Pair::ZERO,
+            Base::Node(node) => work.bias[node],
+        };
+        if let Some(hinge) = &body.hinge {
+            moved.angular += work.hinges[index] * change[hinge.coordinate];
+            norm.include(&moved);
+        }
+        if let (Some(joint), Some(parameters)) = (&body.parameters, &work.parameters[index]) {
+            parameters.displace(joint, change, &mut moved);
+            norm.include(&moved);
+        }
+        work.bias[body.first_node] = moved;
+        for i in 0..body.elements {
+            let c = model.elements[body.first_element + i].coordinate;
+            let strain = Vector4::from_column_slice(&change[c..c + 4]);
+            moved = displaced(&moved, &work.links[body.first_element + i], &strain);
+            work.bias[body.first_node + i + 1] = moved;
+            norm.include(&moved);
+        }
+    }
+    norm.value(model.reference_length_m)
+}
+
+/// Largest squares of displacement and rotation so far.
+#[derive(Default)]
+pub(crate) struct NormSquared {
+    linear: f64,
+    pub(crate) angular: f64,
+    /// Sum of all entries times zero: NaN or infinity stays visible, which `max` would swallow.
+    taint: f64,
+}
+
+impl NormSquared {
+    #[inline]
+    pub(crate) fn include(&mut self, moved: &Pair) {
+        let (linear, angular) = (moved.linear.norm_squared(), moved.angular.norm_squared());
+        self.taint += (linear + angular) * 0.0;
+        self.linear = self.linear.max(linear);
+        self.angular = self.angular.max(angular);
+    }
+
+    pub(crate) fn value(&self, reference_length_m: f64) -> f64 {
+        (self.linear.sqrt() / reference_length_m).max(self.angular.sqrt()) + self.taint
+    }
+}

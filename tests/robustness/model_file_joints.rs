@@ -1,0 +1,198 @@
+//! Universal, ball and free joints: what is refused, whole messages, and what an accepted file means.
+
+use crate::{message_of, with};
+use foldwing::config;
+use foldwing::config::machine::{JointKind, Spatial, SpatialFreedom};
+use nalgebra::Vector3;
+
+/// The fold joint of the small model, lines 29 to 37.
+const FOLD: &str = "type = \"revolute\"\nparent = \"inner\"\nchild = \"outer\"\naxis = [0, 2, 0]\nstart_angle_deg = \
+                    170\n[joint.fold.drive]\nstiffness_N_m_rad = 0.026\n[joint.fold.latch]\nstiffness_ratio = 1e4\n";
+
+/// The small model with another joint between its bodies: lines from 29 on.
+fn model(joint: &str) -> String {
+    with(FOLD, &format!("{joint}\nchild = \"outer\"\n"))
+}
+
+fn message(joint: &str) -> String {
+    message_of(&model(joint))
+}
+
+/// The joint of an accepted file.
+#[track_caller]
+fn spatial(joint: &str) -> Spatial {
+    let machine = config::parse(&model(joint), "wing.toml").unwrap_or_else(|error| panic!("{error}"));
+    let body = machine.bodies.iter().find(|body| body.name == "outer").unwrap();
+    let JointKind::Spatial(spatial) = &body.joint.kind else { panic!("{:?}", body.joint.kind) };
+    (**spatial).clone()
+}
+
+const UNIVERSAL: &str = "type = \"universal\"\nparent = \"inner\"\naxis = [0, 3, 0]";
+const BALL: &str = "type = \"ball\"\nparent = \"inner\"";
+const FREE: &str = "type = \"free\"\nparent = \"root\"";
+
+#[test]
+fn accepted_joints_mean_what_they_say() {
+    let universal = spatial(&format!(
+        "{UNIVERSAL}\nbody_axis = [0, 0, 0.5]\nmount_rotation_deg = [0, 90, 0]\nstart_angular_velocity_deg_s = [0, 180, \
+         0]\ndrive = {{ stiffness_N_m_rad = 2, damping_N_m_s_rad = 0.5 }}"
+    ));
+    assert_eq!(
+        universal,
+        Spatial {
+            freedom: SpatialFreedom::Universal { parent_axis: Vector3::y(), body_axis: Vector3::z() },
+            stiffness_n_m_rad: 2.0,
+            damping_n_m_s_rad: 0.5,
+            start_angular_velocity_rad_s: Vector3::y() * std::f64::consts::PI,
+            start_velocity_m_s: Vector3::zeros(),
+        }
+    );
+    let ball = spatial(&format!("{BALL}\nstart_angular_velocity_deg_s = [0, 0, 360]"));
+    assert_eq!(ball.freedom, SpatialFreedom::Ball);
+    assert_eq!((ball.stiffness_n_m_rad, ball.damping_n_m_s_rad), (0.0, 0.0));
+    assert_eq!(ball.start_angular_velocity_rad_s, Vector3::z() * std::f64::consts::TAU);
+    let free = spatial(&format!("{FREE}\nroot_position_m = [0, 0, 5]\nstart_velocity_m_s = [10, 0, 1]"));
+    assert_eq!((free.freedom, free.start_velocity_m_s), (SpatialFreedom::Free, Vector3::new(10.0, 0.0, 1.0)));
+}
+
+/// What a velocity has across both axes by rounding is taken away: the start is consistent.
+#[test]
+fn rounded_start_velocities_are_made_consistent() {
+    let joint = spatial(&format!("{UNIVERSAL}\nbody_axis = [0, 0, 1]\nstart_angular_velocity_deg_s = [1e-4, 30, 40]"));
+    let spin = joint.start_angular_velocity_rad_s.map(f64::to_degrees);
+    assert!((spin - Vector3::new(0.0, 30.0, 40.0)).amax() < 1e-12, "{spin}");
+}
+
+/// Axes of a universal joint: both given, none zero, not parallel in the start attitude.
+#[test]
+fn universal_axes() {
+    assert_eq!(
+        message(UNIVERSAL),
+        "wing.toml:28: key 'joint.fold.body_axis' is missing; allowed: an array of 3 finite numbers, not all 0"
+    );
+    assert_eq!(
+        message("type = \"universal\"\nparent = \"inner\"\nbody_axis = [0, 0, 1]"),
+        "wing.toml:28: key 'joint.fold.axis' is missing; allowed: an array of 3 finite numbers, not all 0"
+    );
+    assert_eq!(
+        message(&format!("{UNIVERSAL}\nbody_axis = [0, 0, 0]")),
+        "wing.toml:32: key 'joint.fold.body_axis': [0, 0, 0] is not allowed; allowed: an array of 3 finite numbers, not \
+         all 0"
+    );
+    assert_eq!(
+        message("type = \"universal\"\nparent = \"inner\"\naxis = [0, 0, 0]\nbody_axis = [0, 0, 1]"),
+        "wing.toml:31: key 'joint.fold.axis': [0, 0, 0] is not allowed; allowed: an array of 3 finite numbers, not all 0"
+    );
+    assert_eq!(
+        message(&format!("{UNIVERSAL}\nbody_axis = [0, 1, 0.04]")),
+        "wing.toml:32: key 'joint.fold.body_axis': [0, 1, 0.04] is not allowed; allowed: an array of 3 finite numbers, \
+         in the attitude of mount_rotation_deg not parallel to axis"
+    );
+    // a quarter turn about x brings the body's −z onto the parent's y
+    assert_eq!(
+        message(&format!("{UNIVERSAL}\nmount_rotation_deg = [90, 0, 0]\nbody_axis = [0, 0, -1]")),
+        "wing.toml:33: key 'joint.fold.body_axis': [0, 0, -1] is not allowed; allowed: an array of 3 finite numbers, in \
+         the attitude of mount_rotation_deg not parallel to axis"
+    );
+}
+
+/// A universal joint cannot turn across both of its axes.
+#[test]
+fn universal_start_velocity() {
+    assert_eq!(
+        message(&format!("{UNIVERSAL}\nbody_axis = [0, 0, 1]\nstart_angular_velocity_deg_s = [1, 30, 40]")),
+        "wing.toml:33: key 'joint.fold.start_angular_velocity_deg_s': [1, 30, 40] is not allowed; allowed: rates in \
+         deg/s about axis and body_axis only: nothing along [1, 0, 0]"
+    );
+}
+
+/// A free body hangs on nothing but the root frame.
+#[test]
+fn free_parent() {
+    assert_eq!(
+        message("type = \"free\"\nparent = \"inner\""),
+        "wing.toml:30: key 'joint.fold.parent': \"inner\" is not allowed; allowed: \"root\" where type = \"free\": a \
+         body that another one carries is held by that body's joint"
+    );
+}
+
+/// Keys that a joint of that type does not have, each refused by its name.
+#[test]
+fn foreign_keys() {
+    let refusal = |line: usize, key: &str, value: &str, types: &str| {
+        format!(
+            "wing.toml:{line}: key 'joint.fold.{key}': {value} is not allowed; allowed: this key with type = {types} only"
+        )
+    };
+    for (key, value) in [
+        ("start_angle_deg", "5"),
+        ("start_rate_deg_s", "5"),
+        ("release", "true"),
+        ("motion", "\"free\""),
+        ("polynomial_deg", "[1, 2]"),
+        ("table_s_deg", "[[0, 0], [1, 1]]"),
+    ] {
+        for (joint, line) in [(format!("{UNIVERSAL}\nbody_axis = [0, 0, 1]"), 33), (BALL.into(), 31), (FREE.into(), 31)]
+        {
+            assert_eq!(message(&format!("{joint}\n{key} = {value}")), refusal(line, key, value, "\"revolute\""));
+        }
+    }
+    for (joint, line) in [(format!("{UNIVERSAL}\nbody_axis = [0, 0, 1]"), 33), (BALL.into(), 31), (FREE.into(), 31)] {
+        let latch = "latch = { stiffness_N_m_rad = 200 }";
+        assert_eq!(message(&format!("{joint}\n{latch}")), refusal(line, "latch", "a table", "\"revolute\""));
+    }
+    for joint in [BALL, FREE] {
+        assert_eq!(
+            message(&format!("{joint}\naxis = [0, 1, 0]")),
+            refusal(31, "axis", "[0, 1, 0]", "\"revolute\" or \"universal\"")
+        );
+        assert_eq!(
+            message(&format!("{joint}\nbody_axis = [0, 1, 0]")),
+            refusal(31, "body_axis", "[0, 1, 0]", "\"universal\"")
+        );
+    }
+    assert_eq!(
+        message(&format!("{BALL}\nstart_velocity_m_s = [0, 1, 0]")),
+        refusal(31, "start_velocity_m_s", "[0, 1, 0]", "\"free\"")
+    );
+    assert_eq!(
+        message(&format!("{FREE}\ndrive = {{ stiffness_N_m_rad = 1 }}")),
+        refusal(31, "drive", "a table", "\"revolute\" or \"universal\" or \"ball\"")
+    );
+    assert_eq!(
+        message("type = \"revolute\"\nparent = \"inner\"\naxis = [0, 1, 0]\nstart_angular_velocity_deg_s = [0, 1, 0]"),
+        refusal(32, "start_angular_velocity_deg_s", "[0, 1, 0]", "\"universal\" or \"ball\" or \"free\"")
+    );
+}
+
+/// The motor of a revolute joint is no part of the others.
+#[test]
+fn foreign_drive_keys() {
+    for key in ["constant_torque_N_m", "torque_limit_N_m", "rate_limit_deg_s", "command_deg"] {
+        for (joint, line) in [(format!("{UNIVERSAL}\nbody_axis = [0, 0, 1]"), 35), (BALL.to_owned(), 33)] {
+            // a table ends the joint's own keys
+            let text = with(FOLD, &format!("{joint}\nchild = \"outer\"\n[joint.fold.drive]\n{key} = 1\n"));
+            assert_eq!(
+                message_of(&text),
+                format!(
+                    "wing.toml:{line}: key 'joint.fold.drive.{key}': 1 is not allowed; allowed: this key with type = \
+                     \"revolute\" only"
+                )
+            );
+        }
+    }
+}
+
+/// The explicit method has no error estimate: it needs its step.
+#[test]
+fn explicit_method_needs_a_fixed_step() {
+    assert_eq!(
+        message_of(&with("tolerance = 1e-4", "method = \"rk4\"")),
+        "wing.toml:47: key 'solver.fixed_step_s' is missing; allowed: a finite time > 0 s: method = \"rk4\" has no error \
+         estimate to choose its steps by"
+    );
+    for method in ["rk4", "esdirk4", "generalized_alpha"] {
+        let text = with("tolerance = 1e-4", &format!("method = \"{method}\"\nfixed_step_s = 1e-4"));
+        assert_eq!(message_of(&text), "accepted", "{method}");
+    }
+}

@@ -1,0 +1,24 @@
+//! The methods that Otsuka et al. compare joint parameters with, small and dense: rotation angles, penalty joint,
+//! index-1 DAE, planar finite segments; and joint parameters themselves in the dense form of eq. (9).
+//!
+//! Nothing here is product code, and apart from the comparisons nothing here uses product code: kinematics, inertia
+//! and solution are written a second time, for clarity instead of speed. Results stand in
+//! `docs/validation/conventional.md`; `make validate` runs the long studies too.
+
+mod angles;
+mod assembly;
+mod constraint;
+mod derivatives;
+mod double_pendulum;
+mod link;
+#[allow(dead_code)]
+#[path = "../plant/machines.rs"]
+mod machines;
+mod pendulum;
+mod planar;
+mod product;
+mod reference;
+mod sample;
+mod segments;
+mod table_2;
+mod two_body;
