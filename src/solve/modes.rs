@@ -198,8 +198,8 @@ impl Pencil {
             let (m, c, k) = (form(&self.mass), form(&self.damping), form(&self.stiffness));
             let slope = eigenvalue * m * 2.0 + c;
             let step = (eigenvalue * eigenvalue * m + eigenvalue * c + k) / slope;
-            // NaN fails the comparison; a longer step would lead to another mode
-            if !(step.norm() < 0.1 * eigenvalue.norm()) {
+            // a longer step would lead to another mode
+            if !step.norm().is_finite() || step.norm() >= 0.1 * eigenvalue.norm() {
                 break;
             }
             eigenvalue -= step;
