@@ -5,7 +5,7 @@
 //! input; accelerations and the forces recovered from them depend on everything that pushes within the branch.
 //! At the start the strains are the natural ones and at rest, so the state follows from start angles, start
 //! rates and the inputs that decide about stoppers and latches; the springs of universal and ball joints are slack.
-//! Where the experiment starts from equilibrium they depend on all that acts on the machine.
+//! Where the experiment starts from equilibrium the state depends on all that acts on the machine.
 
 use crate::config::machine::StartState;
 use crate::interface::binding::{

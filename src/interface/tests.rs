@@ -92,7 +92,7 @@ fn with_joints(text: &str, change: impl Fn(usize, &mut Revolute)) -> Machine {
     machine
 }
 
-/// The shipped models and variants that reach every branch of the dependencies.
+/// Shipped models and variants that reach every branch; two pairs, for four hide the root's jolt from the tip.
 fn machines() -> Vec<(&'static str, Machine)> {
     let last_prescribed = |index: usize, revolute: &mut Revolute| {
         if index > 1 {
@@ -100,7 +100,6 @@ fn machines() -> Vec<(&'static str, Machine)> {
         }
     };
     vec![
-        // with four pairs the tip feels a jolt of the root at once by less than round-off
         ("wing", machine(&WING.replace("elements = 4", "elements = 2"))),
         ("three bodies", with_joints(THREE, |_, _| ())),
         ("branched", machine(BRANCHED)),
@@ -443,7 +442,6 @@ fn initial_dependencies_of_an_equilibrium_are_declared() {
     plant.initialize(0.2).expect("an equilibrium");
     let before = outputs(&interface, &plant);
     let declared = declared(&interface, |row| &row.initial_dependencies, |_| true);
-    // an equilibrium is found to the tolerance of its iteration
     let mut seen = Seen::beyond(1e-9);
     for known in interface.variables() {
         if !matches!(known.causality, Causality::Input | Causality::Parameter) {

@@ -67,13 +67,13 @@ impl Plant {
             }
             if let Some(parameters) = &body.parameters {
                 let freedoms = parameters.kind.freedoms();
-                let c = parameters.coordinate;
-                let offsets = if freedoms == 6 { 3 } else { 0 };
-                for (k, axis) in AXES.iter().enumerate().take(offsets) {
-                    add(c + k, format!("{joint}.position.{axis}"), ["m", "m/s"], STEP_RAD);
+                let shifts = if freedoms == 6 { 3 } else { 0 };
+                for (k, axis) in AXES.iter().enumerate().take(shifts) {
+                    add(parameters.coordinate + k, format!("{joint}.position.{axis}"), ["m", "m/s"], STEP_RAD);
                 }
-                for k in 0..freedoms - offsets {
-                    add(c + offsets + k, format!("{joint}.turn[{}]", k + 1), ["rad", "rad/s"], STEP_RAD);
+                for k in shifts..freedoms {
+                    let name = format!("{joint}.turn[{}]", k - shifts + 1);
+                    add(parameters.coordinate + k, name, ["rad", "rad/s"], STEP_RAD);
                 }
             }
             for i in 0..body.elements {

@@ -92,7 +92,7 @@ impl SpatialEquations {
     pub fn ball_moment_n_m(&self, work: &Workspace, v: &[f64]) -> Option<Vector3<f64>> {
         let parameters = work.parameters[self.body].as_ref().filter(|_| self.joint.kind == ParameterKind::Ball)?;
         let (angles, rates) = self.deflection(parameters, v);
-        Some(-parameters.parent * (angles * self.stiffness_n_m_rad + rates * self.damping_n_m_s_rad))
+        Some(-(parameters.parent * (angles * self.stiffness_n_m_rad + rates * self.damping_n_m_s_rad)))
     }
 
     /// Energy of the spring in J.

@@ -2,6 +2,7 @@
 
 use crate::actuation::latch::Latch;
 use crate::load::{RootMotion, Wrench};
+use crate::multibody::norm::kinematic_norm;
 use crate::multibody::tangent::{JointTangent, Surroundings, Tangent};
 use crate::plant::Plant;
 use crate::plant::equations::{Equations, JointEquations};
@@ -105,7 +106,7 @@ impl StaticEquations for AtRest<'_> {
     }
 
     fn norm(&mut self, change: &[f64]) -> f64 {
-        crate::multibody::norm::kinematic_norm(&self.equations.model, &mut self.equations.work, change)
+        kinematic_norm(&self.equations.model, &mut self.equations.work, change)
     }
 
     fn project(&mut self, q: &mut [f64]) {

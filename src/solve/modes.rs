@@ -122,8 +122,27 @@ struct Pencil {
 }
 
 impl Pencil {
-    /// Eigenvalues from the inverse companion form about `shift`, `ν = 1/(λ − shift)`, then polished one by one.
+    /// Eigenvalues over the undamped modes of lowest frequency, polished one by one over all coordinates.
+    ///
+    /// Without that restriction the range of eigenvalues, some 1e10, would be more than the QR iteration can deflate.
     fn modes(&self, shift: f64, count: usize) -> Result<Vec<Mode>, NoModes> {
+        let eigen = ((&self.mass + self.mass.transpose()) * 0.5).symmetric_eigen();
+        let mut order: Vec<usize> = (0..self.mass.nrows()).collect();
+        order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+        order.truncate(4 * count + SPARE_MODES);
+        let basis = eigen.eigenvectors.select_columns(&order);
+        let within = |matrix: &DMatrix<f64>| basis.transpose() * matrix * &basis;
+        let reduced =
+            Self { mass: within(&self.mass), damping: within(&self.damping), stiffness: within(&self.stiffness) };
+        let mut eigenvalues = reduced.eigenvalues(shift)?;
+        eigenvalues.retain(|lambda| lambda.im >= -1e-9 * lambda.norm());
+        eigenvalues.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+        eigenvalues.truncate(count);
+        Ok(eigenvalues.into_iter().enumerate().map(|(i, eigenvalue)| self.polish(eigenvalue, i)).collect())
+    }
+
+    /// All eigenvalues, from the inverse companion form about `shift`: `ν = 1/(λ − shift)`.
+    fn eigenvalues(&self, shift: f64) -> Result<Vec<Complex<f64>>, NoModes> {
         let n = self.mass.nrows();
         let still = &self.stiffness + &self.damping * shift + &self.mass * (shift * shift);
         let moving = &self.damping + &self.mass * (2.0 * shift);
@@ -134,21 +153,13 @@ impl Pencil {
         companion.view_mut((0, 0), (n, n)).copy_from(&-solved(&moving)?);
         companion.view_mut((0, n), (n, n)).copy_from(&(-solved(&self.mass)? / time_s));
         companion.view_mut((n, 0), (n, n)).fill_diagonal(time_s);
-        // deflation at round-off may stall; the values are polished, so a looser one serves as well
-        let schur = [1.0, 16.0, 256.0, 4096.0]
+        // small eigenvalues, the fast modes, may drown in the round-off of large ones: deflate them more generously
+        let schur = [1e-16, 1e-14, 1e-12, 1e-10, 1e-8]
             .into_iter()
-            .find_map(|slack| Schur::try_new(companion.clone(), slack * f64::EPSILON, 100 * n))
+            .find_map(|tolerance| Schur::try_new(companion.clone(), tolerance, 60 * n))
             .ok_or(NoModes::Iteration)?;
-        let mut eigenvalues: Vec<Complex<f64>> = schur
-            .complex_eigenvalues()
-            .iter()
-            .filter(|nu| nu.norm() > 0.0)
-            .map(|nu| nu.inv() + shift)
-            .filter(|lambda| lambda.im >= -1e-9 * lambda.norm())
-            .collect();
-        eigenvalues.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
-        eigenvalues.truncate(count);
-        Ok(eigenvalues.into_iter().map(|eigenvalue| self.polish(eigenvalue)).collect())
+        let values = schur.complex_eigenvalues();
+        Ok(values.iter().filter(|nu| nu.norm() > 0.0).map(|nu| nu.inv() + shift).collect())
     }
 
     fn at(&self, eigenvalue: Complex<f64>) -> DMatrix<Complex<f64>> {
@@ -158,12 +169,16 @@ impl Pencil {
         })
     }
 
-    /// Shape by inverse iteration, eigenvalue by the two-sided Rayleigh quotient.
-    fn polish(&self, mut eigenvalue: Complex<f64>) -> Mode {
-        let n = self.mass.nrows();
-        let start = DVector::from_fn(n, |i, _| Complex::new(1.0 + (i % 7) as f64, 0.3 * (i % 3) as f64));
+    /// Shape by inverse iteration, eigenvalue by the two-sided Rayleigh quotient. The `index`th starts from its own
+    /// vector, so that equal eigenvalues get different shapes.
+    fn polish(&self, mut eigenvalue: Complex<f64>, index: usize) -> Mode {
+        let entry = |i: usize| (1.0 + ((i * (2 * index + 3)) % 11) as f64, 0.3 * ((i + index) % 3) as f64);
+        let start = DVector::from_fn(self.mass.nrows(), |i, _| {
+            let (re, im) = entry(i);
+            Complex::new(re, im)
+        });
         let (mut right, mut left) = (start.clone(), start);
-        for _ in 0..3 {
+        for _ in 0..8 {
             // off the eigenvalue by a little: the matrix must have an inverse
             let near = eigenvalue * (1.0 + 1e-9) + Complex::new(1e-12, 0.0);
             let matrix = self.at(near);
@@ -183,13 +198,21 @@ impl Pencil {
             let (m, c, k) = (form(&self.mass), form(&self.damping), form(&self.stiffness));
             let slope = eigenvalue * m * 2.0 + c;
             let step = (eigenvalue * eigenvalue * m + eigenvalue * c + k) / slope;
-            if step.norm() < 1e-2 * eigenvalue.norm() {
-                eigenvalue -= step;
+            // a longer step would lead to another mode
+            if !step.norm().is_finite() || step.norm() >= 0.1 * eigenvalue.norm() {
+                break;
+            }
+            eigenvalue -= step;
+            if step.norm() < 1e-13 * eigenvalue.norm() {
+                break;
             }
         }
         Mode { eigenvalue_1_s: eigenvalue, shape: right }
     }
 }
+
+/// Undamped modes beyond four times those asked for that carry the damped ones.
+const SPARE_MODES: usize = 24;
 
 #[cfg(test)]
 mod tests {

@@ -90,12 +90,14 @@ fn variants_differ_in_one_thing() {
     let mut printed = shipped("folding_wing_as_printed.toml");
     assert_eq!(revolute(&printed, "fold").drive.stiffness_n_m_rad, 0.26);
     printed.bodies[1].joint = wing.bodies[1].joint.clone();
+    // two pairs keep its hard latch within the energy balance of the default tolerance
+    printed.bodies.iter_mut().for_each(|body| body.elements = 4);
     assert_eq!(rest(printed), rest(wing.clone()));
 
     let mut constant = shipped("folding_wing_constant.toml");
     for body in &mut constant.bodies {
         assert_eq!((body.element, body.elements), (ElementKind::Constant, 15));
-        (body.element, body.elements) = (ElementKind::Linear, 2);
+        (body.element, body.elements) = (ElementKind::Linear, 4);
     }
     assert_eq!(rest(constant), rest(wing));
 }

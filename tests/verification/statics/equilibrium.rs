@@ -1,4 +1,4 @@
-//! S-10 to S-19: equilibrium against closed forms, elliptic integrals and shooting.
+//! S-10 to S-20: equilibrium against closed forms, elliptic integrals and shooting.
 
 use crate::machines::{Cantilever, assert_order, at_rest, plant};
 use crate::reference::{case, numbers};
@@ -324,4 +324,45 @@ fn s19_cost_is_linear() {
     let (few, many) = (time(32), time(512));
     println!("S-19 {:.1} µs per iteration with 32 pairs, {:.1} µs with 512", 1e6 * few, 1e6 * many);
     assert!(many < 40.0 * few, "{few} s with 32 pairs, {many} s with 512");
+}
+
+/// Two bodies with a ball joint and its spring between them, everything turned by a rotation vector in degrees, under
+/// gravity `g` turned with it.
+fn ball_wing(turn_deg: Vector3<f64>) -> (String, Matrix3<f64>) {
+    let rotation = nalgebra::Rotation3::new(turn_deg.map(f64::to_radians)).into_inner();
+    let gravity: [f64; 3] = (rotation * Vector3::new(1.0, 3.0, -9.0)).into();
+    let mount: [f64; 3] = turn_deg.into();
+    let text = format!(
+        "name = 'Ball'\ngravity_m_s2 = {gravity:?}\n\
+         [section.s]\nshape = 'explicit'\naxial_stiffness_N = 1e5\ntorsional_rigidity_N_m2 = 8.0\n\
+         flap_stiffness_N_m2 = 9.0\nlag_stiffness_N_m2 = 20.0\nmass_kg_m = 0.4\n\
+         centre_of_mass_m = [0.03, 0.01]\nsecond_moments_kg_m = [1e-3, 0.0, 1e-4]\n\
+         [body.inner]\nlength_m = 0.7\nsection = 's'\nelements = 2\n\
+         [body.outer]\nlength_m = 0.6\nsection = 's'\nelements = 2\n\
+         [joint.mount]\ntype = 'clamped'\nparent = 'root'\nchild = 'inner'\nmount_rotation_deg = {mount:?}\n\
+         [joint.hip]\ntype = 'ball'\nparent = 'inner'\nchild = 'outer'\nmount_rotation_deg = [20.0, 30.0, 40.0]\n\
+         [joint.hip.drive]\nstiffness_N_m_rad = 1.5\n"
+    );
+    (text, rotation)
+}
+
+/// S-20. Frame invariance with a ball joint whose spring gives way: the machine and its gravity turned as a whole bend
+/// to the same shape, turned; frequencies are the same. The spring of a ball joint used to act in the root's frame.
+#[test]
+fn s20_turned_machines_bend_alike() {
+    let (text, _) = ball_wing(Vector3::zeros());
+    let (mut straight, _) = at_rest(&text);
+    let tip = straight.outputs().tips[0].position_m;
+    let before = straight.modes(4).unwrap();
+    for turn_deg in [Vector3::new(0.0, 0.0, 90.0), Vector3::new(50.0, -120.0, 70.0)] {
+        let (text, rotation) = ball_wing(turn_deg);
+        let (mut turned, effort) = at_rest(&text);
+        let gap = (turned.outputs().tips[0].position_m - rotation * tip).norm();
+        println!("S-20 {turn_deg:?}: {gap:.1e} m, {effort:?}");
+        assert!(gap < 1e-12, "{turn_deg:?}: tip off by {gap:.1e} m");
+        for (mode, reference) in turned.modes(4).unwrap().iter().zip(&before) {
+            let error = (mode.frequency_hz / reference.frequency_hz - 1.0).abs();
+            assert!(error < 1e-9, "{} Hz against {} Hz", mode.frequency_hz, reference.frequency_hz);
+        }
+    }
 }

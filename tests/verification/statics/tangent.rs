@@ -55,7 +55,7 @@ fn tree(dice: &mut Dice, joints: [JointDescription; 4]) -> Model {
     let bodies: Vec<BodyDescription> = (0..4)
         .map(|i| BodyDescription {
             length_m: [1.0, 0.7, 0.9, 0.8][i],
-            section: foldwing::beam::law::SectionLaw::Uniform(section.clone()),
+            section: section.clone().into(),
             kind: kinds[i],
             elements: [2, 3, 2, 2][i],
             natural_strain: [0.0, 0.3, -0.2, 0.4].into(),
