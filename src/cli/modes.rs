@@ -82,6 +82,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn shares(mode: &ModeShape) -> String {
     let mut list: Vec<(f64, &str)> =
         mode.shares.iter().copied().zip(SHARES).filter(|(share, _)| *share > 5e-3).collect();
+    if list.is_empty() {
+        return "free motion".to_owned();
+    }
     list.sort_by(|a, b| b.0.total_cmp(&a.0));
     list.iter().map(|(share, name)| format!("{name} {:.0} %", 100.0 * share)).collect::<Vec<_>>().join(", ")
 }

@@ -329,7 +329,10 @@ impl Plant {
             frequency_hz: mode.frequency_hz(),
             damping_ratio: mode.damping_ratio(),
             eigenvalue_1_s: mode.eigenvalue_1_s,
-            shares: self.energy_shares(&[&real.0, &imaginary.0]),
+            shares: match mode.frequency_hz() {
+                0.0 => [0.0; 5],
+                _ => self.energy_shares(&[&real.0, &imaginary.0]),
+            },
             real: nodes(&real.1),
             imaginary: nodes(&imaginary.1),
         }

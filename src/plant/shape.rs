@@ -44,7 +44,7 @@ pub struct ModeShape {
     pub damping_ratio: f64,
     /// `λ` in 1/s.
     pub eigenvalue_1_s: Complex<f64>,
-    /// Shares of stretch, twist, flap, lag and joint springs in the elastic energy.
+    /// Shares of stretch, twist, flap, lag and joint springs in the elastic energy; zero for free motions.
     pub shares: [f64; 5],
     /// Real part of the shape.
     pub real: Vec<Vec<NodeMotion>>,

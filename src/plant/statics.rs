@@ -242,10 +242,14 @@ impl Plant {
                 .map(|hinge| hinge.coordinate..hinge.coordinate + 1)
                 .or_else(|| body.parameters.map(|joint| joint.coordinate..joint.coordinate + joint.kind.parameters()));
             if joint.is_some_and(|range| range.contains(&coordinate)) {
-                return format!(
-                    "joint {:?}: give it a spring, close its latch, or hold it (release = false)",
-                    described.joint.name
-                );
+                let remedy = if body.hinge.is_some() {
+                    "give it a spring, close its latch, or hold it (release = false)"
+                } else if body.parameters.is_some_and(|joint| joint.kind.freedoms() == 6) {
+                    "a free body has no place of rest"
+                } else {
+                    "give it a spring"
+                };
+                return format!("joint {:?}: {remedy}", described.joint.name);
             }
             let elements = &self.equations.model.elements[body.first_element..body.first_element + body.elements];
             if let Some(i) =

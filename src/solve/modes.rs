@@ -41,6 +41,9 @@ pub enum NoModes {
 /// Asymmetry of the stiffness, relative to its scaled entries, that is taken for round-off.
 const ASYMMETRY: f64 = 1e-10;
 
+/// Eigenvalue of a free motion, relative to the square root of the shift that its stiffness needs.
+const FREE_MOTION: f64 = 1e-3;
+
 /// The `count` modes of lowest frequency, ascending. `mass` is symmetric and positive definite; `damping` may hold
 /// gyroscopic terms, `stiffness` need not be symmetric (follower loads) nor positive (buckled or free machines).
 pub fn modes(
@@ -65,6 +68,10 @@ pub fn modes(
     } else {
         Pencil { mass: mass_s, damping: damping_s, stiffness: stiffness_s }.modes(shift.sqrt(), count)?
     };
+    // motions that nothing resists come out as round-off of the shift, with any sign
+    for mode in list.iter_mut().filter(|mode| mode.eigenvalue_1_s.norm() < FREE_MOTION * shift.sqrt()) {
+        mode.eigenvalue_1_s = Complex::new(0.0, 0.0);
+    }
     list.sort_by(|a, b| a.eigenvalue_1_s.norm().total_cmp(&b.eigenvalue_1_s.norm()));
     list.truncate(count);
     for mode in &mut list {
@@ -137,6 +144,11 @@ impl Pencil {
         let mut eigenvalues = reduced.eigenvalues(shift)?;
         eigenvalues.retain(|lambda| lambda.im >= -1e-9 * lambda.norm());
         eigenvalues.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+        // a free motion without damping has a double eigenvalue of zero, but is one mode
+        let resisted = |mu: &f64| (1.0 / mu - shift * shift).abs() > (FREE_MOTION * shift).powi(2);
+        let free = eigen.eigenvalues.iter().filter(|mu| **mu > 0.0 && !resisted(mu)).count();
+        let zeros = eigenvalues.iter().take_while(|lambda| lambda.norm() < FREE_MOTION * shift).count();
+        eigenvalues.drain(..zeros.saturating_sub(free));
         eigenvalues.truncate(count);
         Ok(eigenvalues.into_iter().enumerate().map(|(i, eigenvalue)| self.polish(eigenvalue, i)).collect())
     }
@@ -261,7 +273,7 @@ mod tests {
 
         let stiffness = DMatrix::from_diagonal(&DVector::from_vec(vec![0.0, -9.0, 100.0]));
         let list = modes(&DMatrix::identity(3, 3), &DMatrix::zeros(3, 3), &stiffness, 3).unwrap();
-        assert!(list[0].eigenvalue_1_s.norm() < 1e-5, "{}", list[0].eigenvalue_1_s);
+        assert_eq!(list[0].eigenvalue_1_s.norm(), 0.0);
         assert!((list[1].eigenvalue_1_s - Complex::new(3.0, 0.0)).norm() < 1e-9, "{}", list[1].eigenvalue_1_s);
         assert_eq!(list[1].damping_ratio(), -1.0);
     }
