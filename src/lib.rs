@@ -16,6 +16,8 @@ pub mod multibody;
 
 pub mod actuation;
 
+pub mod aero;
+
 pub mod solve;
 
 pub mod config;

@@ -15,6 +15,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("load", &[]),
     ("actuation", &[]),
     ("solve", &[]),
+    ("aero", &["math", "load"]),
     ("beam", &["math"]),
     ("multibody", &["math", "load", "beam"]),
     ("config", &["load", "actuation", "beam"]),
@@ -27,7 +28,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 ];
 
 /// Modules that compute: no files, no output, no clock, no environment, no threads, no order left to chance.
-const PHYSICS: &[&str] = &["math", "load", "actuation", "solve", "beam", "multibody", "plant"];
+const PHYSICS: &[&str] = &["math", "load", "actuation", "solve", "aero", "beam", "multibody", "plant"];
 
 /// What must not stand in them.
 const NOT_IN_PHYSICS: &[&str] = &[

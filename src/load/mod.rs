@@ -1,6 +1,6 @@
-//! Loads as plain data: the moving root with gravity, and wrenches at stations.
+//! Loads as plain data: the moving root with gravity, moving sections, and wrenches at stations.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Frame in which a station's force and moment are resolved.
@@ -23,9 +23,40 @@ pub struct Wrench {
 }
 
 impl Wrench {
+    /// Adds a force that acts at `arm_m` from the wrench's reference point.
+    pub fn add_force_at(&mut self, arm_m: &Vector3<f64>, force_n: &Vector3<f64>) {
+        self.force_n += force_n;
+        self.moment_n_m += arm_m.cross(force_n);
+    }
+
     /// True where neither force nor moment acts.
     pub fn is_zero(&self) -> bool {
         self.force_n == Vector3::zeros() && self.moment_n_m == Vector3::zeros()
+    }
+}
+
+/// Motion of a section relative to the root frame, resolved in it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SectionMotion {
+    /// Root ← section.
+    pub rotation: Matrix3<f64>,
+    /// Position in m.
+    pub position_m: Vector3<f64>,
+    /// Velocity in m/s.
+    pub velocity_m_s: Vector3<f64>,
+    /// Angular velocity in rad/s.
+    pub spin_rad_s: Vector3<f64>,
+}
+
+impl SectionMotion {
+    /// Position in m of a point fixed to the section, given in the section frame.
+    pub fn point_m(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
+        self.position_m + self.rotation * point_m
+    }
+
+    /// Velocity in m/s of a point fixed to the section, given in the section frame.
+    pub fn point_velocity_m_s(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
+        self.velocity_m_s + self.spin_rad_s.cross(&(self.rotation * point_m))
     }
 }
 

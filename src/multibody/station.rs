@@ -5,25 +5,11 @@
 //! to the coordinates through the same map that gives the station's velocity, so their power is conserved.
 
 use crate::beam::element::ElementKind;
-use crate::load::{LoadFrame, Wrench};
+use crate::load::{LoadFrame, SectionMotion, Wrench};
 use crate::math::se3::{Link, LinkGeometry};
 use crate::multibody::kinematics::{Motion, strains};
 use crate::multibody::model::{Model, Station};
 use crate::multibody::workspace::Workspace;
-use nalgebra::{Matrix3, Vector3};
-
-/// Motion of a station relative to the root frame, resolved in it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StationMotion {
-    /// Root ← section.
-    pub rotation: Matrix3<f64>,
-    /// Position in m.
-    pub position_m: Vector3<f64>,
-    /// Velocity in m/s.
-    pub velocity_m_s: Vector3<f64>,
-    /// Angular velocity in rad/s.
-    pub spin_rad_s: Vector3<f64>,
-}
 
 /// One link of the way from the element's inner node to the station: its strain is
 /// `own · (this element) + sibling · (other half)`.
@@ -63,10 +49,10 @@ pub(crate) fn mix(coordinates: &[f64], first: usize, weights: [f64; 2]) -> [f64;
 
 /// Pose, velocity and angular velocity of a station; poses of the nodes must be current in `work`, for rates the
 /// whole motion.
-pub fn motion(model: &Model, work: &Workspace, motion: Motion, station: &Station) -> StationMotion {
+pub fn motion(model: &Model, work: &Workspace, motion: Motion, station: &Station) -> SectionMotion {
     let first = model.elements[station.element].coordinate;
     let node = &work.nodes[inner_node(model, station)];
-    let mut point = StationMotion {
+    let mut point = SectionMotion {
         rotation: node.rotation,
         position_m: node.position,
         velocity_m_s: node.velocity,
@@ -152,7 +138,7 @@ pub(crate) fn inner_node(model: &Model, station: &Station) -> usize {
 }
 
 /// Power of a station's load in W.
-pub fn power_w(point: &StationMotion, load: &Wrench, frame: LoadFrame) -> f64 {
+pub fn power_w(point: &SectionMotion, load: &Wrench, frame: LoadFrame) -> f64 {
     let (force, moment) = match frame {
         LoadFrame::Root => (load.force_n, load.moment_n_m),
         LoadFrame::Section => (point.rotation * load.force_n, point.rotation * load.moment_n_m),

@@ -1,0 +1,123 @@
+//! The undisturbed air: wind, gusts, density, seen from a root frame that may rotate.
+
+use nalgebra::Vector3;
+
+/// The undisturbed air at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flow<'a> {
+    /// Absolute time in s; gusts follow it.
+    pub time_s: f64,
+    /// Density in kg/m³.
+    pub density_kg_m3: f64,
+    /// Velocity of the air relative to the origin of the root frame, root frame, m/s.
+    pub wind_m_s: Vector3<f64>,
+    /// Angular velocity of the root frame, root frame, rad/s.
+    pub spin_rad_s: Vector3<f64>,
+    /// Gusts.
+    pub gusts: &'a [Gust],
+}
+
+impl Flow<'_> {
+    /// Velocity of the air at a point as seen from the root frame, in m/s: wind and gusts less `ω × r`.
+    pub fn velocity_m_s(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
+        let gusts: Vector3<f64> = self.gusts.iter().map(|gust| gust.velocity_m_s(self.time_s, point_m)).sum();
+        self.convection_m_s(point_m) + gusts
+    }
+
+    /// The same without gusts: what carries the wake.
+    pub fn convection_m_s(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
+        self.wind_m_s - self.spin_rad_s.cross(point_m)
+    }
+}
+
+/// A frozen gust that travels through the field at constant speed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gust {
+    /// Identifier.
+    pub name: String,
+    /// Shape along its way.
+    pub shape: GustShape,
+    /// Largest added velocity, root frame, m/s.
+    pub velocity_m_s: Vector3<f64>,
+    /// Unit vector along which it travels, root frame.
+    pub direction: Vector3<f64>,
+    /// Speed at which it travels in m/s.
+    pub speed_m_s: f64,
+    /// Place that its front passes at `start_s`, root frame, m.
+    pub origin_m: Vector3<f64>,
+    /// Time at which the front passes `origin_m`, in s.
+    pub start_s: f64,
+}
+
+/// Shape of a gust over the distance `ξ` behind its front.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum GustShape {
+    /// Full velocity behind the front.
+    SharpEdge,
+    /// `(1 − cos(2πξ/H))/2` over the length `H` in m, zero elsewhere.
+    OneMinusCosine {
+        /// Length `H` in m.
+        length_m: f64,
+    },
+}
+
+impl Gust {
+    /// Velocity that it adds at a time and point, in m/s.
+    pub fn velocity_m_s(&self, time_s: f64, point_m: &Vector3<f64>) -> Vector3<f64> {
+        let behind_m = self.speed_m_s * (time_s - self.start_s) - self.direction.dot(&(point_m - self.origin_m));
+        let share = match self.shape {
+            GustShape::SharpEdge => f64::from(u8::from(behind_m > 0.0)),
+            GustShape::OneMinusCosine { length_m } if behind_m > 0.0 && behind_m < length_m => {
+                0.5 * (1.0 - (std::f64::consts::TAU * behind_m / length_m).cos())
+            }
+            GustShape::OneMinusCosine { .. } => 0.0,
+        };
+        self.velocity_m_s * share
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gust(shape: GustShape) -> Gust {
+        Gust {
+            name: "gust".into(),
+            shape,
+            velocity_m_s: Vector3::new(0.0, 0.0, 3.0),
+            direction: -Vector3::y(),
+            speed_m_s: 10.0,
+            origin_m: Vector3::new(0.0, 1.0, 0.0),
+            start_s: 0.5,
+        }
+    }
+
+    #[test]
+    fn gust_reaches_a_point_when_its_front_has_travelled_there() {
+        let gust = gust(GustShape::SharpEdge);
+        let point = Vector3::new(7.0, -1.0, 2.0); // 2 m behind the origin: 0.2 s later
+        assert_eq!(gust.velocity_m_s(0.6999, &point), Vector3::zeros());
+        assert_eq!(gust.velocity_m_s(0.7001, &point).z, 3.0);
+    }
+
+    #[test]
+    fn one_minus_cosine_has_its_peak_in_the_middle_and_vanishes_outside() {
+        let gust = gust(GustShape::OneMinusCosine { length_m: 4.0 });
+        let at = |time_s: f64| gust.velocity_m_s(time_s, &Vector3::new(0.0, 1.0, 0.0)).z;
+        assert_eq!((at(0.5), at(0.91)), (0.0, 0.0));
+        approx::assert_relative_eq!(at(0.7), 3.0, max_relative = 1e-12);
+        approx::assert_relative_eq!(at(0.6), 1.5, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn air_turns_backward_when_the_frame_turns_forward() {
+        let flow = Flow {
+            time_s: 0.0,
+            density_kg_m3: 1.2,
+            wind_m_s: Vector3::new(0.0, -10.0, 0.0),
+            spin_rad_s: Vector3::z() * 2.0,
+            gusts: &[],
+        };
+        assert_eq!(flow.velocity_m_s(&Vector3::x()), Vector3::new(0.0, -12.0, 0.0));
+    }
+}

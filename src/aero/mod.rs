@@ -1,0 +1,51 @@
+//! Air: loads on the sections of lifting bodies that move through a flow.
+//!
+//! A model of the air is a function of motion and history: given its [state](AirLoads) at the begin of an aerodynamic
+//! step and the motion of every section at the end of it, it gives the state at the end and the loads. Nothing here
+//! knows beams or integrators; the plant decides when a step is final.
+
+pub mod flow;
+pub mod surface;
+
+use crate::load::{SectionMotion, Wrench};
+use nalgebra::Vector3;
+
+/// Loads of the air on every section, about the sections' own points, resolved in the root frame.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct AirLoads {
+    /// At the end of the step: what circulation and velocity give.
+    pub circulatory: Vec<Wrench>,
+    /// Mean over the step: the rate of the fluid's impulse (added mass). Its time integral over the step is exact,
+    /// which keeps light wings stable.
+    pub impulsive: Vec<Wrench>,
+}
+
+impl AirLoads {
+    /// No loads on `sections` sections.
+    pub fn still(sections: usize) -> Self {
+        let none = vec![Wrench::default(); sections];
+        Self { circulatory: none.clone(), impulsive: none }
+    }
+
+    /// Sets all loads to zero.
+    pub fn clear(&mut self) {
+        self.circulatory.fill(Wrench::default());
+        self.impulsive.fill(Wrench::default());
+    }
+}
+
+/// Splits a force in N at the mean of two points, one fixed to each of two sections, into halves at these points:
+/// its power is then that of the sections' wrenches to round-off.
+pub fn split_between(
+    loads: &mut [Wrench],
+    motions: &[SectionMotion],
+    sections: [usize; 2],
+    points_m: [&Vector3<f64>; 2],
+    force_n: &Vector3<f64>,
+) {
+    let half_n = 0.5 * force_n;
+    for (section, point_m) in sections.into_iter().zip(points_m) {
+        let arm_m = motions[section].rotation * point_m;
+        loads[section].add_force_at(&arm_m, &half_n);
+    }
+}

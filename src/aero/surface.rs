@@ -1,0 +1,75 @@
+//! Lifting surfaces: chord lines fixed to the sections of bodies, and the panels between them.
+
+use nalgebra::Vector3;
+use std::ops::Range;
+
+/// Chord of one section; its points are fixed to the section frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChordLine {
+    /// Leading edge from the section's axis, section frame, m.
+    pub leading_m: Vector3<f64>,
+    /// Trailing edge from the section's axis, section frame, m.
+    pub trailing_m: Vector3<f64>,
+}
+
+impl ChordLine {
+    /// Point at a fraction of the chord behind the leading edge, section frame, m; fractions beyond 1 lie behind the
+    /// trailing edge.
+    pub fn at(&self, fraction: f64) -> Vector3<f64> {
+        self.leading_m + (self.trailing_m - self.leading_m) * fraction
+    }
+
+    /// Length in m.
+    pub fn length_m(&self) -> f64 {
+        (self.trailing_m - self.leading_m).norm()
+    }
+}
+
+/// What strip theory needs to know of the profile.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Profile {
+    /// Slope of the lift coefficient in 1/rad; 2π for a thin profile in plane flow.
+    pub lift_slope_1_rad: f64,
+    /// Angle of attack of zero lift in rad, from the chord line.
+    pub zero_lift_angle_rad: f64,
+    /// Moment coefficient about the quarter chord, nose up positive.
+    pub moment_coefficient: f64,
+    /// Drag coefficient.
+    pub drag_coefficient: f64,
+}
+
+impl Profile {
+    /// Thin symmetric plate.
+    pub const THIN: Self = Self {
+        lift_slope_1_rad: std::f64::consts::TAU,
+        zero_lift_angle_rad: 0.0,
+        moment_coefficient: 0.0,
+        drag_coefficient: 0.0,
+    };
+}
+
+/// Lifting surface of one body: strips between consecutive sections, each with the same number of panels along the
+/// chord.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    /// Indices of its sections, inner end first, in the list of all sections; one more than it has strips.
+    pub sections: Range<usize>,
+    /// Chord of each of them.
+    pub chords: Vec<ChordLine>,
+    /// Panels along the chord.
+    pub chord_panels: usize,
+    /// Profile for strip theory.
+    pub profile: Profile,
+}
+
+impl Surface {
+    /// Number of strips.
+    pub fn strips(&self) -> usize {
+        self.sections.len() - 1
+    }
+
+    /// Number of panels.
+    pub fn panels(&self) -> usize {
+        self.strips() * self.chord_panels
+    }
+}
