@@ -15,7 +15,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("load", &[]),
     ("actuation", &[]),
     ("solve", &[]),
-    ("aero", &["math", "load"]),
+    ("aero", &["load"]),
     ("beam", &["math"]),
     ("multibody", &["math", "load", "beam"]),
     ("config", &["load", "actuation", "beam"]),
