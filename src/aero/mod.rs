@@ -5,7 +5,13 @@
 //! knows beams or integrators; the plant decides when a step is final.
 
 pub mod flow;
+pub mod lattice;
+mod model;
+pub mod polar;
+pub mod strip;
 pub mod surface;
+
+pub use model::{AirModel, AirOptions, AirState};
 
 use crate::load::{SectionMotion, Wrench};
 use nalgebra::Vector3;

@@ -3,6 +3,7 @@
 //! Ranges that one key states alone stand here as JSON schema keywords (`minimum`, `exclusiveMinimum`, …) and are
 //! enforced from there; `x-allowed` overrides the wording of error messages where a range cannot say it.
 
+use crate::config::air_file::{AirFile, GustFile, SurfaceFile};
 use crate::config::body::BodyFile;
 use crate::config::joint_file::JointFile;
 use crate::config::run::{ExperimentFile, SolverFile};
@@ -42,6 +43,14 @@ pub(super) struct ModelFile {
     /// Strain gauges by name; the FMU's output is `gauge.<name>.strain`.
     #[serde(default)]
     pub gauge: IndexMap<String, GaugeFile>,
+    /// Air around the wing.
+    pub aerodynamics: Option<AirFile>,
+    /// Lifting surfaces by name, at most one per body.
+    #[serde(default)]
+    pub surface: IndexMap<String, SurfaceFile>,
+    /// Gusts by name.
+    #[serde(default)]
+    pub gust: IndexMap<String, GustFile>,
     /// Time integration.
     #[serde(default)]
     pub solver: SolverFile,

@@ -4,6 +4,9 @@ pub use crate::actuation::prescribed::Motion;
 pub use crate::beam::element::ElementKind;
 pub use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::recovery::{axial_row, gauge_row};
+use crate::aero::AirOptions;
+use crate::aero::flow::Gust;
+use crate::aero::surface::{ChordLine, Profile};
 use crate::load::{LoadFrame, Wrench};
 use nalgebra::{Matrix3, Vector3, Vector4};
 
@@ -20,6 +23,8 @@ pub struct Machine {
     pub closures: Vec<Closure>,
     /// Strain gauges.
     pub gauges: Vec<Gauge>,
+    /// Air, if it is computed here.
+    pub air: Option<Air>,
     /// Gravity in the root frame, m/s².
     pub gravity_m_s2: Vector3<f64>,
     /// Time integration.
@@ -260,6 +265,58 @@ impl Gauge {
         let solid = section.solid_at(self.position_m).filter(|solid| solid.material.poisson_ratio().is_some())?;
         Some(gauge_row(&solid, self.y_m, self.z_m, &self.direction))
     }
+}
+
+/// Air around the machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Air {
+    /// Model with its settings.
+    pub options: AirOptions,
+    /// Density in kg/m³.
+    pub density_kg_m3: f64,
+    /// Velocity of the air relative to the root's origin, root frame, m/s: start value of the input.
+    pub wind_m_s: Vector3<f64>,
+    /// Aerodynamic step in s.
+    pub step_s: f64,
+    /// How air and structure agree.
+    pub coupling: Coupling,
+    /// Whether the flow of the start has been there for long.
+    pub established: bool,
+    /// Whether the circulation of every strip is an output.
+    pub reports_circulation: bool,
+    /// Lifting surfaces, in the order of their bodies.
+    pub surfaces: Vec<LiftingSurface>,
+    /// Gusts.
+    pub gusts: Vec<Gust>,
+}
+
+/// How air and structure agree on the loads at the end of an aerodynamic step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Coupling {
+    /// Prediction and one correction.
+    Staggered,
+    /// Iteration.
+    Iterated {
+        /// Change of the loads, relative to the largest so far, at which it ends.
+        tolerance: f64,
+        /// Most iterations per aerodynamic step.
+        most_iterations: usize,
+    },
+}
+
+/// Lifting surface of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LiftingSurface {
+    /// Index into [`Machine::bodies`].
+    pub body: usize,
+    /// Edges of its strips: distances from the body's inner end in m, ascending.
+    pub positions_m: Vec<f64>,
+    /// Chord at each edge.
+    pub chords: Vec<ChordLine>,
+    /// Panels along the chord.
+    pub chord_panels: usize,
+    /// Profile, for strip theory.
+    pub profile: Profile,
 }
 
 /// Time integration method.

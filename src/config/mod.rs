@@ -7,6 +7,8 @@
 
 pub mod machine;
 
+mod air;
+mod air_file;
 mod attachments;
 mod body;
 mod document;

@@ -33,6 +33,7 @@ const UNITS: &[Unit] = &[
     unit("_s_deg", "s, deg", "pair"),
     unit("_deg", "deg", "angle"),
     unit("_1_m", "1/m", "curvature"),
+    unit("_1_rad", "1/rad", "slope"),
     unit("_1_s", "1/s", "damping"),
     unit("_SI", "SI", "number"),
     unit("force_N", "N", "force"),

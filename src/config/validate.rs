@@ -7,7 +7,7 @@ use crate::config::file::ModelFile;
 use crate::config::machine::{Body, Experiment, Joint, Machine, Solver};
 use crate::config::run::MethodFile;
 use crate::config::schema::{quoted, shortest};
-use crate::config::{attachments, joints, sections, tree};
+use crate::config::{air, attachments, joints, sections, tree};
 use nalgebra::Vector3;
 use sections::Sections;
 
@@ -89,13 +89,16 @@ fn build(file: &ModelFile, checker: &mut Checker) -> Option<Machine> {
     }
     let gauges = attachments::gauges(file, &sections, tree.as_ref(), checker);
     let (solver, experiment) = (build_solver(file, checker), build_experiment(file, checker));
-    let order = tree?.order;
+    let order = tree.as_ref()?.order.clone();
+    let bodies: Option<Vec<Body>> = order.iter().map(|index| bodies[*index].take()).collect();
+    let air = air::build(file, &sections, tree.as_ref(), bodies.as_deref().unwrap_or_default(), checker);
     Some(Machine {
         name: file.name.clone(),
         description: file.description.clone(),
-        bodies: order.iter().map(|index| bodies[*index].take()).collect::<Option<_>>()?,
+        bodies: bodies?,
         closures: Vec::new(),
         gauges: gauges?,
+        air: air.ok()?,
         gravity_m_s2: Vector3::from(file.gravity_m_s2),
         solver,
         experiment,

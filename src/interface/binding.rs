@@ -36,6 +36,8 @@ pub enum Input {
     RootAngularVelocity(usize),
     /// Angular acceleration of the root frame.
     RootAngularAcceleration(usize),
+    /// Velocity of the air.
+    Wind(usize),
 }
 
 /// An input of a revolute joint.
@@ -60,6 +62,8 @@ pub enum Parameter {
     Spatial(usize, SpatialParameter),
     /// Of a body.
     Body(usize, BodyParameter),
+    /// Density of the air.
+    AirDensity,
     /// Of the time integration.
     Solver(SolverParameter),
 }
@@ -139,6 +143,16 @@ pub enum Output {
     Station(usize, PointOutput),
     /// An energy.
     Energy(EnergyOutput),
+    /// Force of the air.
+    AirForce(usize),
+    /// Moment of the air.
+    AirMoment(usize),
+    /// Force of the air near a load station.
+    AirStationForce(usize, usize),
+    /// Moment of the air near a load station.
+    AirStationMoment(usize, usize),
+    /// Circulation of a strip.
+    AirCirculation(usize),
 }
 
 /// An output of a revolute joint.
@@ -290,6 +304,7 @@ impl Input {
             Self::RootAcceleration(i) => Value::Real(component(&inputs.root.acceleration_m_s2, i)),
             Self::RootAngularVelocity(i) => Value::Real(component(&inputs.root.angular_velocity_rad_s, i)),
             Self::RootAngularAcceleration(i) => Value::Real(component(&inputs.root.angular_acceleration_rad_s2, i)),
+            Self::Wind(i) => Value::Real(component(&inputs.wind_m_s, i)),
         }
     }
 
@@ -305,6 +320,7 @@ impl Input {
             Self::RootAcceleration(i) => &mut inputs.root.acceleration_m_s2.as_mut_slice()[i],
             Self::RootAngularVelocity(i) => &mut inputs.root.angular_velocity_rad_s.as_mut_slice()[i],
             Self::RootAngularAcceleration(i) => &mut inputs.root.angular_acceleration_rad_s2.as_mut_slice()[i],
+            Self::Wind(i) => &mut inputs.wind_m_s.as_mut_slice()[i],
         })
     }
 
@@ -324,6 +340,7 @@ impl Parameter {
             Self::Joint(joint, field) => field.read(&parameters.joints[joint]),
             Self::Spatial(joint, field) => field.read(&parameters.spatial[joint]),
             Self::Body(body, field) => field.read(&parameters.bodies[body]),
+            Self::AirDensity => parameters.air_density_kg_m3,
             Self::Solver(SolverParameter::Tolerance) => parameters.tolerance,
             Self::Solver(SolverParameter::MaxStep) => parameters.max_step_s,
             Self::Solver(SolverParameter::MinStep) => parameters.min_step_s,
@@ -335,6 +352,7 @@ impl Parameter {
             Self::Joint(joint, field) => field.slot(&mut parameters.joints[joint]),
             Self::Spatial(joint, field) => field.slot(&mut parameters.spatial[joint]),
             Self::Body(body, field) => field.slot(&mut parameters.bodies[body]),
+            Self::AirDensity => &mut parameters.air_density_kg_m3,
             Self::Solver(SolverParameter::Tolerance) => &mut parameters.tolerance,
             Self::Solver(SolverParameter::MaxStep) => &mut parameters.max_step_s,
             Self::Solver(SolverParameter::MinStep) => &mut parameters.min_step_s,
@@ -357,6 +375,13 @@ impl Output {
             Self::Tip(tip, field) => Value::Real(field.read(&outputs.tips[tip])),
             Self::Station(station, field) => Value::Real(field.read(&outputs.stations[station])),
             Self::Energy(field) => Value::Real(field.read(&outputs.energy)),
+            Self::AirForce(i) => Value::Real(component(&outputs.air.total.force_n, i)),
+            Self::AirMoment(i) => Value::Real(component(&outputs.air.total.moment_n_m, i)),
+            Self::AirStationForce(station, i) => Value::Real(component(&outputs.air.stations[station].force_n, i)),
+            Self::AirStationMoment(station, i) => {
+                Value::Real(component(&outputs.air.stations[station].moment_n_m, i))
+            }
+            Self::AirCirculation(strip) => Value::Real(outputs.air.circulation_m2_s[strip]),
         }
     }
 

@@ -8,6 +8,7 @@
 //! Where the experiment starts from equilibrium the state depends on all that acts on the machine.
 
 use crate::config::machine::StartState;
+use crate::interface::air::{blows, blows_initially};
 use crate::interface::binding::{
     Binding, BodyParameter, EnergyOutput, Input, JointInput, JointOutput, JointParameter, Output, Parameter,
     PointOutput, SpatialParameter,
@@ -76,7 +77,14 @@ fn depends(topology: &Topology, output: Output, known: Binding) -> bool {
         | Output::JointForce(_, _)
         | Output::JointMoment(_, _)
         | Output::Tip(_, PointOutput::Acceleration(_))
-        | Output::Station(_, PointOutput::Acceleration(_)) => pushes(topology, reach(topology, output), known),
+        | Output::Station(_, PointOutput::Acceleration(_)) => {
+            pushes(topology, reach(topology, output), known) || blows(topology, known)
+        }
+        Output::AirForce(_)
+        | Output::AirMoment(_)
+        | Output::AirStationForce(_, _)
+        | Output::AirStationMoment(_, _)
+        | Output::AirCirculation(_) => blows(topology, known),
         Output::Tip(_, _) | Output::Station(_, _) => {
             known == Binding::Time && body(topology, output).is_some_and(|body| moved(topology, body))
         }
@@ -131,15 +139,23 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
         Output::Gauge(gauge) => {
             let body = topology.machine.gauges[gauge].body;
             accelerates_initially(topology, reach(topology, output), known)
+                || blows_initially(topology, known)
                 || known == Binding::Parameter(Parameter::Body(body, BodyParameter::StiffnessFactor))
         }
         Output::Spatial(_, _) => false,
         Output::JointMoment(body, _) if topology.is_ball(body) => damps_initially(topology, body, known),
         Output::RootForce(_) | Output::RootMoment(_) | Output::JointForce(_, _) | Output::JointMoment(_, _) => {
-            accelerates_initially(topology, reach(topology, output), known)
+            accelerates_initially(topology, reach(topology, output), known) || blows_initially(topology, known)
         }
+        Output::AirForce(_)
+        | Output::AirMoment(_)
+        | Output::AirStationForce(_, _)
+        | Output::AirStationMoment(_, _)
+        | Output::AirCirculation(_) => blows_initially(topology, known),
         Output::Tip(_, field) | Output::Station(_, field) => body(topology, output).is_some_and(|body| match field {
-            PointOutput::Acceleration(_) => accelerates_initially(topology, reach(topology, output), known),
+            PointOutput::Acceleration(_) => {
+                accelerates_initially(topology, reach(topology, output), known) || blows_initially(topology, known)
+            }
             _ => point_initially(topology, body, field, known),
         }),
         Output::Energy(E::Kinetic) => moves_initially(topology, known),
@@ -285,6 +301,8 @@ fn pushes(topology: &Topology, reach: Reach, known: Binding) -> bool {
             | Input::RootAcceleration(_)
             | Input::RootAngularVelocity(_)
             | Input::RootAngularAcceleration(_) => reach.feels(topology, input),
+            // The air's loads at a communication point are known already; wind acts on those to come.
+            Input::Wind(_) => false,
         },
         Binding::Parameter(_) | Binding::Output(_) | Binding::Local(_) => false,
     }

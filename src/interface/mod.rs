@@ -4,6 +4,7 @@
 //! documentation page all read this table.
 
 mod access;
+mod air;
 mod binding;
 mod dependencies;
 mod fields;

@@ -6,13 +6,14 @@ use crate::interface::binding::{
     Binding, BodyParameter, Counter, EnergyOutput, Input, JointInput, JointOutput, JointParameter, Output, Parameter,
     PointOutput, SolverParameter, SpatialOutput, SpatialParameter,
 };
+use crate::interface::air;
 use crate::interface::dependencies::add_dependencies;
 use crate::interface::topology::Topology;
 use crate::interface::{Causality, Initial, Value, Variability, Variable};
 use crate::plant::{Inputs, Parameters};
 
 /// Components of a vector.
-const AXES: [&str; 3] = ["x", "y", "z"];
+pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 /// Components of a quaternion.
 const QUATERNION: [&str; 4] = ["w", "x", "y", "z"];
 
@@ -24,6 +25,9 @@ const TURN: Option<(f64, f64)> = Some((-360_f64.to_radians(), 360_f64.to_radians
 const TOLERANCE: Option<(f64, f64)> = Some((1e-12, 1e-1));
 /// Steps are positive; the bounds only keep zero and nonsense out.
 const STEP: Option<(f64, f64)> = Some((1e-30, UNLIMITED));
+
+/// Positive numbers.
+pub(super) const POSITIVE: Range = STEP;
 
 type Range = Option<(f64, f64)>;
 type ParameterRow<Field> = (&'static str, Field, Variability, &'static str, Range, &'static str);
@@ -226,6 +230,7 @@ fn inputs(table: &mut Table, topology: &Topology) {
     root(Input::RootAngularVelocity, "root.angular_velocity", "AngularVelocity", "angular velocity of the root frame");
     let spin_up = "angular acceleration of the root frame";
     root(Input::RootAngularAcceleration, "root.angular_acceleration", "AngularAcceleration", spin_up);
+    air::inputs(table, topology);
 }
 
 fn outputs(table: &mut Table, topology: &Topology) {
@@ -271,6 +276,7 @@ fn outputs(table: &mut Table, topology: &Topology) {
     for &(name, field, declared, meaning) in ENERGIES {
         table.output(Output::Energy(field), format!("energy.{name}"), Some(declared), meaning.to_owned());
     }
+    air::outputs(table, topology);
 }
 
 fn joint_outputs(table: &mut Table, topology: &Topology, joint: usize) {
@@ -372,6 +378,7 @@ fn parameters(table: &mut Table, topology: &Topology) {
             table.parameter(Parameter::Body(index, field), variability, text);
         }
     }
+    air::parameters(table, topology);
     for &(key, field, variability, declared, range, meaning) in SOLVER_PARAMETERS {
         let text = (format!("solver.{key}"), Some(declared), range, meaning.to_owned());
         table.parameter(Parameter::Solver(field), variability, text);
@@ -379,10 +386,10 @@ fn parameters(table: &mut Table, topology: &Topology) {
 }
 
 /// Name, declared type, range, description of a row.
-type Text = (String, Option<&'static str>, Range, String);
+pub(super) type Text = (String, Option<&'static str>, Range, String);
 
 /// The table while it grows.
-struct Table {
+pub(super) struct Table {
     inputs: Inputs,
     parameters: Parameters,
     variables: Vec<Variable>,
@@ -390,7 +397,7 @@ struct Table {
 }
 
 impl Table {
-    fn input(&mut self, input: Input, name: String, declared_type: Option<&'static str>, description: String) {
+    pub(super) fn input(&mut self, input: Input, name: String, declared_type: Option<&'static str>, description: String) {
         let start = input.read(&self.inputs);
         let variability = match start {
             Value::Real(_) => Variability::Continuous,
@@ -405,7 +412,7 @@ impl Table {
         );
     }
 
-    fn output(&mut self, output: Output, name: String, declared_type: Option<&'static str>, description: String) {
+    pub(super) fn output(&mut self, output: Output, name: String, declared_type: Option<&'static str>, description: String) {
         // The time of an event and flags change at events only; everything else moves with time.
         let variability = match output {
             Output::Joint(_, JointOutput::Latched | JointOutput::LatchTime | JointOutput::LatchCount) => {
@@ -417,7 +424,7 @@ impl Table {
         self.push(Binding::Output(output), Causality::Output, variability, output.zero(), text);
     }
 
-    fn parameter(&mut self, parameter: Parameter, variability: Variability, text: Text) {
+    pub(super) fn parameter(&mut self, parameter: Parameter, variability: Variability, text: Text) {
         let start = Value::Real(parameter.read(&self.parameters));
         self.push(Binding::Parameter(parameter), Causality::Parameter, variability, start, text);
     }

@@ -52,6 +52,8 @@ pub const UNITS: &[Unit] = &[
     unit("N.m", [1, 2, -2, 0]),
     unit("N.m/rad", [1, 2, -2, -1]),
     unit("N.m.s/rad", [1, 2, -1, -1]),
+    unit("m2/s", [0, 2, -1, 0]),
+    unit("kg/m3", [1, -3, 0, 0]),
     unit("J", [1, 2, -2, 0]),
 ];
 
@@ -71,6 +73,8 @@ pub const TYPES: &[RealType] = &[
     real("RotationalStiffness", "RotationalSpringConstant", "N.m/rad"),
     real("RotationalDamping", "RotationalDampingConstant", "N.m.s/rad"),
     real("DampingRate", "Frequency", "1/s"),
+    real("Circulation", "Circulation", "m2/s"),
+    real("Density", "Density", "kg/m3"),
     real("Energy", "Energy", "J"),
 ];
 

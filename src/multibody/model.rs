@@ -179,7 +179,7 @@ pub struct Model {
     pub elements: Vec<Element>,
     /// Node masses.
     pub nodes: Vec<NodeMass>,
-    /// Stations, body by body.
+    /// Stations: body by body, then those that were added.
     pub stations: Vec<Station>,
     /// Closed loops.
     pub closures: Vec<Closure>,
@@ -304,9 +304,14 @@ impl Model {
             let attached = &mut self.nodes[node].attached;
             *attached = Some(attached.unwrap_or_else(Matrix4::zeros) + mass);
         }
-        for &position_m in &description.stations_m {
-            let (element, offset_m) = self.locate(body_index, position_m);
-            self.stations.push(Station { body: body_index, element, offset_m, frame: description.load_frame });
+        self.add_stations(body_index, &description.stations_m, description.load_frame);
+    }
+
+    /// Adds stations behind those that exist.
+    pub fn add_stations(&mut self, body: usize, positions_m: &[f64], frame: LoadFrame) {
+        for &position_m in positions_m {
+            let (element, offset_m) = self.locate(body, position_m);
+            self.stations.push(Station { body, element, offset_m, frame });
         }
     }
 

@@ -13,6 +13,7 @@ use crate::multibody::factor::{self, HingeTangent, Weights};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Attachment, BodyDescription, JointDescription};
 use crate::multibody::{Model, Workspace, energy, norm, station};
+use crate::plant::air::{AirCoupling, Ramp};
 use crate::plant::face::Parameters;
 use crate::plant::spatial::SpatialEquations;
 use crate::plant::{revolutes, spatials};
@@ -66,7 +67,12 @@ pub(super) struct Equations {
     pub work: Workspace,
     pub root: RootMotion,
     pub damping: Vec<Damping>,
+    /// Loads at the stations of the model: the caller's first, then those of the air on its sections.
     pub stations: Vec<Wrench>,
+    /// Number of stations whose loads are the caller's.
+    pub load_stations: usize,
+    /// Loads of the air over time, of machines that have any.
+    pub ramp: Option<Ramp>,
     /// Some station carries a load.
     pub loaded: bool,
     pub joints: Vec<JointEquations>,
@@ -122,7 +128,9 @@ impl Equations {
                 },
             })
             .collect();
-        let model = Model::with_closures(&descriptions, &closures);
+        let mut model = Model::with_closures(&descriptions, &closures);
+        let load_stations = model.stations.len();
+        AirCoupling::add_sections(machine, &mut model);
         let joints = revolutes(machine)
             .zip(&parameters.joints)
             .map(|((body, revolute), parameters)| JointEquations {
@@ -157,6 +165,8 @@ impl Equations {
             root: RootMotion::default(),
             damping: vec![Damping::default(); model.bodies.len()],
             stations: vec![Wrench::default(); model.stations.len()],
+            load_stations,
+            ramp: machine.air.as_ref().map(|_| Ramp::none(model.stations.len() - load_stations)),
             loaded: false,
             joints,
             spatial: SpatialEquations::of_machine(machine, &model),
@@ -198,7 +208,8 @@ impl Equations {
         })
     }
 
-    /// Next time after `time_s` at which a known kink lies: end of a slew, knot of a prescribed motion.
+    /// Next time after `time_s` at which a known kink lies: end of a slew, knot of a prescribed motion, end of an
+    /// aerodynamic step.
     pub fn next_kink_s(&self, time_s: f64) -> f64 {
         let mut next = f64::INFINITY;
         for joint in &self.joints {
@@ -207,6 +218,9 @@ impl Equations {
             } else if joint.driven && joint.slew.end_s() > time_s {
                 next = next.min(joint.slew.end_s());
             }
+        }
+        if let Some(ramp) = self.ramp.as_ref().filter(|ramp| ramp.end_s > time_s) {
+            next = next.min(ramp.end_s);
         }
         next
     }
@@ -249,6 +263,9 @@ impl EquationsOfMotion for Equations {
     }
 
     fn residual(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]) {
+        if let Some(ramp) = &self.ramp {
+            ramp.write(time_s, &mut self.stations[self.load_stations..]);
+        }
         let environment = Environment {
             root: &self.root,
             damping: &self.damping,

@@ -72,7 +72,8 @@ impl Plant {
         state.applied_parameters.clone_from(&state.parameters);
         state.statistics = Default::default();
         state.tip_rotations = vec![Default::default(); self.tip_bodies.len()];
-        state.station_rotations = vec![Default::default(); self.equations.model.stations.len()];
+        state.station_rotations = vec![Default::default(); self.equations.load_stations];
+        state.air = None;
         let coordinates = q.len();
         state.now = Point { time_s, q, v, ..Point::zeros(coordinates) };
         state.step_s = state.parameters.max_step_s;
@@ -84,6 +85,8 @@ impl Plant {
         let now = &mut self.state.now;
         self.equations.branch_s = time_s;
         self.equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
+        self.start_air(time_s)?;
+        let now = &mut self.state.now;
         self.equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
         let jump = settle(&mut self.equations, &mut self.scratch[0], now)
             .map_err(|singular| PlantError::Initialization { time_s, cause: singular.to_string() })?;
@@ -100,11 +103,17 @@ impl Plant {
 
     /// Brings the equations in line with the applied inputs and parameters and the joints' states.
     pub(super) fn configure(&mut self) {
-        let State { applied_inputs: inputs, applied_parameters: parameters, joints, .. } = &self.state;
+        let State { applied_inputs: inputs, applied_parameters: parameters, joints, air, .. } = &self.state;
         let equations = &mut self.equations;
         equations.root = inputs.root;
-        equations.stations.copy_from_slice(&inputs.stations);
-        equations.loaded = inputs.stations.iter().any(|load| !load.is_zero());
+        equations.stations[..equations.load_stations].copy_from_slice(&inputs.stations);
+        if let Some(ramp) = &mut equations.ramp {
+            match air {
+                Some(history) => ramp.copy_from(&history.ramp),
+                None => ramp.clear(),
+            }
+        }
+        equations.loaded = equations.ramp.is_some() || inputs.stations.iter().any(|load| !load.is_zero());
         for (damping, body) in equations.damping.iter_mut().zip(&parameters.bodies) {
             *damping = Damping { mass_1_s: body.mass_damping_1_s, stiffness_s: body.stiffness_damping_s };
         }
@@ -139,6 +148,7 @@ impl Plant {
         start.copy_from(now);
         // interpolation leaves the constraints of joint parameters by its own error
         self.equations.project(&mut start.q, &mut start.v, &mut start.a);
+        self.cut_ramp();
         self.discontinuity(|state, equations| {
             let time_s = state.start.time_s;
             state.applied_inputs.clone_from(&state.inputs);
@@ -200,7 +210,7 @@ impl Plant {
     /// `change` returns the energy that it dissipates; the rest of the jump of the potentials is booked as work.
     /// The accelerations move by what the change of the residual asks for, so that errors of the interpolation in
     /// stiff modes are not multiplied by the stiffness.
-    fn discontinuity(&mut self, change: impl FnOnce(&mut State, &Equations) -> f64) -> Result<(), PlantError> {
+    pub(super) fn discontinuity(&mut self, change: impl FnOnce(&mut State, &Equations) -> f64) -> Result<(), PlantError> {
         let old = &mut self.scratch[0];
         let start = &self.state.start;
         let time_s = start.time_s;

@@ -27,18 +27,26 @@ pub struct Inputs {
     pub stations: Vec<Wrench>,
     /// Gravity and motion of the root.
     pub root: RootMotion,
+    /// Velocity of the air relative to the root's origin, root frame, m/s; ignored by machines without air.
+    pub wind_m_s: Vector3<f64>,
 }
 
 /// By hand, because a derived `clone_from` allocates and inputs are copied whenever they change.
 impl Clone for Inputs {
     fn clone(&self) -> Self {
-        Self { joints: self.joints.clone(), stations: self.stations.clone(), root: self.root }
+        Self {
+            joints: self.joints.clone(),
+            stations: self.stations.clone(),
+            root: self.root,
+            wind_m_s: self.wind_m_s,
+        }
     }
 
     fn clone_from(&mut self, source: &Self) {
         self.joints.clone_from(&source.joints);
         self.stations.clone_from(&source.stations);
         self.root = source.root;
+        self.wind_m_s = source.wind_m_s;
     }
 }
 
@@ -92,6 +100,8 @@ pub struct Parameters {
     pub spatial: Vec<SpatialParameters>,
     /// Per body.
     pub bodies: Vec<BodyParameters>,
+    /// Density of the air in kg/m³; tunable; ignored by machines without air.
+    pub air_density_kg_m3: f64,
     /// Solver tolerance; fixed.
     pub tolerance: f64,
     /// Largest internal step in s; fixed.
@@ -107,6 +117,7 @@ impl Clone for Parameters {
             joints: self.joints.clone(),
             spatial: self.spatial.clone(),
             bodies: self.bodies.clone(),
+            air_density_kg_m3: self.air_density_kg_m3,
             tolerance: self.tolerance,
             max_step_s: self.max_step_s,
             min_step_s: self.min_step_s,
@@ -117,6 +128,7 @@ impl Clone for Parameters {
         self.joints.clone_from(&source.joints);
         self.spatial.clone_from(&source.spatial);
         self.bodies.clone_from(&source.bodies);
+        self.air_density_kg_m3 = source.air_density_kg_m3;
         self.tolerance = source.tolerance;
         self.max_step_s = source.max_step_s;
         self.min_step_s = source.min_step_s;
@@ -219,6 +231,20 @@ pub struct Outputs {
     pub stations: Vec<PointOutputs>,
     /// Energies.
     pub energy: EnergyOutputs,
+    /// Loads of the air; zero and empty for machines without air.
+    pub air: AirOutputs,
+}
+
+/// Loads of the air on the wing.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct AirOutputs {
+    /// Force and moment at the origin, root frame.
+    pub total: Wrench,
+    /// Per load station: force and moment of the air on the part of the body that is nearest to it, at the station,
+    /// root frame.
+    pub stations: Vec<Wrench>,
+    /// Per strip, surfaces in the order of their bodies: circulation in m²/s.
+    pub circulation_m2_s: Vec<f64>,
 }
 
 /// Counters of the time integration since initialisation.
@@ -236,6 +262,8 @@ pub struct Statistics {
     pub factorizations: u64,
     /// Events: releases, closings, openings.
     pub events: u64,
+    /// Solutions of the air.
+    pub air_solutions: u64,
 }
 
 /// Why a plant cannot go on.
@@ -263,6 +291,14 @@ pub enum PlantError {
     #[error("no initial accelerations at t = {time_s} s: {cause}")]
     Initialization {
         /// Start time in s.
+        time_s: f64,
+        /// What failed.
+        cause: String,
+    },
+    /// The air has no loads that agree with the motion.
+    #[error("no loads of the air at t = {time_s} s: {cause}")]
+    Air {
+        /// Time in s.
         time_s: f64,
         /// What failed.
         cause: String,

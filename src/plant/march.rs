@@ -28,7 +28,8 @@ impl Plant {
     /// Allocates nothing.
     pub fn step(&mut self, end_s: f64) -> Result<(), PlantError> {
         let changed = self.inputs_changed();
-        let outcome = if changed { self.apply_inputs() } else { Ok(()) }.and_then(|()| self.march(end_s, changed));
+        let applied = if changed { self.apply_inputs().and_then(|()| self.renew_air()) } else { Ok(()) };
+        let outcome = applied.and_then(|()| self.march(end_s, changed));
         let State { start, ahead, now, .. } = &mut self.state;
         match &outcome {
             Ok(()) => now.interpolate(start, ahead, end_s),
@@ -56,6 +57,7 @@ impl Plant {
             if self.state.start.time_s >= end_s {
                 break;
             }
+            self.begin_air_step()?;
             match fixed {
                 Some(step_s) => self.advance_fixed(step_s, end_s)?,
                 None => self.advance(limit_s)?,
@@ -65,7 +67,7 @@ impl Plant {
     }
 
     /// One accepted step of variable length from `start` to `ahead`, at most to `limit_s`.
-    fn advance(&mut self, limit_s: f64) -> Result<(), PlantError> {
+    pub(super) fn advance(&mut self, limit_s: f64) -> Result<(), PlantError> {
         let tolerance = self.state.applied_parameters.tolerance;
         let (min_step_s, max_step_s) =
             (self.state.applied_parameters.min_step_s, self.state.applied_parameters.max_step_s);
@@ -109,7 +111,7 @@ impl Plant {
     }
 
     /// One step of given length; halved where Newton's iteration fails.
-    fn advance_fixed(&mut self, step_s: f64, end_s: f64) -> Result<(), PlantError> {
+    pub(super) fn advance_fixed(&mut self, step_s: f64, end_s: f64) -> Result<(), PlantError> {
         let time_s = self.state.start.time_s;
         let stop_s = end_s.min(self.equations.next_kink_s(time_s));
         let (mut step_s, mut target_s) = fit_step(time_s, step_s, stop_s);
@@ -256,6 +258,10 @@ impl Plant {
                 point.time_s += shift_s;
             }
             self.state.now.time_s = time_s;
+            if let Some(air) = &mut self.state.air {
+                air.shift(shift_s);
+                self.configure();
+            }
             self.outputs.time_s = time_s;
         }
     }

@@ -5,6 +5,7 @@
 //! answer does not depend on the communication step, and small communication steps cost little
 //! (`docs/decisions/0002-running-ahead.md`).
 
+mod air;
 mod equations;
 mod events;
 mod face;
@@ -22,7 +23,7 @@ mod strains;
 pub use crate::solve::equilibrium::Effort as StaticEffort;
 pub use crate::solve::linearize::{SecondOrder, StateSpace};
 pub use face::{
-    BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, JointStatus, Outputs,
+    AirOutputs, BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, JointStatus, Outputs,
     Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
 };
 pub use linear::{Argument, Freedom};
@@ -36,6 +37,7 @@ use crate::config::Machine;
 use crate::config::machine::{JointKind, Method, Parent, Revolute, Spatial};
 use crate::multibody::gauge::GaugePoint;
 use crate::solve::stepper::{self, Stepper};
+use air::AirCoupling;
 use equations::Equations;
 use state::State;
 use std::sync::Arc;
@@ -52,6 +54,7 @@ pub struct Plant {
     /// Fixed parameters that `equations` was built with.
     built_with: Parameters,
     stepper: Stepper,
+    air: Option<Box<AirCoupling>>,
     scratch: [Vec<f64>; 2],
     outputs: Outputs,
 }
@@ -81,7 +84,11 @@ impl Plant {
             Method::Esdirk4 => stepper::Method::Esdirk4,
             Method::Rk4 => stepper::Method::Rk4,
         };
-        let outputs = outputs::blank(&machine, revolute_joints.len(), spatial_joints.len(), tip_bodies.len());
+        let air = AirCoupling::new(&machine, coordinates).map(Box::new);
+        let mut outputs = outputs::blank(&machine, revolute_joints.len(), spatial_joints.len(), tip_bodies.len());
+        if let Some(air) = &air {
+            outputs.air = air.blank_outputs(equations.load_stations);
+        }
         Self {
             gauges: outputs::gauge_points(&machine),
             revolute_joints,
@@ -89,6 +96,7 @@ impl Plant {
             tip_bodies,
             built_with: state.parameters.clone(),
             stepper: Stepper::new(method, coordinates),
+            air,
             scratch: [vec![0.0; coordinates], vec![0.0; coordinates]],
             state,
             equations,
@@ -196,7 +204,8 @@ impl Plant {
 
     /// Goes back to a snapshot of the same model; outputs included, bit for bit.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), PlantError> {
-        snapshot.check(&self.state, self.coordinates(), self.tip_bodies.len())?;
+        let air = self.air.as_ref().map(|air| &air.blank);
+        snapshot.check(&self.state, self.coordinates(), self.tip_bodies.len(), air)?;
         self.state = snapshot.state().clone();
         self.rebuild();
         if self.state.initialized {

@@ -9,7 +9,7 @@ use crate::multibody::gauge::GaugePoint;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::{energy, station};
 use crate::plant::Plant;
-use crate::plant::face::{EnergyOutputs, JointOutputs, Outputs, PointOutputs, SpatialOutputs};
+use crate::plant::face::{AirOutputs, EnergyOutputs, JointOutputs, Outputs, PointOutputs, SpatialOutputs};
 use crate::solve::EquationsOfMotion;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -36,6 +36,7 @@ pub(super) fn blank(machine: &Machine, joints: usize, spatial: usize, tips: usiz
         tips: vec![point; tips],
         stations: vec![point; stations],
         energy: EnergyOutputs::default(),
+        air: AirOutputs::default(),
     }
 }
 
@@ -111,7 +112,7 @@ impl Plant {
                 rotation,
             };
         }
-        for (i, place) in model.stations.iter().enumerate() {
+        for (i, place) in model.stations[..equations.load_stations].iter().enumerate() {
             let point = station::motion(model, work, motion, place);
             let rotation = quaternion_near(&point.rotation, &state.station_rotations[i]);
             state.station_rotations[i] = rotation;
@@ -123,6 +124,10 @@ impl Plant {
                 rotation,
             };
         }
+        if let (Some(air), Some(history)) = (&mut self.air, &state.air) {
+            air.report(equations, history, now, outputs);
+        }
+        let (model, work) = (&equations.model, &equations.work);
         let penalty: f64 = model.closures.iter().map(|closure| closure.energy_j(work).0).sum();
         let kinetic = energy::kinetic(model, work, |_, _| {}) + penalty;
         let potentials = equations.potentials(time_s, &now.q);

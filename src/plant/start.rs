@@ -4,6 +4,7 @@ use crate::config::Machine;
 use crate::load::RootMotion;
 use crate::plant::face::{BodyParameters, Inputs, JointInputs, JointParameters, Parameters, SpatialParameters};
 use crate::plant::{revolutes, spatials};
+use nalgebra::Vector3;
 
 impl Inputs {
     /// Start values of a model's inputs.
@@ -26,6 +27,7 @@ impl Inputs {
                 })
                 .collect(),
             root: RootMotion { gravity_m_s2: machine.gravity_m_s2, ..RootMotion::default() },
+            wind_m_s: machine.air.as_ref().map_or(Vector3::zeros(), |air| air.wind_m_s),
         }
     }
 }
@@ -61,6 +63,7 @@ impl Parameters {
                     stiffness_damping_s: body.stiffness_damping_s,
                 })
                 .collect(),
+            air_density_kg_m3: machine.air.as_ref().map_or(0.0, |air| air.density_kg_m3),
             tolerance: machine.solver.tolerance,
             max_step_s: machine.solver.max_step_s,
             min_step_s: machine.solver.min_step_s,

@@ -3,6 +3,7 @@
 use crate::actuation::drive::Slew;
 use crate::actuation::latch::LatchState;
 use crate::config::Machine;
+use crate::plant::air::AirHistory;
 use crate::plant::face::{Inputs, Parameters, PlantError, Statistics};
 use crate::solve::point::Point;
 use nalgebra::UnitQuaternion;
@@ -50,6 +51,8 @@ pub(super) struct State {
     pub tip_rotations: Vec<UnitQuaternion<f64>>,
     /// Last quaternions of the stations.
     pub station_rotations: Vec<UnitQuaternion<f64>>,
+    /// Air, of machines that have any, from initialisation on.
+    pub air: Option<AirHistory>,
     /// Counters.
     pub statistics: Statistics,
 }
@@ -72,6 +75,7 @@ impl State {
             spatial_rotations: Vec::new(),
             tip_rotations: Vec::new(),
             station_rotations: Vec::new(),
+            air: None,
             statistics: Statistics::default(),
         }
     }
@@ -91,7 +95,14 @@ impl Snapshot {
     }
 
     /// Refuses a snapshot whose vectors do not have the lengths of this model's, which has `coordinates` and `tips`.
-    pub(super) fn check(&self, own: &State, coordinates: usize, tips: usize) -> Result<(), PlantError> {
+    /// `air` is a history of the air with the sizes of this model's.
+    pub(super) fn check(
+        &self,
+        own: &State,
+        coordinates: usize,
+        tips: usize,
+        air: Option<&AirHistory>,
+    ) -> Result<(), PlantError> {
         let theirs = &*self.0;
         let lengths = |state: &State| {
             [
@@ -121,6 +132,14 @@ impl Snapshot {
         let rotations_fit = rotations == [own.parameters.spatial.len(), tips, own.inputs.stations.len()];
         if theirs.initialized && !(rotations_fit && theirs.joints.len() == own.inputs.joints.len()) {
             return Err(PlantError::Snapshot("numbers of free ends or joint states differ".into()));
+        }
+        let air_fits = match (air, &theirs.air) {
+            (Some(own), Some(theirs)) => own.fits(theirs),
+            (None, theirs) => theirs.is_none(),
+            (Some(_), None) => !theirs.initialized,
+        };
+        if !air_fits {
+            return Err(PlantError::Snapshot("numbers of panels, strips or rows of the wake differ".into()));
         }
         Ok(())
     }

@@ -24,6 +24,7 @@ pub enum Holding {
 struct Target {
     root: RootMotion,
     stations: Vec<Wrench>,
+    air: Vec<Wrench>,
     joints: Vec<JointTarget>,
 }
 
@@ -48,7 +49,8 @@ impl Target {
         };
         Self {
             root: equations.root,
-            stations: equations.stations.clone(),
+            stations: equations.stations[..equations.load_stations].to_vec(),
+            air: equations.ramp.as_ref().map_or(Vec::new(), |ramp| ramp.to.clone()),
             joints: equations.joints.iter().map(joint).collect(),
         }
     }
@@ -69,7 +71,7 @@ impl StaticEquations for AtRest<'_> {
     }
 
     fn load(&mut self, factor: f64) {
-        let Target { root, stations, joints } = &self.target;
+        let Target { root, stations, air, joints } = &self.target;
         self.equations.root = RootMotion {
             gravity_m_s2: root.gravity_m_s2 * factor,
             acceleration_m_s2: root.acceleration_m_s2 * factor,
@@ -78,6 +80,9 @@ impl StaticEquations for AtRest<'_> {
         };
         for (scaled, load) in self.equations.stations.iter_mut().zip(stations) {
             *scaled = Wrench { force_n: load.force_n * factor, moment_n_m: load.moment_n_m * factor };
+        }
+        if let Some(ramp) = &mut self.equations.ramp {
+            ramp.scale(air, factor);
         }
         for (joint, target) in self.equations.joints.iter_mut().zip(joints) {
             let between = |end: f64| target.start_rad + factor * (end - target.start_rad);
@@ -161,6 +166,7 @@ impl Plant {
     pub fn undeformed(&mut self, time_s: f64) -> Result<(), PlantError> {
         self.state.inputs.root = RootMotion::default();
         self.state.inputs.stations.fill(Wrench::default());
+        self.state.inputs.wind_m_s.fill(0.0);
         self.start(time_s);
         self.state.now.v.fill(0.0);
         self.conclude_start(time_s)?;

@@ -1,6 +1,7 @@
 //! Time integration of second-order equations of motion (one trait, two families of methods on it), their equilibria,
 //! modes and linear models.
 
+pub mod acceleration;
 pub mod control;
 pub mod equilibrium;
 pub mod explicit;

@@ -1,0 +1,147 @@
+//! The models of the air behind one face.
+
+use crate::aero::AirLoads;
+use crate::aero::flow::Flow;
+use crate::aero::lattice::{LatticeOptions, LatticeState, SingularLattice, VortexLattice};
+use crate::aero::strip::{StripOptions, StripState, Strips};
+use crate::aero::surface::Surface;
+use crate::load::SectionMotion;
+use serde::{Deserialize, Serialize};
+
+/// Which model of the air, with its settings.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AirOptions {
+    /// Unsteady vortex lattice.
+    Lattice(LatticeOptions),
+    /// Strip theory.
+    Strips(StripOptions),
+}
+
+/// A model of the air with its scratch.
+pub enum AirModel {
+    /// Unsteady vortex lattice.
+    Lattice(Box<VortexLattice>),
+    /// Strip theory.
+    Strips(Box<Strips>),
+}
+
+/// All that a model of the air remembers from one aerodynamic step to the next.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum AirState {
+    /// Of the vortex lattice.
+    Lattice(Box<LatticeState>),
+    /// Of strip theory.
+    Strips(Box<StripState>),
+}
+
+impl AirModel {
+    /// A model of the air on these surfaces.
+    pub fn new(surfaces: Vec<Surface>, options: &AirOptions) -> Self {
+        match options {
+            AirOptions::Lattice(options) => {
+                Self::Lattice(Box::new(VortexLattice::new(surfaces, options.clone())))
+            }
+            AirOptions::Strips(options) => Self::Strips(Box::new(Strips::new(surfaces, options.clone()))),
+        }
+    }
+
+    /// A state of the right size, without air.
+    pub fn blank_state(&self) -> AirState {
+        match self {
+            Self::Lattice(lattice) => AirState::Lattice(Box::new(lattice.blank_state())),
+            Self::Strips(strips) => AirState::Strips(Box::new(strips.blank_state())),
+        }
+    }
+
+    /// State and loads at the start: of a flow that has been there for long (`established`), or that sets in.
+    ///
+    /// # Errors
+    /// Where panels of the lattice coincide.
+    pub fn start(
+        &mut self,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        established: bool,
+        state: &mut AirState,
+        loads: &mut AirLoads,
+    ) -> Result<(), SingularLattice> {
+        match (self, state) {
+            (Self::Lattice(lattice), AirState::Lattice(state)) => {
+                lattice.start(motions, flow, established, state, loads)
+            }
+            (Self::Strips(strips), AirState::Strips(state)) => {
+                strips.start(motions, flow, established, state, loads);
+                Ok(())
+            }
+            _ => unreachable!("a state belongs to its model"),
+        }
+    }
+
+    /// Moves what the air carries to the end of a step: once per step, before [`AirModel::solve`].
+    pub fn convect(&mut self, from: &AirState, flow: &Flow, step_s: f64, to: &mut AirState) {
+        match (self, from, to) {
+            (Self::Lattice(lattice), AirState::Lattice(from), AirState::Lattice(to)) => {
+                lattice.convect(from, flow, step_s, to);
+            }
+            (Self::Strips(strips), AirState::Strips(from), AirState::Strips(to)) => {
+                strips.convect(from, flow, step_s, to);
+            }
+            _ => unreachable!("a state belongs to its model"),
+        }
+    }
+
+    /// State and loads at the end of a step, for sections that have come to `motions` there. May be repeated with
+    /// other motions.
+    ///
+    /// # Errors
+    /// Where panels of the lattice coincide.
+    pub fn solve(
+        &mut self,
+        from: &AirState,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        step_s: f64,
+        to: &mut AirState,
+        loads: &mut AirLoads,
+    ) -> Result<(), SingularLattice> {
+        match (self, from, to) {
+            (Self::Lattice(lattice), AirState::Lattice(from), AirState::Lattice(to)) => {
+                lattice.solve(from, motions, flow, step_s, to, loads)
+            }
+            (Self::Strips(strips), AirState::Strips(from), AirState::Strips(to)) => {
+                strips.solve(from, motions, flow, step_s, to, loads);
+                Ok(())
+            }
+            _ => unreachable!("a state belongs to its model"),
+        }
+    }
+
+    /// Circulation of a strip in m²/s, about the span from the inner to the outer end.
+    pub fn strip_circulation_m2_s(&self, state: &AirState, surface: usize, strip: usize) -> f64 {
+        match (self, state) {
+            (Self::Lattice(lattice), AirState::Lattice(state)) => lattice.strip_circulation(state, surface, strip),
+            (Self::Strips(strips), AirState::Strips(state)) => strips.strip_circulation_m2_s(state, surface, strip),
+            _ => unreachable!("a state belongs to its model"),
+        }
+    }
+}
+
+impl AirState {
+    /// Copies without allocating; both must belong to the same model.
+    pub fn copy_from(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Lattice(own), Self::Lattice(other)) => own.copy_from(other),
+            (Self::Strips(own), Self::Strips(other)) => own.copy_from(other),
+            _ => unreachable!("a state belongs to its model"),
+        }
+    }
+
+    /// Whether a state has the sizes of this one.
+    pub fn fits(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Lattice(own), Self::Lattice(other)) => own.fits(other),
+            (Self::Strips(own), Self::Strips(other)) => own.fits(other),
+            _ => false,
+        }
+    }
+}
