@@ -5,6 +5,8 @@
 //! knows beams or integrators; the plant decides when a step is final.
 
 pub mod flow;
+pub mod polar;
+pub mod strip;
 pub mod surface;
 
 use crate::load::{SectionMotion, Wrench};
