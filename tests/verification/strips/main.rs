@@ -1,0 +1,6 @@
+//! Strip theory against the classical theory of thin aerofoils, and the invariances that any air must have.
+
+#[path = "../reference.rs"]
+mod reference_file;
+mod theory;
+mod theory_checks;
