@@ -51,8 +51,7 @@ pub(super) fn build(
         .enumerate()
         .map(|(index, (name, surface))| draft(index, name, surface, file, sections, tree, checker))
         .collect();
-    let gusts: Vec<Option<Gust>> =
-        file.gust.iter().map(|(name, gust)| build_gust(name, gust, file, checker)).collect();
+    let gusts: Vec<Option<Gust>> = file.gust.iter().map(|(name, gust)| build_gust(name, gust, file, checker)).collect();
     let Some(air) = file.aerodynamics.as_ref().filter(|air| air.model != AirModelFile::None) else {
         let stray = file.surface.keys().next().map(|name| ["surface", name]);
         let stray = stray.or(file.gust.keys().next().map(|name| ["gust", name]));
@@ -103,7 +102,11 @@ pub(super) fn build(
             wake: if air.free_wake { WakeModel::Free } else { WakeModel::Prescribed },
             wake_rows: air.wake_rows,
             core_radius_m: air.core_radius_m.unwrap_or(CORE_SHARE * smallest_m),
-            load_rule: if air.leading_edge_suction.unwrap_or(false) { LoadRule::KuttaJoukowski } else { LoadRule::Bernoulli },
+            load_rule: if air.leading_edge_suction.unwrap_or(false) {
+                LoadRule::KuttaJoukowski
+            } else {
+                LoadRule::Bernoulli
+            },
             mirror_normal: mirror,
             threads: air.threads,
         }),
@@ -183,7 +186,8 @@ fn draft(
 fn polar(name: &str, rows: &[[f64; 4]], checker: &mut Checker) -> Option<Polar> {
     let ascending = rows.windows(2).all(|pair| pair[0][0] < pair[1][0]);
     if !ascending || rows.iter().any(|row| row[0].abs() > 180.0) {
-        let allowed = "rows [angle of attack in deg, lift, drag, moment coefficient] with angles ascending from -180 to 180";
+        let allowed =
+            "rows [angle of attack in deg, lift, drag, moment coefficient] with angles ascending from -180 to 180";
         checker.refuse(&["surface", name, "polar"], allowed);
         return None;
     }
@@ -248,9 +252,7 @@ fn free_edges(body: usize, drafts: &[Draft], bodies: &[Body], mirror: Option<Vec
     });
     let held = match bodies[body].joint.parent {
         Parent::Root { position_m } => mirror.is_some_and(|normal| normal.dot(&position_m).abs() <= NEAR * length_m),
-        Parent::Body { index, position_m } => {
-            has_surface(index) && position_m >= bodies[index].length_m * (1.0 - NEAR)
-        }
+        Parent::Body { index, position_m } => has_surface(index) && position_m >= bodies[index].length_m * (1.0 - NEAR),
     };
     [!held, !goes_on]
 }

@@ -1,12 +1,12 @@
 //! The validated model: what the file means, in SI and radians, bodies sorted parent before child.
 
 pub use crate::actuation::prescribed::Motion;
-pub use crate::beam::element::ElementKind;
-pub use crate::beam::law::{NaturalStrain, SectionLaw};
-use crate::beam::recovery::{axial_row, gauge_row};
 use crate::aero::AirOptions;
 use crate::aero::flow::Gust;
 use crate::aero::surface::{ChordLine, Profile};
+pub use crate::beam::element::ElementKind;
+pub use crate::beam::law::{NaturalStrain, SectionLaw};
+use crate::beam::recovery::{axial_row, gauge_row};
 use crate::load::{LoadFrame, Wrench};
 use nalgebra::{Matrix3, Vector3, Vector4};
 

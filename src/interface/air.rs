@@ -1,9 +1,9 @@
 //! Rows of machines in air, and what they depend on.
 
+use crate::interface::Variability;
 use crate::interface::binding::{Binding, Input, JointInput, JointParameter, Output, Parameter};
 use crate::interface::table::{AXES, POSITIVE, Table};
 use crate::interface::topology::Topology;
-use crate::interface::Variability;
 
 /// Wind.
 pub(super) fn inputs(table: &mut Table, topology: &Topology) {
@@ -42,7 +42,8 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology) {
     if !air.reports_circulation {
         return;
     }
-    let strips = air.surfaces.iter().flat_map(|surface| (1..surface.positions_m.len()).map(move |strip| (surface, strip)));
+    let strips =
+        air.surfaces.iter().flat_map(|surface| (1..surface.positions_m.len()).map(move |strip| (surface, strip)));
     for (index, (surface, strip)) in strips.enumerate() {
         let body = &topology.machine.bodies[surface.body].name;
         let meaning = format!("circulation of strip {strip} of body {body}");

@@ -378,9 +378,7 @@ impl Output {
             Self::AirForce(i) => Value::Real(component(&outputs.air.total.force_n, i)),
             Self::AirMoment(i) => Value::Real(component(&outputs.air.total.moment_n_m, i)),
             Self::AirStationForce(station, i) => Value::Real(component(&outputs.air.stations[station].force_n, i)),
-            Self::AirStationMoment(station, i) => {
-                Value::Real(component(&outputs.air.stations[station].moment_n_m, i))
-            }
+            Self::AirStationMoment(station, i) => Value::Real(component(&outputs.air.stations[station].moment_n_m, i)),
             Self::AirCirculation(strip) => Value::Real(outputs.air.circulation_m2_s[strip]),
         }
     }

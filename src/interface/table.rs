@@ -2,11 +2,11 @@
 
 use crate::config::Machine;
 use crate::config::machine::UNLIMITED;
+use crate::interface::air;
 use crate::interface::binding::{
     Binding, BodyParameter, Counter, EnergyOutput, Input, JointInput, JointOutput, JointParameter, Output, Parameter,
     PointOutput, SolverParameter, SpatialOutput, SpatialParameter,
 };
-use crate::interface::air;
 use crate::interface::dependencies::add_dependencies;
 use crate::interface::topology::Topology;
 use crate::interface::{Causality, Initial, Value, Variability, Variable};
@@ -397,7 +397,13 @@ pub(super) struct Table {
 }
 
 impl Table {
-    pub(super) fn input(&mut self, input: Input, name: String, declared_type: Option<&'static str>, description: String) {
+    pub(super) fn input(
+        &mut self,
+        input: Input,
+        name: String,
+        declared_type: Option<&'static str>,
+        description: String,
+    ) {
         let start = input.read(&self.inputs);
         let variability = match start {
             Value::Real(_) => Variability::Continuous,
@@ -412,7 +418,13 @@ impl Table {
         );
     }
 
-    pub(super) fn output(&mut self, output: Output, name: String, declared_type: Option<&'static str>, description: String) {
+    pub(super) fn output(
+        &mut self,
+        output: Output,
+        name: String,
+        declared_type: Option<&'static str>,
+        description: String,
+    ) {
         // The time of an event and flags change at events only; everything else moves with time.
         let variability = match output {
             Output::Joint(_, JointOutput::Latched | JointOutput::LatchTime | JointOutput::LatchCount) => {

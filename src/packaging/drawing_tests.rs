@@ -69,6 +69,7 @@ pub(crate) fn two_body_machine() -> Machine {
         description: "Two bodies < one wing & a joint".to_owned(),
         bodies: vec![body("inner", clamp), body("outer", fold)],
         closures: Vec::new(),
+        air: None,
         gauges: vec![],
         gravity_m_s2: Vector3::new(-9.8, 0.0, 0.0),
         solver: Solver {

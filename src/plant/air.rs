@@ -120,6 +120,10 @@ pub(super) struct AirHistory {
     pub carried_m: Vector3<f64>,
     /// Largest force so far, in N.
     pub scale_n: f64,
+    /// Step of the structure within the present aerodynamic step in s: the smallest that the error estimate asked for in
+    /// the first trial march. With steps that changed from one trial to the next, the loads at the end would jump with
+    /// them by the error that the tolerance allows, and no iteration would end.
+    pub structure_step_s: f64,
 }
 
 impl AirHistory {
@@ -206,6 +210,7 @@ impl AirCoupling {
             at_begin: none,
             carried_m: Vector3::zeros(),
             scale_n: 0.0,
+            structure_step_s: 0.0,
         };
         Some(Self {
             model,
@@ -261,7 +266,8 @@ impl AirCoupling {
             _ => 1.0 - (history.ramp.end_s - now.time_s) / step_s,
         };
         let strips = self.settings.surfaces.iter().enumerate();
-        let strips = strips.flat_map(|(index, surface)| (0..surface.positions_m.len() - 1).map(move |strip| (index, strip)));
+        let strips =
+            strips.flat_map(|(index, surface)| (0..surface.positions_m.len() - 1).map(move |strip| (index, strip)));
         for (circulation, (surface, strip)) in outputs.air.circulation_m2_s.iter_mut().zip(strips) {
             let [before, after] =
                 [&history.before, &history.after].map(|air| self.model.strip_circulation_m2_s(air, surface, strip));
@@ -318,7 +324,8 @@ impl AirCoupling {
 
     /// Reads the guess from a ramp's end.
     fn read(&mut self, ramp: &Ramp) {
-        let entries = ramp.to.iter().chain(&ramp.mean).flat_map(|load| load.force_n.iter().chain(load.moment_n_m.iter()));
+        let entries =
+            ramp.to.iter().chain(&ramp.mean).flat_map(|load| load.force_n.iter().chain(load.moment_n_m.iter()));
         self.guess.iter_mut().zip(entries).for_each(|(guess, entry)| *guess = *entry);
     }
 
@@ -347,7 +354,8 @@ fn shares(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> V
             let Some(nearest_m) = stations.iter().map(distance_m).min_by(f64::total_cmp) else { break };
             // a strip half way between two stations belongs to both
             let near = NEAR * edges[edges.len() - 1];
-            let takers: Vec<usize> = (0..stations.len()).filter(|&i| distance_m(&stations[i]) <= nearest_m + near).collect();
+            let takers: Vec<usize> =
+                (0..stations.len()).filter(|&i| distance_m(&stations[i]) <= nearest_m + near).collect();
             for section in [strip, strip + 1] {
                 let neighbours = if section == 0 || section == edges.len() - 1 { 1.0 } else { 2.0 };
                 for &station in &takers {
@@ -485,15 +493,21 @@ impl Plant {
             Coupling::Iterated { tolerance, most_iterations } => (tolerance, most_iterations),
         };
         let mut outcome = Err(0.0);
-        for _ in 0..most {
+        for trial in 0..most {
             self.state.air = Some(history);
-            let marched = self.march_on_trial(end_s);
+            let marched = self.march_on_trial(end_s, trial == 0);
+            let (wanted_s, next_s) = (self.smallest_step_s, self.state.step_s);
             let ahead = &self.state.ahead;
             if marched.is_ok() {
                 self.equations.residual(end_s, &ahead.q, &ahead.v, &ahead.a, &mut self.scratch[0]);
                 air.observe(&self.equations, ahead);
             }
             history = self.go_back(&air.trial);
+            if trial == 0 {
+                history.structure_step_s = (end_s - begin_s) / ((end_s - begin_s) / wanted_s - SLIVER).ceil().max(1.0);
+                air.trial.step_s = next_s;
+            }
+            self.state.step_s = air.trial.step_s;
             if let Err(error) = marched {
                 self.state.air = Some(history);
                 return Err(error);
@@ -528,22 +542,29 @@ impl Plant {
         outcome.map_err(|change| {
             refusal(begin_s, format!("{most} iterations leave a change of the loads of {change:.1e} of the largest"))
         })?;
-        self.discontinuity(|_, _| 0.0)
+        self.discontinuity(|_, _| 0.0).map(|_| ())
     }
 
-    /// Marches the structure to the end of the aerodynamic step under the present guess of the loads.
-    fn march_on_trial(&mut self, end_s: f64) -> Result<(), PlantError> {
+    /// Marches the structure to the end of the aerodynamic step under the present guess of the loads; `first`: with steps
+    /// by the error estimate.
+    fn march_on_trial(&mut self, end_s: f64, first: bool) -> Result<(), PlantError> {
         self.discontinuity(|_, _| 0.0)?;
+        self.smallest_step_s = f64::INFINITY;
         while self.state.ahead.time_s < end_s {
             let State { start, ahead, .. } = &mut self.state;
             start.copy_from(ahead);
             self.apply_events()?;
-            match self.machine.solver.fixed_step_s {
+            match self.machine.solver.fixed_step_s.or_else(|| self.structure_step_s().filter(|_| !first)) {
                 Some(step_s) => self.advance_fixed(step_s, end_s)?,
                 None => self.advance(end_s)?,
             }
         }
         Ok(())
+    }
+
+    /// Step of the structure that the present aerodynamic step is marched with, in s; `None` without air.
+    pub(super) fn structure_step_s(&self) -> Option<f64> {
+        self.state.air.as_ref().map(|history| history.structure_step_s)
     }
 
     /// Undoes a trial march; takes the history out, so that its air can be changed.
@@ -553,7 +574,6 @@ impl Plant {
         start.copy_from(&trial.start);
         ahead.copy_from(&trial.start);
         joints.copy_from_slice(&trial.joints);
-        self.state.step_s = trial.step_s;
         self.state.statistics = trial.statistics;
         self.state.statistics.air_solutions = solutions;
         self.configure();

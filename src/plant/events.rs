@@ -149,7 +149,7 @@ impl Plant {
         // interpolation leaves the constraints of joint parameters by its own error
         self.equations.project(&mut start.q, &mut start.v, &mut start.a);
         self.cut_ramp();
-        self.discontinuity(|state, equations| {
+        self.event(|state, equations| {
             let time_s = state.start.time_s;
             state.applied_inputs.clone_from(&state.inputs);
             state.applied_parameters.clone_from(&state.parameters);
@@ -195,7 +195,7 @@ impl Plant {
         } else if !self.equations.kink_at(self.state.start.time_s) {
             return Ok(());
         }
-        self.discontinuity(|state, _| {
+        self.event(|state, _| {
             for joint in state.joints.iter_mut().filter(|joint| joint.closing) {
                 joint.closing = false;
                 close(&mut joint.latch, state.start.time_s);
@@ -205,12 +205,23 @@ impl Plant {
         })
     }
 
-    /// Changes the equations at `start` and re-solves the accelerations; the present step then has no length.
+    /// Changes the equations at `start` as [`Plant::discontinuity`] does, and shortens the next step by the jump.
+    fn event(&mut self, change: impl FnOnce(&mut State, &Equations) -> f64) -> Result<(), PlantError> {
+        let jump = self.discontinuity(change)?;
+        self.restrain_step(jump);
+        Ok(())
+    }
+
+    /// Changes the equations at `start` and re-solves the accelerations; the present step then has no length. Returns
+    /// the kinematic norm of their jump in 1/s².
     ///
     /// `change` returns the energy that it dissipates; the rest of the jump of the potentials is booked as work.
     /// The accelerations move by what the change of the residual asks for, so that errors of the interpolation in
     /// stiff modes are not multiplied by the stiffness.
-    pub(super) fn discontinuity(&mut self, change: impl FnOnce(&mut State, &Equations) -> f64) -> Result<(), PlantError> {
+    pub(super) fn discontinuity(
+        &mut self,
+        change: impl FnOnce(&mut State, &Equations) -> f64,
+    ) -> Result<f64, PlantError> {
         let old = &mut self.scratch[0];
         let start = &self.state.start;
         let time_s = start.time_s;
@@ -233,9 +244,8 @@ impl Plant {
         }
         start.dissipated += dissipated;
         start.work += after - before + dissipated;
-        self.restrain_step(jump);
         self.state.ahead.copy_from(&self.state.start);
-        Ok(())
+        Ok(jump)
     }
 
     /// Shortens the next step where the accelerations have jumped.

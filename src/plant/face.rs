@@ -34,12 +34,7 @@ pub struct Inputs {
 /// By hand, because a derived `clone_from` allocates and inputs are copied whenever they change.
 impl Clone for Inputs {
     fn clone(&self) -> Self {
-        Self {
-            joints: self.joints.clone(),
-            stations: self.stations.clone(),
-            root: self.root,
-            wind_m_s: self.wind_m_s,
-        }
+        Self { joints: self.joints.clone(), stations: self.stations.clone(), root: self.root, wind_m_s: self.wind_m_s }
     }
 
     fn clone_from(&mut self, source: &Self) {

@@ -58,9 +58,10 @@ impl Plant {
                 break;
             }
             self.begin_air_step()?;
-            match fixed {
-                Some(step_s) => self.advance_fixed(step_s, end_s)?,
-                None => self.advance(limit_s)?,
+            match (fixed, self.structure_step_s()) {
+                (Some(step_s), _) => self.advance_fixed(step_s, end_s)?,
+                (None, Some(step_s)) => self.advance_fixed(step_s, limit_s)?,
+                (None, None) => self.advance(limit_s)?,
             }
         }
         Ok(())
@@ -79,6 +80,7 @@ impl Plant {
             let (step_s, end_s) = fit_step(time_s, wanted_s, stop_s);
             match self.attempt(step_s) {
                 Ok(error) if error <= tolerance => {
+                    self.smallest_step_s = self.smallest_step_s.min(wanted_s);
                     self.state.ahead.time_s = end_s;
                     let grown_s = step_s * control::factor(error / tolerance, order);
                     // a step cut short by `stop_s` says nothing against the longer one

@@ -23,8 +23,8 @@ mod strains;
 pub use crate::solve::equilibrium::Effort as StaticEffort;
 pub use crate::solve::linearize::{SecondOrder, StateSpace};
 pub use face::{
-    AirOutputs, BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, JointStatus, Outputs,
-    Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
+    AirOutputs, BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, JointStatus,
+    Outputs, Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
 };
 pub use linear::{Argument, Freedom};
 pub use shape::{ModeShape, NodeMotion, SectionShape};
@@ -55,6 +55,8 @@ pub struct Plant {
     built_with: Parameters,
     stepper: Stepper,
     air: Option<Box<AirCoupling>>,
+    /// Smallest step that the error estimate has asked for since the present trial march began, in s.
+    smallest_step_s: f64,
     scratch: [Vec<f64>; 2],
     outputs: Outputs,
 }
@@ -97,6 +99,7 @@ impl Plant {
             built_with: state.parameters.clone(),
             stepper: Stepper::new(method, coordinates),
             air,
+            smallest_step_s: f64::INFINITY,
             scratch: [vec![0.0; coordinates], vec![0.0; coordinates]],
             state,
             equations,

@@ -20,6 +20,7 @@ pub fn machine(bodies: Vec<Body>) -> Machine {
         description: String::new(),
         bodies,
         closures: Vec::new(),
+        air: None,
         gauges: Vec::new(),
         gravity_m_s2: Vector3::zeros(),
         solver: solver(Method::Esdirk4, 1e-6),
@@ -129,6 +130,7 @@ pub fn wing(kind: ElementKind, count: usize, method: Method, tolerance: f64) -> 
     bodies.push(outer);
     Machine {
         closures: Vec::new(),
+        air: None,
         gauges: vec![Gauge::axial("root", 0, 0.02, [0.0, 0.001])],
         gravity_m_s2: Vector3::new(-9.8, 0.0, 0.0),
         solver: solver(method, tolerance),

@@ -1,0 +1,197 @@
+//! How air and structure agree: orders in the aerodynamic step, independence of the caller's steps, light wings,
+//! rollback, accounts.
+
+use crate::wings::{folding_wing, light_wing, march, start};
+use foldwing::config::machine::JointKind;
+use foldwing::plant::{Plant, PlantError};
+use nalgebra::Vector3;
+
+const WIND: &str = "density_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 0.0]";
+
+fn strips(step_s: f64, more: &str) -> String {
+    format!("model = \"strip\"\n{WIND}\nstep_s = {step_s:?}\n{more}")
+}
+
+fn lattice(step_s: f64, more: &str) -> String {
+    format!("model = \"uvlm\"\n{WIND}\nstep_s = {step_s:?}\nmirror_normal = [1.0, 0.0, 0.0]\n{more}")
+}
+
+/// Tip of the straight wing 0.1 s after the begin of a smooth gust, the fold joint held; steps of the structure are short
+/// and fixed, so that nothing but the aerodynamic step changes.
+fn tip_in_gust(air: &str) -> [f64; 2] {
+    let gust = "[gust.one]\nshape = \"one_minus_cosine\"\nvelocity_m_s = [0.0, 0.0, 1.0]\nlength_m = 0.8\norigin_m = [0.0, 0.025, 0.0]\n";
+    let mut machine = folding_wing(&format!("{air}\n{gust}"), 5, 1);
+    machine.gravity_m_s2 = Vector3::zeros();
+    machine.solver.fixed_step_s = Some(2.5e-4);
+    let JointKind::Revolute(fold) = &mut machine.bodies[1].joint.kind else { panic!("a fold joint") };
+    (fold.release, fold.start_angle_rad) = (false, 0.0);
+    let plant = march(start(machine), 0.1, 1);
+    let tip = &plant.outputs().tips[0];
+    [tip.position_m.z, tip.velocity_m_s.z]
+}
+
+/// Order of the agreement in the aerodynamic step is two, lag states and apparent mass included: the loads run
+/// linearly over a step, their lag is advanced exactly for that, and the fluid's impulse over a step is exact.
+#[test]
+fn q01_order_in_the_aerodynamic_step_is_two() {
+    let states = [4e-3, 2e-3, 1e-3, 5e-4].map(|step_s| tip_in_gust(&strips(step_s, "coupling_tolerance = 1e-10")));
+    for component in 0..2 {
+        let changes: Vec<f64> = states.windows(2).map(|pair| (pair[0][component] - pair[1][component]).abs()).collect();
+        let orders: Vec<f64> = changes.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect();
+        println!("component {component}: {:.6}, changes {changes:?}, orders {orders:.2?}", states[3][component]);
+        assert!(orders.iter().all(|order| *order > 1.8 && *order < 2.4), "{orders:?}");
+    }
+}
+
+/// The caller's steps do not matter: the aerodynamic steps are the plant's own.
+#[test]
+fn q02_communication_steps_do_not_matter() {
+    for air in [strips(1e-3, ""), lattice(1.25e-3, "wake_rows = 10")] {
+        let angles = [1, 7, 100, 333].map(|steps| {
+            let plant = march(start(folding_wing(&air, 4, 2)), 0.1, steps);
+            plant.outputs().joints[0].angle_rad
+        });
+        for angle in angles {
+            // round-off of the interpolation between the plant's own steps
+            approx::assert_relative_eq!(angle, angles[0], max_relative = 1e-13);
+        }
+    }
+}
+
+/// Prediction with one correction and iteration differ by little at the step of the shipped model: the added mass
+/// of this wing is 1.6 % of its own.
+#[test]
+fn q03_staggered_and_iterated_agree_for_a_heavy_wing() {
+    for step_s in [1e-3, 5e-4] {
+        let [staggered, iterated] =
+            ["coupling = \"staggered\"", "coupling_tolerance = 1e-10"].map(|more| tip_in_gust(&strips(step_s, more)));
+        let difference = (staggered[0] - iterated[0]).abs() / iterated[0].abs();
+        println!("staggered less iterated: {difference:.1e} of the tip's displacement at {step_s} s");
+        // the prediction is second order in the step, and the correction multiplies it by the ratio of the masses
+        assert!(difference < 1e-3, "{difference:e}");
+    }
+}
+
+/// Wings much lighter than the air that they move: a plate of 1/200 of the density has 3.3 times its own mass in
+/// air around it. One correction then diverges; the iteration converges and its answer with the step.
+#[test]
+fn q04_added_mass_does_not_make_light_wings_unstable() {
+    let run = |step_s: f64, more: &str| -> Result<f64, PlantError> {
+        let air = strips(step_s, more).replace("-10.0", "-0.5");
+        let machine = light_wing(200.0, &air, 4);
+        let mut plant = start(machine);
+        plant.step(0.1)?;
+        let angle = plant.outputs().joints[0].angle_rad;
+        // a wing that flutters apart turns by more than the fold allows
+        if angle.is_finite() && angle.abs() < 4.0 { Ok(angle) } else { Err(PlantError::Snapshot("diverged".into())) }
+    };
+    let [coarse, middle, fine] =
+        [2e-3, 1e-3, 5e-4].map(|step_s| run(step_s, "").unwrap_or_else(|error| panic!("{error}")));
+    println!("iterated: {coarse:.6} {middle:.6} {fine:.6} rad");
+    assert!((middle - fine).abs() < 0.5 * (coarse - middle).abs(), "{coarse} {middle} {fine}");
+    let staggered = run(1e-3, "coupling = \"staggered\"");
+    println!("staggered: {staggered:?}");
+    assert!(
+        staggered.map_or(true, |angle| (angle - fine).abs() > 0.1),
+        "staggered has become stable: say so in the docs"
+    );
+}
+
+/// Rollback and serialisation across aerodynamic steps, bit for bit, with the wake.
+#[test]
+fn q05_rollback_is_exact_with_air() {
+    for air in [strips(1e-3, ""), lattice(1.25e-3, "wake_rows = 20\nreport_circulation = true")] {
+        let mut plant = march(start(folding_wing(&air, 3, 2)), 0.0333, 10);
+        let snapshot = plant.snapshot();
+        let bytes = postcard::to_allocvec(&snapshot).expect("a snapshot is plain data");
+        let straight = march_on(&mut plant);
+        plant.restore(&snapshot).expect("own snapshot");
+        assert_eq!(march_on(&mut plant), straight, "restored in place");
+        let mut other = start(folding_wing(&air, 3, 2));
+        let read: foldwing::plant::Snapshot = postcard::from_bytes(&bytes).expect("own bytes");
+        other.restore(&read).expect("same model");
+        assert_eq!(march_on(&mut other), straight, "in another plant");
+    }
+}
+
+fn march_on(plant: &mut Plant) -> foldwing::plant::Outputs {
+    plant.inputs_mut().wind_m_s = Vector3::new(0.3, -11.0, 0.2);
+    plant.step(0.0412).expect("steps");
+    plant.inputs_mut().wind_m_s = Vector3::new(0.0, -9.0, -0.1);
+    plant.step(0.05).expect("steps");
+    plant.outputs().clone()
+}
+
+/// The energy account holds with air: its work is that of its loads, to the time integration's error.
+#[test]
+fn q06_energy_account_holds_with_air() {
+    for (air, limit) in [(strips(1e-3, ""), 1e-6), (lattice(1.25e-3, "wake_rows = 20"), 1e-6)] {
+        let mut machine = folding_wing(&air, 4, 2);
+        machine.solver.tolerance = 1e-8;
+        let mut plant = start(machine);
+        let balance = |plant: &Plant| {
+            let energy = plant.outputs().energy;
+            energy.total - energy.work + energy.dissipated
+        };
+        let first = balance(&plant);
+        let mut largest = 0.0_f64;
+        let mut drift = 0.0_f64;
+        for i in 1..=50 {
+            plant.step(f64::from(i) * 2e-3).expect("steps");
+            largest = largest.max(plant.outputs().energy.kinetic);
+            drift = drift.max((balance(&plant) - first).abs());
+        }
+        println!("drift {:.1e} of the largest kinetic energy", drift / largest);
+        assert!(drift < limit * largest, "{:.1e}", drift / largest);
+    }
+}
+
+/// Reactions at the root carry the loads of the air: with nothing else moving, force and moment of the air at the
+/// origin are what the root reaction changes by. Loads per station add up to the whole.
+#[test]
+fn q07_loads_reach_the_root_and_add_up() {
+    for air in [strips(1e-3, ""), lattice(1.25e-3, "wake_rows = 10")] {
+        let mut machine = folding_wing(&air, 4, 2);
+        machine.gravity_m_s2 = Vector3::zeros();
+        let JointKind::Revolute(fold) = &mut machine.bodies[1].joint.kind else { panic!("a fold joint") };
+        (fold.release, fold.start_angle_rad) = (false, 0.5);
+        for body in &mut machine.bodies {
+            body.mass_damping_1_s = 60.0;
+        }
+        let mut plant = start(machine);
+        plant.inputs_mut().wind_m_s = Vector3::new(0.0, -10.0, 0.6);
+        plant.step(2.0).expect("steps");
+        let outputs = plant.outputs();
+        let size = outputs.air.total.force_n.norm();
+        assert!(size > 1e-3, "{size}");
+        // what still moves at the end
+        let rest = outputs.energy.kinetic;
+        assert!(rest < 1e-9, "{rest:e}");
+        let force = (outputs.root.force_n - outputs.air.total.force_n).norm();
+        let moment = (outputs.root.moment_n_m - outputs.air.total.moment_n_m).norm();
+        println!("force {size:.4} N, reaction differs by {force:.1e} N and {moment:.1e} N·m");
+        assert!(force < 1e-3 * size && moment < 1e-4 * size, "{force:e} {moment:e}");
+        let mut sum = Vector3::zeros();
+        let mut turn = Vector3::zeros();
+        for (load, station) in outputs.air.stations.iter().zip(&outputs.stations) {
+            sum += load.force_n;
+            turn += load.moment_n_m + station.position_m.cross(&load.force_n);
+        }
+        approx::assert_relative_eq!(sum, outputs.air.total.force_n, max_relative = 1e-12, epsilon = 1e-14);
+        approx::assert_relative_eq!(turn, outputs.air.total.moment_n_m, max_relative = 1e-12, epsilon = 1e-14);
+    }
+}
+
+/// Air at rest around a wing at rest does nothing, at any density.
+#[test]
+fn q08_still_air_around_a_wing_at_rest_does_nothing() {
+    for model in ["uvlm", "strip"] {
+        let mut machine = folding_wing(&format!("model = \"{model}\"\nstep_s = 1e-3"), 3, 2);
+        machine.gravity_m_s2 = Vector3::zeros();
+        let JointKind::Revolute(fold) = &mut machine.bodies[1].joint.kind else { panic!("a fold joint") };
+        fold.release = false;
+        let plant = march(start(machine), 0.01, 3);
+        assert_eq!(plant.outputs().air.total.force_n, Vector3::zeros(), "{model}");
+        assert_eq!(plant.outputs().energy.kinetic, 0.0);
+    }
+}

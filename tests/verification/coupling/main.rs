@@ -1,0 +1,10 @@
+//! Air and structure together: machines from model texts, marched through the plant.
+//!
+//! Cases are numbered Q-xx.
+
+#[allow(dead_code)]
+#[path = "../plant/machines.rs"]
+mod machines;
+
+mod agreement;
+mod wings;
