@@ -4,12 +4,17 @@
 //! step and the motion of every section at the end of it, it gives the state at the end and the loads. Nothing here
 //! knows beams or integrators; the plant decides when a step is final.
 
+pub mod biot_savart;
 pub mod flow;
 pub mod lattice;
 mod model;
 pub mod polar;
 pub mod strip;
+mod lattice_loads;
+pub mod lattice_state;
+pub mod linear_system;
 pub mod surface;
+mod wake;
 
 pub use model::{AirModel, AirOptions, AirState};
 

@@ -2,7 +2,9 @@
 
 use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
-use crate::aero::lattice::{LatticeOptions, LatticeState, SingularLattice, VortexLattice};
+use crate::aero::lattice::{LatticeOptions, VortexLattice};
+use crate::aero::lattice_state::LatticeState;
+use crate::aero::linear_system::SingularLattice;
 use crate::aero::strip::{StripOptions, StripState, Strips};
 use crate::aero::surface::Surface;
 use crate::load::SectionMotion;

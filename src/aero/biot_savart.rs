@@ -1,0 +1,299 @@
+//! Velocity of vortex sheets made of quadrilateral rings: segment by segment, eight points at a time.
+//!
+//! The core is Rosenhead's and Moore's: every distance `|r|` becomes `√(r² + δ²)`. A straight segment then has a closed
+//! form without singular places and without branches, the field is that of a real, smooth vorticity (closed rings cancel
+//! exactly), and one radius serves bound and wake vorticity alike: a larger one on the wake alone would break the
+//! cancellation at the trailing edge.
+//!
+//! Lanes run over the points, never over the segments, so results do not depend on the width of the machine's vectors
+//! nor on the number of threads.
+
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+
+/// Points that are evaluated together.
+pub const LANES: usize = 8;
+
+/// One coordinate of as many points.
+type Lane = [f64; LANES];
+
+/// Three coordinates of as many points.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Block {
+    /// Coordinates.
+    pub xyz: [Lane; 3],
+}
+
+impl Block {
+    /// Coordinates of one point.
+    pub fn get(&self, lane: usize) -> Vector3<f64> {
+        Vector3::new(self.xyz[0][lane], self.xyz[1][lane], self.xyz[2][lane])
+    }
+
+    /// Sets one point.
+    pub fn set(&mut self, lane: usize, point: &Vector3<f64>) {
+        for (coordinates, value) in self.xyz.iter_mut().zip(point.iter()) {
+            coordinates[lane] = *value;
+        }
+    }
+
+    /// Adds `factor` times another.
+    #[inline(always)]
+    fn add(&mut self, factor: f64, other: &Self) {
+        for (sums, values) in self.xyz.iter_mut().zip(&other.xyz) {
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += factor * value;
+            }
+        }
+    }
+
+    /// Mirrored at the plane through the origin with this unit normal.
+    #[inline(always)]
+    fn mirrored(&self, normal: &Vector3<f64>) -> Self {
+        let mut image = *self;
+        for lane in 0..LANES {
+            let along = self.xyz[0][lane] * normal.x + self.xyz[1][lane] * normal.y + self.xyz[2][lane] * normal.z;
+            for (coordinates, component) in image.xyz.iter_mut().zip(normal.iter()) {
+                coordinates[lane] -= 2.0 * along * component;
+            }
+        }
+        image
+    }
+}
+
+/// Number of blocks for as many points.
+pub fn blocks(points: usize) -> usize {
+    points.div_ceil(LANES)
+}
+
+/// From a node to the points: components and smoothed distance.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Arm {
+    xyz: [Lane; 3],
+    distance: Lane,
+}
+
+impl Arm {
+    #[inline(always)]
+    fn new(points: &Block, node: &Vector3<f64>, core_squared: f64) -> Self {
+        let mut arm = Self::default();
+        for lane in 0..LANES {
+            let (x, y, z) = (points.xyz[0][lane] - node.x, points.xyz[1][lane] - node.y, points.xyz[2][lane] - node.z);
+            (arm.xyz[0][lane], arm.xyz[1][lane], arm.xyz[2][lane]) = (x, y, z);
+            arm.distance[lane] = (x * x + y * y + z * z + core_squared).sqrt();
+        }
+        arm
+    }
+}
+
+/// `4π` times the velocity of a straight segment of unit circulation from one node to another, eq. (U1).
+#[inline(always)]
+fn segment(from: &Arm, to: &Arm, core_squared: f64) -> Block {
+    let mut velocity = Block::default();
+    for lane in 0..LANES {
+        let (ax, ay, az) = (from.xyz[0][lane], from.xyz[1][lane], from.xyz[2][lane]);
+        let (bx, by, bz) = (to.xyz[0][lane], to.xyz[1][lane], to.xyz[2][lane]);
+        let product = from.distance[lane] * to.distance[lane];
+        let sum = from.distance[lane] + to.distance[lane];
+        let strength = sum / (product * (product + (ax * bx + ay * by + az * bz) + core_squared));
+        velocity.xyz[0][lane] = (ay * bz - az * by) * strength;
+        velocity.xyz[1][lane] = (az * bx - ax * bz) * strength;
+        velocity.xyz[2][lane] = (ax * by - ay * bx) * strength;
+    }
+    velocity
+}
+
+/// Where the nodes, rings and segments of a sheet lie in flat lists. A sheet has rows of rings; row 0 is the foremost.
+/// Rings run along the leading segment from column to column, then backward.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sheet {
+    /// Rows of rings.
+    pub rows: usize,
+    /// Rings in a row.
+    pub strips: usize,
+    /// Its first node.
+    pub first_node: usize,
+    /// Nodes from one row to the next.
+    pub node_stride: usize,
+    /// Its first ring, which is also its first spanwise segment.
+    pub first_ring: usize,
+    /// Rings from one row to the next.
+    pub ring_stride: usize,
+}
+
+impl Sheet {
+    /// Index of a ring.
+    #[inline(always)]
+    pub fn ring(&self, row: usize, strip: usize) -> usize {
+        self.first_ring + row * self.ring_stride + strip
+    }
+
+    /// Index of a node, which is also that of the chordwise segment that starts there.
+    #[inline(always)]
+    pub fn node(&self, row: usize, column: usize) -> usize {
+        self.first_node + row * self.node_stride + column
+    }
+}
+
+/// Net circulations of all segments of some sheets, in m²/s.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Filaments {
+    /// Of segments from column to column, one row more than rings.
+    pub spanwise: Vec<f64>,
+    /// Of segments from row to row, indexed by their first node.
+    pub chordwise: Vec<f64>,
+}
+
+impl Filaments {
+    /// For at most as many rings with one further row, and nodes.
+    pub fn new(rings: usize, nodes: usize) -> Self {
+        Self { spanwise: vec![0.0; rings], chordwise: vec![0.0; nodes] }
+    }
+
+    /// Sums the rings on both sides of every segment.
+    pub fn gather(&mut self, sheet: &Sheet, circulation_m2_s: &[f64]) {
+        let ring = |row, strip| circulation_m2_s[sheet.ring(row, strip)];
+        for row in 0..=sheet.rows {
+            for strip in 0..sheet.strips {
+                let behind = if row < sheet.rows { ring(row, strip) } else { 0.0 };
+                let ahead = if row > 0 { ring(row - 1, strip) } else { 0.0 };
+                self.spanwise[sheet.ring(row, strip)] = behind - ahead;
+            }
+        }
+        for row in 0..sheet.rows {
+            for column in 0..=sheet.strips {
+                let outer = if column < sheet.strips { ring(row, column) } else { 0.0 };
+                let inner = if column > 0 { ring(row, column - 1) } else { 0.0 };
+                self.chordwise[sheet.node(row, column)] = inner - outer;
+            }
+        }
+    }
+}
+
+/// How points see vorticity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Kernel {
+    /// Square of the core radius in m².
+    pub core_squared_m2: f64,
+    /// Unit normal of a mirror plane through the origin.
+    pub mirror_normal: Option<Vector3<f64>>,
+}
+
+impl Kernel {
+    /// Adds the velocity in m/s that sheets induce at some points. `arms` has two rows of nodes.
+    ///
+    /// A mirror image induces at a point the reflection of what the original induces at the reflected point, eq. (U2).
+    #[inline(always)]
+    pub fn induce(
+        &self,
+        sheets: &[Sheet],
+        nodes_m: &[Vector3<f64>],
+        filaments: &Filaments,
+        points_m: &Block,
+        arms: &mut [Arm],
+        velocity_m_s: &mut Block,
+    ) {
+        for sheet in sheets {
+            let own = self.sheet(sheet, nodes_m, filaments, points_m, arms);
+            velocity_m_s.add(1.0 / (4.0 * PI), &own);
+            if let Some(normal) = &self.mirror_normal {
+                let image = self.sheet(sheet, nodes_m, filaments, &points_m.mirrored(normal), arms);
+                velocity_m_s.add(1.0 / (4.0 * PI), &image.mirrored(normal));
+            }
+        }
+    }
+
+    /// `4π` times the velocity of one sheet.
+    #[inline(always)]
+    fn sheet(
+        &self,
+        sheet: &Sheet,
+        nodes_m: &[Vector3<f64>],
+        filaments: &Filaments,
+        points_m: &Block,
+        arms: &mut [Arm],
+    ) -> Block {
+        let columns = sheet.strips + 1;
+        let (mut ahead, mut here) = arms[..2 * columns].split_at_mut(columns);
+        let mut sum = Block::default();
+        for row in 0..=sheet.rows {
+            let first = sheet.node(row, 0);
+            let nodes = &nodes_m[first..first + columns];
+            let spanwise = &filaments.spanwise[sheet.ring(row, 0)..][..sheet.strips];
+            for (column, node) in nodes.iter().enumerate() {
+                here[column] = Arm::new(points_m, node, self.core_squared_m2);
+                if column > 0 {
+                    let unit = segment(&here[column - 1], &here[column], self.core_squared_m2);
+                    sum.add(spanwise[column - 1], &unit);
+                }
+            }
+            if row > 0 {
+                let before = sheet.node(row - 1, 0);
+                let chordwise = &filaments.chordwise[before..before + columns];
+                for ((from, to), circulation) in ahead.iter().zip(here.iter()).zip(chordwise) {
+                    sum.add(*circulation, &segment(from, to, self.core_squared_m2));
+                }
+            }
+            std::mem::swap(&mut ahead, &mut here);
+        }
+        sum
+    }
+
+    /// Adds to a matrix, by columns of `rows` entries, the normal velocity that unit rings of a sheet induce at some
+    /// points, eq. (U4). The rings' columns are `column(row, strip)`; the points begin at the row `first`.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "a kernel: every argument is one plain operand of its loops")]
+    pub fn influence(
+        &self,
+        sheet: &Sheet,
+        nodes_m: &[Vector3<f64>],
+        points_m: &Block,
+        normals: &Block,
+        arms: &mut [Arm],
+        matrix: &mut [f64],
+        (rows, first): (usize, usize),
+        column: impl Fn(usize, usize) -> usize,
+    ) {
+        let mut add = |ring: usize, sign: f64, velocity: &Block, normals: &Block| {
+            let entries = &mut matrix[ring * rows + first..][..LANES];
+            for (lane, entry) in entries.iter_mut().enumerate() {
+                let normal = velocity.xyz[0][lane] * normals.xyz[0][lane]
+                    + velocity.xyz[1][lane] * normals.xyz[1][lane]
+                    + velocity.xyz[2][lane] * normals.xyz[2][lane];
+                *entry += sign * normal;
+            }
+        };
+        let mut pass = |points_m: &Block, normals: &Block| {
+            let columns = sheet.strips + 1;
+            let (mut ahead, mut here) = arms[..2 * columns].split_at_mut(columns);
+            for row in 0..=sheet.rows {
+                for at in 0..columns {
+                    here[at] = Arm::new(points_m, &nodes_m[sheet.node(row, at)], self.core_squared_m2);
+                    if at > 0 {
+                        let unit = segment(&here[at - 1], &here[at], self.core_squared_m2);
+                        if row < sheet.rows {
+                            add(column(row, at - 1), 1.0 / (4.0 * PI), &unit, normals);
+                        }
+                        if row > 0 {
+                            add(column(row - 1, at - 1), -1.0 / (4.0 * PI), &unit, normals);
+                        }
+                    }
+                    if row > 0 {
+                        let unit = segment(&ahead[at], &here[at], self.core_squared_m2);
+                        if at > 0 {
+                            add(column(row - 1, at - 1), 1.0 / (4.0 * PI), &unit, normals);
+                        }
+                        if at < sheet.strips {
+                            add(column(row - 1, at), -1.0 / (4.0 * PI), &unit, normals);
+                        }
+                    }
+                }
+                std::mem::swap(&mut ahead, &mut here);
+            }
+        };
+        pass(points_m, normals);
+        if let Some(normal) = &self.mirror_normal {
+            pass(&points_m.mirrored(normal), &normals.mirrored(normal));
+        }
+    }
+}

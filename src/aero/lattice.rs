@@ -1,0 +1,472 @@
+//! Unsteady vortex lattice: geometry, boundary condition, circulation.
+//!
+//! Rings start at the quarter chord of their panels and end at the quarter chord of the next, the last ones a quarter
+//! panel behind the trailing edge, where the wake starts; collocation points lie in the middle of the rings, at three
+//! quarters of the panels. A ring is the bilinear patch of its four corners: its normal in the middle is that of its
+//! diagonals, exact on bent and twisted surfaces, and its vector area `S` is that of any surface with this rim, so that
+//! `ρΓS` is the impulse of the ring without approximation. Normals of the sections would have to be averaged.
+//!
+//! Each surface has its own rings. Where two surfaces share an edge (a hinge), the segments on it coincide and cancel as
+//! far as their circulations agree.
+
+use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet, blocks};
+use crate::aero::flow::Flow;
+use crate::aero::lattice_state::LatticeState;
+use crate::aero::linear_system::{LinearSystem, SingularLattice};
+use crate::aero::surface::Surface;
+use crate::aero::{AirLoads, lattice_loads};
+use crate::load::SectionMotion;
+use nalgebra::Vector3;
+use pulp::Arch;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// How the wake moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WakeModel {
+    /// With the undisturbed air, without gusts.
+    Prescribed,
+    /// With the air and what all vortices induce.
+    Free,
+}
+
+/// How circulation becomes force.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LoadRule {
+    /// Pressure on the panels: no force along them, hence no suction at the leading edge.
+    Bernoulli,
+    /// Force on every bound segment, with leading-edge suction and induced drag.
+    KuttaJoukowski,
+}
+
+/// Options of the lattice.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LatticeOptions {
+    /// How the wake moves.
+    pub wake: WakeModel,
+    /// Rows that the wake keeps; older ones are dropped.
+    pub wake_rows: usize,
+    /// Radius `δ` of the vortex core in m, positive, for bound and wake vorticity alike.
+    pub core_radius_m: f64,
+    /// How circulation becomes force.
+    pub load_rule: LoadRule,
+    /// Normal of a mirror plane through the origin of the root frame.
+    pub mirror_normal: Option<Vector3<f64>>,
+    /// Threads for induced velocities; the results are the same bits for every number.
+    pub threads: usize,
+}
+
+/// Lattice over all surfaces of a wing, with its scratch. All history is in [`LatticeState`].
+#[derive(Debug, Clone)]
+pub struct VortexLattice {
+    pub(super) surfaces: Vec<Surface>,
+    pub(super) options: LatticeOptions,
+    pub(super) kernel: Kernel,
+    pub(super) arch: Arch,
+    pool: Option<Arc<rayon::ThreadPool>>,
+    /// Bound sheets, one for each surface.
+    pub(super) bound: Vec<Sheet>,
+    /// Wake sheets, one for each surface.
+    pub(super) wake: Vec<Sheet>,
+    /// Index of the first bound ring of each surface in the equations.
+    pub(super) first_panel: Vec<usize>,
+    /// Nodes and strips in a row of the wake.
+    pub(super) wake_columns: usize,
+    pub(super) wake_strips: usize,
+    pub(super) bound_filaments: Filaments,
+    pub(super) wake_filaments: Filaments,
+    pub(super) corner_velocity_m_s: Vec<Vector3<f64>>,
+    /// Vector areas of the rings in m².
+    pub(super) area_m2: Vec<Vector3<f64>>,
+    /// Velocity of the air relative to the surface at the collocation points in m/s.
+    pub(super) relative_m_s: Vec<Vector3<f64>>,
+    pub(super) points: Vec<Block>,
+    pub(super) velocities: Vec<Block>,
+    normals: Vec<Block>,
+    arms: Vec<Vec<Arm>>,
+    system: LinearSystem,
+    /// Corners that the factors in `system` belong to; empty where there are none.
+    factored_corner_m: Vec<Vector3<f64>>,
+    factored: bool,
+    right: Vec<f64>,
+}
+
+/// Part of a panel chord past which the air must move before the wake gets a new row.
+///
+/// Air that does not move sheds nothing: the rings would pile up at the trailing edge. Where steps are shorter than
+/// this, the foremost row grows until it is long enough.
+const SHED_PANELS: f64 = 0.05;
+
+/// Length of the wake at the start of established flow, in diameters of the lattice: the legs behind contribute
+/// `1/(4·200²)` of what they do near by.
+const ESTABLISHED_DIAMETERS: f64 = 200.0;
+
+impl VortexLattice {
+    /// Lattice with a strip between every two consecutive sections of a surface.
+    pub fn new(surfaces: Vec<Surface>, options: LatticeOptions) -> Self {
+        let (mut bound, mut wake, mut first_panel) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut corners, mut rings, mut panels, mut columns, mut strips) = (0, 0, 0, 0, 0);
+        let all_strips: usize = surfaces.iter().map(Surface::strips).sum();
+        let all_columns = all_strips + surfaces.len();
+        for surface in &surfaces {
+            let own = surface.strips();
+            bound.push(Sheet {
+                rows: surface.chord_panels,
+                strips: own,
+                first_node: corners,
+                node_stride: own + 1,
+                first_ring: rings,
+                ring_stride: own,
+            });
+            wake.push(Sheet {
+                rows: 0,
+                strips: own,
+                first_node: columns,
+                node_stride: all_columns,
+                first_ring: strips,
+                ring_stride: all_strips,
+            });
+            first_panel.push(panels);
+            corners += (surface.chord_panels + 1) * (own + 1);
+            rings += (surface.chord_panels + 1) * own; // one spare row for the segments behind the last rings
+            panels += surface.panels();
+            columns += own + 1;
+            strips += own;
+        }
+        let wake_nodes = (options.wake_rows + 1) * columns;
+        let widest = surfaces.iter().map(Surface::strips).max().unwrap_or(0) + 1;
+        let threads = options.threads.max(1);
+        let most_points = wake_nodes.max(rings + corners).max(panels);
+        let pool = (threads > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()).flatten();
+        Self {
+            kernel: Kernel {
+                core_squared_m2: options.core_radius_m * options.core_radius_m,
+                mirror_normal: options.mirror_normal.map(|normal| normal.normalize()),
+            },
+            arch: Arch::new(),
+            arms: vec![vec![Arm::default(); 2 * widest]; if pool.is_some() { threads } else { 1 }],
+            pool: pool.map(Arc::new),
+            bound_filaments: Filaments::new(rings, corners),
+            wake_filaments: Filaments::new((options.wake_rows + 1) * strips, wake_nodes),
+            corner_velocity_m_s: vec![Vector3::zeros(); corners],
+            area_m2: vec![Vector3::zeros(); rings],
+            relative_m_s: vec![Vector3::zeros(); rings],
+            points: vec![Block::default(); blocks(most_points)],
+            velocities: vec![Block::default(); blocks(most_points)],
+            normals: vec![Block::default(); blocks(panels)],
+            system: LinearSystem::new(panels, blocks(panels) * LANES),
+            factored_corner_m: vec![Vector3::zeros(); corners],
+            factored: false,
+            right: vec![0.0; panels],
+            wake_columns: columns,
+            wake_strips: strips,
+            surfaces,
+            options,
+            bound,
+            wake,
+            first_panel,
+        }
+    }
+
+    /// Surfaces of the lattice.
+    pub fn surfaces(&self) -> &[Surface] {
+        &self.surfaces
+    }
+
+    /// State without circulation and wake.
+    pub fn blank_state(&self) -> LatticeState {
+        LatticeState {
+            circulation_m2_s: vec![0.0; self.area_m2.len()],
+            corner_m: vec![Vector3::zeros(); self.corner_velocity_m_s.len()],
+            wake_node_m: vec![Vector3::zeros(); (self.options.wake_rows + 1) * self.wake_columns],
+            wake_circulation_m2_s: vec![0.0; self.options.wake_rows * self.wake_strips],
+            wake_rows: 0,
+            unshed_m: 0.0,
+        }
+    }
+
+    /// Begins a history.
+    ///
+    /// Suddenly started: the circulation is that of the first instant, without wake; the impulse of the start is a blow
+    /// before the first step and no load of it. Established: steady circulation and the straight wake that belongs to
+    /// it, along the flow at the trailing edge; where the air rests there, without wake.
+    ///
+    /// # Errors
+    /// Where the lattice is singular.
+    pub fn start(
+        &mut self,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        established: bool,
+        state: &mut LatticeState,
+        loads: &mut AirLoads,
+    ) -> Result<(), SingularLattice> {
+        (state.wake_rows, state.unshed_m) = (0, 0.0);
+        state.wake_circulation_m2_s.fill(0.0);
+        state.wake_node_m.fill(Vector3::zeros());
+        self.place(motions, state);
+        let established = established && self.lay_straight_wake(flow, state);
+        self.factorize(state, established)?;
+        self.relative_velocity(flow, state);
+        self.circulate(state);
+        if established {
+            for row in 0..state.wake_rows {
+                self.shed_into(row, state);
+            }
+            // the tangential velocity at the panels includes that of the wake
+            self.relative_velocity(flow, state);
+        }
+        loads.clear();
+        lattice_loads::circulatory(self, motions, flow, state, loads);
+        Ok(())
+    }
+
+    /// Circulation and loads at the end of a step, for sections that move like `motions` there.
+    ///
+    /// `to` comes from [`convect`](Self::convect) with the same `from`. May be called again with other motions: nothing
+    /// but the motions decides the result.
+    ///
+    /// # Errors
+    /// Where the lattice is singular.
+    pub fn solve(
+        &mut self,
+        from: &LatticeState,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        step_s: f64,
+        to: &mut LatticeState,
+        loads: &mut AirLoads,
+    ) -> Result<(), SingularLattice> {
+        self.place(motions, to);
+        self.factorize(to, false)?;
+        self.relative_velocity(flow, to);
+        self.circulate(to);
+        loads.clear();
+        lattice_loads::circulatory(self, motions, flow, to, loads);
+        lattice_loads::impulsive(self, motions, flow, step_s, [from, to], loads);
+        Ok(())
+    }
+
+    /// Circulation at the trailing edge of a strip in m²/s: that of the whole strip.
+    pub fn strip_circulation(&self, state: &LatticeState, surface: usize, strip: usize) -> f64 {
+        let sheet = &self.bound[surface];
+        state.circulation_m2_s[sheet.ring(sheet.rows - 1, strip)]
+    }
+
+    /// Corner of a bound ring, root frame, m: row from the leading edge, column from the inner section.
+    pub fn corner_m(&self, state: &LatticeState, surface: usize, row: usize, column: usize) -> Vector3<f64> {
+        state.corner_m[self.bound[surface].node(row, column)]
+    }
+
+    /// Node of the wake, root frame, m: row from the trailing edge, up to `state.wake_rows` inclusive.
+    pub fn wake_node_m(&self, state: &LatticeState, surface: usize, row: usize, column: usize) -> Vector3<f64> {
+        state.wake_node_m[self.wake[surface].node(row, column)]
+    }
+
+    /// Circulation of a wake ring in m²/s.
+    pub fn wake_circulation_m2_s(&self, state: &LatticeState, surface: usize, row: usize, strip: usize) -> f64 {
+        state.wake_circulation_m2_s[self.wake[surface].ring(row, strip)]
+    }
+
+    /// Part of the chord at which a row of corners lies, behind the leading edge, eq. (U3).
+    pub(super) fn chord_fraction(chord_panels: usize, row: usize) -> f64 {
+        (row as f64 + 0.25) / chord_panels as f64
+    }
+
+    /// Corners with their velocities, vector areas, collocation points and normals; first row of the wake.
+    fn place(&mut self, motions: &[SectionMotion], state: &mut LatticeState) {
+        let mut panel = 0;
+        for ((surface, sheet), wake) in self.surfaces.iter().zip(&self.bound).zip(&self.wake) {
+            for row in 0..=sheet.rows {
+                let fraction = Self::chord_fraction(sheet.rows, row);
+                for (column, chord) in surface.chords.iter().enumerate() {
+                    let (motion, point_m) = (&motions[surface.sections.start + column], chord.at(fraction));
+                    let node = sheet.node(row, column);
+                    state.corner_m[node] = motion.point_m(&point_m);
+                    self.corner_velocity_m_s[node] = motion.point_velocity_m_s(&point_m);
+                }
+            }
+            for column in 0..=sheet.strips {
+                state.wake_node_m[wake.node(0, column)] = state.corner_m[sheet.node(sheet.rows, column)];
+            }
+            for row in 0..sheet.rows {
+                for strip in 0..sheet.strips {
+                    let corner = |row, column| state.corner_m[sheet.node(row, column)];
+                    let sum = corner(row, strip)
+                        + corner(row, strip + 1)
+                        + corner(row + 1, strip + 1)
+                        + corner(row + 1, strip);
+                    let area_m2 = lattice_loads::ring_area_m2(&state.corner_m, sheet, row, strip);
+                    self.area_m2[sheet.ring(row, strip)] = area_m2;
+                    let (block, lane) = (panel / LANES, panel % LANES);
+                    self.points[block].set(lane, &(0.25 * sum));
+                    self.normals[block].set(lane, &area_m2.normalize());
+                    panel += 1;
+                }
+            }
+        }
+    }
+
+    /// Factors of the influence matrix for the present geometry. The same geometry again costs nothing.
+    fn factorize(&mut self, state: &LatticeState, established: bool) -> Result<(), SingularLattice> {
+        if !established && self.factored && self.factored_corner_m == state.corner_m {
+            return Ok(());
+        }
+        self.factored = false;
+        let (panels, rows) = (self.right.len(), blocks(self.right.len()) * LANES);
+        let (kernel, arch, bound, wake) = (self.kernel, self.arch, &self.bound, &self.wake);
+        let (points, normals, firsts, arms) = (&self.points, &self.normals, &self.first_panel, &mut self.arms[0]);
+        let matrix = self.system.cleared();
+        arch.dispatch(
+            #[inline(always)]
+            || {
+                for (block, (points, normals)) in points.iter().zip(normals).enumerate().take(rows / LANES) {
+                    let place = (rows, block * LANES);
+                    for ((sheet, wake), first) in bound.iter().zip(wake).zip(firsts) {
+                        let (corners, strips) = (&state.corner_m, sheet.strips);
+                        let of = |row: usize, strip: usize| first + row * strips + strip;
+                        kernel.influence(sheet, corners, points, normals, arms, matrix, place, of);
+                        if established {
+                            let last = sheet.rows - 1;
+                            let of = |_: usize, strip: usize| of(last, strip);
+                            kernel.influence(wake, &state.wake_node_m, points, normals, arms, matrix, place, of);
+                        }
+                    }
+                }
+            },
+        );
+        debug_assert!(panels <= rows);
+        self.system.factorize(arch)?;
+        self.factored = !established;
+        self.factored_corner_m.copy_from_slice(&state.corner_m);
+        Ok(())
+    }
+
+    /// Velocity of the air relative to the panels at their collocation points, with the wake and without bound vortices.
+    fn relative_velocity(&mut self, flow: &Flow, state: &LatticeState) {
+        let panels = self.right.len();
+        self.gather_wake(state);
+        self.velocities[..blocks(panels)].fill(Block::default());
+        self.induce(panels, &state.wake_node_m, SheetKind::Wake);
+        let mut panel = 0;
+        for sheet in &self.bound {
+            for row in 0..sheet.rows {
+                for strip in 0..sheet.strips {
+                    let (block, lane) = (panel / LANES, panel % LANES);
+                    let at = |row, column| self.corner_velocity_m_s[sheet.node(row, column)];
+                    let surface_m_s =
+                        0.25 * (at(row, strip) + at(row, strip + 1) + at(row + 1, strip + 1) + at(row + 1, strip));
+                    let air_m_s = flow.velocity_m_s(&self.points[block].get(lane)) + self.velocities[block].get(lane);
+                    self.relative_m_s[sheet.ring(row, strip)] = air_m_s - surface_m_s;
+                    panel += 1;
+                }
+            }
+        }
+    }
+
+    /// Circulation for which no air passes through the collocation points, eq. (U4).
+    fn circulate(&mut self, state: &mut LatticeState) {
+        let mut panel = 0;
+        for sheet in &self.bound {
+            for row in 0..sheet.rows {
+                for strip in 0..sheet.strips {
+                    let normal = self.normals[panel / LANES].get(panel % LANES);
+                    self.right[panel] = -self.relative_m_s[sheet.ring(row, strip)].dot(&normal);
+                    panel += 1;
+                }
+            }
+        }
+        self.system.solve(&mut self.right);
+        for (sheet, first) in self.bound.iter().zip(&self.first_panel) {
+            let panels = sheet.rows * sheet.strips;
+            state.circulation_m2_s[sheet.first_ring..][..panels].copy_from_slice(&self.right[*first..][..panels]);
+            self.bound_filaments.gather(sheet, &state.circulation_m2_s);
+        }
+    }
+
+    /// Net circulations of the wake's segments.
+    pub(super) fn gather_wake(&mut self, state: &LatticeState) {
+        for sheet in &mut self.wake {
+            sheet.rows = state.wake_rows;
+            self.wake_filaments.gather(sheet, &state.wake_circulation_m2_s);
+        }
+    }
+
+    /// Adds to `velocities` what bound or wake vortices with these nodes induce at the first of `points`.
+    pub(super) fn induce(&mut self, count: usize, nodes_m: &[Vector3<f64>], kind: SheetKind) {
+        let (sheets, filaments) = match kind {
+            SheetKind::Bound => (&self.bound, &self.bound_filaments),
+            SheetKind::Wake if self.wake.iter().all(|sheet| sheet.rows == 0) => return,
+            SheetKind::Wake => (&self.wake, &self.wake_filaments),
+        };
+        let (kernel, arch, used) = (&self.kernel, self.arch, blocks(count));
+        let (points, velocities) = (&self.points[..used], &mut self.velocities[..used]);
+        let run = |points: &[Block], velocities: &mut [Block], arms: &mut [Arm]| {
+            arch.dispatch(
+                #[inline(always)]
+                || {
+                    for (points_m, velocity_m_s) in points.iter().zip(velocities) {
+                        kernel.induce(sheets, nodes_m, filaments, points_m, arms, velocity_m_s);
+                    }
+                },
+            );
+        };
+        match &self.pool {
+            Some(pool) if used > 1 => {
+                let share = used.div_ceil(self.arms.len());
+                let parts = points.par_chunks(share).zip(velocities.par_chunks_mut(share)).zip(&mut self.arms);
+                pool.install(|| parts.for_each(|((points, velocities), arms)| run(points, velocities, arms)));
+            }
+            _ => run(points, velocities, &mut self.arms[0]),
+        }
+    }
+
+    /// Straight wake along the flow at the trailing edge in rows of a panel chord, the last one very long; false where
+    /// the air does not move.
+    fn lay_straight_wake(&mut self, flow: &Flow, state: &mut LatticeState) -> bool {
+        let origin = state.corner_m[0];
+        let diameter_m = 2.0 * state.corner_m.iter().map(|corner| (corner - origin).norm()).fold(0.0, f64::max);
+        for ((surface, sheet), wake) in self.surfaces.iter().zip(&self.bound).zip(&mut self.wake) {
+            wake.rows = self.options.wake_rows;
+            for (column, chord) in surface.chords.iter().enumerate() {
+                let edge_m = state.corner_m[sheet.node(sheet.rows, column)];
+                let Some(along) = flow.convection_m_s(&edge_m).try_normalize(0.0) else { return false };
+                let row_m = chord.length_m() / surface.chord_panels as f64;
+                for row in 1..=wake.rows {
+                    let way_m = if row < wake.rows { row as f64 * row_m } else { ESTABLISHED_DIAMETERS * diameter_m };
+                    state.wake_node_m[wake.node(row, column)] = edge_m + along * way_m;
+                }
+            }
+        }
+        state.wake_rows = self.options.wake_rows;
+        state.wake_rows > 0
+    }
+
+    /// Gives a row of the wake the circulation of the trailing edge.
+    fn shed_into(&self, row: usize, state: &mut LatticeState) {
+        for (bound, wake) in self.bound.iter().zip(&self.wake) {
+            for strip in 0..bound.strips {
+                state.wake_circulation_m2_s[wake.ring(row, strip)] =
+                    state.circulation_m2_s[bound.ring(bound.rows - 1, strip)];
+            }
+        }
+    }
+
+    /// Way in m that the air must make past the trailing edge before a row is shed.
+    pub(super) fn shed_way_m(&self) -> f64 {
+        let panel_m = |surface: &Surface| {
+            let shortest = surface.chords.iter().map(|chord| chord.length_m()).fold(f64::INFINITY, f64::min);
+            shortest / surface.chord_panels as f64
+        };
+        SHED_PANELS * self.surfaces.iter().map(panel_m).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Which vortices induce.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum SheetKind {
+    /// Those of the lattice.
+    Bound,
+    /// Those of the wake.
+    Wake,
+}

@@ -1,0 +1,171 @@
+//! Loads of the lattice on the sections.
+//!
+//! Every force acts at the mean of two points of the lattice, each fixed to a section, or at one such point: the power
+//! of the loads on the sections is that on the lattice to round-off.
+
+use crate::aero::biot_savart::{Block, LANES, Sheet, blocks};
+use crate::aero::flow::Flow;
+use crate::aero::lattice::{LoadRule, SheetKind, VortexLattice};
+use crate::aero::lattice_state::LatticeState;
+use crate::aero::{AirLoads, split_between};
+use crate::load::SectionMotion;
+use nalgebra::Vector3;
+
+/// Part of a ring's chord that lies on the body: the last one reaches a quarter panel behind the trailing edge.
+fn part_on_body(rows: usize, row: usize) -> f64 {
+    if row + 1 == rows { 0.75 } else { 1.0 }
+}
+
+/// Steady part, from the circulation and velocities at the end of the step. Bernoulli: eq. (U6); Kutta–Joukowski:
+/// eq. (U7).
+pub(super) fn circulatory(
+    lattice: &mut VortexLattice,
+    motions: &[SectionMotion],
+    flow: &Flow,
+    state: &LatticeState,
+    loads: &mut AirLoads,
+) {
+    match lattice.options.load_rule {
+        LoadRule::Bernoulli => panel_velocity(lattice, state),
+        LoadRule::KuttaJoukowski => segment_velocity(lattice, flow, state),
+    }
+    let density = flow.density_kg_m3;
+    let mut panel = 0;
+    let mut segment = 0;
+    for (surface, sheet) in lattice.surfaces.iter().zip(&lattice.bound) {
+        let first = surface.sections.start;
+        let corner = |row, column| state.corner_m[sheet.node(row, column)];
+        for row in 0..sheet.rows {
+            let front = VortexLattice::chord_fraction(sheet.rows, row);
+            let part = part_on_body(sheet.rows, row);
+            let middle = front + 0.5 * part / sheet.rows as f64;
+            for strip in 0..sheet.strips {
+                let spanwise_m = corner(row, strip + 1) - corner(row, strip);
+                let lead = lattice.bound_filaments.spanwise[sheet.ring(row, strip)] * spanwise_m;
+                let lead_points = [&surface.chords[strip].at(front), &surface.chords[strip + 1].at(front)];
+                let sections = [first + strip, first + strip + 1];
+                let project = |velocity: Vector3<f64>, vortex: &Vector3<f64>, normal: Option<Vector3<f64>>| {
+                    let force_n = density * velocity.cross(vortex);
+                    normal.map_or(force_n, |normal| normal * normal.dot(&force_n))
+                };
+                match lattice.options.load_rule {
+                    LoadRule::Bernoulli => {
+                        let ring = sheet.ring(row, strip);
+                        let normal = Some(lattice.area_m2[ring].normalize());
+                        let bound_m_s = lattice.velocities[panel / LANES].get(panel % LANES);
+                        let velocity = lattice.relative_m_s[ring] + bound_m_s;
+                        let force_n = project(velocity, &lead, normal);
+                        split_between(&mut loads.circulatory, motions, sections, lead_points, &force_n);
+                        for column in [strip, strip + 1] {
+                            let tip = column == 0 || column == sheet.strips;
+                            let share = part * if tip { 1.0 } else { 0.5 };
+                            let chordwise_m = corner(row + 1, column) - corner(row, column);
+                            let vortex =
+                                share * lattice.bound_filaments.chordwise[sheet.node(row, column)] * chordwise_m;
+                            let force_n = project(velocity, &vortex, normal);
+                            let motion = &motions[first + column];
+                            let arm_m = motion.rotation * surface.chords[column].at(middle);
+                            loads.circulatory[first + column].add_force_at(&arm_m, &force_n);
+                        }
+                    }
+                    LoadRule::KuttaJoukowski => {
+                        let velocity = lattice.velocities[segment / LANES].get(segment % LANES);
+                        let force_n = project(velocity, &lead, None);
+                        split_between(&mut loads.circulatory, motions, sections, lead_points, &force_n);
+                        segment += 1;
+                    }
+                }
+                panel += 1;
+            }
+            if lattice.options.load_rule == LoadRule::KuttaJoukowski {
+                for column in 0..=sheet.strips {
+                    let velocity = lattice.velocities[segment / LANES].get(segment % LANES);
+                    let chordwise_m = corner(row + 1, column) - corner(row, column);
+                    let vortex = part * lattice.bound_filaments.chordwise[sheet.node(row, column)] * chordwise_m;
+                    let arm_m = motions[first + column].rotation * surface.chords[column].at(middle);
+                    let force_n = density * velocity.cross(&vortex);
+                    loads.circulatory[first + column].add_force_at(&arm_m, &force_n);
+                    segment += 1;
+                }
+            }
+        }
+    }
+}
+
+/// Rate of the bound rings' impulse over the step at constant vector areas, eq. (U8).
+pub(super) fn impulsive(
+    lattice: &VortexLattice,
+    motions: &[SectionMotion],
+    flow: &Flow,
+    step_s: f64,
+    [from, to]: [&LatticeState; 2],
+    loads: &mut AirLoads,
+) {
+    for (surface, sheet) in lattice.surfaces.iter().zip(&lattice.bound) {
+        for row in 0..sheet.rows {
+            let part = part_on_body(sheet.rows, row);
+            let middle = VortexLattice::chord_fraction(sheet.rows, row) + 0.5 * part / sheet.rows as f64;
+            for strip in 0..sheet.strips {
+                let ring = sheet.ring(row, strip);
+                let area_m2 = 0.5 * part * (lattice.area_m2[ring] + ring_area_m2(&from.corner_m, sheet, row, strip));
+                let rate_m2_s2 = (to.circulation_m2_s[ring] - from.circulation_m2_s[ring]) / step_s;
+                let first = surface.sections.start + strip;
+                let points = [&surface.chords[strip].at(middle), &surface.chords[strip + 1].at(middle)];
+                let force_n = -flow.density_kg_m3 * rate_m2_s2 * area_m2;
+                split_between(&mut loads.impulsive, motions, [first, first + 1], points, &force_n);
+            }
+        }
+    }
+}
+
+/// Vector area of a ring in m², eq. (U3).
+pub(super) fn ring_area_m2(corner_m: &[Vector3<f64>], sheet: &Sheet, row: usize, strip: usize) -> Vector3<f64> {
+    let corner = |row, column| corner_m[sheet.node(row, column)];
+    let (a, b) = (corner(row, strip), corner(row, strip + 1));
+    let (c, d) = (corner(row + 1, strip + 1), corner(row + 1, strip));
+    0.5 * (c - a).cross(&(d - b))
+}
+
+/// Velocity that the bound vortices induce at the collocation points, which still stand in `points`: on a bent or folded
+/// wing it has a part along the panels.
+fn panel_velocity(lattice: &mut VortexLattice, state: &LatticeState) {
+    let panels: usize = lattice.bound.iter().map(|sheet| sheet.rows * sheet.strips).sum();
+    lattice.velocities[..blocks(panels)].fill(Block::default());
+    lattice.induce(panels, &state.corner_m, SheetKind::Bound);
+}
+
+/// Velocity of the air relative to the surface in the middle of all bound segments, with everything induced: row by row
+/// the leading segments of the rings, then those along the chord.
+fn segment_velocity(lattice: &mut VortexLattice, flow: &Flow, state: &LatticeState) {
+    let mut count = 0;
+    for at in 0..lattice.bound.len() {
+        let sheet = lattice.bound[at];
+        for_each_segment(&sheet, |from, to| {
+            let middle_m = 0.5 * (state.corner_m[from] + state.corner_m[to]);
+            lattice.points[count / LANES].set(count % LANES, &middle_m);
+            count += 1;
+        });
+    }
+    lattice.velocities[..blocks(count)].fill(Block::default());
+    lattice.induce(count, &state.corner_m, SheetKind::Bound);
+    lattice.induce(count, &state.wake_node_m, SheetKind::Wake);
+    count = 0;
+    for at in 0..lattice.bound.len() {
+        let sheet = lattice.bound[at];
+        for_each_segment(&sheet, |from, to| {
+            let (block, lane) = (count / LANES, count % LANES);
+            let surface_m_s = 0.5 * (lattice.corner_velocity_m_s[from] + lattice.corner_velocity_m_s[to]);
+            let air_m_s = flow.velocity_m_s(&lattice.points[block].get(lane)) + lattice.velocities[block].get(lane);
+            lattice.velocities[block].set(lane, &(air_m_s - surface_m_s));
+            count += 1;
+        });
+    }
+}
+
+/// Nodes of every segment that carries a force, in the order in which the loads are summed.
+fn for_each_segment(sheet: &Sheet, mut visit: impl FnMut(usize, usize)) {
+    for row in 0..sheet.rows {
+        (0..sheet.strips).for_each(|strip| visit(sheet.node(row, strip), sheet.node(row, strip + 1)));
+        (0..=sheet.strips).for_each(|column| visit(sheet.node(row, column), sheet.node(row + 1, column)));
+    }
+}

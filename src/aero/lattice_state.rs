@@ -1,0 +1,43 @@
+//! What the lattice remembers: bound rings, their nodes and the wake.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Everything in the lattice that depends on history; the rest is rebuilt from it.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct LatticeState {
+    /// Circulations of the bound rings in m²/s, surface by surface, row by row from the leading edge. Positive by the
+    /// right hand along the leading segment from the inner to the outer section.
+    pub circulation_m2_s: Vec<f64>,
+    /// Corners of the bound rings, root frame, m.
+    pub corner_m: Vec<Vector3<f64>>,
+    /// Nodes of the wake, root frame, m: row by row from the trailing edge, in each row surface by surface.
+    pub wake_node_m: Vec<Vector3<f64>>,
+    /// Circulations of the wake's rings in m²/s, in the same order.
+    pub wake_circulation_m2_s: Vec<f64>,
+    /// Rows of rings in the wake.
+    pub wake_rows: usize,
+    /// Way of the air past the trailing edge since the last row was shed, in m.
+    pub unshed_m: f64,
+}
+
+impl LatticeState {
+    /// Becomes equal to another one that [fits](Self::fits), without allocating.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.circulation_m2_s.clone_from(&other.circulation_m2_s);
+        self.corner_m.clone_from(&other.corner_m);
+        self.wake_node_m.clone_from(&other.wake_node_m);
+        self.wake_circulation_m2_s.clone_from(&other.wake_circulation_m2_s);
+        self.wake_rows = other.wake_rows;
+        self.unshed_m = other.unshed_m;
+    }
+
+    /// Whether another state can belong to the same lattice.
+    pub fn fits(&self, other: &Self) -> bool {
+        self.circulation_m2_s.len() == other.circulation_m2_s.len()
+            && self.corner_m.len() == other.corner_m.len()
+            && self.wake_node_m.len() == other.wake_node_m.len()
+            && self.wake_circulation_m2_s.len() == other.wake_circulation_m2_s.len()
+            && other.wake_rows <= self.wake_circulation_m2_s.len()
+    }
+}

@@ -1,0 +1,4 @@
+//! Unsteady vortex lattice against theory and an independent lattice (`docs/VALIDATION.md`, U-01 and on).
+
+mod steady;
+mod wing;
