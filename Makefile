@@ -60,9 +60,10 @@ bench: toolchain ## Measure the cost of the recursions and of other methods; doc
 	$(CARGO) bench --locked --bench kernels
 	$(CARGO) bench --locked --bench conventional
 
-validate: venv ## Compare with the methods of the paper: tables in target/verification, pictures in docs/pictures
+validate: package venv ## Compare with the methods of the paper, damp the wing: target/verification, docs/pictures
 	$(CARGO) test --locked --test conventional -- --nocapture
 	$(VENV_PYTHON) tools/plot_conventional.py $(TARGET)/verification docs/pictures
+	$(VENV_PYTHON) examples/damp_latched_wing.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/damped_latched_wing.png
 
 bless: toolchain ## Rewrite modelDescription/ after a deliberate change of the interface
 	FOLDWING_BLESS=1 $(CARGO) test --locked --test model_description

@@ -4,7 +4,9 @@
 #[path = "verification/plant/machines.rs"]
 mod machines;
 
-use foldwing::config::machine::{ElementKind, JointMotion, Machine, Method, Motion};
+use foldwing::config::machine::{
+    Closure, ElementKind, JointKind, JointMotion, Machine, Method, Motion, SpatialFreedom,
+};
 use foldwing::load::LoadFrame;
 use machines::*;
 use nalgebra::Vector3;
@@ -108,4 +110,68 @@ fn a02_prescribed_joint_allocates_nothing() {
     let knots = vec![(0.02, 2.9), (0.15, 1.0), (0.3, 0.1)];
     hinge_of(&mut machine, 1).motion = JointMotion::Prescribed(Motion::Table(knots));
     assert_eq!(allocations(machine).0, 0, "allocations");
+}
+
+/// Allocations of a run of 0.1 s after its first millisecond, while the root spins up.
+fn allocations_of(machine: Machine) -> u64 {
+    let mut plant = start(machine);
+    coast(&mut plant, 1e-3);
+    let before = ALLOCATIONS.with(Cell::get);
+    for i in 2..=100 {
+        plant.inputs_mut().root.angular_velocity_rad_s = Vector3::new(0.0, 0.0, 1e-3 * f64::from(i));
+        coast(&mut plant, 1e-3 * f64::from(i));
+    }
+    ALLOCATIONS.with(Cell::get) - before
+}
+
+/// A shipped model.
+fn shipped(name: &str) -> Machine {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models").join(name);
+    foldwing::config::read(path).unwrap_or_else(|error| panic!("{error}")).0
+}
+
+/// Nor with any other joint or body: ball, universal and free joints, a tree, a curved, twisted and tapered body,
+/// on a root that spins up; implicit methods and explicit Runge–Kutta; nor where a penalty joint closes a loop.
+#[test]
+fn a03_other_joints_bodies_and_methods_allocate_nothing() {
+    let universal = || {
+        let mut machine = shipped("double_pendulum.toml");
+        let JointKind::Spatial(elbow) = &mut machine.bodies[1].joint.kind else { panic!("a ball joint") };
+        elbow.freedom = SpatialFreedom::Universal { parent_axis: Vector3::y(), body_axis: Vector3::z() };
+        machine
+    };
+    let looped = || {
+        let mut machine = shipped("double_pendulum.toml");
+        machine.closures.push(Closure {
+            name: "thread".into(),
+            places: [(0, 0.9), (1, 0.9)],
+            offsets_m: [Vector3::zeros(); 2],
+            inertia_kg: 0.1,
+            damping_n_s_m: 1.0,
+            stiffness_n_m: 100.0,
+        });
+        machine
+    };
+    let machines: [(&str, &dyn Fn() -> Machine); 7] = [
+        ("ball", &|| shipped("double_pendulum.toml")),
+        ("universal", &universal),
+        ("loop", &looped),
+        ("free", &|| shipped("flying_wing.toml")),
+        ("curved", &|| shipped("curved_blade.toml")),
+        ("tree", &|| shipped("branched.toml")),
+        ("three bodies", &|| shipped("three_bodies.toml")),
+    ];
+    for (name, machine) in machines {
+        for method in [Method::Esdirk4, Method::GeneralizedAlpha] {
+            let mut machine = machine();
+            machine.solver.method = method;
+            assert_eq!(allocations_of(machine), 0, "{name}, {method:?}: allocations");
+        }
+    }
+    for machine in [shipped("double_pendulum.toml"), universal()] {
+        let mut machine = machine;
+        machine.solver.method = Method::Rk4;
+        machine.solver.fixed_step_s = Some(2e-5);
+        assert_eq!(allocations_of(machine), 0, "Runge–Kutta: allocations");
+    }
 }
