@@ -6,6 +6,7 @@
 //! tree of bodies, references, positions, definiteness. Each pass reports all its problems at once.
 
 pub mod machine;
+pub mod pose;
 
 mod attachments;
 mod body;
@@ -15,6 +16,7 @@ mod file;
 mod function;
 mod joint_file;
 mod joints;
+mod loops;
 mod reference;
 mod run;
 mod schema;
