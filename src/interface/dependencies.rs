@@ -224,7 +224,8 @@ fn body(topology: &Topology, output: Output) -> Option<usize> {
 enum Reach {
     /// All branches that the root holds.
     Root,
-    /// The branches that closed loops join, by their group: groups meet only at the root, whose motion is given.
+    /// The branches that closed loops with inertia join, by their group: groups meet only at the root, whose motion is
+    /// given, and in springs and dampers, whose forces follow from the state.
     Group(usize),
     /// Inertial motion of a group that floats.
     Flight(usize),
@@ -236,6 +237,12 @@ impl Reach {
             Self::Root => !topology.floats(body),
             Self::Group(first) | Self::Flight(first) => topology.group[body] == first,
         }
+    }
+
+    /// Closed loops that end on a body within reach.
+    fn loops(self, topology: &Topology) -> impl Iterator<Item = usize> {
+        let ends = move |&closure: &usize| topology.joined(closure).into_iter().any(|body| self.holds(topology, body));
+        (0..topology.machine.closures.len()).filter(ends)
     }
 
     /// Whether gravity or the root's motion acts. What floats has its own inertial motion, of which gravity is part;
@@ -266,15 +273,19 @@ fn stretched(topology: &Topology, closure: usize) -> bool {
 /// Initial force of a closed loop: of its gap, of the gap's rate where it has a damper or inertia, of everything that
 /// accelerates where it has inertia.
 fn loop_pulls_initially(topology: &Topology, closure: usize, known: Binding) -> bool {
-    let output = Output::LoopForce(closure, 0);
-    let described = &topology.machine.closures[closure];
-    if described.inertia_kg > 0.0 {
-        return accelerates_initially(topology, reach(topology, output), known);
+    if topology.machine.closures[closure].inertia_kg > 0.0 {
+        return accelerates_initially(topology, reach(topology, Output::LoopForce(closure, 0)), known);
     }
+    loop_stretches_initially(topology, closure, known)
+}
+
+/// Initial force of a closed loop's spring and damper.
+fn loop_stretches_initially(topology: &Topology, closure: usize, known: Binding) -> bool {
+    let damped = topology.machine.closures[closure].damping_n_s_m > 0.0;
     topology.joined(closure).into_iter().any(|body| {
-        topology.folds(body).any(|joint| {
-            starts(topology, joint, known) || (described.damping_n_s_m > 0.0 && start_rate(topology, joint, known))
-        })
+        topology
+            .folds(body)
+            .any(|joint| starts(topology, joint, known) || (damped && start_rate(topology, joint, known)))
     })
 }
 
@@ -320,6 +331,7 @@ fn pushes(topology: &Topology, reach: Reach, known: Binding) -> bool {
     match known {
         Binding::Time => {
             (0..topology.machine.bodies.len()).any(|body| reach.holds(topology, body) && moved(topology, body))
+                || reach.loops(topology).any(|closure| stretched(topology, closure))
         }
         Binding::Input(input) => match input {
             Input::Joint(joint, JointInput::Command | JointInput::Torque) => {
@@ -342,6 +354,9 @@ fn pushes(topology: &Topology, reach: Reach, known: Binding) -> bool {
 /// natural and at rest, so neither stiffness nor its damping acts yet.
 fn accelerates_initially(topology: &Topology, reach: Reach, known: Binding) -> bool {
     let joint_in = |joint: usize| reach.holds(topology, topology.revolutes[joint]);
+    if reach.loops(topology).any(|closure| loop_stretches_initially(topology, closure, known)) {
+        return true;
+    }
     match known {
         Binding::Input(Input::Joint(joint, JointInput::Release)) => joint_in(joint),
         Binding::Input(Input::Joint(joint, JointInput::LatchEnable)) => {

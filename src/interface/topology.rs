@@ -26,7 +26,8 @@ pub(super) struct Topology<'a> {
     pub stations: Vec<(usize, usize)>,
     /// Per body: the first body of its branch, the one that the root holds.
     branch: Vec<usize>,
-    /// Per body: the branches that closed loops join to its own are one group; its first branch by its first body.
+    /// Per body: the branches that closed loops with inertia join to its own are one group, named after its first body.
+    /// Loops without inertia pass on no acceleration: their forces follow from the state.
     pub group: Vec<usize>,
     /// Per body: joints between the root and the body that turn, from the root outward.
     pub path: Vec<Vec<Turning>>,
@@ -134,7 +135,7 @@ impl<'a> Topology<'a> {
         })
     }
 
-    /// Whether nothing holds the branch of a body, nor those that closed loops join to it.
+    /// Whether nothing holds the group of a body.
     pub fn floats(&self, body: usize) -> bool {
         let members = self.branch.iter().filter(|&&first| self.group[first] == self.group[body]);
         members.copied().all(|first| self.unbound(first).is_some())
@@ -166,7 +167,7 @@ impl<'a> Topology<'a> {
 /// Per body: the first body of the first branch of its group.
 fn groups(machine: &Machine, branch: &[usize]) -> Vec<usize> {
     let mut group = branch.to_vec();
-    for closure in &machine.closures {
+    for closure in machine.closures.iter().filter(|closure| closure.inertia_kg > 0.0) {
         let [first, second] = closure.places.map(|(body, _)| group[body]);
         let (kept, joined) = (first.min(second), first.max(second));
         group.iter_mut().filter(|of| **of == joined).for_each(|of| *of = kept);

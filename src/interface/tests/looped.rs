@@ -1,4 +1,4 @@
-//! Closed loops in the table: branches that they join push each other, others do not.
+//! Closed loops in the table: with inertia they pass on accelerations, without it the forces of springs and dampers only.
 
 use super::machine;
 use crate::config::Machine;
@@ -104,10 +104,11 @@ pub(super) fn machines() -> Vec<(&'static str, Machine)> {
         ("loop, prescribed", joined(vec![closure("pin", [1, 2], [0.0, 2.0])], prescribed)),
         ("loop with inertia, prescribed", joined(vec![closure("pin", [1, 2], [0.05, 0.0])], prescribed)),
         ("loop within a branch", joined(vec![closure("pin", [0, 1], [0.0, 2.0])], |_, _| ())),
-        ("loop to what would float", joined(vec![closure("pin", [4, 2], [0.0, 2.0])], |_, _| ())),
+        ("springs to what floats", joined(vec![closure("pin", [4, 2], [0.0, 2.0])], |_, _| ())),
+        ("inertia to what would float", joined(vec![closure("pin", [4, 2], [0.05, 2.0])], |_, _| ())),
         (
             "two loops in a row",
-            joined(vec![closure("first", [1, 2], [0.0, 2.0]), closure("second", [2, 4], [0.0, 2.0])], |_, _| ()),
+            joined(vec![closure("first", [1, 2], [0.0, 2.0]), closure("second", [2, 4], [0.05, 2.0])], |_, _| ()),
         ),
     ]
 }
@@ -123,7 +124,8 @@ fn loops_have_the_promised_names() {
     assert_eq!((unit("loop.pin.gap.x"), unit("loop.pin.force.x")), ("m", "N"));
 }
 
-/// The branches of a loop feel each other's loads; a branch beside them feels neither.
+/// The branches of a loop with inertia feel each other's loads at once; those of a loop of springs do not, nor does a
+/// branch beside them.
 #[test]
 fn loops_join_branches() {
     let says = |machine: &Machine, output: &str, input: &str| {
@@ -131,9 +133,10 @@ fn loops_join_branches() {
         let known = interface.find(input).unwrap().value_reference;
         interface.find(output).unwrap().dependencies.iter().any(|(row, _)| *row == known)
     };
-    let (tree, looped) = (machine(BRANCHES), joined(vec![closure("pin", [1, 2], [0.0, 0.0])], |_, _| ()));
+    let with = |inertia_kg: f64| joined(vec![closure("pin", [1, 2], [inertia_kg, 1.0])], |_, _| ());
+    let (springs, looped) = (with(0.0), with(0.01));
     for (output, input) in [("tip_b.acceleration.x", "load.c[1].force.z"), ("tip_c.acceleration.z", "elbow.torque")] {
-        assert!(!says(&tree, output, input), "{output} does not feel {input} without the loop");
+        assert!(!says(&springs, output, input), "{output} does not feel {input} through springs");
         assert!(says(&looped, output, input), "{output} feels {input} through the loop");
     }
     assert!(!says(&looped, "tip_d.acceleration.x", "load.c[1].force.z"));
