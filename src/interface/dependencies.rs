@@ -291,10 +291,8 @@ fn loop_stretches_initially(topology: &Topology, closure: usize, known: Binding)
 
 /// Whether what a start angle or rate changes may change the rate of a loop's gap, whose inertia has kinetic energy.
 fn loop_moves_initially(topology: &Topology, closure: usize, known: Binding) -> bool {
-    let bodies = topology.joined(closure);
     topology.machine.closures[closure].inertia_kg > 0.0
-        && bodies.into_iter().any(|body| moves_at_start(topology, body))
-        && bodies.into_iter().any(|body| {
+        && topology.joined(closure).into_iter().filter(|&body| moves_at_start(topology, body)).any(|body| {
             topology.folds(body).any(|joint| starts(topology, joint, known) || start_rate(topology, joint, known))
         })
 }

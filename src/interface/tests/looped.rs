@@ -59,9 +59,12 @@ parent = "root"
 child = "e"
 root_position_m = [0.1, 0.2, 0.3]
 mount_rotation_deg = [30, 10, -20]
+[mass] # not damped: without them, the damping of a body that turns about its own joint only slows it down
+c = { body = "c", position_m = 0.07, mass_kg = 0.02, offset_m = [0, 0.02, 0] }
+d = { body = "d", position_m = 0.1, mass_kg = 0.02, offset_m = [0, 0.02, 0] }
 [gauge]
 b = { body = "b", position_m = 0.02, y_m = 0.01 }
-e = { body = "e", position_m = 0.02, y_m = 0.01 }
+e = { body = "e", position_m = 0.1, y_m = 0.01 }
 "#;
 
 /// A soft loop between sections of two bodies; the gap is wide, as after other start angles have been set.
