@@ -1,6 +1,5 @@
 //! Joints of the file to [`Joint`]: where they hold, hinge axis, motion, drive, latch.
 
-use crate::actuation::prescribed::Law;
 use crate::config::file::ModelFile;
 use crate::config::joint_file::{DriveFile, JointFile, JointType, LatchFile, MotionType};
 use crate::config::machine::{Drive, Joint, JointKind, JointMotion, Latch, Motion, Parent, Revolute, UNLIMITED};
@@ -113,7 +112,7 @@ fn build_revolute(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut
     Some(Revolute {
         axis: axis?,
         start_angle_rad: match &motion {
-            JointMotion::Prescribed(motion) => Law::new(motion).at(file.experiment.start_time_s)[0],
+            JointMotion::Prescribed(law) => law_start_rad(law, file.experiment.start_time_s),
             _ => joint.start_angle_deg.unwrap_or(0.0).to_radians(),
         },
         start_rate_rad_s,
@@ -184,6 +183,21 @@ fn build_motion(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<
     }
 }
 
+/// Angle of a law at a time in rad; between the points of a table only nearly (straight lines).
+fn law_start_rad(law: &Motion, time_s: f64) -> f64 {
+    match law {
+        Motion::Polynomial(coefficients) => coefficients.iter().rev().fold(0.0, |sum, c| sum * time_s + c),
+        Motion::Table(points) => {
+            let after = points.partition_point(|(time, _)| *time <= time_s);
+            match (points.get(after.wrapping_sub(1)), points.get(after)) {
+                (Some((t0, a0)), Some((t1, a1))) => a0 + (a1 - a0) * (time_s - t0) / (t1 - t0),
+                (Some((_, angle)), None) | (None, Some((_, angle))) => *angle,
+                (None, None) => 0.0,
+            }
+        }
+    }
+}
+
 fn build_drive(drive: Option<&DriveFile>) -> Drive {
     let drive = drive.cloned().unwrap_or_default();
     Drive {
@@ -238,5 +252,17 @@ fn latch_stiffness_n_m_rad(name: &str, latch: &LatchFile, drive: &Drive, checker
             }
             Some(stiffness)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn start_of_a_law() {
+        let table = Motion::Table(vec![(1.0, 0.0), (3.0, 1.0)]);
+        assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(|t| law_start_rad(&table, t)), [0.0, 0.0, 0.5, 1.0, 1.0]);
+        assert_eq!(law_start_rad(&Motion::Polynomial(vec![1.0, 2.0, 3.0]), 2.0), 17.0);
     }
 }

@@ -64,7 +64,7 @@ c = { body = "c", position_m = 0.07, mass_kg = 0.02, offset_m = [0, 0.02, 0] }
 d = { body = "d", position_m = 0.1, mass_kg = 0.02, offset_m = [0, 0.02, 0] }
 [gauge]
 b = { body = "b", position_m = 0.02, y_m = 0.01 }
-e = { body = "e", position_m = 0.1, y_m = 0.01 }
+c = { body = "c", position_m = 0.02, y_m = 0.01 }
 "#;
 
 /// A soft loop between sections of two bodies; the gap is wide, as after other start angles have been set.
