@@ -78,8 +78,8 @@ pub(super) fn check_gaps(machine: &Machine, checker: &mut Checker) {
         let gap = points[1] - points[0];
         let length_m = closure.places.map(|(body, _)| machine.bodies[body].length_m).into_iter().fold(0.0, f64::max);
         let limit_m = START_GAP * length_m;
-        // not `>`: what is not a number is no closed loop either
-        if !(gap.norm() <= limit_m) {
+        // what is not a number is no closed loop either
+        if gap.norm() > limit_m || gap.norm().is_nan() {
             checker.refuse_as(
                 &["loop", &closure.name],
                 format!(
