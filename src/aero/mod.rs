@@ -7,12 +7,12 @@
 pub mod biot_savart;
 pub mod flow;
 pub mod lattice;
-mod model;
-pub mod polar;
-pub mod strip;
 mod lattice_loads;
 pub mod lattice_state;
 pub mod linear_system;
+mod model;
+pub mod polar;
+pub mod strip;
 pub mod surface;
 mod wake;
 

@@ -3,7 +3,9 @@
 use crate::cli::joint_size::JointSize;
 use crate::cli::{Failure, print, read_model};
 use foldwing::config::Machine;
-use foldwing::config::machine::{Body, ElementKind, JointKind, JointMotion, Parent, SpatialFreedom, UNLIMITED};
+use foldwing::config::machine::{
+    Body, Closure, ElementKind, JointKind, JointMotion, Parent, SpatialFreedom, UNLIMITED,
+};
 use foldwing::interface::{Causality, Interface, Value};
 use foldwing::plant::Plant;
 use serde::Serialize;
@@ -43,6 +45,7 @@ struct Summary {
     stations: usize,
     bodies: Vec<BodySummary>,
     joints: Vec<JointSummary>,
+    loops: Vec<LoopSummary>,
     gauges: Vec<String>,
     variables: Vec<VariableSummary>,
 }
@@ -73,6 +76,16 @@ struct JointSummary {
     latch_angle_deg: Option<f64>,
     latch_stiffness_n_m_rad: Option<f64>,
     size: JointSize,
+}
+
+#[derive(Serialize)]
+struct LoopSummary {
+    name: String,
+    bodies: [String; 2],
+    positions_m: [f64; 2],
+    stiffness_n_m: f64,
+    damping_n_s_m: f64,
+    inertia_kg: f64,
 }
 
 /// A start value, in JSON a number or a Boolean.
@@ -129,6 +142,7 @@ impl Summary {
             stations: bodies.iter().map(|body| body.stations_m.len()).sum(),
             bodies,
             joints: machine.bodies.iter().enumerate().map(joint).collect(),
+            loops: machine.closures.iter().map(|closure| LoopSummary::new(closure, machine)).collect(),
             gauges: machine.gauges.iter().map(|gauge| gauge.name.clone()).collect(),
             variables: interface.variables().iter().map(VariableSummary::new).collect(),
         }
@@ -156,6 +170,10 @@ impl Summary {
         self.joints.iter().for_each(|joint| text.push_str(&joint.text()));
         text.push_str(JointSize::TITLE);
         self.joints.iter().for_each(|joint| text.push_str(&joint.size.text(&joint.name, joint.kind)));
+        if !self.loops.is_empty() {
+            text.push_str("\nclosed loops\n");
+            self.loops.iter().for_each(|closure| text.push_str(&closure.text()));
+        }
         let gauges = if self.gauges.is_empty() { "none".to_owned() } else { self.gauges.join(", ") };
         let count = |causality: &str| self.variables.iter().filter(|v| v.causality == causality).count();
         let _ = writeln!(
@@ -276,6 +294,27 @@ impl JointSummary {
             }
         }
         text + "\n"
+    }
+}
+
+impl LoopSummary {
+    fn new(closure: &Closure, machine: &Machine) -> Self {
+        Self {
+            name: closure.name.clone(),
+            bodies: closure.places.map(|(body, _)| machine.bodies[body].name.clone()),
+            positions_m: closure.places.map(|(_, position_m)| position_m),
+            stiffness_n_m: closure.stiffness_n_m,
+            damping_n_s_m: closure.damping_n_s_m,
+            inertia_kg: closure.inertia_kg,
+        }
+    }
+
+    fn text(&self) -> String {
+        let ([first, second], [at, on]) = (&self.bodies, self.positions_m);
+        format!(
+            "  {}: {first} at {at} m to {second} at {on} m, k {} N/m, c {} N.s/m, m {} kg\n",
+            self.name, self.stiffness_n_m, self.damping_n_s_m, self.inertia_kg
+        )
     }
 }
 

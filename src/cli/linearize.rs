@@ -1,6 +1,7 @@
 //! `foldwing linearize`: `A`, `B`, `C`, `D` about a state.
 
-use crate::cli::simulate::{apply_setting, unknown};
+use crate::cli::settings::plant_with;
+use crate::cli::simulate::unknown;
 use crate::cli::{Failure, print, read_model};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing::interface::{Interface, LinearModel, Variable};
@@ -8,7 +9,6 @@ use foldwing::plant::{Holding, Plant, PlantError};
 use foldwing::report::{linear_json, write_npz};
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -42,10 +42,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let interface = Interface::new(&machine);
     let inputs = chosen(&arguments.inputs, interface.real_inputs(), "real input")?;
     let outputs = chosen(&arguments.outputs, interface.real_outputs(), "real output")?;
-    let mut plant = Plant::new(Arc::new(machine));
-    for setting in &arguments.settings {
-        apply_setting(setting, &interface, &mut plant)?;
-    }
+    let mut plant = plant_with(machine, &interface, &arguments.settings)?;
     reach(&arguments.at, &mut plant)?;
     let model =
         interface.linearize(&mut plant, &inputs, &outputs).map_err(|error| Failure::Statics(error.to_string()))?;

@@ -5,6 +5,7 @@ mod joint_size;
 mod linearize;
 mod modes;
 mod package;
+mod settings;
 mod simulate;
 mod statics;
 mod strains;

@@ -1,14 +1,12 @@
 //! `foldwing modes`: natural frequencies and shapes.
 
-use crate::cli::simulate::apply_setting;
-use crate::cli::{Failure, print, read_model};
+use crate::cli::settings::read_plant;
+use crate::cli::{Failure, print};
 use clap::builder::NonEmptyStringValueParser;
-use foldwing::interface::Interface;
 use foldwing::plant::{Holding, ModeShape, NodeMotion, Plant};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -41,13 +39,8 @@ const SHARES: [&str; 5] = ["stretch", "twist", "flap", "lag", "joints"];
 
 /// Prints the modes of lowest frequency.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let (machine, _) = read_model(&arguments.model)?;
-    let time_s = machine.experiment.start_time_s;
-    let interface = Interface::new(&machine);
-    let mut plant = Plant::new(Arc::new(machine));
-    for setting in &arguments.settings {
-        apply_setting(setting, &interface, &mut plant)?;
-    }
+    let mut plant = read_plant(&arguments.model, &arguments.settings)?;
+    let time_s = plant.machine().experiment.start_time_s;
     let failed = |error: foldwing::plant::PlantError| Failure::Statics(error.to_string());
     match arguments.about {
         About::Undeformed => plant.undeformed(time_s).map_err(failed)?,

@@ -1,11 +1,12 @@
 //! `foldwing simulate`: outputs over time as CSV.
 
+use crate::cli::settings::plant_with;
 use crate::cli::strains::StrainPeaks;
 use crate::cli::{Failure, read_model};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing::config::Machine;
 use foldwing::config::machine::JointKind;
-use foldwing::interface::{Causality, Interface, Value, Variable};
+use foldwing::interface::{Causality, Interface, Variable};
 use foldwing::plant::Plant;
 use foldwing::report::inputs::unknown_name;
 use foldwing::report::{InputTable, Recorder};
@@ -13,7 +14,6 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Shorter runs show no progress bar.
@@ -60,10 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let interface = Interface::new(&machine);
     let recorded = recorded(&arguments.outputs, &interface)?;
     let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, &interface)).transpose()?;
-    let mut plant = Plant::new(Arc::new(machine));
-    for setting in &arguments.settings {
-        apply_setting(setting, &interface, &mut plant)?;
-    }
+    let plant = plant_with(machine, &interface, &arguments.settings)?;
 
     let target = arguments.csv.display().to_string();
     let writing = |error: io::Error| Failure::writing(&target, &error);
@@ -158,24 +155,6 @@ fn read_inputs(path: &PathBuf, interface: &Interface) -> Result<InputTable, Fail
     let name = path.display().to_string();
     let file = File::open(path).map_err(|error| Failure::Files(format!("{name}: cannot be read: {error}")))?;
     InputTable::read(file, &name, interface.variables()).map_err(|error| Failure::Refused(error.to_string()))
-}
-
-/// `NAME=VALUE` of an input or parameter.
-pub(super) fn apply_setting(setting: &str, interface: &Interface, plant: &mut Plant) -> Result<(), Failure> {
-    let refused = |cause: String| Failure::Usage(format!("--set {setting}: {cause}"));
-    let (name, text) = setting.split_once('=').ok_or_else(|| refused("must be NAME=VALUE".to_owned()))?;
-    let variable = interface.find(name).ok_or_else(|| unknown(name, "input or parameter", interface.variables()))?;
-    let value = match variable.value {
-        Value::Real(_) => text.parse().map(Value::Real).map_err(|_| "is not a number"),
-        Value::Integer(_) => text.parse().map(Value::Integer).map_err(|_| "is not a whole number"),
-        Value::Boolean(_) => match text {
-            "1" | "true" => Ok(Value::Boolean(true)),
-            "0" | "false" => Ok(Value::Boolean(false)),
-            _ => Err("is not a Boolean; allowed are 0, 1, false and true"),
-        },
-    };
-    let value = value.map_err(|cause| refused(format!("`{text}` {cause}")))?;
-    interface.set(plant, variable.value_reference, value).map_err(|error| refused(error.to_string()))
 }
 
 /// One simulation.

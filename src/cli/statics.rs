@@ -1,16 +1,14 @@
 //! `foldwing static`: the machine at rest under its loads.
 
-use crate::cli::simulate::apply_setting;
-use crate::cli::{Failure, print, read_model};
+use crate::cli::settings::read_plant;
+use crate::cli::{Failure, print};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing::config::Machine;
-use foldwing::interface::Interface;
 use foldwing::plant::{Holding, Plant, SectionShape, StaticEffort};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -26,13 +24,8 @@ pub struct Arguments {
 
 /// Finds the equilibrium and prints it. Joints are held or free as their release inputs say.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let (machine, _) = read_model(&arguments.model)?;
-    let time_s = machine.experiment.start_time_s;
-    let interface = Interface::new(&machine);
-    let mut plant = Plant::new(Arc::new(machine));
-    for setting in &arguments.settings {
-        apply_setting(setting, &interface, &mut plant)?;
-    }
+    let mut plant = read_plant(&arguments.model, &arguments.settings)?;
+    let time_s = plant.machine().experiment.start_time_s;
     let effort = plant.equilibrium(time_s, Holding::AsReleased).map_err(|error| Failure::Statics(error.to_string()))?;
     if arguments.json {
         return print(&format!("{:#}", as_json(&plant, effort)));
@@ -77,6 +70,14 @@ fn as_json(plant: &Plant, effort: StaticEffort) -> Value {
         .zip(&outputs.gauges)
         .map(|(gauge, strain)| json!({ "name": gauge.name, "strain": strain }))
         .collect();
+    let loops: Vec<Value> = machine
+        .closures
+        .iter()
+        .zip(&outputs.loops)
+        .map(|(closure, output)| {
+            json!({ "name": closure.name, "gap_m": array(&output.gap_m), "force_N": array(&output.force_n) })
+        })
+        .collect();
     let tips: Vec<Value> =
         tips(machine, plant).map(|(name, position)| json!({ "body": name, "position_m": array(&position) })).collect();
     json!({
@@ -87,6 +88,7 @@ fn as_json(plant: &Plant, effort: StaticEffort) -> Value {
         "bodies": bodies,
         "joints": joints,
         "gauges": gauges,
+        "loops": loops,
         "tips": tips,
         "root": { "force_N": array(&outputs.root.force_n), "moment_N_m": array(&outputs.root.moment_n_m) },
         "energy_J": { "elastic": outputs.energy.elastic, "gravity": outputs.energy.gravity, "drive": outputs.energy.drive },
@@ -156,6 +158,14 @@ fn as_text(plant: &Plant, effort: StaticEffort) -> String {
     }
     for (gauge, strain) in machine.gauges.iter().zip(&outputs.gauges) {
         let _ = writeln!(text, "gauge {}: {strain:.6e}", gauge.name);
+    }
+    for (closure, output) in machine.closures.iter().zip(&outputs.loops) {
+        let (gap, force) = (output.gap_m.add_scalar(0.0), output.force_n.add_scalar(0.0));
+        let _ = writeln!(
+            text,
+            "loop {}: gap {:.3e} {:.3e} {:.3e} m, force {:.6e} {:.6e} {:.6e} N",
+            closure.name, gap.x, gap.y, gap.z, force.x, force.y, force.z
+        );
     }
     for (name, tip) in tips(machine, plant) {
         let _ = writeln!(text, "tip of {name}: {:.6} {:.6} {:.6} m", tidy(tip.x), tidy(tip.y), tidy(tip.z));

@@ -34,6 +34,9 @@ pub(super) struct ModelFile {
     /// Joints by name; a joint's name is a group of the FMU's variables.
     #[schemars(extend("minProperties" = 1, "x-allowed" = "at least one table [joint.<name>]"))]
     pub joint: IndexMap<String, JointFile>,
+    /// Ball joints that close loops, by name; the FMU's outputs are `loop.<name>.gap` and `loop.<name>.force`.
+    #[serde(default, rename = "loop")]
+    pub closures: IndexMap<String, LoopFile>,
     /// Point masses and rigid bodies by name.
     #[serde(default)]
     pub mass: IndexMap<String, MassFile>,
@@ -159,6 +162,35 @@ pub(super) struct ExplicitSection {
     /// Largest `|z|` of the outline; gauges need it.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub half_height_m: Option<f64>,
+}
+
+/// Two points of two bodies that are held together, by the penalty force `m g̈ + c ġ + k g` on the gap `g` between them:
+/// a ball joint that closes a loop. Two of them on one axis make a hinge. The stiffer the spring, the smaller the gap.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LoopFile {
+    /// The two bodies. The root takes part by joints only.
+    #[schemars(extend("x-allowed" = "an array of 2 names of bodies"))]
+    pub bodies: [String; 2],
+    /// Distances of the sections from the bodies' inner ends, default their outer ends.
+    #[schemars(inner(range(min = 0.0)))]
+    pub positions_m: Option<[f64; 2]>,
+    /// The points from the sections' axes, section frames. They coincide at the start.
+    #[serde(default)]
+    #[schemars(extend("x-allowed" = "an array of 2 arrays of 3 finite lengths in m"))]
+    pub offsets_m: [[f64; 3]; 2],
+    /// Penalty stiffness `k`: the gap is the force over it.
+    #[serde(rename = "stiffness_N_m")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub stiffness_n_m: f64,
+    /// Penalty damping `c`.
+    #[serde(default, rename = "damping_N_s_m")]
+    #[schemars(range(min = 0.0))]
+    pub damping_n_s_m: f64,
+    /// Penalty inertia `m`; acts on the gap only, the machine's mass stays as it is.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub inertia_kg: f64,
 }
 
 /// A point mass or rigid body fixed to a section.

@@ -10,8 +10,10 @@ use crate::config::validate::Checker;
 use nalgebra::{Rotation3, Vector3};
 
 /// Groups of the FMU's variables, which a joint's name would clash with.
-pub(super) const RESERVED: &[&str] =
-    &["load", "gravity", "root", "wind", "gauge", "tip", "station", "aero", "energy", "solver", "body", "time", "der"];
+pub(super) const RESERVED: &[&str] = &[
+    "load", "gravity", "root", "wind", "gauge", "loop", "tip", "station", "aero", "energy", "solver", "body", "time",
+    "der",
+];
 
 /// Beginning of the groups of several free ends, `tip_<body>`.
 const RESERVED_BEGINNING: &str = "tip_";

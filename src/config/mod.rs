@@ -6,6 +6,7 @@
 //! tree of bodies, references, positions, definiteness. Each pass reports all its problems at once.
 
 pub mod machine;
+pub mod pose;
 
 mod air;
 mod air_file;
@@ -17,6 +18,7 @@ mod file;
 mod function;
 mod joint_file;
 mod joints;
+mod loops;
 mod reference;
 mod run;
 mod schema;

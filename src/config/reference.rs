@@ -23,6 +23,8 @@ unknown key, a missing one or a value outside its range is refused with file, li
   inner end in m, or `{ table = [[s, value], …] }` with ascending `s`: straight lines between the rows, constant
   outside them. A number is the same value all along, except in `width_taper` and `height_taper`.
 - Every body has exactly one joint with it as `child`. Bodies may branch: several may hang on the root or on one body.
+- A machine with closed loops is cut into such a tree; a table `[loop.<name>]` closes each loop again. A loop that is open
+  by more than 0.001 of the longer body's length, in the unstrained machine at its start angles, is refused.
 - Numbers are finite and at most 1e30 in magnitude.
 ";
 

@@ -15,11 +15,14 @@ const fn unit(suffix: &'static str, symbol: &'static str, quantity: &'static str
     Unit { suffix, symbol, quantity }
 }
 
-/// All endings, longer ones before those they contain. `mass_kg_m` is a mass per length, any other `_kg_m` a moment.
+/// All endings, longer ones before those they contain. `mass_kg_m` is a mass per length, any other `_kg_m` a moment;
+/// `stiffness_N_m` is a stiffness, any other `_N_m` a torque.
 const UNITS: &[Unit] = &[
     unit("_N_m_s_rad", "N·m·s/rad", "damping"),
     unit("_N_m_rad", "N·m/rad", "stiffness"),
     unit("_N_m2", "N·m²", "stiffness"),
+    unit("_N_s_m", "N·s/m", "damping"),
+    unit("stiffness_N_m", "N/m", "stiffness"),
     unit("_N_m", "N·m", "torque"),
     unit("_kg_m3", "kg/m³", "density"),
     unit("_kg_m2", "kg·m²", "inertia"),
@@ -74,6 +77,8 @@ mod tests {
     #[test]
     fn longer_endings_win() {
         assert_eq!(unit_of("stiffness_N_m_rad").unwrap().symbol, "N·m/rad");
+        assert_eq!(unit_of("stiffness_N_m").unwrap().symbol, "N/m");
+        assert_eq!(unit_of("moment_N_m").unwrap().symbol, "N·m");
         assert_eq!(unit_of("mass_kg_m").unwrap().symbol, "kg/m");
         assert_eq!(unit_of("second_moments_kg_m").unwrap().symbol, "kg·m");
         assert_eq!(unit_of("mass_damping_1_s").unwrap().symbol, "1/s");

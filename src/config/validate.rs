@@ -7,7 +7,7 @@ use crate::config::file::ModelFile;
 use crate::config::machine::{Body, Experiment, Joint, Machine, Solver};
 use crate::config::run::MethodFile;
 use crate::config::schema::{quoted, shortest};
-use crate::config::{air, attachments, joints, sections, tree};
+use crate::config::{air, attachments, joints, loops, sections, tree};
 use nalgebra::Vector3;
 use sections::Sections;
 
@@ -88,21 +88,24 @@ fn build(file: &ModelFile, checker: &mut Checker) -> Option<Machine> {
         bodies.push(body);
     }
     let gauges = attachments::gauges(file, &sections, tree.as_ref(), checker);
+    let closures = loops::build(file, tree.as_ref(), checker);
     let (solver, experiment) = (build_solver(file, checker), build_experiment(file, checker));
     let order = tree.as_ref()?.order.clone();
     let bodies: Option<Vec<Body>> = order.iter().map(|index| bodies[*index].take()).collect();
     let air = air::build(file, &sections, tree.as_ref(), bodies.as_deref().unwrap_or_default(), checker);
-    Some(Machine {
+    let machine = Machine {
         name: file.name.clone(),
         description: file.description.clone(),
         bodies: bodies?,
-        closures: Vec::new(),
+        closures: closures?,
         gauges: gauges?,
         air: air.ok()?,
         gravity_m_s2: Vector3::from(file.gravity_m_s2),
         solver,
         experiment,
-    })
+    };
+    loops::check_gaps(&machine, checker);
+    Some(machine)
 }
 
 fn build_solver(file: &ModelFile, checker: &mut Checker) -> Solver {

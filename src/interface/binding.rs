@@ -133,6 +133,10 @@ pub enum Output {
     JointMoment(usize, usize),
     /// Strain of a gauge.
     Gauge(usize),
+    /// Gap of a closed loop, by its place in [`crate::config::Machine::closures`].
+    LoopGap(usize, usize),
+    /// Force of a closed loop on its first body.
+    LoopForce(usize, usize),
     /// Force of the wing on the aircraft.
     RootForce(usize),
     /// Moment of the wing on the aircraft.
@@ -370,6 +374,8 @@ impl Output {
             Self::JointForce(body, i) => Value::Real(component(&outputs.joint_reactions[body].force_n, i)),
             Self::JointMoment(body, i) => Value::Real(component(&outputs.joint_reactions[body].moment_n_m, i)),
             Self::Gauge(gauge) => Value::Real(outputs.gauges[gauge]),
+            Self::LoopGap(closure, i) => Value::Real(component(&outputs.loops[closure].gap_m, i)),
+            Self::LoopForce(closure, i) => Value::Real(component(&outputs.loops[closure].force_n, i)),
             Self::RootForce(i) => Value::Real(component(&outputs.root.force_n, i)),
             Self::RootMoment(i) => Value::Real(component(&outputs.root.moment_n_m, i)),
             Self::Tip(tip, field) => Value::Real(field.read(&outputs.tips[tip])),

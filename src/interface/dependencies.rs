@@ -71,7 +71,13 @@ fn depends(topology: &Topology, output: Output, known: Binding) -> bool {
         Output::Spatial(_, _) => false,
         // A ball joint passes on the moment of its spring and damper only.
         Output::JointMoment(body, _) if topology.is_ball(body) => known == Binding::Time && moved(topology, body),
+        // Without inertia a penalty force follows from the state alone.
+        Output::LoopForce(closure, _) if topology.machine.closures[closure].inertia_kg == 0.0 => {
+            known == Binding::Time && stretched(topology, closure)
+        }
+        Output::LoopGap(closure, _) => known == Binding::Time && stretched(topology, closure),
         Output::Gauge(_)
+        | Output::LoopForce(_, _)
         | Output::RootForce(_)
         | Output::RootMoment(_)
         | Output::JointForce(_, _)
@@ -89,13 +95,17 @@ fn depends(topology: &Topology, output: Output, known: Binding) -> bool {
             known == Binding::Time && body(topology, output).is_some_and(|body| moved(topology, body))
         }
         Output::Energy(E::Kinetic) => known == Binding::Time && any_moved(topology),
-        Output::Energy(E::Elastic | E::Dissipated) => false,
+        Output::Energy(E::Elastic) => {
+            known == Binding::Time && (0..topology.machine.closures.len()).any(|closure| stretched(topology, closure))
+        }
+        Output::Energy(E::Dissipated) => false,
         // A jump of an input moves a potential at once; the jump is booked as its work.
         Output::Energy(E::Work) => weighs(known) || commands(known),
         Output::Energy(E::Gravity) => weighs(known) || (known == Binding::Time && any_moved(topology)),
         Output::Energy(E::Drive) => commands(known),
         Output::Energy(E::Total) => {
-            [E::Kinetic, E::Gravity, E::Drive].into_iter().any(|part| depends(topology, Output::Energy(part), known))
+            let parts = [E::Kinetic, E::Elastic, E::Gravity, E::Drive];
+            parts.into_iter().any(|part| depends(topology, Output::Energy(part), known))
         }
     }
 }
@@ -143,6 +153,11 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
                 || known == Binding::Parameter(Parameter::Body(body, BodyParameter::StiffnessFactor))
         }
         Output::Spatial(_, _) => false,
+        Output::LoopGap(closure, _) => topology
+            .joined(closure)
+            .into_iter()
+            .any(|body| topology.folds(body).any(|joint| starts(topology, joint, known))),
+        Output::LoopForce(closure, _) => loop_pulls_initially(topology, closure, known),
         Output::JointMoment(body, _) if topology.is_ball(body) => damps_initially(topology, body, known),
         Output::RootForce(_) | Output::RootMoment(_) | Output::JointForce(_, _) | Output::JointMoment(_, _) => {
             accelerates_initially(topology, reach(topology, output), known) || blows_initially(topology, known)
@@ -161,6 +176,8 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
         Output::Energy(E::Kinetic) => moves_initially(topology, known),
         Output::Energy(E::Elastic) => {
             (0..topology.revolutes.len()).any(|joint| topology.is_free(joint) && latch_pulls(topology, joint, known))
+                || (0..topology.machine.closures.len())
+                    .any(|closure| topology.opens(closure).any(|joint| starts(topology, joint, known)))
         }
         Output::Energy(E::Gravity) => {
             weighs(known)
@@ -213,6 +230,7 @@ fn body(topology: &Topology, output: Output) -> Option<usize> {
         Output::Tip(tip, _) => Some(topology.tips[tip]),
         Output::Station(station, _) => Some(topology.stations[station].0),
         Output::JointForce(body, _) | Output::JointMoment(body, _) => Some(body),
+        Output::LoopGap(closure, _) | Output::LoopForce(closure, _) => Some(topology.joined(closure)[0]),
         _ => None,
     }
 }
@@ -222,9 +240,10 @@ fn body(topology: &Topology, output: Output) -> Option<usize> {
 enum Reach {
     /// All branches that the root holds.
     Root,
-    /// One branch, by its first body: branches meet only at the root, whose motion is given.
-    Branch(usize),
-    /// Inertial motion of a branch that floats.
+    /// The branches that closed loops with inertia join, by their group: groups meet only at the root, whose motion is
+    /// given, and in springs and dampers, whose forces follow from the state.
+    Group(usize),
+    /// Inertial motion of a group that floats.
     Flight(usize),
 }
 
@@ -232,8 +251,14 @@ impl Reach {
     fn holds(self, topology: &Topology, body: usize) -> bool {
         match self {
             Self::Root => !topology.floats(body),
-            Self::Branch(first) | Self::Flight(first) => topology.branch[body] == first,
+            Self::Group(first) | Self::Flight(first) => topology.group[body] == first,
         }
+    }
+
+    /// Closed loops that end on a body within reach.
+    fn loops(self, topology: &Topology) -> impl Iterator<Item = usize> {
+        let ends = move |&closure: &usize| topology.joined(closure).into_iter().any(|body| self.holds(topology, body));
+        (0..topology.machine.closures.len()).filter(ends)
     }
 
     /// Whether gravity or the root's motion acts. What floats has its own inertial motion, of which gravity is part;
@@ -241,7 +266,7 @@ impl Reach {
     fn feels(self, topology: &Topology, input: Input) -> bool {
         match self {
             Self::Root => (0..topology.machine.bodies.len()).any(|body| self.holds(topology, body)),
-            Self::Branch(first) => !topology.floats(first) || matches!(input, Input::RootAngularVelocity(_)),
+            Self::Group(first) => !topology.floats(first) || matches!(input, Input::RootAngularVelocity(_)),
             Self::Flight(_) => matches!(input, Input::Gravity(_) | Input::RootAngularVelocity(_)),
         }
     }
@@ -250,10 +275,42 @@ impl Reach {
 fn reach(topology: &Topology, output: Output) -> Reach {
     match (output, body(topology, output)) {
         (Output::Tip(_, PointOutput::Acceleration(_)), Some(body)) if topology.floats(body) => {
-            Reach::Flight(topology.branch[body])
+            Reach::Flight(topology.group[body])
         }
-        (_, body) => body.map_or(Reach::Root, |body| Reach::Branch(topology.branch[body])),
+        (_, body) => body.map_or(Reach::Root, |body| Reach::Group(topology.group[body])),
     }
+}
+
+/// A prescribed joint between the root and either side of a closed loop makes its gap a function of time.
+fn stretched(topology: &Topology, closure: usize) -> bool {
+    topology.joined(closure).into_iter().any(|body| moved(topology, body))
+}
+
+/// Initial force of a closed loop: of its gap, of the gap's rate where it has a damper or inertia, of everything that
+/// accelerates where it has inertia.
+fn loop_pulls_initially(topology: &Topology, closure: usize, known: Binding) -> bool {
+    if topology.machine.closures[closure].inertia_kg > 0.0 {
+        return accelerates_initially(topology, reach(topology, Output::LoopForce(closure, 0)), known);
+    }
+    loop_stretches_initially(topology, closure, known)
+}
+
+/// Initial force of a closed loop's spring and damper.
+fn loop_stretches_initially(topology: &Topology, closure: usize, known: Binding) -> bool {
+    let damped = topology.machine.closures[closure].damping_n_s_m > 0.0;
+    topology.joined(closure).into_iter().any(|body| {
+        topology
+            .folds(body)
+            .any(|joint| starts(topology, joint, known) || (damped && start_rate(topology, joint, known)))
+    })
+}
+
+/// Whether what a start angle or rate changes may change the rate of a loop's gap, whose inertia has kinetic energy.
+fn loop_moves_initially(topology: &Topology, closure: usize, known: Binding) -> bool {
+    topology.machine.closures[closure].inertia_kg > 0.0
+        && topology.joined(closure).into_iter().filter(|&body| moves_at_start(topology, body)).any(|body| {
+            topology.folds(body).any(|joint| starts(topology, joint, known) || start_rate(topology, joint, known))
+        })
 }
 
 /// A prescribed joint between the root and a body makes its position a function of time.
@@ -288,6 +345,7 @@ fn pushes(topology: &Topology, reach: Reach, known: Binding) -> bool {
     match known {
         Binding::Time => {
             (0..topology.machine.bodies.len()).any(|body| reach.holds(topology, body) && moved(topology, body))
+                || reach.loops(topology).any(|closure| stretched(topology, closure))
         }
         Binding::Input(input) => match input {
             Input::Joint(joint, JointInput::Command | JointInput::Torque) => {
@@ -312,6 +370,9 @@ fn pushes(topology: &Topology, reach: Reach, known: Binding) -> bool {
 /// natural and at rest, so neither stiffness nor its damping acts yet.
 fn accelerates_initially(topology: &Topology, reach: Reach, known: Binding) -> bool {
     let joint_in = |joint: usize| reach.holds(topology, topology.revolutes[joint]);
+    if reach.loops(topology).any(|closure| loop_stretches_initially(topology, closure, known)) {
+        return true;
+    }
     match known {
         Binding::Input(Input::Joint(joint, JointInput::Release)) => joint_in(joint),
         Binding::Input(Input::Joint(joint, JointInput::LatchEnable)) => {
@@ -399,6 +460,9 @@ fn moves_at_start(topology: &Topology, body: usize) -> bool {
 fn moves_initially(topology: &Topology, known: Binding) -> bool {
     if let Binding::Parameter(Parameter::Body(body, BodyParameter::MassFactor)) = known {
         return moves_at_start(topology, body);
+    }
+    if (0..topology.machine.closures.len()).any(|closure| loop_moves_initially(topology, closure, known)) {
+        return true;
     }
     let turns = |joints: &[Turning]| joints.iter().any(|&joint| topology.starts_turning(joint));
     topology.path.iter().enumerate().any(|(body, path)| {

@@ -251,6 +251,9 @@ fn outputs(table: &mut Table, topology: &Topology) {
         let meaning = format!("{what} on body {body} at {at} m, y = {y} m, z = {z} m");
         table.output(Output::Gauge(index), format!("gauge.{}.strain", gauge.name), Some("Strain"), meaning);
     }
+    for (index, closure) in topology.machine.closures.iter().enumerate() {
+        loop_outputs(table, topology, index, &closure.name);
+    }
     for (i, axis) in AXES.iter().enumerate() {
         let meaning = format!("force of the wing on the aircraft, {axis}, root frame");
         table.output(Output::RootForce(i), format!("root.force.{axis}"), Some("Force"), meaning);
@@ -277,6 +280,20 @@ fn outputs(table: &mut Table, topology: &Topology) {
         table.output(Output::Energy(field), format!("energy.{name}"), Some(declared), meaning.to_owned());
     }
     air::outputs(table, topology);
+}
+
+fn loop_outputs(table: &mut Table, topology: &Topology, closure: usize, name: &str) {
+    let [first, second] = topology.joined(closure).map(|body| topology.machine.bodies[body].name.as_str());
+    for (i, axis) in AXES.iter().enumerate() {
+        let meaning =
+            format!("gap of loop {name}, from its point on {first} to its point on {second}, {axis}, root frame");
+        table.output(Output::LoopGap(closure, i), format!("loop.{name}.gap.{axis}"), Some("Position"), meaning);
+    }
+    for (i, axis) in AXES.iter().enumerate() {
+        let meaning =
+            format!("force of loop {name} on body {first}, its opposite acts on {second}, {axis}, root frame");
+        table.output(Output::LoopForce(closure, i), format!("loop.{name}.force.{axis}"), Some("Force"), meaning);
+    }
 }
 
 fn joint_outputs(table: &mut Table, topology: &Topology, joint: usize) {

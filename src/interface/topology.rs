@@ -25,7 +25,10 @@ pub(super) struct Topology<'a> {
     /// Body and number (from 1, per body) of each station.
     pub stations: Vec<(usize, usize)>,
     /// Per body: the first body of its branch, the one that the root holds.
-    pub branch: Vec<usize>,
+    branch: Vec<usize>,
+    /// Per body: the branches that closed loops with inertia join to its own are one group, named after its first body.
+    /// Loops without inertia pass on no acceleration: their forces follow from the state.
+    pub group: Vec<usize>,
     /// Per body: joints between the root and the body that turn, from the root outward.
     pub path: Vec<Vec<Turning>>,
 }
@@ -53,6 +56,7 @@ impl<'a> Topology<'a> {
             branch.push(first);
             path.push(joints);
         }
+        let group = groups(machine, &branch);
         Self {
             machine,
             revolutes,
@@ -65,6 +69,7 @@ impl<'a> Topology<'a> {
                 .flat_map(|(index, body)| (1..=body.station_positions_m.len()).map(move |number| (index, number)))
                 .collect(),
             branch,
+            group,
             path,
         }
     }
@@ -130,16 +135,44 @@ impl<'a> Topology<'a> {
         })
     }
 
-    /// Whether nothing holds the branch of a body.
+    /// Whether nothing holds the group of a body.
     pub fn floats(&self, body: usize) -> bool {
-        spatial(self.machine, self.branch[body]).is_some_and(|joint| joint.freedom == SpatialFreedom::Free)
+        let members = self.branch.iter().filter(|&&first| self.group[first] == self.group[body]);
+        members.copied().all(|first| self.unbound(first).is_some())
     }
 
-    /// Whether the branch of a body floats and its first body has a velocity at the start.
+    /// Whether the first body of a body's branch is free and has a velocity at the start.
     pub fn drifts(&self, body: usize) -> bool {
-        self.floats(body)
-            && spatial(self.machine, self.branch[body]).is_some_and(|joint| joint.start_velocity_m_s.amax() > 0.0)
+        self.unbound(self.branch[body]).is_some_and(|joint| joint.start_velocity_m_s.amax() > 0.0)
     }
+
+    /// The free joint that holds a body, if it is one.
+    fn unbound(&self, body: usize) -> Option<&'a Spatial> {
+        spatial(self.machine, body).filter(|joint| joint.freedom == SpatialFreedom::Free)
+    }
+
+    /// Both bodies of a closed loop.
+    pub fn joined(&self, closure: usize) -> [usize; 2] {
+        self.machine.closures[closure].places.map(|(body, _)| body)
+    }
+
+    /// Fold joints that lie between the root and exactly one side of a closed loop: they change the size of its gap.
+    pub fn opens(&self, closure: usize) -> impl Iterator<Item = usize> {
+        let [first, second] = self.joined(closure).map(|body| self.folds(body).collect::<Vec<_>>());
+        let either = first.clone().into_iter().chain(second.clone());
+        either.filter(move |joint| first.contains(joint) != second.contains(joint))
+    }
+}
+
+/// Per body: the first body of the first branch of its group.
+fn groups(machine: &Machine, branch: &[usize]) -> Vec<usize> {
+    let mut group = branch.to_vec();
+    for closure in machine.closures.iter().filter(|closure| closure.inertia_kg > 0.0) {
+        let [first, second] = closure.places.map(|(body, _)| group[body]);
+        let (kept, joined) = (first.min(second), first.max(second));
+        group.iter_mut().filter(|of| **of == joined).for_each(|of| *of = kept);
+    }
+    group
 }
 
 /// The fold joint that holds a body, if it is one.

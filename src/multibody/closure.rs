@@ -75,6 +75,13 @@ impl Closure {
         }
     }
 
+    /// Penalty force at a gap on the first point in N, root frame; its opposite acts on the second. Eq. (C2).
+    pub fn force_n(&self, gap: &Gap) -> Vector3<f64> {
+        gap.acceleration_m_s2 * self.penalty.inertia_kg
+            + gap.velocity_m_s * self.penalty.damping_n_s_m
+            + gap.position_m * self.penalty.stiffness_n_m
+    }
+
     /// Energy of the penalty in J: kinetic and elastic.
     pub fn energy_j(&self, work: &Workspace) -> (f64, f64) {
         let gap = self.gap(work);
@@ -91,10 +98,7 @@ impl Closure {
 
     /// Adds the penalty force to the wrenches of both nodes, eq. (C2).
     pub(crate) fn apply(&self, work: &mut Workspace) {
-        let gap = self.gap(work);
-        let force = gap.acceleration_m_s2 * self.penalty.inertia_kg
-            + gap.velocity_m_s * self.penalty.damping_n_s_m
-            + gap.position_m * self.penalty.stiffness_n_m;
+        let force = self.force_n(&self.gap(work));
         for (side, force) in [(0, -force), (1, force)] {
             let node = &mut work.nodes[self.nodes[side]];
             let moment = (node.rotation * self.offsets_m[side]).cross(&force);

@@ -29,6 +29,7 @@ pub fn page(machine: &Machine, variables: &[Variable]) -> String {
     drawing_section(&mut html, machine);
     bodies_section(&mut html, machine);
     joints_section(&mut html, machine);
+    loops_section(&mut html, machine);
     experiment_section(&mut html, machine);
     variables_section(&mut html, variables);
     html.push_str(EQUATIONS);
@@ -40,6 +41,7 @@ fn drawing_section(html: &mut String, machine: &Machine) {
     let folds = machine.bodies.iter().any(|body| matches!(body.joint.kind, JointKind::Revolute(_)));
     let turns = machine.bodies.iter().any(|body| matches!(body.joint.kind, JointKind::Spatial(_)));
     let shown = match (folds, turns) {
+        _ if !machine.closures.is_empty() => "at its start angles, where its closed loops close",
         (true, false) => "deployed (filled), at its start angles (outlined) and between",
         (true, true) => {
             "deployed (filled), at its start angles (outlined) and between; universal, ball and free joints in their \
@@ -48,9 +50,10 @@ fn drawing_section(html: &mut String, machine: &Machine) {
         (false, true) => "in its start attitude",
         (false, false) => "clamped",
     };
+    let loops = if machine.closures.is_empty() { "" } else { "<span class=\"key loop\"></span> closed loop, " };
     let _ = write!(
         html,
-        "<h2>The wing</h2>\n<figure>\n{}<figcaption>Undeformed wing: {shown}. <span class=\"key joint\"></span> joint, <span class=\"key station\"></span> load \
+        "<h2>The wing</h2>\n<figure>\n{}<figcaption>Undeformed wing: {shown}. <span class=\"key joint\"></span> joint, {loops}<span class=\"key station\"></span> load \
          station, <span class=\"key mass\"></span> mass, <span class=\"key gauge\"></span> strain gauge. The axes \
          show the directions of the root frame.</figcaption>\n</figure>\n",
         drawing::svg(machine)
@@ -132,6 +135,31 @@ fn joints_section(html: &mut String, machine: &Machine) {
                 JointKind::Revolute(joint) => row.extend(revolute(joint)),
                 JointKind::Spatial(joint) => row.extend(spatial(joint, &body.joint.mount)),
             }
+            row
+        }),
+    );
+}
+
+/// Nothing where the machine is a tree.
+fn loops_section(html: &mut String, machine: &Machine) {
+    if machine.closures.is_empty() {
+        return;
+    }
+    html.push_str(
+        "<h2>Closed loops</h2>\n<p>A loop holds two points together by the force <i>m</i> <b>g̈</b> + <i>c</i> <b>ġ</b> + \
+         <i>k</i> <b>g</b> on the gap <b>g</b> between them: a ball joint by the penalty method.</p>\n",
+    );
+    let head = ["loop", "from", "offset (m)", "to", "offset (m)", "k (N/m)", "c (N·s/m)", "m (kg)"];
+    table(
+        html,
+        &head,
+        machine.closures.iter().map(|closure| {
+            let mut row = vec![escape(&closure.name).into_owned()];
+            for ((body, position_m), offset_m) in closure.places.into_iter().zip(&closure.offsets_m) {
+                row.push(format!("{} at {} m", escape(&machine.bodies[body].name), number(position_m)));
+                row.push(vector(offset_m.as_slice()));
+            }
+            row.extend([closure.stiffness_n_m, closure.damping_n_s_m, closure.inertia_kg].map(number));
             row
         }),
     );
@@ -278,6 +306,7 @@ fn table(html: &mut String, head: &[&str], rows: impl Iterator<Item = Vec<String
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::machine::Closure;
     use crate::packaging::drawing::tests::two_body_machine;
 
     /// The page names what the model has, escapes its text, refers to nothing outside itself and closes its tags.
@@ -315,6 +344,26 @@ mod tests {
         machine.bodies[1].joint.kind = joint(SpatialFreedom::Free);
         let html = page(&machine, &[]);
         assert!(html.contains("<td>free</td><td>(0, 0.5, 0)</td><td></td><td></td><td></td><td></td><td></td></tr>"));
+    }
+
+    /// Loops are named with both ends and their penalty, in the table and in the drawing, which shows the start only.
+    #[test]
+    fn closed_loops_are_described() {
+        let mut machine = two_body_machine();
+        machine.closures.push(Closure {
+            name: "pin".into(),
+            places: [(0, 0.1), (1, 0.05)],
+            offsets_m: [nalgebra::Vector3::zeros(), nalgebra::Vector3::new(0.0, 0.02, 0.0)],
+            inertia_kg: 0.0,
+            damping_n_s_m: 25.0,
+            stiffness_n_m: 4e5,
+        });
+        let html = page(&machine, &[]);
+        let row = "<td>pin</td><td>inner at 0.1 m</td><td>(0, 0, 0)</td><td>outer at 0.05 m</td><td>(0, 0.02, 0)</td>\
+                   <td>400000</td><td>25</td><td>0</td>";
+        assert!(html.contains(row), "{html}");
+        assert_eq!(html.matches("<title>loop pin</title>").count(), 2);
+        assert!(html.contains("at its start angles, where its closed loops close") && !html.contains("\"ghost\""));
     }
 
     /// Numbers stay short and readable.

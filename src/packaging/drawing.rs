@@ -1,8 +1,9 @@
 //! Drawing of an undeformed wing as SVG: deployed, at its start angles, and half-way frames between them.
 
 use crate::config::Machine;
-use crate::config::machine::{Body, JointKind, Parent};
-use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use crate::config::machine::{Body, JointKind, Revolute};
+use crate::config::pose::{self, Frame};
+use nalgebra::Vector3;
 use std::fmt::Write;
 
 /// Width of the drawing in user units (pixels at scale 1).
@@ -12,59 +13,24 @@ const MARGIN: f64 = 40.0;
 /// Points along a body: enough for a smooth curve of an initially curved one.
 const POINTS: usize = 24;
 
-/// A section of the undeformed wing in the root frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frame {
-    /// Origin in m.
-    pub position_m: Vector3<f64>,
-    /// Attitude, root ← section.
-    pub attitude: Matrix3<f64>,
-}
-
 /// Frames along every body at equal arc lengths, `POINTS + 1` each, natural strains only.
 ///
 /// Fold angles lie at `fraction` of the way from deployed (latch angle, else 0) to the start angle; universal, ball and
 /// free joints stand in their start attitude, which is their mount.
 pub fn undeformed(machine: &Machine, fraction: f64) -> Vec<Vec<Frame>> {
-    let mut bodies: Vec<Vec<Frame>> = Vec::with_capacity(machine.bodies.len());
-    for body in &machine.bodies {
-        let origin = match body.joint.parent {
-            Parent::Root { position_m } => Frame { position_m, attitude: Matrix3::identity() },
-            Parent::Body { index, position_m } => {
-                let parent = &machine.bodies[index];
-                along(parent, &bodies[index][0], position_m)
-            }
-        };
-        let fold = match &body.joint.kind {
-            JointKind::Clamped | JointKind::Spatial(_) => Matrix3::identity(),
-            JointKind::Revolute(joint) => {
-                let deployed = joint.latch.as_ref().map_or(0.0, |latch| latch.angle_rad);
-                let angle = deployed + fraction * (joint.start_angle_rad - deployed);
-                Rotation3::from_axis_angle(&Unit::new_normalize(joint.axis), angle).into_inner()
-            }
-        };
-        let first = Frame { attitude: origin.attitude * fold * body.joint.mount, ..origin };
-        let step = body.length_m / POINTS as f64;
-        bodies.push((0..=POINTS).map(|i| along(body, &first, step * i as f64)).collect());
-    }
-    bodies
-}
-
-/// Frame at a distance from a body's first frame: the curve of its natural strain, by the midpoint rule on
-/// steps so short that the drawing cannot show the difference.
-fn along(body: &Body, first: &Frame, distance_m: f64) -> Frame {
-    const STEPS: usize = 200;
-    let step = distance_m / STEPS as f64;
-    let mut frame = *first;
-    for i in 0..STEPS {
-        let strain = body.natural_strain.at(step * (i as f64 + 0.5));
-        let (stretch, turn) = (strain[0], Vector3::new(strain[1], strain[2], strain[3]));
-        let half_turn = Rotation3::new(turn * (0.5 * step)).into_inner();
-        let middle = frame.attitude * half_turn;
-        frame.position_m += middle.column(0) * ((1.0 + stretch) * step);
-        frame.attitude = middle * half_turn;
-    }
-    frame
+    let angle_rad = |joint: &Revolute| {
+        let deployed = joint.latch.as_ref().map_or(0.0, |latch| latch.angle_rad);
+        deployed + fraction * (joint.start_angle_rad - deployed)
+    };
+    let firsts = pose::first_frames(machine, angle_rad);
+    machine
+        .bodies
+        .iter()
+        .zip(firsts)
+        .map(|(body, first)| {
+            (0..=POINTS).map(|i| pose::along(body, &first, body.length_m * i as f64 / POINTS as f64)).collect()
+        })
+        .collect()
 }
 
 /// Axonometric view from the front, the left and above: `x` runs to the right, `z` up, `y` into the depth.
@@ -87,10 +53,12 @@ fn outline(body: &Body, frames: &[Frame]) -> Vec<Vector3<f64>> {
     edge(1.0).chain(edge(-1.0).rev()).collect()
 }
 
-/// The wing as a self-contained `<svg>` element.
+/// The wing as a self-contained `<svg>` element. Closed loops close at the start angles only, so nothing else is drawn of
+/// a machine that has them.
 pub fn svg(machine: &Machine) -> String {
-    let deployed = undeformed(machine, 0.0);
-    let folds = machine.bodies.iter().any(|body| matches!(body.joint.kind, JointKind::Revolute(_)));
+    let looped = !machine.closures.is_empty();
+    let deployed = undeformed(machine, if looped { 1.0 } else { 0.0 });
+    let folds = !looped && machine.bodies.iter().any(|body| matches!(body.joint.kind, JointKind::Revolute(_)));
     let ghosts: Vec<_> = if folds { [0.25, 0.5, 0.75].map(|f| undeformed(machine, f)).into() } else { vec![] };
     let start = folds.then(|| undeformed(machine, 1.0));
 
@@ -128,15 +96,27 @@ fn mark(svg: &mut String, canvas: &Canvas, machine: &Machine, wing: &[Vec<Frame>
     };
     for (body, frames) in machine.bodies.iter().zip(wing) {
         for (i, position) in body.station_positions_m.iter().enumerate() {
-            dot("station", 3.0, &along(body, &frames[0], *position), &format!("station {}[{}]", body.name, i + 1));
+            dot(
+                "station",
+                3.0,
+                &pose::along(body, &frames[0], *position),
+                &format!("station {}[{}]", body.name, i + 1),
+            );
         }
         for mass in &body.masses {
-            dot("mass", 6.0, &along(body, &frames[0], mass.position_m), &format!("mass {}", mass.name));
+            dot("mass", 6.0, &pose::along(body, &frames[0], mass.position_m), &format!("mass {}", mass.name));
         }
         dot("joint", 4.5, &frames[0], &format!("joint {}", body.joint.name));
     }
+    for closure in &machine.closures {
+        for (side, (body, position_m)) in closure.places.into_iter().enumerate() {
+            let frame = pose::along(&machine.bodies[body], &wing[body][0], position_m);
+            let position_m = frame.position_m + frame.attitude * closure.offsets_m[side];
+            dot("loop", 4.0, &Frame { position_m, ..frame }, &format!("loop {}", closure.name));
+        }
+    }
     for gauge in &machine.gauges {
-        let frame = along(&machine.bodies[gauge.body], &wing[gauge.body][0], gauge.position_m);
+        let frame = pose::along(&machine.bodies[gauge.body], &wing[gauge.body][0], gauge.position_m);
         dot("gauge", 3.5, &frame, &format!("gauge {}", gauge.name));
     }
 }

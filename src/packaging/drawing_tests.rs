@@ -3,10 +3,11 @@
 use super::*;
 use crate::beam::section::{Material, Section};
 use crate::config::machine::{
-    Drive, ElementKind, Experiment, Joint, JointMotion, Latch, Method, Revolute, Solver, Spatial, SpatialFreedom,
-    StartState, UNLIMITED,
+    Drive, ElementKind, Experiment, Joint, JointMotion, Latch, Method, Parent, Revolute, Solver, Spatial,
+    SpatialFreedom, StartState, UNLIMITED,
 };
 use crate::load::LoadFrame;
+use nalgebra::{Matrix3, Rotation3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn body(name: &str, joint: Joint) -> Body {

@@ -158,6 +158,15 @@ pub struct SpatialOutputs {
     pub angular_velocity_rad_s: Vector3<f64>,
 }
 
+/// Outputs of one closed loop, root frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LoopOutputs {
+    /// Second point less first point in m, eq. (C1).
+    pub gap_m: Vector3<f64>,
+    /// Force on the first point in N, eq. (C2); its opposite acts on the second.
+    pub force_n: Vector3<f64>,
+}
+
 /// Position, velocities and attitude of a point of the wing, root frame, relative to the root frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointOutputs {
@@ -191,7 +200,7 @@ pub struct JointStatus {
 pub struct EnergyOutputs {
     /// Kinetic energy relative to the root frame.
     pub kinetic: f64,
-    /// Strain energy of beams and closed latches.
+    /// Strain energy of beams, closed latches and closed loops.
     pub elastic: f64,
     /// Potential of `gravity − root acceleration`, zero at the root's origin.
     pub gravity: f64,
@@ -218,6 +227,8 @@ pub struct Outputs {
     pub joint_reactions: Vec<Wrench>,
     /// Axial strain per gauge.
     pub gauges: Vec<f64>,
+    /// Per closed loop, in the order of [`crate::config::Machine::closures`].
+    pub loops: Vec<LoopOutputs>,
     /// Force and moment of the wing on the aircraft at the origin, root frame.
     pub root: Wrench,
     /// Per free end, in the order of [`crate::plant::Plant::tip_bodies`].

@@ -24,7 +24,7 @@ pub use crate::solve::equilibrium::Effort as StaticEffort;
 pub use crate::solve::linearize::{SecondOrder, StateSpace};
 pub use face::{
     AirOutputs, BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, JointStatus,
-    Outputs, Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
+    LoopOutputs, Outputs, Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
 };
 pub use linear::{Argument, Freedom};
 pub use shape::{ModeShape, NodeMotion, SectionShape};
@@ -146,11 +146,6 @@ impl Plant {
     /// Mass of the wing in kg, with the mass factors of the last initialisation.
     pub fn mass_kg(&self) -> f64 {
         crate::multibody::energy::mass_kg(&self.equations.model)
-    }
-
-    /// Gaps of the closed loops at the present time in m, root frame, in the order of [`Machine::closures`].
-    pub fn loop_gaps_m(&self) -> impl Iterator<Item = nalgebra::Vector3<f64>> {
-        self.equations.model.closures.iter().map(|closure| closure.gap(&self.equations.work).position_m)
     }
 
     /// Inputs of the coming step.

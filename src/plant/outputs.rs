@@ -9,7 +9,7 @@ use crate::multibody::gauge::GaugePoint;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::{energy, station};
 use crate::plant::Plant;
-use crate::plant::face::{AirOutputs, EnergyOutputs, JointOutputs, Outputs, PointOutputs, SpatialOutputs};
+use crate::plant::face::{AirOutputs, EnergyOutputs, JointOutputs, LoopOutputs, Outputs, PointOutputs, SpatialOutputs};
 use crate::solve::EquationsOfMotion;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -32,6 +32,7 @@ pub(super) fn blank(machine: &Machine, joints: usize, spatial: usize, tips: usiz
         ],
         joint_reactions: vec![Wrench::default(); machine.bodies.len()],
         gauges: vec![0.0; machine.gauges.len()],
+        loops: vec![LoopOutputs::default(); machine.closures.len()],
         root: Wrench::default(),
         tips: vec![point; tips],
         stations: vec![point; stations],
@@ -91,6 +92,10 @@ impl Plant {
         }
         for (strain, gauge) in outputs.gauges.iter_mut().zip(&self.gauges) {
             *strain = gauge.strain(model, work, motion, &equations.damping);
+        }
+        for (output, closure) in outputs.loops.iter_mut().zip(&model.closures) {
+            let gap = closure.gap(work);
+            *output = LoopOutputs { gap_m: gap.position_m, force_n: closure.force_n(&gap) };
         }
         outputs.root = Wrench { force_n: -work.root_force, moment_n_m: -work.root_moment };
 

@@ -10,6 +10,9 @@ use crate::plant::face::PlantError;
 use crate::solve::equilibrium::{self, Cause, Effort, NoEquilibrium, Settings, StaticEquations};
 use crate::solve::{EquationsOfMotion, Singular};
 
+/// Gap of a closed loop at rest over the machine's length beyond which it is no loop any more.
+const TORN: f64 = 0.01;
+
 /// What holds the fold joints while the machine settles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Holding {
@@ -228,7 +231,27 @@ impl Plant {
             joint.latch = latch;
         }
         self.configure();
-        found.map_err(|error| self.no_equilibrium(time_s, &error))
+        let effort = found.map_err(|error| self.no_equilibrium(time_s, &error))?;
+        self.check_loops(time_s)?;
+        Ok(effort)
+    }
+
+    /// Refuses a state of rest that only the stretched penalties of closed loops hold, as the search finds it for a
+    /// linkage that nothing keeps from turning.
+    fn check_loops(&self, time_s: f64) -> Result<(), PlantError> {
+        let limit_m = TORN * self.equations.model.reference_length_m;
+        for (closure, described) in self.equations.model.closures.iter().zip(&self.machine.closures) {
+            let gap_m = closure.gap(&self.equations.work).position_m.norm();
+            if gap_m > limit_m {
+                let cause = format!(
+                    "loop {:?} is torn open by {gap_m:.3e} m; hold the linkage (release = false, a spring, a latch) or \
+                     give the loop more stiffness",
+                    described.name
+                );
+                return Err(PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause });
+            }
+        }
+        Ok(())
     }
 
     fn no_equilibrium(&self, time_s: f64, error: &NoEquilibrium) -> PlantError {

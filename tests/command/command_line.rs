@@ -290,6 +290,30 @@ fn static_brings_the_wing_to_rest() {
     refuses(&loose, 3, "joint \"fold\"");
 }
 
+/// A linkage with its motor held: `check` names its loops, `static` finds the equilibrium in which they carry the rocker's
+/// and the coupler's share of the weight, one half each.
+#[test]
+fn closed_loops_are_shown() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/four_bar.toml");
+    let path = path.to_str().unwrap();
+    let text = succeeds(&foldwing(&["check", path]));
+    assert!(text.contains("  front: coupler at 0.4 m to rocker at 0.3 m, k 500000 N/m"), "{text}");
+    let json = succeeds(&foldwing(&["static", path, "--json", "--set", "motor.release=0"]));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let force_n = |i: usize, axis: usize| json["loops"][i]["force_N"][axis].as_f64().unwrap();
+    assert_eq!((&json["loops"][0]["name"], &json["loops"][1]["name"]), (&"front".into(), &"back".into()));
+    for axis in [0, 2] {
+        let (front, back) = (force_n(0, axis), force_n(1, axis));
+        assert!(front.abs() > 0.1 && (front - back).abs() < 1e-6 * front.abs(), "{front} N and {back} N");
+        let gap_m = json["loops"][0]["gap_m"][axis].as_f64().unwrap();
+        assert!((gap_m * 5e5 - front).abs() < 1e-9 * front.abs(), "{gap_m} m under {front} N");
+    }
+    let text = succeeds(&foldwing(&["static", path, "--set", "motor.release=0"]));
+    assert!(text.contains("\nloop back: gap "), "{text}");
+    // a motor that is free turns the crank without end; what the search finds then is no linkage any more
+    refuses(&foldwing(&["static", path]), 3, "is torn open by");
+}
+
 /// `modes` orders frequencies, with the exact first one of the straight cantilever where the wing is held unfolded
 /// (without the joint's mass the 0.3 m plate has 5.0589 Hz; with it less), and refuses unknown settings.
 #[test]

@@ -7,6 +7,7 @@ mod model_file_accepted;
 mod model_file_functions;
 mod model_file_joints;
 mod model_file_keys;
+mod model_file_loops;
 mod model_file_meaning;
 
 use foldwing::config::{self, ConfigError, Fault};

@@ -23,13 +23,13 @@ fn joint_names_that_clash() {
     assert_eq!(
         message("[joint.mount]", "[joint.load]"),
         "wing.toml:24: key 'joint.load': the name \"load\" is not allowed; allowed: a name that does not begin \
-         with tip_ and is none of load, gravity, root, wind, gauge, tip, station, aero, energy, solver, body, \
+         with tip_ and is none of load, gravity, root, wind, gauge, loop, tip, station, aero, energy, solver, body, \
          time, der"
     );
     assert_eq!(
         message("[joint.mount]", "[joint.tip_inner]"),
         "wing.toml:24: key 'joint.tip_inner': the name \"tip_inner\" is not allowed; allowed: a name that does \
-         not begin with tip_ and is none of load, gravity, root, wind, gauge, tip, station, aero, energy, solver, \
+         not begin with tip_ and is none of load, gravity, root, wind, gauge, loop, tip, station, aero, energy, solver, \
          body, time, der"
     );
 }

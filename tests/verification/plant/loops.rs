@@ -3,7 +3,7 @@
 use crate::machines::*;
 use foldwing::beam::section::{Material, Section};
 use foldwing::config::machine::*;
-use foldwing::plant::Plant;
+use foldwing::plant::{Holding, Plant};
 use nalgebra::{Vector2, Vector3};
 use std::sync::Arc;
 
@@ -26,14 +26,14 @@ fn kinematics(crank_rad: f64) -> (f64, f64, Vector2<f64>) {
     (coupler_rad, arm.y.atan2(arm.x), end)
 }
 
-/// Steel bars in the `x`–`z` plane, 1e4 times too stiff, crank prescribed; the coupler's end meets the rocker's.
-fn four_bar(stiffness_n_m: f64, tolerance: f64) -> Plant {
+/// Steel bars in the `x`–`z` plane; the coupler's end meets the rocker's.
+fn linkage(crank_motion: JointMotion, stiffness_n_m: f64) -> Machine {
     let material = Material { young_pa: 2e11, shear_pa: 8e10, density_kg_m3: 7800.0 };
     let section = Section::rectangle(0.02, 0.02, &material, None);
     let (coupler_rad, rocker_rad, _) = kinematics(START_RAD);
     // positive angles about y turn x towards −z
     let mut crank_hinge = free_hinge(-START_RAD);
-    crank_hinge.motion = JointMotion::Prescribed(Motion::Polynomial(vec![-START_RAD, 0.0, -SPIN_UP_RAD_S2]));
+    crank_hinge.motion = crank_motion;
     let bar = |name: &str, i: usize, joint| body(name, BARS_M[i], &section, ElementKind::Linear, 1, joint);
     let mut bodies = vec![bar("crank", 0, hinged_to_root(crank_hinge))];
     let coupler_hinge = hinged_to(&bodies, free_hinge(START_RAD - coupler_rad));
@@ -43,7 +43,6 @@ fn four_bar(stiffness_n_m: f64, tolerance: f64) -> Plant {
     bodies.push(bar("rocker", 2, rocker_hinge));
     let mut machine = machine(bodies);
     machine.gravity_m_s2 = Vector3::new(0.0, 0.0, -9.8);
-    machine.solver.tolerance = tolerance;
     machine.closures = vec![Closure {
         name: "pin".into(),
         places: [(1, BARS_M[1]), (2, BARS_M[2])],
@@ -52,6 +51,14 @@ fn four_bar(stiffness_n_m: f64, tolerance: f64) -> Plant {
         damping_n_s_m: 2e-4 * stiffness_n_m,
         stiffness_n_m,
     }];
+    machine
+}
+
+/// The linkage with bars 1e4 times too stiff and the crank prescribed.
+fn four_bar(stiffness_n_m: f64, tolerance: f64) -> Plant {
+    let spin_up = Motion::Polynomial(vec![-START_RAD, 0.0, -SPIN_UP_RAD_S2]);
+    let mut machine = linkage(JointMotion::Prescribed(spin_up), stiffness_n_m);
+    machine.solver.tolerance = tolerance;
     let mut plant = Plant::new(Arc::new(machine));
     plant.parameters_mut().bodies.iter_mut().for_each(|body| body.stiffness_factor = 1e4);
     plant.initialize(0.0).expect("initial accelerations");
@@ -74,7 +81,7 @@ fn p68_four_bar_linkage_follows_its_kinematics() {
             let (_, _, end) = kinematics(START_RAD + SPIN_UP_RAD_S2 * time_s * time_s);
             let tip = plant.outputs().tips[0].position_m;
             miss_m = miss_m.max((tip - Vector3::new(end.x, 0.0, end.y)).norm());
-            gap_m = gap_m.max(plant.loop_gaps_m().next().expect("one loop").norm());
+            gap_m = gap_m.max(plant.outputs().loops[0].gap_m.norm());
         }
         println!("penalty {stiffness_n_m:.0e} N/m: gap {gap_m:.2e} m, end misses by {miss_m:.2e} m");
         assert!(gap_m < 400.0 / stiffness_n_m, "gap {gap_m:.1e} m at {stiffness_n_m:.0e} N/m");
@@ -101,4 +108,83 @@ fn p69_energy_accounts_close_around_a_loop() {
     let share = drift_j / kinetic_j;
     println!("drift {share:.1e} of the largest kinetic energy");
     assert!(share < 1e-5, "drift {share:.1e} of the largest kinetic energy {kinetic_j:.2e} J");
+}
+
+/// Penalty of the linkage that is held.
+const HELD_STIFFNESS_N_M: f64 = 1e8;
+
+/// The linkage with its crank held and its bars damped, 100 times too stiff.
+fn held_linkage() -> Machine {
+    let mut machine = linkage(JointMotion::Locked, HELD_STIFFNESS_N_M);
+    for body in &mut machine.bodies {
+        (body.mass_damping_1_s, body.section) = (60.0, body.section.scaled(1.0, 100.0));
+    }
+    machine
+}
+
+/// Force of the pin on the coupler of the rigid linkage in N: moments of both bars' weights about their hinges.
+fn rigid_pin_force_n(machine: &Machine) -> Vector2<f64> {
+    let (coupler_rad, rocker_rad, _) = kinematics(START_RAD);
+    let bar = |length_m: f64, angle_rad: f64| Vector2::new(angle_rad.cos(), angle_rad.sin()) * length_m;
+    let (coupler, rocker) = (bar(BARS_M[1], coupler_rad), bar(BARS_M[2], rocker_rad));
+    let weight_n = |i: usize| -9.8 * machine.bodies[i].section.mass_kg(BARS_M[i]);
+    // c × F + ½ c × W = 0 for the coupler, r × (−F) + ½ r × W = 0 for the rocker
+    let matrix = nalgebra::Matrix2::new(-coupler.y, coupler.x, rocker.y, -rocker.x);
+    let moments = Vector2::new(-0.5 * coupler.x * weight_n(1), -0.5 * rocker.x * weight_n(2));
+    matrix.lu().solve(&moments).expect("bars that are not in line")
+}
+
+/// P-73. Equilibrium of a linkage, its free hinges held by the loop alone: the state in which the damped motion ends; the
+/// pin carries the force of the rigid linkage over its stiffness; the root carries the weight.
+///
+/// The damped motion dies at 30/s, e⁻⁴⁵ at 1.5 s. The gap of 2.5e-7 m and the bars' sag, some 6e-7 m,
+/// turn the lever arms by some 1e-6: 1e-5 of the pin force.
+#[test]
+fn p73_equilibrium_of_a_linkage() {
+    let mut plant = Plant::new(Arc::new(held_linkage()));
+    plant.equilibrium(0.0, Holding::AsReleased).expect("an equilibrium");
+    let still = plant.outputs().clone();
+    let expected = rigid_pin_force_n(plant.machine());
+    let own = Vector2::new(still.loops[0].force_n.x, still.loops[0].force_n.z);
+    let miss = (own - expected).norm() / expected.norm();
+    let gap_m = still.loops[0].gap_m.norm();
+    let weight_n = plant.mass_kg() * 9.8;
+    println!("pin force {own:?} N, off by {miss:.1e} of itself; gap {gap_m:.3e} m");
+    assert!(miss < 1e-5, "pin force {own:?} N, rigid linkage {expected:?} N");
+    assert!(
+        (gap_m * HELD_STIFFNESS_N_M - own.norm()).abs() < 1e-9 * own.norm(),
+        "gap {gap_m:.3e} m under {:.3} N",
+        own.norm()
+    );
+    assert!((still.root.force_n + Vector3::z() * weight_n).norm() < 1e-9 * weight_n, "{:?} N", still.root.force_n);
+
+    plant.initialize(0.0).expect("initial accelerations");
+    coast(&mut plant, 1.5);
+    let settled = plant.outputs();
+    for (tip, other) in settled.tips.iter().zip(&still.tips) {
+        let miss_m = (tip.position_m - other.position_m).norm();
+        println!("tip {miss_m:.1e} m from the equilibrium");
+        assert!(miss_m < 1e-10, "{miss_m:.1e} m from the equilibrium after 1.5 s");
+    }
+    assert!((settled.loops[0].force_n - still.loops[0].force_n).norm() < 1e-6 * own.norm());
+}
+
+/// P-74. A linkage that starts from equilibrium with its hinges held stays where it is, its loop closed by its share of the
+/// weight.
+#[test]
+fn p74_linkage_that_starts_at_rest_stays() {
+    let mut machine = held_linkage();
+    machine.experiment.start = StartState::Equilibrium;
+    for index in [1, 2] {
+        hinge_of(&mut machine, index).release = false;
+    }
+    let mut plant = Plant::new(Arc::new(machine));
+    plant.initialize(0.0).expect("an equilibrium");
+    let start = plant.outputs().clone();
+    assert!(start.loops[0].gap_m.norm() < 1e-6, "gap {:.1e} m", start.loops[0].gap_m.norm());
+    coast(&mut plant, 0.2);
+    for (tip, other) in plant.outputs().tips.iter().zip(&start.tips) {
+        let moved_m = (tip.position_m - other.position_m).norm();
+        assert!(moved_m < 1e-12, "moved by {moved_m:.1e} m");
+    }
 }

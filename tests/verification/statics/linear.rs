@@ -1,4 +1,4 @@
-//! S-40 to S-43: the linear model against differences of simulations.
+//! S-40 to S-46: the linear model against differences of simulations.
 
 use crate::machines::plant;
 use foldwing::interface::{Interface, LinearModel, Value, Variable};
@@ -34,7 +34,11 @@ struct Setup {
 
 impl Setup {
     fn new(start: &str) -> Self {
-        let plant = plant(&wing(start));
+        Self::of(&wing(start))
+    }
+
+    fn of(text: &str) -> Self {
+        let plant = plant(text);
         let interface = Interface::new(plant.machine());
         Self { plant, interface }
     }
@@ -80,7 +84,10 @@ const STEPPED: [&str; 9] = [
 /// within 1e-7 of the largest response of an output of its unit.
 #[test]
 fn s40_step_responses_are_those_of_the_simulation() {
-    let mut setup = Setup::new("unstrained");
+    compare_step_responses("S-40", &mut Setup::new("unstrained"), &STEPPED);
+}
+
+fn compare_step_responses(case: &str, setup: &mut Setup, stepped: &[&str]) {
     setup.plant.equilibrium(0.0, Holding::AsReleased).unwrap();
     let model = setup.model();
     let rest = setup.plant.snapshot();
@@ -94,8 +101,8 @@ fn s40_step_responses_are_those_of_the_simulation() {
     let response = (whole * end_s).exp();
     let linear = &model.matrices.c * response.view((0, states), (states, count)) + &model.matrices.d;
 
-    for input in STEPPED {
-        let j = setup.inputs().iter().position(|row| row.name == input).expect(input);
+    for input in stepped {
+        let j = setup.inputs().iter().position(|row| row.name == *input).expect(input);
         let reference = setup.interface.find(input).unwrap().value_reference;
         let base = match setup.interface.get(&setup.plant, setup.plant.outputs(), reference) {
             Some(Value::Real(value)) => value,
@@ -125,7 +132,7 @@ fn s40_step_responses_are_those_of_the_simulation() {
                 worst = (error, &row.name);
             }
         }
-        println!("S-40 {input}: worst {:.1e} in {}", worst.0, worst.1);
+        println!("{case} {input}: worst {:.1e} in {}", worst.0, worst.1);
         assert!(worst.0 < 1e-7, "{input}: {:.1e} in {}", worst.0, worst.1);
     }
 }
@@ -135,7 +142,10 @@ fn s40_step_responses_are_those_of_the_simulation() {
 /// outputs of the same unit.
 #[test]
 fn s41_rates_along_a_motion() {
-    let mut setup = Setup::new("equilibrium");
+    compare_rates("S-41", &mut Setup::new("equilibrium"));
+}
+
+fn compare_rates(case: &str, setup: &mut Setup) {
     let (middle, step) = (0.0503, 1e-4);
     let mut samples = Vec::new();
     let mut model = None;
@@ -171,7 +181,7 @@ fn s41_rates_along_a_motion() {
             worst = (error, &row.name);
         }
     }
-    println!("S-41 worst {:.1e} in {}", worst.0, worst.1);
+    println!("{case} worst {:.1e} in {}", worst.0, worst.1);
     assert!(worst.0 < 1e-7, "{:.1e} in {}", worst.0, worst.1);
     // A is the derivative of the states themselves
     let rate = &model.matrices.a * &x;
@@ -182,7 +192,10 @@ fn s41_rates_along_a_motion() {
 /// S-42. Eigenvalues of `A` are the modes; 1e-8.
 #[test]
 fn s42_eigenvalues_of_the_linear_model_are_the_modes() {
-    let mut setup = Setup::new("unstrained");
+    compare_eigenvalues("S-42", &mut Setup::new("unstrained"));
+}
+
+fn compare_eigenvalues(case: &str, setup: &mut Setup) {
     setup.plant.equilibrium(0.0, Holding::AsReleased).unwrap();
     let model = setup.model();
     let modes = setup.plant.modes(6).unwrap();
@@ -190,7 +203,7 @@ fn s42_eigenvalues_of_the_linear_model_are_the_modes() {
     for mode in &modes {
         let gap = eigenvalues.iter().map(|value| (value - mode.eigenvalue_1_s).norm()).fold(f64::INFINITY, f64::min);
         println!(
-            "S-42 {:.6} Hz, damping {:.5}: {:.1e}",
+            "{case} {:.6} Hz, damping {:.5}: {:.1e}",
             mode.frequency_hz,
             mode.damping_ratio,
             gap / mode.eigenvalue_1_s.norm()
@@ -219,4 +232,55 @@ fn s43_signals_are_named_and_the_plant_stays() {
     assert_eq!(model.states[angle].value, outputs.joints[0].angle_rad);
     assert_eq!((model.states[angle].unit.as_str(), model.states[angle + n].unit.as_str()), ("rad", "rad/s"));
     assert_eq!(model.matrices.d.shape(), (model.outputs.len(), model.inputs.len()));
+}
+
+/// Two hinged bars that lean on each other: soft ball joint with inertia, damper and arms of 30 mm between their ends.
+fn gable(start: &str) -> String {
+    let section = wing(start);
+    let (section, run) = (section.split("[body.inner]").next().unwrap(), section.split("[solver]").nth(1).unwrap());
+    let (ridge_m, angle_deg) = (0.6 * 40f64.to_radians().cos(), 40.0);
+    format!(
+        "{section}[body.left]\nlength_m = 0.6\nsection = 's'\nelements = 1\nmass_damping_1_s = 0.3\n\
+         stiffness_damping_s = 1e-3\nload_stations = 1\n\
+         [body.right]\nlength_m = 0.6\nsection = 's'\nelement = 'constant'\nelements = 2\nload_stations = 1\n\
+         [joint.west]\ntype = 'revolute'\nparent = 'root'\nchild = 'left'\naxis = [0, 1, 0]\n\
+         start_angle_deg = -{angle_deg}\n[joint.west.drive]\nstiffness_N_m_rad = 2.0\n\
+         command_deg = -{angle_deg}\ndamping_N_m_s_rad = 0.05\n\
+         [joint.east]\ntype = 'revolute'\nparent = 'root'\nchild = 'right'\naxis = [0, 1, 0]\n\
+         root_position_m = [{}, 0, 0]\nmount_rotation_deg = [0, 0, 180]\nstart_angle_deg = {angle_deg}\n\
+         [loop.ridge]\nbodies = ['left', 'right']\noffsets_m = [[0, 0.03, 0], [0, -0.03, 0]]\n\
+         stiffness_N_m = 5e3\ndamping_N_s_m = 0.5\ninertia_kg = 0.02\n\
+         [gauge.root]\nbody = 'left'\nposition_m = 0.3\n\
+         [load.a]\nbody = 'right'\nstation = 1\nforce_N = [0.2, -0.1, 0.5]\nmoment_N_m = [0.05, 0.0, 0.02]\n\
+         [solver]{run}",
+        2.0 * ridge_m
+    )
+}
+
+/// S-44. A machine with a closed loop: step responses of `A`, `B`, `C`, `D` are those of the simulation, gap and force of
+/// the loop included; as S-40 (to an angular velocity at rest nothing responds in the first order).
+#[test]
+fn s44_step_responses_around_a_loop() {
+    let inputs = [
+        "west.command",
+        "east.torque",
+        "gravity.y",
+        "load.left[1].force.z",
+        "load.right[1].moment.y",
+        "root.acceleration.x",
+        "root.angular_acceleration.z",
+    ];
+    compare_step_responses("S-44", &mut Setup::of(&gable("unstrained")), &inputs);
+}
+
+/// S-45. Rates along a motion of a machine with a closed loop; as S-41.
+#[test]
+fn s45_rates_along_a_motion_around_a_loop() {
+    compare_rates("S-45", &mut Setup::of(&gable("unstrained")));
+}
+
+/// S-46. Eigenvalues of `A` of a machine with a closed loop are its modes; as S-42.
+#[test]
+fn s46_eigenvalues_around_a_loop_are_the_modes() {
+    compare_eigenvalues("S-46", &mut Setup::of(&gable("unstrained")));
 }

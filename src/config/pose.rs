@@ -1,0 +1,51 @@
+//! Where the unstrained machine stands: frames of its sections at given fold angles.
+
+use crate::config::machine::{Body, JointKind, Machine, Parent, Revolute};
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+
+/// A section of the unstrained machine in the root frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// Origin in m.
+    pub position_m: Vector3<f64>,
+    /// Attitude, root ← section.
+    pub attitude: Matrix3<f64>,
+}
+
+/// Frames of the bodies' inner ends, natural strains only, at the fold angles (rad) that `angle_rad` gives.
+///
+/// Universal, ball and free joints stand in their start attitude, which is their mount.
+pub fn first_frames(machine: &Machine, angle_rad: impl Fn(&Revolute) -> f64) -> Vec<Frame> {
+    let mut frames: Vec<Frame> = Vec::with_capacity(machine.bodies.len());
+    for body in &machine.bodies {
+        let origin = match body.joint.parent {
+            Parent::Root { position_m } => Frame { position_m, attitude: Matrix3::identity() },
+            Parent::Body { index, position_m } => along(&machine.bodies[index], &frames[index], position_m),
+        };
+        let fold = match &body.joint.kind {
+            JointKind::Clamped | JointKind::Spatial(_) => Matrix3::identity(),
+            JointKind::Revolute(joint) => {
+                Rotation3::from_axis_angle(&Unit::new_normalize(joint.axis), angle_rad(joint)).into_inner()
+            }
+        };
+        frames.push(Frame { attitude: origin.attitude * fold * body.joint.mount, ..origin });
+    }
+    frames
+}
+
+/// Frame at a distance from a body's first frame: the curve of its natural strain, by the midpoint rule. A full circle
+/// closes to 1e-4 of its radius.
+pub fn along(body: &Body, first: &Frame, distance_m: f64) -> Frame {
+    const STEPS: usize = 200;
+    let step = distance_m / STEPS as f64;
+    let mut frame = *first;
+    for i in 0..STEPS {
+        let strain = body.natural_strain.at(step * (i as f64 + 0.5));
+        let (stretch, turn) = (strain[0], Vector3::new(strain[1], strain[2], strain[3]));
+        let half_turn = Rotation3::new(turn * (0.5 * step)).into_inner();
+        let middle = frame.attitude * half_turn;
+        frame.position_m += middle.column(0) * ((1.0 + stretch) * step);
+        frame.attitude = middle * half_turn;
+    }
+    frame
+}

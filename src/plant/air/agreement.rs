@@ -1,0 +1,245 @@
+//! Air and structure: loads that agree with the motion at the end of every aerodynamic step.
+//!
+//! Aerodynamic steps have a fixed length from the start on, whatever the caller's steps are. Within one the loads are
+//! given functions of time, NOTATION eq. (Q1): circulatory ones run linearly from their value at its begin to that at
+//! its end, fixed to the sections; the rate of the fluid's impulse is constant. The value at the end follows from
+//! trial marches of the structure to it, eq. (Q2), after which the structure goes back and marches for good.
+
+use crate::aero::flow::Flow;
+use crate::config::machine::{self, Coupling};
+use crate::plant::Plant;
+use crate::plant::air::{AirCoupling, AirHistory, Ramp, Trial};
+use crate::plant::face::PlantError;
+use crate::plant::state::State;
+use crate::solve::EquationsOfMotion;
+use nalgebra::Vector3;
+
+/// Share of an aerodynamic step below which the rest of it is round-off of the caller's clock.
+const SLIVER: f64 = 1e-9;
+
+/// The flow at a time with a given wind.
+fn flow<'a>(settings: &'a machine::Air, state: &State, time_s: f64, wind_m_s: Vector3<f64>) -> Flow<'a> {
+    Flow {
+        time_s,
+        density_kg_m3: state.applied_parameters.air_density_kg_m3,
+        wind_m_s,
+        spin_rad_s: state.applied_inputs.root.angular_velocity_rad_s,
+        gusts: &settings.gusts,
+    }
+}
+
+/// The air has no solution.
+fn refusal(time_s: f64, cause: impl std::fmt::Display) -> PlantError {
+    PlantError::Air { time_s, cause: cause.to_string() }
+}
+
+impl Plant {
+    /// Air at the start of the run, with its loads on the present motion.
+    pub(in crate::plant) fn start_air(&mut self, time_s: f64) -> Result<(), PlantError> {
+        let Some(air) = &mut self.air else { return Ok(()) };
+        let now = &self.state.now;
+        self.equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
+        air.observe(&self.equations, now);
+        let mut history = air.blank.clone();
+        let AirCoupling { model, settings, motions, loads, .. } = &mut **air;
+        let flow = flow(settings, &self.state, time_s, self.state.applied_inputs.wind_m_s);
+        model
+            .start(motions, &flow, settings.established, &mut history.after, loads)
+            .map_err(|error| refusal(time_s, error))?;
+        air.read(&history.ramp);
+        let (change_n, size_n) = air.compare();
+        if !change_n.is_finite() {
+            return Err(refusal(time_s, "its loads are not finite"));
+        }
+        air.accept();
+        history.start_s = time_s;
+        history.scale_n = size_n;
+        (history.ramp.begin_s, history.ramp.end_s) = (time_s, time_s);
+        air.write(&mut history.ramp);
+        history.ramp.from.clone_from(&history.ramp.to);
+        history.at_begin.clone_from(&history.ramp.to);
+        history.before.copy_from(&history.after);
+        self.state.air = Some(history);
+        self.configure();
+        Ok(())
+    }
+
+    /// Begins the next aerodynamic step where the present one is over.
+    pub(in crate::plant) fn begin_air_step(&mut self) -> Result<(), PlantError> {
+        let (Some(history), Some(air)) = (&mut self.state.air, &self.air) else { return Ok(()) };
+        let step_s = air.settings.step_s;
+        if self.state.start.time_s < history.ramp.end_s - SLIVER * step_s {
+            return Ok(());
+        }
+        history.before.copy_from(&history.after);
+        let AirHistory { ramp, at_begin, .. } = history;
+        for (earlier, (from, to)) in at_begin.iter_mut().zip(ramp.from.iter_mut().zip(&mut ramp.to)) {
+            *from = *to;
+            if history.steps > 0 {
+                to.force_n += to.force_n - earlier.force_n;
+                to.moment_n_m += to.moment_n_m - earlier.moment_n_m;
+            }
+            *earlier = *from;
+        }
+        history.steps += 1;
+        history.carried_m = Vector3::zeros();
+        ramp.begin_s = self.state.start.time_s;
+        ramp.end_s = history.start_s + history.steps as f64 * step_s;
+        self.agree_on_loads()
+    }
+
+    /// Lets the loads of the present step run on from the present time, at which the inputs change.
+    pub(in crate::plant) fn cut_ramp(&mut self) {
+        let wind_m_s = self.state.applied_inputs.wind_m_s;
+        let time_s = self.state.now.time_s;
+        let Some(AirHistory { ramp, carried_m, .. }) = &mut self.state.air else { return };
+        if time_s <= ramp.begin_s || time_s >= ramp.end_s {
+            return;
+        }
+        let share = ramp.share(time_s);
+        for section in 0..ramp.from.len() {
+            ramp.from[section] = ramp.circulatory(section, share);
+        }
+        *carried_m += wind_m_s * (time_s - ramp.begin_s);
+        ramp.begin_s = time_s;
+    }
+
+    /// Finds the loads for the rest of the present step anew, after the inputs have changed inside it.
+    pub(in crate::plant) fn renew_air(&mut self) -> Result<(), PlantError> {
+        match (&self.state.air, &self.air) {
+            (Some(history), Some(air))
+                if self.state.start.time_s < history.ramp.end_s - SLIVER * air.settings.step_s =>
+            {
+                self.agree_on_loads()
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Loads at the end of the present aerodynamic step that agree with the motion there, NOTATION eq. (Q2).
+    /// Leaves the structure at `start`, with accelerations under these loads.
+    fn agree_on_loads(&mut self) -> Result<(), PlantError> {
+        let Some(mut air) = self.air.take() else { return Ok(()) };
+        let outcome = self.iterate(&mut air);
+        self.air = Some(air);
+        outcome
+    }
+
+    fn iterate(&mut self, air: &mut AirCoupling) -> Result<(), PlantError> {
+        let step_s = air.settings.step_s;
+        let wind_m_s = self.state.applied_inputs.wind_m_s;
+        air.trial.save(&self.state, self.equations.ramp.as_ref());
+        let Some(mut history) = self.state.air.take() else { return Ok(()) };
+        let (begin_s, end_s) = (history.ramp.begin_s, history.ramp.end_s);
+        let mean_wind_m_s = (history.carried_m + wind_m_s * (end_s - begin_s)) / step_s;
+        let carrying = flow(&air.settings, &self.state, end_s, mean_wind_m_s);
+        air.model.convect(&history.before, &carrying, step_s, &mut history.after);
+        air.read(&history.ramp);
+        air.acceleration.restart();
+        let (tolerance, most) = match air.settings.coupling {
+            Coupling::Staggered => (f64::INFINITY, 1),
+            Coupling::Iterated { tolerance, most_iterations } => (tolerance, most_iterations),
+        };
+        let mut outcome = Err(0.0);
+        for trial in 0..most {
+            self.state.air = Some(history);
+            let marched = self.march_on_trial(end_s, trial == 0);
+            let (wanted_s, next_s) = (self.smallest_step_s, self.state.step_s);
+            let ahead = &self.state.ahead;
+            if marched.is_ok() {
+                self.equations.residual(end_s, &ahead.q, &ahead.v, &ahead.a, &mut self.scratch[0]);
+                air.observe(&self.equations, ahead);
+            }
+            history = self.go_back(&air.trial);
+            if trial == 0 {
+                history.structure_step_s = (end_s - begin_s) / ((end_s - begin_s) / wanted_s - SLIVER).ceil().max(1.0);
+                air.trial.step_s = next_s;
+            }
+            self.state.step_s = air.trial.step_s;
+            if let Err(error) = marched {
+                self.state.air = Some(history);
+                return Err(error);
+            }
+            let AirCoupling { model, settings, motions, loads, .. } = &mut *air;
+            let flow = flow(settings, &self.state, end_s, wind_m_s);
+            self.state.statistics.air_solutions += 1;
+            if let Err(error) = model.solve(&history.before, motions, &flow, step_s, &mut history.after, loads) {
+                self.state.air = Some(history);
+                return Err(refusal(begin_s, error));
+            }
+            let (change_n, size_n) = air.compare();
+            if !change_n.is_finite() {
+                self.state.air = Some(history);
+                return Err(refusal(begin_s, "its loads are not finite"));
+            }
+            history.scale_n = history.scale_n.max(size_n);
+            if change_n <= tolerance * history.scale_n {
+                air.accept();
+                outcome = Ok(());
+            } else {
+                outcome = Err(change_n / history.scale_n);
+                let AirCoupling { acceleration, guess, residual, .. } = &mut *air;
+                acceleration.next(guess, residual);
+            }
+            air.write(&mut history.ramp);
+            if outcome.is_ok() {
+                break;
+            }
+        }
+        self.state.air = Some(history);
+        outcome.map_err(|change| {
+            refusal(begin_s, format!("{most} iterations leave a change of the loads of {change:.1e} of the largest"))
+        })?;
+        self.discontinuity(|_, _| 0.0).map(|_| ())
+    }
+
+    /// Marches the structure to the end of the aerodynamic step under the present guess of the loads; `first`: with steps
+    /// by the error estimate.
+    fn march_on_trial(&mut self, end_s: f64, first: bool) -> Result<(), PlantError> {
+        self.discontinuity(|_, _| 0.0)?;
+        self.smallest_step_s = f64::INFINITY;
+        while self.state.ahead.time_s < end_s {
+            let State { start, ahead, .. } = &mut self.state;
+            start.copy_from(ahead);
+            self.apply_events()?;
+            match self.machine.solver.fixed_step_s.or_else(|| self.structure_step_s().filter(|_| !first)) {
+                Some(step_s) => self.advance_fixed(step_s, end_s)?,
+                None => self.advance(end_s)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Step of the structure that the present aerodynamic step is marched with, in s; `None` without air.
+    pub(in crate::plant) fn structure_step_s(&self) -> Option<f64> {
+        self.state.air.as_ref().map(|history| history.structure_step_s)
+    }
+
+    /// Undoes a trial march; takes the history out, so that its air can be changed.
+    fn go_back(&mut self, trial: &Trial) -> AirHistory {
+        let solutions = self.state.statistics.air_solutions;
+        let State { start, ahead, joints, .. } = &mut self.state;
+        start.copy_from(&trial.start);
+        ahead.copy_from(&trial.start);
+        joints.copy_from_slice(&trial.joints);
+        self.state.statistics = trial.statistics;
+        self.state.statistics.air_solutions = solutions;
+        self.configure();
+        if let Some(ramp) = &mut self.equations.ramp {
+            ramp.copy_from(&trial.ramp);
+        }
+        self.state.air.take().expect("a machine in air has a history")
+    }
+}
+
+impl Trial {
+    /// Remembers where a trial march starts. `ramp`: the loads that its accelerations belong to.
+    fn save(&mut self, state: &State, ramp: Option<&Ramp>) {
+        self.start.copy_from(&state.start);
+        self.joints.clone_from(&state.joints);
+        (self.step_s, self.statistics) = (state.step_s, state.statistics);
+        if let Some(ramp) = ramp {
+            self.ramp.copy_from(ramp);
+        }
+    }
+}

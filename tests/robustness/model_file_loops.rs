@@ -1,0 +1,172 @@
+//! Closed loops: what is refused, whole messages, and what an accepted file means.
+
+use crate::{MODEL, message_of};
+use foldwing::config;
+use foldwing::config::machine::Closure;
+use nalgebra::Vector3;
+
+/// A loop behind the small model, whose fold joint starts at `fold_deg`; its table stands on line 55.
+fn model(fold_deg: f64, lines: &str) -> String {
+    let model = MODEL.replace("start_angle_deg = 170", &format!("start_angle_deg = {fold_deg}"));
+    format!("{model}[loop.pin]\n{lines}\n")
+}
+
+fn message(lines: &str) -> String {
+    message_of(&model(0.0, lines))
+}
+
+/// From 0.05 m on the inner body to the end of the outer one at 0.25 m: closed where the wing is stretched out.
+const CLOSED: &str = "bodies = [\"inner\", \"outer\"]\npositions_m = [0.05, 0.1]\noffsets_m = [[0, 0, 0.01], [-0.2, 0, \
+                      0.01]]\nstiffness_N_m = 1e5";
+
+#[test]
+fn accepted_loops_mean_what_they_say() {
+    let text = model(0.0, &format!("{CLOSED}\ndamping_N_s_m = 20\ninertia_kg = 0.001"));
+    let machine = config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(
+        machine.closures,
+        [Closure {
+            name: "pin".into(),
+            places: [(0, 0.05), (1, 0.1)],
+            offsets_m: [Vector3::new(0.0, 0.0, 0.01), Vector3::new(-0.2, 0.0, 0.01)],
+            inertia_kg: 1e-3,
+            damping_n_s_m: 20.0,
+            stiffness_n_m: 1e5,
+        }]
+    );
+}
+
+/// Without positions the outer ends are meant; inertia and damping may be left out. The order of the bodies in the file
+/// need not be that of the tree.
+#[test]
+fn defaults_of_a_loop() {
+    let lines = "bodies = [\"outer\", \"inner\"]\noffsets_m = [[-0.1, 0, 0], [0, 0, 0]]\nstiffness_N_m = 1e5";
+    let machine = config::parse(&model(0.0, lines), "wing.toml").unwrap_or_else(|error| panic!("{error}"));
+    let closure = &machine.closures[0];
+    assert_eq!(closure.places, [(1, 0.1), (0, 0.15)]);
+    assert_eq!((closure.inertia_kg, closure.damping_n_s_m), (0.0, 0.0));
+}
+
+/// Bodies that do not exist, the root, one section twice.
+#[test]
+fn bodies_of_a_loop() {
+    assert_eq!(
+        message(&CLOSED.replace("outer", "outr")),
+        "wing.toml:57: key 'loop.pin.bodies': [\"inner\", \"outr\"] is not allowed; allowed: names of \
+         bodies: \"inner\" or \"outer\" (did you mean \"outer\"?)"
+    );
+    assert_eq!(
+        message(&CLOSED.replace("outer", "root")),
+        "wing.toml:57: key 'loop.pin.bodies': [\"inner\", \"root\"] is not allowed; allowed: two bodies: the \
+         root takes part by joints only. Hold one of the bodies by a joint with parent = \"root\" and close \
+         the loop between two bodies"
+    );
+    assert_eq!(
+        message("bodies = [\"inner\", \"inner\"]\nstiffness_N_m = 1e5"),
+        "wing.toml:57: key 'loop.pin.bodies': [\"inner\", \"inner\"] is not allowed; allowed: two different \
+         sections: one is joined to itself"
+    );
+    assert_eq!(
+        message("bodies = [\"outer\", \"outer\"]\npositions_m = [0.1, 0.1]\nstiffness_N_m = 1e5"),
+        "wing.toml:58: key 'loop.pin.positions_m': [0.1, 0.1] is not allowed; allowed: two different \
+         sections: one is joined to itself"
+    );
+    assert_eq!(
+        message(&CLOSED.replace("[\"inner\", \"outer\"]", "[\"inner\"]")),
+        "wing.toml:57: key 'loop.pin.bodies': [\"inner\"] is not allowed; allowed: an array of 2 names of \
+         bodies"
+    );
+}
+
+/// Places beyond the bodies and keys of the wrong kind.
+#[test]
+fn places_of_a_loop() {
+    assert_eq!(
+        message(&CLOSED.replace("[0.05, 0.1]", "[0.05, 0.11]")),
+        "wing.toml:58: key 'loop.pin.positions_m': [0.05, 0.11] is not allowed; allowed: lengths up to those \
+         of the bodies; \"outer\" is 0.1 m long"
+    );
+    assert_eq!(
+        message(&CLOSED.replace("[0.05, 0.1]", "[-0.05, 0.1]")),
+        "wing.toml:58: key 'loop.pin.positions_m': [-0.05, 0.1] is not allowed; allowed: an array of 2 \
+         finite lengths >= 0 m"
+    );
+    assert_eq!(
+        message(&CLOSED.replace("[-0.2, 0, 0.01]", "[-0.2, 0]")),
+        "wing.toml:59: key 'loop.pin.offsets_m': [[0, 0, 0.01], [-0.2, 0]] is not allowed; allowed: an array \
+         of 2 arrays of 3 finite lengths in m"
+    );
+}
+
+/// Penalties that are none.
+#[test]
+fn penalties_of_a_loop() {
+    assert_eq!(
+        message(&CLOSED.replace("1e5", "0")),
+        "wing.toml:60: key 'loop.pin.stiffness_N_m': 0 is not allowed; allowed: a finite stiffness > 0 N/m"
+    );
+    assert_eq!(
+        message(&CLOSED.replace("1e5", "inf")),
+        "wing.toml:60: key 'loop.pin.stiffness_N_m': inf is not allowed; allowed: a finite stiffness > 0 \
+         N/m"
+    );
+    assert_eq!(
+        message(&CLOSED.replace("stiffness_N_m", "stiffness")),
+        "wing.toml:60: key 'loop.pin.stiffness' is unknown; write stiffness_N_m (N/m); allowed keys: bodies, \
+         positions_m, offsets_m, stiffness_N_m, damping_N_s_m, inertia_kg"
+    );
+    assert_eq!(
+        message(&format!("{CLOSED}\ndamping_N_s_m = -1")),
+        "wing.toml:61: key 'loop.pin.damping_N_s_m': -1 is not allowed; allowed: a finite damping >= 0 \
+         N·s/m"
+    );
+    assert_eq!(
+        message(&format!("{CLOSED}\ninertia_kg = -1e-3")),
+        "wing.toml:61: key 'loop.pin.inertia_kg': -1e-3 is not allowed; allowed: a finite mass >= 0 kg"
+    );
+    assert_eq!(
+        message(&format!("{CLOSED}\ninertia_kg = nan")),
+        "wing.toml:61: key 'loop.pin.inertia_kg': nan is not allowed; allowed: a finite mass >= 0 kg"
+    );
+}
+
+/// A loop that is open at the start: the message says by how much. A joint's start angle opens it, and so does the natural
+/// curvature of a body: the half circle turns what hangs on it around.
+#[test]
+fn loops_that_are_open_at_the_start() {
+    assert_eq!(
+        message_of(&model(1.0, CLOSED)),
+        "wing.toml:56: key 'loop.pin': a gap of 0.001754 m, from one point to the other [0.000190, 0.000000, \
+         0.001744], is not allowed; allowed: points that coincide in the unstrained machine at its start \
+         angles to 1.5e-4 m, 0.001 of the longer body"
+    );
+    let curved =
+        model(0.0, CLOSED).replace("load_stations = 4", "load_stations = 4\nnatural_curvature_1_m = [0, 0, 20.943951]");
+    assert_eq!(
+        message_of(&curved),
+        "wing.toml:57: key 'loop.pin': a gap of 0.092571 m, from one point to the other [0.058650, 0.071621, \
+         0.000000], is not allowed; allowed: points that coincide in the unstrained machine at its start \
+         angles to 1.5e-4 m, 0.001 of the longer body"
+    );
+}
+
+/// A body whose natural curvature is that of a full circle closes on its own inner end.
+#[test]
+fn a_ring_is_a_loop() {
+    let ring = model(0.0, "bodies = [\"inner\", \"inner\"]\npositions_m = [0, 0.15]\nstiffness_N_m = 1e5")
+        .replace("load_stations = 4", "load_stations = 4\nnatural_curvature_1_m = [0, 0, 41.887902]");
+    let machine = config::parse(&ring, "wing.toml").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(machine.closures[0].places, [(0, 0.0), (0, 0.15)]);
+}
+
+/// No joint is named like the group of the loops' outputs.
+#[test]
+fn no_joint_is_named_loop() {
+    let text = MODEL.replace("[joint.mount]", "[joint.loop]");
+    assert_eq!(
+        message_of(&text),
+        "wing.toml:24: key 'joint.loop': the name \"loop\" is not allowed; allowed: a name that does not \
+         begin with tip_ and is none of load, gravity, root, wind, gauge, loop, tip, station, aero, energy, \
+         solver, body, time, der"
+    );
+}
