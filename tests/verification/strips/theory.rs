@@ -91,13 +91,14 @@ pub struct Aerofoil {
 
 impl Aerofoil {
     /// Response to the amplitudes of heave of the axis (downward positive, m) and pitch (nose up, rad): Theodorsen's
-    /// (XVIII) and (XX) with the lift upward.
-    pub fn response(&self, k: f64, heave_m: Complex<f64>, pitch_rad: Complex<f64>) -> Response {
+    /// (XVIII) and (XX) with the lift upward. `lag` is his [function](theodorsen), or what stands for it; 1 gives the
+    /// quasi-steady theory.
+    pub fn response(&self, lag: Complex<f64>, k: f64, heave_m: Complex<f64>, pitch_rad: Complex<f64>) -> Response {
         let Self { density_kg_m3: rho, speed_m_s: v, semi_chord_m: b, axis: a } = *self;
         let rate = Complex::new(0.0, k * v / b);
         let (sinking, turning) = (rate * heave_m, rate * pitch_rad);
         let downwash = sinking + pitch_rad * v + turning * (b * (0.5 - a));
-        let effective = downwash * theodorsen(k);
+        let effective = downwash * lag;
         Response {
             circulatory_lift_n_m: effective * (2.0 * PI * rho * v * b),
             impulsive_lift_n_m: (rate * sinking + turning * v - rate * turning * (b * a)) * (PI * rho * b * b),

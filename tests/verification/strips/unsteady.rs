@@ -14,7 +14,7 @@ use std::f64::consts::{PI, TAU};
 const SMALL: f64 = 1e-6;
 
 /// Transform of the exponential fit to Wagner's function: what stands for Theodorsen's function in the strips.
-fn fitted_theodorsen(k: f64) -> Complex<f64> {
+pub fn fitted_theodorsen(k: f64) -> Complex<f64> {
     let p = Complex::new(0.0, k);
     let Indicial { weights, rates } = Indicial::WAGNER;
     weights.iter().zip(rates).fold(Complex::new(1.0, 0.0), |c, (weight, rate)| c - p * *weight / (p + rate))
@@ -62,11 +62,8 @@ fn expected(plate: &Plate, k: f64, heave: bool, lag: Complex<f64>) -> [Complex<f
     };
     let (zero, one) = (Complex::new(0.0, 0.0), Complex::new(SMALL, 0.0));
     let (heave_m, pitch_rad) = if heave { (one * plate.semi_chord_m, zero) } else { (zero, one) };
-    let exact = aerofoil.response(k, heave_m, pitch_rad);
-    // circulatory lift is proportional to the function; it acts at the quarter chord
-    let change = exact.circulatory_lift_n_m * (lag / theodorsen(k) - 1.0);
-    let arm_m = plate.semi_chord_m * (plate.axis + 0.5);
-    [exact.lift_n_m() + change, exact.moment_n() + change * arm_m]
+    let response = aerofoil.response(lag, k, heave_m, pitch_rad);
+    [response.lift_n_m(), response.moment_n()]
 }
 
 /// W-10. Sudden start: the lift grows by the fit, exactly at any step; the fit follows Wagner's function within 0.0097.
@@ -285,8 +282,7 @@ fn w15_thrust_of_flapping_follows_garrick() {
     let downwash = Complex::new(0.0, omega_rad_s) * amplitudes.0 + amplitudes.1 * v + turning * b;
     let edge = downwash * lag - turning * (0.5 * b);
     let aerofoil = Aerofoil { density_kg_m3: rho, speed_m_s: v, semi_chord_m: b, axis: -0.5 };
-    let exact = aerofoil.response(k, amplitudes.0, amplitudes.1);
-    let lift_n_m = exact.lift_n_m() + exact.circulatory_lift_n_m * (lag / theodorsen(k) - 1.0);
+    let lift_n_m = aerofoil.response(lag, k, amplitudes.0, amplitudes.1).lift_n_m();
     let garrick_n_m = PI * rho * b * edge.norm_sqr() - 0.5 * (lift_n_m * amplitudes.1.conj()).re;
     let off = thrust_n_m / garrick_n_m - 1.0;
     println!("W-15 mean thrust {thrust_n_m:.4e} N/m, Garrick {garrick_n_m:.4e} N/m: {off:+.1e}");
