@@ -6,6 +6,7 @@ mod invariance;
 mod plate;
 #[path = "../reference.rs"]
 mod reference_file;
+mod section_flutter;
 mod theory;
 mod theory_checks;
 mod unsteady;

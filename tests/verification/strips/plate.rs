@@ -72,7 +72,7 @@ impl Plate {
         })
     }
 
-    fn flow<'a>(&self, time_s: f64, gusts: &'a [Gust]) -> Flow<'a> {
+    pub fn flow<'a>(&self, time_s: f64, gusts: &'a [Gust]) -> Flow<'a> {
         Flow {
             time_s,
             density_kg_m3: self.density_kg_m3,
@@ -85,6 +85,11 @@ impl Plate {
     /// Time in which the plate travels a semi-chord, s.
     pub fn semi_chord_s(&self) -> f64 {
         self.semi_chord_m / self.speed_m_s
+    }
+
+    /// Circulatory and impulsive loads per span.
+    pub fn per_span(loads: &AirLoads) -> [Loads; 2] {
+        [per_span(&loads.circulatory), per_span(&loads.impulsive)]
     }
 
     /// Circulatory and impulsive loads after each of `steps` steps, the start in front (impulsive loads are means over
@@ -101,21 +106,17 @@ impl Plate {
         let (mut from, mut to): (StripState, StripState) = (strips.blank_state(), strips.blank_state());
         let mut loads = AirLoads::still(2);
         strips.start(&Self::sections(motion(0.0)), &self.flow(0.0, gusts), established, &mut from, &mut loads);
-        let mut history = vec![both(&loads)];
+        let mut history = vec![Self::per_span(&loads)];
         for step in 1..=steps {
             let time_s = step as f64 * step_s;
             let (sections, flow) = (Self::sections(motion(time_s)), self.flow(time_s, gusts));
             strips.convect(&from, &flow, step_s, &mut to);
             strips.solve(&from, &sections, &flow, step_s, &mut to, &mut loads);
             from.copy_from(&to);
-            history.push(both(&loads));
+            history.push(Self::per_span(&loads));
         }
         history
     }
-}
-
-fn both(loads: &AirLoads) -> [Loads; 2] {
-    [per_span(&loads.circulatory), per_span(&loads.impulsive)]
 }
 
 fn per_span(wrenches: &[Wrench]) -> Loads {
