@@ -118,7 +118,7 @@ impl Strips {
             let now = Inflow::of(strip, &self.profiles[strip.surface], motions, flow);
             let lag = if established { Lag::established } else { Lag::sudden };
             *history = now.history(lag(now.downwash_m_s), lag(now.gust_downwash_m_s));
-            self.add_circulatory(strip, &now, motions, flow, history, loads);
+            self.add_circulatory(strip, &now, flow, history, loads);
         }
     }
 
@@ -149,9 +149,9 @@ impl Strips {
                 before.motion.advanced(&Indicial::WAGNER, way, now.downwash_m_s),
                 before.gust.advanced(&Indicial::KUESSNER, way, now.gust_downwash_m_s),
             );
-            self.add_circulatory(strip, &now, motions, flow, after, loads);
+            self.add_circulatory(strip, &now, flow, after, loads);
             if self.options.apparent_mass && step_s > 0.0 {
-                add_impulsive(strip, &now, motions, flow, [before, after], step_s, loads);
+                add_impulsive(strip, &now, flow, [before, after], step_s, loads);
             }
         }
     }
@@ -166,7 +166,6 @@ impl Strips {
         &self,
         strip: &Strip,
         now: &Inflow,
-        motions: &[SectionMotion],
         flow: &Flow,
         history: &mut StripHistory,
         loads: &mut AirLoads,
@@ -181,8 +180,8 @@ impl Strips {
         let section = now.section_loads(profile, self.options.leading_edge_suction, effective_m_s, flow.density_kg_m3);
         let span_m = now.cut.span_m;
         history.circulation_m2_s = section.circulation_m2_s;
-        strip.add_force(&mut loads.circulatory, motions, section.fraction, &(section.force_n_m * span_m));
-        strip.add_moment(&mut loads.circulatory, motions, &now.cut, section.moment_n * span_m);
+        strip.add_force(&mut loads.circulatory, &now.cut, section.fraction, &(section.force_n_m * span_m));
+        strip.add_moment(&mut loads.circulatory, &now.cut, section.moment_n * span_m);
     }
 }
 
@@ -190,7 +189,6 @@ impl Strips {
 fn add_impulsive(
     strip: &Strip,
     now: &Inflow,
-    motions: &[SectionMotion],
     flow: &Flow,
     [before, after]: [&StripHistory; 2],
     step_s: f64,
@@ -202,8 +200,8 @@ fn add_impulsive(
     let pitching_m_s2 = (after.difference_m_s - before.difference_m_s) / step_s;
     let moment_n_m = -mass_kg_m * semi_chord_m / 16.0 * pitching_m_s2 * now.cut.span_m;
     let mean_up = 0.5 * (before.up + after.up);
-    strip.add_force(&mut loads.impulsive, motions, 0.5, &(mean_up * force_n));
-    strip.add_moment(&mut loads.impulsive, motions, &now.cut, moment_n_m);
+    strip.add_force(&mut loads.impulsive, &now.cut, 0.5, &(mean_up * force_n));
+    strip.add_moment(&mut loads.impulsive, &now.cut, moment_n_m);
 }
 
 /// `γ` of eq. (W4): 1 where the air comes from the leading edge, −1 from the trailing edge, 0 where it comes from below
