@@ -38,6 +38,16 @@ impl Polar {
             moment: between(lower.moment, upper.moment),
         }
     }
+
+    /// Angle of attack in rad nearest to zero at which the lift rises through zero; none if it never does.
+    pub fn zero_lift_angle_rad(&self) -> Option<f64> {
+        let rises = self.rows.windows(2).filter(|pair| pair[0].lift <= 0.0 && pair[1].lift > 0.0);
+        let angles = rises.map(|pair| {
+            let share = -pair[0].lift / (pair[1].lift - pair[0].lift);
+            pair[0].angle_rad + (pair[1].angle_rad - pair[0].angle_rad) * share
+        });
+        angles.min_by(|a, b| a.abs().total_cmp(&b.abs()))
+    }
 }
 
 #[cfg(test)]
@@ -54,5 +64,14 @@ mod tests {
         approx::assert_relative_eq!(polar.at(0.2).drag, 0.08, max_relative = 1e-14);
         approx::assert_relative_eq!(polar.at(0.2).moment, -0.8, max_relative = 1e-14);
         assert_eq!((lift(-3.0), lift(3.0)), (-0.5, 0.9));
+    }
+
+    #[test]
+    fn zero_lift_angle_is_the_rise_nearest_to_zero() {
+        let row = |angle_rad, lift| PolarRow { angle_rad, lift, drag: 0.0, moment: 0.0 };
+        let circle = [(-3.0, 0.4), (-2.0, -0.5), (-1.5, 0.5), (-0.3, -0.3), (0.1, 0.5), (1.5, 0.0), (3.0, -0.1)];
+        let polar = Polar { rows: circle.map(|(angle_rad, lift)| row(angle_rad, lift)).to_vec() };
+        approx::assert_relative_eq!(polar.zero_lift_angle_rad().unwrap(), -0.15, max_relative = 1e-14);
+        assert_eq!(Polar { rows: vec![row(0.0, 0.5)] }.zero_lift_angle_rad(), None);
     }
 }

@@ -52,7 +52,7 @@ fn unknown_keys() {
     assert_eq!(
         message("[solver]", "[solvers]"),
         "wing.toml:47: key 'solvers' is unknown; perhaps solver is meant; allowed keys: name, description, \
-         gravity_m_s2, section, body, joint, loop, mass, load, gauge, solver, experiment"
+         gravity_m_s2, section, body, joint, loop, mass, load, gauge, aerodynamics, surface, gust, solver, experiment"
     );
     assert_eq!(
         message("stiffness_N_m_rad", "stiffness"),

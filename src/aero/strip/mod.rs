@@ -123,7 +123,7 @@ impl Strips {
             let now = Inflow::of(strip, &self.profiles[strip.surface], motions, flow);
             let lag = if established { Lag::established } else { Lag::sudden };
             *history = now.history(lag(now.downwash_m_s), lag(now.gust_downwash_m_s));
-            self.add_circulatory(strip, &now, motions, flow, history, loads);
+            self.add_circulatory(strip, &now, flow, history, loads);
         }
     }
 
@@ -154,9 +154,9 @@ impl Strips {
                 before.motion.advanced(&Indicial::WAGNER, way, now.downwash_m_s),
                 before.gust.advanced(&Indicial::KUESSNER, way, now.gust_downwash_m_s),
             );
-            self.add_circulatory(strip, &now, motions, flow, after, loads);
+            self.add_circulatory(strip, &now, flow, after, loads);
             if self.options.apparent_mass && step_s > 0.0 {
-                add_impulsive(strip, &now, motions, flow, [before, after], step_s, loads);
+                add_impulsive(strip, &now, flow, [before, after], step_s, loads);
             }
         }
     }
@@ -171,7 +171,6 @@ impl Strips {
         &self,
         strip: &Strip,
         now: &Inflow,
-        motions: &[SectionMotion],
         flow: &Flow,
         history: &mut StripHistory,
         loads: &mut AirLoads,
@@ -186,8 +185,8 @@ impl Strips {
         let section = now.section_loads(profile, self.options.leading_edge_suction, effective_m_s, flow.density_kg_m3);
         let span_m = now.cut.span_m;
         history.circulation_m2_s = section.circulation_m2_s;
-        strip.add_force(&mut loads.circulatory, motions, section.fraction, &(section.force_n_m * span_m));
-        strip.add_moment(&mut loads.circulatory, motions, &now.cut, section.moment_n * span_m);
+        strip.add_force(&mut loads.circulatory, &now.cut, section.fraction, &(section.force_n_m * span_m));
+        strip.add_moment(&mut loads.circulatory, &now.cut, section.moment_n * span_m);
     }
 }
 
@@ -195,7 +194,6 @@ impl Strips {
 fn add_impulsive(
     strip: &Strip,
     now: &Inflow,
-    motions: &[SectionMotion],
     flow: &Flow,
     [before, after]: [&StripHistory; 2],
     step_s: f64,
@@ -207,8 +205,15 @@ fn add_impulsive(
     let pitching_m_s2 = (after.difference_m_s - before.difference_m_s) / step_s;
     let moment_n_m = -mass_kg_m * semi_chord_m / 16.0 * pitching_m_s2 * now.cut.span_m;
     let mean_up = 0.5 * (before.up + after.up);
-    strip.add_force(&mut loads.impulsive, motions, 0.5, &(mean_up * force_n));
-    strip.add_moment(&mut loads.impulsive, motions, &now.cut, moment_n_m);
+    strip.add_force(&mut loads.impulsive, &now.cut, 0.5, &(mean_up * force_n));
+    strip.add_moment(&mut loads.impulsive, &now.cut, moment_n_m);
+}
+
+/// `γ` of eq. (W4): 1 where the air comes from the leading edge, −1 from the trailing edge, 0 where it comes from below
+/// or where the plate does nothing but turn.
+fn bias(along_m_s: f64, across_m_s: f64, difference_m_s: f64) -> f64 {
+    let size_m_s = along_m_s.hypot(across_m_s).hypot(0.25 * difference_m_s);
+    if size_m_s > 0.0 { along_m_s / size_m_s } else { 0.0 }
 }
 
 /// Loads of a section per span, and where they act.
@@ -229,14 +234,14 @@ struct Inflow {
     aft: Vector3<f64>,
     /// Unit vector across it, upward.
     up: Vector3<f64>,
-    /// Gust at the leading edge in m/s.
+    /// Gust at the upstream edge in m/s.
     gust_m_s: Vector3<f64>,
     /// Velocity along the line of zero lift in m/s, positive from the leading edge.
     along_m_s: f64,
     /// Relative speed in the plane of the section at half chord in m/s.
     speed_m_s: f64,
-    /// Cosine of the angle between relative velocity and line of zero lift.
-    cosine: f64,
+    /// Which edge leads, from 1 to −1.
+    bias: f64,
     /// Upward velocity at the control point, without gusts, in m/s.
     downwash_m_s: f64,
     /// Upward velocity of the gust in m/s.
@@ -251,21 +256,24 @@ impl Inflow {
         let (sine, cosine) = profile.zero_lift_angle_rad.sin_cos();
         let aft = cut.aft * cosine + cut.up * sine;
         let up = cut.up * cosine - cut.aft * sine;
-        let gust_m_s = flow.velocity_m_s(&cut.leading_m) - flow.convection_m_s(&cut.leading_m);
-        let middle_m_s = cut.air_m_s(0.5) + gust_m_s;
-        let along_m_s = middle_m_s.dot(&aft);
-        let speed_m_s = along_m_s.hypot(middle_m_s.dot(&up));
-        let cosine = if speed_m_s > 0.0 { along_m_s / speed_m_s } else { 1.0 };
+        let difference_m_s = (cut.trailing_air_m_s - cut.leading_air_m_s).dot(&up);
+        let calm_m_s = cut.air_m_s(0.5);
+        let calm_bias = bias(calm_m_s.dot(&aft), calm_m_s.dot(&up), difference_m_s);
+        let entry_m = cut.point_m(0.5 - 0.5 * calm_bias);
+        let gust_m_s = flow.velocity_m_s(&entry_m) - flow.convection_m_s(&entry_m);
+        let middle_m_s = calm_m_s + gust_m_s;
+        let (along_m_s, across_m_s) = (middle_m_s.dot(&aft), middle_m_s.dot(&up));
+        let bias = bias(along_m_s, across_m_s, difference_m_s);
         Self {
             aft,
             up,
             gust_m_s,
             along_m_s,
-            speed_m_s,
-            cosine,
-            downwash_m_s: cut.air_m_s(0.5 + 0.25 * cosine).dot(&up),
+            speed_m_s: along_m_s.hypot(across_m_s),
+            bias,
+            downwash_m_s: cut.air_m_s(0.5 + 0.25 * bias).dot(&up),
             gust_downwash_m_s: gust_m_s.dot(&up),
-            difference_m_s: (cut.trailing_air_m_s - cut.leading_air_m_s).dot(&up),
+            difference_m_s,
             cut,
         }
     }
@@ -287,14 +295,14 @@ impl Inflow {
     fn section_loads(&self, profile: &Profile, suction: bool, effective_m_s: f64, density_kg_m3: f64) -> SectionLoads {
         let chord_m = self.cut.chord_m;
         let curvature_n =
-            -PI / 16.0 * density_kg_m3 * chord_m.powi(2) * self.along_m_s * self.cosine * self.difference_m_s;
+            -PI / 16.0 * density_kg_m3 * chord_m.powi(2) * self.along_m_s * self.bias * self.difference_m_s;
         let (circulation_m2_s, force_n_m, fraction, moment_n) = match &profile.polar {
             None => {
                 let half_slope_m = 0.5 * chord_m * profile.lift_slope_1_rad;
                 let circulation_m2_s = half_slope_m * effective_m_s;
-                let edge_m_s = effective_m_s - 0.25 * self.cosine * self.difference_m_s;
-                let suction_n_m = if suction { half_slope_m * edge_m_s.powi(2) * self.cosine } else { 0.0 };
-                let fraction = 0.5 - 0.25 * self.cosine;
+                let edge_m_s = effective_m_s - 0.25 * self.bias * self.difference_m_s;
+                let suction_n_m = if suction { half_slope_m * edge_m_s.powi(2) * self.bias } else { 0.0 };
+                let fraction = 0.5 - 0.25 * self.bias;
                 let force_n_m = self.up * (self.along_m_s.abs() * circulation_m2_s) - self.aft * suction_n_m;
                 let moment_n = 0.5 * (chord_m * self.along_m_s).powi(2) * profile.moment_coefficient;
                 (circulation_m2_s, force_n_m + self.drag_m3_s2(fraction, profile.drag_coefficient), fraction, moment_n)

@@ -1,7 +1,6 @@
 //! Geometry and relative velocity of one strip.
 
 use crate::aero::flow::Flow;
-use crate::aero::split_between;
 use crate::aero::surface::ChordLine;
 use crate::load::{SectionMotion, Wrench};
 use nalgebra::Vector3;
@@ -20,6 +19,8 @@ pub struct Strip {
 /// A strip at one instant, root frame. The section is cut across the quarter-chord line, eqs. (W1) and (W2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cut {
+    /// From the points of both sections, inner one first, to the leading and the trailing edge, in m.
+    pub arms_m: [[Vector3<f64>; 2]; 2],
     /// Middle of the leading edge in m.
     pub leading_m: Vector3<f64>,
     /// Middle of the trailing edge in m.
@@ -41,23 +42,28 @@ pub struct Cut {
 impl Strip {
     /// Geometry and relative velocities, eqs. (W1) and (W2).
     pub fn cut(&self, motions: &[SectionMotion], flow: &Flow) -> Cut {
-        let place = |end: usize, fraction: f64| motions[self.sections[end]].point_m(&self.chords[end].at(fraction));
-        let mean_m = |fraction: f64| 0.5 * (place(0, fraction) + place(1, fraction));
-        let air_m_s = |fraction: f64| {
-            let moving = |end: usize| motions[self.sections[end]].point_velocity_m_s(&self.chords[end].at(fraction));
-            flow.convection_m_s(&mean_m(fraction)) - 0.5 * (moving(0) + moving(1))
+        let ends = self.sections.map(|section| &motions[section]);
+        let arms_m: [[Vector3<f64>; 2]; 2] = std::array::from_fn(|end| {
+            [self.chords[end].leading_m, self.chords[end].trailing_m].map(|edge_m| ends[end].rotation * edge_m)
+        });
+        let mean_m = |edge: usize| 0.5 * (ends[0].position_m + arms_m[0][edge] + ends[1].position_m + arms_m[1][edge]);
+        let air_m_s = |edge: usize, place_m: &Vector3<f64>| {
+            let moving = |end: usize| ends[end].velocity_m_s + ends[end].spin_rad_s.cross(&arms_m[end][edge]);
+            flow.convection_m_s(place_m) - 0.5 * (moving(0) + moving(1))
         };
-        let (leading_m, trailing_m) = (mean_m(0.0), mean_m(1.0));
+        let (leading_m, trailing_m) = (mean_m(0), mean_m(1));
         let chord_m = trailing_m - leading_m;
-        let span_m = place(1, 0.25) - place(0, 0.25);
+        let quarter_m = |end: usize| ends[end].position_m + arms_m[end][0] * 0.75 + arms_m[end][1] * 0.25;
+        let span_m = quarter_m(1) - quarter_m(0);
         let along = span_m.normalize();
         let up = chord_m.cross(&along).normalize();
         let aft = along.cross(&up);
         Cut {
+            arms_m,
             leading_m,
             trailing_m,
-            leading_air_m_s: air_m_s(0.0),
-            trailing_air_m_s: air_m_s(1.0),
+            leading_air_m_s: air_m_s(0, &leading_m),
+            trailing_air_m_s: air_m_s(1, &trailing_m),
             aft,
             up,
             chord_m: chord_m.dot(&aft),
@@ -66,16 +72,18 @@ impl Strip {
     }
 
     /// Adds a force in N at a fraction of the chord, halves at both sections: eq. (W3).
-    pub fn add_force(&self, loads: &mut [Wrench], motions: &[SectionMotion], fraction: f64, force_n: &Vector3<f64>) {
-        let points_m = self.chords.map(|chord| chord.at(fraction));
-        split_between(loads, motions, self.sections, [&points_m[0], &points_m[1]], force_n);
+    pub fn add_force(&self, loads: &mut [Wrench], cut: &Cut, fraction: f64, force_n: &Vector3<f64>) {
+        let half_n = 0.5 * force_n;
+        for (section, [leading_m, trailing_m]) in self.sections.into_iter().zip(&cut.arms_m) {
+            loads[section].add_force_at(&(leading_m + (trailing_m - leading_m) * fraction), &half_n);
+        }
     }
 
     /// Adds a nose-up moment in N·m as a pair of forces at both edges, eq. (W3).
-    pub fn add_moment(&self, loads: &mut [Wrench], motions: &[SectionMotion], cut: &Cut, moment_n_m: f64) {
+    pub fn add_moment(&self, loads: &mut [Wrench], cut: &Cut, moment_n_m: f64) {
         let force_n = cut.up * (moment_n_m / cut.chord_m);
-        self.add_force(loads, motions, 0.0, &force_n);
-        self.add_force(loads, motions, 1.0, &-force_n);
+        self.add_force(loads, cut, 0.0, &force_n);
+        self.add_force(loads, cut, 1.0, &-force_n);
     }
 }
 
@@ -88,10 +96,5 @@ impl Cut {
     /// Middle of the strip at a fraction of the chord, in m.
     pub fn point_m(&self, fraction: f64) -> Vector3<f64> {
         self.leading_m + (self.trailing_m - self.leading_m) * fraction
-    }
-
-    /// Area in m².
-    pub fn area_m2(&self) -> f64 {
-        self.chord_m * self.span_m
     }
 }

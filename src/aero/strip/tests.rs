@@ -137,11 +137,11 @@ fn wrenches_do_the_work_of_the_strips_points() {
         };
         for fraction in [0.0, 0.3, 1.0] {
             let mut loads = AirLoads::still(3).circulatory;
-            strip.add_force(&mut loads, &motions(), fraction, &force_n);
+            strip.add_force(&mut loads, &cut, fraction, &force_n);
             approx::assert_relative_eq!(power_w(&loads), -force_n.dot(&cut.air_m_s(fraction)), max_relative = 1e-13);
         }
         let mut loads = AirLoads::still(3).circulatory;
-        strip.add_moment(&mut loads, &motions(), &cut, 7.0);
+        strip.add_moment(&mut loads, &cut, 7.0);
         let pitching_rad_s = (cut.trailing_air_m_s - cut.leading_air_m_s).dot(&cut.up) / cut.chord_m;
         approx::assert_relative_eq!(power_w(&loads), 7.0 * pitching_rad_s, max_relative = 1e-13);
     }

@@ -30,7 +30,7 @@ pub fn sears(k: f64) -> Complex<f64> {
 /// Wagner's function: circulatory lift after a sudden change of incidence over its final value,
 /// `1 − ∫ e^(−xs)/(x² D) dx`, `D = (K₀ − K₁)² + π²(I₀ + I₁)²`, over positive `x`.
 pub fn wagner(s: f64) -> f64 {
-    1.0 - over_positive(|x| {
+    1.0 - over_positive(s + 2.0, |x| {
         let (k0, k1, i_sum) = real_bessel(x);
         // both are scaled: D = e^(2x) (…)
         let d = ((k0 - k1) * (-2.0 * x).exp()).powi(2) + (PI * i_sum).powi(2);
@@ -44,7 +44,7 @@ pub fn kuessner(s: f64) -> f64 {
     if s <= 0.0 {
         return 0.0;
     }
-    1.0 - over_positive(|x| {
+    1.0 - over_positive(s, |x| {
         let (k0, k1, i_sum) = real_bessel(x);
         let d = ((k0 - k1) * (-2.0 * x).exp()).powi(2) + (PI * i_sum).powi(2);
         (-x * s).exp() * i_sum / (x * x * d)
@@ -91,13 +91,14 @@ pub struct Aerofoil {
 
 impl Aerofoil {
     /// Response to the amplitudes of heave of the axis (downward positive, m) and pitch (nose up, rad): Theodorsen's
-    /// (XVIII) and (XX) with the lift upward.
-    pub fn response(&self, k: f64, heave_m: Complex<f64>, pitch_rad: Complex<f64>) -> Response {
+    /// (XVIII) and (XX) with the lift upward. `lag` is his [function](theodorsen), or what stands for it; 1 gives the
+    /// quasi-steady theory.
+    pub fn response(&self, lag: Complex<f64>, k: f64, heave_m: Complex<f64>, pitch_rad: Complex<f64>) -> Response {
         let Self { density_kg_m3: rho, speed_m_s: v, semi_chord_m: b, axis: a } = *self;
         let rate = Complex::new(0.0, k * v / b);
         let (sinking, turning) = (rate * heave_m, rate * pitch_rad);
         let downwash = sinking + pitch_rad * v + turning * (b * (0.5 - a));
-        let effective = downwash * theodorsen(k);
+        let effective = downwash * lag;
         Response {
             circulatory_lift_n_m: effective * (2.0 * PI * rho * v * b),
             impulsive_lift_n_m: (rate * sinking + turning * v - rate * turning * (b * a)) * (PI * rho * b * b),
@@ -165,9 +166,11 @@ fn real_bessel(x: f64) -> (f64, f64, f64) {
         let (i0, i1) = series_i(Complex::new(x, 0.0));
         (i0 + i1).re * (-x).exp()
     } else {
-        // from the Wronskian I₀K₁ + I₁K₀ = 1/x and the ratio I₁/I₀ by its continued fraction
-        let mut ratio = 1.0;
-        for n in (1..400).rev() {
+        // from the Wronskian I₀K₁ + I₁K₀ = 1/x and the ratio I₁/I₀ by its continued fraction, which settles within some
+        // √x terms; where that becomes long, the leading terms of the ratio's expansion are exact
+        let mut ratio = 1.0 - 0.5 / x;
+        let terms = if x < 1e6 { 30 + (6.0 * x.sqrt()) as i32 } else { 0 };
+        for n in (1..terms).rev() {
             ratio = 1.0 / (2.0 * f64::from(n) / x + ratio);
         }
         (1.0 + ratio) / (x * (k1.re + ratio * k0.re))
@@ -175,14 +178,10 @@ fn real_bessel(x: f64) -> (f64, f64, f64) {
     (k0.re, k1.re, i_sum)
 }
 
-/// Integral over positive `x`, trapezoidal rule in `ln x`, which converges exponentially.
-fn over_positive(integrand: impl Fn(f64) -> f64) -> f64 {
+/// Integral over positive `x` of what falls like `exp(−decay x)`: trapezoidal rule in `ln x`, which converges
+/// exponentially.
+fn over_positive(decay: f64, integrand: impl Fn(f64) -> f64) -> f64 {
     let step = 0.05;
-    let mut sum = 0.0;
-    for n in -800..=1400 {
-        let x = (step * f64::from(n)).exp();
-        let value = integrand(x) * x;
-        sum += if value.is_finite() { value } else { 0.0 };
-    }
-    sum * step
+    let points = (-750..).map(|n| (step * f64::from(n)).exp()).take_while(|x| decay * x < 40.0);
+    points.map(|x| integrand(x) * x).sum::<f64>() * step
 }
