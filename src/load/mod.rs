@@ -36,7 +36,7 @@ impl Wrench {
 }
 
 /// Motion of a section relative to the root frame, resolved in it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SectionMotion {
     /// Root ← section.
     pub rotation: Matrix3<f64>,

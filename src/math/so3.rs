@@ -25,6 +25,18 @@ pub fn quaternion_near(rotation: &Matrix3<f64>, previous: &UnitQuaternion<f64>) 
     }
 }
 
+/// Rotation vector in rad of a rotation by less than half a turn, accurate to round-off however small it is.
+pub fn rotation_vector(rotation: &Matrix3<f64>) -> Vector3<f64> {
+    let skew = Vector3::new(
+        rotation[(2, 1)] - rotation[(1, 2)],
+        rotation[(0, 2)] - rotation[(2, 0)],
+        rotation[(1, 0)] - rotation[(0, 1)],
+    ) * 0.5;
+    let sine = skew.norm();
+    let angle = sine.atan2(0.5 * (rotation.trace() - 1.0));
+    if sine > 0.0 { skew * (angle / sine) } else { skew }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -35,6 +47,17 @@ mod tests {
     fn positive_fold_turns_x_towards_minus_z() {
         let turned = rotation_about(&Vector3::y(), FRAC_PI_2) * Vector3::x();
         assert!((turned + Vector3::z()).norm() < 1e-15);
+    }
+
+    /// Down to angles whose cosine is 1 in double precision, and up to nearly half a turn.
+    #[test]
+    fn rotation_vector_is_accurate_for_small_and_large_turns() {
+        let axis = Vector3::new(0.6, -0.48, 0.64);
+        for angle in [0.0, 1e-12, 1e-8, 1e-3, 1.0, 3.0] {
+            let found = rotation_vector(&rotation_about(&axis, angle));
+            // entries of the matrix carry round-off of 1; near half a turn the sine loses a digit
+            assert!((found - axis * angle).norm() < 1e-15_f64.max(4e-15 * angle), "{angle}: {found}");
+        }
     }
 
     #[test]

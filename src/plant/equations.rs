@@ -13,7 +13,7 @@ use crate::multibody::factor::{self, HingeTangent, Weights};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Attachment, BodyDescription, JointDescription};
 use crate::multibody::{Model, Workspace, energy, norm, station};
-use crate::plant::air::{AirCoupling, Ramp};
+use crate::plant::air::{AirCoupling, StepLoads};
 use crate::plant::face::Parameters;
 use crate::plant::spatial::SpatialEquations;
 use crate::plant::{revolutes, spatials};
@@ -71,8 +71,8 @@ pub(super) struct Equations {
     pub stations: Vec<Wrench>,
     /// Number of stations whose loads are the caller's.
     pub load_stations: usize,
-    /// Loads of the air over time, of machines that have any.
-    pub ramp: Option<Ramp>,
+    /// Loads of the air, of machines that have any.
+    pub air: Option<StepLoads>,
     /// Some station carries a load.
     pub loaded: bool,
     pub joints: Vec<JointEquations>,
@@ -166,7 +166,7 @@ impl Equations {
             damping: vec![Damping::default(); model.bodies.len()],
             stations: vec![Wrench::default(); model.stations.len()],
             load_stations,
-            ramp: machine.air.as_ref().map(|_| Ramp::none(model.stations.len() - load_stations)),
+            air: machine.air.as_ref().map(|_| StepLoads::none(model.stations.len() - load_stations)),
             loaded: false,
             joints,
             spatial: SpatialEquations::of_machine(machine, &model),
@@ -219,8 +219,8 @@ impl Equations {
                 next = next.min(joint.slew.end_s());
             }
         }
-        if let Some(ramp) = self.ramp.as_ref().filter(|ramp| ramp.end_s > time_s) {
-            next = next.min(ramp.end_s);
+        if let Some(air) = self.air.as_ref().filter(|air| air.end_s > time_s) {
+            next = next.min(air.end_s);
         }
         next
     }
@@ -263,8 +263,8 @@ impl EquationsOfMotion for Equations {
     }
 
     fn residual(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]) {
-        if let Some(ramp) = &self.ramp {
-            ramp.write(time_s, &mut self.stations[self.load_stations..]);
+        if let Some(air) = &self.air {
+            air.write(&mut self.stations[self.load_stations..]);
         }
         let environment = Environment {
             root: &self.root,

@@ -107,13 +107,13 @@ impl Plant {
         let equations = &mut self.equations;
         equations.root = inputs.root;
         equations.stations[..equations.load_stations].copy_from_slice(&inputs.stations);
-        if let Some(ramp) = &mut equations.ramp {
+        if let Some(loads) = &mut equations.air {
             match air {
-                Some(history) => ramp.copy_from(&history.ramp),
-                None => ramp.clear(),
+                Some(history) => loads.copy_from(&history.loads),
+                None => loads.clear(),
             }
         }
-        equations.loaded = equations.ramp.is_some() || inputs.stations.iter().any(|load| !load.is_zero());
+        equations.loaded = equations.air.is_some() || inputs.stations.iter().any(|load| !load.is_zero());
         for (damping, body) in equations.damping.iter_mut().zip(&parameters.bodies) {
             *damping = Damping { mass_1_s: body.mass_damping_1_s, stiffness_s: body.stiffness_damping_s };
         }
@@ -148,7 +148,7 @@ impl Plant {
         start.copy_from(now);
         // interpolation leaves the constraints of joint parameters by its own error
         self.equations.project(&mut start.q, &mut start.v, &mut start.a);
-        self.cut_ramp();
+        self.cut_step();
         self.event(|state, equations| {
             let time_s = state.start.time_s;
             state.applied_inputs.clone_from(&state.inputs);

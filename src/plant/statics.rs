@@ -53,7 +53,7 @@ impl Target {
         Self {
             root: equations.root,
             stations: equations.stations[..equations.load_stations].to_vec(),
-            air: equations.ramp.as_ref().map_or(Vec::new(), |ramp| ramp.to.clone()),
+            air: equations.air.as_ref().map_or(Vec::new(), |air| air.to.clone()),
             joints: equations.joints.iter().map(joint).collect(),
         }
     }
@@ -84,8 +84,8 @@ impl StaticEquations for AtRest<'_> {
         for (scaled, load) in self.equations.stations.iter_mut().zip(stations) {
             *scaled = Wrench { force_n: load.force_n * factor, moment_n_m: load.moment_n_m * factor };
         }
-        if let Some(ramp) = &mut self.equations.ramp {
-            ramp.scale(air, factor);
+        if let Some(loads) = &mut self.equations.air {
+            loads.scale(air, factor);
         }
         for (joint, target) in self.equations.joints.iter_mut().zip(joints) {
             let between = |end: f64| target.start_rad + factor * (end - target.start_rad);

@@ -1,14 +1,15 @@
 //! Air and structure: loads that agree with the motion at the end of every aerodynamic step.
 //!
 //! Aerodynamic steps have a fixed length from the start on, whatever the caller's steps are. Within one the loads are
-//! given functions of time, NOTATION eq. (Q1): circulatory ones run linearly from their value at its begin to that at
-//! its end, fixed to the sections; the rate of the fluid's impulse is constant. The value at the end follows from
-//! trial marches of the structure to it, eq. (Q2), after which the structure goes back and marches for good.
+//! constant and turn with the sections, NOTATION eq. (Q1): the mean of the circulatory ones at its ends, and the mean rate
+//! of the fluid's impulse. Those at the end follow from trial marches of the structure to it, eq. (Q2), after which the
+//! structure goes back and marches for good. What vibrates faster than the steps can follow must not gain energy from
+//! them: the air sees velocities that belong to the displacements over the steps, eq. (Q4), not those of the instants.
 
 use crate::aero::flow::Flow;
 use crate::config::machine::{self, Coupling};
 use crate::plant::Plant;
-use crate::plant::air::{AirCoupling, AirHistory, Ramp, Trial};
+use crate::plant::air::{AirCoupling, AirHistory, Sample, StepLoads, Trial};
 use crate::plant::face::PlantError;
 use crate::plant::state::State;
 use crate::solve::EquationsOfMotion;
@@ -46,7 +47,7 @@ impl Plant {
         model
             .start(motions, &flow, settings.established, &mut history.after, loads)
             .map_err(|error| refusal(time_s, error))?;
-        air.read(&history.ramp);
+        air.read(&history.loads);
         let (change_n, size_n) = air.compare();
         if !change_n.is_finite() {
             return Err(refusal(time_s, "its loads are not finite"));
@@ -54,11 +55,15 @@ impl Plant {
         air.accept();
         history.start_s = time_s;
         history.scale_n = size_n;
-        (history.ramp.begin_s, history.ramp.end_s) = (time_s, time_s);
-        air.write(&mut history.ramp);
-        history.ramp.from.clone_from(&history.ramp.to);
-        history.at_begin.clone_from(&history.ramp.to);
+        (history.loads.begin_s, history.loads.end_s) = (time_s, time_s);
+        air.write(&mut history.loads);
+        history.loads.from.clone_from(&history.loads.to);
+        history.at_begin.clone_from(&history.loads.to);
         history.before.copy_from(&history.after);
+        for (end, motion) in history.end.iter_mut().zip(&air.motions) {
+            *end = Sample::steady(motion);
+        }
+        history.begin.copy_from_slice(&history.end);
         self.state.air = Some(history);
         self.configure();
         Ok(())
@@ -68,12 +73,13 @@ impl Plant {
     pub(in crate::plant) fn begin_air_step(&mut self) -> Result<(), PlantError> {
         let (Some(history), Some(air)) = (&mut self.state.air, &self.air) else { return Ok(()) };
         let step_s = air.settings.step_s;
-        if self.state.start.time_s < history.ramp.end_s - SLIVER * step_s {
+        if self.state.start.time_s < history.loads.end_s - SLIVER * step_s {
             return Ok(());
         }
         history.before.copy_from(&history.after);
-        let AirHistory { ramp, at_begin, .. } = history;
-        for (earlier, (from, to)) in at_begin.iter_mut().zip(ramp.from.iter_mut().zip(&mut ramp.to)) {
+        history.begin.copy_from_slice(&history.end);
+        let AirHistory { loads, at_begin, .. } = history;
+        for (earlier, (from, to)) in at_begin.iter_mut().zip(loads.from.iter_mut().zip(&mut loads.to)) {
             *from = *to;
             if history.steps > 0 {
                 to.force_n += to.force_n - earlier.force_n;
@@ -83,32 +89,27 @@ impl Plant {
         }
         history.steps += 1;
         history.carried_m = Vector3::zeros();
-        ramp.begin_s = self.state.start.time_s;
-        ramp.end_s = history.start_s + history.steps as f64 * step_s;
+        loads.begin_s = self.state.start.time_s;
+        loads.end_s = history.start_s + history.steps as f64 * step_s;
         self.agree_on_loads()
     }
 
-    /// Lets the loads of the present step run on from the present time, at which the inputs change.
-    pub(in crate::plant) fn cut_ramp(&mut self) {
+    /// Lets the loads of the present step begin anew at the present time, at which the inputs change.
+    pub(in crate::plant) fn cut_step(&mut self) {
         let wind_m_s = self.state.applied_inputs.wind_m_s;
         let time_s = self.state.now.time_s;
-        let Some(AirHistory { ramp, carried_m, .. }) = &mut self.state.air else { return };
-        if time_s <= ramp.begin_s || time_s >= ramp.end_s {
-            return;
+        let Some(AirHistory { loads, carried_m, .. }) = &mut self.state.air else { return };
+        if time_s > loads.begin_s && time_s < loads.end_s {
+            *carried_m += wind_m_s * (time_s - loads.begin_s);
+            loads.cut(time_s);
         }
-        let share = ramp.share(time_s);
-        for section in 0..ramp.from.len() {
-            ramp.from[section] = ramp.circulatory(section, share);
-        }
-        *carried_m += wind_m_s * (time_s - ramp.begin_s);
-        ramp.begin_s = time_s;
     }
 
     /// Finds the loads for the rest of the present step anew, after the inputs have changed inside it.
     pub(in crate::plant) fn renew_air(&mut self) -> Result<(), PlantError> {
         match (&self.state.air, &self.air) {
             (Some(history), Some(air))
-                if self.state.start.time_s < history.ramp.end_s - SLIVER * air.settings.step_s =>
+                if self.state.start.time_s < history.loads.end_s - SLIVER * air.settings.step_s =>
             {
                 self.agree_on_loads()
             }
@@ -128,13 +129,13 @@ impl Plant {
     fn iterate(&mut self, air: &mut AirCoupling) -> Result<(), PlantError> {
         let step_s = air.settings.step_s;
         let wind_m_s = self.state.applied_inputs.wind_m_s;
-        air.trial.save(&self.state, self.equations.ramp.as_ref());
+        air.trial.save(&self.state, self.equations.air.as_ref());
         let Some(mut history) = self.state.air.take() else { return Ok(()) };
-        let (begin_s, end_s) = (history.ramp.begin_s, history.ramp.end_s);
+        let (begin_s, end_s) = (history.loads.begin_s, history.loads.end_s);
         let mean_wind_m_s = (history.carried_m + wind_m_s * (end_s - begin_s)) / step_s;
         let carrying = flow(&air.settings, &self.state, end_s, mean_wind_m_s);
         air.model.convect(&history.before, &carrying, step_s, &mut history.after);
-        air.read(&history.ramp);
+        air.read(&history.loads);
         air.acceleration.restart();
         let (tolerance, most) = match air.settings.coupling {
             Coupling::Staggered => (f64::INFINITY, 1),
@@ -151,6 +152,10 @@ impl Plant {
                 air.observe(&self.equations, ahead);
             }
             history = self.go_back(&air.trial);
+            for (motion, (begin, end)) in air.motions.iter_mut().zip(history.begin.iter().zip(&mut history.end)) {
+                *end = begin.next(motion, step_s);
+                *motion = end.motion;
+            }
             if trial == 0 {
                 history.structure_step_s = (end_s - begin_s) / ((end_s - begin_s) / wanted_s - SLIVER).ceil().max(1.0);
                 air.trial.step_s = next_s;
@@ -181,7 +186,7 @@ impl Plant {
                 let AirCoupling { acceleration, guess, residual, .. } = &mut *air;
                 acceleration.next(guess, residual);
             }
-            air.write(&mut history.ramp);
+            air.write(&mut history.loads);
             if outcome.is_ok() {
                 break;
             }
@@ -225,21 +230,21 @@ impl Plant {
         self.state.statistics = trial.statistics;
         self.state.statistics.air_solutions = solutions;
         self.configure();
-        if let Some(ramp) = &mut self.equations.ramp {
-            ramp.copy_from(&trial.ramp);
+        if let Some(loads) = &mut self.equations.air {
+            loads.copy_from(&trial.loads);
         }
         self.state.air.take().expect("a machine in air has a history")
     }
 }
 
 impl Trial {
-    /// Remembers where a trial march starts. `ramp`: the loads that its accelerations belong to.
-    fn save(&mut self, state: &State, ramp: Option<&Ramp>) {
+    /// Remembers where a trial march starts. `loads`: those that its accelerations belong to.
+    fn save(&mut self, state: &State, loads: Option<&StepLoads>) {
         self.start.copy_from(&state.start);
         self.joints.clone_from(&state.joints);
         (self.step_s, self.statistics) = (state.step_s, state.statistics);
-        if let Some(ramp) = ramp {
-            self.ramp.copy_from(ramp);
+        if let Some(loads) = loads {
+            self.loads.copy_from(loads);
         }
     }
 }

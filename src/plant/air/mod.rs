@@ -6,6 +6,7 @@ use crate::aero::surface::Surface;
 use crate::aero::{AirLoads, AirModel, AirState};
 use crate::config::machine;
 use crate::load::{LoadFrame, SectionMotion, Wrench};
+use crate::math::so3::rotation_vector;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::{Model, station};
 use crate::plant::equations::Equations;
@@ -21,9 +22,13 @@ const ENTRIES: usize = 6;
 /// Difference of two places over the body's length below which they are the same.
 const NEAR: f64 = 1e-9;
 
-/// Loads of the air as given functions of time, per section and in its frame.
+/// Weights of eq. (Q4): of the mean velocity over the step, of that over the step before, and of the velocity that the
+/// air saw at its begin. Second order; jumps die out by half per step.
+const VELOCITY_WEIGHTS: [f64; 3] = [1.75, -0.25, -0.5];
+
+/// Loads of the air in an aerodynamic step, per section and in its frame.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct Ramp {
+pub(super) struct StepLoads {
     /// Time of `from` in s.
     pub begin_s: f64,
     /// Time of `to` in s.
@@ -32,15 +37,15 @@ pub(super) struct Ramp {
     pub from: Vec<Wrench>,
     /// Circulatory loads at the end.
     pub to: Vec<Wrench>,
-    /// Impulsive loads.
-    pub mean: Vec<Wrench>,
+    /// Impulsive loads, mean over the step.
+    pub impulsive: Vec<Wrench>,
 }
 
-impl Ramp {
+impl StepLoads {
     /// No loads on `sections` sections.
     pub fn none(sections: usize) -> Self {
         let none = vec![Wrench::default(); sections];
-        Self { begin_s: 0.0, end_s: 0.0, from: none.clone(), to: none.clone(), mean: none }
+        Self { begin_s: 0.0, end_s: 0.0, from: none.clone(), to: none.clone(), impulsive: none }
     }
 
     /// Copies without allocating.
@@ -48,7 +53,7 @@ impl Ramp {
         (self.begin_s, self.end_s) = (other.begin_s, other.end_s);
         self.from.copy_from_slice(&other.from);
         self.to.copy_from_slice(&other.to);
-        self.mean.copy_from_slice(&other.mean);
+        self.impulsive.copy_from_slice(&other.impulsive);
     }
 
     /// Takes all loads away.
@@ -59,7 +64,7 @@ impl Ramp {
     /// Constant loads: the circulatory ones of `target`'s end times a factor.
     pub fn scale(&mut self, target: &[Wrench], factor: f64) {
         (self.begin_s, self.end_s) = (0.0, 0.0);
-        self.mean.fill(Wrench::default());
+        self.impulsive.fill(Wrench::default());
         for (i, load) in self.from.iter_mut().enumerate() {
             let target = target.get(i).copied().unwrap_or_default();
             *load = Wrench { force_n: target.force_n * factor, moment_n_m: target.moment_n_m * factor };
@@ -67,28 +72,56 @@ impl Ramp {
         self.to.copy_from_slice(&self.from);
     }
 
-    /// Share of the way from `from` to `to`.
-    fn share(&self, time_s: f64) -> f64 {
-        let length_s = self.end_s - self.begin_s;
-        if length_s > 0.0 { (time_s - self.begin_s) / length_s } else { 0.0 }
+    /// Lets the loads begin at a time within the step, with circulatory loads on the straight line between its ends.
+    fn cut(&mut self, time_s: f64) {
+        let share = (time_s - self.begin_s) / (self.end_s - self.begin_s);
+        for (from, to) in self.from.iter_mut().zip(&self.to) {
+            from.force_n += (to.force_n - from.force_n) * share;
+            from.moment_n_m += (to.moment_n_m - from.moment_n_m) * share;
+        }
+        self.begin_s = time_s;
     }
 
-    /// Circulatory load of a section.
-    fn circulatory(&self, section: usize, share: f64) -> Wrench {
-        let (from, to) = (&self.from[section], &self.to[section]);
-        Wrench {
-            force_n: from.force_n + (to.force_n - from.force_n) * share,
-            moment_n_m: from.moment_n_m + (to.moment_n_m - from.moment_n_m) * share,
+    /// Writes the loads that act, NOTATION eq. (Q1).
+    pub fn write(&self, loads: &mut [Wrench]) {
+        let ends = self.from.iter().zip(&self.to);
+        for ((load, (from, to)), impulsive) in loads.iter_mut().zip(ends).zip(&self.impulsive) {
+            load.force_n = (from.force_n + to.force_n) * 0.5 + impulsive.force_n;
+            load.moment_n_m = (from.moment_n_m + to.moment_n_m) * 0.5 + impulsive.moment_n_m;
         }
     }
+}
 
-    /// Writes the loads at a time, NOTATION eq. (Q1).
-    pub fn write(&self, time_s: f64, loads: &mut [Wrench]) {
-        let share = self.share(time_s);
-        for (section, load) in loads.iter_mut().enumerate() {
-            let (circulatory, mean) = (self.circulatory(section, share), &self.mean[section]);
-            load.force_n = circulatory.force_n + mean.force_n;
-            load.moment_n_m = circulatory.moment_n_m + mean.moment_n_m;
+/// Motion of a section at the end of an aerodynamic step, as the air sees it: place and attitude as they are, velocities
+/// by eq. (Q4).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(super) struct Sample {
+    motion: SectionMotion,
+    /// Mean velocity over the step in m/s.
+    mean_m_s: Vector3<f64>,
+    /// Mean angular velocity over the step in rad/s.
+    mean_rad_s: Vector3<f64>,
+}
+
+impl Sample {
+    /// Of a motion that has gone on for long.
+    fn steady(motion: &SectionMotion) -> Self {
+        Self { motion: *motion, mean_m_s: motion.velocity_m_s, mean_rad_s: motion.spin_rad_s }
+    }
+
+    /// The sample a step after this one, where the section has come to `motion`; NOTATION eq. (Q4).
+    fn next(&self, motion: &SectionMotion, step_s: f64) -> Self {
+        let mean_m_s = (motion.position_m - self.motion.position_m) / step_s;
+        let mean_rad_s = rotation_vector(&(motion.rotation * self.motion.rotation.transpose())) / step_s;
+        let [own, earlier, last] = VELOCITY_WEIGHTS;
+        Self {
+            motion: SectionMotion {
+                velocity_m_s: mean_m_s * own + self.mean_m_s * earlier + self.motion.velocity_m_s * last,
+                spin_rad_s: mean_rad_s * own + self.mean_rad_s * earlier + self.motion.spin_rad_s * last,
+                ..*motion
+            },
+            mean_m_s,
+            mean_rad_s,
         }
     }
 }
@@ -104,11 +137,15 @@ pub(super) struct AirHistory {
     pub before: AirState,
     /// Air at its end.
     pub after: AirState,
+    /// Sections at the begin of the present step, as the air saw them.
+    pub begin: Vec<Sample>,
+    /// Sections at its end.
+    pub end: Vec<Sample>,
     /// Loads of the present step.
-    pub ramp: Ramp,
-    /// Circulatory loads at the begin of the present step; the ramp may begin later.
+    pub loads: StepLoads,
+    /// Circulatory loads at the begin of the present step; `loads` may begin later.
     pub at_begin: Vec<Wrench>,
-    /// Way of the wind from the begin of the step to that of the ramp, in m.
+    /// Way of the wind from the begin of the step to that of `loads`, in m.
     pub carried_m: Vector3<f64>,
     /// Largest force so far, in N.
     pub scale_n: f64,
@@ -122,8 +159,8 @@ impl AirHistory {
     /// Moves everything in time by the round-off of the caller's clock.
     pub fn shift(&mut self, shift_s: f64) {
         self.start_s += shift_s;
-        self.ramp.begin_s += shift_s;
-        self.ramp.end_s += shift_s;
+        self.loads.begin_s += shift_s;
+        self.loads.end_s += shift_s;
     }
 
     /// Whether a history has the sizes of this one.
@@ -131,7 +168,8 @@ impl AirHistory {
         let sections = self.at_begin.len();
         self.before.fits(&other.before)
             && self.before.fits(&other.after)
-            && [&other.at_begin, &other.ramp.from, &other.ramp.to, &other.ramp.mean]
+            && [other.begin.len(), other.end.len()] == [sections; 2]
+            && [&other.at_begin, &other.loads.from, &other.loads.to, &other.loads.impulsive]
                 .iter()
                 .all(|loads| loads.len() == sections)
     }
@@ -160,7 +198,7 @@ struct Trial {
     step_s: f64,
     joints: Vec<JointState>,
     statistics: Statistics,
-    ramp: Ramp,
+    loads: StepLoads,
 }
 
 impl AirCoupling {
@@ -198,7 +236,9 @@ impl AirCoupling {
             steps: 0,
             before: model.blank_state(),
             after: model.blank_state(),
-            ramp: Ramp::none(sections),
+            begin: vec![Sample::steady(&still); sections],
+            end: vec![Sample::steady(&still); sections],
+            loads: StepLoads::none(sections),
             at_begin: none,
             carried_m: Vector3::zeros(),
             scale_n: 0.0,
@@ -220,7 +260,7 @@ impl AirCoupling {
                 step_s: 0.0,
                 joints: Vec::with_capacity(machine.bodies.len()),
                 statistics: Statistics::default(),
-                ramp: Ramp::none(sections),
+                loads: StepLoads::none(sections),
             },
         })
     }
@@ -255,7 +295,7 @@ impl AirCoupling {
         let step_s = self.settings.step_s;
         let share = match history.steps {
             0 => 1.0,
-            _ => 1.0 - (history.ramp.end_s - now.time_s) / step_s,
+            _ => 1.0 - (history.loads.end_s - now.time_s) / step_s,
         };
         let strips = self.settings.surfaces.iter().enumerate();
         let strips =
@@ -314,16 +354,16 @@ impl AirCoupling {
         self.guess.iter_mut().zip(&self.residual).for_each(|(guess, residual)| *guess += residual);
     }
 
-    /// Reads the guess from a ramp's end.
-    fn read(&mut self, ramp: &Ramp) {
+    /// Reads the guess from the loads of a step.
+    fn read(&mut self, loads: &StepLoads) {
         let entries =
-            ramp.to.iter().chain(&ramp.mean).flat_map(|load| load.force_n.iter().chain(load.moment_n_m.iter()));
+            loads.to.iter().chain(&loads.impulsive).flat_map(|load| load.force_n.iter().chain(load.moment_n_m.iter()));
         self.guess.iter_mut().zip(entries).for_each(|(guess, entry)| *guess = *entry);
     }
 
-    /// Writes the guess to a ramp's end.
-    fn write(&self, ramp: &mut Ramp) {
-        let loads = ramp.to.iter_mut().chain(&mut ramp.mean);
+    /// Writes the guess to the loads of a step.
+    fn write(&self, loads: &mut StepLoads) {
+        let loads = loads.to.iter_mut().chain(&mut loads.impulsive);
         for (load, entries) in loads.zip(self.guess.chunks_exact(ENTRIES)) {
             load.force_n.copy_from_slice(&entries[..3]);
             load.moment_n_m.copy_from_slice(&entries[3..]);

@@ -4,7 +4,7 @@
 use crate::wings::{folding_wing, light_wing, march, start};
 use foldwing::config::machine::JointKind;
 use foldwing::plant::{Plant, PlantError};
-use nalgebra::Vector3;
+use nalgebra::{Matrix4, Vector3, Vector4};
 
 const WIND: &str = "density_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 0.0]";
 
@@ -16,7 +16,7 @@ fn lattice(step_s: f64, more: &str) -> String {
     format!("model = \"uvlm\"\n{WIND}\nstep_s = {step_s:?}\nmirror_normal = [1.0, 0.0, 0.0]\n{more}")
 }
 
-/// Tip of the straight wing 0.1 s after the begin of a smooth gust, the fold joint held; steps of the structure are short
+/// Tip of the straight wing 0.08 and 0.1 s after the begin of a smooth gust, the fold joint held; steps of the structure are short
 /// and fixed, so that nothing but the aerodynamic step changes.
 fn tip_in_gust(air: &str) -> [f64; 2] {
     let gust = "[gust.one]\nshape = \"one_minus_cosine\"\nvelocity_m_s = [0.0, 0.0, 1.0]\nlength_m = 0.8\norigin_m = [0.0, 0.025, 0.0]\n";
@@ -25,16 +25,16 @@ fn tip_in_gust(air: &str) -> [f64; 2] {
     machine.solver.fixed_step_s = Some(2.5e-4);
     let JointKind::Revolute(fold) = &mut machine.bodies[1].joint.kind else { panic!("a fold joint") };
     (fold.release, fold.start_angle_rad) = (false, 0.0);
-    let plant = march(start(machine), 0.1, 1);
-    let tip = &plant.outputs().tips[0];
-    [tip.position_m.z, tip.velocity_m_s.z]
+    let plant = march(start(machine), 0.08, 1);
+    let early_m = plant.outputs().tips[0].position_m.z;
+    [early_m, march(plant, 0.1, 1).outputs().tips[0].position_m.z]
 }
 
 /// Order of the agreement in the aerodynamic step is two, lag states and apparent mass included: the loads run
 /// linearly over a step, their lag is advanced exactly for that, and the fluid's impulse over a step is exact.
 #[test]
 fn q01_order_in_the_aerodynamic_step_is_two() {
-    let states = [4e-3, 2e-3, 1e-3, 5e-4].map(|step_s| tip_in_gust(&strips(step_s, "coupling_tolerance = 1e-10")));
+    let states = [4e-3, 2e-3, 1e-3, 5e-4].map(|step_s| tip_in_gust(&strips(step_s, "coupling_tolerance = 1e-8")));
     for component in 0..2 {
         let changes: Vec<f64> = states.windows(2).map(|pair| (pair[0][component] - pair[1][component]).abs()).collect();
         let orders: Vec<f64> = changes.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect();
@@ -64,7 +64,7 @@ fn q02_communication_steps_do_not_matter() {
 fn q03_staggered_and_iterated_agree_for_a_heavy_wing() {
     for step_s in [1e-3, 5e-4] {
         let [staggered, iterated] =
-            ["coupling = \"staggered\"", "coupling_tolerance = 1e-10"].map(|more| tip_in_gust(&strips(step_s, more)));
+            ["coupling = \"staggered\"", "coupling_tolerance = 1e-8"].map(|more| tip_in_gust(&strips(step_s, more)));
         let difference = (staggered[0] - iterated[0]).abs() / iterated[0].abs();
         println!("staggered less iterated: {difference:.1e} of the tip's displacement at {step_s} s");
         // the prediction is second order in the step, and the correction multiplies it by the ratio of the masses
@@ -72,29 +72,85 @@ fn q03_staggered_and_iterated_agree_for_a_heavy_wing() {
     }
 }
 
-/// Wings much lighter than the air that they move: a plate of 1/200 of the density has 3.3 times its own mass in
-/// air around it. One correction then diverges; the iteration converges and its answer with the step.
+/// Wings much lighter than the air that they move: with 1/200 of its mass the wing has 3.3 times its own mass in
+/// air around it, and vibrates much faster than the aerodynamic steps. One correction then diverges; the iteration
+/// converges, and its answer with the step.
 #[test]
 fn q04_added_mass_does_not_make_light_wings_unstable() {
     let run = |step_s: f64, more: &str| -> Result<f64, PlantError> {
         let air = strips(step_s, more).replace("-10.0", "-0.5");
-        let machine = light_wing(200.0, &air, 4);
-        let mut plant = start(machine);
-        plant.step(0.1)?;
-        let angle = plant.outputs().joints[0].angle_rad;
-        // a wing that flutters apart turns by more than the fold allows
-        if angle.is_finite() && angle.abs() < 4.0 { Ok(angle) } else { Err(PlantError::Snapshot("diverged".into())) }
+        let mut plant = start(light_wing(200.0, &air, 3));
+        plant.step(0.06)?;
+        Ok(plant.outputs().joints[0].angle_rad)
     };
-    let [coarse, middle, fine] =
-        [2e-3, 1e-3, 5e-4].map(|step_s| run(step_s, "").unwrap_or_else(|error| panic!("{error}")));
-    println!("iterated: {coarse:.6} {middle:.6} {fine:.6} rad");
-    assert!((middle - fine).abs() < 0.5 * (coarse - middle).abs(), "{coarse} {middle} {fine}");
+    let [coarse, fine] = [2e-3, 1e-3].map(|step_s| run(step_s, "").unwrap_or_else(|error| panic!("{error}")));
+    println!("iterated: {coarse:.6} {fine:.6} rad");
+    // a second-order method: the finer one is off by a third of the difference
+    assert!((coarse - fine).abs() < 2e-3, "{coarse} {fine}");
     let staggered = run(1e-3, "coupling = \"staggered\"");
     println!("staggered: {staggered:?}");
     assert!(
         staggered.map_or(true, |angle| (angle - fine).abs() > 0.1),
         "staggered has become stable: say so in the docs"
     );
+}
+
+/// No mode of the structure gains energy from the coupling: one mode `m ẍ + k x = F` with apparent mass `μ m` and
+/// aerodynamic damping, marched exactly within the steps by the rules (Q1) and (Q4), for frequencies up to six periods per
+/// step. With the velocities of the instants, modes of about half a period per step grow: by 1 % per step for the shipped
+/// wing, by a factor of 7 for one of a third of the mass of its air.
+#[test]
+fn q09_no_mode_gains_energy() {
+    for (mass, damping) in [(0.016, 0.0), (0.016, 0.016), (0.3, 0.0), (1.0, 0.2), (3.3, 0.0), (3.3, 1.0), (20.0, 0.0)] {
+        let mut largest = 0.0_f64;
+        for i in 1..=4000 {
+            largest = largest.max(growth(0.01 * f64::from(i), mass, damping, [1.75, -0.25, -0.5]));
+        }
+        // eigenvalues of a 4 x 4 matrix near a double one at fast modes: the root of round-off
+        assert!(largest < 1.0 + 1e-7, "{mass} {damping}: {largest}");
+    }
+    let instant = (1..=1000).map(|i| instant_growth(0.01 * f64::from(i), 0.016)).fold(0.0, f64::max);
+    println!("with velocities of the instants: {instant:.4} per step at the shipped wing's mass of air");
+    assert!(instant > 1.005);
+}
+
+/// Spectral radius of one step of length 1 of a mode of frequency `theta`, unit mass.
+fn growth(theta: f64, mass: f64, damping: f64, weights: [f64; 3]) -> f64 {
+    let (sine, cosine) = theta.sin_cos();
+    let [own, earlier, last] = weights;
+    // a unit force displaces by `reach` and adds `sine/theta` to the velocity; state: x, v, last mean velocity, w
+    let reach = (1.0 - cosine) / (theta * theta);
+    let columns = (0..4).map(|j| {
+        let [x, v, mean, w] = std::array::from_fn(|i| f64::from(u8::from(i == j)));
+        let (constant, slope) = (mass * w - 0.5 * damping * w, -mass - 0.5 * damping);
+        let (free_x, free_v) = (cosine * x + sine / theta * v, -theta * sine * x + cosine * v);
+        let next_w = (own * (free_x + constant * reach - x) + earlier * mean + last * w) / (1.0 - own * slope * reach);
+        let force = constant + slope * next_w;
+        let next_x = free_x + force * reach;
+        Vector4::new(next_x, free_v + force * sine / theta, next_x - x, next_w)
+    });
+    let matrix = Matrix4::from_columns(&columns.collect::<Vec<_>>());
+    // displacements in units of the velocity's amplitude
+    let scale = Matrix4::from_diagonal(&Vector4::new(theta, 1.0, 1.0, 1.0));
+    let inverse = Matrix4::from_diagonal(&Vector4::new(1.0 / theta, 1.0, 1.0, 1.0));
+    radius(&(scale * matrix * inverse))
+}
+
+/// The same without damping, where the air sees the velocities at the steps' ends.
+fn instant_growth(theta: f64, mass: f64) -> f64 {
+    let (sine, cosine) = theta.sin_cos();
+    let reach = (1.0 - cosine) / (theta * theta);
+    let columns = (0..2).map(|j| {
+        let [x, v] = std::array::from_fn(|i| f64::from(u8::from(i == j)));
+        let next_v = (-theta * sine * x + (cosine + mass * sine / theta) * v) / (1.0 + mass * sine / theta);
+        nalgebra::Vector2::new(cosine * x + sine / theta * v - mass * (next_v - v) * reach, next_v)
+    });
+    let matrix = nalgebra::Matrix2::from_columns(&columns.collect::<Vec<_>>());
+    matrix.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
+}
+
+fn radius(matrix: &Matrix4<f64>) -> f64 {
+    matrix.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
 }
 
 /// Rollback and serialisation across aerodynamic steps, bit for bit, with the wake.
