@@ -1,10 +1,10 @@
 //! Unsteady vortex lattice: geometry, boundary condition, circulation.
 //!
-//! Rings start at the quarter chord of their panels and end at the quarter chord of the next, the last ones a quarter
-//! panel behind the trailing edge, where the wake starts; collocation points lie in the middle of the rings, at three
-//! quarters of the panels. A ring is the bilinear patch of its four corners: its normal in the middle is that of its
-//! diagonals, exact on bent and twisted surfaces, and its vector area `S` is that of any surface with this rim, so that
-//! `ρΓS` is the impulse of the ring without approximation. Normals of the sections would have to be averaged.
+//! Rings start at the quarter chord of their panels and end at the quarter chord of the next; collocation points lie at
+//! three quarters of the panels. Normals and vector areas are those of the bilinear patches between quarter chords: the
+//! collocation point is the middle of its patch, where the diagonals give the normal exactly, bent and twisted or not;
+//! normals of the sections would have to be averaged. The last rings end where the youngest vorticity belongs
+//! ([`rear_panels`](crate::aero::rear::rear_panels)).
 //!
 //! Each surface has its own rings. Where two surfaces share an edge (a hinge), the segments on it coincide and cancel as
 //! far as their circulations agree.
@@ -76,8 +76,8 @@ pub struct VortexLattice {
     pub(super) bound_filaments: Filaments,
     pub(super) wake_filaments: Filaments,
     pub(super) corner_velocity_m_s: Vec<Vector3<f64>>,
-    /// Vector areas of the rings in m².
-    pub(super) area_m2: Vec<Vector3<f64>>,
+    /// Velocity of the surface at the collocation points in m/s.
+    surface_m_s: Vec<Vector3<f64>>,
     /// Velocity of the air relative to the surface at the collocation points in m/s.
     pub(super) relative_m_s: Vec<Vector3<f64>>,
     pub(super) points: Vec<Block>,
@@ -95,7 +95,7 @@ pub struct VortexLattice {
 ///
 /// Air that does not move sheds nothing: the rings would pile up at the trailing edge. Where steps are shorter than
 /// this, the foremost row grows until it is long enough.
-const SHED_PANELS: f64 = 0.05;
+pub(super) const SHED_PANELS: f64 = 0.05;
 
 /// Length of the wake at the start of established flow, in diameters of the lattice: the legs behind contribute
 /// `1/(4·200²)` of what they do near by.
@@ -149,7 +149,7 @@ impl VortexLattice {
             bound_filaments: Filaments::new(rings, corners),
             wake_filaments: Filaments::new((options.wake_rows + 1) * strips, wake_nodes),
             corner_velocity_m_s: vec![Vector3::zeros(); corners],
-            area_m2: vec![Vector3::zeros(); rings],
+            surface_m_s: vec![Vector3::zeros(); rings],
             relative_m_s: vec![Vector3::zeros(); rings],
             points: vec![Block::default(); blocks(most_points)],
             velocities: vec![Block::default(); blocks(most_points)],
@@ -176,7 +176,9 @@ impl VortexLattice {
     /// State without circulation and wake.
     pub fn blank_state(&self) -> LatticeState {
         LatticeState {
-            circulation_m2_s: vec![0.0; self.area_m2.len()],
+            circulation_m2_s: vec![0.0; self.relative_m_s.len()],
+            area_m2: vec![Vector3::zeros(); self.relative_m_s.len()],
+            rear_panels: vec![0.0; self.wake_columns],
             corner_m: vec![Vector3::zeros(); self.corner_velocity_m_s.len()],
             wake_node_m: vec![Vector3::zeros(); (self.options.wake_rows + 1) * self.wake_columns],
             wake_circulation_m2_s: vec![0.0; self.options.wake_rows * self.wake_strips],
@@ -202,6 +204,7 @@ impl VortexLattice {
         loads: &mut AirLoads,
     ) -> Result<(), SingularLattice> {
         (state.wake_rows, state.unshed_m) = (0, 0.0);
+        state.rear_panels.fill(0.0);
         state.wake_circulation_m2_s.fill(0.0);
         state.wake_node_m.fill(Vector3::zeros());
         self.place(motions, state);
@@ -277,29 +280,34 @@ impl VortexLattice {
     fn place(&mut self, motions: &[SectionMotion], state: &mut LatticeState) {
         let mut panel = 0;
         for ((surface, sheet), wake) in self.surfaces.iter().zip(&self.bound).zip(&self.wake) {
-            for row in 0..=sheet.rows {
-                let fraction = Self::chord_fraction(sheet.rows, row);
-                for (column, chord) in surface.chords.iter().enumerate() {
-                    let (motion, point_m) = (&motions[surface.sections.start + column], chord.at(fraction));
-                    let node = sheet.node(row, column);
+            let section = |column: usize| (&motions[surface.sections.start + column], &surface.chords[column]);
+            for column in 0..=sheet.strips {
+                let (motion, chord) = section(column);
+                let rear = 1.0 + state.rear_panels[wake.node(0, column)] / sheet.rows as f64;
+                for row in 0..=sheet.rows {
+                    let fraction = if row < sheet.rows { Self::chord_fraction(sheet.rows, row) } else { rear };
+                    let (node, point_m) = (sheet.node(row, column), chord.at(fraction));
                     state.corner_m[node] = motion.point_m(&point_m);
                     self.corner_velocity_m_s[node] = motion.point_velocity_m_s(&point_m);
                 }
-            }
-            for column in 0..=sheet.strips {
                 state.wake_node_m[wake.node(0, column)] = state.corner_m[sheet.node(sheet.rows, column)];
             }
             for row in 0..sheet.rows {
+                let front = Self::chord_fraction(sheet.rows, row);
+                let middle = front + 0.5 / sheet.rows as f64;
+                let back = front + 1.0 / sheet.rows as f64;
                 for strip in 0..sheet.strips {
-                    let corner = |row, column| state.corner_m[sheet.node(row, column)];
-                    let sum = corner(row, strip)
-                        + corner(row, strip + 1)
-                        + corner(row + 1, strip + 1)
-                        + corner(row + 1, strip);
-                    let area_m2 = lattice_loads::ring_area_m2(&state.corner_m, sheet, row, strip);
-                    self.area_m2[sheet.ring(row, strip)] = area_m2;
+                    let ((inner, inner_chord), (outer, outer_chord)) = (section(strip), section(strip + 1));
+                    let (inner_m, outer_m) = (inner_chord.at(middle), outer_chord.at(middle));
+                    let inner_diagonal_m = outer.point_m(&outer_chord.at(back)) - inner.point_m(&inner_chord.at(front));
+                    let outer_diagonal_m = inner.point_m(&inner_chord.at(back)) - outer.point_m(&outer_chord.at(front));
+                    let area_m2 = 0.5 * inner_diagonal_m.cross(&outer_diagonal_m);
+                    let ring = sheet.ring(row, strip);
+                    state.area_m2[ring] = area_m2;
+                    self.surface_m_s[ring] =
+                        0.5 * (inner.point_velocity_m_s(&inner_m) + outer.point_velocity_m_s(&outer_m));
                     let (block, lane) = (panel / LANES, panel % LANES);
-                    self.points[block].set(lane, &(0.25 * sum));
+                    self.points[block].set(lane, &(0.5 * (inner.point_m(&inner_m) + outer.point_m(&outer_m))));
                     self.normals[block].set(lane, &area_m2.normalize());
                     panel += 1;
                 }
@@ -353,11 +361,9 @@ impl VortexLattice {
             for row in 0..sheet.rows {
                 for strip in 0..sheet.strips {
                     let (block, lane) = (panel / LANES, panel % LANES);
-                    let at = |row, column| self.corner_velocity_m_s[sheet.node(row, column)];
-                    let surface_m_s =
-                        0.25 * (at(row, strip) + at(row, strip + 1) + at(row + 1, strip + 1) + at(row + 1, strip));
                     let air_m_s = flow.velocity_m_s(&self.points[block].get(lane)) + self.velocities[block].get(lane);
-                    self.relative_m_s[sheet.ring(row, strip)] = air_m_s - surface_m_s;
+                    let ring = sheet.ring(row, strip);
+                    self.relative_m_s[ring] = air_m_s - self.surface_m_s[ring];
                     panel += 1;
                 }
             }

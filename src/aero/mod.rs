@@ -10,6 +10,7 @@ pub mod lattice;
 mod lattice_loads;
 pub mod lattice_state;
 pub mod linear_system;
+pub mod rear;
 pub mod surface;
 mod wake;
 

@@ -4,6 +4,7 @@ use crate::aero::biot_savart::{Block, LANES, blocks};
 use crate::aero::flow::Flow;
 use crate::aero::lattice::{SheetKind, VortexLattice, WakeModel};
 use crate::aero::lattice_state::LatticeState;
+use crate::aero::rear::rear_panels;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 impl VortexLattice {
@@ -30,6 +31,15 @@ impl VortexLattice {
         let shed = to.unshed_m >= self.shed_way_m() && way_m > 0.0;
 
         let shift = usize::from(shed);
+        let resting = to.unshed_m == 0.0 || (from.wake_rows == 0 && !shed);
+        for (sheet, surface) in self.wake.iter().zip(&self.surfaces) {
+            for (column, chord) in surface.chords.iter().enumerate() {
+                let node = sheet.node(0, column);
+                let panel_m = chord.length_m() / surface.chord_panels as f64;
+                let way_panels = (moved_m(node) - from.wake_node_m[node]).norm() / panel_m;
+                to.rear_panels[node] = if resting { 0.0 } else { rear_panels(way_panels) };
+            }
+        }
         to.wake_rows = (from.wake_rows + shift).min(self.options.wake_rows);
         let kept = (to.wake_rows + 1 - shift) * columns;
         for node in 0..kept.min(nodes) {

@@ -1,4 +1,5 @@
 //! Unsteady vortex lattice against theory and an independent lattice (`docs/VALIDATION.md`, U-01 and on).
 
 mod steady;
+mod unsteady;
 mod wing;
