@@ -1,4 +1,4 @@
-//! Velocity of vortex sheets made of quadrilateral rings: segment by segment, eight points at a time.
+//! Velocity of vortex sheets made of quadrilateral rings: segment by segment, four points at a time.
 //!
 //! The core is Rosenhead's and Moore's: every distance `|r|` becomes `√(r² + δ²)`. A straight segment then has a closed
 //! form without singular places and without branches, the field is that of a real, smooth vorticity (closed rings cancel
@@ -9,10 +9,11 @@
 //! nor on the number of threads.
 
 use nalgebra::Vector3;
+use std::array::from_fn;
 use std::f64::consts::PI;
 
 /// Points that are evaluated together.
-pub const LANES: usize = 8;
+pub const LANES: usize = 4;
 
 /// One coordinate of as many points.
 type Lane = [f64; LANES];
@@ -76,31 +77,25 @@ pub struct Arm {
 impl Arm {
     #[inline(always)]
     fn new(points: &Block, node: &Vector3<f64>, core_squared: f64) -> Self {
-        let mut arm = Self::default();
-        for lane in 0..LANES {
-            let (x, y, z) = (points.xyz[0][lane] - node.x, points.xyz[1][lane] - node.y, points.xyz[2][lane] - node.z);
-            (arm.xyz[0][lane], arm.xyz[1][lane], arm.xyz[2][lane]) = (x, y, z);
-            arm.distance[lane] = (x * x + y * y + z * z + core_squared).sqrt();
-        }
-        arm
+        let xyz: [Lane; 3] = from_fn(|axis| from_fn(|lane| points.xyz[axis][lane] - node[axis]));
+        let squares: Lane =
+            from_fn(|lane| xyz[0][lane] * xyz[0][lane] + xyz[1][lane] * xyz[1][lane] + xyz[2][lane] * xyz[2][lane]);
+        Self { xyz, distance: from_fn(|lane| (squares[lane] + core_squared).sqrt()) }
     }
 }
 
 /// `4π` times the velocity of a straight segment of unit circulation from one node to another, eq. (U1).
 #[inline(always)]
 fn segment(from: &Arm, to: &Arm, core_squared: f64) -> Block {
-    let mut velocity = Block::default();
-    for lane in 0..LANES {
-        let (ax, ay, az) = (from.xyz[0][lane], from.xyz[1][lane], from.xyz[2][lane]);
-        let (bx, by, bz) = (to.xyz[0][lane], to.xyz[1][lane], to.xyz[2][lane]);
-        let product = from.distance[lane] * to.distance[lane];
-        let sum = from.distance[lane] + to.distance[lane];
-        let strength = sum / (product * (product + (ax * bx + ay * by + az * bz) + core_squared));
-        velocity.xyz[0][lane] = (ay * bz - az * by) * strength;
-        velocity.xyz[1][lane] = (az * bx - ax * bz) * strength;
-        velocity.xyz[2][lane] = (ax * by - ay * bx) * strength;
-    }
-    velocity
+    let (a, b) = (&from.xyz, &to.xyz);
+    let product: Lane = from_fn(|lane| from.distance[lane] * to.distance[lane]);
+    let dot: Lane = from_fn(|lane| a[0][lane] * b[0][lane] + a[1][lane] * b[1][lane] + a[2][lane] * b[2][lane]);
+    let below: Lane = from_fn(|lane| product[lane] * (product[lane] + dot[lane] + core_squared));
+    let strength: Lane = from_fn(|lane| (from.distance[lane] + to.distance[lane]) / below[lane]);
+    let cross = |i: usize, j: usize| -> Lane {
+        from_fn(|lane| (a[i][lane] * b[j][lane] - a[j][lane] * b[i][lane]) * strength[lane])
+    };
+    Block { xyz: [cross(1, 2), cross(2, 0), cross(0, 1)] }
 }
 
 /// Where the nodes, rings and segments of a sheet lie in flat lists. A sheet has rows of rings; row 0 is the foremost.
