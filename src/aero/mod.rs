@@ -10,7 +10,9 @@ pub mod lattice;
 mod lattice_loads;
 pub mod lattice_state;
 pub mod linear_system;
+pub mod polar;
 pub mod rear;
+pub mod strip;
 pub mod surface;
 mod wake;
 

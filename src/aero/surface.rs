@@ -1,5 +1,6 @@
 //! Lifting surfaces: chord lines fixed to the sections of bodies, and the panels between them.
 
+use crate::aero::polar::Polar;
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -25,17 +26,19 @@ impl ChordLine {
     }
 }
 
-/// What strip theory needs to know of the profile.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// What strip theory needs to know of the profile: a slope with constant coefficients, or a polar.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     /// Slope of the lift coefficient in 1/rad; 2π for a thin profile in plane flow.
     pub lift_slope_1_rad: f64,
-    /// Angle of attack of zero lift in rad, from the chord line.
+    /// Angle of attack of zero lift in rad, from the chord line; with a polar the angle from which the lag starts.
     pub zero_lift_angle_rad: f64,
     /// Moment coefficient about the quarter chord, nose up positive.
     pub moment_coefficient: f64,
     /// Drag coefficient.
     pub drag_coefficient: f64,
+    /// Coefficients over the angle of attack, which replace slope, moment and drag.
+    pub polar: Option<Polar>,
 }
 
 impl Profile {
@@ -45,6 +48,7 @@ impl Profile {
         zero_lift_angle_rad: 0.0,
         moment_coefficient: 0.0,
         drag_coefficient: 0.0,
+        polar: None,
     };
 }
 

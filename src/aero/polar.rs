@@ -1,0 +1,58 @@
+//! Tables of section coefficients over the angle of attack.
+
+/// Coefficients of a section at one angle of attack.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PolarRow {
+    /// Angle of attack from the chord line in rad.
+    pub angle_rad: f64,
+    /// Lift coefficient: force across the relative velocity.
+    pub lift: f64,
+    /// Drag coefficient: force along the relative velocity.
+    pub drag: f64,
+    /// Moment coefficient about the quarter chord, nose up positive.
+    pub moment: f64,
+}
+
+/// Static polar of a section: straight lines between its rows.
+///
+/// A strip that can meet the air from any side needs rows from −π to π; outside the rows the nearest one holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Polar {
+    /// At least one row, angles strictly ascending.
+    pub rows: Vec<PolarRow>,
+}
+
+impl Polar {
+    /// Coefficients at an angle of attack in rad, eq. (W9).
+    pub fn at(&self, angle_rad: f64) -> PolarRow {
+        let after = self.rows.partition_point(|row| row.angle_rad <= angle_rad);
+        let (Some(upper), Some(lower)) = (self.rows.get(after), after.checked_sub(1).map(|i| &self.rows[i])) else {
+            return self.rows[after.min(self.rows.len() - 1)];
+        };
+        let share = (angle_rad - lower.angle_rad) / (upper.angle_rad - lower.angle_rad);
+        let between = |a: f64, b: f64| a + (b - a) * share;
+        PolarRow {
+            angle_rad,
+            lift: between(lower.lift, upper.lift),
+            drag: between(lower.drag, upper.drag),
+            moment: between(lower.moment, upper.moment),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polar_is_linear_between_rows_and_constant_outside() {
+        let row = |angle_rad, lift| PolarRow { angle_rad, lift, drag: 0.1 * lift, moment: -lift };
+        let polar = Polar { rows: vec![row(-0.1, -0.5), row(0.1, 0.7), row(0.3, 0.9)] };
+        let lift = |angle_rad| polar.at(angle_rad).lift;
+        assert_eq!((lift(-0.1), lift(0.1), lift(0.3)), (-0.5, 0.7, 0.9));
+        approx::assert_relative_eq!(lift(0.0), 0.1, max_relative = 1e-14);
+        approx::assert_relative_eq!(polar.at(0.2).drag, 0.08, max_relative = 1e-14);
+        approx::assert_relative_eq!(polar.at(0.2).moment, -0.8, max_relative = 1e-14);
+        assert_eq!((lift(-3.0), lift(3.0)), (-0.5, 0.9));
+    }
+}

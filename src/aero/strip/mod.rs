@@ -1,0 +1,343 @@
+//! Strip theory: every strip meets the air like a section of an endless wing.
+//!
+//! A strip is cut across its quarter-chord line; what blows along that line has no effect. Loads are those of thin
+//! aerofoil theory at any attitude, quasi-steady or with the lag of Wagner and Küssner, on a plate along the line of
+//! zero lift or by a polar. Nothing here stalls without a polar.
+
+pub mod indicial;
+pub mod section;
+#[cfg(test)]
+mod tests;
+
+use crate::aero::AirLoads;
+use crate::aero::flow::Flow;
+use crate::aero::surface::{Profile, Surface};
+use crate::load::SectionMotion;
+use indicial::{Indicial, Lag};
+use nalgebra::Vector3;
+use section::{Cut, Strip};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// What of strip theory is in use.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StripOptions {
+    /// Lag of the lift behind the downwash (Wagner, Küssner); without it the lift is the steady one at each instant.
+    pub unsteady: bool,
+    /// Apparent mass of the air.
+    pub apparent_mass: bool,
+    /// Suction at the leading edge, which turns the force of a plate from across the chord to across the relative
+    /// velocity; polars contain it.
+    pub leading_edge_suction: bool,
+}
+
+impl Default for StripOptions {
+    fn default() -> Self {
+        Self { unsteady: true, apparent_mass: true, leading_edge_suction: true }
+    }
+}
+
+/// What one strip remembers of the last aerodynamic step.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct StripHistory {
+    /// Downwash of motion and wind.
+    pub motion: Lag,
+    /// Downwash of gusts.
+    pub gust: Lag,
+    /// Relative speed in m/s.
+    pub speed_m_s: f64,
+    /// Upward velocity of the air at half chord, without gusts, in m/s.
+    pub middle_m_s: f64,
+    /// Upward velocity at the trailing less that at the leading edge in m/s.
+    pub difference_m_s: f64,
+    /// Unit normal.
+    pub up: Vector3<f64>,
+    /// Circulation in m²/s that the lift stands for.
+    pub circulation_m2_s: f64,
+}
+
+/// Everything that later loads depend on.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct StripState {
+    /// One entry per strip, surface by surface, inner strip first.
+    pub strips: Vec<StripHistory>,
+}
+
+impl StripState {
+    /// Takes over another state of the same model without allocation.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.strips.copy_from_slice(&other.strips);
+    }
+}
+
+/// Strips of all surfaces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strips {
+    options: StripOptions,
+    strips: Vec<Strip>,
+    profiles: Vec<Profile>,
+    /// Index of the first strip of each surface.
+    first: Vec<usize>,
+}
+
+impl Strips {
+    /// One strip between each two consecutive sections of each surface.
+    pub fn new(surfaces: Vec<Surface>, options: StripOptions) -> Self {
+        let mut model = Self { options, strips: Vec::new(), profiles: Vec::new(), first: Vec::new() };
+        for (index, surface) in surfaces.into_iter().enumerate() {
+            model.first.push(model.strips.len());
+            for strip in 0..surface.strips() {
+                let inner = surface.sections.start + strip;
+                let chords = [surface.chords[strip], surface.chords[strip + 1]];
+                model.strips.push(Strip { sections: [inner, inner + 1], chords, surface: index });
+            }
+            model.profiles.push(surface.profile);
+        }
+        model
+    }
+
+    /// A state to be filled by [`Strips::start`].
+    pub fn blank_state(&self) -> StripState {
+        StripState { strips: vec![StripHistory::default(); self.strips.len()] }
+    }
+
+    /// Sets the state at the start and the circulatory loads there; impulsive loads are zero.
+    ///
+    /// `established`: the present flow has lasted for ever. Otherwise all downwash begins now: half of the lift of
+    /// motion and wind and none of the gusts' at first.
+    pub fn start(
+        &mut self,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        established: bool,
+        state: &mut StripState,
+        loads: &mut AirLoads,
+    ) {
+        loads.clear();
+        for (strip, history) in self.strips.iter().zip(&mut state.strips) {
+            let now = Inflow::of(strip, &self.profiles[strip.surface], motions, flow);
+            let lag = if established { Lag::established } else { Lag::sudden };
+            *history = now.history(lag(now.downwash_m_s), lag(now.gust_downwash_m_s));
+            self.add_circulatory(strip, &now, motions, flow, history, loads);
+        }
+    }
+
+    /// Prepares the state at the end of a step; strips have no wake, so it is a copy.
+    pub fn convect(&mut self, from: &StripState, _flow: &Flow, _step_s: f64, to: &mut StripState) {
+        to.copy_from(from);
+    }
+
+    /// State and loads at the end of a step of `step_s` from `from`, for motions and flow there.
+    ///
+    /// Depends on nothing but its arguments, so a coupling may call it again with other motions. Second order in the
+    /// step for motions and gusts that are smooth over it.
+    pub fn solve(
+        &mut self,
+        from: &StripState,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        step_s: f64,
+        to: &mut StripState,
+        loads: &mut AirLoads,
+    ) {
+        loads.clear();
+        for ((strip, before), after) in self.strips.iter().zip(&from.strips).zip(&mut to.strips) {
+            let now = Inflow::of(strip, &self.profiles[strip.surface], motions, flow);
+            // eq. (W6): way in semi-chords, trapezoidal in the speed
+            let way = (before.speed_m_s + now.speed_m_s) * step_s / now.cut.chord_m;
+            *after = now.history(
+                before.motion.advanced(&Indicial::WAGNER, way, now.downwash_m_s),
+                before.gust.advanced(&Indicial::KUESSNER, way, now.gust_downwash_m_s),
+            );
+            self.add_circulatory(strip, &now, motions, flow, after, loads);
+            if self.options.apparent_mass && step_s > 0.0 {
+                add_impulsive(strip, &now, motions, flow, [before, after], step_s, loads);
+            }
+        }
+    }
+
+    /// Circulation in m²/s of a strip of a surface, counted from its inner end.
+    pub fn strip_circulation_m2_s(&self, state: &StripState, surface: usize, strip: usize) -> f64 {
+        state.strips[self.first[surface] + strip].circulation_m2_s
+    }
+
+    /// Loads of circulation, curvature of the flow, profile drag and profile moment.
+    fn add_circulatory(
+        &self,
+        strip: &Strip,
+        now: &Inflow,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        history: &mut StripHistory,
+        loads: &mut AirLoads,
+    ) {
+        let profile = &self.profiles[strip.surface];
+        let effective_m_s = if self.options.unsteady {
+            Indicial::WAGNER.effective_m_s(now.downwash_m_s, &history.motion)
+                + Indicial::KUESSNER.effective_m_s(now.gust_downwash_m_s, &history.gust)
+        } else {
+            now.downwash_m_s + now.gust_downwash_m_s
+        };
+        let section = now.section_loads(profile, self.options.leading_edge_suction, effective_m_s, flow.density_kg_m3);
+        let span_m = now.cut.span_m;
+        history.circulation_m2_s = section.circulation_m2_s;
+        strip.add_force(&mut loads.circulatory, motions, section.fraction, &(section.force_n_m * span_m));
+        strip.add_moment(&mut loads.circulatory, motions, &now.cut, section.moment_n * span_m);
+    }
+}
+
+/// Rate of the impulse of the apparent mass, mean over the step: eq. (W8).
+fn add_impulsive(
+    strip: &Strip,
+    now: &Inflow,
+    motions: &[SectionMotion],
+    flow: &Flow,
+    [before, after]: [&StripHistory; 2],
+    step_s: f64,
+    loads: &mut AirLoads,
+) {
+    let semi_chord_m = 0.5 * now.cut.chord_m;
+    let mass_kg_m = PI * flow.density_kg_m3 * semi_chord_m.powi(2);
+    let force_n = mass_kg_m * (after.middle_m_s - before.middle_m_s) / step_s * now.cut.span_m;
+    let pitching_m_s2 = (after.difference_m_s - before.difference_m_s) / step_s;
+    let moment_n_m = -mass_kg_m * semi_chord_m / 16.0 * pitching_m_s2 * now.cut.span_m;
+    let mean_up = 0.5 * (before.up + after.up);
+    strip.add_force(&mut loads.impulsive, motions, 0.5, &(mean_up * force_n));
+    strip.add_moment(&mut loads.impulsive, motions, &now.cut, moment_n_m);
+}
+
+/// `γ` of eq. (W4): 1 where the air comes from the leading edge, −1 from the trailing edge, 0 where it comes from below
+/// or where the plate does nothing but turn.
+fn bias(along_m_s: f64, across_m_s: f64, difference_m_s: f64) -> f64 {
+    let size_m_s = along_m_s.hypot(across_m_s).hypot(0.25 * difference_m_s);
+    if size_m_s > 0.0 { along_m_s / size_m_s } else { 0.0 }
+}
+
+/// Loads of a section per span, and where they act.
+struct SectionLoads {
+    circulation_m2_s: f64,
+    /// Force per span in N/m.
+    force_n_m: Vector3<f64>,
+    /// Fraction of the chord at which it acts.
+    fraction: f64,
+    /// Nose-up moment per span in N.
+    moment_n: f64,
+}
+
+/// The air that a strip meets at one instant, along and across the line of zero lift: eqs. (W2) and (W4).
+struct Inflow {
+    cut: Cut,
+    /// Unit vector along the line of zero lift, towards the trailing edge.
+    aft: Vector3<f64>,
+    /// Unit vector across it, upward.
+    up: Vector3<f64>,
+    /// Gust at the upstream edge in m/s.
+    gust_m_s: Vector3<f64>,
+    /// Velocity along the line of zero lift in m/s, positive from the leading edge.
+    along_m_s: f64,
+    /// Relative speed in the plane of the section at half chord in m/s.
+    speed_m_s: f64,
+    /// Which edge leads, from 1 to −1.
+    bias: f64,
+    /// Upward velocity at the control point, without gusts, in m/s.
+    downwash_m_s: f64,
+    /// Upward velocity of the gust in m/s.
+    gust_downwash_m_s: f64,
+    /// Upward velocity at the trailing less that at the leading edge, without gusts, in m/s.
+    difference_m_s: f64,
+}
+
+impl Inflow {
+    fn of(strip: &Strip, profile: &Profile, motions: &[SectionMotion], flow: &Flow) -> Self {
+        let cut = strip.cut(motions, flow);
+        let (sine, cosine) = profile.zero_lift_angle_rad.sin_cos();
+        let aft = cut.aft * cosine + cut.up * sine;
+        let up = cut.up * cosine - cut.aft * sine;
+        let difference_m_s = (cut.trailing_air_m_s - cut.leading_air_m_s).dot(&up);
+        let calm_m_s = cut.air_m_s(0.5);
+        let calm_bias = bias(calm_m_s.dot(&aft), calm_m_s.dot(&up), difference_m_s);
+        let entry_m = cut.point_m(0.5 - 0.5 * calm_bias);
+        let gust_m_s = flow.velocity_m_s(&entry_m) - flow.convection_m_s(&entry_m);
+        let middle_m_s = calm_m_s + gust_m_s;
+        let (along_m_s, across_m_s) = (middle_m_s.dot(&aft), middle_m_s.dot(&up));
+        let bias = bias(along_m_s, across_m_s, difference_m_s);
+        Self {
+            aft,
+            up,
+            gust_m_s,
+            along_m_s,
+            speed_m_s: along_m_s.hypot(across_m_s),
+            bias,
+            downwash_m_s: cut.air_m_s(0.5 + 0.25 * bias).dot(&up),
+            gust_downwash_m_s: gust_m_s.dot(&up),
+            difference_m_s,
+            cut,
+        }
+    }
+
+    /// What the next step needs of this one.
+    fn history(&self, motion: Lag, gust: Lag) -> StripHistory {
+        StripHistory {
+            motion,
+            gust,
+            speed_m_s: self.speed_m_s,
+            middle_m_s: self.cut.air_m_s(0.5).dot(&self.cut.up),
+            difference_m_s: (self.cut.trailing_air_m_s - self.cut.leading_air_m_s).dot(&self.cut.up),
+            up: self.cut.up,
+            circulation_m2_s: 0.0,
+        }
+    }
+
+    /// Loads per span for the downwash that the lift answers to: eqs. (W7) and (W9).
+    fn section_loads(&self, profile: &Profile, suction: bool, effective_m_s: f64, density_kg_m3: f64) -> SectionLoads {
+        let chord_m = self.cut.chord_m;
+        let curvature_n =
+            -PI / 16.0 * density_kg_m3 * chord_m.powi(2) * self.along_m_s * self.bias * self.difference_m_s;
+        let (circulation_m2_s, force_n_m, fraction, moment_n) = match &profile.polar {
+            None => {
+                let half_slope_m = 0.5 * chord_m * profile.lift_slope_1_rad;
+                let circulation_m2_s = half_slope_m * effective_m_s;
+                let edge_m_s = effective_m_s - 0.25 * self.bias * self.difference_m_s;
+                let suction_n_m = if suction { half_slope_m * edge_m_s.powi(2) * self.bias } else { 0.0 };
+                let fraction = 0.5 - 0.25 * self.bias;
+                let force_n_m = self.up * (self.along_m_s.abs() * circulation_m2_s) - self.aft * suction_n_m;
+                let moment_n = 0.5 * (chord_m * self.along_m_s).powi(2) * profile.moment_coefficient;
+                (circulation_m2_s, force_n_m + self.drag_m3_s2(fraction, profile.drag_coefficient), fraction, moment_n)
+            }
+            Some(polar) => {
+                let angle_rad = profile.zero_lift_angle_rad + effective_m_s.atan2(self.along_m_s);
+                let row = polar.at(angle_rad);
+                let (speed_m_s, lift_m3_s2) = self.lift_m3_s2(0.25, row.lift);
+                let moment_n = 0.5 * (chord_m * speed_m_s).powi(2) * row.moment;
+                (0.5 * chord_m * speed_m_s * row.lift, lift_m3_s2 + self.drag_m3_s2(0.25, row.drag), 0.25, moment_n)
+            }
+        };
+        SectionLoads {
+            circulation_m2_s,
+            force_n_m: force_n_m * density_kg_m3,
+            fraction,
+            moment_n: moment_n * density_kg_m3 + curvature_n,
+        }
+    }
+
+    /// Relative velocity in the plane of the section at a fraction of the chord, along and across the zero-lift line.
+    fn plane_m_s(&self, fraction: f64) -> (f64, f64) {
+        let air_m_s = self.cut.air_m_s(fraction) + self.gust_m_s;
+        (air_m_s.dot(&self.aft), air_m_s.dot(&self.up))
+    }
+
+    /// Relative speed, and lift per span and density for a coefficient, across the relative velocity.
+    fn lift_m3_s2(&self, fraction: f64, coefficient: f64) -> (f64, Vector3<f64>) {
+        let (along_m_s, up_m_s) = self.plane_m_s(fraction);
+        let speed_m_s = along_m_s.hypot(up_m_s);
+        let across_m_s = self.up * along_m_s - self.aft * up_m_s;
+        (speed_m_s, across_m_s * (0.5 * self.cut.chord_m * coefficient * speed_m_s))
+    }
+
+    /// Drag per span and density for a coefficient, along the relative velocity.
+    fn drag_m3_s2(&self, fraction: f64, coefficient: f64) -> Vector3<f64> {
+        let (along_m_s, up_m_s) = self.plane_m_s(fraction);
+        let air_m_s = self.aft * along_m_s + self.up * up_m_s;
+        air_m_s * (0.5 * self.cut.chord_m * coefficient * air_m_s.norm())
+    }
+}
