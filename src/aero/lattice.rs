@@ -13,6 +13,7 @@ use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet, bloc
 use crate::aero::flow::Flow;
 use crate::aero::lattice_state::LatticeState;
 use crate::aero::linear_system::{LinearSystem, SingularLattice};
+use crate::aero::rear::rear_panels;
 use crate::aero::surface::Surface;
 use crate::aero::{AirLoads, lattice_loads};
 use crate::load::SectionMotion;
@@ -44,7 +45,7 @@ pub enum LoadRule {
 pub struct LatticeOptions {
     /// How the wake moves.
     pub wake: WakeModel,
-    /// Rows that the wake keeps; older ones are dropped.
+    /// Rows that the wake keeps; older ones are merged with the last.
     pub wake_rows: usize,
     /// Radius `δ` of the vortex core in m, positive, for bound and wake vorticity alike.
     pub core_radius_m: f64,
@@ -207,7 +208,7 @@ impl VortexLattice {
         state.rear_panels.fill(0.0);
         state.wake_circulation_m2_s.fill(0.0);
         state.wake_node_m.fill(Vector3::zeros());
-        self.place(motions, state);
+        self.place(motions, None, state);
         let established = established && self.lay_straight_wake(flow, state);
         self.factorize(state, established)?;
         self.relative_velocity(flow, state);
@@ -240,7 +241,7 @@ impl VortexLattice {
         to: &mut LatticeState,
         loads: &mut AirLoads,
     ) -> Result<(), SingularLattice> {
-        self.place(motions, to);
+        self.place(motions, Some((flow, step_s)), to);
         self.factorize(to, false)?;
         self.relative_velocity(flow, to);
         self.circulate(to);
@@ -277,12 +278,19 @@ impl VortexLattice {
     }
 
     /// Corners with their velocities, vector areas, collocation points and normals; first row of the wake.
-    fn place(&mut self, motions: &[SectionMotion], state: &mut LatticeState) {
+    fn place(&mut self, motions: &[SectionMotion], step: Option<(&Flow, f64)>, state: &mut LatticeState) {
         let mut panel = 0;
         for ((surface, sheet), wake) in self.surfaces.iter().zip(&self.bound).zip(&self.wake) {
             let section = |column: usize| (&motions[surface.sections.start + column], &surface.chords[column]);
             for column in 0..=sheet.strips {
                 let (motion, chord) = section(column);
+                let moves = step.filter(|_| state.wake_rows > 0);
+                state.rear_panels[wake.node(0, column)] = moves.map_or(0.0, |(flow, step_s)| {
+                    let edge_m = motion.point_m(&chord.trailing_m);
+                    let air_m_s = flow.velocity_m_s(&edge_m) - motion.point_velocity_m_s(&chord.trailing_m);
+                    let along_m = motion.rotation * (chord.trailing_m - chord.leading_m);
+                    rear_panels(step_s * air_m_s.dot(&along_m) / along_m.norm_squared() * sheet.rows as f64)
+                });
                 let rear = 1.0 + state.rear_panels[wake.node(0, column)] / sheet.rows as f64;
                 for row in 0..=sheet.rows {
                     let fraction = if row < sheet.rows { Self::chord_fraction(sheet.rows, row) } else { rear };

@@ -42,7 +42,7 @@ mod tests {
             s += 1.0;
         }
         // the next term is below 1e-7
-        factor * (1.0 + 1.0 / (64.0 * s * s)) / s.sqrt()
+        factor * (1.0 - 1.0 / (64.0 * s * s)) / s.sqrt()
     }
 
     /// `Γ(½)/Γ(1) = √π` at a quarter.

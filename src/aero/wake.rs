@@ -4,7 +4,6 @@ use crate::aero::biot_savart::{Block, LANES, blocks};
 use crate::aero::flow::Flow;
 use crate::aero::lattice::{SheetKind, VortexLattice, WakeModel};
 use crate::aero::lattice_state::LatticeState;
-use crate::aero::rear::rear_panels;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 impl VortexLattice {
@@ -13,7 +12,8 @@ impl VortexLattice {
     ///
     /// The undisturbed air moves on its exact path in the rotating frame; in a free wake gusts and induced velocities of
     /// the begin of the step are added (first order). The foremost row of nodes is attached to the trailing edge by
-    /// `solve`.
+    /// `solve`. A wake that is full keeps its far end: its last ring grows from step to step, with the circulation of the
+    /// ring that it takes in, so that what is lost is the history of the far wake and not its length.
     pub fn convect(&mut self, from: &LatticeState, flow: &Flow, step_s: f64, to: &mut LatticeState) {
         let (columns, strips) = (self.wake_columns, self.wake_strips);
         let nodes = (from.wake_rows + 1) * columns;
@@ -31,19 +31,16 @@ impl VortexLattice {
         let shed = to.unshed_m >= self.shed_way_m() && way_m > 0.0;
 
         let shift = usize::from(shed);
-        let resting = to.unshed_m == 0.0 || (from.wake_rows == 0 && !shed);
-        for (sheet, surface) in self.wake.iter().zip(&self.surfaces) {
-            for (column, chord) in surface.chords.iter().enumerate() {
-                let node = sheet.node(0, column);
-                let panel_m = chord.length_m() / surface.chord_panels as f64;
-                let way_panels = (moved_m(node) - from.wake_node_m[node]).norm() / panel_m;
-                to.rear_panels[node] = if resting { 0.0 } else { rear_panels(way_panels) };
-            }
-        }
         to.wake_rows = (from.wake_rows + shift).min(self.options.wake_rows);
         let kept = (to.wake_rows + 1 - shift) * columns;
         for node in 0..kept.min(nodes) {
             to.wake_node_m[node + shift * columns] = moved_m(node);
+        }
+        if shed && to.wake_rows == from.wake_rows {
+            // full: the last ring keeps its far end and takes in the one before
+            for node in from.wake_rows * columns..nodes {
+                to.wake_node_m[node] = moved_m(node);
+            }
         }
         let rings = (to.wake_rows - shift.min(to.wake_rows)) * strips;
         to.wake_circulation_m2_s[shift.min(to.wake_rows) * strips..][..rings]
