@@ -145,6 +145,7 @@ fn segment_velocity(lattice: &mut VortexLattice, flow: &Flow, state: &LatticeSta
     }
     lattice.velocities[..blocks(count)].fill(Block::default());
     lattice.induce(count, &state.corner_m, SheetKind::Bound);
+    lattice.gather_wake(state, 0..state.wake_rows);
     lattice.induce(count, &state.wake_node_m, SheetKind::Wake);
     count = 0;
     for at in 0..lattice.bound.len() {

@@ -1,6 +1,6 @@
 //! Where the last ring ends: the place of the vorticity that leaves the trailing edge during a step.
 
-use crate::aero::lattice::SHED_PANELS;
+use crate::aero::wake::SHED_PANELS;
 
 /// Way of the air in a step and place of the youngest vortex behind the trailing edge, both in panel chords.
 const PLACES: [(f64, f64); 11] = [
