@@ -59,6 +59,7 @@ pytest: package venv
 bench: toolchain ## Measure the cost of the recursions and of other methods; docs/BENCHMARKS.md
 	$(CARGO) bench --locked --bench kernels
 	$(CARGO) bench --locked --bench conventional
+	$(CARGO) bench --locked --bench lattice
 
 validate: package venv ## Compare with the methods of the paper, damp the wing: target/verification, docs/pictures
 	$(CARGO) test --locked --test conventional -- --nocapture

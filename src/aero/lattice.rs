@@ -1,10 +1,10 @@
 //! Unsteady vortex lattice: geometry, boundary condition, circulation.
 //!
-//! Rings start at the quarter chord of their panels and end at the quarter chord of the next, the last ones a quarter
-//! panel behind the trailing edge, where the wake starts; collocation points lie in the middle of the rings, at three
-//! quarters of the panels. A ring is the bilinear patch of its four corners: its normal in the middle is that of its
-//! diagonals, exact on bent and twisted surfaces, and its vector area `S` is that of any surface with this rim, so that
-//! `ρΓS` is the impulse of the ring without approximation. Normals of the sections would have to be averaged.
+//! Rings start at the quarter chord of their panels and end at the quarter chord of the next; collocation points lie at
+//! three quarters of the panels. Normals and vector areas are those of the bilinear patches between quarter chords: the
+//! collocation point is the middle of its patch, where the diagonals give the normal exactly, bent and twisted or not;
+//! normals of the sections would have to be averaged. The last rings end where the youngest vorticity belongs
+//! ([`rear_panels`](crate::aero::rear::rear_panels)).
 //!
 //! Each surface has its own rings. Where two surfaces share an edge (a hinge), the segments on it coincide and cancel as
 //! far as their circulations agree.
@@ -13,12 +13,15 @@ use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet, bloc
 use crate::aero::flow::Flow;
 use crate::aero::lattice_state::LatticeState;
 use crate::aero::linear_system::{LinearSystem, SingularLattice};
+use crate::aero::rear::rear_panels;
 use crate::aero::surface::Surface;
+use crate::aero::wake::NEAR_ROWS;
 use crate::aero::{AirLoads, lattice_loads};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 use pulp::Arch;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// How the wake moves.
@@ -44,7 +47,7 @@ pub enum LoadRule {
 pub struct LatticeOptions {
     /// How the wake moves.
     pub wake: WakeModel,
-    /// Rows that the wake keeps; older ones are dropped.
+    /// Rows that the wake keeps; older ones are merged with the last.
     pub wake_rows: usize,
     /// Radius `δ` of the vortex core in m, positive, for bound and wake vorticity alike.
     pub core_radius_m: f64,
@@ -68,6 +71,8 @@ pub struct VortexLattice {
     pub(super) bound: Vec<Sheet>,
     /// Wake sheets, one for each surface.
     pub(super) wake: Vec<Sheet>,
+    /// The rows of them that induce.
+    wake_part: Vec<Sheet>,
     /// Index of the first bound ring of each surface in the equations.
     pub(super) first_panel: Vec<usize>,
     /// Nodes and strips in a row of the wake.
@@ -76,8 +81,6 @@ pub struct VortexLattice {
     pub(super) bound_filaments: Filaments,
     pub(super) wake_filaments: Filaments,
     pub(super) corner_velocity_m_s: Vec<Vector3<f64>>,
-    /// Vector areas of the rings in m².
-    pub(super) area_m2: Vec<Vector3<f64>>,
     /// Velocity of the air relative to the surface at the collocation points in m/s.
     pub(super) relative_m_s: Vec<Vector3<f64>>,
     pub(super) points: Vec<Block>,
@@ -90,16 +93,6 @@ pub struct VortexLattice {
     factored: bool,
     right: Vec<f64>,
 }
-
-/// Part of a panel chord past which the air must move before the wake gets a new row.
-///
-/// Air that does not move sheds nothing: the rings would pile up at the trailing edge. Where steps are shorter than
-/// this, the foremost row grows until it is long enough.
-const SHED_PANELS: f64 = 0.05;
-
-/// Length of the wake at the start of established flow, in diameters of the lattice: the legs behind contribute
-/// `1/(4·200²)` of what they do near by.
-const ESTABLISHED_DIAMETERS: f64 = 200.0;
 
 impl VortexLattice {
     /// Lattice with a strip between every two consecutive sections of a surface.
@@ -149,7 +142,6 @@ impl VortexLattice {
             bound_filaments: Filaments::new(rings, corners),
             wake_filaments: Filaments::new((options.wake_rows + 1) * strips, wake_nodes),
             corner_velocity_m_s: vec![Vector3::zeros(); corners],
-            area_m2: vec![Vector3::zeros(); rings],
             relative_m_s: vec![Vector3::zeros(); rings],
             points: vec![Block::default(); blocks(most_points)],
             velocities: vec![Block::default(); blocks(most_points)],
@@ -163,6 +155,7 @@ impl VortexLattice {
             surfaces,
             options,
             bound,
+            wake_part: wake.clone(),
             wake,
             first_panel,
         }
@@ -176,7 +169,12 @@ impl VortexLattice {
     /// State without circulation and wake.
     pub fn blank_state(&self) -> LatticeState {
         LatticeState {
-            circulation_m2_s: vec![0.0; self.area_m2.len()],
+            circulation_m2_s: vec![0.0; self.relative_m_s.len()],
+            area_m2: vec![Vector3::zeros(); self.relative_m_s.len()],
+            collocation_m: vec![Vector3::zeros(); self.relative_m_s.len()],
+            surface_m_s: vec![Vector3::zeros(); self.relative_m_s.len()],
+            far_wake_m_s: vec![Vector3::zeros(); self.relative_m_s.len()],
+            rear_panels: vec![0.0; self.wake_columns],
             corner_m: vec![Vector3::zeros(); self.corner_velocity_m_s.len()],
             wake_node_m: vec![Vector3::zeros(); (self.options.wake_rows + 1) * self.wake_columns],
             wake_circulation_m2_s: vec![0.0; self.options.wake_rows * self.wake_strips],
@@ -202,19 +200,20 @@ impl VortexLattice {
         loads: &mut AirLoads,
     ) -> Result<(), SingularLattice> {
         (state.wake_rows, state.unshed_m) = (0, 0.0);
+        state.far_wake_m_s.fill(Vector3::zeros());
         state.wake_circulation_m2_s.fill(0.0);
         state.wake_node_m.fill(Vector3::zeros());
-        self.place(motions, state);
+        self.place(motions, None, state);
         let established = established && self.lay_straight_wake(flow, state);
         self.factorize(state, established)?;
-        self.relative_velocity(flow, state);
+        self.relative_velocity(flow, state, 0..0);
         self.circulate(state);
         if established {
             for row in 0..state.wake_rows {
                 self.shed_into(row, state);
             }
             // the tangential velocity at the panels includes that of the wake
-            self.relative_velocity(flow, state);
+            self.relative_velocity(flow, state, 0..state.wake_rows);
         }
         loads.clear();
         lattice_loads::circulatory(self, motions, flow, state, loads);
@@ -237,9 +236,9 @@ impl VortexLattice {
         to: &mut LatticeState,
         loads: &mut AirLoads,
     ) -> Result<(), SingularLattice> {
-        self.place(motions, to);
+        self.place(motions, Some((flow, step_s)), to);
         self.factorize(to, false)?;
-        self.relative_velocity(flow, to);
+        self.relative_velocity(flow, to, 0..to.wake_rows.min(NEAR_ROWS));
         self.circulate(to);
         loads.clear();
         lattice_loads::circulatory(self, motions, flow, to, loads);
@@ -274,32 +273,45 @@ impl VortexLattice {
     }
 
     /// Corners with their velocities, vector areas, collocation points and normals; first row of the wake.
-    fn place(&mut self, motions: &[SectionMotion], state: &mut LatticeState) {
+    fn place(&mut self, motions: &[SectionMotion], step: Option<(&Flow, f64)>, state: &mut LatticeState) {
         let mut panel = 0;
         for ((surface, sheet), wake) in self.surfaces.iter().zip(&self.bound).zip(&self.wake) {
-            for row in 0..=sheet.rows {
-                let fraction = Self::chord_fraction(sheet.rows, row);
-                for (column, chord) in surface.chords.iter().enumerate() {
-                    let (motion, point_m) = (&motions[surface.sections.start + column], chord.at(fraction));
-                    let node = sheet.node(row, column);
+            let section = |column: usize| (&motions[surface.sections.start + column], &surface.chords[column]);
+            for column in 0..=sheet.strips {
+                let (motion, chord) = section(column);
+                let moves = step.filter(|_| state.wake_rows > 0);
+                state.rear_panels[wake.node(0, column)] = moves.map_or(0.0, |(flow, step_s)| {
+                    let edge_m = motion.point_m(&chord.trailing_m);
+                    let air_m_s = flow.velocity_m_s(&edge_m) - motion.point_velocity_m_s(&chord.trailing_m);
+                    let along_m = motion.rotation * (chord.trailing_m - chord.leading_m);
+                    rear_panels(step_s * air_m_s.dot(&along_m) / along_m.norm_squared() * sheet.rows as f64)
+                });
+                let rear = 1.0 + state.rear_panels[wake.node(0, column)] / sheet.rows as f64;
+                for row in 0..=sheet.rows {
+                    let fraction = if row < sheet.rows { Self::chord_fraction(sheet.rows, row) } else { rear };
+                    let (node, point_m) = (sheet.node(row, column), chord.at(fraction));
                     state.corner_m[node] = motion.point_m(&point_m);
                     self.corner_velocity_m_s[node] = motion.point_velocity_m_s(&point_m);
                 }
-            }
-            for column in 0..=sheet.strips {
                 state.wake_node_m[wake.node(0, column)] = state.corner_m[sheet.node(sheet.rows, column)];
             }
             for row in 0..sheet.rows {
+                let front = Self::chord_fraction(sheet.rows, row);
+                let middle = front + 0.5 / sheet.rows as f64;
+                let back = front + 1.0 / sheet.rows as f64;
                 for strip in 0..sheet.strips {
-                    let corner = |row, column| state.corner_m[sheet.node(row, column)];
-                    let sum = corner(row, strip)
-                        + corner(row, strip + 1)
-                        + corner(row + 1, strip + 1)
-                        + corner(row + 1, strip);
-                    let area_m2 = lattice_loads::ring_area_m2(&state.corner_m, sheet, row, strip);
-                    self.area_m2[sheet.ring(row, strip)] = area_m2;
+                    let ((inner, inner_chord), (outer, outer_chord)) = (section(strip), section(strip + 1));
+                    let (inner_m, outer_m) = (inner_chord.at(middle), outer_chord.at(middle));
+                    let inner_diagonal_m = outer.point_m(&outer_chord.at(back)) - inner.point_m(&inner_chord.at(front));
+                    let outer_diagonal_m = inner.point_m(&inner_chord.at(back)) - outer.point_m(&outer_chord.at(front));
+                    let area_m2 = 0.5 * inner_diagonal_m.cross(&outer_diagonal_m);
+                    let ring = sheet.ring(row, strip);
+                    state.area_m2[ring] = area_m2;
+                    state.surface_m_s[ring] =
+                        0.5 * (inner.point_velocity_m_s(&inner_m) + outer.point_velocity_m_s(&outer_m));
+                    state.collocation_m[ring] = 0.5 * (inner.point_m(&inner_m) + outer.point_m(&outer_m));
                     let (block, lane) = (panel / LANES, panel % LANES);
-                    self.points[block].set(lane, &(0.25 * sum));
+                    self.points[block].set(lane, &state.collocation_m[ring]);
                     self.normals[block].set(lane, &area_m2.normalize());
                     panel += 1;
                 }
@@ -343,9 +355,11 @@ impl VortexLattice {
     }
 
     /// Velocity of the air relative to the panels at their collocation points, with the wake and without bound vortices.
-    fn relative_velocity(&mut self, flow: &Flow, state: &LatticeState) {
+    ///
+    /// Rows beyond [`NEAR_ROWS`] have been summed by [`convect`](Self::convect).
+    fn relative_velocity(&mut self, flow: &Flow, state: &LatticeState, near: Range<usize>) {
         let panels = self.right.len();
-        self.gather_wake(state);
+        self.gather_wake(state, near);
         self.velocities[..blocks(panels)].fill(Block::default());
         self.induce(panels, &state.wake_node_m, SheetKind::Wake);
         let mut panel = 0;
@@ -353,11 +367,9 @@ impl VortexLattice {
             for row in 0..sheet.rows {
                 for strip in 0..sheet.strips {
                     let (block, lane) = (panel / LANES, panel % LANES);
-                    let at = |row, column| self.corner_velocity_m_s[sheet.node(row, column)];
-                    let surface_m_s =
-                        0.25 * (at(row, strip) + at(row, strip + 1) + at(row + 1, strip + 1) + at(row + 1, strip));
                     let air_m_s = flow.velocity_m_s(&self.points[block].get(lane)) + self.velocities[block].get(lane);
-                    self.relative_m_s[sheet.ring(row, strip)] = air_m_s - surface_m_s;
+                    let ring = sheet.ring(row, strip);
+                    self.relative_m_s[ring] = air_m_s + state.far_wake_m_s[ring] - state.surface_m_s[ring];
                     panel += 1;
                 }
             }
@@ -384,11 +396,16 @@ impl VortexLattice {
         }
     }
 
-    /// Net circulations of the wake's segments.
-    pub(super) fn gather_wake(&mut self, state: &LatticeState) {
-        for sheet in &mut self.wake {
-            sheet.rows = state.wake_rows;
-            self.wake_filaments.gather(sheet, &state.wake_circulation_m2_s);
+    /// Net circulations of the segments of some of the wake's rows, which are those that induce from now on.
+    pub(super) fn gather_wake(&mut self, state: &LatticeState, rows: Range<usize>) {
+        for (whole, part) in self.wake.iter().zip(&mut self.wake_part) {
+            *part = Sheet {
+                rows: rows.len(),
+                first_node: whole.node(rows.start, 0),
+                first_ring: whole.ring(rows.start, 0),
+                ..*whole
+            };
+            self.wake_filaments.gather(part, &state.wake_circulation_m2_s);
         }
     }
 
@@ -396,8 +413,8 @@ impl VortexLattice {
     pub(super) fn induce(&mut self, count: usize, nodes_m: &[Vector3<f64>], kind: SheetKind) {
         let (sheets, filaments) = match kind {
             SheetKind::Bound => (&self.bound, &self.bound_filaments),
-            SheetKind::Wake if self.wake.iter().all(|sheet| sheet.rows == 0) => return,
-            SheetKind::Wake => (&self.wake, &self.wake_filaments),
+            SheetKind::Wake if self.wake_part.iter().all(|sheet| sheet.rows == 0) => return,
+            SheetKind::Wake => (&self.wake_part, &self.wake_filaments),
         };
         let (kernel, arch, used) = (&self.kernel, self.arch, blocks(count));
         let (points, velocities) = (&self.points[..used], &mut self.velocities[..used]);
@@ -419,46 +436,6 @@ impl VortexLattice {
             }
             _ => run(points, velocities, &mut self.arms[0]),
         }
-    }
-
-    /// Straight wake along the flow at the trailing edge in rows of a panel chord, the last one very long; false where
-    /// the air does not move.
-    fn lay_straight_wake(&mut self, flow: &Flow, state: &mut LatticeState) -> bool {
-        let origin = state.corner_m[0];
-        let diameter_m = 2.0 * state.corner_m.iter().map(|corner| (corner - origin).norm()).fold(0.0, f64::max);
-        for ((surface, sheet), wake) in self.surfaces.iter().zip(&self.bound).zip(&mut self.wake) {
-            wake.rows = self.options.wake_rows;
-            for (column, chord) in surface.chords.iter().enumerate() {
-                let edge_m = state.corner_m[sheet.node(sheet.rows, column)];
-                let Some(along) = flow.convection_m_s(&edge_m).try_normalize(0.0) else { return false };
-                let row_m = chord.length_m() / surface.chord_panels as f64;
-                for row in 1..=wake.rows {
-                    let way_m = if row < wake.rows { row as f64 * row_m } else { ESTABLISHED_DIAMETERS * diameter_m };
-                    state.wake_node_m[wake.node(row, column)] = edge_m + along * way_m;
-                }
-            }
-        }
-        state.wake_rows = self.options.wake_rows;
-        state.wake_rows > 0
-    }
-
-    /// Gives a row of the wake the circulation of the trailing edge.
-    fn shed_into(&self, row: usize, state: &mut LatticeState) {
-        for (bound, wake) in self.bound.iter().zip(&self.wake) {
-            for strip in 0..bound.strips {
-                state.wake_circulation_m2_s[wake.ring(row, strip)] =
-                    state.circulation_m2_s[bound.ring(bound.rows - 1, strip)];
-            }
-        }
-    }
-
-    /// Way in m that the air must make past the trailing edge before a row is shed.
-    pub(super) fn shed_way_m(&self) -> f64 {
-        let panel_m = |surface: &Surface| {
-            let shortest = surface.chords.iter().map(|chord| chord.length_m()).fold(f64::INFINITY, f64::min);
-            shortest / surface.chord_panels as f64
-        };
-        SHED_PANELS * self.surfaces.iter().map(panel_m).fold(f64::INFINITY, f64::min)
     }
 }
 

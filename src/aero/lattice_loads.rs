@@ -11,7 +11,7 @@ use crate::aero::{AirLoads, split_between};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 
-/// Part of a ring's chord that lies on the body: the last one reaches a quarter panel behind the trailing edge.
+/// Part of a patch between quarter chords that lies on the body: the last one reaches beyond the trailing edge.
 fn part_on_body(rows: usize, row: usize) -> f64 {
     if row + 1 == rows { 0.75 } else { 1.0 }
 }
@@ -32,8 +32,12 @@ pub(super) fn circulatory(
     let density = flow.density_kg_m3;
     let mut panel = 0;
     let mut segment = 0;
-    for (surface, sheet) in lattice.surfaces.iter().zip(&lattice.bound) {
+    for ((surface, sheet), wake) in lattice.surfaces.iter().zip(&lattice.bound).zip(&lattice.wake) {
         let first = surface.sections.start;
+        // part of a chordwise segment that lies on the body
+        let on_body = |row: usize, column: usize| {
+            if row + 1 == sheet.rows { 0.75 / (0.75 + state.rear_panels[wake.node(0, column)]) } else { 1.0 }
+        };
         let corner = |row, column| state.corner_m[sheet.node(row, column)];
         for row in 0..sheet.rows {
             let front = VortexLattice::chord_fraction(sheet.rows, row);
@@ -51,14 +55,14 @@ pub(super) fn circulatory(
                 match lattice.options.load_rule {
                     LoadRule::Bernoulli => {
                         let ring = sheet.ring(row, strip);
-                        let normal = Some(lattice.area_m2[ring].normalize());
+                        let normal = Some(state.area_m2[ring].normalize());
                         let bound_m_s = lattice.velocities[panel / LANES].get(panel % LANES);
                         let velocity = lattice.relative_m_s[ring] + bound_m_s;
                         let force_n = project(velocity, &lead, normal);
                         split_between(&mut loads.circulatory, motions, sections, lead_points, &force_n);
                         for column in [strip, strip + 1] {
                             let tip = column == 0 || column == sheet.strips;
-                            let share = part * if tip { 1.0 } else { 0.5 };
+                            let share = on_body(row, column) * if tip { 1.0 } else { 0.5 };
                             let chordwise_m = corner(row + 1, column) - corner(row, column);
                             let vortex =
                                 share * lattice.bound_filaments.chordwise[sheet.node(row, column)] * chordwise_m;
@@ -81,7 +85,8 @@ pub(super) fn circulatory(
                 for column in 0..=sheet.strips {
                     let velocity = lattice.velocities[segment / LANES].get(segment % LANES);
                     let chordwise_m = corner(row + 1, column) - corner(row, column);
-                    let vortex = part * lattice.bound_filaments.chordwise[sheet.node(row, column)] * chordwise_m;
+                    let circulation = lattice.bound_filaments.chordwise[sheet.node(row, column)];
+                    let vortex = on_body(row, column) * circulation * chordwise_m;
                     let arm_m = motions[first + column].rotation * surface.chords[column].at(middle);
                     let force_n = density * velocity.cross(&vortex);
                     loads.circulatory[first + column].add_force_at(&arm_m, &force_n);
@@ -107,7 +112,7 @@ pub(super) fn impulsive(
             let middle = VortexLattice::chord_fraction(sheet.rows, row) + 0.5 * part / sheet.rows as f64;
             for strip in 0..sheet.strips {
                 let ring = sheet.ring(row, strip);
-                let area_m2 = 0.5 * part * (lattice.area_m2[ring] + ring_area_m2(&from.corner_m, sheet, row, strip));
+                let area_m2 = 0.5 * part * (from.area_m2[ring] + to.area_m2[ring]);
                 let rate_m2_s2 = (to.circulation_m2_s[ring] - from.circulation_m2_s[ring]) / step_s;
                 let first = surface.sections.start + strip;
                 let points = [&surface.chords[strip].at(middle), &surface.chords[strip + 1].at(middle)];
@@ -116,14 +121,6 @@ pub(super) fn impulsive(
             }
         }
     }
-}
-
-/// Vector area of a ring in m², eq. (U3).
-pub(super) fn ring_area_m2(corner_m: &[Vector3<f64>], sheet: &Sheet, row: usize, strip: usize) -> Vector3<f64> {
-    let corner = |row, column| corner_m[sheet.node(row, column)];
-    let (a, b) = (corner(row, strip), corner(row, strip + 1));
-    let (c, d) = (corner(row + 1, strip + 1), corner(row + 1, strip));
-    0.5 * (c - a).cross(&(d - b))
 }
 
 /// Velocity that the bound vortices induce at the collocation points, which still stand in `points`: on a bent or folded
@@ -148,6 +145,7 @@ fn segment_velocity(lattice: &mut VortexLattice, flow: &Flow, state: &LatticeSta
     }
     lattice.velocities[..blocks(count)].fill(Block::default());
     lattice.induce(count, &state.corner_m, SheetKind::Bound);
+    lattice.gather_wake(state, 0..state.wake_rows);
     lattice.induce(count, &state.wake_node_m, SheetKind::Wake);
     count = 0;
     for at in 0..lattice.bound.len() {

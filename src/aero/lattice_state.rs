@@ -11,6 +11,16 @@ pub struct LatticeState {
     pub circulation_m2_s: Vec<f64>,
     /// Corners of the bound rings, root frame, m.
     pub corner_m: Vec<Vector3<f64>>,
+    /// Vector areas in m² of the panels between the quarter chords of neighbours, in the order of the circulations.
+    pub area_m2: Vec<Vector3<f64>>,
+    /// Collocation points, root frame, m, in the same order.
+    pub collocation_m: Vec<Vector3<f64>>,
+    /// Velocity of the surface there, root frame, m/s.
+    pub surface_m_s: Vec<Vector3<f64>>,
+    /// Velocity that the far wake induces at the panels, root frame, m/s: summed once for a step.
+    pub far_wake_m_s: Vec<Vector3<f64>>,
+    /// Places of the last corners behind the trailing edge in panel chords, one for each column of the wake.
+    pub rear_panels: Vec<f64>,
     /// Nodes of the wake, root frame, m: row by row from the trailing edge, in each row surface by surface.
     pub wake_node_m: Vec<Vector3<f64>>,
     /// Circulations of the wake's rings in m²/s, in the same order.
@@ -26,6 +36,11 @@ impl LatticeState {
     pub fn copy_from(&mut self, other: &Self) {
         self.circulation_m2_s.clone_from(&other.circulation_m2_s);
         self.corner_m.clone_from(&other.corner_m);
+        self.area_m2.clone_from(&other.area_m2);
+        self.collocation_m.clone_from(&other.collocation_m);
+        self.surface_m_s.clone_from(&other.surface_m_s);
+        self.far_wake_m_s.clone_from(&other.far_wake_m_s);
+        self.rear_panels.clone_from(&other.rear_panels);
         self.wake_node_m.clone_from(&other.wake_node_m);
         self.wake_circulation_m2_s.clone_from(&other.wake_circulation_m2_s);
         self.wake_rows = other.wake_rows;
@@ -36,6 +51,11 @@ impl LatticeState {
     pub fn fits(&self, other: &Self) -> bool {
         self.circulation_m2_s.len() == other.circulation_m2_s.len()
             && self.corner_m.len() == other.corner_m.len()
+            && self.area_m2.len() == other.area_m2.len()
+            && self.collocation_m.len() == other.collocation_m.len()
+            && self.surface_m_s.len() == other.surface_m_s.len()
+            && self.far_wake_m_s.len() == other.far_wake_m_s.len()
+            && self.rear_panels.len() == other.rear_panels.len()
             && self.wake_node_m.len() == other.wake_node_m.len()
             && self.wake_circulation_m2_s.len() == other.wake_circulation_m2_s.len()
             && other.wake_rows <= self.wake_circulation_m2_s.len()

@@ -12,6 +12,7 @@ pub mod lattice_state;
 pub mod linear_system;
 mod model;
 pub mod polar;
+pub mod rear;
 pub mod strip;
 pub mod surface;
 mod wake;

@@ -1,20 +1,109 @@
-//! Steady wings: lift slope, span loading, induced drag.
+//! Steady wings: lift slope, tips, elliptic wing, both rules for loads.
 
-use crate::wing::{Wing, options, pressure_pa};
+use crate::reference_file::{case, numbers};
+use crate::wing::{Wing, inset, options, pressure_pa};
+use foldwing::aero::lattice::{LatticeOptions, LoadRule};
 use nalgebra::Vector3;
+use std::f64::consts::PI;
 
+fn uniform(span_m: f64, strips: usize) -> Vec<f64> {
+    (0..=strips).map(|i| span_m * (i as f64 / strips as f64 - 0.5)).collect()
+}
+
+/// Lift slope of a rectangular wing of chord 1 m at 1°.
+fn slope(places_m: &[f64], aspect: f64, chord_panels: usize) -> f64 {
+    let angle_rad = 1f64.to_radians();
+    let mut wing = Wing::new(places_m, |_| 1.0, chord_panels, options()).with_incidence(angle_rad);
+    wing.start(true);
+    wing.circulatory_n().z / (pressure_pa() * aspect * angle_rad)
+}
+
+/// U-01. Lift slope of rectangular wings against an independent lattice on the same panels, which states 1e-3.
 #[test]
-fn smoke() {
-    for (nc, half) in [(4, 16), (8, 32), (12, 48)] {
-        for aspect in [2.0, 6.0, 20.0] {
-            let n = 2 * half;
-            let places: Vec<f64> = (0..=n).map(|i| aspect * (i as f64 / n as f64 - 0.5)).collect();
-            let a = 1f64.to_radians();
-            let mut wing = Wing::new(&places, |_| 1.0, nc, options()).with_incidence(a);
-            wing.start(true);
-            let f = wing.circulatory_n();
-            println!("{nc} {aspect} {:.6} {:?}", f.z / (pressure_pa() * aspect) / a, f);
-            let _ = Vector3::<f64>::x();
+fn u01_lift_slope_of_rectangular_wings() {
+    let expected = &case("aero.rect_wing_CLalpha")["expected"];
+    for aspect in [2, 6, 20] {
+        let levels = numbers(&expected[aspect.to_string()]["levels"]);
+        for (level, (chord_panels, half_span)) in [(4, 16), (8, 32)].into_iter().enumerate() {
+            let ours = slope(&uniform(f64::from(aspect), 2 * half_span), f64::from(aspect), chord_panels);
+            let error = ours / levels[level] - 1.0;
+            println!("U-01 aspect ratio {aspect}, {chord_panels} x {half_span}: {ours:.5} ({error:+.1e})");
+            assert!(error.abs() < 1e-3, "aspect ratio {aspect}: {ours} for {}", levels[level]);
         }
     }
+}
+
+/// U-02. A lattice that reaches the tip converges with the first order in span only; with the tips inset by a quarter
+/// panel the error is an order smaller. Both tend to the same wing.
+#[test]
+fn u02_inset_tips_converge_faster() {
+    let strips = [12, 24, 48];
+    let to_the_tip = strips.map(|n| slope(&uniform(6.0, n), 6.0, 4));
+    let inset = strips.map(|n| slope(&inset(6.0, n), 6.0, 4));
+    // extrapolation with the observed order
+    let (first, second) = (to_the_tip[1] - to_the_tip[0], to_the_tip[2] - to_the_tip[1]);
+    let limit = to_the_tip[2] - second * second / (second - first);
+    println!("U-02 to the tip {to_the_tip:.5?}, inset {inset:.5?}, limit {limit:.5}");
+    let order = (first / second).log2();
+    assert!((0.8..1.3).contains(&order), "order to the tip {order}");
+    for level in 0..2 {
+        let (whole, quarter) = ((to_the_tip[level] - limit).abs(), (inset[level] - limit).abs());
+        assert!(quarter < 0.2 * whole, "{} strips: {quarter} against {whole}", strips[level]);
+    }
+}
+
+/// U-03. Elliptic planform of aspect ratio 10, straight quarter-chord line: the induced drag of Kutta–Joukowski is
+/// `CL²/(πAR)` (Prandtl). The planform of straight pieces and the curved edges of a lifting surface leave about 1 %,
+/// which falls with the strips.
+#[test]
+fn u03_elliptic_wing() {
+    let (span_m, root_m) = (10.0, 4.0 / PI);
+    let angle_rad = 3f64.to_radians();
+    let chord_m = |x: f64| root_m * (1.0 - (2.0 * x / span_m).powi(2)).max(0.0).sqrt();
+    let mut errors = Vec::new();
+    for strips in [20, 40] {
+        let rule = LatticeOptions { load_rule: LoadRule::KuttaJoukowski, ..options() };
+        let places_m = inset(span_m, strips);
+        let mut wing = Wing::new(&places_m, chord_m, 4, rule).with_incidence(angle_rad);
+        wing.start(true);
+        let force_n = wing.circulatory_n();
+        let along = wing.wind_m_s.normalize();
+        let (drag_n, lift_n) = (force_n.dot(&along), force_n.dot(&along.cross(&Vector3::x())));
+        let area_m2 = PI / 4.0 * span_m * root_m;
+        let (lift, drag) = (lift_n / (pressure_pa() * area_m2), drag_n / (pressure_pa() * area_m2));
+        let efficiency = lift * lift / (PI * (span_m * span_m / area_m2) * drag);
+        let circulation = |strip: usize| wing.lattice.strip_circulation(&wing.from, 0, strip);
+        // form of the loading: circulation over the local half-chord function, against its mean over the inner 80 %
+        let inner: Vec<f64> = (0..strips)
+            .filter(|s| (0.5 * (places_m[*s] + places_m[s + 1])).abs() < 0.4 * span_m)
+            .map(|s| circulation(s) / chord_m(0.5 * (places_m[s] + places_m[s + 1])))
+            .collect();
+        let mean = inner.iter().sum::<f64>() / inner.len() as f64;
+        let uneven = inner.iter().map(|value| (value / mean - 1.0).abs()).fold(0.0, f64::max);
+        println!(
+            "U-03 {strips} strips: CL {lift:.5} CD {drag:.6} efficiency {efficiency:.4} loading uneven {uneven:.4}"
+        );
+        errors.push((efficiency - 1.0).abs());
+        assert!(uneven < 0.03, "loading off the ellipse by {uneven}");
+    }
+    assert!(errors[1] < 0.02, "induced drag off by {}", errors[1]);
+}
+
+/// U-04. Both rules give the same normal force; the suction turns it to nearly normal to the flow.
+#[test]
+fn u04_both_rules_agree_on_the_normal_force() {
+    let force_n = |load_rule| {
+        let angle_rad = 4f64.to_radians();
+        let rule = LatticeOptions { load_rule, ..options() };
+        let mut wing = Wing::new(&inset(6.0, 16), |_| 1.0, 6, rule).with_incidence(angle_rad);
+        wing.start(true);
+        (wing.circulatory_n(), wing.wind_m_s.normalize())
+    };
+    let (pressure_n, _) = force_n(LoadRule::Bernoulli);
+    let (segments_n, along) = force_n(LoadRule::KuttaJoukowski);
+    println!("U-04 normal force {:.5} and {:.5} N; drag {:.5} N", pressure_n.z, segments_n.z, segments_n.dot(&along));
+    assert!((segments_n.z / pressure_n.z - 1.0).abs() < 2e-3, "{pressure_n} against {segments_n}");
+    assert!(pressure_n.y.abs() < 1e-12, "pressure along the plate: {pressure_n}");
+    let resultant_n = pressure_n.z * 4f64.to_radians().sin();
+    assert!(segments_n.dot(&along) < 0.5 * resultant_n, "no suction: {segments_n}");
 }
