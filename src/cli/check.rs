@@ -1,5 +1,6 @@
 //! `foldwing check`: what was understood of a model.
 
+use crate::cli::air_summary::AirSummary;
 use crate::cli::joint_size::JointSize;
 use crate::cli::{Failure, print, read_model};
 use foldwing::config::Machine;
@@ -46,6 +47,7 @@ struct Summary {
     bodies: Vec<BodySummary>,
     joints: Vec<JointSummary>,
     loops: Vec<LoopSummary>,
+    air: Option<AirSummary>,
     gauges: Vec<String>,
     variables: Vec<VariableSummary>,
 }
@@ -143,6 +145,7 @@ impl Summary {
             bodies,
             joints: machine.bodies.iter().enumerate().map(joint).collect(),
             loops: machine.closures.iter().map(|closure| LoopSummary::new(closure, machine)).collect(),
+            air: AirSummary::new(machine),
             gauges: machine.gauges.iter().map(|gauge| gauge.name.clone()).collect(),
             variables: interface.variables().iter().map(VariableSummary::new).collect(),
         }
@@ -173,6 +176,9 @@ impl Summary {
         if !self.loops.is_empty() {
             text.push_str("\nclosed loops\n");
             self.loops.iter().for_each(|closure| text.push_str(&closure.text()));
+        }
+        if let Some(air) = &self.air {
+            text.push_str(&air.text());
         }
         let gauges = if self.gauges.is_empty() { "none".to_owned() } else { self.gauges.join(", ") };
         let count = |causality: &str| self.variables.iter().filter(|v| v.causality == causality).count();

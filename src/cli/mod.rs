@@ -1,5 +1,6 @@
 //! The command line: arguments, exit codes, and one module per command.
 
+mod air_summary;
 mod check;
 mod joint_size;
 mod linearize;

@@ -1,8 +1,9 @@
 //! The validated model: what the file means, in SI and radians, bodies sorted parent before child.
 
 pub use crate::actuation::prescribed::Motion;
-use crate::aero::AirOptions;
+pub use crate::aero::AirOptions;
 use crate::aero::flow::Gust;
+pub use crate::aero::lattice::{LoadRule, WakeModel};
 use crate::aero::surface::{ChordLine, Profile};
 pub use crate::beam::element::ElementKind;
 pub use crate::beam::law::{NaturalStrain, SectionLaw};

@@ -151,6 +151,10 @@ fn number(key: &str, schema: &Value, plural: &str) -> String {
         (unit, false) if unit.starts_with(char::is_numeric) => format!(" ({unit})"),
         (unit, false) => format!(" {unit}"),
     };
+    let quantity = match quantity.strip_suffix('y') {
+        Some(stem) if !plural.is_empty() => format!("{stem}ie"),
+        _ => quantity.to_owned(),
+    };
     format!("{article}finite {quantity}{plural}{range}{unit}")
 }
 

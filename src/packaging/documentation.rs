@@ -6,7 +6,7 @@ use crate::config::machine::{
     Body, ElementKind, JointKind, JointMotion, Parent, Revolute, Spatial, SpatialFreedom, UNLIMITED,
 };
 use crate::interface::{Causality, TYPES, UNITS, Value, Variability, Variable};
-use crate::packaging::{VERSION, drawing};
+use crate::packaging::{VERSION, air_section, drawing};
 use nalgebra::{Matrix3, Rotation3};
 use quick_xml::escape::escape;
 use std::fmt::Write;
@@ -30,6 +30,7 @@ pub fn page(machine: &Machine, variables: &[Variable]) -> String {
     bodies_section(&mut html, machine);
     joints_section(&mut html, machine);
     loops_section(&mut html, machine);
+    air_section::write(&mut html, machine);
     experiment_section(&mut html, machine);
     variables_section(&mut html, variables);
     html.push_str(EQUATIONS);
@@ -277,7 +278,7 @@ fn start(value: &Value) -> String {
 }
 
 /// Six significant digits at most, a power of ten where it is shorter, `unlimited` for limits that are none.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     if value.abs() >= UNLIMITED {
         return "unlimited".to_owned();
     }
@@ -287,12 +288,12 @@ fn number(value: f64) -> String {
     if plain.len() <= short.len() + 3 { plain } else { short }
 }
 
-fn vector(components: &[f64]) -> String {
+pub(super) fn vector(components: &[f64]) -> String {
     format!("({})", components.iter().map(|value| number(*value)).collect::<Vec<_>>().join(", "))
 }
 
 /// A table of ready-made cells.
-fn table(html: &mut String, head: &[&str], rows: impl Iterator<Item = Vec<String>>) {
+pub(super) fn table(html: &mut String, head: &[&str], rows: impl Iterator<Item = Vec<String>>) {
     let line = |cell: &str, cells: &[String]| -> String {
         let cells: String = cells.iter().map(|text| format!("<{cell}>{text}</{cell}>")).collect();
         format!("<tr>{cells}</tr>\n")
@@ -307,6 +308,7 @@ fn table(html: &mut String, head: &[&str], rows: impl Iterator<Item = Vec<String
 mod tests {
     use super::*;
     use crate::config::machine::Closure;
+    use crate::packaging::air_section;
     use crate::packaging::drawing::tests::two_body_machine;
 
     /// The page names what the model has, escapes its text, refers to nothing outside itself and closes its tags.

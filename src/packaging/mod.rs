@@ -1,5 +1,6 @@
 //! From a validated model to an FMU file: model description, documentation page, archive.
 
+mod air_section;
 pub mod archive;
 pub mod description;
 pub mod documentation;

@@ -4,6 +4,7 @@
 //! wording is seen.
 
 mod model_file_accepted;
+mod model_file_air;
 mod model_file_functions;
 mod model_file_joints;
 mod model_file_keys;

@@ -1,0 +1,149 @@
+//! Air: what is refused, whole messages, and what an accepted file means.
+
+use crate::{MODEL, message_of};
+use foldwing::aero::flow::GustShape;
+use foldwing::config;
+use foldwing::config::machine::{AirOptions, Coupling, Machine, WakeModel};
+use nalgebra::Vector3;
+
+const AIR: &str = "[aerodynamics]\nmodel = \"uvlm\"\nwind_m_s = [0, -10, 0]\n";
+const SURFACE: &str = "[surface.in]\nbody = \"inner\"\nstrips = 4\n";
+
+fn message(lines: &str) -> String {
+    message_of(&format!("{MODEL}{lines}"))
+}
+
+fn machine(lines: &str) -> Machine {
+    config::parse(&format!("{MODEL}{lines}"), "wing.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The chord is the section's width about its axis, the step one panel's way of the wind; free edges are inset by a quarter
+/// of a panel: the inner body's outer edge is one, because nothing with a surface goes on there.
+#[test]
+fn defaults_of_air() {
+    let air = machine(&format!("{AIR}{SURFACE}")).air.expect("air");
+    assert_eq!((air.density_kg_m3, air.established), (1.225, true));
+    approx::assert_relative_eq!(air.step_s, 0.05 / 4.0 / 10.0, max_relative = 1e-12);
+    assert!(matches!(air.coupling, Coupling::Iterated { .. }));
+    let AirOptions::Lattice(lattice) = &air.options else { panic!("a lattice") };
+    assert_eq!((lattice.wake, lattice.wake_rows, lattice.threads), (WakeModel::Prescribed, 100, 1));
+    approx::assert_relative_eq!(lattice.core_radius_m, 1e-2 * 0.05 / 4.0, max_relative = 1e-12);
+    let surface = &air.surfaces[0];
+    approx::assert_relative_eq!(surface.chords[0].leading_m, Vector3::new(0.0, 0.025, 0.0), epsilon = 1e-15);
+    approx::assert_relative_eq!(surface.chords[0].trailing_m, Vector3::new(0.0, -0.025, 0.0), epsilon = 1e-15);
+    let width = 0.15 / 4.5;
+    approx::assert_relative_eq!(surface.positions_m[0], 0.25 * width, max_relative = 1e-12);
+    approx::assert_relative_eq!(surface.positions_m[4], 4.25 * width, max_relative = 1e-12);
+}
+
+/// A mirror plane at the root and a surface on the next body take the insets away; the strip model has none.
+#[test]
+fn edges_that_are_not_free() {
+    let both = format!("{SURFACE}[surface.out]\nbody = \"outer\"\nstrips = 2\nchord_m = 0.05\n");
+    let air = machine(&format!("{AIR}mirror_normal = [2, 0, 0]\n{both}")).air.expect("air");
+    assert_eq!((air.surfaces[0].positions_m[0], air.surfaces[0].positions_m[4]), (0.0, 0.15));
+    assert_eq!(air.surfaces[1].positions_m[0], 0.0);
+    assert!(air.surfaces[1].positions_m[2] < 0.1);
+    let strips = machine(&format!("{}{SURFACE}", AIR.replace("uvlm", "strip"))).air.expect("air");
+    assert_eq!(strips.surfaces[0].positions_m, [0.0, 0.0375, 0.075, 0.11249999999999999, 0.15]);
+}
+
+/// Incidence raises the leading edge towards `+z`, whichever side it lies on.
+#[test]
+fn incidence_and_leading_edge() {
+    for (side, sign) in [("+y", 1.0), ("-y", -1.0)] {
+        let more = format!("axis_fraction = 0.25\nchord_m = 0.2\nincidence_deg = 30\nleading_edge = \"{side}\"\n");
+        let air = machine(&format!("{AIR}{SURFACE}{more}")).air.expect("air");
+        let expected = Vector3::new(0.0, sign * 0.05 * 30_f64.to_radians().cos(), 0.025);
+        approx::assert_relative_eq!(air.surfaces[0].chords[1].leading_m, expected, epsilon = 1e-15);
+    }
+}
+
+#[test]
+fn gusts() {
+    let gust = "[gust.up]\nshape = \"one_minus_cosine\"\nvelocity_m_s = [0, 0, 2]\nlength_m = 0.5\nstart_s = 0.1\n";
+    let air = machine(&format!("{AIR}{SURFACE}{gust}")).air.expect("air");
+    assert_eq!(air.gusts[0].shape, GustShape::OneMinusCosine { length_m: 0.5 });
+    assert_eq!((air.gusts[0].direction, air.gusts[0].speed_m_s), (-Vector3::y(), 10.0));
+    assert_eq!(
+        message(&format!("{AIR}{SURFACE}{}", gust.replace("length_m = 0.5\n", ""))),
+        "wing.toml:62: key 'gust.up.length_m' is missing; allowed: a finite length > 0 m"
+    );
+    assert_eq!(
+        message(&format!("{AIR}{SURFACE}{}", gust.replace("one_minus_cosine", "sharp_edge"))),
+        "wing.toml:65: key 'gust.up.length_m': 0.5 is not allowed; allowed: no length: a sharp edge has none"
+    );
+    assert_eq!(
+        message(&format!("{}{SURFACE}{gust}", AIR.replace("[0, -10, 0]", "[0, 0, 0]\nstep_s = 1e-3"))),
+        "wing.toml:64: key 'gust.up.direction' is missing; allowed: an array of 3 finite numbers, not all 0; its default \
+         is the direction of wind_m_s"
+    );
+}
+
+/// Densities, winds, panels and steps without meaning.
+#[test]
+fn numbers_of_air() {
+    let air = |from: &str, to: &str| message(&format!("{AIR}{SURFACE}").replace(from, to));
+    assert_eq!(
+        air("model = \"uvlm\"\n", "model = \"uvlm\"\ndensity_kg_m3 = -1.2\n"),
+        "wing.toml:58: key 'aerodynamics.density_kg_m3': -1.2 is not allowed; allowed: a finite density > 0 kg/m³"
+    );
+    assert_eq!(
+        air("-10", "nan"),
+        "wing.toml:58: key 'aerodynamics.wind_m_s': [0, nan, 0] is not allowed; allowed: an array of 3 finite \
+         velocities in m/s"
+    );
+    assert_eq!(
+        air("strips = 4", "strips = 0"),
+        "wing.toml:61: key 'surface.in.strips': 0 is not allowed; allowed: a whole number from 1 to 1000"
+    );
+    assert_eq!(
+        air("strips = 4", "strips = 4\nchord_m = 0"),
+        "wing.toml:62: key 'surface.in.chord_m': 0 is not allowed; allowed: a finite length > 0 m"
+    );
+    assert_eq!(
+        air("strips = 4", "strips = 4\nchord_m = { table = [[0, 0.1], [0.15, 0]] }"),
+        "wing.toml:62: key 'surface.in.chord_m': a chord that falls to 0 m on the body is not allowed; allowed: a \
+         chord > 0 m all along the body"
+    );
+    assert_eq!(
+        air("wind_m_s = [0, -10, 0]\n", ""),
+        "wing.toml:56: key 'aerodynamics.step_s' is missing; allowed: a finite time > 0 s: without wind_m_s it has no default"
+    );
+    assert_eq!(
+        air("model = \"uvlm\"\n", "model = \"uvlm\"\nmirror_normal = [0, 0, 0]\n"),
+        "wing.toml:58: key 'aerodynamics.mirror_normal': [0, 0, 0] is not allowed; allowed: an array of 3 finite \
+         numbers, not all 0"
+    );
+    assert_eq!(
+        air("strips = 4", "strips = 4\npolar = [[10, 1, 0, 0], [0, 0, 0, 0]]"),
+        "wing.toml:62: key 'surface.in.polar': [[10, 1, 0, 0], [0, 0, 0, 0]] is not allowed; allowed: rows [angle of \
+         attack in deg, lift, drag, moment coefficient] with angles ascending from -180 to 180"
+    );
+}
+
+/// Surfaces on no body, twice on one, none at all, and without air.
+#[test]
+fn places_of_surfaces() {
+    assert_eq!(
+        message(&format!("{AIR}{}", SURFACE.replace("inner", "iner"))),
+        "wing.toml:60: key 'surface.in.body': \"iner\" is not allowed; allowed: a body: \"inner\" or \"outer\" (did \
+         you mean \"inner\"?)"
+    );
+    assert_eq!(
+        message(&format!("{AIR}{SURFACE}{}", SURFACE.replace("surface.in", "surface.again"))),
+        "wing.toml:63: key 'surface.again.body': \"inner\" is not allowed; allowed: a body without a surface; \"in\" is \
+         on this one"
+    );
+    assert_eq!(
+        message(AIR),
+        "wing.toml:57: key 'aerodynamics.model': air without a surface is not allowed; allowed: at least one table \
+         [surface.<name>]"
+    );
+    assert_eq!(
+        message(SURFACE),
+        "wing.toml:56: key 'surface.in': a table without air is not allowed; allowed: a model file with [aerodynamics]"
+    );
+    // with the model `none` surfaces may stay in the file: loads come from outside
+    assert!(machine(&format!("{}{SURFACE}", AIR.replace("uvlm", "none"))).air.is_none());
+}
