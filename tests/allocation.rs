@@ -175,3 +175,31 @@ fn a03_other_joints_bodies_and_methods_allocate_nothing() {
         assert_eq!(allocations_of(machine), 0, "Runge–Kutta: allocations");
     }
 }
+
+/// Nor does it in air: strips and lattice with its wake, prescribed and free, while the wind changes.
+#[test]
+fn a04_steps_in_air_allocate_nothing() {
+    for air in [
+        "model = \"strip\"\nstep_s = 1e-3",
+        "model = \"uvlm\"\nwake_rows = 5\nreport_circulation = true",
+        "model = \"uvlm\"\nwake_rows = 5\nfree_wake = true\nleading_edge_suction = true",
+    ] {
+        let mut text = include_str!("../examples/models/folding_wing.toml").to_owned();
+        text += &format!("\n[aerodynamics]\nwind_m_s = [0.0, -10.0, 0.0]\n{air}\n");
+        for body in ["inner", "outer"] {
+            text += &format!("[surface.{body}]\nbody = \"{body}\"\nstrips = 3\nchord_panels = 2\n");
+        }
+        let machine = foldwing::config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}"));
+        let mut plant = start(machine);
+        // through the first aerodynamic steps, in which the wake grows
+        coast(&mut plant, 2e-2);
+        let before = ALLOCATIONS.with(Cell::get);
+        for i in 1..=60 {
+            if i % 10 == 0 {
+                plant.inputs_mut().wind_m_s = Vector3::new(0.0, -10.0, 0.01 * f64::from(i));
+            }
+            coast(&mut plant, 2e-2 + 1e-3 * f64::from(i));
+        }
+        assert_eq!(ALLOCATIONS.with(Cell::get) - before, 0, "{air}");
+    }
+}

@@ -27,7 +27,7 @@ impl Plant {
         }
         self.start(time_s);
         if self.machine.experiment.start == StartState::Equilibrium {
-            self.settle_at_rest(time_s, Holding::Stopped)?;
+            self.settle_in_air(time_s, Holding::Stopped)?;
         }
         self.conclude_start(time_s)
     }

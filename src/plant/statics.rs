@@ -155,7 +155,7 @@ impl Plant {
     /// that turns loads the wing by its centrifugal and Euler forces.
     pub fn equilibrium(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         self.start(time_s);
-        let effort = self.settle_at_rest(time_s, holding)?;
+        let effort = self.settle_in_air(time_s, holding)?;
         self.state.now.v.fill(0.0);
         self.state.now.a.fill(0.0);
         self.conclude_start(time_s)?;

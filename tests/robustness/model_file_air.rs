@@ -75,7 +75,7 @@ fn gusts() {
     );
     assert_eq!(
         message(&format!("{}{SURFACE}{gust}", AIR.replace("[0, -10, 0]", "[0, 0, 0]\nstep_s = 1e-3"))),
-        "wing.toml:64: key 'gust.up.direction' is missing; allowed: an array of 3 finite numbers, not all 0; its default \
+        "wing.toml:63: key 'gust.up.direction' is missing; allowed: an array of 3 finite numbers, not all 0; its default \
          is the direction of wind_m_s"
     );
 }

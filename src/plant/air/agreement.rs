@@ -12,11 +12,17 @@ use crate::plant::Plant;
 use crate::plant::air::{AirCoupling, AirHistory, Sample, StepLoads, Trial};
 use crate::plant::face::PlantError;
 use crate::plant::state::State;
+use crate::plant::statics::Holding;
 use crate::solve::EquationsOfMotion;
+use crate::solve::equilibrium::Effort;
 use nalgebra::Vector3;
 
 /// Share of an aerodynamic step below which the rest of it is round-off of the caller's clock.
 const SLIVER: f64 = 1e-9;
+/// Most iterations between air and structure at rest.
+const MOST_STATIC_ITERATIONS: usize = 100;
+/// Change of the loads at rest, relative to the largest, at which they agree: far above the statics' own error.
+const STATIC_TOLERANCE: f64 = 1e-9;
 
 /// The flow at a time with a given wind.
 fn flow<'a>(settings: &'a machine::Air, state: &State, time_s: f64, wind_m_s: Vector3<f64>) -> Flow<'a> {
@@ -67,6 +73,44 @@ impl Plant {
         self.state.air = Some(history);
         self.configure();
         Ok(())
+    }
+
+    /// Brings the machine to rest under the loads of an established flow, eq. (Q5); without air as
+    /// [`Plant::settle_at_rest`] does.
+    pub(in crate::plant) fn settle_in_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
+        if self.air.is_none() {
+            return self.settle_at_rest(time_s, holding);
+        }
+        let start = self.state.now.q.clone();
+        let joints = self.state.joints.clone();
+        self.start_air(time_s)?;
+        let mut change = f64::NAN;
+        if let Some(air) = &mut self.air {
+            air.acceleration.restart();
+        }
+        for _ in 0..MOST_STATIC_ITERATIONS {
+            self.state.now.q.copy_from_slice(&start);
+            self.state.joints.copy_from_slice(&joints);
+            self.configure();
+            let guess = self.state.air.as_ref().map(|history| history.loads.clone());
+            let effort = self.settle_at_rest(time_s, holding)?;
+            self.start_air(time_s)?;
+            let (Some(air), Some(history), Some(guess)) = (&mut self.air, &mut self.state.air, guess) else {
+                return Ok(effort);
+            };
+            air.read(&guess);
+            let (change_n, size_n) = air.compare();
+            change = change_n / size_n;
+            if !change_n.is_finite() || change_n <= STATIC_TOLERANCE * size_n {
+                return Ok(effort);
+            }
+            let AirCoupling { acceleration, guess, residual, .. } = &mut **air;
+            acceleration.next(guess, residual);
+            air.write(&mut history.loads);
+            history.loads.from.clone_from(&history.loads.to);
+        }
+        let cause = format!("{MOST_STATIC_ITERATIONS} iterations at rest leave a change of the loads of {change:.1e}");
+        Err(refusal(time_s, cause))
     }
 
     /// Begins the next aerodynamic step where the present one is over.

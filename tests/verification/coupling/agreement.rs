@@ -2,7 +2,7 @@
 //! rollback, accounts.
 
 use crate::wings::{folding_wing, light_wing, march, start};
-use foldwing::config::machine::JointKind;
+use foldwing::config::machine::{JointKind, StartState};
 use foldwing::plant::{Plant, PlantError};
 use nalgebra::{Matrix4, Vector3, Vector4};
 
@@ -250,4 +250,38 @@ fn q08_still_air_around_a_wing_at_rest_does_nothing() {
         assert_eq!(plant.outputs().air.total.force_n, Vector3::zeros(), "{model}");
         assert_eq!(plant.outputs().energy.kinetic, 0.0);
     }
+}
+
+/// A start from equilibrium in the wind stays where it is, and is where a damped run ends up; linear in the air's
+/// density for small loads.
+#[test]
+fn q10_equilibrium_in_the_wind_stays() {
+    let machine = |density: f64, start: StartState| {
+        let air = format!(
+            "model = \"uvlm\"\ndensity_kg_m3 = {density:?}\nwind_m_s = [0.0, -10.0, 0.0]\nmirror_normal = [1.0, 0.0, 0.0]\nwake_rows = 20\ncoupling_tolerance = 1e-8\n"
+        );
+        let mut machine = folding_wing(&air.replace("-10.0, 0.0]", "-10.0, 0.3]"), 4, 2);
+        machine.gravity_m_s2 = Vector3::zeros();
+        machine.experiment.start = start;
+        let JointKind::Revolute(fold) = &mut machine.bodies[1].joint.kind else { panic!("a fold joint") };
+        (fold.release, fold.start_angle_rad) = (false, 0.0);
+        for body in &mut machine.bodies {
+            body.mass_damping_1_s = 60.0;
+        }
+        machine
+    };
+    let tip = |plant: &Plant| plant.outputs().tips[0].position_m.z;
+    let rest = start(machine(1.2, StartState::Equilibrium));
+    let begun = tip(&rest);
+    assert!(begun > 1e-3, "the wind of 1.7 degrees from below lifts the tip: {begun}");
+    let later = tip(&march(rest, 0.1, 1));
+    println!("tip at rest {begun:.9} m, after 0.1 s {later:.9} m");
+    // the wake of the established flow is laid out at once, that of the run row by row: 3e-5
+    approx::assert_relative_eq!(later, begun, max_relative = 1e-4);
+    let settled = tip(&march(start(machine(1.2, StartState::Unstrained)), 1.5, 1));
+    println!("after 1.5 s from the straight wing {settled:.9} m");
+    // exp(-30 * 1.5) of the way is left
+    approx::assert_relative_eq!(settled, begun, max_relative = 1e-4);
+    let thin = tip(&start(machine(1.2e-3, StartState::Equilibrium)));
+    approx::assert_relative_eq!(thin * 1e3, begun, max_relative = 0.3);
 }
