@@ -2,6 +2,7 @@
 
 mod check;
 mod joint_size;
+mod lattice;
 mod linearize;
 mod modes;
 mod package;

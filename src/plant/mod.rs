@@ -21,6 +21,7 @@ mod statics;
 mod strains;
 
 pub use crate::solve::equilibrium::Effort as StaticEffort;
+pub use air::SurfaceLattice;
 pub use crate::solve::linearize::{SecondOrder, StateSpace};
 pub use face::{
     AirOutputs, BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, JointStatus,
