@@ -66,7 +66,7 @@ def main():
             runs[f"{speed_m_s} m/s"] = in_wind = deploy(arguments.tunnel, {"wind.velocity.y": -float(speed_m_s)})
             latch_s, strain = latch_time(in_wind), abs(peak(in_wind)[1])
             latch = "does not latch" if latch_s is None else f"latches at {latch_s:.4f} s"
-            print(f"at {speed_m_s} m/s        {latch}, peak root strain {strain:.3e}")
+            print(f"at {speed_m_s} m/s         {latch}, peak root strain {strain:.3e}")
         plot_speeds(runs, arguments.output / "flow_speeds.png")
     print(f"CSV and plots     {arguments.output}")
 

@@ -188,6 +188,9 @@ impl<W: Write> Run<'_, W> {
         let failed = |error: foldwing::plant::PlantError| Failure::Simulation(error.to_string());
         self.feed(grid.start_s)?;
         self.plant.initialize(grid.start_s).map_err(failed)?;
+        if self.lattices.is_some() && self.plant.lattice().is_none() {
+            return Err(Failure::Usage("--lattice: the model's air is no vortex lattice".to_owned()));
+        }
         self.record(grid.start_s).map_err(writing)?;
         let mut progress = Progress::new(grid.steps);
         for point in 1..=grid.steps {

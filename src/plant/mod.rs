@@ -21,8 +21,8 @@ mod statics;
 mod strains;
 
 pub use crate::solve::equilibrium::Effort as StaticEffort;
-pub use air::SurfaceLattice;
 pub use crate::solve::linearize::{SecondOrder, StateSpace};
+pub use air::SurfaceLattice;
 pub use face::{
     AirOutputs, BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, JointStatus,
     LoopOutputs, Outputs, Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
