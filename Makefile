@@ -14,9 +14,10 @@ MINIMUM_PYTHON := 3.9
 VENV_PYTHON := $(VENV)/bin/python
 COMMAND     := $(TARGET)/release/foldwing
 FMU         := $(TARGET)/fmu/FoldingWing.fmu
+TUNNEL_FMU  := $(TARGET)/fmu/folding_wing_in_tunnel.fmu
 DEPLOYMENT  := $(TARGET)/deployment
 
-.PHONY: all build package venv deploy test format lint unit pytest validate bench bless python-lock clean help toolchain
+.PHONY: all build package venv deploy test format lint unit pytest validate tunnel bench bless python-lock clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -38,8 +39,8 @@ package: build ## Make the FMU of every shipped model in $(TARGET)/fmu
 venv: toolchain ## Create the Python environment from pinned packages
 	@$(PYTHON) tools/create_venv.py $(VENV) --requirements python/requirements.txt
 
-deploy: package venv ## Unfold the wing: latch time, peak strain, CSV and plots
-	@$(VENV_PYTHON) examples/deploy.py --fmu $(FMU) --output $(DEPLOYMENT)
+deploy: package venv ## Unfold the wing in still air and at 10 and 20 m/s: latch time, peak strain, CSV and plots
+	@$(VENV_PYTHON) examples/deploy.py --fmu $(FMU) --tunnel $(TUNNEL_FMU) --output $(DEPLOYMENT)
 
 test: toolchain format lint unit pytest ## Check everything
 
@@ -61,10 +62,14 @@ bench: toolchain ## Measure the cost of the recursions and of other methods; doc
 	$(CARGO) bench --locked --bench conventional
 	$(CARGO) bench --locked --bench lattice
 
-validate: package venv ## Compare with the methods of the paper, damp the wing: target/verification, docs/pictures
+validate: package venv ## Compare with the methods of the paper, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
 	$(CARGO) test --locked --test conventional -- --nocapture
 	$(VENV_PYTHON) tools/plot_conventional.py $(TARGET)/verification docs/pictures
 	$(VENV_PYTHON) examples/damp_latched_wing.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/damped_latched_wing.png
+	$(VENV_PYTHON) tools/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
+
+tunnel: package venv ## Change one choice of the wind tunnel at a time: docs/tables/tunnel.md, takes minutes
+	$(VENV_PYTHON) tools/tunnel_study.py --foldwing $(COMMAND) --table docs/tables/tunnel.md
 
 bless: toolchain ## Rewrite modelDescription/ after a deliberate change of the interface
 	FOLDWING_BLESS=1 $(CARGO) test --locked --test model_description

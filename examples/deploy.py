@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Unfolds the wing: drives the FMU through FMPy, prints latch time and peak strain, writes CSV and plots.
 
-Usage: deploy.py --fmu FoldingWing.fmu --output FOLDER
+Usage: deploy.py --fmu FoldingWing.fmu --output FOLDER [--tunnel folding_wing_in_tunnel.fmu]
 
 The start values of the inputs release the wing and enable its latch, so nothing needs to be set. The plots show fold
-angle, root strain, the path of the tip, and the shape of the wing over time.
+angle, root strain, the path of the tip, and the shape of the wing over time. With `--tunnel`, an FMU with air, the same
+at the flow speeds of the wind tunnel as well: its input `wind.velocity.y` gets another start value.
 """
 
 import argparse
@@ -36,11 +37,13 @@ STYLE = {
     "legend.frameon": False,
 }
 SHAPES = 12  # wing shapes drawn before the latch closes
+SPEEDS_M_S = (10, 20)  # flow speeds in the wind tunnel, along the chord
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--fmu", required=True, help="FMU of a folding wing with a joint `fold` and a gauge `root`")
+    parser.add_argument("--tunnel", help="FMU of the same wing with air")
     parser.add_argument("--output", type=Path, required=True, help="folder for CSV and plots")
     arguments = parser.parse_args()
 
@@ -57,13 +60,21 @@ def main():
     latch_s = latch_time(result)
     print(f"fold.latch_time   {'did not latch' if latch_s is None else f'{latch_s:.4f} s'}")
     print(f"peak root strain  {abs(strain):.3e} (gauge.root.strain = {strain:.3e} at {time_s:.4f} s)")
+    if arguments.tunnel:
+        runs = {"still air": result}
+        for speed_m_s in SPEEDS_M_S:
+            runs[f"{speed_m_s} m/s"] = in_wind = deploy(arguments.tunnel, {"wind.velocity.y": -float(speed_m_s)})
+            latch_s, strain = latch_time(in_wind), abs(peak(in_wind)[1])
+            latch = "does not latch" if latch_s is None else f"latches at {latch_s:.4f} s"
+            print(f"at {speed_m_s} m/s         {latch}, peak root strain {strain:.3e}")
+        plot_speeds(runs, arguments.output / "flow_speeds.png")
     print(f"CSV and plots     {arguments.output}")
 
 
-def deploy(fmu):
+def deploy(fmu, start_values=None):
     """All outputs over the default experiment, as FMPy's structured array."""
     outputs = [v.name for v in read_model_description(str(fmu)).modelVariables if v.causality == "output"]
-    return simulate_fmu(str(fmu), output=outputs)
+    return simulate_fmu(str(fmu), output=outputs, start_values=start_values or {})
 
 
 def latch_time(result):
@@ -125,6 +136,23 @@ def plot_root_strain(result, path):
     axes.plot(time_s, 1e3 * strain, "o", color=ACCENT, label=f"peak {1e3 * strain:.2f}·10⁻³ at {time_s:.4f} s".replace("-", "−", 1))
     axes.set_xlim(result["time"][0], result["time"][-1])
     axes.legend()
+    save(fig, path)
+
+
+def plot_speeds(runs, path):
+    """Fold angle and strain of several runs, by what the legend calls them."""
+    fig, (upper, lower) = plt.subplots(2, 1, figsize=(7.2, 6.0), sharex=True)
+    for (label, result), colour in zip(runs.items(), ("#7a8b99", ACCENT, INK)):
+        latch_s = latch_time(result)
+        latch = "" if latch_s is None else f", latch at {latch_s:.4f} s"
+        upper.plot(result["time"], np.degrees(result["fold.angle"]), color=colour, label=label + latch)
+        strain = 1e3 * result["gauge.root.strain"]
+        lower.plot(result["time"], strain, color=colour, linewidth=1.2, label=f"{label}, peak {np.abs(strain).max():.2f}·10⁻³")
+    upper.set(ylabel="fold angle (deg)", yticks=np.arange(0, 181, 30))
+    upper.set_title("Unfolding at three flow speeds", loc="left", fontsize=11, color=INK)
+    lower.set(xlabel="time (s)", ylabel="strain at the root gauge (10⁻³)", xlim=(0.0, result["time"][-1]))
+    upper.legend()
+    lower.legend(fontsize=8, loc="lower right")
     save(fig, path)
 
 

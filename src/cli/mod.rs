@@ -3,6 +3,7 @@
 mod air_summary;
 mod check;
 mod joint_size;
+mod lattice;
 mod linearize;
 mod modes;
 mod package;

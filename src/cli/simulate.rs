@@ -1,5 +1,6 @@
 //! `foldwing simulate`: outputs over time as CSV.
 
+use crate::cli::lattice::LatticeRecord;
 use crate::cli::settings::plant_with;
 use crate::cli::strains::StrainPeaks;
 use crate::cli::{Failure, read_model};
@@ -45,6 +46,13 @@ pub struct Arguments {
     /// CSV file for the largest longitudinal strain of every section (ends of the elements) over the run
     #[arg(long, value_name = "OUT.csv")]
     strains: Option<PathBuf>,
+    /// JSON file for the vortex lattice and its wake at the times of `--lattice-at`
+    #[arg(long, value_name = "OUT.json", requires = "lattice_at")]
+    lattice: Option<PathBuf>,
+    /// Time in s at which the lattice is written; may be repeated. Taken at the next communication point, at the end of
+    /// the aerodynamic step there
+    #[arg(long, value_name = "S", requires = "lattice", allow_negative_numbers = true)]
+    lattice_at: Vec<f64>,
     /// Variable to write; may be repeated [default: all outputs]
     #[arg(long = "output", value_name = "NAME")]
     outputs: Vec<String>,
@@ -70,15 +78,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let recorder = Recorder::new(BufWriter::new(sink), &recorded).map_err(writing)?;
     let strains = arguments.strains.as_ref().map(|_| StrainPeaks::default());
-    let mut run = Run { plant, interface: &interface, inputs, recorded: &recorded, recorder, strains };
+    let lattices = arguments.lattice.as_ref().map(|_| LatticeRecord::new(arguments.lattice_at.clone()));
+    let mut run = Run { plant, interface: &interface, inputs, recorded: &recorded, recorder, strains, lattices };
     let clock = Instant::now();
     let outcome = run.through(&grid, &writing);
-    let Run { plant, recorder, strains, .. } = run;
+    let Run { plant, recorder, strains, lattices, .. } = run;
     recorder.finish().and_then(|mut sink| sink.flush()).map_err(writing)?;
     if let (Some(strains), Some(path)) = (strains, &arguments.strains) {
         let failed = |error: io::Error| Failure::writing(&path.display().to_string(), &error);
         let sink = BufWriter::new(File::create(path).map_err(failed)?);
         strains.write(&plant, sink).map_err(failed)?;
+    }
+    if let (Some(lattices), Some(path)) = (lattices, &arguments.lattice) {
+        let failed = |error: io::Error| Failure::writing(&path.display().to_string(), &error);
+        lattices.write(BufWriter::new(File::create(path).map_err(failed)?)).map_err(failed)?;
     }
     outcome?;
     if !arguments.quiet {
@@ -166,6 +179,8 @@ struct Run<'a, W: Write> {
     recorder: Recorder<W>,
     /// Largest strains, where they are wanted.
     strains: Option<StrainPeaks>,
+    /// Lattices, where they are wanted.
+    lattices: Option<LatticeRecord>,
 }
 
 impl<W: Write> Run<'_, W> {
@@ -173,6 +188,9 @@ impl<W: Write> Run<'_, W> {
         let failed = |error: foldwing::plant::PlantError| Failure::Simulation(error.to_string());
         self.feed(grid.start_s)?;
         self.plant.initialize(grid.start_s).map_err(failed)?;
+        if self.lattices.is_some() && self.plant.lattice().is_none() {
+            return Err(Failure::Usage("--lattice: the model's air is no vortex lattice".to_owned()));
+        }
         self.record(grid.start_s).map_err(writing)?;
         let mut progress = Progress::new(grid.steps);
         for point in 1..=grid.steps {
@@ -205,6 +223,9 @@ impl<W: Write> Run<'_, W> {
         let (plant, interface) = (&self.plant, self.interface);
         if let Some(strains) = &mut self.strains {
             strains.include(plant);
+        }
+        if let Some(lattices) = &mut self.lattices {
+            lattices.include(plant);
         }
         let value = |variable: &&Variable| {
             interface.get(plant, plant.outputs(), variable.value_reference).expect("rows come from the same table")

@@ -67,6 +67,32 @@ fn strains_are_reported_per_section() {
     refuses(&refused, 4, "no/such/folder/x.csv");
 }
 
+/// `--lattice` writes the lattice and its wake at the times asked for, and nothing for a model without one.
+#[test]
+fn the_lattice_is_written_at_chosen_times() {
+    let folder = scratch();
+    let file = folder.path().join("lattice.json");
+    let path = file.to_str().unwrap();
+    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/folding_wing_in_tunnel.toml");
+    let run = ["--csv", "-", "-q", "--stop", "0.01", "--lattice", path, "--lattice-at", "0.01", "--lattice-at", "0"];
+    succeeds(&foldwing(&[&["simulate", model.to_str().unwrap()], &run[..]].concat()));
+    let written: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
+    let times: Vec<f64> = written.as_array().unwrap().iter().map(|taken| taken["time_s"].as_f64().unwrap()).collect();
+    assert_eq!(times.len(), 2);
+    assert!(times[0] == 0.0 && (times[1] - 0.01).abs() < 1e-12, "{times:?}");
+    for (surface, name) in written[1]["surfaces"].as_array().unwrap().iter().zip(["inner", "outer"]) {
+        assert_eq!(surface["body"], name);
+        let size = |key: &str| (surface[key].as_array().unwrap().len(), surface[key][0].as_array().unwrap().len());
+        assert_eq!((size("corner_m"), size("wake_node_m")), ((5, 11), (31, 11)));
+        assert_eq!(size("wake_circulation_m2_s"), (30, 10));
+        assert_eq!(surface["corner_m"][4], surface["wake_node_m"][0], "the wake starts at the last corners");
+        let shed = surface["wake_circulation_m2_s"][0][5].as_f64().unwrap();
+        assert!(shed != 0.0, "the moving wing sheds");
+    }
+    refuses(&on_model("simulate", &run), 2, "no vortex lattice");
+    refuses(&on_model("simulate", &["--csv", "-", "--lattice", path]), 2, "--lattice-at");
+}
+
 /// Each exit code that `--help` documents, with a message that names the cause.
 #[test]
 fn exit_codes_tell_causes_apart() {

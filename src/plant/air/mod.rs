@@ -1,6 +1,9 @@
 //! Air around the machine: its loads over time, what the state remembers of it, what is reported of it.
 
 mod agreement;
+mod view;
+
+pub use view::SurfaceLattice;
 
 use crate::aero::surface::Surface;
 use crate::aero::{AirLoads, AirModel, AirState};
