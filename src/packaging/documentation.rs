@@ -308,7 +308,6 @@ pub(super) fn table(html: &mut String, head: &[&str], rows: impl Iterator<Item =
 mod tests {
     use super::*;
     use crate::config::machine::Closure;
-    use crate::packaging::air_section;
     use crate::packaging::drawing::tests::two_body_machine;
 
     /// The page names what the model has, escapes its text, refers to nothing outside itself and closes its tags.

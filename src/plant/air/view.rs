@@ -48,6 +48,6 @@ impl Plant {
             }
         };
         let surfaces = air.settings.surfaces.iter().enumerate().map(view).collect();
-        Some((history.ramp.end_s, surfaces))
+        Some((history.loads.end_s, surfaces))
     }
 }
