@@ -84,13 +84,15 @@ fn published_lattice() -> f64 {
 #[ignore = "minutes: make validate"]
 fn q25_flutter_of_the_published_lattice() {
     let aft = |case: Goland| Goland { axis_fraction: case.axis_fraction + 0.25 / case.chord_panels as f64, ..case };
-    for (panels, strips) in [(8, 8), (16, 8), (16, 16)] {
-        let case = Goland::lattice(panels, strips);
+    for panels in [8, 16] {
+        let case = Goland::lattice(panels, 8);
         let [ours, theirs] = [case.flutter(174.0, 0.03), aft(case).flutter(166.0, 0.03)];
-        let off = 100.0 * (theirs[0] / published_lattice() - 1.0);
-        println!("Q-25 {panels} x {strips}: {ours:.2?}; with rings from the panels' edges {theirs:.2?}, {off:+.1} %");
-        if strips == 16 {
-            assert!(off.abs() < 3.0, "{theirs:?}");
-        }
+        println!("Q-25 {panels} x 8: {ours:.2?}; with rings from the panels' edges {theirs:.2?} (m/s, rad/s)");
+        assert!(theirs[0] < published_lattice() * 1.03 && theirs[0] < ours[0], "{ours:?}, {theirs:?}");
     }
+    let theirs = aft(Goland::lattice(16, 16)).flutter(166.0, 0.03);
+    let off = theirs[0] / published_lattice() - 1.0;
+    println!("Q-25 16 x 16 with rings from the panels' edges: {theirs:.2?}, {:+.2} %", 100.0 * off);
+    // the goal for published values
+    assert!(off.abs() < 0.03, "{theirs:?}");
 }
