@@ -62,8 +62,9 @@ bench: toolchain ## Measure the cost of the recursions and of other methods; doc
 	$(CARGO) bench --locked --bench conventional
 	$(CARGO) bench --locked --bench lattice
 
-validate: package venv ## Compare with the methods of the paper, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
+validate: package venv ## Compare with the methods of the paper, flutter, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
 	$(CARGO) test --locked --test conventional -- --nocapture
+	$(CARGO) test --locked --release --test coupling -- --ignored --nocapture
 	$(VENV_PYTHON) tools/plot_conventional.py $(TARGET)/verification docs/pictures
 	$(VENV_PYTHON) examples/damp_latched_wing.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/damped_latched_wing.png
 	$(VENV_PYTHON) tools/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures

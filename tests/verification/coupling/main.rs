@@ -7,4 +7,8 @@
 mod machines;
 
 mod agreement;
+mod flutter;
+mod goland;
+mod identification;
+mod twist;
 mod wings;
