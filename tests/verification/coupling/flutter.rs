@@ -66,8 +66,8 @@ fn q24_lattice_flutters_later_than_strips() {
     assert!(coarse[0] > 1.1 * by_strips[0], "{coarse:?}, {by_strips:?}");
     // loads of small motions are the same by both rules; squares of the motion are 1e-8 of it
     assert!((suction[0] / coarse[0] - 1.0).abs() < 1e-6, "{suction:?}");
-    // a wave of the wake is 8.7 chords long: its vortices alternate
-    assert!((long[0] / coarse[0] - 1.0).abs() < 1e-3 && (short[0] / coarse[0] - 1.0).abs() < 3e-3);
+    // a wave of the wake is 8.7 chords long: its vortices alternate; 5 and 10 chords leave 1.1 % and 0.34 % of the lift (U-16)
+    assert!((long[0] / coarse[0] - 1.0).abs() < 3.4e-3 && (short[0] / coarse[0] - 1.0).abs() < 1.1e-2);
 }
 
 /// Flutter speed in m/s that the reference file has for a lattice of 16 panels along the chord at 1.02 kg/m³.
