@@ -14,7 +14,8 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Attachment, BodyDescription, JointDescription};
 use crate::multibody::{Model, Workspace, energy, norm, station};
 use crate::plant::air::{AirCoupling, Ramp};
-use crate::plant::face::Parameters;
+use crate::plant::course::Course;
+use crate::plant::face::{Inputs, Parameters};
 use crate::plant::spatial::SpatialEquations;
 use crate::plant::{revolutes, spatials};
 use crate::solve::{EquationsOfMotion, Powers, Singular};
@@ -65,6 +66,9 @@ impl JointEquations {
 pub(super) struct Equations {
     pub model: Model,
     pub work: Workspace,
+    /// Inputs of the communication step; where they run in time, the residual brings `root`, `stations` and the external
+    /// torques to its own.
+    pub course: Course,
     pub root: RootMotion,
     pub damping: Vec<Damping>,
     /// Loads at the stations of the model: the caller's first, then those of the air on its sections.
@@ -162,6 +166,7 @@ impl Equations {
         }
         Self {
             work: Workspace::new(&model),
+            course: Course::held(&Inputs::of(machine)),
             root: RootMotion::default(),
             damping: vec![Damping::default(); model.bodies.len()],
             stations: vec![Wrench::default(); model.stations.len()],
@@ -266,6 +271,13 @@ impl EquationsOfMotion for Equations {
         if let Some(ramp) = &self.ramp {
             ramp.write(time_s, &mut self.stations[self.load_stations..]);
         }
+        if self.course.moves {
+            self.root = self.course.root(time_s);
+            self.course.write_stations(time_s, &mut self.stations[..self.load_stations]);
+            for (i, joint) in self.joints.iter_mut().enumerate() {
+                joint.external_n_m = self.course.torque_n_m(i, time_s);
+            }
+        }
         let environment = Environment {
             root: &self.root,
             damping: &self.damping,
@@ -344,6 +356,11 @@ impl EquationsOfMotion for Equations {
         }
         for closure in &self.model.closures {
             powers.dissipated += closure.dissipation_w(&self.work);
+        }
+        if self.course.moves {
+            // a field that changes in time does work on the potential, eq. (A4)
+            let field = self.course.rates.root.apparent_gravity_m_s2();
+            powers.work -= field.dot(&energy::first_moment_kg_m(&self.model, &self.work));
         }
         if self.root.rotates() {
             powers.work += energy::frame_power(&self.model, &self.work, &self.root);

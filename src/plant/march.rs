@@ -22,7 +22,7 @@ const MAX_LOCATING_STEPS: usize = 40;
 const CROSSING_SAMPLES: u32 = 8;
 
 impl Plant {
-    /// Goes on to `end_s` with the present inputs; the outputs then belong to `end_s`.
+    /// Goes on to `end_s` with the present inputs and their rates; the outputs then belong to `end_s`.
     ///
     /// On an error the plant stands at the last good time, [`Plant::time_s`], and its outputs belong to it.
     /// Allocates nothing.
@@ -38,6 +38,7 @@ impl Plant {
                 ahead.copy_from(start);
             }
         }
+        self.state.arrive();
         self.evaluate();
         outcome
     }
@@ -260,10 +261,11 @@ impl Plant {
                 point.time_s += shift_s;
             }
             self.state.now.time_s = time_s;
+            self.state.applied_from_s += shift_s;
             if let Some(air) = &mut self.state.air {
                 air.shift(shift_s);
-                self.configure();
             }
+            self.configure();
             self.outputs.time_s = time_s;
         }
     }

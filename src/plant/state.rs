@@ -31,8 +31,14 @@ pub(super) struct State {
     pub inputs: Inputs,
     /// Parameters as the caller last set them.
     pub parameters: Parameters,
-    /// Inputs that the present step runs with.
+    /// Rates of the real inputs in the coming step as the caller set them, per second.
+    pub rates: Inputs,
+    /// Inputs that the present step runs with, at `applied_from_s`.
     pub applied_inputs: Inputs,
+    /// Rates of the real inputs that the present step runs with, per second.
+    pub applied_rates: Inputs,
+    /// Time of `applied_inputs` in s.
+    pub applied_from_s: f64,
     /// Parameters that the present step runs with.
     pub applied_parameters: Parameters,
     /// Begin of the integrator's present step.
@@ -63,7 +69,10 @@ impl State {
         let (inputs, parameters) = (Inputs::of(machine), Parameters::of(machine));
         Self {
             initialized: false,
+            rates: inputs.no_rates(),
+            applied_rates: inputs.no_rates(),
             applied_inputs: inputs.clone(),
+            applied_from_s: 0.0,
             applied_parameters: parameters.clone(),
             inputs,
             parameters,
@@ -111,8 +120,12 @@ impl Snapshot {
                 state.parameters.joints.len(),
                 state.parameters.bodies.len(),
                 state.parameters.spatial.len(),
+                state.rates.joints.len(),
+                state.rates.stations.len(),
                 state.applied_inputs.joints.len(),
                 state.applied_inputs.stations.len(),
+                state.applied_rates.joints.len(),
+                state.applied_rates.stations.len(),
                 state.applied_parameters.joints.len(),
                 state.applied_parameters.bodies.len(),
                 state.applied_parameters.spatial.len(),
