@@ -140,7 +140,8 @@ mod tests {
         let ahead = towards(1.0, 1.5, 2.0);
         assert_eq!((ahead.end_s(), ahead.at(2.0), ahead.at(4.0)), (3.0, (2.0, 2.0), (5.5, 1.5)));
         let coming = towards(1.0, -3.0, 2.0);
-        assert_eq!((coming.end_s(), coming.at(1.1).1, coming.at(2.2)), (1.2, 2.0, (0.4 - 2.0, -2.0)));
+        assert_eq!((coming.end_s(), coming.at(1.1).1, coming.at(2.2).1), (1.2, 2.0, -2.0));
+        assert!((coming.at(2.2).0 + 1.6).abs() < 1e-15, "round-off: met at 0.4 rad, back for 1 s at the limit");
         let away = towards(1.0, 2.5, 2.0);
         assert_eq!((away.end_s(), away.at(3.0)), (f64::INFINITY, (4.0, 2.0)));
         let unlimited = towards(1.0, 50.0, 1e30);

@@ -39,6 +39,8 @@ pub(super) struct JointEquations {
     pub slew: Slew,
     /// External torque in N·m.
     pub external_n_m: f64,
+    /// Torque at which a limit holds the drive whatever the inputs are, in N·m: only while derivatives by inputs are taken.
+    pub pinned_n_m: Option<f64>,
     /// Latch.
     pub latch: Option<Latch>,
     /// Latch closed.
@@ -52,6 +54,9 @@ impl JointEquations {
     pub fn drive_torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> DriveTorque {
         if !self.driven {
             return DriveTorque::default();
+        }
+        if let Some(applied_n_m) = self.pinned_n_m {
+            return DriveTorque { applied_n_m, clipped_n_m: 0.0, saturated: true };
         }
         self.drive.torque(angle_rad, rate_rad_s, self.slew.at(time_s).0, self.external_n_m)
     }
@@ -149,6 +154,7 @@ impl Equations {
                 drive: Drive::default(),
                 slew: Slew::default(),
                 external_n_m: 0.0,
+                pinned_n_m: None,
                 latch: revolute.latch.as_ref().map(|latch| Latch {
                     angle_rad: latch.angle_rad,
                     stiffness_n_m_rad: latch.stiffness_n_m_rad,

@@ -97,6 +97,7 @@ impl Plant {
             return Err(PlantError::Initialization { time_s, cause: "accelerations are not finite".into() });
         }
         self.restrain_step(jump);
+        self.state.before = self.state.now.clone();
         self.state.start = self.state.now.clone();
         self.state.ahead = self.state.now.clone();
         self.state.initialized = true;
@@ -132,6 +133,7 @@ impl Plant {
             joint.slew = state.slew;
             joint.external_n_m = inputs.joints[i].torque_n_m;
             joint.latched = state.latch.closed;
+            joint.pinned_n_m = None;
             if let Some(latch) = &mut joint.latch {
                 latch.stiffness_n_m_rad = parameters.latch_stiffness_n_m_rad;
             }
@@ -258,7 +260,9 @@ impl Plant {
         }
         start.dissipated += dissipated;
         start.work += after - before + dissipated;
-        self.state.ahead.copy_from(&self.state.start);
+        let State { before, start, ahead, .. } = &mut self.state;
+        ahead.copy_from(start);
+        before.copy_from(start);
         Ok(jump)
     }
 

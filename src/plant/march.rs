@@ -52,7 +52,10 @@ impl Plant {
         });
         let limit_s = if changed || fixed.is_some() { end_s } else { f64::INFINITY };
         while self.state.ahead.time_s <= end_s {
-            let State { start, ahead, .. } = &mut self.state;
+            let State { before, start, ahead, .. } = &mut self.state;
+            if ahead.time_s > start.time_s {
+                before.copy_from(start);
+            }
             start.copy_from(ahead);
             self.apply_events()?;
             if self.state.start.time_s >= end_s {
@@ -257,7 +260,8 @@ impl Plant {
     pub fn adopt_time(&mut self, time_s: f64) {
         let shift_s = time_s - self.state.now.time_s;
         if shift_s != 0.0 {
-            for point in [&mut self.state.start, &mut self.state.ahead, &mut self.state.now] {
+            let State { before, start, ahead, now, .. } = &mut self.state;
+            for point in [before, start, ahead, now] {
                 point.time_s += shift_s;
             }
             self.state.now.time_s = time_s;

@@ -7,6 +7,7 @@
 
 mod air;
 mod course;
+mod derivatives;
 mod equations;
 mod events;
 mod face;

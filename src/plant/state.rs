@@ -41,6 +41,8 @@ pub(super) struct State {
     pub applied_from_s: f64,
     /// Parameters that the present step runs with.
     pub applied_parameters: Parameters,
+    /// Begin of the integrator's last step before the present one; the same as `start` after an event.
+    pub before: Point,
     /// Begin of the integrator's present step.
     pub start: Point,
     /// End of the integrator's present step, at or ahead of the present time.
@@ -76,6 +78,7 @@ impl State {
             applied_parameters: parameters.clone(),
             inputs,
             parameters,
+            before: Point::default(),
             start: Point::default(),
             ahead: Point::default(),
             now: Point::default(),
@@ -137,7 +140,7 @@ impl Snapshot {
         let fits = |point: &Point| {
             [&point.q, &point.v, &point.a, &point.auxiliary].iter().all(|vector| vector.len() == coordinates)
         };
-        let points_fit = [&theirs.start, &theirs.ahead, &theirs.now].into_iter().all(fits);
+        let points_fit = [&theirs.before, &theirs.start, &theirs.ahead, &theirs.now].into_iter().all(fits);
         if theirs.initialized && !points_fit {
             return Err(PlantError::Snapshot("numbers of coordinates differ".into()));
         }
