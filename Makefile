@@ -63,6 +63,8 @@ bench: toolchain ## Measure the cost of the recursions and of other methods; doc
 validate: package venv ## Compare with the methods of the paper, damp the wing: target/verification, docs/pictures
 	$(CARGO) test --locked --test conventional -- --nocapture
 	$(VENV_PYTHON) tools/plot_conventional.py $(TARGET)/verification docs/pictures
+	$(CARGO) test --locked --test capabilities -- --nocapture
+	$(VENV_PYTHON) tools/plot_input_derivatives.py $(TARGET)/verification docs/pictures
 	$(VENV_PYTHON) examples/damp_latched_wing.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/damped_latched_wing.png
 
 bless: toolchain ## Rewrite modelDescription/ after a deliberate change of the interface

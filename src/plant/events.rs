@@ -148,10 +148,7 @@ impl Plant {
     /// do: their step ends at the communication point.
     pub(super) fn inputs_changed(&self) -> bool {
         let State { inputs, rates, parameters, applied_inputs, applied_rates, applied_parameters, .. } = &self.state;
-        inputs != applied_inputs
-            || parameters != applied_parameters
-            || !rates.is_still()
-            || !applied_rates.is_still()
+        inputs != applied_inputs || parameters != applied_parameters || !rates.is_still() || !applied_rates.is_still()
     }
 
     /// Cuts the integrator's step at the present time and goes on with the new inputs and parameters.
