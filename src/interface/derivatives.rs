@@ -1,5 +1,7 @@
 //! Derivatives of rows: in time, and with respect to each other.
 
+use crate::config::Machine;
+use crate::config::machine::StartState;
 use crate::interface::access::{Kind, Stage};
 use crate::interface::binding::{Binding, Input, Output, Parameter};
 use crate::interface::{AccessError, Interface, Scalar, Value, Variable};
@@ -7,6 +9,9 @@ use crate::plant::{Inputs, Outputs, Plant, PlantError};
 
 /// Step of differences of initial values, of the known's value, or in its unit where that is smaller (inputs) or zero.
 const INITIAL_STEP: f64 = 1e-3;
+/// Step in the unit of an input that the initial values are a polynomial of: any is exact, a large one has the least
+/// round-off.
+const POLYNOMIAL_STEP: f64 = 1.0;
 /// Sixth-order central difference: steps and weights, over 60 steps.
 const SIXTH_ORDER: [(f64, f64); 6] = [(1.0, 45.0), (-1.0, -45.0), (2.0, -9.0), (-2.0, 9.0), (3.0, 1.0), (-3.0, -1.0)];
 
@@ -182,7 +187,8 @@ fn initial_differences(
         Known::Parameter(parameter) => *parameter.slot(plant.parameters_mut()),
     };
     let floor = if value == 0.0 || matches!(known, Known::Input(_)) { 1.0 } else { 0.0 };
-    let step = INITIAL_STEP * value.abs().max(floor);
+    let step =
+        if is_polynomial(plant.machine(), known) { POLYNOMIAL_STEP } else { INITIAL_STEP * value.abs().max(floor) };
     let start_at = |plant: &mut Plant, value: f64| {
         match known {
             Known::Input(input) => *input.real_mut(plant.inputs_mut()).expect("a Real input") = value,
@@ -202,6 +208,23 @@ fn initial_differences(
     }
     start_at(plant, value)?;
     outcome
+}
+
+/// Whether the initial values are polynomials of an input: loads and motion of the root on a machine whose coordinates at
+/// the start do not follow from them. Drives have limits, the air is no polynomial of the turning of the root.
+fn is_polynomial(machine: &Machine, known: Known) -> bool {
+    machine.experiment.start == StartState::Unstrained
+        && match known {
+            Known::Input(
+                Input::StationForce(..)
+                | Input::StationMoment(..)
+                | Input::Gravity(_)
+                | Input::RootAcceleration(_)
+                | Input::RootAngularAcceleration(_),
+            ) => true,
+            Known::Input(Input::RootAngularVelocity(_)) => machine.air.is_none(),
+            Known::Input(Input::Joint(..) | Input::Wind(_)) | Known::Parameter(_) => false,
+        }
 }
 
 /// A Real output's value.

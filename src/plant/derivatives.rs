@@ -1,5 +1,6 @@
 //! Derivatives of the outputs: in time, and by inputs with the state frozen.
 
+use crate::actuation::drive::Slew;
 use crate::beam::element::ElementKind;
 use crate::load::Wrench;
 use crate::plant::Plant;
@@ -124,8 +125,8 @@ impl Plant {
     fn add_time(&mut self, sum: &mut Outputs) {
         let now_s = self.state.now.time_s;
         for joint in &mut self.equations.joints {
-            joint.slew.from_rad = joint.slew.at(now_s).0;
-            (joint.slew.target_rad, joint.slew.target_rate_rad_s) = (joint.slew.from_rad, 0.0);
+            let (neutral_rad, before_s) = (joint.slew.at(now_s).0, now_s - 2.0 * TIME_STEP_S);
+            joint.slew = Slew { from_rad: neutral_rad, target_rad: neutral_rad, start_s: before_s, ..Slew::default() };
         }
         for sign in [1.0, -1.0] {
             let beside = self.beside(|state| state.now.time_s += sign * TIME_STEP_S);

@@ -57,7 +57,8 @@ def test_f71_output_derivatives_are_the_rates(wing):
 def test_f72_directional_derivatives_in_initialization_mode(wing):
     """F-72. By every Real input, the derivatives of all outputs equal central differences between evaluations.
 
-    1e-6 of the derivative, beside the round-off of the difference (1e-12 of the values over the step).
+    1e-6 of the derivative, beside the round-off of the difference (1e-11 of the values, 1e-15 of strains, over the step).
+    Initial values are polynomials of second degree in loads and the root's motion: large steps are exact.
     """
     outputs = [v.valueReference for v in wing.outputs if v.type == "Real"]
     inputs = [v for v in wing.description.modelVariables if v.causality == "input" and v.type == "Real"]
@@ -70,13 +71,14 @@ def test_f72_directional_derivatives_in_initialization_mode(wing):
             given = slave.getDirectionalDerivative(outputs, [known.valueReference], [1.0])
             value = made.get(known.name)
             sides = []
-            for step in (1e-3, -1e-3):
+            size = 1e-3 if known.name.startswith("fold.") else 0.5
+            for step in (size, -size):
                 made.set(known.name, value + step)
                 sides.append(slave.getReal(outputs))
             made.set(known.name, value)
             for reference, derivative, above, below in zip(outputs, given, *sides):
-                difference = (above - below) / 2e-3
-                allowed = 1e-6 * abs(derivative) + 1e-12 * (abs(above) + abs(below)) / 1e-3
+                difference = (above - below) / (2 * size)
+                allowed = 1e-6 * abs(derivative) + (1e-11 * (abs(above) + abs(below)) + 1e-15) / size
                 assert abs(derivative - difference) <= allowed, (known.name, reference, derivative, difference)
     finally:
         made.slave.freeInstance()

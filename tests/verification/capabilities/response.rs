@@ -1,11 +1,13 @@
 //! Derivatives of outputs by inputs and parameters.
 
 use crate::{Bench, Dice, wings};
-use foldwing::interface::{AccessError, Causality, DerivativeError, Stage, Value};
+use foldwing::interface::{AccessError, Causality, DerivativeError, Stage, Value, Variable};
+use std::collections::BTreeMap;
 
 /// Relative agreement asked for.
 const AGREEMENT: f64 = 1e-6;
-/// Length of the step that shows the outputs after a change of the inputs, in s: the state stays to 1e-12 of the motion.
+/// Length of the steps that show the outputs after a change of the inputs, in s; outputs at their begin follow from one
+/// and two of them.
 const INSTANT_S: f64 = 1e-13;
 
 /// Derivatives of all unknowns by one known.
@@ -26,6 +28,14 @@ fn compare_at_state(what: &str, bench: &mut Bench) -> (usize, f64) {
     let start = bench.plant.snapshot();
     let bits = bench.values(&unknowns);
     let (mut pairs, mut worst) = (0, 0.0_f64);
+    // largest derivative of each unknown by each kind of input, e.g. by all forces
+    let kind = |name: &str| name.rsplit('.').nth(1).unwrap_or(name).to_owned();
+    let mut largest: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for (known, name) in &knowns {
+        let given = column(bench, Stage::Running, &unknowns, *known);
+        let sizes = largest.entry(kind(name)).or_insert_with(|| vec![0.0; unknowns.len()]);
+        sizes.iter_mut().zip(given).for_each(|(size, entry)| *size = size.max(entry.abs()));
+    }
     for (known, name) in knowns {
         let given = column(bench, Stage::Running, &unknowns, known);
         assert_eq!(bench.plant.snapshot(), start, "{what}: asking for {name} changes the state");
@@ -34,10 +44,16 @@ fn compare_at_state(what: &str, bench: &mut Bench) -> (usize, f64) {
         let step = if name.ends_with(".command") || name.ends_with(".torque") { 1e-4 } else { 1.0 };
         let value = bench.values(&[known])[0];
         let mut side = |sign: f64| {
-            bench.plant.restore(&start).expect("own snapshot");
-            bench.table.set(&mut bench.plant, known, Value::Real(value + sign * step)).expect("an input");
-            bench.step(bench.plant.time_s() + INSTANT_S);
-            bench.values(&unknowns)
+            let mut after = |steps: f64| {
+                bench.plant.restore(&start).expect("own snapshot");
+                bench.table.set(&mut bench.plant, known, Value::Real(value + sign * step)).expect("an input");
+                let start_s = bench.plant.time_s();
+                bench.step(start_s + steps * INSTANT_S);
+                (bench.plant.time_s() - start_s, bench.values(&unknowns))
+            };
+            let ((near_s, near), (far_s, far)) = (after(1.0), after(2.0));
+            let begin = |(near, far): (&f64, &f64)| (far_s * near - near_s * far) / (far_s - near_s);
+            near.iter().zip(&far).map(begin).collect::<Vec<f64>>()
         };
         let (above, below) = (side(1.0), side(-1.0));
         bench.plant.restore(&start).expect("own snapshot");
@@ -47,16 +63,48 @@ fn compare_at_state(what: &str, bench: &mut Bench) -> (usize, f64) {
             let declared = row.dependencies.iter().any(|&(reference, _)| reference == known);
             assert!(declared || given[i] == 0.0, "{what}: {} by {name} is not declared", row.name);
             // round-off of the difference: accelerations come from a solution, with the condition of the mass matrix
-            let noise = 1e-11 * (above[i].abs() + below[i].abs() + given[i].abs() * step) / step;
+            let floor = if row.name.starts_with("gauge.") { 1e-15 } else { 1e-13 };
+            let noise = (1e-11 * (above[i].abs() + below[i].abs() + given[i].abs() * step) + floor) / step;
             let error = (given[i] - slope).abs();
             assert!(
-                error <= AGREEMENT * given[i].abs() + noise,
+                error <= AGREEMENT * given[i].abs() + 1e-10 * largest[&kind(&name)][i] + noise,
                 "{what}: {} by {name}: {} against {slope} by differences",
                 row.name,
                 given[i]
             );
-            if given[i].abs() > 1e4 * noise {
+            if given[i].abs() > 1e-3 * largest[&kind(&name)][i] + 1e4 * noise {
                 worst = worst.max(error / given[i].abs());
+            }
+            pairs += usize::from(declared);
+        }
+    }
+    (pairs, worst)
+}
+
+/// Compares with the direct term `D` of the linear model, eq. (L12), whose dense mass matrix shares nothing with the
+/// recursive solution: for machines in air, where a step after a change of the inputs would not leave the loads frozen.
+/// The work that a jump of an input does is no part of `D`.
+fn compare_with_linear_model(what: &str, bench: &mut Bench) -> (usize, f64) {
+    let rows: Vec<Variable> = bench.table.variables().to_vec();
+    let real = |row: &&Variable| matches!(row.value, Value::Real(_));
+    let inputs: Vec<&Variable> = rows.iter().filter(|row| row.causality == Causality::Input).filter(real).collect();
+    let outputs: Vec<&Variable> = rows.iter().filter(|row| row.causality == Causality::Output).filter(real).collect();
+    let model = bench.table.linearize(&mut bench.plant, &inputs, &outputs).expect("a linear model");
+    let unknowns: Vec<u32> = outputs.iter().map(|row| row.value_reference).collect();
+    let (mut pairs, mut worst) = (0, 0.0_f64);
+    for (j, input) in inputs.iter().enumerate() {
+        let given = column(bench, Stage::Running, &unknowns, input.value_reference);
+        for (i, output) in outputs.iter().enumerate().filter(|(_, row)| row.name != "energy.work") {
+            let direct = model.matrices.d[(i, j)];
+            let declared = output.dependencies.iter().any(|&(reference, _)| reference == input.value_reference);
+            assert!(declared || given[i] == 0.0, "{what}: {} by {} is not declared", output.name, input.name);
+            let largest = model.matrices.d.row(i).amax();
+            let error = (given[i] - direct).abs();
+            // differences of the outputs by the inputs in steps of 1e-4, and by accelerations
+            let allowed = AGREEMENT * direct.abs() + 1e-8 * largest + 1e-11;
+            assert!(error <= allowed, "{what}: {} by {}: {}, not {direct}", output.name, input.name, given[i]);
+            if direct.abs() > 1e-3 * largest {
+                worst = worst.max(error / direct.abs());
             }
             pairs += usize::from(declared);
         }
@@ -80,7 +128,8 @@ fn scatter(bench: &mut Bench, dice: &mut Dice) {
 }
 
 /// E-08. Derivatives by all inputs equal central differences at random states of every kind of machine: before, at and
-/// after the latch, at a rate limit, at a torque limit, in air.
+/// after the latch, at a rate limit, at a torque limit, in air. To 1e-6, beside 1e-10 of the largest derivative by inputs
+/// of the same kind: accelerations are the solution of a system, whose round-off goes by its largest entries.
 #[test]
 fn e08_derivatives_by_inputs_equal_differences() {
     let lattice = "model = \"uvlm\"\nstep_s = 1e-3\nwake_rows = 10\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 1.0]";
@@ -96,7 +145,8 @@ fn e08_derivatives_by_inputs_equal_differences() {
         for end_s in [0.003, 0.0307, 0.06] {
             scatter(&mut bench, &mut dice);
             bench.march(end_s, 3);
-            let (pairs, worst) = compare_at_state(&format!("{name} at {end_s} s"), &mut bench);
+            let compare = if name.starts_with("in air") { compare_with_linear_model } else { compare_at_state };
+            let (pairs, worst) = compare(&format!("{name} at {end_s} s"), &mut bench);
             sum = (sum.0 + pairs, sum.1.max(worst));
         }
         println!("E-08: {name}: {} pairs, worst {:.1e}", sum.0, sum.1);
@@ -140,8 +190,8 @@ fn e08_limits_of_the_drive() {
     assert_eq!(by_command(&|bench| bench.set("fold.torque_limit", 0.01)), 0.0);
 }
 
-/// E-09. In Initialization Mode derivatives of initial values by inputs and parameters equal second-order central
-/// differences of the initialisation with steps of 1e-5, whose own error is 1e-9 of the third derivative, from the
+/// E-09. In Initialization Mode derivatives of initial values by inputs and parameters equal fourth-order central
+/// differences of the initialisation with relative steps of 1e-4, whose own error is 1e-16 of the fifth derivative, from the
 /// unstrained state and, in air, with loads of the first instant. Undeclared pairs give zero.
 #[test]
 fn e09_derivatives_of_initial_values_equal_differences() {
@@ -158,7 +208,10 @@ fn e09_derivatives_of_initial_values_equal_differences() {
             let given = column(&mut bench, Stage::Starting, &unknowns, known);
             assert_eq!(bench.values(&unknowns), bits, "{name}: asking for {known_name} changes the outputs");
             let value = bench.values(&[known])[0];
-            let step = 1e-5 * if value == 0.0 { 1.0 } else { value.abs() };
+            // polynomials of second degree have no error, and large steps the least round-off
+            let exact = ["load.", "gravity.", "root."].iter().any(|group| known_name.starts_with(group));
+            let size = if value == 0.0 { 1.0 } else { value.abs() };
+            let step = if exact && name != "in air" { 0.5 } else { 1e-4 * size };
             let mut side = |sign: f64| {
                 let shifted = Value::Real(value + sign * step);
                 // what must not be negative has one side only
@@ -169,13 +222,20 @@ fn e09_derivatives_of_initial_values_equal_differences() {
                 (values, f64::from(u8::from(reached)))
             };
             let ((above, up), (below, down)) = (side(1.0), side(-1.0));
+            let ((above_2, _), (below_2, _)) = (side(2.0), side(-2.0));
             bench.plant.initialize(0.0).expect("a start");
             for (i, &unknown) in unknowns.iter().enumerate() {
                 let row = &bench.table.variables()[unknown as usize];
                 let declared = row.initial_dependencies.iter().any(|&(reference, _)| reference == known);
-                let slope = (above[i] - below[i]) / ((up + down) * step);
+                let slope = if up + down == 2.0 {
+                    (8.0 * (above[i] - below[i]) - (above_2[i] - below_2[i])) / (12.0 * step)
+                } else {
+                    (above[i] - below[i]) / step
+                };
                 assert!(declared || given[i] == 0.0, "{name}: {} by {known_name} is not declared", row.name);
-                let noise = 1e-12 * (above[i].abs() + below[i].abs()) / step;
+                // round-off of the values, and of strains as differences of poses of size 1
+                let floor = if row.name.starts_with("gauge.") { 1e-15 } else { 1e-13 };
+                let noise = (1e-11 * (above[i].abs() + below[i].abs()) + floor) / step;
                 let error = (given[i] - slope).abs();
                 let allowed = if up + down == 2.0 { AGREEMENT } else { 1e-3 };
                 assert!(
