@@ -30,6 +30,8 @@ def main():
         through = rows[column][-1] * (step_ms / step_ms[-1]) ** order
         axes.loglog(step_ms, through, color=GREY, linewidth=4, solid_capstyle="round", label=f"order {order}")
         axes.loglog(step_ms, rows[column], "o-", color=color, label=label)
+    axes.set_xticks(step_ms, [f"{step:g}" for step in step_ms])
+    axes.set_xticks([], minor=True)
     axes.set(xlabel="communication step (ms)", ylabel="error of the fold angle at 64 ms (rad)")
     axes.set_title("Sinusoidal load of 20 Hz on the folding wing", fontsize=10)
     axes.legend(frameon=False, fontsize=8)

