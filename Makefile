@@ -66,6 +66,8 @@ validate: package venv ## Compare with the methods of the paper, flutter, damp t
 	$(CARGO) test --locked --test conventional -- --nocapture
 	$(CARGO) test --locked --release --test coupling -- --ignored --nocapture
 	$(VENV_PYTHON) tools/plot_conventional.py $(TARGET)/verification docs/pictures
+	$(CARGO) test --locked --test capabilities -- --nocapture
+	$(VENV_PYTHON) tools/plot_input_derivatives.py $(TARGET)/verification docs/pictures
 	$(VENV_PYTHON) examples/damp_latched_wing.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/damped_latched_wing.png
 	$(VENV_PYTHON) tools/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
 

@@ -45,13 +45,16 @@ impl Drive {
     }
 }
 
-/// Neutral angle on its way to the command at the rate limit, in closed form, NOTATION eq. (A2).
+/// Neutral angle on its way to the command at the rate limit, in closed form, NOTATION eq. (A2). The command may itself
+/// move, linearly in time.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Slew {
     /// Angle at `start_s` in rad.
     pub from_rad: f64,
-    /// Angle commanded in rad.
+    /// Angle commanded at `start_s` in rad.
     pub target_rad: f64,
+    /// Rate of the command in rad/s.
+    pub target_rate_rad_s: f64,
     /// Time at which the slew begins in s.
     pub start_s: f64,
     /// Largest rate in rad/s.
@@ -69,26 +72,45 @@ impl Slew {
     /// A step that ends at the kink must see the rate before it even where round-off puts its last stage beyond.
     pub fn at_on(&self, time_s: f64, branch_s: f64) -> (f64, f64) {
         let gap = self.target_rad - self.from_rad;
-        if branch_s >= self.end_s() {
-            return (self.target_rad, 0.0);
+        let end_s = self.end_s();
+        if branch_s >= end_s {
+            return self.following(time_s, end_s);
         }
         let rate = self.rate_limit_rad_s.copysign(gap);
         (self.from_rad + rate * (time_s - self.start_s), rate)
     }
 
-    /// Time at which the command is reached in s.
-    pub fn end_s(&self) -> f64 {
-        let gap = (self.target_rad - self.from_rad).abs();
-        if gap == 0.0 || gap <= 1e-12 * self.rate_limit_rad_s {
-            self.start_s
-        } else {
-            self.start_s + gap / self.rate_limit_rad_s
+    /// Angle and rate after the command has been reached at `end_s`: with it, or behind one that moves faster than the
+    /// limit.
+    fn following(&self, time_s: f64, end_s: f64) -> (f64, f64) {
+        let target = |time_s: f64| self.target_rad + self.target_rate_rad_s * (time_s - self.start_s);
+        if self.target_rate_rad_s.abs() <= self.rate_limit_rad_s {
+            return (target(time_s), self.target_rate_rad_s);
         }
+        let rate = self.rate_limit_rad_s.copysign(self.target_rate_rad_s);
+        (target(end_s) + rate * (time_s - end_s), rate)
     }
 
-    /// Turns towards a new command or limit at `time_s`.
-    pub fn redirect(&mut self, time_s: f64, target_rad: f64, rate_limit_rad_s: f64) {
-        *self = Self { from_rad: self.at(time_s).0, target_rad, start_s: time_s, rate_limit_rad_s };
+    /// Time at which the command is reached in s; infinite where it moves away too fast.
+    pub fn end_s(&self) -> f64 {
+        let gap = self.target_rad - self.from_rad;
+        if gap.abs() <= 1e-12 * self.rate_limit_rad_s || gap == 0.0 {
+            return self.start_s;
+        }
+        let closing_rad_s = self.rate_limit_rad_s - self.target_rate_rad_s * gap.signum();
+        if closing_rad_s > 0.0 { self.start_s + gap.abs() / closing_rad_s } else { f64::INFINITY }
+    }
+
+    /// Turns at `time_s` towards a new command, which is `target_rad` then and moves at `target_rate_rad_s`.
+    pub fn redirect(&mut self, time_s: f64, target_rad: f64, target_rate_rad_s: f64, rate_limit_rad_s: f64) {
+        let from_rad = self.at(time_s).0;
+        *self = Self { from_rad, target_rad, target_rate_rad_s, start_s: time_s, rate_limit_rad_s };
+    }
+
+    /// Whether the neutral angle follows a small change of the command at once: there is no rate limit that binds. A
+    /// limit that turns a radian within the accuracy to which slews are timed is none.
+    pub fn follows_at_once(&self) -> bool {
+        self.rate_limit_rad_s >= 1e12
     }
 }
 
@@ -98,13 +120,32 @@ mod tests {
 
     #[test]
     fn slew_arrives_on_time_and_stays() {
-        let mut slew = Slew { from_rad: 0.0, target_rad: 0.0, start_s: 0.0, rate_limit_rad_s: 2.0 };
-        slew.redirect(1.0, -3.0, 2.0);
+        let mut slew = Slew { rate_limit_rad_s: 2.0, ..Slew::default() };
+        slew.redirect(1.0, -3.0, 0.0, 2.0);
         assert_eq!(slew.at(1.5), (-1.0, -2.0));
         assert_eq!(slew.end_s(), 2.5);
         assert_eq!(slew.at(9.0), (-3.0, 0.0));
-        slew.redirect(2.0, 5.0, 4.0);
+        slew.redirect(2.0, 5.0, 0.0, 4.0);
         assert_eq!(slew.at(2.25), (-1.0, 4.0));
+    }
+
+    #[test]
+    fn slew_catches_a_moving_command_and_stays_with_it_as_far_as_the_limit_allows() {
+        let start = Slew { rate_limit_rad_s: 2.0, ..Slew::default() };
+        let towards = |target_rad, rate_rad_s, limit_rad_s| {
+            let mut slew = start;
+            slew.redirect(1.0, target_rad, rate_rad_s, limit_rad_s);
+            slew
+        };
+        let ahead = towards(1.0, 1.5, 2.0);
+        assert_eq!((ahead.end_s(), ahead.at(2.0), ahead.at(4.0)), (3.0, (2.0, 2.0), (5.5, 1.5)));
+        let coming = towards(1.0, -3.0, 2.0);
+        assert_eq!((coming.end_s(), coming.at(1.1).1, coming.at(2.2).1), (1.2, 2.0, -2.0));
+        assert!((coming.at(2.2).0 + 1.6).abs() < 1e-15, "round-off: met at 0.4 rad, back for 1 s at the limit");
+        let away = towards(1.0, 2.5, 2.0);
+        assert_eq!((away.end_s(), away.at(3.0)), (f64::INFINITY, (4.0, 2.0)));
+        let unlimited = towards(1.0, 50.0, 1e30);
+        assert_eq!((unlimited.end_s(), unlimited.at(1.5)), (1.0, (26.0, 50.0)));
     }
 
     #[test]

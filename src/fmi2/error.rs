@@ -89,9 +89,6 @@ pub enum CallError {
     /// A saved state was refused.
     #[error(transparent)]
     State(#[from] StateError),
-    /// Something that this FMU does not provide, as its description says.
-    #[error("{0}")]
-    NotProvided(&'static str),
     /// A status kind that the function does not report.
     #[error("status kind {kind} is not reported by this function; it reports {reported}")]
     StatusKind {

@@ -6,7 +6,7 @@ use crate::fmi2::life_cycle::{Call, Phase};
 use crate::fmi2::log::{Log, LogCategory};
 use crate::fmi2::resource::read_model;
 use crate::fmi2::state::{Experiment, Registry, SavedState};
-use crate::interface::{Interface, Kind, Scalar, Stage, Value, guid};
+use crate::interface::{DerivativeError, Interface, Kind, Scalar, Stage, Value, guid};
 use crate::plant::{JointStatus, Plant};
 use std::sync::Arc;
 
@@ -176,11 +176,52 @@ impl Instance {
 
     /// Sets inputs and parameters of one type: all of them or, on a refusal, none.
     pub fn set<T: Scalar>(&mut self, references: &[u32], values: &[T]) -> Result<(), CallError> {
-        let starting = matches!(self.phase, Phase::Instantiated | Phase::Initialization);
-        let stage = if starting { Stage::Starting } else { Stage::Running };
+        let stage = self.stage();
         self.interface.set_all(&mut self.plant, references, values, stage)?;
-        self.stale |= starting && !references.is_empty();
+        self.stale |= stage == Stage::Starting && !references.is_empty();
         Ok(())
+    }
+
+    /// Where setting and differentiating stand.
+    fn stage(&self) -> Stage {
+        match self.phase {
+            Phase::Instantiated | Phase::Initialization => Stage::Starting,
+            _ => Stage::Running,
+        }
+    }
+
+    /// `fmi2SetRealInputDerivatives`: for the next step only.
+    pub fn set_input_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &[f64],
+    ) -> Result<(), CallError> {
+        Ok(self.interface.set_input_rates(&mut self.plant, references, orders, values)?)
+    }
+
+    /// `fmi2GetRealOutputDerivatives`.
+    pub fn output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &mut [f64],
+    ) -> Result<(), CallError> {
+        Ok(self.interface.output_rates(&mut self.plant, references, orders, values)?)
+    }
+
+    /// `fmi2GetDirectionalDerivative`.
+    pub fn directional_derivative(
+        &mut self,
+        unknowns: (&[u32], &mut [f64]),
+        knowns: (&[u32], &[f64]),
+    ) -> Result<(), CallError> {
+        self.evaluate()?;
+        let when = (self.stage(), self.experiment.start_s);
+        self.interface.directional_derivative(&mut self.plant, when, unknowns, knowns).map_err(|error| match error {
+            DerivativeError::Access(error) => error.into(),
+            DerivativeError::Plant(error) => error.into(),
+        })
     }
 
     /// There are no strings: every reference is refused.

@@ -40,6 +40,32 @@ pub enum AccessError {
         /// Name of the row.
         name: String,
     },
+    /// Only continuous inputs have a time derivative that can be set.
+    #[error("variable {name} has no time derivative to set: only Real inputs have")]
+    NotAnInput {
+        /// Name of the row.
+        name: String,
+    },
+    /// Only outputs have derivatives.
+    #[error("no derivative of variable {name} is known: unknowns are Real outputs")]
+    NotAnUnknown {
+        /// Name of the row.
+        name: String,
+    },
+    /// Nothing is differentiated by this row now.
+    #[error("no derivative by variable {name}: knowns are Real inputs and, in Initialization Mode, parameters")]
+    NotAKnown {
+        /// Name of the row.
+        name: String,
+    },
+    /// No such derivative.
+    #[error("variable {name} has no time derivative of order {order}: inputs have order 1, outputs 1 and higher")]
+    Order {
+        /// Name of the row.
+        name: String,
+        /// The refused order.
+        order: i32,
+    },
     /// NaN or infinite.
     #[error("variable {name} cannot be {value}: the value must be finite")]
     NotFinite {

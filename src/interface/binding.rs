@@ -351,7 +351,7 @@ impl Parameter {
         }
     }
 
-    fn slot(self, parameters: &mut Parameters) -> &mut f64 {
+    pub(super) fn slot(self, parameters: &mut Parameters) -> &mut f64 {
         match self {
             Self::Joint(joint, field) => field.slot(&mut parameters.joints[joint]),
             Self::Spatial(joint, field) => field.slot(&mut parameters.spatial[joint]),

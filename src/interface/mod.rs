@@ -7,6 +7,7 @@ mod access;
 mod air;
 mod binding;
 mod dependencies;
+mod derivatives;
 mod fields;
 mod guid;
 mod linear;
@@ -15,6 +16,7 @@ mod topology;
 mod units;
 
 pub use access::{AccessError, Kind, Scalar, Stage};
+pub use derivatives::DerivativeError;
 pub use guid::guid;
 pub use linear::{LinearModel, Signal};
 pub use units::{RealType, TYPES, UNITS, Unit};

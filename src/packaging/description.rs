@@ -19,14 +19,14 @@ use std::io;
 const CAPABILITIES: [(&str, &str); 10] = [
     ("needsExecutionTool", "false"),
     ("canHandleVariableCommunicationStepSize", "true"),
-    ("canInterpolateInputs", "false"),
-    ("maxOutputDerivativeOrder", "0"),
+    ("canInterpolateInputs", "true"),
+    ("maxOutputDerivativeOrder", "1"),
     ("canRunAsynchronuously", "false"), // the standard's own spelling
     ("canBeInstantiatedOnlyOncePerProcess", "false"),
     ("canNotUseMemoryManagementFunctions", "true"),
     ("canGetAndSetFMUstate", "true"),
     ("canSerializeFMUstate", "true"),
-    ("providesDirectionalDerivative", "false"),
+    ("providesDirectionalDerivative", "true"),
 ];
 
 type Xml = Writer<Vec<u8>>;

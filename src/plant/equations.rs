@@ -14,7 +14,8 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Attachment, BodyDescription, JointDescription};
 use crate::multibody::{Model, Workspace, energy, norm, station};
 use crate::plant::air::{AirCoupling, StepLoads};
-use crate::plant::face::Parameters;
+use crate::plant::course::Course;
+use crate::plant::face::{Inputs, Parameters};
 use crate::plant::spatial::SpatialEquations;
 use crate::plant::{revolutes, spatials};
 use crate::solve::{EquationsOfMotion, Powers, Singular};
@@ -38,6 +39,8 @@ pub(super) struct JointEquations {
     pub slew: Slew,
     /// External torque in N·m.
     pub external_n_m: f64,
+    /// Torque at which a limit holds the drive whatever the inputs are, in N·m: only while derivatives by inputs are taken.
+    pub pinned_n_m: Option<f64>,
     /// Latch.
     pub latch: Option<Latch>,
     /// Latch closed.
@@ -52,6 +55,9 @@ impl JointEquations {
         if !self.driven {
             return DriveTorque::default();
         }
+        if let Some(applied_n_m) = self.pinned_n_m {
+            return DriveTorque { applied_n_m, clipped_n_m: 0.0, saturated: true };
+        }
         self.drive.torque(angle_rad, rate_rad_s, self.slew.at(time_s).0, self.external_n_m)
     }
 
@@ -65,6 +71,9 @@ impl JointEquations {
 pub(super) struct Equations {
     pub model: Model,
     pub work: Workspace,
+    /// Inputs of the communication step; where they run in time, the residual brings `root`, `stations` and the external
+    /// torques to its own.
+    pub course: Course,
     pub root: RootMotion,
     pub damping: Vec<Damping>,
     /// Loads at the stations of the model: the caller's first, then those of the air on its sections.
@@ -145,6 +154,7 @@ impl Equations {
                 drive: Drive::default(),
                 slew: Slew::default(),
                 external_n_m: 0.0,
+                pinned_n_m: None,
                 latch: revolute.latch.as_ref().map(|latch| Latch {
                     angle_rad: latch.angle_rad,
                     stiffness_n_m_rad: latch.stiffness_n_m_rad,
@@ -162,6 +172,7 @@ impl Equations {
         }
         Self {
             work: Workspace::new(&model),
+            course: Course::held(&Inputs::of(machine)),
             root: RootMotion::default(),
             damping: vec![Damping::default(); model.bodies.len()],
             stations: vec![Wrench::default(); model.stations.len()],
@@ -266,6 +277,13 @@ impl EquationsOfMotion for Equations {
         if let Some(air) = &self.air {
             air.write(&mut self.stations[self.load_stations..]);
         }
+        if self.course.moves {
+            self.root = self.course.root(time_s);
+            self.course.write_stations(time_s, &mut self.stations[..self.load_stations]);
+            for (i, joint) in self.joints.iter_mut().enumerate() {
+                joint.external_n_m = self.course.torque_n_m(i, time_s);
+            }
+        }
         let environment = Environment {
             root: &self.root,
             damping: &self.damping,
@@ -344,6 +362,11 @@ impl EquationsOfMotion for Equations {
         }
         for closure in &self.model.closures {
             powers.dissipated += closure.dissipation_w(&self.work);
+        }
+        if self.course.moves {
+            // a field that changes in time does work on the potential, eq. (A4)
+            let field = self.course.rates.root.apparent_gravity_m_s2();
+            powers.work -= field.dot(&energy::first_moment_kg_m(&self.model, &self.work));
         }
         if self.root.rotates() {
             powers.work += energy::frame_power(&self.model, &self.work, &self.root);

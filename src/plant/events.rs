@@ -56,6 +56,7 @@ impl Plant {
                 slew: Slew {
                     from_rad: inputs.command_rad,
                     target_rad: inputs.command_rad,
+                    target_rate_rad_s: 0.0,
                     start_s: time_s,
                     rate_limit_rad_s: parameters.rate_limit_rad_s,
                 },
@@ -69,6 +70,8 @@ impl Plant {
         state.joints = joints;
         state.spatial_rotations = vec![Default::default(); self.spatial_joints.len()];
         state.applied_inputs.clone_from(&state.inputs);
+        state.applied_rates.clear();
+        state.applied_from_s = time_s;
         state.applied_parameters.clone_from(&state.parameters);
         state.statistics = Default::default();
         state.tip_rotations = vec![Default::default(); self.tip_bodies.len()];
@@ -94,6 +97,7 @@ impl Plant {
             return Err(PlantError::Initialization { time_s, cause: "accelerations are not finite".into() });
         }
         self.restrain_step(jump);
+        self.state.before = self.state.now.clone();
         self.state.start = self.state.now.clone();
         self.state.ahead = self.state.now.clone();
         self.state.initialized = true;
@@ -105,6 +109,7 @@ impl Plant {
     pub(super) fn configure(&mut self) {
         let State { applied_inputs: inputs, applied_parameters: parameters, joints, air, .. } = &self.state;
         let equations = &mut self.equations;
+        equations.course.follow(&self.state);
         equations.root = inputs.root;
         equations.stations[..equations.load_stations].copy_from_slice(&inputs.stations);
         if let Some(loads) = &mut equations.air {
@@ -113,7 +118,8 @@ impl Plant {
                 None => loads.clear(),
             }
         }
-        equations.loaded = equations.air.is_some() || inputs.stations.iter().any(|load| !load.is_zero());
+        let loads = inputs.stations.iter().chain(&self.state.applied_rates.stations);
+        equations.loaded = equations.air.is_some() || loads.into_iter().any(|load| !load.is_zero());
         for (damping, body) in equations.damping.iter_mut().zip(&parameters.bodies) {
             *damping = Damping { mass_1_s: body.mass_damping_1_s, stiffness_s: body.stiffness_damping_s };
         }
@@ -127,6 +133,7 @@ impl Plant {
             joint.slew = state.slew;
             joint.external_n_m = inputs.joints[i].torque_n_m;
             joint.latched = state.latch.closed;
+            joint.pinned_n_m = None;
             if let Some(latch) = &mut joint.latch {
                 latch.stiffness_n_m_rad = parameters.latch_stiffness_n_m_rad;
             }
@@ -137,9 +144,11 @@ impl Plant {
         }
     }
 
-    /// Whether inputs or parameters differ from those that the present step runs with.
+    /// Whether inputs or parameters differ from those that the present step runs with. Inputs that run in time always
+    /// do: their step ends at the communication point.
     pub(super) fn inputs_changed(&self) -> bool {
-        self.state.inputs != self.state.applied_inputs || self.state.parameters != self.state.applied_parameters
+        let State { inputs, rates, parameters, applied_inputs, applied_rates, applied_parameters, .. } = &self.state;
+        inputs != applied_inputs || parameters != applied_parameters || !rates.is_still() || !applied_rates.is_still()
     }
 
     /// Cuts the integrator's step at the present time and goes on with the new inputs and parameters.
@@ -152,6 +161,8 @@ impl Plant {
         self.event(|state, equations| {
             let time_s = state.start.time_s;
             state.applied_inputs.clone_from(&state.inputs);
+            state.applied_rates.clone_from(&state.rates);
+            state.applied_from_s = time_s;
             state.applied_parameters.clone_from(&state.parameters);
             let mut released_energy = 0.0;
             for (i, joint) in state.joints.iter_mut().enumerate() {
@@ -163,7 +174,9 @@ impl Plant {
                     joint.released = true;
                     state.statistics.events += u64::from(equations.joints[i].driven);
                 }
-                joint.slew.redirect(time_s, inputs.command_rad, state.parameters.joints[i].rate_limit_rad_s);
+                let (rate_rad_s, limit_rad_s) =
+                    (state.rates.joints[i].command_rad, state.parameters.joints[i].rate_limit_rad_s);
+                joint.slew.redirect(time_s, inputs.command_rad, rate_rad_s, limit_rad_s);
                 let Some(latch) = &equations.joints[i].latch else { continue };
                 if joint.latch.closed && !inputs.latch_enable {
                     joint.latch.closed = false;
@@ -244,7 +257,9 @@ impl Plant {
         }
         start.dissipated += dissipated;
         start.work += after - before + dissipated;
-        self.state.ahead.copy_from(&self.state.start);
+        let State { before, start, ahead, .. } = &mut self.state;
+        ahead.copy_from(start);
+        before.copy_from(start);
         Ok(jump)
     }
 

@@ -282,9 +282,13 @@ impl Plant {
 
     /// The equations with inputs that have been set but not stepped with.
     fn with_present_inputs(&mut self) {
-        let old = self.state.applied_inputs.clone();
+        let (mut old, from_s) = (self.state.applied_inputs.clone(), self.state.applied_from_s);
+        let now_s = self.state.now.time_s;
         self.state.applied_inputs.clone_from(&self.state.inputs);
+        self.state.applied_from_s = now_s;
         self.configure();
+        (self.state.applied_inputs, self.state.applied_from_s) = (old.clone(), from_s);
+        old.run_on(&self.state.applied_rates, now_s - from_s);
         for (joint, (new, old)) in
             self.equations.joints.iter_mut().zip(self.state.inputs.joints.iter().zip(&old.joints))
         {
@@ -292,7 +296,6 @@ impl Plant {
             joint.slew.from_rad += change;
             joint.slew.target_rad += change;
         }
-        self.state.applied_inputs = old;
     }
 
     /// Modes of lowest frequency about the present state, with shapes.

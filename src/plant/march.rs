@@ -22,7 +22,7 @@ const MAX_LOCATING_STEPS: usize = 40;
 const CROSSING_SAMPLES: u32 = 8;
 
 impl Plant {
-    /// Goes on to `end_s` with the present inputs; the outputs then belong to `end_s`.
+    /// Goes on to `end_s` with the present inputs and their rates; the outputs then belong to `end_s`.
     ///
     /// On an error the plant stands at the last good time, [`Plant::time_s`], and its outputs belong to it.
     /// Allocates nothing.
@@ -38,6 +38,7 @@ impl Plant {
                 ahead.copy_from(start);
             }
         }
+        self.state.arrive();
         self.evaluate();
         outcome
     }
@@ -51,7 +52,10 @@ impl Plant {
         });
         let limit_s = if changed || fixed.is_some() { end_s } else { f64::INFINITY };
         while self.state.ahead.time_s <= end_s {
-            let State { start, ahead, .. } = &mut self.state;
+            let State { before, start, ahead, .. } = &mut self.state;
+            if ahead.time_s > start.time_s {
+                before.copy_from(start);
+            }
             start.copy_from(ahead);
             self.apply_events()?;
             if self.state.start.time_s >= end_s {
@@ -256,14 +260,16 @@ impl Plant {
     pub fn adopt_time(&mut self, time_s: f64) {
         let shift_s = time_s - self.state.now.time_s;
         if shift_s != 0.0 {
-            for point in [&mut self.state.start, &mut self.state.ahead, &mut self.state.now] {
+            let State { before, start, ahead, now, .. } = &mut self.state;
+            for point in [before, start, ahead, now] {
                 point.time_s += shift_s;
             }
             self.state.now.time_s = time_s;
+            self.state.applied_from_s += shift_s;
             if let Some(air) = &mut self.state.air {
                 air.shift(shift_s);
-                self.configure();
             }
+            self.configure();
             self.outputs.time_s = time_s;
         }
     }

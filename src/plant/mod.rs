@@ -6,6 +6,8 @@
 //! (`docs/decisions/0002-running-ahead.md`).
 
 mod air;
+mod course;
+mod derivatives;
 mod equations;
 mod events;
 mod face;
@@ -157,6 +159,12 @@ impl Plant {
     /// Inputs of the coming step, to be changed. A change takes effect at the next [`Plant::step`].
     pub fn inputs_mut(&mut self) -> &mut Inputs {
         &mut self.state.inputs
+    }
+
+    /// Rates of the real inputs per second in the coming step, to be changed: the inputs then run linearly from their
+    /// present values, NOTATION eq. (A4), and stay at its end where they have led. They hold for one step only.
+    pub fn input_rates_mut(&mut self) -> &mut Inputs {
+        &mut self.state.rates
     }
 
     /// Parameters.

@@ -31,10 +31,18 @@ pub(super) struct State {
     pub inputs: Inputs,
     /// Parameters as the caller last set them.
     pub parameters: Parameters,
-    /// Inputs that the present step runs with.
+    /// Rates of the real inputs in the coming step as the caller set them, per second.
+    pub rates: Inputs,
+    /// Inputs that the present step runs with, at `applied_from_s`.
     pub applied_inputs: Inputs,
+    /// Rates of the real inputs that the present step runs with, per second.
+    pub applied_rates: Inputs,
+    /// Time of `applied_inputs` in s.
+    pub applied_from_s: f64,
     /// Parameters that the present step runs with.
     pub applied_parameters: Parameters,
+    /// Begin of the integrator's last step before the present one; the same as `start` after an event.
+    pub before: Point,
     /// Begin of the integrator's present step.
     pub start: Point,
     /// End of the integrator's present step, at or ahead of the present time.
@@ -63,10 +71,14 @@ impl State {
         let (inputs, parameters) = (Inputs::of(machine), Parameters::of(machine));
         Self {
             initialized: false,
+            rates: inputs.no_rates(),
+            applied_rates: inputs.no_rates(),
             applied_inputs: inputs.clone(),
+            applied_from_s: 0.0,
             applied_parameters: parameters.clone(),
             inputs,
             parameters,
+            before: Point::default(),
             start: Point::default(),
             ahead: Point::default(),
             now: Point::default(),
@@ -111,8 +123,12 @@ impl Snapshot {
                 state.parameters.joints.len(),
                 state.parameters.bodies.len(),
                 state.parameters.spatial.len(),
+                state.rates.joints.len(),
+                state.rates.stations.len(),
                 state.applied_inputs.joints.len(),
                 state.applied_inputs.stations.len(),
+                state.applied_rates.joints.len(),
+                state.applied_rates.stations.len(),
                 state.applied_parameters.joints.len(),
                 state.applied_parameters.bodies.len(),
                 state.applied_parameters.spatial.len(),
@@ -124,7 +140,7 @@ impl Snapshot {
         let fits = |point: &Point| {
             [&point.q, &point.v, &point.a, &point.auxiliary].iter().all(|vector| vector.len() == coordinates)
         };
-        let points_fit = [&theirs.start, &theirs.ahead, &theirs.now].into_iter().all(fits);
+        let points_fit = [&theirs.before, &theirs.start, &theirs.ahead, &theirs.now].into_iter().all(fits);
         if theirs.initialized && !points_fit {
             return Err(PlantError::Snapshot("numbers of coordinates differ".into()));
         }

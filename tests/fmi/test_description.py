@@ -13,14 +13,14 @@ FLAGS = {
     "modelIdentifier": "foldwing",
     "needsExecutionTool": False,
     "canHandleVariableCommunicationStepSize": True,
-    "canInterpolateInputs": False,
-    "maxOutputDerivativeOrder": 0,
+    "canInterpolateInputs": True,
+    "maxOutputDerivativeOrder": 1,
     "canRunAsynchronuously": False,
     "canBeInstantiatedOnlyOncePerProcess": False,
     "canNotUseMemoryManagementFunctions": True,
     "canGetAndSetFMUstate": True,
     "canSerializeFMUstate": True,
-    "providesDirectionalDerivative": False,
+    "providesDirectionalDerivative": True,
 }
 
 # One fault each, as (what, pattern, replacement, words of FMPy's complaint).

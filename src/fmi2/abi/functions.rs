@@ -329,59 +329,6 @@ pub unsafe extern "C" fn fmi2SetString(
     unsafe { enter(component, Call::SetString, |instance| instance.no_strings(slice(references, n, "vr")?)) }
 }
 
-/// Not provided yet.
-///
-/// # Safety
-/// As [`fmi2FreeInstance`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
-    component: fmi2Component,
-    _unknowns: *const fmi2ValueReference,
-    _n_unknowns: usize,
-    _knowns: *const fmi2ValueReference,
-    _n_knowns: usize,
-    _known_changes: *const fmi2Real,
-    _unknown_changes: *mut fmi2Real,
-) -> fmi2Status {
-    const REASON: &str = "directional derivatives are not provided (providesDirectionalDerivative is false)";
-    // SAFETY: forwarded from the caller.
-    unsafe { enter(component, Call::GetDirectionalDerivative, |_| Err(CallError::NotProvided(REASON))) }
-}
-
-/// Not provided yet, except for no variables.
-///
-/// # Safety
-/// As [`fmi2FreeInstance`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
-    component: fmi2Component,
-    _references: *const fmi2ValueReference,
-    n: usize,
-    _orders: *const fmi2Integer,
-    _values: *const fmi2Real,
-) -> fmi2Status {
-    const REASON: &str = "input derivatives are not provided (canInterpolateInputs is false)";
-    // SAFETY: forwarded from the caller.
-    unsafe { enter(component, Call::SetRealInputDerivatives, |_| not_provided(n, REASON)) }
-}
-
-/// Not provided yet, except for no variables.
-///
-/// # Safety
-/// As [`fmi2FreeInstance`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
-    component: fmi2Component,
-    _references: *const fmi2ValueReference,
-    n: usize,
-    _orders: *const fmi2Integer,
-    _values: *mut fmi2Real,
-) -> fmi2Status {
-    const REASON: &str = "output derivatives are not provided (maxOutputDerivativeOrder is 0)";
-    // SAFETY: forwarded from the caller.
-    unsafe { enter(component, Call::GetRealOutputDerivatives, |_| not_provided(n, REASON)) }
-}
-
 /// One communication step.
 ///
 /// # Safety
@@ -409,9 +356,4 @@ pub unsafe extern "C" fn fmi2DoStep(
 pub unsafe extern "C" fn fmi2CancelStep(component: fmi2Component) -> fmi2Status {
     // SAFETY: forwarded from the caller. The life cycle refuses the call before its body runs.
     unsafe { enter(component, Call::CancelStep, |_| Ok(())) }
-}
-
-/// Refused unless there is nothing to do.
-fn not_provided(n: usize, reason: &'static str) -> Result<(), CallError> {
-    if n == 0 { Ok(()) } else { Err(CallError::NotProvided(reason)) }
 }

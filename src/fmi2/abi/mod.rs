@@ -4,6 +4,7 @@
 
 #![allow(non_snake_case, reason = "names of the standard")]
 
+pub mod derivatives;
 pub mod functions;
 pub mod states;
 pub mod status;

@@ -24,13 +24,13 @@ const MOST_STATIC_ITERATIONS: usize = 100;
 /// Change of the loads at rest, relative to the largest, at which they agree: far above the statics' own error.
 const STATIC_TOLERANCE: f64 = 1e-9;
 
-/// The flow at a time with a given wind.
-fn flow<'a>(settings: &'a machine::Air, state: &State, time_s: f64, wind_m_s: Vector3<f64>) -> Flow<'a> {
+/// The flow at a time, with the wind and the turning of the root frame at that time.
+fn flow<'a>(settings: &'a machine::Air, state: &State, time_s: f64) -> Flow<'a> {
     Flow {
         time_s,
         density_kg_m3: state.applied_parameters.air_density_kg_m3,
-        wind_m_s,
-        spin_rad_s: state.applied_inputs.root.angular_velocity_rad_s,
+        wind_m_s: state.wind_at_m_s(time_s),
+        spin_rad_s: state.spin_at_rad_s(time_s),
         gusts: &settings.gusts,
     }
 }
@@ -49,7 +49,7 @@ impl Plant {
         air.observe(&self.equations, now);
         let mut history = air.blank.clone();
         let AirCoupling { model, settings, motions, loads, .. } = &mut **air;
-        let flow = flow(settings, &self.state, time_s, self.state.applied_inputs.wind_m_s);
+        let flow = flow(settings, &self.state, time_s);
         model
             .start(motions, &flow, settings.established, &mut history.after, loads)
             .map_err(|error| refusal(time_s, error))?;
@@ -140,8 +140,10 @@ impl Plant {
 
     /// Lets the loads of the present step begin anew at the present time, at which the inputs change.
     pub(in crate::plant) fn cut_step(&mut self) {
-        let wind_m_s = self.state.applied_inputs.wind_m_s;
         let time_s = self.state.now.time_s;
+        let Some(begin_s) = self.state.air.as_ref().map(|history| history.loads.begin_s) else { return };
+        // exact for a wind that runs linearly
+        let wind_m_s = self.state.wind_at_m_s(0.5 * (begin_s + time_s));
         let Some(AirHistory { loads, carried_m, .. }) = &mut self.state.air else { return };
         if time_s > loads.begin_s && time_s < loads.end_s {
             *carried_m += wind_m_s * (time_s - loads.begin_s);
@@ -172,12 +174,15 @@ impl Plant {
 
     fn iterate(&mut self, air: &mut AirCoupling) -> Result<(), PlantError> {
         let step_s = air.settings.step_s;
-        let wind_m_s = self.state.applied_inputs.wind_m_s;
         air.trial.save(&self.state, self.equations.air.as_ref());
         let Some(mut history) = self.state.air.take() else { return Ok(()) };
         let (begin_s, end_s) = (history.loads.begin_s, history.loads.end_s);
-        let mean_wind_m_s = (history.carried_m + wind_m_s * (end_s - begin_s)) / step_s;
-        let carrying = flow(&air.settings, &self.state, end_s, mean_wind_m_s);
+        // way of the wind over the whole step, and the turning of the root frame in the middle of what is left of it:
+        // exact for inputs that run linearly from the step's begin
+        let middle_s = 0.5 * (begin_s + end_s);
+        let way_m = history.carried_m + self.state.wind_at_m_s(middle_s) * (end_s - begin_s);
+        let spin_rad_s = self.state.spin_at_rad_s(middle_s);
+        let carrying = Flow { wind_m_s: way_m / step_s, spin_rad_s, ..flow(&air.settings, &self.state, end_s) };
         air.model.convect(&history.before, &carrying, step_s, &mut history.after);
         air.read(&history.loads);
         air.acceleration.restart();
@@ -210,7 +215,7 @@ impl Plant {
                 return Err(error);
             }
             let AirCoupling { model, settings, motions, loads, .. } = &mut *air;
-            let flow = flow(settings, &self.state, end_s, wind_m_s);
+            let flow = flow(settings, &self.state, end_s);
             self.state.statistics.air_solutions += 1;
             if let Err(error) = model.solve(&history.before, motions, &flow, step_s, &mut history.after, loads) {
                 self.state.air = Some(history);

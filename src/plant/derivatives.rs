@@ -1,0 +1,277 @@
+//! Derivatives of the outputs: in time, and by inputs with the state frozen.
+
+use crate::actuation::drive::Slew;
+use crate::beam::element::ElementKind;
+use crate::load::Wrench;
+use crate::plant::Plant;
+use crate::plant::face::{Inputs, Outputs, PlantError};
+use crate::plant::state::State;
+use crate::solve::EquationsOfMotion;
+use crate::solve::point::Point;
+use nalgebra::{Quaternion, UnitQuaternion};
+
+/// Turn in rad, or displacement over the machine's length, that one difference step along the motion makes.
+const STEP: f64 = 2e-3;
+/// Sixth-order central difference: weights of the steps ±1, ±2, ±3, over 60 steps.
+const SIXTH_ORDER: [f64; 3] = [45.0, -9.0, 1.0];
+/// Step in s of differences in the time that loads and inputs depend on linearly: any serves.
+const TIME_STEP_S: f64 = 1e-3;
+
+impl Outputs {
+    /// Derivatives of nothing: the same sizes, all zero. Attitudes then hold the derivatives of their four components.
+    fn no_change(&self) -> Self {
+        let mut zero = self.clone();
+        zero.add(self, -1.0);
+        zero.time_s = 0.0;
+        for joint in &mut zero.joints {
+            (joint.latched, joint.latch_time_s, joint.latch_count) = (false, 0.0, 0);
+        }
+        zero
+    }
+
+    /// Adds a multiple of other outputs; latches and the time stay.
+    fn add(&mut self, other: &Self, weight: f64) {
+        let wrench = |sum: &mut Wrench, term: &Wrench| {
+            sum.force_n += term.force_n * weight;
+            sum.moment_n_m += term.moment_n_m * weight;
+        };
+        let turn = |sum: &mut UnitQuaternion<f64>, term: &UnitQuaternion<f64>| {
+            *sum = UnitQuaternion::new_unchecked(Quaternion::from(sum.coords + term.coords * weight));
+        };
+        for (sum, term) in self.joints.iter_mut().zip(&other.joints) {
+            sum.angle_rad += term.angle_rad * weight;
+            sum.rate_rad_s += term.rate_rad_s * weight;
+            sum.torque_applied_n_m += term.torque_applied_n_m * weight;
+            sum.latch_torque_n_m += term.latch_torque_n_m * weight;
+        }
+        for (sum, term) in self.spatial.iter_mut().zip(&other.spatial) {
+            turn(&mut sum.rotation, &term.rotation);
+            sum.angular_velocity_rad_s += term.angular_velocity_rad_s * weight;
+        }
+        self.joint_reactions.iter_mut().zip(&other.joint_reactions).for_each(|(sum, term)| wrench(sum, term));
+        self.gauges.iter_mut().zip(&other.gauges).for_each(|(sum, term)| *sum += term * weight);
+        for (sum, term) in self.loops.iter_mut().zip(&other.loops) {
+            sum.gap_m += term.gap_m * weight;
+            sum.force_n += term.force_n * weight;
+        }
+        wrench(&mut self.root, &other.root);
+        let points = self.tips.iter_mut().zip(&other.tips).chain(self.stations.iter_mut().zip(&other.stations));
+        for (sum, term) in points {
+            sum.position_m += term.position_m * weight;
+            sum.velocity_m_s += term.velocity_m_s * weight;
+            sum.angular_velocity_rad_s += term.angular_velocity_rad_s * weight;
+            sum.acceleration_m_s2 += term.acceleration_m_s2 * weight;
+            turn(&mut sum.rotation, &term.rotation);
+        }
+        let (sum, term) = (&mut self.energy, &other.energy);
+        sum.kinetic += term.kinetic * weight;
+        sum.elastic += term.elastic * weight;
+        sum.gravity += term.gravity * weight;
+        sum.drive += term.drive * weight;
+        sum.work += term.work * weight;
+        sum.dissipated += term.dissipated * weight;
+        sum.total += term.total * weight;
+        wrench(&mut self.air.total, &other.air.total);
+        self.air.stations.iter_mut().zip(&other.air.stations).for_each(|(sum, term)| wrench(sum, term));
+        let circulation = self.air.circulation_m2_s.iter_mut().zip(&other.air.circulation_m2_s);
+        circulation.for_each(|(sum, term)| *sum += term * weight);
+    }
+}
+
+impl Plant {
+    /// Rates of all outputs per second at the present time, NOTATION eq. (L13); attitudes hold the rates of their four
+    /// components.
+    ///
+    /// What follows from coordinates and rates has the exact rate at the instant, to the 1e-12 of its scale that
+    /// sixth-order differences along the motion leave. What follows from accelerations (forces of joints and root, the
+    /// inertial acceleration of tips, strains recovered from section wrenches, forces of loops with inertia) has the
+    /// difference quotient of the last internal step; zero where there is none since the last event.
+    pub fn output_rates(&mut self) -> Outputs {
+        let mut rates = self.outputs.no_change();
+        self.add_motion(&mut rates);
+        self.add_time(&mut rates);
+        self.add_drives(&mut rates);
+        self.read_last_step(&mut rates);
+        rates
+    }
+
+    /// Change with coordinates along their rates and with rates along the accelerations.
+    fn add_motion(&mut self, sum: &mut Outputs) {
+        let Point { time_s, q, v, a, .. } = self.state.now.clone();
+        self.equations.residual(time_s, &q, &v, &a, &mut self.scratch[0]);
+        let (speed_1_s, pull_1_s2) = (self.equations.norm(&v), self.equations.norm(&a));
+        if speed_1_s > 0.0 {
+            let step_s = STEP / speed_1_s;
+            for (i, weight) in (1..).zip(SIXTH_ORDER) {
+                for sign in [1.0, -1.0] {
+                    let shift_s = sign * f64::from(i) * step_s;
+                    let beside = self.beside(|state| move_along(&mut state.now.q, &v, shift_s));
+                    sum.add(&beside, sign * weight / (60.0 * step_s));
+                }
+            }
+        }
+        if pull_1_s2 > 0.0 {
+            // outputs are quadratic in the rates: any step is exact
+            let step_s = speed_1_s.max(1.0) / pull_1_s2;
+            for sign in [1.0, -1.0] {
+                let beside = self.beside(|state| move_along(&mut state.now.v, &a, sign * step_s));
+                sum.add(&beside, sign * 0.5 / step_s);
+            }
+        }
+        self.evaluate();
+    }
+
+    /// Change with the time itself: loads of the air and inputs that run. Drives are left to [`Self::add_drives`].
+    fn add_time(&mut self, sum: &mut Outputs) {
+        let now_s = self.state.now.time_s;
+        for joint in &mut self.equations.joints {
+            let (neutral_rad, before_s) = (joint.slew.at(now_s).0, now_s - 2.0 * TIME_STEP_S);
+            joint.slew = Slew { from_rad: neutral_rad, target_rad: neutral_rad, start_s: before_s, ..Slew::default() };
+        }
+        for sign in [1.0, -1.0] {
+            let beside = self.beside(|state| state.now.time_s += sign * TIME_STEP_S);
+            sum.add(&beside, sign * 0.5 / TIME_STEP_S);
+        }
+        self.configure();
+        self.evaluate();
+    }
+
+    /// What has kinks at limits and at the ends of slews, on the branch of the present; and the energy accounts.
+    fn add_drives(&mut self, sum: &mut Outputs) {
+        let now = &self.state.now;
+        for (i, joint) in self.equations.joints.iter().enumerate().filter(|(_, joint)| joint.driven) {
+            let (angle, rate, acceleration) =
+                (now.q[joint.coordinate], now.v[joint.coordinate], now.a[joint.coordinate]);
+            let (neutral, slew_rate) = joint.slew.at(now.time_s);
+            let drive = &joint.drive;
+            sum.joints[i].torque_applied_n_m = if joint.drive_torque(now.time_s, angle, rate).saturated {
+                0.0
+            } else {
+                self.equations.course.rates.joints[i].torque_n_m
+                    - drive.stiffness_n_m_rad * (rate - slew_rate)
+                    - drive.damping_n_m_s_rad * acceleration
+            };
+            let power_w = -drive.stiffness_n_m_rad * (angle - neutral) * slew_rate;
+            sum.energy.drive += power_w;
+            sum.energy.total += power_w;
+        }
+        let powers = self.equations.powers(now.time_s, &now.q, &now.v, &now.a);
+        (sum.energy.work, sum.energy.dissipated) = (powers.work, powers.dissipated);
+    }
+
+    /// Difference quotients of what follows from accelerations over the last internal step.
+    fn read_last_step(&mut self, rates: &mut Outputs) {
+        let State { before, start, ahead, .. } = &self.state;
+        let ends = if ahead.time_s > start.time_s { [start, ahead] } else { [before, start] }.map(Point::clone);
+        let length_s = ends[1].time_s - ends[0].time_s;
+        let mut slope = self.outputs.no_change();
+        if length_s > 0.0 {
+            for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
+                let beside = self.beside(|state| state.now.copy_from(end));
+                slope.add(&beside, sign / length_s);
+            }
+            self.evaluate();
+        }
+        rates.joint_reactions = slope.joint_reactions;
+        rates.root = slope.root;
+        for (rate, slope) in rates.tips.iter_mut().zip(&slope.tips) {
+            rate.acceleration_m_s2 = slope.acceleration_m_s2;
+        }
+        for ((rate, slope), gauge) in rates.gauges.iter_mut().zip(&slope.gauges).zip(&self.gauges) {
+            if self.machine.bodies[gauge.body].element == ElementKind::Linear {
+                *rate = *slope;
+            }
+        }
+        for ((rate, slope), closure) in rates.loops.iter_mut().zip(&slope.loops).zip(&self.machine.closures) {
+            if closure.inertia_kg > 0.0 {
+                rate.force_n = slope.force_n;
+            }
+        }
+    }
+
+    /// Outputs beside the present; the state comes back, the outputs do not.
+    fn beside(&mut self, change: impl FnOnce(&mut State)) -> Outputs {
+        let State { now, tip_rotations, station_rotations, spatial_rotations, .. } = &self.state;
+        let kept = (now.clone(), tip_rotations.clone(), station_rotations.clone(), spatial_rotations.clone());
+        change(&mut self.state);
+        self.evaluate();
+        let state = &mut self.state;
+        (state.now, state.tip_rotations, state.station_rotations, state.spatial_rotations) = kept;
+        self.outputs.clone()
+    }
+
+    /// Derivatives of all outputs by an input at the communication point, NOTATION eq. (L14), about the inputs and
+    /// parameters as they are set. `add` adds an amount to the input.
+    ///
+    /// Coordinates, rates, stoppers, latches, neutral angles behind a rate limit, and the loads of the air stay; the
+    /// accelerations follow. Exact: with the state frozen all outputs are polynomials of second degree in the inputs, for
+    /// which central differences have no error beside round-off. A drive at its limit stays there.
+    pub fn output_response(&mut self, add: &dyn Fn(&mut Inputs, f64)) -> Result<Outputs, PlantError> {
+        let Point { time_s, q, v, a, .. } = self.state.now.clone();
+        let mut present = vec![0.0; q.len()];
+        self.equations.branch_s = time_s;
+        self.equations.residual(time_s, &q, &v, &a, &mut present);
+        let mut slope = self.outputs.no_change();
+        let mut outcome = Ok(());
+        for sign in [1.0, -1.0] {
+            let set = self.state.inputs.clone();
+            self.impose(&set);
+            for joint in &mut self.equations.joints {
+                let torque = joint.drive_torque(time_s, q[joint.coordinate], v[joint.coordinate]);
+                joint.pinned_n_m = Some(torque.applied_n_m).filter(|_| torque.saturated);
+            }
+            let pins: Vec<Option<f64>> = self.equations.joints.iter().map(|joint| joint.pinned_n_m).collect();
+            let mut varied = set;
+            add(&mut varied, sign);
+            self.impose(&varied);
+            for (joint, pin) in self.equations.joints.iter_mut().zip(pins) {
+                joint.pinned_n_m = pin;
+                joint.drive.torque_limit_n_m = f64::INFINITY;
+            }
+            let mut jump = vec![0.0; q.len()];
+            self.equations.residual(time_s, &q, &v, &a, &mut jump);
+            jump.iter_mut().zip(&present).for_each(|(jump, present)| *jump -= present);
+            match self.equations.factorize(1.0, 0.0, 0.0) {
+                Ok(()) => _ = self.equations.solve(&mut jump),
+                Err(singular) => {
+                    outcome = Err(PlantError::Linearization { time_s, cause: singular.to_string() });
+                    break;
+                }
+            }
+            let mut beside = self.beside(|state| move_along(&mut state.now.a, &jump, -1.0));
+            // a jump of a potential is booked as work of the input
+            beside.energy.work += beside.energy.gravity + beside.energy.drive;
+            slope.add(&beside, sign * 0.5);
+        }
+        self.configure();
+        self.evaluate();
+        outcome.map(|()| slope)
+    }
+
+    /// The equations at the present time with other inputs and the parameters as set; neutral angles jump with their
+    /// commands where no rate limit binds.
+    fn impose(&mut self, inputs: &Inputs) {
+        let State { applied_inputs, applied_parameters, applied_from_s, now, .. } = &self.state;
+        let kept = (applied_inputs.clone(), applied_parameters.clone(), *applied_from_s);
+        let time_s = now.time_s;
+        self.state.applied_inputs.clone_from(inputs);
+        self.state.applied_parameters.clone_from(&self.state.parameters);
+        self.state.applied_from_s = time_s;
+        self.configure();
+        (self.state.applied_inputs, self.state.applied_parameters, self.state.applied_from_s) = kept;
+        let limits = self.state.parameters.joints.iter().map(|joint| joint.rate_limit_rad_s);
+        for ((joint, inputs), rate_limit_rad_s) in self.equations.joints.iter_mut().zip(&inputs.joints).zip(limits) {
+            joint.slew.redirect(time_s, inputs.command_rad, 0.0, rate_limit_rad_s);
+            if joint.slew.follows_at_once() {
+                joint.slew.from_rad = inputs.command_rad;
+            } else {
+                joint.slew.target_rad = joint.slew.from_rad;
+            }
+        }
+    }
+}
+
+/// `x += amount · direction`.
+fn move_along(x: &mut [f64], direction: &[f64], amount: f64) {
+    x.iter_mut().zip(direction).for_each(|(x, direction)| *x += amount * direction);
+}

@@ -1,0 +1,137 @@
+//! Rates of outputs in time.
+
+use crate::{Bench, wings};
+use foldwing::config;
+use foldwing::interface::{AccessError, Causality};
+
+/// What follows from accelerations, and so has the difference quotient of the last internal step.
+fn follows_from_accelerations(name: &str) -> bool {
+    ["root.force", "root.moment", ".acceleration", ".reaction", "joint."].iter().any(|part| name.contains(part))
+        || (name.starts_with("gauge.") || name.contains(".force.") || name.contains(".moment."))
+            && !name.starts_with("aero.")
+}
+
+fn rates(bench: &mut Bench, references: &[u32]) -> Vec<f64> {
+    let mut values = vec![f64::NAN; references.len()];
+    let orders = vec![1; references.len()];
+    bench.table.output_rates(&mut bench.plant, references, &orders, &mut values).expect("outputs");
+    values
+}
+
+/// What follows from the rates of the coordinates as well, or moves as fast as they do (gaps of loops).
+fn follows_from_rates(name: &str) -> bool {
+    [".rate", ".velocity.", ".angular_velocity.", "torque_applied", "loop."].iter().any(|part| name.contains(part))
+        || (name.starts_with("energy.") && !name.ends_with(".elastic") && !name.ends_with(".gravity"))
+}
+
+/// E-05. Rates of outputs that follow from coordinates and rates equal central differences over ±0.2 µs of the motion
+/// to 1e-5 of the largest rate of their kind; where rates of coordinates enter, to 1e-3, for accelerations contain modes
+/// of more than 100 kHz, which such differences smooth. Without rotation of the root the rate of a tip's velocity is its
+/// acceleration, to the 1e-9 that is left of the differences. On every shipped kind of machine, with inputs that run,
+/// and in air.
+#[test]
+fn e05_rates_of_the_state_equal_differences_of_the_motion() {
+    let air = "model = \"uvlm\"\nstep_s = 1e-3\nwake_rows = 10\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 1.0]";
+    let machines = ["folding_wing_constant", "branched", "flying_wing", "four_bar", "three_bodies"];
+    let benches = machines.map(|name| (name, Bench::shipped(name))).into_iter();
+    for (name, mut bench) in benches.chain([("in air", Bench::of(wings::folding_wing(air, 3, 2)))]) {
+        bench.march(0.0303, 7);
+        let rows: Vec<(u32, String)> = bench
+            .reals(Causality::Output)
+            .iter()
+            .filter(|row| !follows_from_accelerations(&row.name))
+            .map(|row| (row.value_reference, row.name.clone()))
+            .collect();
+        let references: Vec<u32> = rows.iter().map(|row| row.0).collect();
+        let side_s = 2e-7;
+        // a change of the inputs finds the loads of the air anew: no smooth motion
+        let push = |bench: &mut Bench| {
+            if name != "in air" {
+                bench.set_rate("gravity.z", 30.0);
+            }
+        };
+        push(&mut bench);
+        bench.step(0.0303 + side_s);
+        let low = bench.values(&references);
+        push(&mut bench);
+        bench.step(0.0303 + 2.0 * side_s);
+        let before = bench.values(&references);
+        let given = rates(&mut bench, &references);
+        assert_eq!(bench.values(&references), before, "{name}: asking changes nothing");
+        let tips = rows.iter().zip(&given).filter(|((_, row), _)| row.starts_with("tip") && row.contains(".velocity."));
+        for ((_, row), rate) in tips {
+            let acceleration = bench.get(&row.replace(".velocity.", ".acceleration."));
+            let scale = bench.plant.outputs().tips.iter().map(|tip| tip.acceleration_m_s2.norm()).fold(0.0, f64::max);
+            assert!((rate - acceleration).abs() <= 1e-9 * scale, "{name}: {row}: {rate}, not {acceleration}");
+        }
+        push(&mut bench);
+        bench.step(0.0303 + 3.0 * side_s);
+        let high = bench.values(&references);
+        let kind = |name: &str| name.rsplit('.').nth(1).unwrap_or(name).to_owned();
+        let mut worst = (0.0_f64, String::new());
+        for (i, (_, row)) in rows.iter().enumerate() {
+            let slope = (high[i] - low[i]) / (2.0 * side_s);
+            let alike = rows.iter().zip(&given).filter(|((_, other), _)| kind(other) == kind(row));
+            let scale = alike.map(|(_, rate)| rate.abs()).fold(0.0, f64::max);
+            // round-off of the difference
+            let noise = 1e-15 * (high[i].abs() + low[i].abs()) / side_s;
+            let error = ((given[i] - slope).abs() - 10.0 * noise).max(0.0);
+            if error > worst.0 * scale {
+                worst = (error / scale.max(f64::MIN_POSITIVE), row.clone());
+            }
+            let allowed = if follows_from_rates(row) { 1e-3 } else { 1e-5 };
+            assert!(
+                error <= allowed * scale,
+                "{name}: {row}: {} against {slope} by differences, scale {scale}",
+                given[i]
+            );
+        }
+        println!("E-05: {name}: {} rows, worst {:.1e} at {}", rows.len(), worst.0, worst.1);
+    }
+}
+
+/// E-06. Forces, accelerations and recovered strains have the backward difference of the last internal step. With fixed
+/// steps that is the caller's last step: equal to round-off of the difference, 1e-9 of the largest value over the step.
+#[test]
+fn e06_rates_of_forces_are_backward_differences() {
+    let text = include_str!("../../../examples/models/folding_wing.toml");
+    let mut machine = config::parse(text, "folding_wing.toml").expect("valid");
+    machine.solver.fixed_step_s = Some(2e-4);
+    let mut bench = Bench::of(machine);
+    let references: Vec<u32> = bench
+        .reals(Causality::Output)
+        .iter()
+        .filter(|row| follows_from_accelerations(&row.name))
+        .map(|row| row.value_reference)
+        .collect();
+    assert!(references.len() >= 10);
+    assert!(rates(&mut bench, &references).iter().all(|rate| *rate == 0.0), "no step yet");
+    bench.march(0.0100, 50);
+    let before = bench.values(&references);
+    bench.step(0.0102);
+    let after = bench.values(&references);
+    let given = rates(&mut bench, &references);
+    for i in 0..references.len() {
+        let slope = (after[i] - before[i]) / 2e-4;
+        let allowed = 1e-9 * (after[i].abs() + before[i].abs()) / 2e-4;
+        assert!((given[i] - slope).abs() <= allowed, "{}: {} against {slope}", references[i], given[i]);
+    }
+}
+
+/// E-07. Higher orders are given as zero; order zero, inputs and Booleans are refused.
+#[test]
+fn e07_other_orders_and_rows() {
+    let mut bench = Bench::shipped("folding_wing");
+    bench.step(1e-3);
+    let angle = bench.reference("fold.angle");
+    let mut value = [f64::NAN; 2];
+    bench.table.output_rates(&mut bench.plant, &[angle, angle], &[1, 2], &mut value).expect("legal");
+    assert!(value[0] < 0.0 && value[1] == 0.0, "{value:?}");
+    let mut refuse = |name: &str, order| {
+        let reference = bench.reference(name);
+        bench.table.output_rates(&mut bench.plant, &[reference], &[order], &mut [0.0]).expect_err("refused")
+    };
+    assert!(matches!(refuse("fold.angle", 0), AccessError::Order { order: 0, .. }));
+    assert!(matches!(refuse("fold.torque", 1), AccessError::NotAnUnknown { .. }));
+    assert!(matches!(refuse("fold.latched", 1), AccessError::WrongType { .. }));
+}
