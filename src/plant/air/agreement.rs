@@ -138,7 +138,7 @@ impl Plant {
         self.agree_on_loads()
     }
 
-    /// Lets the loads of the present step begin anew at the present time, at which the inputs change.
+    /// Ends at the present time what the inputs so far have to say in the present step: they change now.
     pub(in crate::plant) fn cut_step(&mut self) {
         let time_s = self.state.now.time_s;
         let Some(begin_s) = self.state.air.as_ref().map(|history| history.loads.begin_s) else { return };
@@ -147,7 +147,7 @@ impl Plant {
         let Some(AirHistory { loads, carried_m, .. }) = &mut self.state.air else { return };
         if time_s > loads.begin_s && time_s < loads.end_s {
             *carried_m += wind_m_s * (time_s - loads.begin_s);
-            loads.cut(time_s);
+            loads.begin_s = time_s;
         }
     }
 

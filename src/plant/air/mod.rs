@@ -75,16 +75,6 @@ impl StepLoads {
         self.to.copy_from_slice(&self.from);
     }
 
-    /// Lets the loads begin at a time within the step, with circulatory loads on the straight line between its ends.
-    fn cut(&mut self, time_s: f64) {
-        let share = (time_s - self.begin_s) / (self.end_s - self.begin_s);
-        for (from, to) in self.from.iter_mut().zip(&self.to) {
-            from.force_n += (to.force_n - from.force_n) * share;
-            from.moment_n_m += (to.moment_n_m - from.moment_n_m) * share;
-        }
-        self.begin_s = time_s;
-    }
-
     /// Writes the loads that act, NOTATION eq. (Q1).
     pub fn write(&self, loads: &mut [Wrench]) {
         let ends = self.from.iter().zip(&self.to);
