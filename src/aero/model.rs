@@ -41,7 +41,7 @@ impl AirModel {
     pub fn new(surfaces: Vec<Surface>, options: &AirOptions) -> Self {
         match options {
             AirOptions::Lattice(options) => Self::Lattice(Box::new(VortexLattice::new(surfaces, options.clone()))),
-            AirOptions::Strips(options) => Self::Strips(Box::new(Strips::new(surfaces, options.clone()))),
+            AirOptions::Strips(options) => Self::Strips(Box::new(Strips::new(surfaces, *options))),
         }
     }
 
