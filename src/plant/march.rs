@@ -9,9 +9,11 @@ use crate::solve::point::Point;
 
 /// Displacement error that Newton's iteration may leave, as a share of the step's tolerance.
 const NEWTON_SHARE: f64 = 1e-2;
-/// Largest displacement error that Newton's iteration may leave at any tolerance: latch crossings are located to
-/// 1e-9 s, at some 10 rad/s.
-const NEWTON_CEILING: f64 = 1e-8;
+/// Largest displacement error that Newton's iteration may leave at any tolerance.
+const NEWTON_CEILING: f64 = 1e-6;
+/// The same for steps of given length, whose error nothing else bounds: those that end at a latch's crossing (located
+/// to 1e-9 s, at some 10 rad/s) and fixed ones.
+const NEWTON_CEILING_EXACT: f64 = 1e-8;
 /// Cut of the step after Newton's iteration has failed.
 const FAILURE_CUT: f64 = 0.25;
 /// Accuracy of a located latch crossing in s.
@@ -82,7 +84,7 @@ impl Plant {
         loop {
             let wanted_s = self.state.step_s.min(max_step_s);
             let (step_s, end_s) = fit_step(time_s, wanted_s, stop_s);
-            match self.attempt(step_s) {
+            match self.attempt(step_s, NEWTON_CEILING) {
                 Ok(error) if error <= tolerance => {
                     self.smallest_step_s = self.smallest_step_s.min(wanted_s);
                     self.state.ahead.time_s = end_s;
@@ -121,7 +123,7 @@ impl Plant {
         let time_s = self.state.start.time_s;
         let stop_s = end_s.min(self.equations.next_kink_s(time_s));
         let (mut step_s, mut target_s) = fit_step(time_s, step_s, stop_s);
-        while let Err(error) = self.attempt(step_s) {
+        while let Err(error) = self.attempt(step_s, NEWTON_CEILING_EXACT) {
             self.state.statistics.failures += 1;
             step_s *= 0.5;
             target_s = time_s + step_s;
@@ -134,12 +136,12 @@ impl Plant {
     }
 
     /// One step from `start` into `ahead`; returns the error estimate.
-    fn attempt(&mut self, step_s: f64) -> Result<f64, crate::solve::newton::NewtonError> {
-        let tolerance = (NEWTON_SHARE * self.state.applied_parameters.tolerance).min(NEWTON_CEILING);
+    fn attempt(&mut self, step_s: f64, newton_ceiling: f64) -> Result<f64, crate::solve::newton::NewtonError> {
+        let newton_tolerance = (NEWTON_SHARE * self.state.applied_parameters.tolerance).min(newton_ceiling);
         let mut effort = Effort::default();
         let State { start, ahead, statistics, .. } = &mut self.state;
         self.equations.branch_s = start.time_s + 0.5 * step_s;
-        let outcome = self.stepper.step(&mut self.equations, start, step_s, ahead, tolerance, &mut effort);
+        let outcome = self.stepper.step(&mut self.equations, start, step_s, ahead, newton_tolerance, &mut effort);
         statistics.iterations += effort.iterations;
         statistics.factorizations += effort.factorizations;
         outcome
@@ -190,7 +192,7 @@ impl Plant {
             high_gap = -f64::MIN_POSITIVE;
         }
         for _ in 0..MAX_LOCATING_STEPS {
-            if let Err(error) = self.attempt(trial_s) {
+            if let Err(error) = self.attempt(trial_s, NEWTON_CEILING_EXACT) {
                 self.state.step_s = trial_s * FAILURE_CUT;
                 return Err(PlantError::NoConvergence { time_s: start_s, step_s: trial_s, cause: error.to_string() });
             }

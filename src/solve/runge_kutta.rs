@@ -50,11 +50,11 @@ impl Esdirk {
         let mut factorized = false;
         for stage in 1..tableau.stages() {
             let row = tableau.rows[stage - 1];
-            let (before, rest) = self.accelerations.split_at_mut(stage);
-            let a = &mut rest[0];
-            // predictor: the stage before
-            a.copy_from_slice(&before[stage - 1]);
+            let (before, after) = self.accelerations.split_at_mut(stage);
+            let a = &mut after[0];
+            let [(first, share), (second, rest)] = tableau.predictor(stage);
             for i in 0..coordinates {
+                a[i] = share * before[first][i] + rest * before[second][i];
                 let (mut q, mut v) = (start.q[i], start.v[i]);
                 for (j, weight) in row.iter().enumerate() {
                     q += h_s * weight * self.velocities[j][i];

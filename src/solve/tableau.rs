@@ -27,6 +27,22 @@ impl Tableau<'_> {
     pub fn abscissa(&self, stage: usize) -> f64 {
         if stage == 0 { 0.0 } else { self.rows[stage - 1].iter().sum::<f64>() + self.gamma }
     }
+
+    /// First guess of a stage's accelerations: two stages before it with their weights, NOTATION eq. (T9).
+    ///
+    /// The straight line in time through the two nearest abscissae; the first implicit stage has only the step's begin.
+    /// A parabola through three takes more iterations: it amplifies what stiff modes leave.
+    pub fn predictor(&self, stage: usize) -> [(usize, f64); 2] {
+        let at = self.abscissa(stage);
+        let distance = |other: usize| (self.abscissa(other) - at).abs();
+        let nearest = |except: Option<usize>| {
+            (0..stage).filter(|&other| Some(other) != except).min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+        };
+        let first = nearest(None).unwrap_or(0);
+        let Some(second) = nearest(Some(first)) else { return [(first, 1.0), (first, 0.0)] };
+        let share = (at - self.abscissa(first)) / (self.abscissa(second) - self.abscissa(first));
+        [(first, 1.0 - share), (second, share)]
+    }
 }
 
 /// Most stages of any method here.
