@@ -17,7 +17,7 @@ FMU         := $(TARGET)/fmu/FoldingWing.fmu
 TUNNEL_FMU  := $(TARGET)/fmu/folding_wing_in_tunnel.fmu
 DEPLOYMENT  := $(TARGET)/deployment
 
-.PHONY: all build package venv deploy test format lint unit pytest validate tunnel bench bless python-lock clean help toolchain
+.PHONY: all build package venv deploy test format lint unit pytest validate tunnel aircraft bench bless python-lock clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -73,6 +73,9 @@ validate: package venv ## Compare with the methods of the paper, flutter, damp t
 
 tunnel: package venv ## Change one choice of the wind tunnel at a time: docs/tables/tunnel.md, takes minutes
 	$(VENV_PYTHON) tools/tunnel_study.py --foldwing $(COMMAND) --table docs/tables/tunnel.md
+
+aircraft: package venv ## Couple two wings with an aircraft by several ways: docs/tables/aircraft.md, takes minutes
+	$(VENV_PYTHON) tools/aircraft_study.py --foldwing $(COMMAND) --fmu $(FMU) --table docs/tables/aircraft.md --pictures docs/pictures
 
 bless: toolchain ## Rewrite modelDescription/ after a deliberate change of the interface
 	FOLDWING_BLESS=1 $(CARGO) test --locked --test model_description
