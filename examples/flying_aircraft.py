@@ -12,8 +12,8 @@ fuselage moves the wings' roots, they push back:
 
 Both sides answer at once: loads follow from accelerations, accelerations from loads. Every step is therefore repeated
 from saved FMU states until they agree at its end. Within a step the inputs run linearly: a coupling of second order,
-but for what rings right behind a jump. The unknowns are the fuselage's six accelerations; the solvers differ in how they
-think that the wings' loads change with them, which is the wings' apparent mass:
+but for what rings right behind a jump. The unknowns are the fuselage's six accelerations; the solvers differ in how
+they think that the wings' loads change with them, which is the wings' apparent mass:
 
     held           not at all, and no repetitions: first order
     fixed-point    not at all: slow, and useless where the wings outweigh the fuselage
