@@ -101,7 +101,9 @@ impl Plant {
             air.read(&guess);
             let (change_n, size_n) = air.compare();
             change = change_n / size_n;
-            if !change_n.is_finite() || change_n <= STATIC_TOLERANCE * size_n {
+            let agreed_n = STATIC_TOLERANCE * size_n;
+            let round_off_n = air.round_off_n(self.state.applied_parameters.air_density_kg_m3);
+            if !change_n.is_finite() || change_n <= agreed_n.max(round_off_n) {
                 return Ok(effort);
             }
             let AirCoupling { acceleration, guess, residual, .. } = &mut **air;
@@ -227,7 +229,8 @@ impl Plant {
                 return Err(refusal(begin_s, "its loads are not finite"));
             }
             history.scale_n = history.scale_n.max(size_n);
-            if change_n <= tolerance * history.scale_n {
+            let round_off_n = air.round_off_n(self.state.applied_parameters.air_density_kg_m3);
+            if change_n <= (tolerance * history.scale_n).max(round_off_n) {
                 air.accept();
                 outcome = Ok(());
             } else {

@@ -24,6 +24,8 @@ use serde::{Deserialize, Serialize};
 const ENTRIES: usize = 6;
 /// Difference of two places over the body's length below which they are the same.
 const NEAR: f64 = 1e-9;
+/// Round-off of a section's motion within a step, in chords: some fifty units in the last place.
+const ROUND_OFF: f64 = 1e-14;
 
 /// Weights of eq. (Q4): of the mean velocity over the step, of that over the step before, and of the velocity that the
 /// air saw at its begin. Second order; jumps die out by half per step.
@@ -340,6 +342,13 @@ impl AirCoupling {
         // `max` drops NaN: say it loudly
         let sound = self.residual.iter().all(|entry| entry.is_finite());
         (if sound { change_n } else { f64::NAN }, size_n)
+    }
+
+    /// Loads in N that are nothing but round-off: those of motions by [`ROUND_OFF`] of a chord within a step. A wing that
+    /// the wind does not bend has no others, and no share of them to agree on.
+    fn round_off_n(&self, density_kg_m3: f64) -> f64 {
+        let velocity_m_s = self.length_m / self.settings.step_s;
+        ROUND_OFF * density_kg_m3 * (velocity_m_s * self.length_m).powi(2)
     }
 
     /// Adds the residual to the guess.
