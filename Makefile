@@ -17,7 +17,7 @@ FMU         := $(TARGET)/fmu/FoldingWing.fmu
 TUNNEL_FMU  := $(TARGET)/fmu/folding_wing_in_tunnel.fmu
 DEPLOYMENT  := $(TARGET)/deployment
 
-.PHONY: all build package venv deploy test format lint unit pytest validate tunnel aircraft bench bless python-lock clean help toolchain
+.PHONY: all build package venv deploy test format lint unit pytest validate tunnel notebook aircraft bench bless python-lock clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -69,7 +69,15 @@ validate: package venv ## Compare with the methods of the paper, flutter, damp t
 	$(CARGO) test --locked --test capabilities -- --nocapture
 	$(VENV_PYTHON) tools/plot_input_derivatives.py $(TARGET)/verification docs/pictures
 	$(VENV_PYTHON) examples/damp_latched_wing.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/damped_latched_wing.png
+	$(VENV_PYTHON) examples/fold_from_csv.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/fold_from_csv.png
+	$(VENV_PYTHON) examples/soft_fold.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/soft_fold.png
+	$(VENV_PYTHON) examples/gust.py --foldwing $(COMMAND) --picture docs/pictures/gust.png
+	$(VENV_PYTHON) examples/identify_damping.py --fmu $(FMU) --picture docs/pictures/identified_damping.png
 	$(VENV_PYTHON) tools/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
+
+notebook: package venv ## Run examples/deployment.ipynb and store in it what it shows
+	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) \
+	    $(VENV_PYTHON) tools/run_notebook.py examples/deployment.ipynb
 
 tunnel: package venv ## Change one choice of the wind tunnel at a time: docs/tables/tunnel.md, takes minutes
 	$(VENV_PYTHON) tools/tunnel_study.py --foldwing $(COMMAND) --table docs/tables/tunnel.md

@@ -14,9 +14,6 @@ import re
 from pathlib import Path
 
 import matplotlib
-
-matplotlib.use("Agg")  # files only, no display
-
 import matplotlib.pyplot as plt
 import numpy as np
 from fmpy import read_model_description, simulate_fmu
@@ -46,6 +43,7 @@ def main():
     parser.add_argument("--tunnel", help="FMU of the same wing with air")
     parser.add_argument("--output", type=Path, required=True, help="folder for CSV and plots")
     arguments = parser.parse_args()
+    matplotlib.use("Agg")  # files only, no display
 
     result = deploy(arguments.fmu)
     arguments.output.mkdir(parents=True, exist_ok=True)

@@ -1,0 +1,153 @@
+#!/usr/bin/env python3
+"""Identifies two damping coefficients from a strain record: least squares over runs of the FMU.
+
+Usage: identify_damping.py --fmu FoldingWing.fmu [--record RECORD.csv] [--picture OUT.png]
+
+Otsuka et al. fitted `α`, the mass-proportional damping of the wing, and `c`, the damping of the fold joint, to the largest
+strain of their experiment. One number does not tell two coefficients apart; the whole record does: `c` slows the
+unfolding, `α` makes the latched wing come to rest. A record is a CSV file with the columns `time` (s, evenly spaced from
+0 on) and `strain`. Without one the script makes its own from the FMU, with other coefficients and noise, and recovers them.
+
+Gauss-Newton on the logarithms of both coefficients, with Marquardt's damping; derivatives from differences of runs. The
+bounds are those of the linearised problem for even, independent noise: they know nothing of an error of the model.
+"""
+
+import argparse
+import atexit
+import shutil
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from fmpy import extract, instantiate_fmu, read_model_description, simulate_fmu
+
+GAUGE = "gauge.root.strain"
+NAMES = "alpha", "c"
+UNITS = "1/s", "N.m.s/rad"
+GUESS = 2.5, 0.0008  # the model file's values
+TRUTH = 4.0, 0.0015  # of the record that the script makes
+NOISE = 0.02  # of its peak
+STOP_S, STEP_S = 1.0, 1e-3
+TOLERANCE = 1e-5  # of the FMU: a tenth of its own, so that differences of runs are no noise
+DIFFERENCE = 0.02  # relative, central
+BOUND = 1.96  # standard deviations: 95 %
+
+
+class Wing:
+    """The FMU as a function from the coefficients to the strain."""
+
+    def __init__(self, fmu, stop_s=STOP_S, step_s=STEP_S, tolerance=TOLERANCE):
+        self.description = read_model_description(str(fmu))
+        self.folder = extract(str(fmu))
+        atexit.register(shutil.rmtree, self.folder, ignore_errors=True)
+        self.instance = instantiate_fmu(self.folder, self.description, "CoSimulation")
+        self.experiment = {"stop_time": stop_s, "output_interval": step_s, "relative_tolerance": tolerance}
+
+    def strain(self, coefficients):
+        """Strain at the root from the start on, a value per step."""
+        alpha, c = map(float, coefficients)
+        start = {"body.inner.mass_damping": alpha, "body.outer.mass_damping": alpha, "fold.damping": c}
+        self.instance.reset()
+        result = simulate_fmu(self.folder, model_description=self.description, fmu_instance=self.instance,
+                              start_values=start, output=[GAUGE], validate=False, **self.experiment)
+        return np.array(result[GAUGE])
+
+
+class Fit(NamedTuple):
+    """What the record says."""
+
+    coefficients: np.ndarray
+    bounds: np.ndarray  # half widths of the 95 % intervals
+    noise: float  # standard deviation of what is left
+    strain: np.ndarray  # of the wing with these coefficients
+    runs: int
+
+
+def identify(wing, record, guess=GUESS, iterations=20):
+    """Coefficients that bring the wing's strain closest to the record."""
+    logarithms, damping, runs = np.log(guess), 1e-3, 1
+    strain = wing.strain(guess)
+    for _ in range(iterations):
+        slopes = [wing.strain(np.exp(logarithms + step)) - wing.strain(np.exp(logarithms - step))
+                  for step in DIFFERENCE * np.eye(2)]
+        jacobian = np.transpose(slopes) / (2 * DIFFERENCE)
+        normal, gradient = jacobian.T @ jacobian, jacobian.T @ (record - strain)
+        runs += 4
+        while damping < 1e6:
+            step = np.linalg.solve(normal + damping * np.diag(np.diag(normal)), gradient)
+            trial = wing.strain(np.exp(logarithms + step.clip(-1, 1)))
+            runs += 1
+            if np.sum((record - trial) ** 2) < np.sum((record - strain) ** 2):
+                logarithms, strain, damping = logarithms + step.clip(-1, 1), trial, damping / 10
+                break
+            damping *= 10
+        if np.abs(step).max() < 1e-3:
+            noise = np.sqrt(np.sum((record - strain) ** 2) / (len(record) - 2))
+            deviations = noise * np.sqrt(np.diag(np.linalg.inv(normal)))
+            return Fit(np.exp(logarithms), BOUND * deviations * np.exp(logarithms), noise, strain, runs)
+    raise ArithmeticError(f"no fit after {iterations} iterations: the last step was {np.abs(step).max():.1e}")
+
+
+def noisy_record(wing, coefficients=TRUTH, noise=NOISE, seed=1):
+    """A record of the wing itself, with even noise of a share of its peak."""
+    strain = wing.strain(coefficients)
+    return strain + np.random.default_rng(seed).normal(0.0, noise * np.abs(strain).max(), len(strain))
+
+
+def read_record(path):
+    """Strains of a record and the step between them in s."""
+    table = np.genfromtxt(path, delimiter=",", names=True)
+    steps = np.diff(table["time"])
+    if table["time"][0] != 0.0 or np.ptp(steps) > 1e-6 * steps.mean():
+        raise SystemExit(f"{path}: `time` must start at 0 and go on in equal steps")
+    return table["strain"], steps.mean()
+
+
+def draw(record, fit, step_s, path):
+    """Record and fitted strain, and what is left between them."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    from deploy import INK, LATCH, STYLE, save
+
+    plt.rcParams.update(STYLE)
+    figure, (upper, lower) = plt.subplots(2, 1, figsize=(7.2, 5.0), sharex=True, height_ratios=(3, 1), layout="constrained")
+    time_s = step_s * np.arange(len(record))
+    label = ", ".join(f"{name} = {value:.4g} ± {bound:.1g} {unit}".replace("alpha", "α") for name, value, bound, unit
+                      in zip(NAMES, fit.coefficients, fit.bounds, ("1/s", "N·m·s/rad")))
+    upper.plot(time_s, 1e3 * record, ".", color="#9fb0bf", markersize=3, label="record")
+    upper.plot(time_s, 1e3 * fit.strain, color=INK, linewidth=1.2, label=label)
+    upper.set_ylabel("strain at the root (10⁻³)")
+    upper.set_title("Damping from a strain record", loc="left", fontsize=11, color=INK)
+    upper.legend(loc="lower right")
+    lower.plot(time_s, 1e3 * (record - fit.strain), ".", color=LATCH, markersize=2)
+    lower.set(xlabel="time (s)", ylabel="left (10⁻³)", xlim=(0.0, time_s[-1]))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    save(figure, path)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--fmu", required=True, help="FMU of examples/models/folding_wing.toml")
+    parser.add_argument("--record", help="CSV file with the columns time and strain; default: one made from the FMU")
+    parser.add_argument("--picture", type=Path, help="file for the plot")
+    arguments = parser.parse_args()
+
+    if arguments.record:
+        record, step_s = read_record(arguments.record)
+        wing = Wing(arguments.fmu, stop_s=step_s * (len(record) - 1), step_s=step_s)
+    else:
+        wing, step_s = Wing(arguments.fmu), STEP_S
+        record = noisy_record(wing)
+        print(f"record   made with alpha = {TRUTH[0]} 1/s, c = {TRUTH[1]} N.m.s/rad, noise {NOISE:.0%} of the peak")
+    fit = identify(wing, record)
+    for name, value, bound, unit in zip(NAMES, fit.coefficients, fit.bounds, UNITS):
+        print(f"{name:8} {value:.5g} ± {bound:.1g} {unit} (95 %, {bound / value:.2%})")
+    print(f"left     {fit.noise:.2e}, {fit.noise / np.abs(record).max():.2%} of the record's peak, after {fit.runs} runs")
+    if arguments.picture:
+        draw(record, fit, step_s, arguments.picture)
+
+
+if __name__ == "__main__":
+    main()
