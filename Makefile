@@ -6,6 +6,7 @@ PYTHON  ?= python3
 CARGO   ?= cargo
 TARGET  := $(or $(CARGO_TARGET_DIR),target)
 VENV    ?= $(TARGET)/venv
+PEERS   ?= $(TARGET)/venv-peers
 MODELS  := $(wildcard examples/models/*.toml)
 
 MINIMUM_RUST   := $(shell sed -n 's/^rust-version *= *"\(.*\)"/\1/p' Cargo.toml)
@@ -17,7 +18,7 @@ FMU         := $(TARGET)/fmu/FoldingWing.fmu
 TUNNEL_FMU  := $(TARGET)/fmu/folding_wing_in_tunnel.fmu
 DEPLOYMENT  := $(TARGET)/deployment
 
-.PHONY: all build package venv deploy test format lint unit pytest validate tunnel notebook aircraft bench bless python-lock clean help toolchain
+.PHONY: all build package venv deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-peers bless python-lock clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -57,10 +58,19 @@ pytest: package venv
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) \
 	    $(VENV_PYTHON) -m pytest -q tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
 
-bench: toolchain ## Measure the cost of the recursions and of other methods; docs/BENCHMARKS.md
+bench: bench-own bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
+
+bench-own: toolchain ## Measure the recursions, the C functions, memory, other methods and the lattice
 	$(CARGO) bench --locked --bench kernels
+	$(CARGO) bench --locked --bench calls
+	$(CARGO) bench --locked --bench memory
 	$(CARGO) bench --locked --bench conventional
 	$(CARGO) bench --locked --bench lattice
+
+bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/tables/exudyn.md, takes minutes
+	@$(PYTHON) tools/create_venv.py $(PEERS) --requirements python/requirements-peers.txt
+	$(PEERS)/bin/python tools/compare_exudyn.py --foldwing $(COMMAND)
+	$(PEERS)/bin/python tools/compare_lattice.py
 
 validate: package venv ## Compare with the methods of the paper, flutter, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
 	$(CARGO) test --locked --test conventional -- --nocapture
@@ -88,8 +98,9 @@ aircraft: package venv ## Couple two wings with an aircraft by several ways: doc
 bless: toolchain ## Rewrite modelDescription/ after a deliberate change of the interface
 	FOLDWING_BLESS=1 $(CARGO) test --locked --test model_description
 
-python-lock: venv ## Renew python/requirements.txt from requirements.in
+python-lock: venv ## Renew the pinned Python requirements
 	$(VENV_PYTHON) tools/lock_python.py python/requirements.in python/requirements.txt
+	$(VENV_PYTHON) tools/lock_python.py python/requirements-peers.in python/requirements-peers.txt 3.11
 
 clean: ## Remove everything that was built
 	$(CARGO) clean

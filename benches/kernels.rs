@@ -1,11 +1,14 @@
-//! Cost of the recursions: residual, factorisation, solve, over the number of elements.
+//! Cost of the recursions over the number of elements: exponentials, residual, factorisation, solve; and of the vortex
+//! lattice's kernel per segment and point.
 //!
 //! `cargo bench --bench kernels` (or `make bench`); results stand in `docs/BENCHMARKS.md`.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use foldwing::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet};
 use foldwing::beam::element::ElementKind;
 use foldwing::beam::section::{Material, Section};
 use foldwing::load::{LoadFrame, RootMotion};
+use foldwing::math::se3::LinkGeometry;
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
 use foldwing::multibody::factor::{HingeTangent, Weights, factorize, solve};
 use foldwing::multibody::kinematics::Motion;
@@ -67,6 +70,18 @@ impl Case {
         factorize(&self.model, &mut self.work, weights, &DAMPING, &[tangent; 2]).expect("positive definite");
     }
 
+    /// Poses, Jacobians and rates of all links, as the outward sweep takes them.
+    fn exponentials(&self) -> Matrix3<f64> {
+        let mut frame = Matrix3::identity();
+        for (strain, rate) in self.q.chunks_exact(4).zip(self.v.chunks_exact(4)) {
+            let (strain, rate) = (strain.try_into().expect("four"), rate.try_into().expect("four"));
+            let (geometry, link) = LinkGeometry::new(&frame, 0.01, strain);
+            black_box(geometry.rates(&frame, rate));
+            frame = link.rotation;
+        }
+        frame
+    }
+
     fn solve(&mut self) -> f64 {
         solve(&self.model, &mut self.work, &mut self.out)
     }
@@ -77,10 +92,11 @@ const DAMPING: [Damping; 2] = [Damping { mass_1_s: 2.5, stiffness_s: 0.0 }; 2];
 fn kernels(criterion: &mut Criterion) {
     for (kind, name) in [(ElementKind::Constant, "constant"), (ElementKind::Linear, "linear")] {
         let mut group = criterion.benchmark_group(name);
-        for sets in [8, 16, 32, 64, 128, 256, 512] {
+        for sets in [4, 8, 16, 32, 64, 128, 256, 512, 1024] {
             let mut case = Case::new(kind, sets);
             case.residual();
             group.throughput(Throughput::Elements(sets as u64));
+            group.bench_function(BenchmarkId::new("exponentials", sets), |b| b.iter(|| case.exponentials()));
             group.bench_function(BenchmarkId::new("residual", sets), |b| b.iter(|| case.residual()));
             group.bench_function(BenchmarkId::new("factorize", sets), |b| b.iter(|| case.factorize()));
             group.bench_function(BenchmarkId::new("solve", sets), |b| {
@@ -102,10 +118,42 @@ fn kernels(criterion: &mut Criterion) {
     });
 }
 
+/// Velocity that a wake of 100 rows and 20 strips induces at four points: 4120 segments, none shared between rows.
+///
+/// The lattice calls this kernel through the widest vectors of the machine; here it is compiled for the baseline.
+fn biot_savart(criterion: &mut Criterion) {
+    let (rows, strips) = (100, 20);
+    let (columns, rings) = (strips + 1, rows * strips);
+    let sheet = Sheet { rows, strips, first_node: 0, node_stride: columns, first_ring: 0, ring_stride: strips };
+    let node = |i: usize| Vector3::new(0.05 * (i / columns) as f64, 0.3 * (i % columns) as f64, 1e-3 * (i % 7) as f64);
+    let nodes_m: Vec<_> = (0..(rows + 1) * columns).map(node).collect();
+    let circulation_m2_s: Vec<_> = (0..rings).map(|i| (0.3 * i as f64).sin()).collect();
+    let mut filaments = Filaments::new(rings + strips, nodes_m.len());
+    filaments.gather(&sheet, &circulation_m2_s);
+    let kernel = Kernel { core_squared_m2: 1e-6, mirror_normal: None };
+    let mut points = Block::default();
+    for lane in 0..LANES {
+        points.set(lane, &Vector3::new(-0.5, 1.0 + lane as f64, 0.2));
+    }
+    let mut arms = vec![Arm::default(); 2 * columns];
+    let segments = (rows + 1) * strips + rows * columns;
+
+    let mut group = criterion.benchmark_group("Biot–Savart");
+    group.throughput(Throughput::Elements((segments * LANES) as u64));
+    group.bench_function("segment and point", |b| {
+        b.iter(|| {
+            let mut velocity_m_s = Block::default();
+            kernel.induce(&[sheet], &nodes_m, &filaments, &points, &mut arms, &mut velocity_m_s);
+            black_box(velocity_m_s)
+        });
+    });
+    group.finish();
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(30).warm_up_time(std::time::Duration::from_millis(300))
         .measurement_time(std::time::Duration::from_millis(1000));
-    targets = kernels
+    targets = kernels, biot_savart
 }
 criterion_main!(benches);

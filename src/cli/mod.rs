@@ -11,6 +11,7 @@ mod settings;
 mod simulate;
 mod statics;
 mod strains;
+mod timing;
 
 use clap::{Parser, Subcommand};
 use foldwing::config::{self, Machine};

@@ -3,6 +3,7 @@
 use crate::cli::lattice::LatticeRecord;
 use crate::cli::settings::plant_with;
 use crate::cli::strains::StrainPeaks;
+use crate::cli::timing::Timing;
 use crate::cli::{Failure, read_model};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing::config::Machine;
@@ -56,6 +57,10 @@ pub struct Arguments {
     /// Variable to write; may be repeated [default: all outputs]
     #[arg(long = "output", value_name = "NAME")]
     outputs: Vec<String>,
+    /// JSON file for what the run costs: processor time, wall time of start, steps and rows, counts of steps,
+    /// rejections, iterations and factorisations
+    #[arg(long, value_name = "OUT.json")]
+    timing: Option<PathBuf>,
     /// Print no summary
     #[arg(short, long)]
     quiet: bool,
@@ -79,10 +84,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let recorder = Recorder::new(BufWriter::new(sink), &recorded).map_err(writing)?;
     let strains = arguments.strains.as_ref().map(|_| StrainPeaks::default());
     let lattices = arguments.lattice.as_ref().map(|_| LatticeRecord::new(arguments.lattice_at.clone()));
-    let mut run = Run { plant, interface: &interface, inputs, recorded: &recorded, recorder, strains, lattices };
+    let mut run =
+        Run { plant, interface: &interface, inputs, recorded: &recorded, recorder, strains, lattices, timing: None };
     let clock = Instant::now();
+    run.timing = arguments.timing.as_ref().map(|_| Timing::start());
     let outcome = run.through(&grid, &writing);
-    let Run { plant, recorder, strains, lattices, .. } = run;
+    if let Some(timing) = &mut run.timing {
+        timing.finish();
+    }
+    let Run { plant, recorder, strains, lattices, timing, .. } = run;
+    if let (Some(timing), Some(path)) = (timing, &arguments.timing) {
+        let failed = |error: io::Error| Failure::writing(&path.display().to_string(), &error);
+        let sink = BufWriter::new(File::create(path).map_err(failed)?);
+        timing.write(&plant.statistics(), plant.time_s() - grid.start_s, sink).map_err(failed)?;
+    }
     recorder.finish().and_then(|mut sink| sink.flush()).map_err(writing)?;
     if let (Some(strains), Some(path)) = (strains, &arguments.strains) {
         let failed = |error: io::Error| Failure::writing(&path.display().to_string(), &error);
@@ -181,6 +196,8 @@ struct Run<'a, W: Write> {
     strains: Option<StrainPeaks>,
     /// Lattices, where they are wanted.
     lattices: Option<LatticeRecord>,
+    /// Clocks, where they are wanted.
+    timing: Option<Timing>,
 }
 
 impl<W: Write> Run<'_, W> {
@@ -192,17 +209,25 @@ impl<W: Write> Run<'_, W> {
             return Err(Failure::Usage("--lattice: the model's air is no vortex lattice".to_owned()));
         }
         self.record(grid.start_s).map_err(writing)?;
+        if let Some(timing) = &mut self.timing {
+            timing.initialized();
+        }
         let mut progress = Progress::new(grid.steps);
         for point in 1..=grid.steps {
             self.feed(grid.time_s(point - 1))?;
             let time_s = grid.time_s(point);
+            let begin = self.timing.is_some().then(Instant::now);
             if let Err(error) = self.plant.step(time_s) {
                 if self.plant.time_s() > grid.time_s(point - 1) {
                     self.record(self.plant.time_s()).map_err(writing)?; // the last good time
                 }
                 return Err(failed(error));
             }
+            let end = begin.map(|begin| (begin, Instant::now()));
             self.record(time_s).map_err(writing)?;
+            if let (Some(timing), Some((begin, end))) = (&mut self.timing, end) {
+                timing.stepped(begin, end);
+            }
             progress.at(point);
         }
         Ok(())

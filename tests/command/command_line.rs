@@ -50,6 +50,32 @@ fn version_names_the_build() {
     assert!(text.contains(std::env::consts::ARCH), "{text}");
 }
 
+/// `--timing` writes the counts of the summary and times that fit together; it changes no result.
+#[test]
+fn timing_says_what_a_run_costs() {
+    let folder = scratch();
+    let path = folder.path().join("timing.json");
+    let run = ["--csv", "-", "--stop", "0.2"];
+    let output = on_model("simulate", &[&run[..], &["--timing", path.to_str().unwrap()]].concat());
+    assert_eq!(succeeds(&output), succeeds(&on_model("simulate", &run)), "the clocks must not change the result");
+
+    let timing: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    let number = |name: &str| timing[name].as_f64().unwrap_or_else(|| panic!("{name} is missing in {timing}"));
+    let summary = String::from_utf8(output.stderr).unwrap();
+    let counts = ["steps", "rejected", "failed", "iterations", "events"];
+    let names = ["steps", "rejections", "failures", "iterations", "events"];
+    for (count, name) in counts.into_iter().zip(names) {
+        assert!(summary.contains(&format!(" {} {count}", number(name))), "{name} of {timing} is not in {summary}");
+    }
+    assert_eq!((number("simulated_s"), number("communication_steps")), (0.2, 400.0));
+    assert!((number("step_us") * number("steps") * 1e-6 / number("steps_s") - 1.0).abs() < 1e-9, "{timing}");
+    let wall_s = number("initialization_s") + number("steps_s") + number("rows_s");
+    if cfg!(any(target_os = "linux", target_os = "macos")) {
+        // one thread: no more than the time on the clock, but for what lies between the clocks' readings
+        assert!((1e-6..1.1 * wall_s + 1e-3).contains(&number("processor_s")), "{timing}");
+    }
+}
+
 /// `--strains` writes one line per end of an element with the largest strain of the run, no less than any gauge saw.
 #[test]
 fn strains_are_reported_per_section() {

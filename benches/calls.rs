@@ -1,0 +1,242 @@
+//! Cost of what surrounds the solver, through the exported C functions: values in and out, the step's own overhead,
+//! instantiation, and the slowest of many steps of fixed length.
+//!
+//! `cargo bench --bench calls` (or `make bench`) prints the tables of `docs/BENCHMARKS.md`. Processor time of one thread,
+//! the least and the median of repeated runs; the slowest step is also given on the clock, which other programs disturb.
+//! `-- STEPS` sets the number of fixed steps (default 100 000).
+
+#[path = "../tests/robustness/fmu.rs"]
+mod fmu;
+
+use fmu::{Attempt, Fmu, Resources};
+use foldwing::fmi2::abi::functions::*;
+use foldwing::fmi2::abi::types::fmi2OK;
+use foldwing::interface::{Causality, Value};
+use foldwing::plant::Plant;
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Values set and got per step.
+const VALUES: usize = 200;
+const STEPS: u32 = 800;
+const STEP_S: f64 = 5e-4;
+const RUNS: usize = 40;
+
+/// Processor time of this thread where the system tells it, time on the clock elsewhere.
+struct Stopwatch {
+    clock: Instant,
+    processor: Option<Duration>,
+}
+
+impl Stopwatch {
+    fn start() -> Self {
+        Self { clock: Instant::now(), processor: processor_time() }
+    }
+
+    /// Processor time and time on the clock in µs.
+    fn us(&self) -> [f64; 2] {
+        let processor = self.processor.zip(processor_time()).map(|(begin, end)| end - begin);
+        let clock = self.clock.elapsed();
+        [processor.unwrap_or(clock), clock].map(|time| 1e6 * time.as_secs_f64())
+    }
+}
+
+#[cfg(any(target_os = "linux", target_os = "macos"))]
+fn processor_time() -> Option<Duration> {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Some(Duration::new(u64::try_from(time.tv_sec).ok()?, u32::try_from(time.tv_nsec).ok()?))
+}
+
+#[cfg(not(any(target_os = "linux", target_os = "macos")))]
+fn processor_time() -> Option<Duration> {
+    None
+}
+
+/// The least and the median.
+fn least_and_median(mut times: Vec<f64>) -> (f64, f64) {
+    times.sort_by(f64::total_cmp);
+    (times[0], times[times.len() / 2])
+}
+
+/// The shipped model with so many load stations that the FMU has 200 real inputs.
+fn many_stations() -> String {
+    let text = fmu::WING.replace("elements = 4", "elements = 4\nload_stations = 16");
+    assert_eq!(text.matches("load_stations = 16").count(), 2, "the model file has changed");
+    text
+}
+
+/// References and start values of the first 200 reals of a causality.
+fn reals(fmu: &Fmu, causality: Causality) -> (Vec<u32>, Vec<f64>) {
+    let rows = fmu.table.variables().iter().filter(|row| row.causality == causality);
+    let (references, values): (Vec<u32>, Vec<f64>) = rows
+        .filter_map(|row| match row.value {
+            Value::Real(value) => Some((row.value_reference, value)),
+            _ => None,
+        })
+        .take(VALUES)
+        .unzip();
+    assert_eq!(references.len(), VALUES, "{causality:?}: too few reals");
+    (references, values)
+}
+
+/// An instance of a model, ready to step.
+fn ready(text: &str) -> Fmu {
+    let fmu = Fmu::new(text);
+    fmu.setup(0.0, None);
+    unsafe {
+        fmu.ok(fmi2EnterInitializationMode(fmu.component));
+        fmu.ok(fmi2ExitInitializationMode(fmu.component));
+    }
+    fmu
+}
+
+/// µs of the deployment through the C functions, with values set before and got after each step; fold angle at the end.
+fn through_c(text: &str, exchange: bool) -> (f64, f64) {
+    let fmu = ready(text);
+    let (inputs, commands) = reals(&fmu, Causality::Input);
+    let (outputs, mut values) = reals(&fmu, Causality::Output);
+    let watch = Stopwatch::start();
+    for i in 0..STEPS {
+        unsafe {
+            if exchange {
+                assert_eq!(fmi2SetReal(fmu.component, inputs.as_ptr(), VALUES, commands.as_ptr()), fmi2OK);
+            }
+            assert_eq!(fmi2DoStep(fmu.component, STEP_S * f64::from(i), STEP_S, 1), fmi2OK);
+            if exchange {
+                assert_eq!(fmi2GetReal(fmu.component, outputs.as_ptr(), VALUES, values.as_mut_ptr()), fmi2OK);
+            }
+        }
+    }
+    let [us, _] = watch.us();
+    (us, fmu.get("fold.angle"))
+}
+
+/// µs of the same steps without the C functions.
+fn plant_alone(text: &str) -> (f64, f64) {
+    let mut plant = Plant::new(Arc::new(foldwing::config::parse(text, "model.toml").expect("a valid model")));
+    plant.initialize(0.0).expect("it starts");
+    let watch = Stopwatch::start();
+    for i in 0..STEPS {
+        plant.step(STEP_S * f64::from(i) + STEP_S).expect("it steps"); // as fmi2DoStep adds
+    }
+    let [us, _] = watch.us();
+    (us, plant.outputs().joints[0].angle_rad)
+}
+
+/// Overhead of a step beyond the solver, in turn with the solver alone.
+fn steps() {
+    let text = many_stations();
+    let (mut with, mut without, mut alone) = (Vec::new(), Vec::new(), Vec::new());
+    for _ in 0..RUNS {
+        let (full, bare, own) = (through_c(&text, true), through_c(&text, false), plant_alone(&text));
+        assert_eq!([full.1, bare.1], [own.1; 2], "the same digits");
+        with.push(full.0 / f64::from(STEPS));
+        without.push(bare.0 / f64::from(STEPS));
+        alone.push(own.0 / f64::from(STEPS));
+    }
+    let [with, without, alone] = [with, without, alone].map(least_and_median);
+    println!("| one step of {} ms of the deployment, 16 stations per body | least, µs | median, µs |", 1e3 * STEP_S);
+    println!("|---|---|---|");
+    println!("| `Plant::step`, no C function | {:.2} | {:.2} |", alone.0, alone.1);
+    println!("| `fmi2DoStep` | {:.2} | {:.2} |", without.0, without.1);
+    println!("| with {VALUES} reals set and {VALUES} got | {:.2} | {:.2} |", with.0, with.1);
+    println!("| **beyond the solver's own time** | **{:.2}** | {:.2} |", with.0 - alone.0, with.1 - alone.1);
+
+    let fmu = ready(&text);
+    let (inputs, commands) = reals(&fmu, Causality::Input);
+    let (outputs, mut values) = reals(&fmu, Causality::Output);
+    let calls = 2000;
+    let (mut setting, mut getting) = (Vec::new(), Vec::new());
+    for _ in 0..RUNS {
+        let watch = Stopwatch::start();
+        for _ in 0..calls {
+            black_box(unsafe { fmi2SetReal(fmu.component, inputs.as_ptr(), VALUES, commands.as_ptr()) });
+        }
+        setting.push(watch.us()[0] / f64::from(calls));
+    }
+    fmu.step(0.0, STEP_S); // without it a get would evaluate the outputs anew
+    for _ in 0..RUNS {
+        let watch = Stopwatch::start();
+        for _ in 0..calls {
+            black_box(unsafe { fmi2GetReal(fmu.component, outputs.as_ptr(), VALUES, values.as_mut_ptr()) });
+        }
+        getting.push(watch.us()[0] / f64::from(calls));
+    }
+    for (name, times) in [("`fmi2SetReal`", setting), ("`fmi2GetReal`", getting)] {
+        let (least, median) = least_and_median(times);
+        println!("| {name} alone, {VALUES} reals | {least:.2} | {median:.2} |");
+    }
+}
+
+/// From the call of `fmi2Instantiate` to the end of initialisation.
+fn instantiations() {
+    println!(
+        "\n| `fmi2Instantiate` to `fmi2ExitInitializationMode` | instantiate, ms | initialise, ms | both, median, ms |"
+    );
+    println!("|---|---|---|---|");
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");
+    let mut models: Vec<_> = std::fs::read_dir(folder).expect("a folder").flatten().map(|entry| entry.path()).collect();
+    models.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
+    models.sort();
+    for path in models {
+        let text = std::fs::read_to_string(&path).expect("readable");
+        let resources = Resources::with(&text);
+        let attempt = Attempt::of(&text, &resources);
+        let (mut instantiating, mut initializing, mut both) = (Vec::new(), Vec::new(), Vec::new());
+        for _ in 0..RUNS / 2 {
+            let watch = Stopwatch::start();
+            let (component, messages) = attempt.run();
+            let [begun, _] = watch.us();
+            assert!(!component.is_null(), "refused: {messages:?}");
+            // frees the instance at the end of the round
+            let fmu = Fmu { component, messages, table: fmu::table(&text) };
+            let watch = Stopwatch::start();
+            fmu.setup(0.0, None);
+            unsafe {
+                fmu.ok(fmi2EnterInitializationMode(component));
+                fmu.ok(fmi2ExitInitializationMode(component));
+            }
+            let [done, _] = watch.us();
+            instantiating.push(1e-3 * begun);
+            initializing.push(1e-3 * done);
+            both.push(1e-3 * (begun + done));
+        }
+        let name = path.file_name().expect("a file").to_string_lossy();
+        let [(first, _), (second, _), (_, median)] = [instantiating, initializing, both].map(least_and_median);
+        println!("| `{name}` | {first:.2} | {second:.2} | {median:.2} |");
+    }
+}
+
+/// The slowest step of fixed length, 15 constant elements per body, wing latched and shaken by the fold torque.
+fn slowest_step(steps: u32) {
+    let text = include_str!("../examples/models/folding_wing_constant.toml");
+    let fmu = ready(&format!("{text}\n[solver]\nfixed_step_s = 1e-3\n"));
+    let torque = fmu.reference("fold.torque");
+    let (mut slowest, mut sum_us) = ([0f64; 2], 0.0);
+    for i in 0..steps {
+        let time_s = 1e-3 * f64::from(i);
+        let torque_n_m = 0.02 * (40.0 * time_s).sin();
+        let watch = Stopwatch::start();
+        unsafe {
+            assert_eq!(fmi2SetReal(fmu.component, &torque, 1, &torque_n_m), fmi2OK);
+            assert_eq!(fmi2DoStep(fmu.component, time_s, 1e-3, 1), fmi2OK);
+        }
+        let us = watch.us();
+        sum_us += us[0];
+        for (largest, us) in slowest.iter_mut().zip(us) {
+            *largest = largest.max(us);
+        }
+    }
+    println!("\n| fixed step of 1 ms, 2 × 15 constant elements, {steps} steps | µs |\n|---|---|");
+    println!("| mean, processor time | {:.1} |", sum_us / f64::from(steps));
+    println!("| slowest, processor time | {:.1} |", slowest[0]);
+    println!("| slowest, on the clock | {:.1} |", slowest[1]);
+}
+
+fn main() {
+    let count = std::env::args().skip(1).find_map(|argument| argument.parse().ok());
+    steps();
+    instantiations();
+    slowest_step(count.unwrap_or(100_000));
+}
