@@ -61,25 +61,25 @@ class Foldwing:
         path.write_text(text)
         return path
 
-    def simulate(self, model, output, step_s=None):
-        """Figures of `--timing`, summary, values of an output at the communication points."""
+    def simulate(self, model, outputs, step_s=None):
+        """Figures of `--timing` and columns of outputs at the communication points."""
         table, figures = self.folder / "run.csv", self.folder / "run.json"
-        command = [self.command, "simulate", model, "--csv", table, "--timing", figures, "--output", output]
+        command = [self.command, "simulate", model, "--csv", table, "--timing", figures]
+        command += [argument for output in outputs for argument in ("--output", output)]
         command += ["--step", repr(step_s)] if step_s else []
         done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
         if done.returncode != 0:
             raise GaveUp(done.stderr)
         with table.open() as file:
-            values = [float(row[output]) for row in csv.DictReader(file)]
+            rows = list(csv.DictReader(file))
         timing = json.loads(figures.read_text())
         if timing["processor_s"] is None:
             timing["processor_s"] = timing["initialization_s"] + timing["steps_s"] + timing["rows_s"]
-        return timing, done.stderr, values
+        return timing, *([float(row[output]) for row in rows] for output in outputs)
 
     def two_body(self, output_s, **setting):
         """Timing and Z of the free end in m."""
-        timing, _, path = self.simulate(self.model("two_body", **setting), "tip.position.z", output_s)
-        return timing, path
+        return self.simulate(self.model("two_body", **setting), ["tip.position.z"], output_s)
 
     def deployment(self, output_s, **setting):
         """Timing, latch time in s, peak strain."""
@@ -87,9 +87,8 @@ class Foldwing:
 
     def deploy(self, model, output_s=None):
         """The same of a model file as it is; no `output_s`: its own."""
-        timing, summary, strain = self.simulate(model, "gauge.root.strain", output_s)
-        found = summary.partition("latched at ")[2]
-        return timing, float(found.split()[0]) if found else None, max(map(abs, strain))
+        timing, strain, latch_s = self.simulate(model, ["gauge.root.strain", "fold.latch_time"], output_s)
+        return timing, latch_s[-1] if latch_s[-1] >= 0 else None, max(map(abs, strain))
 
 
 class TwoBody:
