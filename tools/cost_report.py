@@ -22,6 +22,10 @@ FAMILIES = {
     ("Exudyn", "ge"): ("#d55e00", "Exudyn, geometrically exact"),
     ("Exudyn", "cable"): ("#e69f00", "Exudyn, ANCF cable"),
 }
+FRONTS = (
+    'Fronts: no other setting of the family is cheaper and as sure. "Sure" is the largest first error of the setting and '
+    "all finer ones; the last two columns are its own errors."
+)
 
 
 @dataclass
@@ -155,7 +159,8 @@ def targets(runs):
     for run in shipped.values():
         assert run.meets(limits), f"{run.label} misses latch time or peak strain: {run.errors}"
     rows = [
-        comparison("deployment: Exudyn with 15 elements, 0.05 ms, Newton 1e-6; shipped model", cheapest(paper_mesh, limits), pairs, 150),
+        comparison("deployment: Exudyn with 15 elements, 0.05 ms, Newton 1e-6; shipped model", cheapest(paper_mesh, limits),
+                   pairs, 150),
         comparison("deployment: the paper's mesh, 15 elements here and there", cheapest(paper_mesh, limits), constant, 150),
         comparison("deployment: Exudyn at 0.05 ms, any mesh", cheapest(at_step, limits), cheapest(ours, limits), 150),
         comparison("deployment: cheapest of each, any step", cheapest(theirs, limits), cheapest(ours, limits), 150),
@@ -203,14 +208,16 @@ def write_table(runs, path, states, rounds, apart, deployment):
         "",
         f"Written by `make bench-peers` (`tools/compare_exudyn.py`), {begin['time']:%Y-%m-%d %H:%M} UTC, on one core of "
         f"{begin['cores']} of an {begin['model']}, {begin['system']}; load of the machine {begin['load']} before, {end['load']} "
-        f"after. Exudyn {version('exudyn')} and Foldwing in turn, one thread each, {len(runs)} settings, up to {rounds} round{'s' if rounds > 1 else ''}.",
+        f"after. Exudyn {version('exudyn')} and Foldwing in turn, one thread each, {len(runs)} settings, "
+        f"up to {rounds} round{'s' if rounds > 1 else ''}.",
         "",
         "Cost is processor time of the solution alone in ms, the least of the rounds (median beside it): `SolveDynamic` there, "
         "initialisation, steps and rows of output here. Foldwing is three-dimensional, Exudyn's beams here are planar. Foldwing "
         "evaluates all outputs at every communication point, Exudyn stores two or three sensors; both at the same times. "
         "Foldwing's steps are accepted ones; tolerance and longest step are stated. Some settings are wasteful on either "
         f"side: that is what the fronts are for. {gave_up} settings gave up. Exudyn's knobs here: elements, step, tolerance of "
-        "Newton's iteration, dense or sparse algebra. Its latch is a Python function before each step, a tenth of its cheapest runs.",
+        "Newton's iteration, dense or sparse algebra. Its latch is a Python function before each step, a tenth of the cost of "
+        "its cheaper runs.",
         "",
         "Errors are against each program's own converged solution of its own physics (Exudyn: geometrically exact with "
         "shear, or cables without rotary inertia; Foldwing: rotary inertia, no shear). These lie apart by "
@@ -219,8 +226,8 @@ def write_table(runs, path, states, rounds, apart, deployment):
         "",
         "## Targets",
         "",
-        "Latch time within 0.5 % and peak strain within 1 %. A run counts if it meets the limits and so does every finer one that "
-        "was tried (more elements, shorter steps, tighter tolerance): no strokes of luck, but where the row allows them.",
+        "Latch time within 0.5 % and peak strain within 1 %. A run counts if it meets the limits and so does every finer one "
+        "that was tried (more elements, shorter steps, tighter tolerance): no strokes of luck, but where the row allows them.",
         "",
         "| what | Exudyn, ms | Foldwing, ms | ratio | of medians | reach | met |",
         "|---|---|---|---|---|---|---|",
@@ -237,8 +244,7 @@ def write_table(runs, path, states, rounds, apart, deployment):
         ("Two-body system, 5 s, outputs every 10 ms", "two_body", ("RMS", "path"), 0.01, "error of RMS(Z) | of the path"),
         ("Deployment in still air, 0.4 s, outputs every 0.8 ms", "deployment", ("latch", "peak"), None, "latch | peak"),
     ):
-        lines += ["", f"## {title}", "", "Fronts: no other setting of the family is cheaper and as sure. \"Sure\" is the largest "]
-        lines[-1] += "first error of the setting and all finer ones; the last two columns are its own errors."
+        lines += ["", f"## {title}", "", FRONTS]
         lines += ["", f"{head} sure | {words} |", "|---|---|---|---|---|---|---|---|---|"]
         for program, kind in FAMILIES:
             lines += curve(runs, case, program, kind, errors, output_s)

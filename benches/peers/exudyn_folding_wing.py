@@ -34,7 +34,6 @@ from exudyn.itemInterface import (
     ObjectRigidBody2D,
     RevoluteJoint2D,
     SensorBody,
-    SensorNode,
 )
 
 LENGTH_M, WIDTH_M, HEIGHT_M = 0.15, 0.05, 0.002
