@@ -13,7 +13,7 @@ import venv
 from pathlib import Path
 
 UV = "uv>=0.8"
-HEADER = "# Written by `make python-lock` from requirements.in: exact versions with hashes, for Python 3.9 and later.\n"
+HEADER = "# Written by `make python-lock` from {source}: exact versions with hashes, for Python 3.9 and later.\n"
 OPTIONS = ["--universal", "--generate-hashes", "--python-version", "3.9", "--fork-strategy", "requires-python"]
 
 
@@ -25,7 +25,7 @@ def main():
         subprocess.run([python, "-m", "pip", "install", "--quiet", UV], check=True)
         command = [Path(scratch) / "bin/uv", "pip", "compile", "--quiet", "--no-header", *OPTIONS, source]
         lines = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
-    target.write_text(HEADER + lines)
+    target.write_text(HEADER.format(source=source.name) + lines)
 
 
 if __name__ == "__main__":
