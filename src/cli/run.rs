@@ -101,7 +101,9 @@ fn show_messages(everything: bool) {
     // `Slave::call` answers for a status that the crate panics on; the panic's own words would only confuse
     let default = panic::take_hook();
     panic::set_hook(Box::new(move |info| {
-        if !info.payload_as_str().is_some_and(|text| text.contains("Invalid status")) {
+        let payload = info.payload();
+        let text = payload.downcast_ref::<String>().map(String::as_str).or(payload.downcast_ref::<&str>().copied());
+        if !text.is_some_and(|text| text.contains("Invalid status")) {
             default(info);
         }
     }));
