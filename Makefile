@@ -12,13 +12,21 @@ MODELS  := $(wildcard examples/models/*.toml)
 MINIMUM_RUST   := $(shell sed -n 's/^rust-version *= *"\(.*\)"/\1/p' Cargo.toml)
 MINIMUM_PYTHON := 3.9
 
+# The tests need more packages than the deployment: an environment of their own keeps `make` small.
+TEST_VENV   ?= $(TARGET)/venv-test
+TEST_PYTHON := $(TEST_VENV)/bin/python
+# The feature `import` makes bindings from the official headers with libclang, which is one of those packages.
+IMPORT      := LIBCLANG_PATH="$$($(TEST_PYTHON) -c 'import clang; print(clang.__path__[0] + "/native")')" \
+               BINDGEN_EXTRA_CLANG_ARGS="-I$$($(or $(CC),cc) -print-file-name=include)"
+RUNNER      := $(TARGET)/runner/foldwing
+
 VENV_PYTHON := $(VENV)/bin/python
 COMMAND     := $(TARGET)/release/foldwing
 FMU         := $(TARGET)/fmu/FoldingWing.fmu
 TUNNEL_FMU  := $(TARGET)/fmu/folding_wing_in_tunnel.fmu
 DEPLOYMENT  := $(TARGET)/deployment
 
-.PHONY: all build package venv deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-peers bless python-lock clean help toolchain
+.PHONY: all build package venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-peers bless python-lock clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -40,6 +48,13 @@ package: build ## Make the FMU of every shipped model in $(TARGET)/fmu
 venv: toolchain ## Create the Python environment from pinned packages
 	@$(PYTHON) tools/create_venv.py $(VENV) --requirements python/requirements.txt
 
+test-venv: toolchain
+	@$(PYTHON) tools/create_venv.py $(TEST_VENV) --requirements python/requirements-test.txt
+
+runner: test-venv ## Build a `foldwing` that runs any FMU (feature `import`): target/runner/foldwing
+	$(IMPORT) $(CARGO) build --profile test --locked --features import --bin foldwing
+	@mkdir -p $(dir $(RUNNER)) && cp $(TARGET)/debug/foldwing $(RUNNER)
+
 deploy: package venv ## Unfold the wing in still air and at 10 and 20 m/s: latch time, peak strain, CSV and plots
 	@$(VENV_PYTHON) examples/deploy.py --fmu $(FMU) --tunnel $(TUNNEL_FMU) --output $(DEPLOYMENT)
 
@@ -48,15 +63,15 @@ test: toolchain format lint unit pytest ## Check everything
 format:
 	$(CARGO) fmt --check
 
-lint: toolchain
-	$(CARGO) clippy --all-targets --locked -- -D warnings
+lint: test-venv
+	$(IMPORT) $(CARGO) clippy --all-targets --locked --features import -- -D warnings
 
-unit: toolchain
-	$(CARGO) test --locked
+unit: test-venv
+	$(IMPORT) $(CARGO) test --locked --features import
 
-pytest: package venv
-	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) \
-	    $(VENV_PYTHON) -m pytest -q tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
+pytest: package runner
+	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) FOLDWING_RUNNER=$(abspath $(RUNNER)) \
+	    $(TEST_PYTHON) -m pytest -q tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
 
 bench: bench-own bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
 
@@ -98,8 +113,9 @@ aircraft: package venv ## Couple two wings with an aircraft by several ways: doc
 bless: toolchain ## Rewrite modelDescription/ after a deliberate change of the interface
 	FOLDWING_BLESS=1 $(CARGO) test --locked --test model_description
 
-python-lock: venv ## Renew the pinned Python requirements
+python-lock: venv ## Renew the pinned requirements in python/ from the .in files
 	$(VENV_PYTHON) tools/lock_python.py python/requirements.in python/requirements.txt
+	$(VENV_PYTHON) tools/lock_python.py python/requirements-test.in python/requirements-test.txt
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-peers.in python/requirements-peers.txt 3.11
 
 clean: ## Remove everything that was built

@@ -31,3 +31,6 @@ pub mod fmi2;
 pub mod packaging;
 
 pub mod report;
+
+#[cfg(feature = "import")]
+pub mod import;

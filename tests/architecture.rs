@@ -24,7 +24,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("fmi2", &["config", "plant", "interface"]),
     ("packaging", &["load", "beam", "config", "interface", "fmi2"]),
     ("report", &["interface"]),
-    ("cli", &["config", "plant", "interface", "packaging", "report"]),
+    ("import", &["interface", "report"]),
+    ("cli", &["config", "plant", "interface", "packaging", "report", "import"]),
 ];
 
 /// Modules that compute: no files, no output, no clock, no environment, no threads, no order left to chance.

@@ -2,11 +2,18 @@
 
 mod air_summary;
 mod check;
+mod grid;
 mod joint_size;
 mod lattice;
 mod linearize;
 mod modes;
 mod package;
+mod progress;
+#[cfg(feature = "import")]
+mod run;
+#[cfg(not(feature = "import"))]
+#[path = "run_without_import.rs"]
+mod run;
 mod settings;
 mod simulate;
 mod statics;
@@ -23,7 +30,7 @@ use std::process::ExitCode;
 const EXIT_CODES: &str = "\
 Exit codes:
   0  done
-  1  the content of a file was refused: model, inputs or library
+  1  the content of a file was refused: model, inputs, library or FMU
   2  the command line was refused
   3  the simulation failed, the rows up to that time are in the CSV; or there is no equilibrium or linear model
   4  a file could not be read or written";
@@ -51,6 +58,8 @@ enum Command {
     Package(package::Arguments),
     /// Simulate a model and write its outputs as CSV
     Simulate(simulate::Arguments),
+    /// Run an FMU of any tool (FMI 2.0 co-simulation) and write its outputs as CSV
+    Run(run::Arguments),
     /// Say what was understood of a model
     Check(check::Arguments),
     /// Bring a model to rest under its loads and print its shape
@@ -111,6 +120,7 @@ pub fn run() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Package(arguments) => package::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Static(arguments) => statics::run(&arguments),
         Command::Modes(arguments) => modes::run(&arguments),

@@ -1,25 +1,22 @@
 //! `foldwing simulate`: outputs over time as CSV.
 
+use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::lattice::LatticeRecord;
+use crate::cli::progress::Progress;
 use crate::cli::settings::plant_with;
 use crate::cli::strains::StrainPeaks;
 use crate::cli::timing::Timing;
 use crate::cli::{Failure, read_model};
 use clap::builder::NonEmptyStringValueParser;
-use foldwing::config::Machine;
 use foldwing::config::machine::JointKind;
 use foldwing::interface::{Causality, Interface, Variable};
 use foldwing::plant::Plant;
 use foldwing::report::inputs::unknown_name;
-use foldwing::report::{InputTable, Recorder};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use foldwing::report::{Channel, InputTable, Recorder};
 use std::fs::File;
-use std::io::{self, BufWriter, IsTerminal, Write};
-use std::path::PathBuf;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-
-/// Shorter runs show no progress bar.
-const PROGRESS_AFTER: Duration = Duration::from_millis(500);
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -35,15 +32,8 @@ pub struct Arguments {
     /// Start value of an input or parameter; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// Communication step in s [default: the model's]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    step: Option<f64>,
-    /// Start time in s [default: the model's]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    start: Option<f64>,
-    /// Stop time in s [default: the model's]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    stop: Option<f64>,
+    #[command(flatten)]
+    grid: GridArguments,
     /// CSV file for the largest longitudinal strain of every section (ends of the elements) over the run
     #[arg(long, value_name = "OUT.csv")]
     strains: Option<PathBuf>,
@@ -69,19 +59,17 @@ pub struct Arguments {
 /// Simulates and writes the CSV; the rows up to a failure are kept.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, _) = read_model(&arguments.model)?;
-    let grid = Grid::new(arguments, &machine)?;
+    let experiment = &machine.experiment;
+    let grid = Grid::new(&arguments.grid, experiment.start_time_s, experiment.stop_time_s, experiment.step_s)?;
     let interface = Interface::new(&machine);
     let recorded = recorded(&arguments.outputs, &interface)?;
-    let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, &interface)).transpose()?;
+    let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, interface.variables())).transpose()?;
     let plant = plant_with(machine, &interface, &arguments.settings)?;
 
     let target = arguments.csv.display().to_string();
     let writing = |error: io::Error| Failure::writing(&target, &error);
-    let sink: Box<dyn Write> = match target.as_str() {
-        "-" => Box::new(io::stdout().lock()),
-        path => Box::new(File::create(path).map_err(writing)?),
-    };
-    let recorder = Recorder::new(BufWriter::new(sink), &recorded).map_err(writing)?;
+    let names = recorded.iter().map(|variable| variable.name.as_str());
+    let recorder = Recorder::new(csv_sink(&target)?, names).map_err(writing)?;
     let strains = arguments.strains.as_ref().map(|_| StrainPeaks::default());
     let lattices = arguments.lattice.as_ref().map(|_| LatticeRecord::new(arguments.lattice_at.clone()));
     let mut run =
@@ -115,55 +103,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Communication points.
-struct Grid {
-    start_s: f64,
-    stop_s: f64,
-    step_s: f64,
-    steps: u64,
-}
-
-impl Grid {
-    /// Most rows that a run may have: beyond it the step is surely a slip.
-    const MOST_STEPS: f64 = 1e9;
-
-    fn new(arguments: &Arguments, machine: &Machine) -> Result<Self, Failure> {
-        let experiment = &machine.experiment;
-        let start_s = finite("--start", arguments.start, experiment.start_time_s)?;
-        // A start given alone moves the experiment; it does not shorten it.
-        let duration_s = experiment.stop_time_s - experiment.start_time_s;
-        let stop_s = finite("--stop", arguments.stop, start_s + duration_s)?;
-        let step_s = finite("--step", arguments.step, experiment.step_s)?;
-        if step_s <= 0.0 {
-            return Err(Failure::Usage(format!("--step {step_s}: the step must be positive")));
-        }
-        if stop_s <= start_s {
-            return Err(Failure::Usage(format!("--stop {stop_s}: must lie after the start time, {start_s} s")));
-        }
-        let steps = ((stop_s - start_s) / step_s - 1e-9).ceil().max(1.0);
-        if steps > Self::MOST_STEPS {
-            return Err(Failure::Usage(format!(
-                "--step {step_s}: {steps:.0} rows are more than {:.0}",
-                Self::MOST_STEPS
-            )));
-        }
-        Ok(Self { start_s, stop_s, step_s, steps: steps as u64 })
-    }
-
-    /// Time of a communication point; the last is the stop time exactly.
-    fn time_s(&self, point: u64) -> f64 {
-        if point == self.steps { self.stop_s } else { self.start_s + point as f64 * self.step_s }
-    }
-}
-
-fn finite(option: &str, given: Option<f64>, default: f64) -> Result<f64, Failure> {
-    match given {
-        Some(value) if !value.is_finite() => Err(Failure::Usage(format!("{option} {value}: must be a finite number"))),
-        Some(value) => Ok(value),
-        None => Ok(default),
-    }
-}
-
 /// Rows of the table to write: those named, else all outputs.
 fn recorded<'a>(names: &[String], interface: &'a Interface) -> Result<Vec<&'a Variable>, Failure> {
     let variables = interface.variables();
@@ -175,14 +114,24 @@ fn recorded<'a>(names: &[String], interface: &'a Interface) -> Result<Vec<&'a Va
 }
 
 /// A name that no row has.
-pub(super) fn unknown<'a>(name: &str, what: &str, rows: impl IntoIterator<Item = &'a Variable>) -> Failure {
-    Failure::Usage(unknown_name(name, what, rows.into_iter().map(|row| row.name.as_str())))
+pub(super) fn unknown<'a, C: Channel + 'a>(name: &str, what: &str, rows: impl IntoIterator<Item = &'a C>) -> Failure {
+    Failure::Usage(unknown_name(name, what, rows.into_iter()))
 }
 
-fn read_inputs(path: &PathBuf, interface: &Interface) -> Result<InputTable, Failure> {
+/// Inputs over time from a file.
+pub(super) fn read_inputs(path: &Path, variables: &[impl Channel]) -> Result<InputTable, Failure> {
     let name = path.display().to_string();
     let file = File::open(path).map_err(|error| Failure::Files(format!("{name}: cannot be read: {error}")))?;
-    InputTable::read(file, &name, interface.variables()).map_err(|error| Failure::Refused(error.to_string()))
+    InputTable::read(file, &name, variables).map_err(|error| Failure::Refused(error.to_string()))
+}
+
+/// Where a CSV goes: a file, or standard output for `-`.
+pub(super) fn csv_sink(target: &str) -> Result<BufWriter<Box<dyn Write>>, Failure> {
+    let sink: Box<dyn Write> = match target {
+        "-" => Box::new(io::stdout().lock()),
+        path => Box::new(File::create(path).map_err(|error| Failure::writing(target, &error))?),
+    };
+    Ok(BufWriter::new(sink))
 }
 
 /// One simulation.
@@ -236,9 +185,9 @@ impl<W: Write> Run<'_, W> {
     /// Inputs of the step that begins at `time_s`.
     fn feed(&mut self, time_s: f64) -> Result<(), Failure> {
         let Some(table) = &self.inputs else { return Ok(()) };
-        for (value_reference, value) in table.at(time_s) {
+        for (row, value) in table.at(time_s) {
             self.interface
-                .set(&mut self.plant, value_reference, value)
+                .set(&mut self.plant, self.interface.variables()[row].value_reference, value)
                 .map_err(|error| Failure::Refused(format!("input at {time_s} s: {error}")))?;
         }
         Ok(())
@@ -256,39 +205,6 @@ impl<W: Write> Run<'_, W> {
             interface.get(plant, plant.outputs(), variable.value_reference).expect("rows come from the same table")
         };
         self.recorder.record(time_s, self.recorded.iter().map(value))
-    }
-}
-
-/// A bar on standard error for runs that last, none where nobody watches.
-struct Progress {
-    bar: Option<ProgressBar>,
-    steps: u64,
-    started: Instant,
-}
-
-impl Progress {
-    fn new(steps: u64) -> Self {
-        Self { bar: None, steps, started: Instant::now() }
-    }
-
-    fn at(&mut self, step: u64) {
-        if self.bar.is_none() && self.started.elapsed() > PROGRESS_AFTER && io::stderr().is_terminal() {
-            let style = ProgressStyle::with_template("{wide_bar} {percent} % of the time, {eta} left")
-                .expect("the template is valid");
-            let bar = ProgressBar::with_draw_target(Some(self.steps), ProgressDrawTarget::stderr());
-            self.bar = Some(bar.with_style(style));
-        }
-        if let Some(bar) = &self.bar {
-            bar.set_position(step);
-        }
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
     }
 }
 

@@ -52,10 +52,45 @@ pub enum InputsError {
     },
 }
 
+/// What a table of inputs asks of a variable.
+pub trait Channel {
+    /// The command that lists the names, for messages.
+    const LISTED_BY: &'static str;
+    /// Its name.
+    fn name(&self) -> &str;
+    /// Whether it is an input.
+    fn is_input(&self) -> bool;
+    /// A value of its type; `None` for text, which a table cannot give.
+    fn kind(&self) -> Option<Value>;
+    /// Smallest and largest value allowed.
+    fn range(&self) -> Option<(f64, f64)>;
+}
+
+impl Channel for Variable {
+    const LISTED_BY: &'static str = "`foldwing check`";
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn is_input(&self) -> bool {
+        self.causality == Causality::Input
+    }
+
+    fn kind(&self) -> Option<Value> {
+        Some(self.value)
+    }
+
+    fn range(&self) -> Option<(f64, f64)> {
+        self.range
+    }
+}
+
 /// One input over time.
 #[derive(Debug, Clone, PartialEq)]
 struct Column {
-    value_reference: u32,
+    /// Position in the list of variables.
+    position: usize,
     kind: Value,
     values: Vec<f64>,
 }
@@ -69,7 +104,7 @@ pub struct InputTable {
 
 impl InputTable {
     /// Reads a table; `file` is the name that errors carry.
-    pub fn read(source: impl Read, file: &str, variables: &[Variable]) -> Result<Self, InputsError> {
+    pub fn read(source: impl Read, file: &str, variables: &[impl Channel]) -> Result<Self, InputsError> {
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(source);
         let malformed = |error: csv::Error| InputsError::Malformed { file: file.to_owned(), cause: describe(&error) };
         let header = reader.headers().map_err(malformed)?.clone();
@@ -88,7 +123,7 @@ impl InputTable {
         record: &StringRecord,
         header: &StringRecord,
         file: &str,
-        variables: &[Variable],
+        variables: &[impl Channel],
     ) -> Result<(), InputsError> {
         let bad = |column: usize, cause: String| InputsError::Cell {
             file: file.to_owned(),
@@ -104,15 +139,15 @@ impl InputTable {
         }
         self.times_s.push(time_s);
         for (i, column) in self.columns.iter_mut().enumerate() {
-            let variable = &variables[column.value_reference as usize];
-            column.values.push(value(&record[i + 1], variable).map_err(|cause| bad(i + 1, cause))?);
+            let range = variables[column.position].range();
+            column.values.push(value(&record[i + 1], column.kind, range).map_err(|cause| bad(i + 1, cause))?);
         }
         Ok(())
     }
 
-    /// Value references and values of all columns at a time: reals on straight lines between rows, the others
+    /// Positions in the list of variables and values of all columns at a time: reals on straight lines between rows, the others
     /// held from their row on; constant before the first row and after the last.
-    pub fn at(&self, time_s: f64) -> impl Iterator<Item = (u32, Value)> + '_ {
+    pub fn at(&self, time_s: f64) -> impl Iterator<Item = (usize, Value)> + '_ {
         let next = self.times_s.partition_point(|t| *t <= time_s);
         self.columns.iter().map(move |column| {
             let held = column.values[next.saturating_sub(1)];
@@ -121,7 +156,7 @@ impl InputTable {
                 Value::Integer(_) => Value::Integer(held as i32),
                 Value::Boolean(_) => Value::Boolean(held != 0.0),
             };
-            (column.value_reference, value)
+            (column.position, value)
         })
     }
 
@@ -137,7 +172,7 @@ impl InputTable {
 }
 
 /// The columns that a header names, without values yet.
-fn columns(header: &StringRecord, file: &str, variables: &[Variable]) -> Result<Vec<Column>, InputsError> {
+fn columns(header: &StringRecord, file: &str, variables: &[impl Channel]) -> Result<Vec<Column>, InputsError> {
     let bad = |column: usize, cause: String| InputsError::Header { file: file.to_owned(), column: column + 1, cause };
     if header.get(0) != Some("time") {
         let found = header.get(0).unwrap_or_default();
@@ -145,41 +180,43 @@ fn columns(header: &StringRecord, file: &str, variables: &[Variable]) -> Result<
     }
     let mut columns: Vec<Column> = vec![];
     for (i, name) in header.iter().enumerate().skip(1) {
-        let variable = input(name, variables).map_err(|cause| bad(i, cause))?;
-        if columns.iter().any(|column| column.value_reference == variable.value_reference) {
+        let (position, kind) = input(name, variables).map_err(|cause| bad(i, cause))?;
+        if columns.iter().any(|column| column.position == position) {
             return Err(bad(i, format!("`{name}` stands twice")));
         }
-        columns.push(Column { value_reference: variable.value_reference, kind: variable.value, values: vec![] });
+        columns.push(Column { position, kind, values: vec![] });
     }
     Ok(columns)
 }
 
-fn input<'a>(name: &str, variables: &'a [Variable]) -> Result<&'a Variable, String> {
-    match variables.iter().find(|variable| variable.name == name) {
-        Some(variable) if variable.causality == Causality::Input => Ok(variable),
+/// Position of an input by name, and a value of its type.
+fn input<C: Channel>(name: &str, variables: &[C]) -> Result<(usize, Value), String> {
+    let found = variables.iter().enumerate().find(|(_, variable)| variable.name() == name);
+    match found {
+        Some((position, variable)) if variable.is_input() => match variable.kind() {
+            Some(kind) => Ok((position, kind)),
+            None => Err(format!("`{name}` is a text, which a table cannot give")),
+        },
         Some(_) => Err(format!("`{name}` is not an input")),
-        None => {
-            let inputs = variables.iter().filter(|variable| variable.causality == Causality::Input);
-            Err(unknown_name(name, "input", inputs.map(|variable| variable.name.as_str())))
-        }
+        None => Err(unknown_name(name, "input", variables.iter().filter(|variable| variable.is_input()))),
     }
 }
 
 /// Says that a name is unknown, with the nearest known one if there is one near.
-pub fn unknown_name<'a>(name: &str, what: &str, known: impl Iterator<Item = &'a str>) -> String {
+pub fn unknown_name<'a, C: Channel + 'a>(name: &str, what: &str, known: impl Iterator<Item = &'a C>) -> String {
     let nearest = known
-        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
+        .map(|candidate| (strsim::jaro_winkler(name, candidate.name()), candidate.name()))
         .filter(|(similarity, _)| *similarity > SUGGESTION_SIMILARITY)
         .max_by(|a, b| a.0.total_cmp(&b.0));
     match nearest {
         Some((_, candidate)) => format!("no {what} is named `{name}`; did you mean `{candidate}`?"),
-        None => format!("no {what} is named `{name}`; `foldwing check` lists the names"),
+        None => format!("no {what} is named `{name}`; {} lists the names", C::LISTED_BY),
     }
 }
 
 /// A cell's value, checked against type and range of its input.
-fn value(text: &str, variable: &Variable) -> Result<f64, String> {
-    let value = match variable.value {
+fn value(text: &str, kind: Value, range: Option<(f64, f64)>) -> Result<f64, String> {
+    let value = match kind {
         Value::Real(_) => real(text)?,
         Value::Integer(_) => text.parse::<i32>().map(f64::from).map_err(|_| "is not a whole number".to_owned())?,
         Value::Boolean(_) => match text {
@@ -188,7 +225,7 @@ fn value(text: &str, variable: &Variable) -> Result<f64, String> {
             _ => return Err("is not a Boolean; allowed are 0, 1, false and true".to_owned()),
         },
     };
-    match variable.range {
+    match range {
         Some((smallest, largest)) if !(smallest..=largest).contains(&value) => {
             Err(format!("is out of range; allowed is {smallest:?} to {largest:?}"))
         }

@@ -4,7 +4,7 @@ pub mod inputs;
 pub mod linear;
 pub mod recorder;
 
-pub use inputs::{InputTable, InputsError};
+pub use inputs::{Channel, InputTable, InputsError};
 pub use linear::{linear_json, write_npz};
 pub use recorder::Recorder;
 

@@ -1,6 +1,6 @@
 //! Chosen variables over time, written row by row as CSV.
 
-use crate::interface::{Value, Variable};
+use crate::interface::Value;
 use crate::report::cell;
 use std::io::{self, Write};
 
@@ -11,15 +11,19 @@ pub struct Recorder<W: Write> {
 
 impl<W: Write> Recorder<W> {
     /// Writes the header: `time` and the names of the variables, in their order.
-    pub fn new(target: W, variables: &[&Variable]) -> io::Result<Self> {
+    pub fn new<'a>(target: W, names: impl IntoIterator<Item = &'a str>) -> io::Result<Self> {
         let mut writer = csv::Writer::from_writer(target);
-        writer.write_record(std::iter::once("time").chain(variables.iter().map(|v| v.name.as_str())))?;
+        writer.write_record(std::iter::once("time").chain(names))?;
         Ok(Self { writer })
     }
 
     /// Writes one row.
     pub fn record(&mut self, time_s: f64, values: impl IntoIterator<Item = Value>) -> io::Result<()> {
-        let cells = values.into_iter().map(|value| cell(&value));
+        self.record_cells(time_s, values.into_iter().map(|value| cell(&value)))
+    }
+
+    /// Writes one row of texts.
+    pub fn record_cells(&mut self, time_s: f64, cells: impl IntoIterator<Item = String>) -> io::Result<()> {
         Ok(self.writer.write_record(std::iter::once(cell(&Value::Real(time_s))).chain(cells))?)
     }
 
@@ -32,29 +36,11 @@ impl<W: Write> Recorder<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::interface::{Causality, Variability};
-
-    fn variable(name: &str) -> Variable {
-        Variable {
-            name: name.to_owned(),
-            value_reference: 0,
-            causality: Causality::Output,
-            variability: Variability::Continuous,
-            initial: None,
-            value: Value::Real(0.0),
-            declared_type: None,
-            range: None,
-            description: String::new(),
-            dependencies: vec![],
-            initial_dependencies: vec![],
-        }
-    }
 
     /// Numbers read back to the same bits, Booleans are 0 and 1.
     #[test]
     fn rows_read_back_to_the_same_bits() {
-        let variables = ["a", "b", "c"].map(variable);
-        let mut recorder = Recorder::new(Vec::new(), &variables.iter().collect::<Vec<_>>()).unwrap();
+        let mut recorder = Recorder::new(Vec::new(), ["a", "b", "c"]).unwrap();
         let value = 0.1 + 0.2;
         recorder.record(1e-3, [Value::Real(value), Value::Boolean(true), Value::Integer(-1)]).unwrap();
         let text = String::from_utf8(recorder.finish().unwrap()).unwrap();

@@ -6,6 +6,8 @@
 
 pub mod derivatives;
 pub mod functions;
+#[cfg(feature = "import")]
+pub mod official;
 pub mod states;
 pub mod status;
 pub mod types;

@@ -1,0 +1,42 @@
+//! A progress bar for runs that last.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{self, IsTerminal};
+use std::time::{Duration, Instant};
+
+/// Shorter runs show no progress bar.
+const PROGRESS_AFTER: Duration = Duration::from_millis(500);
+
+/// A bar on standard error for runs that last, none where nobody watches.
+pub(super) struct Progress {
+    bar: Option<ProgressBar>,
+    steps: u64,
+    started: Instant,
+}
+
+impl Progress {
+    pub fn new(steps: u64) -> Self {
+        Self { bar: None, steps, started: Instant::now() }
+    }
+
+    /// Shows that a step is done.
+    pub fn at(&mut self, step: u64) {
+        if self.bar.is_none() && self.started.elapsed() > PROGRESS_AFTER && io::stderr().is_terminal() {
+            let style = ProgressStyle::with_template("{wide_bar} {percent} % of the time, {eta} left")
+                .expect("the template is valid");
+            let bar = ProgressBar::with_draw_target(Some(self.steps), ProgressDrawTarget::stderr());
+            self.bar = Some(bar.with_style(style));
+        }
+        if let Some(bar) = &self.bar {
+            bar.set_position(step);
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Why a foreign FMU cannot be run, and what its functions answered.
+
+use std::io;
+use std::path::PathBuf;
+
+/// Why an FMU cannot be run.
+#[derive(Debug, thiserror::Error)]
+pub enum ImportError {
+    /// The file cannot be read, or not be unpacked.
+    #[error("{path}: cannot be read: {source}", path = path.display())]
+    File {
+        /// The FMU.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// Neither archive nor description.
+    #[error("{path}: not an FMU: {cause}", path = path.display())]
+    NotAnFmu {
+        /// The file.
+        path: PathBuf,
+        /// What is missing or damaged.
+        cause: String,
+    },
+    /// Another version of the standard.
+    #[error("{path}: FMI {found}; FMI 2.0 is what can be run", path = path.display())]
+    Version {
+        /// The FMU.
+        path: PathBuf,
+        /// `fmiVersion` of the description.
+        found: String,
+    },
+    /// Model exchange only.
+    #[error("{path}: for model exchange only; co-simulation is what can be run", path = path.display())]
+    NoCoSimulation {
+        /// The FMU.
+        path: PathBuf,
+    },
+    /// No library for this platform.
+    #[error("{path}: no library for this platform, `{expected}`; the FMU has {found}", path = path.display())]
+    NoLibrary {
+        /// The FMU.
+        path: PathBuf,
+        /// Path inside the archive.
+        expected: String,
+        /// Folders of `binaries`, or a word for none.
+        found: String,
+    },
+    /// The library cannot be loaded.
+    #[error("{path}: `{library}` cannot be loaded: {cause}", path = path.display())]
+    Library {
+        /// The FMU.
+        path: PathBuf,
+        /// Path inside the archive.
+        library: String,
+        /// What the loader says.
+        cause: String,
+    },
+    /// The library lacks a function that co-simulation needs.
+    #[error("{path}: `{library}` exports no function {function}", path = path.display())]
+    NoFunction {
+        /// The FMU.
+        path: PathBuf,
+        /// Path inside the archive.
+        library: String,
+        /// Name of the standard.
+        function: &'static str,
+    },
+    /// `fmi2Instantiate` gave no instance.
+    #[error("{path}: fmi2Instantiate gave no instance", path = path.display())]
+    NotInstantiated {
+        /// The FMU.
+        path: PathBuf,
+    },
+}
+
+/// What a function answered instead of `fmi2OK` or `fmi2Warning`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    /// Refused, nothing changed.
+    Discard,
+    /// Failed; the instance can only be reset or freed.
+    Error,
+    /// Every instance of the FMU is lost; not even freeing is allowed.
+    Fatal,
+    /// No status that can be handled: `fmi2Pending`, for steps are never asynchronous here, or none of the standard.
+    Other,
+}
+
+/// A call that an FMU refused or failed in.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{call}: the FMU answers {answer}", answer = fault.name())]
+pub struct CallError {
+    /// Function, and what it was called for.
+    pub call: String,
+    /// Its answer.
+    pub fault: Fault,
+}
+
+impl Fault {
+    /// Name of the standard.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Discard => "fmi2Discard",
+            Self::Error => "fmi2Error",
+            Self::Fatal => "fmi2Fatal",
+            Self::Other => "fmi2Pending, which is not supported, or no status of FMI",
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Messages of FMUs. The crate `fmi` formats them in C and hands them to the logger of the crate `log`.
+
+use log::{Level, Log, Metadata, Record};
+
+/// How grave a message is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Severity {
+    /// For information: status `fmi2OK`.
+    Note,
+    /// Status `fmi2Warning`.
+    Warning,
+    /// Status `fmi2Discard`.
+    Discard,
+    /// Status `fmi2Error` or `fmi2Fatal`.
+    Error,
+}
+
+/// A message of an FMU, with its arguments filled in.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    /// Name of the instance.
+    pub instance: String,
+    /// Its status.
+    pub severity: Severity,
+    /// Text, without the line feeds at its end that some FMUs send.
+    pub text: String,
+}
+
+/// Hands every message of every FMU to a function, from now on; `false` if something else listens already.
+pub fn listen(to: impl Fn(&Message) + Send + Sync + 'static) -> bool {
+    log::set_boxed_logger(Box::new(Listener(to))).is_ok()
+}
+
+struct Listener<F>(F);
+
+impl<F: Fn(&Message) + Send + Sync> Log for Listener<F> {
+    fn enabled(&self, _: &Metadata) -> bool {
+        true
+    }
+
+    fn log(&self, record: &Record) {
+        let severity = match record.level() {
+            Level::Error => Severity::Error,
+            Level::Warn => Severity::Warning,
+            Level::Info => Severity::Note,
+            Level::Debug | Level::Trace => Severity::Discard,
+        };
+        let text = record.args().to_string().trim_end().to_owned();
+        (self.0)(&Message { instance: record.target().to_owned(), severity, text });
+    }
+
+    fn flush(&self) {}
+}
