@@ -12,7 +12,15 @@ pub struct Recorder<W: Write> {
 impl<W: Write> Recorder<W> {
     /// Writes the header: `time` and the names of the variables, in their order.
     pub fn new(target: W, variables: &[&Variable]) -> io::Result<Self> {
-        let mut writer = csv::Writer::from_writer(target);
+        Self::start(csv::Writer::from_writer(target), variables)
+    }
+
+    /// The same with names in quotes, as the rules of the FMI Cross-Check ask.
+    pub fn quoted(target: W, variables: &[&Variable]) -> io::Result<Self> {
+        Self::start(csv::WriterBuilder::new().quote_style(csv::QuoteStyle::NonNumeric).from_writer(target), variables)
+    }
+
+    fn start(mut writer: csv::Writer<W>, variables: &[&Variable]) -> io::Result<Self> {
         writer.write_record(std::iter::once("time").chain(variables.iter().map(|v| v.name.as_str())))?;
         Ok(Self { writer })
     }
