@@ -339,7 +339,11 @@ pub(super) fn table(html: &mut String, head: &[&str], rows: impl Iterator<Item =
         format!("<tr>{cells}</tr>\n")
     };
     // sentences may wrap, numbers and names not
-    let prose = if head.iter().any(|title| ["meaning", "reference"].contains(title)) { " prose" } else { "" };
+    let prose = match head.last() {
+        Some(&"meaning") => " meaning",
+        Some(&"case") => " cases",
+        _ => "",
+    };
     let head: Vec<String> = head.iter().map(|text| (*text).to_owned()).collect();
     let _ = write!(
         html,

@@ -295,22 +295,45 @@ fn run(machine: &Machine, interface: &Interface, grid: &Grid, stimuli: Option<&s
         }
     };
     let rows = recorded(interface.variables());
-    let mut recorder = Recorder::quoted(Vec::new(), &rows).expect("writing to memory does not fail");
-    let mut record = |plant: &Plant, time_s: f64| {
-        let value = |row: &&Variable| -> Value {
+    let values = |plant: &Plant| -> Vec<Value> {
+        let value = |row: &&Variable| {
             interface.get(plant, plant.outputs(), row.value_reference).expect("rows come from the same table")
         };
-        recorder.record(time_s, rows.iter().map(value)).expect("writing to memory does not fail");
+        rows.iter().map(value).collect()
     };
     feed(&mut plant, grid.start_s);
     plant.initialize(grid.start_s)?;
-    record(&plant, grid.start_s);
+    let mut history = vec![(grid.start_s, values(&plant))];
     for point in 1..=grid.steps {
         feed(&mut plant, grid.time_s(point - 1));
         plant.step(grid.time_s(point))?;
-        record(&plant, grid.time_s(point));
+        history.push((grid.time_s(point), values(&plant)));
+    }
+    let columns = moving(&history);
+    let kept: Vec<&Variable> = columns.iter().map(|&column| rows[column]).collect();
+    let mut recorder = Recorder::quoted(Vec::new(), &kept).expect("writing to memory does not fail");
+    for (time_s, values) in &history {
+        recorder
+            .record(*time_s, columns.iter().map(|&column| values[column]))
+            .expect("writing to memory does not fail");
     }
     Ok(text(recorder))
+}
+
+/// Columns that move by more than round-off: comparisons relative to a range would compare noise in the others. The first
+/// where none does.
+fn moving(history: &[(f64, Vec<Value>)]) -> Vec<usize> {
+    let number = |value: &Value| match value {
+        Value::Real(value) => *value,
+        Value::Integer(value) => f64::from(*value),
+        Value::Boolean(value) => f64::from(u8::from(*value)),
+    };
+    let range = |column: usize| {
+        let values = || history.iter().map(|(_, values)| number(&values[column]));
+        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+    };
+    let columns: Vec<usize> = (0..history[0].1.len()).filter(|&column| range(column) > LEAST).collect();
+    if columns.is_empty() { vec![0] } else { columns }
 }
 
 #[cfg(test)]
@@ -343,7 +366,9 @@ mod tests {
         for experiment in [default, inputs] {
             let lines: Vec<&str> = experiment.result.lines().collect();
             assert_eq!(lines.len(), 402, "header, start and 400 steps");
-            assert!(lines[0].starts_with("\"time\",\"fold.angle\",\"fold.latch_time\""), "{}", lines[0]);
+            assert!(lines[0].starts_with("\"time\",\"fold.angle\","), "{}", lines[0]);
+            // the wing moves in its plane of symmetry: what stands still is not there
+            assert!(!lines[0].contains("tip.position.y"), "{}", lines[0]);
             assert!(lines[0].split(',').count() <= 1 + MOST_VARIABLES);
             assert!(lines[401].starts_with("0.4,"), "{}", lines[401]);
             assert!(experiment.result.len() < 100_000, "{} bytes", experiment.result.len());

@@ -133,7 +133,8 @@ def test_f124_reference_is_what_the_fmu_does(fmus, model):
         assert max(found.values()) <= (0.0 if stimuli is None else 1.0), (model, attributes["name"], found)
         results.append(reference)
     default, moved = results
-    assert any(np.ptp(default[name] - moved[name]) > 1e-3 * np.ptp(default[name]) for name in default.dtype.names[1:])
+    assert any(name not in default.dtype.names or np.ptp(default[name] - moved[name]) > 1e-3 * np.ptp(default[name])
+               for name in moved.dtype.names[1:])
     # the sentence that promises the tolerance
     notes = (Path(fmus[model].folder) / "documentation/fmi-ls-ref.txt").read_text(encoding="utf-8")
     assert f"at most {TOLERANCE:.0e}".replace("e-0", "e-") in notes
@@ -177,11 +178,12 @@ def test_f127_linear_model_in_the_archive_answers_like_the_fmu(foldwing, tmp_pat
     """F-127. `foldwing package --linear`: SciPy reads `linear.mat`, JSON holds the same numbers, and the answer to a small
     step of load at the tip equals the FMU's, the latched wing that starts at the same equilibrium.
 
-    The load is 1e-4 N, which bends the wing by less than a thousandth of its length: what is left out of the linear model is
-    the square of that, and the integrator runs at 1e-8. The limit is 1e-3 of the answer's range.
+    The load of 5 mN bends the wing by 0.3 % of its length: what the linear model leaves out is of the order of the square of
+    that, 1e-5. In strain and moment the step excites modes that the integrator damps at its tolerance, 1e-10 here, by some
+    1e-4 of the range. The limit is 1e-3.
     """
     text = (ROOT / "examples/models/folding_wing.toml").read_text(encoding="utf-8")
-    for old, new in [("[experiment]\n", '[solver]\ntolerance = 1e-8\n\n[experiment]\nstart = "equilibrium"\n'),
+    for old, new in [("[experiment]\n", '[solver]\ntolerance = 1e-10\n\n[experiment]\nstart = "equilibrium"\n'),
                      ("start_angle_deg = 170.0", "start_angle_deg = 0.0"),
                      ("stiffness_ratio = 1e4", "stiffness_ratio = 1e4\ninitially_closed = true")]:
         assert text.count(old) == 1, old
@@ -202,7 +204,7 @@ def test_f127_linear_model_in_the_archive_answers_like_the_fmu(foldwing, tmp_pat
         assert list(linear[f"{what}_units"]) == [signal["unit"] for signal in stated[f"{what}s"]]
         assert linear[values].tolist() == [signal["value"] for signal in stated[f"{what}s"]]
 
-    load, force_n, step_s = "load.outer[4].force.z", 1e-4, 2.5e-4
+    load, force_n, step_s = "load.outer[4].force.z", 5e-3, 2.5e-4
     outputs = ["tip.position.z", "gauge.root.strain", "root.moment.y"]
     time = step_s * np.arange(1201)
     column = list(linear["input_names"]).index(load)
