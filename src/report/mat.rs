@@ -88,7 +88,8 @@ mod tests {
     fn arrays_have_the_layout_of_the_format() {
         let bytes = numbers("D", &DMatrix::from_row_slice(1, 2, &[1.0, -2.0]));
         let words: Vec<u32> = bytes[..48].chunks(4).map(|word| u32::from_le_bytes(word.try_into().unwrap())).collect();
-        assert_eq!(words, [14, 64, 6, 8, 6, 0, 5, 8, 1, 2, 1, 1]);
+        // 72 = flags 16, dimensions 16, name 16, tag 8 and two numbers
+        assert_eq!(words, [14, 72, 6, 8, 6, 0, 5, 8, 1, 2, 1, 1]);
         assert_eq!(bytes[48..56], *b"D\0\0\0\0\0\0\0");
         assert_eq!(bytes[56..64], [[9, 0, 0, 0], [16, 0, 0, 0]].concat());
         assert_eq!(bytes[64..], [1.0f64.to_le_bytes(), (-2.0f64).to_le_bytes()].concat());

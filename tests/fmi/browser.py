@@ -1,6 +1,7 @@
 """A headless Chromium, driven over its own pipe: no package is needed, and nothing listens on the network."""
 
 import base64
+import fcntl
 import itertools
 import json
 import os
@@ -38,10 +39,15 @@ class Browser:
         command = [chromium(), *FLAGS, f"--user-data-dir={self.profile}", "about:blank"]
         their_in, self.out = os.pipe()
         self.inp, their_out = os.pipe()
-        self.process = subprocess.Popen(
-            ["/bin/sh", "-c", f'exec "$@" 3<&{their_in} 4>&{their_out}', "chromium", *command],
-            pass_fds=(their_in, their_out), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            start_new_session=True)
+
+        def take_their_ends():
+            """The protocol wants descriptors 3 and 4; the ends go out of the way first, as they may have these numbers."""
+            ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 10) for end in (their_in, their_out)]
+            for number, end in zip((3, 4), ends):
+                os.dup2(end, number)
+
+        self.process = subprocess.Popen(command, preexec_fn=take_their_ends, pass_fds=(3, 4), stdout=subprocess.DEVNULL,
+                                        stderr=subprocess.DEVNULL, start_new_session=True)
         os.close(their_in)
         os.close(their_out)
         self.numbers, self.rest, self.events, self.session = itertools.count(1), b"", [], None
