@@ -38,8 +38,8 @@ def differences(result, reference):
             for name in names}
 
 
-def test_f123_icon_shows_the_wing(fmus):
-    """F-123. `model.png` at the archive's root: 800 × 600, opaque, at most 40 kB, with a free border, the blue of the wing
+def test_f153_icon_shows_the_wing(fmus):
+    """F-153. `model.png` at the archive's root: 800 × 600, opaque, at most 40 kB, with a free border, the blue of the wing
     and the dark lines around it; no two models' icons are the same but those of the same wing.
     """
     seen = {}
@@ -80,8 +80,8 @@ def experiments(folder):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_f124_reference_is_what_the_fmu_does(fmus, model):
-    """F-124. FMPy repeats both experiments of the layered standard from their own files. Same library, same steps: without
+def test_f154_reference_is_what_the_fmu_does(fmus, model):
+    """F-154. FMPy repeats both experiments of the layered standard from their own files. Same library, same steps: without
     inputs the same digits. FMPy's straight lines between the rows of the inputs may differ in the last bit, so with them the
     tolerance is the stated one, 1e-6 of each variable's range.
 
@@ -120,15 +120,15 @@ def repository(foldwing, tmp_path_factory):
     return folder / "repository"
 
 
-def test_f125_cross_check_accepts_the_files(repository):
-    """F-125. FMPy's check of Cross-Check repositories finds both FMUs and no problem with them."""
+def test_f155_cross_check_accepts_the_files(repository):
+    """F-155. FMPy's check of Cross-Check repositories finds both FMUs and no problem with them."""
     fmus, results, problems = validate_repo(str(repository))
     assert (fmus, results, problems) == (2, 0, [])
 
 
 @pytest.mark.parametrize("model", ["folding_wing", "four_bar"])
-def test_f126_cross_check_result_passes(repository, model):
-    """F-126. A run with the options and inputs of the Cross-Check files passes FMPy's comparison with the reference, and a
+def test_f156_cross_check_result_passes(repository, model):
+    """F-156. A run with the options and inputs of the Cross-Check files passes FMPy's comparison with the reference, and a
     run without the inputs does not equal it: the reference needs them.
     """
     (folder,) = [path.parent for path in repository.rglob(f"{model}.fmu")]
@@ -144,8 +144,8 @@ def test_f126_cross_check_result_passes(repository, model):
     assert max(differences(without, reference).values()) > 100.0
 
 
-def test_f127_linear_model_in_the_archive_answers_like_the_fmu(foldwing, tmp_path):
-    """F-127. `foldwing package --linear`: SciPy reads `linear.mat`, JSON holds the same numbers, and the answer to a small
+def test_f157_linear_model_in_the_archive_answers_like_the_fmu(foldwing, tmp_path):
+    """F-157. `foldwing package --linear`: SciPy reads `linear.mat`, JSON holds the same numbers, and the answer to a small
     step of load at the tip equals the FMU's, the latched wing that starts at the same equilibrium.
 
     The load of 5 mN bends the wing by 0.3 % of its length: what the linear model leaves out is of the order of the square of

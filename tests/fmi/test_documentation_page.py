@@ -37,8 +37,8 @@ def browser():
 
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 @pytest.mark.parametrize("width", WIDTHS)
-def test_f120_page_shows_in_a_browser(browser, fmus, width, dark):
-    """F-120. Every shipped model's page in Chromium: no complaint, no request beyond the page, the drawing is visible and
+def test_f150_page_shows_in_a_browser(browser, fmus, width, dark):
+    """F-150. Every shipped model's page in Chromium: no complaint, no request beyond the page, the drawing is visible and
     whole, no text runs out of the window, and the page takes the reader's colour scheme.
     """
     for model in MODELS:
@@ -56,8 +56,8 @@ def test_f120_page_shows_in_a_browser(browser, fmus, width, dark):
         assert (max(paper[:3]) < 64) == dark, (model, paper)
 
 
-def test_f121_page_names_every_variable(browser, fmus):
-    """F-121. The tables that the browser shows name every input, output and parameter of the description with its unit."""
+def test_f151_page_names_every_variable(browser, fmus):
+    """F-151. The tables that the browser shows name every input, output and parameter of the description with its unit."""
     for model in MODELS:
         fmu = fmus[model]
         browser.open(Path(fmu.folder) / "documentation/index.html")
@@ -71,8 +71,8 @@ def test_f121_page_names_every_variable(browser, fmus):
                 assert row[-1] == variable.description, (model, row)
 
 
-def test_f122_links_lead_to_files_of_the_archive(browser, fmus):
-    """F-122. Every link of every page leads to a heading of the page or to a file of the archive."""
+def test_f152_links_lead_to_files_of_the_archive(browser, fmus):
+    """F-152. Every link of every page leads to a heading of the page or to a file of the archive."""
     for model in MODELS:
         folder = Path(fmus[model].folder)
         browser.open(folder / "documentation/index.html")
