@@ -26,7 +26,7 @@ FMU         := $(TARGET)/fmu/FoldingWing.fmu
 TUNNEL_FMU  := $(TARGET)/fmu/folding_wing_in_tunnel.fmu
 DEPLOYMENT  := $(TARGET)/deployment
 
-.PHONY: all build package venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-peers bless python-lock clean help toolchain
+.PHONY: all build package venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-peers bless licenses python-lock clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -112,6 +112,9 @@ aircraft: package venv ## Couple two wings with an aircraft by several ways: doc
 
 bless: toolchain ## Rewrite modelDescription/ after a deliberate change of the interface
 	FOLDWING_BLESS=1 $(CARGO) test --locked --test model_description
+
+licenses: toolchain ## Renew licenses/THIRD_PARTY.txt after a change of Cargo.lock
+	CARGO="$(CARGO)" $(PYTHON) tools/collect_licenses.py
 
 python-lock: venv ## Renew the pinned requirements in python/ from the .in files
 	$(VENV_PYTHON) tools/lock_python.py python/requirements.in python/requirements.txt

@@ -22,10 +22,10 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("plant", &["math", "load", "actuation", "solve", "aero", "beam", "multibody", "config"]),
     ("interface", &["load", "config", "plant"]),
     ("fmi2", &["config", "plant", "interface"]),
-    ("packaging", &["load", "beam", "config", "interface", "fmi2"]),
     ("report", &["interface"]),
+    ("packaging", &["load", "beam", "config", "plant", "interface", "fmi2", "report"]),
     ("import", &["interface", "report"]),
-    ("cli", &["config", "plant", "interface", "packaging", "report", "import"]),
+    ("cli", &["config", "plant", "interface", "report", "packaging", "import"]),
 ];
 
 /// Modules that compute: no files, no output, no clock, no environment, no threads, no order left to chance.

@@ -6,8 +6,9 @@ use crate::cli::{Failure, print, read_model};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing::interface::{Interface, LinearModel, Variable};
 use foldwing::plant::{Holding, Plant, PlantError};
-use foldwing::report::{linear_json, write_npz};
+use foldwing::report::{linear_json, write_mat, write_npz};
 use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -26,27 +27,27 @@ pub struct Arguments {
     /// Start value of an input or parameter; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// File to write: `.json` or `.npz` (NumPy)
-    #[arg(short, long, value_name = "X.json|X.npz")]
+    /// File to write: `.json`, `.npz` (NumPy) or `.mat` (MATLAB)
+    #[arg(short, long, value_name = "X.json|X.npz|X.mat")]
     output: PathBuf,
 }
 
 /// Writes the linear model.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let extension = arguments.output.extension().and_then(|extension| extension.to_str());
-    if !matches!(extension, Some("json" | "npz")) {
+    if !matches!(extension, Some("json" | "npz" | "mat")) {
         let output = arguments.output.display();
-        return Err(Failure::Usage(format!("--output {output}: the name must end in .json or .npz")));
+        return Err(Failure::Usage(format!("--output {output}: the name must end in .json, .npz or .mat")));
     }
     let (machine, _) = read_model(&arguments.model)?;
     let interface = Interface::new(&machine);
     let inputs = chosen(&arguments.inputs, interface.real_inputs(), "real input")?;
     let outputs = chosen(&arguments.outputs, interface.real_outputs(), "real output")?;
     let mut plant = plant_with(machine, &interface, &arguments.settings)?;
-    reach(&arguments.at, &mut plant)?;
+    reach("--at", &arguments.at, &mut plant)?;
     let model =
         interface.linearize(&mut plant, &inputs, &outputs).map_err(|error| Failure::Statics(error.to_string()))?;
-    write(&model, &arguments.output, extension == Some("npz"))?;
+    write(&model, &arguments.output, extension)?;
     print(&format!(
         "{}: {} states, {} inputs, {} outputs at t = {} s, written to {}",
         plant.machine().name,
@@ -83,8 +84,8 @@ fn chosen<'a>(
     Ok(list)
 }
 
-/// Brings the plant to the state asked for.
-fn reach(at: &str, plant: &mut Plant) -> Result<(), Failure> {
+/// Brings the plant to the state asked for: `start`, `equilibrium` or a time in s.
+pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Failure> {
     let start_s = plant.machine().experiment.start_time_s;
     let statics = |error: PlantError| Failure::Statics(error.to_string());
     match at {
@@ -97,7 +98,7 @@ fn reach(at: &str, plant: &mut Plant) -> Result<(), Failure> {
                 .filter(|time_s: &f64| time_s.is_finite() && *time_s >= start_s)
                 .ok_or_else(|| {
                     Failure::Usage(format!(
-                        "--at {time}: must be start, equilibrium or a time from {start_s} s, the start of the experiment"
+                        "{option} {time}: must be start, equilibrium or a time from {start_s} s, the start of the experiment"
                     ))
                 })?;
             plant.initialize(start_s).map_err(statics)?;
@@ -109,11 +110,13 @@ fn reach(at: &str, plant: &mut Plant) -> Result<(), Failure> {
     }
 }
 
-fn write(model: &LinearModel, path: &Path, npz: bool) -> Result<(), Failure> {
+fn write(model: &LinearModel, path: &Path, extension: Option<&str>) -> Result<(), Failure> {
     let failed = |error: std::io::Error| Failure::writing(&path.display().to_string(), &error);
-    if npz {
-        let file = File::create(path).map_err(failed)?;
-        return write_npz(model, std::io::BufWriter::new(file)).map_err(failed);
+    let create = || File::create(path).map(BufWriter::new);
+    match extension {
+        Some("npz") => create().and_then(|file| write_npz(model, file)),
+        Some("mat") => create().and_then(|mut file| write_mat(model, &mut file).and_then(|()| file.flush())),
+        _ => std::fs::write(path, format!("{:#}\n", linear_json(model))),
     }
-    std::fs::write(path, format!("{:#}\n", linear_json(model))).map_err(failed)
+    .map_err(failed)
 }

@@ -1,10 +1,14 @@
 //! `foldwing package`: an FMU of a model.
 
+use crate::cli::linearize::reach;
 use crate::cli::{Failure, print, read_model};
-use foldwing::interface::{Interface, guid};
-use foldwing::packaging::{self, PackageError};
+use foldwing::config::Machine;
+use foldwing::interface::{Interface, LinearModel, Variable, guid};
+use foldwing::packaging::{self, Extras, PackageError, Reference};
+use foldwing::plant::Plant;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -16,8 +20,17 @@ pub struct Arguments {
     /// Shared library to put into the FMU [default: the one beside this executable]
     #[arg(long, value_name = "PATH")]
     library: Option<PathBuf>,
+    /// Put the linear model about a state into the FMU: `start`, a time in s, or the equilibrium
+    #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "equilibrium")]
+    linear: Option<String>,
+    /// Leave the reference results out: the default experiment is not simulated
+    #[arg(long)]
+    no_reference: bool,
+    /// Also write the files of the FMI Cross-Check below a folder
+    #[arg(long, value_name = "FOLDER", conflicts_with = "no_reference")]
+    cross_check: Option<PathBuf>,
     /// Print modelDescription.xml and write nothing
-    #[arg(long, conflicts_with_all = ["output", "library"])]
+    #[arg(long, conflicts_with_all = ["output", "library", "linear", "no_reference", "cross_check"])]
     description_only: bool,
 }
 
@@ -33,10 +46,43 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(path) => path.clone(),
         None => library_beside_executable()?,
     };
-    packaging::package(&machine, &text, &library, output).map_err(|error| match error {
+    let extras = Extras {
+        reference: (!arguments.no_reference).then(|| reference(&machine)).transpose()?,
+        linear: arguments.linear.as_ref().map(|at| linear(&machine, at)).transpose()?,
+    };
+    packaging::package(&machine, &text, &extras, &library, output).map_err(failure)?;
+    if let (Some(folder), Some(reference)) = (&arguments.cross_check, &extras.reference) {
+        for written in packaging::cross_check(&machine, reference, output, folder).map_err(failure)? {
+            print(&format!("cross-check files in {}", written.display()))?;
+        }
+    }
+    Ok(())
+}
+
+fn failure(error: PackageError) -> Failure {
+    match error {
         PackageError::NotALibrary { .. } => Failure::Refused(error.to_string()),
         PackageError::Library { .. } | PackageError::Write { .. } => Failure::Files(error.to_string()),
+    }
+}
+
+fn reference(machine: &Machine) -> Result<Reference, Failure> {
+    Reference::simulate(machine).map_err(|error| {
+        Failure::Simulation(format!(
+            "{error}; it was the default experiment, whose result goes into the FMU: mend the model or its [experiment], or \
+             package with --no-reference"
+        ))
     })
+}
+
+/// The linear model between all real inputs and outputs.
+fn linear(machine: &Machine, at: &str) -> Result<LinearModel, Failure> {
+    let interface = Interface::new(machine);
+    let mut plant = Plant::new(Arc::new(machine.clone()));
+    reach("--linear", at, &mut plant)?;
+    let (inputs, outputs): (Vec<&Variable>, Vec<&Variable>) =
+        (interface.real_inputs().collect(), interface.real_outputs().collect());
+    interface.linearize(&mut plant, &inputs, &outputs).map_err(|error| Failure::Statics(error.to_string()))
 }
 
 fn library_beside_executable() -> Result<PathBuf, Failure> {

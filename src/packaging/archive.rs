@@ -1,9 +1,8 @@
 //! The FMU archive: the same model, library and version give the same bytes.
 
 use crate::config::Machine;
-use crate::fmi2::MODEL_FILE;
-use crate::interface::{Interface, guid};
-use crate::packaging::{MODEL_IDENTIFIER, documentation, model_description};
+use crate::packaging::MODEL_IDENTIFIER;
+use crate::packaging::contents::{Extras, contents};
 use std::collections::BTreeMap;
 use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
@@ -42,11 +41,23 @@ pub enum PackageError {
 /// Writes the FMU of a model to `fmu`, whole or not at all.
 ///
 /// `model_text` is the file that `machine` was read from; it travels in the archive. `library` is a shared
-/// library of this package for any platform of FMI 2.0.
-pub fn package(machine: &Machine, model_text: &str, library: &Path, fmu: &Path) -> Result<(), PackageError> {
+/// library of this package for any platform of FMI 2.0. `extras` is what the archive holds beyond the necessary.
+pub fn package(
+    machine: &Machine,
+    model_text: &str,
+    extras: &Extras,
+    library: &Path,
+    fmu: &Path,
+) -> Result<(), PackageError> {
     let binary = std::fs::read(library).map_err(|source| PackageError::Library { path: library.to_owned(), source })?;
     let platform = platform(&binary).map_err(|cause| PackageError::NotALibrary { path: library.to_owned(), cause })?;
-    let bytes = archive(&entries(machine, model_text, platform, binary));
+    let mut entries: BTreeMap<String, Entry> = contents(machine, model_text, extras)
+        .into_iter()
+        .map(|(path, bytes)| (path, Entry { bytes, permissions: 0o644 }))
+        .collect();
+    let library = format!("binaries/{}/{MODEL_IDENTIFIER}.{}", platform.folder, platform.extension);
+    entries.insert(library, Entry { bytes: binary, permissions: 0o755 });
+    let bytes = archive(&entries);
     replace(fmu, &bytes).map_err(|source| PackageError::Write { path: fmu.to_owned(), source })
 }
 
@@ -79,28 +90,10 @@ fn platform(binary: &[u8]) -> Result<Platform, &'static str> {
     Ok(found)
 }
 
-/// One file of the archive.
+/// One file of the archive; the map that holds them keeps them sorted by path.
 struct Entry {
     bytes: Vec<u8>,
     permissions: u32,
-}
-
-/// All files by their path; the map keeps them sorted.
-fn entries(machine: &Machine, model_text: &str, platform: Platform, binary: Vec<u8>) -> BTreeMap<String, Entry> {
-    let interface = Interface::new(machine);
-    let variables = interface.variables();
-    let description = model_description(machine, variables, &guid(model_text, variables));
-    let page = documentation::page(machine, variables);
-    let library = format!("binaries/{}/{MODEL_IDENTIFIER}.{}", platform.folder, platform.extension);
-    let text = |text: &str| Entry { bytes: text.as_bytes().to_vec(), permissions: 0o644 };
-    BTreeMap::from([
-        (library, Entry { bytes: binary, permissions: 0o755 }),
-        ("documentation/index.html".to_owned(), text(&page)),
-        ("documentation/licenses/LICENSE-APACHE.txt".to_owned(), text(include_str!("../../LICENSE-APACHE"))),
-        ("documentation/licenses/LICENSE-MIT.txt".to_owned(), text(include_str!("../../LICENSE-MIT"))),
-        ("modelDescription.xml".to_owned(), text(&description)),
-        (format!("resources/{MODEL_FILE}"), text(model_text)),
-    ])
 }
 
 /// A zip of the entries: deflate only, one fixed date, so that nothing but the contents decides the bytes.

@@ -8,9 +8,8 @@ use crate::fmi2::LOG_CATEGORIES;
 use crate::interface::{
     Causality, DependencyKind, Initial, RealType, TYPES, UNITS, Unit, Value, Variability, Variable,
 };
+use crate::packaging::xml::{self, Attributes, Xml, leaf, nest, real};
 use crate::packaging::{MODEL_IDENTIFIER, VERSION};
-use quick_xml::Writer;
-use quick_xml::events::{BytesDecl, Event};
 use std::io;
 
 /// Capability flags of the `CoSimulation` element.
@@ -29,22 +28,14 @@ const CAPABILITIES: [(&str, &str); 10] = [
     ("providesDirectionalDerivative", "true"),
 ];
 
-type Xml = Writer<Vec<u8>>;
-type Attributes = Vec<(&'static str, String)>;
-
 /// The complete text of `modelDescription.xml`, ending in a line feed.
 ///
 /// `variables` is the table of `machine`, in order; `guid` is the hash that the library checks on instantiation.
 pub fn model_description(machine: &Machine, variables: &[Variable], guid: &str) -> String {
-    let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
-    write_root(&mut xml, machine, variables, guid).expect("writing to memory does not fail");
-    let mut text = String::from_utf8(xml.into_inner()).expect("the writer is fed with strings");
-    text.push('\n');
-    text
+    xml::document(|xml| write_root(xml, machine, variables, guid))
 }
 
 fn write_root(xml: &mut Xml, machine: &Machine, variables: &[Variable], guid: &str) -> io::Result<()> {
-    xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
     let attributes: Attributes = vec![
         ("fmiVersion", "2.0".to_owned()),
         ("modelName", machine.name.clone()),
@@ -241,33 +232,6 @@ fn dependency_kind(kind: DependencyKind) -> &'static str {
         DependencyKind::Tunable => "tunable",
         DependencyKind::Discrete => "discrete",
     }
-}
-
-/// Shortest text that reads back to the same number, with an exponent where it helps: `1e30`, not thirty zeros.
-fn real(value: f64) -> String {
-    assert!(value.is_finite(), "the standard has no infinite or undefined numbers in a description");
-    format!("{value:?}")
-}
-
-fn leaf(xml: &mut Xml, name: &str, attributes: &Attributes) -> io::Result<()> {
-    element(xml, name, attributes).write_empty().map(|_| ())
-}
-
-fn nest(
-    xml: &mut Xml,
-    name: &str,
-    attributes: &Attributes,
-    children: impl FnOnce(&mut Xml) -> io::Result<()>,
-) -> io::Result<()> {
-    element(xml, name, attributes).write_inner_content(children).map(|_| ())
-}
-
-fn element<'a>(
-    xml: &'a mut Xml,
-    name: &'a str,
-    attributes: &'a Attributes,
-) -> quick_xml::writer::ElementWriter<'a, Vec<u8>> {
-    xml.create_element(name).with_attributes(attributes.iter().map(|(key, value)| (*key, value.as_str())))
 }
 
 #[cfg(test)]

@@ -6,7 +6,9 @@ use crate::config::machine::{
     Body, ElementKind, JointKind, JointMotion, Parent, Revolute, Spatial, SpatialFreedom, UNLIMITED,
 };
 use crate::interface::{Causality, TYPES, UNITS, Value, Variability, Variable};
-use crate::packaging::{VERSION, air_section, drawing};
+use crate::packaging::contents::Extras;
+use crate::packaging::palette::Role;
+use crate::packaging::{VERSION, air_section, drawing, palette, use_section};
 use nalgebra::{Matrix3, Rotation3};
 use quick_xml::escape::escape;
 use std::fmt::Write;
@@ -14,26 +16,58 @@ use std::fmt::Write;
 const STYLE: &str = include_str!("documentation.css");
 const EQUATIONS: &str = include_str!("equations.html");
 
-/// The whole page.
-pub fn page(machine: &Machine, variables: &[Variable]) -> String {
+/// Sections that the page's head leads to: anchor and title.
+const SECTIONS: [(&str, &str); 9] = [
+    ("wing", "The wing"),
+    ("use", "How to drive it"),
+    ("inputs", "Inputs"),
+    ("outputs", "Outputs"),
+    ("parameters", "Parameters"),
+    ("equations", "Equations"),
+    ("validation", "Validation"),
+    ("archive", "Archive"),
+    ("licence", "Licence"),
+];
+
+/// What the caption of the drawing explains, where it is drawn.
+const KEYS: [(Role, &str); 6] = [
+    (Role::Joint, "joint"),
+    (Role::Loop, "closed loop"),
+    (Role::Station, "load station"),
+    (Role::Mass, "mass"),
+    (Role::Gauge, "strain gauge"),
+    (Role::Surface, "lifting surface"),
+];
+
+/// The whole page; `extras` is what else the archive holds.
+pub fn page(machine: &Machine, variables: &[Variable], extras: &Extras) -> String {
     let name = escape(&machine.name);
     let mut html = String::new();
     let _ = write!(
         html,
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{name}</title>\n\
-         <style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{name}</h1>\n<p>{}</p>\n\
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n\
+         <title>{name}</title>\n<style>\n{STYLE}{}</style>\n</head>\n<body>\n<h1>{name}</h1>\n<p>{}</p>\n\
          <p>FMI 2.0 co-simulation FMU made by foldwing {VERSION}. All quantities are in SI units and radians; \
-         vectors are resolved in the root frame unless a description says otherwise.</p>\n",
+         vectors are resolved in the root frame unless a description says otherwise.</p>\n<nav>",
+        palette::style(),
         escape(&machine.description)
     );
+    for (anchor, title) in SECTIONS {
+        let _ = write!(html, "<a href=\"#{anchor}\">{title}</a>");
+    }
+    html.push_str("</nav>\n");
     drawing_section(&mut html, machine);
     bodies_section(&mut html, machine);
     joints_section(&mut html, machine);
     loops_section(&mut html, machine);
     air_section::write(&mut html, machine);
     experiment_section(&mut html, machine);
+    use_section::drive(&mut html, machine, variables);
     variables_section(&mut html, variables);
     html.push_str(EQUATIONS);
+    use_section::validation(&mut html);
+    use_section::archive(&mut html, extras);
     html.push_str("</body>\n</html>\n");
     html
 }
@@ -51,13 +85,18 @@ fn drawing_section(html: &mut String, machine: &Machine) {
         (false, true) => "in its start attitude",
         (false, false) => "clamped",
     };
-    let loops = if machine.closures.is_empty() { "" } else { "<span class=\"key loop\"></span> closed loop, " };
+    let drawing = drawing::drawing(machine);
+    let keys: Vec<String> = KEYS
+        .iter()
+        .filter(|(role, _)| drawing.shows(*role))
+        .map(|(role, name)| format!("<span class=\"key {}\"></span> {name}", palette::ink(*role).class))
+        .collect();
     let _ = write!(
         html,
-        "<h2>The wing</h2>\n<figure>\n{}<figcaption>Undeformed wing: {shown}. <span class=\"key joint\"></span> joint, {loops}<span class=\"key station\"></span> load \
-         station, <span class=\"key mass\"></span> mass, <span class=\"key gauge\"></span> strain gauge. The axes \
-         show the directions of the root frame.</figcaption>\n</figure>\n",
-        drawing::svg(machine)
+        "<h2 id=\"wing\">The wing</h2>\n<figure>\n{}<figcaption>Undeformed wing: {shown}. {}. The axes show the \
+         directions of the root frame.</figcaption>\n</figure>\n",
+        drawing::svg(&drawing),
+        keys.join(", ")
     );
 }
 
@@ -100,10 +139,10 @@ fn bodies_section(html: &mut String, machine: &Machine) {
 
 fn elements(body: &Body) -> String {
     let kind = match body.element {
-        ElementKind::Constant => "constant strain",
-        ElementKind::Linear => "linear strain (pairs)",
+        ElementKind::Constant => "constant",
+        ElementKind::Linear => "linear pairs",
     };
-    format!("{} × {kind}", body.elements)
+    format!("{} {kind}", body.elements)
 }
 
 fn joints_section(html: &mut String, machine: &Machine) {
@@ -223,7 +262,7 @@ fn variables_section(html: &mut String, variables: &[Variable]) {
         [("Inputs", Causality::Input), ("Outputs", Causality::Output), ("Parameters", Causality::Parameter)]
     {
         let rows: Vec<&Variable> = variables.iter().filter(|v| v.causality == causality).collect();
-        let _ = writeln!(html, "<h2>{title} ({})</h2>", rows.len());
+        let _ = writeln!(html, "<h2 id=\"{}\">{title} ({})</h2>", title.to_lowercase(), rows.len());
         let head: &[&str] = match causality {
             Causality::Output => &["name", "type", "unit", "meaning"],
             _ => &["name", "type", "unit", "start", "meaning"],
@@ -285,7 +324,8 @@ pub(super) fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().expect("a number just written");
     let plain = rounded.to_string();
     let short = format!("{rounded:e}");
-    if plain.len() <= short.len() + 3 { plain } else { short }
+    let longest = if rounded.abs() < 1.0 { short.len() + 3 } else { short.len().max(7) };
+    if plain.len() <= longest { plain } else { short }
 }
 
 pub(super) fn vector(components: &[f64]) -> String {
@@ -298,10 +338,21 @@ pub(super) fn table(html: &mut String, head: &[&str], rows: impl Iterator<Item =
         let cells: String = cells.iter().map(|text| format!("<{cell}>{text}</{cell}>")).collect();
         format!("<tr>{cells}</tr>\n")
     };
+    // sentences may wrap, numbers and names not
+    let prose = match head.last() {
+        Some(&"meaning") => " meaning",
+        Some(&"case") => " cases",
+        _ => "",
+    };
     let head: Vec<String> = head.iter().map(|text| (*text).to_owned()).collect();
-    let _ = write!(html, "<table>\n<thead>{}</thead>\n<tbody>\n", line("th", &head).trim_end());
+    let _ = write!(
+        html,
+        "<div class=\"wide{}\"><table>\n<thead>{}</thead>\n<tbody>\n",
+        prose,
+        line("th", &head).trim_end()
+    );
     rows.for_each(|row| html.push_str(&line("td", &row)));
-    html.push_str("</tbody>\n</table>\n");
+    html.push_str("</tbody>\n</table></div>\n");
 }
 
 #[cfg(test)]
@@ -313,7 +364,7 @@ mod tests {
     /// The page names what the model has, escapes its text, refers to nothing outside itself and closes its tags.
     #[test]
     fn page_is_complete_and_self_contained() {
-        let html = page(&two_body_machine(), &[]);
+        let html = page(&two_body_machine(), &[], &Extras::default());
         for expected in ["<h1>TwoBodies</h1>", "one wing &amp; a joint", "<svg", "<td>outer</td>", "260 N·m/rad"] {
             assert!(html.contains(expected), "{expected} is missing");
         }
@@ -339,11 +390,11 @@ mod tests {
             }))
         };
         machine.bodies[1].joint.kind = joint(SpatialFreedom::Ball);
-        let html = page(&machine, &[]);
+        let html = page(&machine, &[], &Extras::default());
         assert!(html.contains("<td>ball</td><td>(0, 0.5, 0)</td><td>2.5</td><td>0</td>"), "{html}");
         assert!(html.contains("Undeformed wing: in its start attitude."));
         machine.bodies[1].joint.kind = joint(SpatialFreedom::Free);
-        let html = page(&machine, &[]);
+        let html = page(&machine, &[], &Extras::default());
         assert!(html.contains("<td>free</td><td>(0, 0.5, 0)</td><td></td><td></td><td></td><td></td><td></td></tr>"));
     }
 
@@ -359,19 +410,27 @@ mod tests {
             damping_n_s_m: 25.0,
             stiffness_n_m: 4e5,
         });
-        let html = page(&machine, &[]);
+        let html = page(&machine, &[], &Extras::default());
         let row = "<td>pin</td><td>inner at 0.1 m</td><td>(0, 0, 0)</td><td>outer at 0.05 m</td><td>(0, 0.02, 0)</td>\
                    <td>400000</td><td>25</td><td>0</td>";
         assert!(html.contains(row), "{html}");
         assert_eq!(html.matches("<title>loop pin</title>").count(), 2);
-        assert!(html.contains("at its start angles, where its closed loops close") && !html.contains("\"ghost\""));
+        assert!(
+            html.contains("at its start angles, where its closed loops close") && !html.contains("class=\"ghost\"")
+        );
     }
 
     /// Numbers stay short and readable.
     #[test]
     fn numbers_are_short() {
-        let cases =
-            [(0.15, "0.15"), (2.83e5, "283000"), (1e-9, "1e-9"), (2.0 / 3.0, "0.666667"), (UNLIMITED, "unlimited")];
+        let cases = [
+            (0.15, "0.15"),
+            (2.83e5, "283000"),
+            (3.17044e10, "3.17044e10"),
+            (1e-9, "1e-9"),
+            (2.0 / 3.0, "0.666667"),
+            (UNLIMITED, "unlimited"),
+        ];
         for (value, text) in cases {
             assert_eq!(number(value), text);
         }

@@ -1,17 +1,55 @@
-//! Drawing of an undeformed wing as SVG: deployed, at its start angles, and half-way frames between them.
+//! Drawing of an undeformed wing: deployed, at its start angles, and frames between them. One list of shapes, which the
+//! page shows as SVG and `model.png` as pixels.
 
 use crate::config::Machine;
-use crate::config::machine::{Body, JointKind, Revolute};
+use crate::config::machine::{Body, JointKind, LiftingSurface, Revolute};
 use crate::config::pose::{self, Frame};
+use crate::packaging::palette::{Role, ink};
 use nalgebra::Vector3;
 use std::fmt::Write;
 
 /// Width of the drawing in user units (pixels at scale 1).
 const WIDTH: f64 = 880.0;
+/// Largest height in user units.
+const MOST_HEIGHT: f64 = 580.0;
 /// Free border in user units.
-const MARGIN: f64 = 40.0;
+const MARGIN: f64 = 24.0;
+/// Length of the axes of the root frame in user units.
+const AXIS: f64 = 60.0;
 /// Points along a body: enough for a smooth curve of an initially curved one.
 const POINTS: usize = 24;
+
+/// A point of the drawing in user units, to the right and down, rounded to a tenth: what SVG and icon share.
+pub type Point = [f64; 2];
+
+/// A shape; later ones lie on top.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// Closed outline.
+    Outline(Role, Vec<Point>),
+    /// Open line.
+    Line(Role, Vec<Point>),
+    /// Dot with a title that viewers show on hovering; its radius is the role's.
+    Dot(Role, Point, String),
+}
+
+/// Shapes within `0 ≤ x ≤ size[0]`, `0 ≤ y ≤ size[1]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawing {
+    /// Width and height in user units.
+    pub size: [f64; 2],
+    /// Shapes from the back to the front.
+    pub shapes: Vec<Shape>,
+}
+
+impl Drawing {
+    /// Whether anything of a role is drawn.
+    pub fn shows(&self, role: Role) -> bool {
+        self.shapes.iter().any(|shape| match shape {
+            Shape::Outline(found, _) | Shape::Line(found, _) | Shape::Dot(found, ..) => *found == role,
+        })
+    }
+}
 
 /// Frames along every body at equal arc lengths, `POINTS + 1` each, natural strains only.
 ///
@@ -34,7 +72,7 @@ pub fn undeformed(machine: &Machine, fraction: f64) -> Vec<Vec<Frame>> {
 }
 
 /// Axonometric view from the front, the left and above: `x` runs to the right, `z` up, `y` into the depth.
-fn project(point: &Vector3<f64>) -> [f64; 2] {
+fn project(point: &Vector3<f64>) -> Point {
     const AZIMUTH: f64 = 0.5;
     const ELEVATION: f64 = 0.42;
     let (sin_a, cos_a) = AZIMUTH.sin_cos();
@@ -53,119 +91,196 @@ fn outline(body: &Body, frames: &[Frame]) -> Vec<Vector3<f64>> {
     edge(1.0).chain(edge(-1.0).rev()).collect()
 }
 
-/// The wing as a self-contained `<svg>` element. Closed loops close at the start angles only, so nothing else is drawn of
-/// a machine that has them.
-pub fn svg(machine: &Machine) -> String {
+/// The wing. Closed loops close at the start angles only, so nothing else is drawn of a machine that has them.
+pub fn drawing(machine: &Machine) -> Drawing {
     let looped = !machine.closures.is_empty();
     let deployed = undeformed(machine, if looped { 1.0 } else { 0.0 });
     let folds = !looped && machine.bodies.iter().any(|body| matches!(body.joint.kind, JointKind::Revolute(_)));
-    let ghosts: Vec<_> = if folds { [0.25, 0.5, 0.75].map(|f| undeformed(machine, f)).into() } else { vec![] };
-    let start = folds.then(|| undeformed(machine, 1.0));
-
-    let everything = std::iter::once(&deployed).chain(&ghosts).chain(&start);
-    let points: Vec<[f64; 2]> = everything
-        .flat_map(|wing| machine.bodies.iter().zip(wing))
-        .flat_map(|(body, frames)| outline(body, frames))
-        .map(|point| project(&point))
-        .collect();
-    let canvas = Canvas::around(&points);
-
-    let mut svg = String::new();
-    let height = canvas.height;
-    let _ = writeln!(svg, "<svg viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-label=\"The undeformed wing\">");
-    let shapes = ghosts.iter().map(|wing| ("ghost", wing)).chain(start.iter().map(|wing| ("start", wing)));
-    for (class, wing) in shapes.chain([("deployed", &deployed)]) {
-        for (body, frames) in machine.bodies.iter().zip(wing) {
-            let _ = writeln!(svg, "<path class=\"{class}\" d=\"{}\"/>", canvas.closed(&outline(body, frames)));
-        }
+    let mut wings: Vec<(Role, Vec<Vec<Frame>>)> = Vec::new();
+    if folds {
+        wings.extend([0.25, 0.5, 0.75].map(|fraction| (Role::Ghost, undeformed(machine, fraction))));
+        wings.push((Role::Start, undeformed(machine, 1.0)));
     }
-    mark(&mut svg, &canvas, machine, &deployed);
-    canvas.axes(&mut svg, &deployed[0][0].position_m); // the first body hangs on the root
-    svg.push_str("</svg>\n");
-    svg
+    let places = places(machine, &deployed);
+    wings.push((Role::Deployed, deployed));
+
+    let mut outlines: Vec<(Role, Vec<Vector3<f64>>)> = wings
+        .iter()
+        .flat_map(|(role, wing)| machine.bodies.iter().zip(wing).map(|(body, frames)| (*role, outline(body, frames))))
+        .collect();
+    // behind the deployed wing
+    let behind = outlines.len() - machine.bodies.len();
+    outlines.splice(behind..behind, planforms(machine, &wings[wings.len() - 1].1));
+    // the first body hangs on the root
+    let root_m = wings[wings.len() - 1].1[0][0].position_m;
+    let points: Vec<Point> = outlines.iter().flat_map(|(_, points)| points).map(project).collect();
+    let canvas = Canvas::around(&points, project(&root_m));
+
+    let mut shapes: Vec<Shape> = outlines
+        .iter()
+        .map(|(role, points)| Shape::Outline(*role, points.iter().map(|point| canvas.place(project(point))).collect()))
+        .collect();
+    shapes.extend(places.into_iter().map(|(role, at, title)| Shape::Dot(role, canvas.place(project(&at)), title)));
+    shapes.extend(canvas.axes());
+    Drawing { size: canvas.size, shapes }
 }
 
-/// Stations, masses, gauges and joints on the deployed wing, each with a title that viewers show on hovering.
-fn mark(svg: &mut String, canvas: &Canvas, machine: &Machine, wing: &[Vec<Frame>]) {
-    let mut dot = |class: &str, radius: f64, frame: &Frame, title: &str| {
-        let [x, y] = canvas.place(&frame.position_m);
-        let _ = writeln!(
-            svg,
-            "<circle class=\"{class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"><title>{title}</title></circle>"
-        );
+/// Edges of the lifting surfaces, leading edge first.
+fn planforms(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<(Role, Vec<Vector3<f64>>)> {
+    let surfaces = machine.air.iter().flat_map(|air| &air.surfaces);
+    let planform = |surface: &LiftingSurface| {
+        let edge = |fraction: f64| -> Vec<Vector3<f64>> {
+            let frame = |position_m| pose::along(&machine.bodies[surface.body], &wing[surface.body][0], position_m);
+            let places = surface.positions_m.iter().zip(&surface.chords);
+            places
+                .map(|(position_m, chord)| {
+                    let frame = frame(*position_m);
+                    frame.position_m + frame.attitude * chord.at(fraction)
+                })
+                .collect()
+        };
+        (Role::Surface, edge(0.0).into_iter().chain(edge(1.0).into_iter().rev()).collect())
     };
+    surfaces.map(planform).collect()
+}
+
+/// Stations, masses, gauges and joints on the deployed wing, each with its title.
+fn places(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<(Role, Vector3<f64>, String)> {
+    let mut places = Vec::new();
     for (body, frames) in machine.bodies.iter().zip(wing) {
-        for (i, position) in body.station_positions_m.iter().enumerate() {
-            dot(
-                "station",
-                3.0,
-                &pose::along(body, &frames[0], *position),
-                &format!("station {}[{}]", body.name, i + 1),
-            );
+        let at = |position_m: f64| pose::along(body, &frames[0], position_m).position_m;
+        for (i, position_m) in body.station_positions_m.iter().enumerate() {
+            places.push((Role::Station, at(*position_m), format!("station {}[{}]", body.name, i + 1)));
         }
         for mass in &body.masses {
-            dot("mass", 6.0, &pose::along(body, &frames[0], mass.position_m), &format!("mass {}", mass.name));
+            places.push((Role::Mass, at(mass.position_m), format!("mass {}", mass.name)));
         }
-        dot("joint", 4.5, &frames[0], &format!("joint {}", body.joint.name));
+        places.push((Role::Joint, frames[0].position_m, format!("joint {}", body.joint.name)));
     }
     for closure in &machine.closures {
-        for (side, (body, position_m)) in closure.places.into_iter().enumerate() {
+        for ((body, position_m), offset_m) in closure.places.into_iter().zip(&closure.offsets_m) {
             let frame = pose::along(&machine.bodies[body], &wing[body][0], position_m);
-            let position_m = frame.position_m + frame.attitude * closure.offsets_m[side];
-            dot("loop", 4.0, &Frame { position_m, ..frame }, &format!("loop {}", closure.name));
+            let at = frame.position_m + frame.attitude * offset_m;
+            places.push((Role::Loop, at, format!("loop {}", closure.name)));
         }
     }
     for gauge in &machine.gauges {
         let frame = pose::along(&machine.bodies[gauge.body], &wing[gauge.body][0], gauge.position_m);
-        dot("gauge", 3.5, &frame, &format!("gauge {}", gauge.name));
+        places.push((Role::Gauge, frame.position_m, format!("gauge {}", gauge.name)));
     }
+    places
 }
 
 /// From metres in the projection plane to the drawing.
 struct Canvas {
-    origin: [f64; 2],
+    /// Place of the projection's origin in user units.
+    origin: Point,
+    /// User units per metre.
     scale: f64,
-    height: f64,
+    /// Where the axes begin, in the projection plane in m.
+    root: Point,
+    size: [f64; 2],
 }
 
 impl Canvas {
-    fn around(points: &[[f64; 2]]) -> Self {
-        let bound = |axis: usize, pick: fn(f64, f64) -> f64, start: f64| {
-            points.iter().map(|point| point[axis]).fold(start, pick)
+    /// The points as large as the page allows, with room for the axes at `root`.
+    fn around(points: &[Point], root: Point) -> Self {
+        let span = |points: &[Point]| -> [[f64; 2]; 2] {
+            [0, 1].map(|axis| {
+                points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], point| {
+                    [least.min(point[axis]), most.max(point[axis])]
+                })
+            })
         };
-        let [left, right] = [bound(0, f64::min, f64::INFINITY), bound(0, f64::max, f64::NEG_INFINITY)];
-        let [top, bottom] = [bound(1, f64::min, f64::INFINITY), bound(1, f64::max, f64::NEG_INFINITY)];
-        let scale = (WIDTH - 2.0 * MARGIN) / (right - left).max(0.6 * (bottom - top)).max(f64::MIN_POSITIVE);
-        let height = (bottom - top) * scale + 2.0 * MARGIN;
-        Self { origin: [MARGIN - left * scale, MARGIN - top * scale], scale, height }
+        let [[left, right], [top, bottom]] = span(points);
+        let border = 2.0 * MARGIN;
+        let fit = |room: f64, length: f64| (room - border) / length.max(f64::MIN_POSITIVE);
+        // a body of no extent at all is drawn at the size of a metre
+        let scale = match right - left > 0.0 || bottom - top > 0.0 {
+            true => fit(WIDTH, right - left).min(fit(MOST_HEIGHT, bottom - top)),
+            false => WIDTH - border,
+        };
+        let mut canvas = Self { origin: [0.0; 2], scale, root, size: [0.0; 2] };
+        let drawn: Vec<Point> = points
+            .iter()
+            .map(|point| canvas.place(*point))
+            .chain(canvas.axes().iter().flat_map(|shape| match shape {
+                Shape::Outline(_, points) | Shape::Line(_, points) => points.clone(),
+                Shape::Dot(_, point, _) => vec![*point],
+            }))
+            .collect();
+        let [[left, right], [top, bottom]] = span(&drawn);
+        // a narrow wing stands in the middle of the page's width
+        canvas.size = [(right - left + border).max(WIDTH), bottom - top + border].map(f64::ceil);
+        canvas.origin = [0.5 * (canvas.size[0] - left - right), MARGIN - top];
+        canvas
     }
 
-    fn place(&self, point: &Vector3<f64>) -> [f64; 2] {
-        let [x, y] = project(point);
-        [self.origin[0] + self.scale * x, self.origin[1] + self.scale * y]
+    fn place(&self, point: Point) -> Point {
+        [0, 1].map(|axis| round(self.origin[axis] + self.scale * point[axis]))
     }
 
-    fn closed(&self, points: &[Vector3<f64>]) -> String {
-        let mut path = String::new();
-        for (i, point) in points.iter().enumerate() {
-            let [x, y] = self.place(point);
-            let _ = write!(path, "{}{x:.1} {y:.1} ", if i == 0 { "M" } else { "L" });
+    /// Directions of the root frame with their letters.
+    fn axes(&self) -> Vec<Shape> {
+        let mut shapes = Vec::new();
+        let letters: [&[&[Point]]; 3] = [
+            &[&[[0.0, 0.0], [6.0, 8.0]], &[[6.0, 0.0], [0.0, 8.0]]],
+            &[&[[0.0, 0.0], [3.2, 5.0]], &[[6.0, 0.0], [1.4, 10.0]]],
+            &[&[[0.0, 0.0], [6.0, 0.0], [0.0, 8.0], [6.0, 8.0]]],
+        ];
+        for (axis, strokes) in [Vector3::x(), Vector3::y(), Vector3::z()].iter().zip(letters) {
+            let direction = project(axis);
+            let [from, end, letter] =
+                [0.0, AXIS, AXIS + 12.0].map(|length| [0, 1].map(|i| self.root_place(i) + length * direction[i]));
+            shapes.push(Shape::Line(Role::Axis, vec![from.map(round), end.map(round)]));
+            for stroke in strokes {
+                let point = |p: &Point| [letter[0] - 3.0 + p[0], letter[1] - 4.0 + p[1]].map(round);
+                shapes.push(Shape::Line(Role::Axis, stroke.iter().map(point).collect()));
+            }
         }
-        path + "Z"
+        shapes
     }
 
-    /// Directions of the root frame `G`, drawn at a point of the wing, 60 user units long.
-    fn axes(&self, svg: &mut String, at: &Vector3<f64>) {
-        let [x0, y0] = self.place(at);
-        for (axis, name) in [(Vector3::x(), "x"), (Vector3::y(), "y"), (Vector3::z(), "z")] {
-            let [x, y] = self.place(&(at + axis * (60.0 / self.scale)));
-            let _ = writeln!(
-                svg,
-                "<path class=\"axis\" d=\"M{x0:.1} {y0:.1} L{x:.1} {y:.1}\"/>\
-                 <text x=\"{x:.1}\" y=\"{y:.1}\" dx=\"4\" dy=\"4\">{name}</text>"
-            );
-        }
+    fn root_place(&self, axis: usize) -> f64 {
+        self.origin[axis] + self.scale * self.root[axis]
     }
+}
+
+/// To a tenth of a user unit: far below what is seen, far above what differs between platforms.
+fn round(value: f64) -> f64 {
+    (10.0 * value).round() / 10.0
+}
+
+/// The drawing as a self-contained `<svg>` element; classes are those of the palette.
+pub fn svg(drawing: &Drawing) -> String {
+    let Drawing { size: [width, height], shapes } = drawing;
+    let mut svg = format!(
+        "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"The undeformed wing and its axes\">\n"
+    );
+    let path = |points: &[Point], end: &str| -> String {
+        let points: Vec<String> = points.iter().map(|[x, y]| format!("{x:.1} {y:.1}")).collect();
+        format!("M{}{end}", points.join("L"))
+    };
+    for shape in shapes {
+        let _ = match shape {
+            Shape::Outline(role, points) => {
+                writeln!(svg, "<path class=\"{}\" d=\"{}\"/>", ink(*role).class, path(points, "Z"))
+            }
+            Shape::Line(role, points) => {
+                writeln!(svg, "<path class=\"{}\" d=\"{}\"/>", ink(*role).class, path(points, ""))
+            }
+            Shape::Dot(role, [x, y], title) => {
+                let ink = ink(*role);
+                writeln!(
+                    svg,
+                    "<circle class=\"{}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{}\"><title>{title}</title></circle>",
+                    ink.class, ink.radius
+                )
+            }
+        };
+    }
+    svg.push_str("</svg>\n");
+    svg
 }
 
 #[cfg(test)]

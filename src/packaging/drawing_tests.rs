@@ -126,7 +126,7 @@ fn joints_of_several_freedoms_stand_at_their_start() {
     let wing = undeformed(&machine, 0.0);
     let tip = wing[1].last().unwrap().position_m;
     assert!((tip - Vector3::new(0.15, 0.0, 1.85)).norm() < 1e-12, "tip at {tip}");
-    let svg = svg(&machine);
+    let svg = svg(&drawing(&machine));
     assert!(!svg.contains("ghost") && !svg.contains("\"start\""), "{svg}");
     assert!(svg.contains("<title>joint fold</title>"));
 }
@@ -137,6 +137,6 @@ fn drawing_is_finite() {
     let mut machine = two_body_machine();
     machine.bodies.truncate(1);
     machine.bodies[0].section = Section { half_width_m: 0.0, ..machine.bodies[0].section.at(0.0) }.into();
-    let svg = svg(&machine);
+    let svg = svg(&drawing(&machine));
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
 }

@@ -1,13 +1,25 @@
-//! From a validated model to an FMU file: model description, documentation page, archive.
+//! From a validated model to an FMU file: model description, documentation page, icon, licences, reference results, archive.
 
 mod air_section;
 pub mod archive;
+pub mod contents;
+pub mod cross_check;
 pub mod description;
 pub mod documentation;
 pub mod drawing;
+pub mod icon;
+pub mod licenses;
+pub mod linear_model;
+pub mod palette;
+pub mod reference;
+mod use_section;
+mod xml;
 
 pub use archive::{PackageError, package};
+pub use contents::Extras;
+pub use cross_check::cross_check;
 pub use description::model_description;
+pub use reference::Reference;
 
 /// Name of the library inside every FMU, FMI 2.0 `modelIdentifier`.
 pub const MODEL_IDENTIFIER: &str = "foldwing";

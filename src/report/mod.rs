@@ -2,10 +2,12 @@
 
 pub mod inputs;
 pub mod linear;
+pub mod mat;
 pub mod recorder;
 
 pub use inputs::{Channel, InputTable, InputsError};
 pub use linear::{linear_json, write_npz};
+pub use mat::write_mat;
 pub use recorder::Recorder;
 
 use crate::interface::Value;

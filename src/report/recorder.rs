@@ -12,7 +12,15 @@ pub struct Recorder<W: Write> {
 impl<W: Write> Recorder<W> {
     /// Writes the header: `time` and the names of the variables, in their order.
     pub fn new<'a>(target: W, names: impl IntoIterator<Item = &'a str>) -> io::Result<Self> {
-        let mut writer = csv::Writer::from_writer(target);
+        Self::start(csv::Writer::from_writer(target), names)
+    }
+
+    /// The same with names in quotes, as the rules of the FMI Cross-Check ask.
+    pub fn quoted<'a>(target: W, names: impl IntoIterator<Item = &'a str>) -> io::Result<Self> {
+        Self::start(csv::WriterBuilder::new().quote_style(csv::QuoteStyle::NonNumeric).from_writer(target), names)
+    }
+
+    fn start<'a>(mut writer: csv::Writer<W>, names: impl IntoIterator<Item = &'a str>) -> io::Result<Self> {
         writer.write_record(std::iter::once("time").chain(names))?;
         Ok(Self { writer })
     }

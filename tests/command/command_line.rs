@@ -144,6 +144,10 @@ fn exit_codes_tell_causes_apart() {
     refuses(&on_model("simulate", &["--csv", "-", "--inputs", &path("no.csv")]), 4, "no.csv: cannot be read");
     refuses(&on_model("simulate", &["--csv", &path("missing/out.csv")]), 4, "out.csv: cannot be written");
     refuses(&on_model("package", &["-o", &path("x.fmu"), "--library", &path("none.so")]), 4, "none.so");
+    let library = ["-o", &path("x.fmu"), "--library", &path("library.so")];
+    let with = |more: &[&str]| on_model("package", &[&library[..], more].concat());
+    refuses(&with(&["--linear=never"]), 2, "--linear never: must be start, equilibrium or a time");
+    refuses(&with(&["--no-reference", "--cross-check", &path("check")]), 2, "cannot be used with");
     refuses(&foldwing(&["check", &path("missing.toml")]), 4, "missing.toml: cannot be read");
     assert!(!Path::new(&path("x.fmu")).exists(), "a refused package leaves no file");
 }
@@ -418,7 +422,7 @@ fn linearize_writes_json_and_npz() {
     let mut bytes = Vec::new();
     std::io::Read::read_to_end(&mut archive.by_name("C.npy").unwrap(), &mut bytes).unwrap();
     assert!(String::from_utf8_lossy(&bytes[..128]).contains("'shape': (3, 128)"));
-    refuses(&on_model("linearize", &["-o", &path("x.mat")]), 2, "must end in .json or .npz");
+    refuses(&on_model("linearize", &["-o", &path("x.csv")]), 2, "must end in .json, .npz or .mat");
     refuses(&on_model("linearize", &["--at", "never", "-o", &file]), 2, "start, equilibrium or a time");
     refuses(&on_model("linearize", &["--inputs", "fold.release", "-o", &file]), 2, "no real input is named");
 }

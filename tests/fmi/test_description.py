@@ -65,14 +65,16 @@ def test_f02_validation_finds_deliberate_faults(wing, tmp_path, fault):
 
 
 def test_f03_archive_is_the_same_when_packaged_twice(foldwing, tmp_path):
-    """F-03. Packaging is reproducible: the same model, library and command give the same bytes, elsewhere and later."""
+    """F-03. Packaging is reproducible: the same model, library and command give the same bytes, elsewhere and later, with
+    icon, reference results and linear model."""
     model = ROOT / "examples/models/folding_wing.toml"
     copies = [tmp_path / "first.fmu", tmp_path / "folder/second.fmu"]
     copies[1].parent.mkdir()
     (tmp_path / "copy.toml").write_bytes(model.read_bytes())
     for source, copy in zip([model, tmp_path / "copy.toml"], copies):
-        subprocess.run([foldwing, "package", source, "-o", copy], check=True, cwd=copy.parent)
+        subprocess.run([foldwing, "package", source, "-o", copy, "--linear"], check=True, cwd=copy.parent)
     assert copies[0].read_bytes() == copies[1].read_bytes()
+    assert {"model.png", "extra/org.foldwing.linear/linear.mat", "documentation/fmi-ls-ref.txt"} <= set(members(copies[0]))
     leftovers = {path.name for path in tmp_path.rglob("*") if path.is_file()} - {"first.fmu", "second.fmu", "copy.toml"}
     assert not leftovers
 
@@ -87,10 +89,16 @@ def test_f04_archive_holds_what_it_must(shipped):
     page = files["documentation/index.html"].decode()
     assert shipped.description.modelName in page and "<svg" in page
     assert all(name in page for name in shipped.variables if shipped.variables[name].causality == "input")
-    assert {name for name in files if "LICENSE" in name} == {
-        "documentation/licenses/LICENSE-APACHE.txt",
-        "documentation/licenses/LICENSE-MIT.txt",
+    assert {name.split("/")[-1] for name in files if name.startswith("documentation/licenses/")} == {
+        "license.txt",
+        "LICENSE-APACHE.txt",
+        "LICENSE-MIT.txt",
+        "THIRD_PARTY.txt",
     }
+    assert "model.png" in files
+    # nothing lies where FMI 2.0 does not look for it
+    places = {"binaries", "documentation", "extra", "resources", "modelDescription.xml", "model.png"}
+    assert {name.split("/")[0] for name in files} == places
 
 
 def test_f05_flags_are_what_the_library_can_do(shipped):

@@ -1,0 +1,43 @@
+"""The notices of what is linked into the library."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+COLLECT = ROOT / "tools/collect_licenses.py"
+NOTICES = ROOT / "licenses/THIRD_PARTY.txt"
+
+
+def test_notices_fit_the_lock_file():
+    """The committed notices are what the tool makes of Cargo.lock now: `make licenses` after a change of dependencies."""
+    done = subprocess.run([sys.executable, COLLECT, "--check"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_every_linked_package_has_a_notice():
+    """Completeness by another way: what `cargo tree` says is linked, procedural macros aside, is listed, and each listed
+    package stands above a text that holds a copyright line or is a licence in full.
+    """
+    command = [os.environ.get("CARGO", "cargo"), "tree", "--locked", "--edges", "normal", "--prefix", "none"]
+    tree = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    packages = set()
+    for line in tree.splitlines():
+        match = re.match(r"(\S+) v(\S+)(.*)", line)
+        if match and match[1] != "foldwing" and "(proc-macro)" not in match[3]:
+            packages.add(f"{match[1]} {match[2]}")
+    text = NOTICES.read_text(encoding="utf-8")
+    listing, *blocks = text.split("=" * 100 + "\n")
+    listed = set(re.findall(r"^(\S+ \d\S*): ", listing, flags=re.MULTILINE))
+    # macros of macros are linked into no library either
+    macros = {"proc-macro2", "quote", "syn", "unicode-ident", "serde_derive_internals", "heck"}
+    missing = {package for package in packages - listed if package.split()[0] not in macros}
+    assert not missing, missing
+    owned = set()
+    for block in blocks:
+        titles, notice = block.split("-" * 100 + "\n")
+        owned.update(titles.strip().split(", "))
+        assert ("opyright" in notice or "(C)" in notice) and len(notice) > 500, titles
+    assert owned == listed | {"rust-std"}
