@@ -94,7 +94,7 @@ impl Instance {
         match self.phase {
             Phase::Fatal => Err(CallError::Poisoned),
             phase if call.is_legal(phase) => Ok(()),
-            phase => Err(CallError::OutOfOrder { phase }),
+            phase => Err(CallError::OutOfOrder { call, phase }),
         }
     }
 
@@ -242,6 +242,10 @@ impl Instance {
         }
         if let Some(stop_s) = self.experiment.stop_s.filter(|stop_s| end_s > stop_s + tolerance_s) {
             return Err(CallError::BeyondStop { end_s, stop_s });
+        }
+        let longest_s = self.plant.longest_step_s();
+        if step_s > longest_s {
+            return Err(CallError::StepTooLong { time_s, step_s, longest_s });
         }
         if time_s != own_s {
             self.plant.adopt_time(time_s);

@@ -276,17 +276,41 @@ pub struct Statistics {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlantError {
     /// The time integration gave up.
-    #[error("no convergence at t = {time_s} s with the smallest step {step_s:e} s: {cause}")]
+    #[error("no convergence at t = {time_s} s with internal steps down to {step_s:.1e} s, worst at {place}: {cause}; {advice}")]
     NoConvergence {
         /// Last good time in s.
         time_s: f64,
-        /// Step tried last in s.
+        /// Internal step given up, below the smallest allowed, in s.
         step_s: f64,
+        /// Element or joint that moves most in what is left.
+        place: String,
         /// What failed.
         cause: String,
+        /// What to try.
+        advice: &'static str,
+    },
+    /// More internal steps than one communication step may take.
+    #[error(
+        "{most} internal steps lead to t = {time_s} s only, the last of {step_s:.1e} s; take shorter communication steps, or allow a larger solver.tolerance"
+    )]
+    TooManySteps {
+        /// Last good time in s.
+        time_s: f64,
+        /// Internal steps of one communication step at most.
+        most: u32,
+        /// Next internal step in s.
+        step_s: f64,
+    },
+    /// The time is so large that a step is lost in its round-off.
+    #[error("a step of {step_s:.1e} s does not move the time t = {time_s} s; start nearer to 0 s")]
+    Clock {
+        /// Last good time in s.
+        time_s: f64,
+        /// Internal step in s.
+        step_s: f64,
     },
     /// Parameters that contradict each other.
-    #[error("the smallest internal step, {min_step_s:e} s, is longer than the largest, {max_step_s:e} s")]
+    #[error("solver.min_step, {min_step_s:e} s, is longer than solver.max_step, {max_step_s:e} s; set one of them")]
     Steps {
         /// Smallest internal step in s.
         min_step_s: f64,
@@ -294,7 +318,7 @@ pub enum PlantError {
         max_step_s: f64,
     },
     /// The initial accelerations could not be found.
-    #[error("no initial accelerations at t = {time_s} s: {cause}")]
+    #[error("no accelerations at t = {time_s} s: {cause}; look at the inputs and parameters that act from there on")]
     Initialization {
         /// Start time in s.
         time_s: f64,
@@ -302,7 +326,9 @@ pub enum PlantError {
         cause: String,
     },
     /// The air has no loads that agree with the motion.
-    #[error("no loads of the air at t = {time_s} s: {cause}")]
+    #[error(
+        "no loads of the air at t = {time_s} s: {cause}; look at wind and density, or try another aerodynamics.step_s"
+    )]
     Air {
         /// Time in s.
         time_s: f64,
@@ -310,7 +336,9 @@ pub enum PlantError {
         cause: String,
     },
     /// No state of rest was found.
-    #[error("no equilibrium at t = {time_s} s beyond {reached:.4} of the load, last tried {tried:.4}: {cause}")]
+    #[error(
+        "no equilibrium at t = {time_s} s beyond {reached:.4} of the load, last tried {tried:.4}: {cause}; reduce the load, or let the experiment start unstrained"
+    )]
     Equilibrium {
         /// Time in s.
         time_s: f64,
@@ -330,6 +358,6 @@ pub enum PlantError {
         cause: String,
     },
     /// A snapshot of another model.
-    #[error("the snapshot does not fit this model: {0}")]
+    #[error("the state does not fit this model: {0}; save one with this instance")]
     Snapshot(String),
 }
