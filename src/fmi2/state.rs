@@ -26,7 +26,9 @@ pub enum StateError {
     #[error("the serialised FMU state was not written by this program: it does not begin with FOLDWING")]
     NotAState,
     /// Written by another version.
-    #[error("the serialised FMU state has version {found}; this library reads version {VERSION}: serialise it again with this one")]
+    #[error(
+        "the serialised FMU state has version {found}; this library reads version {VERSION}: serialise it again with this one"
+    )]
     Version {
         /// Version in the bytes.
         found: u16,
@@ -40,7 +42,9 @@ pub enum StateError {
         expected: String,
     },
     /// Cut off or padded.
-    #[error("the serialised FMU state is damaged: {found} bytes instead of {expected}; pass all that fmi2SerializeFMUstate wrote")]
+    #[error(
+        "the serialised FMU state is damaged: {found} bytes instead of {expected}; pass all that fmi2SerializeFMUstate wrote"
+    )]
     Length {
         /// Bytes given.
         found: usize,
@@ -48,13 +52,17 @@ pub enum StateError {
         expected: u64,
     },
     /// Changed bytes.
-    #[error("the serialised FMU state is damaged: its checksum does not match; pass the bytes as fmi2SerializeFMUstate wrote them")]
+    #[error(
+        "the serialised FMU state is damaged: its checksum does not match; pass the bytes as fmi2SerializeFMUstate wrote them"
+    )]
     Checksum,
     /// Bytes that mean nothing.
     #[error("the serialised FMU state is damaged: {0}")]
     Content(String),
     /// The buffer of the importer is too small.
-    #[error("the buffer for the serialised FMU state has {given} bytes; {needed} are needed, as fmi2SerializedFMUstateSize says")]
+    #[error(
+        "the buffer for the serialised FMU state has {given} bytes; {needed} are needed, as fmi2SerializedFMUstateSize says"
+    )]
     Buffer {
         /// Size of the buffer.
         given: usize,

@@ -112,7 +112,11 @@ impl Plant {
         self.state.ahead = self.state.now.clone();
         self.state.initialized = true;
         self.evaluate();
-        Ok(())
+        if self.outputs.are_finite() {
+            Ok(())
+        } else {
+            Err(PlantError::NotFinite { time_s, cause: self.largest_input() })
+        }
     }
 
     /// Brings the equations in line with the applied inputs and parameters and the joints' states.

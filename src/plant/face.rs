@@ -241,6 +241,40 @@ pub struct Outputs {
     pub air: AirOutputs,
 }
 
+impl Outputs {
+    /// Whether all of them are finite; what follows from others by a rotation is taken with those.
+    pub(super) fn are_finite(&self) -> bool {
+        let wrench = |wrench: &Wrench| wrench.force_n.sum() + wrench.moment_n_m.sum();
+        let EnergyOutputs { total, work, dissipated, .. } = self.energy;
+        let joint = |joint: &JointOutputs| joint.rate_rad_s + joint.torque_applied_n_m + joint.latch_torque_n_m;
+        let point = |point: &PointOutputs| {
+            point.position_m.sum()
+                + point.velocity_m_s.sum()
+                + point.angular_velocity_rad_s.sum()
+                + point.acceleration_m_s2.sum()
+                + point.rotation.coords.sum()
+        };
+        let sum = total
+            + work
+            + dissipated
+            + wrench(&self.root)
+            + wrench(&self.air.total)
+            + self.joints.iter().map(joint).sum::<f64>()
+            + self
+                .spatial
+                .iter()
+                .map(|joint| joint.angular_velocity_rad_s.sum() + joint.rotation.coords.sum())
+                .sum::<f64>()
+            + self.joint_reactions.iter().map(wrench).sum::<f64>()
+            + self.gauges.iter().sum::<f64>()
+            + self.loops.iter().map(|closed| closed.force_n.sum()).sum::<f64>()
+            + self.tips.iter().chain(&self.stations).map(point).sum::<f64>()
+            + self.air.stations.iter().map(wrench).sum::<f64>()
+            + self.air.circulation_m2_s.iter().sum::<f64>();
+        sum.is_finite()
+    }
+}
+
 /// Loads of the air on the wing.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AirOutputs {
@@ -276,7 +310,9 @@ pub struct Statistics {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlantError {
     /// The time integration gave up.
-    #[error("no convergence at t = {time_s} s with internal steps down to {step_s:.1e} s, worst at {place}: {cause}; {advice}")]
+    #[error(
+        "no convergence at t = {time_s} s with internal steps down to {step_s:.1e} s, worst at {place}: {cause}; {advice}"
+    )]
     NoConvergence {
         /// Last good time in s.
         time_s: f64,
@@ -288,6 +324,16 @@ pub enum PlantError {
         cause: String,
         /// What to try.
         advice: &'static str,
+    },
+    /// Numbers that grew too large.
+    #[error(
+        "outputs at t = {time_s} s are not finite; {cause}; look at the inputs and parameters that act until there"
+    )]
+    NotFinite {
+        /// End of the step in s.
+        time_s: f64,
+        /// The largest input.
+        cause: String,
     },
     /// More internal steps than one communication step may take.
     #[error(

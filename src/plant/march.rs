@@ -33,7 +33,8 @@ impl Plant {
     /// internal step has succeeded, they are those of before, bit for bit. Allocates nothing.
     pub fn step(&mut self, end_s: f64) -> Result<(), PlantError> {
         let changed = self.inputs_changed();
-        if changed || self.state.ahead.time_s <= end_s {
+        let marches = changed || self.state.ahead.time_s <= end_s;
+        if marches {
             self.begin.copy_from(&self.state);
         }
         self.steps_left = MOST_STEPS;
@@ -50,6 +51,13 @@ impl Plant {
         }
         self.state.arrive();
         self.evaluate();
+        if marches && outcome.is_ok() && !self.outputs.are_finite() {
+            let cause = self.largest_input();
+            self.go_back_to_begin();
+            self.state.arrive();
+            self.evaluate();
+            return Err(PlantError::NotFinite { time_s: end_s, cause });
+        }
         outcome
     }
 
@@ -141,7 +149,8 @@ impl Plant {
         if end_s.partial_cmp(&time_s) != Some(std::cmp::Ordering::Greater) {
             return Err(PlantError::Clock { time_s, step_s });
         }
-        self.steps_left = self.steps_left.checked_sub(1).ok_or(PlantError::TooManySteps { time_s, most: MOST_STEPS, step_s })?;
+        self.steps_left =
+            self.steps_left.checked_sub(1).ok_or(PlantError::TooManySteps { time_s, most: MOST_STEPS, step_s })?;
         Ok(())
     }
 

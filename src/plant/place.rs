@@ -33,9 +33,10 @@ impl Plant {
                 format!("error estimate {error:.1e} exceeds tolerance {tolerance:.1e}"),
                 "allow a larger solver.tolerance or a smaller solver.min_step",
             ),
-            Failure::Newton(error @ NewtonError::NotFinite { .. }) => {
-                (format!("{error}; {}", self.largest_input()), "look at inputs and parameters far beyond the structure's strength")
-            }
+            Failure::Newton(error @ NewtonError::NotFinite { .. }) => (
+                format!("{error}; {}", self.largest_input()),
+                "look at inputs and parameters far beyond the structure's strength",
+            ),
             Failure::Newton(error) => {
                 (error.to_string(), "look at loads, drive and latch there, or allow a smaller solver.min_step")
             }
@@ -84,7 +85,8 @@ impl Plant {
             let name = || format!("of joint {}", self.machine.bodies[body].joint.name);
             offer(joint.torque_n_m.abs(), "N.m", &name);
         }
-        let stations = self.machine.bodies.iter().flat_map(|body| (0..body.station_positions_m.len()).map(move |i| (body, i)));
+        let stations =
+            self.machine.bodies.iter().flat_map(|body| (0..body.station_positions_m.len()).map(move |i| (body, i)));
         for (load, (body, station)) in inputs.stations.iter().zip(stations) {
             let name = || format!("at load station {} of body {}", station + 1, body.name);
             offer(load.force_n.amax(), "N", &name);

@@ -96,12 +96,9 @@ impl State {
     pub fn copy_from(&mut self, other: &Self) {
         self.initialized = other.initialized;
         let inputs = [&mut self.inputs, &mut self.rates, &mut self.applied_inputs, &mut self.applied_rates];
-        for (own, other) in inputs.into_iter().zip([
-            &other.inputs,
-            &other.rates,
-            &other.applied_inputs,
-            &other.applied_rates,
-        ]) {
+        for (own, other) in
+            inputs.into_iter().zip([&other.inputs, &other.rates, &other.applied_inputs, &other.applied_rates])
+        {
             own.clone_from(other);
         }
         self.parameters.clone_from(&other.parameters);
@@ -207,7 +204,9 @@ impl State {
             return refuse("coordinates or times");
         }
         let in_order = self.start.time_s <= self.now.time_s && self.now.time_s <= self.ahead.time_s;
-        if self.initialized && !(in_order && self.step_s > 0.0 && self.step_s.is_finite() && self.applied_from_s.is_finite()) {
+        if self.initialized
+            && !(in_order && self.step_s > 0.0 && self.step_s.is_finite() && self.applied_from_s.is_finite())
+        {
             return refuse("an order of times or an internal step");
         }
         let steps = |parameters: &Parameters| {

@@ -26,13 +26,7 @@ pub struct Point {
 
 impl Clone for Point {
     fn clone(&self) -> Self {
-        Self {
-            q: self.q.clone(),
-            v: self.v.clone(),
-            a: self.a.clone(),
-            auxiliary: self.auxiliary.clone(),
-            ..*self
-        }
+        Self { q: self.q.clone(), v: self.v.clone(), a: self.a.clone(), auxiliary: self.auxiliary.clone(), ..*self }
     }
 
     fn clone_from(&mut self, source: &Self) {

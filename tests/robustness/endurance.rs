@@ -212,7 +212,8 @@ fn e03_killed_importers() {
             }
         }
         let resources = place.folder.join("resources");
-        let files: Vec<_> = std::fs::read_dir(&resources).expect("readable").map(|file| file.expect("readable").file_name()).collect();
+        let files: Vec<_> =
+            std::fs::read_dir(&resources).expect("readable").map(|file| file.expect("readable").file_name()).collect();
         assert_eq!(files, ["model.toml"]);
         assert_eq!(std::fs::read_to_string(resources.join("model.toml")).expect("readable"), model);
         assert_eq!(result(child("child_unfolds", &place, &[])), before, "after the kills");

@@ -70,7 +70,7 @@ fn x01_out_of_order() {
             fmi2Error,
             "fmi2CancelStep: not legal after fmi2ExitInitializationMode: steps are never asynchronous, so there is none \
              to cancel",
-        );
+    );
         fmu.ok(fmi2Terminate(c));
         fmu.told(
             fmi2SetReal(c, &0, 1, &0.0),
@@ -115,7 +115,7 @@ fn x02_arguments() {
             fmu.try_set("fold.damping", -1.0),
             fmi2Discard,
             "fmi2SetReal: variable fold.damping cannot be -1: allowed is 0 to 1000000000000000000000000000000 N.m.s/rad",
-        );
+    );
         fmu.told(
             fmi2SetRealInputDerivatives(c, &angle, 1, &1, &1.0),
             fmi2Error,
@@ -308,12 +308,13 @@ fn x07_failures_of_the_initialisation() {
     let fmu = Fmu::initializing(0.0);
     let c = fmu.component;
     fmu.set("solver.min_step", 0.1);
-    let text = "fmi2ExitInitializationMode: solver.min_step, 1e-1 s, is longer than solver.max_step, 5e-3 s; set one of them";
+    let text =
+        "fmi2ExitInitializationMode: solver.min_step, 1e-1 s, is longer than solver.max_step, 5e-3 s; set one of them";
     let before = fmu.serialize(fmu.save());
     fmu.told(unsafe { fmi2ExitInitializationMode(c) }, fmi2Error, text);
     fmu.set("solver.min_step", 1e-9);
     fmu.set("gravity.z", -1e300);
-    fmu.told(unsafe { fmi2ExitInitializationMode(c) }, fmi2Error, 
+    fmu.told(unsafe { fmi2ExitInitializationMode(c) }, fmi2Error,
         "fmi2ExitInitializationMode: no accelerations at t = 0 s: they are not finite; the largest input is 1e300 m/s2 of \
          gravity; look at the inputs and parameters that act from there on",
     );
@@ -350,7 +351,7 @@ fn x08_a_failure_of_the_air() {
     let (tip, force) = (fmu.get("tip.position.z"), fmu.get("aero.force.z"));
     fmu.set("wind.velocity.y", 1e200);
     let status = fmu.try_step(2e-3, 2e-3);
-    fmu.told(status, fmi2Error, 
+    fmu.told(status, fmi2Error,
         "fmi2DoStep: no loads of the air at t = 0.002 s: its loads are not finite; look at wind and density, or try another \
          aerodynamics.step_s",
     );
@@ -435,10 +436,7 @@ fn x10_instances() {
             guid_of(WING)
         ),
     );
-    says(
-        Attempt { location: None, ..attempt() },
-        "no resource location was given: the model file cannot be found",
-    );
+    says(Attempt { location: None, ..attempt() }, "no resource location was given: the model file cannot be found");
     says(
         Attempt { location: Some("http://a/r".into()), ..attempt() },
         "the resource location \"http://a/r\" is not a file URI or a path",
@@ -449,7 +447,8 @@ fn x10_instances() {
     );
     std::fs::write(resources.folder.join("model.toml"), "name = 1").expect("writable");
     let text = attempt().refusal();
-    let place = format!("fmi2Instantiate: the model cannot be read: {folder}/model.toml:1: key 'name': 1 is not allowed");
+    let place =
+        format!("fmi2Instantiate: the model cannot be read: {folder}/model.toml:1: key 'name': 1 is not allowed");
     assert!(text.starts_with(&place), "{text}");
     std::fs::remove_file(resources.folder.join("model.toml")).expect("removable");
     let text = attempt().refusal();

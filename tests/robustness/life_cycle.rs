@@ -104,9 +104,7 @@ impl Subject {
                     let (unknown, known) = (reference("tip.acceleration.z"), reference("fold.torque"));
                     fmi2GetDirectionalDerivative(c, &unknown, 1, &known, 1, &1.0, &mut real)
                 }
-                "fmi2SetRealInputDerivatives" => {
-                    fmi2SetRealInputDerivatives(c, &reference("fold.torque"), 1, &1, &0.1)
-                }
+                "fmi2SetRealInputDerivatives" => fmi2SetRealInputDerivatives(c, &reference("fold.torque"), 1, &1, &0.1),
                 "fmi2GetRealOutputDerivatives" => {
                     fmi2GetRealOutputDerivatives(c, &reference("fold.angle"), 1, &1, &mut real)
                 }
@@ -176,8 +174,18 @@ fn l01_every_call_in_every_phase() {
             let mut subject = Subject::in_phase(phase);
             let legal = row.is_legal(phase);
             cells[usize::from(legal)] += 1;
-            if legal { accepted(&mut subject, row, phase) } else { refused(&mut subject, row, phase, &undisturbed) }
-            assert_eq!(neighbour.present(), neighbour.bytes, "{} {} reached another instance", row.name, phase.phrase());
+            if legal {
+                accepted(&mut subject, row, phase)
+            } else {
+                refused(&mut subject, row, phase, &undisturbed)
+            }
+            assert_eq!(
+                neighbour.present(),
+                neighbour.bytes,
+                "{} {} reached another instance",
+                row.name,
+                phase.phrase()
+            );
             assert!(neighbour.fmu.messages.borrow().is_empty(), "{} told another instance's log", row.name);
         }
     }

@@ -24,19 +24,55 @@ const MOST_PANELS: usize = 200;
 
 /// Values in the place of others.
 const VALUES: [&str; 40] = [
-    "0", "-0.0", "1", "-1", "2", "1000", "1001", "1000000000", "9223372036854775807", "9223372036854775808", "1e9",
-    "1e30", "1.1e30", "1e-30", "5e-324", "1e308", "1e999", "-1e200", "nan", "inf", "-inf", "true", "false", "\"\"",
-    "\"root\"", "\"a%s%n\"", "\"\\u0000\"", "[]", "[0.0, 0.0, 0.0]", "[1e200, nan, 0.0]", "[[1.0, 2.0]]", "{}", "{ a = 1 }",
-    "1979-05-27", "0x10", "'''\n'''", "\"constant\"", "\"ball\"", "\"equilibrium\"", "\"strip\"",
+    "0",
+    "-0.0",
+    "1",
+    "-1",
+    "2",
+    "1000",
+    "1001",
+    "1000000000",
+    "9223372036854775807",
+    "9223372036854775808",
+    "1e9",
+    "1e30",
+    "1.1e30",
+    "1e-30",
+    "5e-324",
+    "1e308",
+    "1e999",
+    "-1e200",
+    "nan",
+    "inf",
+    "-inf",
+    "true",
+    "false",
+    "\"\"",
+    "\"root\"",
+    "\"a%s%n\"",
+    "\"\\u0000\"",
+    "[]",
+    "[0.0, 0.0, 0.0]",
+    "[1e200, nan, 0.0]",
+    "[[1.0, 2.0]]",
+    "{}",
+    "{ a = 1 }",
+    "1979-05-27",
+    "0x10",
+    "'''\n'''",
+    "\"constant\"",
+    "\"ball\"",
+    "\"equilibrium\"",
+    "\"strip\"",
 ];
 
 /// Text that breaks lines.
-const TOKENS: [&str; 14] =
-    ["[", "]", "[[", "=", "\"", "'", "#", "\n", ".", "{", "}", "\u{0}", "\u{feff}", "é\u{202e}"];
+const TOKENS: [&str; 14] = ["[", "]", "[[", "=", "\"", "'", "#", "\n", ".", "{", "}", "\u{0}", "\u{feff}", "é\u{202e}"];
 
 fn models() -> Vec<String> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models");
-    let mut paths: Vec<_> = std::fs::read_dir(folder).expect("the models").map(|entry| entry.expect("readable").path()).collect();
+    let mut paths: Vec<_> =
+        std::fs::read_dir(folder).expect("the models").map(|entry| entry.expect("readable").path()).collect();
     paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
     paths.sort();
     let models: Vec<String> = paths.iter().map(|path| std::fs::read_to_string(path).expect("readable")).collect();
@@ -47,7 +83,8 @@ fn models() -> Vec<String> {
 /// A model file that something has happened to.
 fn mutated(rng: &mut Rng, models: &[String]) -> Vec<u8> {
     let one = |rng: &mut Rng| rng.usize(..models.len());
-    let mut lines: Vec<String> = models[one(rng)].lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect();
+    let mut lines: Vec<String> =
+        models[one(rng)].lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect();
     for _ in 0..rng.usize(1..4) {
         let at = rng.usize(..lines.len());
         match rng.u8(..11) {
@@ -299,7 +336,10 @@ fn m03_hostile_resources() {
     refused(&with(format!("{} = 1", vec!["a"; 50_000].join(".")).as_bytes()), "");
     refused(&with(format!("[{}]", vec!["a"; 50_000].join(".")).as_bytes()), "");
     refused(&with(&WING.repeat(2).into_bytes()), "");
-    refused(&with(format!("{WING}\n# {}", "x".repeat(20_000_000)).replace("length_m", "lenght_m").as_bytes()), "lenght_m");
+    refused(
+        &with(format!("{WING}\n# {}", "x".repeat(20_000_000)).replace("length_m", "lenght_m").as_bytes()),
+        "lenght_m",
+    );
 
     let folder = Resources::empty("hostile");
     std::fs::create_dir(folder.folder.join("model.toml")).expect("writable");

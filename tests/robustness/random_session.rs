@@ -34,7 +34,11 @@ fn models() -> Vec<(String, String)> {
         .map(|path| {
             let text = std::fs::read_to_string(&path).expect("readable");
             let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
-            let thin = [("strips = 10", "strips = 3"), ("chord_panels = 4", "chord_panels = 2"), ("wake_rows = 30", "wake_rows = 4")];
+            let thin = [
+                ("strips = 10", "strips = 3"),
+                ("chord_panels = 4", "chord_panels = 2"),
+                ("wake_rows = 30", "wake_rows = 4"),
+            ];
             (name, thin.iter().fold(text, |text, (from, to)| text.replace(from, to)))
         })
         .collect();
@@ -123,7 +127,11 @@ impl Session {
             let who = pick(&mut rng, &cast);
             let label = || format!("FOLDWING_SEED={seed}, call {call}, model {}", self.actors[who].name);
             guard.note(label);
-            let others: Vec<Saved> = cast.iter().filter(|other| **other != who).flat_map(|other| self.actors[*other].states.clone()).collect();
+            let others: Vec<Saved> = cast
+                .iter()
+                .filter(|other| **other != who)
+                .flat_map(|other| self.actors[*other].states.clone())
+                .collect();
             let actor = &mut self.actors[who];
             let outcome = actor.call(&mut rng, &others);
             *tally.0.entry((outcome.name, outcome.status)).or_default() += 1;
@@ -229,7 +237,8 @@ impl Actor {
     /// What must hold after a call.
     fn check(&mut self, outcome: &Outcome) -> Result<(), String> {
         let Outcome { name, status, right, part } = outcome;
-        let told: Vec<_> = self.fmu.messages.borrow_mut().drain(..).filter(|told| told.category != "logEvents").collect();
+        let told: Vec<_> =
+            self.fmu.messages.borrow_mut().drain(..).filter(|told| told.category != "logEvents").collect();
         if !right.contains(status) {
             return Err(format!("status {status}, expected {right:?}; {told:?}"));
         }
@@ -313,7 +322,13 @@ impl Actor {
             _ => loop {
                 let row = &TABLE[rng.usize(..TABLE.len())];
                 let ends = matches!(row.name, "fmi2Reset" | "fmi2Terminate");
-                let rare = if ends { 12 } else if row.is_legal(self.phase) { 1 } else { 4 };
+                let rare = if ends {
+                    12
+                } else if row.is_legal(self.phase) {
+                    1
+                } else {
+                    4
+                };
                 if rng.u8(..rare) == 0 {
                     break row.name;
                 }
@@ -347,7 +362,8 @@ impl Actor {
         };
         let mut right = statuses(verdict);
         if status != fmi2OK {
-            let touched = reals.iter().any(|real| *real != UNTOUCHED) || integers.iter().any(|i| *i != UNTOUCHED as i32);
+            let touched =
+                reals.iter().any(|real| *real != UNTOUCHED) || integers.iter().any(|i| *i != UNTOUCHED as i32);
             assert!(!touched, "{name} refused and wrote");
         }
         if self.phase == Phase::Initialization && verdict == Verdict::Taken {
@@ -377,7 +393,12 @@ impl Actor {
         let mut verdict = if kind == Kind::String {
             if n == 0 { Verdict::Taken } else { Verdict::BadCall }
         } else {
-            batch(references.iter().enumerate().map(|(i, &reference)| arguments::setting(table, reference, value(i), started)))
+            batch(
+                references
+                    .iter()
+                    .enumerate()
+                    .map(|(i, &reference)| arguments::setting(table, reference, value(i), started)),
+            )
         };
         let (vr, null) = if rng.u8(..40) == 0 { (ptr::null(), n > 0) } else { (references.as_ptr(), false) };
         let no_values = kind != Kind::String && rng.u8(..40) == 0;
@@ -426,14 +447,21 @@ impl Actor {
                 let status = unsafe { fmi2GetFMUstate(c, if nowhere { ptr::null_mut() } else { &mut place }) };
                 let fresh = handle.is_null();
                 if status == fmi2OK {
-                    let saved = Saved { handle: place, phase: self.phase, bytes: self.bytes.clone(), forged: self.forged };
+                    let saved =
+                        Saved { handle: place, phase: self.phase, bytes: self.bytes.clone(), forged: self.forged };
                     match own {
                         Some(own) => self.states[own] = saved,
                         None => self.states.push(saved),
                     }
                     self.forget_the_oldest();
                 }
-                let right = if nowhere { vec![fmi2Error] } else if fresh { vec![fmi2OK] } else { known };
+                let right = if nowhere {
+                    vec![fmi2Error]
+                } else if fresh {
+                    vec![fmi2OK]
+                } else {
+                    known
+                };
                 (status, right, "")
             }
             "fmi2FreeFMUstate" => {
@@ -474,14 +502,20 @@ impl Actor {
         }
     }
 
-    fn serialize(&mut self, rng: &mut Rng, name: &str, others: &[Saved]) -> (fmi2Status, Vec<fmi2Status>, &'static str) {
+    fn serialize(
+        &mut self,
+        rng: &mut Rng,
+        name: &str,
+        others: &[Saved],
+    ) -> (fmi2Status, Vec<fmi2Status>, &'static str) {
         let (handle, own) = self.handle(rng, others);
         let c = self.fmu.component;
         let needed = own.map_or(1000, |own| self.states[own].bytes.len());
         if name == "fmi2SerializedFMUstateSize" {
             let mut size = 0;
             let nowhere = rng.u8(..30) == 0;
-            let status = unsafe { fmi2SerializedFMUstateSize(c, handle, if nowhere { ptr::null_mut() } else { &mut size }) };
+            let status =
+                unsafe { fmi2SerializedFMUstateSize(c, handle, if nowhere { ptr::null_mut() } else { &mut size }) };
             assert!(status != fmi2OK || size == needed, "size {size} of a state of {needed} bytes");
             return (status, if own.is_some() && !nowhere { vec![fmi2OK] } else { vec![fmi2Error] }, "");
         }
@@ -541,8 +575,10 @@ impl Actor {
         let causality = if setting { Causality::Input } else { Causality::Output };
         let references =
             arguments::references(rng, table, |row| row.causality == causality && row.value.kind() == Kind::Real);
-        let orders: Vec<i32> =
-            references.iter().map(|_| if rng.u8(..20) == 0 { pick(rng, &[0, 2, -1, i32::MAX, i32::MIN]) } else { 1 }).collect();
+        let orders: Vec<i32> = references
+            .iter()
+            .map(|_| if rng.u8(..20) == 0 { pick(rng, &[0, 2, -1, i32::MAX, i32::MIN]) } else { 1 })
+            .collect();
         let mut values: Vec<f64> = references.iter().map(|_| arguments::real(rng, None)).collect();
         let n = references.len();
         let verdicts = references.iter().enumerate().map(|(i, &reference)| match setting {
@@ -637,8 +673,9 @@ impl Actor {
             match name {
                 "fmi2SetDebugLogging" => {
                     let names = [c"logAll", c"logEvents", c"logStatusWarning", c"logNonsense", c"", c"\xff%s%n"];
-                    let chosen: Vec<CString> =
-                        (0..rng.usize(..4)).map(|_| names[rng.usize(..names.len() * 2).min(rng.usize(..names.len()))].to_owned()).collect();
+                    let chosen: Vec<CString> = (0..rng.usize(..4))
+                        .map(|_| names[rng.usize(..names.len() * 2).min(rng.usize(..names.len()))].to_owned())
+                        .collect();
                     let mut pointers: Vec<fmi2String> = chosen.iter().map(|name| name.as_ptr()).collect();
                     let sound = chosen.iter().all(|name| names[..3].contains(&name.as_c_str()));
                     let hole = rng.u8(..20) == 0 && !pointers.is_empty();
@@ -674,7 +711,9 @@ impl Actor {
                 "fmi2GetStringStatus" => {
                     (fmi2GetStringStatus(c, kind, place(&mut text, nowhere)), answer(fmi2PendingStatus), "")
                 }
-                "fmi2GetIntegerStatus" => (fmi2GetIntegerStatus(c, kind, place(&mut integer, nowhere)), vec![fmi2Error], ""),
+                "fmi2GetIntegerStatus" => {
+                    (fmi2GetIntegerStatus(c, kind, place(&mut integer, nowhere)), vec![fmi2Error], "")
+                }
                 other => panic!("no call for {other}"),
             }
         }
@@ -683,7 +722,10 @@ impl Actor {
 
 /// Type that a getting or setting function is for.
 fn kind_of(name: &str) -> Kind {
-    [Kind::Real, Kind::Integer, Kind::Boolean].into_iter().find(|kind| name.ends_with(kind.name())).unwrap_or(Kind::String)
+    [Kind::Real, Kind::Integer, Kind::Boolean]
+        .into_iter()
+        .find(|kind| name.ends_with(kind.name()))
+        .unwrap_or(Kind::String)
 }
 
 /// The status that a verdict leads to.

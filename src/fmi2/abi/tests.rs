@@ -84,14 +84,8 @@ fn l03_every_call_after_a_breakdown() {
                 "fmi2SerializedFMUstateSize",
                 fmi2SerializedFMUstateSize(component, std::ptr::null_mut(), std::ptr::null_mut()),
             ),
-            (
-                "fmi2SerializeFMUstate",
-                fmi2SerializeFMUstate(component, std::ptr::null_mut(), std::ptr::null_mut(), n),
-            ),
-            (
-                "fmi2DeSerializeFMUstate",
-                fmi2DeSerializeFMUstate(component, std::ptr::null(), n, std::ptr::null_mut()),
-            ),
+            ("fmi2SerializeFMUstate", fmi2SerializeFMUstate(component, std::ptr::null_mut(), std::ptr::null_mut(), n)),
+            ("fmi2DeSerializeFMUstate", fmi2DeSerializeFMUstate(component, std::ptr::null(), n, std::ptr::null_mut())),
             (
                 "fmi2GetDirectionalDerivative",
                 fmi2GetDirectionalDerivative(component, vr, n, vr, n, std::ptr::null(), std::ptr::null_mut()),
@@ -117,7 +111,8 @@ fn l03_every_call_after_a_breakdown() {
     assert_eq!(told.len(), calls.len(), "one message each");
     for ((name, status), told) in calls.iter().zip(told.iter()) {
         assert_eq!(*status, fmi2Fatal, "{name}");
-        let expected = format!("logStatusFatal: {name}: the instance broke down earlier; only fmi2FreeInstance is legal");
+        let expected =
+            format!("logStatusFatal: {name}: the instance broke down earlier; only fmi2FreeInstance is legal");
         assert_eq!(*told, expected);
     }
     println!("life cycle after a breakdown: {} cells", calls.len());
