@@ -19,6 +19,8 @@ const NEWTON_CEILING_EXACT: f64 = 1e-8;
 const FAILURE_CUT: f64 = 0.25;
 /// Most internal steps of one communication step: nothing may run for ever.
 const MOST_STEPS: u32 = 1_000_000;
+/// Most aerodynamic steps of one communication step: each costs many internal ones.
+const MOST_AIR_STEPS: u32 = 100_000;
 /// Accuracy of a located latch crossing in s.
 pub(super) const CROSSING_S: f64 = 1e-10;
 /// Most steps spent on locating one crossing.
@@ -69,9 +71,11 @@ impl Plant {
         self.configure();
     }
 
-    /// Longest communication step in s that the bound on internal steps leaves possible.
+    /// Longest communication step in s that the bounds on internal and aerodynamic steps leave possible.
     pub fn longest_step_s(&self) -> f64 {
-        self.machine.solver.fixed_step_s.unwrap_or(self.state.parameters.max_step_s) * f64::from(MOST_STEPS)
+        let structure_s =
+            self.machine.solver.fixed_step_s.unwrap_or(self.state.parameters.max_step_s) * f64::from(MOST_STEPS);
+        self.machine.air.as_ref().map_or(structure_s, |air| structure_s.min(air.step_s * f64::from(MOST_AIR_STEPS)))
     }
 
     /// Takes steps until one reaches `end_s`. Runs ahead of `end_s` only while the inputs stay as they are, and never

@@ -276,7 +276,11 @@ fn x11_a_torque_beyond_measure() {
     let before = fmu.get("fold.rate");
     fmu.set("fold.torque", 1e25);
     let status = fmu.try_step(1e-3, 1e-3);
-    fmu.told(status, fmi2Error, "?torque");
+    fmu.told(status, fmi2Error, 
+        "fmi2DoStep: no convergence at t = 0.001 s with internal steps down to 2.5e-10 s, worst at element 4 of 4 of body \
+         outer: residual not finite in iteration 1; the largest input is 1e25 N.m of joint fold; look at inputs and parameters \
+         far beyond the structure's strength",
+    );
     assert_eq!((fmu.get("fold.rate"), fmu.last_good_s()), (before, 1e-3));
 }
 
@@ -294,7 +298,11 @@ fn x06_a_failure_on_the_way() {
     let status = fmu.try_step(0.0, 0.4);
     let good_s = fmu.last_good_s();
     assert_eq!(good_s, fmu.get("fold.latch_time"), "the latch closes, nothing follows");
-    fmu.told(status, fmi2Error, &format!("fmi2DoStep: no convergence at t = {good_s} s ?"));
+    fmu.told(status, fmi2Error, &format!(
+        "fmi2DoStep: no convergence at t = {good_s} s with internal steps down to 2.5e-7 s, worst at element 3 of 4 of body \
+         outer: residual not finite in iteration 1; the largest input is 9.8e0 m/s2 of gravity; look at inputs and parameters \
+         far beyond the structure's strength"
+    ));
     twin.step(0.0, good_s);
     let state = ["fold.angle", "fold.rate", "tip.position.x", "tip.position.z", "tip.velocity.x", "gauge.root.strain"];
     for name in state {
@@ -326,7 +334,7 @@ fn x07_failures_of_the_initialisation() {
     let fmu = Fmu::new(&at_rest);
     fmu.setup(0.0, None);
     fmu.ok(unsafe { fmi2EnterInitializationMode(fmu.component) });
-    fmu.set("load.outer[4].force.z", 1e12);
+    fmu.set("load.outer[4].force.z", 1e200);
     let status = unsafe { fmi2ExitInitializationMode(fmu.component) };
     fmu.told(status, fmi2Error, "?equilibrium");
     fmu.set("load.outer[4].force.z", 0.0);

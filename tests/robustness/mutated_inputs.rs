@@ -80,6 +80,17 @@ fn models() -> Vec<String> {
     models
 }
 
+/// A line whose first number behind the sign of equality is another one, which may well be allowed.
+fn scaled(rng: &mut Rng, line: &str) -> Option<String> {
+    let begin = line.find(" = ")? + 3;
+    let begin = begin + line[begin..].find(|letter: char| letter.is_ascii_digit())?;
+    let end = line[begin..].find(|letter: char| !"0123456789.e-".contains(letter)).map_or(line.len(), |at| begin + at);
+    let number: f64 = line[begin..end].parse().ok()?;
+    let new = number * [0.0, 1e-9, 1e-3, 0.5, 1.0 + 1e-9, 2.0, 10.0, 1e3, 1e6][rng.usize(..9)];
+    let new = if line[begin..end].contains(['.', 'e']) { format!("{new:?}") } else { format!("{}", new as i64) };
+    Some(format!("{}{new}{}", &line[..begin], &line[end..]))
+}
+
 /// A model file that something has happened to.
 fn mutated(rng: &mut Rng, models: &[String]) -> Vec<u8> {
     let one = |rng: &mut Rng| rng.usize(..models.len());
@@ -87,29 +98,33 @@ fn mutated(rng: &mut Rng, models: &[String]) -> Vec<u8> {
         models[one(rng)].lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect();
     for _ in 0..rng.usize(1..4) {
         let at = rng.usize(..lines.len());
-        match rng.u8(..11) {
-            0..=4 => {
+        match rng.u8(..14) {
+            0..=7 => {
                 // the value of a key
                 let places: Vec<usize> = (0..lines.len()).filter(|&i| lines[i].contains(" = ")).collect();
                 if let Some(&at) = places.get(rng.usize(..places.len().max(1))) {
                     let key = lines[at].split(" = ").next().unwrap_or_default().to_owned();
-                    lines[at] = format!("{key} = {}", VALUES[rng.usize(..VALUES.len())]);
+                    let value = VALUES[rng.usize(..VALUES.len())];
+                    lines[at] = match rng.bool().then(|| scaled(rng, &lines[at])).flatten() {
+                        Some(line) => line,
+                        None => format!("{key} = {value}"),
+                    };
                 }
             }
-            5 => _ = lines.remove(at),
-            6 => {
+            8 => _ = lines.remove(at),
+            9 => {
                 let other = rng.usize(..lines.len());
                 lines.swap(at, other);
             }
-            7 => {
+            10 => {
                 let line = lines[at].clone();
                 lines.insert(at, line);
             }
-            8 => {
+            11 => {
                 let donor: Vec<&str> = models[one(rng)].lines().collect();
                 lines.insert(at, donor[rng.usize(..donor.len())].to_owned());
             }
-            9 => {
+            12 => {
                 let token = TOKENS[rng.usize(..TOKENS.len())];
                 let line = &mut lines[at];
                 let places: Vec<usize> = line.char_indices().map(|(i, _)| i).chain([line.len()]).collect();
@@ -188,7 +203,7 @@ fn run(text: &str) -> Result<&'static str, String> {
     let messages = fmu.messages.borrow();
     let told = messages.last().map(|message| message.text.clone()).unwrap_or_default();
     let sound = [started, stepped].iter().all(|status| *status == fmi2OK || *status == fmi2Error);
-    if sound && told.contains(" t = ") || told.contains("solver.min_step") {
+    if sound && (told.contains(" t = ") || told.contains("solver.min_step")) {
         Ok("gives up with a message")
     } else {
         Err(format!("statuses {started}, {stepped}: {told}"))
