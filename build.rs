@@ -8,11 +8,6 @@ fn main() {
     println!("cargo::rustc-env=FOLDWING_TARGET={}", std::env::var("TARGET").expect("cargo sets TARGET"));
     let commit = git(&["rev-parse", "--short=10", "HEAD"]).unwrap_or_default();
     println!("cargo::rustc-env=FOLDWING_COMMIT={commit}");
-    // Threads of a lattice end some time after their instance is freed: their code must stay where it is when the
-    // importer unloads the library.
-    if std::env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("linux") {
-        println!("cargo::rustc-cdylib-link-arg=-Wl,-z,nodelete");
-    }
 
     // The log of HEAD grows with every commit and checkout; a file that does not exist would rebuild every time.
     if let Some(log) = git(&["rev-parse", "--git-path", "logs/HEAD"]).filter(|log| Path::new(log).exists()) {

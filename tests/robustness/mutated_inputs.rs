@@ -7,6 +7,7 @@ mod watchdog;
 
 use fastrand::Rng;
 use fmu::{Attempt, Fmu, Resources, WING, guid_of};
+use foldwing::aero::AirOptions;
 use foldwing::config::{self, ConfigError, Machine};
 use foldwing::fmi2::abi::functions::*;
 use foldwing::fmi2::abi::types::*;
@@ -21,6 +22,8 @@ const COMMAND_LINE: usize = 50;
 /// What is larger is only read: it would run for minutes, as its author wants.
 const MOST_ELEMENTS: usize = 300;
 const MOST_PANELS: usize = 200;
+const MOST_WAKE_ROWS: usize = 100;
+const LEAST_AIR_STEP_S: f64 = 1e-5;
 
 /// Values in the place of others.
 const VALUES: [&str; 40] = [
@@ -156,13 +159,18 @@ fn mutated(rng: &mut Rng, models: &[String]) -> Vec<u8> {
     bytes
 }
 
-/// Elements and panels of a machine.
-fn size(machine: &Machine) -> (usize, usize) {
-    let panels = machine.air.iter().flat_map(|air| &air.surfaces);
-    (
-        machine.bodies.iter().map(|body| body.elements).sum(),
-        panels.map(|surface| (surface.positions_m.len() - 1) * surface.chord_panels).sum(),
-    )
+/// Whether a machine takes long.
+fn is_large(machine: &Machine) -> bool {
+    let elements: usize = machine.bodies.iter().map(|body| body.elements).sum();
+    let air = machine.air.as_ref().is_some_and(|air| {
+        let panels = air.surfaces.iter().map(|surface| (surface.positions_m.len() - 1) * surface.chord_panels);
+        let rows = match &air.options {
+            AirOptions::Lattice(options) => options.wake_rows,
+            AirOptions::Strips(_) => 0,
+        };
+        panels.sum::<usize>() > MOST_PANELS || rows > MOST_WAKE_ROWS || air.step_s < LEAST_AIR_STEP_S
+    });
+    elements > MOST_ELEMENTS || air
 }
 
 /// The message of a refusal points into the file and is not endless.
@@ -262,8 +270,7 @@ fn try_out(bytes: &[u8], seed: usize) -> Result<&'static str, String> {
             return Ok("refused");
         }
     };
-    let (elements, panels) = size(&machine);
-    if elements > MOST_ELEMENTS || panels > MOST_PANELS {
+    if is_large(&machine) {
         return Ok("valid and large");
     }
     run(text)

@@ -16,7 +16,7 @@ const SHARE: usize = 20_000;
 /// Calls of one sequence, after which every instance is reset and compared with a fresh one.
 const SEQUENCE: usize = 150;
 /// Calls under valgrind, which is some forty times slower.
-const SHARE_UNDER_VALGRIND: usize = 600;
+const SHARE_UNDER_VALGRIND: usize = 300;
 
 fn number(name: &str) -> Option<usize> {
     std::env::var(name).ok().map(|text| text.parse().unwrap_or_else(|_| panic!("{name}={text} is no number")))
@@ -55,6 +55,7 @@ fn c02_random_calls_under_valgrind() {
     command
         .args(["--tool=memcheck", "--leak-check=full", "--show-leak-kinds=definite,indirect,possible"])
         .args(["--errors-for-leak-kinds=definite,indirect,possible", "--error-exitcode=99", "--num-callers=40"])
+        .arg(concat!("--suppressions=", env!("CARGO_MANIFEST_DIR"), "/tests/robustness/valgrind.supp"))
         .arg(std::env::current_exe().expect("a path"))
         .args(["--exact", "c01_random_calls", "--test-threads=1", "--nocapture"])
         .env("FOLDWING_CALLS", calls.to_string())
