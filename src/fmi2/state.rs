@@ -142,7 +142,11 @@ impl SavedState {
         if checksum(&bytes[..HEADER_LENGTH - 4], payload) != u32::from_le_bytes(*sum) {
             return Err(StateError::Checksum);
         }
-        postcard::from_bytes(payload).map_err(|error| StateError::Content(error.to_string()))
+        match postcard::take_from_bytes(payload) {
+            Ok((state, [])) => Ok(state),
+            Ok((_, rest)) => Err(StateError::Content(format!("{} bytes too many", rest.len()))),
+            Err(error) => Err(StateError::Content(error.to_string())),
+        }
     }
 }
 

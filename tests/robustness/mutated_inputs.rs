@@ -21,6 +21,7 @@ const SHARE: usize = 1_500;
 const COMMAND_LINE: usize = 50;
 /// What is larger is only read: it would run for minutes, as its author wants.
 const MOST_ELEMENTS: usize = 300;
+const MOST_STATIONS: usize = 100;
 const MOST_PANELS: usize = 200;
 const MOST_WAKE_ROWS: usize = 100;
 const LEAST_AIR_STEP_S: f64 = 1e-5;
@@ -170,7 +171,8 @@ fn is_large(machine: &Machine) -> bool {
         };
         panels.sum::<usize>() > MOST_PANELS || rows > MOST_WAKE_ROWS || air.step_s < LEAST_AIR_STEP_S
     });
-    elements > MOST_ELEMENTS || air
+    let stations: usize = machine.bodies.iter().map(|body| body.station_positions_m.len()).sum();
+    elements > MOST_ELEMENTS || stations > MOST_STATIONS || air
 }
 
 /// The message of a refusal points into the file and is not endless.

@@ -561,6 +561,8 @@ impl Actor {
         let place = if nowhere { ptr::null_mut() } else { &raw mut handle };
         let status = unsafe { fmi2DeSerializeFMUstate(self.fmu.component, bytes.as_ptr().cast(), bytes.len(), place) };
         if status == fmi2OK {
+            // numbers can be written with more bytes than they need
+            let bytes = if forged { self.fmu.serialize(handle) } else { bytes };
             self.states.push(Saved { handle, phase, bytes, forged });
             self.forget_the_oldest();
         } else {
