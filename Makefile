@@ -77,7 +77,7 @@ validate: package venv ## Compare with the methods of the paper, flutter, damp t
 	$(MAKE) robust
 
 # with the checks for overflow and the assertions that a release build leaves out
-robust: toolchain valgrind ## A million random calls, 30000 mutated models, a million steps, 100 killed importers: half an hour
+robust: toolchain valgrind ## A million random calls, 30000 mutated models, a million steps, 100 killed importers
 	FOLDWING_CALLS=1000000 $(CARGO) test --locked --test random_calls -- --nocapture c01
 	FOLDWING_MUTATIONS=30000 $(CARGO) test --locked --test mutated_inputs -- --nocapture
 	FOLDWING_STEPS=1000000 FOLDWING_KILLS=50 $(CARGO) test --locked --test endurance -- --nocapture

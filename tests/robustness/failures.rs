@@ -23,6 +23,13 @@ impl Fmu {
         assert_eq!((status, told), (expected, vec![(expected, text.to_owned())]));
     }
 
+    /// Panics unless a step has found no solution. Which element moves most and by how much is the method's affair.
+    fn gave_up(&self, status: fmi2Status, place: &str, advice: &str) {
+        let text = self.messages.borrow_mut().pop().expect("a message").text;
+        let begins = text.starts_with(&format!("fmi2DoStep: no convergence {place}"));
+        assert!(status == fmi2Error && begins && text.ends_with(advice), "{text}");
+    }
+
     /// An instance of a model, initialised.
     fn running(text: &str) -> Self {
         let fmu = Self::new(text);
@@ -276,10 +283,10 @@ fn x11_a_torque_beyond_measure() {
     let before = fmu.get("fold.rate");
     fmu.set("fold.torque", 1e25);
     let status = fmu.try_step(1e-3, 1e-3);
-    fmu.told(status, fmi2Error,
-        "fmi2DoStep: no convergence at t = 0.001 s with internal steps down to 2.5e-10 s, worst at element 4 of 4 of body \
-         outer: residual not finite in iteration 1; the largest input is 1e25 N.m of joint fold; look at inputs and parameters \
-         far beyond the structure's strength",
+    fmu.gave_up(
+        status,
+        "at t = 0.001 s with internal steps down to 2.5e-10 s, worst at element ",
+        "; the largest input is 1e25 N.m of joint fold; look at inputs and parameters far beyond the structure's strength",
     );
     assert_eq!((fmu.get("fold.rate"), fmu.last_good_s()), (before, 1e-3));
 }
@@ -298,11 +305,11 @@ fn x06_a_failure_on_the_way() {
     let status = fmu.try_step(0.0, 0.4);
     let good_s = fmu.last_good_s();
     assert_eq!(good_s, fmu.get("fold.latch_time"), "the latch closes, nothing follows");
-    fmu.told(status, fmi2Error, &format!(
-        "fmi2DoStep: no convergence at t = {good_s} s with internal steps down to 2.5e-7 s, worst at element 3 of 4 of body \
-         outer: residual not finite in iteration 1; the largest input is 9.8e0 m/s2 of gravity; look at inputs and parameters \
-         far beyond the structure's strength"
-    ));
+    fmu.gave_up(
+        status,
+        &format!("at t = {good_s} s with internal steps down to 2.5e-7 s, worst at element "),
+        "; look at loads, drive and latch there, or allow a smaller solver.min_step",
+    );
     twin.step(0.0, good_s);
     let state = ["fold.angle", "fold.rate", "tip.position.x", "tip.position.z", "tip.velocity.x", "gauge.root.strain"];
     for name in state {

@@ -16,7 +16,7 @@ const SHARE: usize = 20_000;
 /// Calls of one sequence, after which every instance is reset and compared with a fresh one.
 const SEQUENCE: usize = 150;
 /// Calls under valgrind, which is some forty times slower.
-const SHARE_UNDER_VALGRIND: usize = 300;
+const SHARE_UNDER_VALGRIND: usize = 150;
 
 fn number(name: &str) -> Option<usize> {
     std::env::var(name).ok().map(|text| text.parse().unwrap_or_else(|_| panic!("{name}={text} is no number")))

@@ -81,7 +81,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     match outcome {
         Ok(Ok(mut instance)) => {
             std::mem::swap(instance.log_mut(), &mut log);
-            Held::new(instance)
+            Held::component(instance)
         }
         Ok(Err(error)) => {
             log.refuse(Status::Error, &format!("fmi2Instantiate: {error}"));
@@ -100,10 +100,10 @@ pub unsafe extern "C" fn fmi2Instantiate(
 /// `component` is null or came from `fmi2Instantiate` and has not been freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(component: fmi2Component) {
-    // SAFETY: null, or made by `Held::new` and alive.
+    // SAFETY: null, or made by `Held::component` and alive.
     let Some(held) = (unsafe { component.cast::<Held>().as_ref() }) else { return };
     if held.take().is_some() {
-        // SAFETY: made by `Held::new`, freed once; no call is under way.
+        // SAFETY: made by `Held::component`, freed once; no call is under way.
         let instance = unsafe { Box::from_raw(component.cast::<Held>()) };
         // Nothing can be told any more; a panic must not reach the importer.
         let _ = catch_unwind(AssertUnwindSafe(|| drop(instance)));

@@ -33,7 +33,7 @@ struct Held {
 
 impl Held {
     /// As C holds it.
-    fn new(instance: Instance) -> fmi2Component {
+    fn component(instance: Instance) -> fmi2Component {
         Box::into_raw(Box::new(Self { taken: AtomicBool::new(false), instance: UnsafeCell::new(instance) })).cast()
     }
 
@@ -65,7 +65,7 @@ unsafe fn enter(
     call: Call,
     body: impl FnOnce(&mut Instance) -> Result<(), CallError>,
 ) -> fmi2Status {
-    // SAFETY: null, or made by `Held::new` and alive.
+    // SAFETY: null, or made by `Held::component` and alive.
     let Some(held) = (unsafe { component.cast::<Held>().as_ref() }) else {
         return fmi2Error;
     };

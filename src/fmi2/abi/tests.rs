@@ -23,7 +23,7 @@ fn component() -> (fmi2Component, Rc<RefCell<Vec<String>>>) {
     let sink = Rc::clone(&messages);
     let sink: Sink = Box::new(move |_, category, text| sink.borrow_mut().push(format!("{}: {text}", category.name())));
     *instance.log_mut() = Log::new(Some(sink), false);
-    (Held::new(instance), messages)
+    (Held::component(instance), messages)
 }
 
 fn tempfile_folder() -> std::path::PathBuf {
