@@ -40,7 +40,7 @@ fn running(text: &str) -> Fmu {
 
 /// One of 30 steps through the latch, with an input that jumps.
 fn step(fmu: &Fmu, i: u32) {
-    fmu.set("fold.torque", if i % 4 == 0 { 0.01 } else { 0.0 });
+    fmu.set("fold.torque", if i.is_multiple_of(4) { 0.01 } else { 0.0 });
     fmu.step(5e-3 * f64::from(i), 5e-3);
 }
 
@@ -156,12 +156,12 @@ fn child_steps_for_long() {
     for i in 0..steps {
         let time_s = 0.2 + 1e-3 * i as f64;
         unsafe {
-            if i % 50 == 0 {
+            if i.is_multiple_of(50) {
                 fmu.ok(fmi2SetReal(fmu.component, &torque, 1, &(1e-3 * (i % 7) as f64)));
             }
             fmu.ok(fmi2DoStep(fmu.component, time_s, 1e-3, fmi2True));
             fmu.ok(fmi2GetReal(fmu.component, &tip, 1, &mut value));
-            if i % 100 == 0 {
+            if i.is_multiple_of(100) {
                 let mut state = fmu.save();
                 let (status, mut copy) = fmu.deserialize(&fmu.serialize(state));
                 fmu.ok(status);
