@@ -26,7 +26,7 @@ FMU         := $(TARGET)/fmu/FoldingWing.fmu
 TUNNEL_FMU  := $(TARGET)/fmu/folding_wing_in_tunnel.fmu
 DEPLOYMENT  := $(TARGET)/deployment
 
-.PHONY: all build package venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-peers bless licenses python-lock clean help toolchain
+.PHONY: all build package venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-peers bless licenses robust valgrind python-lock clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -99,6 +99,16 @@ validate: package venv ## Compare with the methods of the paper, flutter, damp t
 	$(VENV_PYTHON) examples/gust.py --foldwing $(COMMAND) --picture docs/pictures/gust.png
 	$(VENV_PYTHON) examples/identify_damping.py --fmu $(FMU) --picture docs/pictures/identified_damping.png
 	$(VENV_PYTHON) tools/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
+	$(MAKE) robust
+
+# with the checks for overflow and the assertions that a release build leaves out
+robust: toolchain valgrind ## A million random calls, 30000 mutated models, a million steps, 100 killed importers
+	FOLDWING_CALLS=1000000 $(CARGO) test --locked --test random_calls -- --nocapture c01
+	FOLDWING_MUTATIONS=30000 $(CARGO) test --locked --test mutated_inputs -- --nocapture
+	FOLDWING_STEPS=1000000 FOLDWING_KILLS=50 $(CARGO) test --locked --test endurance -- --nocapture
+
+valgrind: toolchain ## Random calls under valgrind: no error, no leak
+	FOLDWING_VALGRIND_CALLS=3000 $(CARGO) test --locked --test random_calls -- --nocapture c02
 
 notebook: package venv ## Run examples/deployment.ipynb and store in it what it shows
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) \

@@ -22,6 +22,10 @@ use nalgebra::Vector3;
 const NEAR: f64 = 1e-9;
 /// Inset of a free edge of the lattice in panels: uniform lattices that reach the tip converge only as `1/N`.
 const INSET_PANELS: f64 = 0.25;
+/// Most panels of a lattice: its matrix then takes 200 MB, and its factors half a minute.
+const MOST_PANELS: usize = 5_000;
+/// Most panels of a wake.
+const MOST_WAKE_PANELS: usize = 200_000;
 /// Core radius over the smallest panel's chord where the file states none.
 const CORE_SHARE: f64 = 1e-2;
 
@@ -88,6 +92,9 @@ pub(super) fn build(
         .iter()
         .flat_map(|surface| surface.chords.iter().map(|chord| chord.length_m() / surface.chord_panels as f64))
         .fold(f64::INFINITY, f64::min);
+    if lattice {
+        check_size(&drafts, air.wake_rows, checker)?;
+    }
     let wind_m_s = Vector3::from(air.wind_m_s);
     let step_s = match air.step_s {
         Some(step_s) => step_s,
@@ -132,6 +139,23 @@ pub(super) fn build(
         surfaces,
         gusts,
     }))
+}
+
+/// Refuses lattices that memory or patience do not hold.
+fn check_size(drafts: &[Draft], wake_rows: usize, checker: &mut Checker) -> Result<(), ()> {
+    let panels: usize = drafts.iter().map(|draft| draft.strips * draft.chord_panels).sum();
+    if panels > MOST_PANELS {
+        let allowed = format!("at most {MOST_PANELS} panels: strips times chord_panels, of all surfaces together");
+        checker.refuse_as(&["surface"], format!("a lattice of {panels} panels"), allowed);
+        return Err(());
+    }
+    let wake_panels = wake_rows * drafts.iter().map(|draft| draft.strips).sum::<usize>();
+    if wake_panels > MOST_WAKE_PANELS {
+        let allowed = format!("at most {MOST_WAKE_PANELS} panels: wake_rows times the strips of all surfaces");
+        checker.refuse_as(&["aerodynamics", "wake_rows"], format!("a wake of {wake_panels} panels"), allowed);
+        return Err(());
+    }
+    Ok(())
 }
 
 fn draft(

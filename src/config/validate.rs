@@ -11,6 +11,11 @@ use crate::config::{air, attachments, joints, loops, sections, tree};
 use nalgebra::Vector3;
 use sections::Sections;
 
+/// Most load stations of a machine: its model description then has some ten megabytes.
+const MOST_STATIONS: usize = 2_000;
+/// Most elements of a machine: a step then takes a tenth of a second.
+const MOST_ELEMENTS: usize = 20_000;
+
 /// Collects problems and knows where keys stand.
 pub(super) struct Checker<'d, 'a> {
     document: &'d Document<'a>,
@@ -86,6 +91,16 @@ fn build(file: &ModelFile, checker: &mut Checker) -> Option<Machine> {
             attachments::place_loads(std::mem::take(&mut loads[index]), body, checker);
         }
         bodies.push(body);
+    }
+    let stations: usize = bodies.iter().flatten().map(|body| body.station_positions_m.len()).sum();
+    if stations > MOST_STATIONS {
+        let allowed = format!("at most {MOST_STATIONS} on all bodies together: each is 19 variables of the FMU");
+        checker.refuse_as(&["body"], format!("{stations} load stations"), allowed);
+    }
+    let elements: usize = bodies.iter().flatten().map(|body| body.elements).sum();
+    if elements > MOST_ELEMENTS {
+        let allowed = format!("at most {MOST_ELEMENTS} on all bodies together");
+        checker.refuse_as(&["body"], format!("{elements} elements"), allowed);
     }
     let gauges = attachments::gauges(file, &sections, tree.as_ref(), checker);
     let closures = loops::build(file, tree.as_ref(), checker);

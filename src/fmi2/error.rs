@@ -1,7 +1,7 @@
 //! What a call can answer, and why it was refused.
 
 use crate::config::ConfigError;
-use crate::fmi2::life_cycle::Phase;
+use crate::fmi2::life_cycle::{Call, Phase};
 use crate::fmi2::resource::ResourceError;
 use crate::fmi2::state::StateError;
 use crate::interface::AccessError;
@@ -26,8 +26,10 @@ pub enum Status {
 #[derive(Debug, thiserror::Error)]
 pub enum CallError {
     /// Out of order.
-    #[error("not legal {phase}")]
+    #[error("not legal {phase}{}", advice(*call, *phase))]
     OutOfOrder {
+        /// The call.
+        call: Call,
         /// Where the instance stands.
         phase: Phase,
     },
@@ -35,7 +37,7 @@ pub enum CallError {
     #[error("the instance broke down earlier; only fmi2FreeInstance is legal")]
     Poisoned,
     /// A pointer that must not be null.
-    #[error("argument {argument} is null")]
+    #[error("argument {argument} is null; that is legal for a length of 0 only")]
     NullPointer {
         /// Name of the argument in the standard.
         argument: &'static str,
@@ -67,8 +69,22 @@ pub enum CallError {
         /// The refused step size in s.
         step_s: f64,
     },
+    /// Too long to be marched through.
+    #[error(
+        "the step from t = {time_s} s has the size {step_s:e} s: it can have {longest_s:e} s at most; take shorter ones"
+    )]
+    StepTooLong {
+        /// Communication point of the caller in s.
+        time_s: f64,
+        /// The refused step size in s.
+        step_s: f64,
+        /// Longest step in s that the bound on internal steps leaves possible.
+        longest_s: f64,
+    },
     /// The caller's clock and ours differ.
-    #[error("the step starts at t = {time_s} s but the instance stands at t = {own_s} s")]
+    #[error(
+        "the step starts at t = {time_s} s but the instance stands at t = {own_s} s; step from there, or set an earlier state"
+    )]
     TimeMismatch {
         /// Communication point of the caller in s.
         time_s: f64,
@@ -76,7 +92,9 @@ pub enum CallError {
         own_s: f64,
     },
     /// Beyond the stop time.
-    #[error("the step ends at t = {end_s} s, beyond the stop time {stop_s} s given to fmi2SetupExperiment")]
+    #[error(
+        "the step ends at t = {end_s} s, beyond the stop time {stop_s} s given to fmi2SetupExperiment; shorten it, or reset and give a later stop time"
+    )]
     BeyondStop {
         /// End of the refused step in s.
         end_s: f64,
@@ -107,6 +125,19 @@ pub enum CallError {
     },
 }
 
+/// What to do where a call is out of order.
+fn advice(call: Call, phase: Phase) -> String {
+    let legal: Vec<String> = call.phases().map(|phase| phase.to_string()).collect();
+    let back = match phase {
+        Phase::StepFailed | Phase::Terminated => "; fmi2SetFMUstate with an earlier state or fmi2Reset leads back",
+        _ => "",
+    };
+    if legal.is_empty() {
+        return ": steps are never asynchronous, so there is none to cancel".to_owned();
+    }
+    format!("; it is legal {}{back}", legal.join(", "))
+}
+
 impl CallError {
     /// The status that the importer gets: a bad value is discarded, all else is an error.
     pub fn status(&self) -> Status {
@@ -123,13 +154,15 @@ impl CallError {
 #[derive(Debug, thiserror::Error)]
 pub enum InstantiationError {
     /// No instance name.
-    #[error("the instance name is missing")]
+    #[error("the instance name is missing: it is null or empty")]
     NoName,
     /// Not a co-simulation.
-    #[error("this FMU is for co-simulation only: FMU type {0} was asked for")]
+    #[error("this FMU is for co-simulation only (FMU type 1): FMU type {0} was asked for")]
     WrongType(u32),
     /// Description and model do not belong together.
-    #[error("the GUID {given} of the model description is not {own}, that of resources/model.toml in this library")]
+    #[error(
+        "the GUID {given} of the model description is not {own}, that of resources/model.toml in this library; package the model again"
+    )]
     Guid {
         /// As passed by the importer.
         given: String,

@@ -94,7 +94,7 @@ impl Instance {
         match self.phase {
             Phase::Fatal => Err(CallError::Poisoned),
             phase if call.is_legal(phase) => Ok(()),
-            phase => Err(CallError::OutOfOrder { phase }),
+            phase => Err(CallError::OutOfOrder { call, phase }),
         }
     }
 
@@ -169,6 +169,8 @@ impl Instance {
     /// Reads variables of one type; in Initialization Mode computed ones are evaluated first.
     pub fn get<T: Scalar>(&mut self, references: &[u32], values: &mut [T]) -> Result<(), CallError> {
         if self.stale && references.iter().any(|&reference| self.interface.is_computed(reference)) {
+            // a refused call changes nothing
+            self.interface.check_kind(references, T::KIND)?;
             self.evaluate()?;
         }
         Ok(self.interface.get_all(&self.plant, references, values)?)
@@ -216,12 +218,21 @@ impl Instance {
         unknowns: (&[u32], &mut [f64]),
         knowns: (&[u32], &[f64]),
     ) -> Result<(), CallError> {
-        self.evaluate()?;
         let when = (self.stage(), self.experiment.start_s);
-        self.interface.directional_derivative(&mut self.plant, when, unknowns, knowns).map_err(|error| match error {
-            DerivativeError::Access(error) => error.into(),
-            DerivativeError::Plant(error) => error.into(),
-        })
+        // a refused call changes nothing: the evaluation is undone with it
+        let before = self.stale.then(|| self.plant.snapshot());
+        let outcome = self.evaluate().and_then(|()| {
+            let found = self.interface.directional_derivative(&mut self.plant, when, unknowns, knowns);
+            found.map_err(|error| match error {
+                DerivativeError::Access(error) => error.into(),
+                DerivativeError::Plant(error) => error.into(),
+            })
+        });
+        if let (Err(_), Some(before)) = (&outcome, before) {
+            self.plant.restore(&before)?;
+            self.stale = true;
+        }
+        outcome
     }
 
     /// There are no strings: every reference is refused.
@@ -242,6 +253,10 @@ impl Instance {
         }
         if let Some(stop_s) = self.experiment.stop_s.filter(|stop_s| end_s > stop_s + tolerance_s) {
             return Err(CallError::BeyondStop { end_s, stop_s });
+        }
+        let longest_s = self.plant.longest_step_s();
+        if step_s > longest_s {
+            return Err(CallError::StepTooLong { time_s, step_s, longest_s });
         }
         if time_s != own_s {
             self.plant.adopt_time(time_s);

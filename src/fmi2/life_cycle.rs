@@ -32,7 +32,7 @@ impl fmt::Display for Phase {
             Self::Instantiated => "before fmi2EnterInitializationMode",
             Self::Initialization => "in Initialization Mode",
             Self::StepComplete => "after fmi2ExitInitializationMode",
-            Self::StepFailed => "after a failed step (legal: get, status, set an earlier state, reset, free)",
+            Self::StepFailed => "after a failed step",
             Self::Terminated => "after fmi2Terminate",
             Self::Fatal => "after a breakdown",
         })
@@ -126,6 +126,13 @@ impl Call {
     /// Name in the standard.
     pub const fn name(self) -> &'static str {
         self.row().0
+    }
+
+    /// Phases in which the call is legal, in the order in which they are passed.
+    pub fn phases(self) -> impl Iterator<Item = Phase> {
+        use Phase::{Initialization, Instantiated, StepComplete, StepFailed, Terminated};
+        let all = [Instantiated, Initialization, StepComplete, StepFailed, Terminated];
+        all.into_iter().filter(move |&phase| self.is_legal(phase))
     }
 
     /// Whether the call is legal in a phase.

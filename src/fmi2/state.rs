@@ -20,19 +20,21 @@ const HEADER_LENGTH: usize = 8 + 2 + GUID_LENGTH + 8 + 4;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum StateError {
     /// A handle of another instance, or one that was freed.
-    #[error("the FMU state was freed or belongs to another instance")]
+    #[error("the FMU state was freed or belongs to another instance; set one that this instance has saved")]
     UnknownHandle,
     /// Not our bytes.
-    #[error("the serialised FMU state was not written by this program")]
+    #[error("the serialised FMU state was not written by this program: it does not begin with FOLDWING")]
     NotAState,
     /// Written by another version.
-    #[error("the serialised FMU state has version {found}; this library reads version {VERSION}")]
+    #[error(
+        "the serialised FMU state has version {found}; this library reads version {VERSION}: serialise it again with this one"
+    )]
     Version {
         /// Version in the bytes.
         found: u16,
     },
     /// State of another model.
-    #[error("the serialised FMU state belongs to the model {found}, not to {expected}")]
+    #[error("the serialised FMU state belongs to the model {found}, not to {expected}; set one of this model")]
     OtherModel {
         /// GUID in the bytes.
         found: String,
@@ -40,7 +42,9 @@ pub enum StateError {
         expected: String,
     },
     /// Cut off or padded.
-    #[error("the serialised FMU state is damaged: {found} bytes instead of {expected}")]
+    #[error(
+        "the serialised FMU state is damaged: {found} bytes instead of {expected}; pass all that fmi2SerializeFMUstate wrote"
+    )]
     Length {
         /// Bytes given.
         found: usize,
@@ -48,13 +52,17 @@ pub enum StateError {
         expected: u64,
     },
     /// Changed bytes.
-    #[error("the serialised FMU state is damaged: its checksum does not match")]
+    #[error(
+        "the serialised FMU state is damaged: its checksum does not match; pass the bytes as fmi2SerializeFMUstate wrote them"
+    )]
     Checksum,
     /// Bytes that mean nothing.
     #[error("the serialised FMU state is damaged: {0}")]
     Content(String),
     /// The buffer of the importer is too small.
-    #[error("the buffer for the serialised FMU state has {given} bytes; {needed} are needed")]
+    #[error(
+        "the buffer for the serialised FMU state has {given} bytes; {needed} are needed, as fmi2SerializedFMUstateSize says"
+    )]
     Buffer {
         /// Size of the buffer.
         given: usize,
@@ -134,7 +142,11 @@ impl SavedState {
         if checksum(&bytes[..HEADER_LENGTH - 4], payload) != u32::from_le_bytes(*sum) {
             return Err(StateError::Checksum);
         }
-        postcard::from_bytes(payload).map_err(|error| StateError::Content(error.to_string()))
+        match postcard::take_from_bytes(payload) {
+            Ok((state, [])) => Ok(state),
+            Ok((_, rest)) => Err(StateError::Content(format!("{} bytes too many", rest.len()))),
+            Err(error) => Err(StateError::Content(error.to_string())),
+        }
     }
 }
 

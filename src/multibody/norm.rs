@@ -48,6 +48,39 @@ pub fn kinematic_norm(model: &Model, work: &mut Workspace, change: &[f64]) -> f6
     norm.value(model.reference_length_m)
 }
 
+/// First coordinate of the joint or element whose own part of a change of coordinates is largest in the kinematic norm,
+/// at the poses in `work`; parts that are not finite count as none.
+pub fn largest_share(model: &Model, work: &Workspace, change: &[f64]) -> usize {
+    let mut largest = (0.0, 0);
+    let mut offer = |coordinate: usize, size: f64| {
+        if size.is_finite() && size > largest.0 {
+            largest = (size, coordinate);
+        }
+    };
+    for (index, body) in model.bodies.iter().enumerate() {
+        if let Some(hinge) = &body.hinge {
+            offer(hinge.coordinate, change[hinge.coordinate].abs());
+        }
+        if let (Some(joint), Some(parameters)) = (&body.parameters, &work.parameters[index]) {
+            let mut moved = Pair::ZERO;
+            parameters.displace(joint, change, &mut moved);
+            offer(joint.coordinate, alone(&moved, model.reference_length_m));
+        }
+        for element in body.first_element..body.first_element + body.elements {
+            let c = model.elements[element].coordinate;
+            let strain = Vector4::from_column_slice(&change[c..c + 4]);
+            let moved = displaced(&Pair::ZERO, &work.links[element], &strain);
+            offer(c, alone(&moved, model.reference_length_m));
+        }
+    }
+    largest.1
+}
+
+/// Kinematic norm of one twist.
+fn alone(moved: &Pair, reference_length_m: f64) -> f64 {
+    (moved.linear.norm() / reference_length_m).max(moved.angular.norm())
+}
+
 /// Largest squares of displacement and rotation so far.
 #[derive(Default)]
 pub(crate) struct NormSquared {

@@ -19,8 +19,21 @@ const STEP_SHARE_AFTER_LATCH: f64 = 0.1;
 impl Plant {
     /// Builds the equations, sets the start state, finds the accelerations and the outputs at `time_s`.
     ///
-    /// May be called again (an FMU re-evaluates in Initialization Mode).
+    /// May be called again (an FMU re-evaluates in Initialization Mode). On an error the state stays as it was.
     pub fn initialize(&mut self, time_s: f64) -> Result<(), PlantError> {
+        let before = self.state.clone();
+        let outcome = self.find_start(time_s);
+        if outcome.is_err() {
+            self.state = before;
+            if self.state.initialized {
+                self.configure();
+                self.evaluate();
+            }
+        }
+        outcome
+    }
+
+    fn find_start(&mut self, time_s: f64) -> Result<(), PlantError> {
         let Parameters { min_step_s, max_step_s, .. } = self.state.parameters;
         if min_step_s > max_step_s {
             return Err(PlantError::Steps { min_step_s, max_step_s });
@@ -91,18 +104,19 @@ impl Plant {
         self.start_air(time_s)?;
         let now = &mut self.state.now;
         self.equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
-        let jump = settle(&mut self.equations, &mut self.scratch[0], now)
-            .map_err(|singular| PlantError::Initialization { time_s, cause: singular.to_string() })?;
-        if !jump.is_finite() {
-            return Err(PlantError::Initialization { time_s, cause: "accelerations are not finite".into() });
-        }
+        let jump = settle(&mut self.equations, &mut self.scratch[0], now);
+        let jump = self.accelerations(time_s, jump)?;
         self.restrain_step(jump);
         self.state.before = self.state.now.clone();
         self.state.start = self.state.now.clone();
         self.state.ahead = self.state.now.clone();
         self.state.initialized = true;
         self.evaluate();
-        Ok(())
+        if self.outputs.are_finite() {
+            Ok(())
+        } else {
+            Err(PlantError::NotFinite { time_s, cause: self.largest_input() })
+        }
     }
 
     /// Brings the equations in line with the applied inputs and parameters and the joints' states.
@@ -250,17 +264,25 @@ impl Plant {
         self.equations.residual(time_s, &start.q, &start.v, &start.a, new_residual);
         let after = self.equations.potentials(time_s, &start.q).total();
         new_residual.iter_mut().zip(old.iter()).for_each(|(new, old)| *new -= old);
-        let jump = settle(&mut self.equations, new_residual, start)
-            .map_err(|singular| PlantError::Initialization { time_s, cause: singular.to_string() })?;
-        if !jump.is_finite() {
-            return Err(PlantError::Initialization { time_s, cause: "accelerations are not finite".into() });
-        }
+        let jump = settle(&mut self.equations, new_residual, start);
+        let jump = self.accelerations(time_s, jump)?;
+        let start = &mut self.state.start;
         start.dissipated += dissipated;
         start.work += after - before + dissipated;
         let State { before, start, ahead, .. } = &mut self.state;
         ahead.copy_from(start);
         before.copy_from(start);
         Ok(jump)
+    }
+
+    /// The jump of accelerations just solved for, refused where there are none.
+    fn accelerations(&self, time_s: f64, jump: Result<f64, Singular>) -> Result<f64, PlantError> {
+        let cause = match jump {
+            Ok(jump) if jump.is_finite() => return Ok(jump),
+            Ok(_) => format!("they are not finite; {}", self.largest_input()),
+            Err(singular) => format!("the mass matrix has no positive pivot at {}", self.place_of(singular.coordinate)),
+        };
+        Err(PlantError::Initialization { time_s, cause })
     }
 
     /// Shortens the next step where the accelerations have jumped.

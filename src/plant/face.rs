@@ -241,6 +241,40 @@ pub struct Outputs {
     pub air: AirOutputs,
 }
 
+impl Outputs {
+    /// Whether all of them are finite; what follows from others by a rotation is taken with those.
+    pub(super) fn are_finite(&self) -> bool {
+        let wrench = |wrench: &Wrench| wrench.force_n.sum() + wrench.moment_n_m.sum();
+        let EnergyOutputs { total, work, dissipated, .. } = self.energy;
+        let joint = |joint: &JointOutputs| joint.rate_rad_s + joint.torque_applied_n_m + joint.latch_torque_n_m;
+        let point = |point: &PointOutputs| {
+            point.position_m.sum()
+                + point.velocity_m_s.sum()
+                + point.angular_velocity_rad_s.sum()
+                + point.acceleration_m_s2.sum()
+                + point.rotation.coords.sum()
+        };
+        let sum = total
+            + work
+            + dissipated
+            + wrench(&self.root)
+            + wrench(&self.air.total)
+            + self.joints.iter().map(joint).sum::<f64>()
+            + self
+                .spatial
+                .iter()
+                .map(|joint| joint.angular_velocity_rad_s.sum() + joint.rotation.coords.sum())
+                .sum::<f64>()
+            + self.joint_reactions.iter().map(wrench).sum::<f64>()
+            + self.gauges.iter().sum::<f64>()
+            + self.loops.iter().map(|closed| closed.force_n.sum()).sum::<f64>()
+            + self.tips.iter().chain(&self.stations).map(point).sum::<f64>()
+            + self.air.stations.iter().map(wrench).sum::<f64>()
+            + self.air.circulation_m2_s.iter().sum::<f64>();
+        sum.is_finite()
+    }
+}
+
 /// Loads of the air on the wing.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AirOutputs {
@@ -276,17 +310,53 @@ pub struct Statistics {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlantError {
     /// The time integration gave up.
-    #[error("no convergence at t = {time_s} s with the smallest step {step_s:e} s: {cause}")]
+    #[error(
+        "no convergence at t = {time_s} s with internal steps down to {step_s:.1e} s, worst at {place}: {cause}; {advice}"
+    )]
     NoConvergence {
         /// Last good time in s.
         time_s: f64,
-        /// Step tried last in s.
+        /// Internal step given up, below the smallest allowed, in s.
         step_s: f64,
+        /// Element or joint that moves most in what is left.
+        place: String,
         /// What failed.
         cause: String,
+        /// What to try.
+        advice: &'static str,
+    },
+    /// Numbers that grew too large.
+    #[error(
+        "outputs at t = {time_s} s are not finite; {cause}; look at the inputs and parameters that act until there"
+    )]
+    NotFinite {
+        /// End of the step in s.
+        time_s: f64,
+        /// The largest input.
+        cause: String,
+    },
+    /// More internal steps than one communication step may take.
+    #[error(
+        "{most} internal steps lead to t = {time_s} s only, the last of {step_s:.1e} s; take shorter communication steps, or allow a larger solver.tolerance"
+    )]
+    TooManySteps {
+        /// Last good time in s.
+        time_s: f64,
+        /// Internal steps of one communication step at most.
+        most: u32,
+        /// Next internal step in s.
+        step_s: f64,
+    },
+    /// The time is so large that a step is lost in its round-off.
+    #[error("a step of {step_s:.1e} s does not move the time t = {time_s} s; start nearer to 0 s")]
+    Clock {
+        /// Last good time in s.
+        time_s: f64,
+        /// Internal step in s.
+        step_s: f64,
     },
     /// Parameters that contradict each other.
-    #[error("the smallest internal step, {min_step_s:e} s, is longer than the largest, {max_step_s:e} s")]
+    #[error("solver.min_step, {min_step_s:e} s, is longer than solver.max_step, {max_step_s:e} s; set one of them")]
     Steps {
         /// Smallest internal step in s.
         min_step_s: f64,
@@ -294,7 +364,7 @@ pub enum PlantError {
         max_step_s: f64,
     },
     /// The initial accelerations could not be found.
-    #[error("no initial accelerations at t = {time_s} s: {cause}")]
+    #[error("no accelerations at t = {time_s} s: {cause}; look at the inputs and parameters that act from there on")]
     Initialization {
         /// Start time in s.
         time_s: f64,
@@ -302,7 +372,9 @@ pub enum PlantError {
         cause: String,
     },
     /// The air has no loads that agree with the motion.
-    #[error("no loads of the air at t = {time_s} s: {cause}")]
+    #[error(
+        "no loads of the air at t = {time_s} s: {cause}; look at wind and density, or try another aerodynamics.step_s"
+    )]
     Air {
         /// Time in s.
         time_s: f64,
@@ -310,7 +382,9 @@ pub enum PlantError {
         cause: String,
     },
     /// No state of rest was found.
-    #[error("no equilibrium at t = {time_s} s beyond {reached:.4} of the load, last tried {tried:.4}: {cause}")]
+    #[error(
+        "no equilibrium at t = {time_s} s beyond {reached:.4} of the load, last tried {tried:.4}: {cause}; reduce the load, or let the experiment start unstrained"
+    )]
     Equilibrium {
         /// Time in s.
         time_s: f64,
@@ -330,6 +404,6 @@ pub enum PlantError {
         cause: String,
     },
     /// A snapshot of another model.
-    #[error("the snapshot does not fit this model: {0}")]
+    #[error("the state does not fit this model: {0}; save one with this instance")]
     Snapshot(String),
 }

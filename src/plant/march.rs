@@ -2,9 +2,10 @@
 
 use crate::plant::Plant;
 use crate::plant::face::PlantError;
+use crate::plant::place::Failure;
 use crate::plant::state::State;
 use crate::solve::control;
-use crate::solve::newton::Effort;
+use crate::solve::newton::{Effort, NewtonError};
 use crate::solve::point::Point;
 
 /// Displacement error that Newton's iteration may leave, as a share of the step's tolerance.
@@ -16,6 +17,10 @@ const NEWTON_CEILING: f64 = 1e-6;
 const NEWTON_CEILING_EXACT: f64 = 1e-8;
 /// Cut of the step after Newton's iteration has failed.
 const FAILURE_CUT: f64 = 0.25;
+/// Most internal steps of one communication step: nothing may run for ever.
+const MOST_STEPS: u32 = 1_000_000;
+/// Most aerodynamic steps of one communication step: each costs many internal ones.
+const MOST_AIR_STEPS: u32 = 100_000;
 /// Accuracy of a located latch crossing in s.
 pub(super) const CROSSING_S: f64 = 1e-10;
 /// Most steps spent on locating one crossing.
@@ -26,15 +31,21 @@ const CROSSING_SAMPLES: u32 = 8;
 impl Plant {
     /// Goes on to `end_s` with the present inputs and their rates; the outputs then belong to `end_s`.
     ///
-    /// On an error the plant stands at the last good time, [`Plant::time_s`], and its outputs belong to it.
-    /// Allocates nothing.
+    /// On an error the plant stands at the last good time, [`Plant::time_s`], and its outputs belong to it; where no
+    /// internal step has succeeded, they are those of before, bit for bit. Allocates nothing.
     pub fn step(&mut self, end_s: f64) -> Result<(), PlantError> {
         let changed = self.inputs_changed();
+        let marches = changed || self.state.ahead.time_s <= end_s;
+        if marches {
+            self.begin.copy_from(&self.state);
+        }
+        self.steps_left = MOST_STEPS;
         let applied = if changed { self.apply_inputs().and_then(|()| self.renew_air()) } else { Ok(()) };
         let outcome = applied.and_then(|()| self.march(end_s, changed));
         let State { start, ahead, now, .. } = &mut self.state;
         match &outcome {
             Ok(()) => now.interpolate(start, ahead, end_s),
+            Err(_) if start.time_s <= now.time_s => self.go_back_to_begin(),
             Err(_) => {
                 now.copy_from(start);
                 ahead.copy_from(start);
@@ -42,7 +53,29 @@ impl Plant {
         }
         self.state.arrive();
         self.evaluate();
+        if marches && outcome.is_ok() && !self.outputs.are_finite() {
+            let cause = self.largest_input();
+            self.go_back_to_begin();
+            self.state.arrive();
+            self.evaluate();
+            return Err(PlantError::NotFinite { time_s: end_s, cause });
+        }
         outcome
+    }
+
+    /// Undoes what a step has begun, but for the inputs and parameters as the caller has set them.
+    fn go_back_to_begin(&mut self) {
+        self.begin.inputs.clone_from(&self.state.inputs);
+        self.begin.parameters.clone_from(&self.state.parameters);
+        self.state.copy_from(&self.begin);
+        self.configure();
+    }
+
+    /// Longest communication step in s that the bounds on internal and aerodynamic steps leave possible.
+    pub fn longest_step_s(&self) -> f64 {
+        let structure_s =
+            self.machine.solver.fixed_step_s.unwrap_or(self.state.parameters.max_step_s) * f64::from(MOST_STEPS);
+        self.machine.air.as_ref().map_or(structure_s, |air| structure_s.min(air.step_s * f64::from(MOST_AIR_STEPS)))
     }
 
     /// Takes steps until one reaches `end_s`. Runs ahead of `end_s` only while the inputs stay as they are, and never
@@ -84,6 +117,7 @@ impl Plant {
         loop {
             let wanted_s = self.state.step_s.min(max_step_s);
             let (step_s, end_s) = fit_step(time_s, wanted_s, stop_s);
+            self.count_step(step_s, end_s)?;
             match self.attempt(step_s, NEWTON_CEILING) {
                 Ok(error) if error <= tolerance => {
                     self.smallest_step_s = self.smallest_step_s.min(wanted_s);
@@ -96,14 +130,12 @@ impl Plant {
                 Ok(error) => {
                     self.state.statistics.rejections += 1;
                     self.state.step_s = step_s * control::factor(error / tolerance, order).min(0.9);
-                    self.refuse_small_step(min_step_s, || {
-                        format!("error estimate {error:.1e} exceeds tolerance {tolerance:.1e}")
-                    })?;
+                    self.refuse_small_step(min_step_s, Failure::Estimate { error, tolerance })?;
                 }
                 Err(error) => {
                     self.state.statistics.failures += 1;
                     self.state.step_s = step_s * FAILURE_CUT;
-                    self.refuse_small_step(min_step_s, || error.to_string())?;
+                    self.refuse_small_step(min_step_s, Failure::Newton(error))?;
                 }
             }
         }
@@ -111,11 +143,19 @@ impl Plant {
         self.locate_crossing()
     }
 
-    fn refuse_small_step(&self, min_step_s: f64, cause: impl FnOnce() -> String) -> Result<(), PlantError> {
-        if self.state.step_s >= min_step_s {
-            return Ok(());
+    fn refuse_small_step(&mut self, min_step_s: f64, failure: Failure) -> Result<(), PlantError> {
+        if self.state.step_s >= min_step_s { Ok(()) } else { Err(self.no_convergence(self.state.step_s, failure)) }
+    }
+
+    /// Takes one of the internal steps that a communication step may have, to `end_s`.
+    fn count_step(&mut self, step_s: f64, end_s: f64) -> Result<(), PlantError> {
+        let time_s = self.state.start.time_s;
+        if end_s.partial_cmp(&time_s) != Some(std::cmp::Ordering::Greater) {
+            return Err(PlantError::Clock { time_s, step_s });
         }
-        Err(PlantError::NoConvergence { time_s: self.state.start.time_s, step_s: self.state.step_s, cause: cause() })
+        self.steps_left =
+            self.steps_left.checked_sub(1).ok_or(PlantError::TooManySteps { time_s, most: MOST_STEPS, step_s })?;
+        Ok(())
     }
 
     /// One step of given length; halved where Newton's iteration fails.
@@ -123,12 +163,14 @@ impl Plant {
         let time_s = self.state.start.time_s;
         let stop_s = end_s.min(self.equations.next_kink_s(time_s));
         let (mut step_s, mut target_s) = fit_step(time_s, step_s, stop_s);
+        self.count_step(step_s, target_s)?;
         while let Err(error) = self.attempt(step_s, NEWTON_CEILING_EXACT) {
             self.state.statistics.failures += 1;
             step_s *= 0.5;
             target_s = time_s + step_s;
             self.state.step_s = step_s;
-            self.refuse_small_step(self.state.applied_parameters.min_step_s, || error.to_string())?;
+            self.refuse_small_step(self.state.applied_parameters.min_step_s, Failure::Newton(error))?;
+            self.count_step(step_s, target_s)?;
         }
         self.state.ahead.time_s = target_s;
         self.state.statistics.steps += 1;
@@ -136,7 +178,7 @@ impl Plant {
     }
 
     /// One step from `start` into `ahead`; returns the error estimate.
-    fn attempt(&mut self, step_s: f64, newton_ceiling: f64) -> Result<f64, crate::solve::newton::NewtonError> {
+    fn attempt(&mut self, step_s: f64, newton_ceiling: f64) -> Result<f64, NewtonError> {
         let newton_tolerance = (NEWTON_SHARE * self.state.applied_parameters.tolerance).min(newton_ceiling);
         let mut effort = Effort::default();
         let State { start, ahead, statistics, .. } = &mut self.state;
@@ -194,7 +236,7 @@ impl Plant {
         for _ in 0..MAX_LOCATING_STEPS {
             if let Err(error) = self.attempt(trial_s, NEWTON_CEILING_EXACT) {
                 self.state.step_s = trial_s * FAILURE_CUT;
-                return Err(PlantError::NoConvergence { time_s: start_s, step_s: trial_s, cause: error.to_string() });
+                return Err(self.no_convergence(trial_s, Failure::Newton(error)));
             }
             let here = gap(self);
             let coordinate = self.equations.joints[joint].coordinate;

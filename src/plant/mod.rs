@@ -14,6 +14,7 @@ mod face;
 mod linear;
 mod march;
 mod outputs;
+mod place;
 mod shape;
 mod spatial;
 mod start;
@@ -53,6 +54,10 @@ pub struct Plant {
     tip_bodies: Vec<usize>,
     gauges: Vec<GaugePoint>,
     state: State,
+    /// The state at the begin of the communication step, to go back to.
+    begin: State,
+    /// Internal steps that the present communication step may still take.
+    steps_left: u32,
     equations: Equations,
     /// Fixed parameters that `equations` was built with.
     built_with: Parameters,
@@ -104,6 +109,8 @@ impl Plant {
             air,
             smallest_step_s: f64::INFINITY,
             scratch: [vec![0.0; coordinates], vec![0.0; coordinates]],
+            begin: state.clone(),
+            steps_left: 0,
             state,
             equations,
             outputs,

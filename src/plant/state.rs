@@ -91,6 +91,34 @@ impl State {
             statistics: Statistics::default(),
         }
     }
+
+    /// Copies a state of the same plant; allocates nothing where the sizes agree.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.initialized = other.initialized;
+        let inputs = [&mut self.inputs, &mut self.rates, &mut self.applied_inputs, &mut self.applied_rates];
+        for (own, other) in
+            inputs.into_iter().zip([&other.inputs, &other.rates, &other.applied_inputs, &other.applied_rates])
+        {
+            own.clone_from(other);
+        }
+        self.parameters.clone_from(&other.parameters);
+        self.applied_parameters.clone_from(&other.applied_parameters);
+        self.applied_from_s = other.applied_from_s;
+        let points = [&mut self.before, &mut self.start, &mut self.ahead, &mut self.now];
+        for (own, other) in points.into_iter().zip([&other.before, &other.start, &other.ahead, &other.now]) {
+            own.clone_from(other);
+        }
+        self.step_s = other.step_s;
+        self.joints.clone_from(&other.joints);
+        self.spatial_rotations.clone_from(&other.spatial_rotations);
+        self.tip_rotations.clone_from(&other.tip_rotations);
+        self.station_rotations.clone_from(&other.station_rotations);
+        match (&mut self.air, &other.air) {
+            (Some(own), Some(other)) => own.copy_from(other),
+            (own, other) => own.clone_from(other),
+        }
+        self.statistics = other.statistics;
+    }
 }
 
 /// Everything that must survive rollback: inputs, parameters, integrator history, events, energies.
@@ -156,6 +184,38 @@ impl Snapshot {
         };
         if !air_fits {
             return Err(PlantError::Snapshot("numbers of panels, strips or rows of the wake differ".into()));
+        }
+        theirs.check_values()
+    }
+}
+
+impl State {
+    /// Refuses values that no run leads to: the bytes of a state can be anything.
+    fn check_values(&self) -> Result<(), PlantError> {
+        let refuse = |what: &str| Err(PlantError::Snapshot(format!("{what} that no run leads to")));
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let points = [&self.before, &self.start, &self.ahead, &self.now];
+        let sound = |point: &&Point| {
+            let Point { time_s, q, v, a, auxiliary, work, dissipated, powers } = point;
+            [q, v, a, auxiliary].into_iter().all(|values| finite(values))
+                && finite(&[*time_s, *work, *dissipated, powers.work, powers.dissipated])
+        };
+        if !points.iter().all(sound) {
+            return refuse("coordinates or times");
+        }
+        let in_order = self.start.time_s <= self.now.time_s && self.now.time_s <= self.ahead.time_s;
+        if self.initialized
+            && !(in_order && self.step_s > 0.0 && self.step_s.is_finite() && self.applied_from_s.is_finite())
+        {
+            return refuse("an order of times or an internal step");
+        }
+        let steps = |parameters: &Parameters| {
+            parameters.tolerance > 0.0
+                && parameters.min_step_s > 0.0
+                && [parameters.tolerance, parameters.min_step_s, parameters.max_step_s].iter().all(|v| v.is_finite())
+        };
+        if !(steps(&self.parameters) && steps(&self.applied_parameters)) {
+            return refuse("solver parameters");
         }
         Ok(())
     }

@@ -32,6 +32,11 @@ impl Rk4 {
         }
     }
 
+    /// Error estimate or last correction of the last step.
+    pub fn remainder(&self) -> &[f64] {
+        &self.residual
+    }
+
     /// One step of `h_s` from `start` into `end`. Accelerations at the end are those of the next step's first stage.
     ///
     /// There is no error estimate: beyond the stability limit the result is not finite, which is reported.

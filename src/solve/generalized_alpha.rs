@@ -35,6 +35,11 @@ impl GeneralizedAlpha {
         Self { residual: vec![0.0; coordinates] }
     }
 
+    /// Error estimate or last correction of the last step.
+    pub fn remainder(&self) -> &[f64] {
+        &self.residual
+    }
+
     /// One step of `h_s` from `start`; fills `end` and returns the error estimate in the kinematic norm.
     #[allow(clippy::too_many_arguments)]
     pub fn step(

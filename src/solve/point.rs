@@ -4,7 +4,7 @@ use crate::solve::Powers;
 use serde::{Deserialize, Serialize};
 
 /// Coordinates with their rates at one time, and the energy accounts.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Point {
     /// Time in s.
     pub time_s: f64,
@@ -22,6 +22,21 @@ pub struct Point {
     pub dissipated: f64,
     /// Rates of both.
     pub powers: Powers,
+}
+
+impl Clone for Point {
+    fn clone(&self) -> Self {
+        Self { q: self.q.clone(), v: self.v.clone(), a: self.a.clone(), auxiliary: self.auxiliary.clone(), ..*self }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        let Self { time_s, q, v, a, auxiliary, work, dissipated, powers } = source;
+        (self.time_s, self.work, self.dissipated, self.powers) = (*time_s, *work, *dissipated, *powers);
+        self.q.clone_from(q);
+        self.v.clone_from(v);
+        self.a.clone_from(a);
+        self.auxiliary.clone_from(auxiliary);
+    }
 }
 
 impl Point {

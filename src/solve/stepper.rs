@@ -60,6 +60,15 @@ impl Stepper {
         }
     }
 
+    /// What the last attempt left: the error estimate of a step, or the last correction of an iteration that gave up.
+    pub fn remainder(&self) -> &[f64] {
+        match self.method {
+            Method::GeneralizedAlpha { .. } => self.generalized_alpha.remainder(),
+            Method::Rk4 => self.rk4.remainder(),
+            Method::TrBdf2 | Method::Esdirk3 | Method::Esdirk4 => self.esdirk.remainder(),
+        }
+    }
+
     /// One step of `h_s` from `start` into `end`. Returns the error estimate in the kinematic norm.
     ///
     /// `newton_tolerance` bounds the displacement error that the iteration leaves, in the same norm. Allocates

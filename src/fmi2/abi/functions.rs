@@ -4,7 +4,7 @@ use super::types::{
     fmi2Boolean, fmi2CallbackFunctions, fmi2Component, fmi2False, fmi2Integer, fmi2Real, fmi2Status, fmi2String,
     fmi2Type, fmi2ValueReference,
 };
-use super::{Flag, enter, panic_text, sink, slice, slice_mut, text};
+use super::{Flag, Held, enter, panic_text, sink, slice, slice_mut, text};
 use crate::fmi2::error::{CallError, Status};
 use crate::fmi2::instance::{Instance, Request, Setup};
 use crate::fmi2::life_cycle::Call;
@@ -76,12 +76,12 @@ pub unsafe extern "C" fn fmi2Instantiate(
             guid: read(fmu_guid, "fmuGUID")?,
             resource_location: read(fmu_resource_location, "fmuResourceLocation")?,
         };
-        Instance::new(&request).map(Box::new).map_err(|error| error.to_string())
+        Instance::new(&request).map_err(|error| error.to_string())
     }));
     match outcome {
         Ok(Ok(mut instance)) => {
             std::mem::swap(instance.log_mut(), &mut log);
-            Box::into_raw(instance).cast()
+            Held::component(instance)
         }
         Ok(Err(error)) => {
             log.refuse(Status::Error, &format!("fmi2Instantiate: {error}"));
@@ -94,15 +94,17 @@ pub unsafe extern "C" fn fmi2Instantiate(
     }
 }
 
-/// Frees an instance with its saved states; null is ignored.
+/// Frees an instance with its saved states; null is ignored, and so is a call from the instance's own logger.
 ///
 /// # Safety
 /// `component` is null or came from `fmi2Instantiate` and has not been freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(component: fmi2Component) {
-    if !component.is_null() {
-        // SAFETY: made by `Box::into_raw` in `fmi2Instantiate`, freed once.
-        let instance = unsafe { Box::from_raw(component.cast::<Instance>()) };
+    // SAFETY: null, or made by `Held::component` and alive.
+    let Some(held) = (unsafe { component.cast::<Held>().as_ref() }) else { return };
+    if held.take().is_some() {
+        // SAFETY: made by `Held::component`, freed once; no call is under way.
+        let instance = unsafe { Box::from_raw(component.cast::<Held>()) };
         // Nothing can be told any more; a panic must not reach the importer.
         let _ = catch_unwind(AssertUnwindSafe(|| drop(instance)));
     }

@@ -17,15 +17,48 @@ use crate::fmi2::instance::Instance;
 use crate::fmi2::life_cycle::Call;
 use crate::fmi2::log::Sink;
 use crate::interface::{Kind, Scalar, Value};
+use std::cell::UnsafeCell;
 use std::ffi::{CStr, CString};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
 use types::{
     fmi2Boolean, fmi2CallbackFunctions, fmi2Component, fmi2Discard, fmi2Error, fmi2Fatal, fmi2OK, fmi2Status,
     fmi2String, fmi2Warning,
 };
 
+/// What a component points to.
+struct Held {
+    /// A call is under way: one from the importer's logger, or from a second thread, finds the instance taken.
+    taken: AtomicBool,
+    instance: UnsafeCell<Instance>,
+}
+
+impl Held {
+    /// As C holds it.
+    fn component(instance: Instance) -> fmi2Component {
+        Box::into_raw(Box::new(Self { taken: AtomicBool::new(false), instance: UnsafeCell::new(instance) })).cast()
+    }
+
+    /// Takes the instance for a call, unless another one has it.
+    fn take(&self) -> Option<Taken<'_>> {
+        (!self.taken.swap(true, Ordering::Acquire)).then(|| Taken(self))
+    }
+}
+
+/// An instance that a call has to itself, until this is dropped.
+struct Taken<'a>(&'a Held);
+
+impl Drop for Taken<'_> {
+    fn drop(&mut self) {
+        self.0.taken.store(false, Ordering::Release);
+    }
+}
+
 /// The one place where a C call becomes a Rust call: null check, life-cycle table, panic barrier, `Result` →
 /// status. A panic poisons the instance; only `fmi2FreeInstance` is legal afterwards.
+///
+/// A call while another one is under way on the same instance, as from the importer's logger, is refused without a
+/// message: the logger would be called from the logger.
 ///
 /// # Safety
 /// `component` is null or came from `fmi2Instantiate` and has not been freed.
@@ -34,10 +67,15 @@ unsafe fn enter(
     call: Call,
     body: impl FnOnce(&mut Instance) -> Result<(), CallError>,
 ) -> fmi2Status {
-    // SAFETY: null, or exclusive, because FMI forbids concurrent calls on one instance.
-    let Some(instance) = (unsafe { component.cast::<Instance>().as_mut() }) else {
+    // SAFETY: null, or made by `Held::component` and alive.
+    let Some(held) = (unsafe { component.cast::<Held>().as_ref() }) else {
         return fmi2Error;
     };
+    let Some(_taken) = held.take() else {
+        return fmi2Error;
+    };
+    // SAFETY: nobody else has it until `_taken` is dropped.
+    let instance = unsafe { &mut *held.instance.get() };
     let outcome = catch_unwind(AssertUnwindSafe(|| {
         instance.permit(call)?;
         body(instance)

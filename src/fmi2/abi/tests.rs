@@ -23,7 +23,7 @@ fn component() -> (fmi2Component, Rc<RefCell<Vec<String>>>) {
     let sink = Rc::clone(&messages);
     let sink: Sink = Box::new(move |_, category, text| sink.borrow_mut().push(format!("{}: {text}", category.name())));
     *instance.log_mut() = Log::new(Some(sink), false);
-    (Box::into_raw(Box::new(instance)).cast(), messages)
+    (Held::component(instance), messages)
 }
 
 fn tempfile_folder() -> std::path::PathBuf {
@@ -48,6 +48,76 @@ fn a_panic_is_fatal_logged_and_poisons_the_instance() {
         assert!(last.contains("only fmi2FreeInstance is legal"), "{last}");
         fmi2FreeInstance(component);
     }
+}
+
+/// L-03. After a breakdown, which no exported function leads to, each of them answers `fmi2Fatal` whatever its arguments
+/// are; freeing works.
+#[test]
+fn l03_every_call_after_a_breakdown() {
+    use super::{derivatives::*, functions::*, states::*, status::*};
+    let (component, messages) = component();
+    let (vr, n) = (std::ptr::null(), 3);
+    // SAFETY: the component is alive until it is freed below; null is what each function checks.
+    let calls = unsafe {
+        assert_eq!(enter(component, Call::DoStep, |_| panic!("never")), fmi2Error, "not yet legal, so it does not run");
+        assert_eq!(enter(component, Call::Reset, |_| panic!("spoilt")), fmi2Fatal);
+        messages.borrow_mut().clear();
+        [
+            ("fmi2SetDebugLogging", fmi2SetDebugLogging(component, 1, 0, std::ptr::null())),
+            ("fmi2SetupExperiment", fmi2SetupExperiment(component, 0, 0.0, 0.0, 0, 0.0)),
+            ("fmi2EnterInitializationMode", fmi2EnterInitializationMode(component)),
+            ("fmi2ExitInitializationMode", fmi2ExitInitializationMode(component)),
+            ("fmi2Terminate", fmi2Terminate(component)),
+            ("fmi2Reset", fmi2Reset(component)),
+            ("fmi2GetReal", fmi2GetReal(component, vr, n, std::ptr::null_mut())),
+            ("fmi2GetInteger", fmi2GetInteger(component, vr, n, std::ptr::null_mut())),
+            ("fmi2GetBoolean", fmi2GetBoolean(component, vr, n, std::ptr::null_mut())),
+            ("fmi2GetString", fmi2GetString(component, vr, n, std::ptr::null_mut())),
+            ("fmi2SetReal", fmi2SetReal(component, vr, n, std::ptr::null())),
+            ("fmi2SetInteger", fmi2SetInteger(component, vr, n, std::ptr::null())),
+            ("fmi2SetBoolean", fmi2SetBoolean(component, vr, n, std::ptr::null())),
+            ("fmi2SetString", fmi2SetString(component, vr, n, std::ptr::null())),
+            ("fmi2GetFMUstate", fmi2GetFMUstate(component, std::ptr::null_mut())),
+            ("fmi2SetFMUstate", fmi2SetFMUstate(component, std::ptr::null_mut())),
+            ("fmi2FreeFMUstate", fmi2FreeFMUstate(component, std::ptr::null_mut())),
+            (
+                "fmi2SerializedFMUstateSize",
+                fmi2SerializedFMUstateSize(component, std::ptr::null_mut(), std::ptr::null_mut()),
+            ),
+            ("fmi2SerializeFMUstate", fmi2SerializeFMUstate(component, std::ptr::null_mut(), std::ptr::null_mut(), n)),
+            ("fmi2DeSerializeFMUstate", fmi2DeSerializeFMUstate(component, std::ptr::null(), n, std::ptr::null_mut())),
+            (
+                "fmi2GetDirectionalDerivative",
+                fmi2GetDirectionalDerivative(component, vr, n, vr, n, std::ptr::null(), std::ptr::null_mut()),
+            ),
+            (
+                "fmi2SetRealInputDerivatives",
+                fmi2SetRealInputDerivatives(component, vr, n, std::ptr::null(), std::ptr::null()),
+            ),
+            (
+                "fmi2GetRealOutputDerivatives",
+                fmi2GetRealOutputDerivatives(component, vr, n, std::ptr::null(), std::ptr::null_mut()),
+            ),
+            ("fmi2DoStep", fmi2DoStep(component, 0.0, 1e-3, 1)),
+            ("fmi2CancelStep", fmi2CancelStep(component)),
+            ("fmi2GetStatus", fmi2GetStatus(component, 0, std::ptr::null_mut())),
+            ("fmi2GetRealStatus", fmi2GetRealStatus(component, 2, std::ptr::null_mut())),
+            ("fmi2GetIntegerStatus", fmi2GetIntegerStatus(component, 0, std::ptr::null_mut())),
+            ("fmi2GetBooleanStatus", fmi2GetBooleanStatus(component, 3, std::ptr::null_mut())),
+            ("fmi2GetStringStatus", fmi2GetStringStatus(component, 1, std::ptr::null_mut())),
+        ]
+    };
+    let told = messages.borrow();
+    assert_eq!(told.len(), calls.len(), "one message each");
+    for ((name, status), told) in calls.iter().zip(told.iter()) {
+        assert_eq!(*status, fmi2Fatal, "{name}");
+        let expected =
+            format!("logStatusFatal: {name}: the instance broke down earlier; only fmi2FreeInstance is legal");
+        assert_eq!(*told, expected);
+    }
+    println!("life cycle after a breakdown: {} cells", calls.len());
+    // SAFETY: alive, freed once.
+    unsafe { fmi2FreeInstance(component) };
 }
 
 #[test]

@@ -158,6 +158,19 @@ impl AirHistory {
         self.loads.end_s += shift_s;
     }
 
+    /// Copies a history of the same sizes without allocating.
+    pub fn copy_from(&mut self, other: &Self) {
+        (self.start_s, self.steps) = (other.start_s, other.steps);
+        self.before.copy_from(&other.before);
+        self.after.copy_from(&other.after);
+        self.begin.copy_from_slice(&other.begin);
+        self.end.copy_from_slice(&other.end);
+        self.loads.copy_from(&other.loads);
+        self.at_begin.copy_from_slice(&other.at_begin);
+        (self.carried_m, self.scale_n) = (other.carried_m, other.scale_n);
+        self.structure_step_s = other.structure_step_s;
+    }
+
     /// Whether a history has the sizes of this one.
     pub fn fits(&self, other: &Self) -> bool {
         let sections = self.at_begin.len();

@@ -1,0 +1,97 @@
+//! Where something went wrong: coordinates by the names of the model file.
+
+use crate::multibody::norm;
+use crate::plant::Plant;
+use crate::plant::face::PlantError;
+use crate::solve::newton::NewtonError;
+
+/// Why an internal step was given up.
+pub(super) enum Failure {
+    /// The error estimate is too large.
+    Estimate {
+        /// Kinematic norm of the estimate.
+        error: f64,
+        /// What is allowed.
+        tolerance: f64,
+    },
+    /// The equations of a stage were not solved.
+    Newton(NewtonError),
+}
+
+impl Plant {
+    /// The error of an internal step from `start` that was given up at `step_s`.
+    pub(super) fn no_convergence(&self, step_s: f64, failure: Failure) -> PlantError {
+        let time_s = self.state.start.time_s;
+        let place = match &failure {
+            Failure::Newton(NewtonError::Singular(singular)) => self.place_of(singular.coordinate),
+            // what is left is no number anywhere: the accelerations that the step began with tell more
+            Failure::Newton(NewtonError::NotFinite { .. }) => self.place_of_largest(&self.state.start.a),
+            _ => self.place_of_largest(self.stepper.remainder()),
+        };
+        let (cause, advice) = match failure {
+            Failure::Estimate { error, tolerance } => (
+                format!("error estimate {error:.1e} exceeds tolerance {tolerance:.1e}"),
+                "allow a larger solver.tolerance or a smaller solver.min_step",
+            ),
+            Failure::Newton(error @ NewtonError::NotFinite { .. }) => (
+                format!("{error}; {}", self.largest_input()),
+                "look at inputs and parameters far beyond the structure's strength",
+            ),
+            Failure::Newton(error) => {
+                (error.to_string(), "look at loads, drive and latch there, or allow a smaller solver.min_step")
+            }
+        };
+        PlantError::NoConvergence { time_s, step_s, place, cause, advice }
+    }
+
+    /// Name of what moves most in a change of the coordinates.
+    fn place_of_largest(&self, change: &[f64]) -> String {
+        self.place_of(norm::largest_share(&self.equations.model, &self.equations.work, change))
+    }
+
+    /// Name of what a coordinate belongs to.
+    pub(super) fn place_of(&self, coordinate: usize) -> String {
+        let model = &self.equations.model;
+        // bodies follow each other in the coordinates, each with its joint first
+        let first = |body: usize| model.elements[model.bodies[body].first_element].coordinate;
+        let index = (0..model.bodies.len())
+            .find(|&body| coordinate < first(body) + 4 * model.bodies[body].elements)
+            .unwrap_or(model.bodies.len() - 1);
+        let (body, machine) = (&model.bodies[index], &self.machine.bodies[index]);
+        if coordinate < first(index) {
+            return format!("joint {}", machine.joint.name);
+        }
+        let per_element = body.frames().nth(1).map_or(1, |frame| frame - body.first_node);
+        let element = (coordinate - first(index)) / 4 / per_element;
+        format!("element {} of {} of body {}", element + 1, body.elements / per_element, machine.name)
+    }
+
+    /// The largest of the loads, torques and accelerations that act, in words.
+    pub(super) fn largest_input(&self) -> String {
+        let inputs = &self.state.applied_inputs;
+        let mut largest = (0.0, "all inputs are 0".to_owned());
+        let mut offer = |size: f64, unit: &str, what: &dyn Fn() -> String| {
+            if size.is_nan() || size > largest.0 {
+                largest = (size, format!("the largest input is {size:e} {unit} {}", what()));
+            }
+        };
+        let root = &inputs.root;
+        offer(root.gravity_m_s2.amax(), "m/s2", &|| "of gravity".into());
+        offer(root.acceleration_m_s2.amax(), "m/s2", &|| "of the root's acceleration".into());
+        offer(root.angular_velocity_rad_s.amax(), "rad/s", &|| "of the root's angular velocity".into());
+        offer(root.angular_acceleration_rad_s2.amax(), "rad/s2", &|| "of the root's angular acceleration".into());
+        offer(inputs.wind_m_s.amax(), "m/s", &|| "of wind".into());
+        for (joint, &body) in inputs.joints.iter().zip(&self.revolute_joints) {
+            let name = || format!("of joint {}", self.machine.bodies[body].joint.name);
+            offer(joint.torque_n_m.abs(), "N.m", &name);
+        }
+        let stations =
+            self.machine.bodies.iter().flat_map(|body| (0..body.station_positions_m.len()).map(move |i| (body, i)));
+        for (load, (body, station)) in inputs.stations.iter().zip(stations) {
+            let name = || format!("at load station {} of body {}", station + 1, body.name);
+            offer(load.force_n.amax(), "N", &name);
+            offer(load.moment_n_m.amax(), "N.m", &name);
+        }
+        largest.1
+    }
+}

@@ -1,0 +1,476 @@
+//! Every way to `fmi2Error` and `fmi2Discard`: the whole message, and where the instance stands afterwards.
+
+use crate::fmu::{Attempt, Fmu, OTHER, Resources, WING, guid_of};
+use foldwing::fmi2::abi::derivatives::*;
+use foldwing::fmi2::abi::functions::*;
+use foldwing::fmi2::abi::states::*;
+use foldwing::fmi2::abi::status::*;
+use foldwing::fmi2::abi::types::*;
+use std::ptr;
+
+/// The model in the tunnel, with few panels.
+fn tunnel() -> String {
+    include_str!("../../examples/models/folding_wing_in_tunnel.toml")
+        .replace("strips = 10", "strips = 2")
+        .replace("chord_panels = 4", "chord_panels = 2")
+        .replace("wake_rows = 30", "wake_rows = 3")
+}
+
+impl Fmu {
+    /// Panics unless the last call was refused with `expected` and told exactly `text`.
+    fn told(&self, status: fmi2Status, expected: fmi2Status, text: &str) {
+        let told: Vec<_> = self.messages.borrow_mut().drain(..).map(|message| (message.status, message.text)).collect();
+        assert_eq!((status, told), (expected, vec![(expected, text.to_owned())]));
+    }
+
+    /// Panics unless a step has found no solution. Which element moves most and by how much is the method's affair.
+    fn gave_up(&self, status: fmi2Status, place: &str, advice: &str) {
+        let text = self.messages.borrow_mut().pop().expect("a message").text;
+        let begins = text.starts_with(&format!("fmi2DoStep: no convergence {place}"));
+        assert!(status == fmi2Error && begins && text.ends_with(advice), "{text}");
+    }
+
+    /// An instance of a model, initialised.
+    fn running(text: &str) -> Self {
+        let fmu = Self::new(text);
+        fmu.setup(0.0, None);
+        unsafe {
+            fmu.ok(fmi2EnterInitializationMode(fmu.component));
+            fmu.ok(fmi2ExitInitializationMode(fmu.component));
+        }
+        fmu
+    }
+
+    fn last_good_s(&self) -> f64 {
+        let mut time_s = f64::NAN;
+        self.ok(unsafe { fmi2GetRealStatus(self.component, fmi2LastSuccessfulTime, &mut time_s) });
+        time_s
+    }
+}
+
+/// X-01. Calls out of order, with what leads on.
+#[test]
+fn x01_out_of_order() {
+    let fmu = Fmu::new(WING);
+    let c = fmu.component;
+    unsafe {
+        fmu.told(
+            fmi2DoStep(c, 0.0, 1e-3, 0),
+            fmi2Error,
+            "fmi2DoStep: not legal before fmi2EnterInitializationMode; it is legal after fmi2ExitInitializationMode",
+        );
+        fmu.ok(fmi2EnterInitializationMode(c));
+        fmu.told(
+            fmi2Terminate(c),
+            fmi2Error,
+            "fmi2Terminate: not legal in Initialization Mode; it is legal after fmi2ExitInitializationMode",
+        );
+        fmu.ok(fmi2ExitInitializationMode(c));
+        fmu.told(
+            fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0),
+            fmi2Error,
+            "fmi2SetupExperiment: not legal after fmi2ExitInitializationMode; it is legal before \
+             fmi2EnterInitializationMode",
+        );
+        fmu.told(
+            fmi2CancelStep(c),
+            fmi2Error,
+            "fmi2CancelStep: not legal after fmi2ExitInitializationMode: steps are never asynchronous, so there is none \
+             to cancel",
+    );
+        fmu.ok(fmi2Terminate(c));
+        fmu.told(
+            fmi2SetReal(c, &0, 1, &0.0),
+            fmi2Error,
+            "fmi2SetReal: not legal after fmi2Terminate; it is legal before fmi2EnterInitializationMode, in \
+             Initialization Mode, after fmi2ExitInitializationMode; fmi2SetFMUstate with an earlier state or fmi2Reset \
+             leads back",
+        );
+    }
+}
+
+/// X-02. Arguments: what, which value, what is allowed.
+#[test]
+fn x02_arguments() {
+    let fmu = Fmu::stepping();
+    let c = fmu.component;
+    let last = fmu.table.variables().len() - 1;
+    let (torque, angle) = (fmu.reference("fold.torque"), fmu.reference("fold.angle"));
+    let mut value = 0.0;
+    unsafe {
+        let null = "fmi2GetReal: argument vr is null; that is legal for a length of 0 only";
+        fmu.told(fmi2GetReal(c, ptr::null(), 1, &mut value), fmi2Error, null);
+        let unknown = format!("fmi2GetReal: unknown value reference 4000000000: this model has 0 to {last}");
+        fmu.told(fmi2GetReal(c, &4_000_000_000, 1, &mut value), fmi2Error, &unknown);
+        let text = format!("fmi2GetInteger: variable fold.angle (value reference {angle}) has type Real, not Integer");
+        fmu.told(fmi2GetInteger(c, &angle, 1, &mut 0), fmi2Error, &text);
+        fmu.told(
+            fmi2SetReal(c, &angle, 1, &1.0),
+            fmi2Error,
+            "fmi2SetReal: variable fold.angle cannot be set: it is an output; only inputs and parameters can",
+        );
+        fmu.told(
+            fmu.try_set("fold.start_angle", 1.0),
+            fmi2Error,
+            "fmi2SetReal: parameter fold.start_angle is fixed: it can be set before the end of the initialisation only",
+        );
+        for (value, shown) in [(f64::NAN, "NaN"), (f64::INFINITY, "inf"), (f64::NEG_INFINITY, "-inf")] {
+            let text = format!("fmi2SetReal: variable fold.torque cannot be {shown}: the value must be finite");
+            fmu.told(fmi2SetReal(c, &torque, 1, &value), fmi2Discard, &text);
+        }
+        fmu.told(
+            fmu.try_set("fold.damping", -1.0),
+            fmi2Discard,
+            "fmi2SetReal: variable fold.damping cannot be -1: allowed is 0 to 1000000000000000000000000000000 N.m.s/rad",
+    );
+        fmu.told(
+            fmi2SetRealInputDerivatives(c, &angle, 1, &1, &1.0),
+            fmi2Error,
+            "fmi2SetRealInputDerivatives: variable fold.angle has no time derivative to set: only Real inputs have",
+        );
+        fmu.told(
+            fmi2SetRealInputDerivatives(c, &torque, 1, &2, &1.0),
+            fmi2Error,
+            "fmi2SetRealInputDerivatives: variable fold.torque has no time derivative of order 2: inputs have order 1, \
+             outputs 1 and higher",
+        );
+        fmu.told(
+            fmi2GetDirectionalDerivative(c, &torque, 1, &torque, 1, &1.0, &mut value),
+            fmi2Error,
+            "fmi2GetDirectionalDerivative: no derivative of variable fold.torque is known: unknowns are Real outputs",
+        );
+        fmu.told(
+            fmi2GetDirectionalDerivative(c, &angle, 1, &angle, 1, &1.0, &mut value),
+            fmi2Error,
+            "fmi2GetDirectionalDerivative: no derivative by variable fold.angle: knowns are Real inputs and, in \
+             Initialization Mode, parameters",
+        );
+        fmu.told(
+            fmi2GetStatus(c, 3, &mut 0),
+            fmi2Error,
+            "fmi2GetStatus: status kind 3 is not reported by this function; it reports fmi2DoStepStatus",
+        );
+        fmu.told(
+            fmi2SetDebugLogging(c, 1, 1, &c"\xff".as_ptr()),
+            fmi2Error,
+            "fmi2SetDebugLogging: argument categories is not UTF-8 text",
+        );
+        fmu.told(
+            fmi2SetDebugLogging(c, 1, 1, &c"logNonsense".as_ptr()),
+            fmi2Error,
+            "fmi2SetDebugLogging: unknown log category \"logNonsense\": there are logAll, logEvents, logStatusWarning, \
+             logStatusDiscard, logStatusError, logStatusFatal",
+        );
+        fmu.ok(fmi2Reset(c));
+        fmu.told(
+            fmi2SetupExperiment(c, 0, 0.0, f64::NAN, 0, 0.0),
+            fmi2Discard,
+            "fmi2SetupExperiment: argument startTime is NaN: it must be finite",
+        );
+        fmu.told(
+            fmi2SetupExperiment(c, 0, 0.0, 1.0, 1, 0.5),
+            fmi2Discard,
+            "fmi2SetupExperiment: argument stopTime is 0.5: it must be finite and not before startTime",
+        );
+        fmu.told(
+            fmi2SetupExperiment(c, 1, 0.0, 0.0, 0, 0.0),
+            fmi2Discard,
+            "fmi2SetupExperiment: variable solver.tolerance cannot be 0: allowed is 0.000000000001 to 0.1 1",
+        );
+    }
+}
+
+/// X-03. Steps that are none: refused before anything moves.
+#[test]
+fn x03_steps() {
+    let fmu = Fmu::new(WING);
+    fmu.setup(0.0, Some(0.01));
+    unsafe {
+        fmu.ok(fmi2EnterInitializationMode(fmu.component));
+        fmu.ok(fmi2ExitInitializationMode(fmu.component));
+    }
+    let before = fmu.serialize(fmu.save());
+    let refused = |time_s, step_s, text: &str| fmu.told(fmu.try_step(time_s, step_s), fmi2Error, text);
+    refused(
+        0.0,
+        -1e-3,
+        "fmi2DoStep: the step from t = 0 s has the size -0.001 s: it must be positive, finite and advance the time",
+    );
+    refused(
+        0.25,
+        1e-3,
+        "fmi2DoStep: the step starts at t = 0.25 s but the instance stands at t = 0 s; step from there, or set an earlier \
+         state",
+    );
+    refused(
+        0.0,
+        0.02,
+        "fmi2DoStep: the step ends at t = 0.02 s, beyond the stop time 0.01 s given to fmi2SetupExperiment; shorten it, or \
+         reset and give a later stop time",
+    );
+    assert_eq!(fmu.serialize(fmu.save()), before);
+    fmu.ok(unsafe { fmi2Reset(fmu.component) });
+    let fmu = Fmu::stepping();
+    // used to run for ever
+    fmu.told(
+        fmu.try_step(0.0, 1e300),
+        fmi2Error,
+        "fmi2DoStep: the step from t = 0 s has the size 1e300 s: it can have 5e3 s at most; take shorter ones",
+    );
+    fmu.step(0.0, 1e-3);
+}
+
+/// X-04. At 1e17 s the internal steps are lost in the round-off of the clock: an error, where it used to run for ever.
+#[test]
+fn x04_a_clock_without_resolution() {
+    let fmu = Fmu::initializing(1e17);
+    fmu.ok(unsafe { fmi2ExitInitializationMode(fmu.component) });
+    let before = fmu.bits();
+    fmu.told(
+        fmu.try_step(1e17, 100.0),
+        fmi2Error,
+        "fmi2DoStep: a step of 9.7e-6 s does not move the time t = 100000000000000000 s; start nearer to 0 s",
+    );
+    assert_eq!(fmu.bits(), before);
+}
+
+/// X-05. Steps that fail at their begin: each cause is named with time, place and value, and all outputs are those of
+/// before, bit for bit; an earlier state leads on.
+#[test]
+fn x05_failures_at_the_begin_of_a_step() {
+    type Spoil = fn(&Fmu);
+    let causes: [(&str, Spoil, &str); 4] = [
+        ("load", |fmu| fmu.set("load.outer[4].force.z", 1e200), "1e200 N at load station 4 of body outer"),
+        ("moment", |fmu| fmu.set("load.inner[1].moment.x", 1e200), "1e200 N.m at load station 1 of body inner"),
+        ("spin", |fmu| fmu.set("root.angular_velocity.y", 1e200), "1e200 rad/s of the root's angular velocity"),
+        ("acceleration", |fmu| fmu.set("root.acceleration.z", 1e200), "1e200 m/s2 of the root's acceleration"),
+    ];
+    let mut found = Vec::new();
+    for (name, spoil, _) in causes {
+        let fmu = Fmu::stepping();
+        fmu.step(0.0, 1e-3);
+        let good = fmu.save();
+        let table = fmu.table.variables();
+        let outputs = |fmu: &Fmu| -> Vec<u64> {
+            let reals = table.iter().filter(|row| matches!(row.value, foldwing::interface::Value::Real(_)));
+            let outputs = |row: &foldwing::interface::Variable| row.causality != foldwing::interface::Causality::Input;
+            reals.zip(fmu.bits()).filter(|(row, _)| outputs(row)).map(|(_, bits)| bits).collect()
+        };
+        let before = outputs(&fmu);
+        spoil(&fmu);
+        let status = fmu.try_step(1e-3, 1e-3);
+        assert_eq!(status, fmi2Error, "{name}");
+        found.extend(fmu.messages.borrow_mut().drain(..).map(|message| message.text));
+        assert_eq!(fmu.last_good_s(), 1e-3, "{name}");
+        assert!(outputs(&fmu) == before, "{name}: outputs of the last good time");
+        fmu.ok(unsafe { fmi2SetFMUstate(fmu.component, good) });
+        fmu.step(1e-3, 1e-3);
+    }
+    let told = |(_, _, largest): (_, _, &str)| {
+        format!(
+            "fmi2DoStep: no accelerations at t = 0.001 s: they are not finite; the largest input is {largest}; look at the \
+             inputs and parameters that act from there on"
+        )
+    };
+    assert_eq!(found, causes.map(told));
+}
+
+/// X-11. A torque that no step is small enough for: the joint is named, with what was tried; nothing has changed.
+#[test]
+fn x11_a_torque_beyond_measure() {
+    let fmu = Fmu::stepping();
+    fmu.step(0.0, 1e-3);
+    let before = fmu.get("fold.rate");
+    fmu.set("fold.torque", 1e25);
+    let status = fmu.try_step(1e-3, 1e-3);
+    fmu.gave_up(
+        status,
+        "at t = 0.001 s with internal steps down to 2.5e-10 s, worst at element ",
+        "; the largest input is 1e25 N.m of joint fold; look at inputs and parameters far beyond the structure's strength",
+    );
+    assert_eq!((fmu.get("fold.rate"), fmu.last_good_s()), (before, 1e-3));
+}
+
+/// X-06. A step that fails on its way, at a latch of 1e30 N·m/rad: the instance stands at the end
+/// of the last good internal step, where a twin that steps to that time stands too, bit for bit.
+#[test]
+fn x06_a_failure_on_the_way() {
+    let [fmu, twin] = [(); 2].map(|()| {
+        let fmu = Fmu::initializing(0.0);
+        fmu.set("fold.latch_stiffness", 1e30);
+        fmu.set("solver.min_step", 1e-6);
+        fmu.ok(unsafe { fmi2ExitInitializationMode(fmu.component) });
+        fmu
+    });
+    let status = fmu.try_step(0.0, 0.4);
+    let good_s = fmu.last_good_s();
+    assert_eq!(good_s, fmu.get("fold.latch_time"), "the latch closes, nothing follows");
+    fmu.gave_up(
+        status,
+        &format!("at t = {good_s} s with internal steps down to 2.5e-7 s, worst at element "),
+        "; look at loads, drive and latch there, or allow a smaller solver.min_step",
+    );
+    twin.step(0.0, good_s);
+    let state = ["fold.angle", "fold.rate", "tip.position.x", "tip.position.z", "tip.velocity.x", "gauge.root.strain"];
+    for name in state {
+        assert_eq!(fmu.get(name).to_bits(), twin.get(name).to_bits(), "{name}");
+    }
+}
+
+/// X-07. Start values that nothing agrees with; in Initialization Mode they can be put right.
+#[test]
+fn x07_failures_of_the_initialisation() {
+    let fmu = Fmu::initializing(0.0);
+    let c = fmu.component;
+    fmu.set("solver.min_step", 0.1);
+    let text =
+        "fmi2ExitInitializationMode: solver.min_step, 1e-1 s, is longer than solver.max_step, 5e-3 s; set one of them";
+    let before = fmu.serialize(fmu.save());
+    fmu.told(unsafe { fmi2ExitInitializationMode(c) }, fmi2Error, text);
+    fmu.set("solver.min_step", 1e-9);
+    fmu.set("gravity.z", -1e300);
+    fmu.told(unsafe { fmi2ExitInitializationMode(c) }, fmi2Error,
+        "fmi2ExitInitializationMode: no accelerations at t = 0 s: they are not finite; the largest input is 1e300 m/s2 of \
+         gravity; look at the inputs and parameters that act from there on",
+    );
+    fmu.set("gravity.z", 0.0);
+    assert_eq!(fmu.serialize(fmu.save()).len(), before.len());
+    fmu.ok(unsafe { fmi2ExitInitializationMode(c) });
+
+    let flying = include_str!("../../examples/models/flying_wing.toml");
+    let fmu = Fmu::new(&flying.replace("[experiment]", "[experiment]\nstart = \"equilibrium\""));
+    fmu.ok(unsafe { fmi2EnterInitializationMode(fmu.component) });
+    let status = unsafe { fmi2ExitInitializationMode(fmu.component) };
+    fmu.told(
+        status,
+        fmi2Error,
+        "fmi2ExitInitializationMode: no equilibrium at t = 0 s beyond 0.0000 of the load, last tried 0.0001: nothing resists a \
+         motion of joint \"flight\": a free body has no place of rest; reduce the load, or let the experiment start unstrained",
+    );
+
+    let fmu = Fmu::new(&tunnel());
+    fmu.setup(0.0, None);
+    fmu.ok(unsafe { fmi2EnterInitializationMode(fmu.component) });
+    fmu.set("wind.velocity.z", 1e200);
+    let status = unsafe { fmi2ExitInitializationMode(fmu.component) };
+    fmu.told(status, fmi2Error,
+        "fmi2ExitInitializationMode: no loads of the air at t = 0 s: its loads are not finite; look at wind and density, or try \
+         another aerodynamics.step_s",
+    );
+    fmu.set("wind.velocity.z", 0.0);
+    fmu.ok(unsafe { fmi2ExitInitializationMode(fmu.component) });
+}
+
+/// X-08. A gust of wind that no air step survives: outputs of before, bit for bit, in air too.
+#[test]
+fn x08_a_failure_of_the_air() {
+    let fmu = Fmu::running(&tunnel());
+    fmu.step(0.0, 2e-3);
+    let good = fmu.save();
+    let (tip, force) = (fmu.get("tip.position.z"), fmu.get("aero.force.z"));
+    fmu.set("wind.velocity.y", 1e200);
+    let status = fmu.try_step(2e-3, 2e-3);
+    fmu.told(status, fmi2Error,
+        "fmi2DoStep: no loads of the air at t = 0.002 s: its loads are not finite; look at wind and density, or try another \
+         aerodynamics.step_s",
+    );
+    assert_eq!((fmu.get("tip.position.z"), fmu.get("aero.force.z"), fmu.last_good_s()), (tip, force, 2e-3));
+    fmu.ok(unsafe { fmi2SetFMUstate(fmu.component, good) });
+    fmu.step(2e-3, 2e-3);
+}
+
+/// X-09. States that cannot be set.
+#[test]
+fn x09_states() {
+    let (fmu, other) = (Fmu::stepping(), Fmu::new(OTHER));
+    let bytes = fmu.serialize(fmu.save());
+    let n = bytes.len();
+    let refused = |bytes: &[u8], text: &str| fmu.told(fmu.deserialize(bytes).0, fmi2Error, text);
+    let changed = |at: usize, byte: u8| [&bytes[..at], &[byte], &bytes[at + 1..]].concat();
+    refused(
+        &bytes[..n - 1],
+        &format!(
+            "fmi2DeSerializeFMUstate: the serialised FMU state is damaged: {} bytes instead of {n}; pass all that \
+             fmi2SerializeFMUstate wrote",
+            n - 1
+        ),
+    );
+    refused(
+        &changed(n - 1, bytes[n - 1] ^ 1),
+        "fmi2DeSerializeFMUstate: the serialised FMU state is damaged: its checksum does not match; pass the bytes as \
+         fmi2SerializeFMUstate wrote them",
+    );
+    refused(
+        &changed(0, b'X'),
+        "fmi2DeSerializeFMUstate: the serialised FMU state was not written by this program: it does not begin with \
+         FOLDWING",
+    );
+    refused(
+        &changed(8, 1),
+        "fmi2DeSerializeFMUstate: the serialised FMU state has version 1; this library reads version 2: serialise it again \
+         with this one",
+    );
+    refused(
+        &other.serialize(other.save()),
+        &format!(
+            "fmi2DeSerializeFMUstate: the serialised FMU state belongs to the model {}, not to {}; set one of this model",
+            guid_of(OTHER),
+            guid_of(WING)
+        ),
+    );
+    let stranger = other.save();
+    fmu.told(
+        unsafe { fmi2SetFMUstate(fmu.component, stranger) },
+        fmi2Error,
+        "fmi2SetFMUstate: the FMU state was freed or belongs to another instance; set one that this instance has saved",
+    );
+    let mut short = vec![0_i8; 10];
+    fmu.told(
+        unsafe { fmi2SerializeFMUstate(fmu.component, fmu.save(), short.as_mut_ptr().cast(), 10) },
+        fmi2Error,
+        &format!(
+            "fmi2SerializeFMUstate: the buffer for the serialised FMU state has 10 bytes; {n} are needed, as \
+             fmi2SerializedFMUstateSize says"
+        ),
+    );
+}
+
+/// X-10. Instances that are refused.
+#[test]
+fn x10_instances() {
+    let resources = Resources::with(WING);
+    let folder = resources.folder.display().to_string();
+    let attempt = || Attempt::of(WING, &resources);
+    let says = |attempt: Attempt, text: &str| assert_eq!(attempt.refusal(), format!("fmi2Instantiate: {text}"));
+    says(Attempt { name: None, ..attempt() }, "the instance name is missing: it is null or empty");
+    says(
+        Attempt { fmu_type: fmi2ModelExchange, ..attempt() },
+        "this FMU is for co-simulation only (FMU type 1): FMU type 0 was asked for",
+    );
+    says(
+        Attempt { guid: Some("{0}".into()), ..attempt() },
+        &format!(
+            "the GUID {{0}} of the model description is not {}, that of resources/model.toml in this library; package the \
+             model again",
+            guid_of(WING)
+        ),
+    );
+    says(Attempt { location: None, ..attempt() }, "no resource location was given: the model file cannot be found");
+    says(
+        Attempt { location: Some("http://a/r".into()), ..attempt() },
+        "the resource location \"http://a/r\" is not a file URI or a path",
+    );
+    says(
+        Attempt { location: Some("file:///a%zz".into()), ..attempt() },
+        "the resource location \"file:///a%zz\" is not properly percent-encoded UTF-8",
+    );
+    std::fs::write(resources.folder.join("model.toml"), "name = 1").expect("writable");
+    let text = attempt().refusal();
+    let place =
+        format!("fmi2Instantiate: the model cannot be read: {folder}/model.toml:1: key 'name': 1 is not allowed");
+    assert!(text.starts_with(&place), "{text}");
+    std::fs::remove_file(resources.folder.join("model.toml")).expect("removable");
+    let text = attempt().refusal();
+    let place = format!("fmi2Instantiate: the model file \"{folder}/model.toml\" cannot be read: ");
+    assert!(text.starts_with(&place), "{text}");
+}

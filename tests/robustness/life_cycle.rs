@@ -1,0 +1,257 @@
+//! The life cycle, exhaustively: every function in every phase that an instance can be in, against the table of the
+//! standard (`standard.rs`). The breakdown, which no exported function leads to, is the column of a unit test in
+//! `src/fmi2/abi/tests.rs`.
+
+mod failures;
+mod fmu;
+mod loggers;
+mod standard;
+
+use fmu::{Fmu, WING};
+use foldwing::fmi2::abi::derivatives::*;
+use foldwing::fmi2::abi::functions::*;
+use foldwing::fmi2::abi::states::*;
+use foldwing::fmi2::abi::status::*;
+use foldwing::fmi2::abi::types::*;
+use standard::{Effect, PHASES, Phase, Row, TABLE};
+use std::ptr;
+
+/// Communication step in s.
+const STEP_S: f64 = 1e-3;
+
+/// An instance brought to a phase, with what the calls of the table need.
+struct Subject {
+    fmu: Fmu,
+    /// Saved in the phase itself.
+    here: fmi2FMUstate,
+    /// Saved before the step that failed.
+    before_failure: fmi2FMUstate,
+    bytes: Vec<u8>,
+    time_s: f64,
+}
+
+impl Subject {
+    fn in_phase(phase: Phase) -> Self {
+        let fmu = Fmu::new(WING);
+        let c = fmu.component;
+        let mut before_failure = ptr::null_mut();
+        let mut time_s = 0.0;
+        unsafe {
+            if phase != Phase::Instantiated {
+                fmu.setup(0.0, None);
+                fmu.ok(fmi2EnterInitializationMode(c));
+            }
+            if !matches!(phase, Phase::Instantiated | Phase::Initialization) {
+                fmu.ok(fmi2ExitInitializationMode(c));
+                fmu.step(0.0, STEP_S);
+                time_s = STEP_S;
+            }
+            match phase {
+                Phase::StepFailed => {
+                    before_failure = fmu.save();
+                    fmu.set("load.outer[4].force.z", 1e200);
+                    assert_eq!(fmu.try_step(time_s, STEP_S), fmi2Error);
+                }
+                Phase::Terminated => fmu.ok(fmi2Terminate(c)),
+                _ => {}
+            }
+        }
+        let here = fmu.save();
+        let bytes = fmu.serialize(here);
+        fmu.messages.borrow_mut().clear();
+        Self { fmu, here, before_failure, bytes, time_s }
+    }
+
+    /// Calls a function with arguments that are good ones wherever it is legal.
+    fn call(&mut self, name: &str) -> fmi2Status {
+        let fmu = &self.fmu;
+        let c = fmu.component;
+        let reference = |name: &str| fmu.reference(name);
+        let (mut real, mut integer, mut state, mut size) = (0.0, 0, self.here, 0_usize);
+        let (null, mut status, mut text) = (ptr::null::<u32>(), 0, ptr::null());
+        unsafe {
+            match name {
+                "fmi2SetDebugLogging" => fmi2SetDebugLogging(c, fmi2False, 1, &c"logEvents".as_ptr()),
+                "fmi2SetupExperiment" => fmi2SetupExperiment(c, fmi2True, 1e-5, 0.0, fmi2True, 1.0),
+                "fmi2EnterInitializationMode" => fmi2EnterInitializationMode(c),
+                "fmi2ExitInitializationMode" => fmi2ExitInitializationMode(c),
+                "fmi2Terminate" => fmi2Terminate(c),
+                "fmi2Reset" => fmi2Reset(c),
+                "fmi2GetReal" => fmi2GetReal(c, &reference("fold.angle"), 1, &mut real),
+                "fmi2GetInteger" => fmi2GetInteger(c, &reference("fold.latch_count"), 1, &mut integer),
+                "fmi2GetBoolean" => fmi2GetBoolean(c, &reference("fold.latched"), 1, &mut integer),
+                "fmi2GetString" => fmi2GetString(c, null, 0, ptr::null_mut()),
+                "fmi2SetReal" => fmi2SetReal(c, &reference("fold.torque"), 1, &0.01),
+                "fmi2SetInteger" => fmi2SetInteger(c, null, 0, ptr::null()),
+                "fmi2SetBoolean" => fmi2SetBoolean(c, &reference("fold.latch_enable"), 1, &fmi2False),
+                "fmi2SetString" => fmi2SetString(c, null, 0, ptr::null()),
+                "fmi2GetFMUstate" => fmi2GetFMUstate(c, &mut state),
+                "fmi2SetFMUstate" => fmi2SetFMUstate(c, state),
+                "fmi2FreeFMUstate" => {
+                    let mut copy = fmu.save();
+                    fmi2FreeFMUstate(c, &mut copy)
+                }
+                "fmi2SerializedFMUstateSize" => fmi2SerializedFMUstateSize(c, state, &mut size),
+                "fmi2SerializeFMUstate" => {
+                    let mut room = vec![0_i8; self.bytes.len()];
+                    fmi2SerializeFMUstate(c, state, room.as_mut_ptr().cast(), room.len())
+                }
+                "fmi2DeSerializeFMUstate" => {
+                    let mut copy = ptr::null_mut();
+                    fmi2DeSerializeFMUstate(c, self.bytes.as_ptr().cast(), self.bytes.len(), &mut copy)
+                }
+                "fmi2GetDirectionalDerivative" => {
+                    let (unknown, known) = (reference("tip.acceleration.z"), reference("fold.torque"));
+                    fmi2GetDirectionalDerivative(c, &unknown, 1, &known, 1, &1.0, &mut real)
+                }
+                "fmi2SetRealInputDerivatives" => fmi2SetRealInputDerivatives(c, &reference("fold.torque"), 1, &1, &0.1),
+                "fmi2GetRealOutputDerivatives" => {
+                    fmi2GetRealOutputDerivatives(c, &reference("fold.angle"), 1, &1, &mut real)
+                }
+                "fmi2DoStep" => fmi2DoStep(c, self.time_s, STEP_S, fmi2True),
+                "fmi2CancelStep" => fmi2CancelStep(c),
+                "fmi2GetStatus" => fmi2GetStatus(c, fmi2DoStepStatus, &mut status),
+                "fmi2GetRealStatus" => fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &mut real),
+                "fmi2GetIntegerStatus" => fmi2GetIntegerStatus(c, fmi2DoStepStatus, &mut integer),
+                "fmi2GetBooleanStatus" => fmi2GetBooleanStatus(c, fmi2Terminated, &mut integer),
+                "fmi2GetStringStatus" => fmi2GetStringStatus(c, fmi2PendingStatus, &mut text),
+                other => panic!("no call for {other}"),
+            }
+        }
+    }
+
+    /// Bytes of the present state; leaves no trace.
+    fn present(&self) -> Vec<u8> {
+        let mut state = self.fmu.save();
+        let bytes = self.fmu.serialize(state);
+        self.fmu.ok(unsafe { fmi2FreeFMUstate(self.fmu.component, &mut state) });
+        bytes
+    }
+
+    /// The phase as the instance itself names it, in the refusal of a call that is never legal.
+    fn phase_named(&self) -> String {
+        assert_eq!(unsafe { fmi2CancelStep(self.fmu.component) }, fmi2Error);
+        let text = self.fmu.messages.borrow_mut().pop().expect("a refusal is told").text;
+        let rest = text.strip_prefix("fmi2CancelStep: not legal ").unwrap_or_else(|| panic!("{text}"));
+        PHASES.iter().find(|phase| rest.starts_with(phase.phrase())).expect("a phase").phrase().to_owned()
+    }
+
+    /// Goes on from a phase by legal calls to two further steps; returns every output's bits.
+    fn go_on(&self, phase: Phase) -> Vec<u64> {
+        let (fmu, c) = (&self.fmu, self.fmu.component);
+        let mut time_s = self.time_s;
+        unsafe {
+            match phase {
+                Phase::StepFailed => fmu.ok(fmi2SetFMUstate(c, self.before_failure)),
+                Phase::Terminated => fmu.ok(fmi2Reset(c)),
+                _ => {}
+            }
+            if matches!(phase, Phase::Terminated | Phase::Instantiated) {
+                time_s = 0.0;
+                fmu.setup(0.0, None);
+                fmu.ok(fmi2EnterInitializationMode(c));
+            }
+            if matches!(phase, Phase::Terminated | Phase::Instantiated | Phase::Initialization) {
+                fmu.ok(fmi2ExitInitializationMode(c));
+            }
+        }
+        fmu.step(time_s, STEP_S);
+        fmu.step(time_s + STEP_S, STEP_S);
+        fmu.bits()
+    }
+}
+
+/// L-01. Each of the 30 functions in each of the 5 phases. Illegal: `fmi2Error`, one message that names function and phase,
+/// nothing changed (state and outputs bit for bit), and the legal way on leads to the same bits as without the call.
+/// Legal: `fmi2OK`, the phase that the standard says, reading changes nothing. A second instance notices neither.
+#[test]
+fn l01_every_call_in_every_phase() {
+    let neighbour = Subject::in_phase(Phase::StepComplete);
+    let mut cells = [0, 0];
+    for phase in PHASES {
+        let undisturbed = Subject::in_phase(phase).go_on(phase);
+        for row in &TABLE {
+            let mut subject = Subject::in_phase(phase);
+            let legal = row.is_legal(phase);
+            cells[usize::from(legal)] += 1;
+            if legal {
+                accepted(&mut subject, row, phase)
+            } else {
+                refused(&mut subject, row, phase, &undisturbed)
+            }
+            assert_eq!(
+                neighbour.present(),
+                neighbour.bytes,
+                "{} {} reached another instance",
+                row.name,
+                phase.phrase()
+            );
+            assert!(neighbour.fmu.messages.borrow().is_empty(), "{} told another instance's log", row.name);
+        }
+    }
+    assert_eq!(cells[0] + cells[1], 150, "30 functions in 5 phases");
+    println!("life cycle: {} cells, {} legal, {} refused", cells[0] + cells[1], cells[1], cells[0]);
+}
+
+fn refused(subject: &mut Subject, row: &Row, phase: Phase, undisturbed: &[u64]) {
+    let cell = format!("{} {}", row.name, phase.phrase());
+    let readable = standard::row_of("fmi2GetReal").is_legal(phase) && phase != Phase::Initialization;
+    let outputs = readable.then(|| subject.fmu.bits());
+    assert_eq!(subject.call(row.name), fmi2Error, "{cell}");
+    {
+        let messages = subject.fmu.messages.borrow();
+        let [message] = messages.as_slice() else { panic!("{cell}: one message, not {messages:?}") };
+        assert!(message.text.starts_with(&format!("{}: not legal {}", row.name, phase.phrase())), "{}", message.text);
+        assert_eq!((message.status, message.category.as_str()), (fmi2Error, "logStatusError"), "{cell}");
+    }
+    subject.fmu.messages.borrow_mut().clear();
+    assert_eq!(subject.present(), subject.bytes, "{cell} changed the state");
+    if let Some(outputs) = outputs {
+        assert_eq!(subject.fmu.bits(), outputs, "{cell} changed an output");
+    }
+    assert_eq!(subject.phase_named(), phase.phrase(), "{cell} changed the phase");
+    assert_eq!(subject.go_on(phase), undisturbed, "{cell} changed what follows");
+}
+
+fn accepted(subject: &mut Subject, row: &Row, phase: Phase) {
+    let cell = format!("{} {}", row.name, phase.phrase());
+    let status = subject.call(row.name);
+    // the standard knows no Integer status: refused, whatever the kind
+    let expected = if row.name == "fmi2GetIntegerStatus" { fmi2Error } else { fmi2OK };
+    assert_eq!(status, expected, "{cell}: {:?}", subject.fmu.messages.borrow().last());
+    let told = subject.fmu.messages.borrow_mut().drain(..).count();
+    assert_eq!(told, usize::from(status != fmi2OK), "{cell}: messages");
+    let after = if let Effect::To(after) = row.effect { after } else { phase };
+    assert_eq!(subject.phase_named(), after.phrase(), "{cell} leads there");
+    match row.effect {
+        // in Initialization Mode reading evaluates what was set
+        Effect::Reads if phase != Phase::Initialization => {
+            assert_eq!(subject.present(), subject.bytes, "{cell} changed the state");
+        }
+        Effect::To(after) if after != phase => assert_ne!(subject.present(), subject.bytes, "{cell} changed nothing"),
+        _ => {}
+    }
+    if row.name == "fmi2DoStep" {
+        subject.time_s += STEP_S;
+    }
+    if row.name == "fmi2Reset" {
+        subject.time_s = 0.0;
+    }
+    subject.go_on(after);
+}
+
+/// L-02. No instance: every function answers `fmi2Error`, freeing nothing is nothing.
+#[test]
+fn l02_every_call_without_an_instance() {
+    let mut subject = Subject::in_phase(Phase::StepComplete);
+    let component = std::mem::replace(&mut subject.fmu.component, ptr::null_mut());
+    let here = subject.here;
+    for row in TABLE.iter().filter(|row| row.name != "fmi2FreeFMUstate") {
+        assert_eq!(subject.call(row.name), fmi2Error, "{} without an instance", row.name);
+    }
+    assert_eq!(unsafe { fmi2FreeFMUstate(ptr::null_mut(), &mut { here }) }, fmi2Error);
+    unsafe { fmi2FreeInstance(ptr::null_mut()) };
+    assert!(subject.fmu.messages.borrow().is_empty(), "there is no log to tell");
+    subject.fmu.component = component;
+    assert_eq!(subject.present(), subject.bytes);
+}

@@ -1,0 +1,73 @@
+//! Random calls on several instances of several models: legal and illegal, with sound and with senseless arguments.
+//!
+//! `FOLDWING_CALLS` sets their number, `FOLDWING_SEED` runs the one sequence that a failure names.
+
+mod fmu;
+mod random_arguments;
+mod random_session;
+mod standard;
+mod watchdog;
+
+use random_session::{Session, Tally};
+use std::process::Command;
+
+/// Calls in a plain `cargo test`.
+const SHARE: usize = 20_000;
+/// Calls of one sequence, after which every instance is reset and compared with a fresh one.
+const SEQUENCE: usize = 150;
+/// Calls under valgrind, which is some forty times slower.
+const SHARE_UNDER_VALGRIND: usize = 150;
+
+fn number(name: &str) -> Option<usize> {
+    std::env::var(name).ok().map(|text| text.parse().unwrap_or_else(|_| panic!("{name}={text} is no number")))
+}
+
+/// C-01. After each call: a status that belongs to it, one message if it was refused, which then has changed no bit of the
+/// state; every value finite after a step; and after each sequence a reset instance behaves as a fresh one, to the bit.
+#[test]
+fn c01_random_calls() {
+    let calls = number("FOLDWING_CALLS").unwrap_or(SHARE);
+    let guard = watchdog::watch(number("FOLDWING_WATCHDOG").unwrap_or(60) as u64);
+    let mut session = Session::new();
+    let mut tally = Tally::default();
+    let seeds = match number("FOLDWING_SEED") {
+        Some(seed) => seed as u64..seed as u64 + 1,
+        None => 0..calls.div_ceil(SEQUENCE) as u64,
+    };
+    for seed in seeds {
+        session.run(seed, SEQUENCE, &guard, &mut tally);
+    }
+    drop(session);
+    println!("{tally}");
+}
+
+/// C-02. The same under valgrind's memcheck: no read or write outside what was allocated, nothing uninitialised used,
+/// nothing leaked.
+#[test]
+fn c02_random_calls_under_valgrind() {
+    let calls = number("FOLDWING_VALGRIND_CALLS").unwrap_or(SHARE_UNDER_VALGRIND);
+    if !cfg!(target_os = "linux") || Command::new("valgrind").arg("--version").output().is_err() {
+        assert!(std::env::var("CI").as_deref() != Ok("true"), "valgrind is missing");
+        println!("skipped: valgrind is not installed");
+        return;
+    }
+    let mut command = Command::new("valgrind");
+    command
+        .args(["--tool=memcheck", "--leak-check=full", "--show-leak-kinds=definite,indirect,possible"])
+        .args(["--errors-for-leak-kinds=definite,indirect,possible", "--error-exitcode=99", "--num-callers=40"])
+        .arg(concat!("--suppressions=", env!("CARGO_MANIFEST_DIR"), "/tests/robustness/valgrind.supp"))
+        .arg(std::env::current_exe().expect("a path"))
+        .args(["--exact", "c01_random_calls", "--test-threads=1", "--nocapture"])
+        .env("FOLDWING_CALLS", calls.to_string())
+        .env("FOLDWING_WATCHDOG", "600")
+        .env_remove("FOLDWING_SEED");
+    let output = command.output().expect("valgrind starts");
+    let (told, summary) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{}\n{told}\n{summary}", output.status);
+    assert!(summary.contains("ERROR SUMMARY: 0 errors"), "{summary}");
+    assert!(told.contains("1 passed"), "the test did not run: {told}");
+    println!("valgrind, {calls} calls:");
+    for line in summary.lines().filter(|line| line.contains("lost:") || line.contains("SUMMARY")) {
+        println!("  {line}");
+    }
+}
