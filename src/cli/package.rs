@@ -2,9 +2,10 @@
 
 use crate::cli::{Failure, print, read_model};
 use foldwing::interface::{Interface, guid};
-use foldwing::packaging::{self, PackageError};
+use foldwing::packaging::{self, Library, PackageError, Platform};
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
-use std::path::PathBuf;
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -13,11 +14,12 @@ pub struct Arguments {
     /// FMU to write
     #[arg(short, long, value_name = "X.fmu", required_unless_present = "description_only")]
     output: Option<PathBuf>,
-    /// Shared library to put into the FMU [default: the one beside this executable]
-    #[arg(long, value_name = "PATH")]
-    library: Option<PathBuf>,
+    /// Shared library to put into the FMU, once for each platform, as PATH or linux64=PATH; the library's own header
+    /// tells the platform [default: the one beside this executable]
+    #[arg(long = "library", value_name = "[PLATFORM=]PATH")]
+    libraries: Vec<OsString>,
     /// Print modelDescription.xml and write nothing
-    #[arg(long, conflicts_with_all = ["output", "library"])]
+    #[arg(long, conflicts_with_all = ["output", "libraries"])]
     description_only: bool,
 }
 
@@ -29,14 +31,37 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let variables = interface.variables();
         return print(&packaging::model_description(&machine, variables, &guid(&text, variables)));
     };
-    let library = match &arguments.library {
-        Some(path) => path.clone(),
-        None => library_beside_executable()?,
+    let libraries = if arguments.libraries.is_empty() {
+        Library::read(&library_beside_executable()?, None).map_err(failure)?
+    } else {
+        let mut libraries = Vec::new();
+        for argument in &arguments.libraries {
+            let (platform, path) = place(argument)?;
+            libraries.extend(Library::read(&path, platform).map_err(failure)?);
+        }
+        libraries
     };
-    packaging::package(&machine, &text, &library, output).map_err(|error| match error {
+    packaging::package(&machine, &text, &libraries, output).map_err(failure)
+}
+
+fn failure(error: PackageError) -> Failure {
+    match error {
         PackageError::NotALibrary { .. } => Failure::Refused(error.to_string()),
+        PackageError::Twice { .. } => Failure::Usage(error.to_string()),
         PackageError::Library { .. } | PackageError::Write { .. } => Failure::Files(error.to_string()),
-    })
+    }
+}
+
+/// Splits `PLATFORM=PATH`. A path may contain `=` too: what stands before it is a platform unless it contains a
+/// separator, or the whole is a file.
+fn place(argument: &OsStr) -> Result<(Option<Platform>, PathBuf), Failure> {
+    let whole = || (None, PathBuf::from(argument));
+    let Some((name, path)) = argument.to_str().and_then(|text| text.split_once('=')) else { return Ok(whole()) };
+    match Platform::named(name) {
+        Ok(platform) => Ok((Some(platform), path.into())),
+        Err(_) if name.contains(['/', '\\']) || Path::new(argument).is_file() => Ok(whole()),
+        Err(error) => Err(Failure::Usage(format!("--library {name}={path}: {error}"))),
+    }
 }
 
 fn library_beside_executable() -> Result<PathBuf, Failure> {

@@ -5,9 +5,11 @@ pub mod archive;
 pub mod description;
 pub mod documentation;
 pub mod drawing;
+pub mod library;
 
 pub use archive::{PackageError, package};
 pub use description::model_description;
+pub use library::{Library, Platform};
 
 /// Name of the library inside every FMU, FMI 2.0 `modelIdentifier`.
 pub const MODEL_IDENTIFIER: &str = "foldwing";
