@@ -449,7 +449,8 @@ fn libraries_of_several_platforms_make_one_fmu() {
     for arm in [path("arm=64.so"), format!("aarch64-linux={}", path("arm=64.so"))] {
         succeeds(&package(&[&here, &arm]));
         let archive = zip::ZipArchive::new(std::fs::File::open(path("x.fmu")).unwrap()).unwrap();
-        let binaries: Vec<&str> = archive.file_names().filter(|name| name.starts_with("binaries/")).collect();
+        let names = archive.file_names().map(|name| name.unwrap().into_owned());
+        let binaries: Vec<String> = names.filter(|name| name.starts_with("binaries/")).collect();
         assert_eq!(binaries, ["binaries/aarch64-linux/foldwing.so", "binaries/linux64/foldwing.so"]);
     }
     std::fs::remove_file(path("x.fmu")).unwrap();
