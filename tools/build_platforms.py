@@ -12,8 +12,7 @@ standard library must be there too; the first of these routes is taken:
              which the standard library is built along
 
 Nothing is installed but Python packages into the environment that is named, and the target of rustup. What is missing
-is said with the line to type. No path of this machine stands in the libraries: the same sources, compiler and packages
-give the same bytes elsewhere.
+is said with the line to type. No path of this machine stands in the libraries.
 """
 
 import argparse
