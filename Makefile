@@ -25,8 +25,9 @@ COMMAND     := $(TARGET)/release/foldwing
 FMU         := $(TARGET)/fmu/FoldingWing.fmu
 TUNNEL_FMU  := $(TARGET)/fmu/folding_wing_in_tunnel.fmu
 DEPLOYMENT  := $(TARGET)/deployment
+PLATFORMS   := $(TARGET)/platforms
 
-.PHONY: all build package venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-peers bless licenses robust valgrind python-lock clean help toolchain
+.PHONY: all build package venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-peers bless licenses robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -44,6 +45,22 @@ package: build ## Make the FMU of every shipped model in $(TARGET)/fmu
 	done
 	@cp $(TARGET)/fmu/folding_wing.fmu $(FMU)
 	@echo "packaged $(FMU)"
+
+platforms: toolchain ## Build the libraries for Linux (glibc 2.17 and later) and Windows in $(TARGET)/platforms: docs/PLATFORMS.md
+	@$(PYTHON) tools/create_venv.py $(PLATFORMS)/venv --requirements python/platforms.txt
+	@$(PYTHON) tools/build_platforms.py --venv $(PLATFORMS)/venv --output $(PLATFORMS)
+
+fmu-all: build platforms ## Make the FMUs for Linux and Windows in one, in $(TARGET)/fmu-all
+	@mkdir -p $(TARGET)/fmu-all
+	@set -e; for model in $(MODELS); do \
+	    $(COMMAND) package $$model -o $(TARGET)/fmu-all/$$(basename $$model .toml).fmu \
+	        --library linux64=$(PLATFORMS)/linux64/libfoldwing.so --library win64=$(PLATFORMS)/win64/foldwing.dll; \
+	done
+	@echo "packaged $(words $(MODELS)) FMUs in $(TARGET)/fmu-all"
+
+test-platforms: fmu-all package test-venv ## Check the libraries of `make fmu-all`, the one for Windows under Wine
+	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) \
+	    $(TEST_PYTHON) -m pytest -q -rs tests/fmi/test_platforms.py $(PYTEST_ARGUMENTS)
 
 venv: toolchain ## Create the Python environment from pinned packages
 	@$(PYTHON) tools/create_venv.py $(VENV) --requirements python/requirements.txt
@@ -71,6 +88,7 @@ unit: test-venv
 
 pytest: package runner
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) FOLDWING_RUNNER=$(abspath $(RUNNER)) \
+	    FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) \
 	    $(TEST_PYTHON) -m pytest -q tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
 
 bench: bench-own bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
@@ -130,6 +148,7 @@ python-lock: venv ## Renew the pinned requirements in python/ from the .in files
 	$(VENV_PYTHON) tools/lock_python.py python/requirements.in python/requirements.txt
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-test.in python/requirements-test.txt
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-peers.in python/requirements-peers.txt 3.11
+	$(VENV_PYTHON) tools/lock_python.py python/platforms.in python/platforms.txt
 
 clean: ## Remove everything that was built
 	$(CARGO) clean

@@ -64,8 +64,14 @@ const MOST_LINES: usize = 500;
 const LONGER: &[(&str, &str)] = &[];
 
 /// Documents whose paths and commands are checked.
-const DOCUMENTS: &[&str] =
-    &["README.md", "docs/ARCHITECTURE.md", "docs/VALIDATION.md", "docs/BENCHMARKS.md", "CHANGELOG.md"];
+const DOCUMENTS: &[&str] = &[
+    "README.md",
+    "docs/ARCHITECTURE.md",
+    "docs/VALIDATION.md",
+    "docs/BENCHMARKS.md",
+    "docs/PLATFORMS.md",
+    "CHANGELOG.md",
+];
 
 /// Folders at the top: what begins with one of them in a document is a path.
 const TOP: &[&str] = &[".ci", "benches", "docs", "examples", "modelDescription", "python", "src", "tests", "tools"];

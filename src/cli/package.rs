@@ -4,10 +4,11 @@ use crate::cli::linearize::reach;
 use crate::cli::{Failure, print, read_model};
 use foldwing::config::Machine;
 use foldwing::interface::{Interface, LinearModel, Variable, guid};
-use foldwing::packaging::{self, Extras, PackageError, Reference};
+use foldwing::packaging::{self, Extras, Library, PackageError, Platform, Reference};
 use foldwing::plant::Plant;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
-use std::path::PathBuf;
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 #[derive(clap::Args)]
@@ -17,9 +18,10 @@ pub struct Arguments {
     /// FMU to write
     #[arg(short, long, value_name = "X.fmu", required_unless_present = "description_only")]
     output: Option<PathBuf>,
-    /// Shared library to put into the FMU [default: the one beside this executable]
-    #[arg(long, value_name = "PATH")]
-    library: Option<PathBuf>,
+    /// Shared library to put into the FMU, once for each platform, as PATH or linux64=PATH; the library's own header
+    /// tells the platform [default: the one beside this executable]
+    #[arg(long = "library", value_name = "[PLATFORM=]PATH")]
+    libraries: Vec<OsString>,
     /// Put the linear model about a state into the FMU: `start`, a time in s, or the equilibrium
     #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "equilibrium")]
     linear: Option<String>,
@@ -30,7 +32,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FOLDER", conflicts_with = "no_reference")]
     cross_check: Option<PathBuf>,
     /// Print modelDescription.xml and write nothing
-    #[arg(long, conflicts_with_all = ["output", "library", "linear", "no_reference", "cross_check"])]
+    #[arg(long, conflicts_with_all = ["output", "libraries", "linear", "no_reference", "cross_check"])]
     description_only: bool,
 }
 
@@ -42,15 +44,21 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let variables = interface.variables();
         return print(&packaging::model_description(&machine, variables, &guid(&text, variables)));
     };
-    let library = match &arguments.library {
-        Some(path) => path.clone(),
-        None => library_beside_executable()?,
+    let libraries = if arguments.libraries.is_empty() {
+        Library::read(&library_beside_executable()?, None).map_err(failure)?
+    } else {
+        let mut libraries = Vec::new();
+        for argument in &arguments.libraries {
+            let (platform, path) = place(argument)?;
+            libraries.extend(Library::read(&path, platform).map_err(failure)?);
+        }
+        libraries
     };
     let extras = Extras {
         reference: (!arguments.no_reference).then(|| reference(&machine)).transpose()?,
         linear: arguments.linear.as_ref().map(|at| linear(&machine, at)).transpose()?,
     };
-    packaging::package(&machine, &text, &extras, &library, output).map_err(failure)?;
+    packaging::package(&machine, &text, &extras, &libraries, output).map_err(failure)?;
     if let (Some(folder), Some(reference)) = (&arguments.cross_check, &extras.reference) {
         for written in packaging::cross_check(&machine, reference, output, folder).map_err(failure)? {
             print(&format!("cross-check files in {}", written.display()))?;
@@ -62,7 +70,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn failure(error: PackageError) -> Failure {
     match error {
         PackageError::NotALibrary { .. } => Failure::Refused(error.to_string()),
+        PackageError::Twice { .. } => Failure::Usage(error.to_string()),
         PackageError::Library { .. } | PackageError::Write { .. } => Failure::Files(error.to_string()),
+    }
+}
+
+/// Splits `PLATFORM=PATH`. A path may contain `=` too: what stands before it is a platform unless it contains a
+/// separator, or the whole is a file.
+fn place(argument: &OsStr) -> Result<(Option<Platform>, PathBuf), Failure> {
+    let whole = || (None, PathBuf::from(argument));
+    let Some((name, path)) = argument.to_str().and_then(|text| text.split_once('=')) else { return Ok(whole()) };
+    match Platform::named(name) {
+        Ok(platform) => Ok((Some(platform), path.into())),
+        Err(_) if name.contains(['/', '\\']) || Path::new(argument).is_file() => Ok(whole()),
+        Err(error) => Err(Failure::Usage(format!("--library {name}={path}: {error}"))),
     }
 }
 

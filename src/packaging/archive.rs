@@ -1,8 +1,8 @@
 //! The FMU archive: the same model, library and version give the same bytes.
 
 use crate::config::Machine;
-use crate::packaging::MODEL_IDENTIFIER;
 use crate::packaging::contents::{Extras, contents};
+use crate::packaging::{Library, MODEL_IDENTIFIER, Platform};
 use std::collections::BTreeMap;
 use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
@@ -20,13 +20,23 @@ pub enum PackageError {
         /// What the system said.
         source: io::Error,
     },
-    /// The library is no Foldwing library, or one for a platform that FMI 2.0 does not name.
+    /// The file is no Foldwing library, or one for another platform than was said, or for one that FMI does not name.
     #[error("{path}: {cause}")]
     NotALibrary {
         /// File that was read.
         path: PathBuf,
         /// What is wrong with it.
-        cause: &'static str,
+        cause: String,
+    },
+    /// Two libraries for one platform.
+    #[error("{path}: a second library for {platform}; the first is {first}")]
+    Twice {
+        /// The second one.
+        path: PathBuf,
+        /// The first one.
+        first: PathBuf,
+        /// What both are for.
+        platform: Platform,
     },
     /// The archive cannot be written.
     #[error("{path}: cannot write the FMU: {source}")]
@@ -40,54 +50,39 @@ pub enum PackageError {
 
 /// Writes the FMU of a model to `fmu`, whole or not at all.
 ///
-/// `model_text` is the file that `machine` was read from; it travels in the archive. `library` is a shared
-/// library of this package for any platform of FMI 2.0. `extras` is what the archive holds beyond the necessary.
+/// `model_text` is the file that `machine` was read from; it travels in the archive. `libraries` are shared libraries
+/// of this package, one for each platform that the FMU is to run on. `extras` is what the archive holds beyond the
+/// necessary.
 pub fn package(
     machine: &Machine,
     model_text: &str,
     extras: &Extras,
-    library: &Path,
+    libraries: &[Library],
     fmu: &Path,
 ) -> Result<(), PackageError> {
-    let binary = std::fs::read(library).map_err(|source| PackageError::Library { path: library.to_owned(), source })?;
-    let platform = platform(&binary).map_err(|cause| PackageError::NotALibrary { path: library.to_owned(), cause })?;
     let mut entries: BTreeMap<String, Entry> = contents(machine, model_text, extras)
         .into_iter()
         .map(|(path, bytes)| (path, Entry { bytes, permissions: 0o644 }))
         .collect();
-    let library = format!("binaries/{}/{MODEL_IDENTIFIER}.{}", platform.folder, platform.extension);
-    entries.insert(library, Entry { bytes: binary, permissions: 0o755 });
+    entries.extend(binaries(libraries)?);
     let bytes = archive(&entries);
     replace(fmu, &bytes).map_err(|source| PackageError::Write { path: fmu.to_owned(), source })
 }
 
-/// FMI 2.0 folder and file extension of a platform.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Platform {
-    folder: &'static str,
-    extension: &'static str,
-}
-
-/// Platform of a library by its first bytes, and whether it exports what an FMU must.
-fn platform(binary: &[u8]) -> Result<Platform, &'static str> {
-    const X86_64_ELF: [u8; 2] = [0x3e, 0];
-    let found = if binary.starts_with(b"\x7fELF\x02") {
-        if binary.get(18..20) != Some(&X86_64_ELF) {
-            return Err("the library is for a Linux processor other than x86-64, which FMI 2.0 does not name");
+/// The libraries by their path in the archive.
+fn binaries(libraries: &[Library]) -> Result<BTreeMap<String, Entry>, PackageError> {
+    for (i, library) in libraries.iter().enumerate() {
+        if let Some(first) = libraries[..i].iter().find(|first| first.platform == library.platform) {
+            let (path, first) = (library.path.clone(), first.path.clone());
+            return Err(PackageError::Twice { path, first, platform: library.platform });
         }
-        Platform { folder: "linux64", extension: "so" }
-    } else if binary.starts_with(b"MZ") {
-        Platform { folder: "win64", extension: "dll" }
-    } else if binary.starts_with(&[0xcf, 0xfa, 0xed, 0xfe]) || binary.starts_with(&[0xca, 0xfe, 0xba, 0xbe]) {
-        Platform { folder: "darwin64", extension: "dylib" }
-    } else {
-        return Err("not a 64-bit shared library (ELF, PE or Mach-O)");
-    };
-    let symbol = b"fmi2Instantiate";
-    if !binary.windows(symbol.len()).any(|window| window == symbol) {
-        return Err("not a Foldwing library: it does not export fmi2Instantiate");
     }
-    Ok(found)
+    let entry = |library: &Library| {
+        let Platform { folder, extension } = library.platform;
+        let path = format!("binaries/{folder}/{MODEL_IDENTIFIER}.{extension}");
+        (path, Entry { bytes: library.bytes.clone(), permissions: 0o755 })
+    };
+    Ok(libraries.iter().map(entry).collect())
 }
 
 /// One file of the archive; the map that holds them keeps them sorted by path.
@@ -136,22 +131,26 @@ mod tests {
     use super::*;
     use std::io::Read;
 
-    fn elf(machine: u8) -> Vec<u8> {
-        let mut bytes = b"\x7fELF\x02".to_vec();
-        bytes.resize(18, 0);
-        bytes.extend([machine, 0]);
-        bytes.extend(b"..fmi2Instantiate..");
-        bytes
-    }
-
-    /// The platform comes from the library's own header, not from the machine that packages.
+    /// Each library has the folder of its platform; two for one platform are refused by their names.
     #[test]
-    fn platform_is_read_from_the_library() {
-        assert_eq!(platform(&elf(0x3e)).unwrap().folder, "linux64");
-        assert_eq!(platform(b"MZ...fmi2Instantiate").unwrap().folder, "win64");
-        assert!(platform(&elf(0xb7)).unwrap_err().contains("x86-64"));
-        assert!(platform(b"#!/bin/sh").unwrap_err().contains("shared library"));
-        assert!(platform(b"MZ nothing").unwrap_err().contains("fmi2Instantiate"));
+    fn libraries_go_into_the_folders_of_their_platforms() {
+        let library = |path: &str, platform: &str| Library {
+            path: path.into(),
+            platform: Platform::named(platform).unwrap(),
+            bytes: path.as_bytes().to_vec(),
+        };
+        let found =
+            binaries(&[library("w", "win64"), library("l", "linux64"), library("m", "aarch64-darwin")]).unwrap();
+        let found: Vec<_> = found.iter().map(|(path, entry)| (path.as_str(), entry.bytes.as_slice())).collect();
+        let expected = [
+            ("binaries/aarch64-darwin/foldwing.dylib", b"m".as_slice()),
+            ("binaries/linux64/foldwing.so", b"l"),
+            ("binaries/win64/foldwing.dll", b"w"),
+        ];
+        assert_eq!(found, expected);
+
+        let twice = binaries(&[library("a.so", "linux64"), library("b.so", "linux64")]).err().unwrap().to_string();
+        assert_eq!(twice, "b.so: a second library for linux64; the first is a.so");
     }
 
     /// Entries are sorted, deflated, dated alike, and come back with their bytes and permissions.

@@ -8,6 +8,7 @@ pub mod description;
 pub mod documentation;
 pub mod drawing;
 pub mod icon;
+pub mod library;
 pub mod licenses;
 pub mod linear_model;
 pub mod palette;
@@ -19,6 +20,7 @@ pub use archive::{PackageError, package};
 pub use contents::Extras;
 pub use cross_check::cross_check;
 pub use description::model_description;
+pub use library::{Library, Platform};
 pub use reference::Reference;
 
 /// Name of the library inside every FMU, FMI 2.0 `modelIdentifier`.

@@ -426,3 +426,43 @@ fn linearize_writes_json_and_npz() {
     refuses(&on_model("linearize", &["--at", "never", "-o", &file]), 2, "start, equilibrium or a time");
     refuses(&on_model("linearize", &["--inputs", "fold.release", "-o", &file]), 2, "no real input is named");
 }
+
+/// The shared library that Cargo built beside this test.
+fn library() -> PathBuf {
+    let name = format!("{}foldwing{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    std::env::current_exe().unwrap().with_file_name(name)
+}
+
+/// Each library goes to the platform that its header names; a wrong name, kind or repetition is refused by its place.
+#[test]
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+fn libraries_of_several_platforms_make_one_fmu() {
+    let folder = scratch();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let here = library().to_str().unwrap().to_owned();
+    // The same library, but its header says that it is for 64-bit ARM: `e_machine` is 183.
+    let mut bytes = std::fs::read(&here).unwrap();
+    bytes[18..20].copy_from_slice(&183_u16.to_le_bytes());
+    std::fs::write(path("arm=64.so"), &bytes).unwrap();
+    let package = |libraries: &[&str]| {
+        let mut arguments = vec!["-o".to_owned(), path("x.fmu")];
+        arguments.extend(libraries.iter().map(|library| format!("--library={library}")));
+        on_model("package", &arguments.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+
+    for arm in [path("arm=64.so"), format!("aarch64-linux={}", path("arm=64.so"))] {
+        succeeds(&package(&[&here, &arm]));
+        let archive = zip::ZipArchive::new(std::fs::File::open(path("x.fmu")).unwrap()).unwrap();
+        let names = archive.file_names().map(|name| name.unwrap().into_owned());
+        let binaries: Vec<String> = names.filter(|name| name.starts_with("binaries/")).collect();
+        assert_eq!(binaries, ["binaries/aarch64-linux/foldwing.so", "binaries/linux64/foldwing.so"]);
+    }
+    std::fs::remove_file(path("x.fmu")).unwrap();
+
+    refuses(&package(&[&format!("win64={here}")]), 1, "the library is for linux64, not for win64");
+    refuses(&package(&[&format!("linux128={here}")]), 2, "platform 'linux128' is unknown; allowed: linux64, ");
+    refuses(&package(&[&here, &here]), 2, "a second library for linux64; the first is ");
+    refuses(&package(&[env!("CARGO_BIN_EXE_foldwing")]), 1, "not a Foldwing library: it does not export fmi2");
+    refuses(&package(&["linux64=none.so"]), 4, "none.so: cannot read the library");
+    assert!(!Path::new(&path("x.fmu")).exists(), "a refused package leaves no file");
+}

@@ -50,10 +50,10 @@ fn unfold(fmu: &Fmu) -> Vec<u64> {
     fmu.bits()
 }
 
-/// E-01. 64 instances in 8 threads, eight of them with a lattice and its own pool, stepped in turns: each as one alone, to the
+/// D-01. 64 instances in 8 threads, eight of them with a lattice and its own pool, stepped in turns: each as one alone, to the
 /// bit.
 #[test]
-fn e01_sixty_four_instances_in_eight_threads() {
+fn d01_sixty_four_instances_in_eight_threads() {
     let models = [WING.to_owned(), tunnel()];
     let expected = models.clone().map(|model| unfold(&running(&model)));
     std::thread::scope(|scope| {
@@ -125,10 +125,10 @@ fn resident_kb() -> i64 {
     line.split_whitespace().nth(1).and_then(|text| text.parse().ok()).expect("a number")
 }
 
-/// E-02. A latched wing for `FOLDWING_STEPS` steps, with inputs set and outputs read in each, states saved, serialised,
+/// D-02. A latched wing for `FOLDWING_STEPS` steps, with inputs set and outputs read in each, states saved, serialised,
 /// restored and freed, and refused calls in between: as much memory after all steps as after a tenth of them.
 #[test]
-fn e02_flat_memory() {
+fn d02_flat_memory() {
     if !cfg!(target_os = "linux") {
         println!("skipped: memory is read from /proc");
         return;
@@ -190,10 +190,10 @@ fn wait_for_steps(child: &mut Child) {
     }
 }
 
-/// E-03. The importer is killed in the middle of a step, at `FOLDWING_KILLS` random moments: no file and no lock stays
+/// D-03. The importer is killed in the middle of a step, at `FOLDWING_KILLS` random moments: no file and no lock stays
 /// behind, and the next run with the same resources gives what the first gave.
 #[test]
-fn e03_killed_importers() {
+fn d03_killed_importers() {
     for model in [WING.to_owned(), tunnel()] {
         let place = place(&model);
         let before = result(child("child_unfolds", &place, &[]));
@@ -240,9 +240,9 @@ fn child_unfolds() {
     println!("result {:x?}", unfold(&running(&model)));
 }
 
-/// E-04. A process that ends without freeing its instances and their states ends with its own code.
+/// D-04. A process that ends without freeing its instances and their states ends with its own code.
 #[test]
-fn e04_exit_without_freeing() {
+fn d04_exit_without_freeing() {
     for model in [WING.to_owned(), tunnel()] {
         let output = child("child_exits", &place(&model), &[]).output().expect("starts");
         assert_eq!(output.status.code(), Some(42), "{}", String::from_utf8_lossy(&output.stderr));
@@ -307,10 +307,10 @@ fn step_loaded(library: &libloading::Library, model: &str) -> (fmi2Component, Ve
     }
 }
 
-/// E-05. The library is unloaded, after its instances were freed or while they live with the threads of a lattice, and
+/// D-05. The library is unloaded, after its instances were freed or while they live with the threads of a lattice, and
 /// loaded again: the same results, no crash, not at the end of the process either.
 #[test]
-fn e05_unloading() {
+fn d05_unloading() {
     for model in [WING.to_owned(), tunnel()] {
         for leaves in ["frees", "leaves"] {
             let told = result(child("child_unloads", &place(&model), &[("FOLDWING_UNLOAD", leaves)]));
@@ -340,11 +340,11 @@ fn child_unloads() {
     println!("result the same three times");
 }
 
-/// E-06. An importer that forks between two steps: parent and child both go on, each as if alone. (With `threads` above 1
+/// D-06. An importer that forks between two steps: parent and child both go on, each as if alone. (With `threads` above 1
 /// the child has no pool: that is the importer's to avoid.)
 #[test]
 #[cfg(unix)]
-fn e06_forked_importers() {
+fn d06_forked_importers() {
     let told = result(child("child_forks", &place(WING), &[]));
     assert_eq!(told, "both");
 }
@@ -383,9 +383,9 @@ fn child_forks() {
     println!("result both");
 }
 
-/// E-07. Two threads that call one instance at once, which the standard forbids: calls are refused or done, never torn.
+/// D-07. Two threads that call one instance at once, which the standard forbids: calls are refused or done, never torn.
 #[test]
-fn e07_two_threads_on_one_instance() {
+fn d07_two_threads_on_one_instance() {
     let fmu = running(WING);
     let component = fmu.component.expose_provenance();
     let state = fmu.save().expose_provenance();

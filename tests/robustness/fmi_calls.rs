@@ -6,49 +6,12 @@ mod fmi_semantics;
 mod fmu;
 
 use fmu::{Attempt, Fmu, OTHER, Resources, WING, callbacks, guid_of};
+use foldwing::fmi2::FUNCTIONS;
 use foldwing::fmi2::abi::functions::*;
 use foldwing::fmi2::abi::states::*;
 use foldwing::fmi2::abi::status::*;
 use foldwing::fmi2::abi::types::*;
 use std::ptr;
-
-/// Every function that the standard demands of a co-simulation FMU, by its exact name.
-const EXPORTS: &[&str] = &[
-    "fmi2GetTypesPlatform",
-    "fmi2GetVersion",
-    "fmi2SetDebugLogging",
-    "fmi2Instantiate",
-    "fmi2FreeInstance",
-    "fmi2SetupExperiment",
-    "fmi2EnterInitializationMode",
-    "fmi2ExitInitializationMode",
-    "fmi2Terminate",
-    "fmi2Reset",
-    "fmi2GetReal",
-    "fmi2GetInteger",
-    "fmi2GetBoolean",
-    "fmi2GetString",
-    "fmi2SetReal",
-    "fmi2SetInteger",
-    "fmi2SetBoolean",
-    "fmi2SetString",
-    "fmi2GetFMUstate",
-    "fmi2SetFMUstate",
-    "fmi2FreeFMUstate",
-    "fmi2SerializedFMUstateSize",
-    "fmi2SerializeFMUstate",
-    "fmi2DeSerializeFMUstate",
-    "fmi2GetDirectionalDerivative",
-    "fmi2SetRealInputDerivatives",
-    "fmi2GetRealOutputDerivatives",
-    "fmi2DoStep",
-    "fmi2CancelStep",
-    "fmi2GetStatus",
-    "fmi2GetRealStatus",
-    "fmi2GetIntegerStatus",
-    "fmi2GetBooleanStatus",
-    "fmi2GetStringStatus",
-];
 
 #[test]
 fn the_shared_library_exports_every_function() {
@@ -57,7 +20,7 @@ fn the_shared_library_exports_every_function() {
     let path = tests.with_file_name(name); // Cargo builds the library beside its tests
     // SAFETY: our own library, without initialisers.
     let library = unsafe { libloading::Library::new(&path) }.unwrap_or_else(|error| panic!("{path:?}: {error}"));
-    for export in EXPORTS {
+    for export in FUNCTIONS {
         let symbol = unsafe { library.get::<unsafe extern "C" fn()>(export.as_bytes()) };
         assert!(symbol.is_ok(), "{export} is not exported");
     }

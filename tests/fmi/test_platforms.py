@@ -1,0 +1,200 @@
+"""The libraries of `make fmu-all`: what they need where they run, what they export, and that both compute the same.
+
+`make test-platforms` builds them and runs this; without them every test here is skipped.
+"""
+
+import os
+import re
+import shutil
+import struct
+import subprocess
+import zipfile
+from pathlib import Path
+
+import pytest
+from driving import Fmu, Instance
+from fmpy.validation import validate_fmu
+
+ROOT = Path(__file__).resolve().parents[2]
+FUNCTIONS = set(re.findall(r'^ +"(fmi2\w+)",$', (ROOT / "src/fmi2/mod.rs").read_text(), re.M))
+ARCHIVE_LIMIT_BYTES = 4e6
+MODEL = "folding_wing"
+
+
+def need(found, what):
+    """Skips where a tool is missing, with the reason; continuous integration must have it."""
+    if not found:
+        (pytest.fail if os.environ.get("CI") == "true" else pytest.skip)(f"{what} is not on this machine")
+    return str(found)
+
+
+def tool(name):
+    """Path of a program."""
+    return need(shutil.which(name), name)
+
+
+@pytest.fixture(scope="module")
+def platforms():
+    """Folder of `make fmu-all` with one folder per platform."""
+    return Path(os.environ.get("FOLDWING_PLATFORMS", ROOT / "target/platforms"))
+
+
+@pytest.fixture(scope="module")
+def libraries(platforms):
+    """The libraries by platform."""
+    found = {"linux64": platforms / "linux64/libfoldwing.so", "win64": platforms / "win64/foldwing.dll"}
+    missing = [str(path) for path in found.values() if not path.is_file()]
+    if missing:
+        pytest.skip(f"{', '.join(missing)}: not built; `make fmu-all` builds it")
+    return found
+
+
+@pytest.fixture(scope="module")
+def archive(foldwing, libraries, tmp_path_factory):
+    """FMU of the folding wing with both libraries."""
+    return package(foldwing, libraries, tmp_path_factory.mktemp("both") / "wing.fmu")
+
+
+def package(foldwing, libraries, path, model=MODEL):
+    """Packages a shipped model with libraries."""
+    chosen = [f"--library={platform}={library}" for platform, library in libraries.items()]
+    subprocess.run([foldwing, "package", ROOT / f"examples/models/{model}.toml", "-o", path, *chosen], check=True)
+    return path
+
+
+def test_w01_linux_library_needs_glibc_of_2012_at_most(libraries):
+    """N-01. No symbol newer than GLIBC_2.17: runs on what engineers' servers have run since 2012 (RHEL 7)."""
+    listing = subprocess.run([tool("objdump"), "-T", libraries["linux64"]], check=True, capture_output=True, text=True)
+    versions = {tuple(map(int, found.split("."))) for found in re.findall(r"GLIBC_([\d.]+)", listing.stdout)}
+    assert versions, "the library names versions of glibc"
+    print("newest symbol of glibc:", ".".join(map(str, max(versions))))
+    assert max(versions) <= (2, 17)
+
+
+def test_w02_libraries_export_the_standard_and_nothing_else(libraries):
+    """N-02. Exactly the functions of the standard, by their names: nothing mangled, nothing of Rust's own."""
+    objdump = tool("objdump")
+    linux = subprocess.run([objdump, "-T", libraries["linux64"]], check=True, capture_output=True, text=True).stdout
+    defined = {line.split()[-1] for line in linux.splitlines() if re.search(r"\bg +DF \.text", line)}
+    windows = subprocess.run([objdump, "-p", libraries["win64"]], check=True, capture_output=True, text=True).stdout
+    table = windows.split("[Ordinal/Name Pointer] Table")[1]
+    exported = set(re.findall(r"^\s*\[\s*\d+\]\s+(?:\+base\[\s*\d+\]\s+[0-9a-f]+\s+)?(\S+)$", table, re.M))
+    assert len(FUNCTIONS) == 34, "4 outside the life cycle and 30 inside"
+    assert defined == FUNCTIONS
+    assert exported == FUNCTIONS
+
+
+def test_w03_dll_needs_windows_alone(libraries):
+    """N-03. The DLL imports from Windows' own libraries only: no runtime of a compiler has to be installed."""
+    own = r"(kernel32|ntdll|ws2_32|userenv|bcryptprimitives|advapi32|api-ms-win-(crt|core)-[a-z0-9-]+)\.dll"
+    listing = subprocess.run([tool("objdump"), "-p", libraries["win64"]], check=True, capture_output=True, text=True)
+    imported = re.findall(r"DLL Name: (\S+)", listing.stdout)
+    assert imported
+    assert [name for name in imported if not re.fullmatch(own, name, re.I)] == []
+
+
+def test_w04_no_path_of_this_machine_stands_in_a_library(libraries):
+    """N-04. Neither the folder of the sources nor that of the home or of the compiler's sources is in the bytes."""
+    cargo = Path(os.environ.get("CARGO_HOME", Path.home() / ".cargo"))
+    paths = [ROOT, cargo, *({Path.home()} - {Path("/")}), "/usr/lib/rustlib", "/usr/src/rustc"]
+    for platform, library in libraries.items():
+        content = library.read_bytes()
+        assert b"src/fmi2" in content or b"src/plant" in content, "messages name the sources, so the search can find"
+        assert [str(path) for path in paths if os.fsencode(f"{path}/") in content] == [], platform
+
+
+def test_w05_archive_holds_both_and_stays_small(foldwing, libraries, archive, tmp_path):
+    """N-05. Both libraries in one valid archive of less than 4 MB, the same bytes when packaged again in another order."""
+    print(f"archive {archive.stat().st_size} bytes")
+    with zipfile.ZipFile(archive) as content:
+        parts = {info.filename: info for info in content.infolist()}
+        for info in parts.values():
+            print(f"{info.filename}: {info.file_size} bytes, {info.compress_size} compressed")
+        assert content.read("binaries/linux64/foldwing.so") == libraries["linux64"].read_bytes()
+        assert content.read("binaries/win64/foldwing.dll") == libraries["win64"].read_bytes()
+    assert archive.stat().st_size < ARCHIVE_LIMIT_BYTES
+    assert validate_fmu(str(archive)) == []
+    again = package(foldwing, dict(reversed(libraries.items())), tmp_path / "again.fmu")
+    assert again.read_bytes() == archive.read_bytes()
+
+
+def test_w06_library_for_another_platform_is_refused(foldwing, libraries, tmp_path):
+    """N-06. A library that is not for the platform it is given for is refused by its header, whatever its name."""
+    swapped = f"--library=linux64={libraries['win64']}"
+    command = [foldwing, "package", ROOT / f"examples/models/{MODEL}.toml", "-o", tmp_path / "x.fmu", swapped]
+    outcome = subprocess.run(command, capture_output=True, text=True)
+    assert outcome.returncode == 1
+    assert "the library is for win64, not for linux64" in outcome.stderr
+
+
+@pytest.fixture(scope="module")
+def wine(tmp_path_factory):
+    """Runs a Windows program on drive C: of a fresh Wine prefix, which is removed at the end."""
+    loader = need(shutil.which("wine64") or shutil.which("wine") or shutil.which("wine64", path="/usr/lib/wine"), "Wine")
+    prefix = tmp_path_factory.mktemp("wine")
+    quiet = {"WINEPREFIX": str(prefix), "WINEARCH": "win64", "WINEDEBUG": "-all", "DISPLAY": ""}
+    environment = {**os.environ, **quiet}
+
+    def run(*command, **options):
+        return subprocess.run([loader, *command], env=environment, capture_output=True, text=True, **options)
+
+    run("cmd", "/c", "exit")  # creates the prefix
+    run.drive = prefix / "drive_c"
+    yield run
+    server = shutil.which("wineserver") or shutil.which("wineserver64", path="/usr/lib/wine")
+    if server:
+        subprocess.run([server, "-k"], env=environment)
+    shutil.rmtree(prefix, ignore_errors=True)
+
+
+@pytest.fixture(scope="module")
+def driver(platforms, wine):
+    """The importer of run_library.c, built for Windows, on drive C:."""
+    zig = need(shutil.which("python-zig", path=platforms / "venv/bin"), "Zig in the environment of `make fmu-all`")
+    compile_c = [zig, "cc", "-target", "x86_64-windows-gnu", "-O1"]
+    here = Path(__file__).parent
+    subprocess.run([*compile_c, here / "run_library.c", "-o", wine.drive / "driver.exe"], check=True)
+    if not (wine.drive / "windows/system32/bcryptprimitives.dll").is_file():  # Wine before 9
+        shim = [here / "bcryptprimitives.c", "-shared", "-ladvapi32", "-o", wine.drive / "bcryptprimitives.dll"]
+        subprocess.run([*compile_c, *shim], check=True)
+    return r"C:\driver.exe"
+
+
+@pytest.mark.parametrize("model", ["folding_wing", "folding_wing_constant", "three_bodies"])
+def test_w07_windows_library_computes_what_the_linux_library_computes(model, foldwing, libraries, wine, driver, tmp_path):
+    """N-07. The DLL under Wine, its resources on drive C: below a folder with a blank, against the Linux library by
+    FMPy: 0.4 s in steps of 1 ms.
+
+    Elementary functions of the systems may differ in the last bit, and so may the compilers: 1e-12 of each output's own range at the
+    start. The steps carry such differences on without amplifying them much (measured 3.4e-12); 1e-9 leaves room for other
+    versions of Wine and Windows and is still far below what the models' tolerance of 1e-4 means.
+    """
+    steps, step_s = 400, 1e-3
+    fmu = Fmu(package(foldwing, libraries, tmp_path / "both.fmu", model), tmp_path / "unpacked")
+    reals = [variable for variable in fmu.outputs if variable.type == "Real"]
+    references = [variable.valueReference for variable in reals]
+
+    linux = Instance(fmu).initialize()
+    here = [linux.slave.getReal(references)]
+    here += [linux.advance(1, step_s).slave.getReal(references) for _ in range(steps)]
+    linux.slave.freeInstance()
+
+    shutil.copytree(fmu.folder, wine.drive / f"{model} here")
+    library, uri = rf"C:\{model} here\binaries\win64\foldwing.dll", f"file:///C:/{model}%20here/resources"
+    numbers = "\n".join(map(str, references))
+    outcome = wine(driver, library, uri, fmu.description.guid, str(step_s), str(steps), input=numbers)
+    assert outcome.returncode == 0, outcome.stderr
+    there = [[struct.unpack(">d", bytes.fromhex(word))[0] for word in line.split()] for line in outcome.stdout.splitlines()]
+    assert [len(row) for row in there] == [len(references)] * (steps + 1)
+
+    equal = sum(a == b for left, right in zip(here, there) for a, b in zip(left, right))
+    print(f"{model}: {equal} of {len(references) * (steps + 1)} values equal bit for bit; {outcome.stderr.strip()}")
+    ranges = [max(max(map(abs, column)), 1e-9) for column in zip(*here)]
+    for time_step, limit in [(0, 1e-12), (steps, 1e-9)]:
+        worst = max(
+            (abs(a - b) / scale, variable.name)
+            for left, right in zip(here[: time_step + 1], there)
+            for a, b, scale, variable in zip(left, right, ranges, reals)
+        )
+        print(f"{model}: largest difference up to step {time_step}: {worst[0]:.1e} of the range ({worst[1]})")
+        assert worst[0] <= limit, worst
