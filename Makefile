@@ -119,9 +119,10 @@ validate: package venv ## Compare with the methods of the paper, flutter, damp t
 	$(VENV_PYTHON) tools/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
 	$(MAKE) robust
 
-# with the checks for overflow and the assertions that a release build leaves out
+# with the checks for overflow and the assertions that a release build leaves out; a single step may take its 10⁶ internal
+# steps, a minute and more in this build
 robust: toolchain valgrind ## A million random calls, 30000 mutated models, a million steps, 100 killed importers
-	FOLDWING_CALLS=1000000 $(CARGO) test --locked --test random_calls -- --nocapture c01
+	FOLDWING_CALLS=1000000 FOLDWING_WATCHDOG=900 $(CARGO) test --locked --test random_calls -- --nocapture c01
 	FOLDWING_MUTATIONS=30000 $(CARGO) test --locked --test mutated_inputs -- --nocapture
 	FOLDWING_STEPS=1000000 FOLDWING_KILLS=50 $(CARGO) test --locked --test endurance -- --nocapture
 

@@ -44,6 +44,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let variables = interface.variables();
         return print(&packaging::model_description(&machine, variables, &guid(&text, variables)));
     };
+    let extras = Extras {
+        reference: (!arguments.no_reference).then(|| reference(&machine)).transpose()?,
+        linear: arguments.linear.as_ref().map(|at| linear(&machine, at)).transpose()?,
+    };
     let libraries = if arguments.libraries.is_empty() {
         Library::read(&library_beside_executable()?, None).map_err(failure)?
     } else {
@@ -53,10 +57,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             libraries.extend(Library::read(&path, platform).map_err(failure)?);
         }
         libraries
-    };
-    let extras = Extras {
-        reference: (!arguments.no_reference).then(|| reference(&machine)).transpose()?,
-        linear: arguments.linear.as_ref().map(|at| linear(&machine, at)).transpose()?,
     };
     packaging::package(&machine, &text, &extras, &libraries, output).map_err(failure)?;
     if let (Some(folder), Some(reference)) = (&arguments.cross_check, &extras.reference) {
