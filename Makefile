@@ -27,7 +27,7 @@ TUNNEL_FMU  := $(TARGET)/fmu/folding_wing_in_tunnel.fmu
 DEPLOYMENT  := $(TARGET)/deployment
 PLATFORMS   := $(TARGET)/platforms
 
-.PHONY: all build package venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-peers bless licenses robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
+.PHONY: all build package venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-peers bless licenses robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -91,7 +91,7 @@ pytest: package runner
 	    FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) \
 	    $(TEST_PYTHON) -m pytest -q tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
 
-bench: bench-own bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
+bench: bench-own bench-sweep bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
 
 bench-own: toolchain ## Measure the recursions, the C functions, memory, other methods and the lattice
 	$(CARGO) bench --locked --bench kernels
@@ -99,6 +99,9 @@ bench-own: toolchain ## Measure the recursions, the C functions, memory, other m
 	$(CARGO) bench --locked --bench memory
 	$(CARGO) bench --locked --bench conventional
 	$(CARGO) bench --locked --bench lattice
+
+bench-sweep: build ## Measure variants per second of `foldwing sweep` with one thread and two
+	@$(PYTHON) tools/sweep_throughput.py --foldwing $(COMMAND)
 
 bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/tables/exudyn.md, takes minutes
 	@$(PYTHON) tools/create_venv.py $(PEERS) --requirements python/requirements-peers.txt
