@@ -142,8 +142,18 @@ fn k04_a_killed_sweep_goes_on() {
     const VARIANTS: usize = 60;
     let folder = tempfile::tempdir().unwrap();
     let (whole, killed) = (folder.path().join("whole.csv"), folder.path().join("killed.csv"));
-    let vary =
-        ["--vary", "fold.start_angle=0.5:2.9:60", "--output", "tip.position.z", "--stop", "0.4", "--step", "1e-3"];
+    let vary = [
+        "--vary",
+        "fold.start_angle=0.5:2.9:60",
+        "--output",
+        "tip.position.z",
+        "--stop",
+        "0.4",
+        "--step",
+        "1e-3",
+        "--threads",
+        "2",
+    ];
     succeeds(&mut sweep(&whole, &vary));
 
     let mut running = sweep(&killed, &vary).stderr(Stdio::null()).spawn().unwrap();
