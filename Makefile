@@ -7,6 +7,7 @@ CARGO   ?= cargo
 TARGET  := $(or $(CARGO_TARGET_DIR),target)
 VENV    ?= $(TARGET)/venv
 PEERS   ?= $(TARGET)/venv-peers
+DASK    ?= $(TARGET)/venv-dask
 MODELS  := $(wildcard examples/models/*.toml)
 
 MINIMUM_RUST   := $(shell sed -n 's/^rust-version *= *"\(.*\)"/\1/p' Cargo.toml)
@@ -27,7 +28,7 @@ TUNNEL_FMU  := $(TARGET)/fmu/folding_wing_in_tunnel.fmu
 DEPLOYMENT  := $(TARGET)/deployment
 PLATFORMS   := $(TARGET)/platforms
 
-.PHONY: all build package venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-peers bless licenses robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
+.PHONY: all build package venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-peers bless licenses robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -91,7 +92,7 @@ pytest: package runner
 	    FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) \
 	    $(TEST_PYTHON) -m pytest -q tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
 
-bench: bench-own bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
+bench: bench-own bench-sweep bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
 
 bench-own: toolchain ## Measure the recursions, the C functions, memory, other methods and the lattice
 	$(CARGO) bench --locked --bench kernels
@@ -100,12 +101,15 @@ bench-own: toolchain ## Measure the recursions, the C functions, memory, other m
 	$(CARGO) bench --locked --bench conventional
 	$(CARGO) bench --locked --bench lattice
 
+bench-sweep: build ## Measure variants per second of `foldwing sweep` with one thread and two
+	@$(PYTHON) tools/sweep_throughput.py --foldwing $(COMMAND)
+
 bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/tables/exudyn.md, takes minutes
 	@$(PYTHON) tools/create_venv.py $(PEERS) --requirements python/requirements-peers.txt
 	$(PEERS)/bin/python tools/compare_exudyn.py --foldwing $(COMMAND)
 	$(PEERS)/bin/python tools/compare_lattice.py
 
-validate: package venv ## Compare with the methods of the paper, flutter, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
+validate: package venv ## Compare with the methods of the paper, sweep on Dask, flutter, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
 	$(CARGO) test --locked --test conventional -- --nocapture
 	$(CARGO) test --locked --release --test coupling -- --ignored --nocapture
 	$(VENV_PYTHON) tools/plot_conventional.py $(TARGET)/verification docs/pictures
@@ -117,6 +121,8 @@ validate: package venv ## Compare with the methods of the paper, flutter, damp t
 	$(VENV_PYTHON) examples/gust.py --foldwing $(COMMAND) --picture docs/pictures/gust.png
 	$(VENV_PYTHON) examples/identify_damping.py --fmu $(FMU) --picture docs/pictures/identified_damping.png
 	$(VENV_PYTHON) tools/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
+	@$(PYTHON) tools/create_venv.py $(DASK) --requirements python/requirements-dask.txt
+	$(DASK)/bin/python examples/sweep_dask.py --fmu $(FMU) --foldwing $(COMMAND)
 	$(MAKE) robust
 
 # with the checks for overflow and the assertions that a release build leaves out; a single step may take its 10⁶ internal
@@ -150,6 +156,7 @@ python-lock: venv ## Renew the pinned requirements in python/ from the .in files
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-test.in python/requirements-test.txt
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-peers.in python/requirements-peers.txt 3.11
 	$(VENV_PYTHON) tools/lock_python.py python/platforms.in python/platforms.txt
+	$(VENV_PYTHON) tools/lock_python.py python/requirements-dask.in python/requirements-dask.txt 3.10
 
 clean: ## Remove everything that was built
 	$(CARGO) clean

@@ -15,6 +15,13 @@ pub(super) struct GridArguments {
     stop: Option<f64>,
 }
 
+impl GridArguments {
+    /// Start, stop and step as far as they are given, in s.
+    pub(super) fn given(&self) -> [Option<f64>; 3] {
+        [self.start, self.stop, self.step]
+    }
+}
+
 /// Communication points.
 pub(super) struct Grid {
     pub start_s: f64,

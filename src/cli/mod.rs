@@ -18,6 +18,7 @@ mod settings;
 mod simulate;
 mod statics;
 mod strains;
+mod sweep;
 mod timing;
 
 use clap::{Parser, Subcommand};
@@ -58,6 +59,8 @@ enum Command {
     Package(package::Arguments),
     /// Simulate a model and write its outputs as CSV
     Simulate(simulate::Arguments),
+    /// Simulate many variants of a model, and write a row for each
+    Sweep(sweep::Arguments),
     /// Run an FMU of any tool (FMI 2.0 co-simulation) and write its outputs as CSV
     Run(run::Arguments),
     /// Say what was understood of a model
@@ -120,6 +123,7 @@ pub fn run() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Package(arguments) => package::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Static(arguments) => statics::run(&arguments),

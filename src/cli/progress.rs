@@ -11,19 +11,22 @@ const PROGRESS_AFTER: Duration = Duration::from_millis(500);
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
     steps: u64,
+    what: &'static str,
     started: Instant,
 }
 
 impl Progress {
-    pub fn new(steps: u64) -> Self {
-        Self { bar: None, steps, started: Instant::now() }
+    /// For `steps` steps; `what` stands behind the percentage.
+    pub fn new(steps: u64, what: &'static str) -> Self {
+        Self { bar: None, steps, what, started: Instant::now() }
     }
 
     /// Shows that a step is done.
     pub fn at(&mut self, step: u64) {
         if self.bar.is_none() && self.started.elapsed() > PROGRESS_AFTER && io::stderr().is_terminal() {
-            let style = ProgressStyle::with_template("{wide_bar} {percent} % of the time, {eta} left")
-                .expect("the template is valid");
+            let style =
+                ProgressStyle::with_template(&format!("{{wide_bar}} {{percent}} % {}, {{eta}} left", self.what))
+                    .expect("the template is valid");
             let bar = ProgressBar::with_draw_target(Some(self.steps), ProgressDrawTarget::stderr());
             self.bar = Some(bar.with_style(style));
         }

@@ -190,7 +190,7 @@ impl<W: Write> Run<'_, W> {
         self.feed(grid.start_s)?;
         self.slave.exit_initialization().map_err(failed)?;
         self.record(grid.start_s, writing)?;
-        let mut progress = Progress::new(grid.steps);
+        let mut progress = Progress::new(grid.steps, "of the time");
         for point in 1..=grid.steps {
             let (from_s, to_s) = (grid.time_s(point - 1), grid.time_s(point));
             self.feed(from_s)?;

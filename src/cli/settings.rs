@@ -16,17 +16,26 @@ pub(super) fn read_plant(model: &Path, settings: &[String]) -> Result<Plant, Fai
 }
 
 /// A plant of a machine with start values set, not yet initialised.
-pub(super) fn plant_with(machine: Machine, interface: &Interface, settings: &[String]) -> Result<Plant, Failure> {
-    let mut plant = Plant::new(Arc::new(machine));
+pub(super) fn plant_with(
+    machine: impl Into<Arc<Machine>>,
+    interface: &Interface,
+    settings: &[String],
+) -> Result<Plant, Failure> {
+    let mut plant = Plant::new(machine.into());
     for setting in settings {
-        apply_setting(setting, interface, &mut plant)?;
+        apply_setting("--set", setting, interface, &mut plant)?;
     }
     Ok(plant)
 }
 
-/// `NAME=VALUE` of an input or parameter.
-fn apply_setting(setting: &str, interface: &Interface, plant: &mut Plant) -> Result<(), Failure> {
-    let refused = |cause: String| Failure::Usage(format!("--set {setting}: {cause}"));
+/// `NAME=VALUE` of an input or parameter; `option` is what messages begin with.
+pub(super) fn apply_setting(
+    option: &str,
+    setting: &str,
+    interface: &Interface,
+    plant: &mut Plant,
+) -> Result<(), Failure> {
+    let refused = |cause: String| Failure::Usage(format!("{option} {setting}: {cause}"));
     let (name, text) = setting.split_once('=').ok_or_else(|| refused("must be NAME=VALUE".to_owned()))?;
     let variable = interface.find(name).ok_or_else(|| unknown(name, "input or parameter", interface.variables()))?;
     let value = match variable.value {

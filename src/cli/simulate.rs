@@ -134,6 +134,22 @@ pub(super) fn csv_sink(target: &str) -> Result<BufWriter<Box<dyn Write>>, Failur
     Ok(BufWriter::new(sink))
 }
 
+/// Sets the inputs of the step that begins at `time_s`, where a table gives them.
+pub(super) fn feed(
+    inputs: Option<&InputTable>,
+    interface: &Interface,
+    plant: &mut Plant,
+    time_s: f64,
+) -> Result<(), Failure> {
+    let Some(table) = inputs else { return Ok(()) };
+    for (row, value) in table.at(time_s) {
+        interface
+            .set(plant, interface.variables()[row].value_reference, value)
+            .map_err(|error| Failure::Refused(format!("input at {time_s} s: {error}")))?;
+    }
+    Ok(())
+}
+
 /// One simulation.
 struct Run<'a, W: Write> {
     plant: Plant,
@@ -152,7 +168,7 @@ struct Run<'a, W: Write> {
 impl<W: Write> Run<'_, W> {
     fn through(&mut self, grid: &Grid, writing: &impl Fn(io::Error) -> Failure) -> Result<(), Failure> {
         let failed = |error: foldwing::plant::PlantError| Failure::Simulation(error.to_string());
-        self.feed(grid.start_s)?;
+        feed(self.inputs.as_ref(), self.interface, &mut self.plant, grid.start_s)?;
         self.plant.initialize(grid.start_s).map_err(failed)?;
         if self.lattices.is_some() && self.plant.lattice().is_none() {
             return Err(Failure::Usage("--lattice: the model's air is no vortex lattice".to_owned()));
@@ -161,9 +177,9 @@ impl<W: Write> Run<'_, W> {
         if let Some(timing) = &mut self.timing {
             timing.initialized();
         }
-        let mut progress = Progress::new(grid.steps);
+        let mut progress = Progress::new(grid.steps, "of the time");
         for point in 1..=grid.steps {
-            self.feed(grid.time_s(point - 1))?;
+            feed(self.inputs.as_ref(), self.interface, &mut self.plant, grid.time_s(point - 1))?;
             let time_s = grid.time_s(point);
             let begin = self.timing.is_some().then(Instant::now);
             if let Err(error) = self.plant.step(time_s) {
@@ -178,17 +194,6 @@ impl<W: Write> Run<'_, W> {
                 timing.stepped(begin, end);
             }
             progress.at(point);
-        }
-        Ok(())
-    }
-
-    /// Inputs of the step that begins at `time_s`.
-    fn feed(&mut self, time_s: f64) -> Result<(), Failure> {
-        let Some(table) = &self.inputs else { return Ok(()) };
-        for (row, value) in table.at(time_s) {
-            self.interface
-                .set(&mut self.plant, self.interface.variables()[row].value_reference, value)
-                .map_err(|error| Failure::Refused(format!("input at {time_s} s: {error}")))?;
         }
         Ok(())
     }

@@ -106,7 +106,7 @@ fn archive(entries: &BTreeMap<String, Entry>) -> Vec<u8> {
 }
 
 /// Writes beside the target, then renames: readers see the old file or the new one, never half of it.
-fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut file = tempfile::Builder::new().prefix(".foldwing-").permissions(readable()).tempfile_in(folder)?;
     file.write_all(bytes)?;
