@@ -1,14 +1,21 @@
-//! Results as CSV, inputs over time from CSV, linear models as files.
+//! Results as CSV, inputs over time from CSV, linear models as files; recordings of a run, their figures, the page that
+//! plays them, VTK files.
 
+pub mod figure;
 pub mod inputs;
 pub mod linear;
 pub mod mat;
+pub mod plots;
 pub mod recorder;
+pub mod recording;
+pub mod viewer;
+pub mod vtk;
 
 pub use inputs::{Channel, InputTable, InputsError};
 pub use linear::{linear_json, write_npz};
 pub use mat::write_mat;
 pub use recorder::Recorder;
+pub use recording::Recording;
 
 use crate::interface::Value;
 
