@@ -4,8 +4,10 @@ use crate::cli::Failure;
 use foldwing::interface::{Value, Variable};
 use foldwing::plant::Plant;
 use foldwing::report::Recording;
-use foldwing::report::plots::{self, Column};
-use foldwing::report::{viewer, vtk};
+use foldwing::report::figure::Figure;
+use foldwing::report::plots::{self, Series};
+use foldwing::report::recording::FRAMES;
+use foldwing::report::{number, viewer, vtk};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -21,13 +23,16 @@ pub struct PictureArguments {
     /// Folder for VTK files of wing and wake over time, for ParaView
     #[arg(long, value_name = "DIR")]
     pub vtk: Option<PathBuf>,
+    /// Most frames of `--view` and `--vtk` after the first; a page of more than 8 MB has fewer
+    #[arg(long, value_name = "N", default_value_t = FRAMES, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub frames: u64,
 }
 
 /// The pictures in the making.
 pub struct Pictures<'a> {
     wanted: &'a PictureArguments,
-    /// Variables that were named, with their values so far.
-    columns: Vec<Column>,
+    /// Variables that were named.
+    series: Option<Series>,
     recording: Option<Recording>,
     steps: u64,
 }
@@ -37,36 +42,21 @@ impl<'a> Pictures<'a> {
     /// bad place is refused before the run.
     pub fn new(wanted: &'a PictureArguments, steps: u64, named: &[&Variable]) -> Result<Self, Failure> {
         for folder in [&wanted.plot, &wanted.vtk].into_iter().flatten() {
-            fs::create_dir_all(folder).map_err(|error| Failure::writing(&folder.display().to_string(), &error))?;
+            make_folder(folder)?;
         }
-        let column = |variable: &&Variable| Column {
-            name: variable.name.clone(),
-            unit: variable.unit().to_owned(),
-            values: Vec::new(),
-        };
-        let columns = if wanted.plot.is_some() { named.iter().map(column).collect() } else { Vec::new() };
-        Ok(Self { wanted, columns, recording: None, steps })
+        let named = named.iter().map(|variable| (variable.name.as_str(), variable.unit()));
+        let series = wanted.plot.as_ref().map(|_| Series::new(named, steps));
+        Ok(Self { wanted, series, recording: None, steps })
     }
 
-    fn any(&self) -> bool {
-        self.wanted.plot.is_some() || self.wanted.view.is_some() || self.wanted.vtk.is_some()
-    }
-
-    /// Takes the plant at one of the `steps + 1` points of the run; `value` reads the variable of a column.
-    pub fn include(&mut self, plant: &Plant, value: impl Fn(usize) -> Value) {
-        if !self.any() {
+    /// Takes the plant at one of the `steps + 1` points of the run, with the values of the variables that were named.
+    pub fn include(&mut self, plant: &Plant, values: impl Iterator<Item = Value>) {
+        if self.wanted.plot.is_none() && self.wanted.view.is_none() && self.wanted.vtk.is_none() {
             return;
         }
-        let recording = self.recording.get_or_insert_with(|| Recording::new(plant, self.steps));
-        recording.include(plant);
-        if recording.has_point() {
-            for (i, column) in self.columns.iter_mut().enumerate() {
-                column.values.push(match value(i) {
-                    Value::Real(value) => value,
-                    Value::Integer(value) => f64::from(value),
-                    Value::Boolean(value) => f64::from(u8::from(value)),
-                });
-            }
+        self.recording.get_or_insert_with(|| Recording::new(plant, self.steps, self.wanted.frames)).include(plant);
+        if let Some(series) = &mut self.series {
+            series.include(plant.time_s(), values.map(|value| number(&value)));
         }
     }
 
@@ -74,7 +64,12 @@ impl<'a> Pictures<'a> {
     pub fn write(&self) -> Result<(), Failure> {
         let Some(recording) = &self.recording else { return Ok(()) };
         if let Some(folder) = &self.wanted.plot {
-            self.write_plots(folder, recording)?;
+            for (stem, figure) in plots::figures(recording) {
+                write_figure(folder, stem, &figure)?;
+            }
+        }
+        if let (Some(folder), Some(series)) = (&self.wanted.plot, &self.series) {
+            write_series(folder, &recording.scene.name, series)?;
         }
         if let Some(path) = &self.wanted.view {
             let failed = |error| Failure::writing(&path.display().to_string(), &error);
@@ -85,16 +80,19 @@ impl<'a> Pictures<'a> {
         }
         Ok(())
     }
+}
 
-    fn write_plots(&self, folder: &Path, recording: &Recording) -> Result<(), Failure> {
-        let failed = |error| Failure::Files(format!("{}: {error}", folder.display()));
-        for (stem, figure) in plots::figures(recording) {
-            plots::write(folder, stem, &figure).map_err(failed)?;
-        }
-        let chosen = plots::columns(&recording.scene.name, &recording.history.time_s, &self.columns);
-        for (i, figure) in chosen.iter().enumerate() {
-            plots::write(folder, &format!("outputs_{}", i + 1), figure).map_err(failed)?;
-        }
-        Ok(())
-    }
+/// Makes a folder for pictures.
+pub(super) fn make_folder(folder: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(folder).map_err(|error| Failure::writing(&folder.display().to_string(), &error))
+}
+
+/// Writes the figures of variables as `outputs_1.svg`, `outputs_1.png` and so on.
+pub(super) fn write_series(folder: &Path, title: &str, series: &Series) -> Result<(), Failure> {
+    let mut figures = series.figures(title).into_iter().enumerate();
+    figures.try_for_each(|(i, figure)| write_figure(folder, &format!("outputs_{}", i + 1), &figure))
+}
+
+fn write_figure(folder: &Path, stem: &str, figure: &Figure) -> Result<(), Failure> {
+    plots::write(folder, stem, figure).map_err(|error| Failure::Files(format!("{}: {error}", folder.display())))
 }

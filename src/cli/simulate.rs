@@ -227,7 +227,7 @@ impl<W: Write> Run<'_, W> {
         let value = |variable: &&Variable| {
             interface.get(plant, plant.outputs(), variable.value_reference).expect("rows come from the same table")
         };
-        self.pictures.include(plant, |column| value(&self.recorded[column]));
+        self.pictures.include(plant, self.recorded.iter().map(value));
         self.recorder.record(time_s, self.recorded.iter().map(value))
     }
 }

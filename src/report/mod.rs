@@ -19,6 +19,15 @@ pub use recording::Recording;
 
 use crate::interface::Value;
 
+/// A value as a number: Booleans are 0 and 1.
+pub fn number(value: &Value) -> f64 {
+    match value {
+        Value::Real(value) => *value,
+        Value::Integer(value) => f64::from(*value),
+        Value::Boolean(value) => f64::from(u8::from(*value)),
+    }
+}
+
 /// A value as a CSV cell: reals with the shortest text that reads back to the same bits, Booleans as 0 and 1.
 pub fn cell(value: &Value) -> String {
     match value {

@@ -1,14 +1,17 @@
-//! The figures of a run: fold angles, strains, tip paths, shapes over time, energies; and of any recorded columns.
+//! The figures of a run: fold angles, strains, tip paths, shapes over time, energies; and of any variables over time.
 
 use crate::plant::EnergyOutputs;
-use crate::report::figure::{Curve, Figure, FigureError};
-use crate::report::recording::{Frame, Recording};
+use crate::report::figure::{Curve, Figure, FigureError, PALETTE};
+use crate::report::recording::{Frame, MOST_POINTS, Recording, Thinning};
 use nalgebra::Vector3;
 use std::path::Path;
 use std::{fs, io};
 
 /// Shapes that one figure shows.
 const SHAPES: usize = 9;
+
+/// Curves that one figure of chosen variables shows: two looks per colour.
+const CURVES: usize = 2 * PALETTE.len();
 
 /// Axes of the root frame.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -148,37 +151,64 @@ fn hue(fraction: f64) -> [u8; 3] {
     })
 }
 
-/// A recorded variable.
+/// A variable over time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Column {
-    /// Name.
-    pub name: String,
-    /// Unit; empty for none.
-    pub unit: String,
-    /// One value per time.
-    pub values: Vec<f64>,
+struct Column {
+    name: String,
+    /// Empty for none.
+    unit: String,
+    values: Vec<f64>,
 }
 
-/// Figures of any recorded variables, one per unit in order of their first appearance.
-pub fn columns(title: &str, time_s: &[f64], columns: &[Column]) -> Vec<Figure> {
-    let mut units: Vec<&str> = Vec::new();
-    for column in columns {
-        if !units.contains(&column.unit.as_str()) {
-            units.push(&column.unit);
+/// Any variables over time, of a model or of an FMU.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    time_s: Vec<f64>,
+    columns: Vec<Column>,
+    thinning: Thinning,
+}
+
+impl Series {
+    /// Nothing yet of variables with these names and units, in a run of so many steps.
+    pub fn new<'a>(variables: impl IntoIterator<Item = (&'a str, &'a str)>, steps: u64) -> Self {
+        let column = |(name, unit): (&str, &str)| Column { name: name.into(), unit: unit.into(), values: Vec::new() };
+        let columns = variables.into_iter().map(column).collect();
+        Self { time_s: Vec::new(), columns, thinning: Thinning::new(steps, MOST_POINTS) }
+    }
+
+    /// Takes the values of all variables, in their order; what is no number is not drawn (NaN).
+    pub fn include(&mut self, time_s: f64, values: impl IntoIterator<Item = f64>) {
+        if self.thinning.keeps() {
+            self.time_s.push(time_s);
+            self.columns.iter_mut().zip(values).for_each(|(column, value)| column.values.push(value));
         }
     }
-    let figure = |unit: &str| {
-        let mine = columns.iter().filter(|column| column.unit == unit).enumerate();
-        let points = |values: &[f64]| time_s.iter().zip(values).map(|(time_s, value)| [*time_s, *value]).collect();
+
+    /// Figures, one per unit in order of their first appearance, of at most as many curves as a figure tells apart.
+    pub fn figures(&self, title: &str) -> Vec<Figure> {
+        let drawn = self.columns.iter().filter(|column| column.values.iter().any(|value| value.is_finite()));
+        let mut groups: Vec<(&str, Vec<&Column>)> = Vec::new();
+        for column in drawn {
+            let has_room = |(unit, group): &&mut (&str, Vec<&Column>)| *unit == column.unit && group.len() < CURVES;
+            match groups.iter_mut().find(has_room) {
+                Some((_, group)) => group.push(column),
+                None => groups.push((&column.unit, vec![column])),
+            }
+        }
+        groups.into_iter().map(|(unit, group)| self.figure(title, unit, &group)).collect()
+    }
+
+    fn figure(&self, title: &str, unit: &str, columns: &[&Column]) -> Figure {
+        let points = |values: &[f64]| self.time_s.iter().zip(values).map(|(time_s, value)| [*time_s, *value]).collect();
+        let curves = columns.iter().enumerate().map(|(n, column)| Curve::nth(n, &column.name, points(&column.values)));
         Figure {
             title: title.to_owned(),
             x_label: "time (s)".to_owned(),
             y_label: if unit.is_empty() { "value".to_owned() } else { format!("value ({unit})") },
-            curves: mine.map(|(n, column)| Curve::nth(n, &column.name, points(&column.values))).collect(),
+            curves: curves.collect(),
             ..Figure::default()
         }
-    };
-    units.into_iter().map(figure).collect()
+    }
 }
 
 /// Why figures could not be written.

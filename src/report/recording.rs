@@ -6,17 +6,39 @@ use crate::config::machine::JointKind;
 use crate::plant::{EnergyOutputs, Plant, SectionState, SurfaceLattice};
 use nalgebra::Vector3;
 
-/// Frames that a recording keeps at most.
-const MOST_FRAMES: u64 = 600;
+/// Frames that a recording keeps where nobody says how many.
+pub const FRAMES: u64 = 600;
 
 /// Points of a history that a recording keeps at most.
-const MOST_POINTS: u64 = 200_000;
+pub(super) const MOST_POINTS: u64 = 200_000;
 
 /// Intervals along a body, at least: enough for smooth surfaces.
 const INTERVALS: usize = 16;
 
 /// Half width and height of what is drawn of a section without outline, as a share of the body's length.
 const ROD: f64 = 0.004;
+
+/// Which of the `steps + 1` points of a run are kept: at equal intervals, the first and the last among them.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Thinning {
+    steps: u64,
+    stride: u64,
+    seen: u64,
+}
+
+impl Thinning {
+    /// At most so many intervals.
+    pub(super) fn new(steps: u64, most: u64) -> Self {
+        Self { steps, stride: steps.div_ceil(most).max(1), seen: 0 }
+    }
+
+    /// Whether the next point is kept.
+    pub(super) fn keeps(&mut self) -> bool {
+        let keeps = self.seen.is_multiple_of(self.stride) || self.seen == self.steps;
+        self.seen += 1;
+        keeps
+    }
+}
 
 /// How a body is drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,17 +130,15 @@ pub struct Recording {
     pub history: History,
     /// Frames in order of time.
     pub frames: Vec<Frame>,
-    steps: u64,
-    points: u64,
-    has_point: bool,
-    point_stride: u64,
-    frame_stride: u64,
+    points: Thinning,
+    kept_frames: Thinning,
 }
 
 impl Recording {
     /// An empty recording of a run of so many steps. Short runs are kept whole; of long ones equally many steps are
-    /// left out between points and between frames, never the last.
-    pub fn new(plant: &Plant, steps: u64) -> Self {
+    /// left out between points and between frames, never the last. `frames` is the largest number of frames after the
+    /// first.
+    pub fn new(plant: &Plant, steps: u64, frames: u64) -> Self {
         let scene = Scene::of(plant);
         let history = History {
             angles_rad: vec![Vec::new(); scene.joints.len()],
@@ -127,37 +147,24 @@ impl Recording {
             tips_m: vec![Vec::new(); scene.tips.len()],
             ..History::default()
         };
-        let stride = |most: u64| steps.div_ceil(most).max(1);
         Self {
             scene,
             history,
             frames: Vec::new(),
-            steps,
-            points: 0,
-            has_point: false,
-            point_stride: stride(MOST_POINTS),
-            frame_stride: stride(MOST_FRAMES),
+            points: Thinning::new(steps, MOST_POINTS),
+            kept_frames: Thinning::new(steps, frames),
         }
     }
 
     /// Takes the plant's present state.
     pub fn include(&mut self, plant: &Plant) {
         self.include_latches(plant);
-        let is_kept = |stride: u64| self.points.is_multiple_of(stride) || self.points == self.steps;
-        self.has_point = is_kept(self.point_stride);
-        let has_frame = is_kept(self.frame_stride);
-        if self.has_point {
+        if self.points.keeps() {
             self.include_point(plant);
         }
-        if has_frame {
+        if self.kept_frames.keeps() {
             self.frames.push(self.frame(plant));
         }
-        self.points += 1;
-    }
-
-    /// Whether the state taken last is a point of the history.
-    pub fn has_point(&self) -> bool {
-        self.has_point
     }
 
     fn include_latches(&mut self, plant: &Plant) {
@@ -268,5 +275,87 @@ fn rim(outline: Outline, half_width_m: f64, half_height_m: f64) -> Vec<[f64; 2]>
             };
             (0..12).map(point).collect()
         }
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::config;
+    use std::sync::Arc;
+
+    /// A shipped model.
+    pub fn shipped(name: &str) -> Machine {
+        let path = format!("{}/examples/models/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        config::parse(&std::fs::read_to_string(path).unwrap(), name).unwrap()
+    }
+
+    fn started(machine: Machine) -> Plant {
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap();
+        plant
+    }
+
+    /// A recording of so many steps of 1 ms.
+    pub fn recorded(machine: Machine, steps: u64) -> Recording {
+        let mut plant = started(machine);
+        let mut recording = Recording::new(&plant, steps, FRAMES);
+        recording.include(&plant);
+        for step in 1..=steps {
+            plant.step(step as f64 * 1e-3).unwrap();
+            recording.include(&plant);
+        }
+        recording
+    }
+
+    /// First and last are kept, what lies between at equal intervals, and never more than asked for.
+    #[test]
+    fn thinning_keeps_both_ends() {
+        for (steps, most) in [(1, 1), (5, 10), (10, 10), (11, 10), (101, 10), (100_000, 7)] {
+            let mut thinning = Thinning::new(steps, most);
+            let kept: Vec<u64> = (0..=steps).filter(|_| thinning.keeps()).collect();
+            assert_eq!((kept[0], kept[kept.len() - 1]), (0, steps));
+            assert!(kept.len() as u64 <= most + 1, "{} of {steps} steps", kept.len());
+            let strides: Vec<u64> = kept.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            assert!(strides[..strides.len() - 1].iter().all(|stride| *stride == strides[0]), "{strides:?}");
+        }
+    }
+
+    /// Sections anywhere on a moving, curved, twisted or branched body are those of the mesh and of the load stations: the
+    /// same sums in another order, so round-off of the largest length (90 m) and velocity.
+    #[test]
+    fn sections_are_those_of_mesh_and_stations() {
+        for name in ["curved_blade", "branched", "folding_wing_constant"] {
+            let mut plant = started(shipped(name));
+            plant.step(0.05).unwrap();
+            for (body, mesh) in plant.shape().iter().enumerate() {
+                let places_m = plant.mesh_m(body);
+                assert_eq!(places_m.len(), mesh.len(), "{name}");
+                for (section, node) in plant.sections(body, &places_m).iter().zip(mesh) {
+                    let off_m = (section.position_m - node.position_m).norm();
+                    assert!(off_m < 1e-12 && (section.rotation - node.rotation).norm() < 1e-12, "{name}: {off_m:e} m");
+                }
+            }
+            let bodies = plant.machine().bodies.iter().enumerate();
+            let places =
+                bodies.flat_map(|(body, with)| with.station_positions_m.iter().map(move |place_m| (body, *place_m)));
+            for ((body, place_m), station) in places.zip(&plant.outputs().stations) {
+                let section = plant.sections(body, &[place_m])[0];
+                assert!((section.position_m - station.position_m).norm() < 1e-12, "{name}: station at {place_m} m");
+                assert!((section.velocity_m_s - station.velocity_m_s).norm() < 1e-12, "{name}: station at {place_m} m");
+            }
+        }
+    }
+
+    /// A gauge reads the longitudinal strain of the section at its point.
+    #[test]
+    fn axial_strain_is_what_a_gauge_reads() {
+        let recording = recorded(shipped("folding_wing"), 40);
+        let gauge = &recording.scene.gauges[0];
+        let mut plant = started(shipped("folding_wing"));
+        plant.step(0.04).unwrap();
+        let section = plant.sections(gauge.body, &[gauge.place_m])[0];
+        let (read, found) = (plant.outputs().gauges[0], section.axial_strain(gauge.point_m));
+        assert!(read.abs() > 1e-5 && (read - found).abs() < 1e-15, "{read} and {found}");
     }
 }

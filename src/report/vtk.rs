@@ -185,8 +185,10 @@ fn vectors(values: &[Vector3<f64>]) -> Vec<u8> {
 
 fn array(kind: &str, name: &str, components: usize, bytes: &[u8]) -> String {
     let counted = [&(bytes.len() as u32).to_le_bytes(), bytes].concat();
+    // readers take an array with a stated number of components, even of one, as a list of vectors
+    let components = if components > 1 { format!(" NumberOfComponents=\"{components}\"") } else { String::new() };
     format!(
-        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">\n{}\n</DataArray>\n",
+        "<DataArray type=\"{kind}\" Name=\"{name}\"{components} format=\"binary\">\n{}\n</DataArray>\n",
         STANDARD.encode(counted)
     )
 }

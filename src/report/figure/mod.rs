@@ -11,7 +11,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::{
     Cartesian2d, ChartBuilder, ChartContext, Circle, Color, DashedLineSeries, DrawingArea, DrawingAreaErrorKind,
     DrawingBackend, FontStyle, IntoDrawingArea, IntoFont, LineSeries, PathElement, RGBColor, SVGBackend, ShapeStyle,
-    Text, TextStyle, WHITE,
+    TextStyle, WHITE,
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;
@@ -313,4 +313,86 @@ fn short(name: &str) -> String {
     }
     let half = LONGEST_NAME / 2;
     letters[..half].iter().chain(&['…']).chain(&letters[letters.len() - half..]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figure(points: Vec<[f64; 2]>) -> Figure {
+        Figure { title: "a < b".to_owned(), curves: vec![Curve::nth(0, "wing & tip", points)], ..Figure::default() }
+    }
+
+    /// Texts of the model are escaped, the size is in user units, and equal figures have equal bytes.
+    #[test]
+    fn svg_and_png_are_made_of_the_same_figure() {
+        let figure = figure(vec![[0.0, 1.0], [1.0, 2.0], [2.0, 1.5]]);
+        let svg = figure.svg().unwrap();
+        assert!(svg.starts_with("<svg width=\"960\" height=\"600\" role=\"img\" viewBox=\"0 0 9600 6000\""), "{svg}");
+        assert!(svg.contains("a &lt; b") && svg.contains("wing &amp; tip"));
+        assert_eq!(svg, figure.svg().unwrap());
+        let png = figure.png().unwrap();
+        let picture = tiny_skia::Pixmap::decode_png(&png).unwrap();
+        assert_eq!([picture.width(), picture.height()], SIZE.map(|length| 2 * length));
+        assert_eq!(png, figure.png().unwrap());
+    }
+
+    /// Figures of nothing, of one point, of a constant and of values that are not finite are drawn, not refused.
+    #[test]
+    fn odd_curves_are_drawn() {
+        let cases = [
+            vec![],
+            vec![[1.0, 1.0]],
+            vec![[0.0, 5.0], [1.0, 5.0]],
+            vec![[0.0, 0.0], [1.0, 1e-300]],
+            vec![[0.0, f64::NAN], [1.0, 2.0], [2.0, f64::INFINITY], [3.0, 4.0]],
+            vec![[0.0, -1e300], [1.0, 1e300]],
+        ];
+        for points in cases {
+            for equal in [false, true] {
+                let figure = Figure { equal, ..figure(points.clone()) };
+                assert!(figure.svg().unwrap().ends_with("</svg>\n") && !figure.png().unwrap().is_empty(), "{points:?}");
+            }
+        }
+    }
+
+    /// With equal scales a unit is as long across as it is up.
+    #[test]
+    fn equal_scales_are_equal() {
+        let [x, y] = Figure { equal: true, ..figure(vec![[0.0, 0.0], [1.0, 0.01]]) }.ranges();
+        let sides =
+            [SIZE[0] - LEGEND - LABELS[0] - 2 * BORDER, SIZE[1] - LABELS[1] - TITLE - 2 * BORDER].map(f64::from);
+        let scales = [(x.end - x.start) / sides[0], (y.end - y.start) / sides[1]];
+        assert!((scales[0] / scales[1] - 1.0).abs() < 1e-12, "{scales:?}");
+    }
+
+    /// Of many points the peaks stay, to the bit.
+    #[test]
+    fn thinned_curves_keep_their_peaks() {
+        let mut points: Vec<[f64; 2]> = (0..100_000).map(|i| [f64::from(i), (0.01 * f64::from(i)).sin()]).collect();
+        points[31_415][1] = 7.0;
+        points[92_653][1] = -5.0;
+        let thin = thinned(&points, &(0.0..100_000.0));
+        assert!(thin.len() <= 8 * SIZE[0] as usize + 8, "{} points", thin.len());
+        for i in [0, 31_415, 92_653, 99_999] {
+            assert!(thin.contains(&points[i]), "point {i}");
+        }
+        assert!(thin.is_sorted_by(|a, b| a[0] < b[0]));
+    }
+
+    #[test]
+    fn labels_have_the_digits_they_need() {
+        let cases = [
+            (0.1, 0.4, "0.1"),
+            (-2.5, 10.0, "−2.5"),
+            (1e-20, 1.0, "0"),
+            (0.00125, 0.004, "0.00125"),
+            (300.0, 400.0, "300"),
+        ];
+        for (value, span, text) in cases {
+            assert_eq!(tidy(value, &(0.0..span)), text);
+        }
+        assert_eq!(short("station.outer[4].position.x"), "station.ou…position.x");
+        assert_eq!(short("fold.angle"), "fold.angle");
+    }
 }

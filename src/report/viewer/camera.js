@@ -1,14 +1,14 @@
 
 // ---- camera: turns about a target; the root frame's z points up ------------------------------------------------------
 
-const VIEWS = { oblique: [-1.05, 0.42], front: [Math.PI, 0], top: [-Math.PI / 2, Math.PI / 2], side: [-Math.PI / 2, 0] };
+const VIEWS = { oblique: [-1.05, 0.42], x: [0, 0], y: [-Math.PI / 2, 0], z: [-Math.PI / 2, Math.PI / 2] };
 const camera = { azimuth: 0, elevation: 0, target: [0, 0, 0], distance: 1, eye: [0, 0, 0], axes: [] };
 
 // The camera stands in the direction (azimuth from x towards y, elevation) from its target.
 function look(name) {
   [camera.azimuth, camera.elevation] = VIEWS[name];
   camera.target = [...extents.middle];
-  camera.distance = 1.9 * extents.size;
+  camera.distance = 1.6 * (follows() ? extents.wing : extents.size);
   aim();
 }
 
@@ -19,6 +19,17 @@ function aim() {
   const right = [-sa, ca, 0];
   camera.axes = [right, cross(outward, right), outward];
   camera.eye = plus(camera.target, outward, camera.distance);
+}
+
+// A wing that flies far is followed; moving the target by hand goes on from there.
+const follows = () => document.getElementById("follow").checked;
+let followed = [0, 0, 0];
+function follow(restart) {
+  const now = centroid();
+  if (restart) camera.target = now;
+  else camera.target = plus(camera.target, plus(now, followed, -1));
+  followed = now;
+  aim();
 }
 
 // Place on the canvas in pixels, and the distance from the eye; null behind it.

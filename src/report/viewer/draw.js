@@ -31,7 +31,7 @@ function facesOfSurfaces() {
   about.surfaces.forEach((columns, s) => {
     const corner = (column, edge) => vector(present, layout.surfaces[s] + 6 * column + 3 * edge);
     for (let c = 0; c + 1 < columns; c++) {
-      faces.push({ points: [corner(c, 0), corner(c + 1, 0), corner(c + 1, 1), corner(c, 1)], fill: inks.surface, alpha: 0.35, line: inks.edge });
+      faces.push({ points: [corner(c, 0), corner(c + 1, 0), corner(c + 1, 1), corner(c, 1)], fill: inks.surface, alpha: 0.35, line: inks.edge, behind: 0.03 * extents.size });
     }
   });
   return faces;
@@ -124,7 +124,7 @@ function paintAxes() {
   });
 }
 
-// Paths of the outer ends of bodies that carry no other body show best what moves: the last section of every body.
+// Paths of the outer ends of all bodies.
 function paintTraces(position) {
   about.bodies.forEach((body, b) => {
     const points = [];
@@ -134,24 +134,29 @@ function paintTraces(position) {
   });
 }
 
+let restarts = true; // whether the camera takes the wing as its target anew
+
 const pixelRatio = () => window.devicePixelRatio || 1;
 
 function paint(position, { wake, trace }) {
   const [width, height] = [canvas.clientWidth, canvas.clientHeight].map(length => Math.max(1, Math.round(length * pixelRatio())));
   if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
   goTo(position);
+  if (follows()) follow(restarts);
+  restarts = false;
   pen.clearRect(0, 0, width, height);
   paintGround();
   const faces = [...facesOfBodies(), ...facesOfSurfaces(), ...(wake ? facesOfWake(Math.floor(position)) : [])];
   for (const face of faces) {
     face.places = face.points.map(project);
-    face.depth = face.places.reduce((sum, place) => sum + (place ? place[2] : Infinity), 0) / face.points.length;
+    // what lies in a body's own plane is drawn before the body
+    face.depth = (face.behind || 0) + face.places.reduce((sum, place) => sum + (place ? place[2] : Infinity), 0) / face.points.length;
   }
   const seen = faces.filter(face => Number.isFinite(face.depth)).sort((a, b) => b.depth - a.depth);
   for (const face of seen) paintFace(face);
   paintAxes();
   if (trace) paintTraces(position);
-  about.bodies.forEach((body, b) => { if (body.joint) paintDot(section(present, 0, b, 0).at, 4, inks.text); });
+  about.bodies.forEach((body, b) => { if (body.joint) paintDot(section(present, 0, b, 0).at, 4, inks.accent); });
   about.gauges.forEach((_, i) => {
     paintDot(vector(present, layout.gauges + 3 * i), 5, css(colour(STRAIN_MAP, present[layout.strains + i], extents.strain)));
   });

@@ -28,14 +28,19 @@ pub fn page(recording: &Recording) -> String {
         numbers.extend(frame.lattice.iter().flat_map(wake_part));
     }
     let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
-    // `<` would end the element in which the text stands
-    let described = description(recording, &chosen, &begins, &rows).to_string().replace('<', "\\u003c");
+    let described = in_script(&description(recording, &chosen, &begins, &rows));
     let title = recording.scene.name.replace('&', "&amp;").replace('<', "&lt;");
     PAGE.replace("{{title}}", &title)
         .replace("{{style}}", STYLE)
         .replace("{{script}}", &SCRIPTS.concat())
         .replace("{{description}}", &described)
         .replace("{{data}}", &STANDARD.encode(bytes))
+}
+
+/// JSON that stays within its element of the page, and that holds none of the page's own placeholders.
+fn in_script(value: &Value) -> String {
+    // both stand in texts only, where the escapes mean the same
+    value.to_string().replace('<', "\\u003c").replace("{{", "{\\u007b")
 }
 
 /// As many frames as the page has room for, at equal intervals.
@@ -100,15 +105,44 @@ fn description(recording: &Recording, frames: &[&Frame], begins: &[usize], rows:
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::recording::tests::{recorded, shipped};
 
-    /// Every placeholder of the page has its text, and a name cannot end the element that holds it.
     #[test]
-    fn page_has_its_placeholders_once() {
+    fn page_has_every_placeholder_once() {
         for name in ["title", "style", "script", "description", "data"] {
             assert_eq!(PAGE.matches(&format!("{{{{{name}}}}}")).count(), 1, "{name}");
         }
         for script in SCRIPTS {
             assert!(!script.contains("{{") && !script.contains("</script"), "a script would be torn");
         }
+    }
+
+    /// A description cannot end the element that holds it, nor draw the data into it.
+    #[test]
+    fn texts_of_the_model_stay_texts() {
+        let mut machine = shipped("folding_wing");
+        let hostile = "</script><script>alert(1)</script>{{data}} & \"quoted\"";
+        machine.description = hostile.to_owned();
+        let page = page(&recorded(machine, 3));
+        assert_eq!(page.matches("</script").count(), PAGE.matches("</script").count());
+        let begin = page.find("id=\"description\">").unwrap() + "id=\"description\">".len();
+        let end = begin + page[begin..].find("</script").unwrap();
+        let read: Value = serde_json::from_str(&page[begin..end]).unwrap();
+        assert_eq!(read["description"], hostile);
+        assert_eq!(read["begins"].as_array().unwrap().len(), 4);
+    }
+
+    /// Frames are left out before a page becomes too large, and the first and the last stay.
+    #[test]
+    fn pages_are_bounded() {
+        let short = recorded(shipped("folding_wing"), 2);
+        let one = fixed_part(&short.frames[0]).len();
+        let count = 3 * MOST_NUMBERS / one;
+        let mut frames = vec![short.frames[1].clone(); count];
+        frames[0] = short.frames[0].clone();
+        frames[count - 1] = short.frames[2].clone();
+        let kept = chosen(&frames);
+        assert!(kept.len() * one <= MOST_NUMBERS && (kept.len() + 1) * one > MOST_NUMBERS, "{} frames", kept.len());
+        assert_eq!((kept[0].time_s, kept[kept.len() - 1].time_s), (short.frames[0].time_s, short.frames[2].time_s));
     }
 }

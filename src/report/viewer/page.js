@@ -5,8 +5,11 @@ const get = id => document.getElementById(id);
 const SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20];
 const state = { position: 0, playing: false, last: 0, view: "oblique" };
 const duration = timeOf(frameCount - 1) - timeOf(0);
-const compact = (value, digits) => value.toFixed(digits).replace("-", "−");
-const strainText = strain => `${compact(strain * 1e6, 0)} µm/m`;
+// A number with a true minus sign, and none before a zero.
+const compact = (value, digits) => value.toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
+// So many digits that the largest value has as many as asked for.
+const digitsFor = (largest, wanted) => Math.max(0, Math.min(6, wanted - 1 - Math.floor(Math.log10(largest))));
+const microstrain = strain => compact(strain * 1e6, digitsFor(extents.strain * 1e6, 2));
 
 // Position (frames) at a time, and time at a position; times ascend.
 function timeAt(position) {
@@ -44,10 +47,10 @@ function buildTable() {
     return `${compact(present[layout.angles + i], 2)}°${latched ? " latched" : ""}`;
   }));
   if (about.gauges.length) addRow(true, "strains");
-  about.gauges.forEach(({ name }, i) => addRow(false, name, () => strainText(present[layout.strains + i]),
+  about.gauges.forEach(({ name }, i) => addRow(false, name, () => `${microstrain(present[layout.strains + i])} µm/m`,
     () => css(colour(STRAIN_MAP, present[layout.strains + i], extents.strain))));
   addRow(true, "energies");
-  about.energies.forEach((name, i) => addRow(false, name, () => `${compact(present[layout.energies + i], 4)} J`));
+  about.energies.forEach((name, i) => addRow(false, name, () => `${compact(present[layout.energies + i], digitsFor(extents.energy, 4))} J`));
 }
 
 function addScale(title, map, most, text) {
@@ -153,6 +156,7 @@ function tick(now) {
 }
 
 function setView(name) {
+  restarts = true;
   look(name);
   changed();
 }
@@ -189,8 +193,8 @@ function toggle(id) {
 const KEYS = {
   " ": () => play(!state.playing), ArrowLeft: () => stepBy(-1), ArrowRight: () => stepBy(1),
   ArrowUp: () => setSpeed(1), ArrowDown: () => setSpeed(-1), Home: () => seek(0), End: () => seek(frameCount - 1),
-  1: () => setView("front"), 2: () => setView("top"), 3: () => setView("side"), 4: () => setView("oblique"),
-  r: reset, t: toggleTheme, w: () => toggle("wake"), "+": () => { zoom(0.85); changed(); }, "-": () => { zoom(1 / 0.85); changed(); },
+  1: () => setView("x"), 2: () => setView("y"), 3: () => setView("z"), 4: () => setView("oblique"),
+  r: reset, t: toggleTheme, w: () => toggle("wake"), f: () => { get("follow").checked = !follows(); setView("oblique"); }, "+": () => { zoom(0.85); changed(); }, "-": () => { zoom(1 / 0.85); changed(); },
 };
 const TURNS = { ArrowLeft: [-0.12, 0], ArrowRight: [0.12, 0], ArrowUp: [0, -0.12], ArrowDown: [0, 0.12] };
 document.addEventListener("keydown", event => {
@@ -214,6 +218,7 @@ function listen() {
   get("theme").addEventListener("click", toggleTheme);
   get("time").addEventListener("input", event => { play(false); seek(Number(event.target.value)); });
   for (const id of ["wake", "trace", "quantity"]) get(id).addEventListener("change", changed);
+  get("follow").addEventListener("change", () => setView("oblique"));
   for (const button of document.querySelectorAll("[data-view]")) button.addEventListener("click", () => setView(button.dataset.view));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { readInks(); changed(); });
   new ResizeObserver(changed).observe(canvas);
@@ -231,10 +236,14 @@ function begin() {
     Math.abs(Math.log(speed / wanted)) < Math.abs(Math.log(SPEEDS[best] / wanted)) ? i : best, 0);
   for (const [name] of quantities) get("quantity").add(new Option(name));
   buildTable();
-  addScale("strain", STRAIN_MAP, extents.strain, strainText);
+  addScale("strain (µm/m)", STRAIN_MAP, extents.strain, microstrain);
   const hasWake = about.wakes.length > 0;
   get("wake-label").hidden = !hasWake;
-  if (hasWake) addScale("circulation of the wake", WAKE_MAP, extents.circulation, value => `${value.toPrecision(2).replace("-", "−")} m²/s`);
+  if (hasWake) {
+    const digits = digitsFor(extents.circulation, 2);
+    addScale("circulation of the wake (m²/s)", WAKE_MAP, extents.circulation, value => compact(value, digits));
+  }
+  get("follow").checked = extents.size > 4 * extents.wing;
   readInks();
   listen();
   look("oblique");

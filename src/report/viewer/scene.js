@@ -55,6 +55,13 @@ function section(list, begin, body, index) {
 const pointOf = (s, [y, z]) => plus(plus(s.at, s.y, y), s.z, z);
 const strainAt = (s, [y, z]) => s.measures[0] + z * s.measures[1] - y * s.measures[2];
 
+// Mean place of the sections between frames.
+function centroid() {
+  let sum = [0, 0, 0], count = 0;
+  about.bodies.forEach((body, b) => body.rims.forEach((_, i) => { sum = plus(sum, section(present, 0, b, i).at); count++; }));
+  return sum.map(c => c / count);
+}
+
 // Wake of a frame: per surface rows of nodes, and the circulation of the rings between them.
 function wakeOf(frame) {
   let place = about.begins[frame] + layout.length;
@@ -75,7 +82,7 @@ function wakeOf(frame) {
 const extents = (() => {
   const least = [Infinity, Infinity, Infinity], most = [-Infinity, -Infinity, -Infinity];
   const include = point => point.forEach((c, i) => { least[i] = Math.min(least[i], c); most[i] = Math.max(most[i], c); });
-  let bodyStrain = 0, gaugeStrain = 0, circulation = 0;
+  let wing = 0, energy = 0, bodyStrain = 0, gaugeStrain = 0, circulation = 0;
   for (let frame = 0; frame < frameCount; frame++) {
     const begin = about.begins[frame];
     about.bodies.forEach((body, b) => body.rims.forEach((rim, i) => {
@@ -86,6 +93,8 @@ const extents = (() => {
     about.surfaces.forEach((columns, i) => {
       for (let c = 0; c < 2 * columns; c++) include(vector(numbers, begin + layout.surfaces[i] + 3 * c));
     });
+    about.energies.forEach((_, i) => { energy = Math.max(energy, Math.abs(valueAt(frame, layout.energies + i))); });
+    if (frame === 0) wing = Math.hypot(...most.map((c, i) => c - least[i]));
     about.gauges.forEach((_, i) => { gaugeStrain = Math.max(gaugeStrain, Math.abs(valueAt(frame, layout.strains + i))); });
     for (const wake of wakeOf(frame)) for (const row of wake.rings) for (const g of row) {
       circulation = Math.max(circulation, Math.abs(g));
@@ -94,7 +103,10 @@ const extents = (() => {
   const middle = least.map((c, i) => (c + most[i]) / 2);
   const size = Math.max(Math.hypot(...most.map((c, i) => c - least[i])), 1e-6);
   // colours are for the gauges, where there are any: they are what is compared
-  return { least, most, middle, size, strain: gaugeStrain || bodyStrain || 1, circulation: circulation || 1 };
+  return {
+    least, most, middle, size, wing: Math.max(wing, 1e-6), energy: energy || 1,
+    strain: Math.max(about.gauges.length ? gaugeStrain : bodyStrain, 1e-9), circulation: circulation || 1,
+  };
 })();
 
 // ---- colours: diverging maps that people with colour-blindness read --------------------------------------------------
