@@ -117,6 +117,7 @@ validate: package venv ## Compare with the methods of the paper, flutter, damp t
 	$(VENV_PYTHON) examples/gust.py --foldwing $(COMMAND) --picture docs/pictures/gust.png
 	$(VENV_PYTHON) examples/identify_damping.py --fmu $(FMU) --picture docs/pictures/identified_damping.png
 	$(VENV_PYTHON) tools/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
+	$(VENV_PYTHON) tools/shoot_viewer.py --foldwing $(COMMAND) --output docs/pictures
 	$(MAKE) robust
 
 # with the checks for overflow and the assertions that a release build leaves out

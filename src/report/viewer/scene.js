@@ -102,10 +102,9 @@ const extents = (() => {
   }
   const middle = least.map((c, i) => (c + most[i]) / 2);
   const size = Math.max(Math.hypot(...most.map((c, i) => c - least[i])), 1e-6);
-  // colours are for the gauges, where there are any: they are what is compared
   return {
     least, most, middle, size, wing: Math.max(wing, 1e-6), energy: energy || 1,
-    strain: Math.max(about.gauges.length ? gaugeStrain : bodyStrain, 1e-9), circulation: circulation || 1,
+    strain: Math.max(gaugeStrain, bodyStrain, 1e-9), circulation: circulation || 1,
   };
 })();
 
