@@ -16,7 +16,7 @@ import pytest  # noqa: E402
 from browser import Browser  # noqa: E402, it stands beside the tests
 
 MODEL = ROOT / "examples/models/folding_wing_in_tunnel.toml"
-TIME_S = 0.1
+TIME_S = 0.13
 
 
 def main():
@@ -28,7 +28,7 @@ def main():
         page = Path(folder) / "tunnel.html"
         subprocess.run([arguments.foldwing, "simulate", MODEL, "--quiet", "--view", page], check=True)
         browser.open(page, 1100, 720)
-        browser.value(f"seek(positionAt({TIME_S})), turn(0.5, 0.05), true")
+        browser.value(f"seek(positionAt({TIME_S})), turn(-0.4, 0.05), zoom(1.5), true")
         browser.call("Runtime.evaluate", awaitPromise=True,
                      expression="new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
         browser.screenshot(arguments.output / "viewer.png")

@@ -71,10 +71,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, &description.variables)).transpose()?;
     let slave = fmu.instantiate(&description.model_name, arguments.log).map_err(refused)?;
 
-    let target = csv_target(&arguments.csv);
+    let target = csv_target(arguments.csv.as_deref());
     arguments.plot.as_deref().map(make_folder).transpose()?;
     let series = arguments.plot.as_ref().map(|_| Series::new(recorded.iter().map(|row| named(row)), grid.steps));
-    let recorder = Recorder::new(csv_sink(&target)?, recorded.iter().map(|variable| variable.name.as_str()));
+    let recorder =
+        Recorder::new(csv_sink(arguments.csv.as_deref())?, recorded.iter().map(|variable| variable.name.as_str()));
     let writing = |error: io::Error| Failure::writing(&target, &error);
     let readout = Readout::new(recorded.iter().copied());
     let mut run = Run { slave, description, inputs, readout, recorder: recorder.map_err(writing)?, series };

@@ -69,10 +69,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, interface.variables())).transpose()?;
     let plant = plant_with(machine, &interface, &arguments.settings)?;
 
-    let target = csv_target(&arguments.csv);
+    let target = csv_target(arguments.csv.as_deref());
     let writing = |error: io::Error| Failure::writing(&target, &error);
     let names = recorded.iter().map(|variable| variable.name.as_str());
-    let recorder = Recorder::new(csv_sink(&target)?, names).map_err(writing)?;
+    let recorder = Recorder::new(csv_sink(arguments.csv.as_deref())?, names).map_err(writing)?;
     let strains = arguments.strains.as_ref().map(|_| StrainPeaks::default());
     let lattices = arguments.lattice.as_ref().map(|_| LatticeRecord::new(arguments.lattice_at.clone()));
     let named = if arguments.outputs.is_empty() { &[] } else { recorded.as_slice() };
@@ -91,7 +91,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let clock = Instant::now();
     run.timing = arguments.timing.as_ref().map(|_| Timing::start());
     let outcome = run.through(&grid, &writing);
-    let elapsed = clock.elapsed();
     if let Some(timing) = &mut run.timing {
         timing.finish();
     }
@@ -111,6 +110,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let failed = |error: io::Error| Failure::writing(&path.display().to_string(), &error);
         lattices.write(BufWriter::new(File::create(path).map_err(failed)?)).map_err(failed)?;
     }
+    let elapsed = clock.elapsed();
     pictures.write()?;
     outcome?;
     if !arguments.quiet {
@@ -141,17 +141,17 @@ pub(super) fn read_inputs(path: &Path, variables: &[impl Channel]) -> Result<Inp
     InputTable::read(file, &name, variables).map_err(|error| Failure::Refused(error.to_string()))
 }
 
-/// Name of the CSV file for [`csv_sink`]; empty for none.
-pub(super) fn csv_target(path: &Option<PathBuf>) -> String {
-    path.as_ref().map_or_else(String::new, |path| path.display().to_string())
+/// Name of a CSV file, for messages; empty for none.
+pub(super) fn csv_target(path: Option<&Path>) -> String {
+    path.map_or_else(String::new, |path| path.display().to_string())
 }
 
-/// Where a CSV goes: a file, standard output for `-`, nowhere for an empty name.
-pub(super) fn csv_sink(target: &str) -> Result<BufWriter<Box<dyn Write>>, Failure> {
-    let sink: Box<dyn Write> = match target {
-        "" => Box::new(io::sink()),
-        "-" => Box::new(io::stdout().lock()),
-        path => Box::new(File::create(path).map_err(|error| Failure::writing(target, &error))?),
+/// Where a CSV goes: a file, standard output for `-`, nowhere without a path.
+pub(super) fn csv_sink(path: Option<&Path>) -> Result<BufWriter<Box<dyn Write>>, Failure> {
+    let sink: Box<dyn Write> = match path {
+        None => Box::new(io::sink()),
+        Some(path) if path == Path::new("-") => Box::new(io::stdout().lock()),
+        Some(path) => Box::new(File::create(path).map_err(|error| Failure::writing(&csv_target(Some(path)), &error))?),
     };
     Ok(BufWriter::new(sink))
 }
