@@ -123,6 +123,7 @@ validate: package venv ## Compare with the methods of the paper, sweep on Dask, 
 	$(VENV_PYTHON) tools/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
 	@$(PYTHON) tools/create_venv.py $(DASK) --requirements python/requirements-dask.txt
 	$(DASK)/bin/python examples/sweep_dask.py --fmu $(FMU) --foldwing $(COMMAND)
+	$(VENV_PYTHON) tools/shoot_viewer.py --foldwing $(COMMAND) --output docs/pictures
 	$(MAKE) robust
 
 # with the checks for overflow and the assertions that a release build leaves out; a single step may take its 10⁶ internal

@@ -22,7 +22,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("plant", &["math", "load", "actuation", "solve", "aero", "beam", "multibody", "config"]),
     ("interface", &["load", "config", "plant"]),
     ("fmi2", &["config", "plant", "interface"]),
-    ("report", &["interface"]),
+    ("report", &["beam", "config", "plant", "interface"]),
     ("packaging", &["load", "beam", "config", "plant", "interface", "fmi2", "report"]),
     ("import", &["interface", "report"]),
     ("cli", &["config", "plant", "interface", "report", "packaging", "import"]),

@@ -112,7 +112,10 @@ def text_of(package, licence):
     named = [file for file in files if re.search(PREFERENCE[licence], file.name.lower())]
     plain = [file for file in files if re.fullmatch(r"(licen[cs]e|copying)(\.(txt|md))?", file.name.lower())]
     for file in [*named, *plain]:
-        return file.read_text(encoding="utf-8").replace("\r\n", "\n")
+        text = file.read_text(encoding="utf-8").replace("\r\n", "\n")
+        # a package made where links are files has the link's path instead of the text
+        if not re.fullmatch(r"(\.\./)+\S+", text.strip()):
+            return text
     if licence == "MIT":
         authors = ", ".join(package["authors"]) or f"the authors of {package['name']}"
         return f"Copyright (c) {authors}\n\n{MIT_TEXT}"

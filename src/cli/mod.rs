@@ -8,6 +8,7 @@ mod lattice;
 mod linearize;
 mod modes;
 mod package;
+mod pictures;
 mod progress;
 #[cfg(feature = "import")]
 mod run;

@@ -1,15 +1,17 @@
 //! `foldwing run`: an FMU of any tool over time, as CSV.
 
 use crate::cli::grid::{Grid, GridArguments};
+use crate::cli::pictures::{make_folder, write_series};
 use crate::cli::progress::Progress;
-use crate::cli::simulate::{csv_sink, read_inputs, unknown};
+use crate::cli::simulate::{csv_sink, csv_target, read_inputs, unknown};
 use crate::cli::{Failure, print};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing::import::{
     CallError, Datum, Description, Fault, Fmu, ImportError, Kind, Message, Readout, Severity, Slave, Step, Variable,
     listen,
 };
-use foldwing::report::{InputTable, Recorder};
+use foldwing::report::plots::Series;
+use foldwing::report::{InputTable, Recorder, number};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::panic;
@@ -21,7 +23,7 @@ pub struct Arguments {
     /// FMU: FMI 2.0, co-simulation
     fmu: PathBuf,
     /// CSV file to write; `-` is standard output
-    #[arg(long, value_name = "OUT.csv", required_unless_present = "variables")]
+    #[arg(long, value_name = "OUT.csv", required_unless_present_any = ["variables", "plot"])]
     csv: Option<PathBuf>,
     /// List the variables with type, unit and start value, and run nothing
     #[arg(long)]
@@ -41,6 +43,9 @@ pub struct Arguments {
     /// Variable to write; may be repeated [default: all outputs]
     #[arg(long = "output", value_name = "NAME")]
     outputs: Vec<String>,
+    /// Folder for figures of the variables over time as SVG and PNG, one per unit
+    #[arg(long, value_name = "DIR")]
+    plot: Option<PathBuf>,
     /// Switch the FMU's messages on; warnings and errors are shown in any case
     #[arg(long)]
     log: bool,
@@ -51,9 +56,9 @@ pub struct Arguments {
 
 /// Runs an FMU and writes the CSV; the rows up to a failure are kept.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Some(csv) = arguments.csv.as_ref().filter(|_| !arguments.variables) else {
+    if arguments.variables {
         return print(&listing(&Fmu::describe(&arguments.fmu).map_err(refused)?));
-    };
+    }
     show_messages(arguments.log);
     let fmu = Fmu::open(&arguments.fmu).map_err(refused)?;
     let description = fmu.description();
@@ -66,19 +71,25 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, &description.variables)).transpose()?;
     let slave = fmu.instantiate(&description.model_name, arguments.log).map_err(refused)?;
 
-    let target = csv.display().to_string();
-    let recorder = Recorder::new(csv_sink(&target)?, recorded.iter().map(|variable| variable.name.as_str()));
+    let target = csv_target(arguments.csv.as_deref());
+    arguments.plot.as_deref().map(make_folder).transpose()?;
+    let series = arguments.plot.as_ref().map(|_| Series::new(recorded.iter().map(|row| named(row)), grid.steps));
+    let recorder =
+        Recorder::new(csv_sink(arguments.csv.as_deref())?, recorded.iter().map(|variable| variable.name.as_str()));
     let writing = |error: io::Error| Failure::writing(&target, &error);
     let readout = Readout::new(recorded.iter().copied());
-    let mut run = Run { slave, description, inputs, readout, recorder: recorder.map_err(writing)? };
+    let mut run = Run { slave, description, inputs, readout, recorder: recorder.map_err(writing)?, series };
     let clock = Instant::now();
     run.slave.set_up(tolerance, grid.start_s, grid.stop_s).map_err(failed)?;
     for (variable, value) in &settings {
         run.slave.set(variable, value).map_err(set_refused)?;
     }
     let outcome = run.through(&grid, &writing);
-    let Run { slave, recorder, .. } = run;
+    let Run { slave, recorder, series, .. } = run;
     recorder.finish().and_then(|mut sink| sink.flush()).map_err(writing)?;
+    if let (Some(folder), Some(series)) = (&arguments.plot, &series) {
+        write_series(folder, &description.model_name, series)?;
+    }
     let end_s = outcome?;
     if !arguments.quiet {
         eprint!("{}", summary(&slave, description, end_s - grid.start_s, clock.elapsed()));
@@ -174,6 +185,11 @@ fn settings<'a>(settings: &[String], description: &'a Description) -> Result<Vec
     settings.iter().map(apply).collect()
 }
 
+/// Name and unit of a variable.
+fn named(variable: &Variable) -> (&str, &str) {
+    (&variable.name, variable.unit.as_ref().map_or("", |unit| unit.name.as_str()))
+}
+
 /// One run.
 struct Run<'a, W: Write> {
     slave: Slave,
@@ -181,6 +197,8 @@ struct Run<'a, W: Write> {
     inputs: Option<InputTable>,
     readout: Readout,
     recorder: Recorder<W>,
+    /// For figures, where they are wanted.
+    series: Option<Series>,
 }
 
 impl<W: Write> Run<'_, W> {
@@ -216,6 +234,13 @@ impl<W: Write> Run<'_, W> {
 
     fn record(&mut self, time_s: f64, writing: &impl Fn(io::Error) -> Failure) -> Result<(), Failure> {
         self.slave.read(&mut self.readout).map_err(failed)?;
+        if let Some(series) = &mut self.series {
+            let drawn = |datum| match datum {
+                Datum::Number(value) => number(&value),
+                Datum::Text(_) => f64::NAN,
+            };
+            series.include(time_s, self.readout.values().map(drawn));
+        }
         self.recorder.record_cells(time_s, self.readout.values().map(|datum| datum.to_string())).map_err(writing)
     }
 }

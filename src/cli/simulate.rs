@@ -2,6 +2,7 @@
 
 use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::lattice::LatticeRecord;
+use crate::cli::pictures::{PictureArguments, Pictures};
 use crate::cli::progress::Progress;
 use crate::cli::settings::plant_with;
 use crate::cli::strains::StrainPeaks;
@@ -23,8 +24,8 @@ pub struct Arguments {
     /// Model file
     model: PathBuf,
     /// CSV file to write; `-` is standard output
-    #[arg(long, value_name = "OUT.csv")]
-    csv: PathBuf,
+    #[arg(long, value_name = "OUT.csv", required_unless_present_any = ["plot", "view", "vtk"])]
+    csv: Option<PathBuf>,
     /// Inputs over time: CSV with a column `time` and columns named after inputs; taken at the start of each step,
     /// reals on straight lines between rows, Booleans held
     #[arg(long, value_name = "IN.csv")]
@@ -51,6 +52,8 @@ pub struct Arguments {
     /// rejections, iterations and factorisations
     #[arg(long, value_name = "OUT.json")]
     timing: Option<PathBuf>,
+    #[command(flatten)]
+    pictures: PictureArguments,
     /// Print no summary
     #[arg(short, long)]
     quiet: bool,
@@ -66,21 +69,32 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, interface.variables())).transpose()?;
     let plant = plant_with(machine, &interface, &arguments.settings)?;
 
-    let target = arguments.csv.display().to_string();
+    let target = csv_target(arguments.csv.as_deref());
     let writing = |error: io::Error| Failure::writing(&target, &error);
     let names = recorded.iter().map(|variable| variable.name.as_str());
-    let recorder = Recorder::new(csv_sink(&target)?, names).map_err(writing)?;
+    let recorder = Recorder::new(csv_sink(arguments.csv.as_deref())?, names).map_err(writing)?;
     let strains = arguments.strains.as_ref().map(|_| StrainPeaks::default());
     let lattices = arguments.lattice.as_ref().map(|_| LatticeRecord::new(arguments.lattice_at.clone()));
-    let mut run =
-        Run { plant, interface: &interface, inputs, recorded: &recorded, recorder, strains, lattices, timing: None };
+    let named = if arguments.outputs.is_empty() { &[] } else { recorded.as_slice() };
+    let pictures = Pictures::new(&arguments.pictures, grid.steps, named)?;
+    let mut run = Run {
+        plant,
+        interface: &interface,
+        inputs,
+        recorded: &recorded,
+        recorder,
+        strains,
+        lattices,
+        timing: None,
+        pictures,
+    };
     let clock = Instant::now();
     run.timing = arguments.timing.as_ref().map(|_| Timing::start());
     let outcome = run.through(&grid, &writing);
     if let Some(timing) = &mut run.timing {
         timing.finish();
     }
-    let Run { plant, recorder, strains, lattices, timing, .. } = run;
+    let Run { plant, recorder, strains, lattices, timing, pictures, .. } = run;
     if let (Some(timing), Some(path)) = (timing, &arguments.timing) {
         let failed = |error: io::Error| Failure::writing(&path.display().to_string(), &error);
         let sink = BufWriter::new(File::create(path).map_err(failed)?);
@@ -96,9 +110,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let failed = |error: io::Error| Failure::writing(&path.display().to_string(), &error);
         lattices.write(BufWriter::new(File::create(path).map_err(failed)?)).map_err(failed)?;
     }
+    let elapsed = clock.elapsed();
+    pictures.write()?;
     outcome?;
     if !arguments.quiet {
-        eprint!("{}", summary(&plant, &grid, clock.elapsed()));
+        eprint!("{}", summary(&plant, &grid, elapsed));
     }
     Ok(())
 }
@@ -125,11 +141,17 @@ pub(super) fn read_inputs(path: &Path, variables: &[impl Channel]) -> Result<Inp
     InputTable::read(file, &name, variables).map_err(|error| Failure::Refused(error.to_string()))
 }
 
-/// Where a CSV goes: a file, or standard output for `-`.
-pub(super) fn csv_sink(target: &str) -> Result<BufWriter<Box<dyn Write>>, Failure> {
-    let sink: Box<dyn Write> = match target {
-        "-" => Box::new(io::stdout().lock()),
-        path => Box::new(File::create(path).map_err(|error| Failure::writing(target, &error))?),
+/// Name of a CSV file, for messages; empty for none.
+pub(super) fn csv_target(path: Option<&Path>) -> String {
+    path.map_or_else(String::new, |path| path.display().to_string())
+}
+
+/// Where a CSV goes: a file, standard output for `-`, nowhere without a path.
+pub(super) fn csv_sink(path: Option<&Path>) -> Result<BufWriter<Box<dyn Write>>, Failure> {
+    let sink: Box<dyn Write> = match path {
+        None => Box::new(io::sink()),
+        Some(path) if path == Path::new("-") => Box::new(io::stdout().lock()),
+        Some(path) => Box::new(File::create(path).map_err(|error| Failure::writing(&csv_target(Some(path)), &error))?),
     };
     Ok(BufWriter::new(sink))
 }
@@ -163,6 +185,7 @@ struct Run<'a, W: Write> {
     lattices: Option<LatticeRecord>,
     /// Clocks, where they are wanted.
     timing: Option<Timing>,
+    pictures: Pictures<'a>,
 }
 
 impl<W: Write> Run<'_, W> {
@@ -209,6 +232,7 @@ impl<W: Write> Run<'_, W> {
         let value = |variable: &&Variable| {
             interface.get(plant, plant.outputs(), variable.value_reference).expect("rows come from the same table")
         };
+        self.pictures.include(plant, self.recorded.iter().map(value));
         self.recorder.record(time_s, self.recorded.iter().map(value))
     }
 }

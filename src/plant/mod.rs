@@ -31,7 +31,7 @@ pub use face::{
     LoopOutputs, Outputs, Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
 };
 pub use linear::{Argument, Freedom};
-pub use shape::{ModeShape, NodeMotion, SectionShape};
+pub use shape::{ModeShape, NodeMotion, SectionShape, SectionState};
 pub use state::Snapshot;
 pub use state_space::InputSlope;
 pub use statics::Holding;

@@ -1,7 +1,11 @@
 //! Shapes along the bodies: of the present state and of modes.
 
-use crate::multibody::gauge;
+use crate::beam::element::ElementKind;
+use crate::beam::recovery::axial_row;
+use crate::load::LoadFrame;
 use crate::multibody::kinematics::Motion;
+use crate::multibody::model::Station;
+use crate::multibody::{gauge, station};
 use crate::plant::Plant;
 use nalgebra::{Complex, Matrix3, Rotation3, Vector3, Vector4};
 
@@ -52,7 +56,64 @@ pub struct ModeShape {
     pub imaginary: Vec<Vec<NodeMotion>>,
 }
 
+/// Motion and strain of a section anywhere on a body, root frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SectionState {
+    /// Position in m.
+    pub position_m: Vector3<f64>,
+    /// Velocity in m/s.
+    pub velocity_m_s: Vector3<f64>,
+    /// Angular velocity in rad/s.
+    pub angular_velocity_rad_s: Vector3<f64>,
+    /// Root ← section.
+    pub rotation: Matrix3<f64>,
+    /// Strain measures `(γ₁, k₁, k₂, k₃)`: strains less the natural ones; –, 1/m.
+    pub measures: Vector4<f64>,
+}
+
+impl SectionState {
+    /// Position in m and velocity in m/s of the point `[y, z]` (m) of the section.
+    pub fn point(&self, [y_m, z_m]: [f64; 2]) -> (Vector3<f64>, Vector3<f64>) {
+        let arm_m = self.rotation * Vector3::new(0.0, y_m, z_m);
+        (self.position_m + arm_m, self.velocity_m_s + self.angular_velocity_rad_s.cross(&arm_m))
+    }
+
+    /// Longitudinal strain at the point `[y, z]` (m) of the section, NOTATION eq. (R1).
+    pub fn axial_strain(&self, [y_m, z_m]: [f64; 2]) -> f64 {
+        axial_row(y_m, z_m).dot(&self.measures)
+    }
+}
+
 impl Plant {
+    /// Mesh boundaries of a body: distances from its inner end in m, ascending.
+    pub fn mesh_m(&self, body: usize) -> Vec<f64> {
+        let model = &self.equations.model;
+        let body = &model.bodies[body];
+        let elements = &model.elements[body.first_element..body.first_element + body.elements];
+        let stride = if body.kind == ElementKind::Linear { 2 } else { 1 };
+        let end = elements.last().map(|last| last.start_m + last.length_m);
+        elements.iter().step_by(stride).map(|element| element.start_m).chain(end).collect()
+    }
+
+    /// Sections of a body at distances in m from its inner end, at the present time.
+    pub fn sections(&self, body: usize, places_m: &[f64]) -> Vec<SectionState> {
+        let (model, work, now) = (&self.equations.model, &self.equations.work, &self.state.now);
+        let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
+        let section = |&place_m: &f64| {
+            let (element, offset_m) = model.locate(body, place_m);
+            let station = Station { body, element, offset_m, frame: LoadFrame::Root };
+            let point = station::motion(model, work, motion, &station);
+            SectionState {
+                position_m: point.position_m,
+                velocity_m_s: point.velocity_m_s,
+                angular_velocity_rad_s: point.spin_rad_s,
+                rotation: point.rotation,
+                measures: gauge::strain_measures(model, work, motion, &self.equations.damping, body, place_m),
+            }
+        };
+        places_m.iter().map(section).collect()
+    }
+
     /// Sections at the mesh boundaries of every body, inner end first, at the present time.
     pub fn shape(&self) -> Vec<Vec<SectionShape>> {
         let (model, work, now) = (&self.equations.model, &self.equations.work, &self.state.now);

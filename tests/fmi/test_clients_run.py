@@ -127,3 +127,16 @@ def test_f133_fmu_of_another_language(runner, tmp_path):
         assert np.array_equal(numbers(columns[name]), rows[name].astype(float)), name
     assert columns["label"] == ["a spring"] * 11 and rows["steps"][-1] == 10
     assert np.ptp(rows["position"]) > 0.05, "the mass moves"
+
+
+def test_f188_run_draws_what_simulate_draws(runner, foldwing, fmus, tmp_path):
+    """F-188. `foldwing run --plot` of the FMU draws the variables of `--output` as `foldwing simulate --plot` does, byte for
+    byte, and needs no CSV.
+    """
+    names = [f"--output={name}" for name in ("fold.angle", "gauge.root.strain", "fold.rate")]
+    for folder, command in [("model", [foldwing, "simulate", ROOT / "examples/models/folding_wing.toml"]), ("fmu", [runner, "run", fmus["folding_wing"].path])]:
+        subprocess.run([*map(str, command), "--quiet", "--plot", tmp_path / folder, *names], check=True)
+    drawn = sorted(path.name for path in (tmp_path / "fmu").iterdir())
+    assert drawn == [f"outputs_{i}.{kind}" for i in (1, 2, 3) for kind in ("png", "svg")]
+    for name in drawn:
+        assert (tmp_path / "fmu" / name).read_bytes() == (tmp_path / "model" / name).read_bytes(), name

@@ -1,0 +1,98 @@
+//! `--plot`, `--view` and `--vtk`: pictures of a run.
+
+use crate::cli::Failure;
+use foldwing::interface::{Value, Variable};
+use foldwing::plant::Plant;
+use foldwing::report::Recording;
+use foldwing::report::figure::Figure;
+use foldwing::report::plots::{self, Series};
+use foldwing::report::recording::FRAMES;
+use foldwing::report::{number, viewer, vtk};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args)]
+pub struct PictureArguments {
+    /// Folder for figures as SVG and PNG: fold angles, strains, tip paths, shapes, energies, and the variables of
+    /// `--output`
+    #[arg(long, value_name = "DIR")]
+    pub plot: Option<PathBuf>,
+    /// Page that plays the motion in a browser; one file, no network
+    #[arg(long, value_name = "OUT.html")]
+    pub view: Option<PathBuf>,
+    /// Folder for VTK files of wing and wake over time, for ParaView
+    #[arg(long, value_name = "DIR")]
+    pub vtk: Option<PathBuf>,
+    /// Most frames of `--view` and `--vtk` after the first; a page of more than 8 MB has fewer
+    #[arg(long, value_name = "N", default_value_t = FRAMES, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub frames: u64,
+}
+
+/// The pictures in the making.
+pub struct Pictures<'a> {
+    wanted: &'a PictureArguments,
+    /// Variables that were named.
+    series: Option<Series>,
+    recording: Option<Recording>,
+    steps: u64,
+}
+
+impl<'a> Pictures<'a> {
+    /// Pictures of a run of so many steps; `named` are the variables that the caller chose. Makes the folders, so that a
+    /// bad place is refused before the run.
+    pub fn new(wanted: &'a PictureArguments, steps: u64, named: &[&Variable]) -> Result<Self, Failure> {
+        for folder in [&wanted.plot, &wanted.vtk].into_iter().flatten() {
+            make_folder(folder)?;
+        }
+        let named = named.iter().map(|variable| (variable.name.as_str(), variable.unit()));
+        let series = wanted.plot.as_ref().map(|_| Series::new(named, steps));
+        Ok(Self { wanted, series, recording: None, steps })
+    }
+
+    /// Takes the plant at one of the `steps + 1` points of the run, with the values of the variables that were named.
+    pub fn include(&mut self, plant: &Plant, values: impl Iterator<Item = Value>) {
+        if self.wanted.plot.is_none() && self.wanted.view.is_none() && self.wanted.vtk.is_none() {
+            return;
+        }
+        self.recording.get_or_insert_with(|| Recording::new(plant, self.steps, self.wanted.frames)).include(plant);
+        if let Some(series) = &mut self.series {
+            series.include(plant.time_s(), values.map(|value| number(&value)));
+        }
+    }
+
+    /// Writes what was asked for, up to where the run has come.
+    pub fn write(&self) -> Result<(), Failure> {
+        let Some(recording) = &self.recording else { return Ok(()) };
+        if let Some(folder) = &self.wanted.plot {
+            for (stem, figure) in plots::figures(recording) {
+                write_figure(folder, stem, &figure)?;
+            }
+        }
+        if let (Some(folder), Some(series)) = (&self.wanted.plot, &self.series) {
+            write_series(folder, &recording.scene.name, series)?;
+        }
+        if let Some(path) = &self.wanted.view {
+            let failed = |error| Failure::writing(&path.display().to_string(), &error);
+            fs::write(path, viewer::page(recording)).map_err(failed)?;
+        }
+        if let Some(folder) = &self.wanted.vtk {
+            vtk::write(folder, recording).map_err(|error| Failure::writing(&folder.display().to_string(), &error))?;
+        }
+        Ok(())
+    }
+}
+
+/// Makes a folder for pictures.
+pub(super) fn make_folder(folder: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(folder).map_err(|error| Failure::writing(&folder.display().to_string(), &error))
+}
+
+/// Writes the figures of variables as `outputs_1.svg`, `outputs_1.png` and so on.
+pub(super) fn write_series(folder: &Path, title: &str, series: &Series) -> Result<(), Failure> {
+    let mut figures = series.figures(title).into_iter().enumerate();
+    figures.try_for_each(|(i, figure)| write_figure(folder, &format!("outputs_{}", i + 1), &figure))
+}
+
+fn write_figure(folder: &Path, stem: &str, figure: &Figure) -> Result<(), Failure> {
+    plots::write(folder, stem, figure).map_err(|error| Failure::Files(format!("{}: {error}", folder.display())))
+}

@@ -1,0 +1,399 @@
+//! Figures of curves, as SVG and as PNG, from one description: the chart is `plotters`', with its SVG; the pixels are
+//! `tiny-skia`'s ([`pixels`]).
+//!
+//! Both use tenths of a user unit as integers, because `plotters` draws on whole ones.
+
+mod pixels;
+
+use pixels::Pixels;
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::{
+    Cartesian2d, ChartBuilder, ChartContext, Circle, Color, DashedLineSeries, DrawingArea, DrawingAreaErrorKind,
+    DrawingBackend, FontStyle, IntoDrawingArea, IntoFont, LineSeries, PathElement, RGBColor, SVGBackend, ShapeStyle,
+    TextStyle, WHITE,
+};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::ops::Range;
+
+/// Whole numbers per user unit.
+const UNIT: u32 = 10;
+/// Width and height of a figure in user units (pixels at scale 1).
+pub const SIZE: [u32; 2] = [960, 600];
+/// Room for the legend at the right, in user units.
+const LEGEND: u32 = 190;
+/// Room for labels at the left and below, in user units.
+const LABELS: [u32; 2] = [78, 56];
+/// Free border in user units.
+const BORDER: u32 = 14;
+/// Height of the title's line in user units.
+const TITLE: u32 = 40;
+/// Names in the legend that are longer lose their middle.
+const LONGEST_NAME: usize = 21;
+
+/// Font of labels; browsers that lack it take the one most like it.
+const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
+/// The same font for the pixels: a subset (Latin, Greek, signs) of DejaVu Sans 2.37 by `pyftsubset --no-hinting
+/// --layout-features=kern`; its licence stands beside it.
+const FONT_FILE: &[u8] = include_bytes!("DejaVuSans.ttf");
+
+/// Colours that people with colour-blindness tell apart (Okabe and Ito).
+pub const PALETTE: [[u8; 3]; 7] =
+    [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233], [60, 60, 60]];
+
+const INK: RGBColor = RGBColor(27, 39, 51);
+const GRID: RGBColor = RGBColor(222, 227, 232);
+const FAINT: RGBColor = RGBColor(110, 122, 134);
+
+/// A curve, or a dot where it has one point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// Name in the legend; empty for none.
+    pub name: String,
+    /// Red, green, blue.
+    pub colour: [u8; 3],
+    /// Dashed, where colours are used up.
+    pub dashed: bool,
+    /// Points `[x, y]`; those that are not finite interrupt nothing and are left out.
+    pub points: Vec<[f64; 2]>,
+}
+
+impl Curve {
+    /// The n-th curve of a figure, with a look of its own.
+    pub fn nth(n: usize, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
+        let dashed = (n / PALETTE.len()) % 2 == 1;
+        Self { name: name.into(), colour: PALETTE[n % PALETTE.len()], dashed, points }
+    }
+}
+
+/// A chart of curves over one pair of axes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Figure {
+    /// Heading.
+    pub title: String,
+    /// Quantity and unit of the horizontal axis.
+    pub x_label: String,
+    /// Quantity and unit of the vertical axis.
+    pub y_label: String,
+    /// Curves, the last on top.
+    pub curves: Vec<Curve>,
+    /// Instants marked by a vertical line with a label above the chart.
+    pub marks: Vec<(f64, String)>,
+    /// Equal scales on both axes.
+    pub equal: bool,
+}
+
+/// A figure that cannot be drawn.
+#[derive(Debug, thiserror::Error)]
+#[error("figure `{title}`: {cause}")]
+pub struct FigureError {
+    title: String,
+    cause: String,
+}
+
+impl Figure {
+    /// The figure as an SVG document.
+    ///
+    /// # Errors
+    /// Where `plotters` cannot draw it.
+    pub fn svg(&self) -> Result<String, FigureError> {
+        let size = SIZE.map(|length| length * UNIT);
+        let mut text = String::new();
+        self.draw(&SVGBackend::with_string(&mut text, (size[0], size[1])).into_drawing_area())?;
+        let [large, small] = [size, SIZE].map(|[width, height]| format!("width=\"{width}\" height=\"{height}\""));
+        // text stands in one line with its element, or viewers show its indentation
+        Ok(text.replacen(&large, &format!("{small} role=\"img\""), 1).replace(">\n</text>", "></text>"))
+    }
+
+    /// The figure as a PNG file, two pixels per user unit.
+    ///
+    /// # Errors
+    /// Where `plotters` cannot draw it.
+    pub fn png(&self) -> Result<Vec<u8>, FigureError> {
+        let mut pixels = Pixels::new(SIZE, UNIT, FONT_FILE);
+        self.draw(&pixels.backend().into_drawing_area())?;
+        Ok(pixels.png())
+    }
+
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), FigureError> {
+        // `plotters` measures text by a font that it must be given
+        let _ = plotters::style::register_font(FONT, FontStyle::Normal, FONT_FILE);
+        self.chart(area).map_err(|error| FigureError { title: self.title.clone(), cause: error.to_string() })
+    }
+
+    fn chart<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Drawn<B> {
+        area.fill(&WHITE)?;
+        let title = style(17, &INK, HPos::Left, VPos::Center);
+        area.draw_text(&self.title, &title, at(LABELS[0] + BORDER, BORDER + 10))?;
+        let (plot, legend) = area.split_horizontally((SIZE[0] - LEGEND) * UNIT);
+        let [x, y] = self.ranges();
+        let mut chart = ChartBuilder::on(&plot)
+            .margin(BORDER * UNIT)
+            .margin_top((BORDER + TITLE) * UNIT)
+            .x_label_area_size(LABELS[1] * UNIT)
+            .y_label_area_size(LABELS[0] * UNIT)
+            .build_cartesian_2d(x.clone(), y.clone())?;
+        let turned = style(14, &INK, HPos::Center, VPos::Center);
+        chart
+            .configure_mesh()
+            .max_light_lines(0)
+            .bold_line_style(line(GRID, 1.0))
+            .axis_style(line(FAINT, 1.0))
+            .set_all_tick_mark_size(5 * UNIT)
+            .x_labels(8)
+            .y_labels(8)
+            .label_style(style(13, &INK, HPos::Center, VPos::Center))
+            .axis_desc_style(turned)
+            .x_label_formatter(&|value| tidy(*value, &x))
+            .y_label_formatter(&|value| tidy(*value, &y))
+            .x_desc(self.x_label.as_str())
+            .y_desc(self.y_label.as_str())
+            .draw()?;
+        self.draw_marks(area, &mut chart, &y)?;
+        for curve in &self.curves {
+            draw_curve(&mut chart, curve, &x)?;
+        }
+        self.draw_legend(&legend)?;
+        area.present()
+    }
+
+    fn draw_marks<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        chart: &mut Chart<'_, B>,
+        y: &Range<f64>,
+    ) -> Drawn<B> {
+        let ends = [y.start, y.end];
+        for (x, label) in &self.marks {
+            let dashes = DashedLineSeries::new(ends.map(|y| (*x, y)), 6 * UNIT, 4 * UNIT, line(FAINT, 1.2));
+            chart.draw_series(dashes)?;
+            let (pixel, _) = chart.backend_coord(&(*x, y.end));
+            let label_style = style(12, &FAINT, HPos::Center, VPos::Center);
+            area.draw_text(label, &label_style, (pixel, at(0, BORDER + TITLE - 8).1))?;
+        }
+        Ok(())
+    }
+
+    fn draw_legend<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Drawn<B> {
+        let named = self.curves.iter().filter(|curve| !curve.name.is_empty());
+        for (row, curve) in named.enumerate() {
+            let y = BORDER + TITLE + 12 + 22 * row as u32;
+            if y + 22 > SIZE[1] {
+                break; // a figure of so many curves is read from its file, not from its legend
+            }
+            let stroke = line(colour(curve), 2.2);
+            match curve.points.len() {
+                1 => area.draw(&Circle::new(at(14, y), 4 * UNIT, colour(curve).filled()))?,
+                _ if curve.dashed => {
+                    area.draw(&PathElement::new(vec![at(2, y), at(11, y)], stroke))?;
+                    area.draw(&PathElement::new(vec![at(17, y), at(26, y)], stroke))?;
+                }
+                _ => area.draw(&PathElement::new(vec![at(2, y), at(26, y)], stroke))?,
+            }
+            let text = style(13, &INK, HPos::Left, VPos::Center);
+            area.draw_text(&short(&curve.name), &text, at(34, y))?;
+        }
+        Ok(())
+    }
+
+    /// What the axes show: all points with a little room, at least something, with equal scales where they are asked for.
+    fn ranges(&self) -> [Range<f64>; 2] {
+        let points =
+            self.curves.iter().flat_map(|curve| &curve.points).filter(|point| point.iter().all(|c| c.is_finite()));
+        let mut least = [f64::INFINITY; 2];
+        let mut most = [f64::NEG_INFINITY; 2];
+        for point in points {
+            for axis in 0..2 {
+                least[axis] = least[axis].min(point[axis]);
+                most[axis] = most[axis].max(point[axis]);
+            }
+        }
+        let room = [if self.equal { 0.06 } else { 0.0 }, 0.06];
+        let mut spans = [0, 1].map(|axis| {
+            if least[axis] > most[axis] {
+                return [0.5, 1.0];
+            }
+            let middle = 0.5 * (least[axis] + most[axis]);
+            let half = 0.5 * (most[axis] - least[axis]);
+            // a curve that stands still is drawn as such, not as its round-off
+            let floor = (1e-9 * middle.abs()).max(1e-12);
+            let half = if half > floor { half * (1.0 + room[axis]) } else { (0.1 * middle.abs()).max(1e-3) };
+            [middle, half]
+        });
+        if self.equal {
+            let sides = [
+                f64::from(SIZE[0] - LEGEND - LABELS[0] - 2 * BORDER),
+                f64::from(SIZE[1] - LABELS[1] - TITLE - 2 * BORDER),
+            ];
+            let scale = (spans[0][1] / sides[0]).max(spans[1][1] / sides[1]);
+            spans = [0, 1].map(|axis| [spans[axis][0], scale * sides[axis]]);
+        }
+        spans.map(|[middle, half]| middle - half..middle + half)
+    }
+}
+
+type Drawn<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
+type Chart<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+fn draw_curve<B: DrawingBackend>(chart: &mut Chart<'_, B>, curve: &Curve, x: &Range<f64>) -> Drawn<B> {
+    let stroke = line(colour(curve), 1.8);
+    let points: Vec<(f64, f64)> = thinned(&curve.points, x).into_iter().map(|[x, y]| (x, y)).collect();
+    if let [point] = points[..] {
+        chart.draw_series([Circle::new(point, 4 * UNIT, colour(curve).filled())])?;
+    } else if curve.dashed {
+        chart.draw_series(DashedLineSeries::new(points, 7 * UNIT, 4 * UNIT, stroke))?;
+    } else {
+        chart.draw_series(LineSeries::new(points, stroke))?;
+    }
+    Ok(())
+}
+
+/// The finite points; where `x` ascends and they are many, the first, least, greatest and last of every column that a
+/// pixel is wide: the curve looks the same.
+fn thinned(points: &[[f64; 2]], x: &Range<f64>) -> Vec<[f64; 2]> {
+    let finite: Vec<[f64; 2]> = points.iter().filter(|point| point.iter().all(|c| c.is_finite())).copied().collect();
+    let columns = 2 * SIZE[0] as usize;
+    if finite.len() <= 4 * columns || !finite.is_sorted_by(|a, b| a[0] <= b[0]) {
+        return finite;
+    }
+    let column = |point: &[f64; 2]| ((point[0] - x.start) / (x.end - x.start) * columns as f64) as usize;
+    let mut thin = Vec::with_capacity(4 * columns);
+    for group in finite.chunk_by(|a, b| column(a) == column(b)) {
+        let height = |i: &usize, j: &usize| group[*i][1].total_cmp(&group[*j][1]);
+        let (least, most) = ((0..group.len()).min_by(height), (0..group.len()).max_by(height));
+        let mut kept: Vec<usize> = [Some(0), least, most, Some(group.len() - 1)].into_iter().flatten().collect();
+        kept.sort_unstable();
+        kept.dedup();
+        thin.extend(kept.into_iter().map(|i| group[i]));
+    }
+    thin
+}
+
+fn at(x: u32, y: u32) -> (i32, i32) {
+    ((x * UNIT) as i32, (y * UNIT) as i32)
+}
+
+fn colour(curve: &Curve) -> RGBColor {
+    let [red, green, blue] = curve.colour;
+    RGBColor(red, green, blue)
+}
+
+/// A line of a width in user units.
+fn line(colour: RGBColor, width: f64) -> ShapeStyle {
+    colour.stroke_width((width * f64::from(UNIT)).round() as u32)
+}
+
+/// Text of a size in user units.
+fn style(size: u32, colour: &'static RGBColor, across: HPos, along: VPos) -> TextStyle<'static> {
+    // `plotters` takes the height of a line, which is 1.24 times the size
+    let height = 1.24 * f64::from(size * UNIT);
+    TextStyle::from((FONT, height).into_font()).color(colour).pos(Pos::new(across, along))
+}
+
+/// A label of an axis: as many digits as its range needs, with a true minus sign.
+fn tidy(value: f64, range: &Range<f64>) -> String {
+    let span = range.end - range.start;
+    if value.abs() < 1e-9 * span {
+        return "0".to_owned();
+    }
+    let digits = (2.0 - span.log10()).ceil().clamp(0.0, 12.0) as usize;
+    let text = if value.abs() >= 1e6 { format!("{value:e}") } else { format!("{value:.digits$}") };
+    let text = if text.contains('.') && !text.contains('e') {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        &text
+    };
+    text.replace('-', "−")
+}
+
+/// A name that fits the legend.
+fn short(name: &str) -> String {
+    let letters: Vec<char> = name.chars().collect();
+    if letters.len() <= LONGEST_NAME {
+        return name.to_owned();
+    }
+    let half = LONGEST_NAME / 2;
+    letters[..half].iter().chain(&['…']).chain(&letters[letters.len() - half..]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figure(points: Vec<[f64; 2]>) -> Figure {
+        Figure { title: "a < b".to_owned(), curves: vec![Curve::nth(0, "wing & tip", points)], ..Figure::default() }
+    }
+
+    /// Texts of the model are escaped, the size is in user units, and equal figures have equal bytes.
+    #[test]
+    fn svg_and_png_are_made_of_the_same_figure() {
+        let figure = figure(vec![[0.0, 1.0], [1.0, 2.0], [2.0, 1.5]]);
+        let svg = figure.svg().unwrap();
+        assert!(svg.starts_with("<svg width=\"960\" height=\"600\" role=\"img\" viewBox=\"0 0 9600 6000\""), "{svg}");
+        assert!(svg.contains("a &lt; b") && svg.contains("wing &amp; tip"));
+        assert_eq!(svg, figure.svg().unwrap());
+        let png = figure.png().unwrap();
+        let picture = tiny_skia::Pixmap::decode_png(&png).unwrap();
+        assert_eq!([picture.width(), picture.height()], SIZE.map(|length| 2 * length));
+        assert_eq!(png, figure.png().unwrap());
+    }
+
+    /// Figures of nothing, of one point, of a constant and of values that are not finite are drawn, not refused.
+    #[test]
+    fn odd_curves_are_drawn() {
+        let cases = [
+            vec![],
+            vec![[1.0, 1.0]],
+            vec![[0.0, 5.0], [1.0, 5.0]],
+            vec![[0.0, 0.0], [1.0, 1e-300]],
+            vec![[0.0, f64::NAN], [1.0, 2.0], [2.0, f64::INFINITY], [3.0, 4.0]],
+            vec![[0.0, -1e300], [1.0, 1e300]],
+        ];
+        for points in cases {
+            for equal in [false, true] {
+                let figure = Figure { equal, ..figure(points.clone()) };
+                assert!(figure.svg().unwrap().ends_with("</svg>\n") && !figure.png().unwrap().is_empty(), "{points:?}");
+            }
+        }
+    }
+
+    /// With equal scales a unit is as long across as it is up.
+    #[test]
+    fn equal_scales_are_equal() {
+        let [x, y] = Figure { equal: true, ..figure(vec![[0.0, 0.0], [1.0, 0.01]]) }.ranges();
+        let sides =
+            [SIZE[0] - LEGEND - LABELS[0] - 2 * BORDER, SIZE[1] - LABELS[1] - TITLE - 2 * BORDER].map(f64::from);
+        let scales = [(x.end - x.start) / sides[0], (y.end - y.start) / sides[1]];
+        assert!((scales[0] / scales[1] - 1.0).abs() < 1e-12, "{scales:?}");
+    }
+
+    /// Of many points the peaks stay, to the bit.
+    #[test]
+    fn thinned_curves_keep_their_peaks() {
+        let mut points: Vec<[f64; 2]> = (0..100_000).map(|i| [f64::from(i), (0.01 * f64::from(i)).sin()]).collect();
+        points[31_415][1] = 7.0;
+        points[92_653][1] = -5.0;
+        let thin = thinned(&points, &(0.0..100_000.0));
+        assert!(thin.len() <= 8 * SIZE[0] as usize + 8, "{} points", thin.len());
+        for i in [0, 31_415, 92_653, 99_999] {
+            assert!(thin.contains(&points[i]), "point {i}");
+        }
+        assert!(thin.is_sorted_by(|a, b| a[0] < b[0]));
+    }
+
+    #[test]
+    fn labels_have_the_digits_they_need() {
+        let cases = [
+            (0.1, 0.4, "0.1"),
+            (-2.5, 10.0, "−2.5"),
+            (1e-20, 1.0, "0"),
+            (0.00125, 0.004, "0.00125"),
+            (300.0, 400.0, "300"),
+        ];
+        for (value, span, text) in cases {
+            assert_eq!(tidy(value, &(0.0..span)), text);
+        }
+        assert_eq!(short("station.outer[4].position.x"), "station.ou…position.x");
+        assert_eq!(short("fold.angle"), "fold.angle");
+    }
+}
