@@ -144,7 +144,7 @@ fn complete(file: &object::File) -> Result<(), String> {
         })
         .collect();
     let missing: Vec<&str> =
-        FUNCTIONS.iter().copied().filter(|function| !names.iter().any(|name| *name == function.as_bytes())).collect();
+        FUNCTIONS.iter().copied().filter(|function| !names.contains(&function.as_bytes())).collect();
     match missing.as_slice() {
         [] => Ok(()),
         [one] => Err(format!("not a Foldwing library: it does not export {one}")),
