@@ -10,7 +10,7 @@ use crate::interface::binding::{
 use crate::interface::dependencies::add_dependencies;
 use crate::interface::topology::Topology;
 use crate::interface::{Causality, Initial, Value, Variability, Variable};
-use crate::plant::{Inputs, Parameters};
+use crate::plant::{FACTOR_RANGE, Inputs, Parameters};
 
 /// Components of a vector.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
@@ -18,8 +18,7 @@ pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 const QUATERNION: [&str; 4] = ["w", "x", "y", "z"];
 
 const NON_NEGATIVE: Option<(f64, f64)> = Some((0.0, UNLIMITED));
-/// Factors must leave equations that can be solved in double precision.
-const FACTOR: Option<(f64, f64)> = Some((1e-6, 1e6));
+const FACTOR: Option<(f64, f64)> = Some(FACTOR_RANGE);
 /// A fold joint starts within one turn either way.
 const TURN: Option<(f64, f64)> = Some((-360_f64.to_radians(), 360_f64.to_radians()));
 const TOLERANCE: Option<(f64, f64)> = Some((1e-12, 1e-1));

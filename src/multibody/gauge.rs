@@ -115,8 +115,9 @@ fn end_strain(
     let axes = work.nodes[node].rotation.transpose();
     let (force, moment): (Vector3<f64>, Vector3<f64>) = (axes * force, axes * moment);
     let resultant = Vector4::new(-force.x, -moment.x, -moment.y, -moment.z);
-    let stiffness = nalgebra::Cholesky::new(*section_stiffness).expect("a section's stiffness is positive definite");
-    stiffness.solve(&resultant)
+    // sections of a machine are positive definite; anything else must not pass for a strain
+    nalgebra::Cholesky::new(*section_stiffness)
+        .map_or(Vector4::repeat(f64::NAN), |stiffness| stiffness.solve(&resultant))
 }
 
 /// Section next to a node: attached masses, loads on the node and child bodies stand between the two.

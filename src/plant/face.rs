@@ -86,6 +86,9 @@ pub struct BodyParameters {
     pub stiffness_damping_s: f64,
 }
 
+/// Smallest and largest factor on inertia or stiffness: the equations must stay solvable in double precision.
+pub const FACTOR_RANGE: (f64, f64) = (1e-6, 1e6);
+
 /// All parameters. Fixed ones act at [`crate::plant::Plant::initialize`], tunable ones from the next step on.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {

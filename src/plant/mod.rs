@@ -27,8 +27,9 @@ pub use crate::solve::equilibrium::Effort as StaticEffort;
 pub use crate::solve::linearize::{SecondOrder, StateSpace};
 pub use air::SurfaceLattice;
 pub use face::{
-    AirOutputs, BodyParameters, EnergyOutputs, Inputs, JointInputs, JointOutputs, JointParameters, JointStatus,
-    LoopOutputs, Outputs, Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters, Statistics,
+    AirOutputs, BodyParameters, EnergyOutputs, FACTOR_RANGE, Inputs, JointInputs, JointOutputs, JointParameters,
+    JointStatus, LoopOutputs, Outputs, Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters,
+    Statistics,
 };
 pub use linear::{Argument, Freedom};
 pub use shape::{ModeShape, NodeMotion, SectionShape, SectionState};

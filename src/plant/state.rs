@@ -4,7 +4,7 @@ use crate::actuation::drive::Slew;
 use crate::actuation::latch::LatchState;
 use crate::config::Machine;
 use crate::plant::air::AirHistory;
-use crate::plant::face::{Inputs, Parameters, PlantError, Statistics};
+use crate::plant::face::{BodyParameters, FACTOR_RANGE, Inputs, JointParameters, Parameters, PlantError, Statistics};
 use crate::solve::point::Point;
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
@@ -216,6 +216,29 @@ impl State {
         };
         if !(steps(&self.parameters) && steps(&self.applied_parameters)) {
             return refuse("solver parameters");
+        }
+        let factor = |value: f64| (FACTOR_RANGE.0..=FACTOR_RANGE.1).contains(&value);
+        let bodies = |parameters: &Parameters| {
+            let body = |body: &BodyParameters| {
+                factor(body.mass_factor)
+                    && factor(body.stiffness_factor)
+                    && finite(&[body.mass_damping_1_s, body.stiffness_damping_s])
+            };
+            parameters.bodies.iter().all(body)
+        };
+        if !(bodies(&self.parameters) && bodies(&self.applied_parameters)) {
+            return refuse("factors or damping of a body");
+        }
+        let joints = |parameters: &Parameters| {
+            let joint = |joint: &JointParameters| {
+                finite(&[joint.start_angle_rad, joint.stiffness_n_m_rad, joint.damping_n_m_s_rad])
+                    && finite(&[joint.constant_torque_n_m, joint.torque_limit_n_m, joint.rate_limit_rad_s])
+                    && joint.latch_stiffness_n_m_rad.is_finite()
+            };
+            parameters.joints.iter().all(joint)
+        };
+        if !(joints(&self.parameters) && joints(&self.applied_parameters)) {
+            return refuse("parameters of a joint");
         }
         Ok(())
     }

@@ -75,6 +75,31 @@ fn p92_snapshot_of_another_model_is_refused() {
     coast(&mut plant, 0.02);
 }
 
+/// P-99. A state whose parameters no importer could set is refused and changes nothing. A stiffness factor of −1 in the
+/// bytes of a state used to be taken, and reading the gauges then broke the instance down.
+#[test]
+fn p99_parameters_that_cannot_be_set_are_refused_in_a_state() {
+    let mut plant = start(default_wing(1e-4));
+    coast(&mut plant, 0.01);
+    let outputs = plant.outputs().clone();
+    let good = serde_json::to_value(plant.snapshot()).expect("serialises");
+    for (path, value) in [
+        ("/parameters/bodies/0/stiffness_factor", -1.0),
+        ("/applied_parameters/bodies/1/stiffness_factor", 0.0),
+        ("/applied_parameters/bodies/0/mass_factor", 1e30),
+        ("/parameters/tolerance", 0.0),
+    ] {
+        let mut forged = good.clone();
+        *forged.pointer_mut(path).expect(path) = value.into();
+        let forged: Snapshot = serde_json::from_value(forged).expect("a state in form");
+        let refused = plant.restore(&forged);
+        assert!(matches!(refused, Err(PlantError::Snapshot(_))), "{path} = {value}: {refused:?}");
+        assert_eq!(plant.outputs(), &outputs, "{path}");
+    }
+    let good: Snapshot = serde_json::from_value(good).expect("a state");
+    plant.restore(&good).expect("the state itself");
+}
+
 /// P-93. Repeated runs, initialising again, and two plants stepped in turn give the same bits as one alone.
 #[test]
 fn p93_runs_repeat_to_the_bit() {
