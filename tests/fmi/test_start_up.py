@@ -34,7 +34,7 @@ def run(driver, fmu, references, step_s, steps):
     return outcome.stdout, float(re.search(r"started in ([\d.]+) ms", outcome.stderr)[1])
 
 
-def test_w08_an_instance_starts_within_five_milliseconds(driver, shipped):
+def test_n08_an_instance_starts_within_five_milliseconds(driver, shipped):
     """N-08. Start-up of each shipped model, without and with air, in a fresh process: pages of the library not yet
     touched. Fastest of some tries, because the limit is for the work, not for what else the machine does."""
     reference = next(variable.valueReference for variable in shipped.outputs if variable.type == "Real")
@@ -43,7 +43,7 @@ def test_w08_an_instance_starts_within_five_milliseconds(driver, shipped):
     assert fastest_ms < LIMIT_MS
 
 
-def test_w09_an_importer_in_c_reads_what_fmpy_reads(driver, wing):
+def test_n09_an_importer_in_c_reads_what_fmpy_reads(driver, wing):
     """N-09. Every Real output over 20 steps, bit for bit: the same library, called by another program."""
     references = [variable.valueReference for variable in wing.outputs if variable.type == "Real"]
     text, _ = run(driver, wing, references, 1e-3, 20)
