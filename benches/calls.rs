@@ -7,12 +7,15 @@
 
 #[path = "../tests/robustness/fmu.rs"]
 mod fmu;
+#[path = "../src/cli/processor_time.rs"]
+mod processor_time;
 
 use fmu::{Attempt, Fmu, Resources};
 use foldwing::fmi2::abi::functions::*;
 use foldwing::fmi2::abi::types::fmi2OK;
 use foldwing::interface::{Causality, Value};
 use foldwing::plant::Plant;
+use processor_time::processor_time;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -40,17 +43,6 @@ impl Stopwatch {
         let clock = self.clock.elapsed();
         [processor.unwrap_or(clock), clock].map(|time| 1e6 * time.as_secs_f64())
     }
-}
-
-#[cfg(any(target_os = "linux", target_os = "macos"))]
-fn processor_time() -> Option<Duration> {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    Some(Duration::new(u64::try_from(time.tv_sec).ok()?, u32::try_from(time.tv_nsec).ok()?))
-}
-
-#[cfg(not(any(target_os = "linux", target_os = "macos")))]
-fn processor_time() -> Option<Duration> {
-    None
 }
 
 /// The least and the median.

@@ -9,6 +9,7 @@ mod linearize;
 mod modes;
 mod package;
 mod pictures;
+mod processor_time;
 mod progress;
 #[cfg(feature = "import")]
 mod run;

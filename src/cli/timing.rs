@@ -1,5 +1,6 @@
 //! `foldwing simulate --timing`: what a run costs, as JSON.
 
+use crate::cli::processor_time::processor_time;
 use foldwing::plant::Statistics;
 use serde_json::json;
 use std::io::{self, Write};
@@ -74,17 +75,4 @@ impl Timing {
         serde_json::to_writer_pretty(&mut sink, &figures)?;
         writeln!(sink)
     }
-}
-
-/// Processor time of this thread, where the system tells it.
-#[cfg(any(target_os = "linux", target_os = "macos"))]
-fn processor_time() -> Option<Duration> {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    Some(Duration::new(u64::try_from(time.tv_sec).ok()?, u32::try_from(time.tv_nsec).ok()?))
-}
-
-/// Processor time of this thread, where the system tells it.
-#[cfg(not(any(target_os = "linux", target_os = "macos")))]
-fn processor_time() -> Option<Duration> {
-    None
 }

@@ -1,4 +1,6 @@
 //! A session of random calls: instances, what is expected of each call, what must hold after it.
+//!
+//! Longer than other files: the calls are one method each on the same instance, and share what must hold after them.
 
 use crate::fmu::{Fmu, WING};
 use crate::random_arguments::{self as arguments, Verdict, batch, pick};
