@@ -28,7 +28,7 @@ TUNNEL_FMU  := $(TARGET)/fmu/folding_wing_in_tunnel.fmu
 DEPLOYMENT  := $(TARGET)/deployment
 PLATFORMS   := $(TARGET)/platforms
 
-.PHONY: all build package venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-peers bless licenses robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
+.PHONY: all build package venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers bless licenses robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -92,7 +92,7 @@ pytest: package runner
 	    FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) \
 	    $(TEST_PYTHON) -m pytest -q tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
 
-bench: bench-own bench-sweep bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
+bench: bench-own bench-sweep bench-latency bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
 
 bench-own: toolchain ## Measure the recursions, the C functions, memory, other methods and the lattice
 	$(CARGO) bench --locked --bench kernels
@@ -103,6 +103,13 @@ bench-own: toolchain ## Measure the recursions, the C functions, memory, other m
 
 bench-sweep: build ## Measure variants per second of `foldwing sweep` with one thread and two
 	@$(PYTHON) tools/sweep_throughput.py --foldwing $(COMMAND)
+
+bench-latency: build ## Measure single steps of 1 ms in real-time mode under turbulence; alone on its core where the system permits
+	@for model in folding_wing folding_wing_constant; do \
+	  { cat examples/models/$$model.toml; printf '\n[solver]\nmode = "real_time"\n'; } > $(TARGET)/$$model-real-time.toml; \
+	  echo "$$model"; \
+	  $$(chrt -f 80 true 2>/dev/null && echo chrt -f 80) $(COMMAND) latency $(TARGET)/$$model-real-time.toml --paced; \
+	done
 
 bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/tables/exudyn.md, takes minutes
 	@$(PYTHON) tools/create_venv.py $(PEERS) --requirements python/requirements-peers.txt

@@ -4,6 +4,7 @@ mod air_summary;
 mod check;
 mod grid;
 mod joint_size;
+mod latency;
 mod lattice;
 mod linearize;
 mod modes;
@@ -63,6 +64,8 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Simulate many variants of a model, and write a row for each
     Sweep(sweep::Arguments),
+    /// Measure how long single steps take under a turbulent load
+    Latency(latency::Arguments),
     /// Run an FMU of any tool (FMI 2.0 co-simulation) and write its outputs as CSV
     Run(run::Arguments),
     /// Say what was understood of a model
@@ -126,6 +129,7 @@ pub fn run() -> ExitCode {
         Command::Package(arguments) => package::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),
+        Command::Latency(arguments) => latency::run(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Static(arguments) => statics::run(&arguments),

@@ -327,6 +327,8 @@ pub enum Method {
     GeneralizedAlpha,
     /// TR-BDF2, second order.
     TrBdf2,
+    /// SDIRK of two stages, second order.
+    Sdirk2,
     /// `ESDIRK3(2)4L[2]SA`, third order.
     Esdirk3,
     /// `ESDIRK4(3)6L[2]SA`, fourth order.
@@ -350,6 +352,8 @@ pub struct Solver {
     pub fixed_step_s: Option<f64>,
     /// Spectral radius at infinity of generalised-α.
     pub rho_infinity: f64,
+    /// Most Newton iterations of a stage in real-time mode, which repeats nothing; `None` otherwise.
+    pub most_iterations: Option<usize>,
 }
 
 /// Default experiment.

@@ -25,6 +25,22 @@ pub(super) struct SolverFile {
     /// Spectral radius at infinity of the generalised-α method.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub rho_infinity: f64,
+    /// `accurate`, or `real_time`: fixed steps, by default of 1 ms, with the method `sdirk2` and bounded work; nothing is
+    /// repeated. Not with air.
+    pub mode: ModeFile,
+    /// Most Newton iterations of a stage in real-time mode; what they reach is accepted and counted.
+    #[schemars(range(min = 1, max = 10))]
+    pub max_iterations: u32,
+}
+
+/// What the time integration puts first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum ModeFile {
+    /// Error and convergence: steps are repeated until they are met.
+    Accurate,
+    /// Bounded work in every step.
+    RealTime,
 }
 
 impl Default for SolverFile {
@@ -36,6 +52,8 @@ impl Default for SolverFile {
             min_step_s: 1e-9,
             fixed_step_s: None,
             rho_infinity: 0.8,
+            mode: ModeFile::Accurate,
+            max_iterations: 4,
         }
     }
 }
@@ -49,6 +67,9 @@ pub(super) enum MethodFile {
     /// TR-BDF2, second order.
     #[serde(rename = "tr_bdf2")]
     TrBdf2,
+    /// SDIRK of two stages, second order; the method of real-time mode.
+    #[serde(rename = "sdirk2")]
+    Sdirk2,
     /// ESDIRK, third order.
     #[serde(rename = "esdirk3")]
     Esdirk3,
@@ -66,6 +87,7 @@ impl From<MethodFile> for Method {
             MethodFile::GeneralizedAlpha => Self::GeneralizedAlpha,
             MethodFile::TrBdf2 => Self::TrBdf2,
             MethodFile::Esdirk3 => Self::Esdirk3,
+            MethodFile::Sdirk2 => Self::Sdirk2,
             MethodFile::Esdirk4 => Self::Esdirk4,
             MethodFile::Rk4 => Self::Rk4,
         }

@@ -4,8 +4,8 @@ use crate::config::body::{self, BodyFile};
 use crate::config::document::{Document, key_text};
 use crate::config::error::{Fault, Problem, nearest};
 use crate::config::file::ModelFile;
-use crate::config::machine::{Body, Experiment, Joint, Machine, Solver};
-use crate::config::run::MethodFile;
+use crate::config::machine::{Body, Experiment, Joint, Machine, Method, Solver};
+use crate::config::run::{MethodFile, ModeFile};
 use crate::config::schema::{quoted, shortest};
 use crate::config::{air, attachments, joints, loops, sections, tree};
 use nalgebra::Vector3;
@@ -15,6 +15,9 @@ use sections::Sections;
 const MOST_STATIONS: usize = 2_000;
 /// Most elements of a machine: a step then takes a tenth of a second.
 const MOST_ELEMENTS: usize = 20_000;
+
+/// Fixed step of real-time mode where the file names none, in s.
+const REAL_TIME_STEP_S: f64 = 1e-3;
 
 /// Collects problems and knows where keys stand.
 pub(super) struct Checker<'d, 'a> {
@@ -137,13 +140,27 @@ fn build_solver(file: &ModelFile, checker: &mut Checker) -> Solver {
         let allowed = "a finite time > 0 s: method = \"rk4\" has no error estimate to choose its steps by";
         checker.refuse(&["solver", "fixed_step_s"], allowed);
     }
+    let real_time = solver.mode == ModeFile::RealTime;
+    if real_time && file.aerodynamics.is_some() {
+        let allowed = "\"accurate\" for a machine in air: its iteration with the structure is not bounded";
+        checker.refuse(&["solver", "mode"], allowed);
+    }
+    if real_time && checker.states(&["solver", "method"]) && solver.method != MethodFile::Sdirk2 {
+        let allowed = "\"sdirk2\", or no method, with mode = \"real_time\": at steps of given length the others carry a jump of the \
+                       accelerations on in stiff modes";
+        checker.refuse(&["solver", "method"], allowed);
+    }
+    if !real_time && checker.states(&["solver", "max_iterations"]) {
+        checker.refuse(&["solver", "max_iterations"], "this key only with mode = \"real_time\"");
+    }
     Solver {
-        method: solver.method.into(),
+        method: if real_time { Method::Sdirk2 } else { solver.method.into() },
         tolerance: solver.tolerance,
         max_step_s: solver.max_step_s,
         min_step_s: solver.min_step_s,
-        fixed_step_s: solver.fixed_step_s,
+        fixed_step_s: solver.fixed_step_s.or(real_time.then_some(REAL_TIME_STEP_S)),
         rho_infinity: solver.rho_infinity,
+        most_iterations: real_time.then_some(solver.max_iterations as usize),
     }
 }
 

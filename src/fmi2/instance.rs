@@ -9,6 +9,7 @@ use crate::fmi2::state::{Experiment, Registry, SavedState};
 use crate::interface::{DerivativeError, Interface, Kind, Scalar, Stage, Value, guid};
 use crate::plant::{JointStatus, Plant};
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Relative round-off of the importer's clock that is accepted.
 const CLOCK_TOLERANCE: f64 = 1e-9;
@@ -263,7 +264,11 @@ impl Instance {
         }
         let before: Option<Vec<JointStatus>> =
             self.log.wants(LogCategory::Events).then(|| self.plant.joint_statuses().collect());
+        let started = self.machine.solver.most_iterations.map(|_| Instant::now());
         let outcome = self.plant.step(end_s);
+        if let Some(started) = started {
+            self.plant.latency_mut().record(started.elapsed().as_secs_f64());
+        }
         if let Some(before) = before {
             self.tell_events(time_s, &before);
         }

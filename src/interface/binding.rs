@@ -2,7 +2,7 @@
 
 use crate::interface::Value;
 use crate::interface::fields::component;
-use crate::plant::{Inputs, Outputs, Parameters, Plant, Statistics};
+use crate::plant::{Inputs, Latency, Outputs, Parameters, Plant, Statistics};
 
 /// What a row of the table reads and writes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,6 +17,8 @@ pub enum Binding {
     Output(Output),
     /// A counter of the time integration.
     Local(Counter),
+    /// A duration of communication steps.
+    Duration(Duration),
 }
 
 /// An input; indices as in [`Inputs`], components 0, 1, 2 for x, y, z.
@@ -236,6 +238,21 @@ pub enum Counter {
     Factorizations,
     /// Events.
     Events,
+    /// Stages accepted without convergence.
+    Unconverged,
+    /// Most iterations of one stage.
+    LargestIterations,
+}
+
+/// A duration of communication steps in real-time mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Duration {
+    /// Of the last one.
+    Last,
+    /// That half of them do not exceed.
+    Median,
+    /// Of the slowest.
+    Slowest,
 }
 
 /// Where values are read from.
@@ -249,12 +266,20 @@ pub(super) struct Source<'a> {
     pub outputs: &'a Outputs,
     /// Counters.
     pub statistics: Statistics,
+    /// Durations of steps.
+    pub latency: &'a Latency,
 }
 
 impl<'a> Source<'a> {
     /// Inputs and parameters of a plant, with outputs of the caller's choice.
     pub fn new(plant: &'a Plant, outputs: &'a Outputs) -> Self {
-        Self { inputs: plant.inputs(), parameters: plant.parameters(), outputs, statistics: plant.statistics() }
+        Self {
+            inputs: plant.inputs(),
+            parameters: plant.parameters(),
+            outputs,
+            statistics: plant.statistics(),
+            latency: plant.latency(),
+        }
     }
 }
 
@@ -268,6 +293,7 @@ impl Binding {
             Self::Parameter(parameter) => Value::Real(parameter.read(source.parameters)),
             Self::Output(output) => output.read(source.outputs),
             Self::Local(counter) => Value::Integer(counter.read(&source.statistics)),
+            Self::Duration(duration) => Value::Real(duration.read_s(source.latency)),
         }
     }
 
@@ -292,7 +318,7 @@ impl Binding {
 
     /// Whether the value comes from the last evaluation rather than from the importer.
     pub(super) fn is_computed(self) -> bool {
-        matches!(self, Self::Output(_) | Self::Local(_))
+        matches!(self, Self::Output(_) | Self::Local(_) | Self::Duration(_))
     }
 }
 

@@ -119,7 +119,7 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
             Binding::Input(_) => true,
             Binding::Parameter(Parameter::Joint(_, JointParameter::RateLimit) | Parameter::Solver(_)) => false,
             Binding::Parameter(_) => true,
-            Binding::Output(_) | Binding::Local(_) => false,
+            Binding::Output(_) | Binding::Local(_) | Binding::Duration(_) => false,
         };
     }
     match output {
@@ -362,7 +362,7 @@ fn pushes(topology: &Topology, reach: Reach, known: Binding) -> bool {
             // The air's loads at a communication point are known already; wind acts on those to come.
             Input::Wind(_) => false,
         },
-        Binding::Parameter(_) | Binding::Output(_) | Binding::Local(_) => false,
+        Binding::Parameter(_) | Binding::Output(_) | Binding::Local(_) | Binding::Duration(_) => false,
     }
 }
 

@@ -2,11 +2,11 @@
 
 use crate::interface::Value;
 use crate::interface::binding::{
-    BodyParameter, Counter, EnergyOutput, JointInput, JointOutput, JointParameter, PointOutput, SpatialOutput,
-    SpatialParameter,
+    BodyParameter, Counter, Duration, EnergyOutput, JointInput, JointOutput, JointParameter, PointOutput,
+    SpatialOutput, SpatialParameter,
 };
 use crate::plant::{
-    BodyParameters, EnergyOutputs, JointInputs, JointOutputs, JointParameters, PointOutputs, SpatialOutputs,
+    BodyParameters, EnergyOutputs, JointInputs, JointOutputs, JointParameters, Latency, PointOutputs, SpatialOutputs,
     SpatialParameters, Statistics,
 };
 use nalgebra::{UnitQuaternion, Vector3};
@@ -151,6 +151,17 @@ impl EnergyOutput {
     }
 }
 
+impl Duration {
+    /// Present value in s.
+    pub(super) fn read_s(self, latency: &Latency) -> f64 {
+        match self {
+            Self::Last => latency.last_s(),
+            Self::Median => latency.quantile_s(0.5),
+            Self::Slowest => latency.slowest_s(),
+        }
+    }
+}
+
 impl Counter {
     /// Present count; stays at the largest Integer instead of wrapping.
     pub(super) fn read(self, statistics: &Statistics) -> i32 {
@@ -161,6 +172,8 @@ impl Counter {
             Self::Iterations => statistics.iterations,
             Self::Factorizations => statistics.factorizations,
             Self::Events => statistics.events,
+            Self::Unconverged => statistics.unconverged,
+            Self::LargestIterations => statistics.largest_iterations,
         };
         i32::try_from(count).unwrap_or(i32::MAX)
     }

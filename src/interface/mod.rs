@@ -6,6 +6,7 @@
 mod access;
 mod air;
 mod binding;
+mod counters;
 mod dependencies;
 mod derivatives;
 mod fields;

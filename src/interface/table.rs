@@ -4,9 +4,10 @@ use crate::config::Machine;
 use crate::config::machine::UNLIMITED;
 use crate::interface::air;
 use crate::interface::binding::{
-    Binding, BodyParameter, Counter, EnergyOutput, Input, JointInput, JointOutput, JointParameter, Output, Parameter,
+    Binding, BodyParameter, EnergyOutput, Input, JointInput, JointOutput, JointParameter, Output, Parameter,
     PointOutput, SolverParameter, SpatialOutput, SpatialParameter,
 };
+use crate::interface::counters;
 use crate::interface::dependencies::add_dependencies;
 use crate::interface::topology::Topology;
 use crate::interface::{Causality, Initial, Value, Variability, Variable};
@@ -153,15 +154,6 @@ const ENERGIES: &Fields<EnergyOutput> = &[
     ),
 ];
 
-const COUNTERS: &[(&str, Counter, &str)] = &[
-    ("steps", Counter::Steps, "accepted internal steps"),
-    ("rejections", Counter::Rejections, "internal steps rejected by the error estimate"),
-    ("failures", Counter::Failures, "internal steps given up by the Newton iteration"),
-    ("iterations", Counter::Iterations, "Newton iterations"),
-    ("factorizations", Counter::Factorizations, "factorisations of the equations of motion"),
-    ("events", Counter::Events, "events: releases, latch closings and openings"),
-];
-
 /// Rows and bindings of a machine, in the order of their value references.
 pub(super) fn build(machine: &Machine) -> (Vec<Variable>, Vec<Binding>) {
     let topology = Topology::new(machine);
@@ -176,10 +168,7 @@ pub(super) fn build(machine: &Machine) -> (Vec<Variable>, Vec<Binding>) {
     inputs(&mut table, &topology);
     outputs(&mut table, &topology);
     parameters(&mut table, &topology);
-    for &(name, counter, meaning) in COUNTERS {
-        let text = (format!("solver.{name}"), None, None, format!("{meaning} since initialisation"));
-        table.push(Binding::Local(counter), Causality::Local, Variability::Discrete, Value::Integer(0), text);
-    }
+    counters::locals(&mut table, machine);
     add_dependencies(&topology, &mut table.variables, &table.bindings);
     (table.variables, table.bindings)
 }
@@ -457,7 +446,7 @@ impl Table {
         self.push(Binding::Parameter(parameter), Causality::Parameter, variability, start, text);
     }
 
-    fn push(&mut self, binding: Binding, causality: Causality, variability: Variability, value: Value, text: Text) {
+    pub(super) fn push(&mut self, binding: Binding, causality: Causality, variability: Variability, value: Value, text: Text) {
         let (name, declared_type, range, description) = text;
         let value_reference = u32::try_from(self.variables.len()).expect("fewer than 2^32 variables");
         self.bindings.push(binding);

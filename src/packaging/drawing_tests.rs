@@ -80,6 +80,7 @@ pub(crate) fn two_body_machine() -> Machine {
             min_step_s: 1e-9,
             fixed_step_s: None,
             rho_infinity: 0.8,
+            most_iterations: None,
         },
         experiment: Experiment { start_time_s: 0.0, stop_time_s: 0.4, step_s: 5e-4, start: StartState::Unstrained },
     }

@@ -21,6 +21,7 @@ impl Plant {
     ///
     /// May be called again (an FMU re-evaluates in Initialization Mode). On an error the state stays as it was.
     pub fn initialize(&mut self, time_s: f64) -> Result<(), PlantError> {
+        self.latency.clear();
         let before = self.state.clone();
         let outcome = self.find_start(time_s);
         if outcome.is_err() {

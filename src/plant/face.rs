@@ -307,6 +307,10 @@ pub struct Statistics {
     pub events: u64,
     /// Solutions of the air.
     pub air_solutions: u64,
+    /// Stages that real-time mode accepted without convergence.
+    pub unconverged: u64,
+    /// Most Newton iterations of one stage.
+    pub largest_iterations: u64,
 }
 
 /// Why a plant cannot go on.

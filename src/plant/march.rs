@@ -5,7 +5,7 @@ use crate::plant::face::PlantError;
 use crate::plant::place::Failure;
 use crate::plant::state::State;
 use crate::solve::control;
-use crate::solve::newton::{Effort, NewtonError};
+use crate::solve::newton::{Accuracy, Effort, NewtonError};
 use crate::solve::point::Point;
 
 /// Displacement error that Newton's iteration may leave, as a share of the step's tolerance.
@@ -25,6 +25,9 @@ const MOST_AIR_STEPS: u32 = 100_000;
 pub(super) const CROSSING_S: f64 = 1e-10;
 /// Most steps spent on locating one crossing.
 const MAX_LOCATING_STEPS: usize = 40;
+/// Most steps spent on locating one crossing in real time: the tangent at the end of the first trial leaves the latch a
+/// share of a step off that falls with the square of the step.
+const MAX_LOCATING_STEPS_REAL_TIME: usize = 2;
 /// Interior places at which a step is searched for a crossing and return.
 const CROSSING_SAMPLES: u32 = 8;
 
@@ -166,6 +169,10 @@ impl Plant {
         self.count_step(step_s, target_s)?;
         while let Err(error) = self.attempt(step_s, NEWTON_CEILING_EXACT) {
             self.state.statistics.failures += 1;
+            if self.machine.solver.most_iterations.is_some() {
+                // in real time nothing is repeated: what fails here is not finite
+                return Err(self.no_convergence(step_s, Failure::Newton(error)));
+            }
             step_s *= 0.5;
             target_s = time_s + step_s;
             self.state.step_s = step_s;
@@ -174,18 +181,29 @@ impl Plant {
         }
         self.state.ahead.time_s = target_s;
         self.state.statistics.steps += 1;
-        self.locate_crossing()
+        self.locate_crossing()?;
+        if self.machine.solver.most_iterations.is_some() {
+            // what the last jump has asked for ends with the step after it
+            self.state.step_s = self.state.applied_parameters.max_step_s;
+        }
+        Ok(())
     }
 
     /// One step from `start` into `ahead`; returns the error estimate.
     fn attempt(&mut self, step_s: f64, newton_ceiling: f64) -> Result<f64, NewtonError> {
-        let newton_tolerance = (NEWTON_SHARE * self.state.applied_parameters.tolerance).min(newton_ceiling);
+        let accuracy = Accuracy {
+            tolerance: (NEWTON_SHARE * self.state.applied_parameters.tolerance).min(newton_ceiling),
+            most_iterations: self.machine.solver.most_iterations,
+            jumped: self.machine.solver.most_iterations.is_some() && self.state.step_s < step_s,
+        };
         let mut effort = Effort::default();
         let State { start, ahead, statistics, .. } = &mut self.state;
         self.equations.branch_s = start.time_s + 0.5 * step_s;
-        let outcome = self.stepper.step(&mut self.equations, start, step_s, ahead, newton_tolerance, &mut effort);
+        let outcome = self.stepper.step(&mut self.equations, start, step_s, ahead, accuracy, &mut effort);
         statistics.iterations += effort.iterations;
         statistics.factorizations += effort.factorizations;
+        statistics.unconverged += effort.unconverged;
+        statistics.largest_iterations = statistics.largest_iterations.max(effort.largest);
         outcome
     }
 
@@ -233,7 +251,8 @@ impl Plant {
             high = trial_s;
             high_gap = -f64::MIN_POSITIVE;
         }
-        for _ in 0..MAX_LOCATING_STEPS {
+        let real_time = self.machine.solver.most_iterations.is_some();
+        for _ in 0..if real_time { MAX_LOCATING_STEPS_REAL_TIME } else { MAX_LOCATING_STEPS } {
             if let Err(error) = self.attempt(trial_s, NEWTON_CEILING_EXACT) {
                 self.state.step_s = trial_s * FAILURE_CUT;
                 return Err(self.no_convergence(trial_s, Failure::Newton(error)));

@@ -11,6 +11,7 @@ mod derivatives;
 mod equations;
 mod events;
 mod face;
+mod latency;
 mod linear;
 mod march;
 mod outputs;
@@ -31,6 +32,7 @@ pub use face::{
     JointStatus, LoopOutputs, Outputs, Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters,
     Statistics,
 };
+pub use latency::Latency;
 pub use linear::{Argument, Freedom};
 pub use shape::{ModeShape, NodeMotion, SectionShape, SectionState};
 pub use state::Snapshot;
@@ -67,6 +69,7 @@ pub struct Plant {
     /// Smallest step that the error estimate has asked for since the present trial march began, in s.
     smallest_step_s: f64,
     scratch: [Vec<f64>; 2],
+    latency: Latency,
     outputs: Outputs,
 }
 
@@ -92,6 +95,7 @@ impl Plant {
             Method::GeneralizedAlpha => stepper::Method::GeneralizedAlpha { rho_infinity: machine.solver.rho_infinity },
             Method::TrBdf2 => stepper::Method::TrBdf2,
             Method::Esdirk3 => stepper::Method::Esdirk3,
+            Method::Sdirk2 => stepper::Method::Sdirk2,
             Method::Esdirk4 => stepper::Method::Esdirk4,
             Method::Rk4 => stepper::Method::Rk4,
         };
@@ -110,6 +114,7 @@ impl Plant {
             air,
             smallest_step_s: f64::INFINITY,
             scratch: [vec![0.0; coordinates], vec![0.0; coordinates]],
+            latency: Latency::default(),
             begin: state.clone(),
             steps_left: 0,
             state,
@@ -205,6 +210,17 @@ impl Plant {
             latch_time_s: joint.latch.time_s,
             latch_count: joint.latch.count,
         })
+    }
+
+    /// Durations of the communication steps since initialisation, as far as the caller records them. Saved states do
+    /// not contain them.
+    pub fn latency(&self) -> &Latency {
+        &self.latency
+    }
+
+    /// Durations, to be recorded.
+    pub fn latency_mut(&mut self) -> &mut Latency {
+        &mut self.latency
     }
 
     /// Counters since initialisation.

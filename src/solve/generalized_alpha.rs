@@ -1,6 +1,6 @@
 //! Generalised-α of Chung and Hulbert with variable step, NOTATION eqs. (T4)–(T5).
 
-use crate::solve::newton::{Effort, NewtonError, Stage, iterate};
+use crate::solve::newton::{Accuracy, Effort, NewtonError, Stage, iterate};
 use crate::solve::point::Point;
 use crate::solve::{EquationsOfMotion, Powers};
 
@@ -49,7 +49,7 @@ impl GeneralizedAlpha {
         start: &Point,
         h_s: f64,
         end: &mut Point,
-        tolerance: f64,
+        accuracy: Accuracy,
         effort: &mut Effort,
     ) -> Result<f64, NewtonError> {
         let Parameters { alpha_m, alpha_f, beta, gamma } = *parameters;
@@ -74,7 +74,7 @@ impl GeneralizedAlpha {
             velocity_gain: h_s * gamma * share,
             position_gain: h_s * h_s * beta * share,
         };
-        iterate(equations, &mut unknown, tolerance, &mut false, effort)?;
+        iterate(equations, &mut unknown, accuracy, &mut false, effort)?;
 
         let estimate = (beta + 0.5 * (alpha_f - alpha_m) - 1.0 / 6.0).abs() * h_s * h_s;
         for i in 0..start.q.len() {

@@ -26,6 +26,26 @@ pub enum NewtonError {
     },
 }
 
+/// How exactly stages are solved, and what may be spent on each.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Accuracy {
+    /// Error of the displacement that may be left, in the kinematic norm.
+    pub tolerance: f64,
+    /// Most iterations of a stage in real time: what they reach is accepted and counted. `None`: a stage that does not
+    /// converge is an error.
+    pub most_iterations: Option<usize>,
+    /// The accelerations at the step's begin have jumped by more than a guess over the whole step can use, NOTATION
+    /// eq. (T10).
+    pub jumped: bool,
+}
+
+impl Accuracy {
+    /// Stages must converge to `tolerance`.
+    pub const fn within(tolerance: f64) -> Self {
+        Self { tolerance, most_iterations: None, jumped: false }
+    }
+}
+
 /// Counters of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Effort {
@@ -33,6 +53,10 @@ pub struct Effort {
     pub iterations: u64,
     /// Factorisations.
     pub factorizations: u64,
+    /// Stages accepted without convergence.
+    pub unconverged: u64,
+    /// Most iterations of one stage.
+    pub largest: u64,
 }
 
 /// State of one stage during the iteration.
@@ -59,19 +83,23 @@ const MAX_ITERATIONS: usize = 10;
 /// Iterates until the estimated error of the displacement, in the kinematic norm, falls below `tolerance`.
 ///
 /// `factorized` tells whether the factors of this step stand; they are made at the first iterate, and once more
-/// where the iteration contracts slower than a half.
+/// where the iteration contracts slower than a half. With [`Accuracy::most_iterations`] the work is bounded, and only
+/// what is not finite or singular is an error.
 pub fn iterate(
     equations: &mut impl EquationsOfMotion,
     stage: &mut Stage,
-    tolerance: f64,
+    accuracy: Accuracy,
     factorized: &mut bool,
     effort: &mut Effort,
 ) -> Result<(), NewtonError> {
+    let Accuracy { tolerance, most_iterations, .. } = accuracy;
+    let most = most_iterations.unwrap_or(MAX_ITERATIONS);
     let mut previous = f64::INFINITY;
     let mut refreshed = false;
-    for iteration in 0..MAX_ITERATIONS {
+    for iteration in 0..most {
         equations.residual(stage.time_s, stage.q, stage.v, stage.a, stage.residual);
         effort.iterations += 1;
+        effort.largest = effort.largest.max(iteration as u64 + 1);
         if !*factorized {
             equations.factorize(1.0, stage.velocity_gain, stage.position_gain)?;
             effort.factorizations += 1;
@@ -99,12 +127,17 @@ pub fn iterate(
             return Ok(());
         }
         if iteration > 0 && rate > 0.5 {
-            if refreshed && rate > 1.0 {
+            if refreshed && rate > 1.0 && most_iterations.is_none() {
                 return Err(NewtonError::NotConverged { iterations: iteration + 1, correction, tolerance });
             }
-            *factorized = refreshed;
+            // with bounded work there is no second try by a shorter step: factors at every iterate instead
+            *factorized = refreshed && most_iterations.is_none();
         }
         previous = correction;
     }
-    Err(NewtonError::NotConverged { iterations: MAX_ITERATIONS, correction: previous, tolerance })
+    if most_iterations.is_some() {
+        effort.unconverged += 1;
+        return Ok(());
+    }
+    Err(NewtonError::NotConverged { iterations: most, correction: previous, tolerance })
 }

@@ -1,6 +1,6 @@
 //! ESDIRK steps for second-order equations: the unknown of a stage is its acceleration, NOTATION eqs. (T1)–(T3).
 
-use crate::solve::newton::{Effort, NewtonError, Stage, iterate};
+use crate::solve::newton::{Accuracy, Effort, NewtonError, Stage, iterate};
 use crate::solve::point::Point;
 use crate::solve::tableau::{MAX_STAGES, Tableau};
 use crate::solve::{EquationsOfMotion, Powers};
@@ -44,7 +44,7 @@ impl Esdirk {
         start: &Point,
         h_s: f64,
         end: &mut Point,
-        tolerance: f64,
+        accuracy: Accuracy,
         effort: &mut Effort,
     ) -> Result<f64, NewtonError> {
         let coordinates = start.q.len();
@@ -59,7 +59,11 @@ impl Esdirk {
             let a = &mut after[0];
             let [(first, share), (second, rest)] = tableau.predictor(stage);
             for i in 0..coordinates {
-                a[i] = share * before[first][i] + rest * before[second][i];
+                a[i] = match (accuracy.jumped, stage) {
+                    (false, _) => share * before[first][i] + rest * before[second][i],
+                    (true, 1) => 0.0,
+                    (true, _) => before[stage - 1][i],
+                };
                 let (mut q, mut v) = (start.q[i], start.v[i]);
                 for (j, weight) in row.iter().enumerate() {
                     q += h_s * weight * self.velocities[j][i];
@@ -79,7 +83,7 @@ impl Esdirk {
                 velocity_gain: gain,
                 position_gain: gain * gain,
             };
-            iterate(equations, &mut unknown, tolerance, &mut factorized, effort)?;
+            iterate(equations, &mut unknown, accuracy, &mut factorized, effort)?;
             self.velocities[stage].copy_from_slice(&self.v);
             self.powers[stage] = equations.powers(time_s, &self.q, &self.v, &self.accelerations[stage]);
         }

@@ -3,10 +3,10 @@
 use crate::solve::EquationsOfMotion;
 use crate::solve::explicit::Rk4;
 use crate::solve::generalized_alpha::{GeneralizedAlpha, Parameters};
-use crate::solve::newton::{Effort, NewtonError};
+use crate::solve::newton::{Accuracy, Effort, NewtonError};
 use crate::solve::point::Point;
 use crate::solve::runge_kutta::Esdirk;
-use crate::solve::tableau::{ESDIRK3, ESDIRK4, TR_BDF2, Tableau};
+use crate::solve::tableau::{ESDIRK3, ESDIRK4, SDIRK2, TR_BDF2, Tableau};
 
 /// Time integration method.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +20,8 @@ pub enum Method {
     TrBdf2,
     /// ESDIRK3(2)4L[2]SA, third order.
     Esdirk3,
+    /// SDIRK of two stages, second order: does not carry a jump of the accelerations on.
+    Sdirk2,
     /// ESDIRK4(3)6L[2]SA, fourth order.
     Esdirk4,
     /// Classical explicit Runge–Kutta, fourth order, without error estimate.
@@ -56,6 +58,7 @@ impl Stepper {
             Method::GeneralizedAlpha { .. } | Method::Rk4 => None,
             Method::TrBdf2 => Some(&TR_BDF2),
             Method::Esdirk3 => Some(&ESDIRK3),
+            Method::Sdirk2 => Some(&SDIRK2),
             Method::Esdirk4 => Some(&ESDIRK4),
         }
     }
@@ -65,13 +68,13 @@ impl Stepper {
         match self.method {
             Method::GeneralizedAlpha { .. } => self.generalized_alpha.remainder(),
             Method::Rk4 => self.rk4.remainder(),
-            Method::TrBdf2 | Method::Esdirk3 | Method::Esdirk4 => self.esdirk.remainder(),
+            _ => self.esdirk.remainder(),
         }
     }
 
     /// One step of `h_s` from `start` into `end`. Returns the error estimate in the kinematic norm.
     ///
-    /// `newton_tolerance` bounds the displacement error that the iteration leaves, in the same norm. Allocates
+    /// `accuracy` bounds the displacement error that the iteration leaves, in the same norm. Allocates
     /// nothing. On an error `end` is undefined and `start` untouched.
     pub fn step(
         &mut self,
@@ -79,18 +82,18 @@ impl Stepper {
         start: &Point,
         h_s: f64,
         end: &mut Point,
-        newton_tolerance: f64,
+        accuracy: Accuracy,
         effort: &mut Effort,
     ) -> Result<f64, NewtonError> {
         match (self.tableau(), self.method) {
             (None, Method::GeneralizedAlpha { rho_infinity }) => {
                 let parameters = Parameters::new(rho_infinity);
-                self.generalized_alpha.step(&parameters, equations, start, h_s, end, newton_tolerance, effort)
+                self.generalized_alpha.step(&parameters, equations, start, h_s, end, accuracy, effort)
             }
             (None, Method::Rk4) => self.rk4.step(equations, start, h_s, end, effort).map(|()| 0.0),
             (tableau, _) => {
                 let tableau = tableau.unwrap_or(&ESDIRK4);
-                self.esdirk.step(tableau, equations, start, h_s, end, newton_tolerance, effort)
+                self.esdirk.step(tableau, equations, start, h_s, end, accuracy, effort)
             }
         }
     }

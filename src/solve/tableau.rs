@@ -64,6 +64,20 @@ pub const TR_BDF2: Tableau = {
     }
 };
 
+/// SDIRK of two stages, order 2, L-stable (Alexander 1977), NOTATION eq. (T10): its explicit first stage has no weight, so that a jump of the
+/// accelerations at the step's begin does not ring on in stiff modes.
+pub const SDIRK2: Tableau = {
+    const GAMMA: f64 = 1.0 - ROOT_2 / 2.0;
+    Tableau {
+        name: "sdirk2",
+        rows: &[&[0.0], &[0.0, 1.0 - GAMMA]],
+        gamma: GAMMA,
+        error: &[0.0, -GAMMA, GAMMA],
+        order: 2,
+        error_order: 2,
+    }
+};
+
 /// Implicit part of ARK3(2)4L[2]SA (Kennedy and Carpenter 2003): order 3, L-stable.
 pub const ESDIRK3: Tableau = {
     const GAMMA: f64 = 1767732205903.0 / 4055673282236.0;
@@ -165,7 +179,7 @@ mod tests {
     /// the embedded method is of one order less, or one more for TR-BDF2.
     #[test]
     fn tableaux_have_their_orders() {
-        for (tableau, embedded_order) in [(TR_BDF2, 3), (ESDIRK3, 2), (ESDIRK4, 3)] {
+        for (tableau, embedded_order) in [(TR_BDF2, 3), (SDIRK2, 1), (ESDIRK3, 2), (ESDIRK4, 3)] {
             let full = full(&tableau);
             for (name, weights, order) in
                 [("b", &full.b, tableau.order), ("embedded b", &full.embedded, embedded_order)]
@@ -182,7 +196,7 @@ mod tests {
     /// L-stability: `|R(iy)| ≤ 1` on the imaginary axis and `R(∞) = 0`, with `R(z) = 1 + z bᵀ(I − zA)⁻¹ 1`.
     #[test]
     fn tableaux_are_l_stable() {
-        for tableau in [TR_BDF2, ESDIRK3, ESDIRK4] {
+        for tableau in [TR_BDF2, SDIRK2, ESDIRK3, ESDIRK4] {
             let full = full(&tableau);
             let amplification = |y: f64| {
                 // forward substitution of (I − zA) k = 1 with z = iy, as pairs (re, im)

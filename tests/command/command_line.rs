@@ -466,3 +466,25 @@ fn libraries_of_several_platforms_make_one_fmu() {
     refuses(&package(&["linux64=none.so"]), 4, "none.so: cannot read the library");
     assert!(!Path::new(&path("x.fmu")).exists(), "a refused package leaves no file");
 }
+
+/// `latency` steps a real-time model, prints both clocks and counts; its turbulence is seeded, so its counts repeat.
+#[test]
+fn latency_is_measured() {
+    let folder = scratch();
+    let path = folder.path().join("real_time.toml");
+    let text = std::fs::read_to_string(model()).unwrap() + "\n[solver]\nmode = \"real_time\"\n";
+    std::fs::write(&path, text).unwrap();
+    let run = |more: &[&str]| foldwing(&[&["latency", path.to_str().unwrap(), "--steps", "300"], more].concat());
+    let counts = |output: &Output| {
+        let text = succeeds(output);
+        let counts = text.split("; ").nth(1).unwrap().to_owned();
+        assert!(text.contains("median") && text.contains("slowest") && text.contains("processor time"), "{text}");
+        counts
+    };
+    let first = counts(&run(&[]));
+    assert!(first.starts_with("301 internal steps, 0 repeated,"), "{first}"); // one more for the latch
+    assert_eq!(first, counts(&run(&["--paced"])));
+    assert_ne!(first, counts(&run(&["--seed", "2", "--turbulence", "0.5"])));
+    refuses(&run(&["--step", "0"]), 2, "--step 0: must be a finite number and positive");
+    refuses(&run(&["--turbulence=-1"]), 2, "--turbulence -1: must be a finite number and at least 0");
+}

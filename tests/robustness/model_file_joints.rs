@@ -2,7 +2,7 @@
 
 use crate::{message_of, with};
 use foldwing::config;
-use foldwing::config::machine::{JointKind, Spatial, SpatialFreedom};
+use foldwing::config::machine::{JointKind, Method, Spatial, SpatialFreedom};
 use nalgebra::Vector3;
 
 /// The fold joint of the small model, lines 29 to 37.
@@ -195,4 +195,30 @@ fn explicit_method_needs_a_fixed_step() {
         let text = with("tolerance = 1e-4", &format!("method = \"{method}\"\nfixed_step_s = 1e-4"));
         assert_eq!(message_of(&text), "accepted", "{method}");
     }
+}
+
+/// Real-time mode: its method and default step, and what it refuses.
+#[test]
+fn real_time_mode() {
+    let solver = |keys: &str| message_of(&with("tolerance = 1e-4", keys));
+    assert_eq!(
+        solver("mode = \"real_time\"\nmethod = \"esdirk4\""),
+        "wing.toml:49: key 'solver.method': \"esdirk4\" is not allowed; allowed: \"sdirk2\", or no method, with mode = \
+         \"real_time\": at steps of given length the others carry a jump of the accelerations on in stiff modes"
+    );
+    assert_eq!(
+        solver("max_iterations = 3"),
+        "wing.toml:48: key 'solver.max_iterations': 3 is not allowed; allowed: this key only with mode = \"real_time\""
+    );
+    assert_eq!(
+        solver("mode = \"real_time\"\nmax_iterations = 11"),
+        "wing.toml:49: key 'solver.max_iterations': 11 is not allowed; allowed: a whole number from 1 to 10"
+    );
+    assert_eq!(
+        solver("mode = \"real_time\"\nmethod = \"sdirk2\"\nfixed_step_s = 5e-4\nmax_iterations = 6"),
+        "accepted"
+    );
+    let text = with("tolerance = 1e-4", "mode = \"real_time\"");
+    let solver = config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}")).solver;
+    assert_eq!((solver.method, solver.fixed_step_s, solver.most_iterations), (Method::Sdirk2, Some(1e-3), Some(4)));
 }

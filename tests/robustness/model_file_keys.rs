@@ -47,7 +47,7 @@ fn unknown_keys() {
     assert_eq!(
         message("[solver]", "[solver]\ncolour = \"red\""),
         "wing.toml:48: key 'solver.colour' is unknown; allowed keys: method, tolerance, max_step_s, min_step_s, \
-         fixed_step_s, rho_infinity"
+         fixed_step_s, rho_infinity, mode, max_iterations"
     );
     assert_eq!(
         message("[solver]", "[solvers]"),
@@ -157,7 +157,7 @@ fn choices() {
     assert_eq!(
         message("[solver]", "[solver]\nmethod = \"euler\""),
         "wing.toml:48: key 'solver.method': \"euler\" is not allowed; allowed: \"generalized_alpha\" or \
-         \"tr_bdf2\" or \"esdirk3\" or \"esdirk4\" or \"rk4\""
+         \"tr_bdf2\" or \"sdirk2\" or \"esdirk3\" or \"esdirk4\" or \"rk4\""
     );
     assert_eq!(
         message("load_stations = 4", "element = \"quadratic\""),

@@ -6,7 +6,7 @@
 //! run on them as on the beams.
 
 use foldwing::solve::stepper::{Method, Stepper};
-use foldwing::solve::{EquationsOfMotion, Powers, Singular, newton::Effort, point::Point};
+use foldwing::solve::{EquationsOfMotion, Powers, Singular, newton::{Accuracy, Effort}, point::Point};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, Vector2, Vector3};
 
 /// Bodies of Table 4.
@@ -291,7 +291,7 @@ pub fn fall(segments: &mut impl PlanarChain, method: Method, step_s: f64) -> Vec
     let mut tips = Vec::with_capacity(500);
     for step in 1..=500 * per_sample {
         let mut effort = Effort::default();
-        stepper.step(segments, &start, step_s, &mut end, NEWTON_TOLERANCE, &mut effort).expect("convergence");
+        stepper.step(segments, &start, step_s, &mut end, NEWTON, &mut effort).expect("convergence");
         end.time_s = step as f64 * step_s;
         std::mem::swap(&mut start, &mut end);
         if step % per_sample == 0 {
@@ -302,4 +302,4 @@ pub fn fall(segments: &mut impl PlanarChain, method: Method, step_s: f64) -> Vec
 }
 
 /// Displacement error that Newton's iteration may leave in a step, over the chain's length: far below the mesh's.
-pub const NEWTON_TOLERANCE: f64 = 1e-8;
+pub const NEWTON: Accuracy = Accuracy::within(1e-8);

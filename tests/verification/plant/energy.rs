@@ -157,7 +157,7 @@ fn p11_every_account_balances_alone() {
     assert!(failed.is_empty(), "the account drifts, relative to the largest kinetic energy: {failed:?}");
 }
 
-/// P-12. With fixed steps the drift falls with the order of the method: 2 for generalised-α and TR-BDF2, 3 and 4 for
+/// P-12. With fixed steps the drift falls with the order of the method: 2 for generalised-α, TR-BDF2 and SDIRK2, 3 and 4 for
 /// the ESDIRKs.
 ///
 /// Smooth enough means that the steps resolve the modes: one pair per body, a thousandth of the stiffness, no latch,
@@ -171,6 +171,7 @@ fn p12_drift_falls_with_the_order_of_the_method() {
     for (method, order, steps_s) in [
         (Method::GeneralizedAlpha, 2.0, FINE_S),
         (Method::TrBdf2, 2.0, FINE_S),
+        (Method::Sdirk2, 2.0, FINE_S),
         (Method::Esdirk3, 3.0, FINE_S),
         (Method::Esdirk4, 4.0, COARSE_S),
     ] {

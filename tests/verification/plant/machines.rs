@@ -10,7 +10,15 @@ use std::sync::Arc;
 
 /// Time integration of most tests: the default method at the tolerance given, steps up to 5 ms.
 pub fn solver(method: Method, tolerance: f64) -> Solver {
-    Solver { method, tolerance, max_step_s: 5e-3, min_step_s: 1e-10, fixed_step_s: None, rho_infinity: 0.8 }
+    Solver {
+        method,
+        tolerance,
+        max_step_s: 5e-3,
+        min_step_s: 1e-10,
+        fixed_step_s: None,
+        rho_infinity: 0.8,
+        most_iterations: None,
+    }
 }
 
 /// A machine of bodies, without gravity, ESDIRK4 at 1e-6.

@@ -12,6 +12,7 @@ mod failures;
 mod loops;
 mod moving_root;
 mod reaction;
+mod real_time;
 mod rigid;
 mod rod;
 mod snapshot;

@@ -5,7 +5,8 @@ use foldwing::config::machine::{ElementKind, Method};
 use foldwing::plant::{Outputs, Plant, PlantError, Snapshot};
 use std::sync::Arc;
 
-const METHODS: [Method; 4] = [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::GeneralizedAlpha];
+const METHODS: [Method; 5] =
+    [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::Sdirk2, Method::GeneralizedAlpha];
 
 /// Outputs of some steps from the present on, the torque changing at every third.
 fn steps(plant: &mut Plant, count: usize) -> Vec<Outputs> {
