@@ -446,7 +446,14 @@ impl Table {
         self.push(Binding::Parameter(parameter), Causality::Parameter, variability, start, text);
     }
 
-    pub(super) fn push(&mut self, binding: Binding, causality: Causality, variability: Variability, value: Value, text: Text) {
+    pub(super) fn push(
+        &mut self,
+        binding: Binding,
+        causality: Causality,
+        variability: Variability,
+        value: Value,
+        text: Text,
+    ) {
         let (name, declared_type, range, description) = text;
         let value_reference = u32::try_from(self.variables.len()).expect("fewer than 2^32 variables");
         self.bindings.push(binding);

@@ -6,7 +6,11 @@
 //! run on them as on the beams.
 
 use foldwing::solve::stepper::{Method, Stepper};
-use foldwing::solve::{EquationsOfMotion, Powers, Singular, newton::{Accuracy, Effort}, point::Point};
+use foldwing::solve::{
+    EquationsOfMotion, Powers, Singular,
+    newton::{Accuracy, Effort},
+    point::Point,
+};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, Vector2, Vector3};
 
 /// Bodies of Table 4.
