@@ -8,9 +8,12 @@ use foldwing::config::machine::{
     Body, Closure, ElementKind, JointKind, JointMotion, Parent, SpatialFreedom, UNLIMITED,
 };
 use foldwing::interface::{Causality, Interface, Value};
+use foldwing::packaging::drawing;
+use foldwing::packaging::sketch::sketch;
 use foldwing::plant::Plant;
 use serde::Serialize;
 use std::fmt::Write;
+use std::fs;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -24,16 +27,23 @@ pub struct Arguments {
     /// List every variable of the FMU
     #[arg(long)]
     variables: bool,
+    /// Also draw the wing into a file, deployed and at its start angles
+    #[arg(long, value_name = "FILE.svg")]
+    draw: Option<PathBuf>,
 }
 
-/// Prints the summary.
+/// Prints the summary and the wing.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, _) = read_model(&arguments.model)?;
+    if let Some(path) = &arguments.draw {
+        fs::write(path, drawing::file(&machine))
+            .map_err(|error| Failure::writing(&path.display().to_string(), &error))?;
+    }
     let summary = Summary::new(&machine);
     if arguments.json {
         return print(&serde_json::to_string_pretty(&summary).expect("names and finite numbers always serialise"));
     }
-    print(&summary.text(arguments.variables))
+    print(&format!("{}\n{}", summary.text(arguments.variables), sketch(&machine)))
 }
 
 /// A model in numbers.

@@ -8,6 +8,7 @@ mod latency;
 mod lattice;
 mod linearize;
 mod modes;
+mod new;
 mod package;
 mod pictures;
 mod processor_time;
@@ -58,6 +59,8 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Write a commented model file to start from
+    New(new::Arguments),
     /// Make an FMU of a model
     Package(package::Arguments),
     /// Simulate a model and write its outputs as CSV
@@ -126,6 +129,7 @@ impl Failure {
 /// Runs the command that the arguments name.
 pub fn run() -> ExitCode {
     let outcome = match Arguments::parse().command {
+        Command::New(arguments) => new::run(&arguments),
         Command::Package(arguments) => package::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),

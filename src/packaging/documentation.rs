@@ -7,7 +7,6 @@ use crate::config::machine::{
 };
 use crate::interface::{Causality, TYPES, UNITS, Value, Variability, Variable};
 use crate::packaging::contents::Extras;
-use crate::packaging::palette::Role;
 use crate::packaging::{VERSION, air_section, drawing, palette, use_section};
 use nalgebra::{Matrix3, Rotation3};
 use quick_xml::escape::escape;
@@ -27,16 +26,6 @@ const SECTIONS: [(&str, &str); 9] = [
     ("validation", "Validation"),
     ("archive", "Archive"),
     ("licence", "Licence"),
-];
-
-/// What the caption of the drawing explains, where it is drawn.
-const KEYS: [(Role, &str); 6] = [
-    (Role::Joint, "joint"),
-    (Role::Loop, "closed loop"),
-    (Role::Station, "load station"),
-    (Role::Mass, "mass"),
-    (Role::Gauge, "strain gauge"),
-    (Role::Surface, "lifting surface"),
 ];
 
 /// The whole page; `extras` is what else the archive holds.
@@ -86,7 +75,7 @@ fn drawing_section(html: &mut String, machine: &Machine) {
         (false, false) => "clamped",
     };
     let drawing = drawing::drawing(machine);
-    let keys: Vec<String> = KEYS
+    let keys: Vec<String> = drawing::KEYS
         .iter()
         .filter(|(role, _)| drawing.shows(*role))
         .map(|(role, name)| format!("<span class=\"key {}\"></span> {name}", palette::ink(*role).class))

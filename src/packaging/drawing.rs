@@ -4,8 +4,9 @@
 use crate::config::Machine;
 use crate::config::machine::{Body, JointKind, LiftingSurface, Revolute};
 use crate::config::pose::{self, Frame};
-use crate::packaging::palette::{Role, ink};
+use crate::packaging::palette::{self, Role, ink};
 use nalgebra::Vector3;
+use quick_xml::escape::escape;
 use std::fmt::Write;
 
 /// Width of the drawing in user units (pixels at scale 1).
@@ -18,6 +19,17 @@ const MARGIN: f64 = 24.0;
 const AXIS: f64 = 60.0;
 /// Points along a body: enough for a smooth curve of an initially curved one.
 const POINTS: usize = 24;
+
+/// What a legend explains, where it is drawn.
+pub const KEYS: [(Role, &str); 7] = [
+    (Role::Joint, "joint"),
+    (Role::Hinge, "fold axis"),
+    (Role::Loop, "closed loop"),
+    (Role::Station, "load station"),
+    (Role::Mass, "mass"),
+    (Role::Gauge, "strain gauge"),
+    (Role::Surface, "lifting surface"),
+];
 
 /// A point of the drawing in user units, to the right and down, rounded to a tenth: what SVG and icon share.
 pub type Point = [f64; 2];
@@ -83,7 +95,7 @@ fn project(point: &Vector3<f64>) -> Point {
 }
 
 /// Both edges of a body as one closed outline.
-fn outline(body: &Body, frames: &[Frame]) -> Vec<Vector3<f64>> {
+pub(super) fn outline(body: &Body, frames: &[Frame]) -> Vec<Vector3<f64>> {
     let place = |i: usize| body.length_m * i as f64 / (frames.len() - 1) as f64;
     let half: Vec<f64> = (0..frames.len()).map(|i| body.section.at(place(i)).half_width_m).collect();
     let edge =
@@ -101,7 +113,7 @@ pub fn drawing(machine: &Machine) -> Drawing {
         wings.extend([0.25, 0.5, 0.75].map(|fraction| (Role::Ghost, undeformed(machine, fraction))));
         wings.push((Role::Start, undeformed(machine, 1.0)));
     }
-    let places = places(machine, &deployed);
+    let (places, hinges) = (places(machine, &deployed), hinges(machine, &deployed));
     wings.push((Role::Deployed, deployed));
 
     let mut outlines: Vec<(Role, Vec<Vector3<f64>>)> = wings
@@ -120,13 +132,15 @@ pub fn drawing(machine: &Machine) -> Drawing {
         .iter()
         .map(|(role, points)| Shape::Outline(*role, points.iter().map(|point| canvas.place(project(point))).collect()))
         .collect();
+    let hinge = |ends: [Vector3<f64>; 2]| ends.map(|end| canvas.place(project(&end))).to_vec();
+    shapes.extend(hinges.into_iter().map(|ends| Shape::Line(Role::Hinge, hinge(ends))));
     shapes.extend(places.into_iter().map(|(role, at, title)| Shape::Dot(role, canvas.place(project(&at)), title)));
     shapes.extend(canvas.axes());
     Drawing { size: canvas.size, shapes }
 }
 
 /// Edges of the lifting surfaces, leading edge first.
-fn planforms(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<(Role, Vec<Vector3<f64>>)> {
+pub(super) fn planforms(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<(Role, Vec<Vector3<f64>>)> {
     let surfaces = machine.air.iter().flat_map(|air| &air.surfaces);
     let planform = |surface: &LiftingSurface| {
         let edge = |fraction: f64| -> Vec<Vector3<f64>> {
@@ -144,8 +158,20 @@ fn planforms(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<(Role, Vec<Vector3<f
     surfaces.map(planform).collect()
 }
 
+/// Fold axes, each from end to end of a line that is a little longer than the section of the joint's body is wide.
+pub(super) fn hinges(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<[Vector3<f64>; 2]> {
+    let line = |(body, frames): (&Body, &Vec<Frame>)| {
+        let JointKind::Revolute(joint) = &body.joint.kind else { return None };
+        // the fold leaves its own axis where it is, so the body's first frame tells it without the parent's
+        let axis = frames[0].attitude * body.joint.mount.transpose() * joint.axis;
+        let reach = axis * (1.3 * body.section.at(0.0).half_width_m.max(0.02 * body.length_m));
+        Some([frames[0].position_m - reach, frames[0].position_m + reach])
+    };
+    machine.bodies.iter().zip(wing).filter_map(line).collect()
+}
+
 /// Stations, masses, gauges and joints on the deployed wing, each with its title.
-fn places(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<(Role, Vector3<f64>, String)> {
+pub(super) fn places(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<(Role, Vector3<f64>, String)> {
     let mut places = Vec::new();
     for (body, frames) in machine.bodies.iter().zip(wing) {
         let at = |position_m: f64| pose::along(body, &frames[0], position_m).position_m;
@@ -251,17 +277,52 @@ fn round(value: f64) -> f64 {
     (10.0 * value).round() / 10.0
 }
 
+/// The drawing as an SVG file of its own: white paper, fixed colours, a legend below.
+pub fn file(machine: &Machine) -> String {
+    const ROW: f64 = 26.0;
+    let drawing = drawing(machine);
+    let [width, height] = drawing.size;
+    let keys: Vec<(Role, &str)> = KEYS.into_iter().filter(|(role, _)| drawing.shows(*role)).collect();
+    let mut legend = String::new();
+    for (i, (role, name)) in keys.iter().enumerate() {
+        let (x, y) = (MARGIN + (i % 5) as f64 * 0.2 * (width - 2.0 * MARGIN), height + ROW * ((i / 5) as f64 + 0.3));
+        let class = ink(*role).class;
+        let _ = match ink(*role).radius > 0.0 {
+            true => write!(legend, "<circle class=\"{class}\" cx=\"{:.1}\" cy=\"{y:.1}\" r=\"5\"/>", x + 8.0),
+            false => write!(legend, "<path class=\"{class}\" d=\"M{x:.1} {y:.1}h16v4h-16Z\"/>"),
+        };
+        let _ = writeln!(legend, "<text x=\"{:.1}\" y=\"{:.1}\">{name}</text>", x + 24.0, y + 5.0);
+    }
+    let rows = keys.len().div_ceil(5) as f64;
+    let total = height + ROW * rows;
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" \
+         height=\"{total}\" viewBox=\"0 0 {width} {total}\">\n<title>{}</title>\n<style>\n{}\
+         text{{font:14px sans-serif;fill:#1b2733}}\n</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n\
+         {}{legend}</svg>\n",
+        escape(&machine.name),
+        palette::print_style(),
+        body(&drawing),
+    )
+}
+
 /// The drawing as a self-contained `<svg>` element; classes are those of the palette.
 pub fn svg(drawing: &Drawing) -> String {
-    let Drawing { size: [width, height], shapes } = drawing;
-    let mut svg = format!(
-        "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"The undeformed wing and its axes\">\n"
-    );
+    let [width, height] = drawing.size;
+    format!(
+        "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"The undeformed wing and its axes\">\n{}</svg>\n",
+        body(drawing)
+    )
+}
+
+/// The shapes as SVG elements.
+fn body(drawing: &Drawing) -> String {
+    let mut svg = String::new();
     let path = |points: &[Point], end: &str| -> String {
         let points: Vec<String> = points.iter().map(|[x, y]| format!("{x:.1} {y:.1}")).collect();
         format!("M{}{end}", points.join("L"))
     };
-    for shape in shapes {
+    for shape in &drawing.shapes {
         let _ = match shape {
             Shape::Outline(role, points) => {
                 writeln!(svg, "<path class=\"{}\" d=\"{}\"/>", ink(*role).class, path(points, "Z"))
@@ -279,7 +340,6 @@ pub fn svg(drawing: &Drawing) -> String {
             }
         };
     }
-    svg.push_str("</svg>\n");
     svg
 }
 

@@ -13,6 +13,7 @@ pub mod licenses;
 pub mod linear_model;
 pub mod palette;
 pub mod reference;
+pub mod sketch;
 mod use_section;
 mod xml;
 

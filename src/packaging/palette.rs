@@ -19,6 +19,8 @@ pub enum Role {
     Station,
     /// Attached mass.
     Mass,
+    /// Fold axis.
+    Hinge,
     /// Joint.
     Joint,
     /// Closed loop.
@@ -71,6 +73,7 @@ const RUST: [Colour; 2] = [[0xb3, 0x54, 0x1e], [0xf0, 0xa3, 0x6c]];
 const GREY: [Colour; 2] = [[0x9f, 0xb0, 0xbf], [0x5c, 0x6b, 0x79]];
 const TEXT: [Colour; 2] = [[0x1b, 0x27, 0x33], [0xdc, 0xe4, 0xec]];
 const VIOLET: [Colour; 2] = [[0x6b, 0x4f, 0x9a], [0xc0, 0xa8, 0xe8]];
+const RED: [Colour; 2] = [[0xb0, 0x1e, 0x3c], [0xf0, 0x7c, 0x94]];
 const GOLD: [Colour; 2] = [[0xc8, 0xa2, 0x00], [0xee, 0xd0, 0x4a]];
 
 /// A tint for each paper.
@@ -101,12 +104,13 @@ const fn shape(role: Role, class: &'static str, fill: [Colour; 2], line: [Colour
 }
 
 /// Every role once.
-pub const INKS: [Ink; 10] = [
+pub const INKS: [Ink; 11] = [
     line(Role::Ghost, "ghost", GREY, 0.8, None),
     line(Role::Start, "start", RUST, 1.4, Some([6.0, 4.0])),
     shape(Role::Surface, "surface", [TEAL, TEAL], [[0x4f, 0x8f, 0x86], [0x74, 0xb8, 0xad]], 0.2, 0.8),
     shape(Role::Deployed, "deployed", [BLUE, BLUE], [NAVY, SKY], 0.55, 1.4),
     line(Role::Axis, "axis", TEXT, 1.3, None),
+    line(Role::Hinge, "hinge", RED, 2.2, None),
     dot(Role::Station, "station", [NAVY, SKY], None, 3.0),
     dot(Role::Mass, "mass", VIOLET, None, 6.0),
     dot(Role::Joint, "joint", PAPER, Some([NAVY, SKY]), 4.5),
@@ -161,9 +165,31 @@ pub fn style() -> String {
                 ".key.{class}{{background:color-mix(in srgb,{fill} {share:.0}%,var(--paper));border-radius:2px;\
                  border:1px solid var(--{class}-line)}}"
             );
+        } else {
+            let _ = writeln!(
+                css,
+                ".key.{class}{{background:var(--{class}-line);border-radius:0;height:3px;vertical-align:3px}}"
+            );
         }
     }
     css
+}
+
+/// Style sheet of the drawing on white paper, without variables, which many readers of SVG do not know.
+pub fn print_style() -> String {
+    let colour = |colour: Option<Colour>| colour.map_or("none".to_owned(), hex);
+    let rule = |ink: &Ink| {
+        let dash = ink.dash.map_or(String::new(), |[on, off]| format!(";stroke-dasharray:{on} {off}"));
+        format!(
+            ".{}{{fill:{};fill-opacity:{};stroke:{};stroke-width:{}{dash}}}\n",
+            ink.class,
+            colour(ink.light.fill),
+            ink.opacity,
+            colour(ink.light.line),
+            ink.width
+        )
+    };
+    INKS.iter().map(rule).collect()
 }
 
 fn hex([red, green, blue]: Colour) -> String {

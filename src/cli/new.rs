@@ -1,0 +1,142 @@
+//! `foldwing new`: a commented model file to start from.
+
+use crate::cli::{Failure, print};
+use foldwing::config;
+use std::fs::OpenOptions;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+/// The starter, itself a valid model. `MyWing` and `MODEL` stand for the names of the model and of its file.
+const STARTER: &str = include_str!("starter.toml");
+
+/// Name of the schema beside the model, as the first line of [`STARTER`] has it.
+const SCHEMA: &str = "foldwing.schema.json";
+
+/// Names that [`STARTER`] has in place of the real ones.
+const PLACEHOLDERS: [&str; 2] = ["MyWing", "MODEL"];
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Model file to write; its name becomes the model's
+    model: PathBuf,
+    /// Overwrite what is there
+    #[arg(long)]
+    force: bool,
+    /// Leave out the schema, by which editors complete and check the file
+    #[arg(long)]
+    no_schema: bool,
+}
+
+/// Writes the starter and, beside it, the schema that its first line names.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let path = &arguments.model;
+    let shown = path.display();
+    let stem = path.file_stem().filter(|_| !path.to_string_lossy().ends_with(['/', '\\']));
+    let Some(name) = stem.map(|stem| identifier(&stem.to_string_lossy())) else {
+        return Err(Failure::Usage(format!(
+            "{shown}: is no name of a file; allowed: a path such as wings/mywing.toml"
+        )));
+    };
+    if path.extension().is_none_or(|extension| extension != "toml") {
+        return Err(Failure::Usage(format!(
+            "{shown}: a model file ends in .toml; write {}",
+            path.with_extension("toml").display()
+        )));
+    }
+    let [wing, file] = PLACEHOLDERS;
+    let own_name = path.file_name().map(Path::new).unwrap_or(path);
+    let mut text = STARTER.replace(wing, &name).replace(file, &quoted(own_name));
+    let schema = path.with_file_name(SCHEMA);
+    if arguments.no_schema {
+        text = text.split_once("\n\n").map_or(text.clone(), |(_, rest)| rest.to_owned());
+    }
+    // the schema first: where it cannot be written, nothing is left behind
+    let mut written = shown.to_string();
+    if !arguments.no_schema && !holds(&schema, &config::schema()) {
+        write(&schema, &config::schema(), arguments.force, ", --no-schema leaves it as it is")?;
+        written = format!("{written} and {}", schema.display());
+    }
+    write(path, &text, arguments.force, "")?;
+    print(&format!("wrote {written}; type next:\n{}", commands(path)))
+}
+
+/// The commands that the head of the starter lists, for a model at a path.
+fn commands(path: &Path) -> String {
+    let lines = STARTER.lines().filter_map(|line| line.strip_prefix("#   foldwing "));
+    lines.map(|line| format!("  foldwing {}\n", line.replace(PLACEHOLDERS[1], &quoted(path)))).collect()
+}
+
+/// True where the file has this text.
+fn holds(path: &Path, text: &str) -> bool {
+    std::fs::read(path).is_ok_and(|found| found == text.as_bytes())
+}
+
+/// Writes a file that must not be there, unless forced; `way_out` is what else the user may do then.
+fn write(path: &Path, text: &str, force: bool, way_out: &str) -> Result<(), Failure> {
+    let mut options = OpenOptions::new();
+    let options = if force { options.create(true).truncate(true) } else { options.create_new(true) };
+    let written = options.write(true).open(path).and_then(|mut file| file.write_all(text.as_bytes()));
+    written.map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => {
+            Failure::Files(format!("{}: exists already; --force overwrites it{way_out}", path.display()))
+        }
+        _ => Failure::writing(&path.display().to_string(), &error),
+    })
+}
+
+/// A path as a shell takes it: in quotes where it has spaces.
+fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    if text.contains(char::is_whitespace) { format!("\"{text}\"") } else { text }
+}
+
+/// The model's name: the letters, digits and `_` of the file's, others replaced by `_`, no digit first.
+fn identifier(stem: &str) -> String {
+    let name: String = stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if name.starts_with(|first: char| first.is_ascii_digit()) { format!("wing_{name}") } else { name }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_files_become_identifiers() {
+        for (stem, name) in [("mywing", "mywing"), ("my wing-2", "my_wing_2"), ("2wings", "wing_2wings"), ("é", "_")] {
+            assert_eq!(identifier(stem), name);
+        }
+    }
+
+    /// Placeholders stand where they are meant to and nowhere else.
+    #[test]
+    fn the_starter_has_its_placeholders() {
+        let [wing, file] = PLACEHOLDERS;
+        assert_eq!(STARTER.matches(wing).count(), 1);
+        assert_eq!(STARTER.matches(file).count(), STARTER.matches("foldwing ").count());
+        assert!(STARTER.starts_with(&format!("#:schema ./{SCHEMA}\n\n")));
+    }
+
+    /// Every key of the starter is explained: a comment on its line, or a line above that begins with its name.
+    #[test]
+    fn every_key_of_the_starter_is_explained() {
+        let lines: Vec<&str> = STARTER.lines().collect();
+        for (number, line) in lines.iter().enumerate() {
+            let code = line.strip_prefix('#').filter(|rest| rest.starts_with(|c: char| c.is_ascii_lowercase()));
+            let Some((key, value)) = code.unwrap_or(line).split_once(" = ") else { continue };
+            if line.starts_with("# ") || !key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
+                continue;
+            }
+            let inside =
+                value.split(['{', ',', '}']).filter_map(|part| part.split_once(" = ")).map(|(key, _)| key.trim());
+            let keys: Vec<&str> = if value.starts_with('{') { inside.collect() } else { vec![key] };
+            for key in keys {
+                let above = lines[..number].iter().any(|line| {
+                    let words = line.trim_start_matches('#').trim_start();
+                    line.starts_with('#') && words.starts_with(&format!("{key}  "))
+                        || line.contains(&format!("{key} = ")) && line.contains("  # ")
+                });
+                assert!(line.contains("  # ") || above, "line {}: {key} is not explained", number + 1);
+            }
+        }
+    }
+}
