@@ -19,6 +19,7 @@ mod function;
 mod joint_file;
 mod joints;
 mod loops;
+mod meant;
 mod reference;
 mod run;
 mod schema;

@@ -11,7 +11,7 @@ const HEAD: &str = "\
 This page is written from the same schema that checks the file (`foldwing schema` prints it for editors); a test
 keeps it current. Keys end in their unit. Angles are in degrees where the key says `_deg`, all else is SI. An
 unknown key, a missing one or a value outside its range is refused with file, line, key, value and what is allowed.
-`examples/models/` holds complete files.
+`examples/models/` holds complete files, `foldwing new mywing.toml` writes one to start from, with every key explained.
 
 - Vectors are resolved in the root frame unless their key says otherwise. A body's section frame has `x` along the
   axis, `y` chordwise, `z` through the thickness; without rotations it equals the root frame.
@@ -28,9 +28,39 @@ unknown key, a missing one or a value outside its range is refused with file, li
 - Numbers are finite and at most 1e30 in magnitude.
 ";
 
+/// Ends the page's introduction; the diff is what a test applies.
+const START: &str = concat!(
+    "\
+## From the starter to a wing of three bodies
+
+`foldwing new mywing.toml` writes a wing of two bodies; these nine lines make it three, with a second fold that starts
+folded to the other side and latches on its own. Then `foldwing package mywing.toml -o mywing.fmu`.
+
+```diff
+",
+    include_str!("../../examples/starter_three_bodies.diff"),
+    "\
+```
+
+## Completion in an editor
+
+Editors that know Taplo (Even Better TOML in Visual Studio Code, Zed, Helix and others) complete keys, show what they mean and
+mark slips as you type, by the JSON schema that the first line of the file names:
+
+```toml
+#:schema ./foldwing.schema.json
+```
+
+The path is relative to the model file. `foldwing new` writes the schema beside the model (`--no-schema`: neither file nor
+line); `foldwing schema > foldwing.schema.json` writes it beside a model of your own, and again after an update. The models in
+`examples/models/` have theirs there. Foldwing itself ignores the line.
+"
+);
+
 /// The reference of all keys as Markdown, the text of `docs/MODEL_FILE.md`.
 pub fn reference() -> String {
     let mut page = HEAD.replace("RESERVED", &format!("`{}`", RESERVED.join("`, `")));
+    page += &format!("\n{START}");
     table(&mut page, "Top level", tree());
     for (key, property) in properties(tree()) {
         let items = &property["additionalProperties"];

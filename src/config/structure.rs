@@ -1,8 +1,9 @@
 //! Second pass: the tree against the schema. Unknown and missing keys, types, ranges of single values.
 
 use crate::config::document::{Document, key_text};
-use crate::config::error::{Fault, Problem, nearest};
+use crate::config::error::{Fault, Problem};
 use crate::config::machine::UNLIMITED;
+use crate::config::meant::{did_you_mean, homes, nearest};
 use crate::config::schema::{
     IDENTIFIER, IDENTIFIER_ALLOWED, allowed, in_range, is_required, options, properties, resolve, tagged, tree,
 };
@@ -60,11 +61,23 @@ impl<'a> Check<'_, 'a> {
     }
 
     fn no_variant(&mut self, schema: &'static Value, tag: &str, table: &DeTable<'a>, offset: usize) {
-        let allowed = allowed(tag, schema);
+        let mut allowed = allowed(tag, schema);
         self.path.push(tag.to_owned());
         match table.iter().find(|(key, _)| key.get_ref() == tag) {
-            Some((key, value)) => self.refuse(key.span().start, value, allowed),
-            None => self.problem(offset, key_text(&self.path), Fault::MissingKey { allowed }),
+            Some((key, value)) => {
+                allowed += &hint(value.get_ref(), schema);
+                self.refuse(key.span().start, value, allowed);
+            }
+            None => {
+                // the tag itself may be misspelt: a key that no variant has
+                let variants = || schema["oneOf"].as_array().into_iter().flatten();
+                let stranger = |name: &str| !variants().any(|variant| properties(variant).any(|(key, _)| key == name));
+                let mut strangers = table.iter().filter(|(key, _)| stranger(key.get_ref()));
+                if let Some((key, _)) = strangers.find(|(key, _)| nearest(key.get_ref(), [tag]).is_some()) {
+                    allowed += &format!("; perhaps {} is {tag} misspelt", key_text(&[key.get_ref()]));
+                }
+                self.problem(offset, key_text(&self.path), Fault::MissingKey { allowed });
+            }
         }
         self.path.pop();
     }
@@ -79,7 +92,10 @@ impl<'a> Check<'_, 'a> {
                 None if schema["additionalProperties"].is_object() => {
                     self.named(&schema["additionalProperties"], name, value, key.span().start);
                 }
-                None => meant.extend(self.unknown(schema, name, key.span().start)),
+                None => {
+                    let names_table = value.get_ref().is_table();
+                    meant.extend(self.unknown(schema, name, names_table, key.span().start));
+                }
             }
             self.path.pop();
         }
@@ -108,15 +124,17 @@ impl<'a> Check<'_, 'a> {
         self.value(name, schema, value, offset);
     }
 
-    /// Returns the key that is probably meant.
-    fn unknown(&mut self, schema: &'static Value, name: &str, offset: usize) -> Option<&'static str> {
+    /// Returns the key that is probably meant. A key of another table is sent there; a table first looks for its like.
+    fn unknown(&mut self, schema: &'static Value, name: &str, is_table: bool, offset: usize) -> Option<&'static str> {
         let known = || properties(schema).map(|(key, _)| key);
+        let near = || nearest(name, known());
+        let homes = homes(name);
         let (meant, suggestion) = match same_quantity(name, known()) {
             Some((key, unit)) => (Some(key), Some(format!("write {key} ({})", unit.symbol))),
-            None => {
-                let near = nearest(name, known());
-                (near, near.map(|key| format!("perhaps {key} is meant")))
+            None if homes.is_empty() || is_table && near().is_some() => {
+                (near(), near().map(|key| format!("perhaps {key} is meant")))
             }
+            None => (None, Some(format!("it belongs to {}", homes.join(" or ")))),
         };
         let fault = Fault::UnknownKey { suggestion, allowed: known().map(str::to_owned).collect() };
         self.problem(offset, key_text(&self.path), fault);
@@ -144,7 +162,7 @@ impl<'a> Check<'_, 'a> {
             } else if too_large {
                 format!("{}, at most {UNLIMITED:e} in magnitude", allowed(key, property))
             } else {
-                allowed(key, property)
+                allowed(key, property) + &hint(value.get_ref(), schema)
             };
             self.refuse(offset, value, allowed);
         }
@@ -163,6 +181,15 @@ fn alternative(schema: &'static Value, value: &DeValue) -> &'static Value {
     let Some(choices) = schema["anyOf"].as_array() else { return schema };
     let fits = |choice: &&'static Value| is_table(choice) == matches!(value, DeValue::Table(_));
     choices.iter().map(resolve).find(fits).unwrap_or(schema)
+}
+
+/// What a word that is no option of the schema probably means, to stand behind the options.
+fn hint(value: &DeValue, schema: &'static Value) -> String {
+    let tags = tagged(schema).map(|(_, variants)| variants.into_iter().map(|(name, _)| name).collect());
+    match (value.as_str(), options(schema).or(tags)) {
+        (Some(word), Some(options)) => did_you_mean(word, options),
+        _ => String::new(),
+    }
 }
 
 fn is_table(schema: &'static Value) -> bool {

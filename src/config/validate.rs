@@ -2,9 +2,10 @@
 
 use crate::config::body::{self, BodyFile};
 use crate::config::document::{Document, key_text};
-use crate::config::error::{Fault, Problem, nearest};
+use crate::config::error::{Fault, Problem};
 use crate::config::file::ModelFile;
 use crate::config::machine::{Body, Experiment, Joint, Machine, Method, Solver};
+use crate::config::meant::did_you_mean;
 use crate::config::run::{MethodFile, ModeFile};
 use crate::config::schema::{quoted, shortest};
 use crate::config::{air, attachments, joints, loops, sections, tree};
@@ -50,8 +51,7 @@ impl<'d, 'a> Checker<'d, 'a> {
     /// Refuses a name that refers to nothing; `known` are the names it may be.
     pub fn unknown_name<'k>(&mut self, path: &[&str], name: &str, what: &str, known: impl Iterator<Item = &'k str>) {
         let known: Vec<&str> = known.collect();
-        let hint =
-            nearest(name, known.iter().copied()).map_or(String::new(), |near| format!(" (did you mean {near:?}?)"));
+        let hint = did_you_mean(name, known.iter().copied());
         self.refuse(path, format!("{what}: {}{hint}", quoted(&known)));
     }
 

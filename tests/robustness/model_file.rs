@@ -10,6 +10,7 @@ mod model_file_joints;
 mod model_file_keys;
 mod model_file_loops;
 mod model_file_meaning;
+mod model_file_meant;
 
 use foldwing::config::{self, ConfigError, Fault};
 use std::path::PathBuf;

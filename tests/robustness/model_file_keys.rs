@@ -147,7 +147,7 @@ fn choices() {
     assert_eq!(
         message("\"rectangle\"", "\"rectangel\""),
         "wing.toml:4: key 'section.plate.shape': \"rectangel\" is not allowed; allowed: \"rectangle\" or \
-         \"ellipse\" or \"explicit\""
+         \"ellipse\" or \"explicit\" (did you mean \"rectangle\"?)"
     );
     assert_eq!(
         message("\"clamped\"", "\"welded\""),
