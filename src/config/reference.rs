@@ -54,6 +54,24 @@ mark slips as you type, by the JSON schema that the first line of the file names
 The path is relative to the model file. `foldwing new` writes the schema beside the model (`--no-schema`: neither file nor
 line); `foldwing schema > foldwing.schema.json` writes it beside a model of your own, and again after an update. The models in
 `examples/models/` have theirs there. Foldwing itself ignores the line.
+
+## The models in `examples/models/`
+
+| file | what it shows |
+|---|---|
+| `folding_wing.toml` | the folding wing of the deployment experiment: spring, damper, motor, latch; still air |
+| `folding_wing_constant.toml`, `folding_wing_as_printed.toml` | the same with 15 constant elements per body; with the printed spring |
+| `folding_wing_in_tunnel.toml` | the same in a wind tunnel: vortex lattice, mirror plane |
+| `three_bodies.toml` | two folds to opposite sides, which latch at different times |
+| `roll_fold.toml` | a rolled-up wing whose two folds open one after the other: [picture](pictures/roll_fold.png) |
+| `flared_wing_tip.toml` | a tip that folds freely about a flared axis and relieves a gust: [picture](pictures/flared_wing_tip.png) |
+| `slender_wing.toml` | a curved, tapered wing of high aspect ratio, bent up by a third of its span, in a gust: [picture](pictures/slender_wing.png) |
+| `goland_wing.toml` | Goland's wing just below its flutter speed: strips, an explicit section, a gust |
+| `branched.toml` | two winglets on one wing, bend–twist coupling, a driven and a prescribed fold |
+| `curved_blade.toml` | a blade curved, twisted and tapered without loads |
+| `double_pendulum.toml` | ball and revolute joints |
+| `four_bar.toml` | a closed loop: a linkage with a motor |
+| `flying_wing.toml` | a free body: no root |
 "
 );
 

@@ -287,9 +287,10 @@ pub fn file(machine: &Machine) -> String {
     for (i, (role, name)) in keys.iter().enumerate() {
         let (x, y) = (MARGIN + (i % 5) as f64 * 0.2 * (width - 2.0 * MARGIN), height + ROW * ((i / 5) as f64 + 0.3));
         let class = ink(*role).class;
-        let _ = match ink(*role).radius > 0.0 {
-            true => write!(legend, "<circle class=\"{class}\" cx=\"{:.1}\" cy=\"{y:.1}\" r=\"5\"/>", x + 8.0),
-            false => write!(legend, "<path class=\"{class}\" d=\"M{x:.1} {y:.1}h16v4h-16Z\"/>"),
+        let _ = match (ink(*role).radius > 0.0, ink(*role).light.fill.is_some()) {
+            (true, _) => write!(legend, "<circle class=\"{class}\" cx=\"{:.1}\" cy=\"{y:.1}\" r=\"5\"/>", x + 8.0),
+            (_, true) => write!(legend, "<path class=\"{class}\" d=\"M{x:.1} {:.1}h16v8h-16Z\"/>", y - 4.0),
+            _ => write!(legend, "<path class=\"{class}\" d=\"M{x:.1} {y:.1}h16\"/>"),
         };
         let _ = writeln!(legend, "<text x=\"{:.1}\" y=\"{:.1}\">{name}</text>", x + 24.0, y + 5.0);
     }

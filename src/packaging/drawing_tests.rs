@@ -141,3 +141,35 @@ fn drawing_is_finite() {
     let svg = svg(&drawing(&machine));
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
 }
+
+/// The fold axis is drawn through its joint along the axis of the file, whatever the mount of the body that it turns and
+/// whatever the fold angle.
+#[test]
+fn fold_axes_lie_where_the_file_says() {
+    let mut machine = two_body_machine();
+    let axis = Vector3::new(0.6, 0.8, 0.0);
+    machine.bodies[1].joint.mount = *Rotation3::new(Vector3::new(0.3, -0.2, 0.5)).matrix();
+    let JointKind::Revolute(joint) = &mut machine.bodies[1].joint.kind else { panic!("the second joint folds") };
+    joint.axis = axis;
+    for fraction in [0.0, 1.0] {
+        let lines = hinges(&machine, &undeformed(&machine, fraction));
+        let [[from, to]] = lines.as_slice() else { panic!("one fold joint, {} lines", lines.len()) };
+        assert!((0.5 * (from + to) - Vector3::new(0.15, 0.0, 0.0)).norm() < 1e-12);
+        assert!(((to - from).normalize() - axis).norm() < 1e-12, "{:?}", to - from);
+        assert!((to - from).norm() > 0.05, "longer than the section is wide");
+    }
+}
+
+/// The file for `--draw` stands by itself: fixed colours, a legend of what is drawn and of nothing else, names escaped.
+#[test]
+fn the_drawing_is_a_file_of_its_own() {
+    let machine = Machine { name: "A<B".to_owned(), ..two_body_machine() };
+    let svg = file(&machine);
+    assert!(svg.starts_with("<?xml") && svg.contains("<title>A&lt;B</title>") && !svg.contains("var("), "{svg}");
+    for (role, name) in KEYS {
+        let shown = svg.contains(&format!(">{name}</text>"));
+        assert_eq!(shown, matches!(role, Role::Joint | Role::Hinge | Role::Station), "{name}");
+    }
+    let height: f64 = svg.split("height=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
+    assert!(height > drawing(&machine).size[1], "room for the legend");
+}

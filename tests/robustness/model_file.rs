@@ -111,6 +111,8 @@ fn shipped_models_are_accepted() {
         assert_eq!(text, std::fs::read_to_string(&model).unwrap());
         assert!(!machine.description.is_empty());
         assert!(text.starts_with("#:schema ./foldwing.schema.json\n"), "editors complete {}", model.display());
+        let row = format!("`{}`", model.file_name().unwrap().to_string_lossy());
+        assert!(config::reference().contains(&row), "docs/MODEL_FILE.md lists the models; {row} is missing");
     }
 }
 
