@@ -6,14 +6,17 @@ use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// The starter, itself a valid model. `MyWing` and `MODEL` stand for the names of the model and of its file.
+/// The starter, itself a valid model. [`NAME`] and [`FILE`] stand for the names of the model and of its file.
 const STARTER: &str = include_str!("starter.toml");
 
 /// Name of the schema beside the model, as the first line of [`STARTER`] has it.
 const SCHEMA: &str = "foldwing.schema.json";
 
-/// Names that [`STARTER`] has in place of the real ones.
-const PLACEHOLDERS: [&str; 2] = ["MyWing", "MODEL"];
+/// The line of [`STARTER`] with the model's name, as it begins.
+const NAME: &str = "name = \"MyWing\"";
+
+/// What [`STARTER`] has in place of the file's name.
+const FILE: &str = "MODEL";
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -43,9 +46,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             path.with_extension("toml").display()
         )));
     }
-    let [wing, file] = PLACEHOLDERS;
+    if !arguments.force && path.exists() {
+        return Err(exists(path, ""));
+    }
     let own_name = path.file_name().map(Path::new).unwrap_or(path);
-    let mut text = STARTER.replace(wing, &name).replace(file, &quoted(own_name));
+    let mut text = STARTER.replace(FILE, &quoted(own_name)).replacen(NAME, &format!("name = \"{name}\""), 1);
     let schema = path.with_file_name(SCHEMA);
     if arguments.no_schema {
         text = text.split_once("\n\n").map_or(text.clone(), |(_, rest)| rest.to_owned());
@@ -63,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// The commands that the head of the starter lists, for a model at a path.
 fn commands(path: &Path) -> String {
     let lines = STARTER.lines().filter_map(|line| line.strip_prefix("#   foldwing "));
-    lines.map(|line| format!("  foldwing {}\n", line.replace(PLACEHOLDERS[1], &quoted(path)))).collect()
+    lines.map(|line| format!("  foldwing {}\n", line.replace(FILE, &quoted(path)))).collect()
 }
 
 /// True where the file has this text.
@@ -77,17 +82,19 @@ fn write(path: &Path, text: &str, force: bool, way_out: &str) -> Result<(), Fail
     let options = if force { options.create(true).truncate(true) } else { options.create_new(true) };
     let written = options.write(true).open(path).and_then(|mut file| file.write_all(text.as_bytes()));
     written.map_err(|error| match error.kind() {
-        ErrorKind::AlreadyExists => {
-            Failure::Files(format!("{}: exists already; --force overwrites it{way_out}", path.display()))
-        }
+        ErrorKind::AlreadyExists => exists(path, way_out),
         _ => Failure::writing(&path.display().to_string(), &error),
     })
 }
 
-/// A path as a shell takes it: in quotes where it has spaces.
+fn exists(path: &Path, way_out: &str) -> Failure {
+    Failure::Files(format!("{}: exists already; --force overwrites it{way_out}", path.display()))
+}
+
+/// A path as a shell takes it: in quotes where it has spaces, on one line whatever it has.
 fn quoted(path: &Path) -> String {
-    let text = path.display().to_string();
-    if text.contains(char::is_whitespace) { format!("\"{text}\"") } else { text }
+    let text: String = path.display().to_string().chars().map(|c| if c.is_control() { '?' } else { c }).collect();
+    if text.contains(' ') { format!("\"{text}\"") } else { text }
 }
 
 /// The model's name: the letters, digits and `_` of the file's, others replaced by `_`, no digit first.
@@ -110,9 +117,8 @@ mod tests {
     /// Placeholders stand where they are meant to and nowhere else.
     #[test]
     fn the_starter_has_its_placeholders() {
-        let [wing, file] = PLACEHOLDERS;
-        assert_eq!(STARTER.matches(wing).count(), 1);
-        assert_eq!(STARTER.matches(file).count(), STARTER.matches("foldwing ").count());
+        assert_eq!(STARTER.matches(&format!("\n{NAME}")).count(), 1);
+        assert_eq!(STARTER.matches(FILE).count(), STARTER.matches("foldwing ").count());
         assert!(STARTER.starts_with(&format!("#:schema ./{SCHEMA}\n\n")));
     }
 

@@ -69,6 +69,27 @@ fn the_starter_unfolds_in_air() {
     assert!(windy_s > 1.1 * still_s, "latch at {windy_s} s in air, at {still_s} s without");
 }
 
+/// Names of files that look like what they replace, or that no comment should hold as they are.
+#[test]
+fn the_starter_takes_any_name() {
+    for (file, name) in [
+        ("MODEL_2.toml", "MODEL_2"),
+        ("MyWing-2.toml", "MyWing_2"),
+        ("my wing.toml", "my_wing"),
+        ("3.toml", "wing_3"),
+        #[cfg(unix)]
+        ("a\nb = 1.toml", "a_b___1"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        succeeds(&foldwing(folder.path(), &["new", file]));
+        let (machine, text) =
+            foldwing::config::read(folder.path().join(file)).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(machine.name, name);
+        let shown = file.replace('\n', "?");
+        assert_eq!(text.matches(&shown).count(), 4, "{file}: once per command\n{text}");
+    }
+}
+
 /// Nothing is overwritten without `--force`; what cannot be written leaves nothing behind.
 #[test]
 fn the_starter_overwrites_nothing() {
@@ -79,6 +100,8 @@ fn the_starter_overwrites_nothing() {
     let exists = "foldwing: wing.toml: exists already; --force overwrites it";
     assert_eq!(refusal(&new(&["wing.toml", "--no-schema"])), (Some(4), exists.to_owned()));
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
+    assert_eq!(refusal(&new(&["wing.toml"])), (Some(4), exists.to_owned()));
+    assert!(!folder.path().join("foldwing.schema.json").exists(), "a refusal leaves no schema behind");
     succeeds(&new(&["wing.toml", "--force"]));
     assert_ne!(std::fs::read_to_string(&path).unwrap(), "mine");
     // the same schema serves the next model
