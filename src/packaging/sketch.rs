@@ -39,6 +39,9 @@ const HINGE: &str = "/ | \\ - fold axis";
 pub fn sketch(machine: &Machine) -> String {
     let wing = undeformed(machine, 1.0);
     let mut painter = Painter::new(machine, &wing);
+    if !painter.scale_m.is_finite() {
+        return "  (no drawing: the machine is too large)\n".to_owned();
+    }
     let mut text = String::new();
     for (title, up) in [("from above: x to the right, y up", 1), ("from the side: x to the right, z up", 2)] {
         let _ = writeln!(text, "  {title}");
@@ -123,7 +126,8 @@ impl Painter {
                 self.most_m = self.most_m.sup(&point);
             }
         }
-        let span = self.most_m - self.least_m;
+        // not a number where a point is not
+        let span = (self.most_m - self.least_m).map(|length| if length >= 0.0 { length } else { f64::INFINITY });
         let columns = span.x / (COLUMNS - 1) as f64;
         let rows = span.y.max(span.z) / ((MOST_ROWS - 1) as f64 * ASPECT);
         self.scale_m = columns.max(rows);
@@ -278,6 +282,17 @@ mod tests {
         machine.bodies[0].length_m = 1e-300;
         machine.bodies[0].station_positions_m.clear();
         assert!(sketch(&machine).contains("one column is"));
+    }
+
+    /// A machine beyond all numbers is not drawn, and nothing panics.
+    #[test]
+    fn an_endless_machine_is_not_drawn() {
+        for position_m in [f64::INFINITY, f64::NAN] {
+            let mut machine = two_body_machine();
+            machine.bodies[0].joint.parent =
+                crate::config::machine::Parent::Root { position_m: Vector3::repeat(position_m) };
+            assert_eq!(sketch(&machine), "  (no drawing: the machine is too large)\n");
+        }
     }
 
     /// Lines lean as they should: rows count downwards.
