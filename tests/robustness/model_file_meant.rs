@@ -109,7 +109,7 @@ fn choices() {
             "[solver]",
             "[solver]\nmethod = \"esdirk_4\"",
             "wing.toml:48: key 'solver.method': \"esdirk_4\" is not allowed; allowed: \"generalized_alpha\" or \
-             \"tr_bdf2\" or \"esdirk3\" or \"esdirk4\" or \"rk4\" (did you mean \"esdirk4\"?)",
+             \"tr_bdf2\" or \"sdirk2\" or \"esdirk3\" or \"esdirk4\" or \"rk4\" (did you mean \"esdirk4\"?)",
         ),
         (
             "[solver]",
