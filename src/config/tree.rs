@@ -43,7 +43,11 @@ fn check_references(file: &ModelFile, checker: &mut Checker) -> bool {
     for (index, (name, joint)) in file.joint.iter().enumerate() {
         if joint.parent != ROOT && !file.body.contains_key(&joint.parent) {
             let known = std::iter::once(ROOT).chain(bodies());
-            checker.unknown_name(&["joint", name, "parent"], &joint.parent, "the root or a body", known);
+            let what = match file.joint.get(&joint.parent) {
+                Some(other) => format!("the root or a body, not a joint ({:?} holds {:?})", joint.parent, other.child),
+                None => "the root or a body".to_owned(),
+            };
+            checker.unknown_name(&["joint", name, "parent"], &joint.parent, &what, known);
             hold = false;
         }
         let path = ["joint", name, "child"];

@@ -173,3 +173,13 @@ fn references() {
         assert_eq!(message(old, new), said);
     }
 }
+
+/// A joint in the place of the body that it holds.
+#[test]
+fn a_joint_for_a_body() {
+    assert_eq!(
+        message("parent = \"inner\"", "parent = \"mount\""),
+        "wing.toml:30: key 'joint.fold.parent': \"mount\" is not allowed; allowed: the root or a body, not a joint \
+         (\"mount\" holds \"inner\"): \"root\" or \"inner\" or \"outer\""
+    );
+}
