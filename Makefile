@@ -154,8 +154,8 @@ tunnel: package venv ## Change one choice of the wind tunnel at a time: docs/tab
 aircraft: package venv ## Couple two wings with an aircraft by several ways: docs/tables/aircraft.md, takes minutes
 	$(VENV_PYTHON) tools/aircraft_study.py --foldwing $(COMMAND) --fmu $(FMU) --table docs/tables/aircraft.md --pictures docs/pictures
 
-bless: toolchain ## Rewrite modelDescription/ after a deliberate change of the interface
-	FOLDWING_BLESS=1 $(CARGO) test --locked --test model_description
+bless: toolchain ## Rewrite modelDescription/, the schema and the pages written from the program, after a deliberate change
+	FOLDWING_BLESS=1 $(CARGO) test --locked --test model_description --test model_file --test guide --no-fail-fast
 
 licenses: toolchain ## Renew licenses/THIRD_PARTY.txt after a change of Cargo.lock
 	CARGO="$(CARGO)" $(PYTHON) tools/collect_licenses.py

@@ -18,6 +18,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 #[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::CHECK)]
 pub struct Arguments {
     /// Model file
     model: PathBuf,

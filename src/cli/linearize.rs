@@ -12,6 +12,7 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::LINEARIZE)]
 pub struct Arguments {
     /// Model file
     model: PathBuf,

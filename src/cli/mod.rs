@@ -3,6 +3,9 @@
 mod air_summary;
 mod check;
 mod grid;
+mod help;
+#[cfg(test)]
+mod help_tests;
 mod joint_size;
 mod latency;
 mod lattice;
@@ -18,6 +21,7 @@ mod run;
 #[cfg(not(feature = "import"))]
 #[path = "run_without_import.rs"]
 mod run;
+mod run_arguments;
 mod settings;
 mod simulate;
 mod statics;
@@ -31,15 +35,6 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// What `--help` says below the options.
-const EXIT_CODES: &str = "\
-Exit codes:
-  0  done
-  1  the content of a file was refused: model, inputs, library or FMU
-  2  the command line was refused
-  3  the simulation failed, the rows up to that time are in the CSV; or there is no equilibrium or linear model
-  4  a file could not be read or written";
-
 /// Name of the build: version, commit if it was built from a repository, target.
 fn version() -> &'static str {
     if env!("FOLDWING_COMMIT").is_empty() {
@@ -50,8 +45,12 @@ fn version() -> &'static str {
 }
 
 /// Flexible folding wings from short model files: FMUs, simulations, checks.
+///
+/// A model file (TOML) describes a wing: sections, bodies, fold joints, gauges, air. From it Foldwing makes an FMU for FMI
+/// 2.0 co-simulation, a flexible wing that folds, unfolds and latches, and it simulates and studies the same wing here,
+/// without an importer. No compiler is needed.
 #[derive(Parser)]
-#[command(name = "foldwing", version = version(), after_help = EXIT_CODES)]
+#[command(name = "foldwing", version = version(), after_help = help::EXIT_CODES, after_long_help = help::ORDER_OF_WORK)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -62,24 +61,51 @@ enum Command {
     /// Write a commented model file to start from
     New(new::Arguments),
     /// Make an FMU of a model
+    ///
+    /// The file appears whole or not at all, and the same model, library and version give the same bytes. While packaging, the
+    /// default experiment is simulated for the reference results that the FMU brings. The library is the one beside this
+    /// executable unless --library names others, one for each platform.
     Package(package::Arguments),
     /// Simulate a model and write its outputs as CSV
+    ///
+    /// Without an importer: the outputs, or the variables that --output names, at the communication points of the model's
+    /// experiment. Pictures go with it or instead: figures, a page that plays the motion, files for ParaView. A summary goes to
+    /// standard error. If the simulation fails, rows and pictures show what was until then.
     Simulate(simulate::Arguments),
     /// Simulate many variants of a model, and write a row for each
+    ///
+    /// Variants run on several threads, whose number changes no byte of the results. A sweep that was killed goes on where it
+    /// was when the same command is given again. A variant that fails is a row with its message.
     Sweep(sweep::Arguments),
     /// Measure how long single steps take under a turbulent load
     Latency(latency::Arguments),
     /// Run an FMU of any tool (FMI 2.0 co-simulation) and write its outputs as CSV
+    ///
+    /// Our own FMUs give the bytes of `simulate`. Needs a build with the feature `import`, which `make runner` makes; other
+    /// builds say so.
     Run(run::Arguments),
     /// Say what was understood of a model
+    ///
+    /// Bodies, masses, degrees of freedom, stations, joints, gauges, air and variables; for each joint the number of its
+    /// variables and Lagrange multipliers beside the conventional form with 12 variables per node.
     Check(check::Arguments),
     /// Bring a model to rest under its loads and print its shape
+    ///
+    /// Equilibrium under gravity, loads and root motion: positions, rotations and strains along the bodies, joint angles with
+    /// torques, gauges, gaps and forces of closed loops, tips, and what the wing exerts on the root. Joints are held or free as
+    /// their release inputs say; an enabled latch on the way closes.
     Static(statics::Arguments),
     /// Print natural frequencies and damping
+    ///
+    /// About the equilibrium, or about the bare structure: frequencies, damping ratios and what bends. A root that turns
+    /// stiffens and couples.
     Modes(modes::Arguments),
     /// Write the linear model between inputs and outputs
+    ///
+    /// A, B, C, D about a start, an equilibrium or a state along a run, for NumPy, MATLAB or as JSON.
     Linearize(linearize::Arguments),
     /// Print the JSON schema of model files, for editors that complete them
+    #[command(after_long_help = help::SCHEMA)]
     Schema,
 }
 
@@ -178,12 +204,9 @@ mod tests {
     use super::*;
     use clap::CommandFactory;
 
-    /// The argument definitions are consistent, and `--help` documents every exit code.
+    /// The argument definitions are consistent.
     #[test]
     fn command_line_is_consistent() {
         Arguments::command().debug_assert();
-        for code in 0..=4 {
-            assert!(EXIT_CODES.contains(&format!("\n  {code}  ")), "exit code {code}");
-        }
     }
 }

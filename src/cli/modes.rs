@@ -9,6 +9,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::MODES)]
 pub struct Arguments {
     /// Model file
     model: PathBuf,

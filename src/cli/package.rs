@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 #[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::PACKAGE)]
 pub struct Arguments {
     /// Model file
     model: PathBuf,

@@ -1,11 +1,11 @@
 //! `foldwing run`: an FMU of any tool over time, as CSV.
 
-use crate::cli::grid::{Grid, GridArguments};
+use crate::cli::grid::Grid;
 use crate::cli::pictures::{make_folder, write_series};
 use crate::cli::progress::Progress;
+pub use crate::cli::run_arguments::Arguments;
 use crate::cli::simulate::{csv_sink, csv_target, read_inputs, unknown};
 use crate::cli::{Failure, print};
-use clap::builder::NonEmptyStringValueParser;
 use foldwing::import::{
     CallError, Datum, Description, Fault, Fmu, ImportError, Kind, Message, Readout, Severity, Slave, Step, Variable,
     listen,
@@ -15,44 +15,7 @@ use foldwing::report::{InputTable, Recorder, number};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::panic;
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
-
-#[derive(clap::Args)]
-pub struct Arguments {
-    /// FMU: FMI 2.0, co-simulation
-    fmu: PathBuf,
-    /// CSV file to write; `-` is standard output
-    #[arg(long, value_name = "OUT.csv", required_unless_present_any = ["variables", "plot"])]
-    csv: Option<PathBuf>,
-    /// List the variables with type, unit and start value, and run nothing
-    #[arg(long)]
-    variables: bool,
-    /// Inputs over time: CSV with a column `time` and columns named after inputs; taken at the start of each step,
-    /// reals on straight lines between rows, others held
-    #[arg(long, alias = "input", value_name = "IN.csv")]
-    inputs: Option<PathBuf>,
-    /// Start value, with one of the variable's units after a space if need be ("x=90 deg"); may be repeated
-    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
-    settings: Vec<String>,
-    #[command(flatten)]
-    grid: GridArguments,
-    /// Relative tolerance of the FMU's solver [default: the FMU's own]
-    #[arg(long, value_name = "X", allow_negative_numbers = true)]
-    tolerance: Option<f64>,
-    /// Variable to write; may be repeated [default: all outputs]
-    #[arg(long = "output", value_name = "NAME")]
-    outputs: Vec<String>,
-    /// Folder for figures of the variables over time as SVG and PNG, one per unit
-    #[arg(long, value_name = "DIR")]
-    plot: Option<PathBuf>,
-    /// Switch the FMU's messages on; warnings and errors are shown in any case
-    #[arg(long)]
-    log: bool,
-    /// Print no summary
-    #[arg(short, long)]
-    quiet: bool,
-}
 
 /// Runs an FMU and writes the CSV; the rows up to a failure are kept.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {

@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 #[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::SIMULATE)]
 pub struct Arguments {
     /// Model file
     model: PathBuf,

@@ -22,15 +22,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use variant::{Experiment, columns};
 
-/// What `--help` says below the options.
-const EXAMPLES: &str = "\
-Examples:
-  foldwing sweep wing.toml --vary fold.start_angle=1:3:21 --vary fold.release=0,1 --out grid.csv
-  foldwing sweep wing.toml --vary file:body.inner.elements=2,4,8 --output tip.position.z --out mesh.csv
-  foldwing sweep wing.toml --samples samples.csv --out results.csv";
-
 #[derive(clap::Args)]
-#[command(after_help = EXAMPLES, group = clap::ArgGroup::new("variants").required(true))]
+#[command(after_long_help = crate::cli::help::SWEEP, group = clap::ArgGroup::new("variants").required(true))]
 pub struct Arguments {
     /// Model file
     model: PathBuf,

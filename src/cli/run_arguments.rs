@@ -1,0 +1,43 @@
+//! Arguments of `foldwing run`, the same in every build.
+
+use crate::cli::grid::GridArguments;
+use clap::builder::NonEmptyStringValueParser;
+use std::path::PathBuf;
+
+#[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::RUN)]
+pub struct Arguments {
+    /// FMU: FMI 2.0, co-simulation
+    pub fmu: PathBuf,
+    /// CSV file to write; `-` is standard output
+    #[arg(long, value_name = "OUT.csv", required_unless_present_any = ["variables", "plot"])]
+    pub csv: Option<PathBuf>,
+    /// List the variables with type, unit and start value, and run nothing
+    #[arg(long)]
+    pub variables: bool,
+    /// Inputs over time: CSV with a column `time` and columns named after inputs; taken at the start of each step,
+    /// reals on straight lines between rows, others held
+    #[arg(long, alias = "input", value_name = "IN.csv")]
+    pub inputs: Option<PathBuf>,
+    /// Start value, with one of the variable's units after a space if need be ("x=90 deg"), a word of an enumeration or a
+    /// text; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
+    pub settings: Vec<String>,
+    #[command(flatten)]
+    pub grid: GridArguments,
+    /// Relative tolerance of the FMU's solver [default: the FMU's own]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub tolerance: Option<f64>,
+    /// Variable to write; may be repeated [default: all outputs]
+    #[arg(long = "output", value_name = "NAME")]
+    pub outputs: Vec<String>,
+    /// Folder for figures of the variables over time as SVG and PNG, one per unit
+    #[arg(long, value_name = "DIR")]
+    pub plot: Option<PathBuf>,
+    /// Switch the FMU's messages on; warnings and errors are shown in any case
+    #[arg(long)]
+    pub log: bool,
+    /// Print no summary
+    #[arg(short, long)]
+    pub quiet: bool,
+}

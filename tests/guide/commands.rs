@@ -1,0 +1,92 @@
+//! `docs/guide/commands.md`: what the command says about itself, and whether the lines of the guide run.
+
+use crate::command_lines::{self, CommandLine};
+use crate::{assert_current, in_package};
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+const HEAD: &str = "\
+# All commands and their options
+
+This page is what `foldwing --help` and `foldwing COMMAND --help` print; a test keeps it current. Formats of files and what stands
+behind the options: [COMMAND_LINE.md](../COMMAND_LINE.md).
+";
+
+/// Runs the command in a folder.
+pub fn foldwing(folder: &std::path::Path, words: &[String]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_foldwing")).args(words).current_dir(folder).output().expect("the command runs")
+}
+
+/// What the command prints about itself, without ends of lines that are blank.
+fn help(words: &[&str]) -> String {
+    let words: Vec<String> = words.iter().chain(&["--help"]).map(|word| (*word).to_owned()).collect();
+    let output = foldwing(&in_package("."), &words);
+    assert!(output.status.success());
+    let text = String::from_utf8(output.stdout).unwrap();
+    text.lines().map(str::trim_end).collect::<Vec<_>>().join("\n")
+}
+
+/// The commands, as the help lists them.
+fn commands(help: &str) -> Vec<String> {
+    let list = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    list.filter(|line| !line.starts_with("    "))
+        .filter_map(|line| line.split_whitespace().next())
+        .map(str::to_owned)
+        .collect()
+}
+
+/// F-244. The page of commands is current.
+#[test]
+fn f244_the_page_of_commands_is_current() {
+    let top = help(&[]);
+    let commands = commands(&top);
+    assert!(commands.len() >= 10, "{commands:?}");
+    let mut page = format!("{HEAD}\n```text\n{}\n```\n", top.trim_end());
+    for command in commands.iter().filter(|command| *command != "help") {
+        page += &format!("\n## `foldwing {command}`\n\n```text\n{}\n```\n", help(&[command]).trim_end());
+    }
+    assert_current("docs/guide/commands.md", &page);
+}
+
+/// The shared library that Cargo built beside this test.
+fn library() -> PathBuf {
+    let name = format!("{}foldwing{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    std::env::current_exe().unwrap().with_file_name(name)
+}
+
+/// Whether a call can run where only a model, its inputs and its samples are.
+fn can_run(call: &CommandLine) -> bool {
+    let says = |text: &str| call.words.iter().any(|word| word.contains(text));
+    let shown_only = says("<") || says("MODEL") || says("examples/") || says("win64=");
+    // foreign FMUs need the feature `import`
+    call.whole && !shown_only && call.words[0] != "run"
+}
+
+/// F-246. Lines of the guide, of the front page and of the help that call the command succeed as they stand.
+#[test]
+fn f246_the_lines_of_the_guide_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = std::fs::read_to_string(in_package("examples/models/folding_wing.toml")).unwrap();
+    for name in ["wing.toml", "my_wing.toml", "mywing.toml"] {
+        std::fs::write(folder.path().join(name), &model).unwrap();
+    }
+    std::fs::write(folder.path().join("commands.csv"), "time, fold.command\n0, 0\n0.1, 0.1\n").unwrap();
+    std::fs::write(folder.path().join("samples.csv"), "fold.start_angle\n1.0\n2.0\n").unwrap();
+    let mut ran = BTreeSet::new();
+    for call in command_lines::pages().iter().flat_map(|page| command_lines::of_page(page)) {
+        let mut words = call.words.clone();
+        if !can_run(&call) || !ran.insert(words.clone()) {
+            continue;
+        }
+        if words[0] == "package" && !words.iter().any(|word| word == "--description-only" || word == "--library") {
+            words.extend(["--library".to_owned(), library().to_str().unwrap().to_owned()]);
+        }
+        if words.iter().any(|word| word == "libfoldwing.so") {
+            continue;
+        }
+        let output = foldwing(folder.path(), &words);
+        assert!(output.status.success(), "{}\n{}", call.place, String::from_utf8_lossy(&output.stderr));
+    }
+    assert!(ran.len() >= 30, "{} lines ran", ran.len());
+}

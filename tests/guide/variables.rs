@@ -1,0 +1,299 @@
+//! `docs/guide/variables.md`: every variable that an FMU can have, written from the table in `src/interface`.
+
+use crate::{assert_current, in_package};
+use foldwing::config;
+use foldwing::interface::{Causality, Interface, Value, Variability, Variable};
+use std::collections::BTreeSet;
+
+/// One of everything that has variables. Its names are those that the page replaces.
+const EVERYTHING: &str = r#"
+name = "Everything"
+[section.plate]
+shape = "rectangle"
+width_m = 0.05
+height_m = 0.002
+density_kg_m3 = 1425.0
+young_Pa = 2.83e9
+poisson_ratio = 0.3
+[body.bodyname]
+length_m = 0.2
+section = "plate"
+elements = 1
+load_stations = 1
+[body.bodynamea]
+length_m = 0.1
+section = "plate"
+elements = 1
+load_stations = 1
+[body.bodynameb]
+length_m = 0.1
+section = "plate"
+elements = 1
+load_stations = 0
+[joint.jointname]
+type = "revolute"
+parent = "root"
+child = "bodyname"
+axis = [0, 1, 0]
+drive = { stiffness_N_m_rad = 1.0 }
+latch = { stiffness_ratio = 1e4 }
+[joint.jointnamea]
+type = "ball"
+parent = "bodyname"
+child = "bodynamea"
+[joint.jointnameb]
+type = "clamped"
+parent = "bodyname"
+child = "bodynameb"
+[loop.loopname]
+bodies = ["bodynamea", "bodynameb"]
+stiffness_N_m = 1e4
+[gauge.gaugename]
+body = "bodyname"
+position_m = 0.01
+[aerodynamics]
+model = "strip"
+wind_m_s = [0, -10, 0]
+report_circulation = true
+[surface.surfacename]
+body = "bodyname"
+strips = 1
+"#;
+
+const HEAD: &str = "\
+# All variables of the FMU
+
+This page is written from the table that the FMU itself is made of; a test keeps it current. `<joint>`, `<body>`, `<gauge>` and
+`<loop>` stand for the names in the model file, `[i]` counts from 1. `{x,y,z}` stands for three variables: `gravity.{x,y,z}` are
+`gravity.x`, `gravity.y` and `gravity.z`. `foldwing check MODEL.toml --variables` lists those of a model with their start values,
+and `documentation/index.html` inside the FMU shows them as a table.
+
+- Vectors are resolved in the root frame unless the line says otherwise, in SI units. Angles are in rad, their display unit is
+  degrees. A quaternion `{w,x,y,z}` turns section components into root components; its sign is continuous.
+- Reals unless the line says otherwise. A value outside its range, or one that is not finite, is refused with `fmi2Discard` and
+  changes nothing.
+- Inputs are held during a step, or run linearly where `fmi2SetRealInputDerivatives` says so. Outputs belong to the end of the
+  last step, with the inputs that were used in it.
+- **fixed** parameters can be set before the end of the initialisation, **tunable** ones at any time.
+";
+
+/// Where the rows whose name begins so exist.
+const WHERE: &[(&str, &str)] = &[
+    ("<joint>.latch", "revolute joints with a latch that move freely"),
+    ("<joint>.angle", REVOLUTE),
+    ("<joint>.rate.", REVOLUTE),
+    ("<joint>.rotation", "universal, ball and free joints"),
+    ("<joint>.angular_velocity", "universal, ball and free joints"),
+    ("<joint>.start_angle", NOT_PRESCRIBED),
+    ("<joint>.", "revolute joints that move freely"),
+    ("load.", "each load station"),
+    ("station.", "each load station"),
+    ("wind.", "with air"),
+    ("aero.circulation", "with `aerodynamics.report_circulation`"),
+    ("aero.load", "load stations of bodies with a surface"),
+    ("aero.", "with air"),
+    ("gauge.", "each gauge"),
+    ("loop.", "each closed loop"),
+    ("tip_<body>", "each free end; `tip` where there is only one"),
+    ("body.", "each body"),
+];
+
+/// All revolute joints.
+const REVOLUTE: &str = "revolute joints";
+
+/// Revolute joints whose angle is no function of time.
+const NOT_PRESCRIBED: &str = "revolute joints, but prescribed ones";
+
+/// Where a row exists.
+fn place(variable: &Variable, pattern: &str) -> &'static str {
+    let name = format!("{pattern}.");
+    match WHERE.iter().find(|(beginning, _)| name.starts_with(beginning)) {
+        // what only the ball joint has
+        Some((_, place)) if variable.name.starts_with("jointnamea.") && place.starts_with("revolute") => {
+            "universal and ball joints"
+        }
+        Some((_, place)) => place,
+        None => "always",
+    }
+}
+
+/// The table of [`EVERYTHING`].
+fn everything() -> Interface {
+    Interface::new(&config::parse(EVERYTHING, "everything.toml").unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// Names of the model file as placeholders. Longer names first: they contain the shorter ones.
+fn generic(text: &str) -> String {
+    ["body", "joint", "gauge", "loop", "surface"].iter().fold(text.to_owned(), |text, kind| {
+        ["a", "b", ""]
+            .iter()
+            .fold(text, |text, suffix| text.replace(&format!("{kind}name{suffix}"), &format!("<{kind}>")))
+    })
+}
+
+/// Name with the components of a vector or quaternion as one, and what the component is.
+fn pattern(name: &str) -> (String, Option<&str>) {
+    let (stem, last) = name.rsplit_once('.').unwrap_or(("", name));
+    let components = if stem.ends_with(".rotation") { "{w,x,y,z}" } else { "{x,y,z}" };
+    let component = ["w", "x", "y", "z"].contains(&last).then_some(last);
+    let name = component.map_or(name.to_owned(), |_| format!("{stem}.{components}"));
+    (generic(&name).replace("[1]", "[i]"), component)
+}
+
+/// The sentence of a row, of no particular component, station or place.
+fn meaning(variable: &Variable, component: Option<&str>) -> String {
+    let text =
+        component.map_or(variable.description.clone(), |c| variable.description.replacen(&format!(", {c}"), "", 1));
+    let text = generic(&text).replace("station 1", "station i").replace("strip 1", "strip i");
+    match variable.name.starts_with("gauge.") {
+        true => "strain at the gauge's point, along the axis or its `direction`".to_owned(),
+        false => text,
+    }
+}
+
+fn range(variable: &Variable) -> String {
+    let Some((least, most)) = variable.range else { return String::new() };
+    // the table's least positive number and its largest number stand for no bound
+    match (least <= 0.0 || least > 1e-20, most < 1e30) {
+        (false, false) => "> 0".to_owned(),
+        (true, false) => format!("≥ {least}"),
+        _ => format!("{} to {}", shortest(least), shortest(most)),
+    }
+}
+
+fn shortest(value: f64) -> String {
+    let rounded = (value * 1e4).round() / 1e4;
+    if value != 0.0 && !(1e-3..1e4).contains(&value.abs()) { format!("{value:e}") } else { format!("{rounded}") }
+}
+
+/// The rows of one causality; each pattern once.
+fn rows(interface: &Interface, causality: Causality) -> String {
+    let mut seen = BTreeSet::new();
+    let mut text = String::new();
+    for variable in interface.variables().iter().filter(|variable| variable.causality == causality) {
+        let (name, component) = pattern(&variable.name);
+        let (place, meaning) = (place(variable, &name), meaning(variable, component).replace('<', "\\<"));
+        if !seen.insert((name.clone(), meaning.clone())) {
+            continue;
+        }
+        let kind = match (variable.value, variable.variability) {
+            (Value::Boolean(_), _) => "Boolean",
+            (Value::Integer(_), _) => "Integer",
+            (_, Variability::Fixed) => "fixed",
+            (_, Variability::Tunable) => "tunable",
+            _ => "",
+        };
+        let unit = if variable.unit().is_empty() { "" } else { variable.unit() };
+        text += &format!("| `{name}` | {unit} | {kind} | {} | {meaning} | {place} |\n", range(variable))
+            .replace("  |", " |");
+    }
+    text
+}
+
+/// The page.
+fn page() -> String {
+    let interface = everything();
+    let parts = [
+        (
+            Causality::Input,
+            "Inputs",
+            "Start values come from the model file: loads from `[load.<name>]`, gravity from `gravity_m_s2`, wind from `aerodynamics.wind_m_s`; they are 0 where it says nothing. `<joint>.release` and `<joint>.latch_enable` start true unless the model file says otherwise, so that default values unfold the wing.",
+        ),
+        (
+            Causality::Output,
+            "Outputs",
+            "`energy.total - energy.work + energy.dissipated` is constant but for the error of the integration.",
+        ),
+        (Causality::Parameter, "Parameters", "Start values come from the model file."),
+        (
+            Causality::Local,
+            "Counters",
+            "Local variables, for those who look into the cost of a run. All begin at 0 with the initialisation.",
+        ),
+        (Causality::Independent, "Time", ""),
+    ];
+    let mut page = HEAD.to_owned();
+    for (causality, title, remark) in parts {
+        page += &format!("\n## {title}\n\n");
+        if !remark.is_empty() {
+            page += &format!("{remark}\n\n");
+        }
+        page += "| name | unit | kind | allowed | meaning | there for |\n|---|---|---|---|---|---|\n";
+        page += &rows(&interface, causality);
+    }
+    page
+}
+
+/// F-242. The page of variables is current.
+#[test]
+fn f242_the_page_of_variables_is_current() {
+    assert_current("docs/guide/variables.md", &page());
+}
+
+/// F-243. Every variable of every shipped model stands on the page, under the pattern of its name.
+#[test]
+fn f243_every_variable_of_every_shipped_model_is_on_the_page() {
+    let page = page();
+    let mut models = 0;
+    for entry in std::fs::read_dir(in_package("examples/models")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        models += 1;
+        let (machine, _) = config::read(&path).unwrap_or_else(|error| panic!("{error}"));
+        for variable in Interface::new(&machine).variables() {
+            let name = named(&machine, &variable.name);
+            assert!(
+                page.contains(&format!("| `{name}` | {}", variable.unit())),
+                "{}: {} as {name}",
+                path.display(),
+                variable.name
+            );
+        }
+    }
+    assert!(models >= 11, "{models} models");
+}
+
+/// F-245. Locked and prescribed joints have the rows that the page gives them, and no others. They have no latch.
+#[test]
+fn f245_the_page_says_which_joints_have_a_row() {
+    let free = everything();
+    for (motion, places) in [
+        ("motion = \"locked\"", &[REVOLUTE, NOT_PRESCRIBED][..]),
+        ("motion = \"prescribed\"\npolynomial_deg = [1]", &[REVOLUTE]),
+    ] {
+        let text = EVERYTHING.replace("child = \"bodyname\"\n", &format!("child = \"bodyname\"\n{motion}\n"));
+        let text = text.replace("latch = { stiffness_ratio = 1e4 }\n", "");
+        let machine = config::parse(&text, "everything.toml").unwrap_or_else(|error| panic!("{error}"));
+        let of_joint = |interface: &Interface| -> Vec<String> {
+            let rows = interface.variables().iter().filter(|row| row.name.starts_with("jointname."));
+            rows.map(|row| row.name.clone()).collect()
+        };
+        let rows = free.variables().iter().filter(|row| row.name.starts_with("jointname."));
+        let expected = rows.filter(|row| places.contains(&place(row, &pattern(&row.name).0)));
+        let expected: Vec<String> = expected.map(|row| row.name.clone()).collect();
+        assert_eq!(of_joint(&Interface::new(&machine)), expected, "{motion}");
+    }
+}
+
+/// The pattern of a machine's variable.
+pub fn named(machine: &config::Machine, name: &str) -> String {
+    let (pattern, _) = pattern(name);
+    let mut parts: Vec<String> = pattern.split('.').map(str::to_owned).collect();
+    let count = parts.len();
+    let index = |part: &str| part.split_once('[').map(|(body, _)| format!("{body}[i]"));
+    let body = |part: &str| machine.bodies.iter().any(|body| body.name == part);
+    match parts[0].as_str() {
+        "load" | "station" => parts[1] = "<body>[i]".to_owned(),
+        "aero" if count > 2 && index(&parts[2]).is_some() => parts[2] = "<body>[i]".to_owned(),
+        "body" => parts[1] = "<body>".to_owned(),
+        "gauge" => parts[1] = "<gauge>".to_owned(),
+        "loop" => parts[1] = "<loop>".to_owned(),
+        "tip" => parts[0] = "tip_<body>".to_owned(),
+        first if first.strip_prefix("tip_").is_some_and(body) => parts[0] = "tip_<body>".to_owned(),
+        first if machine.bodies.iter().any(|body| body.joint.name == first) => parts[0] = "<joint>".to_owned(),
+        _ => {}
+    }
+    parts.join(".")
+}
