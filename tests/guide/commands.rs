@@ -50,7 +50,7 @@ fn f244_the_page_of_commands_is_current() {
 }
 
 /// The shared library that Cargo built beside this test.
-fn library() -> PathBuf {
+pub fn library() -> PathBuf {
     let name = format!("{}foldwing{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     std::env::current_exe().unwrap().with_file_name(name)
 }

@@ -2,6 +2,7 @@
 
 mod command_lines;
 mod commands;
+mod messages;
 mod variables;
 
 use std::path::{Path, PathBuf};

@@ -1,0 +1,310 @@
+//! `docs/guide/messages.md`: every message that it quotes is one of the program's, and none of the program's is missing.
+//!
+//! Three sources. *Produced here*: what the command says in the cases below. *Produced elsewhere*: the whole messages with
+//! which `tests/robustness` compares what the program says, word for word. *Source*: texts of the program that neither of the two
+//! brings about.
+
+use crate::commands::foldwing;
+use crate::in_package;
+use std::fs;
+use std::path::Path;
+
+/// A row's messages, as pieces that follow each other.
+struct Quote {
+    section: String,
+    text: String,
+    pieces: Vec<String>,
+}
+
+impl Quote {
+    fn new(section: &str, text: &str) -> Self {
+        let pieces = text.split('…').map(str::to_owned).filter(|piece| !piece.trim().is_empty()).collect();
+        Self { section: section.to_owned(), text: text.to_owned(), pieces }
+    }
+
+    /// Whether the pieces stand in `text` in their order.
+    fn is_in(&self, text: &str) -> bool {
+        let mut rest = text;
+        !self.pieces.is_empty()
+            && self.pieces.iter().all(|piece| match rest.find(piece.as_str()) {
+                Some(at) => {
+                    rest = &rest[at + piece.len()..];
+                    true
+                }
+                None => false,
+            })
+    }
+}
+
+/// Messages in the first column of the page's tables.
+fn quotes() -> Vec<Quote> {
+    let page = fs::read_to_string(in_package("docs/guide/messages.md")).unwrap();
+    let mut section = String::new();
+    let mut quotes = Vec::new();
+    for line in page.lines() {
+        if let Some(title) = line.strip_prefix("## ") {
+            section = title.to_owned();
+        }
+        if !line.starts_with("| `") {
+            continue;
+        }
+        let first = line.trim_start_matches("| ").split(" | ").next().unwrap();
+        quotes.extend(first.split('`').skip(1).step_by(2).map(|text| Quote::new(&section, text)));
+        assert_eq!(line.matches(" | ").count(), 2, "three columns: {line}");
+    }
+    quotes
+}
+
+/// String literals of Rust source, with `{…}` as `…`. Those of tests in the same file are left out.
+fn literals(text: &str) -> Vec<String> {
+    let code = text.split("#[cfg(test)]").next().unwrap();
+    let mut letters = code.chars().peekable();
+    let mut found = Vec::new();
+    while let Some(letter) = letters.next() {
+        match letter {
+            '/' if letters.peek() == Some(&'/') => letters.by_ref().take_while(|c| *c != '\n').for_each(drop),
+            // a letter in quotes; lifetimes have no second quote so near
+            '\'' => {
+                let next: String = letters.clone().take(3).collect();
+                let skipped = if next.starts_with('\\') { 3 } else { 2 };
+                if next.chars().nth(skipped - 1) == Some('\'') {
+                    letters.by_ref().take(skipped).for_each(drop);
+                }
+            }
+            '"' => {
+                let mut literal = String::new();
+                while let Some(letter) = letters.next().filter(|c| *c != '"') {
+                    match (letter, letters.peek()) {
+                        ('\\', Some('\n')) => while letters.next_if(|c| c.is_whitespace()).is_some() {},
+                        ('\\', Some(_)) => literal.extend(letters.next().map(|c| if c == 'n' { '\n' } else { c })),
+                        _ => literal.push(letter),
+                    }
+                }
+                found.push(without_fields(&literal));
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// A format string with its fields as `…`.
+fn without_fields(format: &str) -> String {
+    let mut text = String::new();
+    let mut rest = format;
+    while let Some(at) = rest.find('{') {
+        text += &rest[..at];
+        let doubled = rest[at..].starts_with("{{");
+        let end = if doubled { at + 2 } else { rest[at..].find('}').map_or(rest.len(), |end| at + end + 1) };
+        text += if doubled { "{" } else { "…" };
+        rest = &rest[end..];
+    }
+    (text + rest).replace("}}", "}")
+}
+
+/// Rust files below a folder.
+fn sources(folder: &Path, found: &mut Vec<String>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") && !path.ends_with("tests.rs") {
+            found.push(fs::read_to_string(path).unwrap());
+        }
+    }
+}
+
+fn literals_below(folder: &str) -> Vec<String> {
+    let mut files = Vec::new();
+    sources(&in_package(folder), &mut files);
+    files.iter().flat_map(|file| literals(file)).collect()
+}
+
+/// Whole messages that tests compare with what the program says: those of model files, and those of the C functions.
+fn asserted() -> (Vec<String>, Vec<String>) {
+    let literals = literals_below("tests/robustness");
+    let lines = literals.iter().flat_map(|text| text.lines().map(str::to_owned));
+    let model_file = lines.filter(|line| line.starts_with("wing.toml:")).collect();
+    (model_file, literals.into_iter().filter(|text| text.starts_with("fmi2") && text.contains(": ")).collect())
+}
+
+/// What the command says to slips. `-` before a name of a file means that it is made first.
+fn produced() -> Vec<String> {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &[u8]| fs::write(folder.path().join(name), text).unwrap();
+    let model = fs::read_to_string(in_package("examples/models/folding_wing.toml")).unwrap();
+    let four_bar = fs::read_to_string(in_package("examples/models/four_bar.toml")).unwrap();
+    let pendulum = fs::read_to_string(in_package("examples/models/double_pendulum.toml")).unwrap();
+    write("wing.toml", model.as_bytes());
+    write("four_bar.toml", four_bar.as_bytes());
+    write("pendulum.toml", pendulum.as_bytes());
+    write("binary.toml", b"name = \"\xff\"\n");
+    write("library.so", b"not a library");
+    write("rows.csv", b"time,fold.command\n");
+    write("time.csv", b"time,fold.command\n0,0\n0,1\n");
+    write("first.csv", b"fold.command,time\n0,0\n");
+    write("twice.csv", b"time,fold.command,fold.command\n0,0,0\n");
+    write("output.csv", b"time,fold.angle\n0,0\n");
+    write("number.csv", b"time,fold.command\n0,inf\n");
+    write("columns.csv", b"time,fold.command\n0,0,0\n");
+    write("taken.csv", b"something\n");
+    write("other.csv.sweep", b"something\n");
+    let library = env!("CARGO_BIN_EXE_foldwing");
+    let here = crate::commands::library();
+    let here = here.to_str().unwrap();
+    let twice = format!("package wing.toml -o x.fmu --no-reference --library {here} --library {here}");
+    let other = format!("package wing.toml -o x.fmu --no-reference --library win64={here}");
+    let command = format!("package wing.toml -o x.fmu --no-reference --library {library}");
+    let fails = "package wing.toml -o x.fmu --library none.so".to_owned();
+    let cases = [
+        "check missing.toml",
+        "check binary.toml",
+        "simulate wing.toml --csv missing/x.csv",
+        "simulate wing.toml --csv - --output fold.angel",
+        "simulate wing.toml --csv - --output zzzzzzzzzzzz",
+        "simulate wing.toml --csv - --set fold.command",
+        "simulate wing.toml --csv - --set fold.command=x",
+        "simulate wing.toml --csv - --set fold.release=x",
+        "simulate wing.toml --csv - --set fold.angle=1",
+        "simulate wing.toml --csv - --set fold.damping=-1",
+        "simulate wing.toml --csv - --set fold.damping=inf",
+        "simulate wing.toml --csv - --step 0",
+        "simulate wing.toml --csv - --step 1e-12",
+        "simulate wing.toml --csv - --stop -1",
+        "simulate wing.toml --csv - --stop 0.01 --lattice l.json --lattice-at 0",
+        "simulate wing.toml --csv - --inputs rows.csv",
+        "simulate wing.toml --csv - --inputs time.csv",
+        "simulate wing.toml --csv - --inputs first.csv",
+        "simulate wing.toml --csv - --inputs twice.csv",
+        "simulate wing.toml --csv - --inputs output.csv",
+        "simulate wing.toml --csv - --inputs number.csv",
+        "simulate wing.toml --csv - --inputs columns.csv",
+        "simulate wing.toml --csv - --set solver.min_step=0.01 --set solver.max_step=0.02 --set solver.tolerance=1e-9",
+        "simulate wing.toml --csv - --set solver.min_step=1e-4 --set solver.tolerance=1e-6",
+        "simulate wing.toml --csv - --set solver.min_step=1",
+        "simulate wing.toml --csv - --set fold.torque=1e25",
+        "simulate wing.toml --csv - --set gravity.z=-1e300",
+        "simulate wing.toml --csv - --start 1e17 --stop 1.1e17 --step 1e15",
+        "linearize wing.toml -o x.csv",
+        "linearize wing.toml --at never -o x.npz",
+        "linearize pendulum.toml --at 0.01 -o x.npz",
+        "static wing.toml --set fold.stiffness=0 --set gravity.x=0 --set fold.latch_enable=0",
+        "static four_bar.toml",
+        "static pendulum.toml",
+        "sweep wing.toml --vary fold.command --out x.csv",
+        "sweep wing.toml --vary fold.command=1:2 --out x.csv",
+        "sweep wing.toml --vary fold.command=1,2 --out taken.csv",
+        "sweep wing.toml --vary fold.command=1,2 --out other.csv",
+        "package wing.toml -o x.fmu --no-reference --library library.so",
+        "package wing.toml -o x.fmu --no-reference --library linux128=library.so",
+        &fails,
+        &twice,
+        &other,
+        &command,
+    ];
+    let run = |line: &str| {
+        let words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+        let output = foldwing(folder.path(), &words);
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!output.status.success() && stderr.contains("foldwing: "), "{line} succeeds\n{stderr}");
+        stderr
+    };
+    let mut said: Vec<String> = cases.iter().map(|line| run(line)).collect();
+    // results of one sweep, then another with the same name
+    let first = ["sweep", "wing.toml", "--vary", "fold.command=1,2", "--stop", "0.001", "--out", "x.csv"];
+    assert!(foldwing(folder.path(), &first.map(str::to_owned)).status.success());
+    said.push(run("sweep wing.toml --vary fold.command=1,3 --stop 0.001 --out x.csv"));
+    // a model whose own experiment fails
+    let failing = model.replace("[experiment]", "[solver]\nmin_step_s = 1e-3\ntolerance = 1e-9\n[experiment]");
+    assert_ne!(failing, model);
+    fs::write(folder.path().join("failing.toml"), failing).unwrap();
+    said.push(run(&format!("package failing.toml -o x.fmu --library {here}")));
+    said
+}
+
+/// F-247. Every message that the page quotes is one of the program's: most are produced, the others stand in the source.
+#[test]
+fn f247_quoted_messages_are_the_programs() {
+    let (model_file, calls) = asserted();
+    assert!(model_file.len() > 100 && calls.len() > 40, "{} and {}", model_file.len(), calls.len());
+    let said: Vec<String> = produced().into_iter().chain(model_file).chain(calls).collect();
+    let source = literals_below("src");
+    let (mut seen, mut read, mut unknown) = (0, Vec::new(), Vec::new());
+    for quote in quotes() {
+        let from_function = quote.text.split_once(": ").filter(|(function, _)| function.starts_with("fmi2"));
+        let text = Quote::new("", from_function.map_or(quote.text.as_str(), |(_, text)| text));
+        if said.iter().any(|message| quote.is_in(message)) {
+            seen += 1;
+        } else if source.iter().any(|literal| text.is_in(literal)) {
+            read.push(quote.text);
+        } else {
+            unknown.push(format!("{} ({})", quote.text, quote.section));
+        }
+    }
+    assert!(unknown.is_empty(), "nothing says\n{}", unknown.join("\n"));
+    println!("{seen} quoted messages were produced, {} stand in the source:\n{}", read.len(), read.join("\n"));
+    assert!(seen > 5 * read.len(), "{seen} were produced, {} stand in the source", read.len());
+}
+
+/// F-248. No message is missing: each refusal of a model file that the tests know, and each text of an error type.
+#[test]
+fn f248_every_message_of_the_program_is_quoted() {
+    let quotes = quotes();
+    let (model_file, _) = asserted();
+    let mut missing = Vec::new();
+    for message in model_file {
+        let general = |quote: &&Quote| quote.text.contains("key '…'");
+        let quoted = match message.split_once("allowed: ") {
+            Some((_, allowed)) => quotes.iter().filter(|quote| !general(quote)).any(|quote| quote.is_in(allowed)),
+            None => quotes.iter().any(|quote| quote.is_in(&message)),
+        };
+        if !quoted {
+            missing.push(message);
+        }
+    }
+    let mut files = Vec::new();
+    sources(&in_package("src"), &mut files);
+    let mut count = 0;
+    for attribute in files.iter().flat_map(|file| file.split("#[error(").skip(1)) {
+        let Some(text) = literals(attribute.split(")]").next().unwrap()).into_iter().next() else { continue };
+        // a text that only passes on another's
+        let own = text.chars().filter(|c| c.is_alphabetic()).count() > 3;
+        if !own || INTERNAL.iter().any(|internal| text.starts_with(internal)) {
+            continue;
+        }
+        count += 1;
+        let words: Vec<&str> = text.split('…').collect();
+        let quoted = quotes.iter().any(|quote| {
+            let quote = Quote::new(
+                "",
+                quote
+                    .text
+                    .split_once(": ")
+                    .filter(|(f, _)| f.starts_with("fmi2"))
+                    .map_or(&quote.text, |(_, text)| text),
+            );
+            // either may be the shorter one: the page fills in what the format leaves open, or leaves out its end
+            quote.is_in(&text) || words.iter().all(|word| quote.text.contains(word))
+        });
+        if !quoted {
+            missing.push(text);
+        }
+    }
+    assert!(count > 50, "{count} texts of errors");
+    assert!(missing.is_empty(), "docs/guide/messages.md does not know\n{}", missing.join("\n"));
+}
+
+/// Texts that no user meets as they are: they are wrapped by others, or end a command quietly.
+const INTERNAL: &[&str] = &[
+    "standard output was closed",
+    "figure `…`",
+    // the page quotes it with each of its causes
+    "…:…: column …",
+    "the pivot of coordinate",
+    "the static tangent is singular",
+    // its cause and place become a message with the joint's name
+    "nothing resists coordinate",
+    "no convergence in … iterations, last correction",
+    "the residual is not finite in iteration",
+    "no equilibrium beyond … of the load",
+];
