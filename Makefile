@@ -27,8 +27,10 @@ FMU         := $(TARGET)/fmu/FoldingWing.fmu
 TUNNEL_FMU  := $(TARGET)/fmu/folding_wing_in_tunnel.fmu
 DEPLOYMENT  := $(TARGET)/deployment
 PLATFORMS   := $(TARGET)/platforms
+# what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
+DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: all build package venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers bless licenses robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
+.PHONY: all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers bless licenses robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -46,6 +48,9 @@ package: build ## Make the FMU of every shipped model in $(TARGET)/fmu
 	done
 	@cp $(TARGET)/fmu/folding_wing.fmu $(FMU)
 	@echo "packaged $(FMU)"
+
+dist: package ## Make the archive of a release: $(TARGET)/dist/foldwing-VERSION-TARGET.tar.gz
+	@$(PYTHON) tools/make_distribution.py --foldwing $(COMMAND) --fmus $(DIST_FMUS) --output $(TARGET)/dist
 
 platforms: toolchain ## Build the libraries for Linux (glibc 2.17 and later) and Windows in $(TARGET)/platforms: docs/PLATFORMS.md
 	@$(PYTHON) tools/create_venv.py $(PLATFORMS)/venv --requirements python/platforms.txt

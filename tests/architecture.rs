@@ -70,6 +70,13 @@ const DOCUMENTS: &[&str] = &[
     "docs/VALIDATION.md",
     "docs/BENCHMARKS.md",
     "docs/PLATFORMS.md",
+    "docs/COMMAND_LINE.md",
+    "docs/guide/README.md",
+    "docs/guide/theory.md",
+    "docs/guide/messages.md",
+    "docs/guide/python.md",
+    "docs/guide/simulink.md",
+    "docs/guide/openmodelica.md",
     "CHANGELOG.md",
 ];
 
@@ -246,15 +253,16 @@ fn commands_in_documents_exist() {
     }
 }
 
-/// The model in the README is one that the reader takes; the Python in it is a file that the tests run.
+/// The model in the guide is one that the reader takes; the Python in the README is a file that the tests run.
 #[test]
-fn examples_in_the_readme_work() {
-    let text = read("README.md");
-    let models = code_blocks(&text, "toml");
-    assert!(!models.is_empty(), "README.md shows a model file");
+fn examples_in_the_readme_and_the_guide_work() {
+    let guide = read("docs/guide/README.md");
+    let models = code_blocks(&guide, "toml");
+    assert!(!models.is_empty(), "docs/guide/README.md shows a model file");
     for model in models {
-        foldwing::config::parse(model, "README.md").unwrap_or_else(|error| panic!("{error}"));
+        foldwing::config::parse(model, "docs/guide/README.md").unwrap_or_else(|error| panic!("{error}"));
     }
+    let text = read("README.md");
     let script = read("examples/fmpy_ten_lines.py");
     assert_eq!(code_blocks(&text, "python"), [script.as_str()], "README.md repeats examples/fmpy_ten_lines.py");
 }

@@ -3,6 +3,7 @@
 mod command_lines;
 mod commands;
 mod messages;
+mod names;
 mod variables;
 
 use std::path::{Path, PathBuf};

@@ -118,7 +118,7 @@ fn place(variable: &Variable, pattern: &str) -> &'static str {
 }
 
 /// The table of [`EVERYTHING`].
-fn everything() -> Interface {
+pub fn everything() -> Interface {
     Interface::new(&config::parse(EVERYTHING, "everything.toml").unwrap_or_else(|error| panic!("{error}")))
 }
 
@@ -132,7 +132,7 @@ fn generic(text: &str) -> String {
 }
 
 /// Name with the components of a vector or quaternion as one, and what the component is.
-fn pattern(name: &str) -> (String, Option<&str>) {
+pub fn pattern(name: &str) -> (String, Option<&str>) {
     let (stem, last) = name.rsplit_once('.').unwrap_or(("", name));
     let components = if stem.ends_with(".rotation") { "{w,x,y,z}" } else { "{x,y,z}" };
     let component = ["w", "x", "y", "z"].contains(&last).then_some(last);
