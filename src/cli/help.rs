@@ -33,7 +33,8 @@ The usual order of work, from a model file to its FMU:
   foldwing package --help                         options and examples of a command
 
 A slip in a file or on the command line is answered with its place and with what is allowed.
-Messages go to standard error, as does a progress bar for runs that last more than half a second.
+Messages go to standard error, as does a progress bar for runs that last more than half a second
+if it is a terminal.
 
 ",
     exit_codes!()
