@@ -1,0 +1,59 @@
+"""The scripts that stand in the guide run as they are printed."""
+
+import re
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import ROOT, from_environment
+from scipy.io import loadmat
+
+GUIDE = ROOT / "docs/guide"
+
+
+def blocks(page, language):
+    """Code blocks of a page."""
+    return re.findall(rf"```{language}\n(.*?)```", (GUIDE / page).read_text(encoding="utf-8"), flags=re.DOTALL)
+
+
+@pytest.fixture(scope="module")
+def place(foldwing, tmp_path_factory):
+    """A folder as the pages suppose it: `wing.toml`, `Wing.fmu`, and what the commands of python.md and simulink.md make of them."""
+    folder = tmp_path_factory.mktemp("guide")
+    shutil.copy(ROOT / "examples/models/folding_wing.toml", folder / "wing.toml")
+    shutil.copy(from_environment("FOLDWING_FMUS") / "folding_wing.fmu", folder / "Wing.fmu")
+    for page in ["python.md", "simulink.md"]:
+        for line in "".join(blocks(page, "sh")).splitlines():
+            words = line.split("#")[0].split()
+            if words[:1] == ["foldwing"]:
+                done = subprocess.run([foldwing, *words[1:]], cwd=folder, capture_output=True, text=True)
+                assert done.returncode == 0, f"{line}\n{done.stderr}"
+    return folder
+
+
+def test_f257_scripts_of_the_python_page_run(place):
+    """F-257. Each block alone: the run ends with a number, the linear model has the inputs and outputs that were asked for."""
+    scripts = blocks("python.md", "python")
+    assert len(scripts) == 2
+    printed = []
+    for script in scripts:
+        done = subprocess.run([sys.executable, "-c", script], cwd=place, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        printed.append(done.stdout)
+    assert abs(float(printed[0])) < 0.1, "from 1.5 rad the wing has unfolded by 0.4 s"
+    assert "fold.torque" in printed[1] and "tip.position.z" in printed[1], printed[1]
+
+
+def test_f258_the_matlab_script_finds_its_names(place):
+    """F-258. What the MATLAB block of simulink.md takes from `linear.mat` is there: fields, inputs and outputs by name."""
+    (script,) = blocks("simulink.md", "matlab")
+    shutil.unpack_archive(place / "Wing.fmu", place / "Wing", format="zip")
+    (path,) = re.findall(r"load\('(.*?)'\)", script)
+    linear = loadmat(place / path, simplify_cells=True)
+    fields = set(re.findall(r"\bm\.(\w+)", script))
+    assert fields >= {"A", "B", "C", "D", "state_names", "input_names", "output_names"} and fields <= set(linear)
+    names = {str(name) for key in ["input_names", "output_names"] for name in np.atleast_1d(linear[key])}
+    quoted = [text for text in re.findall(r"'([^']*)'", script) if "." in text and "/" not in text and not text.endswith(".fmu")]
+    assert set(quoted) == {"tip.position.z", "load.outer[4].force.z", "fold.torque"} and set(quoted) <= names
