@@ -20,7 +20,7 @@ def blocks(page, language):
 
 @pytest.fixture(scope="module")
 def place(foldwing, tmp_path_factory):
-    """A folder as the pages suppose it: `wing.toml`, `Wing.fmu`, and what the commands of python.md and simulink.md make of them."""
+    """A folder as the pages suppose it: `wing.toml`, `Wing.fmu`, and what the commands of the pages make of them."""
     folder = tmp_path_factory.mktemp("guide")
     shutil.copy(ROOT / "examples/models/folding_wing.toml", folder / "wing.toml")
     shutil.copy(from_environment("FOLDWING_FMUS") / "folding_wing.fmu", folder / "Wing.fmu")
