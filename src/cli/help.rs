@@ -70,6 +70,12 @@ Examples:
   foldwing sweep wing.toml --vary file:body.inner.elements=2,4,8 --output tip.position.z --out m.csv
   foldwing sweep wing.toml --samples samples.csv --out results.csv";
 
+pub(super) const LATENCY: &str = "\
+Examples:
+  foldwing latency wing.toml --steps 1000
+  foldwing latency wing.toml --steps 1000 --step 1e-3 --turbulence 0.1 --seed 7
+  foldwing latency wing.toml --steps 1000 --paced";
+
 pub(super) const RUN: &str = "\
 Examples:
   foldwing run Wing.fmu --csv wing.csv

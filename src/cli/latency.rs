@@ -13,6 +13,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 #[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::LATENCY)]
 pub struct Arguments {
     /// Model file
     model: PathBuf,

@@ -78,6 +78,9 @@ enum Command {
     /// was when the same command is given again. A variant that fails is a row with its message.
     Sweep(sweep::Arguments),
     /// Measure how long single steps take under a turbulent load
+    ///
+    /// For hardware in the loop: median, 99 %, 99.9 % and slowest of the steps on the clock and in processor time, and a
+    /// histogram. `solver.mode = "real_time"` in the model bounds what a step may cost.
     Latency(latency::Arguments),
     /// Run an FMU of any tool (FMI 2.0 co-simulation) and write its outputs as CSV
     ///

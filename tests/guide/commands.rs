@@ -79,6 +79,8 @@ fn f246_the_lines_of_the_guide_run() {
         if !can_run(&call) || !ran.insert(words.clone()) {
             continue;
         }
+        // as many steps as a minute is for are not needed to see that a line runs
+        words.iter_mut().filter(|word| *word == "100000").for_each(|word| *word = "100".to_owned());
         if words[0] == "new" {
             let _ = std::fs::remove_file(folder.path().join(&words[1])); // it overwrites nothing
         }
@@ -88,7 +90,9 @@ fn f246_the_lines_of_the_guide_run() {
         if words.iter().any(|word| word == "libfoldwing.so") {
             continue;
         }
+        let clock = std::time::Instant::now();
         let output = foldwing(folder.path(), &words);
+        println!("{:6.2} s  foldwing {}", clock.elapsed().as_secs_f64(), words.join(" "));
         assert!(output.status.success(), "{}\n{}", call.place, String::from_utf8_lossy(&output.stderr));
     }
     assert!(ran.len() >= 30, "{} lines ran", ran.len());

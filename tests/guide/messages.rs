@@ -194,6 +194,8 @@ fn produced() -> Vec<String> {
         "linearize wing.toml --at never -o x.npz",
         "linearize pendulum.toml --at 0.01 -o x.npz",
         "static wing.toml --set fold.stiffness=0 --set gravity.x=0 --set fold.latch_enable=0",
+        "latency wing.toml --steps 1 --step 0",
+        "latency wing.toml --steps 1 --turbulence -1",
         "static four_bar.toml",
         "static pendulum.toml",
         "sweep wing.toml --vary fold.command --out x.csv",

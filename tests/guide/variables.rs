@@ -119,7 +119,17 @@ fn place(variable: &Variable, pattern: &str) -> &'static str {
 
 /// The table of [`EVERYTHING`].
 pub fn everything() -> Interface {
-    Interface::new(&config::parse(EVERYTHING, "everything.toml").unwrap_or_else(|error| panic!("{error}")))
+    table(EVERYTHING)
+}
+
+/// The table of [`EVERYTHING`] in real-time mode, which has no air.
+pub fn in_real_time() -> Interface {
+    let (still, _) = EVERYTHING.split_once("[aerodynamics]").unwrap();
+    table(&format!("{still}[solver]\nmode = \"real_time\"\n"))
+}
+
+fn table(model: &str) -> Interface {
+    Interface::new(&config::parse(model, "everything.toml").unwrap_or_else(|error| panic!("{error}")))
 }
 
 /// Names of the model file as placeholders. Longer names first: they contain the shorter ones.
@@ -167,15 +177,18 @@ fn shortest(value: f64) -> String {
 }
 
 /// The rows of one causality; each pattern once.
-fn rows(interface: &Interface, causality: Causality) -> String {
+fn rows([ordinary, in_real_time]: &[Interface; 2], causality: Causality) -> String {
     let mut seen = BTreeSet::new();
     let mut text = String::new();
-    for variable in interface.variables().iter().filter(|variable| variable.causality == causality) {
+    let all = ordinary.variables().iter().chain(in_real_time.variables());
+    for variable in all.filter(|variable| variable.causality == causality) {
         let (name, component) = pattern(&variable.name);
+        let only_in_real_time = ordinary.find(&variable.name).is_none();
         let (place, meaning) = (place(variable, &name), meaning(variable, component).replace('<', "\\<"));
         if !seen.insert((name.clone(), meaning.clone())) {
             continue;
         }
+        let place = if only_in_real_time { "in real-time mode" } else { place };
         let kind = match (variable.value, variable.variability) {
             (Value::Boolean(_), _) => "Boolean",
             (Value::Integer(_), _) => "Integer",
@@ -192,7 +205,7 @@ fn rows(interface: &Interface, causality: Causality) -> String {
 
 /// The page.
 fn page() -> String {
-    let interface = everything();
+    let interfaces = [everything(), in_real_time()];
     let parts = [
         (
             Causality::Input,
@@ -208,7 +221,7 @@ fn page() -> String {
         (
             Causality::Local,
             "Counters",
-            "Local variables, for those who look into the cost of a run. All begin at 0 with the initialisation.",
+            "Local variables, for those who look into the cost of a run. All begin at 0 with the initialisation; durations are on the wall clock.",
         ),
         (Causality::Independent, "Time", ""),
     ];
@@ -219,7 +232,7 @@ fn page() -> String {
             page += &format!("{remark}\n\n");
         }
         page += "| name | unit | kind | allowed | meaning | there for |\n|---|---|---|---|---|---|\n";
-        page += &rows(&interface, causality);
+        page += &rows(&interfaces, causality);
     }
     page
 }
