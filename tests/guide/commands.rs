@@ -15,7 +15,9 @@ behind the options: [COMMAND_LINE.md](../COMMAND_LINE.md).
 
 /// Runs the command in a folder.
 pub fn foldwing(folder: &std::path::Path, words: &[String]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_foldwing")).args(words).current_dir(folder).output().expect("the command runs")
+    let mut command = Command::new(env!("CARGO_BIN_EXE_foldwing"));
+    // without a terminal and without this variable, help is 100 letters wide
+    command.args(words).current_dir(folder).env_remove("COLUMNS").output().expect("the command runs")
 }
 
 /// What the command prints about itself, without ends of lines that are blank.

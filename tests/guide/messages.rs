@@ -161,7 +161,7 @@ fn produced() -> Vec<String> {
     let other = format!("package wing.toml -o x.fmu --no-reference --library win64={here}");
     let command = format!("package wing.toml -o x.fmu --no-reference --library {library}");
     let fails = "package wing.toml -o x.fmu --library none.so".to_owned();
-    let cases = [
+    let mut cases = vec![
         "check missing.toml",
         "check binary.toml",
         "simulate wing.toml --csv missing/x.csv",
@@ -209,8 +209,20 @@ fn produced() -> Vec<String> {
         &other,
         &command,
     ];
+    if cfg!(feature = "import") {
+        let words = ["package", "wing.toml", "-o", "wing.fmu", "--no-reference", "--library", here];
+        assert!(foldwing(folder.path(), &words.map(str::to_owned)).status.success());
+        cases.extend([
+            "run wing.toml --csv -",
+            "run wing.fmu --csv - --tolerance 0",
+            "run wing.fmu --csv - --set fold.angle=1",
+            "run wing.fmu --csv - --set fold.start_angle=90\u{a0}kg",
+        ]);
+    } else {
+        cases.push("run wing.fmu --csv -");
+    }
     let run = |line: &str| {
-        let words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+        let words: Vec<String> = line.split(' ').map(|word| word.replace('\u{a0}', " ")).collect();
         let output = foldwing(folder.path(), &words);
         let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success() && stderr.contains("foldwing: "), "{line} succeeds\n{stderr}");
@@ -226,6 +238,11 @@ fn produced() -> Vec<String> {
     assert_ne!(failing, model);
     fs::write(folder.path().join("failing.toml"), failing).unwrap();
     said.push(run(&format!("package failing.toml -o x.fmu --library {here}")));
+    // a load where no station is
+    let loaded =
+        model.replace("[body.outer]", "[load.tip]\nbody = \"outer\"\nstation = 1\n[body.outer]\nload_stations = 0");
+    fs::write(folder.path().join("loaded.toml"), loaded).unwrap();
+    said.push(run("check loaded.toml"));
     said
 }
 
