@@ -21,6 +21,7 @@ pub(super) const EXIT_CODES: &str = exit_codes!();
 pub(super) const ORDER_OF_WORK: &str = concat!(
     "\
 The usual order of work, from a model file to its FMU:
+  foldwing new wing.toml                          a starter of two bodies, every key explained
   foldwing check wing.toml                        what was understood: masses, joints, variables
   foldwing simulate wing.toml --csv wing.csv --view wing.html
                                                   a run, and a page that plays it
@@ -39,6 +40,12 @@ if it is a terminal.
 ",
     exit_codes!()
 );
+
+pub(super) const NEW: &str = "\
+Examples:
+  foldwing new wing.toml
+  foldwing new wing.toml --force
+  foldwing new second.toml --no-schema";
 
 pub(super) const PACKAGE: &str = "\
 Examples:
@@ -87,6 +94,7 @@ pub(super) const CHECK: &str = "\
 Examples:
   foldwing check wing.toml
   foldwing check wing.toml --variables
+  foldwing check wing.toml --draw wing.svg
   foldwing check wing.toml --json";
 
 pub(super) const STATIC: &str = "\

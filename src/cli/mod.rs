@@ -59,6 +59,9 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     /// Write a commented model file to start from
+    ///
+    /// Two bodies that unfold and latch, named after the file, with every key explained; beside it the JSON schema that its first
+    /// line names, by which editors complete it. Says what to type next.
     New(new::Arguments),
     /// Make an FMU of a model
     ///
@@ -89,7 +92,7 @@ enum Command {
     Run(run::Arguments),
     /// Say what was understood of a model
     ///
-    /// Bodies, masses, degrees of freedom, stations, joints, gauges, air and variables; for each joint the number of its
+    /// A drawing of the wing at its start angles in characters, from above and from the side. Bodies, masses, degrees of freedom, stations, joints, gauges, air and variables; for each joint the number of its
     /// variables and Lagrange multipliers beside the conventional form with 12 variables per node.
     Check(check::Arguments),
     /// Bring a model to rest under its loads and print its shape

@@ -19,6 +19,7 @@ const NAME: &str = "name = \"MyWing\"";
 const FILE: &str = "MODEL";
 
 #[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::NEW)]
 pub struct Arguments {
     /// Model file to write; its name becomes the model's
     model: PathBuf,

@@ -162,6 +162,9 @@ fn produced() -> Vec<String> {
     let command = format!("package wing.toml -o x.fmu --no-reference --library {library}");
     let fails = "package wing.toml -o x.fmu --library none.so".to_owned();
     let mut cases = vec![
+        "new wing.toml",
+        "new wing",
+        "new ..",
         "check missing.toml",
         "check binary.toml",
         "simulate wing.toml --csv missing/x.csv",
