@@ -22,7 +22,7 @@ FIRST_OF_1980 = 315532800
 
 # What of the repository a user of the command needs. Folders are taken whole.
 KEPT = ["README.md", "CHANGELOG.md", "LICENSE", "LICENSE-APACHE", "LICENSE-MIT", "licenses", "docs", "examples",
-        "python/requirements.txt", "tools/create_venv.py"]
+        "python/requirements.txt"]
 LEFT_OUT = {"__pycache__", ".ipynb_checkpoints"}
 LIBRARIES = ["libfoldwing.so", "foldwing.dll", "libfoldwing.dylib"]
 
@@ -54,9 +54,13 @@ def contents(command, fmus):
         for file in [path] if path.is_file() else path.rglob("*"):
             if file.is_file() and not LEFT_OUT & set(file.parts):
                 files[file.relative_to(ROOT).as_posix()] = file
-    found = sorted(fmus.glob("*.fmu"))
+    # the folder may hold FMUs of models that are gone
+    shipped = {model.stem for model in (ROOT / "examples/models").glob("*.toml")} | {"FoldingWing"}
+    found = [fmu for fmu in sorted(fmus.glob("*.fmu")) if fmu.stem in shipped]
+    for fmu in set(fmus.glob("*.fmu")) - set(found):
+        print(f"{fmu} is left out: no model of that name is shipped", file=sys.stderr)
     if not found:
-        sys.exit(f"{fmus} holds no FMU; `make package` makes them")
+        sys.exit(f"{fmus} holds no FMU of a shipped model; `make package` makes them")
     files.update({f"fmus/{fmu.name}": fmu for fmu in found})
     return files
 

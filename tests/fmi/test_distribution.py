@@ -61,6 +61,8 @@ def test_f250_the_archive_has_the_same_bytes_twice(foldwing, folder_of_fmus, arc
     finally:
         os.umask(mask)
     assert second.read_bytes() == archive.read_bytes()
+    shutil.copy(again / "FoldingWing.fmu", again / "forgotten.fmu")
+    assert distribute(foldwing, again, tmp_path / "third").read_bytes() == archive.read_bytes(), "no FMU of a model that is gone"
     later = distribute(foldwing, again, tmp_path / "later", SOURCE_DATE_EPOCH="1000000000")
     assert later.read_bytes() != archive.read_bytes(), "the time of the files is the one that is given"
 
