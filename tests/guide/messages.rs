@@ -133,120 +133,129 @@ fn asserted() -> (Vec<String>, Vec<String>) {
     (model_file, calls.into_iter().filter(|text| text.len() > 30 && text.contains(' ')).collect())
 }
 
-/// What the command says to slips. `-` before a name of a file means that it is made first.
+/// Files beside which the slips happen.
+const FILES: &[(&str, &[u8])] = &[
+    ("binary.toml", b"name = \"\xff\"\n"),
+    ("library.so", b"not a library"),
+    ("rows.csv", b"time,fold.command\n"),
+    ("time.csv", b"time,fold.command\n0,0\n0,1\n"),
+    ("first.csv", b"fold.command,time\n0,0\n"),
+    ("twice.csv", b"time,fold.command,fold.command\n0,0,0\n"),
+    ("output.csv", b"time,fold.angle\n0,0\n"),
+    ("number.csv", b"time,fold.command\n0,inf\n"),
+    ("columns.csv", b"time,fold.command\n0,0,0\n"),
+    ("taken.csv", b"something\n"),
+    ("other.csv.sweep", b"something\n"),
+];
+
+/// Slips on the command line, in a folder with [`FILES`] and the shipped models; `LIBRARY` and `COMMAND` stand for ours.
+const SLIPS: &[&str] = &[
+    "new wing.toml",
+    "new wing",
+    "new ..",
+    "check missing.toml",
+    "check binary.toml",
+    "simulate wing.toml --csv missing/x.csv",
+    "simulate wing.toml --csv - --output fold.angel",
+    "simulate wing.toml --csv - --output zzzzzzzzzzzz",
+    "simulate wing.toml --csv - --set fold.command",
+    "simulate wing.toml --csv - --set fold.command=x",
+    "simulate wing.toml --csv - --set fold.release=x",
+    "simulate wing.toml --csv - --set fold.angle=1",
+    "simulate wing.toml --csv - --set fold.damping=-1",
+    "simulate wing.toml --csv - --set fold.damping=inf",
+    "simulate wing.toml --csv - --step 0",
+    "simulate wing.toml --csv - --step 1e-12",
+    "simulate wing.toml --csv - --stop -1",
+    "simulate wing.toml --csv - --stop 0.01 --lattice l.json --lattice-at 0",
+    "simulate wing.toml --csv - --inputs rows.csv",
+    "simulate wing.toml --csv - --inputs time.csv",
+    "simulate wing.toml --csv - --inputs first.csv",
+    "simulate wing.toml --csv - --inputs twice.csv",
+    "simulate wing.toml --csv - --inputs output.csv",
+    "simulate wing.toml --csv - --inputs number.csv",
+    "simulate wing.toml --csv - --inputs columns.csv",
+    "simulate wing.toml --csv - --set solver.min_step=0.01 --set solver.max_step=0.02 --set solver.tolerance=1e-9",
+    "simulate wing.toml --csv - --set solver.min_step=1e-4 --set solver.tolerance=1e-6",
+    "simulate wing.toml --csv - --set solver.min_step=1",
+    "simulate wing.toml --csv - --set fold.torque=1e25",
+    "simulate wing.toml --csv - --set gravity.z=-1e300",
+    "simulate wing.toml --csv - --start 1e17 --stop 1.1e17 --step 1e15",
+    "linearize wing.toml -o x.csv",
+    "linearize wing.toml --at never -o x.npz",
+    "linearize pendulum.toml --at 0.01 -o x.npz",
+    "static wing.toml --set fold.stiffness=0 --set gravity.x=0 --set fold.latch_enable=0",
+    "latency wing.toml --steps 1 --step 0",
+    "latency wing.toml --steps 1 --turbulence -1",
+    "static four_bar.toml",
+    "static pendulum.toml",
+    "sweep wing.toml --vary fold.command --out x.csv",
+    "sweep wing.toml --vary fold.command=1:2 --out x.csv",
+    "sweep wing.toml --vary fold.command=1,2 --out taken.csv",
+    "sweep wing.toml --vary fold.command=1,2 --out other.csv",
+    "package wing.toml -o x.fmu --no-reference --library library.so",
+    "package wing.toml -o x.fmu --no-reference --library linux128=library.so",
+    "package wing.toml -o x.fmu --library none.so",
+    "package wing.toml -o x.fmu --no-reference --library LIBRARY --library LIBRARY",
+    "package wing.toml -o x.fmu --no-reference --library win64=LIBRARY",
+    "package wing.toml -o x.fmu --no-reference --library COMMAND",
+];
+
+/// The same with FMUs, where the build runs them. A `+` is a space inside a word.
+const SLIPS_WITH_FMUS: &[&str] = if cfg!(feature = "import") {
+    &[
+        "run wing.toml --csv -",
+        "run wing.fmu --csv - --tolerance 0",
+        "run wing.fmu --csv - --set fold.angle=1",
+        "run wing.fmu --csv - --set fold.start_angle=90+kg",
+    ]
+} else {
+    &["run wing.fmu --csv -"]
+};
+
+/// What the command says to slips.
 fn produced() -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &[u8]| fs::write(folder.path().join(name), text).unwrap();
-    let model = fs::read_to_string(in_package("examples/models/folding_wing.toml")).unwrap();
-    let four_bar = fs::read_to_string(in_package("examples/models/four_bar.toml")).unwrap();
-    let pendulum = fs::read_to_string(in_package("examples/models/double_pendulum.toml")).unwrap();
+    let shipped = |name: &str| fs::read_to_string(in_package("examples/models").join(name)).unwrap();
+    let model = shipped("folding_wing.toml");
     write("wing.toml", model.as_bytes());
-    write("four_bar.toml", four_bar.as_bytes());
-    write("pendulum.toml", pendulum.as_bytes());
-    write("binary.toml", b"name = \"\xff\"\n");
-    write("library.so", b"not a library");
-    write("rows.csv", b"time,fold.command\n");
-    write("time.csv", b"time,fold.command\n0,0\n0,1\n");
-    write("first.csv", b"fold.command,time\n0,0\n");
-    write("twice.csv", b"time,fold.command,fold.command\n0,0,0\n");
-    write("output.csv", b"time,fold.angle\n0,0\n");
-    write("number.csv", b"time,fold.command\n0,inf\n");
-    write("columns.csv", b"time,fold.command\n0,0,0\n");
-    write("taken.csv", b"something\n");
-    write("other.csv.sweep", b"something\n");
-    let library = env!("CARGO_BIN_EXE_foldwing");
-    let here = crate::commands::library();
-    let here = here.to_str().unwrap();
-    let twice = format!("package wing.toml -o x.fmu --no-reference --library {here} --library {here}");
-    let other = format!("package wing.toml -o x.fmu --no-reference --library win64={here}");
-    let command = format!("package wing.toml -o x.fmu --no-reference --library {library}");
-    let fails = "package wing.toml -o x.fmu --library none.so".to_owned();
-    let mut cases = vec![
-        "new wing.toml",
-        "new wing",
-        "new ..",
-        "check missing.toml",
-        "check binary.toml",
-        "simulate wing.toml --csv missing/x.csv",
-        "simulate wing.toml --csv - --output fold.angel",
-        "simulate wing.toml --csv - --output zzzzzzzzzzzz",
-        "simulate wing.toml --csv - --set fold.command",
-        "simulate wing.toml --csv - --set fold.command=x",
-        "simulate wing.toml --csv - --set fold.release=x",
-        "simulate wing.toml --csv - --set fold.angle=1",
-        "simulate wing.toml --csv - --set fold.damping=-1",
-        "simulate wing.toml --csv - --set fold.damping=inf",
-        "simulate wing.toml --csv - --step 0",
-        "simulate wing.toml --csv - --step 1e-12",
-        "simulate wing.toml --csv - --stop -1",
-        "simulate wing.toml --csv - --stop 0.01 --lattice l.json --lattice-at 0",
-        "simulate wing.toml --csv - --inputs rows.csv",
-        "simulate wing.toml --csv - --inputs time.csv",
-        "simulate wing.toml --csv - --inputs first.csv",
-        "simulate wing.toml --csv - --inputs twice.csv",
-        "simulate wing.toml --csv - --inputs output.csv",
-        "simulate wing.toml --csv - --inputs number.csv",
-        "simulate wing.toml --csv - --inputs columns.csv",
-        "simulate wing.toml --csv - --set solver.min_step=0.01 --set solver.max_step=0.02 --set solver.tolerance=1e-9",
-        "simulate wing.toml --csv - --set solver.min_step=1e-4 --set solver.tolerance=1e-6",
-        "simulate wing.toml --csv - --set solver.min_step=1",
-        "simulate wing.toml --csv - --set fold.torque=1e25",
-        "simulate wing.toml --csv - --set gravity.z=-1e300",
-        "simulate wing.toml --csv - --start 1e17 --stop 1.1e17 --step 1e15",
-        "linearize wing.toml -o x.csv",
-        "linearize wing.toml --at never -o x.npz",
-        "linearize pendulum.toml --at 0.01 -o x.npz",
-        "static wing.toml --set fold.stiffness=0 --set gravity.x=0 --set fold.latch_enable=0",
-        "latency wing.toml --steps 1 --step 0",
-        "latency wing.toml --steps 1 --turbulence -1",
-        "static four_bar.toml",
-        "static pendulum.toml",
-        "sweep wing.toml --vary fold.command --out x.csv",
-        "sweep wing.toml --vary fold.command=1:2 --out x.csv",
-        "sweep wing.toml --vary fold.command=1,2 --out taken.csv",
-        "sweep wing.toml --vary fold.command=1,2 --out other.csv",
-        "package wing.toml -o x.fmu --no-reference --library library.so",
-        "package wing.toml -o x.fmu --no-reference --library linux128=library.so",
-        &fails,
-        &twice,
-        &other,
-        &command,
-    ];
-    if cfg!(feature = "import") {
-        let words = ["package", "wing.toml", "-o", "wing.fmu", "--no-reference", "--library", here];
-        assert!(foldwing(folder.path(), &words.map(str::to_owned)).status.success());
-        cases.extend([
-            "run wing.toml --csv -",
-            "run wing.fmu --csv - --tolerance 0",
-            "run wing.fmu --csv - --set fold.angle=1",
-            "run wing.fmu --csv - --set fold.start_angle=90\u{a0}kg",
-        ]);
-    } else {
-        cases.push("run wing.fmu --csv -");
-    }
-    let run = |line: &str| {
-        let words: Vec<String> = line.split(' ').map(|word| word.replace('\u{a0}', " ")).collect();
-        let output = foldwing(folder.path(), &words);
-        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(!output.status.success() && stderr.contains("foldwing: "), "{line} succeeds\n{stderr}");
-        stderr
-    };
-    let mut said: Vec<String> = cases.iter().map(|line| run(line)).collect();
-    // results of one sweep, then another with the same name
-    let first = ["sweep", "wing.toml", "--vary", "fold.command=1,2", "--stop", "0.001", "--out", "x.csv"];
-    assert!(foldwing(folder.path(), &first.map(str::to_owned)).status.success());
-    said.push(run("sweep wing.toml --vary fold.command=1,3 --stop 0.001 --out x.csv"));
-    // a model whose own experiment fails
+    write("four_bar.toml", shipped("four_bar.toml").as_bytes());
+    write("pendulum.toml", shipped("double_pendulum.toml").as_bytes());
+    FILES.iter().for_each(|(name, text)| write(name, text));
+    // a model whose own experiment fails, and one with a load where no station is
     let failing = model.replace("[experiment]", "[solver]\nmin_step_s = 1e-3\ntolerance = 1e-9\n[experiment]");
-    assert_ne!(failing, model);
-    fs::write(folder.path().join("failing.toml"), failing).unwrap();
-    said.push(run(&format!("package failing.toml -o x.fmu --library {here}")));
-    // a load where no station is
-    let loaded =
-        model.replace("[body.outer]", "[load.tip]\nbody = \"outer\"\nstation = 1\n[body.outer]\nload_stations = 0");
-    fs::write(folder.path().join("loaded.toml"), loaded).unwrap();
-    said.push(run("check loaded.toml"));
-    said
+    write("failing.toml", failing.as_bytes());
+    let station = "[load.tip]\nbody = \"outer\"\nstation = 1\n[body.outer]\nload_stations = 0";
+    write("loaded.toml", model.replace("[body.outer]", station).as_bytes());
+
+    let library = crate::commands::library().to_str().unwrap().to_owned();
+    let call = |line: &str| {
+        let line = line.replace("LIBRARY", &library).replace("COMMAND", env!("CARGO_BIN_EXE_foldwing"));
+        let words: Vec<String> = line.split(' ').map(|word| word.replace('+', " ")).collect();
+        foldwing(folder.path(), &words)
+    };
+    // an FMU, and results of a sweep that another one would overwrite
+    for line in [
+        "package wing.toml -o wing.fmu --no-reference --library LIBRARY",
+        "sweep wing.toml --vary fold.command=1,2 --stop 0.001 --out done.csv",
+    ] {
+        assert!(call(line).status.success(), "{line}");
+    }
+    let more = [
+        "sweep wing.toml --vary fold.command=1,3 --stop 0.001 --out done.csv",
+        "check loaded.toml",
+        "package failing.toml -o x.fmu --library LIBRARY",
+    ];
+    let slips = SLIPS.iter().chain(SLIPS_WITH_FMUS).chain(&more);
+    slips
+        .map(|line| {
+            let output = call(line);
+            let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert!(!output.status.success() && stderr.contains("foldwing: "), "{line} succeeds\n{stderr}");
+            stderr
+        })
+        .collect()
 }
 
 /// F-247. Every message that the page quotes is one of the program's: most are produced, the others stand in the source.
