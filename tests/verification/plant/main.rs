@@ -12,6 +12,7 @@ mod failures;
 mod loops;
 mod moving_root;
 mod reaction;
+mod reading;
 mod rigid;
 mod rod;
 mod snapshot;
