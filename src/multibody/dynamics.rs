@@ -7,10 +7,10 @@ use crate::beam::element::ElementKind;
 use crate::load::{RootMotion, Wrench};
 use crate::math::so3::hat;
 use crate::multibody::joint::ParameterKind;
-use crate::multibody::kinematics::{Motion, strains, sweep_motion};
-use crate::multibody::model::{Base, Element, Model};
+use crate::multibody::kinematics::{Motion, strains, sweep};
+use crate::multibody::model::{Base, Body, Element, Model};
 use crate::multibody::station;
-use crate::multibody::workspace::{Node, Pair, Workspace};
+use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
 /// Damping of one body; acts on its beam only, on velocity relative to the root frame.
@@ -39,9 +39,24 @@ pub struct Environment<'a> {
 /// subtracts them), N·m and N·m² at strains. Leaves poses, accelerations and accumulated wrenches in `work`.
 /// Allocates nothing.
 pub fn residual(model: &Model, work: &mut Workspace, motion: Motion, environment: Environment, residual: &mut [f64]) {
-    sweep_motion(model, work, motion);
-    node_forces(model, work, environment);
-    element_forces(model, work, motion, environment.damping, residual);
+    work.arch.dispatch(
+        #[inline(always)]
+        || write_residual(model, work, motion, environment, residual),
+    );
+}
+
+#[inline(always)]
+fn write_residual(model: &Model, work: &mut Workspace, motion: Motion, environment: Environment, residual: &mut [f64]) {
+    sweep::<true>(model, work, motion);
+    load_rates(model, work, environment);
+    for body in &model.bodies {
+        if body.slim_mass {
+            inertia_forces::<true>(model, body, work);
+        } else {
+            inertia_forces::<false>(model, body, work);
+        }
+    }
+    elastic_forces(model, work, motion, environment.damping, residual);
     if !environment.stations.is_empty() {
         for (station, load) in model.stations.iter().zip(environment.stations) {
             if !load.is_zero() {
@@ -55,8 +70,9 @@ pub fn residual(model: &Model, work: &mut Workspace, motion: Motion, environment
     sweep_inward(model, work, residual);
 }
 
-/// Inertia forces of the node lumps, eq. (D5).
-fn node_forces(model: &Model, work: &mut Workspace, environment: Environment) {
+/// Rates of the nodal vectors that the mass multiplies, and the wrenches of attached masses, eq. (D5).
+#[inline(always)]
+fn load_rates(model: &Model, work: &mut Workspace, environment: Environment) {
     let root = environment.root;
     let field = root.apparent_gravity_m_s2();
     let rotates = root.rotates();
@@ -72,28 +88,81 @@ fn node_forces(model: &Model, work: &mut Workspace, environment: Environment) {
                 origin += turn * node.velocity * 2.0 + frame * node.position;
                 spread += turn * hat(&node.spin) * 2.0 + frame;
             }
-            let damped = spread + hat(&node.spin) * alpha;
-            node.load_rate = nodal_rates(origin + node.velocity * alpha, &damped, &node.rotation);
-            (node.force, node.moment) = wrench_of(&node.rotation, &multiply(&mass.beam, &node.load_rate));
+            node.force = Vector3::zeros();
+            node.moment = Vector3::zeros();
             node.fixed = Pair::ZERO;
             if let Some(attached) = &mass.attached {
                 let undamped = nodal_rates(origin, &spread, &node.rotation);
                 let (force, moment) = wrench_of(&node.rotation, &multiply(attached, &undamped));
                 node.add_fixed(&force, &moment);
             }
+            let damped = spread + hat(&(node.spin * alpha));
+            node.load_rate = nodal_rates(origin + node.velocity * alpha, &damped, &node.rotation);
         }
     }
 }
 
+/// Adds the inertia forces of the beams: what the lump of each node and the elements on either side make of the rates,
+/// eqs. (D5) and (D7).
+#[inline(always)]
+fn inertia_forces<const SLIM: bool>(model: &Model, body: &Body, work: &mut Workspace) {
+    let nodes = &mut work.nodes[body.first_node..=body.last_node()];
+    let elements = &model.elements[body.first_element..body.first_element + body.elements];
+    for i in 0..nodes.len() {
+        let mut forces = product::<SLIM>(&model.nodes[body.first_node + i].beam, &nodes[i].load_rate);
+        if i > 0 {
+            let from_inner = product::<SLIM>(&elements[i - 1].cross_mass, &nodes[i - 1].load_rate);
+            forces.iter_mut().zip(&from_inner).for_each(|(sum, force)| *sum += force);
+        }
+        if let Some(element) = elements.get(i) {
+            let from_outer = transposed_product::<SLIM>(&element.cross_mass, &nodes[i + 1].load_rate);
+            forces.iter_mut().zip(&from_outer).for_each(|(sum, force)| *sum += force);
+        }
+        let (force, moment) = wrench_of(&nodes[i].rotation, &forces);
+        nodes[i].force += force;
+        nodes[i].moment += moment;
+    }
+}
+
+/// [`multiply`], or what is left of it where the block couples the axis only.
+#[inline(always)]
+fn product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
+    if !SLIM {
+        return multiply(mass, vectors);
+    }
+    let [origin, x, y, z] = vectors;
+    [
+        origin * mass[(0, 0)] + x * mass[(0, 1)],
+        origin * mass[(1, 0)] + x * mass[(1, 1)],
+        y * mass[(2, 2)],
+        z * mass[(3, 3)],
+    ]
+}
+
+/// [`multiply_transposed`], or what is left of it where the block couples the axis only.
+#[inline(always)]
+fn transposed_product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
+    if !SLIM {
+        return multiply_transposed(mass, vectors);
+    }
+    let [origin, x, y, z] = vectors;
+    [
+        origin * mass[(0, 0)] + x * mass[(1, 0)],
+        origin * mass[(0, 1)] + x * mass[(1, 1)],
+        y * mass[(2, 2)],
+        z * mass[(3, 3)],
+    ]
+}
+
 /// `[α]× + [ω]×²`: turns a vector fixed to the node into its acceleration.
-#[inline]
+#[inline(always)]
 fn turning(spin_rate: &Vector3<f64>, spin: &Vector3<f64>) -> Matrix3<f64> {
     let square = spin.norm_squared();
     hat(spin_rate) + spin * spin.transpose() - Matrix3::from_diagonal_element(square)
 }
 
 /// Rates of the four nodal vectors from that of the origin and the matrix that turns the gradients.
-#[inline]
+#[inline(always)]
 fn nodal_rates(origin: Vector3<f64>, turn: &Matrix3<f64>, rotation: &Matrix3<f64>) -> [Vector3<f64>; 4] {
     let gradients = turn * rotation;
     [
@@ -105,7 +174,7 @@ fn nodal_rates(origin: Vector3<f64>, turn: &Matrix3<f64>, rotation: &Matrix3<f64
 }
 
 /// `f_i = Σ_j m[i,j] e_j`.
-#[inline]
+#[inline(always)]
 pub(crate) fn multiply(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
     std::array::from_fn(|i| {
         vectors[0] * mass[(i, 0)] + vectors[1] * mass[(i, 1)] + vectors[2] * mass[(i, 2)] + vectors[3] * mass[(i, 3)]
@@ -113,7 +182,7 @@ pub(crate) fn multiply(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vec
 }
 
 /// `f_j = Σ_i m[i,j] e_i`.
-#[inline]
+#[inline(always)]
 fn multiply_transposed(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
     std::array::from_fn(|j| {
         vectors[0] * mass[(0, j)] + vectors[1] * mass[(1, j)] + vectors[2] * mass[(2, j)] + vectors[3] * mass[(3, j)]
@@ -121,15 +190,16 @@ fn multiply_transposed(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vec
 }
 
 /// Force and moment of nodal forces: `F = f₀`, `M = Σ r_k × f_k`, eq. (D6).
-#[inline]
+#[inline(always)]
 pub(crate) fn wrench_of(rotation: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) -> (Vector3<f64>, Vector3<f64>) {
     let column = |k: usize| rotation.fixed_view::<3, 1>(0, k).into_owned();
     let moment = column(0).cross(&forces[1]) + column(1).cross(&forces[2]) + column(2).cross(&forces[3]);
     (forces[0], moment)
 }
 
-/// Cross inertia of the elements, and elastic and damping forces of their strains, eqs. (D7)–(D8).
-fn element_forces(model: &Model, work: &mut Workspace, motion: Motion, damping: &[Damping], residual: &mut [f64]) {
+/// Elastic and damping forces of the strains, eq. (D8); joints begin at zero.
+#[inline(always)]
+fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Damping], residual: &mut [f64]) {
     for (index, (body, damping)) in model.bodies.iter().zip(damping).enumerate() {
         if let Some(hinge) = &body.hinge {
             residual[hinge.coordinate] = 0.0;
@@ -146,40 +216,36 @@ fn element_forces(model: &Model, work: &mut Workspace, motion: Motion, damping: 
             );
         }
         let beta = damping.stiffness_s;
-        let range = body.first_element..body.first_element + body.elements;
-        let elements = &model.elements[range];
-        for (i, element) in elements.iter().enumerate() {
-            let [inner, outer] = &mut work.nodes[body.first_node + i..body.first_node + i + 2] else { unreachable!() };
-            add_cross_inertia(element, inner, outer);
-
-            let stretch = excess_strain(element, motion, beta);
-            let mut force = element.stiffness * stretch;
-            if body.kind == ElementKind::Linear {
-                force += element.coupling * excess_strain(&elements[i ^ 1], motion, beta);
-            }
+        let mut write = |element: &Element, force: Vector4<f64>| {
             residual[element.coordinate..element.coordinate + 4].copy_from_slice(force.as_slice());
+        };
+        let elements = &model.elements[body.first_element..body.first_element + body.elements];
+        match body.kind {
+            ElementKind::Constant => {
+                for element in elements {
+                    write(element, element.stiffness * excess_strain(element, motion, beta));
+                }
+            }
+            ElementKind::Linear => {
+                for pair in elements.chunks_exact(2) {
+                    let [inner, outer] = [&pair[0], &pair[1]].map(|half| excess_strain(half, motion, beta));
+                    write(&pair[0], pair[0].stiffness * inner + pair[0].coupling * outer);
+                    write(&pair[1], pair[1].stiffness * outer + pair[1].coupling * inner);
+                }
+            }
         }
     }
 }
 
-#[inline]
-fn add_cross_inertia(element: &Element, inner: &mut Node, outer: &mut Node) {
-    let (force, moment) = wrench_of(&inner.rotation, &multiply_transposed(&element.cross_mass, &outer.load_rate));
-    inner.force += force;
-    inner.moment += moment;
-    let (force, moment) = wrench_of(&outer.rotation, &multiply(&element.cross_mass, &inner.load_rate));
-    outer.force += force;
-    outer.moment += moment;
-}
-
 /// `ε − ε₀ + β ε̇`.
-#[inline]
+#[inline(always)]
 pub(crate) fn excess_strain(element: &Element, motion: Motion, beta: f64) -> Vector4<f64> {
     let (q, v) = (strains(motion.q, element.coordinate), strains(motion.v, element.coordinate));
     Vector4::from_fn(|i, _| q[i] - element.natural_strain[i] + beta * v[i])
 }
 
 /// Projects the node wrenches on the coordinates, from the tips to the root, eq. (D9).
+#[inline(always)]
 fn sweep_inward(model: &Model, work: &mut Workspace, residual: &mut [f64]) {
     work.root_force = Vector3::zeros();
     work.root_moment = Vector3::zeros();
@@ -188,14 +254,13 @@ fn sweep_inward(model: &Model, work: &mut Workspace, residual: &mut [f64]) {
         let (mut force, mut moment) = (outer.force, outer.moment);
         for i in (0..body.elements).rev() {
             let element = &model.elements[body.first_element + i];
-            let link = &work.links[body.first_element + i];
-            let res = &mut residual[element.coordinate..element.coordinate + 4];
-            res[0] += link.velocity[0].dot(&force);
-            res[1] += link.velocity[1].dot(&force) + link.spin[0].dot(&moment);
-            res[2] += link.velocity[2].dot(&force) + link.spin[1].dot(&moment);
-            res[3] += link.velocity[3].dot(&force) + link.spin[2].dot(&moment);
+            let jacobian = work.jacobian(body.first_element + i);
             let inner = &mut work.nodes[body.first_node + i];
-            moment += link.arm_m.cross(&force);
+            let (local_force, local_moment) = (inner.rotation.tr_mul(&force), inner.rotation.tr_mul(&moment));
+            let res = &mut residual[element.coordinate..element.coordinate + 4];
+            let projected = jacobian.project(element.length_m, &local_force, &local_moment);
+            res.iter_mut().zip(&projected).for_each(|(sum, term)| *sum += term);
+            moment += (inner.rotation * jacobian.arm_m).cross(&force);
             inner.moment += moment;
             inner.force += force;
             (force, moment) = (inner.force, inner.moment);

@@ -4,6 +4,7 @@
 //! inertia passes inward; trees branch freely. The halves of a pair are eliminated one after the other, the outer
 //! one first, with their coupled stiffness carried along; NOTATION eqs. (D10)–(D14).
 
+use crate::beam::element::ElementKind;
 use crate::math::so3::hat;
 use crate::multibody::closure;
 use crate::multibody::dynamics::Damping;
@@ -52,13 +53,17 @@ pub fn factorize(
     damping: &[Damping],
     hinges: &[HingeTangent],
 ) -> Result<(), BadPivot> {
-    factorize_tree(model, work, weights, damping, hinges)?;
+    work.arch.dispatch(
+        #[inline(always)]
+        || factorize_tree(model, work, weights, damping, hinges),
+    )?;
     if model.closures.is_empty() {
         return Ok(());
     }
     closure::factorize(model, work, weights).ok_or(BadPivot { coordinate: 0 })
 }
 
+#[inline(always)]
 fn factorize_tree(
     model: &Model,
     work: &mut Workspace,
@@ -90,18 +95,19 @@ fn factorize_tree(
             let (inner, outer) = (&work.nodes[n], &work.nodes[n + 1]);
             let elimination = eliminate(
                 element,
-                &work.links[e],
+                &work.link(model, e, n),
                 (inner, outer),
                 &work.inertia[n + 1],
                 (scale, stiffness),
                 carried.take().as_ref(),
             )?;
+            let factor = &mut work.element_factors[e];
+            *factor = elimination.factor;
             if outer_half {
-                carried = Some(Carried::new(element, stiffness, &elimination.factor));
+                let (left, solved) = Carried::new(element, stiffness, &elimination.cholesky, &elimination.coupling);
+                carried = Some(left);
+                factor.sibling = solved;
             }
-            let mut factor = elimination.factor;
-            factor.coupling = element.coupling * stiffness;
-            work.element_factors[e] = factor;
             let p = &mut work.inertia[n];
             p.vv += elimination.inertia.vv;
             p.vw += elimination.inertia.vw;
@@ -127,7 +133,7 @@ fn factorize_tree(
 }
 
 /// Node lump in twist form, eq. (D10).
-#[inline]
+#[inline(always)]
 fn lump(mass: &Matrix4<f64>, rotation: &Matrix3<f64>) -> ArticulatedInertia {
     let gradients: Matrix3<f64> = mass.fixed_view::<3, 3>(1, 1).into_owned();
     let spread = rotation * gradients * rotation.transpose();
@@ -149,21 +155,27 @@ struct Carried {
 }
 
 impl Carried {
-    /// `G = −U X⁻¹ D_BA`, `ΔD = −D_AB X⁻¹ D_BA`, eq. (D14).
-    fn new(element: &Element, stiffness: f64, factor: &ElementFactor) -> Self {
+    /// `G = −U X⁻¹ D_BA`, `ΔD = −D_AB X⁻¹ D_BA`, eq. (D14); and `X⁻¹ D_BA`.
+    fn new(
+        element: &Element,
+        stiffness: f64,
+        cholesky: &Matrix4<f64>,
+        [velocity, spin]: &[[Vector3<f64>; 4]; 2],
+    ) -> (Self, Matrix4<f64>) {
         let coupling = element.coupling * stiffness;
         let solved = Matrix4::from_columns(
-            &[0, 1, 2, 3].map(|j| back(&factor.cholesky, forward(&factor.cholesky, coupling.column(j).into_owned()))),
+            &[0, 1, 2, 3].map(|j| back(cholesky, forward(cholesky, coupling.column(j).into_owned()))),
         );
-        Self {
-            velocity: combine(&factor.velocity, &solved, -1.0),
-            spin: combine(&factor.spin, &solved, -1.0),
+        let carried = Self {
+            velocity: combine(velocity, &solved, -1.0),
+            spin: combine(spin, &solved, -1.0),
             block: -(coupling.transpose() * solved),
-        }
+        };
+        (carried, solved)
     }
 }
 
-#[inline]
+#[inline(always)]
 fn combine(columns: &[Vector3<f64>; 4], weights: &Matrix4<f64>, sign: f64) -> [Vector3<f64>; 4] {
     std::array::from_fn(|j| {
         (columns[0] * weights[(0, j)]
@@ -176,11 +188,15 @@ fn combine(columns: &[Vector3<f64>; 4], weights: &Matrix4<f64>, sign: f64) -> [V
 
 struct Elimination {
     factor: ElementFactor,
+    /// Lower Cholesky factor of `X`, with inverted diagonal.
+    cholesky: Matrix4<f64>,
+    /// `U`: coupling of the strains to the inner node, velocity and spin rows.
+    coupling: [[Vector3<f64>; 4]; 2],
     inertia: ArticulatedInertia,
 }
 
 /// Eliminates the strains of one element, eqs. (D11)–(D13).
-#[inline]
+#[inline(always)]
 fn eliminate(
     element: &Element,
     link: &crate::math::se3::Link,
@@ -254,10 +270,18 @@ fn eliminate(
         vw -= zv[j] * zw[j].transpose();
         ww -= zw[j] * zw[j].transpose();
     }
-    Ok(Elimination {
-        factor: ElementFactor { cholesky, velocity: uv, spin: uw, coupling: Matrix4::zeros() },
-        inertia: ArticulatedInertia { vv, vw, ww },
-    })
+    // U X⁻¹ from U L⁻ᵀ
+    for j in (0..4).rev() {
+        for k in j + 1..4 {
+            let l = cholesky[(k, j)];
+            zv[j] -= zv[k] * l;
+            zw[j] -= zw[k] * l;
+        }
+        zv[j] *= cholesky[(j, j)];
+        zw[j] *= cholesky[(j, j)];
+    }
+    let factor = ElementFactor { inverse: inverse(&cholesky), velocity: zv, spin: zw, sibling: Matrix4::zeros() };
+    Ok(Elimination { cholesky, coupling: [uv, uw], factor, inertia: ArticulatedInertia { vv, vw, ww } })
 }
 
 fn eliminate_hinge(
@@ -290,7 +314,7 @@ fn eliminate_hinge(
 
 /// Cholesky factor of a symmetric matrix given by its lower part, with inverted diagonal; `None` at a pivot that
 /// is not positive or not finite.
-#[inline]
+#[inline(always)]
 fn cholesky(matrix: &Matrix4<f64>) -> Option<Matrix4<f64>> {
     let mut l = Matrix4::zeros();
     for j in 0..4 {
@@ -314,7 +338,7 @@ fn cholesky(matrix: &Matrix4<f64>) -> Option<Matrix4<f64>> {
     Some(l)
 }
 
-#[inline]
+#[inline(always)]
 fn forward(l: &Matrix4<f64>, mut b: Vector4<f64>) -> Vector4<f64> {
     for i in 0..4 {
         for k in 0..i {
@@ -325,7 +349,7 @@ fn forward(l: &Matrix4<f64>, mut b: Vector4<f64>) -> Vector4<f64> {
     b
 }
 
-#[inline]
+#[inline(always)]
 fn back(l: &Matrix4<f64>, mut b: Vector4<f64>) -> Vector4<f64> {
     for i in (0..4).rev() {
         for k in i + 1..4 {
@@ -334,6 +358,13 @@ fn back(l: &Matrix4<f64>, mut b: Vector4<f64>) -> Vector4<f64> {
         b[i] *= l[(i, i)];
     }
     b
+}
+
+/// `X⁻¹` from its factor.
+#[inline(always)]
+fn inverse(l: &Matrix4<f64>) -> Matrix4<f64> {
+    let unit = |j: usize| Vector4::from_fn(|i, _| if i == j { 1.0 } else { 0.0 });
+    Matrix4::from_columns(&[0, 1, 2, 3].map(|j| back(l, forward(l, unit(j)))))
 }
 
 /// Solves with the last factorisation: `x` holds the right side and then the solution.
@@ -347,29 +378,38 @@ pub fn solve(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
 
 /// [`solve`] without closed loops; the displacements of the nodes stay in `bias`.
 pub(crate) fn solve_tree(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
+    work.arch.dispatch(
+        #[inline(always)]
+        || {
+            eliminate_inward(model, work, x);
+            back_substitute(model, work, x)
+        },
+    )
+}
+
+/// Inward half of [`solve`].
+#[inline(always)]
+fn eliminate_inward(model: &Model, work: &mut Workspace, x: &mut [f64]) {
     work.bias.fill(Pair::ZERO);
     for (index, body) in model.bodies.iter().enumerate().rev() {
         let mut p = work.bias[body.last_node()];
+        let pairs = body.kind == ElementKind::Linear;
         let mut from_sibling = Vector4::zeros();
         for i in (0..body.elements).rev() {
             let e = body.first_element + i;
-            let (link, factor) = (&work.links[e], &work.element_factors[e]);
-            let c = model.elements[e].coordinate;
-            let g = Vector4::new(
-                x[c] + link.velocity[0].dot(&p.linear),
-                x[c + 1] + link.velocity[1].dot(&p.linear) + link.spin[0].dot(&p.angular),
-                x[c + 2] + link.velocity[2].dot(&p.linear) + link.spin[1].dot(&p.angular),
-                x[c + 3] + link.velocity[3].dot(&p.linear) + link.spin[2].dot(&p.angular),
-            ) - from_sibling;
-            work.right_hand[e] = g;
-            let y = back(&factor.cholesky, forward(&factor.cholesky, g));
-            from_sibling = if i % 2 == 1 { factor.coupling * y } else { Vector4::zeros() };
+            let (jacobian, factor) = (work.jacobian(e), &work.element_factors[e]);
+            let (element, rotation) = (&model.elements[e], &work.nodes[body.first_node + i].rotation);
+            let c = element.coordinate;
+            let pulled = jacobian.project(element.length_m, &rotation.tr_mul(&p.linear), &rotation.tr_mul(&p.angular));
+            let g = Vector4::from_column_slice(&x[c..c + 4]) + Vector4::from(pulled) - from_sibling;
+            work.right_hand[e] = factor.inverse * g;
+            from_sibling = if pairs && i % 2 == 1 { factor.sibling.tr_mul(&g) } else { Vector4::zeros() };
             let own = &work.bias[body.first_node + i];
             let mut linear = own.linear + p.linear;
-            let mut angular = own.angular + p.angular + link.arm_m.cross(&p.linear);
+            let mut angular = own.angular + p.angular + (rotation * jacobian.arm_m).cross(&p.linear);
             for j in 0..4 {
-                linear -= factor.velocity[j] * y[j];
-                angular -= factor.spin[j] * y[j];
+                linear -= factor.velocity[j] * g[j];
+                angular -= factor.spin[j] * g[j];
             }
             p = Pair { linear, angular };
         }
@@ -389,10 +429,10 @@ pub(crate) fn solve_tree(model: &Model, work: &mut Workspace, x: &mut [f64]) -> 
             work.bias[node].angular += p.angular;
         }
     }
-    back_substitute(model, work, x)
 }
 
 /// Outward half of [`solve`]; node displacements overwrite `bias`.
+#[inline(always)]
 fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     let mut norm = NormSquared::default();
     for (index, body) in model.bodies.iter().enumerate() {
@@ -415,22 +455,22 @@ fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
             norm.angular = norm.angular.max(if joint.kind == ParameterKind::Free { 0.0 } else { largest });
         }
         work.bias[body.first_node] = moved;
+        let pairs = body.kind == ElementKind::Linear;
         let mut sibling = Vector4::zeros();
         for i in 0..body.elements {
             let e = body.first_element + i;
-            let (link, factor) = (&work.links[e], &work.element_factors[e]);
-            let mut g = work.right_hand[e];
+            let factor = &work.element_factors[e];
+            let mut strain = work.right_hand[e];
             for j in 0..4 {
-                g[j] -= factor.velocity[j].dot(&moved.linear) + factor.spin[j].dot(&moved.angular);
+                strain[j] -= factor.velocity[j].dot(&moved.linear) + factor.spin[j].dot(&moved.angular);
             }
-            if i % 2 == 1 {
-                g -= factor.coupling * sibling;
+            if pairs && i % 2 == 1 {
+                strain -= factor.sibling * sibling;
             }
-            let strain = back(&factor.cholesky, forward(&factor.cholesky, g));
             sibling = strain;
             let c = model.elements[e].coordinate;
             x[c..c + 4].copy_from_slice(strain.as_slice());
-            moved = displaced(&moved, link, &strain);
+            moved = displaced(model, work, (e, body.first_node + i), &moved, strain.into());
             work.bias[body.first_node + i + 1] = moved;
             norm.include(&moved);
         }

@@ -1,11 +1,13 @@
 //! Scratch of the recursions, sized once per model and rebuilt by every sweep.
 
+use crate::math::local_link::{LANES, LocalJacobian, LocalLinks, LocalMotions};
 use crate::math::se3::Link;
 use crate::multibody::closure::ClosureFactor;
 use crate::multibody::joint::{JointPose, ParameterJoint};
 use crate::multibody::joint_factor::ParameterFactor;
 use crate::multibody::model::{Body, Model};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
+use pulp::Arch;
 
 /// Motion of a node relative to the root frame, and the wrench that has arrived at it.
 #[derive(Debug, Clone, Copy)]
@@ -47,7 +49,7 @@ impl Node {
     };
 
     /// Adds a wrench of what sits on the node itself.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn add_fixed(&mut self, force: &Vector3<f64>, moment: &Vector3<f64>) {
         self.force += force;
         self.moment += moment;
@@ -77,19 +79,18 @@ impl ArticulatedInertia {
 }
 
 const ZERO_3: nalgebra::ArrayStorage<f64, 3, 3> = nalgebra::ArrayStorage([[0.0; 3]; 3]);
-const ZERO_4: nalgebra::ArrayStorage<f64, 4, 4> = nalgebra::ArrayStorage([[0.0; 4]; 4]);
 
 /// Factor of one element's elimination.
 #[derive(Debug, Clone, Copy)]
 pub struct ElementFactor {
-    /// Lower Cholesky factor of `X`, with inverted diagonal.
-    pub cholesky: Matrix4<f64>,
-    /// `U`: coupling of the strains to the inner node, velocity rows.
+    /// `X⁻¹`.
+    pub inverse: Matrix4<f64>,
+    /// `U X⁻¹`, `U` the coupling of the strains to the inner node: velocity rows.
     pub velocity: [Vector3<f64>; 4],
-    /// `U`, spin rows.
+    /// Spin rows.
     pub spin: [Vector3<f64>; 4],
-    /// Outer halves: coupling to the inner half's strains.
-    pub coupling: Matrix4<f64>,
+    /// Outer halves: `X⁻¹ D_BA`, `D_BA` the coupling to the inner half's strains.
+    pub sibling: Matrix4<f64>,
 }
 
 /// Factor of one hinge's elimination.
@@ -149,8 +150,12 @@ impl Pair {
 pub struct Workspace {
     /// Per node.
     pub nodes: Vec<Node>,
-    /// Per element: pose and Jacobian.
-    pub links: Vec<Link>,
+    /// All elements, some at a time: poses and Jacobians in their own frames, of the last sweep.
+    pub(crate) local_links: Vec<LocalLinks>,
+    /// The same for rates and accelerations.
+    pub(crate) local_motions: Vec<LocalMotions>,
+    /// The machine's vectors.
+    pub(crate) arch: Arch,
     /// Per body: hinge axis in the root frame.
     pub hinges: Vec<Vector3<f64>>,
     /// Per body: its joint, if that has redundant parameters.
@@ -169,13 +174,27 @@ pub struct Workspace {
 }
 
 impl Workspace {
+    /// Jacobian of an element in its own frame, of the last sweep.
+    #[inline(always)]
+    pub(crate) fn jacobian(&self, element: usize) -> LocalJacobian {
+        LocalJacobian::of(&self.local_links[element / LANES], element % LANES)
+    }
+
+    /// An element's link in the world at the poses of the last sweep; `node` is its inner node.
+    #[inline(always)]
+    pub(crate) fn link(&self, model: &Model, element: usize, node: usize) -> Link {
+        self.jacobian(element).turned(&self.nodes[node].rotation, model.elements[element].length_m)
+    }
+
     /// Scratch for a model.
     pub fn new(model: &Model) -> Self {
         let (nodes, elements, bodies) = (model.nodes.len(), model.elements.len(), model.bodies.len());
         let zero = Vector3::zeros();
         Self {
             nodes: vec![Node::ZERO; nodes],
-            links: vec![Link::ZERO; elements],
+            local_links: vec![LocalLinks::ZERO; elements.div_ceil(LANES)],
+            local_motions: vec![LocalMotions::ZERO; elements.div_ceil(LANES)],
+            arch: Arch::new(),
             hinges: vec![zero; bodies],
             parameters: model
                 .bodies
@@ -188,10 +207,10 @@ impl Workspace {
             bias: vec![Pair::ZERO; nodes],
             element_factors: vec![
                 ElementFactor {
-                    cholesky: Matrix4::from_array_storage(ZERO_4),
+                    inverse: Matrix4::zeros(),
                     velocity: [zero; 4],
                     spin: [zero; 4],
-                    coupling: Matrix4::zeros(),
+                    sibling: Matrix4::zeros(),
                 };
                 elements
             ],

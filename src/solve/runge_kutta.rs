@@ -47,7 +47,6 @@ impl Esdirk {
         tolerance: f64,
         effort: &mut Effort,
     ) -> Result<f64, NewtonError> {
-        let coordinates = start.q.len();
         let gain = h_s * tableau.gamma;
         self.velocities[0].copy_from_slice(&start.v);
         self.accelerations[0].copy_from_slice(&start.a);
@@ -58,16 +57,17 @@ impl Esdirk {
             let (before, after) = self.accelerations.split_at_mut(stage);
             let a = &mut after[0];
             let [(first, share), (second, rest)] = tableau.predictor(stage);
-            for i in 0..coordinates {
-                a[i] = share * before[first][i] + rest * before[second][i];
-                let (mut q, mut v) = (start.q[i], start.v[i]);
-                for (j, weight) in row.iter().enumerate() {
-                    q += h_s * weight * self.velocities[j][i];
-                    v += h_s * weight * before[j][i];
-                }
-                self.v[i] = v + gain * a[i];
-                self.q[i] = q + gain * self.v[i];
+            self.q.copy_from_slice(&start.q);
+            self.v.copy_from_slice(&start.v);
+            for ((weight, velocities), accelerations) in row.iter().zip(&self.velocities).zip(before.iter()) {
+                add(&mut self.q, h_s * weight, velocities);
+                add(&mut self.v, h_s * weight, accelerations);
             }
+            for ((a, first), second) in a.iter_mut().zip(&before[first]).zip(&before[second]) {
+                *a = share * first + rest * second;
+            }
+            add(&mut self.v, gain, a);
+            add(&mut self.q, gain, &self.v);
             let time_s = start.time_s + tableau.abscissa(stage) * h_s;
             equations.prescribe(time_s, &mut self.q, &mut self.v, a);
             let mut unknown = Stage {
@@ -97,12 +97,19 @@ impl Esdirk {
             end.dissipated += h_s * weight * powers.dissipated;
         }
 
-        for i in 0..coordinates {
-            self.residual[i] = tableau.error.iter().zip(&self.velocities).map(|(e, v)| h_s * e * v[i]).sum();
+        self.residual.fill(0.0);
+        for (e, velocities) in tableau.error.iter().zip(&self.velocities) {
+            add(&mut self.residual, h_s * e, velocities);
         }
         let error = equations.norm(&self.residual);
         equations.project(&mut end.q, &mut end.v, &mut end.a);
         end.auxiliary.copy_from_slice(&end.a);
         Ok(error)
     }
+}
+
+/// `sum += factor · values`.
+#[inline]
+fn add(sum: &mut [f64], factor: f64, values: &[f64]) {
+    sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += factor * value);
 }
