@@ -9,8 +9,8 @@ use nalgebra::{Matrix3, Vector3};
 use std::array::from_fn;
 use std::ops::{Add, Mul, Sub};
 
-/// Links that are worked out together.
-pub const LANES: usize = 4;
+/// Links that are worked out together: what a vector of the smallest machine holds, so that registers suffice.
+pub const LANES: usize = 2;
 
 /// One number of each of some links.
 #[derive(Debug, Clone, Copy, PartialEq)]

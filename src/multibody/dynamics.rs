@@ -7,7 +7,7 @@ use crate::beam::element::ElementKind;
 use crate::load::{RootMotion, Wrench};
 use crate::math::so3::hat;
 use crate::multibody::joint::ParameterKind;
-use crate::multibody::kinematics::{Motion, strains, sweep};
+use crate::multibody::kinematics::{Motion, strains, sweep_motion};
 use crate::multibody::model::{Base, Body, Element, Model};
 use crate::multibody::station;
 use crate::multibody::workspace::{Pair, Workspace};
@@ -39,15 +39,7 @@ pub struct Environment<'a> {
 /// subtracts them), N·m and N·m² at strains. Leaves poses, accelerations and accumulated wrenches in `work`.
 /// Allocates nothing.
 pub fn residual(model: &Model, work: &mut Workspace, motion: Motion, environment: Environment, residual: &mut [f64]) {
-    work.arch.dispatch(
-        #[inline(always)]
-        || write_residual(model, work, motion, environment, residual),
-    );
-}
-
-#[inline(always)]
-fn write_residual(model: &Model, work: &mut Workspace, motion: Motion, environment: Environment, residual: &mut [f64]) {
-    sweep::<true>(model, work, motion);
+    sweep_motion(model, work, motion);
     load_rates(model, work, environment);
     for body in &model.bodies {
         if body.slim_mass {
@@ -71,7 +63,6 @@ fn write_residual(model: &Model, work: &mut Workspace, motion: Motion, environme
 }
 
 /// Rates of the nodal vectors that the mass multiplies, and the wrenches of attached masses, eq. (D5).
-#[inline(always)]
 fn load_rates(model: &Model, work: &mut Workspace, environment: Environment) {
     let root = environment.root;
     let field = root.apparent_gravity_m_s2();
@@ -104,7 +95,6 @@ fn load_rates(model: &Model, work: &mut Workspace, environment: Environment) {
 
 /// Adds the inertia forces of the beams: what the lump of each node and the elements on either side make of the rates,
 /// eqs. (D5) and (D7).
-#[inline(always)]
 fn inertia_forces<const SLIM: bool>(model: &Model, body: &Body, work: &mut Workspace) {
     let nodes = &mut work.nodes[body.first_node..=body.last_node()];
     let elements = &model.elements[body.first_element..body.first_element + body.elements];
@@ -125,7 +115,7 @@ fn inertia_forces<const SLIM: bool>(model: &Model, body: &Body, work: &mut Works
 }
 
 /// [`multiply`], or what is left of it where the block couples the axis only.
-#[inline(always)]
+#[inline]
 fn product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
     if !SLIM {
         return multiply(mass, vectors);
@@ -140,7 +130,7 @@ fn product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -
 }
 
 /// [`multiply_transposed`], or what is left of it where the block couples the axis only.
-#[inline(always)]
+#[inline]
 fn transposed_product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
     if !SLIM {
         return multiply_transposed(mass, vectors);
@@ -155,14 +145,14 @@ fn transposed_product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<
 }
 
 /// `[α]× + [ω]×²`: turns a vector fixed to the node into its acceleration.
-#[inline(always)]
+#[inline]
 fn turning(spin_rate: &Vector3<f64>, spin: &Vector3<f64>) -> Matrix3<f64> {
     let square = spin.norm_squared();
     hat(spin_rate) + spin * spin.transpose() - Matrix3::from_diagonal_element(square)
 }
 
 /// Rates of the four nodal vectors from that of the origin and the matrix that turns the gradients.
-#[inline(always)]
+#[inline]
 fn nodal_rates(origin: Vector3<f64>, turn: &Matrix3<f64>, rotation: &Matrix3<f64>) -> [Vector3<f64>; 4] {
     let gradients = turn * rotation;
     [
@@ -174,7 +164,7 @@ fn nodal_rates(origin: Vector3<f64>, turn: &Matrix3<f64>, rotation: &Matrix3<f64
 }
 
 /// `f_i = Σ_j m[i,j] e_j`.
-#[inline(always)]
+#[inline]
 pub(crate) fn multiply(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
     std::array::from_fn(|i| {
         vectors[0] * mass[(i, 0)] + vectors[1] * mass[(i, 1)] + vectors[2] * mass[(i, 2)] + vectors[3] * mass[(i, 3)]
@@ -182,7 +172,7 @@ pub(crate) fn multiply(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vec
 }
 
 /// `f_j = Σ_i m[i,j] e_i`.
-#[inline(always)]
+#[inline]
 fn multiply_transposed(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
     std::array::from_fn(|j| {
         vectors[0] * mass[(0, j)] + vectors[1] * mass[(1, j)] + vectors[2] * mass[(2, j)] + vectors[3] * mass[(3, j)]
@@ -190,7 +180,7 @@ fn multiply_transposed(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vec
 }
 
 /// Force and moment of nodal forces: `F = f₀`, `M = Σ r_k × f_k`, eq. (D6).
-#[inline(always)]
+#[inline]
 pub(crate) fn wrench_of(rotation: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) -> (Vector3<f64>, Vector3<f64>) {
     let column = |k: usize| rotation.fixed_view::<3, 1>(0, k).into_owned();
     let moment = column(0).cross(&forces[1]) + column(1).cross(&forces[2]) + column(2).cross(&forces[3]);
@@ -198,7 +188,6 @@ pub(crate) fn wrench_of(rotation: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) -> 
 }
 
 /// Elastic and damping forces of the strains, eq. (D8); joints begin at zero.
-#[inline(always)]
 fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Damping], residual: &mut [f64]) {
     for (index, (body, damping)) in model.bodies.iter().zip(damping).enumerate() {
         if let Some(hinge) = &body.hinge {
@@ -238,14 +227,13 @@ fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Da
 }
 
 /// `ε − ε₀ + β ε̇`.
-#[inline(always)]
+#[inline]
 pub(crate) fn excess_strain(element: &Element, motion: Motion, beta: f64) -> Vector4<f64> {
     let (q, v) = (strains(motion.q, element.coordinate), strains(motion.v, element.coordinate));
     Vector4::from_fn(|i, _| q[i] - element.natural_strain[i] + beta * v[i])
 }
 
 /// Projects the node wrenches on the coordinates, from the tips to the root, eq. (D9).
-#[inline(always)]
 fn sweep_inward(model: &Model, work: &mut Workspace, residual: &mut [f64]) {
     work.root_force = Vector3::zeros();
     work.root_moment = Vector3::zeros();
@@ -255,12 +243,13 @@ fn sweep_inward(model: &Model, work: &mut Workspace, residual: &mut [f64]) {
         for i in (0..body.elements).rev() {
             let element = &model.elements[body.first_element + i];
             let jacobian = work.jacobian(body.first_element + i);
+            let arm = work.arms[body.first_element + i];
             let inner = &mut work.nodes[body.first_node + i];
             let (local_force, local_moment) = (inner.rotation.tr_mul(&force), inner.rotation.tr_mul(&moment));
             let res = &mut residual[element.coordinate..element.coordinate + 4];
             let projected = jacobian.project(element.length_m, &local_force, &local_moment);
             res.iter_mut().zip(&projected).for_each(|(sum, term)| *sum += term);
-            moment += (inner.rotation * jacobian.arm_m).cross(&force);
+            moment += arm.cross(&force);
             inner.moment += moment;
             inner.force += force;
             (force, moment) = (inner.force, inner.moment);

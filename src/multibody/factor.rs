@@ -53,17 +53,13 @@ pub fn factorize(
     damping: &[Damping],
     hinges: &[HingeTangent],
 ) -> Result<(), BadPivot> {
-    work.arch.dispatch(
-        #[inline(always)]
-        || factorize_tree(model, work, weights, damping, hinges),
-    )?;
+    factorize_tree(model, work, weights, damping, hinges)?;
     if model.closures.is_empty() {
         return Ok(());
     }
     closure::factorize(model, work, weights).ok_or(BadPivot { coordinate: 0 })
 }
 
-#[inline(always)]
 fn factorize_tree(
     model: &Model,
     work: &mut Workspace,
@@ -101,13 +97,12 @@ fn factorize_tree(
                 (scale, stiffness),
                 carried.take().as_ref(),
             )?;
-            let factor = &mut work.element_factors[e];
-            *factor = elimination.factor;
             if outer_half {
-                let (left, solved) = Carried::new(element, stiffness, &elimination.cholesky, &elimination.coupling);
-                carried = Some(left);
-                factor.sibling = solved;
+                carried = Some(Carried::new(element, stiffness, &elimination.factor));
             }
+            let mut factor = elimination.factor;
+            factor.coupling = element.coupling * stiffness;
+            work.element_factors[e] = factor;
             let p = &mut work.inertia[n];
             p.vv += elimination.inertia.vv;
             p.vw += elimination.inertia.vw;
@@ -133,7 +128,7 @@ fn factorize_tree(
 }
 
 /// Node lump in twist form, eq. (D10).
-#[inline(always)]
+#[inline]
 fn lump(mass: &Matrix4<f64>, rotation: &Matrix3<f64>) -> ArticulatedInertia {
     let gradients: Matrix3<f64> = mass.fixed_view::<3, 3>(1, 1).into_owned();
     let spread = rotation * gradients * rotation.transpose();
@@ -155,27 +150,21 @@ struct Carried {
 }
 
 impl Carried {
-    /// `G = −U X⁻¹ D_BA`, `ΔD = −D_AB X⁻¹ D_BA`, eq. (D14); and `X⁻¹ D_BA`.
-    fn new(
-        element: &Element,
-        stiffness: f64,
-        cholesky: &Matrix4<f64>,
-        [velocity, spin]: &[[Vector3<f64>; 4]; 2],
-    ) -> (Self, Matrix4<f64>) {
+    /// `G = −U X⁻¹ D_BA`, `ΔD = −D_AB X⁻¹ D_BA`, eq. (D14).
+    fn new(element: &Element, stiffness: f64, factor: &ElementFactor) -> Self {
         let coupling = element.coupling * stiffness;
         let solved = Matrix4::from_columns(
-            &[0, 1, 2, 3].map(|j| back(cholesky, forward(cholesky, coupling.column(j).into_owned()))),
+            &[0, 1, 2, 3].map(|j| back(&factor.cholesky, forward(&factor.cholesky, coupling.column(j).into_owned()))),
         );
-        let carried = Self {
-            velocity: combine(velocity, &solved, -1.0),
-            spin: combine(spin, &solved, -1.0),
+        Self {
+            velocity: combine(&factor.velocity, &solved, -1.0),
+            spin: combine(&factor.spin, &solved, -1.0),
             block: -(coupling.transpose() * solved),
-        };
-        (carried, solved)
+        }
     }
 }
 
-#[inline(always)]
+#[inline]
 fn combine(columns: &[Vector3<f64>; 4], weights: &Matrix4<f64>, sign: f64) -> [Vector3<f64>; 4] {
     std::array::from_fn(|j| {
         (columns[0] * weights[(0, j)]
@@ -188,15 +177,11 @@ fn combine(columns: &[Vector3<f64>; 4], weights: &Matrix4<f64>, sign: f64) -> [V
 
 struct Elimination {
     factor: ElementFactor,
-    /// Lower Cholesky factor of `X`, with inverted diagonal.
-    cholesky: Matrix4<f64>,
-    /// `U`: coupling of the strains to the inner node, velocity and spin rows.
-    coupling: [[Vector3<f64>; 4]; 2],
     inertia: ArticulatedInertia,
 }
 
 /// Eliminates the strains of one element, eqs. (D11)–(D13).
-#[inline(always)]
+#[inline]
 fn eliminate(
     element: &Element,
     link: &crate::math::se3::Link,
@@ -270,18 +255,10 @@ fn eliminate(
         vw -= zv[j] * zw[j].transpose();
         ww -= zw[j] * zw[j].transpose();
     }
-    // U X⁻¹ from U L⁻ᵀ
-    for j in (0..4).rev() {
-        for k in j + 1..4 {
-            let l = cholesky[(k, j)];
-            zv[j] -= zv[k] * l;
-            zw[j] -= zw[k] * l;
-        }
-        zv[j] *= cholesky[(j, j)];
-        zw[j] *= cholesky[(j, j)];
-    }
-    let factor = ElementFactor { inverse: inverse(&cholesky), velocity: zv, spin: zw, sibling: Matrix4::zeros() };
-    Ok(Elimination { cholesky, coupling: [uv, uw], factor, inertia: ArticulatedInertia { vv, vw, ww } })
+    Ok(Elimination {
+        factor: ElementFactor { cholesky, velocity: uv, spin: uw, coupling: Matrix4::zeros() },
+        inertia: ArticulatedInertia { vv, vw, ww },
+    })
 }
 
 fn eliminate_hinge(
@@ -314,7 +291,7 @@ fn eliminate_hinge(
 
 /// Cholesky factor of a symmetric matrix given by its lower part, with inverted diagonal; `None` at a pivot that
 /// is not positive or not finite.
-#[inline(always)]
+#[inline]
 fn cholesky(matrix: &Matrix4<f64>) -> Option<Matrix4<f64>> {
     let mut l = Matrix4::zeros();
     for j in 0..4 {
@@ -338,7 +315,7 @@ fn cholesky(matrix: &Matrix4<f64>) -> Option<Matrix4<f64>> {
     Some(l)
 }
 
-#[inline(always)]
+#[inline]
 fn forward(l: &Matrix4<f64>, mut b: Vector4<f64>) -> Vector4<f64> {
     for i in 0..4 {
         for k in 0..i {
@@ -349,7 +326,7 @@ fn forward(l: &Matrix4<f64>, mut b: Vector4<f64>) -> Vector4<f64> {
     b
 }
 
-#[inline(always)]
+#[inline]
 fn back(l: &Matrix4<f64>, mut b: Vector4<f64>) -> Vector4<f64> {
     for i in (0..4).rev() {
         for k in i + 1..4 {
@@ -358,13 +335,6 @@ fn back(l: &Matrix4<f64>, mut b: Vector4<f64>) -> Vector4<f64> {
         b[i] *= l[(i, i)];
     }
     b
-}
-
-/// `X⁻¹` from its factor.
-#[inline(always)]
-fn inverse(l: &Matrix4<f64>) -> Matrix4<f64> {
-    let unit = |j: usize| Vector4::from_fn(|i, _| if i == j { 1.0 } else { 0.0 });
-    Matrix4::from_columns(&[0, 1, 2, 3].map(|j| back(l, forward(l, unit(j)))))
 }
 
 /// Solves with the last factorisation: `x` holds the right side and then the solution.
@@ -378,18 +348,6 @@ pub fn solve(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
 
 /// [`solve`] without closed loops; the displacements of the nodes stay in `bias`.
 pub(crate) fn solve_tree(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
-    work.arch.dispatch(
-        #[inline(always)]
-        || {
-            eliminate_inward(model, work, x);
-            back_substitute(model, work, x)
-        },
-    )
-}
-
-/// Inward half of [`solve`].
-#[inline(always)]
-fn eliminate_inward(model: &Model, work: &mut Workspace, x: &mut [f64]) {
     work.bias.fill(Pair::ZERO);
     for (index, body) in model.bodies.iter().enumerate().rev() {
         let mut p = work.bias[body.last_node()];
@@ -402,14 +360,15 @@ fn eliminate_inward(model: &Model, work: &mut Workspace, x: &mut [f64]) {
             let c = element.coordinate;
             let pulled = jacobian.project(element.length_m, &rotation.tr_mul(&p.linear), &rotation.tr_mul(&p.angular));
             let g = Vector4::from_column_slice(&x[c..c + 4]) + Vector4::from(pulled) - from_sibling;
-            work.right_hand[e] = factor.inverse * g;
-            from_sibling = if pairs && i % 2 == 1 { factor.sibling.tr_mul(&g) } else { Vector4::zeros() };
+            work.right_hand[e] = g;
+            let y = back(&factor.cholesky, forward(&factor.cholesky, g));
+            from_sibling = if pairs && i % 2 == 1 { factor.coupling * y } else { Vector4::zeros() };
             let own = &work.bias[body.first_node + i];
             let mut linear = own.linear + p.linear;
-            let mut angular = own.angular + p.angular + (rotation * jacobian.arm_m).cross(&p.linear);
+            let mut angular = own.angular + p.angular + work.arms[e].cross(&p.linear);
             for j in 0..4 {
-                linear -= factor.velocity[j] * g[j];
-                angular -= factor.spin[j] * g[j];
+                linear -= factor.velocity[j] * y[j];
+                angular -= factor.spin[j] * y[j];
             }
             p = Pair { linear, angular };
         }
@@ -429,10 +388,10 @@ fn eliminate_inward(model: &Model, work: &mut Workspace, x: &mut [f64]) {
             work.bias[node].angular += p.angular;
         }
     }
+    back_substitute(model, work, x)
 }
 
 /// Outward half of [`solve`]; node displacements overwrite `bias`.
-#[inline(always)]
 fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     let mut norm = NormSquared::default();
     for (index, body) in model.bodies.iter().enumerate() {
@@ -460,13 +419,14 @@ fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
         for i in 0..body.elements {
             let e = body.first_element + i;
             let factor = &work.element_factors[e];
-            let mut strain = work.right_hand[e];
+            let mut g = work.right_hand[e];
             for j in 0..4 {
-                strain[j] -= factor.velocity[j].dot(&moved.linear) + factor.spin[j].dot(&moved.angular);
+                g[j] -= factor.velocity[j].dot(&moved.linear) + factor.spin[j].dot(&moved.angular);
             }
             if pairs && i % 2 == 1 {
-                strain -= factor.sibling * sibling;
+                g -= factor.coupling * sibling;
             }
+            let strain = back(&factor.cholesky, forward(&factor.cholesky, g));
             sibling = strain;
             let c = model.elements[e].coordinate;
             x[c..c + 4].copy_from_slice(strain.as_slice());

@@ -20,7 +20,7 @@ pub struct Motion<'a> {
 }
 
 /// Four strains of an element out of a coordinate vector.
-#[inline(always)]
+#[inline]
 pub(crate) fn strains(coordinates: &[f64], first: usize) -> [f64; 4] {
     let s = &coordinates[first..first + 4];
     [s[0], s[1], s[2], s[3]]
@@ -28,18 +28,12 @@ pub(crate) fn strains(coordinates: &[f64], first: usize) -> [f64; 4] {
 
 /// Poses and Jacobians only: what a kinematic norm or a tangent at a configuration needs.
 pub fn sweep_poses(model: &Model, work: &mut Workspace, q: &[f64]) {
-    work.arch.dispatch(
-        #[inline(always)]
-        || sweep::<false>(model, work, Motion { q, v: &[], a: &[] }),
-    );
+    sweep::<false>(model, work, Motion { q, v: &[], a: &[] });
 }
 
 /// Poses, velocities and accelerations, NOTATION eqs. (K8)–(K9). Allocates nothing.
 pub fn sweep_motion(model: &Model, work: &mut Workspace, motion: Motion) {
-    work.arch.dispatch(
-        #[inline(always)]
-        || sweep::<true>(model, work, motion),
-    );
+    sweep::<true>(model, work, motion);
 }
 
 /// Moves a body's first node, which stands where its parent is, by a joint with redundant parameters.
@@ -72,9 +66,9 @@ fn move_joint<const RATES: bool>(
     work.pose = pose;
 }
 
-/// Poses and, with `RATES`, the rest. Wider vectors of the machine, for which callers dispatch, change no bit.
-#[inline(always)]
-pub(crate) fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion) {
+/// Poses and, with `RATES`, the rest.
+#[inline]
+fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion) {
     sweep_links::<RATES>(model, &mut work.local_links, &mut work.local_motions, motion);
     let zero = Vector3::zeros();
     for (index, body) in model.bodies.iter().enumerate() {
@@ -122,6 +116,7 @@ pub(crate) fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, moti
             let [inner, outer] = &mut work.nodes[body.first_node + i..body.first_node + i + 2] else { unreachable!() };
             let turn = &inner.rotation;
             let arm = turn * vector(&links.arm_m, lane);
+            work.arms[e] = arm;
             outer.rotation = turn * matrix(&links.rotation, lane);
             outer.position = inner.position + arm;
             if RATES {
@@ -142,7 +137,7 @@ pub(crate) fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, moti
 }
 
 /// Works out all links in their own frames, some at a time.
-#[inline(always)]
+#[inline]
 fn sweep_links<const RATES: bool>(
     model: &Model,
     links: &mut [LocalLinks],

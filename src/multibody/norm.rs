@@ -5,7 +5,7 @@ use crate::multibody::model::{Base, Model};
 use crate::multibody::workspace::{Pair, Workspace};
 
 /// Twist of an element's outer end from that of its inner end `node` and the change of its strains.
-#[inline(always)]
+#[inline]
 pub(crate) fn displaced(
     model: &Model,
     work: &Workspace,
@@ -16,7 +16,7 @@ pub(crate) fn displaced(
     let (jacobian, rotation) = (work.jacobian(element), &work.nodes[node].rotation);
     let (linear, angular) = jacobian.push(model.elements[element].length_m, &strain);
     Pair {
-        linear: inner.linear + inner.angular.cross(&(rotation * jacobian.arm_m)) + rotation * linear,
+        linear: inner.linear + inner.angular.cross(&work.arms[element]) + rotation * linear,
         angular: inner.angular + rotation * angular,
     }
 }
@@ -93,7 +93,7 @@ pub(crate) struct NormSquared {
 }
 
 impl NormSquared {
-    #[inline(always)]
+    #[inline]
     pub(crate) fn include(&mut self, moved: &Pair) {
         let (linear, angular) = (moved.linear.norm_squared(), moved.angular.norm_squared());
         self.taint += (linear + angular) * 0.0;

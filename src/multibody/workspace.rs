@@ -7,7 +7,6 @@ use crate::multibody::joint::{JointPose, ParameterJoint};
 use crate::multibody::joint_factor::ParameterFactor;
 use crate::multibody::model::{Body, Model};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
-use pulp::Arch;
 
 /// Motion of a node relative to the root frame, and the wrench that has arrived at it.
 #[derive(Debug, Clone, Copy)]
@@ -49,7 +48,7 @@ impl Node {
     };
 
     /// Adds a wrench of what sits on the node itself.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn add_fixed(&mut self, force: &Vector3<f64>, moment: &Vector3<f64>) {
         self.force += force;
         self.moment += moment;
@@ -83,14 +82,14 @@ const ZERO_3: nalgebra::ArrayStorage<f64, 3, 3> = nalgebra::ArrayStorage([[0.0; 
 /// Factor of one element's elimination.
 #[derive(Debug, Clone, Copy)]
 pub struct ElementFactor {
-    /// `X⁻¹`.
-    pub inverse: Matrix4<f64>,
-    /// `U X⁻¹`, `U` the coupling of the strains to the inner node: velocity rows.
+    /// Lower Cholesky factor of `X`, with inverted diagonal.
+    pub cholesky: Matrix4<f64>,
+    /// `U`: coupling of the strains to the inner node, velocity rows.
     pub velocity: [Vector3<f64>; 4],
-    /// Spin rows.
+    /// `U`, spin rows.
     pub spin: [Vector3<f64>; 4],
-    /// Outer halves: `X⁻¹ D_BA`, `D_BA` the coupling to the inner half's strains.
-    pub sibling: Matrix4<f64>,
+    /// Outer halves: coupling to the inner half's strains.
+    pub coupling: Matrix4<f64>,
 }
 
 /// Factor of one hinge's elimination.
@@ -152,10 +151,10 @@ pub struct Workspace {
     pub nodes: Vec<Node>,
     /// All elements, some at a time: poses and Jacobians in their own frames, of the last sweep.
     pub(crate) local_links: Vec<LocalLinks>,
-    /// The same for rates and accelerations.
+    /// Per element: inner to outer end in the world, of the last sweep, m.
+    pub(crate) arms: Vec<Vector3<f64>>,
+    /// As `local_links` for rates and accelerations.
     pub(crate) local_motions: Vec<LocalMotions>,
-    /// The machine's vectors.
-    pub(crate) arch: Arch,
     /// Per body: hinge axis in the root frame.
     pub hinges: Vec<Vector3<f64>>,
     /// Per body: its joint, if that has redundant parameters.
@@ -175,13 +174,13 @@ pub struct Workspace {
 
 impl Workspace {
     /// Jacobian of an element in its own frame, of the last sweep.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn jacobian(&self, element: usize) -> LocalJacobian {
         LocalJacobian::of(&self.local_links[element / LANES], element % LANES)
     }
 
     /// An element's link in the world at the poses of the last sweep; `node` is its inner node.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn link(&self, model: &Model, element: usize, node: usize) -> Link {
         self.jacobian(element).turned(&self.nodes[node].rotation, model.elements[element].length_m)
     }
@@ -193,8 +192,8 @@ impl Workspace {
         Self {
             nodes: vec![Node::ZERO; nodes],
             local_links: vec![LocalLinks::ZERO; elements.div_ceil(LANES)],
+            arms: vec![zero; elements],
             local_motions: vec![LocalMotions::ZERO; elements.div_ceil(LANES)],
-            arch: Arch::new(),
             hinges: vec![zero; bodies],
             parameters: model
                 .bodies
@@ -207,10 +206,10 @@ impl Workspace {
             bias: vec![Pair::ZERO; nodes],
             element_factors: vec![
                 ElementFactor {
-                    inverse: Matrix4::zeros(),
+                    cholesky: Matrix4::zeros(),
                     velocity: [zero; 4],
                     spin: [zero; 4],
-                    sibling: Matrix4::zeros(),
+                    coupling: Matrix4::zeros(),
                 };
                 elements
             ],

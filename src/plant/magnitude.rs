@@ -33,7 +33,8 @@ impl Plant {
     }
 }
 
-fn inputs_are_moderate(inputs: &Inputs) -> bool {
+/// Whether inputs are so small that no output overflows for them.
+pub(super) fn inputs_are_moderate(inputs: &Inputs) -> bool {
     let vector = |vector: &Vector3<f64>| vector.iter().all(|&value| within(value, LARGEST));
     let root = &inputs.root;
     [&root.gravity_m_s2, &root.acceleration_m_s2, &root.angular_velocity_rad_s, &root.angular_acceleration_rad_s2]
