@@ -30,7 +30,7 @@ PLATFORMS   := $(TARGET)/platforms
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers bless licenses robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
+.PHONY: all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers profile bless licenses robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -105,6 +105,14 @@ bench-own: toolchain ## Measure the recursions, the C functions, memory, other m
 	$(CARGO) bench --locked --bench memory
 	$(CARGO) bench --locked --bench conventional
 	$(CARGO) bench --locked --bench lattice
+
+profile: toolchain ## Count the instructions of the deployment by part of the program; needs valgrind
+	CARGO_PROFILE_RELEASE_STRIP=none CARGO_PROFILE_RELEASE_DEBUG=1 \
+	    $(CARGO) build --release --locked --bin foldwing --target-dir $(TARGET)/profile
+	@$(PYTHON) tools/profile_run.py --foldwing $(TARGET)/profile/release/foldwing \
+	    --output gauge.root.strain --output fold.latch_time
+	@$(PYTHON) tools/profile_run.py --foldwing $(TARGET)/profile/release/foldwing \
+	    --model examples/models/folding_wing_constant.toml --output gauge.root.strain --output fold.latch_time
 
 bench-sweep: build ## Measure variants per second of `foldwing sweep` with one thread and two
 	@$(PYTHON) tools/sweep_throughput.py --foldwing $(COMMAND)

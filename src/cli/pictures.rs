@@ -28,6 +28,13 @@ pub struct PictureArguments {
     pub frames: u64,
 }
 
+impl PictureArguments {
+    /// Whether any is asked for.
+    pub fn any(&self) -> bool {
+        self.plot.is_some() || self.view.is_some() || self.vtk.is_some()
+    }
+}
+
 /// The pictures in the making.
 pub struct Pictures<'a> {
     wanted: &'a PictureArguments,
@@ -51,7 +58,7 @@ impl<'a> Pictures<'a> {
 
     /// Takes the plant at one of the `steps + 1` points of the run, with the values of the variables that were named.
     pub fn include(&mut self, plant: &Plant, values: impl Iterator<Item = Value>) {
-        if self.wanted.plot.is_none() && self.wanted.view.is_none() && self.wanted.vtk.is_none() {
+        if !self.wanted.any() {
             return;
         }
         self.recording.get_or_insert_with(|| Recording::new(plant, self.steps, self.wanted.frames)).include(plant);

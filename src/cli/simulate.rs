@@ -11,7 +11,7 @@ use crate::cli::{Failure, read_model};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing::config::machine::JointKind;
 use foldwing::interface::{Causality, Interface, Variable};
-use foldwing::plant::Plant;
+use foldwing::plant::{OutputSet, Plant};
 use foldwing::report::inputs::unknown_name;
 use foldwing::report::{Channel, InputTable, Recorder};
 use std::fs::File;
@@ -68,7 +68,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let interface = Interface::new(&machine);
     let recorded = recorded(&arguments.outputs, &interface)?;
     let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, interface.variables())).transpose()?;
-    let plant = plant_with(machine, &interface, &arguments.settings)?;
+    let mut plant = plant_with(machine, &interface, &arguments.settings)?;
+    if arguments.strains.is_none() && arguments.lattice.is_none() && !arguments.pictures.any() {
+        let rows: Vec<u32> = recorded.iter().map(|variable| variable.value_reference).collect();
+        plant.watch(interface.needs(&rows) | OutputSet::JOINTS); // the summary tells of joints
+    }
 
     let target = csv_target(arguments.csv.as_deref());
     let writing = |error: io::Error| Failure::writing(&target, &error);

@@ -7,7 +7,7 @@ use crate::fmi2::log::{Log, LogCategory};
 use crate::fmi2::resource::read_model;
 use crate::fmi2::state::{Experiment, Registry, SavedState};
 use crate::interface::{DerivativeError, Interface, Kind, Scalar, Stage, Value, guid};
-use crate::plant::{JointStatus, Plant};
+use crate::plant::{JointStatus, OutputSet, Plant};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -25,6 +25,9 @@ pub struct Instance {
     /// Start values changed since the last evaluation.
     stale: bool,
     step_failed: bool,
+    /// Outputs that the importer has read since the last step, and between the two steps before.
+    read: OutputSet,
+    read_before: OutputSet,
     states: Registry,
     log: Log,
 }
@@ -58,7 +61,7 @@ impl Instance {
         let (machine, interface, guid) = Self::model(request)?;
         let machine = Arc::new(machine);
         Ok(Self {
-            plant: Plant::new(Arc::clone(&machine)),
+            plant: unwatched(&machine),
             experiment: default_experiment(&machine),
             machine,
             guid,
@@ -66,6 +69,8 @@ impl Instance {
             phase: Phase::Instantiated,
             stale: true,
             step_failed: false,
+            read: OutputSet::NONE,
+            read_before: OutputSet::NONE,
             states: Registry::new(),
             log: Log::new(None, false),
         })
@@ -160,7 +165,7 @@ impl Instance {
 
     /// `fmi2Reset`: as freshly instantiated; saved states and the log's switches stay.
     pub fn reset(&mut self) {
-        self.plant = Plant::new(Arc::clone(&self.machine));
+        self.plant = unwatched(&self.machine);
         self.experiment = default_experiment(&self.machine);
         self.phase = Phase::Instantiated;
         self.stale = true;
@@ -173,6 +178,12 @@ impl Instance {
             // a refused call changes nothing
             self.interface.check_kind(references, T::KIND)?;
             self.evaluate()?;
+        }
+        let needs = self.interface.needs(references);
+        self.read = self.read | needs;
+        // importers read the same variables after every step: one evaluation serves all their calls
+        if !self.plant.provides(needs) {
+            self.plant.provide(self.read | self.read_before);
         }
         Ok(self.interface.get_all(&self.plant, references, values)?)
     }
@@ -265,6 +276,7 @@ impl Instance {
         let before: Option<Vec<JointStatus>> =
             self.log.wants(LogCategory::Events).then(|| self.plant.joint_statuses().collect());
         let started = self.machine.solver.most_iterations.map(|_| Instant::now());
+        self.read_before = std::mem::take(&mut self.read);
         let outcome = self.plant.step(end_s);
         if let Some(started) = started {
             self.plant.latency_mut().record(started.elapsed().as_secs_f64());
@@ -362,6 +374,13 @@ impl Instance {
             }
         }
     }
+}
+
+/// A plant that finds outputs when they are read.
+fn unwatched(machine: &Arc<Machine>) -> Plant {
+    let mut plant = Plant::new(Arc::clone(machine));
+    plant.watch(OutputSet::NONE);
+    plant
 }
 
 /// Experiment of an importer that does not call `fmi2SetupExperiment`.

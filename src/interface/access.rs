@@ -2,6 +2,7 @@
 
 use crate::interface::binding::Binding;
 use crate::interface::{Causality, Interface, Value, Variability, Variable};
+use crate::plant::OutputSet;
 
 /// Why a row cannot be read or written.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -187,6 +188,8 @@ enum Settable {
 /// What reading and writing need of a row, packed for speed.
 pub(super) struct Slot {
     pub(super) binding: Binding,
+    /// [`Binding::needs`].
+    pub(super) needs: OutputSet,
     kind: Kind,
     settable: Settable,
     min: f64,
@@ -201,7 +204,7 @@ impl Slot {
             (Causality::Parameter, _) => Settable::Starting,
             (Causality::Output | Causality::Local | Causality::Independent, _) => Settable::Never,
         };
-        Self { binding, kind: variable.value.kind(), settable, min, max }
+        Self { binding, needs: binding.needs(), kind: variable.value.kind(), settable, min, max }
     }
 }
 

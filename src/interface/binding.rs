@@ -2,7 +2,7 @@
 
 use crate::interface::Value;
 use crate::interface::fields::component;
-use crate::plant::{Inputs, Latency, Outputs, Parameters, Plant, Statistics};
+use crate::plant::{Inputs, Latency, OutputSet, Outputs, Parameters, Plant, Statistics};
 
 /// What a row of the table reads and writes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -316,6 +316,14 @@ impl Binding {
         }
     }
 
+    /// Outputs that the plant must have found before it is read.
+    pub(super) fn needs(self) -> OutputSet {
+        match self {
+            Self::Output(output) => output.group(),
+            Self::Time | Self::Input(_) | Self::Parameter(_) | Self::Local(_) | Self::Duration(_) => OutputSet::NONE,
+        }
+    }
+
     /// Whether the value comes from the last evaluation rather than from the importer.
     pub(super) fn is_computed(self) -> bool {
         matches!(self, Self::Output(_) | Self::Local(_) | Self::Duration(_))
@@ -412,6 +420,29 @@ impl Output {
             Self::AirStationForce(station, i) => Value::Real(component(&outputs.air.stations[station].force_n, i)),
             Self::AirStationMoment(station, i) => Value::Real(component(&outputs.air.stations[station].moment_n_m, i)),
             Self::AirCirculation(strip) => Value::Real(outputs.air.circulation_m2_s[strip]),
+        }
+    }
+
+    /// The group that it is found with.
+    fn group(self) -> OutputSet {
+        match self {
+            Self::Joint(..) => OutputSet::JOINTS,
+            Self::Spatial(..) => OutputSet::SPATIAL,
+            Self::JointForce(..) | Self::JointMoment(..) => OutputSet::REACTIONS,
+            Self::Gauge(_) => OutputSet::GAUGES,
+            Self::LoopGap(..) | Self::LoopForce(..) => OutputSet::LOOPS,
+            Self::RootForce(_) | Self::RootMoment(_) => OutputSet::ROOT,
+            Self::Tip(_, PointOutput::Position(_) | PointOutput::Rotation(_)) => OutputSet::TIP_PLACES,
+            Self::Tip(..) => OutputSet::TIP_MOTIONS,
+            Self::Station(_, PointOutput::Position(_) | PointOutput::Rotation(_)) => OutputSet::STATION_PLACES,
+            Self::Station(..) => OutputSet::STATION_MOTIONS,
+            Self::Energy(EnergyOutput::Work | EnergyOutput::Dissipated) => OutputSet::ACCOUNTS,
+            Self::Energy(_) => OutputSet::ENERGIES,
+            Self::AirForce(_)
+            | Self::AirMoment(_)
+            | Self::AirStationForce(..)
+            | Self::AirStationMoment(..)
+            | Self::AirCirculation(_) => OutputSet::AIR,
         }
     }
 

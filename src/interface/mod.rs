@@ -23,7 +23,7 @@ pub use linear::{LinearModel, Signal};
 pub use units::{RealType, TYPES, UNITS, Unit};
 
 use crate::config::Machine;
-use crate::plant::{Outputs, Plant};
+use crate::plant::{OutputSet, Outputs, Plant};
 use access::Slot;
 use binding::Source;
 use std::collections::HashMap;
@@ -157,11 +157,19 @@ impl Interface {
         Ok(())
     }
 
+    /// Outputs that a plant must have found before these rows are read; rows that do not exist need none.
+    pub fn needs(&self, references: &[u32]) -> OutputSet {
+        let slots = references.iter().filter_map(|&reference| self.slots.get(reference as usize));
+        slots.fold(OutputSet::NONE, |needs, slot| needs | slot.needs)
+    }
+
     /// Reads many rows of one type; nothing is written to `values` unless all can be read.
     ///
-    /// `references` and `values` are equally long. Allocates nothing.
+    /// `references` and `values` are equally long. The plant must have found what [`Interface::needs`] says. Allocates
+    /// nothing.
     pub fn get_all<T: Scalar>(&self, plant: &Plant, references: &[u32], values: &mut [T]) -> Result<(), AccessError> {
         self.check_kind(references, T::KIND)?;
+        debug_assert!(plant.provides(self.needs(references)), "outputs of an earlier time");
         let source = Source::new(plant, plant.outputs());
         for (&reference, value) in references.iter().zip(values) {
             if let Some(read) = T::from_value(self.slots[reference as usize].binding.read(&source)) {

@@ -205,7 +205,7 @@ fn project_unit_force(model: &Model, work: &mut Workspace, closure: &Closure, ax
     for (index, body) in model.bodies.iter().enumerate().rev() {
         let mut p = work.bias[body.last_node()];
         for i in (0..body.elements).rev() {
-            let link = &work.links[body.first_element + i];
+            let link = work.link(model, body.first_element + i, body.first_node + i);
             let c = model.elements[body.first_element + i].coordinate;
             out[c] = link.velocity[0].dot(&p.linear);
             for j in 0..3 {

@@ -8,9 +8,9 @@ use crate::load::{RootMotion, Wrench};
 use crate::math::so3::hat;
 use crate::multibody::joint::ParameterKind;
 use crate::multibody::kinematics::{Motion, strains, sweep_motion};
-use crate::multibody::model::{Base, Element, Model};
+use crate::multibody::model::{Base, Body, Element, Model};
 use crate::multibody::station;
-use crate::multibody::workspace::{Node, Pair, Workspace};
+use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
 /// Damping of one body; acts on its beam only, on velocity relative to the root frame.
@@ -40,8 +40,15 @@ pub struct Environment<'a> {
 /// Allocates nothing.
 pub fn residual(model: &Model, work: &mut Workspace, motion: Motion, environment: Environment, residual: &mut [f64]) {
     sweep_motion(model, work, motion);
-    node_forces(model, work, environment);
-    element_forces(model, work, motion, environment.damping, residual);
+    load_rates(model, work, environment);
+    for body in &model.bodies {
+        if body.slim_mass {
+            inertia_forces::<true>(model, body, work);
+        } else {
+            inertia_forces::<false>(model, body, work);
+        }
+    }
+    elastic_forces(model, work, motion, environment.damping, residual);
     if !environment.stations.is_empty() {
         for (station, load) in model.stations.iter().zip(environment.stations) {
             if !load.is_zero() {
@@ -55,8 +62,8 @@ pub fn residual(model: &Model, work: &mut Workspace, motion: Motion, environment
     sweep_inward(model, work, residual);
 }
 
-/// Inertia forces of the node lumps, eq. (D5).
-fn node_forces(model: &Model, work: &mut Workspace, environment: Environment) {
+/// Rates of the nodal vectors that the mass multiplies, and the wrenches of attached masses, eq. (D5).
+fn load_rates(model: &Model, work: &mut Workspace, environment: Environment) {
     let root = environment.root;
     let field = root.apparent_gravity_m_s2();
     let rotates = root.rotates();
@@ -72,17 +79,69 @@ fn node_forces(model: &Model, work: &mut Workspace, environment: Environment) {
                 origin += turn * node.velocity * 2.0 + frame * node.position;
                 spread += turn * hat(&node.spin) * 2.0 + frame;
             }
-            let damped = spread + hat(&node.spin) * alpha;
-            node.load_rate = nodal_rates(origin + node.velocity * alpha, &damped, &node.rotation);
-            (node.force, node.moment) = wrench_of(&node.rotation, &multiply(&mass.beam, &node.load_rate));
+            node.force = Vector3::zeros();
+            node.moment = Vector3::zeros();
             node.fixed = Pair::ZERO;
             if let Some(attached) = &mass.attached {
                 let undamped = nodal_rates(origin, &spread, &node.rotation);
                 let (force, moment) = wrench_of(&node.rotation, &multiply(attached, &undamped));
                 node.add_fixed(&force, &moment);
             }
+            let damped = spread + hat(&(node.spin * alpha));
+            node.load_rate = nodal_rates(origin + node.velocity * alpha, &damped, &node.rotation);
         }
     }
+}
+
+/// Adds the inertia forces of the beams: what the lump of each node and the elements on either side make of the rates,
+/// eqs. (D5) and (D7).
+fn inertia_forces<const SLIM: bool>(model: &Model, body: &Body, work: &mut Workspace) {
+    let nodes = &mut work.nodes[body.first_node..=body.last_node()];
+    let elements = &model.elements[body.first_element..body.first_element + body.elements];
+    for i in 0..nodes.len() {
+        let mut forces = product::<SLIM>(&model.nodes[body.first_node + i].beam, &nodes[i].load_rate);
+        if i > 0 {
+            let from_inner = product::<SLIM>(&elements[i - 1].cross_mass, &nodes[i - 1].load_rate);
+            forces.iter_mut().zip(&from_inner).for_each(|(sum, force)| *sum += force);
+        }
+        if let Some(element) = elements.get(i) {
+            let from_outer = transposed_product::<SLIM>(&element.cross_mass, &nodes[i + 1].load_rate);
+            forces.iter_mut().zip(&from_outer).for_each(|(sum, force)| *sum += force);
+        }
+        let (force, moment) = wrench_of(&nodes[i].rotation, &forces);
+        nodes[i].force += force;
+        nodes[i].moment += moment;
+    }
+}
+
+/// [`multiply`], or what is left of it where the block couples the axis only.
+#[inline]
+fn product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
+    if !SLIM {
+        return multiply(mass, vectors);
+    }
+    let [origin, x, y, z] = vectors;
+    [
+        origin * mass[(0, 0)] + x * mass[(0, 1)],
+        origin * mass[(1, 0)] + x * mass[(1, 1)],
+        y * mass[(2, 2)],
+        z * mass[(3, 3)],
+    ]
+}
+
+/// [`multiply_transposed`], or what is left of it where the block couples the axis only.
+#[inline]
+fn transposed_product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
+    if !SLIM {
+        return multiply_transposed(mass, vectors);
+    }
+    let [origin, x, y, z] = vectors;
+    [
+        origin * mass[(0, 0)] + x * mass[(1, 0)],
+        origin * mass[(0, 1)] + x * mass[(1, 1)],
+        y * mass[(2, 2)],
+        z * mass[(3, 3)],
+    ]
 }
 
 /// `[α]× + [ω]×²`: turns a vector fixed to the node into its acceleration.
@@ -128,8 +187,8 @@ pub(crate) fn wrench_of(rotation: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) -> 
     (forces[0], moment)
 }
 
-/// Cross inertia of the elements, and elastic and damping forces of their strains, eqs. (D7)–(D8).
-fn element_forces(model: &Model, work: &mut Workspace, motion: Motion, damping: &[Damping], residual: &mut [f64]) {
+/// Elastic and damping forces of the strains, eq. (D8); joints begin at zero.
+fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Damping], residual: &mut [f64]) {
     for (index, (body, damping)) in model.bodies.iter().zip(damping).enumerate() {
         if let Some(hinge) = &body.hinge {
             residual[hinge.coordinate] = 0.0;
@@ -146,30 +205,25 @@ fn element_forces(model: &Model, work: &mut Workspace, motion: Motion, damping: 
             );
         }
         let beta = damping.stiffness_s;
-        let range = body.first_element..body.first_element + body.elements;
-        let elements = &model.elements[range];
-        for (i, element) in elements.iter().enumerate() {
-            let [inner, outer] = &mut work.nodes[body.first_node + i..body.first_node + i + 2] else { unreachable!() };
-            add_cross_inertia(element, inner, outer);
-
-            let stretch = excess_strain(element, motion, beta);
-            let mut force = element.stiffness * stretch;
-            if body.kind == ElementKind::Linear {
-                force += element.coupling * excess_strain(&elements[i ^ 1], motion, beta);
-            }
+        let mut write = |element: &Element, force: Vector4<f64>| {
             residual[element.coordinate..element.coordinate + 4].copy_from_slice(force.as_slice());
+        };
+        let elements = &model.elements[body.first_element..body.first_element + body.elements];
+        match body.kind {
+            ElementKind::Constant => {
+                for element in elements {
+                    write(element, element.stiffness * excess_strain(element, motion, beta));
+                }
+            }
+            ElementKind::Linear => {
+                for pair in elements.chunks_exact(2) {
+                    let [inner, outer] = [&pair[0], &pair[1]].map(|half| excess_strain(half, motion, beta));
+                    write(&pair[0], pair[0].stiffness * inner + pair[0].coupling * outer);
+                    write(&pair[1], pair[1].stiffness * outer + pair[1].coupling * inner);
+                }
+            }
         }
     }
-}
-
-#[inline]
-fn add_cross_inertia(element: &Element, inner: &mut Node, outer: &mut Node) {
-    let (force, moment) = wrench_of(&inner.rotation, &multiply_transposed(&element.cross_mass, &outer.load_rate));
-    inner.force += force;
-    inner.moment += moment;
-    let (force, moment) = wrench_of(&outer.rotation, &multiply(&element.cross_mass, &inner.load_rate));
-    outer.force += force;
-    outer.moment += moment;
 }
 
 /// `ε − ε₀ + β ε̇`.
@@ -188,14 +242,14 @@ fn sweep_inward(model: &Model, work: &mut Workspace, residual: &mut [f64]) {
         let (mut force, mut moment) = (outer.force, outer.moment);
         for i in (0..body.elements).rev() {
             let element = &model.elements[body.first_element + i];
-            let link = &work.links[body.first_element + i];
-            let res = &mut residual[element.coordinate..element.coordinate + 4];
-            res[0] += link.velocity[0].dot(&force);
-            res[1] += link.velocity[1].dot(&force) + link.spin[0].dot(&moment);
-            res[2] += link.velocity[2].dot(&force) + link.spin[1].dot(&moment);
-            res[3] += link.velocity[3].dot(&force) + link.spin[2].dot(&moment);
+            let jacobian = work.jacobian(body.first_element + i);
+            let arm = work.arms[body.first_element + i];
             let inner = &mut work.nodes[body.first_node + i];
-            moment += link.arm_m.cross(&force);
+            let (local_force, local_moment) = (inner.rotation.tr_mul(&force), inner.rotation.tr_mul(&moment));
+            let res = &mut residual[element.coordinate..element.coordinate + 4];
+            let projected = jacobian.project(element.length_m, &local_force, &local_moment);
+            res.iter_mut().zip(&projected).for_each(|(sum, term)| *sum += term);
+            moment += arm.cross(&force);
             inner.moment += moment;
             inner.force += force;
             (force, moment) = (inner.force, inner.moment);

@@ -12,18 +12,20 @@ use nalgebra::{Matrix4, Vector3, Vector4};
 pub fn kinetic(model: &Model, work: &Workspace, mut per_body: impl FnMut(usize, f64)) -> f64 {
     let mut total = 0.0;
     for (index, body) in model.bodies.iter().enumerate() {
+        let form = if body.slim_mass { slim_form } else { quadratic };
         let mut beam = 0.0;
         let mut attached = 0.0;
+        let mut rates = nodal_velocities(&work.nodes[body.first_node]);
         for i in 0..=body.elements {
-            let rates = nodal_velocities(&work.nodes[body.first_node + i]);
             let mass = &model.nodes[body.first_node + i];
-            beam += 0.5 * quadratic(&mass.beam, &rates, &rates);
+            beam += 0.5 * form(&mass.beam, &rates, &rates);
             if let Some(mass) = &mass.attached {
                 attached += 0.5 * quadratic(mass, &rates, &rates);
             }
             if i < body.elements {
                 let outer = nodal_velocities(&work.nodes[body.first_node + i + 1]);
-                beam += quadratic(&model.elements[body.first_element + i].cross_mass, &outer, &rates);
+                beam += form(&model.elements[body.first_element + i].cross_mass, &outer, &rates);
+                rates = outer;
             }
         }
         per_body(index, beam);
@@ -143,4 +145,12 @@ fn nodal_velocities(node: &Node) -> [Vector3<f64>; 4] {
 /// `Σ m[i,j] a_i · b_j`.
 fn quadratic(mass: &Matrix4<f64>, a: &[Vector3<f64>; 4], b: &[Vector3<f64>; 4]) -> f64 {
     multiply(mass, b).iter().zip(a).map(|(mb, a)| a.dot(mb)).sum()
+}
+
+/// [`quadratic`], or what is left of it where the block couples the axis only.
+fn slim_form(mass: &Matrix4<f64>, a: &[Vector3<f64>; 4], b: &[Vector3<f64>; 4]) -> f64 {
+    a[0].dot(&(b[0] * mass[(0, 0)] + b[1] * mass[(0, 1)]))
+        + a[1].dot(&(b[0] * mass[(1, 0)] + b[1] * mass[(1, 1)]))
+        + a[2].dot(&b[2]) * mass[(2, 2)]
+        + a[3].dot(&b[3]) * mass[(3, 3)]
 }

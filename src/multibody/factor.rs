@@ -4,6 +4,7 @@
 //! inertia passes inward; trees branch freely. The halves of a pair are eliminated one after the other, the outer
 //! one first, with their coupled stiffness carried along; NOTATION eqs. (D10)–(D14).
 
+use crate::beam::element::ElementKind;
 use crate::math::so3::hat;
 use crate::multibody::closure;
 use crate::multibody::dynamics::Damping;
@@ -90,7 +91,7 @@ fn factorize_tree(
             let (inner, outer) = (&work.nodes[n], &work.nodes[n + 1]);
             let elimination = eliminate(
                 element,
-                &work.links[e],
+                &work.link(model, e, n),
                 (inner, outer),
                 &work.inertia[n + 1],
                 (scale, stiffness),
@@ -350,23 +351,21 @@ pub(crate) fn solve_tree(model: &Model, work: &mut Workspace, x: &mut [f64]) -> 
     work.bias.fill(Pair::ZERO);
     for (index, body) in model.bodies.iter().enumerate().rev() {
         let mut p = work.bias[body.last_node()];
+        let pairs = body.kind == ElementKind::Linear;
         let mut from_sibling = Vector4::zeros();
         for i in (0..body.elements).rev() {
             let e = body.first_element + i;
-            let (link, factor) = (&work.links[e], &work.element_factors[e]);
-            let c = model.elements[e].coordinate;
-            let g = Vector4::new(
-                x[c] + link.velocity[0].dot(&p.linear),
-                x[c + 1] + link.velocity[1].dot(&p.linear) + link.spin[0].dot(&p.angular),
-                x[c + 2] + link.velocity[2].dot(&p.linear) + link.spin[1].dot(&p.angular),
-                x[c + 3] + link.velocity[3].dot(&p.linear) + link.spin[2].dot(&p.angular),
-            ) - from_sibling;
+            let (jacobian, factor) = (work.jacobian(e), &work.element_factors[e]);
+            let (element, rotation) = (&model.elements[e], &work.nodes[body.first_node + i].rotation);
+            let c = element.coordinate;
+            let pulled = jacobian.project(element.length_m, &rotation.tr_mul(&p.linear), &rotation.tr_mul(&p.angular));
+            let g = Vector4::from_column_slice(&x[c..c + 4]) + Vector4::from(pulled) - from_sibling;
             work.right_hand[e] = g;
             let y = back(&factor.cholesky, forward(&factor.cholesky, g));
-            from_sibling = if i % 2 == 1 { factor.coupling * y } else { Vector4::zeros() };
+            from_sibling = if pairs && i % 2 == 1 { factor.coupling * y } else { Vector4::zeros() };
             let own = &work.bias[body.first_node + i];
             let mut linear = own.linear + p.linear;
-            let mut angular = own.angular + p.angular + link.arm_m.cross(&p.linear);
+            let mut angular = own.angular + p.angular + work.arms[e].cross(&p.linear);
             for j in 0..4 {
                 linear -= factor.velocity[j] * y[j];
                 angular -= factor.spin[j] * y[j];
@@ -415,22 +414,23 @@ fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
             norm.angular = norm.angular.max(if joint.kind == ParameterKind::Free { 0.0 } else { largest });
         }
         work.bias[body.first_node] = moved;
+        let pairs = body.kind == ElementKind::Linear;
         let mut sibling = Vector4::zeros();
         for i in 0..body.elements {
             let e = body.first_element + i;
-            let (link, factor) = (&work.links[e], &work.element_factors[e]);
+            let factor = &work.element_factors[e];
             let mut g = work.right_hand[e];
             for j in 0..4 {
                 g[j] -= factor.velocity[j].dot(&moved.linear) + factor.spin[j].dot(&moved.angular);
             }
-            if i % 2 == 1 {
+            if pairs && i % 2 == 1 {
                 g -= factor.coupling * sibling;
             }
             let strain = back(&factor.cholesky, forward(&factor.cholesky, g));
             sibling = strain;
             let c = model.elements[e].coordinate;
             x[c..c + 4].copy_from_slice(strain.as_slice());
-            moved = displaced(&moved, link, &strain);
+            moved = displaced(model, work, (e, body.first_node + i), &moved, strain.into());
             work.bias[body.first_node + i + 1] = moved;
             norm.include(&moved);
         }

@@ -1,11 +1,12 @@
 //! Outward sweep: poses, velocities and accelerations of all nodes relative to the root frame.
 
-use crate::math::se3::LinkGeometry;
+use crate::math::local_link::{self, LANES, Lanes, LocalLinks, LocalMotions, Strains, matrix, vector};
 use crate::math::so3::rotation_about;
 use crate::multibody::joint::{JointPose, ParameterJoint, ParameterKind};
 use crate::multibody::model::{Base, Model};
 use crate::multibody::workspace::{Node, ParameterWork, Workspace};
 use nalgebra::{Matrix3, Vector3};
+use std::array::from_fn;
 
 /// Coordinates, rates and accelerations, each of [`Model::coordinates`].
 #[derive(Debug, Clone, Copy)]
@@ -65,8 +66,10 @@ fn move_joint<const RATES: bool>(
     work.pose = pose;
 }
 
+/// Poses and, with `RATES`, the rest.
 #[inline]
 fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion) {
+    sweep_links::<RATES>(model, &mut work.local_links, &mut work.local_motions, motion);
     let zero = Vector3::zeros();
     for (index, body) in model.bodies.iter().enumerate() {
         let (position, parent) = match body.base {
@@ -107,43 +110,51 @@ fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion)
             move_joint::<RATES>(joint, parameters, node, &parent, motion);
         }
 
-        let range = body.first_element..body.first_element + body.elements;
-        let mut inner = *node;
-        for ((element, link), outer) in
-            model.elements[range.clone()].iter().zip(&mut work.links[range]).zip(&mut work.nodes[body.first_node + 1..])
-        {
-            let first = element.coordinate;
-            let (geometry, pose) = LinkGeometry::new(&inner.rotation, element.length_m, &strains(motion.q, first));
-            *link = pose;
-            let mut next = Node { position: inner.position + pose.arm_m, rotation: pose.rotation, ..inner };
+        for i in 0..body.elements {
+            let e = body.first_element + i;
+            let (links, lane) = (&work.local_links[e / LANES], e % LANES);
+            let [inner, outer] = &mut work.nodes[body.first_node + i..body.first_node + i + 2] else { unreachable!() };
+            let turn = &inner.rotation;
+            let arm = turn * vector(&links.arm_m, lane);
+            work.arms[e] = arm;
+            outer.rotation = turn * matrix(&links.rotation, lane);
+            outer.position = inner.position + arm;
             if RATES {
-                let rates = geometry.rates(&inner.rotation, &strains(motion.v, first));
-                let pull = strains(motion.a, first);
-                let arm = &pose.arm_m;
-                next.velocity = inner.velocity + inner.spin.cross(arm) + rates.velocity;
-                next.spin = inner.spin + rates.spin;
-                next.acceleration = inner.acceleration
-                    + inner.spin_rate.cross(arm)
-                    + inner.spin.cross(&(inner.spin.cross(arm) + rates.velocity * 2.0))
-                    + rates.velocity_bias
-                    + pose.velocity[0] * pull[0]
-                    + pose.velocity[1] * pull[1]
-                    + pose.velocity[2] * pull[2]
-                    + pose.velocity[3] * pull[3];
-                next.spin_rate = inner.spin_rate
-                    + inner.spin.cross(&rates.spin)
-                    + rates.spin_bias
-                    + pose.spin[0] * pull[1]
-                    + pose.spin[1] * pull[2]
-                    + pose.spin[2] * pull[3];
+                let motions = &work.local_motions[e / LANES];
+                let swing = inner.spin.cross(&arm);
+                let velocity = turn * vector(&motions.velocity, lane);
+                let spin = turn * vector(&motions.spin, lane);
+                outer.velocity = inner.velocity + swing + velocity;
+                outer.spin = inner.spin + spin;
+                outer.acceleration = inner.acceleration
+                    + inner.spin_rate.cross(&arm)
+                    + inner.spin.cross(&(swing + velocity * 2.0))
+                    + turn * vector(&motions.acceleration, lane);
+                outer.spin_rate = inner.spin_rate + inner.spin.cross(&spin) + turn * vector(&motions.spin_rate, lane);
             }
-            outer.position = next.position;
-            outer.rotation = next.rotation;
-            outer.velocity = next.velocity;
-            outer.spin = next.spin;
-            outer.acceleration = next.acceleration;
-            outer.spin_rate = next.spin_rate;
-            inner = next;
+        }
+    }
+}
+
+/// Works out all links in their own frames, some at a time.
+#[inline]
+fn sweep_links<const RATES: bool>(
+    model: &Model,
+    links: &mut [LocalLinks],
+    motions: &mut [LocalMotions],
+    motion: Motion,
+) {
+    let chunks = model.elements.chunks(LANES).zip(links.iter_mut().zip(motions));
+    for (elements, (links, motions)) in chunks {
+        let element = |lane: usize| &elements[lane.min(elements.len() - 1)];
+        let first = from_fn(|lane| element(lane).coordinate);
+        let length_m = Lanes(from_fn(|lane| element(lane).length_m));
+        let q = Strains::read(motion.q, &first);
+        if RATES {
+            let (v, a) = (Strains::read(motion.v, &first), Strains::read(motion.a, &first));
+            (*links, *motions) = local_link::poses_and_motions(length_m, &q, &v, &a);
+        } else {
+            *links = local_link::poses(length_m, &q);
         }
     }
 }

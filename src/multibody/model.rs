@@ -101,6 +101,15 @@ pub struct Body {
     pub kind: ElementKind,
     /// Natural strains along it.
     pub natural_strain: NaturalStrain,
+    /// Mass blocks of its elements couple `r` and `r_x` only ([`couples_axis_only`]).
+    pub slim_mass: bool,
+}
+
+/// Whether a mass block couples the nodal vectors `r` and `r_x` with each other and no others: sections whose mass line is
+/// the axis, on principal axes.
+pub fn couples_axis_only(mass: &Matrix4<f64>) -> bool {
+    let slim = |i: usize, j: usize| i == j || i < 2 && j < 2;
+    (0..4).all(|i| (0..4).all(|j| slim(i, j) || mass[(i, j)] == 0.0))
 }
 
 impl Body {
@@ -261,6 +270,7 @@ impl Model {
             elements: 0,
             kind: description.kind,
             natural_strain: description.natural_strain.clone(),
+            slim_mass: true,
         };
         let section = match description.section.is_uniform() {
             true => SectionLaw::Uniform(description.section.at(0.0)),
@@ -279,6 +289,7 @@ impl Model {
                 let inner_m = start_m + piece as f64 * piece_m;
                 let kinks: Vec<f64> = section.kinks_m().iter().map(|kink| (kink - inner_m) / piece_m).collect();
                 let mass = ElementMass::with_kinks(piece_m, |xi| section.at(inner_m + xi * piece_m), &kinks);
+                body.slim_mass &= [&mass.inner, &mass.outer, &mass.cross].into_iter().all(couples_axis_only);
                 self.elements.push(Element {
                     length_m: piece_m,
                     start_m: inner_m,

@@ -1,21 +1,23 @@
 //! Kinematic norm: how far a change of the coordinates moves the nodes; last part of NOTATION eq. (D13).
 
-use crate::math::se3::Link;
+use crate::multibody::kinematics::strains;
 use crate::multibody::model::{Base, Model};
 use crate::multibody::workspace::{Pair, Workspace};
-use nalgebra::Vector4;
 
-/// Twist of a link's outer end from that of its inner end and the change of its strains.
+/// Twist of an element's outer end from that of its inner end `node` and the change of its strains.
 #[inline]
-pub(crate) fn displaced(inner: &Pair, link: &Link, strain: &Vector4<f64>) -> Pair {
+pub(crate) fn displaced(
+    model: &Model,
+    work: &Workspace,
+    (element, node): (usize, usize),
+    inner: &Pair,
+    strain: [f64; 4],
+) -> Pair {
+    let (jacobian, rotation) = (work.jacobian(element), &work.nodes[node].rotation);
+    let (linear, angular) = jacobian.push(model.elements[element].length_m, &strain);
     Pair {
-        linear: inner.linear
-            + inner.angular.cross(&link.arm_m)
-            + link.velocity[0] * strain[0]
-            + link.velocity[1] * strain[1]
-            + link.velocity[2] * strain[2]
-            + link.velocity[3] * strain[3],
-        angular: inner.angular + link.spin[0] * strain[1] + link.spin[1] * strain[2] + link.spin[2] * strain[3],
+        linear: inner.linear + inner.angular.cross(&work.arms[element]) + rotation * linear,
+        angular: inner.angular + rotation * angular,
     }
 }
 
@@ -38,9 +40,9 @@ pub fn kinematic_norm(model: &Model, work: &mut Workspace, change: &[f64]) -> f6
         }
         work.bias[body.first_node] = moved;
         for i in 0..body.elements {
-            let c = model.elements[body.first_element + i].coordinate;
-            let strain = Vector4::from_column_slice(&change[c..c + 4]);
-            moved = displaced(&moved, &work.links[body.first_element + i], &strain);
+            let (element, node) = (body.first_element + i, body.first_node + i);
+            let strain = strains(change, model.elements[element].coordinate);
+            moved = displaced(model, work, (element, node), &moved, strain);
             work.bias[body.first_node + i + 1] = moved;
             norm.include(&moved);
         }
@@ -66,10 +68,10 @@ pub fn largest_share(model: &Model, work: &Workspace, change: &[f64]) -> usize {
             parameters.displace(joint, change, &mut moved);
             offer(joint.coordinate, alone(&moved, model.reference_length_m));
         }
-        for element in body.first_element..body.first_element + body.elements {
+        for i in 0..body.elements {
+            let element = body.first_element + i;
             let c = model.elements[element].coordinate;
-            let strain = Vector4::from_column_slice(&change[c..c + 4]);
-            let moved = displaced(&Pair::ZERO, &work.links[element], &strain);
+            let moved = displaced(model, work, (element, body.first_node + i), &Pair::ZERO, strains(change, c));
             offer(c, alone(&moved, model.reference_length_m));
         }
     }

@@ -10,6 +10,7 @@ use crate::math::se3::{Link, LinkGeometry};
 use crate::multibody::kinematics::{Motion, strains};
 use crate::multibody::model::{Model, Station};
 use crate::multibody::workspace::Workspace;
+use nalgebra::Matrix3;
 
 /// One link of the way from the element's inner node to the station: its strain is
 /// `own · (this element) + sibling · (other half)`.
@@ -68,6 +69,17 @@ pub fn motion(model: &Model, work: &Workspace, motion: Motion, station: &Station
         point.rotation = link.rotation;
     }
     point
+}
+
+/// Attitude of a station, root ← section; poses of the nodes must be current in `work`.
+pub fn rotation(model: &Model, work: &Workspace, q: &[f64], station: &Station) -> Matrix3<f64> {
+    let first = model.elements[station.element].coordinate;
+    let mut rotation = work.nodes[inner_node(model, station)].rotation;
+    let (steps, count) = steps(model, station);
+    for step in &steps[..count] {
+        rotation = LinkGeometry::new(&rotation, step.length_m, &mix(q, first, step.weights)).1.rotation;
+    }
+    rotation
 }
 
 /// Subtracts a station's load from the residual: on the strains of its element, and on its inner node's wrench.

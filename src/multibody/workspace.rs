@@ -1,5 +1,6 @@
 //! Scratch of the recursions, sized once per model and rebuilt by every sweep.
 
+use crate::math::local_link::{LANES, LocalJacobian, LocalLinks, LocalMotions};
 use crate::math::se3::Link;
 use crate::multibody::closure::ClosureFactor;
 use crate::multibody::joint::{JointPose, ParameterJoint};
@@ -77,7 +78,6 @@ impl ArticulatedInertia {
 }
 
 const ZERO_3: nalgebra::ArrayStorage<f64, 3, 3> = nalgebra::ArrayStorage([[0.0; 3]; 3]);
-const ZERO_4: nalgebra::ArrayStorage<f64, 4, 4> = nalgebra::ArrayStorage([[0.0; 4]; 4]);
 
 /// Factor of one element's elimination.
 #[derive(Debug, Clone, Copy)]
@@ -149,8 +149,12 @@ impl Pair {
 pub struct Workspace {
     /// Per node.
     pub nodes: Vec<Node>,
-    /// Per element: pose and Jacobian.
-    pub links: Vec<Link>,
+    /// All elements, some at a time: poses and Jacobians in their own frames, of the last sweep.
+    pub(crate) local_links: Vec<LocalLinks>,
+    /// Per element: inner to outer end in the world, of the last sweep, m.
+    pub(crate) arms: Vec<Vector3<f64>>,
+    /// As `local_links` for rates and accelerations.
+    pub(crate) local_motions: Vec<LocalMotions>,
     /// Per body: hinge axis in the root frame.
     pub hinges: Vec<Vector3<f64>>,
     /// Per body: its joint, if that has redundant parameters.
@@ -169,13 +173,27 @@ pub struct Workspace {
 }
 
 impl Workspace {
+    /// Jacobian of an element in its own frame, of the last sweep.
+    #[inline]
+    pub(crate) fn jacobian(&self, element: usize) -> LocalJacobian {
+        LocalJacobian::of(&self.local_links[element / LANES], element % LANES)
+    }
+
+    /// An element's link in the world at the poses of the last sweep; `node` is its inner node.
+    #[inline]
+    pub(crate) fn link(&self, model: &Model, element: usize, node: usize) -> Link {
+        self.jacobian(element).turned(&self.nodes[node].rotation, model.elements[element].length_m)
+    }
+
     /// Scratch for a model.
     pub fn new(model: &Model) -> Self {
         let (nodes, elements, bodies) = (model.nodes.len(), model.elements.len(), model.bodies.len());
         let zero = Vector3::zeros();
         Self {
             nodes: vec![Node::ZERO; nodes],
-            links: vec![Link::ZERO; elements],
+            local_links: vec![LocalLinks::ZERO; elements.div_ceil(LANES)],
+            arms: vec![zero; elements],
+            local_motions: vec![LocalMotions::ZERO; elements.div_ceil(LANES)],
             hinges: vec![zero; bodies],
             parameters: model
                 .bodies
@@ -188,7 +206,7 @@ impl Workspace {
             bias: vec![Pair::ZERO; nodes],
             element_factors: vec![
                 ElementFactor {
-                    cholesky: Matrix4::from_array_storage(ZERO_4),
+                    cholesky: Matrix4::zeros(),
                     velocity: [zero; 4],
                     spin: [zero; 4],
                     coupling: Matrix4::zeros(),

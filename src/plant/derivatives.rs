@@ -191,12 +191,10 @@ impl Plant {
 
     /// Outputs beside the present; the state comes back, the outputs do not.
     fn beside(&mut self, change: impl FnOnce(&mut State)) -> Outputs {
-        let State { now, tip_rotations, station_rotations, spatial_rotations, .. } = &self.state;
-        let kept = (now.clone(), tip_rotations.clone(), station_rotations.clone(), spatial_rotations.clone());
+        let kept = self.state.now.clone();
         change(&mut self.state);
         self.evaluate();
-        let state = &mut self.state;
-        (state.now, state.tip_rotations, state.station_rotations, state.spatial_rotations) = kept;
+        self.state.now = kept;
         self.outputs.clone()
     }
 

@@ -339,12 +339,16 @@ impl EquationsOfMotion for Equations {
             self.residual(time_s, q, v, a, &mut residual);
             self.scratch = residual;
         }
-        let mut powers =
-            Powers { work: 0.0, dissipated: energy::stiffness_damping_power(&self.model, v, &self.damping) };
+        let mut powers = Powers::default();
         let damping = &self.damping;
-        energy::kinetic(&self.model, &self.work, |body, beam| {
-            powers.dissipated += 2.0 * damping[body].mass_1_s * beam;
-        });
+        if damping.iter().any(|damping| damping.stiffness_s != 0.0) {
+            powers.dissipated += energy::stiffness_damping_power(&self.model, v, damping);
+        }
+        if damping.iter().any(|damping| damping.mass_1_s != 0.0) {
+            energy::kinetic(&self.model, &self.work, |body, beam| {
+                powers.dissipated += 2.0 * damping[body].mass_1_s * beam;
+            });
+        }
         for joint in &self.joints {
             let (angle, rate) = (q[joint.coordinate], v[joint.coordinate]);
             if !joint.driven {

@@ -112,6 +112,7 @@ impl Plant {
         self.state.start = self.state.now.clone();
         self.state.ahead = self.state.now.clone();
         self.state.initialized = true;
+        self.remember_attitudes();
         self.evaluate();
         if self.outputs.are_finite() {
             Ok(())

@@ -236,12 +236,7 @@ impl Plant {
     /// Outputs at the present state with one argument changed by `amount` along a freedom, and with the present inputs.
     /// The plant's state afterwards is the one before.
     pub fn outputs_beside(&mut self, change: Option<(Argument, &Freedom, f64)>) -> Outputs {
-        let (kept, tips, stations, spatial) = (
-            self.state.now.clone(),
-            self.state.tip_rotations.clone(),
-            self.state.station_rotations.clone(),
-            self.state.spatial_rotations.clone(),
-        );
+        let kept = self.state.now.clone();
         match change {
             None => {}
             Some((Argument::Position, freedom, amount)) => self.state.now.q = self.displaced(freedom, amount),
@@ -256,8 +251,6 @@ impl Plant {
         self.evaluate();
         let beside = self.outputs.clone();
         self.state.now = kept;
-        (self.state.tip_rotations, self.state.station_rotations, self.state.spatial_rotations) =
-            (tips, stations, spatial);
         self.configure();
         self.evaluate();
         beside

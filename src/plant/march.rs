@@ -55,14 +55,19 @@ impl Plant {
             }
         }
         self.state.arrive();
-        self.evaluate();
-        if marches && outcome.is_ok() && !self.outputs.are_finite() {
-            let cause = self.largest_input();
-            self.go_back_to_begin();
-            self.state.arrive();
+        self.remember_far_turns();
+        self.forget_outputs();
+        if marches && outcome.is_ok() && !self.is_moderate() {
             self.evaluate();
-            return Err(PlantError::NotFinite { time_s: end_s, cause });
+            if !self.outputs.are_finite() {
+                let cause = self.largest_input();
+                self.go_back_to_begin();
+                self.state.arrive();
+                self.evaluate();
+                return Err(PlantError::NotFinite { time_s: end_s, cause });
+            }
         }
+        self.provide(self.watched);
         outcome
     }
 
@@ -105,6 +110,7 @@ impl Plant {
                 (None, Some(step_s)) => self.advance_fixed(step_s, limit_s)?,
                 (None, None) => self.advance(limit_s)?,
             }
+            self.remember_attitudes();
         }
         Ok(())
     }

@@ -13,7 +13,9 @@ mod events;
 mod face;
 mod latency;
 mod linear;
+mod magnitude;
 mod march;
+mod output_set;
 mod outputs;
 mod place;
 mod shape;
@@ -34,14 +36,16 @@ pub use face::{
 };
 pub use latency::Latency;
 pub use linear::{Argument, Freedom};
+pub use output_set::OutputSet;
 pub use shape::{ModeShape, NodeMotion, SectionShape, SectionState};
 pub use state::Snapshot;
 pub use state_space::InputSlope;
 pub use statics::Holding;
 pub use strains::SectionStrain;
 
+use crate::beam::element::ElementKind;
 use crate::config::Machine;
-use crate::config::machine::{JointKind, Method, Parent, Revolute, Spatial};
+use crate::config::machine::{Gauge, JointKind, Method, Parent, Revolute, Spatial};
 use crate::multibody::gauge::GaugePoint;
 use crate::solve::stepper::{self, Stepper};
 use air::AirCoupling;
@@ -71,6 +75,14 @@ pub struct Plant {
     scratch: [Vec<f64>; 2],
     latency: Latency,
     outputs: Outputs,
+    /// Outputs that a step is to find.
+    watched: OutputSet,
+    /// Outputs found at the present time.
+    found: OutputSet,
+    /// Some gauge reads a strain that is recovered from forces.
+    gauges_need_forces: bool,
+    /// The model's own numbers are so moderate that outputs overflow only where states or inputs are not.
+    model_is_moderate: bool,
 }
 
 impl Plant {
@@ -104,8 +116,14 @@ impl Plant {
         if let Some(air) = &air {
             outputs.air = air.blank_outputs(equations.load_stations);
         }
+        let recovered = |gauge: &Gauge| machine.bodies[gauge.body].element == ElementKind::Linear;
+        let gauges = outputs::gauge_points(&machine);
         Self {
-            gauges: outputs::gauge_points(&machine),
+            gauges_need_forces: machine.gauges.iter().any(recovered),
+            model_is_moderate: magnitude::model_is_moderate(&equations.model, &gauges),
+            watched: OutputSet::ALL,
+            found: OutputSet::NONE,
+            gauges,
             revolute_joints,
             spatial_joints,
             tip_bodies,
@@ -195,7 +213,7 @@ impl Plant {
         self.state.now.time_s
     }
 
-    /// Outputs at the present time, with the inputs of the step that led here.
+    /// Outputs at the present time, with the inputs of the step that led here: all, or those of [`Plant::watch`].
     pub fn outputs(&self) -> &Outputs {
         &self.outputs
     }
@@ -241,7 +259,8 @@ impl Plant {
         self.rebuild();
         if self.state.initialized {
             self.configure();
-            self.evaluate();
+            self.forget_outputs();
+            self.provide(self.watched);
         }
         Ok(())
     }

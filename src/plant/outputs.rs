@@ -6,10 +6,15 @@ use crate::config::machine::Gauge;
 use crate::load::Wrench;
 use crate::math::so3::quaternion_near;
 use crate::multibody::gauge::GaugePoint;
-use crate::multibody::kinematics::Motion;
+use crate::multibody::kinematics::{Motion, sweep_motion, sweep_poses};
+use crate::multibody::model::Element;
 use crate::multibody::{energy, station};
 use crate::plant::Plant;
+use crate::plant::equations::Equations;
 use crate::plant::face::{AirOutputs, EnergyOutputs, JointOutputs, LoopOutputs, Outputs, PointOutputs, SpatialOutputs};
+use crate::plant::output_set::{OutputSet, Sweep};
+use crate::plant::spatial::SpatialEquations;
+use crate::plant::state::State;
 use crate::solve::EquationsOfMotion;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -52,98 +57,230 @@ pub(super) fn gauge_points(machine: &Machine) -> Vec<GaugePoint> {
 }
 
 impl Plant {
-    /// Fills the outputs from the present state and the inputs of the step that led to it. Allocates nothing.
+    /// Says which outputs [`Plant::step`] is to find; at first all. Those that are missing at present are found at once.
+    ///
+    /// What is left out keeps an old value in [`Plant::outputs`] until [`Plant::provide`] is called for it. What
+    /// describes the whole wing ([`Plant::sections`], [`Plant::shape`], [`Plant::section_strains`], linear models, modes)
+    /// needs [`OutputSet::ALL`]. Later steps do not depend on it.
+    pub fn watch(&mut self, wanted: OutputSet) {
+        self.watched = wanted;
+        if self.state.initialized {
+            self.provide(wanted);
+        }
+    }
+
+    /// Finds those of `wanted` that have not been found at the present time. Allocates nothing.
+    pub fn provide(&mut self, wanted: OutputSet) {
+        if self.state.initialized && !self.found.contains(wanted) {
+            self.evaluate_some(wanted.without(self.found));
+        }
+    }
+
+    /// Whether these outputs belong to the present time.
+    pub fn provides(&self, wanted: OutputSet) -> bool {
+        !self.state.initialized || self.found.contains(wanted)
+    }
+
+    /// Fills all outputs from the present state and the inputs of the step that led to it. Allocates nothing.
     pub(super) fn evaluate(&mut self) {
-        let (state, equations, outputs) = (&mut self.state, &mut self.equations, &mut self.outputs);
+        self.found = OutputSet::NONE;
+        self.evaluate_some(OutputSet::ALL);
+    }
+
+    /// The present has changed: nothing has been found of it.
+    pub(super) fn forget_outputs(&mut self) {
+        self.found = OutputSet::NONE;
+        self.outputs.time_s = self.state.now.time_s;
+        self.equations.branch_s = self.state.now.time_s;
+    }
+
+    fn evaluate_some(&mut self, wanted: OutputSet) {
+        // loads of the air are read at the load stations and along the surfaces
+        let wanted = if self.air.is_some() { OutputSet::ALL } else { wanted };
+        self.found = self.found | wanted;
+        let (state, equations, outputs) = (&self.state, &mut self.equations, &mut self.outputs);
         let now = &state.now;
         let time_s = now.time_s;
         equations.branch_s = time_s;
-        equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
-        let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
-        let (model, work) = (&equations.model, &equations.work);
         outputs.time_s = time_s;
+        let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
+        let sweep = wanted.sweep(self.gauges_need_forces);
+        match sweep {
+            // where inputs run, the residual brings them to its time
+            _ if equations.course.moves || sweep == Sweep::Residual => {
+                equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
+            }
+            Sweep::Nothing | Sweep::Residual => {}
+            Sweep::Poses => sweep_poses(&equations.model, &mut equations.work, motion.q),
+            Sweep::Motion => sweep_motion(&equations.model, &mut equations.work, motion),
+        }
+        let (model, work) = (&equations.model, &equations.work);
 
-        for (i, (joint, state)) in equations.joints.iter().zip(&state.joints).enumerate() {
-            let (angle, rate) = (now.q[joint.coordinate], now.v[joint.coordinate]);
-            outputs.joints[i] = JointOutputs {
-                angle_rad: angle,
-                rate_rad_s: rate,
-                torque_applied_n_m: joint.drive_torque(time_s, angle, rate).applied_n_m,
-                latch_torque_n_m: joint.closed_latch().map_or(0.0, |latch| latch.torque_n_m(angle)),
-                latched: joint.latched,
-                latch_time_s: state.latch.time_s,
-                latch_count: state.latch.count,
-            };
-        }
-        for (i, joint) in equations.spatial.iter().enumerate() {
-            let (rotation, angular_velocity_rad_s) = joint.motion(work, &now.v);
-            let rotation = quaternion_near(&rotation, &state.spatial_rotations[i]);
-            state.spatial_rotations[i] = rotation;
-            outputs.spatial[i] = SpatialOutputs { rotation, angular_velocity_rad_s };
-        }
-        for (reaction, body) in outputs.joint_reactions.iter_mut().zip(&model.bodies) {
-            let node = &work.nodes[body.first_node];
-            *reaction = Wrench { force_n: node.force, moment_n_m: node.moment };
-        }
-        for joint in &equations.spatial {
-            if let Some(moment_n_m) = joint.ball_moment_n_m(work, &now.v) {
-                outputs.joint_reactions[joint.body].moment_n_m = moment_n_m;
+        if wanted.meets(OutputSet::JOINTS) {
+            for (i, (joint, state)) in equations.joints.iter().zip(&state.joints).enumerate() {
+                let (angle, rate) = (now.q[joint.coordinate], now.v[joint.coordinate]);
+                outputs.joints[i] = JointOutputs {
+                    angle_rad: angle,
+                    rate_rad_s: rate,
+                    torque_applied_n_m: joint.drive_torque(time_s, angle, rate).applied_n_m,
+                    latch_torque_n_m: joint.closed_latch().map_or(0.0, |latch| latch.torque_n_m(angle)),
+                    latched: joint.latched,
+                    latch_time_s: state.latch.time_s,
+                    latch_count: state.latch.count,
+                };
             }
         }
-        for (strain, gauge) in outputs.gauges.iter_mut().zip(&self.gauges) {
-            *strain = gauge.strain(model, work, motion, &equations.damping);
+        if wanted.meets(OutputSet::SPATIAL) {
+            for (i, joint) in equations.spatial.iter().enumerate() {
+                let (rotation, angular_velocity_rad_s) = joint.motion(work, &now.v);
+                let rotation = quaternion_near(&rotation, &state.spatial_rotations[i]);
+                outputs.spatial[i] = SpatialOutputs { rotation, angular_velocity_rad_s };
+            }
         }
-        for (output, closure) in outputs.loops.iter_mut().zip(&model.closures) {
-            let gap = closure.gap(work);
-            *output = LoopOutputs { gap_m: gap.position_m, force_n: closure.force_n(&gap) };
+        if wanted.meets(OutputSet::REACTIONS) {
+            for (reaction, body) in outputs.joint_reactions.iter_mut().zip(&model.bodies) {
+                let node = &work.nodes[body.first_node];
+                *reaction = Wrench { force_n: node.force, moment_n_m: node.moment };
+            }
+            for joint in &equations.spatial {
+                if let Some(moment_n_m) = joint.ball_moment_n_m(work, &now.v) {
+                    outputs.joint_reactions[joint.body].moment_n_m = moment_n_m;
+                }
+            }
         }
-        outputs.root = Wrench { force_n: -work.root_force, moment_n_m: -work.root_moment };
-
-        let root = &equations.root;
-        let omega = &root.angular_velocity_rad_s;
-        for (i, &body) in self.tip_bodies.iter().enumerate() {
-            let node = &work.nodes[model.bodies[body].last_node()];
-            let rotation = quaternion_near(&node.rotation, &state.tip_rotations[i]);
-            state.tip_rotations[i] = rotation;
-            let inertial = node.acceleration
-                + root.acceleration_m_s2
-                + omega.cross(&(node.velocity * 2.0 + omega.cross(&node.position)))
-                + root.angular_acceleration_rad_s2.cross(&node.position);
-            outputs.tips[i] = PointOutputs {
-                position_m: node.position,
-                velocity_m_s: node.velocity,
-                angular_velocity_rad_s: node.spin,
-                acceleration_m_s2: inertial,
-                rotation,
-            };
+        if wanted.meets(OutputSet::GAUGES) {
+            for (strain, gauge) in outputs.gauges.iter_mut().zip(&self.gauges) {
+                *strain = gauge.strain(model, work, motion, &equations.damping);
+            }
         }
-        for (i, place) in model.stations[..equations.load_stations].iter().enumerate() {
-            let point = station::motion(model, work, motion, place);
-            let rotation = quaternion_near(&point.rotation, &state.station_rotations[i]);
-            state.station_rotations[i] = rotation;
-            outputs.stations[i] = PointOutputs {
-                position_m: point.position_m,
-                velocity_m_s: point.velocity_m_s,
-                angular_velocity_rad_s: point.spin_rad_s,
-                acceleration_m_s2: Vector3::zeros(),
-                rotation,
-            };
+        if wanted.meets(OutputSet::LOOPS) {
+            for (output, closure) in outputs.loops.iter_mut().zip(&model.closures) {
+                let gap = closure.gap(work);
+                *output = LoopOutputs { gap_m: gap.position_m, force_n: closure.force_n(&gap) };
+            }
         }
+        if wanted.meets(OutputSet::ROOT) {
+            outputs.root = Wrench { force_n: -work.root_force, moment_n_m: -work.root_moment };
+        }
+        fill_tips(wanted, &self.tip_bodies, state, equations, outputs);
+        fill_stations(wanted, motion, state, equations, outputs);
         if let (Some(air), Some(history)) = (&mut self.air, &state.air) {
             air.report(equations, history, now, outputs);
         }
-        let (model, work) = (&equations.model, &equations.work);
-        let penalty: f64 = model.closures.iter().map(|closure| closure.energy_j(work).0).sum();
-        let kinetic = energy::kinetic(model, work, |_, _| {}) + penalty;
-        let potentials = equations.potentials(time_s, &now.q);
-        outputs.energy = EnergyOutputs {
-            kinetic,
-            elastic: potentials.elastic,
-            gravity: potentials.gravity,
-            drive: potentials.drive,
-            work: now.work,
-            dissipated: now.dissipated,
-            total: kinetic + potentials.total(),
-        };
+        if wanted.meets(OutputSet::ENERGIES) {
+            let (model, work) = (&equations.model, &equations.work);
+            let penalty: f64 = model.closures.iter().map(|closure| closure.energy_j(work).0).sum();
+            let kinetic = energy::kinetic(model, work, |_, _| {}) + penalty;
+            let potentials = equations.potentials(time_s, &now.q);
+            outputs.energy = EnergyOutputs {
+                kinetic,
+                elastic: potentials.elastic,
+                gravity: potentials.gravity,
+                drive: potentials.drive,
+                total: kinetic + potentials.total(),
+                ..outputs.energy
+            };
+        }
+        if wanted.meets(OutputSet::ACCOUNTS) {
+            (outputs.energy.work, outputs.energy.dissipated) = (now.work, now.dissipated);
+        }
+    }
+
+    /// Remembers the attitudes at the end of the internal step just taken, for continuous signs of quaternions. Signs so
+    /// do not depend on what is read.
+    pub(super) fn remember_attitudes(&mut self) {
+        let State { ahead, spatial_rotations, tip_rotations, station_rotations, .. } = &mut self.state;
+        let last = [spatial_rotations, tip_rotations, station_rotations];
+        self.equations.remember_attitudes(&ahead.q, &self.tip_bodies, last);
+    }
+
+    /// Remembers the attitudes at the present too where the internal step turns so far that its end says little.
+    pub(super) fn remember_far_turns(&mut self) {
+        let State { start, ahead, now, spatial_rotations, tip_rotations, station_rotations, .. } = &mut self.state;
+        if turn_between(&self.equations, &start.q, &ahead.q) > FAR_TURN_RAD {
+            sweep_poses(&self.equations.model, &mut self.equations.work, &now.q);
+            let last = [spatial_rotations, tip_rotations, station_rotations];
+            self.equations.remember_attitudes(&now.q, &self.tip_bodies, last);
+        }
+    }
+}
+
+impl Equations {
+    /// Brings the last attitudes of joints, tips and stations to the poses that the last sweep has left.
+    fn remember_attitudes(
+        &self,
+        q: &[f64],
+        tip_bodies: &[usize],
+        [joints, tips, stations]: [&mut Vec<UnitQuaternion<f64>>; 3],
+    ) {
+        let (model, work) = (&self.model, &self.work);
+        for (last, joint) in joints.iter_mut().zip(&self.spatial) {
+            *last = quaternion_near(&joint.rotation(work), last);
+        }
+        for (last, &body) in tips.iter_mut().zip(tip_bodies) {
+            *last = quaternion_near(&work.nodes[model.bodies[body].last_node()].rotation, last);
+        }
+        for (last, place) in stations.iter_mut().zip(&model.stations) {
+            *last = quaternion_near(&station::rotation(model, work, q, place), last);
+        }
+    }
+}
+
+/// Turn within one internal step above which attitudes are remembered at every communication point, rad.
+const FAR_TURN_RAD: f64 = 1.0;
+
+/// Largest angle in rad by which any part of the machine may turn between two sets of coordinates: sum of the turns of
+/// all joints and elements.
+fn turn_between(equations: &Equations, from: &[f64], to: &[f64]) -> f64 {
+    let change = |c: usize| to[c] - from[c];
+    let hinges: f64 = equations.joints.iter().map(|joint| change(joint.coordinate).abs()).sum();
+    let spatial: f64 = equations.spatial.iter().flat_map(SpatialEquations::range).map(|c| 2.0 * change(c).abs()).sum();
+    let bend = |element: &Element| {
+        let c = element.coordinate;
+        element.length_m * Vector3::new(change(c + 1), change(c + 2), change(c + 3)).norm()
+    };
+    hinges + spatial + equations.model.elements.iter().map(bend).sum::<f64>()
+}
+
+/// Free ends.
+fn fill_tips(wanted: OutputSet, bodies: &[usize], state: &State, equations: &Equations, outputs: &mut Outputs) {
+    let root = &equations.root;
+    let omega = &root.angular_velocity_rad_s;
+    for (i, &body) in bodies.iter().enumerate() {
+        let node = &equations.work.nodes[equations.model.bodies[body].last_node()];
+        let tip = &mut outputs.tips[i];
+        if wanted.meets(OutputSet::TIP_PLACES) {
+            tip.position_m = node.position;
+            tip.rotation = quaternion_near(&node.rotation, &state.tip_rotations[i]);
+        }
+        if wanted.meets(OutputSet::TIP_MOTIONS) {
+            tip.velocity_m_s = node.velocity;
+            tip.angular_velocity_rad_s = node.spin;
+            tip.acceleration_m_s2 = node.acceleration
+                + root.acceleration_m_s2
+                + omega.cross(&(node.velocity * 2.0 + omega.cross(&node.position)))
+                + root.angular_acceleration_rad_s2.cross(&node.position);
+        }
+    }
+}
+
+/// Load stations.
+fn fill_stations(wanted: OutputSet, motion: Motion, state: &State, equations: &Equations, outputs: &mut Outputs) {
+    let (model, work) = (&equations.model, &equations.work);
+    let places = wanted.meets(OutputSet::STATION_PLACES);
+    if !(places || wanted.meets(OutputSet::STATION_MOTIONS)) {
+        return;
+    }
+    for (i, place) in model.stations[..equations.load_stations].iter().enumerate() {
+        let point = station::motion(model, work, motion, place);
+        let station = &mut outputs.stations[i];
+        if places {
+            station.position_m = point.position_m;
+            station.rotation = quaternion_near(&point.rotation, &state.station_rotations[i]);
+        }
+        if wanted.meets(OutputSet::STATION_MOTIONS) {
+            station.velocity_m_s = point.velocity_m_s;
+            station.angular_velocity_rad_s = point.spin_rad_s;
+        }
     }
 }

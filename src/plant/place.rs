@@ -3,6 +3,7 @@
 use crate::multibody::norm;
 use crate::plant::Plant;
 use crate::plant::face::PlantError;
+use crate::plant::magnitude::inputs_are_moderate;
 use crate::solve::newton::NewtonError;
 
 /// Why an internal step was given up.
@@ -33,7 +34,8 @@ impl Plant {
                 format!("error estimate {error:.1e} exceeds tolerance {tolerance:.1e}"),
                 "allow a larger solver.tolerance or a smaller solver.min_step",
             ),
-            Failure::Newton(error @ NewtonError::NotFinite { .. }) => (
+            // whether the iteration overflows or only runs away is a matter of round-off
+            Failure::Newton(error) if !inputs_are_moderate(&self.state.applied_inputs) => (
                 format!("{error}; {}", self.largest_input()),
                 "look at inputs and parameters far beyond the structure's strength",
             ),

@@ -63,6 +63,11 @@ impl SpatialEquations {
         }
     }
 
+    /// Attitude, parent ← body, of the last sweep.
+    pub fn rotation(&self, work: &Workspace) -> Matrix3<f64> {
+        work.parameters[self.body].as_ref().map_or_else(Matrix3::identity, |parameters| parameters.pose.rotation)
+    }
+
     /// Attitude (parent ← body) and angular velocity relative to the parent (parent's frame) of the last sweep.
     pub fn motion(&self, work: &Workspace, v: &[f64]) -> (Matrix3<f64>, Vector3<f64>) {
         let Some(parameters) = &work.parameters[self.body] else { return (Matrix3::identity(), Vector3::zeros()) };
@@ -146,7 +151,8 @@ impl SpatialEquations {
         }
     }
 
-    fn range(&self) -> std::ops::Range<usize> {
+    /// Its parameters in the coordinates.
+    pub fn range(&self) -> std::ops::Range<usize> {
         self.joint.coordinate..self.joint.coordinate + self.joint.kind.parameters()
     }
 

@@ -110,11 +110,11 @@ pub fn iterate(
         if !correction.is_finite() {
             return Err(NewtonError::NotFinite { iteration });
         }
-        for i in 0..stage.a.len() {
-            let step = stage.residual[i];
-            stage.a[i] -= step;
-            stage.v[i] -= stage.velocity_gain * step;
-            stage.q[i] -= stage.position_gain * step;
+        let unknowns = stage.a.iter_mut().zip(&mut *stage.v).zip(&mut *stage.q);
+        for (((a, v), q), step) in unknowns.zip(&*stage.residual) {
+            *a -= step;
+            *v -= stage.velocity_gain * step;
+            *q -= stage.position_gain * step;
         }
         let rate = correction / previous;
         let left = if iteration == 0 {

@@ -69,14 +69,19 @@ impl Point {
         } else {
             let s = (time_s - start.time_s) / h;
             let basis = Quintic::at(s);
-            for i in 0..self.q.len() {
-                let ends = [end.q[i] - start.q[i], h * start.v[i], h * end.v[i], h * h * start.a[i], h * h * end.a[i]];
+            let n = self.q.len();
+            let (q, v, a) = (&mut self.q[..n], &mut self.v[..n], &mut self.a[..n]);
+            let [q0, v0, a0] = [&start.q[..n], &start.v[..n], &start.a[..n]];
+            let [q1, v1, a1] = [&end.q[..n], &end.v[..n], &end.a[..n]];
+            for i in 0..n {
+                let ends = [q1[i] - q0[i], h * v0[i], h * v1[i], h * h * a0[i], h * h * a1[i]];
                 let [value, slope, curvature] = basis.apply(&ends);
-                self.q[i] = start.q[i] + value;
-                self.v[i] = slope / h;
-                self.a[i] = curvature / (h * h);
-                self.auxiliary[i] = start.auxiliary[i] + s * (end.auxiliary[i] - start.auxiliary[i]);
+                q[i] = q0[i] + value;
+                v[i] = slope / h;
+                a[i] = curvature / (h * h);
             }
+            let auxiliary = self.auxiliary.iter_mut().zip(&start.auxiliary).zip(&end.auxiliary);
+            auxiliary.for_each(|((now, start), end)| *now = start + s * (end - start));
             let cubic = |y0: f64, y1: f64, d0: f64, d1: f64| {
                 let (s2, s3) = (s * s, s * s * s);
                 y0 + (3.0 * s2 - 2.0 * s3) * (y1 - y0) + h * ((s - 2.0 * s2 + s3) * d0 + (s3 - s2) * d1)

@@ -47,7 +47,6 @@ impl Esdirk {
         accuracy: Accuracy,
         effort: &mut Effort,
     ) -> Result<f64, NewtonError> {
-        let coordinates = start.q.len();
         let gain = h_s * tableau.gamma;
         self.velocities[0].copy_from_slice(&start.v);
         self.accelerations[0].copy_from_slice(&start.a);
@@ -57,21 +56,22 @@ impl Esdirk {
             let row = tableau.rows[stage - 1];
             let (before, after) = self.accelerations.split_at_mut(stage);
             let a = &mut after[0];
-            let [(first, share), (second, rest)] = tableau.predictor(stage);
-            for i in 0..coordinates {
-                a[i] = match (accuracy.jumped, stage) {
-                    (false, _) => share * before[first][i] + rest * before[second][i],
-                    (true, 1) => 0.0,
-                    (true, _) => before[stage - 1][i],
-                };
-                let (mut q, mut v) = (start.q[i], start.v[i]);
-                for (j, weight) in row.iter().enumerate() {
-                    q += h_s * weight * self.velocities[j][i];
-                    v += h_s * weight * before[j][i];
-                }
-                self.v[i] = v + gain * a[i];
-                self.q[i] = q + gain * self.v[i];
+            let [(first, share), (second, rest)] = match stage {
+                _ if !accuracy.jumped => tableau.predictor(stage),
+                1 => [(0, 0.0); 2],
+                _ => [(stage - 1, 1.0), (stage - 1, 0.0)],
+            };
+            self.q.copy_from_slice(&start.q);
+            self.v.copy_from_slice(&start.v);
+            for ((weight, velocities), accelerations) in row.iter().zip(&self.velocities).zip(before.iter()) {
+                add(&mut self.q, h_s * weight, velocities);
+                add(&mut self.v, h_s * weight, accelerations);
             }
+            for ((a, first), second) in a.iter_mut().zip(&before[first]).zip(&before[second]) {
+                *a = share * first + rest * second;
+            }
+            add(&mut self.v, gain, a);
+            add(&mut self.q, gain, &self.v);
             let time_s = start.time_s + tableau.abscissa(stage) * h_s;
             equations.prescribe(time_s, &mut self.q, &mut self.v, a);
             let mut unknown = Stage {
@@ -101,12 +101,19 @@ impl Esdirk {
             end.dissipated += h_s * weight * powers.dissipated;
         }
 
-        for i in 0..coordinates {
-            self.residual[i] = tableau.error.iter().zip(&self.velocities).map(|(e, v)| h_s * e * v[i]).sum();
+        self.residual.fill(0.0);
+        for (e, velocities) in tableau.error.iter().zip(&self.velocities) {
+            add(&mut self.residual, h_s * e, velocities);
         }
         let error = equations.norm(&self.residual);
         equations.project(&mut end.q, &mut end.v, &mut end.a);
         end.auxiliary.copy_from_slice(&end.a);
         Ok(error)
     }
+}
+
+/// `sum += factor · values`.
+#[inline]
+fn add(sum: &mut [f64], factor: f64, values: &[f64]) {
+    sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += factor * value);
 }

@@ -8,7 +8,7 @@ use crate::cli::sweep::plan::{Plan, file_path};
 use foldwing::config::machine::JointKind;
 use foldwing::config::{self, Machine};
 use foldwing::interface::{Interface, Value};
-use foldwing::plant::Plant;
+use foldwing::plant::{OutputSet, Plant};
 use foldwing::report::{InputTable, cell};
 use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -186,7 +186,9 @@ impl Experiment<'_> {
             first_latch_time_s: vec![None; plant.revolute_joints().len()],
             peaks: vec![0.0; plant.machine().gauges.len()],
         };
+        plant.watch(OutputSet::GAUGES);
         let outcome = self.march(&mut plant, interface, &mut measures);
+        plant.provide(OutputSet::ALL);
         let (status, message) = match outcome {
             Ok(()) => ("done", String::new()),
             Err(failure) => ("failed", one_line(&failure.to_string())),

@@ -103,7 +103,7 @@ impl Tangent {
                 let (inner, outer) = (&work.nodes[body.first_node + i], &work.nodes[body.first_node + i + 1]);
                 let strain = std::array::from_fn(|k| q[element.coordinate + k]);
                 self.links[e] = LinkTangent::new(
-                    &work.links[e],
+                    &work.link(model, e, body.first_node + i),
                     &inner.rotation,
                     (element.length_m, &strain),
                     &outer.force,

@@ -12,6 +12,7 @@ mod failures;
 mod loops;
 mod moving_root;
 mod reaction;
+mod reading;
 mod real_time;
 mod rigid;
 mod rod;

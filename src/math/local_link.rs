@@ -1,0 +1,485 @@
+//! Constant-strain links in their own inner frames, some side by side: what a residual needs of them.
+//!
+//! The same pose, Jacobian and rates as [`crate::math::se3::LinkGeometry`], NOTATION eqs. (K3)–(K5), before they are turned
+//! into the world. With `e = e_x` most products vanish, and nothing depends on the link before, so that several links can
+//! be worked out at once.
+
+use crate::math::se3::Link;
+use nalgebra::{Matrix3, Vector3};
+use std::array::from_fn;
+use std::ops::{Add, Mul, Sub};
+
+/// Links that are worked out together: what a vector of the smallest machine holds, so that registers suffice.
+pub const LANES: usize = 2;
+
+/// One number of each of some links.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lanes(pub [f64; LANES]);
+
+impl Lanes {
+    /// The same number for all.
+    #[inline(always)]
+    fn all(value: f64) -> Self {
+        Self([value; LANES])
+    }
+
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        self.0.into_iter().fold(0.0, f64::max)
+    }
+}
+
+macro_rules! lane_by_lane {
+    ($trait:ident, $method:ident, $operator:tt) => {
+        impl $trait for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(from_fn(|i| self.0[i] $operator other.0[i]))
+            }
+        }
+        impl $trait<f64> for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: f64) -> Self {
+                Self(self.0.map(|value| value $operator other))
+            }
+        }
+    };
+}
+
+lane_by_lane!(Add, add, +);
+lane_by_lane!(Sub, sub, -);
+lane_by_lane!(Mul, mul, *);
+
+/// Three components.
+type Three = [Lanes; 3];
+
+/// `a·b` of plane vectors.
+#[inline(always)]
+fn dot([a0, a1, a2]: Three, [b0, b1, b2]: Three) -> Lanes {
+    a0 * b0 + a1 * b1 + a2 * b2
+}
+
+#[inline(always)]
+fn cross([a0, a1, a2]: Three, [b0, b1, b2]: Three) -> Three {
+    [a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0]
+}
+
+/// `b`, `c` and their first two derivatives in `x = θ²`; and `1 − x c`.
+struct Coefficients {
+    sinc: Lanes,
+    b: Lanes,
+    b1: Lanes,
+    b2: Lanes,
+    c: Lanes,
+    c1: Lanes,
+    c2: Lanes,
+}
+
+/// Alternating `1/(2k+6)!` and `1/(2k+7)!`.
+const SERIES: [(f64, f64); 10] = series();
+
+const fn series() -> [(f64, f64); 10] {
+    let mut table = [(0.0, 0.0); 10];
+    let (mut factorial, mut k, mut sign) = (720.0, 0, 1.0);
+    while k < 10 {
+        let next = factorial * (2 * k + 7) as f64;
+        table[k] = (sign / factorial, sign / next);
+        factorial = next * (2 * k + 8) as f64;
+        sign = -sign;
+        k += 1;
+    }
+    table
+}
+
+/// Square of the angle up to which six terms hold round-off (0.3 rad); ten do up to [`SERIES_BELOW`].
+const SHORT_SERIES_BELOW: f64 = 0.09;
+/// Square of the angle up to which the series serve (1.5 rad); closed forms above.
+const SERIES_BELOW: f64 = 2.25;
+
+impl Coefficients {
+    #[inline(always)]
+    fn at(x: Lanes) -> Self {
+        let largest = x.largest();
+        if largest < SHORT_SERIES_BELOW {
+            Self::by_series::<6>(x)
+        } else if largest < SERIES_BELOW {
+            Self::by_series::<10>(x)
+        } else {
+            Self::one_by_one(x)
+        }
+    }
+
+    /// From `f_k = Σ (−x)^j/(2j+k)!`, of which `f_2 = b` and `f_3 = c`: series for `f_6` and `f_7`, the others by
+    /// `f_k = 1/k! − x f_{k+2}`, derivatives by `f_k' = (k f_{k+2} − f_{k+1})/2`.
+    #[inline(always)]
+    fn by_series<const TERMS: usize>(x: Lanes) -> Self {
+        let (last_6, last_7) = SERIES[TERMS - 1];
+        let (mut f6, mut f7) = (Lanes::all(last_6), Lanes::all(last_7));
+        for (term_6, term_7) in SERIES[..TERMS - 1].iter().rev() {
+            f6 = f6 * x + *term_6;
+            f7 = f7 * x + *term_7;
+        }
+        let one = Lanes::all(1.0);
+        let f4 = one * (1.0 / 24.0) - x * f6;
+        let f5 = one * (1.0 / 120.0) - x * f7;
+        let b = one * 0.5 - x * f4;
+        let c = one * (1.0 / 6.0) - x * f5;
+        Self {
+            sinc: one - x * c,
+            b,
+            b1: f4 - c * 0.5,
+            b2: (f4 - f5 * 5.0 + f6 * 8.0) * 0.25,
+            c,
+            c1: f5 * 1.5 - f4 * 0.5,
+            c2: (f5 - f6 * 7.0 + f7 * 15.0) * 0.25,
+        }
+    }
+
+    #[cold]
+    fn one_by_one(x: Lanes) -> Self {
+        let each = x.0.map(crate::math::se3::Coefficients::at);
+        let pick = |part: fn(&crate::math::se3::Coefficients) -> f64| Lanes(from_fn(|i| part(&each[i])));
+        let c = pick(|k| k.c);
+        Self {
+            sinc: Lanes::all(1.0) - x * c,
+            b: pick(|k| k.b),
+            b1: pick(|k| k.b1),
+            b2: pick(|k| k.b2),
+            c,
+            c1: pick(|k| k.c1),
+            c2: pick(|k| k.c2),
+        }
+    }
+}
+
+/// Strains, their rates or their accelerations of some links: `(εx, κx, κy, κz)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Strains(pub [Lanes; 4]);
+
+impl Strains {
+    /// Of links whose four numbers begin at `first` in `coordinates`; missing links repeat the last.
+    #[inline(always)]
+    pub fn read(coordinates: &[f64], first: &[usize; LANES]) -> Self {
+        let each: [&[f64]; LANES] = first.map(|first| &coordinates[first..first + 4]);
+        Self(from_fn(|strain| Lanes(from_fn(|link| each[link][strain]))))
+    }
+}
+
+/// Pose and Jacobian of some links in their inner frames.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LocalLinks {
+    /// `Q`: columns are the outer frame's axes.
+    pub rotation: [Three; 3],
+    /// `a u`, inner to outer end, m.
+    pub arm_m: Three,
+    /// `V`: columns; the first is `u`.
+    pub tangent: [Three; 3],
+    /// `a ∂u/∂Θ_j`: columns, m.
+    pub slope_m: [Three; 3],
+}
+
+/// Motion of the outer ends of some links relative to their inner frames, in these.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LocalMotions {
+    /// `ṗ` in m/s.
+    pub velocity: Three,
+    /// `w` in rad/s.
+    pub spin: Three,
+    /// `p̈` in m/s².
+    pub acceleration: Three,
+    /// `ẇ` in rad/s².
+    pub spin_rate: Three,
+}
+
+const ZERO: Lanes = Lanes([0.0; LANES]);
+
+impl LocalLinks {
+    /// Nothing, to be filled.
+    pub const ZERO: Self =
+        Self { rotation: [[ZERO; 3]; 3], arm_m: [ZERO; 3], tangent: [[ZERO; 3]; 3], slope_m: [[ZERO; 3]; 3] };
+}
+
+impl LocalMotions {
+    /// Rest.
+    pub const ZERO: Self = Self { velocity: [ZERO; 3], spin: [ZERO; 3], acceleration: [ZERO; 3], spin_rate: [ZERO; 3] };
+}
+
+/// What poses and motions of some links share.
+struct Shared {
+    k: Coefficients,
+    turn: Three,
+    stretched_m: Lanes,
+    /// `Θ_x Θ_y`, `Θ_x Θ_z`, `Θ_y² + Θ_z²`.
+    products: Three,
+}
+
+/// Poses of links of `length_m` with strains `q`.
+#[inline(always)]
+pub fn poses(length_m: Lanes, q: &Strains) -> LocalLinks {
+    place(length_m, q).1
+}
+
+/// Poses of links, and their motions with strain rates `v` and strain accelerations `a`.
+#[inline(always)]
+pub fn poses_and_motions(length_m: Lanes, q: &Strains, v: &Strains, a: &Strains) -> (LocalLinks, LocalMotions) {
+    let (shared, links) = place(length_m, q);
+    let motions = shared.motions(&links, length_m, v, a);
+    (links, motions)
+}
+
+/// `I + f [Θ] + g [Θ]²` by columns, from the products of different components of `Θ` and the sums of two squares.
+#[inline(always)]
+fn spread(f: Lanes, g: Lanes, [x, y, z]: Three, [xy, xz, yz]: Three, across: Three) -> [Three; 3] {
+    let one = Lanes::all(1.0);
+    let (fx, fy, fz) = (f * x, f * y, f * z);
+    let (gxy, gxz, gyz) = (g * xy, g * xz, g * yz);
+    [
+        [one - g * across[0], gxy + fz, gxz - fy],
+        [gxy - fz, one - g * across[1], gyz + fx],
+        [gxz + fy, gyz - fx, one - g * across[2]],
+    ]
+}
+
+#[inline(always)]
+fn place(length_m: Lanes, q: &Strains) -> (Shared, LocalLinks) {
+    let [stretch, bend @ ..] = q.0;
+    let turn = bend.map(|kappa| length_m * kappa);
+    let [x, y, z] = turn;
+    let (xx, yy, zz) = (x * x, y * y, z * z);
+    let (xy, xz, yz) = (x * y, x * z, y * z);
+    let k = Coefficients::at(xx + yy + zz);
+    let stretched_m = length_m + length_m * stretch;
+
+    let across = [yy + zz, xx + zz, xx + yy];
+    let products = [xy, xz, yz];
+    let rotation = spread(k.sinc, k.b, turn, products, across);
+    let tangent = spread(k.b, k.c, turn, products, across);
+
+    // a ∂u/∂Θ_j, eq. (K4)
+    let (ab, ac) = (stretched_m * k.b, stretched_m * k.c);
+    let (ab1, ac1) = (stretched_m * k.b1 * 2.0, stretched_m * k.c1 * 2.0);
+    let both = [ZERO - ac1 * across[0], ab1 * z + ac1 * xy, ac1 * xz - ab1 * y];
+    let (acx, acy, acz) = (ac * x, ac * y, ac * z);
+    let slope_m = [
+        [both[0] * x, both[1] * x + acy, both[2] * x + acz],
+        [both[0] * y - acy * 2.0, both[1] * y + acx, both[2] * y - ab],
+        [both[0] * z - acz * 2.0, both[1] * z + ab, both[2] * z + acx],
+    ];
+    let arm_m = tangent[0].map(|u| u * stretched_m);
+    (Shared { k, turn, stretched_m, products: [xy, xz, across[0]] }, LocalLinks { rotation, arm_m, tangent, slope_m })
+}
+
+impl Shared {
+    /// Eq. (K5), and the Jacobian times the strain accelerations.
+    #[inline(always)]
+    fn motions(&self, links: &LocalLinks, length_m: Lanes, v: &Strains, a: &Strains) -> LocalMotions {
+        let (k, turn) = (&self.k, self.turn);
+        let rate: Three = from_fn(|i| length_m * v.0[i + 1]);
+        let pull: Three = from_fn(|i| length_m * a.0[i + 1]);
+        let (stretch_rate, stretch_pull) = (length_m * v.0[0], length_m * a.0[0]);
+        let ([x, y, z], [x1, y1, z1]) = (turn, rate);
+
+        let s1 = dot(turn, rate) * 2.0;
+        let s2 = dot(rate, rate) * 2.0;
+        let (b1, c1) = (k.b1 * s1, k.c1 * s1);
+        let (b2, c2) = (k.b2 * s1 * s1 + k.b1 * s2, k.c2 * s1 * s1 + k.c1 * s2);
+
+        // u = (1 − c n, c Θ_xΘ_y + b Θ_z, c Θ_xΘ_z − b Θ_y), n = Θ_y² + Θ_z², and its first and second derivative
+        let [xy, xz, n] = self.products;
+        let n1 = (y * y1 + z * z1) * 2.0;
+        let n2 = (y1 * y1 + z1 * z1) * 2.0;
+        let (xy1, xz1) = (x1 * y + x * y1, x1 * z + x * z1);
+        let (xy2, xz2) = (x1 * y1 * 2.0, x1 * z1 * 2.0);
+        let direction_rate = [
+            ZERO - (c1 * n + k.c * n1),
+            c1 * xy + k.c * xy1 + b1 * z + k.b * z1,
+            c1 * xz + k.c * xz1 - b1 * y - k.b * y1,
+        ];
+        let (b1, c1) = (b1 * 2.0, c1 * 2.0);
+        let direction_bias = [
+            ZERO - (c2 * n + c1 * n1 + k.c * n2),
+            c2 * xy + c1 * xy1 + k.c * xy2 + b2 * z + b1 * z1,
+            c2 * xz + c1 * xz1 + k.c * xz2 - b2 * y - b1 * y1,
+        ];
+
+        let [t0, t1, t2] = links.tangent;
+        let [g0, g1, g2] = links.slope_m;
+        let swing = cross(turn, rate);
+        let (once, twice) = (cross(turn, swing), cross(rate, swing));
+        let double_rate = stretch_rate * 2.0;
+        LocalMotions {
+            velocity: from_fn(|i| t0[i] * stretch_rate + direction_rate[i] * self.stretched_m),
+            spin: from_fn(|i| t0[i] * x1 + t1[i] * y1 + t2[i] * z1),
+            acceleration: from_fn(|i| {
+                direction_rate[i] * double_rate
+                    + direction_bias[i] * self.stretched_m
+                    + t0[i] * stretch_pull
+                    + g0[i] * pull[0]
+                    + g1[i] * pull[1]
+                    + g2[i] * pull[2]
+            }),
+            spin_rate: from_fn(|i| {
+                swing[i] * b1 * 0.5
+                    + once[i] * c1 * 0.5
+                    + twice[i] * k.c
+                    + t0[i] * pull[0]
+                    + t1[i] * pull[1]
+                    + t2[i] * pull[2]
+            }),
+        }
+    }
+}
+
+/// A vector of one link.
+#[inline(always)]
+pub fn vector(three: &Three, lane: usize) -> Vector3<f64> {
+    Vector3::new(three[0].0[lane], three[1].0[lane], three[2].0[lane])
+}
+
+/// A matrix of one link, from its columns.
+#[inline(always)]
+pub fn matrix(columns: &[Three; 3], lane: usize) -> Matrix3<f64> {
+    Matrix3::from_columns(&[vector(&columns[0], lane), vector(&columns[1], lane), vector(&columns[2], lane)])
+}
+
+/// Jacobian of one link in its inner frame: what projects a wrench at its outer end on its strains.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LocalJacobian {
+    /// Inner to outer end in m.
+    pub arm_m: Vector3<f64>,
+    /// Outer frame's axes.
+    pub rotation: Matrix3<f64>,
+    /// `V`.
+    pub tangent: Matrix3<f64>,
+    /// `a ∂u/∂Θ` in m.
+    pub slope_m: Matrix3<f64>,
+}
+
+impl LocalJacobian {
+    /// One of some links.
+    #[inline(always)]
+    pub fn of(links: &LocalLinks, lane: usize) -> Self {
+        Self {
+            arm_m: vector(&links.arm_m, lane),
+            rotation: matrix(&links.rotation, lane),
+            tangent: matrix(&links.tangent, lane),
+            slope_m: matrix(&links.slope_m, lane),
+        }
+    }
+
+    /// `Jᵀ (F, M)` for a wrench at the outer end, in the inner frame: N·m and N·m².
+    #[inline(always)]
+    pub fn project(&self, length_m: f64, force_n: &Vector3<f64>, moment_n_m: &Vector3<f64>) -> [f64; 4] {
+        let column = |matrix: &Matrix3<f64>, j: usize, vector: &Vector3<f64>| {
+            matrix[(0, j)] * vector.x + matrix[(1, j)] * vector.y + matrix[(2, j)] * vector.z
+        };
+        let bend = |j: usize| length_m * (column(&self.slope_m, j, force_n) + column(&self.tangent, j, moment_n_m));
+        [length_m * column(&self.tangent, 0, force_n), bend(0), bend(1), bend(2)]
+    }
+
+    /// `J ε`: displacement in m and turn in rad of the outer end for a change of the strains, in the inner frame.
+    #[inline(always)]
+    pub fn push(&self, length_m: f64, strain: &[f64; 4]) -> (Vector3<f64>, Vector3<f64>) {
+        let [stretch, x, y, z] = strain.map(|strain| strain * length_m);
+        let column = |matrix: &Matrix3<f64>, j: usize| matrix.fixed_view::<3, 1>(0, j).into_owned();
+        let sum = |m: &Matrix3<f64>| column(m, 0) * x + column(m, 1) * y + column(m, 2) * z;
+        (column(&self.tangent, 0) * stretch + sum(&self.slope_m), sum(&self.tangent))
+    }
+
+    /// The link in the world, on an inner frame (world ← a).
+    #[inline(always)]
+    pub fn turned(&self, inner: &Matrix3<f64>, length_m: f64) -> Link {
+        let spin = inner * self.tangent * length_m;
+        let bend = inner * self.slope_m * length_m;
+        let column = |matrix: &Matrix3<f64>, j: usize| matrix.fixed_view::<3, 1>(0, j).into_owned();
+        Link {
+            arm_m: inner * self.arm_m,
+            rotation: inner * self.rotation,
+            velocity: [column(&spin, 0), column(&bend, 0), column(&bend, 1), column(&bend, 2)],
+            spin: [column(&spin, 0), column(&spin, 1), column(&spin, 2)],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::se3::LinkGeometry;
+
+    /// Pose, Jacobian and motion against the links in the world, through all three branches of the coefficients and with
+    /// links of different angles side by side. Tolerance: round-off of some hundred operations on numbers up to 50.
+    #[test]
+    fn local_links_are_those_of_the_world() {
+        let inner = crate::math::so3::rotation_about(&Vector3::new(0.48, 0.6, 0.64), 1.1);
+        let length = 0.4;
+        for scale in [0.0, 1e-6, 0.1, 1.0, 3.0, 8.0] {
+            let strain = |link: usize| {
+                let bend = scale * (1.0 + 0.1 * link as f64);
+                [0.02, 0.7 * bend, -0.4 * bend, 0.5 * bend]
+            };
+            let (rate, pull) = ([0.3, -1.0, 0.8, 2.0], [4.0, 3.0, -5.0, 1.0]);
+            let coordinates: Vec<f64> = (0..LANES).flat_map(strain).collect();
+            let q = Strains::read(&coordinates, &from_fn(|link| 4 * link));
+            let (v, a) = (Strains::read(&rate, &[0; LANES]), Strains::read(&pull, &[0; LANES]));
+            let (links, motions) = poses_and_motions(Lanes::all(length), &q, &v, &a);
+            assert_eq!(poses(Lanes::all(length), &q), links);
+            for lane in 0..LANES {
+                let (geometry, link) = LinkGeometry::new(&inner, length, &strain(lane));
+                let rates = geometry.rates(&inner, &rate);
+                let local = LocalJacobian::of(&links, lane);
+                let found = local.turned(&inner, length);
+                let columns = found.velocity.iter().zip(&link.velocity).chain(found.spin.iter().zip(&link.spin));
+                let worst = columns.fold((found.rotation - link.rotation).norm(), |worst, (found, link)| {
+                    worst.max((found - link).norm())
+                });
+                let worst = worst.max((found.arm_m - link.arm_m).norm());
+                let acceleration = (0..4).fold(rates.velocity_bias, |sum, j| sum + link.velocity[j] * pull[j]);
+                let spin_rate = (0..3).fold(rates.spin_bias, |sum, j| sum + link.spin[j] * pull[j + 1]);
+                let worst = [
+                    (&motions.velocity, rates.velocity),
+                    (&motions.spin, rates.spin),
+                    (&motions.acceleration, acceleration),
+                    (&motions.spin_rate, spin_rate),
+                ]
+                .into_iter()
+                .fold(worst, |worst, (found, world)| worst.max((inner * vector(found, lane) - world).norm()));
+                assert!(worst < 3e-14, "{scale}: {worst:.1e}");
+
+                let (linear, angular) = local.push(length, &pull);
+                let by_strain = (0..4).fold(Vector3::zeros(), |sum, j| sum + link.velocity[j] * pull[j]);
+                assert!((inner * linear - by_strain).norm() < 1e-14, "{scale}");
+                let by_strain = (0..3).fold(Vector3::zeros(), |sum, j| sum + link.spin[j] * pull[j + 1]);
+                assert!((inner * angular - by_strain).norm() < 1e-14, "{scale}");
+                let (force, moment) = (Vector3::new(1.0, -2.0, 0.5), Vector3::new(0.3, 0.7, -1.1));
+                let projected = local.project(length, &(inner.transpose() * force), &(inner.transpose() * moment));
+                let spun = [0.0, link.spin[0].dot(&moment), link.spin[1].dot(&moment), link.spin[2].dot(&moment)];
+                for j in 0..4 {
+                    let world = link.velocity[j].dot(&force) + spun[j];
+                    assert!((projected[j] - world).abs() < 1e-14, "{scale}: {j}");
+                }
+            }
+        }
+    }
+
+    /// The derivatives by recurrence lose no digits: against the long series of the world's coefficients, which share
+    /// nothing with them. 1e-14 of each: three operations with a cancellation of a factor of ten.
+    #[test]
+    fn coefficients_by_recurrence_keep_their_digits() {
+        for x in [0.0, 1e-9, 0.01, 0.0899, 0.0901, 0.7, 2.2] {
+            let found = Coefficients::at(Lanes::all(x));
+            let known = crate::math::se3::Coefficients::at(x);
+            for (found, known) in [
+                (found.b, known.b),
+                (found.b1, known.b1),
+                (found.b2, known.b2),
+                (found.c, known.c),
+                (found.c1, known.c1),
+                (found.c2, known.c2),
+            ] {
+                assert!((found.0[0] / known - 1.0).abs() < 1e-14, "{x}: {} instead of {known}", found.0[0]);
+            }
+        }
+    }
+}
