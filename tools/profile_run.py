@@ -18,13 +18,14 @@ import tempfile
 
 # Functions that are reported, in order; what they call counts for them unless it is another of the list.
 PARTS = {
-    "residual": r"multibody::dynamics::residual$",
-    "sweep for positions or velocities": r"multibody::kinematics::sweep_(poses|motion)$",
+    "residual beside its sweep": r"multibody::dynamics::residual$",
+    "forces for outputs beside their sweep": r"multibody::dynamics::wrenches$",
+    "sweep of poses, velocities, accelerations": r"multibody::kinematics::sweep_(poses|motion)$",
     "factorisation": r"multibody::factor::factorize$",
     "solution": r"multibody::factor::solve$",
     "error norm": r"multibody::norm::kinematic_norm$",
     "powers of the energy account": r"Equations as foldwing::solve::EquationsOfMotion>::powers$",
-    "outputs beside the sweep": r"Plant>::evaluate_some$",
+    "outputs beside sweep and forces": r"Plant>::evaluate_some$",
     "dense output": r"solve::point::Point::interpolate$",
     "attitudes": r"remember_attitudes$",
     "predictors, sums of stages, step control": r"Plant>::(step|attempt|advance|march)$",
@@ -105,7 +106,7 @@ def main():
         own, calls = read(profile)
     found = shares(own, calls)
     whole = sum(found.values())
-    if not found["residual"]:
+    if not found["residual beside its sweep"]:
         sys.exit(f"{arguments.foldwing} has no symbols: build it with `make profile`")
     print(f"{arguments.model}: {whole / 1e6:.1f} million instructions\n\n| part | million | share |\n|---|---|---|")
     for part in sorted(found, key=found.get, reverse=True):

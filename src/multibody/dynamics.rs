@@ -40,6 +40,24 @@ pub struct Environment<'a> {
 /// Allocates nothing.
 pub fn residual(model: &Model, work: &mut Workspace, motion: Motion, environment: Environment, residual: &mut [f64]) {
     sweep_motion(model, work, motion);
+    elastic_forces(model, work, motion, environment.damping, residual);
+    sweep_forces::<true>(model, work, motion, environment, residual);
+}
+
+/// What [`residual`] leaves in `work`, to the bit, without the residual itself; `scratch` has its size.
+pub fn wrenches(model: &Model, work: &mut Workspace, motion: Motion, environment: Environment, scratch: &mut [f64]) {
+    sweep_motion(model, work, motion);
+    sweep_forces::<false>(model, work, motion, environment, scratch);
+}
+
+/// Wrenches of all nodes and, where `PROJECT`, their projections on the coordinates, added to `residual`.
+fn sweep_forces<const PROJECT: bool>(
+    model: &Model,
+    work: &mut Workspace,
+    motion: Motion,
+    environment: Environment,
+    residual: &mut [f64],
+) {
     load_rates(model, work, environment);
     for body in &model.bodies {
         if body.slim_mass {
@@ -48,7 +66,6 @@ pub fn residual(model: &Model, work: &mut Workspace, motion: Motion, environment
             inertia_forces::<false>(model, body, work);
         }
     }
-    elastic_forces(model, work, motion, environment.damping, residual);
     if !environment.stations.is_empty() {
         for (station, load) in model.stations.iter().zip(environment.stations) {
             if !load.is_zero() {
@@ -59,7 +76,7 @@ pub fn residual(model: &Model, work: &mut Workspace, motion: Motion, environment
     for closure in &model.closures {
         closure.apply(work);
     }
-    sweep_inward(model, work, residual);
+    sweep_inward::<PROJECT>(model, work, residual);
 }
 
 /// Rates of the nodal vectors that the mass multiplies, and the wrenches of attached masses, eq. (D5).
@@ -234,21 +251,23 @@ pub(crate) fn excess_strain(element: &Element, motion: Motion, beta: f64) -> Vec
 }
 
 /// Projects the node wrenches on the coordinates, from the tips to the root, eq. (D9).
-fn sweep_inward(model: &Model, work: &mut Workspace, residual: &mut [f64]) {
+fn sweep_inward<const PROJECT: bool>(model: &Model, work: &mut Workspace, residual: &mut [f64]) {
     work.root_force = Vector3::zeros();
     work.root_moment = Vector3::zeros();
     for (index, body) in model.bodies.iter().enumerate().rev() {
         let outer = &work.nodes[body.last_node()];
         let (mut force, mut moment) = (outer.force, outer.moment);
         for i in (0..body.elements).rev() {
-            let element = &model.elements[body.first_element + i];
             let jacobian = work.jacobian(body.first_element + i);
             let arm = work.arms[body.first_element + i];
             let inner = &mut work.nodes[body.first_node + i];
-            let (local_force, local_moment) = (inner.rotation.tr_mul(&force), inner.rotation.tr_mul(&moment));
-            let res = &mut residual[element.coordinate..element.coordinate + 4];
-            let projected = jacobian.project(element.length_m, &local_force, &local_moment);
-            res.iter_mut().zip(&projected).for_each(|(sum, term)| *sum += term);
+            if PROJECT {
+                let element = &model.elements[body.first_element + i];
+                let (local_force, local_moment) = (inner.rotation.tr_mul(&force), inner.rotation.tr_mul(&moment));
+                let res = &mut residual[element.coordinate..element.coordinate + 4];
+                let projected = jacobian.project(element.length_m, &local_force, &local_moment);
+                res.iter_mut().zip(&projected).for_each(|(sum, term)| *sum += term);
+            }
             moment += arm.cross(&force);
             inner.moment += moment;
             inner.force += force;

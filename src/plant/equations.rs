@@ -188,6 +188,31 @@ impl Equations {
         }
     }
 
+    /// Loads of the air, and inputs that run, at a time.
+    fn bring_loads_to(&mut self, time_s: f64) {
+        if let Some(air) = &self.air {
+            air.write(&mut self.stations[self.load_stations..]);
+        }
+        if self.course.moves {
+            self.root = self.course.root(time_s);
+            self.course.write_stations(time_s, &mut self.stations[..self.load_stations]);
+            for (i, joint) in self.joints.iter_mut().enumerate() {
+                joint.external_n_m = self.course.torque_n_m(i, time_s);
+            }
+        }
+    }
+
+    /// Motion and wrenches of all nodes, as a residual leaves them.
+    pub fn wrenches(&mut self, time_s: f64, motion: Motion, scratch: &mut [f64]) {
+        self.bring_loads_to(time_s);
+        let environment = Environment {
+            root: &self.root,
+            damping: &self.damping,
+            stations: if self.loaded { &self.stations } else { &[] },
+        };
+        dynamics::wrenches(&self.model, &mut self.work, motion, environment, scratch);
+    }
+
     /// Gravity, drive and elastic potentials in J at the configuration of the last residual.
     pub fn potentials(&self, time_s: f64, q: &[f64]) -> Potentials {
         let mut potentials = Potentials {
@@ -274,16 +299,7 @@ impl EquationsOfMotion for Equations {
     }
 
     fn residual(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]) {
-        if let Some(air) = &self.air {
-            air.write(&mut self.stations[self.load_stations..]);
-        }
-        if self.course.moves {
-            self.root = self.course.root(time_s);
-            self.course.write_stations(time_s, &mut self.stations[..self.load_stations]);
-            for (i, joint) in self.joints.iter_mut().enumerate() {
-                joint.external_n_m = self.course.torque_n_m(i, time_s);
-            }
-        }
+        self.bring_loads_to(time_s);
         let environment = Environment {
             root: &self.root,
             damping: &self.damping,

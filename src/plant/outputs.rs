@@ -106,9 +106,13 @@ impl Plant {
         let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
         let sweep = wanted.sweep(self.gauges_need_forces);
         match sweep {
-            // where inputs run, the residual brings them to its time
-            _ if equations.course.moves || sweep == Sweep::Residual => {
+            // linear models go on from a whole residual
+            _ if wanted == OutputSet::ALL => {
                 equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
+            }
+            // where inputs run, it brings them to its time
+            _ if equations.course.moves || sweep == Sweep::Residual => {
+                equations.wrenches(time_s, motion, &mut self.scratch[0]);
             }
             Sweep::Nothing | Sweep::Residual => {}
             Sweep::Poses => sweep_poses(&equations.model, &mut equations.work, motion.q),
