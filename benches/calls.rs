@@ -1,9 +1,8 @@
 //! Cost of what surrounds the solver, through the exported C functions: values in and out, the step's own overhead,
-//! instantiation, and the slowest of many steps of fixed length.
+//! instantiation. How long single steps take in real-time mode: `foldwing latency`.
 //!
 //! `cargo bench --bench calls` (or `make bench`) prints the tables of `docs/BENCHMARKS.md`. Processor time of one thread,
-//! the least and the median of repeated runs; the slowest step is also given on the clock, which other programs disturb.
-//! `-- STEPS` sets the number of fixed steps (default 100 000).
+//! the least and the median of repeated runs.
 
 #[path = "../tests/robustness/fmu.rs"]
 mod fmu;
@@ -37,11 +36,10 @@ impl Stopwatch {
         Self { clock: Instant::now(), processor: processor_time() }
     }
 
-    /// Processor time and time on the clock in µs.
-    fn us(&self) -> [f64; 2] {
+    /// Time in µs.
+    fn us(&self) -> f64 {
         let processor = self.processor.zip(processor_time()).map(|(begin, end)| end - begin);
-        let clock = self.clock.elapsed();
-        [processor.unwrap_or(clock), clock].map(|time| 1e6 * time.as_secs_f64())
+        1e6 * processor.unwrap_or_else(|| self.clock.elapsed()).as_secs_f64()
     }
 }
 
@@ -102,7 +100,7 @@ fn through_c(text: &str, exchange: bool) -> (f64, f64) {
         }
         time_s += STEP_S;
     }
-    let [us, _] = watch.us();
+    let us = watch.us();
     (us, fmu.get("fold.angle"))
 }
 
@@ -116,7 +114,7 @@ fn plant_alone(text: &str) -> (f64, f64) {
         time_s += STEP_S;
         plant.step(time_s).expect("it steps");
     }
-    let [us, _] = watch.us();
+    let us = watch.us();
     (us, plant.outputs().joints[0].angle_rad)
 }
 
@@ -149,7 +147,7 @@ fn steps() {
         for _ in 0..calls {
             black_box(unsafe { fmi2SetReal(fmu.component, inputs.as_ptr(), VALUES, commands.as_ptr()) });
         }
-        setting.push(watch.us()[0] / f64::from(calls));
+        setting.push(watch.us() / f64::from(calls));
     }
     fmu.step(0.0, STEP_S); // without it a get would evaluate the outputs anew
     for _ in 0..RUNS {
@@ -157,7 +155,7 @@ fn steps() {
         for _ in 0..calls {
             black_box(unsafe { fmi2GetReal(fmu.component, outputs.as_ptr(), VALUES, values.as_mut_ptr()) });
         }
-        getting.push(watch.us()[0] / f64::from(calls));
+        getting.push(watch.us() / f64::from(calls));
     }
     for (name, times) in [("`fmi2SetReal`", setting), ("`fmi2GetReal`", getting)] {
         let (least, median) = least_and_median(times);
@@ -183,7 +181,7 @@ fn instantiations() {
         for _ in 0..RUNS / 2 {
             let watch = Stopwatch::start();
             let (component, messages) = attempt.run();
-            let [begun, _] = watch.us();
+            let begun = watch.us();
             assert!(!component.is_null(), "refused: {messages:?}");
             // frees the instance at the end of the round
             let fmu = Fmu { component, messages, table: fmu::table(&text) };
@@ -193,7 +191,7 @@ fn instantiations() {
                 fmu.ok(fmi2EnterInitializationMode(component));
                 fmu.ok(fmi2ExitInitializationMode(component));
             }
-            let [done, _] = watch.us();
+            let done = watch.us();
             instantiating.push(1e-3 * begun);
             initializing.push(1e-3 * done);
             both.push(1e-3 * (begun + done));
@@ -204,35 +202,7 @@ fn instantiations() {
     }
 }
 
-/// The slowest step of fixed length, 15 constant elements per body, wing latched and shaken by the fold torque.
-fn slowest_step(steps: u32) {
-    let text = include_str!("../examples/models/folding_wing_constant.toml");
-    let fmu = ready(&format!("{text}\n[solver]\nfixed_step_s = 1e-3\n"));
-    let torque = fmu.reference("fold.torque");
-    let (mut slowest, mut sum_us) = ([0f64; 2], 0.0);
-    for i in 0..steps {
-        let time_s = 1e-3 * f64::from(i);
-        let torque_n_m = 0.02 * (40.0 * time_s).sin();
-        let watch = Stopwatch::start();
-        unsafe {
-            assert_eq!(fmi2SetReal(fmu.component, &torque, 1, &torque_n_m), fmi2OK);
-            assert_eq!(fmi2DoStep(fmu.component, time_s, 1e-3, 1), fmi2OK);
-        }
-        let us = watch.us();
-        sum_us += us[0];
-        for (largest, us) in slowest.iter_mut().zip(us) {
-            *largest = largest.max(us);
-        }
-    }
-    println!("\n| fixed step of 1 ms, 2 × 15 constant elements, {steps} steps | µs |\n|---|---|");
-    println!("| mean, processor time | {:.1} |", sum_us / f64::from(steps));
-    println!("| slowest, processor time | {:.1} |", slowest[0]);
-    println!("| slowest, on the clock | {:.1} |", slowest[1]);
-}
-
 fn main() {
-    let count = std::env::args().skip(1).find_map(|argument| argument.parse().ok());
     steps();
     instantiations();
-    slowest_step(count.unwrap_or(100_000));
 }

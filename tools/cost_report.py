@@ -151,12 +151,14 @@ def targets(runs):
     """Rows of the targets."""
     limits = {"latch": 5e-3, "peak": 1e-2}
     theirs, ours = select(runs, "deployment", "Exudyn"), select(runs, "deployment", "Foldwing")
-    shipped = {run.label: run for run in runs if run.case == "shipped"}
-    pairs, constant = shipped["folding_wing"], shipped["folding_wing_constant"]
+    shipped = [run for run in runs if run.case == "shipped"]
+    # at Exudyn's times of output
+    pairs, constant = (run for run in shipped if run.output_s == ours[0].output_s)
+    own_times = [run for run in shipped if run.output_s != ours[0].output_s]
     at_step = [run for run in theirs if run.step_s == 5e-5]
     # as the script of the design ran it
     paper_mesh = [run for run in at_step if run.elements == 15 and run.tolerance == 1e-6]
-    for run in shipped.values():
+    for run in shipped:
         assert run.meets(limits), f"{run.label} misses latch time or peak strain: {run.errors}"
     rows = [
         comparison("deployment: Exudyn with 15 elements, 0.05 ms, Newton 1e-6; shipped model", cheapest(paper_mesh, limits),
@@ -177,7 +179,7 @@ def targets(runs):
             name = f"two-body, {words} to 1e-3, outputs every {1e3 * output_s:g} ms"
             rows.append(comparison(name, cheapest(left, {error: 1e-3}), cheapest(right, {error: 1e-3}), 10))
     limits_ms = []
-    for run, reach_ms in ((pairs, 10), (constant, 40)):
+    for run, reach_ms in zip(own_times, (10, 40)):
         verdict = "yes" if 1e3 * run.cost_s <= reach_ms else "**no**"
         errors = f"latch {run.errors['latch']:.2%}, peak {run.errors['peak']:.2%}"
         median = ms(statistics.median(run.times_s))
@@ -212,8 +214,8 @@ def write_table(runs, path, states, rounds, apart, deployment):
         f"up to {rounds} round{'s' if rounds > 1 else ''}.",
         "",
         "Cost is processor time of the solution alone in ms, the least of the rounds (median beside it): `SolveDynamic` there, "
-        "initialisation, steps and rows of output here. Foldwing is three-dimensional, Exudyn's beams here are planar. Foldwing "
-        "evaluates all outputs at every communication point, Exudyn stores two or three sensors; both at the same times. "
+        "initialisation, steps and rows of output here. Foldwing is three-dimensional, Exudyn's beams here are planar. Both "
+        "write one to three outputs, at the same times. "
         "Foldwing's steps are accepted ones; tolerance and longest step are stated. Some settings are wasteful on either "
         f"side: that is what the fronts are for. {gave_up} settings gave up. Exudyn's knobs here: elements, step, tolerance of "
         "Newton's iteration, dense or sparse algebra. Its latch is a Python function before each step, a tenth of the cost of "

@@ -399,4 +399,13 @@ mod tests {
         let both = velocity(NO_CORE, 1, 1, &nodes_m, point_m) + velocity(NO_CORE, 1, 1, &mirrored, point_m);
         assert!((velocity(kernel, 1, 1, &nodes_m, point_m) - both).norm() < 1e-15);
     }
+
+    /// The kernels run with the machine's vectors: without its feature for them the dispatching crate quietly knows
+    /// scalars only, which costs a factor of two.
+    #[cfg(target_arch = "x86_64")]
+    #[test]
+    fn kernels_are_dispatched_to_wide_vectors() {
+        let wide = std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma");
+        assert_eq!(matches!(pulp::Arch::new(), pulp::Arch::Scalar), !wide);
+    }
 }

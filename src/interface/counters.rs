@@ -23,9 +23,13 @@ const REAL_TIME_COUNTERS: &[(&str, Counter, &str)] = &[
 
 /// Name, duration and meaning of what only real-time mode has.
 const DURATIONS: &[(&str, Duration, &str)] = &[
-    ("step_time", Duration::Last, "wall time that the last communication step took"),
-    ("step_time_median", Duration::Median, "wall time that half of the communication steps did not exceed, to 4.5 %,"),
-    ("step_time_max", Duration::Slowest, "wall time of the slowest communication step"),
+    ("step_time", Duration::Last, "wall time that the last communication step took, reading of outputs not included"),
+    (
+        "step_time_median",
+        Duration::Median,
+        "wall time that half of the communication steps since initialisation did not exceed, to 4.5 %",
+    ),
+    ("step_time_max", Duration::Slowest, "wall time of the slowest communication step since initialisation"),
 ];
 
 /// Adds the rows.
@@ -37,7 +41,7 @@ pub(super) fn locals(table: &mut Table, machine: &Machine) {
         table.push(Binding::Local(counter), Causality::Local, Variability::Discrete, Value::Integer(0), text);
     }
     for &(name, duration, meaning) in if in_real_time { DURATIONS } else { &[] } {
-        let text = (format!("solver.{name}"), Some("Time"), None, format!("{meaning} since initialisation"));
+        let text = (format!("solver.{name}"), Some("Time"), None, meaning.to_owned());
         table.push(Binding::Duration(duration), Causality::Local, Variability::Discrete, Value::Real(0.0), text);
     }
 }
