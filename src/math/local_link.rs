@@ -55,7 +55,7 @@ lane_by_lane!(Mul, mul, *);
 /// Three components.
 type Three = [Lanes; 3];
 
-/// `a·b` of plane vectors.
+/// `a·b` of each link.
 #[inline(always)]
 fn dot([a0, a1, a2]: Three, [b0, b1, b2]: Three) -> Lanes {
     a0 * b0 + a1 * b1 + a2 * b2

@@ -176,7 +176,7 @@ impl Plant {
         while let Err(error) = self.attempt(step_s, NEWTON_CEILING_EXACT) {
             self.state.statistics.failures += 1;
             if self.machine.solver.most_iterations.is_some() {
-                // in real time nothing is repeated: what fails here is not finite
+                // in real time nothing is repeated: what fails here is not finite or singular
                 return Err(self.no_convergence(step_s, Failure::Newton(error)));
             }
             step_s *= 0.5;

@@ -64,8 +64,8 @@ pub const TR_BDF2: Tableau = {
     }
 };
 
-/// SDIRK of two stages, order 2, L-stable (Alexander 1977), NOTATION eq. (T10): its explicit first stage has no weight, so that a jump of the
-/// accelerations at the step's begin does not ring on in stiff modes.
+/// SDIRK of two stages, order 2, L-stable (Alexander 1977), NOTATION eq. (T10): its explicit first stage has no weight, so
+/// that a jump of the accelerations at the step's begin does not ring on in stiff modes.
 pub const SDIRK2: Tableau = {
     const GAMMA: f64 = 1.0 - ROOT_2 / 2.0;
     Tableau {

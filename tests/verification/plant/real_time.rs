@@ -55,7 +55,7 @@ fn deployed(machine: Machine) -> (Vec<[f64; 2]>, f64, Plant) {
 /// P-110. Where nothing is cut short, real-time mode follows the ordinary mode with the same method and fixed step: both
 /// solve the same equations, so what differs is what Newton's iteration leaves, at most 1e-8 of the wing's length in a
 /// stage, and the latch time, which two trials locate instead of forty. Allowed is the sum of that over 2000 steps, in rad
-/// and m. At longer steps the ordinary mode cuts the first one.
+/// and m; a latch time moves by that over the rate of some 10 rad/s. At longer steps the ordinary mode cuts the first one.
 #[test]
 fn p110_nothing_cut_short_changes_nothing() {
     let (real_time, real_time_latch_s, plant) = deployed(wing(1e-4, Some(10)));
@@ -121,20 +121,16 @@ fn shake(plant: &mut Plant, step: u32, force_n: f64) -> Result<(), PlantError> {
 #[test]
 fn p113_work_is_bounded_under_an_absurd_load() {
     let mut plant = started(wing(STEP_S, Some(MOST)));
-    let mut stopped = None;
     for step in 1..=300 {
         let before = plant.statistics();
-        if let Err(error) = shake(&mut plant, step, 5.0) {
-            stopped = Some((step, error));
-            break;
-        }
+        shake(&mut plant, step, 5.0).unwrap();
         let after = plant.statistics();
         let marches = 1 + 3 * (after.events - before.events);
         assert!(after.iterations - before.iterations <= marches * STAGES * MOST as u64, "{step}: {before:?} {after:?}");
         assert_eq!(after.rejections + after.failures, 0);
     }
     let statistics = plant.statistics();
-    println!("P-113: {statistics:?}, stopped: {stopped:?}");
+    println!("P-113: {statistics:?}");
     assert_eq!(statistics.largest_iterations, MOST as u64, "the bound was reached");
     assert!(statistics.unconverged > 0);
 }
