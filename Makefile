@@ -30,7 +30,7 @@ PLATFORMS   := $(TARGET)/platforms
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers profile bless licenses robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
+.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers profile bless licenses robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -146,6 +146,11 @@ validate: package venv ## Compare with the methods of the paper, sweep on Dask, 
 	$(DASK)/bin/python examples/sweep_dask.py --fmu $(FMU) --foldwing $(COMMAND)
 	$(VENV_PYTHON) tools/shoot_viewer.py --foldwing $(COMMAND) --output docs/pictures
 	$(MAKE) robust
+
+audit: build venv ## Repeat the audit of physics and numerics: studies/audit, docs/validation/audit.md
+	@set -e; for script in $(filter-out %/machine.py,$(wildcard studies/audit/*.py)); do \
+	    echo "== $$script"; FOLDWING=$(abspath $(COMMAND)) $(abspath $(VENV_PYTHON)) $$script; \
+	done
 
 # with the checks for overflow and the assertions that a release build leaves out; a single step may take its 10⁶ internal
 # steps, a minute and more in this build

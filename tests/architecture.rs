@@ -68,6 +68,7 @@ const DOCUMENTS: &[&str] = &[
     "README.md",
     "docs/ARCHITECTURE.md",
     "docs/VALIDATION.md",
+    "docs/validation/audit.md",
     "docs/BENCHMARKS.md",
     "docs/PLATFORMS.md",
     "docs/COMMAND_LINE.md",
@@ -81,7 +82,8 @@ const DOCUMENTS: &[&str] = &[
 ];
 
 /// Folders at the top: what begins with one of them in a document is a path.
-const TOP: &[&str] = &[".ci", "benches", "docs", "examples", "modelDescription", "python", "src", "tests", "tools"];
+const TOP: &[&str] =
+    &[".ci", "benches", "docs", "examples", "modelDescription", "python", "src", "studies", "tests", "tools"];
 
 #[test]
 fn imports_point_one_way() {
