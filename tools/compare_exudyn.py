@@ -64,7 +64,7 @@ class Foldwing:
     def simulate(self, model, outputs, step_s=None):
         """Figures of `--timing` and columns of outputs at the communication points."""
         table, figures = self.folder / "run.csv", self.folder / "run.json"
-        command = [self.command, "simulate", model, "--csv", table, "--timing", figures]
+        command = [self.command, "simulate", model, "--csv", table, "--timing", figures, "--force"]
         command += [argument for output in outputs for argument in ("--output", output)]
         command += ["--step", repr(step_s)] if step_s else []
         done = subprocess.run(list(map(str, command)), capture_output=True, text=True)

@@ -2,6 +2,7 @@
 
 use crate::cli::air_summary::AirSummary;
 use crate::cli::joint_size::JointSize;
+use crate::cli::outlets::{Force, Mark, Outlets};
 use crate::cli::{Failure, print, read_model};
 use foldwing::config::Machine;
 use foldwing::config::machine::{
@@ -13,7 +14,6 @@ use foldwing::packaging::sketch::sketch;
 use foldwing::plant::Plant;
 use serde::Serialize;
 use std::fmt::Write;
-use std::fs;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -31,14 +31,16 @@ pub struct Arguments {
     /// Also draw the wing into a file, deployed and at its start angles
     #[arg(long, value_name = "FILE.svg")]
     draw: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Prints the summary and the wing.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, _) = read_model(&arguments.model)?;
     if let Some(path) = &arguments.draw {
-        fs::write(path, drawing::file(&machine))
-            .map_err(|error| Failure::writing(&path.display().to_string(), &error))?;
+        let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
+        outlets.place(path, Mark::SVG)?.fill(drawing::file(&machine).as_bytes())?;
     }
     let summary = Summary::new(&machine);
     if arguments.json {

@@ -58,6 +58,7 @@ Examples:
 
 pub(super) const SIMULATE: &str = "\
 Examples:
+  foldwing simulate wing.toml
   foldwing simulate wing.toml --csv wing.csv
   foldwing simulate wing.toml --csv - --output fold.angle --output tip.position.z --stop 0.2
   foldwing simulate wing.toml --csv wing.csv --set fold.start_angle=1.5 --set fold.latch_enable=0

@@ -1,5 +1,6 @@
 //! `foldwing linearize`: `A`, `B`, `C`, `D` about a state.
 
+use crate::cli::outlets::{Force, Mark, Outlet, Outlets};
 use crate::cli::settings::plant_with;
 use crate::cli::simulate::unknown;
 use crate::cli::{Failure, print, read_model};
@@ -7,9 +8,8 @@ use clap::builder::NonEmptyStringValueParser;
 use foldwing::interface::{Interface, LinearModel, Variable};
 use foldwing::plant::{Holding, Plant, PlantError};
 use foldwing::report::{linear_json, write_mat, write_npz};
-use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, Cursor, Write};
+use std::path::PathBuf;
 
 #[derive(clap::Args)]
 #[command(after_long_help = crate::cli::help::LINEARIZE)]
@@ -31,15 +31,22 @@ pub struct Arguments {
     /// File to write: `.json`, `.npz` (NumPy) or `.mat` (MATLAB)
     #[arg(short, long, value_name = "X.json|X.npz|X.mat")]
     output: PathBuf,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Writes the linear model.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let extension = arguments.output.extension().and_then(|extension| extension.to_str());
-    if !matches!(extension, Some("json" | "npz" | "mat")) {
-        let output = arguments.output.display();
-        return Err(Failure::Usage(format!("--output {output}: the name must end in .json, .npz or .mat")));
-    }
+    let (mark, write): (Mark, Writer) = match arguments.output.extension().and_then(|extension| extension.to_str()) {
+        Some("json") => (Mark::LINEAR_JSON, |model, sink| writeln!(sink, "{:#}", linear_json(model))),
+        Some("npz") => (Mark::NPZ, write_npz_to),
+        Some("mat") => (Mark::MAT, |model, sink| write_mat(model, sink)),
+        _ => {
+            let output = arguments.output.display();
+            return Err(Failure::Usage(format!("--output {output}: the name must end in .json, .npz or .mat")));
+        }
+    };
+    let place = Outlets::new(arguments.force.force, [arguments.model.as_path()]).place(&arguments.output, mark)?;
     let (machine, _) = read_model(&arguments.model)?;
     let interface = Interface::new(&machine);
     let inputs = chosen(&arguments.inputs, interface.real_inputs(), "real input")?;
@@ -48,7 +55,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     reach("--at", &arguments.at, &mut plant)?;
     let model =
         interface.linearize(&mut plant, &inputs, &outputs).map_err(|error| Failure::Statics(error.to_string()))?;
-    write(&model, &arguments.output, extension)?;
+    let mut outlet = place.open()?;
+    write(&model, &mut outlet).map_err(|error| outlet.failure(&error))?;
+    outlet.finish()?;
     print(&format!(
         "{}: {} states, {} inputs, {} outputs at t = {} s, written to {}",
         plant.machine().name,
@@ -111,13 +120,12 @@ pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Fai
     }
 }
 
-fn write(model: &LinearModel, path: &Path, extension: Option<&str>) -> Result<(), Failure> {
-    let failed = |error: std::io::Error| Failure::writing(&path.display().to_string(), &error);
-    let create = || File::create(path).map(BufWriter::new);
-    match extension {
-        Some("npz") => create().and_then(|file| write_npz(model, file)),
-        Some("mat") => create().and_then(|mut file| write_mat(model, &mut file).and_then(|()| file.flush())),
-        _ => std::fs::write(path, format!("{:#}\n", linear_json(model))),
-    }
-    .map_err(failed)
+/// Writes a linear model in one of the formats.
+type Writer = fn(&LinearModel, &mut Outlet) -> io::Result<()>;
+
+/// An archive is written back and forth, so in memory first.
+fn write_npz_to(model: &LinearModel, sink: &mut Outlet) -> io::Result<()> {
+    let mut archive = Cursor::new(Vec::new());
+    write_npz(model, &mut archive)?;
+    sink.write_all(&archive.into_inner())
 }

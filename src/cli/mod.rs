@@ -12,6 +12,7 @@ mod lattice;
 mod linearize;
 mod modes;
 mod new;
+mod outlets;
 mod package;
 mod pictures;
 mod processor_time;
@@ -73,7 +74,7 @@ enum Command {
     ///
     /// Without an importer: the outputs, or the variables that --output names, at the communication points of the model's
     /// experiment. Pictures go with it or instead: figures, a page that plays the motion, files for ParaView. A summary goes to
-    /// standard error. If the simulation fails, rows and pictures show what was until then.
+    /// standard error; without any file it is all there is. If the simulation fails, rows and pictures show what was until then.
     Simulate(simulate::Arguments),
     /// Simulate many variants of a model, and write a row for each
     ///

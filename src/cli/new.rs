@@ -1,9 +1,8 @@
 //! `foldwing new`: a commented model file to start from.
 
+use crate::cli::outlets::{Mark, Outlets};
 use crate::cli::{Failure, print};
 use foldwing::config;
-use std::fs::OpenOptions;
-use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// The starter, itself a valid model. [`NAME`] and [`FILE`] stand for the names of the model and of its file.
@@ -47,9 +46,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             path.with_extension("toml").display()
         )));
     }
-    if !arguments.force && path.exists() {
-        return Err(exists(path, ""));
-    }
+    let mut outlets = Outlets::new(arguments.force, []);
+    let model = outlets.place(path, Mark::Never)?;
     let own_name = path.file_name().map(Path::new).unwrap_or(path);
     let mut text = STARTER.replace(FILE, &quoted(own_name)).replacen(NAME, &format!("name = \"{name}\""), 1);
     let schema = path.with_file_name(SCHEMA);
@@ -59,10 +57,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     // the schema first: where it cannot be written, nothing is left behind
     let mut written = shown.to_string();
     if !arguments.no_schema && !holds(&schema, &config::schema()) {
-        write(&schema, &config::schema(), arguments.force, ", --no-schema leaves it as it is")?;
+        let place = outlets.place(&schema, Mark::SCHEMA).map_err(|failure| match failure {
+            Failure::Files(message) => Failure::Files(format!("{message}, --no-schema leaves it as it is")),
+            other => other,
+        })?;
+        place.fill(config::schema().as_bytes())?;
         written = format!("{written} and {}", schema.display());
     }
-    write(path, &text, arguments.force, "")?;
+    model.fill(text.as_bytes())?;
     print(&format!("wrote {written}; type next:\n{}", commands(path)))
 }
 
@@ -75,21 +77,6 @@ fn commands(path: &Path) -> String {
 /// True where the file has this text.
 fn holds(path: &Path, text: &str) -> bool {
     std::fs::read(path).is_ok_and(|found| found == text.as_bytes())
-}
-
-/// Writes a file that must not be there, unless forced; `way_out` is what else the user may do then.
-fn write(path: &Path, text: &str, force: bool, way_out: &str) -> Result<(), Failure> {
-    let mut options = OpenOptions::new();
-    let options = if force { options.create(true).truncate(true) } else { options.create_new(true) };
-    let written = options.write(true).open(path).and_then(|mut file| file.write_all(text.as_bytes()));
-    written.map_err(|error| match error.kind() {
-        ErrorKind::AlreadyExists => exists(path, way_out),
-        _ => Failure::writing(&path.display().to_string(), &error),
-    })
-}
-
-fn exists(path: &Path, way_out: &str) -> Failure {
-    Failure::Files(format!("{}: exists already; --force overwrites it{way_out}", path.display()))
 }
 
 /// A path as a shell takes it: in quotes where it has spaces, on one line whatever it has.

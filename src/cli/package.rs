@@ -1,10 +1,11 @@
 //! `foldwing package`: an FMU of a model.
 
 use crate::cli::linearize::reach;
+use crate::cli::outlets::{Force, Mark, Outlets};
 use crate::cli::{Failure, print, read_model};
 use foldwing::config::Machine;
 use foldwing::interface::{Interface, LinearModel, Variable, guid};
-use foldwing::packaging::{self, Extras, Library, PackageError, Platform, Reference};
+use foldwing::packaging::{self, CrossCheck, Extras, Library, PackageError, Platform, Reference};
 use foldwing::plant::Plant;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::ffi::{OsStr, OsString};
@@ -32,6 +33,8 @@ pub struct Arguments {
     /// Also write the files of the FMI Cross-Check below a folder
     #[arg(long, value_name = "FOLDER", conflicts_with = "no_reference")]
     cross_check: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
     /// Print modelDescription.xml and write nothing
     #[arg(long, conflicts_with_all = ["output", "libraries", "linear", "no_reference", "cross_check"])]
     description_only: bool,
@@ -45,35 +48,57 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let variables = interface.variables();
         return print(&packaging::model_description(&machine, variables, &guid(&text, variables)));
     };
+    if !output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu")) {
+        let shown = output.display();
+        return Err(Failure::Usage(format!("{shown}: an FMU ends in .fmu; write {shown}.fmu")));
+    }
+    let sources = sources(&arguments.libraries)?;
+    let read = std::iter::once(arguments.model.as_path()).chain(sources.iter().map(|(_, path)| path.as_path()));
+    let mut outlets = Outlets::new(arguments.force.force, read);
+    let place = outlets.place(output, Mark::FMU)?;
     let extras = Extras {
         reference: (!arguments.no_reference).then(|| reference(&machine)).transpose()?,
         linear: arguments.linear.as_ref().map(|at| linear(&machine, at)).transpose()?,
     };
-    let libraries = if arguments.libraries.is_empty() {
-        Library::read(&library_beside_executable()?, None).map_err(failure)?
-    } else {
-        let mut libraries = Vec::new();
-        for argument in &arguments.libraries {
-            let (platform, path) = place(argument)?;
-            libraries.extend(Library::read(&path, platform).map_err(failure)?);
-        }
-        libraries
-    };
-    packaging::package(&machine, &text, &extras, &libraries, output).map_err(failure)?;
+    let mut libraries = Vec::new();
+    for (platform, path) in sources {
+        libraries.extend(Library::read(&path, platform).map_err(failure)?);
+    }
+    let fmu = packaging::package(&machine, &text, &extras, &libraries).map_err(failure)?;
+    place.fill_durably(&fmu)?;
     if let (Some(folder), Some(reference)) = (&arguments.cross_check, &extras.reference) {
-        for written in packaging::cross_check(&machine, reference, output, folder).map_err(failure)? {
-            print(&format!("cross-check files in {}", written.display()))?;
+        let name = output.file_stem().and_then(|stem| stem.to_str()).unwrap_or("model");
+        let files = CrossCheck::new(&machine, reference, name);
+        for (place, files) in files.submissions(&libraries, &fmu) {
+            submit(&folder.join(place), &files, &mut outlets)?;
         }
     }
     Ok(())
+}
+
+/// Writes the cross-check's files of one platform, and says where.
+fn submit(folder: &Path, files: &[(String, &[u8])], outlets: &mut Outlets) -> Result<(), Failure> {
+    for (name, bytes) in files {
+        let mark = if name.ends_with(".fmu") { Mark::FMU } else { Mark::first_line(bytes) };
+        outlets.place(&folder.join(name), mark)?.fill(bytes)?;
+    }
+    print(&format!("cross-check files in {}", folder.display()))
 }
 
 fn failure(error: PackageError) -> Failure {
     match error {
         PackageError::NotALibrary { .. } => Failure::Refused(error.to_string()),
         PackageError::Twice { .. } => Failure::Usage(error.to_string()),
-        PackageError::Library { .. } | PackageError::Write { .. } => Failure::Files(error.to_string()),
+        PackageError::Library { .. } => Failure::Files(error.to_string()),
     }
+}
+
+/// Where the libraries are, and for which platform each is to be.
+fn sources(arguments: &[OsString]) -> Result<Vec<(Option<Platform>, PathBuf)>, Failure> {
+    if arguments.is_empty() {
+        return Ok(vec![(None, library_beside_executable()?)]);
+    }
+    arguments.iter().map(|argument| place(argument)).collect()
 }
 
 /// Splits `PLATFORM=PATH`. A path may contain `=` too: what stands before it is a platform unless it contains a

@@ -1,14 +1,14 @@
 //! `--plot`, `--view` and `--vtk`: pictures of a run.
 
 use crate::cli::Failure;
+use crate::cli::outlets::{Mark, Outlets, Place};
 use foldwing::interface::{Value, Variable};
 use foldwing::plant::Plant;
 use foldwing::report::Recording;
-use foldwing::report::figure::Figure;
+use foldwing::report::figure::{Figure, FigureError};
 use foldwing::report::plots::{self, Series};
 use foldwing::report::recording::FRAMES;
 use foldwing::report::{number, viewer, vtk};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -42,18 +42,32 @@ pub struct Pictures<'a> {
     series: Option<Series>,
     recording: Option<Recording>,
     steps: u64,
+    view: Place,
 }
 
 impl<'a> Pictures<'a> {
-    /// Pictures of a run of so many steps; `named` are the variables that the caller chose. Makes the folders, so that a
-    /// bad place is refused before the run.
-    pub fn new(wanted: &'a PictureArguments, steps: u64, named: &[&Variable]) -> Result<Self, Failure> {
-        for folder in [&wanted.plot, &wanted.vtk].into_iter().flatten() {
-            make_folder(folder)?;
+    /// Pictures of a run of so many steps; `named` are the variables that the caller chose. Makes the folders and looks
+    /// what is in them, so that a bad place is refused before the run.
+    pub fn new(
+        wanted: &'a PictureArguments,
+        steps: u64,
+        named: &[&Variable],
+        outlets: &mut Outlets,
+    ) -> Result<Self, Failure> {
+        if let Some(folder) = &wanted.plot {
+            check_figures(folder, outlets)?;
         }
+        if let Some(folder) = &wanted.vtk {
+            make_folder(folder)?;
+            for name in ["wing", "surfaces", "wake"] {
+                outlets.check(&folder.join(format!("{name}.pvd")), &Mark::VTK)?;
+                outlets.check(&folder.join(format!("{name}_0000.vtu")), &Mark::VTK)?;
+            }
+        }
+        let view = outlets.place_if(wanted.view.as_deref(), Mark::PAGE)?;
         let named = named.iter().map(|variable| (variable.name.as_str(), variable.unit()));
         let series = wanted.plot.as_ref().map(|_| Series::new(named, steps));
-        Ok(Self { wanted, series, recording: None, steps })
+        Ok(Self { wanted, series, recording: None, steps, view })
     }
 
     /// Takes the plant at one of the `steps + 1` points of the run, with the values of the variables that were named.
@@ -68,38 +82,51 @@ impl<'a> Pictures<'a> {
     }
 
     /// Writes what was asked for, up to where the run has come.
-    pub fn write(&self) -> Result<(), Failure> {
+    pub fn write(self, outlets: &mut Outlets) -> Result<(), Failure> {
         let Some(recording) = &self.recording else { return Ok(()) };
         if let Some(folder) = &self.wanted.plot {
             for (stem, figure) in plots::figures(recording) {
-                write_figure(folder, stem, &figure)?;
+                write_figure(folder, stem, &figure, outlets)?;
             }
         }
         if let (Some(folder), Some(series)) = (&self.wanted.plot, &self.series) {
-            write_series(folder, &recording.scene.name, series)?;
+            write_series(folder, &recording.scene.name, series, outlets)?;
         }
-        if let Some(path) = &self.wanted.view {
-            let failed = |error| Failure::writing(&path.display().to_string(), &error);
-            fs::write(path, viewer::page(recording)).map_err(failed)?;
+        if self.wanted.view.is_some() {
+            self.view.fill(viewer::page(recording).as_bytes())?;
         }
         if let Some(folder) = &self.wanted.vtk {
-            vtk::write(folder, recording).map_err(|error| Failure::writing(&folder.display().to_string(), &error))?;
+            vtk::files(recording, |name, text| outlets.place(&folder.join(name), Mark::VTK)?.fill(text.as_bytes()))?;
         }
         Ok(())
     }
 }
 
-/// Makes a folder for pictures.
-pub(super) fn make_folder(folder: &Path) -> Result<(), Failure> {
-    fs::create_dir_all(folder).map_err(|error| Failure::writing(&folder.display().to_string(), &error))
+/// Makes a folder for figures. What others put under the names of figures is refused before the run.
+pub(super) fn check_figures(folder: &Path, outlets: &Outlets) -> Result<(), Failure> {
+    make_folder(folder)?;
+    let series = (1..).map(|n| format!("outputs_{n}")).take_while(|name| folder.join(format!("{name}.svg")).exists());
+    for name in plots::NAMES.into_iter().map(str::to_owned).chain(series) {
+        outlets.check(&folder.join(format!("{name}.svg")), &Mark::SVG)?;
+        outlets.check(&folder.join(format!("{name}.png")), &Mark::PNG)?;
+    }
+    Ok(())
+}
+
+fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| Failure::writing(&folder.display().to_string(), &error))
 }
 
 /// Writes the figures of variables as `outputs_1.svg`, `outputs_1.png` and so on.
-pub(super) fn write_series(folder: &Path, title: &str, series: &Series) -> Result<(), Failure> {
+pub(super) fn write_series(folder: &Path, title: &str, series: &Series, outlets: &mut Outlets) -> Result<(), Failure> {
     let mut figures = series.figures(title).into_iter().enumerate();
-    figures.try_for_each(|(i, figure)| write_figure(folder, &format!("outputs_{}", i + 1), &figure))
+    figures.try_for_each(|(i, figure)| write_figure(folder, &format!("outputs_{}", i + 1), &figure, outlets))
 }
 
-fn write_figure(folder: &Path, stem: &str, figure: &Figure) -> Result<(), Failure> {
-    plots::write(folder, stem, figure).map_err(|error| Failure::Files(format!("{}: {error}", folder.display())))
+/// Writes a figure as `stem.svg` and `stem.png`.
+fn write_figure(folder: &Path, stem: &str, figure: &Figure, outlets: &mut Outlets) -> Result<(), Failure> {
+    let drawn = |error: FigureError| Failure::Files(format!("{}: {error}", folder.display()));
+    let (svg, png) = (figure.svg().map_err(drawn)?, figure.png().map_err(drawn)?);
+    outlets.place(&folder.join(format!("{stem}.svg")), Mark::SVG)?.fill(svg.as_bytes())?;
+    outlets.place(&folder.join(format!("{stem}.png")), Mark::PNG)?.fill(&png)
 }

@@ -1,10 +1,11 @@
 //! `foldwing run`: an FMU of any tool over time, as CSV.
 
 use crate::cli::grid::Grid;
-use crate::cli::pictures::{make_folder, write_series};
+use crate::cli::outlets::{Leftover, Mark, Outlets};
+use crate::cli::pictures::{check_figures, write_series};
 use crate::cli::progress::Progress;
 pub use crate::cli::run_arguments::Arguments;
-use crate::cli::simulate::{csv_sink, csv_target, read_inputs, unknown};
+use crate::cli::simulate::{read_inputs, unknown};
 use crate::cli::{Failure, print};
 use foldwing::import::{
     CallError, Datum, Description, Fault, Fmu, ImportError, Kind, Message, Readout, Severity, Slave, Step, Variable,
@@ -23,7 +24,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return print(&listing(&Fmu::describe(&arguments.fmu).map_err(refused)?));
     }
     show_messages(arguments.log);
-    let fmu = Fmu::open(&arguments.fmu).map_err(refused)?;
+    let folder = tempfile::Builder::new().prefix("foldwing-run").tempdir();
+    let folder = folder.map_err(|error| Failure::writing("the folder for temporary files", &error))?;
+    let _leftover = Leftover::watch(folder.path());
+    let fmu = Fmu::open(&arguments.fmu, folder).map_err(refused)?;
     let description = fmu.description();
     let experiment = description.experiment;
     let grid = Grid::new(&arguments.grid, experiment.start_s, experiment.stop_s, experiment.step_s)?;
@@ -34,11 +38,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, &description.variables)).transpose()?;
     let slave = fmu.instantiate(&description.model_name, arguments.log).map_err(refused)?;
 
-    let target = csv_target(arguments.csv.as_deref());
-    arguments.plot.as_deref().map(make_folder).transpose()?;
+    let read = [Some(arguments.fmu.as_path()), arguments.inputs.as_deref()];
+    let mut outlets = Outlets::new(arguments.force.force, read.into_iter().flatten());
+    let csv = outlets.place_if(arguments.csv.as_deref(), table(&recorded))?.open()?;
+    arguments.plot.as_deref().map(|folder| check_figures(folder, &outlets)).transpose()?;
     let series = arguments.plot.as_ref().map(|_| Series::new(recorded.iter().map(|row| named(row)), grid.steps));
-    let recorder =
-        Recorder::new(csv_sink(arguments.csv.as_deref())?, recorded.iter().map(|variable| variable.name.as_str()));
+    let target = csv.name().to_owned();
+    let recorder = Recorder::new(csv, recorded.iter().map(|variable| variable.name.as_str()));
     let writing = |error: io::Error| Failure::writing(&target, &error);
     let readout = Readout::new(recorded.iter().copied());
     let mut run = Run { slave, description, inputs, readout, recorder: recorder.map_err(writing)?, series };
@@ -48,10 +54,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         run.slave.set(variable, value).map_err(set_refused)?;
     }
     let outcome = run.through(&grid, &writing);
+    if let Err(Failure::Files(_) | Failure::Closed) = outcome {
+        return outcome.map(|_| ()); // nothing can be written: what stood there stays
+    }
     let Run { slave, recorder, series, .. } = run;
-    recorder.finish().and_then(|mut sink| sink.flush()).map_err(writing)?;
+    recorder.finish().map_err(writing)?.finish()?;
     if let (Some(folder), Some(series)) = (&arguments.plot, &series) {
-        write_series(folder, &description.model_name, series)?;
+        write_series(folder, &description.model_name, series, &mut outlets)?;
     }
     let end_s = outcome?;
     if !arguments.quiet {
@@ -131,6 +140,14 @@ fn recorded<'a>(names: &[String], description: &'a Description) -> Result<Vec<&'
     }
     let find = |name: &String| description.find(name).ok_or_else(|| unknown(name, "variable", variables));
     names.iter().map(find).collect()
+}
+
+/// By what a CSV of these variables is known. A table of inputs alone may be what somebody wrote for a run.
+fn table(recorded: &[&Variable]) -> Mark {
+    if recorded.iter().all(|variable| variable.causality == "input") {
+        return Mark::Never;
+    }
+    Mark::table(std::iter::once("time").chain(recorded.iter().map(|variable| variable.name.as_str())))
 }
 
 /// `NAME=VALUE` of each setting.

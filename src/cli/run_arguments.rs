@@ -1,6 +1,7 @@
 //! Arguments of `foldwing run`, the same in every build.
 
 use crate::cli::grid::GridArguments;
+use crate::cli::outlets::Force;
 use clap::builder::NonEmptyStringValueParser;
 use std::path::PathBuf;
 
@@ -34,6 +35,8 @@ pub struct Arguments {
     /// Folder for figures of the variables over time as SVG and PNG, one per unit
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
     /// Switch the FMU's messages on; warnings and errors are shown in any case
     #[arg(long)]
     pub log: bool,

@@ -2,6 +2,7 @@
 
 use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::lattice::LatticeRecord;
+use crate::cli::outlets::{Force, Mark, Outlet, Outlets, Place};
 use crate::cli::pictures::{PictureArguments, Pictures};
 use crate::cli::progress::Progress;
 use crate::cli::settings::plant_with;
@@ -15,7 +16,7 @@ use foldwing::plant::{OutputSet, Plant};
 use foldwing::report::inputs::unknown_name;
 use foldwing::report::{Channel, InputTable, Recorder};
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -25,7 +26,7 @@ pub struct Arguments {
     /// Model file
     model: PathBuf,
     /// CSV file to write; `-` is standard output
-    #[arg(long, value_name = "OUT.csv", required_unless_present_any = ["plot", "view", "vtk"])]
+    #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
     /// Inputs over time: CSV with a column `time` and columns named after inputs; taken at the start of each step,
     /// reals on straight lines between rows, Booleans held
@@ -55,6 +56,8 @@ pub struct Arguments {
     timing: Option<PathBuf>,
     #[command(flatten)]
     pictures: PictureArguments,
+    #[command(flatten)]
+    force: Force,
     /// Print no summary
     #[arg(short, long)]
     quiet: bool,
@@ -74,22 +77,24 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         plant.watch(interface.needs(&rows) | OutputSet::JOINTS); // the summary tells of joints
     }
 
-    let target = csv_target(arguments.csv.as_deref());
-    let writing = |error: io::Error| Failure::writing(&target, &error);
-    let names = recorded.iter().map(|variable| variable.name.as_str());
-    let recorder = Recorder::new(csv_sink(arguments.csv.as_deref())?, names).map_err(writing)?;
-    let strains = arguments.strains.as_ref().map(|_| StrainPeaks::default());
-    let lattices = arguments.lattice.as_ref().map(|_| LatticeRecord::new(arguments.lattice_at.clone()));
+    let read = [Some(arguments.model.as_path()), arguments.inputs.as_deref()];
+    let mut outlets = Outlets::new(arguments.force.force, read.into_iter().flatten());
+    let names = || recorded.iter().map(|variable| variable.name.as_str());
+    let csv = outlets.place_if(arguments.csv.as_deref(), table(&recorded))?;
+    let reports = Reports::new(arguments, &mut outlets)?;
     let named = if arguments.outputs.is_empty() { &[] } else { recorded.as_slice() };
-    let pictures = Pictures::new(&arguments.pictures, grid.steps, named)?;
+    let pictures = Pictures::new(&arguments.pictures, grid.steps, named, &mut outlets)?;
+    let csv = csv.open()?;
+    let target = csv.name().to_owned();
+    let writing = |error: io::Error| Failure::writing(&target, &error);
     let mut run = Run {
         plant,
         interface: &interface,
         inputs,
         recorded: &recorded,
-        recorder,
-        strains,
-        lattices,
+        recorder: Recorder::new(csv, names()).map_err(writing)?,
+        strains: arguments.strains.as_ref().map(|_| StrainPeaks::default()),
+        lattices: arguments.lattice.as_ref().map(|_| LatticeRecord::new(arguments.lattice_at.clone())),
         timing: None,
         pictures,
     };
@@ -99,29 +104,72 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(timing) = &mut run.timing {
         timing.finish();
     }
+    if let Err(Failure::Usage(_) | Failure::Files(_) | Failure::Closed) = outcome {
+        return outcome; // nothing was computed, or nothing can be written: what stood there stays
+    }
     let Run { plant, recorder, strains, lattices, timing, pictures, .. } = run;
-    if let (Some(timing), Some(path)) = (timing, &arguments.timing) {
-        let failed = |error: io::Error| Failure::writing(&path.display().to_string(), &error);
-        let sink = BufWriter::new(File::create(path).map_err(failed)?);
-        timing.write(&plant.statistics(), plant.time_s() - grid.start_s, sink).map_err(failed)?;
-    }
-    recorder.finish().and_then(|mut sink| sink.flush()).map_err(writing)?;
-    if let (Some(strains), Some(path)) = (strains, &arguments.strains) {
-        let failed = |error: io::Error| Failure::writing(&path.display().to_string(), &error);
-        let sink = BufWriter::new(File::create(path).map_err(failed)?);
-        strains.write(&plant, sink).map_err(failed)?;
-    }
-    if let (Some(lattices), Some(path)) = (lattices, &arguments.lattice) {
-        let failed = |error: io::Error| Failure::writing(&path.display().to_string(), &error);
-        lattices.write(BufWriter::new(File::create(path).map_err(failed)?)).map_err(failed)?;
-    }
+    recorder.finish().map_err(writing)?.finish()?;
+    reports.write(timing, strains, lattices, &plant, grid.start_s)?;
     let elapsed = clock.elapsed();
-    pictures.write()?;
+    pictures.write(&mut outlets)?;
     outcome?;
     if !arguments.quiet {
         eprint!("{}", summary(&plant, &grid, elapsed));
     }
     Ok(())
+}
+
+/// By what a CSV of these variables is known. A table of inputs alone may be what somebody wrote for a run.
+fn table(recorded: &[&Variable]) -> Mark {
+    if recorded.iter().all(|variable| variable.causality == Causality::Input) {
+        return Mark::Never;
+    }
+    Mark::table(std::iter::once("time").chain(recorded.iter().map(|variable| variable.name.as_str())))
+}
+
+/// What is written at the end of a run beside the CSV and the pictures.
+struct Reports {
+    timing: Place,
+    strains: Place,
+    lattices: Place,
+}
+
+impl Reports {
+    fn new(arguments: &Arguments, outlets: &mut Outlets) -> Result<Self, Failure> {
+        Ok(Self {
+            timing: outlets.place_if(arguments.timing.as_deref(), Mark::TIMING)?,
+            strains: outlets.place_if(arguments.strains.as_deref(), Mark::table(StrainPeaks::COLUMNS))?,
+            lattices: outlets.place_if(arguments.lattice.as_deref(), Mark::LATTICE)?,
+        })
+    }
+
+    fn write(
+        self,
+        timing: Option<Timing>,
+        strains: Option<StrainPeaks>,
+        lattices: Option<LatticeRecord>,
+        plant: &Plant,
+        start_s: f64,
+    ) -> Result<(), Failure> {
+        if let Some(timing) = timing {
+            let simulated_s = plant.time_s() - start_s;
+            written(self.timing, |sink| timing.write(&plant.statistics(), simulated_s, sink))?;
+        }
+        if let Some(strains) = strains {
+            written(self.strains, |sink| strains.write(plant, sink))?;
+        }
+        if let Some(lattices) = lattices {
+            written(self.lattices, |sink| lattices.write(sink))?;
+        }
+        Ok(())
+    }
+}
+
+/// Opens a place, has it written, and finishes it.
+fn written(place: Place, write: impl FnOnce(&mut Outlet) -> io::Result<()>) -> Result<(), Failure> {
+    let mut outlet = place.open()?;
+    write(&mut outlet).map_err(|error| outlet.failure(&error))?;
+    outlet.finish()
 }
 
 /// Rows of the table to write: those named, else all outputs.
@@ -144,21 +192,6 @@ pub(super) fn read_inputs(path: &Path, variables: &[impl Channel]) -> Result<Inp
     let name = path.display().to_string();
     let file = File::open(path).map_err(|error| Failure::Files(format!("{name}: cannot be read: {error}")))?;
     InputTable::read(file, &name, variables).map_err(|error| Failure::Refused(error.to_string()))
-}
-
-/// Name of a CSV file, for messages; empty for none.
-pub(super) fn csv_target(path: Option<&Path>) -> String {
-    path.map_or_else(String::new, |path| path.display().to_string())
-}
-
-/// Where a CSV goes: a file, standard output for `-`, nowhere without a path.
-pub(super) fn csv_sink(path: Option<&Path>) -> Result<BufWriter<Box<dyn Write>>, Failure> {
-    let sink: Box<dyn Write> = match path {
-        None => Box::new(io::sink()),
-        Some(path) if path == Path::new("-") => Box::new(io::stdout().lock()),
-        Some(path) => Box::new(File::create(path).map_err(|error| Failure::writing(&csv_target(Some(path)), &error))?),
-    };
-    Ok(BufWriter::new(sink))
 }
 
 /// Sets the inputs of the step that begins at `time_s`, where a table gives them.

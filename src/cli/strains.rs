@@ -10,6 +10,9 @@ pub struct StrainPeaks {
 }
 
 impl StrainPeaks {
+    /// Names of the columns.
+    pub const COLUMNS: [&str; 6] = ["body", "position_m", "largest_axial_strain", "time_s", "y_m", "z_m"];
+
     /// Takes the plant's present strains into account.
     pub fn include(&mut self, plant: &Plant) {
         let time_s = plant.time_s();
@@ -27,7 +30,7 @@ impl StrainPeaks {
 
     /// Writes one line per section.
     pub fn write(&self, plant: &Plant, mut sink: impl Write) -> io::Result<()> {
-        writeln!(sink, "body,position_m,largest_axial_strain,time_s,y_m,z_m")?;
+        writeln!(sink, "{}", Self::COLUMNS.join(","))?;
         for (strain, time_s) in &self.rows {
             let body = &plant.machine().bodies[strain.body].name;
             let ([y, z], position, largest) = (strain.point_m, strain.position_m, strain.largest);

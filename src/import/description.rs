@@ -99,6 +99,16 @@ pub enum Datum {
     Text(String),
 }
 
+/// The identifier names a file below `binaries`: it must not lead elsewhere.
+fn check_identifier(identifier: &str) -> Result<(), String> {
+    let outside = |c: char| c.is_control() || matches!(c, '/' | '\\' | ':');
+    if identifier.is_empty() || identifier.starts_with('.') || identifier.contains(outside) {
+        let shown: String = identifier.chars().take(60).collect();
+        return Err(format!("modelIdentifier {shown:?} is no name of a library; allowed: a C identifier"));
+    }
+    Ok(())
+}
+
 impl fmt::Display for Datum {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -115,6 +125,7 @@ impl Description {
     /// The name of what is missing or contradicts itself.
     pub(super) fn new(root: Root) -> Result<Self, String> {
         let co_simulation = root.co_simulation.ok_or("no element CoSimulation")?;
+        check_identifier(&co_simulation.identifier)?;
         let units = root.units.list.into_iter().map(|unit| {
             let display = unit.display.into_iter().map(|display| DisplayUnit {
                 name: display.name,

@@ -3,7 +3,9 @@
 use crate::import::description::Description;
 use crate::import::description_file::Root;
 use crate::import::error::ImportError;
+use crate::import::image::check_images;
 use crate::import::slave::Slave;
+use crate::import::unpack::unpack;
 use fmi::fmi2::binding::Fmi2Binding;
 use fmi::fmi2::import::Fmi2Import;
 use fmi::traits::FmiImport;
@@ -17,6 +19,9 @@ use zip::result::ZipError;
 
 /// The member that makes an archive an FMU.
 const DESCRIPTION: &str = "modelDescription.xml";
+
+/// Bytes of a description that are read: hundreds of thousands of variables.
+const LONGEST_DESCRIPTION: u64 = 1 << 28;
 
 /// An FMI 2.0 co-simulation FMU whose library is there and loads.
 #[derive(Debug)]
@@ -35,16 +40,14 @@ impl Fmu {
         Ok(read(path)?.1)
     }
 
-    /// Unpacks an FMU and looks for its library.
+    /// Unpacks an FMU into a folder, which goes with it, and looks for its library.
     ///
     /// # Errors
     /// A file that cannot be read, is no FMU, is of another version or kind, or has no library for this platform, one
     /// that does not load, or one that lacks a function.
-    pub fn open(path: &Path) -> Result<Self, ImportError> {
+    pub fn open(path: &Path, folder: TempDir) -> Result<Self, ImportError> {
         let (mut archive, description) = read(path)?;
-        let failed = |source: io::Error| ImportError::File { path: path.to_owned(), source };
-        let folder = tempfile::Builder::new().prefix("foldwing-run").tempdir().map_err(failed)?;
-        archive.extract(folder.path()).map_err(|error| of_archive(path, error))?;
+        unpack(path, &mut archive, folder.path())?;
         let import = import(folder, &description);
         check_library(path, &import, &description.identifier)?;
         Ok(Self { path: path.to_owned(), description, import })
@@ -77,10 +80,15 @@ fn read(path: &Path) -> Result<(ZipArchive<File>, Description), ImportError> {
     }
     let mut archive = ZipArchive::new(file).map_err(|error| of_archive(path, error))?;
     let mut text = String::new();
-    let mut member =
-        archive.by_name(DESCRIPTION).map_err(|_| not_an_fmu(format!("no {DESCRIPTION} in the archive")))?;
-    member.read_to_string(&mut text).map_err(|error| not_an_fmu(format!("{DESCRIPTION}: {error}")))?;
-    drop(member);
+    let member = archive.by_name(DESCRIPTION).map_err(|_| not_an_fmu(format!("no {DESCRIPTION} in the archive")))?;
+    if member.size() > LONGEST_DESCRIPTION {
+        return Err(not_an_fmu(format!(
+            "{DESCRIPTION}: {} bytes; at most {LONGEST_DESCRIPTION} are read",
+            member.size()
+        )));
+    }
+    let read = member.take(LONGEST_DESCRIPTION).read_to_string(&mut text);
+    read.map_err(|error| not_an_fmu(format!("{DESCRIPTION}: {error}")))?;
     let root: Root = quick_xml::de::from_str(text.trim_start_matches('\u{feff}'))
         .map_err(|error| not_an_fmu(format!("{DESCRIPTION}: {error}")))?;
     match root.version.as_deref() {
@@ -95,7 +103,7 @@ fn read(path: &Path) -> Result<(ZipArchive<File>, Description), ImportError> {
     Ok((archive, description))
 }
 
-fn of_archive(path: &Path, error: ZipError) -> ImportError {
+pub(super) fn of_archive(path: &Path, error: ZipError) -> ImportError {
     match error {
         ZipError::Io(source) => ImportError::File { path: path.to_owned(), source },
         error => ImportError::NotAnFmu { path: path.to_owned(), cause: error.to_string() },
@@ -117,10 +125,13 @@ fn import(folder: TempDir, description: &Description) -> Fmi2Import {
 fn check_library(path: &Path, import: &Fmi2Import, identifier: &str) -> Result<(), ImportError> {
     let library = import.shared_lib_path(identifier).map(|path| path.display().to_string());
     let library = library.unwrap_or_else(|error| error.to_string());
-    if !import.archive_path().join(&library).is_file() {
+    let file = import.archive_path().join(&library);
+    if !file.is_file() {
         let found = platforms(&import.archive_path().join("binaries"));
         return Err(ImportError::NoLibrary { path: path.to_owned(), expected: library, found });
     }
+    let cut = |(file, cause)| ImportError::Library { path: path.to_owned(), library: file, cause };
+    check_images(file.parent().unwrap_or(&file)).map_err(cut)?;
     match import.binding(identifier) {
         Ok(binding) => match missing_function(&binding) {
             Some(function) => Err(ImportError::NoFunction { path: path.to_owned(), library, function }),

@@ -7,8 +7,10 @@ mod description;
 mod description_file;
 mod error;
 mod fmu;
+mod image;
 mod message;
 mod slave;
+mod unpack;
 
 pub use description::{Datum, Description, DisplayUnit, Experiment, Kind, Unit, Variable};
 pub use error::{CallError, Fault, ImportError};

@@ -5,7 +5,7 @@ use crate::packaging::contents::{Extras, contents};
 use crate::packaging::{Library, MODEL_IDENTIFIER, Platform};
 use std::collections::BTreeMap;
 use std::io::{self, Cursor, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
@@ -38,17 +38,9 @@ pub enum PackageError {
         /// What both are for.
         platform: Platform,
     },
-    /// The archive cannot be written.
-    #[error("{path}: cannot write the FMU: {source}")]
-    Write {
-        /// File that was to be written.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
 }
 
-/// Writes the FMU of a model to `fmu`, whole or not at all.
+/// The FMU of a model, byte by byte.
 ///
 /// `model_text` is the file that `machine` was read from; it travels in the archive. `libraries` are shared libraries
 /// of this package, one for each platform that the FMU is to run on. `extras` is what the archive holds beyond the
@@ -58,15 +50,13 @@ pub fn package(
     model_text: &str,
     extras: &Extras,
     libraries: &[Library],
-    fmu: &Path,
-) -> Result<(), PackageError> {
+) -> Result<Vec<u8>, PackageError> {
     let mut entries: BTreeMap<String, Entry> = contents(machine, model_text, extras)
         .into_iter()
         .map(|(path, bytes)| (path, Entry { bytes, permissions: 0o644 }))
         .collect();
     entries.extend(binaries(libraries)?);
-    let bytes = archive(&entries);
-    replace(fmu, &bytes).map_err(|source| PackageError::Write { path: fmu.to_owned(), source })
+    Ok(archive(&entries))
 }
 
 /// The libraries by their path in the archive.
@@ -103,27 +93,6 @@ fn archive(entries: &BTreeMap<String, Entry>) -> Vec<u8> {
         zip.write_all(&entry.bytes).expect("writing to memory does not fail");
     }
     zip.finish().expect("writing to memory does not fail").into_inner()
-}
-
-/// Writes beside the target, then renames: readers see the old file or the new one, never half of it.
-pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::Builder::new().prefix(".foldwing-").permissions(readable()).tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
-}
-
-/// Permissions of a finished FMU: readable for all, as an ordinary file (temporary files are private).
-#[cfg(unix)]
-fn readable() -> std::fs::Permissions {
-    std::os::unix::fs::PermissionsExt::from_mode(0o644)
-}
-
-#[cfg(not(unix))]
-fn readable() -> std::fs::Permissions {
-    std::fs::metadata(".").map(|meta| meta.permissions()).expect("the working directory exists")
 }
 
 #[cfg(test)]
@@ -172,17 +141,5 @@ mod tests {
         let mut back = Vec::new();
         library.read_to_end(&mut back).unwrap();
         assert_eq!(back, vec![7; 10_000]);
-    }
-
-    /// A target folder that does not exist is an error, and leaves nothing behind.
-    #[test]
-    fn replace_leaves_nothing_behind_on_failure() {
-        let folder = tempfile::tempdir().unwrap();
-        let target = folder.path().join("wing.fmu");
-        replace(&target, b"one").unwrap();
-        replace(&target, b"two").unwrap();
-        assert_eq!(std::fs::read(&target).unwrap(), b"two");
-        assert!(replace(&folder.path().join("missing/wing.fmu"), b"three").is_err());
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }

@@ -2,59 +2,44 @@
 
 use crate::config::Machine;
 use crate::packaging::xml::real;
-use crate::packaging::{PackageError, Reference, VERSION};
+use crate::packaging::{Library, Reference, VERSION};
 use std::collections::BTreeSet;
-use std::fs::{self, File};
-use std::path::{Path, PathBuf};
-use zip::ZipArchive;
+use std::path::PathBuf;
 
-/// Writes `fmus/2.0/cs/<platform>/Foldwing/<version>/<model>/` with FMU, inputs, reference result and options below
-/// `folder`, once for each platform that the FMU has a library for. The model's name is that of the FMU's file.
-///
-/// Returns the folders written.
-pub fn cross_check(
-    machine: &Machine,
-    reference: &Reference,
-    fmu: &Path,
-    folder: &Path,
-) -> Result<Vec<PathBuf>, PackageError> {
-    let failed = |path: &Path, source: std::io::Error| PackageError::Write { path: path.to_owned(), source };
-    let name = fmu.file_stem().and_then(|stem| stem.to_str()).unwrap_or("model").to_owned();
-    let platforms = platforms(fmu).map_err(|source| failed(fmu, source))?;
-    // the one with inputs: an importer that reads them wrongly is found out
-    let [_, experiment] = &reference.experiments;
-    let files = [
-        (format!("{name}_ref.csv"), experiment.result.clone()),
-        (format!("{name}_in.csv"), experiment.stimuli.clone().unwrap_or_default()),
-        (format!("{name}_ref.opt"), options(machine, reference)),
-        ("README.md".to_owned(), readme(machine, &name)),
-    ];
-    let mut written = Vec::new();
-    for platform in platforms {
-        let target = folder.join("fmus/2.0/cs").join(&platform).join("Foldwing").join(VERSION).join(&name);
-        fs::create_dir_all(&target).map_err(|source| failed(&target, source))?;
-        let copy = target.join(format!("{name}.fmu"));
-        fs::copy(fmu, &copy).map_err(|source| failed(&copy, source))?;
-        for (file, text) in &files {
-            let path = target.join(file);
-            fs::write(&path, text).map_err(|source| failed(&path, source))?;
-        }
-        written.push(target);
-    }
-    Ok(written)
+/// What one platform has in the cross-check: its folder, and its files by name.
+pub type Submission<'a> = (PathBuf, Vec<(String, &'a [u8])>);
+
+/// The text files of the cross-check, the same for every platform.
+pub struct CrossCheck {
+    name: String,
+    texts: [(String, String); 4],
 }
 
-/// Platforms that an FMU has libraries for.
-fn platforms(fmu: &Path) -> std::io::Result<BTreeSet<String>> {
-    let archive = ZipArchive::new(File::open(fmu)?)?;
-    Ok(archive
-        .file_names()
-        .filter_map(|name| {
-            let name = name.ok()?;
-            let (platform, _) = name.strip_prefix("binaries/")?.split_once('/')?;
-            Some(platform.to_owned())
-        })
-        .collect())
+impl CrossCheck {
+    /// Inputs, reference result, options and a page for a model that is called `name`, as the FMU's file.
+    pub fn new(machine: &Machine, reference: &Reference, name: &str) -> Self {
+        // the one with inputs: an importer that reads them wrongly is found out
+        let [_, experiment] = &reference.experiments;
+        let texts = [
+            (format!("{name}_ref.csv"), experiment.result.clone()),
+            (format!("{name}_in.csv"), experiment.stimuli.clone().unwrap_or_default()),
+            (format!("{name}_ref.opt"), options(machine, reference)),
+            ("README.md".to_owned(), readme(machine, name)),
+        ];
+        Self { name: name.to_owned(), texts }
+    }
+
+    /// `fmus/2.0/cs/<platform>/Foldwing/<version>/<model>/` with its files, once for each platform that the FMU `fmu` has
+    /// a library for.
+    pub fn submissions<'a>(&'a self, libraries: &[Library], fmu: &'a [u8]) -> Vec<Submission<'a>> {
+        let platforms: BTreeSet<&str> = libraries.iter().map(|library| library.platform.folder).collect();
+        let folder = |platform| ["fmus/2.0/cs", platform, "Foldwing", VERSION, &self.name].iter().collect();
+        let files = || {
+            let texts = self.texts.iter().map(|(name, text)| (name.clone(), text.as_bytes()));
+            std::iter::once((format!("{}.fmu", self.name), fmu)).chain(texts).collect()
+        };
+        platforms.into_iter().map(|platform| (folder(platform), files())).collect()
+    }
 }
 
 /// Options in the rules' own form.

@@ -298,7 +298,7 @@ pub fn file(machine: &Machine) -> String {
     let total = height + ROW * rows;
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" \
-         height=\"{total}\" viewBox=\"0 0 {width} {total}\">\n<title>{}</title>\n<style>\n{}\
+         height=\"{total}\" viewBox=\"0 0 {width} {total}\">\n<!-- drawn by foldwing -->\n<title>{}</title>\n<style>\n{}\
          text{{font:14px sans-serif;fill:#1b2733}}\n</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n\
          {}{legend}</svg>\n",
         escape(&machine.name),

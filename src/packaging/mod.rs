@@ -1,4 +1,4 @@
-//! From a validated model to an FMU file: model description, documentation page, icon, licences, reference results, archive.
+//! From a validated model to an FMU: model description, documentation page, icon, licences, reference results, archive.
 
 mod air_section;
 pub mod archive;
@@ -19,7 +19,7 @@ mod xml;
 
 pub use archive::{PackageError, package};
 pub use contents::Extras;
-pub use cross_check::cross_check;
+pub use cross_check::CrossCheck;
 pub use description::model_description;
 pub use library::{Library, Platform};
 pub use reference::Reference;

@@ -19,6 +19,7 @@ pub fn linear_json(model: &LinearModel) -> Value {
     };
     let matrices = &model.matrices;
     json!({
+        "written_by": "foldwing linearize",
         "time_s": model.time_s,
         "states": signals(&model.states),
         "inputs": signals(&model.inputs),

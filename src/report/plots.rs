@@ -1,11 +1,9 @@
 //! The figures of a run: fold angles, strains, tip paths, shapes over time, energies; and of any variables over time.
 
 use crate::plant::EnergyOutputs;
-use crate::report::figure::{Curve, Figure, FigureError, PALETTE};
+use crate::report::figure::{Curve, Figure, PALETTE};
 use crate::report::recording::{Frame, MOST_POINTS, Recording, Thinning};
 use nalgebra::Vector3;
-use std::path::Path;
-use std::{fs, io};
 
 /// Shapes that one figure shows.
 const SHAPES: usize = 9;
@@ -18,6 +16,9 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A figure and the name of its files.
 pub type Named = (&'static str, Figure);
+
+/// Names of the figures of [`figures`].
+pub const NAMES: [&str; 5] = ["fold_angles", "strains", "energies", "tip_path", "shapes"];
 
 /// All figures that the recording has something for.
 pub fn figures(recording: &Recording) -> Vec<Named> {
@@ -42,13 +43,13 @@ pub fn figures(recording: &Recording) -> Vec<Named> {
         Curve::nth(n, *name, over_time(&history.energies.iter().map(value).collect::<Vec<_>>(), 1.0))
     });
     let plots = [
-        ("fold_angles", named(("fold angles", "fold angle (°)"), angles.collect())),
-        ("strains", named(("strains of the gauges", "strain (10⁻³)"), strains.collect())),
-        ("energies", named(("energies", "energy (J)"), energies.collect())),
-        ("tip_path", tip_path(recording)),
-        ("shapes", shapes(recording)),
+        named(("fold angles", "fold angle (°)"), angles.collect()),
+        named(("strains of the gauges", "strain (10⁻³)"), strains.collect()),
+        named(("energies", "energy (J)"), energies.collect()),
+        tip_path(recording),
+        shapes(recording),
     ];
-    plots.into_iter().filter(|(_, figure)| !figure.curves.is_empty()).collect()
+    NAMES.into_iter().zip(plots).filter(|(_, figure)| !figure.curves.is_empty()).collect()
 }
 
 type Energy = fn(&EnergyOutputs) -> f64;
@@ -209,25 +210,4 @@ impl Series {
             ..Figure::default()
         }
     }
-}
-
-/// Why figures could not be written.
-#[derive(Debug, thiserror::Error)]
-pub enum PlotError {
-    /// Drawing failed.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
-    /// Writing failed.
-    #[error(transparent)]
-    File(#[from] io::Error),
-}
-
-/// Writes a figure as `stem.svg` and `stem.png` into a folder.
-///
-/// # Errors
-/// Where it cannot be drawn or written.
-pub fn write(folder: &Path, stem: &str, figure: &Figure) -> Result<(), PlotError> {
-    fs::write(folder.join(format!("{stem}.svg")), figure.svg()?)?;
-    fs::write(folder.join(format!("{stem}.png")), figure.png()?)?;
-    Ok(())
 }

@@ -7,10 +7,9 @@ use crate::report::recording::{BodyScene, Frame, Recording, Scene};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use nalgebra::Vector3;
-use std::fmt::Write;
-use std::path::Path;
-use std::{fs, io};
 
+/// How every file begins: with the declaration, and by whom it was written.
+const BEGIN: &str = "<?xml version=\"1.0\"?>\n<!-- written by foldwing -->\n";
 /// VTK's number of a quadrilateral.
 const QUADRILATERAL: u8 = 9;
 /// VTK's number of a polygon.
@@ -31,35 +30,37 @@ struct Mesh {
     at_cells: Vec<(&'static str, Values)>,
 }
 
-/// Writes the series `wing`, and where there is air `surfaces` and `wake`, into a folder; returns the number of files.
+/// Hands the files of the series `wing`, and where there is air `surfaces` and `wake`, to `write` with their names.
 ///
 /// # Errors
-/// Where a file cannot be written.
-pub fn write(folder: &Path, recording: &Recording) -> io::Result<usize> {
+/// What `write` answers.
+pub fn files<E>(recording: &Recording, mut write: impl FnMut(&str, String) -> Result<(), E>) -> Result<(), E> {
     let first = recording.frames.first();
     let wing = |frame: &Frame| wing(&recording.scene, frame, first.unwrap_or(frame));
-    let mut files = series(folder, "wing", recording, wing)?;
+    series("wing", recording, wing, &mut write)?;
     if first.is_some_and(|frame| !frame.edges_m.is_empty()) {
-        files += series(folder, "surfaces", recording, surfaces)?;
+        series("surfaces", recording, surfaces, &mut write)?;
     }
     if first.is_some_and(|frame| !frame.lattice.is_empty()) {
-        files += series(folder, "wake", recording, wake)?;
+        series("wake", recording, wake, &mut write)?;
     }
-    Ok(files)
+    Ok(())
 }
 
-fn series(folder: &Path, stem: &str, recording: &Recording, mesh: impl Fn(&Frame) -> Mesh) -> io::Result<usize> {
-    let mut list =
-        String::from("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");
+fn series<E>(
+    stem: &str,
+    recording: &Recording,
+    mesh: impl Fn(&Frame) -> Mesh,
+    write: &mut impl FnMut(&str, String) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut list = format!("{BEGIN}<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");
     for (i, frame) in recording.frames.iter().enumerate() {
         let name = format!("{stem}_{i:04}.vtu");
-        fs::write(folder.join(&name), mesh(frame).document())?;
-        writeln!(list, "<DataSet timestep=\"{:?}\" part=\"0\" file=\"{name}\"/>", frame.time_s)
-            .map_err(io::Error::other)?;
+        write(&name, mesh(frame).document())?;
+        list += &format!("<DataSet timestep=\"{:?}\" part=\"0\" file=\"{name}\"/>\n", frame.time_s);
     }
     list += "</Collection>\n</VTKFile>\n";
-    fs::write(folder.join(format!("{stem}.pvd")), list)?;
-    Ok(recording.frames.len() + 1)
+    write(&format!("{stem}.pvd"), list)
 }
 
 /// Closed surfaces of the bodies; displacements from the first frame.
@@ -154,7 +155,7 @@ impl Mesh {
         let arrays =
             |values: &[(&str, Values)]| values.iter().map(|(name, values)| data(name, values)).collect::<String>();
         format!(
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\" \
+            "{BEGIN}<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\" \
              header_type=\"UInt32\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n\
              <Points>\n{}</Points>\n<Cells>\n{}{}{}</Cells>\n<PointData>\n{}</PointData>\n<CellData>\n{}</CellData>\n\
              </Piece>\n</UnstructuredGrid>\n</VTKFile>\n",

@@ -109,15 +109,15 @@ fn the_starter_overwrites_nothing() {
 
     let schema = folder.path().join("foldwing.schema.json");
     std::fs::write(&schema, "{}").unwrap();
-    let exists =
-        "foldwing: foldwing.schema.json: exists already; --force overwrites it, --no-schema leaves it as it is";
+    let exists = "foldwing: foldwing.schema.json: exists and is not known as the schema of foldwing; --force overwrites it, \
+         --no-schema leaves it as it is";
     assert_eq!(refusal(&new(&["third.toml"])), (Some(4), exists.to_owned()));
     assert!(!folder.path().join("third.toml").exists());
     assert_eq!(std::fs::read_to_string(&schema).unwrap(), "{}");
 
     let ending = "foldwing: wing: a model file ends in .toml; write wing.toml".to_owned();
     assert_eq!(refusal(&new(&["wing"])), (Some(2), ending));
-    assert_eq!(refusal(&new(&["no/such/wing.toml"])).0, Some(4));
+    assert_eq!(refusal(&new(&["wing.toml/wing.toml"])).0, Some(4));
 }
 
 /// Every shipped model is drawn within 80 columns of ASCII, with a sign for each kind of joint it has; as SVG with the
@@ -146,7 +146,7 @@ fn every_model_is_drawn() {
         assert!(serde_json::from_str::<serde_json::Value>(&json).is_ok(), "{model}: JSON without a drawing");
     }
     let bad =
-        ["check", models.join("folding_wing.toml").to_str().unwrap(), "--draw", "no/such/wing.svg"].map(str::to_owned);
+        ["check", models.join("folding_wing.toml").to_str().unwrap(), "--draw", "wing.svg/wing.svg"].map(str::to_owned);
     let refused = refusal(&foldwing(folder.path(), &bad.each_ref().map(String::as_str)));
     assert_eq!(refused.0, Some(4), "{}", refused.1);
 }

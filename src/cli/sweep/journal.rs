@@ -65,7 +65,8 @@ impl Journal {
                 }
                 end + 1 + length
             }
-            None => 0,
+            None if header.as_bytes().starts_with(&bytes) => 0, // killed while it wrote the first line
+            None => return Err(no_record(&journal.path)),
         };
         journal.file.set_len(kept as u64).map_err(failed)?;
         journal.file.seek(SeekFrom::End(0)).map_err(failed)?;
@@ -83,7 +84,7 @@ impl Journal {
         let other = found.strip_prefix(FORMAT.as_bytes()).and_then(|json| serde_json::from_slice::<Value>(json).ok());
         let place = self.path.display();
         let Some(other) = other else {
-            return Err(Failure::Usage(format!("{place}: is no record of a sweep; remove it or name another --out")));
+            return Err(no_record(&self.path));
         };
         let names = identity.as_object().into_iter().flatten();
         let changed: Vec<&str> = names
@@ -151,6 +152,11 @@ impl Journal {
         }
         Ok((results, failures))
     }
+}
+
+/// The answer to a file in the record's place that is none.
+fn no_record(path: &Path) -> Failure {
+    Failure::Usage(format!("{}: is no record of a sweep; remove it or name another --out", path.display()))
 }
 
 /// A row as it stands in the file.

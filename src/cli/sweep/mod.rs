@@ -5,12 +5,12 @@ mod plan;
 mod variant;
 
 use crate::cli::grid::{Grid, GridArguments};
+use crate::cli::outlets::{Mark, Outlets};
 use crate::cli::progress::Progress;
 use crate::cli::simulate::{read_inputs, unknown};
 use crate::cli::{Failure, read_model, version};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing::interface::Interface;
-use foldwing::packaging::archive::replace;
 use journal::Journal;
 use plan::Plan;
 use serde_json::json;
@@ -97,12 +97,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "--inputs": arguments.inputs.as_deref().map(file_digest).transpose()?,
         "--start, --stop, --step": arguments.grid.given(),
     });
+    if let Some(folder) = arguments.out.parent() {
+        fs::create_dir_all(folder).map_err(|error| Failure::writing(&arguments.out.display().to_string(), &error))?;
+    }
     let mut journal = Journal::open(&arguments.out, &identity, plan.count())?;
+    let read = [Some(&arguments.model), arguments.samples.as_ref(), arguments.inputs.as_ref()];
+    let mut outlets = Outlets::new(false, read.into_iter().flatten().map(PathBuf::as_path));
+    let place = outlets.place(&arguments.out, Mark::table(columns.iter().map(String::as_str)))?;
     let taken_over = journal.done();
     march(&experiment, &mut journal, arguments.threads.unwrap_or(0).into())?;
 
     let (bytes, failed) = journal.results(&columns)?;
-    replace(&arguments.out, &bytes).map_err(|error| Failure::writing(&arguments.out.display().to_string(), &error))?;
+    place.fill_durably(&bytes)?;
     if !arguments.quiet {
         eprintln!(
             "{} variants, {failed} of them failed, {taken_over} taken over from an earlier run; {:.3} s",

@@ -41,6 +41,9 @@ const FONT_FILE: &[u8] = include_bytes!("DejaVuSans.ttf");
 pub const PALETTE: [[u8; 3]; 7] =
     [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233], [60, 60, 60]];
 
+/// Comment by which an SVG of this program is known.
+const DRAWN_BY: &str = "<!-- drawn by foldwing -->\n";
+
 const INK: RGBColor = RGBColor(27, 39, 51);
 const GRID: RGBColor = RGBColor(222, 227, 232);
 const FAINT: RGBColor = RGBColor(110, 122, 134);
@@ -102,7 +105,8 @@ impl Figure {
         self.draw(&SVGBackend::with_string(&mut text, (size[0], size[1])).into_drawing_area())?;
         let [large, small] = [size, SIZE].map(|[width, height]| format!("width=\"{width}\" height=\"{height}\""));
         // text stands in one line with its element, or viewers show its indentation
-        Ok(text.replacen(&large, &format!("{small} role=\"img\""), 1).replace(">\n</text>", "></text>"))
+        let text = text.replacen(&large, &format!("{small} role=\"img\""), 1).replace(">\n</text>", "></text>");
+        Ok(text.replacen('>', &format!(">\n{DRAWN_BY}"), 1))
     }
 
     /// The figure as a PNG file, two pixels per user unit.

@@ -13,6 +13,20 @@ const SCALE: f32 = 2.0;
 /// Height of small letters of the font, in em.
 const X_HEIGHT: f32 = 0.547;
 
+/// Bytes of a PNG file before its second chunk: signature and header.
+const PNG_HEADER: usize = 8 + 25;
+/// Text chunk with the name of the program.
+const SIGNATURE: &[u8] = b"tEXtSoftware\0foldwing";
+
+/// A PNG file with [`SIGNATURE`] behind its header.
+fn signed(mut png: Vec<u8>) -> Vec<u8> {
+    let mut chunk = (SIGNATURE.len() as u32 - 4).to_be_bytes().to_vec(); // without the four letters of the kind
+    chunk.extend(SIGNATURE);
+    chunk.extend(crc32fast::hash(SIGNATURE).to_be_bytes());
+    png.splice(PNG_HEADER..PNG_HEADER, chunk);
+    png
+}
+
 /// A picture in the making.
 pub struct Pixels {
     map: Pixmap,
@@ -40,9 +54,9 @@ impl Pixels {
         Backend { pixels: self }
     }
 
-    /// The picture as a PNG file.
+    /// The picture as a PNG file that says by whom it was drawn.
     pub fn png(&self) -> Vec<u8> {
-        self.map.encode_png().expect("writing to memory does not fail")
+        signed(self.map.encode_png().expect("writing to memory does not fail"))
     }
 
     fn fill(&mut self, path: Option<Path>, colour: BackendColor, place: Transform) {

@@ -1,0 +1,274 @@
+//! Where commands write: never over what they read, never over a stranger's file unless forced, and whole or not at all.
+//!
+//! The rule and its reasons: `docs/decisions/0006-files-of-the-user.md`.
+
+mod leftover;
+mod mark;
+mod same;
+
+pub(super) use leftover::Leftover;
+pub(super) use mark::Mark;
+
+use crate::cli::Failure;
+use same::Identity;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, StdoutLock, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// Beginning of the names of unfinished files.
+const UNFINISHED: &str = ".foldwing-";
+
+/// `--force`, the same for every command that writes.
+#[derive(clap::Args)]
+pub struct Force {
+    /// Replace files that something else wrote; never what the command reads
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// What a command reads and what it is about to write.
+pub(super) struct Outlets {
+    force: bool,
+    read: Vec<(PathBuf, Identity)>,
+    written: Vec<PathBuf>,
+}
+
+/// A file that may be written, not opened yet.
+pub(super) struct Place {
+    /// As the user named it.
+    shown: String,
+    target: Target,
+    mark: Mark,
+    force: bool,
+}
+
+enum Target {
+    /// Nowhere.
+    Nothing,
+    /// Standard output.
+    Standard,
+    /// A device or a pipe: what is written is gone.
+    Stream(PathBuf),
+    /// An ordinary file, links resolved; permissions of the one that is there.
+    File(PathBuf, Option<fs::Permissions>),
+}
+
+/// An open result. It replaces what stood in its place when it is finished, and leaves nothing if it never is.
+pub(super) struct Outlet {
+    place: Place,
+    sink: BufWriter<Sink>,
+}
+
+enum Sink {
+    Nothing(io::Sink),
+    Standard(StdoutLock<'static>),
+    Stream(File),
+    File(NamedTempFile, Leftover),
+}
+
+impl Outlets {
+    /// For a command that reads `read`; what is no ordinary file there cannot be overwritten.
+    pub fn new<'a>(force: bool, read: impl IntoIterator<Item = &'a Path>) -> Self {
+        let known = |path: &Path| Some((path.to_owned(), Identity::of(path)?));
+        Self { force, read: read.into_iter().filter_map(known).collect(), written: Vec::new() }
+    }
+
+    /// A place for a result that is known by `mark`; `-` is standard output. Makes the folders on the way.
+    ///
+    /// # Errors
+    /// Where the command reads this very file, writes it twice, or would destroy what somebody else wrote.
+    pub fn place(&mut self, path: &Path, mark: Mark) -> Result<Place, Failure> {
+        let shown = path.display().to_string();
+        let target = self.target(path, &shown, &mark)?;
+        if let Target::File(file, _) = &target {
+            self.written.push(file.clone());
+        }
+        Ok(Place { shown, target, mark, force: self.force })
+    }
+
+    /// The same for an option that may be missing; nothing is written then.
+    pub fn place_if(&mut self, path: Option<&Path>, mark: Mark) -> Result<Place, Failure> {
+        let nowhere = Place { shown: String::new(), target: Target::Nothing, mark: Mark::Never, force: false };
+        path.map_or(Ok(nowhere), |path| self.place(path, mark))
+    }
+
+    /// Refuses a place that [`Outlets::place`] would refuse, without taking it.
+    pub fn check(&self, path: &Path, mark: &Mark) -> Result<(), Failure> {
+        self.target(path, &path.display().to_string(), mark).map(|_| ())
+    }
+
+    fn target(&self, path: &Path, shown: &str, mark: &Mark) -> Result<Target, Failure> {
+        if path == Path::new("-") {
+            return Ok(Target::Standard);
+        }
+        let found = fs::metadata(path).ok();
+        if path.file_name().is_none()
+            || shown.ends_with(['/', '\\'])
+            || found.as_ref().is_some_and(fs::Metadata::is_dir)
+        {
+            return Err(Failure::Files(format!("{shown}: is a folder; name a file in it")));
+        }
+        if found.as_ref().is_some_and(|found| !found.is_file()) || path.starts_with("/dev") {
+            return Ok(Target::Stream(path.to_owned()));
+        }
+        let file = resolved(path).map_err(|error| Failure::writing(shown, &error))?;
+        if let Some((source, _)) = self.read.iter().find(|(_, identity)| Identity::of(&file).as_ref() == Some(identity))
+        {
+            let source = source.display();
+            return Err(Failure::Usage(format!(
+                "{shown}: is what the command reads ({source}), and is never overwritten; name another file"
+            )));
+        }
+        if self.written.contains(&file) {
+            return Err(Failure::Usage(format!("{shown}: two results would go into this file; name another one")));
+        }
+        let permissions = found.map(|found| found.permissions());
+        if permissions.as_ref().is_some_and(fs::Permissions::readonly) {
+            return Err(Failure::Files(format!("{shown}: cannot be written: it is write-protected")));
+        }
+        if permissions.is_some() && !self.force && !mark.is_on(&file) {
+            return Err(stranger(shown, mark));
+        }
+        Ok(Target::File(file, permissions))
+    }
+}
+
+/// A file that is there and not known to be a result of this kind.
+fn stranger(shown: &str, mark: &Mark) -> Failure {
+    let why = match mark {
+        Mark::Never => "exists already".to_owned(),
+        _ => format!("exists and is not known as {}", mark.name()),
+    };
+    Failure::Files(format!("{shown}: {why}; --force overwrites it"))
+}
+
+/// The file that a path leads to, through links, with its folder made where it is missing.
+fn resolved(path: &Path) -> io::Result<PathBuf> {
+    if let Ok(file) = fs::canonicalize(path) {
+        return Ok(file);
+    }
+    if fs::symlink_metadata(path).is_ok() {
+        return Err(io::Error::new(io::ErrorKind::NotFound, "it is a link to a file that does not exist"));
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(folder)?;
+    Ok(fs::canonicalize(folder)?.join(path.file_name().unwrap_or_default()))
+}
+
+impl Place {
+    /// Opens an unfinished file beside the place.
+    pub fn open(self) -> Result<Outlet, Failure> {
+        let failed = |error: io::Error| Failure::writing(&self.shown, &error);
+        let sink = match &self.target {
+            Target::Nothing => Sink::Nothing(io::sink()),
+            Target::Standard => Sink::Standard(io::stdout().lock()),
+            Target::Stream(path) => Sink::Stream(File::options().write(true).open(path).map_err(failed)?),
+            Target::File(path, _) => {
+                let folder = path.parent().unwrap_or(Path::new("."));
+                let file = unfinished().tempfile_in(folder).map_err(failed)?;
+                let leftover = Leftover::watch(file.path());
+                Sink::File(file, leftover)
+            }
+        };
+        Ok(Outlet { place: self, sink: BufWriter::new(sink) })
+    }
+
+    /// Writes all of it at once.
+    pub fn fill(self, bytes: &[u8]) -> Result<(), Failure> {
+        let mut outlet = self.open()?;
+        outlet.write_all(bytes).map_err(|error| outlet.failure(&error))?;
+        outlet.finish()
+    }
+
+    /// The same, and on the disk before it replaces the old file: for what took long to make.
+    pub fn fill_durably(self, bytes: &[u8]) -> Result<(), Failure> {
+        let mut outlet = self.open()?;
+        outlet.write_all(bytes).and_then(|()| outlet.sync()).map_err(|error| outlet.failure(&error))?;
+        outlet.finish()
+    }
+}
+
+/// Temporary files with the permissions of ordinary ones.
+#[cfg(unix)]
+fn unfinished() -> tempfile::Builder<'static, 'static> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(UNFINISHED).permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder
+}
+
+#[cfg(not(unix))]
+fn unfinished() -> tempfile::Builder<'static, 'static> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(UNFINISHED);
+    builder
+}
+
+impl Outlet {
+    /// A failed write, by the name that the user gave.
+    pub fn failure(&self, error: &io::Error) -> Failure {
+        Failure::writing(&self.place.shown, error)
+    }
+
+    /// Name that the user gave.
+    pub fn name(&self) -> &str {
+        &self.place.shown
+    }
+
+    fn sync(&mut self) -> io::Result<()> {
+        self.sink.flush()?;
+        match self.sink.get_ref() {
+            Sink::File(file, _) => file.as_file().sync_all(),
+            Sink::Nothing(_) | Sink::Standard(_) | Sink::Stream(_) => Ok(()),
+        }
+    }
+
+    /// Puts what was written into its place.
+    pub fn finish(self) -> Result<(), Failure> {
+        let Self { place, sink } = self;
+        let failed = |error: &io::Error| Failure::writing(&place.shown, error);
+        let mut sink = sink.into_inner().map_err(|error| failed(error.error()))?;
+        sink.flush().map_err(|error| failed(&error))?;
+        let (Sink::File(file, _leftover), Target::File(path, permissions)) = (sink, &place.target) else {
+            return Ok(());
+        };
+        if permissions.is_none() && path.exists() && !place.force && !place.mark.is_on(path) {
+            return Err(stranger(&place.shown, &place.mark)); // it has appeared since
+        }
+        if let Some(permissions) = permissions {
+            file.as_file().set_permissions(permissions.clone()).map_err(|error| failed(&error))?;
+        }
+        file.persist(path).map_err(|error| failed(&error.error))?;
+        Ok(())
+    }
+}
+
+impl Write for Outlet {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.sink.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.sink.flush()
+    }
+}
+
+impl Write for Sink {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Nothing(sink) => sink.write(bytes),
+            Self::Standard(sink) => sink.write(bytes),
+            Self::Stream(sink) => sink.write(bytes),
+            Self::File(sink, _) => sink.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::Nothing(sink) => sink.flush(),
+            Self::Standard(sink) => sink.flush(),
+            Self::Stream(sink) => sink.flush(),
+            Self::File(sink, _) => sink.flush(),
+        }
+    }
+}

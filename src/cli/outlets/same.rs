@@ -1,0 +1,31 @@
+//! Whether two paths lead to one file, whatever links, cases and detours lie on the way.
+
+use std::path::Path;
+
+/// What makes an ordinary file itself.
+#[derive(PartialEq)]
+pub(super) struct Identity(Inner);
+
+#[cfg(unix)]
+type Inner = (u64, u64);
+#[cfg(not(unix))]
+type Inner = same_file::Handle;
+
+impl Identity {
+    /// Of an ordinary file that exists; a pipe is not touched.
+    pub fn of(path: &Path) -> Option<Self> {
+        let found = std::fs::metadata(path).ok()?;
+        if found.is_file() { inner(path, &found).map(Self) } else { None }
+    }
+}
+
+#[cfg(unix)]
+fn inner(_: &Path, found: &std::fs::Metadata) -> Option<Inner> {
+    use std::os::unix::fs::MetadataExt;
+    Some((found.dev(), found.ino()))
+}
+
+#[cfg(not(unix))]
+fn inner(path: &Path, _: &std::fs::Metadata) -> Option<Inner> {
+    same_file::Handle::from_path(path).ok()
+}

@@ -1,0 +1,53 @@
+//! Whether shared libraries are whole: the loader maps what their headers promise, and touching what the file does not
+//! have ends the process.
+
+use object::{Object, ObjectSection, ObjectSegment};
+use std::fs;
+use std::path::Path;
+
+/// Looks at every library in a folder, for one may load another.
+///
+/// # Errors
+/// Path of the first that ends too early, and what it lacks.
+pub(super) fn check_images(folder: &Path) -> Result<(), (String, String)> {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        let bytes = if path.is_file() { fs::read(&path) } else { continue };
+        let checked = bytes.map_err(|error| error.to_string()).and_then(|bytes| check(&bytes));
+        checked.map_err(|cause| (path.display().to_string(), cause))?;
+    }
+    Ok(())
+}
+
+/// The parts that an image promises against the length of its file. What is no image is the loader's affair.
+fn check(bytes: &[u8]) -> Result<(), String> {
+    if !matches!(bytes, [0x7f, b'E', b'L', b'F', ..] | [b'M', b'Z', ..] | [0xcf, 0xfa, 0xed, 0xfe, ..]) {
+        return Ok(());
+    }
+    let image = object::File::parse(bytes).map_err(|error| format!("the library is cut off or damaged: {error}"))?;
+    let segments = image.segments().map(|segment| segment.file_range());
+    let sections = image.sections().filter_map(|section| section.file_range());
+    let end = segments.chain(sections).map(|(begin, size)| begin.saturating_add(size)).max().unwrap_or(0);
+    let length = bytes.len() as u64;
+    if end > length {
+        return Err(format!("the library is cut off: it has {length} bytes, and its headers name {end}"));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// This very program is whole; without its end, at whatever length, it is not, and what is no library is left alone.
+    #[test]
+    fn a_library_that_ends_too_early_is_found_out() {
+        let whole = fs::read(std::env::current_exe().unwrap()).unwrap();
+        check(&whole).unwrap();
+        for share in [1, 10, 50, 90, 99] {
+            let error = check(&whole[..whole.len() * share / 100]).unwrap_err();
+            assert!(error.contains("cut off"), "{error}");
+        }
+        check(b"#!/bin/sh").unwrap();
+    }
+}
