@@ -25,6 +25,7 @@ mod run;
 mod run_arguments;
 mod settings;
 mod simulate;
+mod stability;
 mod statics;
 mod strains;
 mod sweep;

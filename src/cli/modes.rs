@@ -1,9 +1,10 @@
 //! `foldwing modes`: natural frequencies and shapes.
 
 use crate::cli::settings::read_plant;
-use crate::cli::{Failure, print};
+use crate::cli::statics::BranchOption;
+use crate::cli::{Failure, print, stability};
 use clap::builder::NonEmptyStringValueParser;
-use foldwing::plant::{Holding, ModeShape, NodeMotion, Plant};
+use foldwing::plant::{Holding, ModeShape, NodeMotion, Plant, Search};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -16,6 +17,9 @@ pub struct Arguments {
     /// State: without loads, gravity and root motion, or at rest under those that are set
     #[arg(long, value_enum, default_value = "equilibrium")]
     about: About,
+    /// Which equilibrium the modes belong to where the one on the load path is unstable
+    #[arg(long, value_enum, default_value = "path")]
+    branch: BranchOption,
     /// Number of modes
     #[arg(long, default_value_t = 10)]
     count: usize,
@@ -43,13 +47,25 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut plant = read_plant(&arguments.model, &arguments.settings)?;
     let time_s = plant.machine().experiment.start_time_s;
     let failed = |error: foldwing::plant::PlantError| Failure::Statics(error.to_string());
+    let mut departure = None;
     match arguments.about {
         About::Undeformed => plant.undeformed(time_s).map_err(failed)?,
-        About::Equilibrium => plant.equilibrium(time_s, Holding::AsReleased).map(|_| ()).map_err(failed)?,
+        About::Equilibrium => {
+            let search = Search { branch: arguments.branch.choice(), ..Search::default() };
+            departure = plant.rest(time_s, Holding::AsReleased, search).map_err(failed)?.departure;
+        }
     }
+    let stability = match arguments.about {
+        About::Undeformed => None,
+        About::Equilibrium => Some(plant.stability().map_err(failed)?),
+    };
     let modes = plant.modes(arguments.count).map_err(failed)?;
     if arguments.json {
-        return print(&format!("{:#}", as_json(&plant, &modes)));
+        let mut value = as_json(&plant, &modes);
+        if let Some(stability) = &stability {
+            value["stability"] = stability::as_json(&plant, stability, departure);
+        }
+        return print(&format!("{value:#}"));
     }
     let mut text = format!(
         "{} about its {} state\n{:>4} {:>14} {:>10}  elastic energy\n",
@@ -60,16 +76,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "damping"
     );
     for (i, mode) in modes.iter().enumerate() {
-        let _ = writeln!(
-            text,
-            "{:4} {:14.6} {:10.6}  {}",
-            i + 1,
-            mode.frequency_hz,
-            if mode.damping_ratio.abs() < 5e-7 { 0.0 } else { mode.damping_ratio },
-            shares(mode)
-        );
+        let _ = writeln!(text, "{:4} {}  {}", i + 1, frequency(mode), shares(mode));
+    }
+    if let Some(stability) = &stability {
+        text.push_str(&stability::text(&plant, stability, departure));
     }
     print(&text)
+}
+
+/// Frequency in Hz and damping ratio; of a real pole its rate in 1/s, as it has neither. Growth is marked.
+fn frequency(mode: &ModeShape) -> String {
+    let mark = if mode.grows() { " UNSTABLE" } else { "" };
+    if mode.is_real() && !mode.is_free() {
+        return format!("{:>+14.6} 1/s, real{mark}", mode.eigenvalue_1_s.re);
+    }
+    let damping = if mode.damping_ratio.abs() < 5e-7 { 0.0 } else { mode.damping_ratio };
+    format!("{:14.6} {damping:10.6}{mark}", mode.frequency_hz)
 }
 
 /// What bends, largest share first.
@@ -114,9 +136,12 @@ fn as_json(plant: &Plant, modes: &[ModeShape]) -> Value {
         .map(|mode| {
             let shares: serde_json::Map<String, Value> =
                 SHARES.iter().zip(mode.shares).map(|(name, share)| ((*name).to_owned(), share.into())).collect();
+            // a real pole has neither frequency nor damping ratio
+            let oscillates = |value: f64| if mode.is_real() && !mode.is_free() { Value::Null } else { value.into() };
             json!({
-                "frequency_Hz": mode.frequency_hz,
-                "damping_ratio": mode.damping_ratio,
+                "frequency_Hz": oscillates(mode.frequency_hz),
+                "damping_ratio": oscillates(mode.damping_ratio),
+                "grows": mode.grows(),
                 "eigenvalue_1_s": [mode.eigenvalue_1_s.re, mode.eigenvalue_1_s.im],
                 "energy_shares": shares,
                 "shape": nodes(&mode.real),

@@ -1,10 +1,10 @@
 //! `foldwing static`: the machine at rest under its loads.
 
 use crate::cli::settings::read_plant;
-use crate::cli::{Failure, print};
+use crate::cli::{Failure, print, stability};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing::config::Machine;
-use foldwing::plant::{Holding, Plant, SectionShape, StaticEffort};
+use foldwing::plant::{Branch, Holding, LoadPath, Plant, PlantError, Search, SectionShape, StaticEffort};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -18,20 +18,79 @@ pub struct Arguments {
     /// Start value of an input or parameter, e.g. a load, gravity, `fold.release=0`; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
+    /// How the loads are brought on
+    #[arg(long, value_enum, default_value = "load")]
+    path: PathOption,
+    /// Which equilibrium is printed where the one on the path is unstable
+    #[arg(long, value_enum, default_value = "stable")]
+    branch: BranchOption,
     /// Print JSON, for programs
     #[arg(long)]
     json: bool,
+}
+
+/// How the loads are brought on.
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum PathOption {
+    /// The whole load at once, in steps where that fails
+    Load,
+    /// Along the path of equilibria, through limit points; prints its points
+    ArcLength,
+}
+
+/// Which equilibrium is the answer.
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+pub enum BranchOption {
+    /// A stable one downhill from it
+    Stable,
+    /// The one on the path
+    Path,
+}
+
+impl BranchOption {
+    /// For the plant.
+    pub fn choice(self) -> Branch {
+        match self {
+            Self::Stable => Branch::Stable,
+            Self::Path => Branch::Path,
+        }
+    }
 }
 
 /// Finds the equilibrium and prints it. Joints are held or free as their release inputs say.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut plant = read_plant(&arguments.model, &arguments.settings)?;
     let time_s = plant.machine().experiment.start_time_s;
-    let effort = plant.equilibrium(time_s, Holding::AsReleased).map_err(|error| Failure::Statics(error.to_string()))?;
+    let path = match arguments.path {
+        PathOption::Load => LoadPath::Load,
+        PathOption::ArcLength => LoadPath::ArcLength,
+    };
+    let search = Search { path, branch: arguments.branch.choice() };
+    let failed = |error: PlantError| Failure::Statics(error.to_string());
+    let rest = plant.rest(time_s, Holding::AsReleased, search).map_err(failed)?;
+    let stability = plant.stability().map_err(failed)?;
+    let coarseness = plant.coarseness();
     if arguments.json {
-        return print(&format!("{:#}", as_json(&plant, effort)));
+        let mut value = as_json(&plant, rest.effort);
+        value["stability"] = stability::as_json(&plant, &stability, rest.departure);
+        value["mesh"] = json!({
+            "largest_change_of_turn_rad": coarseness.turn_rad,
+            "body": plant.machine().bodies[coarseness.body].name,
+            "place_m": coarseness.place_m,
+            "coarse": coarseness.is_coarse(),
+        });
+        if !rest.path.is_empty() {
+            value["path"] = stability::path_json(&mut plant, &rest).into();
+        }
+        return print(&format!("{value:#}"));
     }
-    print(&as_text(&plant, effort))
+    let mut text = as_text(&plant, rest.effort);
+    text.push_str(&stability::text(&plant, &stability, rest.departure));
+    if let Some(hint) = stability::coarse_hint(&plant, &coarseness) {
+        let _ = writeln!(text, "{hint}");
+    }
+    text.push_str(&stability::path_text(&mut plant, &rest));
+    print(&text)
 }
 
 fn array(vector: &Vector3<f64>) -> [f64; 3] {

@@ -138,6 +138,14 @@ impl Equations {
             })
             .collect();
         let mut model = Model::with_closures(&descriptions, &closures);
+        for (index, body) in machine.bodies.iter().enumerate() {
+            model.bodies[index].damps_attached = body.damp_attached_masses;
+        }
+        for (index, revolute) in revolutes(machine) {
+            if let Some(hinge) = &mut model.bodies[index].hinge {
+                hinge.inertia_kg_m2 = revolute.drive.inertia_kg_m2;
+            }
+        }
         let load_stations = model.stations.len();
         AirCoupling::add_sections(machine, &mut model);
         let joints = revolutes(machine)
@@ -361,9 +369,7 @@ impl EquationsOfMotion for Equations {
             powers.dissipated += energy::stiffness_damping_power(&self.model, v, damping);
         }
         if damping.iter().any(|damping| damping.mass_1_s != 0.0) {
-            energy::kinetic(&self.model, &self.work, |body, beam| {
-                powers.dissipated += 2.0 * damping[body].mass_1_s * beam;
-            });
+            energy::mass_damping_power(&self.model, &self.work, damping, |beam| powers.dissipated += beam);
         }
         for joint in &self.joints {
             let (angle, rate) = (q[joint.coordinate], v[joint.coordinate]);

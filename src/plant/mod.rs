@@ -20,12 +20,14 @@ mod outputs;
 mod place;
 mod shape;
 mod spatial;
+mod stability;
 mod start;
 mod state;
 mod state_space;
 mod statics;
 mod strains;
 
+pub use crate::solve::arc_length::PathPoint;
 pub use crate::solve::equilibrium::Effort as StaticEffort;
 pub use crate::solve::linearize::{SecondOrder, StateSpace};
 pub use air::SurfaceLattice;
@@ -38,9 +40,10 @@ pub use latency::Latency;
 pub use linear::{Argument, Freedom};
 pub use output_set::OutputSet;
 pub use shape::{ModeShape, NodeMotion, SectionShape, SectionState};
+pub use stability::{Coarseness, Growth, Stability};
 pub use state::Snapshot;
 pub use state_space::InputSlope;
-pub use statics::Holding;
+pub use statics::{Branch, Departure, Holding, LoadPath, Rest, Search};
 pub use strains::SectionStrain;
 
 use crate::beam::element::ElementKind;
@@ -79,6 +82,8 @@ pub struct Plant {
     watched: OutputSet,
     /// Outputs found at the present time.
     found: OutputSet,
+    /// The search for a state of rest that is under way.
+    quest: statics::Quest,
     /// Some gauge reads a strain that is recovered from forces.
     gauges_need_forces: bool,
     /// The model's own numbers are so moderate that outputs overflow only where states or inputs are not.
@@ -132,6 +137,7 @@ impl Plant {
             air,
             smallest_step_s: f64::INFINITY,
             scratch: [vec![0.0; coordinates], vec![0.0; coordinates]],
+            quest: statics::Quest::default(),
             latency: Latency::default(),
             begin: state.clone(),
             steps_left: 0,

@@ -174,7 +174,7 @@ impl Plant {
         if wanted.meets(OutputSet::ENERGIES) {
             let (model, work) = (&equations.model, &equations.work);
             let penalty: f64 = model.closures.iter().map(|closure| closure.energy_j(work).0).sum();
-            let kinetic = energy::kinetic(model, work, |_, _| {}) + penalty;
+            let kinetic = energy::kinetic(model, work, |_, _| {}) + penalty + energy::kinetic_of_drives(model, &now.v);
             let potentials = equations.potentials(time_s, &now.q);
             outputs.energy = EnergyOutputs {
                 kinetic,

@@ -56,6 +56,23 @@ pub struct ModeShape {
     pub imaginary: Vec<Vec<NodeMotion>>,
 }
 
+impl ModeShape {
+    /// The pole is real: the motion does not oscillate.
+    pub fn is_real(&self) -> bool {
+        self.eigenvalue_1_s.im.abs() <= 1e-9 * self.eigenvalue_1_s.norm()
+    }
+
+    /// Nothing resists the motion.
+    pub fn is_free(&self) -> bool {
+        self.eigenvalue_1_s.norm() == 0.0
+    }
+
+    /// The motion grows.
+    pub fn grows(&self) -> bool {
+        self.eigenvalue_1_s.re > crate::plant::stability::GROWTH * self.eigenvalue_1_s.norm()
+    }
+}
+
 /// Motion and strain of a section anywhere on a body, root frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SectionState {

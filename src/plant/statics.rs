@@ -2,12 +2,16 @@
 
 use crate::actuation::latch::Latch;
 use crate::load::{RootMotion, Wrench};
+use crate::multibody::Model;
 use crate::multibody::norm::kinematic_norm;
-use crate::multibody::tangent::{JointTangent, Surroundings, Tangent};
+use crate::multibody::tangent::{JointTangent, SingularTangent, Surroundings, Tangent};
 use crate::plant::Plant;
 use crate::plant::equations::{Equations, JointEquations};
 use crate::plant::face::PlantError;
+use crate::plant::stability::SYMMETRIC;
+use crate::solve::arc_length::{self, PathPoint};
 use crate::solve::equilibrium::{self, Cause, Effort, NoEquilibrium, Settings, StaticEquations};
+use crate::solve::settle;
 use crate::solve::{EquationsOfMotion, Singular};
 
 /// Gap of a closed loop at rest over the machine's length beyond which it is no loop any more.
@@ -21,6 +25,63 @@ pub enum Holding {
     AsReleased,
     /// Stoppers hold all joints at their start angles, but those whose latch is closed.
     Stopped,
+}
+
+/// How the loads are brought on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LoadPath {
+    /// The whole load at once, in steps where that fails, eq. (L9).
+    #[default]
+    Load,
+    /// Along the path of equilibria, through its limit points, eq. (L17).
+    ArcLength,
+}
+
+/// Which equilibrium is the answer where the one on the path is unstable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Branch {
+    /// The one on the path.
+    #[default]
+    Path,
+    /// A stable one downhill from it, eq. (L15).
+    Stable,
+}
+
+/// How an equilibrium is looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Search {
+    /// How the loads are brought on.
+    pub path: LoadPath,
+    /// What an unstable equilibrium is worth.
+    pub branch: Branch,
+}
+
+/// Why the answer does not lie on the path of equilibria.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Departure {
+    /// The equilibrium under the whole load is unstable in so many directions.
+    Unstable(usize),
+    /// The path ends, or turns back, at this load factor.
+    PathEnds(f64),
+}
+
+/// A state of rest and how it was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rest {
+    /// Load steps and iterations.
+    pub effort: Effort,
+    /// What made the search leave the path.
+    pub departure: Option<Departure>,
+    /// The path by arc length, point by point; empty otherwise.
+    pub path: Vec<PathPoint>,
+}
+
+/// The search under way and what it has met.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Quest {
+    search: Search,
+    departure: Option<Departure>,
+    path: Vec<PathPoint>,
 }
 
 /// Loads and joints of the case asked for; the search scales them.
@@ -66,6 +127,77 @@ struct AtRest<'a> {
     target: Target,
     time_s: f64,
     zero: Vec<f64>,
+    /// Weight of each coordinate in the length of a path.
+    weights: Vec<f64>,
+}
+
+impl<'a> AtRest<'a> {
+    fn new(equations: &'a mut Equations, time_s: f64, start: &[f64]) -> Self {
+        let target = Target::of(equations, time_s, start);
+        let weights = path_weights(&equations.model);
+        Self {
+            tangent: Tangent::new(&equations.model),
+            zero: vec![0.0; start.len()],
+            target,
+            time_s,
+            equations,
+            weights,
+        }
+    }
+
+    /// Goes on from what the search on the path has found to a stable state, if `q` is none and there is one.
+    fn stabilise(
+        &mut self,
+        q: &mut [f64],
+        found: Result<Effort, NoEquilibrium>,
+    ) -> (Result<Effort, NoEquilibrium>, Option<Departure>) {
+        let settings = Settings::default();
+        let kept = q.to_vec();
+        let (mut effort, departure) = match &found {
+            Ok(effort) => match self.unstable_directions(q) {
+                0 => return (found, None),
+                directions => (*effort, Departure::Unstable(directions)),
+            },
+            Err(error) => (Effort::default(), Departure::PathEnds(error.reached)),
+        };
+        self.load(1.0);
+        let left = match departure {
+            Departure::Unstable(_) => settle::leave(self, q),
+            Departure::PathEnds(_) => Ok(()),
+        };
+        match left.and_then(|()| settle::descend(self, q, settings, &mut effort)) {
+            Ok(()) => (Ok(effort), Some(departure)),
+            Err(_) => {
+                q.copy_from_slice(&kept);
+                self.residual(q, &mut vec![0.0; kept.len()]);
+                (found, None)
+            }
+        }
+    }
+
+    /// Directions in which the loads push away from the equilibrium `q`; none where the loads have no potential, as the
+    /// pivots say nothing then.
+    fn unstable_directions(&mut self, q: &[f64]) -> usize {
+        let directions = self.factorize(q, 0.0).unwrap_or(0);
+        if directions > 0 && self.tangent.asymmetry(&self.equations.model) < SYMMETRIC { directions } else { 0 }
+    }
+}
+
+/// Weights of the coordinates in the length of a path: `∫κ² ds` times the length of the machine, strains over the
+/// element's share of it, angles in rad, offsets over its length.
+fn path_weights(model: &Model) -> Vec<f64> {
+    let length_m = model.reference_length_m;
+    let mut weights = vec![1.0; model.coordinates];
+    for body in &model.bodies {
+        if let Some(joint) = body.parameters.filter(|joint| joint.kind.freedoms() == 6) {
+            weights[joint.coordinate..joint.coordinate + 3].fill(length_m.powi(-2));
+        }
+    }
+    for element in &model.elements {
+        weights[element.coordinate] = element.length_m / length_m;
+        weights[element.coordinate + 1..element.coordinate + 4].fill(element.length_m * length_m);
+    }
+    weights
 }
 
 impl StaticEquations for AtRest<'_> {
@@ -78,7 +210,7 @@ impl StaticEquations for AtRest<'_> {
         self.equations.root = RootMotion {
             gravity_m_s2: root.gravity_m_s2 * factor,
             acceleration_m_s2: root.acceleration_m_s2 * factor,
-            angular_velocity_rad_s: root.angular_velocity_rad_s * factor.sqrt(),
+            angular_velocity_rad_s: root.angular_velocity_rad_s * factor.max(0.0).sqrt(),
             angular_acceleration_rad_s2: root.angular_acceleration_rad_s2 * factor,
         };
         for (scaled, load) in self.equations.stations.iter_mut().zip(stations) {
@@ -103,9 +235,11 @@ impl StaticEquations for AtRest<'_> {
         self.equations.residual(self.time_s, q, &self.zero, &self.zero, residual);
     }
 
-    fn factorize(&mut self, q: &[f64]) -> Result<(), Singular> {
-        self.equations.linearize_at_rest(&mut self.tangent, q);
-        self.tangent.factorize(&self.equations.model).map_err(|singular| Singular { coordinate: singular.coordinate })
+    fn factorize(&mut self, q: &[f64], shift_1_s2: f64) -> Result<usize, Singular> {
+        self.equations.linearize_shifted(&mut self.tangent, q, shift_1_s2);
+        let singular = |singular: SingularTangent| Singular { coordinate: singular.coordinate };
+        self.tangent.factorize(&self.equations.model).map_err(singular)?;
+        Ok(self.tangent.negative_directions())
     }
 
     fn solve(&mut self, x: &mut [f64]) {
@@ -115,6 +249,10 @@ impl StaticEquations for AtRest<'_> {
 
     fn norm(&mut self, change: &[f64]) -> f64 {
         kinematic_norm(&self.equations.model, &mut self.equations.work, change)
+    }
+
+    fn product(&self, a: &[f64], b: &[f64]) -> f64 {
+        self.weights.iter().zip(a.iter().zip(b)).map(|(weight, (a, b))| weight * a * b).sum()
     }
 
     fn project(&mut self, q: &mut [f64]) {
@@ -127,10 +265,15 @@ impl StaticEquations for AtRest<'_> {
 impl Equations {
     /// Exact tangent at rest about `q`, the configuration of the last residual.
     pub(super) fn linearize_at_rest(&self, tangent: &mut Tangent, q: &[f64]) {
+        self.linearize_shifted(tangent, q, 0.0);
+    }
+
+    /// The same with a multiple of the mass added, eq. (L15).
+    fn linearize_shifted(&self, tangent: &mut Tangent, q: &[f64], shift_1_s2: f64) {
         let joints = self.joint_tangents();
         let stations: &[Wrench] = if self.loaded { &self.stations } else { &[] };
         let surroundings = Surroundings { root: &self.root, stations, joints: &joints };
-        tangent.linearize(&self.model, &self.work, q, surroundings);
+        tangent.linearize_shifted(&self.model, &self.work, q, surroundings, shift_1_s2);
     }
 
     /// Springs of the joints at the last residual, per body.
@@ -153,7 +296,21 @@ impl Plant {
     ///
     /// Starts from the unstrained machine at its start angles; prescribed joints keep their angle of `time_s`. A root
     /// that turns loads the wing by its centrifugal and Euler forces.
+    ///
+    /// The equilibrium is the one that the load path leads to, stable or not: [`Plant::stability`] tells.
     pub fn equilibrium(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
+        self.rest(time_s, holding, Search::default()).map(|rest| rest.effort)
+    }
+
+    /// [`Plant::equilibrium`] with a choice of the path and of what to do where it leads to an unstable state.
+    pub fn rest(&mut self, time_s: f64, holding: Holding, search: Search) -> Result<Rest, PlantError> {
+        self.quest = Quest { search, ..Quest::default() };
+        let effort = self.come_to_rest(time_s, holding);
+        let Quest { departure, path, .. } = std::mem::take(&mut self.quest);
+        Ok(Rest { effort: effort?, departure, path })
+    }
+
+    fn come_to_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         self.start(time_s);
         let effort = self.settle_in_air(time_s, holding)?;
         self.state.now.v.fill(0.0);
@@ -222,10 +379,20 @@ impl Plant {
                 joint.held = true;
             }
         }
-        let target = Target::of(equations, time_s, &now.q);
-        let mut at_rest =
-            AtRest { tangent: Tangent::new(&equations.model), zero: vec![0.0; now.q.len()], target, time_s, equations };
-        let found = equilibrium::find(&mut at_rest, &mut now.q, Settings::default());
+        let mut at_rest = AtRest::new(equations, time_s, &now.q);
+        let quest = &mut self.quest;
+        let settings = Settings::default();
+        quest.path.clear();
+        let mut found = match quest.search.path {
+            LoadPath::Load => equilibrium::find(&mut at_rest, &mut now.q, settings),
+            LoadPath::ArcLength => arc_length::trace(&mut at_rest, &mut now.q, settings).map(|(effort, path)| {
+                quest.path = path;
+                effort
+            }),
+        };
+        if quest.search.branch == Branch::Stable {
+            (found, quest.departure) = at_rest.stabilise(&mut now.q, found);
+        }
         let latches: Vec<Option<Latch>> = at_rest.target.joints.iter().map(|joint| joint.latch).collect();
         for (joint, latch) in self.equations.joints.iter_mut().zip(latches) {
             joint.latch = latch;

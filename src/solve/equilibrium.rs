@@ -18,8 +18,9 @@ pub trait StaticEquations {
     /// Residual at rest; entries of held coordinates are zero.
     fn residual(&mut self, q: &[f64], residual: &mut [f64]);
 
-    /// Linearises and factorises about the configuration of the last residual.
-    fn factorize(&mut self, q: &[f64]) -> Result<(), Singular>;
+    /// Linearises and factorises about the configuration of the last residual, with `shift_1_s2` times the mass added to
+    /// the stiffness. Returns the number of directions in which this matrix is negative.
+    fn factorize(&mut self, q: &[f64], shift_1_s2: f64) -> Result<usize, Singular>;
 
     /// Solves with the last factorisation in place: from a residual to the change of the coordinates that it is worth.
     fn solve(&mut self, x: &mut [f64]);
@@ -27,6 +28,10 @@ pub trait StaticEquations {
     /// Kinematic norm of a change of coordinates at the configuration of the last residual: largest displacement
     /// over the machine's length, or rotation in rad.
     fn norm(&mut self, change: &[f64]) -> f64;
+
+    /// Inner product of two changes of the coordinates in which lengths of paths are measured: turns in rad, and
+    /// displacements over the machine's length.
+    fn product(&self, a: &[f64], b: &[f64]) -> f64;
 
     /// Brings coordinates that obey constraints among themselves back to them.
     fn project(&mut self, q: &mut [f64]);
@@ -79,6 +84,12 @@ pub enum Cause {
     /// NaN or infinity.
     #[error("the residual is not finite in iteration {0}")]
     NotFinite(usize),
+    /// The descent to a stable state did not end.
+    #[error("no stable state within {0} steps downhill")]
+    NoStableState(usize),
+    /// The path was followed without reaching the load.
+    #[error("the path of equilibria does not reach the load within {0} points")]
+    PathTooLong(usize),
 }
 
 /// No equilibrium was found.
@@ -130,8 +141,8 @@ pub fn find(equations: &mut impl StaticEquations, q: &mut [f64], settings: Setti
     }
 }
 
-/// Newton's iteration at one load factor.
-fn iterate(
+/// Newton's iteration at one load factor. On success the equations stand at `q`.
+pub(super) fn iterate(
     equations: &mut impl StaticEquations,
     q: &mut [f64],
     settings: Settings,
@@ -145,7 +156,7 @@ fn iterate(
         if change.iter().any(|force| !force.is_finite()) {
             return Err(Cause::NotFinite(iteration));
         }
-        equations.factorize(q).map_err(|singular| Cause::Singular(singular.coordinate))?;
+        equations.factorize(q, 0.0).map_err(|singular| Cause::Singular(singular.coordinate))?;
         equations.solve(&mut change);
         correction = equations.norm(&change);
         if !correction.is_finite() {
@@ -185,14 +196,18 @@ mod tests {
             residual[0] = self.stiffness * q[0] - self.factor * self.load * q[0].cos();
             self.tangent = self.stiffness + self.factor * self.load * q[0].sin();
         }
-        fn factorize(&mut self, _: &[f64]) -> Result<(), Singular> {
-            if self.tangent == 0.0 { Err(Singular { coordinate: 0 }) } else { Ok(()) }
+        fn factorize(&mut self, _: &[f64], shift_1_s2: f64) -> Result<usize, Singular> {
+            self.tangent += shift_1_s2;
+            if self.tangent == 0.0 { Err(Singular { coordinate: 0 }) } else { Ok(usize::from(self.tangent < 0.0)) }
         }
         fn solve(&mut self, x: &mut [f64]) {
             x[0] /= self.tangent;
         }
         fn norm(&mut self, change: &[f64]) -> f64 {
             change[0].abs()
+        }
+        fn product(&self, a: &[f64], b: &[f64]) -> f64 {
+            a[0] * b[0]
         }
         fn project(&mut self, _: &mut [f64]) {}
     }

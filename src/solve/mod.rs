@@ -2,6 +2,7 @@
 //! modes and linear models.
 
 pub mod acceleration;
+pub mod arc_length;
 pub mod control;
 pub mod equilibrium;
 pub mod explicit;
@@ -11,6 +12,7 @@ pub mod modes;
 pub mod newton;
 pub mod point;
 pub mod runge_kutta;
+pub mod settle;
 pub mod stepper;
 pub mod tableau;
 

@@ -488,3 +488,32 @@ fn latency_is_measured() {
     refuses(&run(&["--step", "0"]), 2, "--step 0: must be a finite number and positive");
     refuses(&run(&["--turbulence=-1"]), 2, "--turbulence -1: must be a finite number and at least 0");
 }
+
+/// A rod on a free hinge, started upright: `static` lets it hang and says so, `--branch path` keeps it and calls it
+/// unstable; `modes` prints the real pole in 1/s, marked, without frequency and damping ratio (it printed
+/// `damping -1.000000` and a frequency).
+#[test]
+fn modes_prints_real_poles_and_static_the_stable_state() {
+    let folder = scratch();
+    let path = folder.path().join("rod.toml");
+    let text = "name = \"Rod\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[section.s]\nshape = \"rectangle\"\nwidth_m = 0.05\n\
+        height_m = 0.002\ndensity_kg_m3 = 1425.0\nyoung_Pa = 2.83e9\npoisson_ratio = 0.3\n[body.rod]\nlength_m = 0.3\n\
+        section = \"s\"\nelements = 2\n[joint.h]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"rod\"\n\
+        axis = [0.0, 1.0, 0.0]\nstart_angle_deg = -80.0\n[experiment]\nstop_time_s = 1.0\nstep_s = 1e-3\n";
+    std::fs::write(&path, text).unwrap();
+    let path = path.to_str().unwrap();
+    let hanging = succeeds(&foldwing(&["static", path]));
+    assert!(hanging.contains("stability: stable") && hanging.contains("downhill"), "{hanging}");
+    let upright = succeeds(&foldwing(&["static", path, "--branch", "path"]));
+    assert!(upright.contains("UNSTABLE in 1 direction") && upright.contains("grows with 7.00"), "{upright}");
+    let json: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&["static", path, "--json"]))).unwrap();
+    assert_eq!(json["stability"]["stable"], true);
+    assert_eq!(json["stability"]["left_path"]["unstable_directions"], 1);
+    let modes = succeeds(&foldwing(&["modes", path, "--count", "2"]));
+    assert!(modes.contains("1/s, real UNSTABLE") && !modes.contains("-1.000000"), "{modes}");
+    let json: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&["modes", path, "--json"]))).unwrap();
+    let first = &json["modes"][0];
+    assert!(first["frequency_Hz"].is_null() && first["damping_ratio"].is_null() && first["grows"] == true, "{first}");
+    let table = succeeds(&foldwing(&["static", path, "--path", "arc-length", "--set", "h.start_angle=1"]));
+    assert!(table.contains("Path of equilibria"), "{table}");
+}

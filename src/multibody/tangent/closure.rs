@@ -17,7 +17,7 @@ pub(super) struct ClosureTangent {
     nodes: [usize; 2],
     /// Displacement of either point per twist of its node.
     points: [Matrix3x6<f64>; 2],
-    stiffness_n_m: f64,
+    pub(super) stiffness_n_m: f64,
 }
 
 /// Factor of the coupling of all closures.
@@ -25,6 +25,8 @@ pub(super) struct ClosureTangent {
 pub(super) struct Coupling {
     /// `K⁻¹Gᵀ`, one column per coordinate of a closure's points.
     columns: DMatrix<f64>,
+    /// Positive eigenvalues of the symmetric part of the small matrix, eq. (L16).
+    pub(super) positive: usize,
     lu: LU<f64, Dyn, Dyn>,
 }
 
@@ -89,11 +91,13 @@ impl Tangent {
                 columns.column_mut(row).fill(0.0);
             }
         }
+        let symmetric = (&small + small.transpose()) * 0.5;
+        let positive = symmetric.symmetric_eigenvalues().iter().filter(|value| **value > 0.0).count();
         let lu = small.lu();
         if !lu.is_invertible() {
             return Err(SingularTangent { coordinate: 0 });
         }
-        self.coupling = Some(Coupling { columns, lu });
+        self.coupling = Some(Coupling { columns, positive, lu });
         Ok(())
     }
 

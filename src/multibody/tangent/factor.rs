@@ -14,7 +14,10 @@ const SMALLEST_PIVOT: f64 = 1e-13;
 #[derive(Debug, Clone)]
 pub(super) struct Factor {
     lu: LU<f64, Const<8>, Const<8>>,
-    scale: SVector<f64, 8>,
+    /// Scales of the unknowns: inverse roots of the pivots' sizes; 1 beyond their number.
+    pub(super) scale: SVector<f64, 8>,
+    /// Negative eigenvalues of the symmetric part of the pivot block.
+    pub(super) negative: usize,
     xa: SMatrix<f64, 8, 6>,
     ax: SMatrix<f64, 6, 8>,
     /// Right side of the last inward sweep.
@@ -35,13 +38,14 @@ impl Factor {
             }
         }
         let scaled = SMatrix::<f64, 8, 8>::from_fn(|i, j| block.xx[(i, j)] * scale[i] * scale[j]);
+        let negative = negative_eigenvalues(&scaled);
         let lu = scaled.lu();
         let upper = lu.u();
         // a pivot that is NaN fails the comparison as well
         if !(0..8).all(|k| upper[(k, k)].abs() > SMALLEST_PIVOT) {
             return None;
         }
-        let mut factor = Self { lu, scale, xa: block.xa, ax: block.ax, right: SVector::zeros() };
+        let mut factor = Self { lu, scale, negative, xa: block.xa, ax: block.ax, right: SVector::zeros() };
         let mut passed = block.aa;
         for j in 0..6 {
             let solved = factor.solve(&factor.xa.column(j).into_owned());
@@ -57,6 +61,15 @@ impl Factor {
         self.lu.solve_mut(&mut x);
         x.component_mul(&self.scale)
     }
+}
+
+/// Of the symmetric part; almost always there are none, which a Cholesky factor shows.
+fn negative_eigenvalues(block: &SMatrix<f64, 8, 8>) -> usize {
+    let symmetric = (block + block.transpose()) * 0.5;
+    if nalgebra::Cholesky::new(symmetric).is_some() {
+        return 0;
+    }
+    symmetric.symmetric_eigenvalues().iter().filter(|value| **value < 0.0).count()
 }
 
 impl Tangent {

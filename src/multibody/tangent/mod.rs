@@ -12,6 +12,7 @@
 mod block;
 mod closure;
 mod factor;
+mod inertia;
 mod joint;
 
 pub use joint::JointTangent;
@@ -91,9 +92,23 @@ impl Tangent {
     /// Linearises about `q`. `work` must hold the residual of `q` at rest (rates and accelerations zero) in the same
     /// surroundings.
     pub fn linearize(&mut self, model: &Model, work: &Workspace, q: &[f64], surroundings: Surroundings) {
+        self.linearize_shifted(model, work, q, surroundings, 0.0);
+    }
+
+    /// [`Self::linearize`] of `K + σ BᵀMB`, with `σ` in 1/s²; eq. (L15).
+    pub fn linearize_shifted(
+        &mut self,
+        model: &Model,
+        work: &Workspace,
+        q: &[f64],
+        surroundings: Surroundings,
+        shift_1_s2: f64,
+    ) {
         let turn = hat(&surroundings.root.angular_velocity_rad_s);
-        let frame = hat(&surroundings.root.angular_acceleration_rad_s2) + turn * turn;
-        let rotates = surroundings.root.rotates();
+        let frame = hat(&surroundings.root.angular_acceleration_rad_s2)
+            + turn * turn
+            + Matrix3::from_diagonal_element(shift_1_s2);
+        let rotates = surroundings.root.rotates() || shift_1_s2 != 0.0;
         self.linearize_nodes(model, work, &frame);
         self.cross.clear();
         for (index, body) in model.bodies.iter().enumerate() {
@@ -116,7 +131,11 @@ impl Tangent {
                     });
                 }
             }
-            self.joints[index] = JointBlock::new(model, work, index, &surroundings.joints[index]);
+            let mut joint = surroundings.joints[index];
+            if let Some(hinge) = &body.hinge {
+                joint.stiffness_n_m_rad[(0, 0)] += shift_1_s2 * hinge.inertia_kg_m2;
+            }
+            self.joints[index] = JointBlock::new(model, work, index, &joint);
         }
         self.linearize_stations(model, work, q, surroundings.stations);
         self.linearize_closures(model, work);

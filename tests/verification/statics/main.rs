@@ -9,4 +9,5 @@ mod reference;
 mod ritz;
 #[path = "../rod.rs"]
 mod rod;
+mod stability;
 mod tangent;

@@ -1,0 +1,74 @@
+//! What the factors say of stability: the number of negative pivots, and whether the tangent has a potential.
+
+use crate::multibody::Model;
+use crate::multibody::tangent::Tangent;
+use crate::multibody::tangent::factor::Factor;
+
+impl Tangent {
+    /// Number of negative eigenvalues of the tangent of the last factorisation, eq. (L16): directions in which the
+    /// forces push away. Every elimination leaves its Schur complement, so the numbers of the pivot blocks add up
+    /// (Sylvester); closed loops enter as a border. Exact for a symmetric tangent, that of loads with a potential.
+    pub fn negative_directions(&self) -> usize {
+        let blocks = self.factors.iter().chain(&self.joint_factors).flatten();
+        let tree: usize = blocks.map(|factor| factor.negative).sum();
+        let Some(coupling) = &self.coupling else { return tree };
+        let stiff = self.closures.iter().filter(|closure| closure.stiffness_n_m > 0.0).count();
+        // those without stiffness stand as six ones
+        let slack = 6 * (self.closures.len() - stiff);
+        (tree + coupling.positive).saturating_sub(3 * stiff + slack)
+    }
+
+    /// Largest `|uᵀKv − vᵀKu|` over `|u||Kv|` of some vectors, in the coordinates that give the pivots their unit size:
+    /// round-off where the loads have a potential. The factors of the same configuration must stand.
+    pub fn asymmetry(&mut self, model: &Model) -> f64 {
+        let scale = self.scales(model);
+        let n = model.coordinates;
+        let vector = |seed: usize| -> Vec<f64> {
+            (0..n).map(|i| scale[i] * (1.0 + (i * i % 97 + seed * (i % 31)) as f64).sin()).collect()
+        };
+        let (mut largest, mut products) = (0.0f64, Vec::new());
+        for seed in 0..SAMPLES {
+            let x = vector(seed);
+            let mut y = vec![0.0; n];
+            self.apply(model, &x, &mut y);
+            products.push((x, y));
+        }
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let size = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a * b).abs()).sum::<f64>();
+        for (i, (u, ku)) in products.iter().enumerate() {
+            for (v, kv) in &products[..i] {
+                let scatter = size(u, kv).max(size(v, ku));
+                if scatter > 0.0 {
+                    largest = largest.max((dot(u, kv) - dot(v, ku)).abs() / scatter);
+                }
+            }
+        }
+        largest
+    }
+
+    /// Scale of each coordinate: the inverse root of its pivot's size; zero for what is held.
+    fn scales(&self, model: &Model) -> Vec<f64> {
+        let mut scale = vec![0.0; model.coordinates];
+        for (index, body) in model.bodies.iter().enumerate() {
+            let joint = &self.joints[index];
+            if let Some(factor) = &self.joint_factors[index] {
+                spread(factor, &mut scale[joint.coordinate..joint.coordinate + joint.freedoms]);
+            }
+            for e in body.first_element..body.first_element + body.elements {
+                if let Some(factor) = &self.factors[e] {
+                    let c = model.elements[e].coordinate;
+                    let count = 4 * super::stride(body);
+                    spread(factor, &mut scale[c..c + count]);
+                }
+            }
+        }
+        scale
+    }
+}
+
+/// Vectors that [`Tangent::asymmetry`] compares two by two.
+const SAMPLES: usize = 4;
+
+fn spread(factor: &Factor, scale: &mut [f64]) {
+    scale.iter_mut().zip(factor.scale.iter()).for_each(|(to, from)| *to = *from);
+}
