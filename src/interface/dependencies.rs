@@ -401,7 +401,7 @@ fn accelerates_initially(topology: &Topology, reach: Reach, known: Binding) -> b
             reach.holds(topology, body)
                 && match field {
                     BodyParameter::MassFactor => true,
-                    BodyParameter::MassDamping => moves_at_start(topology, body),
+                    BodyParameter::MassDamping => moves_on_carrier(topology, body),
                     BodyParameter::StiffnessFactor | BodyParameter::StiffnessDamping => false,
                 }
         }
@@ -454,6 +454,12 @@ fn damps_initially(topology: &Topology, body: usize, known: Binding) -> bool {
 /// Whether a body moves at the start.
 fn moves_at_start(topology: &Topology, body: usize) -> bool {
     topology.drifts(body) || topology.path[body].iter().any(|&joint| topology.starts_turning(joint))
+}
+
+/// Whether a body moves at the start relative to what carries it: the root, or the first body behind a free joint.
+fn moves_on_carrier(topology: &Topology, body: usize) -> bool {
+    let own = usize::from(topology.flies(body));
+    topology.path[body].iter().skip(own).any(|&joint| topology.starts_turning(joint))
 }
 
 /// Initial kinetic energy: only bodies that move at the start have it.

@@ -146,6 +146,11 @@ impl<'a> Topology<'a> {
         self.unbound(self.branch[body]).is_some_and(|joint| joint.start_velocity_m_s.amax() > 0.0)
     }
 
+    /// Whether a free joint carries the branch of a body.
+    pub fn flies(&self, body: usize) -> bool {
+        self.unbound(self.branch[body]).is_some()
+    }
+
     /// The free joint that holds a body, if it is one.
     fn unbound(&self, body: usize) -> Option<&'a Spatial> {
         spatial(self.machine, body).filter(|joint| joint.freedom == SpatialFreedom::Free)

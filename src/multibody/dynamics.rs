@@ -10,10 +10,11 @@ use crate::multibody::joint::ParameterKind;
 use crate::multibody::kinematics::{Motion, strains, sweep_motion};
 use crate::multibody::model::{Base, Body, Element, Model};
 use crate::multibody::station;
-use crate::multibody::workspace::{Pair, Workspace};
+use crate::multibody::workspace::{Node, Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
-/// Damping of one body; acts on its beam only, on velocity relative to the root frame.
+/// Damping of one body; acts on its beam, and on attached masses where it is told to, on velocity relative to what carries the tree: the root frame, or the
+/// rigid motion of the first node behind a free joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Damping {
     /// Mass proportional, `α` in 1/s.
@@ -73,6 +74,7 @@ fn sweep_forces<const PROJECT: bool>(
             }
         }
     }
+    react_on_carriers(model, work, environment.damping);
     for closure in &model.closures {
         closure.apply(work);
     }
@@ -89,6 +91,7 @@ fn load_rates(model: &Model, work: &mut Workspace, environment: Environment) {
     for (body, damping) in model.bodies.iter().zip(environment.damping) {
         let range = body.first_node..=body.last_node();
         let alpha = damping.mass_1_s;
+        let carrier = body.carrier.filter(|_| alpha != 0.0).map(|node| work.nodes[node]);
         for (node, mass) in work.nodes[range.clone()].iter_mut().zip(&model.nodes[range]) {
             let mut origin = node.acceleration - field;
             let mut spread = turning(&node.spin_rate, &node.spin);
@@ -99,15 +102,59 @@ fn load_rates(model: &Model, work: &mut Workspace, environment: Environment) {
             node.force = Vector3::zeros();
             node.moment = Vector3::zeros();
             node.fixed = Pair::ZERO;
+            let (velocity, spin) = match &carrier {
+                None => (node.velocity, node.spin),
+                Some(carrier) => node.relative_to(carrier),
+            };
+            let damped = spread + hat(&(spin * alpha));
+            node.load_rate = nodal_rates(origin + velocity * alpha, &damped, &node.rotation);
             if let Some(attached) = &mass.attached {
-                let undamped = nodal_rates(origin, &spread, &node.rotation);
-                let (force, moment) = wrench_of(&node.rotation, &multiply(attached, &undamped));
+                let rates = match body.damps_attached {
+                    true => node.load_rate,
+                    false => nodal_rates(origin, &spread, &node.rotation),
+                };
+                let (force, moment) = wrench_of(&node.rotation, &multiply(attached, &rates));
                 node.add_fixed(&force, &moment);
             }
-            let damped = spread + hat(&(node.spin * alpha));
-            node.load_rate = nodal_rates(origin + node.velocity * alpha, &damped, &node.rotation);
         }
     }
+}
+
+/// Takes the resultant of the mass-proportional damping out of what arrives at a carrier: the damping acts between the
+/// tree and what carries it, eq. (D15).
+fn react_on_carriers(model: &Model, work: &mut Workspace, damping: &[Damping]) {
+    for (body, damping) in model.bodies.iter().zip(damping).filter(|(_, damping)| damping.mass_1_s != 0.0) {
+        let Some(carrier) = body.carrier else { continue };
+        let (force, moment) = damping_resultant(model, body, work, carrier);
+        work.nodes[carrier].add_fixed(&(force * -damping.mass_1_s), &(moment * -damping.mass_1_s));
+    }
+}
+
+/// `Σ f` and `Σ e × f` about the carrier of `f = M̂ ė`, `ė` relative to the carrier's rigid motion, of one body's beam.
+fn damping_resultant(model: &Model, body: &Body, work: &Workspace, carrier: usize) -> (Vector3<f64>, Vector3<f64>) {
+    let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+    let carrier = &work.nodes[carrier];
+    let rates = |node: &Node| {
+        let (velocity, spin) = node.relative_to(carrier);
+        nodal_rates(velocity, &hat(&spin), &node.rotation)
+    };
+    let mut add = |node: &Node, forces: &[Vector3<f64>; 4]| {
+        let (own_force, own_moment) = wrench_of(&node.rotation, forces);
+        force += own_force;
+        moment += own_moment + (node.position - carrier.position).cross(&own_force);
+    };
+    for i in 0..=body.elements {
+        let node = &work.nodes[body.first_node + i];
+        let here = rates(node);
+        add(node, &multiply(&model.nodes[body.first_node + i].damped(body), &here));
+        if i < body.elements {
+            let (outer, cross) =
+                (&work.nodes[body.first_node + i + 1], &model.elements[body.first_element + i].cross_mass);
+            add(node, &multiply_transposed(cross, &rates(outer)));
+            add(outer, &multiply(cross, &here));
+        }
+    }
+    (force, moment)
 }
 
 /// Adds the inertia forces of the beams: what the lump of each node and the elements on either side make of the rates,
@@ -208,7 +255,7 @@ pub(crate) fn wrench_of(rotation: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) -> 
 fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Damping], residual: &mut [f64]) {
     for (index, (body, damping)) in model.bodies.iter().zip(damping).enumerate() {
         if let Some(hinge) = &body.hinge {
-            residual[hinge.coordinate] = 0.0;
+            residual[hinge.coordinate] = hinge.inertia_kg_m2 * motion.a[hinge.coordinate];
         }
         if let (Some(joint), Some(parameters)) = (&body.parameters, &work.parameters[index]) {
             let (c, freedoms) = (joint.coordinate, joint.kind.freedoms());

@@ -4,9 +4,41 @@ use crate::load::RootMotion;
 use crate::math::so3::hat;
 use crate::multibody::dynamics::{Damping, multiply};
 use crate::multibody::kinematics::strains;
-use crate::multibody::model::Model;
+use crate::multibody::model::{Body, Model};
 use crate::multibody::workspace::{Node, Workspace};
 use nalgebra::{Matrix4, Vector3, Vector4};
+
+/// Power that the mass-proportional damping takes, `α ėᵀM̂ė` of each beam with `ė` relative to what carries the tree,
+/// eq. (D15), in W; one number per beam.
+pub fn mass_damping_power(model: &Model, work: &Workspace, damping: &[Damping], mut per_body: impl FnMut(f64)) {
+    let plain = |body: &Body| body.carrier.is_none() && !body.damps_attached;
+    if model.bodies.iter().any(plain) {
+        kinetic(model, work, |body, beam| {
+            if plain(&model.bodies[body]) {
+                per_body(2.0 * damping[body].mass_1_s * beam);
+            }
+        });
+    }
+    let rest = model.bodies.iter().zip(damping).filter(|(body, damping)| !plain(body) && damping.mass_1_s != 0.0);
+    for (body, damping) in rest {
+        let carrier = body.carrier.map(|node| &work.nodes[node]);
+        let relative = |i: usize| {
+            let node = &work.nodes[body.first_node + i];
+            let [_, x, y, z] = nodal_vectors(node);
+            let (velocity, spin) = carrier.map_or((node.velocity, node.spin), |carrier| node.relative_to(carrier));
+            [velocity, spin.cross(&x), spin.cross(&y), spin.cross(&z)]
+        };
+        let mut form = 0.0;
+        for i in 0..=body.elements {
+            let here = relative(i);
+            form += quadratic(&model.nodes[body.first_node + i].damped(body), &here, &here);
+            if i < body.elements {
+                form += 2.0 * quadratic(&model.elements[body.first_element + i].cross_mass, &relative(i + 1), &here);
+            }
+        }
+        per_body(damping.mass_1_s * form);
+    }
+}
 
 /// Kinetic energy relative to the root frame, J: of the beams per body through `per_body`, and in all.
 pub fn kinetic(model: &Model, work: &Workspace, mut per_body: impl FnMut(usize, f64)) -> f64 {
@@ -32,6 +64,12 @@ pub fn kinetic(model: &Model, work: &Workspace, mut per_body: impl FnMut(usize, 
         total += beam + attached;
     }
     total
+}
+
+/// Kinetic energy in J of what turns with the joint angles only, eq. (D16).
+pub fn kinetic_of_drives(model: &Model, v: &[f64]) -> f64 {
+    let hinges = model.bodies.iter().filter_map(|body| body.hinge);
+    hinges.map(|hinge| 0.5 * hinge.inertia_kg_m2 * v[hinge.coordinate].powi(2)).sum()
 }
 
 /// Strain energy of the beams in J; linear elements with their coupling.

@@ -69,11 +69,12 @@ fn factorize_tree(
 ) -> Result<(), BadPivot> {
     for (body, damping) in model.bodies.iter().zip(damping) {
         let beam = weights.mass + weights.damping * damping.mass_1_s;
+        let attachment = if body.damps_attached { beam } else { weights.mass };
         for n in body.first_node..=body.last_node() {
             let node = &work.nodes[n];
             let mut mass = model.nodes[n].beam * beam;
             if let Some(attached) = &model.nodes[n].attached {
-                mass += attached * weights.mass;
+                mass += attached * attachment;
             }
             work.inertia[n] = lump(&mass, &node.rotation);
         }
@@ -275,8 +276,10 @@ fn eliminate_hinge(
     };
     let velocity = inertia.vw * axis;
     let spin = inertia.ww * axis;
-    let pivot =
-        axis.dot(&spin) + weights.stiffness * tangent.stiffness_n_m_rad + weights.damping * tangent.damping_n_m_s_rad;
+    let pivot = axis.dot(&spin)
+        + weights.stiffness * tangent.stiffness_n_m_rad
+        + weights.damping * tangent.damping_n_m_s_rad
+        + weights.mass * hinge.inertia_kg_m2;
     if !(pivot > 0.0 && pivot.is_finite()) {
         return Err(BadPivot { coordinate: hinge.coordinate });
     }

@@ -103,6 +103,10 @@ pub struct Body {
     pub natural_strain: NaturalStrain,
     /// Mass blocks of its elements couple `r` and `r_x` only ([`couples_axis_only`]).
     pub slim_mass: bool,
+    /// First node of the body on a `free` joint that carries this one, itself included; none where the root carries it.
+    pub carrier: Option<usize>,
+    /// Mass-proportional damping acts on its attached masses too.
+    pub damps_attached: bool,
 }
 
 /// Whether a mass block couples the nodal vectors `r` and `r_x` with each other and no others: sections whose mass line is
@@ -132,6 +136,8 @@ pub struct Hinge {
     pub axis: Vector3<f64>,
     /// Index of `θ` in `q`.
     pub coordinate: usize,
+    /// Moment of inertia that turns with `θ` only, in kg·m²: motor and gear, eq. (D16).
+    pub inertia_kg_m2: f64,
 }
 
 /// A constant-strain element or half of a pair.
@@ -162,8 +168,18 @@ pub struct Element {
 pub struct NodeMass {
     /// Beam inertia: outer block of the element before, inner block of the element after.
     pub beam: Matrix4<f64>,
-    /// Attached rigid masses: not damped.
+    /// Attached rigid masses: damped where [`Body::damps_attached`].
     pub attached: Option<Matrix4<f64>>,
+}
+
+impl NodeMass {
+    /// What the mass-proportional damping of its body acts on.
+    pub fn damped(&self, body: &Body) -> Matrix4<f64> {
+        match &self.attached {
+            Some(attached) if body.damps_attached => self.beam + attached,
+            _ => self.beam,
+        }
+    }
 }
 
 /// A load station.
@@ -249,7 +265,7 @@ impl Model {
         let coordinate = self.coordinates;
         let (hinge, parameters) = match description.joint {
             JointDescription::Clamped => (None, None),
-            JointDescription::Revolute(axis) => (Some(Hinge { axis, coordinate }), None),
+            JointDescription::Revolute(axis) => (Some(Hinge { axis, coordinate, inertia_kg_m2: 0.0 }), None),
             JointDescription::Universal { parent_axis, body_axis } => {
                 let cosine = parent_axis.dot(&(description.mount * body_axis));
                 let kind = ParameterKind::Universal { parent_axis, body_axis, cosine };
@@ -271,6 +287,8 @@ impl Model {
             kind: description.kind,
             natural_strain: description.natural_strain.clone(),
             slim_mass: true,
+            carrier: self.carrier_of(description),
+            damps_attached: false,
         };
         let section = match description.section.is_uniform() {
             true => SectionLaw::Uniform(description.section.at(0.0)),
@@ -316,6 +334,16 @@ impl Model {
             *attached = Some(attached.unwrap_or_else(Matrix4::zeros) + mass);
         }
         self.add_stations(body_index, &description.stations_m, description.load_frame);
+    }
+
+    /// Node whose rigid motion a new body's mass damping is relative to: its own first one on a free joint, else its
+    /// parent's carrier.
+    fn carrier_of(&self, description: &BodyDescription) -> Option<usize> {
+        match (description.joint, description.parent) {
+            (JointDescription::Free, _) => Some(self.nodes.len()),
+            (_, Attachment::Body { index, .. }) => self.bodies[index].carrier,
+            (_, Attachment::Root(_)) => None,
+        }
     }
 
     /// Adds stations behind those that exist.

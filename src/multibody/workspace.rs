@@ -47,6 +47,13 @@ impl Node {
         fixed: Pair::ZERO,
     };
 
+    /// Velocity and spin less those of a rigid body that moves with `carrier`, root frame.
+    #[inline]
+    pub(crate) fn relative_to(&self, carrier: &Self) -> (Vector3<f64>, Vector3<f64>) {
+        let carried = carrier.velocity + carrier.spin.cross(&(self.position - carrier.position));
+        (self.velocity - carried, self.spin - carrier.spin)
+    }
+
     /// Adds a wrench of what sits on the node itself.
     #[inline]
     pub(crate) fn add_fixed(&mut self, force: &Vector3<f64>, moment: &Vector3<f64>) {

@@ -1,4 +1,4 @@
-//! V-30 to V-36: strain recovery from the section wrench.
+//! V-30 to V-36 and V-39: strain recovery from the section wrench.
 
 use crate::modes::{flap_beam, mode_shape, modes};
 use crate::oracle::Oracle;
@@ -265,6 +265,29 @@ fn v36_recovery_takes_off_the_viscous_part() {
     let stress = element.section_stiffness[0] * (strain - element.natural_strain + rate * state.damping[0].stiffness_s);
     let axes = work.nodes[0].rotation.transpose();
     let (force, moment) = (axes * work.nodes[0].force, axes * work.nodes[0].moment);
+    let gap = (stress + Vector4::new(force.x, moment.x, moment.y, moment.z)).amax() / stress.amax();
+    assert!(gap < 1e-13, "stress and wrench differ by {gap:.1e}");
+}
+
+/// V-39. The same at the outer end of the last pair, which carries a load and a rigid body: the viscous part is that of the
+/// pair's field there, (5B − A)/4, with the sign of V-36. Round-off. (A wrong sign there passed every other test.)
+#[test]
+fn v39_recovery_takes_off_the_viscous_part_at_the_outer_end() {
+    let case = branching_tree(45, [Linear; 4]);
+    let state = State::random(&case, 46, 0.3);
+    let mut work = Workspace::new(&case.model);
+    crate::recursion::engine_residual(&case, &mut work, &state);
+    let motion = Motion { q: &state.q, v: &state.v, a: &state.a };
+    let body = &case.model.bodies[3];
+    let strain = section_strain(&case.model, &work, motion, &state.damping, 3, 0.8);
+    let last = body.first_element + body.elements - 1;
+    let [a, b] = [last - 1, last].map(|e| case.model.elements[e].coordinate);
+    let rate = Vector4::from_fn(|i, _| 1.25 * state.v[b + i] - 0.25 * state.v[a + i]);
+    let element = &case.model.elements[last];
+    let stress = element.section_stiffness[1] * (strain - element.natural_strain + rate * state.damping[3].stiffness_s);
+    let axes = work.nodes[body.last_node()].rotation.transpose();
+    let (force, moment) = section_wrench(&case.model, &work, 3, body.last_node(), Side::Inboard);
+    let (force, moment) = (axes * force, axes * moment);
     let gap = (stress + Vector4::new(force.x, moment.x, moment.y, moment.z)).amax() / stress.amax();
     assert!(gap < 1e-13, "stress and wrench differ by {gap:.1e}");
 }

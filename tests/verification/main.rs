@@ -1,6 +1,7 @@
 //! Verification against theory: a dense oracle, identities, statics, frequencies. Case numbers V-xx.
 
 mod bending;
+mod carried;
 mod gauges;
 mod modes;
 mod oracle;

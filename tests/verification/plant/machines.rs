@@ -70,6 +70,7 @@ pub fn no_drive() -> Drive {
         constant_torque_n_m: 0.0,
         torque_limit_n_m: UNLIMITED,
         rate_limit_rad_s: UNLIMITED,
+        inertia_kg_m2: 0.0,
         command_rad: 0.0,
     }
 }
@@ -102,6 +103,7 @@ pub fn body(name: &str, length_m: f64, section: &Section, kind: ElementKind, cou
         elements: count,
         natural_strain: [0.0; 4].into(),
         mass_damping_1_s: 0.0,
+        damp_attached_masses: false,
         stiffness_damping_s: 0.0,
         station_positions_m: Vec::new(),
         station_loads: Vec::new(),

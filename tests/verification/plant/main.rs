@@ -4,6 +4,7 @@
 
 mod machines;
 
+mod carried;
 mod corners;
 mod deployment;
 mod double_pendulum;

@@ -16,7 +16,7 @@ const SMALL: f64 = 1e-6;
 /// Transform of the exponential fit to Wagner's function: what stands for Theodorsen's function in the strips.
 pub fn fitted_theodorsen(k: f64) -> Complex<f64> {
     let p = Complex::new(0.0, k);
-    let Indicial { weights, rates } = Indicial::WAGNER;
+    let Indicial { weights, rates, .. } = Indicial::WAGNER;
     weights.iter().zip(rates).fold(Complex::new(1.0, 0.0), |c, (weight, rate)| c - p * *weight / (p + rate))
 }
 
