@@ -5,9 +5,12 @@ use crate::aero::flow::{Gust, GustShape};
 use crate::aero::lattice::{LatticeOptions, LoadRule, WakeModel};
 use crate::aero::polar::{Polar, PolarRow};
 use crate::aero::strip::StripOptions;
+use crate::aero::strip::indicial::Fit;
 use crate::aero::surface::{ChordLine, Profile};
 use crate::beam::profile::Profile as Along;
-use crate::config::air_file::{AirModelFile, CouplingFile, GustFile, GustShapeFile, LeadingEdgeFile, SurfaceFile};
+use crate::config::air_file::{
+    AirModelFile, CouplingFile, GustFile, GustShapeFile, IndicialFile, LeadingEdgeFile, SurfaceFile,
+};
 use crate::config::body::{self, BodyFile};
 use crate::config::file::ModelFile;
 use crate::config::function::{FunctionFile, along_body};
@@ -120,6 +123,10 @@ pub(super) fn build(
         AirModelFile::Strip | AirModelFile::None => AirOptions::Strips(StripOptions {
             unsteady: !air.quasi_steady,
             apparent_mass: air.apparent_mass,
+            fit: match air.indicial {
+                IndicialFile::Jones => Fit::Jones,
+                IndicialFile::Fine => Fit::Fine,
+            },
             leading_edge_suction: air.leading_edge_suction.unwrap_or(true),
         }),
     };

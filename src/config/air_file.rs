@@ -33,6 +33,8 @@ pub(super) struct AirFile {
     pub quasi_steady: bool,
     /// Whether strips carry the apparent mass of the air.
     pub apparent_mass: bool,
+    /// Fit to Wagner's and Küssner's functions; strips only.
+    pub indicial: IndicialFile,
     /// Normal of a mirror plane through the origin (a tunnel wall, or the other half of an aircraft); lattice only.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub mirror_normal: Option<[f64; 3]>,
@@ -67,6 +69,7 @@ impl Default for AirFile {
             coupling_iterations: 50,
             quasi_steady: false,
             apparent_mass: true,
+            indicial: IndicialFile::Jones,
             mirror_normal: None,
             free_wake: false,
             wake_rows: 100,
@@ -98,6 +101,16 @@ pub(super) enum CouplingFile {
     Iterated,
     /// By prediction and one correction.
     Staggered,
+}
+
+/// Fit to the functions of Wagner and Küssner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum IndicialFile {
+    /// R. T. Jones: two and three terms, lift within 1.5 % and 4 % of the exact frequency response.
+    Jones,
+    /// Five terms each, within 0.06 % and 0.7 %: flutter of slender wings; a little slower.
+    Fine,
 }
 
 /// Lifting surface of a body.

@@ -13,7 +13,7 @@ use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
 use crate::aero::surface::{Profile, Surface};
 use crate::load::SectionMotion;
-use indicial::{Indicial, Lag};
+use indicial::{Fit, Lag};
 use nalgebra::Vector3;
 use section::{Cut, Strip};
 use serde::{Deserialize, Serialize};
@@ -26,6 +26,8 @@ pub struct StripOptions {
     pub unsteady: bool,
     /// Apparent mass of the air.
     pub apparent_mass: bool,
+    /// Fit of that lag.
+    pub fit: Fit,
     /// Suction at the leading edge, which turns the force of a plate from across the chord to across the relative
     /// velocity; polars contain it.
     pub leading_edge_suction: bool,
@@ -33,7 +35,7 @@ pub struct StripOptions {
 
 impl Default for StripOptions {
     fn default() -> Self {
-        Self { unsteady: true, apparent_mass: true, leading_edge_suction: true }
+        Self { unsteady: true, apparent_mass: true, fit: Fit::Jones, leading_edge_suction: true }
     }
 }
 
@@ -151,8 +153,8 @@ impl Strips {
             // eq. (W6): way in semi-chords, trapezoidal in the speed
             let way = (before.speed_m_s + now.speed_m_s) * step_s / now.cut.chord_m;
             *after = now.history(
-                before.motion.advanced(&Indicial::WAGNER, way, now.downwash_m_s),
-                before.gust.advanced(&Indicial::KUESSNER, way, now.gust_downwash_m_s),
+                before.motion.advanced(self.options.fit.wagner(), way, now.downwash_m_s),
+                before.gust.advanced(self.options.fit.kuessner(), way, now.gust_downwash_m_s),
             );
             self.add_circulatory(strip, &now, flow, after, loads);
             if self.options.apparent_mass && step_s > 0.0 {
@@ -177,8 +179,8 @@ impl Strips {
     ) {
         let profile = &self.profiles[strip.surface];
         let effective_m_s = if self.options.unsteady {
-            Indicial::WAGNER.effective_m_s(now.downwash_m_s, &history.motion)
-                + Indicial::KUESSNER.effective_m_s(now.gust_downwash_m_s, &history.gust)
+            self.options.fit.wagner().effective_m_s(now.downwash_m_s, &history.motion)
+                + self.options.fit.kuessner().effective_m_s(now.gust_downwash_m_s, &history.gust)
         } else {
             now.downwash_m_s + now.gust_downwash_m_s
         };
