@@ -10,6 +10,8 @@ pub enum Motion {
     /// End slopes are zero (clamped spline), so that the angle joins its constant ends with continuous rate; the
     /// acceleration jumps there, and the time integration starts anew.
     Table(Vec<(f64, f64)>),
+    /// Cubic spline through `(time_s, angle_rad)` without acceleration at its ends, and on at constant rate outside.
+    Onward(Vec<(f64, f64)>),
 }
 
 /// A motion made ready for evaluation.
@@ -19,6 +21,8 @@ pub enum Law {
     Polynomial(Vec<f64>),
     /// Clamped cubic spline: `(time_s, angle_rad, curvature_rad_s2)` per knot.
     Spline(Vec<[f64; 3]>),
+    /// Natural cubic spline that goes on at its end rates.
+    Onward(Vec<[f64; 3]>),
 }
 
 impl Law {
@@ -26,7 +30,8 @@ impl Law {
     pub fn new(motion: &Motion) -> Self {
         match motion {
             Motion::Polynomial(coefficients) => Self::Polynomial(coefficients.clone()),
-            Motion::Table(points) => Self::Spline(clamped_spline(points)),
+            Motion::Table(points) => Self::Spline(spline(points, Ends::Clamped)),
+            Motion::Onward(points) => Self::Onward(spline(points, Ends::Natural)),
         }
     }
 
@@ -50,33 +55,47 @@ impl Law {
                 }
                 [angle, rate, 2.0 * half]
             }
-            Self::Spline(knots) => spline_at(knots, time_s, branch_s),
+            Self::Spline(knots) => spline_at(knots, time_s, branch_s, Ends::Clamped),
+            Self::Onward(knots) => spline_at(knots, time_s, branch_s, Ends::Natural),
         }
     }
 
     /// Whether a knot lies exactly at `time_s`.
     pub fn has_knot_at(&self, time_s: f64) -> bool {
-        matches!(self, Self::Spline(knots) if knots.iter().any(|knot| knot[0] == time_s))
+        matches!(self, Self::Spline(knots) | Self::Onward(knots) if knots.iter().any(|knot| knot[0] == time_s))
     }
 
     /// First knot after `time_s`: there the third derivative jumps, and a step should end. Infinite without one.
     pub fn next_knot_s(&self, time_s: f64) -> f64 {
         match self {
             Self::Polynomial(_) => f64::INFINITY,
-            Self::Spline(knots) => {
+            Self::Spline(knots) | Self::Onward(knots) => {
                 knots.iter().map(|knot| knot[0]).find(|&knot| knot > time_s).unwrap_or(f64::INFINITY)
             }
         }
     }
 }
 
-/// Curvatures of the cubic spline with zero end slopes, by the Thomas algorithm.
-fn clamped_spline(points: &[(f64, f64)]) -> Vec<[f64; 3]> {
+/// What holds at both ends of a spline.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Ends {
+    /// Slope zero.
+    Clamped,
+    /// Curvature zero.
+    Natural,
+}
+
+/// Curvatures of the cubic spline, by the Thomas algorithm.
+fn spline(points: &[(f64, f64)], ends: Ends) -> Vec<[f64; 3]> {
     let n = points.len();
     let slope = |i: usize| (points[i + 1].1 - points[i].1) / (points[i + 1].0 - points[i].0);
     let width = |i: usize| points[i + 1].0 - points[i].0;
     let (mut upper, mut right) = (vec![0.0; n], vec![0.0; n]);
     for i in 0..n {
+        if ends == Ends::Natural && (i == 0 || i + 1 == n) {
+            // no curvature: the row is 1·m = 0
+            continue;
+        }
         // row: lower·m[i−1] + diagonal·m[i] + after·m[i+1] = load
         let (lower, after) = (if i > 0 { width(i - 1) } else { 0.0 }, if i + 1 < n { width(i) } else { 0.0 });
         let before_slope = if i > 0 { slope(i - 1) } else { 0.0 };
@@ -94,17 +113,26 @@ fn clamped_spline(points: &[(f64, f64)]) -> Vec<[f64; 3]> {
     knots
 }
 
-fn spline_at(knots: &[[f64; 3]], time_s: f64, branch_s: f64) -> [f64; 3] {
+fn spline_at(knots: &[[f64; 3]], time_s: f64, branch_s: f64, ends: Ends) -> [f64; 3] {
     let (first, last) = (knots[0], knots[knots.len() - 1]);
     let pieces_before = knots.partition_point(|knot| knot[0] <= branch_s);
+    // beyond an end: at its slope, which is zero for a clamped spline
+    let beyond = |end: [f64; 3], slope: f64| match ends {
+        Ends::Clamped => [end[1], 0.0, 0.0],
+        Ends::Natural => [end[1] + slope * (time_s - end[0]), slope, 0.0],
+    };
     if pieces_before == 0 {
-        return [first[1], 0.0, 0.0];
+        return beyond(first, piece_at(&knots[..2], first[0])[1]);
     }
     if pieces_before == knots.len() {
-        return [last[1], 0.0, 0.0];
+        return beyond(last, piece_at(&knots[knots.len() - 2..], last[0])[1]);
     }
-    let i = pieces_before - 1;
-    let ([t0, y0, m0], [t1, y1, m1]) = (knots[i], knots[i + 1]);
+    piece_at(&knots[pieces_before - 1..], time_s)
+}
+
+/// Angle, rate and acceleration on the piece between the first two knots.
+fn piece_at(knots: &[[f64; 3]], time_s: f64) -> [f64; 3] {
+    let ([t0, y0, m0], [t1, y1, m1]) = (knots[0], knots[1]);
     let h = t1 - t0;
     let (a, b) = ((t1 - time_s) / h, (time_s - t0) / h);
     let angle = a * y0 + b * y1 + ((a.powi(3) - a) * m0 + (b.powi(3) - b) * m1) * h * h / 6.0;
@@ -134,6 +162,26 @@ mod tests {
             let (left, right) = (law.at(0.5 - 1e-9), law.at(0.5 + 1e-9));
             assert!((left[2] - right[2]).abs() < 1e-6, "acceleration jumps by {}", left[2] - right[2]);
         }
+    }
+
+    /// A table of constant rate stays one to the last instant and beyond; a curved one meets its rows with a continuous
+    /// rate and without acceleration at its ends. (It used to brake in its last interval.)
+    #[test]
+    fn an_onward_table_does_not_brake() {
+        let steady = Law::new(&Motion::Onward(vec![(0.0, 0.1), (0.3, 0.7), (1.0, 2.1)]));
+        for time in [-1.0, 0.0, 0.2, 0.9, 1.0, 3.0] {
+            let [angle, rate, acceleration] = steady.at(time);
+            assert!(
+                (angle - 0.1 - 2.0 * time).abs() < 1e-14 && (rate - 2.0).abs() < 1e-13 && acceleration.abs() < 1e-12
+            );
+        }
+        let curved = Law::new(&Motion::Onward(vec![(1.0, 0.2), (2.0, 1.0), (4.0, 0.5)]));
+        for (time, angle) in [(1.0, 0.2), (2.0, 1.0), (4.0, 0.5)] {
+            assert!((curved.at(time)[0] - angle).abs() < 1e-15);
+            let (left, right) = (curved.at(time - 1e-9), curved.at(time + 1e-9));
+            assert!((left[1] - right[1]).abs() < 1e-8 && (left[2] - right[2]).abs() < 1e-7);
+        }
+        assert_eq!((curved.at(1.0)[2], curved.at(4.0)[2]), (0.0, 0.0));
     }
 
     #[test]

@@ -43,10 +43,14 @@ pub(super) struct BodyFile {
     pub curvature_y_1_m: Option<FunctionFile>,
     /// Natural curvature `κz` along the body; positive bends the axis towards `+y`.
     pub curvature_z_1_m: Option<FunctionFile>,
-    /// Mass-proportional damping `α`; acts on the beam only, not on attached masses.
+    /// Mass-proportional damping `α`, on motion relative to the root or, behind a free joint, to the first frame of the
+    /// body that flies. Acts on the beam only, unless `damp_attached_masses` is set.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub mass_damping_1_s: f64,
+    /// `mass_damping_1_s` acts on this body's attached masses too. Default false.
+    #[serde(default)]
+    pub damp_attached_masses: bool,
     /// Stiffness-proportional damping `β`.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
@@ -129,6 +133,7 @@ pub(super) fn build(
         elements: file.elements,
         natural_strain: natural_strain?,
         mass_damping_1_s: file.mass_damping_1_s,
+        damp_attached_masses: file.damp_attached_masses,
         stiffness_damping_s: file.stiffness_damping_s,
         station_loads: vec![Wrench::default(); station_positions_m.len()],
         station_positions_m,

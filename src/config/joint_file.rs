@@ -29,8 +29,8 @@ pub(super) struct JointFile {
     pub axis: Option<[f64; 3]>,
     /// Second axis of a universal joint in the body's section frame, not parallel to `axis` at the start.
     pub body_axis: Option<[f64; 3]>,
-    /// Angular velocity of a universal, ball or free joint's body at the start, relative to the parent and in its section
-    /// frame, default 0.
+    /// Angular velocity of a universal, ball or free joint's body at the start, relative to the parent and resolved in the
+    /// parent's section frame (the root frame on the root), not the body's. Default 0.
     pub start_angular_velocity_deg_s: Option<[f64; 3]>,
     /// Velocity of a free body's inner end at the start, root frame, default 0.
     pub start_velocity_m_s: Option<[f64; 3]>,
@@ -46,12 +46,15 @@ pub(super) struct JointFile {
     /// Prescribed angle as a polynomial of absolute time: coefficients of 1, t, t², …
     #[schemars(length(min = 1, max = 100))]
     pub polynomial_deg: Option<Vec<f64>>,
-    /// Prescribed angle as a smooth curve through `[time_s, angle_deg]`, times ascending; constant outside.
+    /// Prescribed angle as a smooth curve through `[time_s, angle_deg]`, times ascending. Unless `table_ends` says
+    /// otherwise it leaves the first row and reaches the last at rest, and holds them outside.
     #[schemars(
         length(min = 2),
         extend("x-allowed" = "at least 2 pairs [time in s, angle in deg] of finite numbers")
     )]
     pub table_s_deg: Option<Vec<[f64; 2]>>,
+    /// How the curve through `table_s_deg` begins and ends, default `rest`.
+    pub table_ends: Option<TableEnds>,
     /// Spring, damper and motor of a revolute joint; spring towards the start attitude and damper of a universal or
     /// ball joint.
     pub drive: Option<DriveFile>,
@@ -100,6 +103,16 @@ pub(super) enum MotionType {
     Prescribed,
 }
 
+/// How a table of angles begins and ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum TableEnds {
+    /// At rest: the first interval speeds up, the last one brakes; the angle holds outside.
+    Rest,
+    /// Moving on: without acceleration at the first and the last row, at constant rate outside.
+    Onward,
+}
+
 /// Drive: the torque on the outer body about the hinge is `−(k (θ − θ_cmd) + c θ̇ + T)`, limited. Universal and ball
 /// joints have `k` and `c` only: per axis, or about the rotation vector from the start attitude.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
@@ -123,6 +136,11 @@ pub(super) struct DriveFile {
     /// Largest slew of the commanded angle, default unlimited.
     #[schemars(range(min = 0.0))]
     pub rate_limit_deg_s: Option<f64>,
+    /// Moment of inertia that turns with the joint's angle only: of a motor with its gear, the rotor's times the square of
+    /// the gear ratio. It has no mass and no gyroscopic moment. Default 0.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub inertia_kg_m2: f64,
     /// Start value of the commanded (neutral) angle `θ_cmd`.
     #[serde(default)]
     #[schemars(range(min = -360.0, max = 360.0))]

@@ -1,7 +1,8 @@
 //! Joints of the file to [`Joint`]: where they hold, hinge axis, motion, drive, latch.
 
+use crate::actuation::prescribed::Law;
 use crate::config::file::ModelFile;
-use crate::config::joint_file::{DriveFile, JointFile, JointType, LatchFile, MotionType};
+use crate::config::joint_file::{DriveFile, JointFile, JointType, LatchFile, MotionType, TableEnds};
 use crate::config::machine::{Drive, Joint, JointKind, JointMotion, Latch, Motion, Parent, Revolute, UNLIMITED};
 use crate::config::schema::quoted;
 use crate::config::spatial;
@@ -145,7 +146,7 @@ fn kind_of(joint: &JointFile) -> MotionType {
 
 fn build_motion(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<JointMotion> {
     if kind_of(joint) != MotionType::Prescribed {
-        for key in ["polynomial_deg", "table_s_deg"] {
+        for key in ["polynomial_deg", "table_s_deg", "table_ends"] {
             if checker.states(&["joint", name, key]) {
                 checker.refuse(&["joint", name, key], "this key with motion = \"prescribed\" only");
             }
@@ -159,6 +160,9 @@ fn build_motion(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<
             "no start angle beside motion = \"prescribed\", which gives it",
         );
     }
+    if joint.table_ends.is_some() && joint.table_s_deg.is_none() {
+        checker.refuse(&["joint", name, "table_ends"], "this key with table_s_deg only");
+    }
     match (&joint.polynomial_deg, &joint.table_s_deg) {
         (Some(coefficients), None) => {
             let coefficients = coefficients.iter().copied().map(f64::to_radians).collect();
@@ -170,7 +174,8 @@ fn build_motion(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<
                 return None;
             }
             let points = table.iter().map(|[time_s, angle_deg]| (*time_s, angle_deg.to_radians())).collect();
-            Some(JointMotion::Prescribed(Motion::Table(points)))
+            let onward = joint.table_ends == Some(TableEnds::Onward);
+            Some(JointMotion::Prescribed(if onward { Motion::Onward(points) } else { Motion::Table(points) }))
         }
         (Some(_), Some(_)) => {
             checker.refuse(&["joint", name, "table_s_deg"], "either polynomial_deg or table_s_deg, not both");
@@ -187,6 +192,7 @@ fn build_motion(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<
 fn law_start_rad(law: &Motion, time_s: f64) -> f64 {
     match law {
         Motion::Polynomial(coefficients) => coefficients.iter().rev().fold(0.0, |sum, c| sum * time_s + c),
+        Motion::Onward(_) => Law::new(law).at(time_s)[0],
         Motion::Table(points) => {
             let after = points.partition_point(|(time, _)| *time <= time_s);
             match (points.get(after.wrapping_sub(1)), points.get(after)) {
@@ -206,6 +212,7 @@ fn build_drive(drive: Option<&DriveFile>) -> Drive {
         constant_torque_n_m: drive.constant_torque_n_m,
         torque_limit_n_m: drive.torque_limit_n_m.unwrap_or(UNLIMITED),
         rate_limit_rad_s: drive.rate_limit_deg_s.map_or(UNLIMITED, f64::to_radians),
+        inertia_kg_m2: drive.inertia_kg_m2,
         command_rad: drive.command_deg.to_radians(),
     }
 }

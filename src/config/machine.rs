@@ -51,6 +51,8 @@ pub struct Body {
     pub natural_strain: NaturalStrain,
     /// Mass-proportional damping `α` in 1/s.
     pub mass_damping_1_s: f64,
+    /// It acts on the attached masses too.
+    pub damp_attached_masses: bool,
     /// Stiffness-proportional damping `β` in s.
     pub stiffness_damping_s: f64,
     /// Distances of the load stations from the body's inner end in m, ascending.
@@ -195,6 +197,8 @@ pub struct Drive {
     pub torque_limit_n_m: f64,
     /// Largest slew of the neutral angle in rad/s; [`UNLIMITED`] where there is none.
     pub rate_limit_rad_s: f64,
+    /// Moment of inertia that turns with the angle only, in kg·m².
+    pub inertia_kg_m2: f64,
     /// Start value of the command input in rad.
     pub command_rad: f64,
 }

@@ -14,7 +14,8 @@ const PARALLEL: f64 = 0.999;
 const ACROSS: f64 = 1e-4;
 
 /// Keys of a drive that only revolute joints have.
-const REVOLUTE_DRIVE_KEYS: &[&str] = &["constant_torque_N_m", "torque_limit_N_m", "rate_limit_deg_s", "command_deg"];
+const REVOLUTE_DRIVE_KEYS: &[&str] =
+    &["constant_torque_N_m", "torque_limit_N_m", "rate_limit_deg_s", "inertia_kg_m2", "command_deg"];
 
 /// Builds a universal, ball or free joint whose attitude at the start is `mount` (parent ← body); `None` if a
 /// problem was found that leaves nothing to build.

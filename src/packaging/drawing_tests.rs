@@ -20,6 +20,7 @@ fn body(name: &str, joint: Joint) -> Body {
         elements: 3,
         natural_strain: [0.0; 4].into(),
         mass_damping_1_s: 2.5,
+        damp_attached_masses: false,
         stiffness_damping_s: 0.0,
         station_positions_m: vec![0.05, 0.1],
         station_loads: vec![],
@@ -49,6 +50,7 @@ pub(crate) fn two_body_machine() -> Machine {
             constant_torque_n_m: 0.043,
             torque_limit_n_m: UNLIMITED,
             rate_limit_rad_s: UNLIMITED,
+            inertia_kg_m2: 0.0,
             command_rad: 0.0,
         },
         latch: Some(Latch {
