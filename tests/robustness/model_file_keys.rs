@@ -27,21 +27,21 @@ fn unknown_keys() {
         message("length_m = 0.15", "length = 0.15"),
         "wing.toml:16: key 'body.inner.length' is unknown; write length_m (m); allowed keys: length_m, section, \
          outer_section, width_taper, height_taper, element, elements, natural_curvature_1_m, twist_1_m, \
-         curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, stiffness_damping_s, load_stations, \
+         curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
         message("length_m = 0.15", "length_mm = 150"),
         "wing.toml:16: key 'body.inner.length_mm' is unknown; write length_m (m); allowed keys: length_m, \
          section, outer_section, width_taper, height_taper, element, elements, natural_curvature_1_m, twist_1_m, \
-         curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, stiffness_damping_s, load_stations, \
+         curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
         message("elements = 2\nload", "lenght_m = 1\nelements = 2\nload"),
         "wing.toml:18: key 'body.inner.lenght_m' is unknown; perhaps length_m is meant; allowed keys: length_m, \
          section, outer_section, width_taper, height_taper, element, elements, natural_curvature_1_m, twist_1_m, \
-         curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, stiffness_damping_s, load_stations, \
+         curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
@@ -58,7 +58,7 @@ fn unknown_keys() {
         message("stiffness_N_m_rad", "stiffness"),
         "wing.toml:35: key 'joint.fold.drive.stiffness' is unknown; write stiffness_N_m_rad (N·m/rad); allowed \
          keys: stiffness_N_m_rad, damping_N_m_s_rad, constant_torque_N_m, torque_limit_N_m, rate_limit_deg_s, \
-         command_deg"
+         inertia_kg_m2, command_deg"
     );
 }
 

@@ -6,7 +6,7 @@ const TOP: &str = "name, description, gravity_m_s2, section, body, joint, loop, 
                    surface, gust, solver, experiment";
 const BODY: &str = "length_m, section, outer_section, width_taper, height_taper, element, elements, \
                     natural_curvature_1_m, twist_1_m, curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, \
-                    stiffness_damping_s, load_stations, load_station_positions_m, load_frame";
+                    damp_attached_masses, stiffness_damping_s, load_stations, load_station_positions_m, load_frame";
 
 /// Tables: swapped letters, plurals, beginnings.
 #[test]
@@ -41,7 +41,7 @@ fn misplaced_keys() {
         "wing.toml:34: key 'joint.fold.stiffness_N_m_rad' is unknown; it belongs to [joint.<name>.drive] or \
          [joint.<name>.latch]; allowed keys: type, parent, child, parent_position_m, root_position_m, \
          mount_rotation_deg, axis, body_axis, start_angular_velocity_deg_s, start_velocity_m_s, start_angle_deg, \
-         start_rate_deg_s, release, motion, polynomial_deg, table_s_deg, drive, latch"
+         start_rate_deg_s, release, motion, polynomial_deg, table_s_deg, table_ends, drive, latch"
     );
     assert_eq!(
         message("load_stations = 4", "gravity_m_s2 = [0, 0, 0]"),

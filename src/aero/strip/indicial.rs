@@ -197,7 +197,6 @@ mod tests {
             worst
         };
         let (jones, fine) = (error(Fit::Jones), error(Fit::Fine));
-        println!("largest errors of Wagner and Küssner: Jones {jones:?}, fine {fine:?}");
         assert!(fine[0] < 6e-4 && fine[1] < 6.2e-3, "{fine:?}");
         assert!(jones[0] > 5.0 * fine[0] && jones[1] > 5.0 * fine[1], "{jones:?} against {fine:?}");
         for fit in [Fit::Jones, Fit::Fine] {

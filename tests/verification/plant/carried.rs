@@ -45,7 +45,7 @@ fn p120_a_damped_free_body_keeps_speed_and_spin() {
 }
 
 /// P-121. The folding wing unfolds at the same instant clamped to the root and on a heavy carrier that flies at 20 m/s:
-/// 1e-6 of its time, what the carrier's finite mass and the tolerance leave. (It latched 3 % later on a carrier.)
+/// 1e-6 of its time, what the carrier's finite mass and the tolerance leave. (Braking the carrier moved it.)
 #[test]
 fn p121_a_wing_on_a_flying_carrier_latches_when_the_clamped_one_does() {
     let latch_time = |carrier: Option<f64>| {
