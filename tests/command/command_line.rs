@@ -514,6 +514,6 @@ fn modes_prints_real_poles_and_static_the_stable_state() {
     let json: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&["modes", path, "--json"]))).unwrap();
     let first = &json["modes"][0];
     assert!(first["frequency_Hz"].is_null() && first["damping_ratio"].is_null() && first["grows"] == true, "{first}");
-    let table = succeeds(&foldwing(&["static", path, "--path", "arc-length", "--set", "h.start_angle=1"]));
+    let table = succeeds(&on_model("static", &["--path", "arc-length", "--set", "fold.release=0"]));
     assert!(table.contains("Path of equilibria"), "{table}");
 }
