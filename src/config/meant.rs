@@ -1,7 +1,6 @@
 //! What a misspelt or misplaced word probably means.
 
-use crate::config::schema::{properties, resolve, tagged, tree};
-use serde_json::Value;
+use crate::config::schema::{Node, properties, tagged};
 
 /// Likeness from which a word is offered that is further away by edits: `aero` for `aerodynamics`, `bodies` for `body`.
 const LIKENESS: f64 = 0.82;
@@ -32,33 +31,33 @@ pub(super) fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = 
 }
 
 /// The tables that have a key, as the file writes them, e.g. `[joint.<name>.drive]`; empty where there are none or many.
-pub(super) fn homes(key: &str) -> Vec<String> {
+pub(super) fn homes(top: Node, key: &str) -> Vec<String> {
     let mut found = Vec::new();
-    let mut look = |title: String, schema: &'static Value| {
+    let mut look = |title: String, schema: Node| {
         if properties(schema).any(|(known, _)| known == key) {
             found.push(title);
         }
     };
-    look("the top of the file, before the first table".to_owned(), tree());
-    for (name, property) in properties(tree()) {
-        match resolve(&property["additionalProperties"]) {
+    look("the top of the file, before the first table".to_owned(), top);
+    for (name, property) in properties(top) {
+        match property.child("additionalProperties").resolve() {
             inner if inner.is_object() => visit(&format!("[{name}.<name>]"), inner, &mut look),
-            _ => visit(&format!("[{name}]"), resolve(property), &mut look),
+            _ => visit(&format!("[{name}]"), property.resolve(), &mut look),
         }
     }
     if found.len() > MOST_HOMES { Vec::new() } else { found }
 }
 
 /// Looks at a table, its variants and the tables in it.
-fn visit(title: &str, schema: &'static Value, look: &mut impl FnMut(String, &'static Value)) {
+fn visit<'s>(title: &str, schema: Node<'s>, look: &mut impl FnMut(String, Node<'s>)) {
     match tagged(schema) {
         Some((tag, variants)) => {
             variants.into_iter().for_each(|(name, variant)| look(format!("{title} with {tag} = {name:?}"), variant));
         }
         None => look(title.to_owned(), schema),
     }
-    for (key, property) in properties(schema).filter(|(_, property)| resolve(property)["type"] == "object") {
-        visit(&format!("{}.{key}]", title.trim_end_matches(']')), resolve(property), look);
+    for (key, property) in properties(schema).filter(|(_, property)| property.resolve()["type"] == "object") {
+        visit(&format!("{}.{key}]", title.trim_end_matches(']')), property.resolve(), look);
     }
 }
 
@@ -89,6 +88,8 @@ mod tests {
 
     #[test]
     fn keys_have_homes() {
+        let tree = crate::config::schema::tree();
+        let homes = |key: &str| homes(Node::root(&tree), key);
         assert_eq!(homes("capture_deg"), ["[joint.<name>.latch]"]);
         assert_eq!(homes("latch"), ["[joint.<name>]"]);
         assert_eq!(homes("gravity_m_s2"), ["the top of the file, before the first table"]);

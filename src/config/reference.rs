@@ -1,7 +1,7 @@
 //! `docs/MODEL_FILE.md`: the reference of all keys, written from the schema.
 
 use crate::config::joints::RESERVED;
-use crate::config::schema::{allowed, is_required, properties, resolve, shortest, tagged, tree};
+use crate::config::schema::{Node, allowed, is_required, properties, shortest, tagged, tree};
 use serde_json::Value;
 use std::fmt::Write;
 
@@ -79,20 +79,22 @@ line); `foldwing schema > foldwing.schema.json` writes it beside a model of your
 pub fn reference() -> String {
     let mut page = HEAD.replace("RESERVED", &format!("`{}`", RESERVED.join("`, `")));
     page += &format!("\n{START}");
-    table(&mut page, "Top level", tree());
-    for (key, property) in properties(tree()) {
-        let items = &property["additionalProperties"];
+    let tree = tree();
+    let top = Node::root(&tree);
+    table(&mut page, "Top level", top);
+    for (key, property) in properties(top) {
+        let items = property.child("additionalProperties");
         if items.is_object() {
-            group(&mut page, &format!("[{key}.<name>]"), resolve(items));
-        } else if resolve(property)["type"] == "object" {
-            group(&mut page, &format!("[{key}]"), resolve(property));
+            group(&mut page, &format!("[{key}.<name>]"), items.resolve());
+        } else if property.resolve()["type"] == "object" {
+            group(&mut page, &format!("[{key}]"), property.resolve());
         }
     }
     page
 }
 
 /// A table of the file with its variants and the tables inside it.
-fn group(page: &mut String, title: &str, schema: &'static Value) {
+fn group(page: &mut String, title: &str, schema: Node) {
     match tagged(schema) {
         Some((tag, variants)) => {
             for (name, variant) in variants {
@@ -102,29 +104,32 @@ fn group(page: &mut String, title: &str, schema: &'static Value) {
         None => table(page, title, schema),
     }
     for (key, property) in properties(schema) {
-        let inner = resolve(property);
+        let inner = property.resolve();
         if inner["type"] == "object" {
             group(page, &format!("{}.{key}]", title.trim_end_matches(']')), inner);
         }
     }
 }
 
-fn table(page: &mut String, title: &str, schema: &'static Value) {
+fn table(page: &mut String, title: &str, schema: Node) {
     let description = schema["description"].as_str().unwrap_or_default();
     let mut rows = String::new();
     for (key, property) in properties(schema) {
         let words = allowed_words(key, property);
-        let default = default_words(schema, key, property);
-        let meaning =
-            property["description"].as_str().or(resolve(property)["description"].as_str()).unwrap_or_default();
-        rows += &format!("| `{key}` | {} | {default} | {} |\n", cell(&words), cell(meaning));
+        let default = default_words(&schema, key, &property);
+        let meaning = property["description"]
+            .as_str()
+            .or(property.resolve()["description"].as_str())
+            .unwrap_or_default()
+            .to_owned();
+        rows += &format!("| `{key}` | {} | {default} | {} |\n", cell(&words), cell(&meaning));
     }
     let head = "| key | allowed | default | meaning |\n|---|---|---|---|\n";
     // Writing to a String cannot fail.
     let _ = write!(page, "\n## {}\n\n{description}\n\n{head}{rows}", title.replace('[', "`[").replace(']', "]`"));
 }
 
-fn allowed_words(key: &str, property: &'static Value) -> String {
+fn allowed_words(key: &str, property: Node) -> String {
     match property["const"].as_str() {
         Some(constant) => format!("{constant:?}"),
         None if property["additionalProperties"].is_object() => format!("tables `[{key}.<name>]`"),

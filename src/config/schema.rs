@@ -4,7 +4,7 @@ use crate::config::file::ModelFile;
 use crate::config::machine::UNLIMITED;
 use crate::config::units::unit_of;
 use serde_json::{Map, Value, json};
-use std::sync::OnceLock;
+use std::ops::Deref;
 
 /// What names of sections, bodies, joints, masses and gauges must look like.
 pub(super) const IDENTIFIER: &str = "^[A-Za-z_][A-Za-z0-9_]*$";
@@ -22,14 +22,59 @@ pub fn schema() -> String {
     text
 }
 
-/// The schema as a tree; built once.
-pub(super) fn tree() -> &'static Value {
-    static TREE: OnceLock<Value> = OnceLock::new();
-    TREE.get_or_init(|| {
-        let mut tree = schemars::schema_for!(ModelFile).to_value();
-        tidy(&mut tree);
-        tree
-    })
+/// The schema as a tree. Whoever checks a file makes one and drops it: a library that is unloaded must not leave it behind.
+pub(super) fn tree() -> Value {
+    let mut tree = schemars::schema_for!(ModelFile).to_value();
+    tidy(&mut tree);
+    tree
+}
+
+/// A node of the schema that knows its tree, for references to `$defs`.
+#[derive(Clone, Copy)]
+pub(super) struct Node<'s> {
+    tree: &'s Value,
+    here: &'s Value,
+}
+
+impl<'s> Node<'s> {
+    /// The root of a tree.
+    pub fn root(tree: &'s Value) -> Self {
+        Self { tree, here: tree }
+    }
+
+    /// The root of the same tree.
+    pub fn top(self) -> Self {
+        Self::root(self.tree)
+    }
+
+    /// Another node of the same tree.
+    fn at(self, here: &'s Value) -> Self {
+        Self { here, ..self }
+    }
+
+    /// The node under a key; null where there is none.
+    pub fn child(self, key: &str) -> Self {
+        self.at(&self.here[key])
+    }
+
+    /// The nodes of an array under a key.
+    pub fn children(self, key: &str) -> Option<impl Iterator<Item = Self> + use<'s>> {
+        Some(self.here[key].as_array()?.iter().map(move |here| self.at(here)))
+    }
+
+    /// Follows a `$ref` into `$defs`.
+    pub fn resolve(self) -> Self {
+        let target = self.here["$ref"].as_str().and_then(|path| path.strip_prefix("#/$defs/"));
+        target.map_or(self, |name| self.at(&self.tree["$defs"][name]))
+    }
+}
+
+impl Deref for Node<'_> {
+    type Target = Value;
+
+    fn deref(&self) -> &Value {
+        self.here
+    }
 }
 
 /// Fits the derived schema to TOML: no `null`, names of tables are identifiers, one-line descriptions.
@@ -76,15 +121,10 @@ fn tidy_object(map: &mut Map<String, Value>) {
     }
 }
 
-/// Follows a `$ref` into `$defs`.
-pub(super) fn resolve(schema: &'static Value) -> &'static Value {
-    let target = schema["$ref"].as_str().and_then(|path| path.strip_prefix("#/$defs/"));
-    target.map_or(schema, |name| &tree()["$defs"][name])
-}
-
 /// The keys of a table's schema.
-pub(super) fn properties(schema: &'static Value) -> impl Iterator<Item = (&'static str, &'static Value)> {
-    schema["properties"].as_object().into_iter().flatten().map(|(key, value)| (key.as_str(), value))
+pub(super) fn properties<'s>(schema: Node<'s>) -> impl Iterator<Item = (&'s str, Node<'s>)> {
+    let keys = schema.here["properties"].as_object().into_iter().flatten();
+    keys.map(move |(key, value)| (key.as_str(), schema.at(value)))
 }
 
 /// True where a table must contain the key.
@@ -93,29 +133,28 @@ pub(super) fn is_required(schema: &Value, key: &str) -> bool {
 }
 
 /// The key that tells the variants of a table apart, with their schemas: `shape` of a section.
-pub(super) fn tagged(schema: &'static Value) -> Option<(&'static str, Vec<(&'static str, &'static Value)>)> {
-    let variants: Vec<&Value> = schema["oneOf"].as_array()?.iter().collect();
-    let tag = properties(variants.first()?).find(|(_, value)| value.get("const").is_some())?.0;
+pub(super) fn tagged<'s>(schema: Node<'s>) -> Option<(&'s str, Vec<(&'s str, Node<'s>)>)> {
+    let variants: Vec<Node> = schema.children("oneOf")?.collect();
+    let tag = properties(*variants.first()?).find(|(_, value)| value.get("const").is_some())?.0;
     let named =
-        variants.iter().map(|variant| variant["properties"][tag]["const"].as_str().map(|name| (name, *variant)));
+        variants.iter().map(|variant| variant.here["properties"][tag]["const"].as_str().map(|name| (name, *variant)));
     Some((tag, named.collect::<Option<_>>()?))
 }
 
 /// The strings that a key may hold, where they are listed.
-pub(super) fn options(schema: &'static Value) -> Option<Vec<&'static str>> {
-    if let Some(list) = schema["enum"].as_array() {
+pub(super) fn options<'s>(schema: Node<'s>) -> Option<Vec<&'s str>> {
+    if let Some(list) = schema.here["enum"].as_array() {
         return list.iter().map(Value::as_str).collect();
     }
-    let consts = schema["oneOf"].as_array()?.iter();
-    consts.map(|option| option["const"].as_str()).collect()
+    schema.children("oneOf")?.map(|option| option.here["const"].as_str()).collect()
 }
 
 /// What a key may hold, in words with quantity, range and unit, e.g. `a finite length > 0 m`.
-pub(super) fn allowed(key: &str, schema: &'static Value) -> String {
+pub(super) fn allowed(key: &str, schema: Node) -> String {
     if let Some(text) = schema["x-allowed"].as_str() {
         return text.to_owned();
     }
-    let schema = resolve(schema);
+    let schema = schema.resolve();
     if let Some(options) = options(schema) {
         return quoted(&options);
     }
@@ -123,13 +162,13 @@ pub(super) fn allowed(key: &str, schema: &'static Value) -> String {
         return quoted(&variants.iter().map(|(name, _)| *name).collect::<Vec<_>>());
     }
     if schema["anyOf"].is_array() {
-        return format!("{}, {FUNCTION_ALLOWED}", number(key, schema, ""));
+        return format!("{}, {FUNCTION_ALLOWED}", number(key, &schema, ""));
     }
     match schema["type"].as_str() {
-        Some("number") => number(key, schema, ""),
-        Some("integer") => format!("a whole number{}", range(schema)),
+        Some("number") => number(key, &schema, ""),
+        Some("integer") => format!("a whole number{}", range(&schema)),
         Some("boolean") => "true or false".to_owned(),
-        Some("array") => array(key, schema),
+        Some("array") => array(key, &schema),
         Some("object") => "a table".to_owned(),
         _ if schema["pattern"] == IDENTIFIER => IDENTIFIER_ALLOWED.to_owned(),
         _ => "a text in quotes".to_owned(),
@@ -158,7 +197,7 @@ fn number(key: &str, schema: &Value, plural: &str) -> String {
     format!("{article}finite {quantity}{plural}{range}{unit}")
 }
 
-fn array(key: &str, schema: &'static Value) -> String {
+fn array(key: &str, schema: &Value) -> String {
     let items = number(key, &schema["items"], "s");
     match (schema["minItems"].as_u64(), schema["maxItems"].as_u64()) {
         (Some(least), Some(most)) if least == most => format!("an array of {least} {items}"),

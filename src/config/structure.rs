@@ -5,10 +5,9 @@ use crate::config::error::{Fault, Problem};
 use crate::config::machine::UNLIMITED;
 use crate::config::meant::{did_you_mean, homes, nearest};
 use crate::config::schema::{
-    IDENTIFIER, IDENTIFIER_ALLOWED, allowed, in_range, is_required, options, properties, resolve, tagged, tree,
+    IDENTIFIER, IDENTIFIER_ALLOWED, Node, allowed, in_range, is_required, options, properties, tagged, tree,
 };
 use crate::config::units::same_quantity;
-use serde_json::Value;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -18,7 +17,8 @@ use toml::de::{DeTable, DeValue};
 /// All problems, in the order of the file.
 pub(super) fn check(document: &Document) -> Result<(), Vec<Problem>> {
     let mut check = Check { document, path: Vec::new(), problems: Vec::new() };
-    check.table(tree(), document.root(), 0);
+    let tree = tree();
+    check.table(Node::root(&tree), document.root(), 0);
     let mut problems = check.problems;
     problems.sort_by_key(|problem| problem.line);
     if problems.is_empty() { Ok(()) } else { Err(problems) }
@@ -48,19 +48,19 @@ impl<'a> Check<'_, 'a> {
     }
 
     /// `offset` is where the table's own key stands, for keys that it lacks.
-    fn table(&mut self, schema: &'static Value, table: &DeTable<'a>, offset: usize) {
+    fn table(&mut self, schema: Node, table: &DeTable<'a>, offset: usize) {
         let Some((tag, variants)) = tagged(schema) else {
             return self.keys(schema, table, offset);
         };
         let shape = table.iter().find(|(key, _)| key.get_ref() == tag).and_then(|(_, value)| value.get_ref().as_str());
         let chosen = variants.iter().find(|(name, _)| shape == Some(name));
         match chosen {
-            Some((_, variant)) => self.keys(variant, table, offset),
+            Some((_, variant)) => self.keys(*variant, table, offset),
             None => self.no_variant(schema, tag, table, offset),
         }
     }
 
-    fn no_variant(&mut self, schema: &'static Value, tag: &str, table: &DeTable<'a>, offset: usize) {
+    fn no_variant(&mut self, schema: Node, tag: &str, table: &DeTable<'a>, offset: usize) {
         let mut allowed = allowed(tag, schema);
         self.path.push(tag.to_owned());
         match table.iter().find(|(key, _)| key.get_ref() == tag) {
@@ -70,7 +70,7 @@ impl<'a> Check<'_, 'a> {
             }
             None => {
                 // the tag itself may be misspelt: a key that no variant has
-                let variants = || schema["oneOf"].as_array().into_iter().flatten();
+                let variants = || schema.children("oneOf").into_iter().flatten();
                 let stranger = |name: &str| !variants().any(|variant| properties(variant).any(|(key, _)| key == name));
                 let mut strangers = table.iter().filter(|(key, _)| stranger(key.get_ref()));
                 if let Some((key, _)) = strangers.find(|(key, _)| nearest(key.get_ref(), [tag]).is_some()) {
@@ -82,7 +82,7 @@ impl<'a> Check<'_, 'a> {
         self.path.pop();
     }
 
-    fn keys(&mut self, schema: &'static Value, table: &DeTable<'a>, offset: usize) {
+    fn keys(&mut self, schema: Node, table: &DeTable<'a>, offset: usize) {
         let mut meant = Vec::new();
         for (key, value) in table {
             let name = key.get_ref();
@@ -90,7 +90,7 @@ impl<'a> Check<'_, 'a> {
             match properties(schema).find(|(known, _)| known == name) {
                 Some((known, schema)) => self.value(known, schema, value, key.span().start),
                 None if schema["additionalProperties"].is_object() => {
-                    self.named(&schema["additionalProperties"], name, value, key.span().start);
+                    self.named(schema.child("additionalProperties"), name, value, key.span().start);
                 }
                 None => {
                     let names_table = value.get_ref().is_table();
@@ -101,7 +101,7 @@ impl<'a> Check<'_, 'a> {
         }
         for (known, property) in properties(schema) {
             // A key that is there under a wrong name is refused once.
-            let required = is_required(schema, known) && !meant.contains(&known);
+            let required = is_required(&schema, known) && !meant.contains(&known);
             if required && !table.iter().any(|(key, _)| key.get_ref() == known) {
                 self.path.push(known.to_owned());
                 let fault = Fault::MissingKey { allowed: allowed(known, property) };
@@ -112,7 +112,7 @@ impl<'a> Check<'_, 'a> {
     }
 
     /// A table that the file names, as `[body.inner]`.
-    fn named(&mut self, schema: &'static Value, name: &str, value: &Spanned<DeValue<'a>>, offset: usize) {
+    fn named(&mut self, schema: Node, name: &str, value: &Spanned<DeValue<'a>>, offset: usize) {
         if !is_identifier(name) {
             let value = format!("the name {name:?}");
             self.problem(
@@ -125,10 +125,10 @@ impl<'a> Check<'_, 'a> {
     }
 
     /// Returns the key that is probably meant. A key of another table is sent there; a table first looks for its like.
-    fn unknown(&mut self, schema: &'static Value, name: &str, is_table: bool, offset: usize) -> Option<&'static str> {
+    fn unknown<'s>(&mut self, schema: Node<'s>, name: &str, is_table: bool, offset: usize) -> Option<&'s str> {
         let known = || properties(schema).map(|(key, _)| key);
         let near = || nearest(name, known());
-        let homes = homes(name);
+        let homes = homes(schema.top(), name);
         let (meant, suggestion) = match same_quantity(name, known()) {
             Some((key, unit)) => (Some(key), Some(format!("write {key} ({})", unit.symbol))),
             None if homes.is_empty() || is_table && near().is_some() => {
@@ -141,8 +141,8 @@ impl<'a> Check<'_, 'a> {
         meant
     }
 
-    fn value(&mut self, key: &str, property: &'static Value, value: &Spanned<DeValue<'a>>, offset: usize) {
-        let schema = alternative(resolve(property), value.get_ref());
+    fn value(&mut self, key: &str, property: Node, value: &Spanned<DeValue<'a>>, offset: usize) {
+        let schema = alternative(property.resolve(), value.get_ref());
         let fits = match (value.get_ref(), schema["type"].as_str()) {
             (DeValue::Table(table), _) if is_table(schema) => {
                 let too_few = schema["minProperties"].as_u64().is_some_and(|least| (table.len() as u64) < least);
@@ -168,8 +168,8 @@ impl<'a> Check<'_, 'a> {
         }
     }
 
-    fn array(&mut self, key: &str, property: &'static Value, value: &Spanned<DeValue<'a>>, offset: usize) {
-        let schema = resolve(property);
+    fn array(&mut self, key: &str, property: Node, value: &Spanned<DeValue<'a>>, offset: usize) {
+        let schema = property.resolve();
         if let Some(at) = first_misfit(value, schema) {
             self.refuse(at.max(offset), value, allowed(key, property));
         }
@@ -177,14 +177,14 @@ impl<'a> Check<'_, 'a> {
 }
 
 /// Of a schema that allows a table or something else, the one that fits the kind of `value`.
-fn alternative(schema: &'static Value, value: &DeValue) -> &'static Value {
-    let Some(choices) = schema["anyOf"].as_array() else { return schema };
-    let fits = |choice: &&'static Value| is_table(choice) == matches!(value, DeValue::Table(_));
-    choices.iter().map(resolve).find(fits).unwrap_or(schema)
+fn alternative<'s>(schema: Node<'s>, value: &DeValue) -> Node<'s> {
+    let Some(choices) = schema.children("anyOf") else { return schema };
+    let fits = |choice: &Node| is_table(*choice) == matches!(value, DeValue::Table(_));
+    choices.map(Node::resolve).find(fits).unwrap_or(schema)
 }
 
 /// What a word that is no option of the schema probably means, to stand behind the options.
-fn hint(value: &DeValue, schema: &'static Value) -> String {
+fn hint(value: &DeValue, schema: Node) -> String {
     let tags = tagged(schema).map(|(_, variants)| variants.into_iter().map(|(name, _)| name).collect());
     match (value.as_str(), options(schema).or(tags)) {
         (Some(word), Some(options)) => did_you_mean(word, options),
@@ -192,12 +192,12 @@ fn hint(value: &DeValue, schema: &'static Value) -> String {
     }
 }
 
-fn is_table(schema: &'static Value) -> bool {
+fn is_table(schema: Node) -> bool {
     schema["type"] == "object" || tagged(schema).is_some()
 }
 
 /// Byte offset of the first item that does not fit, or of the array if its length does not.
-fn first_misfit(value: &Spanned<DeValue>, schema: &'static Value) -> Option<usize> {
+fn first_misfit(value: &Spanned<DeValue>, schema: Node) -> Option<usize> {
     let DeValue::Array(items) = value.get_ref() else {
         return (!fits(value.get_ref(), schema)).then(|| value.span().start);
     };
@@ -207,11 +207,11 @@ fn first_misfit(value: &Spanned<DeValue>, schema: &'static Value) -> Option<usiz
     if schema["type"] != "array" || !length_fits {
         return Some(value.span().start);
     }
-    items.iter().find_map(|item| first_misfit(item, resolve(&schema["items"])))
+    items.iter().find_map(|item| first_misfit(item, schema.child("items").resolve()))
 }
 
 /// True where a value that is neither table nor array has the schema's type and lies in its range.
-fn fits(value: &DeValue, schema: &'static Value) -> bool {
+fn fits(value: &DeValue, schema: Node) -> bool {
     match (value, schema["type"].as_str()) {
         (DeValue::String(text), _) if options(schema).is_some() => {
             options(schema).is_some_and(|options| options.contains(&text.as_ref()))
@@ -219,10 +219,10 @@ fn fits(value: &DeValue, schema: &'static Value) -> bool {
         (DeValue::String(text), Some("string")) => schema["pattern"] != IDENTIFIER || is_identifier(text),
         (DeValue::Boolean(_), Some("boolean")) => true,
         (DeValue::Integer(number), Some("integer" | "number")) => {
-            i64::from_str_radix(number.as_str(), number.radix()).is_ok_and(|whole| in_range(whole as f64, schema))
+            i64::from_str_radix(number.as_str(), number.radix()).is_ok_and(|whole| in_range(whole as f64, &schema))
         }
         (DeValue::Float(number), Some("number")) => {
-            number.as_str().parse::<f64>().is_ok_and(|value| in_range(value, schema))
+            number.as_str().parse::<f64>().is_ok_and(|value| in_range(value, &schema))
         }
         _ => false,
     }
