@@ -1,7 +1,6 @@
 //! Derivatives of the outputs: in time, and by inputs with the state frozen.
 
 use crate::actuation::drive::Slew;
-use crate::beam::element::ElementKind;
 use crate::load::Wrench;
 use crate::plant::Plant;
 use crate::plant::face::{Inputs, Outputs, PlantError};
@@ -14,6 +13,8 @@ use nalgebra::{Quaternion, UnitQuaternion};
 const STEP: f64 = 2e-3;
 /// Sixth-order central difference: weights of the steps ±1, ±2, ±3, over 60 steps.
 const SIXTH_ORDER: [f64; 3] = [45.0, -9.0, 1.0];
+/// Distance of the four places in which the accelerations are taken for their rates, over the internal step.
+const JERK_SPACING: f64 = 1.0 / 16.0;
 /// Step in s of differences in the time that loads and inputs depend on linearly: any serves.
 const TIME_STEP_S: f64 = 1e-3;
 
@@ -82,21 +83,41 @@ impl Plant {
     /// Rates of all outputs per second at the present time, NOTATION eq. (L13); attitudes hold the rates of their four
     /// components.
     ///
-    /// What follows from coordinates and rates has the exact rate at the instant, to the 1e-12 of its scale that
-    /// sixth-order differences along the motion leave. What follows from accelerations (forces of joints and root, the
-    /// inertial acceleration of tips, strains recovered from section wrenches, forces of loops with inertia) has the
-    /// difference quotient of the last internal step; zero where there is none since the last event.
+    /// They are the slopes of what is read along the present internal step, to the 1e-12 of its scale that sixth-order
+    /// differences along the motion leave: with the inputs, limits, latches and loads of the air of the step that has led
+    /// here. At its end, where a latch closes or inputs jump, they are those of the left side. At the start of the
+    /// simulation no step has led anywhere: what follows from accelerations has the rate that it has where they stay.
     pub fn output_rates(&mut self) -> Outputs {
         let mut rates = self.outputs.no_change();
-        self.add_motion(&mut rates);
+        let jerk = self.jerk();
+        self.add_motion(&mut rates, &jerk);
         self.add_time(&mut rates);
         self.add_drives(&mut rates);
-        self.read_last_step(&mut rates);
         rates
     }
 
-    /// Change with coordinates along their rates and with rates along the accelerations.
-    fn add_motion(&mut self, sum: &mut Outputs) {
+    /// Rates of the accelerations along the present internal step, NOTATION eq. (T6): the slope at the present of the cubic
+    /// through four places of the step around it. Zeros where the step has no length.
+    fn jerk(&self) -> Vec<f64> {
+        let State { start, ahead, now, .. } = &self.state;
+        let length_s = ahead.time_s - start.time_s;
+        let mut jerk = vec![0.0; now.a.len()];
+        if length_s <= 0.0 {
+            return jerk;
+        }
+        let spacing_s = JERK_SPACING * length_s;
+        let first_s = (now.time_s - 1.5 * spacing_s).clamp(start.time_s, ahead.time_s - 3.0 * spacing_s);
+        let place = (now.time_s - first_s) / spacing_s;
+        let mut there = now.clone();
+        for (i, weight) in slopes_of_cubic(place).into_iter().enumerate() {
+            there.interpolate(start, ahead, first_s + i as f64 * spacing_s);
+            move_along(&mut jerk, &there.a, weight / spacing_s);
+        }
+        jerk
+    }
+
+    /// Change with coordinates along their rates, with rates along the accelerations, with these along theirs.
+    fn add_motion(&mut self, sum: &mut Outputs, jerk: &[f64]) {
         let Point { time_s, q, v, a, .. } = self.state.now.clone();
         self.equations.residual(time_s, &q, &v, &a, &mut self.scratch[0]);
         let (speed_1_s, pull_1_s2) = (self.equations.norm(&v), self.equations.norm(&a));
@@ -115,6 +136,15 @@ impl Plant {
             let step_s = speed_1_s.max(1.0) / pull_1_s2;
             for sign in [1.0, -1.0] {
                 let beside = self.beside(|state| move_along(&mut state.now.v, &a, sign * step_s));
+                sum.add(&beside, sign * 0.5 / step_s);
+            }
+        }
+        let jerk_1_s3 = self.equations.norm(jerk);
+        if jerk_1_s3 > 0.0 {
+            // outputs are linear in the accelerations: any step is exact
+            let step_s = pull_1_s2.max(1.0) / jerk_1_s3;
+            for sign in [1.0, -1.0] {
+                let beside = self.beside(|state| move_along(&mut state.now.a, jerk, sign * step_s));
                 sum.add(&beside, sign * 0.5 / step_s);
             }
         }
@@ -157,36 +187,6 @@ impl Plant {
         }
         let powers = self.equations.powers(now.time_s, &now.q, &now.v, &now.a);
         (sum.energy.work, sum.energy.dissipated) = (powers.work, powers.dissipated);
-    }
-
-    /// Difference quotients of what follows from accelerations over the last internal step.
-    fn read_last_step(&mut self, rates: &mut Outputs) {
-        let State { before, start, ahead, .. } = &self.state;
-        let ends = if ahead.time_s > start.time_s { [start, ahead] } else { [before, start] }.map(Point::clone);
-        let length_s = ends[1].time_s - ends[0].time_s;
-        let mut slope = self.outputs.no_change();
-        if length_s > 0.0 {
-            for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
-                let beside = self.beside(|state| state.now.copy_from(end));
-                slope.add(&beside, sign / length_s);
-            }
-            self.evaluate();
-        }
-        rates.joint_reactions = slope.joint_reactions;
-        rates.root = slope.root;
-        for (rate, slope) in rates.tips.iter_mut().zip(&slope.tips) {
-            rate.acceleration_m_s2 = slope.acceleration_m_s2;
-        }
-        for ((rate, slope), gauge) in rates.gauges.iter_mut().zip(&slope.gauges).zip(&self.gauges) {
-            if self.machine.bodies[gauge.body].element == ElementKind::Linear {
-                *rate = *slope;
-            }
-        }
-        for ((rate, slope), closure) in rates.loops.iter_mut().zip(&slope.loops).zip(&self.machine.closures) {
-            if closure.inertia_kg > 0.0 {
-                rate.force_n = slope.force_n;
-            }
-        }
     }
 
     /// Outputs beside the present; the state comes back, the outputs do not.
@@ -267,6 +267,16 @@ impl Plant {
             }
         }
     }
+}
+
+/// Weights of the values at 0, 1, 2, 3 for the slope at `x` of the cubic through them.
+fn slopes_of_cubic(x: f64) -> [f64; 4] {
+    std::array::from_fn(|i| {
+        let others = || (0..4).filter(move |&j| j != i);
+        let scale: f64 = others().map(|j| i as f64 - j as f64).product();
+        let slope = |left: usize| -> f64 { others().filter(|&j| j != left).map(|j| x - j as f64).product() };
+        others().map(slope).sum::<f64>() / scale
+    })
 }
 
 /// `x += amount · direction`.
