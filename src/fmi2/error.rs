@@ -51,6 +51,11 @@ pub enum CallError {
     /// A variable cannot be read or written so.
     #[error(transparent)]
     Access(#[from] AccessError),
+    /// Derivatives that would leave the air out.
+    #[error(
+        "no directional derivatives of a machine in air: the loads of the air would be held, and the derivatives wrong; difference steps from one saved state instead"
+    )]
+    DerivativesInAir,
     /// An argument that is not a variable.
     #[error("argument {argument} is {value}: it must be {allowed}")]
     Argument {

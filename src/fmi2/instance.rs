@@ -230,6 +230,9 @@ impl Instance {
         unknowns: (&[u32], &mut [f64]),
         knowns: (&[u32], &[f64]),
     ) -> Result<(), CallError> {
+        if self.machine.air.is_some() {
+            return Err(CallError::DerivativesInAir);
+        }
         let when = (self.stage(), self.experiment.start_s);
         // a refused call changes nothing: the evaluation is undone with it
         let before = self.stale.then(|| self.plant.snapshot());

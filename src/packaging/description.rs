@@ -15,7 +15,7 @@ use std::io;
 /// Capability flags of the `CoSimulation` element.
 ///
 /// A flag turns true only with the work behind it: an importer believes them.
-const CAPABILITIES: [(&str, &str); 10] = [
+const CAPABILITIES: [(&str, &str); 9] = [
     ("needsExecutionTool", "false"),
     ("canHandleVariableCommunicationStepSize", "true"),
     ("canInterpolateInputs", "true"),
@@ -25,7 +25,6 @@ const CAPABILITIES: [(&str, &str); 10] = [
     ("canNotUseMemoryManagementFunctions", "true"),
     ("canGetAndSetFMUstate", "true"),
     ("canSerializeFMUstate", "true"),
-    ("providesDirectionalDerivative", "true"),
 ];
 
 /// The complete text of `modelDescription.xml`, ending in a line feed.
@@ -49,6 +48,8 @@ fn write_root(xml: &mut Xml, machine: &Machine, variables: &[Variable], guid: &s
     nest(xml, "fmiModelDescription", &attributes, |xml| {
         let mut co_simulation: Attributes = vec![("modelIdentifier", MODEL_IDENTIFIER.to_owned())];
         co_simulation.extend(CAPABILITIES.map(|(name, value)| (name, value.to_owned())));
+        // with the loads of the air held they would be wrong
+        co_simulation.push(("providesDirectionalDerivative", machine.air.is_none().to_string()));
         leaf(xml, "CoSimulation", &co_simulation)?;
         write_units(xml, variables)?;
         write_types(xml, variables)?;

@@ -102,9 +102,10 @@ def test_f04_archive_holds_what_it_must(shipped):
 
 
 def test_f05_flags_are_what_the_library_can_do(shipped):
-    """F-05. Capability flags literally; the naming convention is structured and the description carries no date."""
+    """F-05. Capability flags literally, no directional derivatives of machines in air; the naming convention is structured and the description carries no date."""
     found = {name: getattr(shipped.description.coSimulation, name) for name in FLAGS}
-    assert found == FLAGS
+    in_air = "wind.velocity.x" in shipped.variables
+    assert found == FLAGS | {"providesDirectionalDerivative": not in_air}
     assert shipped.description.variableNamingConvention == "structured"
     assert shipped.description.generationDateAndTime is None
     assert shipped.description.generationTool == f"foldwing {shipped.description.version}"
