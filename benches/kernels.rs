@@ -1,5 +1,5 @@
-//! Cost of the recursions over the number of elements: exponentials, residual, factorisation, solve; and of the vortex
-//! lattice's kernel per segment and point.
+//! Cost of the recursions over the number of elements: exponentials, residual, factorisation, solve, statics; and of the
+//! vortex lattice's kernel per segment and point.
 //!
 //! `cargo bench --bench kernels` (or `make bench`); results stand in `docs/BENCHMARKS.md`.
 
@@ -7,6 +7,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use foldwing::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet};
 use foldwing::beam::element::ElementKind;
 use foldwing::beam::section::{Material, Section};
+use foldwing::config;
 use foldwing::load::{LoadFrame, RootMotion};
 use foldwing::math::se3::LinkGeometry;
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
@@ -14,8 +15,10 @@ use foldwing::multibody::factor::{HingeTangent, Weights, factorize, solve};
 use foldwing::multibody::kinematics::Motion;
 use foldwing::multibody::model::{Attachment, BodyDescription, JointDescription};
 use foldwing::multibody::{Model, Workspace};
+use foldwing::plant::{Holding, Plant};
 use nalgebra::{Matrix3, Vector3};
 use std::hint::black_box;
+use std::sync::Arc;
 
 /// Two bodies with a hinge between them, `sets` strain sets in all, bent and moving.
 struct Case {
@@ -150,10 +153,30 @@ fn biot_savart(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// One iteration of the statics: a cantilever under ten times its weight, from rest, over the iterations that it takes.
+fn statics(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("statics");
+    for pairs in [16_u64, 64, 256, 1000] {
+        let text = format!(
+            "name = \"Cantilever\"\n[section.s]\nshape = \"rectangle\"\nwidth_m = 0.05\nheight_m = 0.01\n\
+             density_kg_m3 = 2700.0\nyoung_Pa = 70e9\npoisson_ratio = 0.3\n[body.beam]\nlength_m = 1.0\nsection = \"s\"\n\
+             elements = {pairs}\n[joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"beam\"\n"
+        );
+        let mut plant = Plant::new(Arc::new(config::parse(&text, "beam.toml").expect("valid")));
+        plant.inputs_mut().root.gravity_m_s2 = Vector3::new(0.0, 0.0, -100.0);
+        let effort = plant.equilibrium(0.0, Holding::AsReleased).expect("rests");
+        group.throughput(Throughput::Elements(pairs * effort.iterations as u64));
+        group.bench_function(BenchmarkId::new("equilibrium", pairs), |b| {
+            b.iter(|| black_box(plant.equilibrium(0.0, Holding::AsReleased)));
+        });
+    }
+    group.finish();
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(30).warm_up_time(std::time::Duration::from_millis(300))
         .measurement_time(std::time::Duration::from_millis(1000));
-    targets = kernels, biot_savart
+    targets = kernels, statics, biot_savart
 }
 criterion_main!(benches);

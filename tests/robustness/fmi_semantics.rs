@@ -155,6 +155,53 @@ fn a_state_saved_before_and_in_the_initialisation_can_be_restored() {
     assert_eq!((fmu.get("fold.angle"), fmu.get("body.outer.stiffness_factor")), (1.0, 1.0));
 }
 
+/// The stop time belongs to the state: one that is set brings its own, whatever the instance has been told since.
+#[test]
+fn a_restored_state_brings_its_stop_time() {
+    let instance = |stop_s| {
+        let fmu = Fmu::new(WING);
+        fmu.setup(0.0, stop_s);
+        unsafe {
+            fmu.ok(fmi2EnterInitializationMode(fmu.component));
+            fmu.ok(fmi2ExitInitializationMode(fmu.component));
+        }
+        fmu.step(0.0, STEP_S);
+        fmu
+    };
+    let (short, endless) = (instance(Some(2e-3)), instance(None));
+    let set = |to: &Fmu, from: &Fmu| {
+        let (status, state) = to.deserialize(&from.serialize(from.save()));
+        to.ok(status);
+        to.ok(unsafe { fmi2SetFMUstate(to.component, state) });
+    };
+    let own = short.save();
+    set(&short, &endless);
+    short.step(STEP_S, 5e-3);
+    short.ok(unsafe { fmi2SetFMUstate(short.component, own) });
+    short.refused(short.try_step(STEP_S, 5e-3), fmi2Error, &["beyond the stop time 0.002 s"]);
+    set(&endless, &short);
+    endless.refused(endless.try_step(STEP_S, 5e-3), fmi2Error, &["beyond the stop time 0.002 s"]);
+}
+
+/// Components of a quaternion by their names, through the C functions: a body mounted with a turn of 60° about `x` has
+/// `w = cos 30°`, `x = sin 30°`, no other order has these.
+#[test]
+fn quaternions_run_over_w_x_y_z() {
+    let turned = WING.replace("[joint.mount]", "[joint.mount]\nmount_rotation_deg = [60, 0, 0]");
+    assert_ne!(turned, WING);
+    let fmu = Fmu::new(&turned);
+    fmu.setup(0.0, None);
+    unsafe {
+        fmu.ok(fmi2EnterInitializationMode(fmu.component));
+        fmu.ok(fmi2ExitInitializationMode(fmu.component));
+    }
+    let half = 30_f64.to_radians();
+    for (component, expected) in [("w", half.cos()), ("x", half.sin()), ("y", 0.0), ("z", 0.0)] {
+        let found = fmu.get(&format!("station.inner[1].rotation.{component}"));
+        assert!((found - expected).abs() < 1e-14, "{component}: {found}, not {expected}");
+    }
+}
+
 #[test]
 fn a_state_handle_can_be_used_again() {
     let fmu = Fmu::stepping();

@@ -11,6 +11,7 @@ mod model_file_keys;
 mod model_file_loops;
 mod model_file_meaning;
 mod model_file_meant;
+mod model_file_units;
 
 use foldwing::config::{self, ConfigError, Fault};
 use std::path::PathBuf;

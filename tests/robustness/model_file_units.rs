@@ -1,0 +1,164 @@
+//! Degrees: every key that ends in `_deg` or `_deg_s`, read from one file and compared with radians.
+
+use foldwing::actuation::prescribed::Motion;
+use foldwing::config::machine::{JointKind, JointMotion, Machine};
+use foldwing::config::{parse, schema};
+use std::collections::BTreeSet;
+
+/// A machine with every angle that a file can state.
+const MODEL: &str = r#"name = "Angles"
+[section.s]
+shape = "rectangle"
+width_m = 0.05
+height_m = 0.002
+density_kg_m3 = 1425.0
+young_Pa = 2.83e9
+poisson_ratio = 0.3
+[body]
+a = { length_m = 0.1, section = "s", elements = 1 }
+b = { length_m = 0.1, section = "s", elements = 1 }
+c = { length_m = 0.1, section = "s", elements = 1 }
+d = { length_m = 0.1, section = "s", elements = 1 }
+[joint.mount]
+type = "clamped"
+parent = "root"
+child = "a"
+mount_rotation_deg = [90, 0, 0]
+[joint.fold]
+type = "revolute"
+parent = "a"
+child = "b"
+axis = [0, 1, 0]
+start_angle_deg = 60
+start_rate_deg_s = 45
+[joint.fold.drive]
+stiffness_N_m_rad = 0.02
+rate_limit_deg_s = 180
+command_deg = 30
+[joint.fold.latch]
+angle_deg = -20
+capture_deg = 2
+stiffness_N_m_rad = 10
+[joint.turn]
+type = "revolute"
+parent = "b"
+child = "c"
+axis = [0, 1, 0]
+motion = "prescribed"
+polynomial_deg = [10, 20, 30]
+[joint.sway]
+type = "revolute"
+parent = "root"
+root_position_m = [0, 1, 0]
+child = "d"
+axis = [0, 1, 0]
+motion = "prescribed"
+table_s_deg = [[0, 15], [1, 75]]
+"#;
+
+/// A ball joint, and air over a body.
+const BALL_IN_AIR: &str = r#"name = "Ball"
+[section.s]
+shape = "rectangle"
+width_m = 0.05
+height_m = 0.002
+density_kg_m3 = 1425.0
+young_Pa = 2.83e9
+poisson_ratio = 0.3
+[body.a]
+length_m = 0.1
+section = "s"
+elements = 1
+[joint.neck]
+type = "ball"
+parent = "root"
+child = "a"
+start_angular_velocity_deg_s = [90, -45, 30]
+[aerodynamics]
+model = "strip"
+density_kg_m3 = 1.2
+wind_m_s = [0, -10, 0]
+step_s = 1e-3
+[surface.plate]
+body = "a"
+chord_m = 0.05
+axis_fraction = 0.25
+leading_edge = "+y"
+strips = 1
+incidence_deg = 30
+zero_lift_angle_deg = -3
+"#;
+
+fn read(text: &str) -> Machine {
+    parse(text, "angles.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A factor between two numbers that are meant to be one and the same, to the last bits.
+fn close(what: &str, found: f64, degrees: f64) {
+    let expected = degrees * std::f64::consts::PI / 180.0;
+    assert!((found - expected).abs() <= 1e-15 * expected.abs().max(1.0), "{what}: {found}, not {expected}");
+}
+
+/// Keys of the schema that state degrees.
+fn keys_in_degrees(node: &serde_json::Value, found: &mut BTreeSet<String>) {
+    if let Some(map) = node["properties"].as_object() {
+        found.extend(map.keys().filter(|key| key.ends_with("_deg") || key.ends_with("_deg_s")).cloned());
+    }
+    match node {
+        serde_json::Value::Object(map) => map.values().for_each(|value| keys_in_degrees(value, found)),
+        serde_json::Value::Array(items) => items.iter().for_each(|value| keys_in_degrees(value, found)),
+        _ => {}
+    }
+}
+
+/// No key in degrees is left out of the two files above.
+#[test]
+fn every_key_in_degrees_is_compared() {
+    let mut keys = BTreeSet::new();
+    keys_in_degrees(&serde_json::from_str(&schema()).expect("JSON"), &mut keys);
+    assert!(keys.len() >= 12, "{keys:?}");
+    for key in &keys {
+        assert!([MODEL, BALL_IN_AIR].iter().any(|text| text.contains(&format!("{key} = "))), "{key} is not compared");
+    }
+}
+
+#[test]
+fn angles_are_read_in_radians() {
+    let machine = read(MODEL);
+    let body = |name: &str| machine.bodies.iter().find(|body| body.name == name).expect("a body");
+    let turned = body("a").joint.mount * nalgebra::Vector3::y();
+    assert!((turned - nalgebra::Vector3::z()).norm() < 1e-15, "mount_rotation_deg turns y to {turned}");
+    let JointKind::Revolute(fold) = &body("b").joint.kind else { panic!("a hinge") };
+    close("start_angle_deg", fold.start_angle_rad, 60.0);
+    close("start_rate_deg_s", fold.start_rate_rad_s, 45.0);
+    close("rate_limit_deg_s", fold.drive.rate_limit_rad_s, 180.0);
+    close("command_deg", fold.drive.command_rad, 30.0);
+    let latch = fold.latch.as_ref().expect("a latch");
+    close("angle_deg", latch.angle_rad, -20.0);
+    close("capture_deg", latch.capture_rad, 2.0);
+    let motion = |name: &str| match &body(name).joint.kind {
+        JointKind::Revolute(revolute) => match &revolute.motion {
+            JointMotion::Prescribed(motion) => motion.clone(),
+            other => panic!("{other:?}"),
+        },
+        other => panic!("{other:?}"),
+    };
+    let Motion::Polynomial(coefficients) = motion("c") else { panic!("a polynomial") };
+    [10.0, 20.0, 30.0].iter().zip(coefficients).for_each(|(deg, found)| close("polynomial_deg", found, *deg));
+    let Motion::Table(rows) = motion("d") else { panic!("a table") };
+    assert_eq!([rows[0].0, rows[1].0], [0.0, 1.0], "times are no angles");
+    [15.0, 75.0].iter().zip(rows).for_each(|(deg, row)| close("table_s_deg", row.1, *deg));
+}
+
+#[test]
+fn angles_of_a_ball_joint_and_of_air_are_read_in_radians() {
+    let machine = read(BALL_IN_AIR);
+    let JointKind::Spatial(ball) = &machine.bodies[0].joint.kind else { panic!("a ball joint") };
+    let rates = ball.start_angular_velocity_rad_s;
+    [90.0, -45.0, 30.0].iter().zip(&rates).for_each(|(deg, found)| close("start_angular_velocity_deg_s", *found, *deg));
+    let surface = &machine.air.as_ref().expect("air").surfaces[0];
+    let chord = &surface.chords[0];
+    let forward = (chord.leading_m - chord.trailing_m).normalize();
+    close("incidence_deg", forward.z.atan2(forward.y), 30.0);
+    close("zero_lift_angle_deg", surface.profile.zero_lift_angle_rad, -3.0);
+}
