@@ -35,6 +35,16 @@ impl Inputs {
             && self.wind_m_s == Vector3::zeros()
     }
 
+    /// Whether all real inputs are finite.
+    pub(super) fn are_finite(&self) -> bool {
+        let RootMotion { gravity_m_s2, acceleration_m_s2, angular_velocity_rad_s, angular_acceleration_rad_s2 } =
+            &self.root;
+        let motions = [gravity_m_s2, acceleration_m_s2, angular_velocity_rad_s, angular_acceleration_rad_s2];
+        let loads = self.stations.iter().flat_map(|load| [&load.force_n, &load.moment_n_m]);
+        motions.into_iter().chain([&self.wind_m_s]).chain(loads).flatten().all(|value| value.is_finite())
+            && self.joints.iter().all(|joint| joint.command_rad.is_finite() && joint.torque_n_m.is_finite())
+    }
+
     /// Sets all real inputs to zero, as rates that nobody has set. Allocates nothing.
     pub(super) fn clear(&mut self) {
         for joint in &mut self.joints {

@@ -15,6 +15,9 @@ use crate::solve::{EquationsOfMotion, Singular, control};
 
 /// Share of the step before a latch closes that the first step after it may have.
 const STEP_SHARE_AFTER_LATCH: f64 = 0.1;
+/// Way over the machine's length, or turn of a section in rad, that a jump of the accelerations may make within an
+/// aerodynamic step: light wings in a wind that is suddenly there make 1, by the twist of their sections.
+const MOST_LENGTHS: f64 = 100.0;
 
 impl Plant {
     /// Builds the equations, sets the start state, finds the accelerations and the outputs at `time_s`.
@@ -107,6 +110,7 @@ impl Plant {
         self.equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
         let jump = settle(&mut self.equations, &mut self.scratch[0], now);
         let jump = self.accelerations(time_s, jump)?;
+        self.refuse_leap(time_s, jump)?;
         self.restrain_step(jump);
         self.state.before = self.state.now.clone();
         self.state.start = self.state.now.clone();
@@ -237,8 +241,20 @@ impl Plant {
     /// Changes the equations at `start` as [`Plant::discontinuity`] does, and shortens the next step by the jump.
     fn event(&mut self, change: impl FnOnce(&mut State, &Equations) -> f64) -> Result<(), PlantError> {
         let jump = self.discontinuity(change)?;
+        self.refuse_leap(self.state.start.time_s, jump)?;
         self.restrain_step(jump);
         Ok(())
+    }
+
+    /// Refuses accelerations that leave the air behind, by the input that is to blame: within an aerodynamic step they
+    /// would carry some of the wing by many times its length.
+    fn refuse_leap(&self, time_s: f64, jump_norm_1_s2: f64) -> Result<(), PlantError> {
+        let Some(air) = &self.machine.air else { return Ok(()) };
+        let (step_s, lengths) = (air.step_s, 0.5 * jump_norm_1_s2 * air.step_s * air.step_s);
+        if lengths <= MOST_LENGTHS {
+            return Ok(());
+        }
+        Err(PlantError::Leap { time_s, lengths, step_s, cause: self.largest_input() })
     }
 
     /// Changes the equations at `start` and re-solves the accelerations; the present step then has no length. Returns

@@ -342,17 +342,33 @@ pub enum PlantError {
         /// The largest input.
         cause: String,
     },
-    /// More internal steps than one communication step may take.
+    /// More work than one communication step may cost.
     #[error(
-        "{most} internal steps lead to t = {time_s} s only, the last of {step_s:.1e} s; take shorter communication steps, or allow a larger solver.tolerance"
+        "{most} iterations lead to t = {time_s} s only, the last internal step of {step_s:.1e} s; {cause}; take shorter communication steps, or allow a larger solver.tolerance"
     )]
-    TooManySteps {
+    TooMuchWork {
         /// Last good time in s.
         time_s: f64,
-        /// Internal steps of one communication step at most.
-        most: u32,
+        /// Newton iterations of one communication step at most, trial marches with the air included.
+        most: u64,
         /// Next internal step in s.
         step_s: f64,
+        /// The largest input.
+        cause: String,
+    },
+    /// Accelerations that no aerodynamic step can follow.
+    #[error(
+        "the accelerations at t = {time_s} s carry the wing by {lengths:.1e} times its length within an aerodynamic step of {step_s} s; {cause}; reduce it, or take a smaller aerodynamics.step_s"
+    )]
+    Leap {
+        /// Time in s.
+        time_s: f64,
+        /// Way in an aerodynamic step over the machine's length.
+        lengths: f64,
+        /// Aerodynamic step in s.
+        step_s: f64,
+        /// The largest input.
+        cause: String,
     },
     /// The time is so large that a step is lost in its round-off.
     #[error("a step of {step_s:.1e} s does not move the time t = {time_s} s; start nearer to 0 s")]

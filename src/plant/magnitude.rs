@@ -27,6 +27,12 @@ impl Plant {
         self.air.is_none()
             && self.model_is_moderate
             && coordinates().all(|&value| within(value, LARGEST))
+            && self.state.joints.iter().all(|joint| {
+                let slew = &joint.slew;
+                [slew.from_rad, slew.target_rad, slew.target_rate_rad_s, slew.start_s]
+                    .into_iter()
+                    .all(|value| within(value, LARGEST))
+            })
             && [now.work, now.dissipated].into_iter().all(|account| within(account, LARGEST_ACCOUNT))
             && [&self.state.applied_inputs, &self.state.applied_rates].into_iter().all(inputs_are_moderate)
             && parameters_are_moderate(&self.state.applied_parameters)

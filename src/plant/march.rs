@@ -17,8 +17,13 @@ const NEWTON_CEILING: f64 = 1e-6;
 const NEWTON_CEILING_EXACT: f64 = 1e-8;
 /// Cut of the step after Newton's iteration has failed.
 const FAILURE_CUT: f64 = 0.25;
-/// Most internal steps of one communication step: nothing may run for ever.
+/// Internal steps after which the longest communication step ends, were each as long as it may be.
 const MOST_STEPS: u32 = 1_000_000;
+/// Newton iterations that a communication step may cost, however short it is: five times what the trial marches of one
+/// aerodynamic step of the shipped tunnel take at a tolerance of 1e-8, and some seconds of the processor.
+const MOST_ITERATIONS: u64 = 200_000;
+/// The same for each second that it goes on.
+const MOST_ITERATIONS_1_S: f64 = 5e7;
 /// Most aerodynamic steps of one communication step: each costs many internal ones.
 const MOST_AIR_STEPS: u32 = 100_000;
 /// Accuracy of a located latch crossing in s.
@@ -42,7 +47,9 @@ impl Plant {
         if marches {
             self.begin.copy_from(&self.state);
         }
-        self.steps_left = MOST_STEPS;
+        let span_s = (end_s - self.state.now.time_s).max(0.0);
+        self.most_work = MOST_ITERATIONS.saturating_add((MOST_ITERATIONS_1_S * span_s).round() as u64);
+        self.work_left = self.most_work;
         let applied = if changed { self.apply_inputs().and_then(|()| self.renew_air()) } else { Ok(()) };
         let outcome = applied.and_then(|()| self.march(end_s, changed));
         let State { start, ahead, now, .. } = &mut self.state;
@@ -156,14 +163,16 @@ impl Plant {
         if self.state.step_s >= min_step_s { Ok(()) } else { Err(self.no_convergence(self.state.step_s, failure)) }
     }
 
-    /// Takes one of the internal steps that a communication step may have, to `end_s`.
+    /// Whether an internal step to `end_s` moves the time, and the communication step's work is not used up.
     fn count_step(&mut self, step_s: f64, end_s: f64) -> Result<(), PlantError> {
         let time_s = self.state.start.time_s;
         if end_s.partial_cmp(&time_s) != Some(std::cmp::Ordering::Greater) {
             return Err(PlantError::Clock { time_s, step_s });
         }
-        self.steps_left =
-            self.steps_left.checked_sub(1).ok_or(PlantError::TooManySteps { time_s, most: MOST_STEPS, step_s })?;
+        if self.work_left == 0 {
+            let (most, cause) = (self.most_work, self.largest_input());
+            return Err(PlantError::TooMuchWork { time_s, most, step_s, cause });
+        }
         Ok(())
     }
 
@@ -206,6 +215,7 @@ impl Plant {
         let State { start, ahead, statistics, .. } = &mut self.state;
         self.equations.branch_s = start.time_s + 0.5 * step_s;
         let outcome = self.stepper.step(&mut self.equations, start, step_s, ahead, accuracy, &mut effort);
+        self.work_left = self.work_left.saturating_sub(effort.iterations.max(1));
         statistics.iterations += effort.iterations;
         statistics.factorizations += effort.factorizations;
         statistics.unconverged += effort.unconverged;

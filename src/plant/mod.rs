@@ -66,8 +66,9 @@ pub struct Plant {
     state: State,
     /// The state at the begin of the communication step, to go back to.
     begin: State,
-    /// Internal steps that the present communication step may still take.
-    steps_left: u32,
+    /// Newton iterations that the present communication step may cost, and those of them that are left.
+    most_work: u64,
+    work_left: u64,
     equations: Equations,
     /// Fixed parameters that `equations` was built with.
     built_with: Parameters,
@@ -140,7 +141,8 @@ impl Plant {
             quest: statics::Quest::default(),
             latency: Latency::default(),
             begin: state.clone(),
-            steps_left: 0,
+            most_work: 0,
+            work_left: 0,
             state,
             equations,
             outputs,
@@ -261,14 +263,27 @@ impl Plant {
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), PlantError> {
         let air = self.air.as_ref().map(|air| &air.blank);
         snapshot.check(&self.state, self.coordinates(), self.tip_bodies.len(), air)?;
-        self.state = snapshot.state().clone();
+        let own = std::mem::replace(&mut self.state, snapshot.state().clone());
+        self.adopt_state();
+        if self.state.initialized && !self.is_moderate() {
+            self.evaluate();
+            if !self.outputs.are_finite() {
+                self.state = own;
+                self.adopt_state();
+                return Err(PlantError::Snapshot("its outputs are not finite".into()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings equations and outputs in line with a state that was set.
+    fn adopt_state(&mut self) {
         self.rebuild();
         if self.state.initialized {
             self.configure();
             self.forget_outputs();
             self.provide(self.watched);
         }
-        Ok(())
     }
 
     /// Makes the equations anew where a fixed parameter has changed since they were made.

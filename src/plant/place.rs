@@ -6,6 +6,10 @@ use crate::plant::face::PlantError;
 use crate::plant::magnitude::inputs_are_moderate;
 use crate::solve::newton::NewtonError;
 
+/// Inputs by which a partner closes a loop over the root.
+const ROOT_ACCELERATION: &str = "root.acceleration";
+const ROOT_ANGULAR_ACCELERATION: &str = "root.angular_acceleration";
+
 /// Why an internal step was given up.
 pub(super) enum Failure {
     /// The error estimate is too large.
@@ -39,9 +43,10 @@ impl Plant {
                 format!("{error}; {}", self.largest_input()),
                 "look at inputs and parameters far beyond the structure's strength",
             ),
-            Failure::Newton(error) => {
-                (error.to_string(), "look at loads, drive and latch there, or allow a smaller solver.min_step")
-            }
+            Failure::Newton(error) => (
+                format!("{error}; {}", self.largest_input()),
+                "look at loads, drive and latch there, or allow a smaller solver.min_step",
+            ),
         };
         PlantError::NoConvergence { time_s, step_s, place, cause, advice }
     }
@@ -68,32 +73,51 @@ impl Plant {
         format!("element {} of {} of body {}", element + 1, body.elements / per_element, machine.name)
     }
 
-    /// The largest of the loads, torques and accelerations that act, in words.
+    /// The largest of the loads, torques, commands and motions that act, by the name of its variable, with what an
+    /// acceleration of the root as large as that mostly means.
     pub(super) fn largest_input(&self) -> String {
         let inputs = &self.state.applied_inputs;
         let mut largest = (0.0, "all inputs are 0".to_owned());
-        let mut offer = |size: f64, unit: &str, what: &dyn Fn() -> String| {
-            if size.is_nan() || size > largest.0 {
-                largest = (size, format!("the largest input is {size:e} {unit} {}", what()));
+        let mut offer = |value: f64, unit: &str, name: &dyn Fn() -> String| {
+            if value.is_nan() || value.abs() > largest.0 {
+                largest = (value.abs(), format!("the largest input is {} = {value:e} {unit}", name()));
             }
         };
         let root = &inputs.root;
-        offer(root.gravity_m_s2.amax(), "m/s2", &|| "of gravity".into());
-        offer(root.acceleration_m_s2.amax(), "m/s2", &|| "of the root's acceleration".into());
-        offer(root.angular_velocity_rad_s.amax(), "rad/s", &|| "of the root's angular velocity".into());
-        offer(root.angular_acceleration_rad_s2.amax(), "rad/s2", &|| "of the root's angular acceleration".into());
-        offer(inputs.wind_m_s.amax(), "m/s", &|| "of wind".into());
+        let vectors = [
+            (&root.gravity_m_s2, "m/s2", "gravity"),
+            (&root.acceleration_m_s2, "m/s2", ROOT_ACCELERATION),
+            (&root.angular_velocity_rad_s, "rad/s", "root.angular_velocity"),
+            (&root.angular_acceleration_rad_s2, "rad/s2", ROOT_ANGULAR_ACCELERATION),
+            (&inputs.wind_m_s, "m/s", "wind.velocity"),
+        ];
+        for (vector, unit, name) in vectors {
+            for (value, axis) in vector.iter().zip(["x", "y", "z"]) {
+                offer(*value, unit, &|| format!("{name}.{axis}"));
+            }
+        }
         for (joint, &body) in inputs.joints.iter().zip(&self.revolute_joints) {
-            let name = || format!("of joint {}", self.machine.bodies[body].joint.name);
-            offer(joint.torque_n_m.abs(), "N.m", &name);
+            let name = &self.machine.bodies[body].joint.name;
+            offer(joint.torque_n_m, "N.m", &|| format!("{name}.torque"));
+            offer(joint.command_rad, "rad", &|| format!("{name}.command"));
         }
         let stations =
             self.machine.bodies.iter().flat_map(|body| (0..body.station_positions_m.len()).map(move |i| (body, i)));
         for (load, (body, station)) in inputs.stations.iter().zip(stations) {
-            let name = || format!("at load station {} of body {}", station + 1, body.name);
-            offer(load.force_n.amax(), "N", &name);
-            offer(load.moment_n_m.amax(), "N.m", &name);
+            for (vector, unit, what) in [(&load.force_n, "N", "force"), (&load.moment_n_m, "N.m", "moment")] {
+                for (value, axis) in vector.iter().zip(["x", "y", "z"]) {
+                    offer(*value, unit, &|| format!("load.{}[{}].{what}.{axis}", body.name, station + 1));
+                }
+            }
         }
-        largest.1
+        let largest = largest.1;
+        if [ROOT_ACCELERATION, ROOT_ANGULAR_ACCELERATION].iter().any(|name| largest.contains(&format!("{name}."))) {
+            let mass_kg = self.mass_kg();
+            format!(
+                "{largest}, and where it answers root.force, what carries a wing of {mass_kg:.3} kg must be heavier"
+            )
+        } else {
+            largest
+        }
     }
 }

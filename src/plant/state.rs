@@ -4,7 +4,9 @@ use crate::actuation::drive::Slew;
 use crate::actuation::latch::LatchState;
 use crate::config::Machine;
 use crate::plant::air::AirHistory;
-use crate::plant::face::{BodyParameters, FACTOR_RANGE, Inputs, JointParameters, Parameters, PlantError, Statistics};
+use crate::plant::face::{
+    BodyParameters, FACTOR_RANGE, Inputs, JointParameters, Parameters, PlantError, SpatialParameters, Statistics,
+};
 use crate::solve::point::Point;
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
@@ -240,6 +242,33 @@ impl State {
         if !(joints(&self.parameters) && joints(&self.applied_parameters)) {
             return refuse("parameters of a joint");
         }
-        Ok(())
+        self.check_inputs_and_events()
+    }
+
+    /// Refuses inputs, joints of several freedoms, latches, neutral angles and attitudes that are not finite.
+    fn check_inputs_and_events(&self) -> Result<(), PlantError> {
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let spatial = |parameters: &Parameters| {
+            let joint = |joint: &SpatialParameters| finite(&[joint.stiffness_n_m_rad, joint.damping_n_m_s_rad]);
+            parameters.spatial.iter().all(joint) && parameters.air_density_kg_m3.is_finite()
+        };
+        let inputs = [&self.inputs, &self.rates, &self.applied_inputs, &self.applied_rates];
+        let joint = |JointState { latch, slew, .. }: &JointState| {
+            finite(&[latch.time_s, slew.from_rad, slew.target_rad, slew.target_rate_rad_s, slew.start_s])
+                && slew.rate_limit_rad_s.is_finite()
+        };
+        let rotations = [&self.spatial_rotations, &self.tip_rotations, &self.station_rotations];
+        let what = if !(spatial(&self.parameters) && spatial(&self.applied_parameters)) {
+            "parameters of a joint of several freedoms, or a density of the air,"
+        } else if !inputs.into_iter().all(Inputs::are_finite) {
+            "inputs"
+        } else if !self.joints.iter().all(joint) {
+            "latches or neutral angles"
+        } else if !rotations.into_iter().flatten().all(|rotation| finite(rotation.coords.as_slice())) {
+            "attitudes"
+        } else {
+            return Ok(());
+        };
+        Err(PlantError::Snapshot(format!("{what} that no run leads to")))
     }
 }

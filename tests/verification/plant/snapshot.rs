@@ -1,7 +1,9 @@
 //! Going back, going on elsewhere, and repeating: to the bit.
 
 use crate::machines::*;
+use foldwing::config;
 use foldwing::config::machine::{ElementKind, Method};
+use foldwing::interface::{Interface, Value};
 use foldwing::plant::{Outputs, Plant, PlantError, Snapshot};
 use std::sync::Arc;
 
@@ -121,4 +123,48 @@ fn p93_runs_repeat_to_the_bit() {
         interleaved.push(first.outputs().clone());
     }
     assert!(interleaved == expected, "interleaved with another plant: differs");
+}
+
+/// P-94. A snapshot with forged bytes is refused or gives finite numbers: NaN and 1e300 in the place of every eight bytes,
+/// with and without joints of several freedoms. A refusal leaves the plant as it was.
+#[test]
+fn p94_forged_snapshots_give_no_nan() {
+    for name in ["folding_wing", "flying_wing", "double_pendulum"] {
+        let path = format!("{}/examples/models/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let machine = config::parse(&std::fs::read_to_string(path).unwrap(), name).unwrap();
+        let table = Interface::new(&machine);
+        let reals: Vec<u32> = table
+            .variables()
+            .iter()
+            .filter(|row| matches!(row.value, Value::Real(_)))
+            .map(|row| row.value_reference)
+            .collect();
+        let mut plant = start(machine);
+        coast(&mut plant, 0.0103);
+        let (own, before) = (plant.snapshot(), plant.outputs().clone());
+        let bytes = postcard::to_stdvec(&own).unwrap();
+        let (mut set, mut refused) = (0, 0);
+        for at in 0..bytes.len() - 8 {
+            for value in [f64::NAN, 1e300] {
+                let mut forged = bytes.clone();
+                forged[at..at + 8].copy_from_slice(&value.to_le_bytes());
+                let Ok(snapshot) = postcard::from_bytes::<Snapshot>(&forged) else { continue };
+                if plant.restore(&snapshot).is_err() {
+                    assert_eq!(plant.outputs(), &before, "{name}: a refusal at byte {at} changes nothing");
+                    refused += 1;
+                    continue;
+                }
+                let mut values = vec![0.0; reals.len()];
+                table.get_all(&plant, &reals, &mut values).unwrap();
+                for (value, reference) in values.iter().zip(&reals) {
+                    let name = &table.variables()[*reference as usize].name;
+                    assert!(value.is_finite(), "byte {at}: {name} is {value}");
+                }
+                plant.restore(&own).unwrap();
+                set += 1;
+            }
+        }
+        println!("P-94: {name}: {} bytes, {set} states set, {refused} refused", bytes.len());
+        assert!(refused > 100, "{name}");
+    }
 }
