@@ -59,12 +59,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     write(&model, &mut outlet).map_err(|error| outlet.failure(&error))?;
     outlet.finish()?;
     print(&format!(
-        "{}: {} states, {} inputs, {} outputs at t = {} s, written to {}",
+        "{}: {} states, {} inputs, {} outputs at t = {} s{}, written to {}",
         plant.machine().name,
         model.states.len(),
         model.inputs.len(),
         model.outputs.len(),
         model.time_s,
+        if model.without_air { ", without air (its loads are held; no wind)" } else { "" },
         arguments.output.display()
     ))
 }
@@ -86,6 +87,12 @@ fn chosen<'a>(
             .copied()
             .filter(|row| row.name == *name || (name.ends_with('.') && row.name.starts_with(name.as_str())))
             .collect();
+        if found.is_empty() && name.starts_with("wind.") {
+            return Err(Failure::Usage(format!(
+                "--inputs {name}: linear models are without air, they hold its loads; choose other inputs, or take the answer to \
+                 wind from runs"
+            )));
+        }
         if found.is_empty() {
             return Err(unknown(name, what, rows.iter().copied()));
         }

@@ -68,9 +68,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return print(&format!("{value:#}"));
     }
     let mut text = format!(
-        "{} about its {} state\n{:>4} {:>14} {:>10}  elastic energy\n",
+        "{} about its {} state{}\n{:>4} {:>14} {:>10}  elastic energy\n",
         plant.machine().name,
         if arguments.about == About::Undeformed { "undeformed" } else { "equilibrium" },
+        if plant.machine().air.is_some() { ", without air: its loads are held" } else { "" },
         "mode",
         "frequency Hz",
         "damping"
@@ -149,5 +150,6 @@ fn as_json(plant: &Plant, modes: &[ModeShape]) -> Value {
             })
         })
         .collect();
-    json!({ "name": plant.machine().name, "bodies": bodies, "modes": modes })
+    let without_air = plant.machine().air.is_some();
+    json!({ "name": plant.machine().name, "without_air": without_air, "bodies": bodies, "modes": modes })
 }

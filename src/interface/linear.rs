@@ -21,6 +21,8 @@ pub struct Signal {
 pub struct LinearModel {
     /// Time of the state in s.
     pub time_s: f64,
+    /// The machine is in air, whose loads the model holds: it says nothing of wind, aerodynamic damping and flutter.
+    pub without_air: bool,
     /// States: free coordinates, then their rates.
     pub states: Vec<Signal>,
     /// Inputs.
@@ -35,9 +37,10 @@ pub struct LinearModel {
 const DRIVE_STEP: f64 = 1e-4;
 
 impl Interface {
-    /// Real inputs of the table, which a linear model may have.
+    /// Real inputs of the table, which a linear model may have: all but wind, which acts through loads that it holds.
     pub fn real_inputs(&self) -> impl Iterator<Item = &Variable> {
-        self.reals(Causality::Input)
+        let wind = |row: &&Variable| matches!(self.binding(row.value_reference), Some(Binding::Input(Input::Wind(_))));
+        self.reals(Causality::Input).filter(move |row| !wind(row))
     }
 
     /// Real outputs of the table, which a linear model may have.
@@ -116,6 +119,7 @@ impl Interface {
             .collect();
         Ok(LinearModel {
             time_s: plant.time_s(),
+            without_air: plant.machine().air.is_some(),
             states,
             inputs: inputs.iter().map(|row| signal(row, present(&row))).collect(),
             outputs: outputs.iter().zip(values.iter()).map(|(row, &value)| signal(row, value)).collect(),

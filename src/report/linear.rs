@@ -7,8 +7,8 @@ use std::io::{self, Seek, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// A linear model as JSON: `time_s`, `states`, `inputs`, `outputs` (name, unit, value about which it is linear) and the
-/// matrices `A`, `B`, `C`, `D` row by row.
+/// A linear model as JSON: `time_s`, `without_air` (the machine is in air, the model holds its loads), `states`, `inputs`,
+/// `outputs` (name, unit, value about which it is linear) and the matrices `A`, `B`, `C`, `D` row by row.
 pub fn linear_json(model: &LinearModel) -> Value {
     let signals = |list: &[Signal]| -> Vec<Value> {
         let entry = |signal: &Signal| json!({ "name": signal.name, "unit": signal.unit, "value": signal.value });
@@ -21,6 +21,7 @@ pub fn linear_json(model: &LinearModel) -> Value {
     json!({
         "written_by": "foldwing linearize",
         "time_s": model.time_s,
+        "without_air": model.without_air,
         "states": signals(&model.states),
         "inputs": signals(&model.inputs),
         "outputs": signals(&model.outputs),
@@ -31,8 +32,8 @@ pub fn linear_json(model: &LinearModel) -> Value {
     })
 }
 
-/// Writes a linear model for `numpy.load`: `A`, `B`, `C`, `D`, `x0`, `u0`, `y0`, `time_s`, and the names and units
-/// `state_names`, `state_units`, … as arrays of text. Equal models give equal bytes.
+/// Writes a linear model for `numpy.load`: `A`, `B`, `C`, `D`, `x0`, `u0`, `y0`, `time_s`, `without_air` (1 or 0), and the
+/// names and units `state_names`, `state_units`, … as arrays of text. Equal models give equal bytes.
 pub fn write_npz<W: Write + Seek>(model: &LinearModel, target: W) -> io::Result<()> {
     let mut archive = ZipWriter::new(target);
     let mut member = |name: &str, bytes: Vec<u8>| -> io::Result<()> {
@@ -59,6 +60,7 @@ pub fn write_npz<W: Write + Seek>(model: &LinearModel, target: W) -> io::Result<
         member(&format!("{what}_units"), texts(signals.iter().map(|signal| signal.unit.as_str())))?;
     }
     member("time_s", numbers(&[model.time_s], "()"))?;
+    member("without_air", numbers(&[f64::from(u8::from(model.without_air))], "()"))?;
     archive.finish()?;
     Ok(())
 }

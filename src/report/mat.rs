@@ -20,8 +20,8 @@ const CELL_CLASS: u32 = 1;
 const CHAR_CLASS: u32 = 4;
 const DOUBLE_CLASS: u32 = 6;
 
-/// Writes a linear model for `load`: `A`, `B`, `C`, `D`, the columns `x0`, `u0`, `y0`, the number `time_s`, and the names
-/// and units `state_names`, `state_units`, … as columns of cells, as `ss` takes them.
+/// Writes a linear model for `load`: `A`, `B`, `C`, `D`, the columns `x0`, `u0`, `y0`, the numbers `time_s` and
+/// `without_air` (1 or 0), and the names and units `state_names`, `state_units`, … as columns of cells, as `ss` takes them.
 pub fn write_mat<W: Write>(model: &LinearModel, mut target: W) -> io::Result<()> {
     let mut header = format!("{:<124}", "MATLAB 5.0 MAT-file, a linear model written by foldwing").into_bytes();
     header.extend([0x00, 0x01, b'I', b'M']); // version, and the mark of the byte order
@@ -31,6 +31,7 @@ pub fn write_mat<W: Write>(model: &LinearModel, mut target: W) -> io::Result<()>
         target.write_all(&numbers(name, matrix))?;
     }
     target.write_all(&numbers("time_s", &DMatrix::from_element(1, 1, model.time_s)))?;
+    target.write_all(&numbers("without_air", &DMatrix::from_element(1, 1, f64::from(u8::from(model.without_air)))))?;
     for (what, short, signals) in
         [("state", "x0", &model.states), ("input", "u0", &model.inputs), ("output", "y0", &model.outputs)]
     {

@@ -427,6 +427,31 @@ fn linearize_writes_json_and_npz() {
     refuses(&on_model("linearize", &["--inputs", "fold.release", "-o", &file]), 2, "no real input is named");
 }
 
+/// Linear models of machines in air hold its loads: they say so everywhere and offer no wind, whose columns would be 0.
+#[test]
+fn linear_models_and_modes_are_without_air_and_say_so() {
+    let folder = scratch();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let goland = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/goland_wing.toml");
+    let linearize = |file: &str, more: &[&str]| foldwing(&[&["linearize", goland, "-o", &path(file)], more].concat());
+    assert!(succeeds(&linearize("x.json", &[])).contains("without air"));
+    let json: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path("x.json")).unwrap()).unwrap();
+    assert_eq!(json["without_air"], true);
+    let inputs = json["inputs"].as_array().unwrap();
+    assert!(inputs.iter().all(|input| !input["name"].as_str().unwrap().starts_with("wind.")), "{inputs:?}");
+    succeeds(&linearize("x.npz", &[]));
+    let mut archive = zip::ZipArchive::new(std::fs::File::open(path("x.npz")).unwrap()).unwrap();
+    let mut bytes = Vec::new();
+    std::io::Read::read_to_end(&mut archive.by_name("without_air.npy").unwrap(), &mut bytes).unwrap();
+    assert!(bytes.ends_with(&1.0f64.to_le_bytes()));
+    succeeds(&linearize("x.mat", &[]));
+    assert!(String::from_utf8_lossy(&std::fs::read(path("x.mat")).unwrap()).contains("without_air"));
+    refuses(&linearize("y.json", &["--inputs", "wind.velocity.y"]), 2, "linear models are without air");
+    assert!(succeeds(&foldwing(&["modes", goland])).contains("without air"));
+    let file = path("vacuum.json");
+    assert!(!succeeds(&on_model("linearize", &["--set", "fold.release=0", "-o", &file])).contains("without air"));
+}
+
 /// The shared library that Cargo built beside this test.
 fn library() -> PathBuf {
     let name = format!("{}foldwing{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
