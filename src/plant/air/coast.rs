@@ -1,0 +1,134 @@
+//! States of rest of hinges that only the air restores: a fold that coasts where lift and weight balance about it.
+//!
+//! [`Plant::settle_in_air`] iterates between a structure that settles under held loads and the air about it. A hinge without
+//! spring does not settle under held loads. Here its angle is an outer unknown instead: at each angle it is held, air and
+//! structure come to rest together, and what torque remains on the hinge is driven to zero, NOTATION eq. (Q6).
+
+use crate::plant::Plant;
+use crate::plant::face::PlantError;
+use crate::plant::statics::Holding;
+use crate::solve::EquationsOfMotion;
+use crate::solve::equilibrium::Effort;
+use nalgebra::{DMatrix, DVector};
+
+/// Turn of a hinge in rad that one difference step makes.
+const STEP_RAD: f64 = 1e-3;
+/// Longest turn of a hinge in one iteration in rad: loads of the air change their sign within a few tenths.
+const LONGEST_RAD: f64 = 0.2;
+/// Correction in rad at which the angles are found.
+const TOLERANCE_RAD: f64 = 1e-8;
+/// Most iterations: at the longest turn, two revolutions.
+const MOST_ITERATIONS: usize = 60;
+
+impl Plant {
+    /// Hinges that turn freely at the present state, by their place in the equations.
+    pub(super) fn free_hinges(&self) -> Vec<usize> {
+        let joints = self.equations.joints.iter().enumerate();
+        joints.filter(|(_, joint)| !joint.held && !joint.latched).map(|(i, _)| i).collect()
+    }
+
+    /// Brings the machine to rest in air with the angles of `hinges` as outer unknowns, NOTATION eq. (Q6). A joint that
+    /// comes to rest beyond its enabled latch is caught by it, as [`Plant::settle_at_rest`] does.
+    pub(super) fn coast(&mut self, time_s: f64, hinges: &[usize]) -> Result<Effort, PlantError> {
+        let start = self.state.now.q.clone();
+        let joints = self.state.joints.clone();
+        let mut angles = self.angles(hinges);
+        let first = angles.clone();
+        let at = |plant: &mut Self, angles: &DVector<f64>| {
+            plant.state.now.q.copy_from_slice(&start);
+            plant.state.joints.copy_from_slice(&joints);
+            plant.configure();
+            for (angle, &hinge) in angles.iter().zip(hinges) {
+                plant.state.now.q[plant.equations.joints[hinge].coordinate] = *angle;
+            }
+            plant.settle_with_air(time_s, Holding::Stopped)
+        };
+        let mut largest_n_m = f64::NAN;
+        for _ in 0..MOST_ITERATIONS {
+            let effort = at(self, &angles)?;
+            let torque = self.hinge_torques(time_s, hinges);
+            largest_n_m = torque.amax();
+            let mut slopes = DMatrix::zeros(hinges.len(), hinges.len());
+            for column in 0..hinges.len() {
+                let mut beside = angles.clone();
+                beside[column] += STEP_RAD;
+                at(self, &beside)?;
+                slopes.set_column(column, &((self.hinge_torques(time_s, hinges) - &torque) / STEP_RAD));
+            }
+            let Some(change) = downhill(&slopes, &torque) else { break };
+            if change.amax() <= TOLERANCE_RAD {
+                at(self, &angles)?;
+                return if self.caught(hinges, &first, &angles) {
+                    let caught = self.state.joints.clone();
+                    self.state.now.q.copy_from_slice(&start);
+                    self.state.joints.copy_from_slice(&caught);
+                    self.configure();
+                    self.settle_in_air(time_s, Holding::AsReleased)
+                } else {
+                    Ok(effort)
+                };
+            }
+            let share = (LONGEST_RAD / change.amax()).min(1.0);
+            angles += change * share;
+        }
+        Err(self.no_coasting(time_s, hinges, &angles, largest_n_m))
+    }
+
+    fn angles(&self, hinges: &[usize]) -> DVector<f64> {
+        let angle = |hinge: &usize| self.state.now.q[self.equations.joints[*hinge].coordinate];
+        DVector::from_iterator(hinges.len(), hinges.iter().map(angle))
+    }
+
+    /// Torques in N·m that would have to hold free hinges at rest, less those that their drives give.
+    fn hinge_torques(&mut self, time_s: f64, hinges: &[usize]) -> DVector<f64> {
+        let zero = vec![0.0; self.state.now.q.len()];
+        self.equations.residual(time_s, &self.state.now.q, &zero, &zero, &mut self.scratch[0]);
+        let torque = |hinge: &usize| self.scratch[0][self.equations.joints[*hinge].coordinate];
+        DVector::from_iterator(hinges.len(), hinges.iter().map(torque))
+    }
+
+    /// Closes the enabled latches that lie between two sets of angles; whether there are any.
+    fn caught(&mut self, hinges: &[usize], from: &DVector<f64>, to: &DVector<f64>) -> bool {
+        let mut any = false;
+        for ((&hinge, from), to) in hinges.iter().zip(from).zip(to) {
+            let state = &mut self.state.joints[hinge].latch;
+            let Some(latch) = &self.equations.joints[hinge].latch else { continue };
+            if state.enabled && !state.closed && latch.gap_rad(*to) < 0.0 && latch.gap_rad(*from) >= 0.0 {
+                state.closed = true;
+                any = true;
+            }
+        }
+        any
+    }
+
+    fn no_coasting(&self, time_s: f64, hinges: &[usize], angles: &DVector<f64>, torque_n_m: f64) -> PlantError {
+        let list: Vec<String> = hinges
+            .iter()
+            .zip(angles)
+            .map(|(&hinge, angle)| {
+                let name = &self.machine.bodies[self.equations.joints[hinge].body].joint.name;
+                format!("{name} at {:.1} deg", angle.to_degrees())
+            })
+            .collect();
+        let cause = format!(
+            "the free hinges ({}) find no place of rest, a torque of {torque_n_m:.1e} N m is left on them: the air does not \
+             hold them; give them a spring, or hold them (release = false)",
+            list.join(", ")
+        );
+        PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause }
+    }
+}
+
+/// Newton's step towards zero torque where that is stable; where it is not, a step of the same size that goes the way in
+/// which the torques push: by `|S|` of the polar decomposition in the place of the slopes `S`. `None` without slope.
+fn downhill(slopes: &DMatrix<f64>, torque: &DVector<f64>) -> Option<DVector<f64>> {
+    let stable = (slopes + slopes.transpose()).symmetric_eigenvalues().min() > 0.0;
+    if stable {
+        return slopes.clone().lu().solve(&-torque);
+    }
+    let parts = slopes.clone().svd(false, true);
+    let turn = parts.v_t?;
+    let scale = parts.singular_values.map(|value| 1.0 / value);
+    let change = -(turn.transpose() * DMatrix::from_diagonal(&scale) * turn * torque);
+    change.iter().all(|entry| entry.is_finite()).then_some(change)
+}
