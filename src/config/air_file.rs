@@ -21,7 +21,8 @@ pub(super) struct AirFile {
     pub step_s: Option<f64>,
     /// Whether the flow of the start has been there for long; else it sets in at the start.
     pub established: bool,
-    /// How air and structure agree.
+    /// How air and structure agree: `staggered` corrects the loads once per aerodynamic step, for wings much heavier than
+    /// the air that they move; where it diverges, the run stops.
     pub coupling: CouplingFile,
     /// Change of the loads, relative to the largest so far, at which the iteration ends.
     #[schemars(range(min = 1e-12, max = 1e-1))]

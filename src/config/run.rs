@@ -19,7 +19,8 @@ pub(super) struct SolverFile {
     /// Smallest internal step; less than `max_step_s`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub min_step_s: f64,
-    /// Fixed internal step, default variable steps; `rk4` needs one.
+    /// Fixed internal step, default variable steps; `rk4` needs one. It divides the communication step evenly, in air the
+    /// aerodynamic one.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub fixed_step_s: Option<f64>,
     /// Spectral radius at infinity of the generalised-α method.

@@ -93,14 +93,13 @@ impl Plant {
         self.machine.air.as_ref().map_or(structure_s, |air| structure_s.min(air.step_s * f64::from(MOST_AIR_STEPS)))
     }
 
-    /// Takes steps until one reaches `end_s`. Runs ahead of `end_s` only while the inputs stay as they are, and never
-    /// with fixed steps.
+    /// Takes steps until one reaches `end_s`. Runs ahead of `end_s` only while the inputs stay as they are. Fixed steps
+    /// divide the caller's span, and never run ahead; in air they divide the aerodynamic step, whatever the caller's is:
+    /// the loads are agreed on for these steps.
     fn march(&mut self, end_s: f64, changed: bool) -> Result<(), PlantError> {
-        let fixed = self.machine.solver.fixed_step_s.map(|step_s| {
-            let span_s = end_s - self.state.now.time_s;
-            span_s / (span_s / step_s * (1.0 - 1e-9)).ceil().max(1.0)
-        });
-        let limit_s = if changed || fixed.is_some() { end_s } else { f64::INFINITY };
+        let fixed = self.machine.solver.fixed_step_s.map(|step_s| even_step(end_s - self.state.now.time_s, step_s));
+        let runs_ahead = !changed && (fixed.is_none() || self.state.air.is_some());
+        let limit_s = if runs_ahead { f64::INFINITY } else { end_s };
         while self.state.ahead.time_s <= end_s {
             let State { before, start, ahead, .. } = &mut self.state;
             if ahead.time_s > start.time_s {
@@ -112,10 +111,9 @@ impl Plant {
                 break;
             }
             self.begin_air_step()?;
-            match (fixed, self.structure_step_s()) {
-                (Some(step_s), _) => self.advance_fixed(step_s, end_s)?,
-                (None, Some(step_s)) => self.advance_fixed(step_s, limit_s)?,
-                (None, None) => self.advance(limit_s)?,
+            match self.structure_step_s().or(fixed) {
+                Some(step_s) => self.advance_fixed(step_s, limit_s)?,
+                None => self.advance(limit_s)?,
             }
             self.remember_attitudes();
         }
@@ -210,6 +208,7 @@ impl Plant {
             tolerance: (NEWTON_SHARE * self.state.applied_parameters.tolerance).min(newton_ceiling),
             most_iterations: self.machine.solver.most_iterations,
             jumped: self.machine.solver.most_iterations.is_some() && self.state.step_s < step_s,
+            cautious: self.state.air.is_some(),
         };
         let mut effort = Effort::default();
         let State { start, ahead, statistics, .. } = &mut self.state;
@@ -352,6 +351,11 @@ impl Plant {
             self.outputs.time_s = time_s;
         }
     }
+}
+
+/// Longest step of at most `step_s` that divides `span_s` evenly.
+pub(super) fn even_step(span_s: f64, step_s: f64) -> f64 {
+    span_s / (span_s / step_s * (1.0 - 1e-9)).ceil().max(1.0)
 }
 
 /// Length of the next step and its end: as wanted, but never beyond `stop_s` and never leaving a sliver before it.

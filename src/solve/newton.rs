@@ -37,12 +37,16 @@ pub struct Accuracy {
     /// The accelerations at the step's begin have jumped by more than a guess over the whole step can use, NOTATION
     /// eq. (T10).
     pub jumped: bool,
+    /// Counts on the slower of the last two contractions, and on none faster than [`CAUTIOUS_RATE`]: where the first
+    /// correction takes away a large transient of stiff coordinates, the ratio of the next one to it says nothing about the
+    /// slow rest.
+    pub cautious: bool,
 }
 
 impl Accuracy {
     /// Stages must converge to `tolerance`.
     pub const fn within(tolerance: f64) -> Self {
-        Self { tolerance, most_iterations: None, jumped: false }
+        Self { tolerance, most_iterations: None, jumped: false, cautious: false }
     }
 }
 
@@ -79,6 +83,8 @@ pub struct Stage<'a> {
 
 /// Most iterations with one factorisation before the step is given up.
 const MAX_ITERATIONS: usize = 10;
+/// Fastest contraction that a cautious estimate counts on: a hundredth per iteration is usual.
+const CAUTIOUS_RATE: f64 = 0.01;
 
 /// Iterates until the estimated error of the displacement, in the kinematic norm, falls below `tolerance`.
 ///
@@ -92,9 +98,9 @@ pub fn iterate(
     factorized: &mut bool,
     effort: &mut Effort,
 ) -> Result<(), NewtonError> {
-    let Accuracy { tolerance, most_iterations, .. } = accuracy;
+    let Accuracy { tolerance, most_iterations, cautious, .. } = accuracy;
     let most = most_iterations.unwrap_or(MAX_ITERATIONS);
-    let mut previous = f64::INFINITY;
+    let (mut previous, mut slower) = (f64::INFINITY, 0.0_f64);
     let mut refreshed = false;
     for iteration in 0..most {
         equations.residual(stage.time_s, stage.q, stage.v, stage.a, stage.residual);
@@ -121,7 +127,8 @@ pub fn iterate(
             // no rate yet: contraction by a hundred is usual at these steps
             correction * if correction < tolerance { 0.5 } else { f64::INFINITY }
         } else {
-            correction * rate / (1.0 - rate).max(0.0)
+            let counted = if cautious { rate.max(slower).max(CAUTIOUS_RATE) } else { rate };
+            correction * counted / (1.0 - counted).max(0.0)
         };
         if left <= tolerance {
             return Ok(());
@@ -133,7 +140,7 @@ pub fn iterate(
             // with bounded work there is no second try by a shorter step: factors at every iterate instead
             *factorized = refreshed && most_iterations.is_none();
         }
-        previous = correction;
+        (previous, slower) = (correction, if iteration == 0 { 0.0 } else { rate });
     }
     if most_iterations.is_some() {
         effort.unconverged += 1;

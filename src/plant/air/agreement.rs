@@ -11,6 +11,7 @@ use crate::config::machine::{self, Coupling};
 use crate::plant::Plant;
 use crate::plant::air::{AirCoupling, AirHistory, Sample, StepLoads, Trial};
 use crate::plant::face::PlantError;
+use crate::plant::march::even_step;
 use crate::plant::state::State;
 use crate::plant::statics::Holding;
 use crate::solve::EquationsOfMotion;
@@ -23,6 +24,14 @@ const SLIVER: f64 = 1e-9;
 const MOST_STATIC_ITERATIONS: usize = 100;
 /// Change of the loads at rest, relative to the largest, at which they agree: far above the statics' own error.
 const STATIC_TOLERANCE: f64 = 1e-9;
+
+/// Aerodynamic steps in a row in which the prediction of the staggered coupling may miss the loads by more than the largest
+/// of the run: where it does so on and on, no prediction at all would be nearer, and each step makes it worse. A start
+/// against small loads takes two or three such steps.
+const MOST_STRAYED: u32 = 4;
+/// What is said then.
+const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges, in 4 aerodynamic steps in a row the loads missed their \
+     prediction by more than the largest of the run: the air is too heavy for one correction, write coupling = \"iterated\"";
 
 /// The flow at a time, with the wind and the turning of the root frame at that time.
 fn flow<'a>(settings: &'a machine::Air, state: &State, time_s: f64) -> Flow<'a> {
@@ -75,12 +84,26 @@ impl Plant {
         Ok(())
     }
 
-    /// Brings the machine to rest under the loads of an established flow, eq. (Q5); without air as
-    /// [`Plant::settle_at_rest`] does.
+    /// Brings the machine to rest under the loads of an established flow, eq. (Q5), and hinges that only the air restores
+    /// by eq. (Q6); without air as [`Plant::settle_at_rest`] does.
     pub(in crate::plant) fn settle_in_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         if self.air.is_none() {
             return self.settle_at_rest(time_s, holding);
         }
+        let (start, joints) = (self.state.now.q.clone(), self.state.joints.clone());
+        let settled = self.settle_with_air(time_s, holding);
+        if settled.is_ok() || holding == Holding::Stopped {
+            return settled;
+        }
+        self.state.now.q.copy_from_slice(&start);
+        self.state.joints.copy_from_slice(&joints);
+        self.configure();
+        let hinges = self.free_hinges();
+        if hinges.is_empty() { settled } else { self.coast(time_s, &hinges) }
+    }
+
+    /// Structure under held loads and air about it in turn, until they agree: eq. (Q5).
+    pub(super) fn settle_with_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let start = self.state.now.q.clone();
         let joints = self.state.joints.clone();
         self.start_air(time_s)?;
@@ -192,11 +215,15 @@ impl Plant {
             Coupling::Staggered => (f64::INFINITY, 1),
             Coupling::Iterated { tolerance, most_iterations } => (tolerance, most_iterations),
         };
+        if let Some(fixed_s) = self.machine.solver.fixed_step_s {
+            history.structure_step_s = even_step(end_s - begin_s, fixed_s);
+        }
         let mut outcome = Err(0.0);
         for trial in 0..most {
             self.state.air = Some(history);
             let marched = self.march_on_trial(end_s, trial == 0);
             let (wanted_s, next_s) = (self.smallest_step_s, self.state.step_s);
+            let halved = self.state.statistics.failures > air.trial.statistics.failures;
             let ahead = &self.state.ahead;
             if marched.is_ok() {
                 self.equations.residual(end_s, &ahead.q, &ahead.v, &ahead.a, &mut self.scratch[0]);
@@ -207,8 +234,16 @@ impl Plant {
                 *end = begin.next(motion, step_s);
                 *motion = end.motion;
             }
+            let chosen = trial == 0 && self.machine.solver.fixed_step_s.is_none();
+            if chosen {
+                history.structure_step_s = even_step(end_s - begin_s, wanted_s);
+            } else if halved {
+                // Newton's iteration has failed on the agreed steps: from now on all march with shorter ones, else the loads
+                // at the end jump from one trial to the next
+                history.structure_step_s *= 0.5;
+                air.acceleration.restart();
+            }
             if trial == 0 {
-                history.structure_step_s = (end_s - begin_s) / ((end_s - begin_s) / wanted_s - SLIVER).ceil().max(1.0);
                 air.trial.step_s = next_s;
             }
             self.state.step_s = air.trial.step_s;
@@ -229,6 +264,13 @@ impl Plant {
                 return Err(refusal(begin_s, "its loads are not finite"));
             }
             history.scale_n = history.scale_n.max(size_n);
+            if air.settings.coupling == Coupling::Staggered {
+                history.strayed = if change_n > history.scale_n { history.strayed + 1 } else { 0 };
+                if history.strayed >= MOST_STRAYED {
+                    self.state.air = Some(history);
+                    return Err(refusal(begin_s, STAGGERED_DIVERGES));
+                }
+            }
             let round_off_n = air.round_off_n(self.state.applied_parameters.air_density_kg_m3);
             if change_n <= (tolerance * history.scale_n).max(round_off_n) {
                 air.accept();
@@ -259,7 +301,7 @@ impl Plant {
             let State { start, ahead, .. } = &mut self.state;
             start.copy_from(ahead);
             self.apply_events()?;
-            match self.machine.solver.fixed_step_s.or_else(|| self.structure_step_s().filter(|_| !first)) {
+            match self.structure_step_s().filter(|_| !first || self.machine.solver.fixed_step_s.is_some()) {
                 Some(step_s) => self.advance_fixed(step_s, end_s)?,
                 None => self.advance(end_s)?,
             }

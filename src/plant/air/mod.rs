@@ -1,6 +1,7 @@
 //! Air around the machine: its loads over time, what the state remembers of it, what is reported of it.
 
 mod agreement;
+mod coast;
 mod view;
 
 pub use view::SurfaceLattice;
@@ -148,6 +149,8 @@ pub(super) struct AirHistory {
     /// the first trial march. With steps that changed from one trial to the next, the loads at the end would jump with
     /// them by the error that the tolerance allows, and no iteration would end.
     pub structure_step_s: f64,
+    /// Aerodynamic steps in a row in which the staggered coupling's prediction missed the loads by more than `scale_n`.
+    pub strayed: u32,
 }
 
 impl AirHistory {
@@ -168,7 +171,7 @@ impl AirHistory {
         self.loads.copy_from(&other.loads);
         self.at_begin.copy_from_slice(&other.at_begin);
         (self.carried_m, self.scale_n) = (other.carried_m, other.scale_n);
-        self.structure_step_s = other.structure_step_s;
+        (self.structure_step_s, self.strayed) = (other.structure_step_s, other.strayed);
     }
 
     /// Whether a history has the sizes of this one.
@@ -251,6 +254,7 @@ impl AirCoupling {
             carried_m: Vector3::zeros(),
             scale_n: 0.0,
             structure_step_s: 0.0,
+            strayed: 0,
         };
         Some(Self {
             model,

@@ -10,5 +10,6 @@ mod agreement;
 mod flutter;
 mod goland;
 mod identification;
+mod light_tips;
 mod twist;
 mod wings;
