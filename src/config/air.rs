@@ -12,17 +12,16 @@ use crate::config::air_file::{
     AirModelFile, CouplingFile, GustFile, GustShapeFile, IndicialFile, LeadingEdgeFile, SurfaceFile,
 };
 use crate::config::body::{self, BodyFile};
+use crate::config::edges::{RootEdge, fastest_m_s, free_edges};
 use crate::config::file::ModelFile;
 use crate::config::function::{FunctionFile, along_body};
-use crate::config::machine::{Air, Body, Coupling, LiftingSurface, Parent};
+use crate::config::machine::{Air, Body, Coupling, LiftingSurface};
 use crate::config::schema::shortest;
 use crate::config::sections::Sections;
 use crate::config::tree::Tree;
 use crate::config::validate::Checker;
 use nalgebra::Vector3;
 
-/// Distance over a body's length below which two places are the same.
-const NEAR: f64 = 1e-9;
 /// Inset of a free edge of the lattice in panels: uniform lattices that reach the tip converge only as `1/N`.
 const INSET_PANELS: f64 = 0.25;
 /// Most panels of a lattice: its matrix then takes 200 MB, and its factors half a minute.
@@ -42,6 +41,18 @@ struct Draft {
     chord_m: Along,
     incidence_deg: Along,
     profile: Profile,
+}
+
+impl Draft {
+    /// Chord at a distance in m from the body's inner end.
+    fn chord_line(&self, s: f64) -> ChordLine {
+        let (chord_m, incidence_rad) = (self.chord_m.at(s), self.incidence_deg.at(s).to_radians());
+        let forward = Vector3::new(0.0, self.forward * incidence_rad.cos(), incidence_rad.sin());
+        ChordLine {
+            leading_m: forward * (self.axis_fraction * chord_m),
+            trailing_m: forward * ((self.axis_fraction - 1.0) * chord_m),
+        }
+    }
 }
 
 /// The air; `Err` where a problem was found, `Ok(None)` where the file has no air.
@@ -88,7 +99,9 @@ pub(super) fn build(
         return Err(());
     }
     let lattice = air.model == AirModelFile::Uvlm;
-    let free = |draft: &Draft| if lattice { free_edges(draft.body, &drafts, bodies, mirror) } else { [false; 2] };
+    let edges: Vec<RootEdge> =
+        drafts.iter().map(|draft| RootEdge { body: draft.body, chord: draft.chord_line(0.0) }).collect();
+    let free = |draft: &Draft| if lattice { free_edges(draft.body, &edges, bodies, mirror) } else { [false; 2] };
     let mut surfaces: Vec<LiftingSurface> = drafts.iter().map(|draft| place(draft, free(draft), bodies)).collect();
     surfaces.sort_by_key(|surface| surface.body);
     let smallest_m = surfaces
@@ -101,11 +114,14 @@ pub(super) fn build(
     let wind_m_s = Vector3::from(air.wind_m_s);
     let step_s = match air.step_s {
         Some(step_s) => step_s,
-        None if wind_m_s.norm() > 0.0 => smallest_m / wind_m_s.norm(),
-        None => {
-            checker.refuse(&["aerodynamics", "step_s"], "a finite time > 0 s: without wind_m_s it has no default");
-            return Err(());
-        }
+        None => match fastest_m_s(&surfaces, bodies, wind_m_s, file.experiment.start_time_s) {
+            Some(speed_m_s) => smallest_m / speed_m_s,
+            None => {
+                let allowed = "a finite time > 0 s: it has no default where wing and air do not move against each other at the start";
+                checker.refuse(&["aerodynamics", "step_s"], allowed);
+                return Err(());
+            }
+        },
     };
     let options = match air.model {
         AirModelFile::Uvlm => AirOptions::Lattice(LatticeOptions {
@@ -270,24 +286,6 @@ fn chord(
     None
 }
 
-/// Whether the lattice of a body ends freely at its inner and outer end: nothing with a surface goes on there, and no
-/// mirror plane stands there.
-fn free_edges(body: usize, drafts: &[Draft], bodies: &[Body], mirror: Option<Vector3<f64>>) -> [bool; 2] {
-    let has_surface = |body: usize| drafts.iter().any(|draft| draft.body == body);
-    let length_m = bodies[body].length_m;
-    let goes_on = bodies.iter().enumerate().any(|(child, described)| match described.joint.parent {
-        Parent::Body { index, position_m } => {
-            index == body && position_m >= length_m * (1.0 - NEAR) && has_surface(child)
-        }
-        Parent::Root { .. } => false,
-    });
-    let held = match bodies[body].joint.parent {
-        Parent::Root { position_m } => mirror.is_some_and(|normal| normal.dot(&position_m).abs() <= NEAR * length_m),
-        Parent::Body { index, position_m } => has_surface(index) && position_m >= bodies[index].length_m * (1.0 - NEAR),
-    };
-    [!held, !goes_on]
-}
-
 /// Edges of the strips along the span and their chord lines.
 fn place(draft: &Draft, free: [bool; 2], bodies: &[Body]) -> LiftingSurface {
     let length_m = bodies[draft.body].length_m;
@@ -299,17 +297,7 @@ fn place(draft: &Draft, free: [bool; 2], bodies: &[Body]) -> LiftingSurface {
             false => (inset[0] + edge as f64) * width_m,
         })
         .collect();
-    let chords = positions_m
-        .iter()
-        .map(|&s| {
-            let (chord_m, incidence_rad) = (draft.chord_m.at(s), draft.incidence_deg.at(s).to_radians());
-            let forward = Vector3::new(0.0, draft.forward * incidence_rad.cos(), incidence_rad.sin());
-            ChordLine {
-                leading_m: forward * (draft.axis_fraction * chord_m),
-                trailing_m: forward * ((draft.axis_fraction - 1.0) * chord_m),
-            }
-        })
-        .collect();
+    let chords = positions_m.iter().map(|&s| draft.chord_line(s)).collect();
     LiftingSurface {
         body: draft.body,
         positions_m,

@@ -16,10 +16,12 @@ pub(super) struct AirFile {
     pub density_kg_m3: f64,
     /// Velocity of the air relative to the root, root frame: start value of the input `wind.velocity`.
     pub wind_m_s: [f64; 3],
-    /// Aerodynamic step; default the time in which `wind_m_s` passes one panel.
+    /// Aerodynamic step; default the time in which the fastest point of the trailing edge passes one panel at the start,
+    /// by wind, flight and joints together.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub step_s: Option<f64>,
-    /// Whether the flow of the start has been there for long; else it sets in at the start.
+    /// Whether the flow of the start has been there for long, with a straight wake along the relative flow at the trailing
+    /// edge; else it sets in at the start. Where wing and air do not move against each other there is no such wake.
     pub established: bool,
     /// How air and structure agree: `staggered` corrects the loads once per aerodynamic step, for wings much heavier than
     /// the air that they move; where it diverges, the run stops.

@@ -68,7 +68,7 @@ fn place(
 
 /// Refuses loops that are open in the unstrained machine at its start angles.
 pub(super) fn check_gaps(machine: &Machine, checker: &mut Checker) {
-    let firsts = first_frames(machine, |joint| joint.start_angle_rad);
+    let firsts = first_frames(&machine.bodies, |joint| joint.start_angle_rad);
     for closure in &machine.closures {
         let points = [0, 1].map(|side| {
             let (body, position_m) = closure.places[side];

@@ -13,6 +13,7 @@ mod air_file;
 mod attachments;
 mod body;
 mod document;
+mod edges;
 mod error;
 mod file;
 mod function;

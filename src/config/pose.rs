@@ -1,6 +1,6 @@
 //! Where the unstrained machine stands: frames of its sections at given fold angles.
 
-use crate::config::machine::{Body, JointKind, Machine, Parent, Revolute};
+use crate::config::machine::{Body, JointKind, Parent, Revolute};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 /// A section of the unstrained machine in the root frame.
@@ -15,12 +15,12 @@ pub struct Frame {
 /// Frames of the bodies' inner ends, natural strains only, at the fold angles (rad) that `angle_rad` gives.
 ///
 /// Universal, ball and free joints stand in their start attitude, which is their mount.
-pub fn first_frames(machine: &Machine, angle_rad: impl Fn(&Revolute) -> f64) -> Vec<Frame> {
-    let mut frames: Vec<Frame> = Vec::with_capacity(machine.bodies.len());
-    for body in &machine.bodies {
+pub fn first_frames(bodies: &[Body], angle_rad: impl Fn(&Revolute) -> f64) -> Vec<Frame> {
+    let mut frames: Vec<Frame> = Vec::with_capacity(bodies.len());
+    for body in bodies {
         let origin = match body.joint.parent {
             Parent::Root { position_m } => Frame { position_m, attitude: Matrix3::identity() },
-            Parent::Body { index, position_m } => along(&machine.bodies[index], &frames[index], position_m),
+            Parent::Body { index, position_m } => along(&bodies[index], &frames[index], position_m),
         };
         let fold = match &body.joint.kind {
             JointKind::Clamped | JointKind::Spatial(_) => Matrix3::identity(),

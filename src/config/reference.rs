@@ -59,7 +59,7 @@ line); `foldwing schema > foldwing.schema.json` writes it beside a model of your
 
 | file | what it shows |
 |---|---|
-| `folding_wing.toml` | the folding wing of the deployment experiment: spring, damper, motor, latch; still air |
+| `folding_wing.toml` | the folding wing of the deployment experiment: spring, damper, motor, latch; without air |
 | `folding_wing_constant.toml`, `folding_wing_as_printed.toml` | the same with 15 constant elements per body; with the printed spring |
 | `folding_wing_in_tunnel.toml` | the same in a wind tunnel: vortex lattice, mirror plane |
 | `three_bodies.toml` | two folds to opposite sides, which latch at different times |

@@ -72,7 +72,7 @@ pub fn undeformed(machine: &Machine, fraction: f64) -> Vec<Vec<Frame>> {
         let deployed = joint.latch.as_ref().map_or(0.0, |latch| latch.angle_rad);
         deployed + fraction * (joint.start_angle_rad - deployed)
     };
-    let firsts = pose::first_frames(machine, angle_rad);
+    let firsts = pose::first_frames(&machine.bodies, angle_rad);
     machine
         .bodies
         .iter()

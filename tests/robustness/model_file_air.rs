@@ -36,6 +36,29 @@ fn defaults_of_air() {
     approx::assert_relative_eq!(surface.positions_m[4], 4.25 * width, max_relative = 1e-12);
 }
 
+/// The default step is a panel's way of the fastest point of the trailing edge against the air at the start, whatever
+/// moves: wind, flight, a joint that turns. Where nothing does, there is no default.
+#[test]
+fn default_step_follows_what_moves() {
+    let step_s = |joint: &str, wind: &str| {
+        let flying = MODEL.replacen("type = \"clamped\"\nparent = \"root\"", &format!("{joint}\nparent = \"root\""), 1);
+        let air = AIR.replace("[0, -10, 0]", wind);
+        config::parse(&format!("{flying}{air}{SURFACE}"), "wing.toml").map(|machine| machine.air.expect("air").step_s)
+    };
+    let flies = |y_m_s: i32| format!("type = \"free\"\nstart_velocity_m_s = [0, {y_m_s}, 0]");
+    let panel_m = 0.05 / 4.0;
+    for (y_m_s, wind, relative_m_s) in [(0, "[0, -10, 0]", 10.0), (40, "[0, 0, 0]", 40.0), (40, "[0, -10, 0]", 50.0)] {
+        let step_s = step_s(&flies(y_m_s), wind).expect("a default");
+        approx::assert_relative_eq!(step_s, panel_m / relative_m_s, max_relative = 1e-12);
+    }
+    // about the root at 300 deg/s: the outer end of the surface, 4.25 of 4.5 panels out, 0.025 m behind the axis
+    let turns = "type = \"revolute\"\naxis = [0, 0, 1]\nstart_rate_deg_s = 300";
+    let reach_m = (0.15 * 4.25 / 4.5_f64).hypot(0.025);
+    let expected_s = panel_m / (reach_m * 300f64.to_radians());
+    approx::assert_relative_eq!(step_s(turns, "[0, 0, 0]").expect("a default"), expected_s, max_relative = 1e-9);
+    assert!(step_s(&flies(-10), "[0, -10, 0]").is_err());
+}
+
 /// A mirror plane at the root and a surface on the next body take the insets away; the strip model has none.
 #[test]
 fn edges_that_are_not_free() {
@@ -108,7 +131,8 @@ fn numbers_of_air() {
     );
     assert_eq!(
         air("wind_m_s = [0, -10, 0]\n", ""),
-        "wing.toml:56: key 'aerodynamics.step_s' is missing; allowed: a finite time > 0 s: without wind_m_s it has no default"
+        "wing.toml:56: key 'aerodynamics.step_s' is missing; allowed: a finite time > 0 s: it has no \
+         default where wing and air do not move against each other at the start"
     );
     assert_eq!(
         air("model = \"uvlm\"\n", "model = \"uvlm\"\nmirror_normal = [0, 0, 0]\n"),

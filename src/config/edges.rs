@@ -1,0 +1,164 @@
+//! Edges of lifting surfaces: which end freely, which go on in another surface or in the mirror, how fast they start.
+
+use crate::actuation::prescribed::Law;
+use crate::aero::surface::ChordLine;
+use crate::config::machine::{Body, JointKind, JointMotion, LiftingSurface, Parent, SpatialFreedom};
+use crate::config::pose::{along, first_frames};
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+
+/// Distance over a body's length, or over a chord, below which two places are the same.
+const NEAR: f64 = 1e-9;
+
+/// Relative speed of air and edge, over the speeds that it is the difference of, below which both move together.
+const REST_SHARE: f64 = 1e-9;
+
+/// Inner edge of a surface.
+pub(super) struct RootEdge {
+    /// Body that carries the surface.
+    pub body: usize,
+    /// Chord there, section frame.
+    pub chord: ChordLine,
+}
+
+/// Whether the lattice of a body ends freely at its inner and outer end.
+///
+/// It goes on where a child with a surface hangs on its outer end, or where its inner end hangs on such an end itself.
+/// Surfaces whose inner ends hang on one place (two halves of a wing on the root or on a keel) go on in one another where
+/// their edges coincide at the start: what hangs on one place stays together. A mirror plane through the inner end holds
+/// it as well. Edges that happen to meet at the start, as those of a wing folded flat, end freely.
+pub(super) fn free_edges(body: usize, edges: &[RootEdge], bodies: &[Body], mirror: Option<Vector3<f64>>) -> [bool; 2] {
+    let has_surface = |body: usize| edges.iter().any(|edge| edge.body == body);
+    let at_end = |parent: usize, position_m: f64| position_m >= bodies[parent].length_m * (1.0 - NEAR);
+    let goes_on = bodies.iter().enumerate().any(|(child, described)| match described.joint.parent {
+        Parent::Body { index, position_m } => index == body && at_end(index, position_m) && has_surface(child),
+        Parent::Root { .. } => false,
+    });
+    let hangs_on_end = match bodies[body].joint.parent {
+        Parent::Root { .. } => false,
+        Parent::Body { index, position_m } => has_surface(index) && at_end(index, position_m),
+    };
+    let held = hangs_on_end
+        || mirror.is_some_and(|normal| stands_on(&normal, body, bodies))
+        || edges.iter().any(|edge| edge.body != body && coincide(body, edge, edges, bodies));
+    [!held, !goes_on]
+}
+
+/// Whether the inner end of a body stands on a plane through the origin and stays there.
+fn stands_on(normal: &Vector3<f64>, body: usize, bodies: &[Body]) -> bool {
+    let rests = |joint: &JointKind| match joint {
+        JointKind::Clamped => true,
+        JointKind::Revolute(revolute) => revolute.motion == JointMotion::Locked,
+        JointKind::Spatial(_) => false,
+    };
+    let mut holder = &bodies[body].joint.parent;
+    while let Parent::Body { index, .. } = holder {
+        if !rests(&bodies[*index].joint.kind) {
+            return false;
+        }
+        holder = &bodies[*index].joint.parent;
+    }
+    let position_m = match bodies[body].joint.parent {
+        Parent::Root { position_m } => position_m,
+        Parent::Body { index, position_m } => {
+            let firsts = first_frames(bodies, |joint| joint.start_angle_rad);
+            along(&bodies[index], &firsts[index], position_m).position_m
+        }
+    };
+    normal.dot(&position_m).abs() <= NEAR * bodies[body].length_m
+}
+
+/// Whether the inner edges of two surfaces hang on one place and coincide at the start.
+fn coincide(body: usize, other: &RootEdge, edges: &[RootEdge], bodies: &[Body]) -> bool {
+    let Some(own) = edges.iter().find(|edge| edge.body == body) else { return false };
+    let ((place, attitude), (other_place, other_attitude)) = (hold(body, bodies), hold(other.body, bodies));
+    let same_place = match (&place, &other_place) {
+        (Parent::Root { position_m: a }, Parent::Root { position_m: b }) => {
+            (a - b).norm() <= NEAR * bodies[body].length_m
+        }
+        (Parent::Body { index: a, position_m: s }, Parent::Body { index: b, position_m: t }) => {
+            a == b && (s - t).abs() <= NEAR * bodies[*a].length_m
+        }
+        _ => false,
+    };
+    let apart_m = |point: fn(&ChordLine) -> Vector3<f64>| {
+        (attitude * point(&own.chord) - other_attitude * point(&other.chord)).norm()
+    };
+    let near_m = NEAR * own.chord.length_m();
+    same_place && apart_m(|chord| chord.leading_m) <= near_m && apart_m(|chord| chord.trailing_m) <= near_m
+}
+
+/// Place on which the inner end of a body hangs, and the body's attitude at the start in the frame there. Where the parent
+/// is held at that very end, its own holder is the place.
+fn hold(body: usize, bodies: &[Body]) -> (Parent, Matrix3<f64>) {
+    let joint = &bodies[body].joint;
+    let fold = match &joint.kind {
+        JointKind::Clamped | JointKind::Spatial(_) => Matrix3::identity(),
+        JointKind::Revolute(revolute) => {
+            Rotation3::from_axis_angle(&Unit::new_normalize(revolute.axis), revolute.start_angle_rad).into_inner()
+        }
+    };
+    let attitude = fold * joint.mount;
+    match &joint.parent {
+        Parent::Body { index, position_m }
+            if *position_m <= NEAR * bodies[*index].length_m && stays(*index, bodies) =>
+        {
+            let (place, holder) = hold(*index, bodies);
+            (place, holder * attitude)
+        }
+        place => (place.clone(), attitude),
+    }
+}
+
+/// Whether the inner end of a body stays where its joint holds it: all joints but the free one see to that.
+fn stays(body: usize, bodies: &[Body]) -> bool {
+    !matches!(&bodies[body].joint.kind, JointKind::Spatial(spatial) if spatial.freedom == SpatialFreedom::Free)
+}
+
+/// Speed in m/s of the trailing edge's fastest point against the air at the start, the root frame at rest; `None` where
+/// they do not move against each other.
+pub(super) fn fastest_m_s(
+    surfaces: &[LiftingSurface],
+    bodies: &[Body],
+    wind_m_s: Vector3<f64>,
+    start_s: f64,
+) -> Option<f64> {
+    let firsts = first_frames(bodies, |joint| joint.start_angle_rad);
+    let mut motions: Vec<[Vector3<f64>; 2]> = Vec::with_capacity(bodies.len());
+    for (body, first) in bodies.iter().zip(&firsts) {
+        let (mut velocity_m_s, mut spin_rad_s, mut attitude) =
+            (Vector3::zeros(), Vector3::zeros(), Matrix3::identity());
+        if let Parent::Body { index, position_m } = body.joint.parent {
+            let [inner_m_s, inner_rad_s]: [Vector3<f64>; 2] = motions[index];
+            velocity_m_s = inner_m_s + inner_rad_s.cross(&(first.position_m - firsts[index].position_m));
+            (spin_rad_s, attitude) = (inner_rad_s, along(&bodies[index], &firsts[index], position_m).attitude);
+        }
+        match &body.joint.kind {
+            JointKind::Clamped => (),
+            JointKind::Revolute(joint) => {
+                let rate_rad_s = match &joint.motion {
+                    JointMotion::Free if joint.release => joint.start_rate_rad_s,
+                    JointMotion::Free | JointMotion::Locked => 0.0,
+                    JointMotion::Prescribed(motion) => Law::new(motion).at(start_s)[1],
+                };
+                spin_rad_s += attitude * joint.axis * rate_rad_s;
+            }
+            JointKind::Spatial(joint) => {
+                velocity_m_s += joint.start_velocity_m_s;
+                spin_rad_s += attitude * joint.start_angular_velocity_rad_s;
+            }
+        }
+        motions.push([velocity_m_s, spin_rad_s]);
+    }
+    let (mut fastest_m_s, mut frame_m_s) = (0.0_f64, wind_m_s.norm());
+    for surface in surfaces {
+        let (first, [velocity_m_s, spin_rad_s]) = (&firsts[surface.body], motions[surface.body]);
+        for (position_m, chord) in surface.positions_m.iter().zip(&surface.chords) {
+            let section = along(&bodies[surface.body], first, *position_m);
+            let edge_m = section.position_m + section.attitude * chord.trailing_m;
+            let edge_m_s = velocity_m_s + spin_rad_s.cross(&(edge_m - first.position_m));
+            fastest_m_s = fastest_m_s.max((wind_m_s - edge_m_s).norm());
+            frame_m_s = frame_m_s.max(edge_m_s.norm());
+        }
+    }
+    (fastest_m_s > REST_SHARE * frame_m_s).then_some(fastest_m_s)
+}
