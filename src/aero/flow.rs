@@ -1,6 +1,6 @@
 //! The undisturbed air: wind, gusts, density, seen from a root frame that may rotate.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// The undisturbed air at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +27,41 @@ impl Flow<'_> {
     /// The same without gusts: what carries the wake.
     pub fn convection_m_s(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
         self.wind_m_s - self.spin_rad_s.cross(point_m)
+    }
+}
+
+/// Path of undisturbed air over a step in the root frame: `ẋ = w − ω × x` with constant `w` and `ω`, eq. (U5).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AirPath {
+    rotation: Matrix3<f64>,
+    shift_m: Vector3<f64>,
+}
+
+impl AirPath {
+    /// Over a step of `step_s` in s, with the wind and the turning of `flow` throughout.
+    pub fn new(flow: &Flow, step_s: f64) -> Self {
+        let turn = -flow.spin_rad_s * step_s;
+        let (angle, hat) = (turn.norm(), turn.cross_matrix());
+        // (1 − cos φ)/φ² and (φ − sin φ)/φ³; below the limit the series' next terms are below 1e-16
+        let (a, b) = if angle < 1e-3 {
+            let square = angle * angle;
+            (0.5 - square * (1.0 / 24.0 - square / 720.0), 1.0 / 6.0 - square * (1.0 / 120.0 - square / 5040.0))
+        } else {
+            let half_sine = (0.5 * angle).sin();
+            (2.0 * half_sine * half_sine / (angle * angle), (angle - angle.sin()) / (angle * angle * angle))
+        };
+        let mean = Matrix3::identity() + a * hat + b * hat * hat;
+        Self { rotation: Rotation3::new(turn).into_inner(), shift_m: mean * flow.wind_m_s * step_s }
+    }
+
+    /// Where air that was at `begin_m` at the begin of the step is at its end, root frame, m.
+    pub fn end_m(&self, begin_m: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation * begin_m + self.shift_m
+    }
+
+    /// What a vector that keeps its direction in the air has turned into at the end of the step, root frame.
+    pub fn turned(&self, begin: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation * begin
     }
 }
 

@@ -47,7 +47,7 @@ pub enum LoadRule {
 pub struct LatticeOptions {
     /// How the wake moves.
     pub wake: WakeModel,
-    /// Rows that the wake keeps; older ones are merged with the last.
+    /// Rows that the wake keeps, besides that of an established flow; older ones are merged with the last.
     pub wake_rows: usize,
     /// Radius `δ` of the vortex core in m, positive, for bound and wake vorticity alike.
     pub core_radius_m: f64,
@@ -126,7 +126,8 @@ impl VortexLattice {
             columns += own + 1;
             strips += own;
         }
-        let wake_nodes = (options.wake_rows + 1) * columns;
+        // a row more than the wake keeps: that of an established flow
+        let wake_nodes = (options.wake_rows + 2) * columns;
         let widest = surfaces.iter().map(Surface::strips).max().unwrap_or(0) + 1;
         let threads = options.threads.max(1);
         let most_points = wake_nodes.max(rings + corners).max(panels);
@@ -140,7 +141,7 @@ impl VortexLattice {
             arms: vec![vec![Arm::default(); 2 * widest]; if pool.is_some() { threads } else { 1 }],
             pool: pool.map(Arc::new),
             bound_filaments: Filaments::new(rings, corners),
-            wake_filaments: Filaments::new((options.wake_rows + 1) * strips, wake_nodes),
+            wake_filaments: Filaments::new((options.wake_rows + 2) * strips, wake_nodes),
             corner_velocity_m_s: vec![Vector3::zeros(); corners],
             relative_m_s: vec![Vector3::zeros(); rings],
             points: vec![Block::default(); blocks(most_points)],
@@ -176,10 +177,14 @@ impl VortexLattice {
             far_wake_m_s: vec![Vector3::zeros(); self.relative_m_s.len()],
             rear_panels: vec![0.0; self.wake_columns],
             corner_m: vec![Vector3::zeros(); self.corner_velocity_m_s.len()],
-            wake_node_m: vec![Vector3::zeros(); (self.options.wake_rows + 1) * self.wake_columns],
-            wake_circulation_m2_s: vec![0.0; self.options.wake_rows * self.wake_strips],
+            wake_node_m: vec![Vector3::zeros(); (self.options.wake_rows + 2) * self.wake_columns],
+            wake_circulation_m2_s: vec![0.0; (self.options.wake_rows + 1) * self.wake_strips],
             wake_rows: 0,
-            unshed_m: 0.0,
+            established: false,
+            edge_m: vec![Vector3::zeros(); self.wake_columns],
+            edge_m_s: vec![Vector3::zeros(); self.wake_columns],
+            left_m: vec![Vector3::zeros(); self.wake_columns],
+            sheds: true,
         }
     }
 
@@ -187,7 +192,8 @@ impl VortexLattice {
     ///
     /// Suddenly started: the circulation is that of the first instant, without wake; the impulse of the start is a blow
     /// before the first step and no load of it. Established: steady circulation and the straight wake that belongs to
-    /// it, along the flow at the trailing edge; where the air rests there, without wake.
+    /// it, along the relative flow at the trailing edge, eq. (U10); where edge and air do not move against each other,
+    /// without wake.
     ///
     /// # Errors
     /// Where the lattice is singular.
@@ -199,7 +205,8 @@ impl VortexLattice {
         state: &mut LatticeState,
         loads: &mut AirLoads,
     ) -> Result<(), SingularLattice> {
-        (state.wake_rows, state.unshed_m) = (0, 0.0);
+        (state.wake_rows, state.established, state.sheds) = (0, false, true);
+        state.left_m.fill(Vector3::zeros());
         state.far_wake_m_s.fill(Vector3::zeros());
         state.wake_circulation_m2_s.fill(0.0);
         state.wake_node_m.fill(Vector3::zeros());
@@ -279,10 +286,11 @@ impl VortexLattice {
             let section = |column: usize| (&motions[surface.sections.start + column], &surface.chords[column]);
             for column in 0..=sheet.strips {
                 let (motion, chord) = section(column);
+                let edge_m = motion.point_m(&chord.trailing_m);
+                let edge_m_s = motion.point_velocity_m_s(&chord.trailing_m);
                 let moves = step.filter(|_| state.wake_rows > 0);
                 state.rear_panels[wake.node(0, column)] = moves.map_or(0.0, |(flow, step_s)| {
-                    let edge_m = motion.point_m(&chord.trailing_m);
-                    let air_m_s = flow.velocity_m_s(&edge_m) - motion.point_velocity_m_s(&chord.trailing_m);
+                    let air_m_s = flow.velocity_m_s(&edge_m) - edge_m_s;
                     let along_m = motion.rotation * (chord.trailing_m - chord.leading_m);
                     rear_panels(step_s * air_m_s.dot(&along_m) / along_m.norm_squared() * sheet.rows as f64)
                 });
@@ -294,6 +302,7 @@ impl VortexLattice {
                     self.corner_velocity_m_s[node] = motion.point_velocity_m_s(&point_m);
                 }
                 state.wake_node_m[wake.node(0, column)] = state.corner_m[sheet.node(sheet.rows, column)];
+                (state.edge_m[wake.node(0, column)], state.edge_m_s[wake.node(0, column)]) = (edge_m, edge_m_s);
             }
             for row in 0..sheet.rows {
                 let front = Self::chord_fraction(sheet.rows, row);

@@ -4,7 +4,7 @@
 //! of the loads on the sections is that on the lattice to round-off.
 
 use crate::aero::biot_savart::{Block, LANES, Sheet, blocks};
-use crate::aero::flow::Flow;
+use crate::aero::flow::{AirPath, Flow};
 use crate::aero::lattice::{LoadRule, SheetKind, VortexLattice};
 use crate::aero::lattice_state::LatticeState;
 use crate::aero::{AirLoads, split_between};
@@ -97,7 +97,8 @@ pub(super) fn circulatory(
     }
 }
 
-/// Rate of the bound rings' impulse over the step at constant vector areas, eq. (U8).
+/// Rate of the bound rings' impulse over the step at constant vector areas, eq. (U8). Those of the begin stay as they were
+/// in the air, which turns where the root frame does.
 pub(super) fn impulsive(
     lattice: &VortexLattice,
     motions: &[SectionMotion],
@@ -106,13 +107,14 @@ pub(super) fn impulsive(
     [from, to]: [&LatticeState; 2],
     loads: &mut AirLoads,
 ) {
+    let path = AirPath::new(flow, step_s);
     for (surface, sheet) in lattice.surfaces.iter().zip(&lattice.bound) {
         for row in 0..sheet.rows {
             let part = part_on_body(sheet.rows, row);
             let middle = VortexLattice::chord_fraction(sheet.rows, row) + 0.5 * part / sheet.rows as f64;
             for strip in 0..sheet.strips {
                 let ring = sheet.ring(row, strip);
-                let area_m2 = 0.5 * part * (from.area_m2[ring] + to.area_m2[ring]);
+                let area_m2 = 0.5 * part * (path.turned(&from.area_m2[ring]) + to.area_m2[ring]);
                 let rate_m2_s2 = (to.circulation_m2_s[ring] - from.circulation_m2_s[ring]) / step_s;
                 let first = surface.sections.start + strip;
                 let points = [&surface.chords[strip].at(middle), &surface.chords[strip + 1].at(middle)];

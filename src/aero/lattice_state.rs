@@ -27,8 +27,17 @@ pub struct LatticeState {
     pub wake_circulation_m2_s: Vec<f64>,
     /// Rows of rings in the wake.
     pub wake_rows: usize,
-    /// Way of the air past the trailing edge since the last row was shed, in m.
-    pub unshed_m: f64,
+    /// Whether the last of them is the straight wake of the established flow of the start.
+    pub established: bool,
+    /// Trailing edge, root frame, m: one point for each column of the wake.
+    pub edge_m: Vec<Vector3<f64>>,
+    /// Velocity of these points, root frame, m/s.
+    pub edge_m_s: Vec<Vector3<f64>>,
+    /// Where the trailing edge stood at the end of the last step that shed a row, carried with the undisturbed air
+    /// since: root frame, m. No part of the state where `sheds`, for the edge then still stands there.
+    pub left_m: Vec<Vector3<f64>>,
+    /// Whether a row was shed in the step that ends here; true at the start.
+    pub sheds: bool,
 }
 
 impl LatticeState {
@@ -43,8 +52,11 @@ impl LatticeState {
         self.rear_panels.clone_from(&other.rear_panels);
         self.wake_node_m.clone_from(&other.wake_node_m);
         self.wake_circulation_m2_s.clone_from(&other.wake_circulation_m2_s);
-        self.wake_rows = other.wake_rows;
-        self.unshed_m = other.unshed_m;
+        (self.wake_rows, self.established) = (other.wake_rows, other.established);
+        self.edge_m.clone_from(&other.edge_m);
+        self.edge_m_s.clone_from(&other.edge_m_s);
+        self.left_m.clone_from(&other.left_m);
+        self.sheds = other.sheds;
     }
 
     /// Whether another state can belong to the same lattice.
@@ -58,6 +70,8 @@ impl LatticeState {
             && self.rear_panels.len() == other.rear_panels.len()
             && self.wake_node_m.len() == other.wake_node_m.len()
             && self.wake_circulation_m2_s.len() == other.wake_circulation_m2_s.len()
+            && [&other.edge_m, &other.edge_m_s, &other.left_m].iter().all(|edge| edge.len() == self.edge_m.len())
             && other.wake_rows <= self.wake_circulation_m2_s.len()
+            && (other.wake_rows > 0 || !other.established)
     }
 }

@@ -1,7 +1,7 @@
 //! The models of the air behind one face.
 
 use crate::aero::AirLoads;
-use crate::aero::flow::Flow;
+use crate::aero::flow::{AirPath, Flow};
 use crate::aero::lattice::{LatticeOptions, VortexLattice};
 use crate::aero::lattice_state::LatticeState;
 use crate::aero::linear_system::SingularLattice;
@@ -113,6 +113,17 @@ impl AirModel {
                 Ok(())
             }
             _ => unreachable!("a state belongs to its model"),
+        }
+    }
+
+    /// Length in panel chords of the longest row that the wake gets in a step, [`VortexLattice::row_panels`]; strips leave
+    /// none.
+    pub fn row_panels(&self, from: &AirState, to: &AirState, path: &AirPath) -> f64 {
+        match (self, from, to) {
+            (Self::Lattice(lattice), AirState::Lattice(from), AirState::Lattice(to)) => {
+                lattice.row_panels(from, to, path)
+            }
+            _ => 0.0,
         }
     }
 

@@ -1,17 +1,24 @@
 //! Motion of the wake.
 
 use crate::aero::biot_savart::{Block, LANES, blocks};
-use crate::aero::flow::Flow;
+use crate::aero::flow::{AirPath, Flow};
 use crate::aero::lattice::{SheetKind, VortexLattice, WakeModel};
 use crate::aero::lattice_state::LatticeState;
 use crate::aero::surface::Surface;
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::Vector3;
 
-/// Part of a panel chord past which the air must move before the wake gets a new row.
+/// Part of a panel chord that trailing edge and air must move against each other before the wake gets a new row.
 ///
-/// Air that does not move sheds nothing: the rings would pile up at the trailing edge. Where steps are shorter than
-/// this, the foremost row grows until it is long enough.
+/// An edge that rests in the air sheds nothing: the rings would pile up there. Where steps are shorter than this, the
+/// foremost row grows until it is long enough.
 pub(super) const SHED_PANELS: f64 = 0.05;
+
+/// Share of that way by which round-off may miss it: the way of a round number of steps can be the way itself, and then
+/// must shed in every frame.
+const SHED_ROUND_OFF: f64 = 1e-9;
+
+/// Relative speed of air and edge, over the speeds that it is the difference of, below which both move together.
+const REST_SHARE: f64 = 1e-9;
 
 /// Length of the wake at the start of established flow, in diameters of the lattice: the legs behind contribute
 /// `1/(4·200²)` of what they do near by.
@@ -24,12 +31,13 @@ pub(super) const NEAR_ROWS: usize = 8;
 
 impl VortexLattice {
     /// Moves the wake to the end of a step and sheds the row that the trailing edge leaves behind, with the circulation
-    /// that it had at the begin, eq. (U5). Done once for a step, before [`solve`](Self::solve).
+    /// that it had at the begin, eqs. (U5) and (U10). Done once for a step, before [`solve`](Self::solve).
     ///
     /// The undisturbed air moves on its exact path in the rotating frame; in a free wake gusts and induced velocities of
     /// the begin of the step are added (first order). The foremost row of nodes is attached to the trailing edge by
     /// `solve`. A wake that is full keeps its far end: its last ring grows from step to step, with the circulation of the
-    /// ring that it takes in, so that what is lost is the history of the far wake and not its length.
+    /// ring that it takes in, so that what is lost is the history of the far wake and not its length. The wake of an
+    /// established flow stays behind all that as the one ring that it is: it takes nothing in.
     pub fn convect(&mut self, from: &LatticeState, flow: &Flow, step_s: f64, to: &mut LatticeState) {
         let (columns, strips) = (self.wake_columns, self.wake_strips);
         let nodes = (from.wake_rows + 1) * columns;
@@ -42,35 +50,69 @@ impl VortexLattice {
             let disturbance_m_s = if free { self.velocities[node / LANES].get(node % LANES) } else { Vector3::zeros() };
             path.end_m(&from.wake_node_m[node]) + disturbance_m_s * step_s
         };
-        let way_m = (0..columns).map(|node| (moved_m(node) - from.wake_node_m[node]).norm()).fold(0.0, f64::max);
-        to.unshed_m = from.unshed_m + way_m;
-        let shed = to.unshed_m >= self.shed_way_m() && way_m > 0.0;
+        let shed = self.leaves_a_row(from, &path, step_s, to);
+        to.sheds = shed;
 
-        let shift = usize::from(shed);
-        to.wake_rows = (from.wake_rows + shift).min(self.options.wake_rows);
-        let kept = (to.wake_rows + 1 - shift) * columns;
-        for node in 0..kept.min(nodes) {
-            to.wake_node_m[node + shift * columns] = moved_m(node);
-        }
-        if shed && to.wake_rows == from.wake_rows {
-            // full: the last ring keeps its far end and takes in the one before
-            for node in from.wake_rows * columns..nodes {
-                to.wake_node_m[node] = moved_m(node);
+        to.established = from.established;
+        let established = usize::from(from.established);
+        // rings in front of an established wake, which end at this row of nodes
+        let ended = from.wake_rows - established;
+        let full = shed && ended == self.options.wake_rows;
+        to.wake_rows = from.wake_rows + usize::from(shed && !full);
+        // full: the last of these rings keeps its far end and takes in the one before
+        let goes_to = |row: usize| match (shed, full) {
+            (false, _) => Some(row),
+            (true, false) => Some(row + 1),
+            (true, true) if row >= ended => Some(row),
+            (true, true) => Some(row + 1).filter(|next| *next < ended),
+        };
+        for row in 0..=from.wake_rows {
+            let Some(next) = goes_to(row) else { continue };
+            for column in 0..columns {
+                to.wake_node_m[next * columns + column] = moved_m(row * columns + column);
+            }
+            if row < from.wake_rows {
+                to.wake_circulation_m2_s[next * strips..][..strips]
+                    .copy_from_slice(&from.wake_circulation_m2_s[row * strips..][..strips]);
             }
         }
-        let rings = (to.wake_rows - shift.min(to.wake_rows)) * strips;
-        to.wake_circulation_m2_s[shift.min(to.wake_rows) * strips..][..rings]
-            .copy_from_slice(&from.wake_circulation_m2_s[..rings]);
         // what lies behind the last row is no part of the state
         to.wake_node_m[(to.wake_rows + 1) * columns..].fill(Vector3::zeros());
         to.wake_circulation_m2_s[to.wake_rows * strips..].fill(0.0);
-        if shed {
-            to.unshed_m = 0.0;
-            if to.wake_rows > 0 {
-                self.shed_row(from, to);
-            }
+        if shed && to.wake_rows > 0 {
+            self.shed_row(from, to);
         }
         self.sum_far_wake(from, step_s, to);
+    }
+
+    /// Carries what the last row has left with the air; true where some point of the trailing edge will be far enough
+    /// from it at the end of the step for the next row, eq. (U10).
+    ///
+    /// The edge goes on as it moves at the begin of the step: what decides must not change while air and structure
+    /// are brought to agree. Only distances between the edge and the air count, which are the same in every frame.
+    fn leaves_a_row(&self, from: &LatticeState, path: &AirPath, step_s: f64, to: &mut LatticeState) -> bool {
+        let left_m = if from.sheds { &from.edge_m } else { &from.left_m };
+        let mut farthest_m = 0.0_f64;
+        for (column, left_m) in left_m.iter().enumerate() {
+            to.left_m[column] = path.end_m(left_m);
+            let edge_m = from.edge_m[column] + from.edge_m_s[column] * step_s;
+            farthest_m = farthest_m.max((edge_m - to.left_m[column]).norm());
+        }
+        farthest_m >= self.shed_way_m() * (1.0 - SHED_ROUND_OFF)
+    }
+
+    /// Longest way of the trailing edge through the air in a step between two states, in panel chords: the length of the
+    /// row that a step leaves. `path` is that of the flow of [`convect`](Self::convect).
+    pub fn row_panels(&self, from: &LatticeState, to: &LatticeState, path: &AirPath) -> f64 {
+        let mut longest = 0.0_f64;
+        for (surface, wake) in self.surfaces.iter().zip(&self.wake) {
+            for (column, chord) in surface.chords.iter().enumerate() {
+                let at = wake.node(0, column);
+                let way_m = (to.edge_m[at] - path.end_m(&from.edge_m[at])).norm();
+                longest = longest.max(way_m / chord.length_m() * surface.chord_panels as f64);
+            }
+        }
+        longest
     }
 
     /// Velocity that the far wake at the end of a step induces at the collocation points.
@@ -129,25 +171,30 @@ impl VortexLattice {
         }
     }
 
-    /// Straight wake along the flow at the trailing edge in rows of a panel chord, the last one very long; false where
-    /// the air does not move.
+    /// Straight wake along the relative flow at every point of the trailing edge, eq. (U10): one row of very long rings,
+    /// shorter in proportion where that flow is slower; false where the air does not move against any point.
     pub(super) fn lay_straight_wake(&mut self, flow: &Flow, state: &mut LatticeState) -> bool {
+        let relative_m_s = |column: usize| flow.convection_m_s(&state.edge_m[column]) - state.edge_m_s[column];
+        let (mut fastest_m_s, mut frame_m_s) = (0.0_f64, 0.0_f64);
+        for (column, (edge_m, edge_m_s)) in state.edge_m.iter().zip(&state.edge_m_s).enumerate() {
+            fastest_m_s = fastest_m_s.max(relative_m_s(column).norm());
+            frame_m_s = frame_m_s.max(flow.convection_m_s(edge_m).norm() + edge_m_s.norm());
+        }
+        if fastest_m_s <= REST_SHARE * frame_m_s || self.options.wake_rows == 0 {
+            return false;
+        }
         let origin = state.corner_m[0];
         let diameter_m = 2.0 * state.corner_m.iter().map(|corner| (corner - origin).norm()).fold(0.0, f64::max);
-        for ((surface, sheet), wake) in self.surfaces.iter().zip(&self.bound).zip(&mut self.wake) {
-            wake.rows = self.options.wake_rows;
-            for (column, chord) in surface.chords.iter().enumerate() {
+        for (sheet, wake) in self.bound.iter().zip(&mut self.wake) {
+            wake.rows = 1;
+            for column in 0..=sheet.strips {
                 let edge_m = state.corner_m[sheet.node(sheet.rows, column)];
-                let Some(along) = flow.convection_m_s(&edge_m).try_normalize(0.0) else { return false };
-                let row_m = chord.length_m() / surface.chord_panels as f64;
-                for row in 1..=wake.rows {
-                    let way_m = if row < wake.rows { row as f64 * row_m } else { ESTABLISHED_DIAMETERS * diameter_m };
-                    state.wake_node_m[wake.node(row, column)] = edge_m + along * way_m;
-                }
+                let along = relative_m_s(wake.node(0, column)) / fastest_m_s;
+                state.wake_node_m[wake.node(1, column)] = edge_m + along * (ESTABLISHED_DIAMETERS * diameter_m);
             }
         }
-        state.wake_rows = self.options.wake_rows;
-        state.wake_rows > 0
+        (state.wake_rows, state.established) = (1, true);
+        true
     }
 
     /// Gives a row of the wake the circulation of the trailing edge.
@@ -160,39 +207,12 @@ impl VortexLattice {
         }
     }
 
-    /// Way in m that the air must make past the trailing edge before a row is shed.
+    /// Way in m that trailing edge and air must make against each other before a row is shed.
     pub(super) fn shed_way_m(&self) -> f64 {
         let panel_m = |surface: &Surface| {
             let shortest = surface.chords.iter().map(|chord| chord.length_m()).fold(f64::INFINITY, f64::min);
             shortest / surface.chord_panels as f64
         };
         SHED_PANELS * self.surfaces.iter().map(panel_m).fold(f64::INFINITY, f64::min)
-    }
-}
-
-/// Path of undisturbed air over a step: `ẋ = w − ω × x` with constant `w` and `ω`, eq. (U5).
-struct AirPath {
-    rotation: Matrix3<f64>,
-    shift_m: Vector3<f64>,
-}
-
-impl AirPath {
-    fn new(flow: &Flow, step_s: f64) -> Self {
-        let turn = -flow.spin_rad_s * step_s;
-        let (angle, hat) = (turn.norm(), turn.cross_matrix());
-        // (1 − cos φ)/φ² and (φ − sin φ)/φ³; below the limit the series' next terms are below 1e-16
-        let (a, b) = if angle < 1e-3 {
-            let square = angle * angle;
-            (0.5 - square * (1.0 / 24.0 - square / 720.0), 1.0 / 6.0 - square * (1.0 / 120.0 - square / 5040.0))
-        } else {
-            let half_sine = (0.5 * angle).sin();
-            (2.0 * half_sine * half_sine / (angle * angle), (angle - angle.sin()) / (angle * angle * angle))
-        };
-        let mean = Matrix3::identity() + a * hat + b * hat * hat;
-        Self { rotation: Rotation3::new(turn).into_inner(), shift_m: mean * flow.wind_m_s * step_s }
-    }
-
-    fn end_m(&self, begin_m: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation * begin_m + self.shift_m
     }
 }

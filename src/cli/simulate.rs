@@ -296,6 +296,10 @@ fn summary(plant: &Plant, grid: &Grid, elapsed: Duration) -> String {
         text += &format!("{name}: {latch}, angle {:.3} deg at the end\n", joint.angle_rad.to_degrees());
     }
     let statistics = plant.statistics();
+    let advice = machine.air.as_ref().and_then(|air| statistics.advice_on_rows(air.step_s));
+    if let Some(advice) = advice {
+        text += &format!("warning: {advice}\n");
+    }
     text + &format!(
         "{:.6} s simulated in {:.4} s: {} steps, {} rejected, {} failed, {} iterations, {} events\n",
         grid.stop_s - grid.start_s,

@@ -69,6 +69,7 @@ impl Timing {
             "factorizations": statistics.factorizations,
             "events": statistics.events,
             "air_solutions": statistics.air_solutions,
+            "longest_row_panels": statistics.longest_row_panels,
             "step_us": per(statistics.steps),
             "iteration_us": per(statistics.iterations),
         });

@@ -280,12 +280,16 @@ impl Instance {
             self.log.wants(LogCategory::Events).then(|| self.plant.joint_statuses().collect());
         let started = self.machine.solver.most_iterations.map(|_| Instant::now());
         self.read_before = std::mem::take(&mut self.read);
+        let advised = self.advice_on_rows().is_some();
         let outcome = self.plant.step(end_s);
         if let Some(started) = started {
             self.plant.latency_mut().record(started.elapsed().as_secs_f64());
         }
         if let Some(before) = before {
             self.tell_events(time_s, &before);
+        }
+        if let Some(advice) = self.advice_on_rows().filter(|_| !advised) {
+            self.log.write(Status::Warning, LogCategory::Warning, &format!("fmi2DoStep: {advice}"));
         }
         if let Err(error) = outcome {
             self.step_failed = true;
@@ -355,6 +359,12 @@ impl Instance {
             self.stale = false;
         }
         Ok(())
+    }
+
+    /// What to say of rows in the wake that are too long, where anybody listens.
+    fn advice_on_rows(&self) -> Option<String> {
+        let air = self.machine.air.as_ref().filter(|_| self.log.wants(LogCategory::Warning))?;
+        self.plant.statistics().advice_on_rows(air.step_s)
     }
 
     /// One message per release, closing and opening of a step that began at `start_s`. Releases and openings follow

@@ -291,7 +291,7 @@ pub struct AirOutputs {
 }
 
 /// Counters of the time integration since initialisation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Statistics {
     /// Accepted steps.
     pub steps: u64,
@@ -311,6 +311,25 @@ pub struct Statistics {
     pub unconverged: u64,
     /// Most Newton iterations of one stage.
     pub largest_iterations: u64,
+    /// Longest row that a step of the air has given the wake, in panel chords; 0 without a lattice.
+    pub longest_row_panels: f64,
+}
+
+/// Rows of the wake longer than this many panels are too coarse for what they carry: `aerodynamics.step_s` is too long.
+pub const MOST_ROW_PANELS: f64 = 2.0;
+
+impl Statistics {
+    /// What to do where rows of the wake have outgrown [`MOST_ROW_PANELS`] with aerodynamic steps of `step_s` in s.
+    pub fn advice_on_rows(&self, step_s: f64) -> Option<String> {
+        // the way of a round number of panels is reached to round-off
+        (self.longest_row_panels > MOST_ROW_PANELS * (1.0 + 1e-9)).then(|| {
+            let (longest, shorter_s) = (self.longest_row_panels, step_s * MOST_ROW_PANELS / self.longest_row_panels);
+            format!(
+                "the trailing edge leaves rows of up to {longest:.1} panels in the wake; beyond {MOST_ROW_PANELS} they are too \
+                 coarse: aerodynamics.step_s of at most {shorter_s:.1e} s instead of {step_s:.3e} s cures it"
+            )
+        })
+    }
 }
 
 /// Why a plant cannot go on.

@@ -10,7 +10,7 @@ pub mod section;
 mod tests;
 
 use crate::aero::AirLoads;
-use crate::aero::flow::Flow;
+use crate::aero::flow::{AirPath, Flow};
 use crate::aero::surface::{Profile, Surface};
 use crate::load::SectionMotion;
 use indicial::{Fit, Lag};
@@ -206,7 +206,7 @@ fn add_impulsive(
     let force_n = mass_kg_m * (after.middle_m_s - before.middle_m_s) / step_s * now.cut.span_m;
     let pitching_m_s2 = (after.difference_m_s - before.difference_m_s) / step_s;
     let moment_n_m = -mass_kg_m * semi_chord_m / 16.0 * pitching_m_s2 * now.cut.span_m;
-    let mean_up = 0.5 * (before.up + after.up);
+    let mean_up = 0.5 * (AirPath::new(flow, step_s).turned(&before.up) + after.up);
     strip.add_force(&mut loads.impulsive, &now.cut, 0.5, &(mean_up * force_n));
     strip.add_moment(&mut loads.impulsive, &now.cut, moment_n_m);
 }

@@ -6,10 +6,10 @@
 //! structure goes back and marches for good. What vibrates faster than the steps can follow must not gain energy from
 //! them: the air sees velocities that belong to the displacements over the steps, eq. (Q4), not those of the instants.
 
-use crate::aero::flow::Flow;
+use crate::aero::flow::{AirPath, Flow};
 use crate::config::machine::{self, Coupling};
 use crate::plant::Plant;
-use crate::plant::air::{AirCoupling, AirHistory, Sample, StepLoads, Trial};
+use crate::plant::air::{AirCoupling, AirHistory, Gain, Sample, StepLoads, Trial};
 use crate::plant::face::PlantError;
 use crate::plant::march::even_step;
 use crate::plant::state::State;
@@ -157,7 +157,7 @@ impl Plant {
             *earlier = *from;
         }
         history.steps += 1;
-        history.carried_m = Vector3::zeros();
+        (history.carried_m, history.gain) = (Vector3::zeros(), Gain::default());
         loads.begin_s = self.state.start.time_s;
         loads.end_s = history.start_s + history.steps as f64 * step_s;
         self.agree_on_loads()
@@ -169,9 +169,11 @@ impl Plant {
         let Some(begin_s) = self.state.air.as_ref().map(|history| history.loads.begin_s) else { return };
         // exact for a wind that runs linearly
         let wind_m_s = self.state.wind_at_m_s(0.5 * (begin_s + time_s));
-        let Some(AirHistory { loads, carried_m, .. }) = &mut self.state.air else { return };
+        let rate_m_s2 = self.state.applied_rates.wind_m_s;
+        let Some(AirHistory { loads, carried_m, gain, .. }) = &mut self.state.air else { return };
         if time_s > loads.begin_s && time_s < loads.end_s {
             *carried_m += wind_m_s * (time_s - loads.begin_s);
+            *gain = gain.after(time_s - loads.begin_s, &rate_m_s2);
             loads.begin_s = time_s;
         }
     }
@@ -208,6 +210,8 @@ impl Plant {
         let way_m = history.carried_m + self.state.wind_at_m_s(middle_s) * (end_s - begin_s);
         let spin_rad_s = self.state.spin_at_rad_s(middle_s);
         let carrying = Flow { wind_m_s: way_m / step_s, spin_rad_s, ..flow(&air.settings, &self.state, end_s) };
+        let gain = history.gain.after(end_s - begin_s, &self.state.applied_rates.wind_m_s);
+        let path = AirPath::new(&carrying, step_s);
         air.model.convect(&history.before, &carrying, step_s, &mut history.after);
         air.read(&history.loads);
         air.acceleration.restart();
@@ -231,7 +235,7 @@ impl Plant {
             }
             history = self.go_back(&air.trial);
             for (motion, (begin, end)) in air.motions.iter_mut().zip(history.begin.iter().zip(&mut history.end)) {
-                *end = begin.next(motion, step_s);
+                *end = begin.next(motion, step_s, &gain);
                 *motion = end.motion;
             }
             let chosen = trial == 0 && self.machine.solver.fixed_step_s.is_none();
@@ -285,6 +289,9 @@ impl Plant {
                 break;
             }
         }
+        let row_panels = air.model.row_panels(&history.before, &history.after, &path);
+        let longest = &mut self.state.statistics.longest_row_panels;
+        *longest = longest.max(row_panels);
         self.state.air = Some(history);
         outcome.map_err(|change| {
             refusal(begin_s, format!("{most} iterations leave a change of the loads of {change:.1e} of the largest"))

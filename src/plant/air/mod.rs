@@ -105,19 +105,44 @@ impl Sample {
         Self { motion: *motion, mean_m_s: motion.velocity_m_s, mean_rad_s: motion.spin_rad_s }
     }
 
-    /// The sample a step after this one, where the section has come to `motion`; NOTATION eq. (Q4).
-    fn next(&self, motion: &SectionMotion, step_s: f64) -> Self {
-        let mean_m_s = (motion.position_m - self.motion.position_m) / step_s;
+    /// The sample a step after this one, where the section has come to `motion` and the wind has gained `gain`;
+    /// NOTATION eq. (Q4).
+    fn next(&self, motion: &SectionMotion, step_s: f64, gain: &Gain) -> Self {
+        let mean_m_s = (motion.position_m - self.motion.position_m - gain.way_m) / step_s;
         let mean_rad_s = rotation_vector(&(motion.rotation * self.motion.rotation.transpose())) / step_s;
         let [own, earlier, last] = VELOCITY_WEIGHTS;
         Self {
             motion: SectionMotion {
-                velocity_m_s: mean_m_s * own + self.mean_m_s * earlier + self.motion.velocity_m_s * last,
+                velocity_m_s: mean_m_s * own
+                    + self.mean_m_s * earlier
+                    + self.motion.velocity_m_s * last
+                    + gain.velocity_m_s,
                 spin_rad_s: mean_rad_s * own + self.mean_rad_s * earlier + self.motion.spin_rad_s * last,
                 ..*motion
             },
-            mean_m_s,
+            mean_m_s: mean_m_s + gain.velocity_m_s,
             mean_rad_s,
+        }
+    }
+}
+
+/// What the rates of the input have added to the wind since the begin of an aerodynamic step; jumps are not in it.
+/// Velocities are averaged relative to air that gains the same: a root that accelerates in air and a wing that does so
+/// are one flow.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct Gain {
+    /// Velocity in m/s.
+    velocity_m_s: Vector3<f64>,
+    /// Way that it has made in m.
+    way_m: Vector3<f64>,
+}
+
+impl Gain {
+    /// The same a time later, with a constant rate of the wind.
+    fn after(&self, time_s: f64, rate_m_s2: &Vector3<f64>) -> Self {
+        Self {
+            velocity_m_s: self.velocity_m_s + rate_m_s2 * time_s,
+            way_m: self.way_m + (self.velocity_m_s + rate_m_s2 * (0.5 * time_s)) * time_s,
         }
     }
 }
@@ -143,6 +168,8 @@ pub(super) struct AirHistory {
     pub at_begin: Vec<Wrench>,
     /// Way of the wind from the begin of the step to that of `loads`, in m.
     pub carried_m: Vector3<f64>,
+    /// Gain of the wind in that time.
+    pub gain: Gain,
     /// Largest force so far, in N.
     pub scale_n: f64,
     /// Step of the structure within the present aerodynamic step in s: the smallest that the error estimate asked for in
@@ -170,7 +197,7 @@ impl AirHistory {
         self.end.copy_from_slice(&other.end);
         self.loads.copy_from(&other.loads);
         self.at_begin.copy_from_slice(&other.at_begin);
-        (self.carried_m, self.scale_n) = (other.carried_m, other.scale_n);
+        (self.carried_m, self.gain, self.scale_n) = (other.carried_m, other.gain, other.scale_n);
         (self.structure_step_s, self.strayed) = (other.structure_step_s, other.strayed);
     }
 
@@ -252,6 +279,7 @@ impl AirCoupling {
             loads: StepLoads::none(sections),
             at_begin: none,
             carried_m: Vector3::zeros(),
+            gain: Gain::default(),
             scale_n: 0.0,
             structure_step_s: 0.0,
             strayed: 0,

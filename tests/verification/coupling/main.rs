@@ -7,7 +7,9 @@
 mod machines;
 
 mod agreement;
+mod edges;
 mod flutter;
+mod frames;
 mod goland;
 mod identification;
 mod light_tips;

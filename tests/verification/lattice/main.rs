@@ -2,6 +2,7 @@
 
 mod allocation;
 mod fold;
+mod frames;
 mod properties;
 #[path = "../reference.rs"]
 mod reference_file;
