@@ -78,7 +78,7 @@ runner: test-venv ## Build a `foldwing` that runs any FMU (feature `import`): ta
 	$(IMPORT) $(CARGO) build --profile test --locked --features import --bin foldwing
 	@mkdir -p $(dir $(RUNNER)) && cp $(TARGET)/debug/foldwing $(RUNNER)
 
-deploy: package venv ## Unfold the wing in still air and at 10 and 20 m/s: latch time, peak strain, CSV and plots
+deploy: package venv ## Unfold the wing without air, in air at rest and at 10 and 20 m/s: latch time, peak strain, CSV and plots
 	@$(VENV_PYTHON) examples/deploy.py --fmu $(FMU) --tunnel $(TUNNEL_FMU) --output $(DEPLOYMENT)
 
 test: toolchain format lint unit pytest ## Check everything

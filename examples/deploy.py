@@ -34,7 +34,7 @@ STYLE = {
     "legend.frameon": False,
 }
 SHAPES = 12  # wing shapes drawn before the latch closes
-SPEEDS_M_S = (10, 20)  # flow speeds in the wind tunnel, along the chord
+SPEEDS_M_S = (0, 10, 20)  # flow speeds in the wind tunnel, along the chord
 
 
 def main():
@@ -56,15 +56,16 @@ def main():
 
     time_s, strain = peak(result)
     latch_s = latch_time(result)
-    print(f"fold.latch_time   {'did not latch' if latch_s is None else f'{latch_s:.4f} s'}")
+    print(f"fold.latch_time   {'did not latch' if latch_s is None else f'{latch_s:.4f} s'} without air")
     print(f"peak root strain  {abs(strain):.3e} (gauge.root.strain = {strain:.3e} at {time_s:.4f} s)")
     if arguments.tunnel:
-        runs = {"still air": result}
+        runs = {"without air": result}
         for speed_m_s in SPEEDS_M_S:
-            runs[f"{speed_m_s} m/s"] = in_wind = deploy(arguments.tunnel, {"wind.velocity.y": -float(speed_m_s)})
+            label = f"at {speed_m_s} m/s" if speed_m_s else "in air at rest"
+            runs[label] = in_wind = deploy(arguments.tunnel, {"wind.velocity.y": -float(speed_m_s)})
             latch_s, strain = latch_time(in_wind), abs(peak(in_wind)[1])
             latch = "does not latch" if latch_s is None else f"latches at {latch_s:.4f} s"
-            print(f"at {speed_m_s} m/s         {latch}, peak root strain {strain:.3e}")
+            print(f"{label:<17} {latch}, peak root strain {strain:.3e}")
         plot_speeds(runs, arguments.output / "flow_speeds.png")
     print(f"CSV and plots     {arguments.output}")
 
@@ -140,14 +141,14 @@ def plot_root_strain(result, path):
 def plot_speeds(runs, path):
     """Fold angle and strain of several runs, by what the legend calls them."""
     fig, (upper, lower) = plt.subplots(2, 1, figsize=(7.2, 6.0), sharex=True)
-    for (label, result), colour in zip(runs.items(), ("#7a8b99", ACCENT, INK)):
+    for (label, result), colour in zip(runs.items(), ("#b9c4cc", "#7a8b99", ACCENT, INK)):
         latch_s = latch_time(result)
         latch = "" if latch_s is None else f", latch at {latch_s:.4f} s"
         upper.plot(result["time"], np.degrees(result["fold.angle"]), color=colour, label=label + latch)
         strain = 1e3 * result["gauge.root.strain"]
         lower.plot(result["time"], strain, color=colour, linewidth=1.2, label=f"{label}, peak {np.abs(strain).max():.2f}·10⁻³")
     upper.set(ylabel="fold angle (deg)", yticks=np.arange(0, 181, 30))
-    upper.set_title("Unfolding at three flow speeds", loc="left", fontsize=11, color=INK)
+    upper.set_title("Unfolding without air, in air at rest and in wind", loc="left", fontsize=11, color=INK)
     lower.set(xlabel="time (s)", ylabel="strain at the root gauge (10⁻³)", xlim=(0.0, result["time"][-1]))
     upper.legend()
     lower.legend(fontsize=8, loc="lower right")

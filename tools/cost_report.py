@@ -244,7 +244,7 @@ def write_table(runs, path, states, rounds, apart, deployment):
     head = "| | setting, per body | ms | median | steps | µs per step |"
     for title, case, errors, output_s, words in (
         ("Two-body system, 5 s, outputs every 10 ms", "two_body", ("RMS", "path"), 0.01, "error of RMS(Z) | of the path"),
-        ("Deployment in still air, 0.4 s, outputs every 0.8 ms", "deployment", ("latch", "peak"), None, "latch | peak"),
+        ("Deployment without air, 0.4 s, outputs every 0.8 ms", "deployment", ("latch", "peak"), None, "latch | peak"),
     ):
         lines += ["", f"## {title}", "", FRONTS]
         lines += ["", f"{head} sure | {words} |", "|---|---|---|---|---|---|---|---|---|"]

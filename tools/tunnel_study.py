@@ -275,8 +275,7 @@ def document(results, still):
     text += [
         "",
         f"Without air the wing latches at {airless.latch_s:.5f} s with a peak strain of {1e3 * airless.peak_strain:.3f}e-3. Air at rest moves",
-        f"that by {percent(at_rest.latch_s, airless.latch_s)} %: nothing is shed there, so this is apparent mass and what the bound vortices of",
-        "the moving plates do.",
+        f"that by {percent(at_rest.latch_s, airless.latch_s)} %: apparent mass, and the wake that the trailing edge leaves where it moves.",
         "",
     ]
     for title, variants in (("Convergence", CONVERGENCE), ("What moves the answer", PHYSICS)):
