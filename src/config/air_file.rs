@@ -43,7 +43,7 @@ pub(super) struct AirFile {
     pub mirror_normal: Option<[f64; 3]>,
     /// Whether the wake moves in its own flow; else it goes with the wind. Lattice only.
     pub free_wake: bool,
-    /// Rows of panels in the wake; older ones are forgotten. Lattice only.
+    /// Rows of panels that the wake keeps, besides that of an established flow; older ones are forgotten. Lattice only.
     #[schemars(range(min = 1, max = 10000))]
     pub wake_rows: usize,
     /// Radius of the vortices' cores, default a hundredth of the shortest panel's chord. Lattice only.

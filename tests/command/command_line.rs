@@ -110,8 +110,9 @@ fn the_lattice_is_written_at_chosen_times() {
     for (surface, name) in written[1]["surfaces"].as_array().unwrap().iter().zip(["inner", "outer"]) {
         assert_eq!(surface["body"], name);
         let size = |key: &str| (surface[key].as_array().unwrap().len(), surface[key][0].as_array().unwrap().len());
-        assert_eq!((size("corner_m"), size("wake_node_m")), ((5, 11), (31, 11)));
-        assert_eq!(size("wake_circulation_m2_s"), (30, 10));
+        // eight steps of 1.25 ms have shed a row each, before that of the established flow
+        assert_eq!((size("corner_m"), size("wake_node_m")), ((5, 11), (10, 11)));
+        assert_eq!(size("wake_circulation_m2_s"), (9, 10));
         assert_eq!(surface["corner_m"][4], surface["wake_node_m"][0], "the wake starts at the last corners");
         let shed = surface["wake_circulation_m2_s"][0][5].as_f64().unwrap();
         assert!(shed != 0.0, "the moving wing sheds");
