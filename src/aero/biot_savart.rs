@@ -234,6 +234,14 @@ impl Kernel {
         sum
     }
 
+    /// Velocity in m/s of a straight segment of unit circulation at some points, without its image.
+    pub fn straight(&self, ends_m: [Vector3<f64>; 2], points_m: &Block) -> Block {
+        let [from, to] = ends_m.map(|end_m| Arm::new(points_m, &end_m, self.core_squared_m2));
+        let mut velocity = Block::default();
+        velocity.add(1.0 / (4.0 * PI), &segment(&from, &to, self.core_squared_m2));
+        velocity
+    }
+
     /// Adds to a matrix, by columns of `rows` entries, the normal velocity that unit rings of a sheet induce at some
     /// points, eq. (U4). The rings' columns are `column(row, strip)`; the points begin at the row `first`.
     #[inline(always)]

@@ -11,8 +11,10 @@
 
 use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet, blocks};
 use crate::aero::flow::Flow;
+use crate::aero::joined_edges::Edge;
 use crate::aero::lattice_state::LatticeState;
-use crate::aero::linear_system::{LinearSystem, SingularLattice};
+use crate::aero::linear_system::LinearSystem;
+use crate::aero::near_sheets::{Facing, Gap, NoCirculation};
 use crate::aero::rear::rear_panels;
 use crate::aero::surface::Surface;
 use crate::aero::wake::NEAR_ROWS;
@@ -67,12 +69,20 @@ pub struct VortexLattice {
     pub(super) kernel: Kernel,
     pub(super) arch: Arch,
     pool: Option<Arc<rayon::ThreadPool>>,
+    /// Pairs of edges that bodies share.
+    pub(super) joined: Vec<[Edge; 2]>,
+    /// Points that see another sheet from above its control points.
+    pub(super) facings: Vec<Facing>,
+    /// Gaps between the sheets: `[index · surfaces + other]`, how the points of one see the other.
+    pub(super) gaps: Vec<Gap>,
+    pub(super) facing_entries: Vec<f64>,
+    pub(super) facing_sums: Vec<f64>,
     /// Bound sheets, one for each surface.
     pub(super) bound: Vec<Sheet>,
     /// Wake sheets, one for each surface.
     pub(super) wake: Vec<Sheet>,
     /// The rows of them that induce.
-    wake_part: Vec<Sheet>,
+    pub(super) wake_part: Vec<Sheet>,
     /// Index of the first bound ring of each surface in the equations.
     pub(super) first_panel: Vec<usize>,
     /// Nodes and strips in a row of the wake.
@@ -85,9 +95,9 @@ pub struct VortexLattice {
     pub(super) relative_m_s: Vec<Vector3<f64>>,
     pub(super) points: Vec<Block>,
     pub(super) velocities: Vec<Block>,
-    normals: Vec<Block>,
-    arms: Vec<Vec<Arm>>,
-    system: LinearSystem,
+    pub(super) normals: Vec<Block>,
+    pub(super) arms: Vec<Vec<Arm>>,
+    pub(super) system: LinearSystem,
     /// Corners that the factors in `system` belong to; empty where there are none.
     factored_corner_m: Vec<Vector3<f64>>,
     factored: bool,
@@ -126,13 +136,22 @@ impl VortexLattice {
             columns += own + 1;
             strips += own;
         }
+        let suction = options.load_rule == LoadRule::KuttaJoukowski;
         // a row more than the wake keeps: that of an established flow
         let wake_nodes = (options.wake_rows + 2) * columns;
         let widest = surfaces.iter().map(Surface::strips).max().unwrap_or(0) + 1;
         let threads = options.threads.max(1);
         let most_points = wake_nodes.max(rings + corners).max(panels);
         let pool = (threads > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()).flatten();
+        let segments = surfaces.iter().map(|surface| 2 * surface.panels() + surface.chord_panels).sum::<usize>();
+        let others = surfaces.len().saturating_sub(1);
+        let largest = surfaces.iter().map(Surface::panels).max().unwrap_or(0);
         Self {
+            facings: Vec::with_capacity(others * if suction { segments } else { panels }),
+            joined: Vec::new(),
+            gaps: vec![Gap::NONE; surfaces.len() * surfaces.len()],
+            facing_entries: vec![0.0; LANES * largest],
+            facing_sums: vec![0.0; largest],
             kernel: Kernel {
                 core_squared_m2: options.core_radius_m * options.core_radius_m,
                 mirror_normal: options.mirror_normal.map(|normal| normal.normalize()),
@@ -196,7 +215,7 @@ impl VortexLattice {
     /// without wake.
     ///
     /// # Errors
-    /// Where the lattice is singular.
+    /// Where the lattice is singular or two sheets are closed.
     pub fn start(
         &mut self,
         motions: &[SectionMotion],
@@ -204,13 +223,14 @@ impl VortexLattice {
         established: bool,
         state: &mut LatticeState,
         loads: &mut AirLoads,
-    ) -> Result<(), SingularLattice> {
+    ) -> Result<(), NoCirculation> {
         (state.wake_rows, state.established, state.sheds) = (0, false, true);
         state.left_m.fill(Vector3::zeros());
         state.far_wake_m_s.fill(Vector3::zeros());
         state.wake_circulation_m2_s.fill(0.0);
         state.wake_node_m.fill(Vector3::zeros());
         self.place(motions, None, state);
+        self.look_from_panels(state);
         let established = established && self.lay_straight_wake(flow, state);
         self.factorize(state, established)?;
         self.relative_velocity(flow, state, 0..0);
@@ -233,7 +253,7 @@ impl VortexLattice {
     /// but the motions decides the result.
     ///
     /// # Errors
-    /// Where the lattice is singular.
+    /// Where the lattice is singular or two sheets are closed.
     pub fn solve(
         &mut self,
         from: &LatticeState,
@@ -242,8 +262,9 @@ impl VortexLattice {
         step_s: f64,
         to: &mut LatticeState,
         loads: &mut AirLoads,
-    ) -> Result<(), SingularLattice> {
+    ) -> Result<(), NoCirculation> {
         self.place(motions, Some((flow, step_s)), to);
+        self.look_from_panels(to);
         self.factorize(to, false)?;
         self.relative_velocity(flow, to, 0..to.wake_rows.min(NEAR_ROWS));
         self.circulate(to);
@@ -280,7 +301,7 @@ impl VortexLattice {
     }
 
     /// Corners with their velocities, vector areas, collocation points and normals; first row of the wake.
-    fn place(&mut self, motions: &[SectionMotion], step: Option<(&Flow, f64)>, state: &mut LatticeState) {
+    pub(super) fn place(&mut self, motions: &[SectionMotion], step: Option<(&Flow, f64)>, state: &mut LatticeState) {
         let mut panel = 0;
         for ((surface, sheet), wake) in self.surfaces.iter().zip(&self.bound).zip(&self.wake) {
             let section = |column: usize| (&motions[surface.sections.start + column], &surface.chords[column]);
@@ -329,13 +350,16 @@ impl VortexLattice {
     }
 
     /// Factors of the influence matrix for the present geometry. The same geometry again costs nothing.
-    fn factorize(&mut self, state: &LatticeState, established: bool) -> Result<(), SingularLattice> {
+    fn factorize(&mut self, state: &LatticeState, established: bool) -> Result<(), NoCirculation> {
         if !established && self.factored && self.factored_corner_m == state.corner_m {
             return Ok(());
         }
         self.factored = false;
+        if let Some(closed) = self.closed_sheets() {
+            return Err(NoCirculation::Closed(closed));
+        }
         let (panels, rows) = (self.right.len(), blocks(self.right.len()) * LANES);
-        let (kernel, arch, bound, wake) = (self.kernel, self.arch, &self.bound, &self.wake);
+        let (kernel, arch, bound) = (self.kernel, self.arch, &self.bound);
         let (points, normals, firsts, arms) = (&self.points, &self.normals, &self.first_panel, &mut self.arms[0]);
         let matrix = self.system.cleared();
         arch.dispatch(
@@ -343,24 +367,44 @@ impl VortexLattice {
             || {
                 for (block, (points, normals)) in points.iter().zip(normals).enumerate().take(rows / LANES) {
                     let place = (rows, block * LANES);
-                    for ((sheet, wake), first) in bound.iter().zip(wake).zip(firsts) {
+                    for (sheet, first) in bound.iter().zip(firsts) {
                         let (corners, strips) = (&state.corner_m, sheet.strips);
                         let of = |row: usize, strip: usize| first + row * strips + strip;
                         kernel.influence(sheet, corners, points, normals, arms, matrix, place, of);
-                        if established {
-                            let last = sheet.rows - 1;
-                            let of = |_: usize, strip: usize| of(last, strip);
-                            kernel.influence(wake, &state.wake_node_m, points, normals, arms, matrix, place, of);
-                        }
                     }
                 }
             },
         );
         debug_assert!(panels <= rows);
+        self.see_influence(state, established);
+        if established {
+            self.add_established_wake(state);
+        }
         self.system.factorize(arch)?;
         self.factored = !established;
         self.factored_corner_m.copy_from_slice(&state.corner_m);
         Ok(())
+    }
+
+    /// Adds the rings of an established wake to those in front of them, with whose circulation they are born.
+    fn add_established_wake(&mut self, state: &LatticeState) {
+        let rows = blocks(self.right.len()) * LANES;
+        let (kernel, arch) = (self.kernel, self.arch);
+        let (points, normals, arms) = (&self.points, &self.normals, &mut self.arms[0]);
+        let sheets = self.bound.iter().zip(&self.wake).zip(&self.first_panel);
+        let matrix = self.system.entries_mut();
+        arch.dispatch(
+            #[inline(always)]
+            || {
+                for ((sheet, wake), first) in sheets {
+                    let of = |_: usize, strip: usize| first + (sheet.rows - 1) * sheet.strips + strip;
+                    for (block, (points, normals)) in points.iter().zip(normals).enumerate().take(rows / LANES) {
+                        let place = (rows, block * LANES);
+                        kernel.influence(wake, &state.wake_node_m, points, normals, arms, matrix, place, of);
+                    }
+                }
+            },
+        );
     }
 
     /// Velocity of the air relative to the panels at their collocation points, with the wake and without bound vortices.
@@ -371,6 +415,7 @@ impl VortexLattice {
         self.gather_wake(state, near);
         self.velocities[..blocks(panels)].fill(Block::default());
         self.induce(panels, &state.wake_node_m, SheetKind::Wake);
+        self.see_velocity(&state.wake_node_m, SheetKind::Wake);
         let mut panel = 0;
         for sheet in &self.bound {
             for row in 0..sheet.rows {

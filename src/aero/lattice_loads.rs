@@ -95,6 +95,9 @@ pub(super) fn circulatory(
             }
         }
     }
+    if lattice.options.load_rule == LoadRule::KuttaJoukowski {
+        lattice.join_loads(motions, density, state, loads);
+    }
 }
 
 /// Rate of the bound rings' impulse over the step at constant vector areas, eq. (U8). Those of the begin stay as they were
@@ -131,6 +134,7 @@ fn panel_velocity(lattice: &mut VortexLattice, state: &LatticeState) {
     let panels: usize = lattice.bound.iter().map(|sheet| sheet.rows * sheet.strips).sum();
     lattice.velocities[..blocks(panels)].fill(Block::default());
     lattice.induce(panels, &state.corner_m, SheetKind::Bound);
+    lattice.see_velocity(&state.corner_m, SheetKind::Bound);
 }
 
 /// Velocity of the air relative to the surface in the middle of all bound segments, with everything induced: row by row
@@ -146,9 +150,12 @@ fn segment_velocity(lattice: &mut VortexLattice, flow: &Flow, state: &LatticeSta
         });
     }
     lattice.velocities[..blocks(count)].fill(Block::default());
+    lattice.look_from_segments(state);
     lattice.induce(count, &state.corner_m, SheetKind::Bound);
+    lattice.see_velocity(&state.corner_m, SheetKind::Bound);
     lattice.gather_wake(state, 0..state.wake_rows);
     lattice.induce(count, &state.wake_node_m, SheetKind::Wake);
+    lattice.see_velocity(&state.wake_node_m, SheetKind::Wake);
     count = 0;
     for at in 0..lattice.bound.len() {
         let sheet = lattice.bound[at];

@@ -27,10 +27,25 @@ impl LinearSystem {
         Self { size, rows, entries: vec![0.0; size * rows], pivots: vec![0; size] }
     }
 
+    /// Entries by columns.
+    pub fn entries_mut(&mut self) -> &mut [f64] {
+        &mut self.entries
+    }
+
     /// Entries by columns, set to zero.
     pub fn cleared(&mut self) -> &mut [f64] {
         self.entries.fill(0.0);
         &mut self.entries
+    }
+
+    /// Adds to an entry.
+    pub fn add(&mut self, row: usize, column: usize, value: f64) {
+        self.entries[column * self.rows + row] += value;
+    }
+
+    /// An entry.
+    pub fn get(&self, row: usize, column: usize) -> f64 {
+        self.entries[column * self.rows + row]
     }
 
     /// Replaces the matrix by its factors.

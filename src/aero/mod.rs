@@ -6,11 +6,14 @@
 
 pub mod biot_savart;
 pub mod flow;
+pub mod joined_edges;
 pub mod lattice;
 mod lattice_loads;
+mod lattice_near;
 pub mod lattice_state;
 pub mod linear_system;
 mod model;
+pub mod near_sheets;
 pub mod polar;
 pub mod rear;
 pub mod strip;

@@ -2,9 +2,10 @@
 
 use crate::aero::AirLoads;
 use crate::aero::flow::{AirPath, Flow};
+use crate::aero::joined_edges::Edge;
 use crate::aero::lattice::{LatticeOptions, VortexLattice};
 use crate::aero::lattice_state::LatticeState;
-use crate::aero::linear_system::SingularLattice;
+use crate::aero::near_sheets::NoCirculation;
 use crate::aero::strip::{StripOptions, StripState, Strips};
 use crate::aero::surface::Surface;
 use crate::load::SectionMotion;
@@ -45,6 +46,13 @@ impl AirModel {
         }
     }
 
+    /// Takes two edges of surfaces for one, where their bodies are joined; strips have no use for it.
+    pub fn join(&mut self, edges: [Edge; 2]) {
+        if let Self::Lattice(lattice) = self {
+            lattice.join(edges);
+        }
+    }
+
     /// A state of the right size, without air.
     pub fn blank_state(&self) -> AirState {
         match self {
@@ -56,7 +64,7 @@ impl AirModel {
     /// State and loads at the start: of a flow that has been there for long (`established`), or that sets in.
     ///
     /// # Errors
-    /// Where panels of the lattice coincide.
+    /// Where panels of the lattice coincide or two of its sheets are closed.
     pub fn start(
         &mut self,
         motions: &[SectionMotion],
@@ -64,7 +72,7 @@ impl AirModel {
         established: bool,
         state: &mut AirState,
         loads: &mut AirLoads,
-    ) -> Result<(), SingularLattice> {
+    ) -> Result<(), NoCirculation> {
         match (self, state) {
             (Self::Lattice(lattice), AirState::Lattice(state)) => {
                 lattice.start(motions, flow, established, state, loads)
@@ -94,7 +102,7 @@ impl AirModel {
     /// other motions.
     ///
     /// # Errors
-    /// Where panels of the lattice coincide.
+    /// Where panels of the lattice coincide or two of its sheets are closed.
     pub fn solve(
         &mut self,
         from: &AirState,
@@ -103,7 +111,7 @@ impl AirModel {
         step_s: f64,
         to: &mut AirState,
         loads: &mut AirLoads,
-    ) -> Result<(), SingularLattice> {
+    ) -> Result<(), NoCirculation> {
         match (self, from, to) {
             (Self::Lattice(lattice), AirState::Lattice(from), AirState::Lattice(to)) => {
                 lattice.solve(from, motions, flow, step_s, to, loads)

@@ -1,7 +1,8 @@
 //! Air in the summary of `foldwing check`.
 
 use foldwing::config::Machine;
-use foldwing::config::machine::{AirOptions, Coupling, LoadRule, WakeModel};
+use foldwing::config::machine::{AirOptions, Coupling, JointKind, LoadRule, Parent, WakeModel};
+use foldwing::plant::{CLOSED_PANELS, SurfaceGap};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -14,7 +15,18 @@ pub struct AirSummary {
     step_s: f64,
     coupling: &'static str,
     surfaces: Vec<SurfaceSummary>,
+    gaps: Vec<GapSummary>,
     gusts: Vec<String>,
+}
+
+/// Two lattices that lie above each other at the start.
+#[derive(Serialize)]
+struct GapSummary {
+    bodies: [String; 2],
+    angle_deg: Option<f64>,
+    least_panels: f64,
+    widest_panels: f64,
+    closed: bool,
 }
 
 #[derive(Serialize)]
@@ -28,8 +40,8 @@ struct SurfaceSummary {
 }
 
 impl AirSummary {
-    /// Of a machine in air.
-    pub fn new(machine: &Machine) -> Option<Self> {
+    /// Of a machine in air, with its surfaces that lie close to each other.
+    pub fn new(machine: &Machine, gaps: &[SurfaceGap]) -> Option<Self> {
         let air = machine.air.as_ref()?;
         let surface = |surface: &foldwing::config::machine::LiftingSurface| {
             let strips = surface.positions_m.windows(2).zip(surface.chords.windows(2));
@@ -54,6 +66,7 @@ impl AirSummary {
                 Coupling::Iterated { .. } => "iterated",
             },
             surfaces: air.surfaces.iter().map(surface).collect(),
+            gaps: gaps.iter().map(|gap| GapSummary::new(machine, gap)).collect(),
             gusts: air.gusts.iter().map(|gust| gust.name.clone()).collect(),
         })
     }
@@ -72,10 +85,51 @@ impl AirSummary {
                 surface.body, surface.strips, surface.from_m, surface.to_m, surface.chord_panels, surface.area_m2
             );
         }
+        for gap in &self.gaps {
+            let _ = writeln!(text, "  {}", gap.text());
+        }
         if !self.gusts.is_empty() {
             let _ = writeln!(text, "  gusts: {}", self.gusts.join(", "));
         }
         text
+    }
+}
+
+impl GapSummary {
+    fn new(machine: &Machine, gap: &SurfaceGap) -> Self {
+        let joins = |child: usize, parent: usize| match (
+            &machine.bodies[child].joint.parent,
+            &machine.bodies[child].joint.kind,
+        ) {
+            (Parent::Body { index, .. }, JointKind::Revolute(joint)) if *index == parent => {
+                Some(joint.start_angle_rad.to_degrees())
+            }
+            _ => None,
+        };
+        let [one, two] = gap.bodies;
+        Self {
+            bodies: gap.bodies.map(|body| machine.bodies[body].name.clone()),
+            angle_deg: joins(two, one).or_else(|| joins(one, two)),
+            least_panels: gap.least_panels,
+            widest_panels: gap.widest_panels,
+            closed: gap.closed,
+        }
+    }
+
+    fn text(&self) -> String {
+        let [one, two] = &self.bodies;
+        let angle = self.angle_deg.map_or(String::new(), |angle| format!(" at {angle:.6} deg"));
+        let verdict = if self.closed {
+            format!(
+                "a run refuses this; open their joint until the widest place is {CLOSED_PANELS} panels, or use more strips"
+            )
+        } else {
+            "each sees the other from above its control points".to_owned()
+        };
+        format!(
+            "{one} and {two} lie over each other{angle}, {:.3} to {:.3} panels apart: {verdict}",
+            self.least_panels, self.widest_panels
+        )
     }
 }
 

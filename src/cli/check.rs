@@ -146,7 +146,8 @@ impl Summary {
     fn new(machine: &Machine) -> Self {
         let bodies: Vec<BodySummary> = machine.bodies.iter().map(BodySummary::new).collect();
         let interface = Interface::new(machine);
-        let plant = Plant::new(Arc::new(machine.clone()));
+        let mut plant = Plant::new(Arc::new(machine.clone()));
+        let gaps = plant.surface_gaps();
         let joint = |(index, body): (usize, &Body)| JointSummary::new(body, machine, plant.joint_size(index));
         Self {
             name: machine.name.clone(),
@@ -158,7 +159,7 @@ impl Summary {
             bodies,
             joints: machine.bodies.iter().enumerate().map(joint).collect(),
             loops: machine.closures.iter().map(|closure| LoopSummary::new(closure, machine)).collect(),
-            air: AirSummary::new(machine),
+            air: AirSummary::new(machine, &gaps),
             gauges: machine.gauges.iter().map(|gauge| gauge.name.clone()).collect(),
             variables: interface.variables().iter().map(VariableSummary::new).collect(),
         }

@@ -423,6 +423,23 @@ pub enum PlantError {
         /// What failed.
         cause: String,
     },
+    /// Two lattices lie on each other.
+    #[error(
+        "no loads of the air at t = {time_s} s: the lattices of {} and {} lie on each other, {gap_m:.1e} m or {gap_panels:.2} \
+         panels apart at the widest place; at least {} panels are needed: open their joint farther, use more strips, or strip \
+         theory",
+        .bodies[0], .bodies[1], crate::aero::near_sheets::CLOSED_PANELS
+    )]
+    ClosedSheets {
+        /// Time in s.
+        time_s: f64,
+        /// Bodies that carry them.
+        bodies: [String; 2],
+        /// Distance at the widest place in m.
+        gap_m: f64,
+        /// The same over the size of a panel.
+        gap_panels: f64,
+    },
     /// No state of rest was found.
     #[error(
         "no equilibrium at t = {time_s} s beyond {reached:.4} of the load, last tried {tried:.4}: {cause}; reduce the load, or let the experiment start unstrained"

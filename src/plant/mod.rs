@@ -30,7 +30,7 @@ mod strains;
 pub use crate::solve::arc_length::PathPoint;
 pub use crate::solve::equilibrium::Effort as StaticEffort;
 pub use crate::solve::linearize::{SecondOrder, StateSpace};
-pub use air::SurfaceLattice;
+pub use air::{CLOSED_PANELS, SurfaceGap, SurfaceLattice};
 pub use face::{
     AirOutputs, BodyParameters, EnergyOutputs, FACTOR_RANGE, Inputs, JointInputs, JointOutputs, JointParameters,
     JointStatus, LoopOutputs, Outputs, Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters,

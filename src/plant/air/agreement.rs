@@ -9,7 +9,7 @@
 use crate::aero::flow::{AirPath, Flow};
 use crate::config::machine::{self, Coupling};
 use crate::plant::Plant;
-use crate::plant::air::{AirCoupling, AirHistory, Gain, Sample, StepLoads, Trial};
+use crate::plant::air::{AirCoupling, AirHistory, Gain, Sample, StepLoads, Trial, gaps};
 use crate::plant::face::PlantError;
 use crate::plant::march::even_step;
 use crate::plant::state::State;
@@ -61,7 +61,7 @@ impl Plant {
         let flow = flow(settings, &self.state, time_s);
         model
             .start(motions, &flow, settings.established, &mut history.after, loads)
-            .map_err(|error| refusal(time_s, error))?;
+            .map_err(|error| gaps::failure(&self.machine, settings, time_s, error))?;
         air.read(&history.loads);
         let (change_n, size_n) = air.compare();
         if !change_n.is_finite() {
@@ -260,7 +260,7 @@ impl Plant {
             self.state.statistics.air_solutions += 1;
             if let Err(error) = model.solve(&history.before, motions, &flow, step_s, &mut history.after, loads) {
                 self.state.air = Some(history);
-                return Err(refusal(begin_s, error));
+                return Err(gaps::failure(&self.machine, settings, begin_s, error));
             }
             let (change_n, size_n) = air.compare();
             if !change_n.is_finite() {

@@ -2,13 +2,16 @@
 
 mod agreement;
 mod coast;
+mod gaps;
 mod view;
 
+pub use gaps::{CLOSED_PANELS, SurfaceGap};
 pub use view::SurfaceLattice;
 
+use crate::aero::joined_edges::Edge;
 use crate::aero::surface::Surface;
 use crate::aero::{AirLoads, AirModel, AirState};
-use crate::config::machine;
+use crate::config::machine::{self, Parent};
 use crate::load::{LoadFrame, SectionMotion, Wrench};
 use crate::math::so3::rotation_vector;
 use crate::multibody::kinematics::Motion;
@@ -267,7 +270,8 @@ impl AirCoupling {
             spin_rad_s: Vector3::zeros(),
         };
         let unknowns = 2 * ENTRIES * sections;
-        let model = AirModel::new(surfaces, &settings.options);
+        let mut model = AirModel::new(surfaces, &settings.options);
+        joined_edges(machine, &settings.surfaces).into_iter().for_each(|edges| model.join(edges));
         let none = vec![Wrench::default(); sections];
         let blank = AirHistory {
             start_s: 0.0,
@@ -416,6 +420,23 @@ impl AirCoupling {
             load.moment_n_m.copy_from_slice(&entries[3..]);
         }
     }
+}
+
+/// Edges of surfaces that their bodies share: the outer edge of one and the inner edge of a body on its end.
+fn joined_edges(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> Vec<[Edge; 2]> {
+    let mut pairs = Vec::new();
+    for (inner, parent) in surfaces.iter().enumerate() {
+        let length_m = machine.bodies[parent.body].length_m;
+        let follows = |child: &machine::LiftingSurface| match machine.bodies[child.body].joint.parent {
+            Parent::Body { index, position_m } => index == parent.body && position_m >= length_m * (1.0 - NEAR),
+            Parent::Root { .. } => false,
+        };
+        // with several bodies on one end the first goes on with its edge
+        if let Some(outer) = surfaces.iter().position(follows) {
+            pairs.push([Edge { surface: inner, outer: true }, Edge { surface: outer, outer: false }]);
+        }
+    }
+    pairs
 }
 
 /// Which load station reports how much of each section's load: strips go to the station nearest to their middle.

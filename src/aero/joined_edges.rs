@@ -1,0 +1,131 @@
+//! Edges that two surfaces share: hinges. For Kutta–Joukowski's rule, eq. (U12).
+//!
+//! Each surface has its own rings, so on a common edge lie two lines of vorticity, whose sum is small and whose circulations
+//! are those of whole strips. They stand for one line in one place: they do not act on each other, and the force on their
+//! sum belongs to both sections alike. Lines that a flared hinge draws apart by less than a panel are still nearer to each other
+//! than the lattice can tell.
+
+use crate::aero::AirLoads;
+use crate::aero::biot_savart::{Block, LANES};
+use crate::aero::lattice::VortexLattice;
+use crate::aero::lattice_state::LatticeState;
+use crate::aero::near_sheets::nearness;
+use crate::load::SectionMotion;
+use nalgebra::Vector3;
+
+/// An edge of a surface along the chord.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Edge {
+    /// Index of the surface.
+    pub surface: usize,
+    /// The outer edge, else the inner one.
+    pub outer: bool,
+}
+
+/// One chordwise segment on an edge.
+struct Piece {
+    /// Its index among the segments that carry forces.
+    segment: usize,
+    section: usize,
+    middle_m: Vector3<f64>,
+    /// Circulation times length of the part on the body, in m³/s.
+    vortex: Vector3<f64>,
+    /// Arm of the force about the section's point, root frame, m.
+    arm_m: Vector3<f64>,
+    /// Width of the strip beside it in m.
+    strip_m: f64,
+}
+
+impl VortexLattice {
+    /// Takes two edges of surfaces of equally many panels along the chord for one: the bodies are joined there.
+    pub fn join(&mut self, edges: [Edge; 2]) {
+        let rows = edges.map(|edge| self.bound[edge.surface].rows);
+        if rows[0] == rows[1] {
+            self.joined.push(edges);
+        }
+    }
+
+    /// Whether two surfaces are joined at an edge that is this column of the first.
+    pub(super) fn is_joined(&self, own: usize, column: usize, other: usize) -> bool {
+        self.joined.iter().any(|pair| {
+            [[pair[0], pair[1]], [pair[1], pair[0]]]
+                .iter()
+                .any(|[one, two]| one.surface == own && two.surface == other && self.column(*one) == column)
+        })
+    }
+
+    fn column(&self, edge: Edge) -> usize {
+        if edge.outer { self.bound[edge.surface].strips } else { 0 }
+    }
+
+    /// Index of the first segment of a surface in the order in which the loads are summed.
+    fn first_segment(&self, surface: usize) -> usize {
+        self.bound[..surface].iter().map(|sheet| sheet.rows * (2 * sheet.strips + 1)).sum()
+    }
+
+    fn piece(&self, edge: Edge, row: usize, motions: &[SectionMotion], state: &LatticeState) -> Piece {
+        let (sheet, wake, surface) =
+            (&self.bound[edge.surface], &self.wake[edge.surface], &self.surfaces[edge.surface]);
+        let column = self.column(edge);
+        let corner = |row, column| state.corner_m[sheet.node(row, column)];
+        let (from_m, to_m) = (corner(row, column), corner(row + 1, column));
+        let rear = if row + 1 == sheet.rows { 0.75 + state.rear_panels[wake.node(0, column)] } else { 1.0 };
+        let part = if row + 1 == sheet.rows { 0.75 } else { 1.0 };
+        let middle = Self::chord_fraction(sheet.rows, row) + 0.5 * part / sheet.rows as f64;
+        let section = surface.sections.start + column;
+        let beside = if edge.outer { column - 1 } else { 1 };
+        let circulation = self.bound_filaments.chordwise[sheet.node(row, column)];
+        Piece {
+            segment: self.first_segment(edge.surface) + row * (2 * sheet.strips + 1) + sheet.strips + column,
+            section,
+            middle_m: 0.5 * (from_m + to_m),
+            vortex: circulation * (part / rear) * (to_m - from_m),
+            arm_m: motions[section].rotation * surface.chords[column].at(middle),
+            strip_m: (from_m - corner(row, beside)).norm(),
+        }
+    }
+
+    /// Velocity in m/s that the bound vortices along an edge induce at a point.
+    fn edge_velocity_m_s(&self, edge: Edge, point_m: &Vector3<f64>, state: &LatticeState) -> Vector3<f64> {
+        let (sheet, column) = (&self.bound[edge.surface], self.column(edge));
+        let mut point = Block::default();
+        (0..LANES).for_each(|lane| point.set(lane, point_m));
+        (0..sheet.rows)
+            .map(|row| {
+                let [from, to] = [row, row + 1].map(|row| sheet.node(row, column));
+                let ends_m = [state.corner_m[from], state.corner_m[to]];
+                self.bound_filaments.chordwise[from] * self.kernel.straight(ends_m, &point).get(0)
+            })
+            .sum()
+    }
+
+    /// Corrects the forces on joined edges, whose velocities and separate forces stand in `velocities` and `loads`.
+    pub(super) fn join_loads(
+        &self,
+        motions: &[SectionMotion],
+        density_kg_m3: f64,
+        state: &LatticeState,
+        loads: &mut AirLoads,
+    ) {
+        for pair in &self.joined {
+            for row in 0..self.bound[pair[0].surface].rows {
+                let pieces = pair.map(|edge| self.piece(edge, row, motions, state));
+                let apart_m = (pieces[0].middle_m - pieces[1].middle_m).norm();
+                let share = nearness(apart_m / (0.5 * (pieces[0].strip_m + pieces[1].strip_m)));
+                if share <= 0.0 {
+                    continue;
+                }
+                let seen_m_s =
+                    [0, 1].map(|own| self.velocities[pieces[own].segment / LANES].get(pieces[own].segment % LANES));
+                let alone_m_s = [0, 1]
+                    .map(|own| seen_m_s[own] - self.edge_velocity_m_s(pair[1 - own], &pieces[own].middle_m, state));
+                let mean_m_s = 0.5 * (alone_m_s[0] + alone_m_s[1]);
+                let half_n = 0.5 * density_kg_m3 * mean_m_s.cross(&(pieces[0].vortex + pieces[1].vortex));
+                for (piece, seen_m_s) in pieces.iter().zip(&seen_m_s) {
+                    let separate_n = density_kg_m3 * seen_m_s.cross(&piece.vortex);
+                    loads.circulatory[piece.section].add_force_at(&piece.arm_m, &(share * (half_n - separate_n)));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! What the points of the lattice see of sheets close to them, instead of their lines: eq. (U11).
+
+use crate::aero::biot_savart::{LANES, Sheet};
+use crate::aero::lattice::{SheetKind, VortexLattice};
+use crate::aero::lattice_state::LatticeState;
+use crate::aero::near_sheets::{ClosedSheets, Facing, Gap, Looking};
+use crate::load::SectionMotion;
+use nalgebra::Vector3;
+
+/// A box around a sheet with the size of its largest panel on all sides.
+struct Surroundings {
+    low_m: Vector3<f64>,
+    high_m: Vector3<f64>,
+}
+
+impl Surroundings {
+    fn of(sheet: &Sheet, state: &LatticeState) -> Self {
+        let corner = |row, column| state.corner_m[sheet.node(row, column)];
+        let (mut low_m, mut high_m) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
+        let mut panel_m = 0.0_f64;
+        for column in 0..=sheet.strips {
+            for row in [0, sheet.rows] {
+                low_m = low_m.inf(&corner(row, column));
+                high_m = high_m.sup(&corner(row, column));
+            }
+            // the last corners may lie a panel further back than the rear edge
+            let chord_m = (corner(sheet.rows, column) - corner(0, column)).norm() / (sheet.rows as f64 - 0.25);
+            panel_m = panel_m.max(chord_m);
+            if column > 0 {
+                panel_m = panel_m.max((corner(0, column) - corner(0, column - 1)).norm());
+            }
+        }
+        let margin_m = Vector3::repeat(panel_m);
+        Self { low_m: low_m - margin_m, high_m: high_m + margin_m }
+    }
+
+    fn contain(&self, point_m: &Vector3<f64>) -> bool {
+        (0..3).all(|axis| self.low_m[axis] <= point_m[axis] && point_m[axis] <= self.high_m[axis])
+    }
+}
+
+impl VortexLattice {
+    /// Places the lattice on sections at rest and measures the gaps, which [`gap`](Self::gap) then tells.
+    pub fn measure_gaps(&mut self, motions: &[SectionMotion], state: &mut LatticeState) {
+        self.place(motions, None, state);
+        self.look_from_panels(state);
+    }
+
+    /// Looks from all collocation points for sheets close to them, and measures the gaps.
+    pub(super) fn look_from_panels(&mut self, state: &LatticeState) {
+        self.facings.clear();
+        self.gaps.fill(Gap::NONE);
+        for other in 0..self.bound.len() {
+            let near = Surroundings::of(&self.bound[other], state);
+            let mut point = 0;
+            for own in 0..self.bound.len() {
+                let sheet = self.bound[own];
+                for ring in sheet.first_ring..sheet.ring(sheet.rows, 0) {
+                    let point_m = state.collocation_m[ring];
+                    if own != other && near.contain(&point_m) {
+                        let looking = Looking { point, point_m, normal: state.area_m2[ring].normalize() };
+                        self.look([own, other], state, &looking);
+                    }
+                    point += 1;
+                }
+            }
+        }
+    }
+
+    /// Looks from the middle of all segments that carry a force, in their order in `points`.
+    pub(super) fn look_from_segments(&mut self, state: &LatticeState) {
+        self.facings.clear();
+        for other in 0..self.bound.len() {
+            let near = Surroundings::of(&self.bound[other], state);
+            let mut point = 0;
+            for own in 0..self.bound.len() {
+                let sheet = self.bound[own];
+                for row in 0..sheet.rows {
+                    let corner = |row, column| state.corner_m[sheet.node(row, column)];
+                    for at in 0..2 * sheet.strips + 1 {
+                        // spanwise segments first, then those along the chord
+                        let (column, to) = match at.checked_sub(sheet.strips) {
+                            None => (at, [row, at + 1]),
+                            Some(column) => (column, [row + 1, column]),
+                        };
+                        let point_m = 0.5 * (corner(row, column) + corner(to[0], to[1]));
+                        let joined = at >= sheet.strips && self.is_joined(own, column, other);
+                        if own != other && !joined && near.contain(&point_m) {
+                            let ring = sheet.ring(row, column.min(sheet.strips - 1));
+                            let looking = Looking { point, point_m, normal: state.area_m2[ring].normalize() };
+                            self.look([own, other], state, &looking);
+                        }
+                        point += 1;
+                    }
+                }
+            }
+        }
+    }
+
+    /// One point of a sheet looks at another one.
+    fn look(&mut self, [own, other]: [usize; 2], state: &LatticeState, looking: &Looking) {
+        let (sheet, wake) = (&self.bound[other], &self.wake[other]);
+        let rear_panels = &state.rear_panels[wake.node(0, 0)..][..=sheet.strips];
+        let gap = &mut self.gaps[own * self.bound.len() + other];
+        self.facings.extend(Facing::look((other, sheet), state, rear_panels, looking, gap));
+    }
+
+    /// How the points of one sheet lie above another one, since the last start or solution.
+    pub fn gap(&self, own: usize, other: usize) -> Gap {
+        self.gaps[own * self.bound.len() + other]
+    }
+
+    /// The first pair of sheets that is closed.
+    pub(super) fn closed_sheets(&self) -> Option<ClosedSheets> {
+        let count = self.bound.len();
+        let closed = self.gaps.iter().enumerate().find(|(_, gap)| gap.is_closed());
+        closed.map(|(at, gap)| ClosedSheets {
+            surfaces: [at / count, at % count],
+            gap_m: gap.widest_m,
+            gap_panels: gap.panels[1],
+        })
+    }
+
+    /// Puts what the collocation points see of bound vortices from above other sheets into the matrix, in which nothing else
+    /// stands yet; an established wake, whose rings count with the last ones of the sheets, is added directly later, and here
+    /// what is seen of it beyond that.
+    pub(super) fn see_influence(&mut self, state: &LatticeState, established: bool) {
+        let (kernel, arch, system) = (&self.kernel, self.arch, &mut self.system);
+        let (facings, entries, sums) = (&self.facings, &mut self.facing_entries, &mut self.facing_sums);
+        let (bound, wakes, firsts, normals) = (&self.bound, &self.wake, &self.first_panel, &self.normals);
+        let arms = &mut self.arms[0];
+        arch.dispatch(
+            #[inline(always)]
+            || {
+                for facing in facings {
+                    let (sheet, wake, first) = (&bound[facing.sheet], &wakes[facing.sheet], firsts[facing.sheet]);
+                    let sums = &mut sums[..sheet.rows * sheet.strips];
+                    let normal = normals[facing.point / LANES].get(facing.point % LANES);
+                    let of = |row: usize, strip: usize| row * sheet.strips + strip;
+                    sums.fill(0.0);
+                    facing.influence(kernel, sheet, &state.corner_m, &normal, arms, entries, sums, of);
+                    for (ring, sum) in sums.iter().enumerate() {
+                        let direct = system.get(facing.point, first + ring);
+                        system.add(facing.point, first + ring, facing.share * (sum - direct));
+                    }
+                    if established && facing.wake_share > 0.0 {
+                        let of = |_: usize, strip: usize| of(sheet.rows - 1, strip);
+                        sums.fill(0.0);
+                        facing.influence(kernel, wake, &state.wake_node_m, &normal, arms, entries, sums, of);
+                        sums.iter_mut().for_each(|sum| *sum = -*sum);
+                        facing.direct().influence(kernel, wake, &state.wake_node_m, &normal, arms, entries, sums, of);
+                        for (ring, sum) in sums.iter().enumerate() {
+                            system.add(facing.point, first + ring, -facing.wake_share * sum);
+                        }
+                    }
+                }
+            },
+        );
+    }
+
+    /// Adds to `velocities` what the points see more of bound or wake vortices from above other sheets than directly.
+    pub(super) fn see_velocity(&mut self, nodes_m: &[Vector3<f64>], kind: SheetKind) {
+        let (sheets, filaments) = match kind {
+            SheetKind::Bound => (&self.bound, &self.bound_filaments),
+            SheetKind::Wake if self.wake_part.iter().all(|sheet| sheet.rows == 0) => return,
+            SheetKind::Wake => (&self.wake_part, &self.wake_filaments),
+        };
+        let (kernel, arch, facings, velocities) = (&self.kernel, self.arch, &self.facings, &mut self.velocities);
+        let arms = &mut self.arms[0];
+        arch.dispatch(
+            #[inline(always)]
+            || {
+                for facing in facings {
+                    let sheet = &sheets[facing.sheet];
+                    let share = if kind == SheetKind::Wake { facing.wake_share } else { facing.share };
+                    if share <= 0.0 {
+                        continue;
+                    }
+                    let more_m_s = share * facing.correction_m_s(kernel, sheet, nodes_m, filaments, arms);
+                    let (block, lane) = (facing.point / LANES, facing.point % LANES);
+                    let sum_m_s = velocities[block].get(lane) + more_m_s;
+                    velocities[block].set(lane, &sum_m_s);
+                }
+            },
+        );
+    }
+}

@@ -1,0 +1,303 @@
+//! Points close to another sheet see it from above its control points.
+//!
+//! The lattice lumps the vorticity of a panel into lines. A point that comes nearer to another sheet than the lines lie
+//! apart sees the lines and not the sheet: the error of the velocity is `e^(−2πh/d)` at the height `h` above lines `d`
+//! apart, times a number that vanishes above the control points, where the sums over the lines are those of the sheet at
+//! any height. So there the velocity is taken, and interpolated along the sheet to the point, eq. (U11).
+
+use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet};
+use crate::aero::lattice_state::LatticeState;
+use crate::aero::linear_system::SingularLattice;
+use nalgebra::Vector3;
+
+/// Heights over the panel's size up to which a sheet is seen from above its control points, and from which on directly;
+/// between them the one passes into the other. At 0.8 panels the error of the lines is below 1 %.
+const NEAR_PANELS: [f64; 2] = [0.4, 0.8];
+/// Cosines of the angle between two sheets, 30° and 15°: interpolation along a sheet takes the points above it to be equally
+/// high, and sheets that cross are no pair.
+const PARALLEL: [f64; 2] = [0.866_025_403_784_438_6, 0.965_925_826_289_068_3];
+/// Part of a panel over which a point beside an edge of the sheet comes to lie above it.
+const EDGE_PANELS: f64 = 0.25;
+/// Largest height over the panel's size of a pair that counts as closed, see [`ClosedSheets`].
+pub const CLOSED_PANELS: f64 = 0.07;
+/// Control points in each direction that are interpolated between.
+const ORDER: usize = 4;
+/// Blocks of as many points.
+const BLOCKS: usize = ORDER * ORDER / LANES;
+/// Weight below which a point is left out: far below every tolerance.
+const NOTHING: f64 = 1e-13;
+
+/// Two sheets that lie closer to each other all over than the lattice can tell apart.
+///
+/// The air in the gap decides on the difference of the two circulations by a term that falls with the gap's height, the
+/// errors of the lattice do not. Where even the widest place between the sheets is lower than [`CLOSED_PANELS`], the moment
+/// about the hinge is off by more than a tenth of lift times arm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClosedSheets {
+    /// Indices of the surfaces.
+    pub surfaces: [usize; 2],
+    /// Height of the gap at its widest place in m.
+    pub gap_m: f64,
+    /// The same over the size of the panels there.
+    pub gap_panels: f64,
+}
+
+/// Why the lattice has no circulation.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum NoCirculation {
+    /// Its equations have no unique solution.
+    #[error(transparent)]
+    Singular(#[from] SingularLattice),
+    /// Two of its sheets lie closer to each other than it can tell apart.
+    #[error("{0:?}")]
+    Closed(ClosedSheets),
+}
+
+/// A point that sees another sheet from above its control points.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Facing {
+    /// Index of the point in the list of points.
+    pub point: usize,
+    /// Index of the sheet that it sees.
+    pub sheet: usize,
+    /// Weight of what it sees from there against what it sees directly.
+    pub share: f64,
+    /// The same for the wake of that sheet, which lies behind most of its points.
+    pub wake_share: f64,
+    point_m: Vector3<f64>,
+    used: usize,
+    places: [Block; BLOCKS],
+    weights: [[f64; LANES]; BLOCKS],
+}
+
+/// A point that looks for sheets close to it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Looking {
+    /// Index of the point in its list.
+    pub point: usize,
+    /// Its place, root frame, m.
+    pub point_m: Vector3<f64>,
+    /// Unit normal of its own sheet.
+    pub normal: Vector3<f64>,
+}
+
+/// Where a point lies above another sheet.
+struct Above {
+    /// Place in rings: row from the foremost quarter chord, column from the inner section; control points at `i + ½`.
+    place: [f64; 2],
+    height_m: Vector3<f64>,
+    panel_m: f64,
+    /// Chord of the panel in m.
+    chord_m: f64,
+    /// How far it counts as above the sheet and parallel to it, from 0 to 1.
+    share: f64,
+}
+
+/// From 0 to 1 between two places, with slopes 0 there.
+fn ramp(from: f64, to: f64, x: f64) -> f64 {
+    let part = ((x - from) / (to - from)).clamp(0.0, 1.0);
+    part * part * (3.0 - 2.0 * part)
+}
+
+/// Weight of what is closer than the lattice can tell, over the distance in panels.
+pub(super) fn nearness(panels: f64) -> f64 {
+    1.0 - ramp(NEAR_PANELS[0], NEAR_PANELS[1], panels)
+}
+
+/// First control point and weights that interpolate at a place among `count` control points at `i + ½`; beyond the first and
+/// the last the values of these: the velocities at the edges of a sheet are no polynomials.
+fn interpolation(place: f64, count: usize) -> (usize, usize, [f64; ORDER]) {
+    let used = count.min(ORDER);
+    let x = (place - 0.5).clamp(0.0, (count - 1) as f64);
+    let first = (x.floor() - (used as f64 / 2.0 - 1.0).floor()).clamp(0.0, (count - used) as f64);
+    let mut weights = [0.0; ORDER];
+    for (k, weight) in weights.iter_mut().enumerate().take(used) {
+        let node = |k: usize| first + k as f64;
+        *weight = (0..used).filter(|m| *m != k).map(|m| (x - node(m)) / (node(k) - node(m))).product();
+    }
+    (first as usize, used, weights)
+}
+
+/// Corner and chord of a panel at a column of a sheet, root frame, m.
+fn column(sheet: &Sheet, state: &LatticeState, rear_panels: &[f64], row: usize, column: usize) -> [Vector3<f64>; 2] {
+    let corner = |row| state.corner_m[sheet.node(row, column)];
+    let chord_m = (corner(sheet.rows) - corner(0)) / (sheet.rows as f64 - 0.25 + rear_panels[column]);
+    [corner(row), chord_m]
+}
+
+/// Looks for a point's place above a sheet: its foot on the panel whose control point is nearest.
+fn above(sheet: &Sheet, state: &LatticeState, rear_panels: &[f64], looking: &Looking) -> Option<Above> {
+    let distance = |ring: usize| (state.collocation_m[ring] - looking.point_m).norm_squared();
+    let rings = sheet.first_ring..sheet.first_ring + sheet.rows * sheet.strips;
+    let nearest = rings.min_by(|a, b| distance(*a).total_cmp(&distance(*b)))? - sheet.first_ring;
+    let [row, strip] = [nearest / sheet.strips, nearest % sheet.strips];
+    let [inner_m, inner_chord_m] = column(sheet, state, rear_panels, row, strip);
+    let [outer_m, outer_chord_m] = column(sheet, state, rear_panels, row, strip + 1);
+    let (mut across, mut along) = (0.5, 0.5);
+    let mut height_m = Vector3::zeros();
+    let (mut across_m, mut along_m) = (Vector3::zeros(), Vector3::zeros());
+    // Newton's iteration for the foot on a bilinear patch; flat panels need one step
+    for _ in 0..4 {
+        across_m = outer_m - inner_m + (outer_chord_m - inner_chord_m) * along;
+        along_m = inner_chord_m + (outer_chord_m - inner_chord_m) * across;
+        let foot_m = inner_m + (outer_m - inner_m) * across + along_m * along;
+        height_m = looking.point_m - foot_m;
+        let (a, b, c) = (across_m.norm_squared(), across_m.dot(&along_m), along_m.norm_squared());
+        let (u, v) = (across_m.dot(&height_m), along_m.dot(&height_m));
+        let determinant = a * c - b * b;
+        if determinant <= 0.0 {
+            return None;
+        }
+        across += (c * u - b * v) / determinant;
+        along += (a * v - b * u) / determinant;
+    }
+    let normal = across_m.cross(&along_m).normalize();
+    let place = [row as f64 + along, strip as f64 + across];
+    let side = |x: f64| ramp(-EDGE_PANELS, EDGE_PANELS, x);
+    // the sheet begins a quarter panel before the foremost corners and ends as much before the last ones
+    let on_sheet = side(place[0] + 0.25)
+        * side(sheet.rows as f64 - 0.25 - place[0])
+        * side(place[1])
+        * side(sheet.strips as f64 - place[1]);
+    Some(Above {
+        place,
+        height_m,
+        panel_m: across_m.norm().max(along_m.norm()),
+        chord_m: along_m.norm(),
+        share: on_sheet * ramp(PARALLEL[0], PARALLEL[1], normal.dot(&looking.normal).abs()),
+    })
+}
+
+/// How one sheet sees another: whether any of its points does, and at which height at most.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Gap {
+    /// Smallest and largest height over the panel's size; infinite and 0 where no point lies above the sheet.
+    pub panels: [f64; 2],
+    /// Largest height in m.
+    pub widest_m: f64,
+}
+
+impl Gap {
+    /// Where no point lies above the sheet.
+    pub const NONE: Self = Self { panels: [f64::INFINITY, 0.0], widest_m: 0.0 };
+
+    fn include(&mut self, above: &Above) {
+        let height_m = above.height_m.norm();
+        let panels = height_m / above.panel_m;
+        self.panels[0] = self.panels[0].min(panels);
+        if panels > self.panels[1] {
+            (self.panels[1], self.widest_m) = (panels, height_m);
+        }
+    }
+
+    /// Whether the sheets are closed: see [`ClosedSheets`].
+    pub fn is_closed(&self) -> bool {
+        self.panels[0] < f64::INFINITY && self.panels[1] < CLOSED_PANELS
+    }
+}
+
+impl Facing {
+    /// A point's places above the control points of a sheet, where it is close to it; whatever lies above it, near or not, is
+    /// counted in `gap`.
+    pub fn look(
+        (index, sheet): (usize, &Sheet),
+        state: &LatticeState,
+        rear_panels: &[f64],
+        looking: &Looking,
+        gap: &mut Gap,
+    ) -> Option<Self> {
+        let above = above(sheet, state, rear_panels, looking)?;
+        if above.share >= 1.0 {
+            gap.include(&above);
+        }
+        let height = above.height_m.norm() / above.panel_m;
+        let share = above.share * nearness(height);
+        if share <= 0.0 {
+            return None;
+        }
+        let mut facing =
+            Self { point: looking.point, sheet: index, share, point_m: looking.point_m, ..Self::default() };
+        let behind = (sheet.rows as f64 - above.place[0]).max(0.0) * above.chord_m / above.panel_m;
+        facing.wake_share = share * nearness(behind);
+        let (first_row, rows, along) = interpolation(above.place[0], sheet.rows);
+        let (first_strip, strips, across) = interpolation(above.place[1], sheet.strips);
+        let mut used = 0;
+        for (row, along) in along.iter().enumerate().take(rows) {
+            for (strip, across) in across.iter().enumerate().take(strips) {
+                let weight = along * across;
+                if weight.abs() < NOTHING {
+                    continue;
+                }
+                let control_m = state.collocation_m[sheet.ring(first_row + row, first_strip + strip)];
+                facing.places[used / LANES].set(used % LANES, &(control_m + above.height_m));
+                facing.weights[used / LANES][used % LANES] = weight;
+                used += 1;
+            }
+        }
+        facing.used = used.div_ceil(LANES);
+        // lanes that are left over stand at the point itself, where nothing is singular, with no weight
+        for spare in used..facing.used * LANES {
+            facing.places[spare / LANES].set(spare % LANES, &(looking.point_m + above.height_m));
+        }
+        Some(facing)
+    }
+
+    /// What the point sees more of its sheet than directly, in m/s: `Σ w u(places) − u(point)`.
+    #[inline(always)]
+    pub fn correction_m_s(
+        &self,
+        kernel: &Kernel,
+        sheet: &Sheet,
+        nodes_m: &[Vector3<f64>],
+        filaments: &Filaments,
+        arms: &mut [Arm],
+    ) -> Vector3<f64> {
+        let mut direct = (Block::default(), Block::default());
+        (0..LANES).for_each(|lane| direct.0.set(lane, &self.point_m));
+        kernel.induce(&[*sheet], nodes_m, filaments, &direct.0, arms, &mut direct.1);
+        let mut sum = -direct.1.get(0);
+        for (places, weights) in self.places.iter().zip(&self.weights).take(self.used) {
+            let mut velocities = Block::default();
+            kernel.induce(&[*sheet], nodes_m, filaments, places, arms, &mut velocities);
+            for (lane, weight) in weights.iter().enumerate() {
+                sum += velocities.get(lane) * *weight;
+            }
+        }
+        sum
+    }
+
+    /// The same point seeing directly.
+    pub fn direct(&self) -> Self {
+        let mut direct = Self { used: 1, ..*self };
+        (0..LANES).for_each(|lane| direct.places[0].set(lane, &self.point_m));
+        direct.weights[0] = [1.0, 0.0, 0.0, 0.0];
+        direct
+    }
+
+    /// Normal velocities at the point from above the control points, for unit rings of a sheet, into `sums` by `column`;
+    /// `scratch` has [`LANES`] entries for each of them.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "a kernel: every argument is one plain operand of its loops")]
+    pub fn influence(
+        &self,
+        kernel: &Kernel,
+        sheet: &Sheet,
+        nodes_m: &[Vector3<f64>],
+        normal: &Vector3<f64>,
+        arms: &mut [Arm],
+        scratch: &mut [f64],
+        sums: &mut [f64],
+        column: impl Fn(usize, usize) -> usize + Copy,
+    ) {
+        let mut normals = Block::default();
+        (0..LANES).for_each(|lane| normals.set(lane, normal));
+        for (places, weights) in self.places.iter().zip(&self.weights).take(self.used) {
+            let scratch = &mut scratch[..LANES * sums.len()];
+            scratch.fill(0.0);
+            kernel.influence(sheet, nodes_m, places, &normals, arms, scratch, (LANES, 0), column);
+            for (sum, entries) in sums.iter_mut().zip(scratch.chunks_exact(LANES)) {
+                *sum += entries.iter().zip(weights).map(|(entry, weight)| entry * weight).sum::<f64>();
+            }
+        }
+    }
+}
