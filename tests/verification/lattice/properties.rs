@@ -224,7 +224,7 @@ fn u27_an_edge_sheds_what_it_leaves_behind() {
     wing.wind_m_s = Vector3::zeros();
     wing.start(true);
     let rest = wing.motions.clone();
-    let mut move_to = |wing: &mut Wing, way_m: f64, velocity_m_s: f64| {
+    let move_to = |wing: &mut Wing, way_m: f64, velocity_m_s: f64| {
         for (motion, rest) in wing.motions.iter_mut().zip(&rest) {
             motion.position_m = rest.position_m + Vector3::z() * way_m;
             motion.velocity_m_s = Vector3::z() * velocity_m_s;
