@@ -59,14 +59,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     write(&model, &mut outlet).map_err(|error| outlet.failure(&error))?;
     outlet.finish()?;
     print(&format!(
-        "{}: {} states, {} inputs, {} outputs at t = {} s{}, written to {}",
+        "{}: {} states, {} inputs, {} outputs{}, written to {}\n{}",
         plant.machine().name,
         model.states.len(),
         model.inputs.len(),
         model.outputs.len(),
-        model.time_s,
         if model.without_air { ", without air (its loads are held; no wind)" } else { "" },
-        arguments.output.display()
+        arguments.output.display(),
+        model.point
     ))
 }
 
@@ -103,7 +103,7 @@ fn chosen<'a>(
 
 /// Brings the plant to the state asked for: `start`, `equilibrium` or a time in s.
 pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Failure> {
-    let start_s = plant.machine().experiment.start_time_s;
+    let (start_s, stop_s) = (plant.machine().experiment.start_time_s, plant.machine().experiment.stop_time_s);
     let statics = |error: PlantError| Failure::Statics(error.to_string());
     match at {
         "start" => plant.initialize(start_s).map_err(statics),
@@ -118,6 +118,11 @@ pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Fai
                         "{option} {time}: must be start, equilibrium or a time from {start_s} s, the start of the experiment"
                     ))
                 })?;
+            if time_s > stop_s {
+                eprintln!(
+                    "note: {option} {time} lies beyond the end of the experiment, {stop_s} s; the run goes on to it"
+                );
+            }
             plant.initialize(start_s).map_err(statics)?;
             if time_s > start_s {
                 plant.step(time_s).map_err(|error| Failure::Simulation(error.to_string()))?;

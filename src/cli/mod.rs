@@ -198,6 +198,12 @@ fn print(text: &str) -> Result<(), Failure> {
 fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
     let bytes =
         std::fs::read(path).map_err(|error| Failure::Files(format!("{}: cannot be read: {error}", path.display())))?;
+    if bytes.starts_with(b"PK\x03\x04") {
+        return Err(Failure::Refused(format!(
+            "{}: is an archive, as FMUs are, and no model file; `foldwing run` runs FMUs",
+            path.display()
+        )));
+    }
     let text = String::from_utf8(bytes).map_err(|error| {
         let line = error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
         Failure::Refused(format!("{}:{}: a model file is UTF-8 text; this line is not", path.display(), line + 1))

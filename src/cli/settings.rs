@@ -3,8 +3,9 @@
 use crate::cli::simulate::unknown;
 use crate::cli::{Failure, read_model};
 use foldwing::config::Machine;
-use foldwing::interface::{Interface, Value};
+use foldwing::interface::{Interface, UNITS, Value, Variable};
 use foldwing::plant::Plant;
+use foldwing::report::inputs::shortened;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -35,11 +36,16 @@ pub(super) fn apply_setting(
     interface: &Interface,
     plant: &mut Plant,
 ) -> Result<(), Failure> {
-    let refused = |cause: String| Failure::Usage(format!("{option} {setting}: {cause}"));
+    let refused = |cause: String| Failure::Usage(format!("{option} {}: {cause}", shortened(setting)));
     let (name, text) = setting.split_once('=').ok_or_else(|| refused("must be NAME=VALUE".to_owned()))?;
+    if name.starts_with("file:") {
+        return Err(refused(
+            "keys of the model file are varied by `foldwing sweep`; change the file itself here".to_owned(),
+        ));
+    }
     let variable = interface.find(name).ok_or_else(|| unknown(name, "input or parameter", interface.variables()))?;
     let value = match variable.value {
-        Value::Real(_) => text.parse().map(Value::Real).map_err(|_| "is not a number"),
+        Value::Real(_) => return set_real(text, variable, interface, plant).map_err(refused),
         Value::Integer(_) => text.parse().map(Value::Integer).map_err(|_| "is not a whole number"),
         Value::Boolean(_) => match text {
             "1" | "true" => Ok(Value::Boolean(true)),
@@ -49,4 +55,25 @@ pub(super) fn apply_setting(
     };
     let value = value.map_err(|cause| refused(format!("`{text}` {cause}")))?;
     interface.set(plant, variable.value_reference, value).map_err(|error| refused(error.to_string()))
+}
+
+/// Sets a real, given in the variable's unit or, behind the number, in another that it is shown in (`90 deg`).
+fn set_real(text: &str, variable: &Variable, interface: &Interface, plant: &mut Plant) -> Result<(), String> {
+    let own = variable.unit();
+    let (number, unit) = text.trim().split_once(' ').map_or((text, own), |(number, unit)| (number, unit.trim()));
+    let value: f64 = number.parse().map_err(|_| format!("`{}` is not a number", shortened(number)))?;
+    let shown = UNITS.iter().find(|known| known.name == own).and_then(|known| known.display);
+    let factor = match shown {
+        _ if unit == own => 1.0,
+        Some((name, factor)) if name == unit => factor,
+        _ => {
+            let other = shown.map_or(String::new(), |(name, _)| format!(" and {name}"));
+            return Err(format!("`{}` is no unit of it; allowed: {own}{other}", shortened(unit)));
+        }
+    };
+    let set = interface.set(plant, variable.value_reference, Value::Real(value / factor));
+    set.map_err(|error| match shown {
+        Some((name, _)) if unit == own => format!("{error}; in degrees write \"{number} {name}\""),
+        _ => error.to_string(),
+    })
 }

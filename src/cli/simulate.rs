@@ -14,7 +14,7 @@ use foldwing::config::machine::JointKind;
 use foldwing::interface::{Causality, Interface, Variable};
 use foldwing::plant::{OutputSet, Plant};
 use foldwing::report::inputs::unknown_name;
-use foldwing::report::{Channel, InputTable, Recorder};
+use foldwing::report::{Channel, InputTable, InputsError, Recorder};
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -191,7 +191,10 @@ pub(super) fn unknown<'a, C: Channel + 'a>(name: &str, what: &str, rows: impl In
 pub(super) fn read_inputs(path: &Path, variables: &[impl Channel]) -> Result<InputTable, Failure> {
     let name = path.display().to_string();
     let file = File::open(path).map_err(|error| Failure::Files(format!("{name}: cannot be read: {error}")))?;
-    InputTable::read(file, &name, variables).map_err(|error| Failure::Refused(error.to_string()))
+    InputTable::read(file, &name, variables).map_err(|error| match error {
+        InputsError::Unreadable { .. } => Failure::Files(error.to_string()),
+        error => Failure::Refused(error.to_string()),
+    })
 }
 
 /// Sets the inputs of the step that begins at `time_s`, where a table gives them.

@@ -51,8 +51,9 @@ impl<'a> Document<'a> {
 
     /// The parser's error as a problem.
     pub fn syntax_problem(&self, error: &toml::de::Error) -> Problem {
-        let message = error.message().lines().collect::<Vec<_>>().join(", ");
+        let mut message = error.message().lines().collect::<Vec<_>>().join(", ");
         let line = error.span().map_or(1, |span| self.line(span.start));
+        message += &hint(self.text, line, &message);
         Problem { line, key: String::new(), fault: Fault::Syntax { message } }
     }
 
@@ -93,8 +94,44 @@ impl<'a> Document<'a> {
     }
 }
 
+/// What a user may have meant on a line that is no TOML; empty where nothing comes to mind.
+fn hint(text: &str, line: usize, message: &str) -> String {
+    let lines: Vec<&str> = text.lines().collect();
+    let Some(written) = lines.get(line - 1).map(|line| line.split('#').next().unwrap_or_default().trim()) else {
+        return String::new();
+    };
+    if message.starts_with("duplicate key") {
+        return first_of(&lines[..line - 1], written);
+    }
+    match written.split_once('=').and_then(|(_, value)| value.trim().split_once(',')) {
+        Some((whole, part)) if is_digits(whole.trim_start_matches(['+', '-'])) && is_digits(part) => {
+            format!("; a decimal comma? write {whole}.{part}")
+        }
+        _ => String::new(),
+    }
+}
+
+fn is_digits(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// Where a table or key that `written` repeats stands for the first time.
+fn first_of(before: &[&str], written: &str) -> String {
+    let code = |line: &str| line.split('#').next().unwrap_or_default().trim().to_owned();
+    let key = |line: &str| line.split('=').next().unwrap_or_default().trim().to_owned();
+    let found = if written.starts_with('[') {
+        before.iter().position(|line| code(line) == written)
+    } else {
+        // keys of the same table: those behind its last header
+        let begin = before.iter().rposition(|line| line.trim_start().starts_with('[')).map_or(0, |at| at + 1);
+        before[begin..].iter().position(|line| key(line) == key(written)).map(|at| begin + at)
+    };
+    let what = shorten(&key(written));
+    found.map_or(format!(": {what}"), |at| format!(": {what}, which stands on line {} already", at + 1))
+}
+
 fn find_in<'t, 'a>(table: &'t DeTable<'a>, key: &str) -> Option<Entry<'t, 'a>> {
-    let (key, value) = table.iter().find(|(name, _)| name.get_ref() == key)?;
+    let (key, value) = table.get_key_value(key)?;
     Some(Entry { offset: key.span().start, value })
 }
 

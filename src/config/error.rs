@@ -63,6 +63,11 @@ pub enum Fault {
         /// Keys of this table.
         allowed: Vec<String>,
     },
+    /// So many more problems that nobody reads them one by one.
+    Further {
+        /// Their number.
+        count: usize,
+    },
     /// A key that must be given is not.
     MissingKey {
         /// What to give.
@@ -90,6 +95,7 @@ impl fmt::Display for Problem {
                 }
                 write!(f, "allowed keys: {}", allowed.join(", "))
             }
+            Fault::Further { count } => write!(f, "and {count} further problems behind this line"),
             Fault::MissingKey { allowed } => write!(f, "key '{key}' is missing; allowed: {allowed}"),
             Fault::NotAllowed { value, allowed } => {
                 write!(f, "key '{key}': {value} is not allowed; allowed: {allowed}")

@@ -19,6 +19,7 @@ mod file;
 mod function;
 mod joint_file;
 mod joints;
+mod letters;
 mod loops;
 mod meant;
 mod reference;
@@ -64,6 +65,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<(Machine, String), ConfigError> {
 
 fn build(text: &str) -> Result<Machine, Vec<Problem>> {
     let document = Document::parse(text)?;
+    letters::check(&document)?;
     structure::check(&document)?;
     let file: ModelFile = toml::from_str(text).map_err(|error| vec![document.syntax_problem(&error)])?;
     validate::machine(&file, &document)

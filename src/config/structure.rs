@@ -11,16 +11,22 @@ use crate::config::units::same_quantity;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+/// Problems that are told one by one.
+pub(super) const MOST_PROBLEMS: usize = 200;
+
 /// Compares the document with the schema.
 ///
 /// # Errors
 /// All problems, in the order of the file.
 pub(super) fn check(document: &Document) -> Result<(), Vec<Problem>> {
-    let mut check = Check { document, path: Vec::new(), problems: Vec::new() };
+    let mut check = Check { document, path: Vec::new(), problems: Vec::new(), further: 0 };
     let tree = tree();
     check.table(Node::root(&tree), document.root(), 0);
-    let mut problems = check.problems;
+    let Check { mut problems, further: count, .. } = check;
     problems.sort_by_key(|problem| problem.line);
+    if let Some(line) = problems.last().map(|problem| problem.line).filter(|_| count > 0) {
+        problems.push(Problem { line, key: String::new(), fault: Fault::Further { count } });
+    }
     if problems.is_empty() { Ok(()) } else { Err(problems) }
 }
 
@@ -35,10 +41,21 @@ struct Check<'d, 'a> {
     document: &'d Document<'a>,
     path: Vec<String>,
     problems: Vec<Problem>,
+    /// Problems beyond [`MOST_PROBLEMS`].
+    further: usize,
 }
 
 impl<'a> Check<'_, 'a> {
+    /// True where another problem is only counted.
+    fn is_full(&self) -> bool {
+        self.problems.len() >= MOST_PROBLEMS
+    }
+
     fn problem(&mut self, offset: usize, key: String, fault: Fault) {
+        if self.is_full() {
+            self.further += 1;
+            return;
+        }
         self.problems.push(Problem { line: self.document.line(offset), key, fault });
     }
 
@@ -126,6 +143,10 @@ impl<'a> Check<'_, 'a> {
 
     /// Returns the key that is probably meant. A key of another table is sent there; a table first looks for its like.
     fn unknown<'s>(&mut self, schema: Node<'s>, name: &str, is_table: bool, offset: usize) -> Option<&'s str> {
+        if self.is_full() {
+            self.further += 1; // what may be meant is not looked for any more
+            return None;
+        }
         let known = || properties(schema).map(|(key, _)| key);
         let near = || nearest(name, known());
         let homes = homes(schema.top(), name);

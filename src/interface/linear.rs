@@ -1,6 +1,7 @@
 //! The linear model with the names and units of the variable table.
 
 use crate::interface::binding::{Binding, Input, JointInput};
+use crate::interface::operating_point::OperatingPoint;
 use crate::interface::{Causality, Interface, Value, Variable};
 use crate::plant::{InputSlope, Inputs, Outputs, Plant, PlantError, StateSpace};
 use nalgebra::DVector;
@@ -19,8 +20,8 @@ pub struct Signal {
 /// `δẋ = A δx + B δu`, `δy = C δx + D δu` about a state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearModel {
-    /// Time of the state in s.
-    pub time_s: f64,
+    /// The state about which it is linear.
+    pub point: OperatingPoint,
     /// The machine is in air, whose loads the model holds: it says nothing of wind, aerodynamic damping and flutter.
     pub without_air: bool,
     /// States: free coordinates, then their rates.
@@ -118,7 +119,7 @@ impl Interface {
             }))
             .collect();
         Ok(LinearModel {
-            time_s: plant.time_s(),
+            point: self.operating_point(plant),
             without_air: plant.machine().air.is_some(),
             states,
             inputs: inputs.iter().map(|row| signal(row, present(&row))).collect(),

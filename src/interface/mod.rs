@@ -12,6 +12,7 @@ mod derivatives;
 mod fields;
 mod guid;
 mod linear;
+mod operating_point;
 mod table;
 mod topology;
 mod units;
@@ -20,6 +21,7 @@ pub use access::{AccessError, Kind, Scalar, Stage};
 pub use derivatives::DerivativeError;
 pub use guid::guid;
 pub use linear::{LinearModel, Signal};
+pub use operating_point::{Acting, JointPoint, OperatingPoint};
 pub use units::{RealType, TYPES, UNITS, Unit};
 
 use crate::config::Machine;

@@ -119,9 +119,9 @@ pub(super) fn archive(html: &mut String, extras: &Extras) {
         let folder = linear_model::FOLDER;
         let _ = writeln!(
             html,
-            "<li><a href=\"../{folder}/README.txt\"><code>{folder}</code></a>: the linear model at t = {} s with {} states, {} \
+            "<li><a href=\"../{folder}/README.txt\"><code>{folder}</code></a>: the linear model {} with {} states, {} \
              inputs and {} outputs, for MATLAB, Simulink, Python and Julia.</li>",
-            number(model.time_s),
+            escape(model.point.to_string().as_str()),
             model.states.len(),
             model.inputs.len(),
             model.outputs.len()

@@ -18,6 +18,7 @@ mod march;
 mod output_set;
 mod outputs;
 mod place;
+mod rest;
 mod shape;
 mod spatial;
 mod stability;

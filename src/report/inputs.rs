@@ -7,6 +7,20 @@ use std::io::Read;
 /// Names further away than this are not worth suggesting.
 const SUGGESTION_SIMILARITY: f64 = 0.75;
 
+/// Longest name, in bytes, that a suggestion is looked for.
+const LONGEST_MISSPELT: usize = 200;
+
+/// Longest text that a message repeats, in characters.
+const LONGEST_ECHO: usize = 60;
+
+/// The beginning of a text, as a message repeats it.
+pub fn shortened(text: &str) -> String {
+    match text.char_indices().nth(LONGEST_ECHO) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
 /// What is wrong with an input file, and where.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum InputsError {
@@ -16,6 +30,14 @@ pub enum InputsError {
         /// File as the caller named it.
         file: String,
         /// What the reader found, with its line.
+        cause: String,
+    },
+    /// The file cannot be read.
+    #[error("{file}: cannot be read: {cause}")]
+    Unreadable {
+        /// File as the caller named it.
+        file: String,
+        /// What the system said.
         cause: String,
     },
     /// The header is not one.
@@ -106,7 +128,10 @@ impl InputTable {
     /// Reads a table; `file` is the name that errors carry.
     pub fn read(source: impl Read, file: &str, variables: &[impl Channel]) -> Result<Self, InputsError> {
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(source);
-        let malformed = |error: csv::Error| InputsError::Malformed { file: file.to_owned(), cause: describe(&error) };
+        let malformed = |error: csv::Error| match error.kind() {
+            csv::ErrorKind::Io(error) => InputsError::Unreadable { file: file.to_owned(), cause: error.to_string() },
+            _ => InputsError::Malformed { file: file.to_owned(), cause: describe(&error) },
+        };
         let header = reader.headers().map_err(malformed)?.clone();
         let mut table = Self { times_s: vec![], columns: columns(&header, file, variables)? };
         for record in reader.into_records() {
@@ -129,8 +154,8 @@ impl InputTable {
             file: file.to_owned(),
             line: record.position().map_or(0, csv::Position::line),
             column: column + 1,
-            name: header[column].to_owned(),
-            text: record[column].to_owned(),
+            name: shortened(&header[column]),
+            text: shortened(&record[column]),
             cause,
         };
         let time_s = real(&record[0]).map_err(|cause| bad(0, cause))?;
@@ -176,7 +201,10 @@ fn columns(header: &StringRecord, file: &str, variables: &[impl Channel]) -> Res
     let bad = |column: usize, cause: String| InputsError::Header { file: file.to_owned(), column: column + 1, cause };
     if header.get(0) != Some("time") {
         let found = header.get(0).unwrap_or_default();
-        return Err(bad(0, format!("`{found}`: the first column must be named `time` (s)")));
+        if header.len() == 1 && found.contains(';') {
+            return Err(bad(0, "columns are separated by `;`; write `,`, and a point in numbers".to_owned()));
+        }
+        return Err(bad(0, format!("`{}`: the first column must be named `time` (s)", shortened(found))));
     }
     let mut columns: Vec<Column> = vec![];
     for (i, name) in header.iter().enumerate().skip(1) {
@@ -204,7 +232,11 @@ fn input<C: Channel>(name: &str, variables: &[C]) -> Result<(usize, Value), Stri
 
 /// Says that a name is unknown, with the nearest known one if there is one near.
 pub fn unknown_name<'a, C: Channel + 'a>(name: &str, what: &str, known: impl Iterator<Item = &'a C>) -> String {
+    // what is longer than any name is no misspelt one, and likeness costs the product of the lengths
+    let worth_it = name.len() <= LONGEST_MISSPELT;
+    let name = &shortened(name);
     let nearest = known
+        .filter(|_| worth_it)
         .map(|candidate| (strsim::jaro_winkler(name, candidate.name()), candidate.name()))
         .filter(|(similarity, _)| *similarity > SUGGESTION_SIMILARITY)
         .max_by(|a, b| a.0.total_cmp(&b.0));
@@ -248,7 +280,6 @@ fn describe(error: &csv::Error) -> String {
             format!("line {}: {len} columns where the header has {expected_len}", line.unwrap_or(0))
         }
         csv::ErrorKind::Utf8 { err, .. } => format!("line {}: not UTF-8 text: {err}", line.unwrap_or(0)),
-        csv::ErrorKind::Io(error) => format!("cannot be read: {error}"),
         _ => error.to_string(),
     }
 }

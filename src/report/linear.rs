@@ -1,14 +1,16 @@
 //! Linear models as files: JSON, and NumPy's `.npz`.
 
-use crate::interface::{LinearModel, Signal};
+use crate::interface::{self, Acting, JointPoint, LinearModel, OperatingPoint, Signal};
+use crate::report::number;
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
 use std::io::{self, Seek, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// A linear model as JSON: `time_s`, `without_air` (the machine is in air, the model holds its loads), `states`, `inputs`,
-/// `outputs` (name, unit, value about which it is linear) and the matrices `A`, `B`, `C`, `D` row by row.
+/// A linear model as JSON: `time_s`, `without_air` (the machine is in air, the model holds its loads), `state` (whether it is
+/// an equilibrium, joints, inputs that act), `states`, `inputs`, `outputs` (name, unit, value about which it is linear) and
+/// the matrices `A`, `B`, `C`, `D` row by row.
 pub fn linear_json(model: &LinearModel) -> Value {
     let signals = |list: &[Signal]| -> Vec<Value> {
         let entry = |signal: &Signal| json!({ "name": signal.name, "unit": signal.unit, "value": signal.value });
@@ -20,8 +22,9 @@ pub fn linear_json(model: &LinearModel) -> Value {
     let matrices = &model.matrices;
     json!({
         "written_by": "foldwing linearize",
-        "time_s": model.time_s,
+        "time_s": model.point.time_s,
         "without_air": model.without_air,
+        "state": state(&model.point),
         "states": signals(&model.states),
         "inputs": signals(&model.inputs),
         "outputs": signals(&model.outputs),
@@ -32,8 +35,26 @@ pub fn linear_json(model: &LinearModel) -> Value {
     })
 }
 
+/// The operating point as JSON.
+fn state(point: &OperatingPoint) -> Value {
+    let joint = |joint: &JointPoint| json!({ "name": joint.name, "angle_rad": joint.angle_rad, "motion": joint.motion, "latch": joint.latch });
+    let acting = |acting: &Acting| {
+        let value = match acting.value {
+            interface::Value::Boolean(value) => json!(value),
+            ref value => json!(number(value)),
+        };
+        json!({ "name": acting.name, "unit": acting.unit, "value": value })
+    };
+    json!({
+        "equilibrium": point.equilibrium,
+        "joints": point.joints.iter().map(joint).collect::<Vec<_>>(),
+        "acting": point.acting.iter().map(acting).collect::<Vec<_>>(),
+    })
+}
+
 /// Writes a linear model for `numpy.load`: `A`, `B`, `C`, `D`, `x0`, `u0`, `y0`, `time_s`, `without_air` (1 or 0), and the
-/// names and units `state_names`, `state_units`, … as arrays of text. Equal models give equal bytes.
+/// names and units `state_names`, `state_units`, … as arrays of text; of the operating point `equilibrium` (0 or 1), `joint_names`,
+/// `joint_angles_rad`, `joint_motions`, `joint_latches`, `acting_names`, `acting_values`, `acting_units`. Equal models give equal bytes.
 pub fn write_npz<W: Write + Seek>(model: &LinearModel, target: W) -> io::Result<()> {
     let mut archive = ZipWriter::new(target);
     let mut member = |name: &str, bytes: Vec<u8>| -> io::Result<()> {
@@ -59,10 +80,32 @@ pub fn write_npz<W: Write + Seek>(model: &LinearModel, target: W) -> io::Result<
         member(&format!("{what}_names"), texts(signals.iter().map(|signal| signal.name.as_str())))?;
         member(&format!("{what}_units"), texts(signals.iter().map(|signal| signal.unit.as_str())))?;
     }
-    member("time_s", numbers(&[model.time_s], "()"))?;
+    let point = &model.point;
+    member("time_s", numbers(&[point.time_s], "()"))?;
     member("without_air", numbers(&[f64::from(u8::from(model.without_air))], "()"))?;
+    member("equilibrium", numbers(&[f64::from(u8::from(point.equilibrium))], "()"))?;
+    let angles: Vec<f64> = point.joints.iter().map(|joint| joint.angle_rad).collect();
+    member("joint_angles_rad", numbers(&angles, &format!("({},)", angles.len())))?;
+    let values: Vec<f64> = point.acting.iter().map(|acting| number(&acting.value)).collect();
+    member("acting_values", numbers(&values, &format!("({},)", values.len())))?;
+    for (name, list) in point_texts(point) {
+        member(name, texts(list.into_iter()))?;
+    }
     archive.finish()?;
     Ok(())
+}
+
+/// Names of the texts of an operating point in files of arrays, and the texts.
+pub(super) fn point_texts(point: &OperatingPoint) -> [(&'static str, Vec<&str>); 5] {
+    let joints = |text: fn(&JointPoint) -> &str| point.joints.iter().map(text).collect();
+    let acting = |text: fn(&Acting) -> &str| point.acting.iter().map(text).collect();
+    [
+        ("joint_names", joints(|joint| &joint.name)),
+        ("joint_motions", joints(|joint| joint.motion)),
+        ("joint_latches", joints(|joint| joint.latch)),
+        ("acting_names", acting(|acting| &acting.name)),
+        ("acting_units", acting(|acting| &acting.unit)),
+    ]
 }
 
 /// A `.npy` file, version 1.0: magic, header padded to 64 bytes, data.

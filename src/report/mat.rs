@@ -3,7 +3,9 @@
 //! Format: The MathWorks, "MAT-File Format", chapter "Level 5 MAT-files". A crate would have stamped the time of day into
 //! the header; equal models give equal bytes here.
 
-use crate::interface::{LinearModel, Signal};
+use crate::interface::{LinearModel, OperatingPoint, Signal};
+use crate::report::linear::point_texts;
+use crate::report::number;
 use nalgebra::DMatrix;
 use std::io::{self, Write};
 
@@ -20,8 +22,9 @@ const CELL_CLASS: u32 = 1;
 const CHAR_CLASS: u32 = 4;
 const DOUBLE_CLASS: u32 = 6;
 
-/// Writes a linear model for `load`: `A`, `B`, `C`, `D`, the columns `x0`, `u0`, `y0`, the numbers `time_s` and
-/// `without_air` (1 or 0), and the names and units `state_names`, `state_units`, … as columns of cells, as `ss` takes them.
+/// Writes a linear model for `load`: `A`, `B`, `C`, `D`, the columns `x0`, `u0`, `y0`, the number `time_s` with the rest of the
+/// operating point as in [`crate::report::write_npz`], the number `without_air` (1 or 0), and the names and units `state_names`,
+/// `state_units`, … as columns of cells, as `ss` takes them.
 pub fn write_mat<W: Write>(model: &LinearModel, mut target: W) -> io::Result<()> {
     let mut header = format!("{:<124}", "MATLAB 5.0 MAT-file, a linear model written by foldwing").into_bytes();
     header.extend([0x00, 0x01, b'I', b'M']); // version, and the mark of the byte order
@@ -30,7 +33,7 @@ pub fn write_mat<W: Write>(model: &LinearModel, mut target: W) -> io::Result<()>
     for (name, matrix) in [("A", &matrices.a), ("B", &matrices.b), ("C", &matrices.c), ("D", &matrices.d)] {
         target.write_all(&numbers(name, matrix))?;
     }
-    target.write_all(&numbers("time_s", &DMatrix::from_element(1, 1, model.time_s)))?;
+    write_point(&model.point, &mut target)?;
     target.write_all(&numbers("without_air", &DMatrix::from_element(1, 1, f64::from(u8::from(model.without_air)))))?;
     for (what, short, signals) in
         [("state", "x0", &model.states), ("input", "u0", &model.inputs), ("output", "y0", &model.outputs)]
@@ -40,6 +43,21 @@ pub fn write_mat<W: Write>(model: &LinearModel, mut target: W) -> io::Result<()>
         let column = |text: fn(&Signal) -> &str| signals.iter().map(text).collect::<Vec<_>>();
         target.write_all(&cells(&format!("{what}_names"), &column(|signal| &signal.name)))?;
         target.write_all(&cells(&format!("{what}_units"), &column(|signal| &signal.unit)))?;
+    }
+    Ok(())
+}
+
+/// The operating point: `time_s`, `equilibrium`, joints and inputs that act, as columns.
+fn write_point<W: Write>(point: &OperatingPoint, target: &mut W) -> io::Result<()> {
+    target.write_all(&numbers("time_s", &DMatrix::from_element(1, 1, point.time_s)))?;
+    let equilibrium = f64::from(u8::from(point.equilibrium));
+    target.write_all(&numbers("equilibrium", &DMatrix::from_element(1, 1, equilibrium)))?;
+    let angles = point.joints.iter().map(|joint| joint.angle_rad);
+    target.write_all(&numbers("joint_angles_rad", &DMatrix::from_iterator(point.joints.len(), 1, angles)))?;
+    let values = point.acting.iter().map(|acting| number(&acting.value));
+    target.write_all(&numbers("acting_values", &DMatrix::from_iterator(point.acting.len(), 1, values)))?;
+    for (name, list) in point_texts(point) {
+        target.write_all(&cells(name, &list))?;
     }
     Ok(())
 }

@@ -13,7 +13,10 @@ fn syntax_errors() {
         message("width_m = 0.05", "width_m = 0.05 0.06"),
         "wing.toml:5: not valid TOML: string values must be quoted, expected literal string"
     );
-    assert_eq!(message("[section.spar]", "[section.plate]"), "wing.toml:10: not valid TOML: duplicate key");
+    assert_eq!(
+        message("[section.spar]", "[section.plate]"),
+        "wing.toml:10: not valid TOML: duplicate key: [section.plate], which stands on line 3 already"
+    );
     assert_eq!(
         message("shape = \"rectangle\"", "shape = \"rectangle"),
         "wing.toml:4: not valid TOML: invalid basic string, expected `\"`"

@@ -1,0 +1,167 @@
+//! Slips on the command line and in files, and answers that leave something out.
+
+use std::path::Path;
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+const WING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/folding_wing.toml");
+
+fn foldwing(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_foldwing")).args(arguments).current_dir(folder).output().expect("the command runs")
+}
+
+#[track_caller]
+fn succeeds(output: &Output) -> String {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+#[track_caller]
+fn refuses(output: &Output, code: i32, message: &str) {
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{stderr}");
+    assert!(stderr.contains(message), "`{message}` is not in\n{stderr}");
+}
+
+/// A linear model says which wing it is: in print, as JSON, for NumPy. The released wing's equilibrium is the latched one;
+/// the start is none, for the motor begins to turn it; a held one hangs at 170 degrees. "128 states at t = 0 s" was all.
+#[test]
+fn a_linear_model_says_at_which_state_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let point = |arguments: &[&str]| -> (String, serde_json::Value) {
+        let file = folder.path().join("x.json");
+        let chosen = ["linearize", WING, "--inputs", "fold.torque", "--outputs", "fold.angle", "-o", "x.json"];
+        let text = succeeds(&foldwing(folder.path(), &[&chosen, arguments].concat()));
+        (text, serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap())
+    };
+    let (text, json) = point(&[]);
+    assert!(text.contains("about an equilibrium at t = 0 s; fold at -0.0095 deg, free, latch closed; with"), "{text}");
+    assert!(text.contains("gravity.x = -9.8 m/s2"), "{text}");
+    assert_eq!((&json["state"]["equilibrium"], &json["time_s"]), (&true.into(), &0.0.into()));
+    let joint = &json["state"]["joints"][0];
+    assert_eq!((&joint["name"], &joint["motion"], &joint["latch"]), (&"fold".into(), &"free".into(), &"closed".into()));
+    assert!(joint["angle_rad"].as_f64().unwrap().abs() < 1e-3, "{joint}");
+    let acting = json["state"]["acting"].as_array().unwrap();
+    let value = |name: &str| acting.iter().find(|acting| acting["name"] == name).map(|acting| &acting["value"]);
+    assert_eq!((value("fold.release"), value("gravity.x")), (Some(&true.into()), Some(&(-9.8).into())));
+    assert_eq!(value("gravity.y"), None, "what is 0 does not act");
+
+    let (text, json) = point(&["--at", "start"]);
+    assert!(text.contains("about a state that is no equilibrium at t = 0 s; fold at 170.0000 deg, free, latch open"));
+    assert_eq!(json["state"]["equilibrium"], false);
+    let (text, _) = point(&["--set", "fold.release=0", "--set", "load.outer[1].force.z=0.1"]);
+    assert!(text.contains("fold at 170.0000 deg, held, latch open"), "{text}");
+    assert!(text.contains("load.outer[1].force.z = 0.1 N") && text.contains("fold.release = false"), "{text}");
+
+    let long = ["linearize", WING, "--at", "0.5", "--outputs", "fold.angle", "-o", "x.npz"];
+    let output = foldwing(folder.path(), &long);
+    succeeds(&output);
+    let note = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(note.contains("--at 0.5 lies beyond the end of the experiment, 0.4 s"), "{note}");
+    let mut archive = zip::ZipArchive::new(std::fs::File::open(folder.path().join("x.npz")).unwrap()).unwrap();
+    for name in ["equilibrium", "joint_names", "joint_angles_rad", "joint_motions", "joint_latches"] {
+        assert!(archive.by_name(&format!("{name}.npy")).is_ok(), "{name}");
+    }
+    assert!(archive.by_name("acting_values.npy").is_ok() && archive.by_name("acting_names.npy").is_ok());
+}
+
+/// Control characters come into a model by escapes; no importer reads a description with them. Line feeds and tabs arrive.
+#[test]
+fn descriptions_are_such_that_importers_can_read_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(WING).unwrap();
+    let describe = |letters: &str| {
+        let line = format!("description = \"{letters}\"\n");
+        let rest: String =
+            text.lines().filter(|line| !line.starts_with("description")).map(|line| format!("{line}\n")).collect();
+        std::fs::write(folder.path().join("wing.toml"), line + &rest).unwrap();
+        foldwing(folder.path(), &["package", "wing.toml", "--description-only"])
+    };
+    let refused = "wing.toml:1: key 'description': a text with the control character U+0001 is not allowed; allowed: text \
+                   without control characters, but line feeds and tabs";
+    refuses(&describe("a\\u0001b"), 1, refused);
+    // a small generator of our own: the letters decide, not the order in which they are tried
+    let mut state = 7_u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as u32
+    };
+    for _ in 0..60 {
+        let classes = [0x20, 0x80, 0x3000, 0xffff, 0x10_ffff];
+        let letters = (0..12).map(|_| next() % classes[next() as usize % classes.len()]);
+        let letters: Vec<char> = letters.filter_map(char::from_u32).collect();
+        let escaped: String = letters.iter().map(|letter| format!("\\U{:08X}", u32::from(*letter))).collect();
+        let output = describe(&escaped);
+        let bad = |c: &char| c.is_control() && !matches!(c, '\n' | '\r' | '\t') || matches!(c, '\u{fffe}' | '\u{ffff}');
+        assert_eq!(output.status.success(), !letters.iter().any(bad), "{escaped}");
+        if output.status.success() {
+            let xml = String::from_utf8(output.stdout).unwrap();
+            let mut reader = quick_xml::Reader::from_str(&xml);
+            let root = loop {
+                match reader.read_event().unwrap() {
+                    quick_xml::events::Event::Start(root) => break root.into_owned(),
+                    quick_xml::events::Event::Eof => panic!("no element"),
+                    _ => {}
+                }
+            };
+            let found = root.attributes().flatten().find(|attribute| attribute.key.0 == "description").unwrap();
+            let value = quick_xml::escape::unescape(&found.value).unwrap().into_owned();
+            assert_eq!(value, letters.iter().collect::<String>(), "{escaped}");
+        }
+    }
+}
+
+/// Slips that used to be answered with less than is known, or late.
+#[test]
+fn slips_are_answered_with_what_is_known() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(WING).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let run = |arguments: &[&str]| foldwing(folder.path(), &[&["simulate"], arguments].concat());
+    let short = |more: &[&str]| run(&[&[WING, "--stop", "1e-3"], more].concat());
+    // nothing but the summary
+    assert!(succeeds(&short(&[])).is_empty());
+    assert!(String::from_utf8_lossy(&short(&[]).stderr).contains("fold: did not latch"));
+    // degrees where they are named
+    let angle = |value: &str| {
+        let set = format!("fold.start_angle={value}");
+        succeeds(&short(&["--csv", "-", "--output", "fold.angle", "--set", &set])).lines().nth(1).unwrap().to_owned()
+    };
+    assert_eq!(angle("90 deg"), angle(&format!("{:?}", 90f64.to_radians())));
+    refuses(&short(&["--set", "fold.start_angle=90 kg"]), 2, "`kg` is no unit of it; allowed: rad and deg");
+    refuses(&short(&["--set", "fold.start_angle=110"]), 2, "in degrees write \"110 deg\"");
+    refuses(&short(&["--set", "file:solver.tolerance=1e-5"]), 2, "`foldwing sweep`");
+    // inputs that are none
+    std::fs::create_dir(folder.path().join("folder")).unwrap();
+    refuses(&short(&["--inputs", "folder"]), 4, "folder: cannot be read");
+    write("semicolon.csv", "time;fold.command\n0;0\n");
+    refuses(&short(&["--inputs", "semicolon.csv"]), 1, "columns are separated by `;`");
+    let begin = Instant::now();
+    write("long.csv", &format!("time,{}\n0,0\n", "x".repeat(5_000_000)));
+    let output = short(&["--inputs", "long.csv"]);
+    refuses(&output, 1, "no input is named `xxx");
+    assert!(output.stderr.len() < 500 && begin.elapsed() < Duration::from_secs(10), "it took 18 s");
+    write("cell.csv", &format!("time,fold.command\n0,{}\n", "x".repeat(5_000_000)));
+    assert!(short(&["--inputs", "cell.csv"]).stderr.len() < 500);
+    refuses(&short(&["--csv", "-", "--set", "fold.command=1e300"]), 3, "1e300 rad of the command of joint fold");
+    // model files that are none
+    write("x.fmu", "PK\u{3}\u{4} and so on");
+    refuses(&run(&["x.fmu"]), 1, "`foldwing run` runs FMUs");
+    write("comma.toml", "name = \"X\"\nheight_m = 0,004\n");
+    refuses(&run(&["comma.toml"]), 1, "comma.toml:2: not valid TOML: ");
+    refuses(&run(&["comma.toml"]), 1, "a decimal comma? write 0.004");
+    write("twice.toml", "name = \"X\"\n[gauge.root] # first\nbody = \"a\"\n[gauge.root]\nbody = \"b\"\n");
+    refuses(
+        &run(&["twice.toml"]),
+        1,
+        "twice.toml:4: not valid TOML: duplicate key: [gauge.root], which stands on line 2 already",
+    );
+    write("key.toml", "name = \"X\"\n[gauge.root]\nbody = \"a\"\nbody = \"b\"\n");
+    refuses(&run(&["key.toml"]), 1, "key.toml:4: not valid TOML: duplicate key: body, which stands on line 3 already");
+    // many problems are not many times as long
+    let keys: String = (0..100_000).map(|i| format!("nonsense_{i} = 1\n")).collect();
+    write("many.toml", &(keys + &text));
+    let begin = Instant::now();
+    refuses(&run(&["many.toml"]), 1, "and 99800 further problems behind this line");
+    assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
+}
