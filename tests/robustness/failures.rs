@@ -331,7 +331,8 @@ fn x13_a_load_that_throws_the_wing_through_the_air() {
 #[test]
 fn x14_work_is_bounded() {
     let fmu = Fmu::initializing(0.0);
-    fmu.set("solver.tolerance", 1e-7);
+    fmu.set("solver.tolerance", 1e-8);
+    fmu.set("solver.min_step", 1e-13);
     fmu.ok(unsafe { fmi2ExitInitializationMode(fmu.component) });
     fmu.step(0.0, 1e-3);
     fmu.set("load.outer[4].force.z", 1e6);
