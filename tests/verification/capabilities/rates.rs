@@ -125,7 +125,7 @@ fn e06_rates_of_what_follows_from_accelerations_are_the_slopes_of_what_is_read()
                 let values = rows.iter().zip(high.iter().zip(&low)).filter(|(other, _)| kind(other) == kind(row));
                 let size = values.map(|(_, (high, low))| high.abs() + low.abs()).fold(0.0, f64::max);
                 // of sums as large as the kind, and of strains beside 1
-                let noise = (1e-12 * size + 1e-16) / side_s;
+                let noise = (1e-11 * size + 1e-16) / side_s;
                 let error = ((given[k] - slope).abs() - noise - 1e-6 * scale).max(0.0);
                 worst = worst.max(error / slope.abs().max(f64::MIN_POSITIVE));
                 assert!(error <= 1e-3 * slope.abs(), "{name} at {time_s} s: {row}: {}, not {slope}", given[k]);
