@@ -181,6 +181,38 @@ def test_f143_what_cannot_be_run_is_refused(runner, make, wing, tmp_path):  # no
         assert words in said and "panicked" not in said, (str(fmu), said)
 
 
+def test_af9_hostile_archives_are_refused(runner, make, tmp_path):  # noqa: F811
+    """AF-9. Identifiers and members that lead out of the FMU's folder, links, archives that become large, and libraries that
+    are cut off (they used to end the process with SIGBUS): exit code 1, the cause, and nothing left behind."""
+    library = compiled(tmp_path)
+    link = zipfile.ZipInfo("resources/link")
+    link.external_attr = 0o120777 << 16
+    away = tmp_path / "escaped"
+    bomb = tmp_path / "bomb.fmu"
+    shutil.copy(make("whole"), bomb)
+    with zipfile.ZipFile(bomb, "a", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        with archive.open("resources/zeros", "w", force_zip64=True) as member:
+            for _ in range(1025):
+                member.write(bytes(1 << 20))
+
+    def called(identifier):
+        return DESCRIPTION.replace('modelIdentifier="unruly"', f'modelIdentifier="{identifier}"')
+
+    for fmu, words in [
+        (make("absolute", called(tmp_path / "unruly")), "is no name of a library; allowed: a C identifier"),
+        (make("above", called("../../unruly")), "is no name of a library; allowed: a C identifier"),
+        (make("out", files={"../escaped": b"x", LIBRARY: library}), "leaves the folder of the FMU"),
+        (make("rooted", files={str(away): b"x", LIBRARY: library}), "leaves the folder of the FMU"),
+        (make("linked", files={link: b"/etc", LIBRARY: library}), "is a link"),
+        (bomb, "more than 1073741824 bytes unpacked"),
+        (make("half", files={LIBRARY: library[: len(library) // 2]}), "cut off"),
+        (make("tenth", files={LIBRARY: library[: len(library) // 10]}), "cut off"),
+    ]:
+        _, said = run(runner, fmu, code=1)
+        assert words in said and "panicked" not in said, (str(fmu), said)
+    assert not away.exists()
+
+
 def test_f144_command_without_the_feature_says_how_to_get_it(foldwing):
     """F-144. A build without the feature `import` refuses in one line."""
     done = subprocess.run([foldwing, "run", "x.fmu", "--csv", "-"], capture_output=True, text=True)
