@@ -132,6 +132,8 @@ bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/table
 validate: package venv ## Compare with the methods of the paper, sweep on Dask, flutter, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
 	$(CARGO) test --locked --test conventional -- --nocapture
 	$(CARGO) test --locked --release --test coupling -- --ignored --nocapture
+	$(CARGO) test --locked --release --test plant -- --ignored --nocapture
+	$(VENV_PYTHON) tools/output_convergence.py --foldwing $(COMMAND) --table docs/tables/outputs.md --csv $(TARGET)/verification/outputs.csv
 	$(VENV_PYTHON) tools/plot_conventional.py $(TARGET)/verification docs/pictures
 	$(CARGO) test --locked --test capabilities -- --nocapture
 	$(VENV_PYTHON) tools/plot_input_derivatives.py $(TARGET)/verification docs/pictures

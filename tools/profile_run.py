@@ -26,7 +26,7 @@ PARTS = {
     "error norm": r"multibody::norm::kinematic_norm$",
     "powers of the energy account": r"Equations as foldwing::solve::EquationsOfMotion>::powers$",
     "outputs beside sweep and forces": r"Plant>::evaluate_some$",
-    "dense output": r"solve::point::Point::interpolate$",
+    "dense output": r"solve::continuation::Taken::fill$",
     "attitudes": r"remember_attitudes$",
     "predictors, sums of stages, step control": r"Plant>::(step|attempt|advance|march)$",
     "start": r"Plant>::initialize$",

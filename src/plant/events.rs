@@ -115,6 +115,8 @@ impl Plant {
         self.state.before = self.state.now.clone();
         self.state.start = self.state.now.clone();
         self.state.ahead = self.state.now.clone();
+        let stage = Point { auxiliary: Vec::new(), ..Point::zeros(self.coordinates()) };
+        self.state.stages = vec![stage; self.stepper.continuation().inner_stages()];
         self.state.initialized = true;
         self.remember_attitudes();
         self.evaluate();

@@ -1,9 +1,12 @@
 //! Marching in time: variable steps that run ahead of the caller, latch crossings located inside them.
 
 use crate::plant::Plant;
+use crate::plant::equations::JointEquations;
 use crate::plant::face::PlantError;
 use crate::plant::place::Failure;
 use crate::plant::state::State;
+use crate::solve::EquationsOfMotion;
+use crate::solve::continuation::Taken;
 use crate::solve::control;
 use crate::solve::newton::{Accuracy, Effort, NewtonError};
 use crate::solve::point::Point;
@@ -33,8 +36,28 @@ const MAX_LOCATING_STEPS: usize = 40;
 /// Most steps spent on locating one crossing in real time: the tangent at the end of the first trial leaves the latch a
 /// share of a step off that falls with the square of the step.
 const MAX_LOCATING_STEPS_REAL_TIME: usize = 2;
+/// Last correction, as a rotation in rad or a displacement over the machine's length, at which a stage of real-time mode is
+/// not solved at all: the next correction could turn any part anywhere.
+const LOST_REST: f64 = 1.0;
+/// Largest turn of a joint in a step of real-time mode, in rad: beyond half a turn its ends do not tell which way it went.
+const LOST_TURN_RAD: f64 = std::f64::consts::PI;
 /// Interior places at which a step is searched for a crossing and return.
 const CROSSING_SAMPLES: u32 = 8;
+
+/// Who decides on the length of a step.
+#[derive(Clone, Copy, PartialEq)]
+enum Length {
+    /// The error estimate, which bounds what Newton's iteration leaves too.
+    Chosen,
+    /// The place of a crossing or the caller.
+    Given,
+}
+
+/// A step of given length that was not solved. `ahead` is undefined, `start` as it was.
+struct Untaken {
+    step_s: f64,
+    failure: Failure,
+}
 
 impl Plant {
     /// Goes on to `end_s` with the present inputs and their rates; the outputs then belong to `end_s`.
@@ -54,7 +77,7 @@ impl Plant {
         let outcome = applied.and_then(|()| self.march(end_s, changed));
         let State { start, ahead, now, .. } = &mut self.state;
         match &outcome {
-            Ok(()) => now.interpolate(start, ahead, end_s),
+            Ok(()) => self.arrive_at(end_s),
             Err(_) if start.time_s <= now.time_s => self.go_back_to_begin(),
             Err(_) => {
                 now.copy_from(start);
@@ -76,6 +99,18 @@ impl Plant {
         }
         self.provide(self.watched);
         outcome
+    }
+
+    /// Brings the present to a time within the integrator's step.
+    fn arrive_at(&mut self, time_s: f64) {
+        let State { start, stages, ahead, now, .. } = &mut self.state;
+        let taken = Taken { start, stages, end: ahead, continuation: self.stepper.continuation() };
+        if taken.fill(now, time_s) {
+            // combinations meet given motions and constraints of joint parameters only to their own error
+            self.equations.branch_s = 0.5 * (start.time_s + ahead.time_s);
+            self.equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
+            self.equations.project(&mut now.q, &mut now.v, &mut now.a);
+        }
     }
 
     /// Undoes what a step has begun, but for the inputs and parameters as the caller has set them.
@@ -132,10 +167,15 @@ impl Plant {
             let wanted_s = self.state.step_s.min(max_step_s);
             let (step_s, end_s) = fit_step(time_s, wanted_s, stop_s);
             self.count_step(step_s, end_s)?;
-            match self.attempt(step_s, NEWTON_CEILING) {
+            match self.attempt(step_s, Length::Chosen) {
                 Ok(error) if error <= tolerance => {
-                    self.smallest_step_s = self.smallest_step_s.min(wanted_s);
                     self.state.ahead.time_s = end_s;
+                    if let Err(Untaken { step_s, failure }) = self.locate_crossing() {
+                        // a part of the way to the crossing as an ordinary step, then on from there
+                        self.give_up(step_s * FAILURE_CUT, failure)?;
+                        continue;
+                    }
+                    self.smallest_step_s = self.smallest_step_s.min(wanted_s);
                     let grown_s = step_s * control::factor(error / tolerance, order);
                     // a step cut short by `stop_s` says nothing against the longer one
                     self.state.step_s = if step_s < wanted_s { grown_s.max(wanted_s) } else { grown_s }.min(max_step_s);
@@ -146,15 +186,18 @@ impl Plant {
                     self.state.step_s = step_s * control::factor(error / tolerance, order).min(0.9);
                     self.refuse_small_step(min_step_s, Failure::Estimate { error, tolerance })?;
                 }
-                Err(error) => {
-                    self.state.statistics.failures += 1;
-                    self.state.step_s = step_s * FAILURE_CUT;
-                    self.refuse_small_step(min_step_s, Failure::Newton(error))?;
-                }
+                Err(error) => self.give_up(step_s * FAILURE_CUT, Failure::Newton(error))?,
             }
         }
         self.state.statistics.steps += 1;
-        self.locate_crossing()
+        Ok(())
+    }
+
+    /// Goes on with a shorter step after Newton's iteration has failed, as long as steps may be so short.
+    fn give_up(&mut self, shorter_s: f64, failure: Failure) -> Result<(), PlantError> {
+        self.state.statistics.failures += 1;
+        self.state.step_s = shorter_s;
+        self.refuse_small_step(self.state.applied_parameters.min_step_s, failure)
     }
 
     fn refuse_small_step(&mut self, min_step_s: f64, failure: Failure) -> Result<(), PlantError> {
@@ -180,21 +223,18 @@ impl Plant {
         let stop_s = end_s.min(self.equations.next_kink_s(time_s));
         let (mut step_s, mut target_s) = fit_step(time_s, step_s, stop_s);
         self.count_step(step_s, target_s)?;
-        while let Err(error) = self.attempt(step_s, NEWTON_CEILING_EXACT) {
-            self.state.statistics.failures += 1;
+        while let Err(Untaken { step_s: failed_s, failure }) = self.take_fixed(step_s, target_s) {
             if self.machine.solver.most_iterations.is_some() {
-                // in real time nothing is repeated: what fails here is not finite or singular
-                return Err(self.no_convergence(step_s, Failure::Newton(error)));
+                // in real time nothing is repeated: what fails here is not finite, singular or lost
+                self.state.statistics.failures += 1;
+                return Err(self.no_convergence(failed_s, failure));
             }
-            step_s *= 0.5;
+            step_s = 0.5 * failed_s;
             target_s = time_s + step_s;
-            self.state.step_s = step_s;
-            self.refuse_small_step(self.state.applied_parameters.min_step_s, Failure::Newton(error))?;
+            self.give_up(step_s, failure)?;
             self.count_step(step_s, target_s)?;
         }
-        self.state.ahead.time_s = target_s;
         self.state.statistics.steps += 1;
-        self.locate_crossing()?;
         if self.machine.solver.most_iterations.is_some() {
             // what the last jump has asked for ends with the step after it
             self.state.step_s = self.state.applied_parameters.max_step_s;
@@ -202,22 +242,53 @@ impl Plant {
         Ok(())
     }
 
+    /// One step of given length, or to the first latch that closes within it.
+    fn take_fixed(&mut self, step_s: f64, end_s: f64) -> Result<(), Untaken> {
+        self.attempt_given(step_s)?;
+        self.state.ahead.time_s = end_s;
+        self.locate_crossing()
+    }
+
+    /// One step of given length; in real time refused where it has lost the motion.
+    fn attempt_given(&mut self, step_s: f64) -> Result<(), Untaken> {
+        self.attempt(step_s, Length::Given).map_err(|error| Untaken { step_s, failure: Failure::Newton(error) })?;
+        if self.machine.solver.most_iterations.is_none() {
+            return Ok(());
+        }
+        if self.rest > LOST_REST {
+            return Err(Untaken { step_s, failure: Failure::Unsolved { rest: self.rest } });
+        }
+        let State { start, ahead, .. } = &self.state;
+        let turn_rad = |coordinate: usize| (ahead.q[coordinate] - start.q[coordinate]).abs();
+        let far = |joint: &&JointEquations| joint.law.is_none() && turn_rad(joint.coordinate) > LOST_TURN_RAD;
+        match self.equations.joints.iter().find(far) {
+            Some(joint) => {
+                let (coordinate, turn_rad) = (joint.coordinate, turn_rad(joint.coordinate));
+                Err(Untaken { step_s, failure: Failure::Turned { coordinate, turn_rad } })
+            }
+            None => Ok(()),
+        }
+    }
+
     /// One step from `start` into `ahead`; returns the error estimate.
-    fn attempt(&mut self, step_s: f64, newton_ceiling: f64) -> Result<f64, NewtonError> {
+    fn attempt(&mut self, step_s: f64, length: Length) -> Result<f64, NewtonError> {
+        let ceiling = if length == Length::Given { NEWTON_CEILING_EXACT } else { NEWTON_CEILING };
         let accuracy = Accuracy {
-            tolerance: (NEWTON_SHARE * self.state.applied_parameters.tolerance).min(newton_ceiling),
+            tolerance: (NEWTON_SHARE * self.state.applied_parameters.tolerance).min(ceiling),
             most_iterations: self.machine.solver.most_iterations,
+            persistent: length == Length::Given,
             jumped: self.machine.solver.most_iterations.is_some() && self.state.step_s < step_s,
             cautious: self.state.air.is_some(),
         };
         let mut effort = Effort::default();
-        let State { start, ahead, statistics, .. } = &mut self.state;
+        let State { start, stages, ahead, statistics, .. } = &mut self.state;
         self.equations.branch_s = start.time_s + 0.5 * step_s;
-        let outcome = self.stepper.step(&mut self.equations, start, step_s, ahead, accuracy, &mut effort);
+        let outcome = self.stepper.step(&mut self.equations, start, step_s, (ahead, stages), accuracy, &mut effort);
         self.work_left = self.work_left.saturating_sub(effort.iterations.max(1));
         statistics.iterations += effort.iterations;
         statistics.factorizations += effort.factorizations;
         statistics.unconverged += effort.unconverged;
+        self.rest = effort.rest;
         statistics.largest_iterations = statistics.largest_iterations.max(effort.largest);
         outcome
     }
@@ -225,7 +296,7 @@ impl Plant {
     /// Where latches close inside the step, repeats the step so that it ends at the first closing.
     ///
     /// Several may close at the same instant (mirrored wings): all that are within the accuracy of location close.
-    fn locate_crossing(&mut self) -> Result<(), PlantError> {
+    fn locate_crossing(&mut self) -> Result<(), Untaken> {
         let Some((mut joint, mut fraction)) = self.first_crossing() else { return Ok(()) };
         for _ in 0..self.state.joints.len() {
             self.end_step_at_crossing(joint, fraction)?;
@@ -254,7 +325,7 @@ impl Plant {
     ///
     /// Regula falsi (Illinois) on the step's length: each trial is a full step, so the state at the crossing is as
     /// good as at any step's end.
-    fn end_step_at_crossing(&mut self, joint: usize, fraction: f64) -> Result<(), PlantError> {
+    fn end_step_at_crossing(&mut self, joint: usize, fraction: f64) -> Result<(), Untaken> {
         let start_s = self.state.start.time_s;
         let step_s = self.state.ahead.time_s - start_s;
         let gap = |plant: &Self| plant.gap_rad(joint, &plant.state.ahead);
@@ -268,10 +339,7 @@ impl Plant {
         }
         let real_time = self.machine.solver.most_iterations.is_some();
         for _ in 0..if real_time { MAX_LOCATING_STEPS_REAL_TIME } else { MAX_LOCATING_STEPS } {
-            if let Err(error) = self.attempt(trial_s, NEWTON_CEILING_EXACT) {
-                self.state.step_s = trial_s * FAILURE_CUT;
-                return Err(self.no_convergence(trial_s, Failure::Newton(error)));
-            }
+            self.attempt_given(trial_s)?;
             let here = gap(self);
             let coordinate = self.equations.joints[joint].coordinate;
             let rate = self.state.ahead.v[coordinate].abs();
@@ -294,15 +362,15 @@ impl Plant {
     /// Joint whose enabled, open latch is reached first from its folded side inside the step, and an estimate of the
     /// fraction of the step at which.
     fn first_crossing(&self) -> Option<(usize, f64)> {
-        let State { start, ahead, .. } = &self.state;
+        let State { start, stages, ahead, .. } = &self.state;
+        let taken = Taken { start, stages, end: ahead, continuation: self.stepper.continuation() };
         let mut first: Option<(usize, f64)> = None;
         for (i, joint) in self.equations.joints.iter().enumerate() {
             let Some(latch) = &joint.latch else { continue };
             if !self.waits(i) {
                 continue;
             }
-            let gap =
-                |fraction: f64| latch.gap_rad(Point::coordinate_between(start, ahead, fraction, joint.coordinate));
+            let gap = |fraction: f64| latch.gap_rad(taken.coordinate(fraction, joint.coordinate));
             let sample = |k: u32| f64::from(k) / f64::from(CROSSING_SAMPLES);
             let Some(k) = (1..=CROSSING_SAMPLES).find(|&k| gap(sample(k)) <= 0.0) else { continue };
             let (mut low, mut high) = (sample(k - 1), sample(k));
@@ -338,8 +406,8 @@ impl Plant {
     pub fn adopt_time(&mut self, time_s: f64) {
         let shift_s = time_s - self.state.now.time_s;
         if shift_s != 0.0 {
-            let State { before, start, ahead, now, .. } = &mut self.state;
-            for point in [before, start, ahead, now] {
+            let State { before, start, stages, ahead, now, .. } = &mut self.state;
+            for point in [before, start, ahead, now].into_iter().chain(stages) {
                 point.time_s += shift_s;
             }
             self.state.now.time_s = time_s;

@@ -1,7 +1,7 @@
 //! The whole machine: a model, its inputs and parameters, and a state that can be stepped, saved and restored.
 //!
 //! The integrator takes its own steps and runs ahead of the caller as long as the inputs stay as they are; values
-//! in between come from its interpolation polynomial. A changed input cuts the step at the present time. So the
+//! in between come from the stages of its steps. A changed input cuts the step at the present time. So the
 //! answer does not depend on the communication step, and small communication steps cost little
 //! (`docs/decisions/0002-running-ahead.md`).
 
@@ -77,6 +77,8 @@ pub struct Plant {
     air: Option<Box<AirCoupling>>,
     /// Smallest step that the error estimate has asked for since the present trial march began, in s.
     smallest_step_s: f64,
+    /// What the iterations of the last step in real time left, in the kinematic norm.
+    rest: f64,
     scratch: [Vec<f64>; 2],
     latency: Latency,
     outputs: Outputs,
@@ -138,6 +140,7 @@ impl Plant {
             stepper: Stepper::new(method, coordinates),
             air,
             smallest_step_s: f64::INFINITY,
+            rest: 0.0,
             scratch: [vec![0.0; coordinates], vec![0.0; coordinates]],
             quest: statics::Quest::default(),
             latency: Latency::default(),
@@ -263,7 +266,8 @@ impl Plant {
     /// Goes back to a snapshot of the same model; outputs included, bit for bit.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), PlantError> {
         let air = self.air.as_ref().map(|air| &air.blank);
-        snapshot.check(&self.state, self.coordinates(), self.tip_bodies.len(), air)?;
+        let stages = self.stepper.continuation().inner_stages();
+        snapshot.check(&self.state, self.coordinates(), self.tip_bodies.len(), stages, air)?;
         let own = std::mem::replace(&mut self.state, snapshot.state().clone());
         self.adopt_state();
         if self.state.initialized && !self.is_moderate() {

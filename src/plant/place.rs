@@ -9,6 +9,9 @@ use crate::solve::newton::NewtonError;
 /// Inputs by which a partner closes a loop over the root.
 const ROOT_ACCELERATION: &str = "root.acceleration";
 const ROOT_ANGULAR_ACCELERATION: &str = "root.angular_acceleration";
+/// What to try where real-time mode has lost the motion.
+const REAL_TIME_ADVICE: &str =
+    "shorten solver.fixed_step_s, allow more solver.max_iterations, or use mode = \"accurate\"";
 
 /// Why an internal step was given up.
 pub(super) enum Failure {
@@ -21,6 +24,18 @@ pub(super) enum Failure {
     },
     /// The equations of a stage were not solved.
     Newton(NewtonError),
+    /// Bounded iterations leave a stage so far from its solution that the motion is lost.
+    Unsolved {
+        /// Kinematic norm of the last correction: rotation in rad, or displacement over the machine's length.
+        rest: f64,
+    },
+    /// A joint turns so far within a step of given length that the step cannot tell which way.
+    Turned {
+        /// Coordinate of its angle.
+        coordinate: usize,
+        /// Turn in rad.
+        turn_rad: f64,
+    },
 }
 
 impl Plant {
@@ -29,6 +44,7 @@ impl Plant {
         let time_s = self.state.start.time_s;
         let place = match &failure {
             Failure::Newton(NewtonError::Singular(singular)) => self.place_of(singular.coordinate),
+            Failure::Turned { coordinate, .. } => self.place_of(*coordinate),
             // what is left is no number anywhere: the accelerations that the step began with tell more
             Failure::Newton(NewtonError::NotFinite { .. }) => self.place_of_largest(&self.state.start.a),
             _ => self.place_of_largest(self.stepper.remainder()),
@@ -42,6 +58,17 @@ impl Plant {
             Failure::Newton(error) if !inputs_are_moderate(&self.state.applied_inputs) => (
                 format!("{error}; {}", self.largest_input()),
                 "look at inputs and parameters far beyond the structure's strength",
+            ),
+            Failure::Newton(error) if self.machine.solver.most_iterations.is_some() => {
+                (format!("in real time a stage has no solution: {error}; {}", self.largest_input()), REAL_TIME_ADVICE)
+            }
+            Failure::Unsolved { rest } => (
+                format!("in real time an iteration that is cut short still corrects by {rest:.1e} rad"),
+                REAL_TIME_ADVICE,
+            ),
+            Failure::Turned { turn_rad, .. } => (
+                format!("in real time it turns by {turn_rad:.1e} rad in one step, more than half a turn"),
+                REAL_TIME_ADVICE,
             ),
             Failure::Newton(error) => (
                 format!("{error}; {}", self.largest_input()),

@@ -49,6 +49,8 @@ pub(super) struct State {
     pub start: Point,
     /// End of the integrator's present step, at or ahead of the present time.
     pub ahead: Point,
+    /// Stages of the integrator's present step between its ends; without meaning where it has no length.
+    pub stages: Vec<Point>,
     /// The present.
     pub now: Point,
     /// Next step to try in s.
@@ -83,6 +85,7 @@ impl State {
             before: Point::default(),
             start: Point::default(),
             ahead: Point::default(),
+            stages: Vec::new(),
             now: Point::default(),
             step_s: 0.0,
             joints: Vec::new(),
@@ -110,6 +113,7 @@ impl State {
         for (own, other) in points.into_iter().zip([&other.before, &other.start, &other.ahead, &other.now]) {
             own.clone_from(other);
         }
+        self.stages.clone_from(&other.stages);
         self.step_s = other.step_s;
         self.joints.clone_from(&other.joints);
         self.spatial_rotations.clone_from(&other.spatial_rotations);
@@ -136,13 +140,15 @@ impl Snapshot {
         &self.0
     }
 
-    /// Refuses a snapshot whose vectors do not have the lengths of this model's, which has `coordinates` and `tips`.
+    /// Refuses a snapshot whose vectors do not have the lengths of this model's, which has `coordinates`, `tips`
+    /// and so many `stages` within a step.
     /// `air` is a history of the air with the sizes of this model's.
     pub(super) fn check(
         &self,
         own: &State,
         coordinates: usize,
         tips: usize,
+        stages: usize,
         air: Option<&AirHistory>,
     ) -> Result<(), PlantError> {
         let theirs = &*self.0;
@@ -171,7 +177,12 @@ impl Snapshot {
             [&point.q, &point.v, &point.a, &point.auxiliary].iter().all(|vector| vector.len() == coordinates)
         };
         let points_fit = [&theirs.before, &theirs.start, &theirs.ahead, &theirs.now].into_iter().all(fits);
-        if theirs.initialized && !points_fit {
+        let stage_fits = |point: &Point| {
+            point.auxiliary.is_empty()
+                && [&point.q, &point.v, &point.a].iter().all(|vector| vector.len() == coordinates)
+        };
+        let stages_fit = theirs.stages.len() == stages && theirs.stages.iter().all(stage_fits);
+        if theirs.initialized && !(points_fit && stages_fit) {
             return Err(PlantError::Snapshot("numbers of coordinates differ".into()));
         }
         let rotations = [&theirs.spatial_rotations, &theirs.tip_rotations, &theirs.station_rotations].map(Vec::len);
@@ -202,7 +213,8 @@ impl State {
             [q, v, a, auxiliary].into_iter().all(|values| finite(values))
                 && finite(&[*time_s, *work, *dissipated, powers.work, powers.dissipated])
         };
-        if !points.iter().all(sound) {
+        let within = if self.start.time_s < self.ahead.time_s { &self.stages[..] } else { &[] };
+        if !points.into_iter().chain(within).all(|point| sound(&point)) {
             return refuse("coordinates or times");
         }
         let in_order = self.start.time_s <= self.now.time_s && self.now.time_s <= self.ahead.time_s;

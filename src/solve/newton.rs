@@ -34,6 +34,9 @@ pub struct Accuracy {
     /// Most iterations of a stage in real time: what they reach is accepted and counted. `None`: a stage that does not
     /// converge is an error.
     pub most_iterations: Option<usize>,
+    /// The step's length is given, not chosen: a stage may take more iterations, with new factors wherever they contract
+    /// slowly, before the step is given up.
+    pub persistent: bool,
     /// The accelerations at the step's begin have jumped by more than a guess over the whole step can use, NOTATION
     /// eq. (T10).
     pub jumped: bool,
@@ -46,12 +49,12 @@ pub struct Accuracy {
 impl Accuracy {
     /// Stages must converge to `tolerance`.
     pub const fn within(tolerance: f64) -> Self {
-        Self { tolerance, most_iterations: None, jumped: false, cautious: false }
+        Self { tolerance, most_iterations: None, persistent: false, jumped: false, cautious: false }
     }
 }
 
 /// Counters of one step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Effort {
     /// Residuals, each with a solve.
     pub iterations: u64,
@@ -61,6 +64,8 @@ pub struct Effort {
     pub unconverged: u64,
     /// Most iterations of one stage.
     pub largest: u64,
+    /// Largest last correction of those stages, in the kinematic norm.
+    pub rest: f64,
 }
 
 /// State of one stage during the iteration.
@@ -85,12 +90,15 @@ pub struct Stage<'a> {
 const MAX_ITERATIONS: usize = 10;
 /// Fastest contraction that a cautious estimate counts on: a hundredth per iteration is usual.
 const CAUTIOUS_RATE: f64 = 0.01;
+/// Most iterations of a stage of a step whose length is given: at the slowest contraction that keeps its factors, a half,
+/// they reduce the first correction by 1e-9.
+const MAX_ITERATIONS_PERSISTENT: usize = 30;
 
 /// Iterates until the estimated error of the displacement, in the kinematic norm, falls below `tolerance`.
 ///
 /// `factorized` tells whether the factors of this step stand; they are made at the first iterate, and once more
-/// where the iteration contracts slower than a half. With [`Accuracy::most_iterations`] the work is bounded, and only
-/// what is not finite or singular is an error.
+/// where the iteration contracts slower than a half, or as often as that happens with [`Accuracy::persistent`]. With
+/// [`Accuracy::most_iterations`] the work is bounded, and only what is not finite or singular is an error.
 pub fn iterate(
     equations: &mut impl EquationsOfMotion,
     stage: &mut Stage,
@@ -98,8 +106,8 @@ pub fn iterate(
     factorized: &mut bool,
     effort: &mut Effort,
 ) -> Result<(), NewtonError> {
-    let Accuracy { tolerance, most_iterations, cautious, .. } = accuracy;
-    let most = most_iterations.unwrap_or(MAX_ITERATIONS);
+    let Accuracy { tolerance, most_iterations, persistent, cautious, .. } = accuracy;
+    let most = most_iterations.unwrap_or(if persistent { MAX_ITERATIONS_PERSISTENT } else { MAX_ITERATIONS });
     let (mut previous, mut slower) = (f64::INFINITY, 0.0_f64);
     let mut refreshed = false;
     for iteration in 0..most {
@@ -137,13 +145,14 @@ pub fn iterate(
             if refreshed && rate > 1.0 && most_iterations.is_none() {
                 return Err(NewtonError::NotConverged { iterations: iteration + 1, correction, tolerance });
             }
-            // with bounded work there is no second try by a shorter step: factors at every iterate instead
-            *factorized = refreshed && most_iterations.is_none();
+            // where no shorter step is tried, factors at every iterate instead
+            *factorized = refreshed && most_iterations.is_none() && !persistent;
         }
         (previous, slower) = (correction, if iteration == 0 { 0.0 } else { rate });
     }
     if most_iterations.is_some() {
         effort.unconverged += 1;
+        effort.rest = effort.rest.max(previous);
         return Ok(());
     }
     Err(NewtonError::NotConverged { iterations: most, correction: previous, tolerance })

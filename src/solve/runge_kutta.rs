@@ -35,7 +35,7 @@ impl Esdirk {
         &self.residual
     }
 
-    /// One step of `h_s` from `start`; fills `end` and returns the error estimate in the kinematic norm.
+    /// One step of `h_s` from `start`; fills `end` and the stages in between and returns the error estimate in the kinematic norm.
     #[allow(clippy::too_many_arguments)]
     pub fn step(
         &mut self,
@@ -43,7 +43,7 @@ impl Esdirk {
         equations: &mut impl EquationsOfMotion,
         start: &Point,
         h_s: f64,
-        end: &mut Point,
+        (end, inner): (&mut Point, &mut [Point]),
         accuracy: Accuracy,
         effort: &mut Effort,
     ) -> Result<f64, NewtonError> {
@@ -86,6 +86,13 @@ impl Esdirk {
             iterate(equations, &mut unknown, accuracy, &mut factorized, effort)?;
             self.velocities[stage].copy_from_slice(&self.v);
             self.powers[stage] = equations.powers(time_s, &self.q, &self.v, &self.accelerations[stage]);
+            if let Some(point) = inner.get_mut(stage - 1) {
+                point.time_s = time_s;
+                point.q.copy_from_slice(&self.q);
+                point.v.copy_from_slice(&self.v);
+                point.a.copy_from_slice(&self.accelerations[stage]);
+                self.accounts(tableau, stage, start, h_s, point);
+            }
         }
 
         let last = tableau.stages() - 1;
@@ -93,13 +100,7 @@ impl Esdirk {
         end.q.copy_from_slice(&self.q);
         end.v.copy_from_slice(&self.v);
         end.a.copy_from_slice(&self.accelerations[last]);
-        end.powers = self.powers[last];
-        let weights = tableau.rows[last - 1].iter().chain(std::iter::once(&tableau.gamma));
-        (end.work, end.dissipated) = (start.work, start.dissipated);
-        for (weight, powers) in weights.zip(&self.powers) {
-            end.work += h_s * weight * powers.work;
-            end.dissipated += h_s * weight * powers.dissipated;
-        }
+        self.accounts(tableau, last, start, h_s, end);
 
         self.residual.fill(0.0);
         for (e, velocities) in tableau.error.iter().zip(&self.velocities) {
@@ -109,6 +110,17 @@ impl Esdirk {
         equations.project(&mut end.q, &mut end.v, &mut end.a);
         end.auxiliary.copy_from_slice(&end.a);
         Ok(error)
+    }
+
+    /// Energy accounts of a stage: the quadrature that its row is.
+    fn accounts(&self, tableau: &Tableau, stage: usize, start: &Point, h_s: f64, point: &mut Point) {
+        point.powers = self.powers[stage];
+        (point.work, point.dissipated) = (start.work, start.dissipated);
+        let weights = tableau.rows[stage - 1].iter().chain(std::iter::once(&tableau.gamma));
+        for (weight, powers) in weights.zip(&self.powers) {
+            point.work += h_s * weight * powers.work;
+            point.dissipated += h_s * weight * powers.dissipated;
+        }
     }
 }
 

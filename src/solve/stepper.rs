@@ -1,6 +1,7 @@
 //! One step by the chosen method.
 
 use crate::solve::EquationsOfMotion;
+use crate::solve::continuation::Continuation;
 use crate::solve::explicit::Rk4;
 use crate::solve::generalized_alpha::{GeneralizedAlpha, Parameters};
 use crate::solve::newton::{Accuracy, Effort, NewtonError};
@@ -35,17 +36,28 @@ pub struct Stepper {
     esdirk: Esdirk,
     generalized_alpha: GeneralizedAlpha,
     rk4: Rk4,
+    continuation: Continuation,
 }
 
 impl Stepper {
     /// A method for `coordinates` unknowns.
     pub fn new(method: Method, coordinates: usize) -> Self {
-        Self {
+        let mut stepper = Self {
             method,
             esdirk: Esdirk::new(coordinates),
             generalized_alpha: GeneralizedAlpha::new(coordinates),
             rk4: Rk4::new(coordinates),
+            continuation: Continuation::default(),
+        };
+        if let Some(tableau) = stepper.tableau() {
+            stepper.continuation = Continuation::of(tableau);
         }
+        stepper
+    }
+
+    /// How states between the ends of a step follow from its stages.
+    pub fn continuation(&self) -> &Continuation {
+        &self.continuation
     }
 
     /// Power of the step with which the error estimate falls.
@@ -72,16 +84,17 @@ impl Stepper {
         }
     }
 
-    /// One step of `h_s` from `start` into `end`. Returns the error estimate in the kinematic norm.
+    /// One step of `h_s` from `start` into `end`, with its stages in between. Returns the error estimate in the kinematic
+    /// norm.
     ///
     /// `accuracy` bounds the displacement error that the iteration leaves, in the same norm. Allocates
-    /// nothing. On an error `end` is undefined and `start` untouched.
+    /// nothing. On an error `end` and the stages are undefined and `start` untouched.
     pub fn step(
         &mut self,
         equations: &mut impl EquationsOfMotion,
         start: &Point,
         h_s: f64,
-        end: &mut Point,
+        (end, stages): (&mut Point, &mut [Point]),
         accuracy: Accuracy,
         effort: &mut Effort,
     ) -> Result<f64, NewtonError> {
@@ -93,7 +106,7 @@ impl Stepper {
             (None, Method::Rk4) => self.rk4.step(equations, start, h_s, end, effort).map(|()| 0.0),
             (tableau, _) => {
                 let tableau = tableau.unwrap_or(&ESDIRK4);
-                self.esdirk.step(tableau, equations, start, h_s, end, accuracy, effort)
+                self.esdirk.step(tableau, equations, start, h_s, (end, stages), accuracy, effort)
             }
         }
     }

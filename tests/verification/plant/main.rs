@@ -5,6 +5,7 @@
 mod machines;
 
 mod carried;
+mod chains;
 mod corners;
 mod deployment;
 mod double_pendulum;

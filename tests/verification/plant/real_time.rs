@@ -1,5 +1,6 @@
 //! Real-time mode: bounded work in every step, and nothing else changed.
 
+use crate::chains::chain;
 use crate::machines;
 use foldwing::config::Machine;
 use foldwing::config::machine::{ElementKind, Method};
@@ -160,6 +161,34 @@ fn p115_unconverged_steps_repeat() {
     let first = go_on();
     assert_eq!(first, go_on());
     assert!(first.1.unconverged > 0, "{:?}", first.1);
+}
+
+/// P-118. Forty violent chains of folds at steps of 1 ms: each goes on with the angles of a machine or stops with an error
+/// that names real time; none goes on with angles beyond anything that its torques can do. Before there was no guard, and
+/// angles grew to 5e14 rad on the way.
+#[test]
+fn p118_a_motion_that_is_lost_is_an_error() {
+    let (mut ended, mut lost) = (0, 0);
+    for seed in 0..40 {
+        let machine = foldwing::config::parse(&chain(seed, "mode = \"real_time\""), "chain.toml").unwrap();
+        let mut plant = started(machine);
+        let outcome = (1..=1000).try_for_each(|step| {
+            plant.step(f64::from(step) * STEP_S)?;
+            let angle_rad = plant.outputs().joints.iter().map(|joint| joint.angle_rad.abs()).fold(0.0, f64::max);
+            assert!(angle_rad < 50.0, "chain {seed}, step {step}: {angle_rad:e} rad");
+            Ok(())
+        });
+        match outcome {
+            Ok(()) => ended += 1,
+            Err(error) => {
+                let error: PlantError = error;
+                assert!(error.to_string().contains("in real time"), "chain {seed}: {error}");
+                lost += 1;
+            }
+        }
+    }
+    println!("P-118: {ended} end, {lost} stop");
+    assert!(ended > 0 && lost > 0);
 }
 
 /// P-116. A gust-like load on the latched wing: the tip follows the ordinary mode at 1e-6 within 2 % of the motion's

@@ -168,3 +168,29 @@ fn p94_forged_snapshots_give_no_nan() {
         assert!(refused > 100, "{name}");
     }
 }
+
+/// P-124. A step that fails while inputs run with rates leaves nothing behind: inputs stay where the rates of the step
+/// before have led, and the run goes on as one in which nothing has failed, to the bit.
+#[test]
+fn p124_a_failed_step_with_input_rates_leaves_nothing_behind() {
+    let ramp = |plant: &mut Plant, end_s: f64| {
+        plant.input_rates_mut().joints[0].torque_n_m = 0.05;
+        coast(plant, end_s);
+    };
+    let (mut smooth, mut disturbed) = (start(default_wing(1e-4)), start(default_wing(1e-4)));
+    for plant in [&mut smooth, &mut disturbed] {
+        ramp(plant, 0.01);
+        ramp(plant, 0.03);
+    }
+    let led_n_m = smooth.inputs().joints[0].torque_n_m;
+    assert!((led_n_m - 0.05 * 0.03).abs() < 1e-15, "round-off: {led_n_m}");
+    disturbed.input_rates_mut().joints[0].torque_n_m = 0.05;
+    disturbed.inputs_mut().root.gravity_m_s2.z = f64::NAN;
+    disturbed.step(0.04).expect_err("gravity is not a number");
+    assert_eq!(disturbed.inputs(), smooth.inputs(), "inputs after the failed step");
+    for end_s in [0.04, 0.05, 0.13] {
+        ramp(&mut smooth, end_s);
+        ramp(&mut disturbed, end_s);
+        assert_eq!(disturbed.outputs(), smooth.outputs(), "{end_s} s");
+    }
+}

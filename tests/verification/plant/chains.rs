@@ -1,0 +1,207 @@
+//! Random chains of folds that unfold and latch: every run reaches its end.
+
+use foldwing::config;
+use foldwing::plant::{OutputSet, Plant, Statistics};
+use std::fmt::Write;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::{Arc, Mutex};
+
+const STEP_S: f64 = 1e-3;
+
+/// A chain of 1 to 7 folds as a model file: bodies from 5 to 40 cm and 1 to 5 mm, springs, dampers, torques and latch
+/// stiffnesses over two to four decades, start angles from 20° to 170° either way, with and without gravity and damping.
+pub fn chain(seed: u64, solver: &str) -> String {
+    let mut random = fastrand::Rng::with_seed(seed);
+    let mut uniform = |low: f64, high: f64| low + (high - low) * random.f64();
+    let bodies = uniform(2.0, 9.0) as usize;
+    let elements = uniform(1.0, 5.0) as usize;
+    let gravity: Vec<f64> = (0..3).map(|_| if uniform(0.0, 3.0) < 2.0 { 0.0 } else { uniform(-9.8, 9.8) }).collect();
+    let mut text = format!(
+        "name = \"Chain\"\ngravity_m_s2 = {gravity:?}\n[section.plate]\nshape = \"rectangle\"\nwidth_m = 0.05\n\
+         height_m = {:.5}\ndensity_kg_m3 = 1425.0\nyoung_Pa = 2.83e9\ntorsional_rigidity_N_m2 = 0.18\n",
+        10f64.powf(uniform(-3.0, -2.3))
+    );
+    for body in 0..bodies {
+        let mass_damping = if uniform(0.0, 1.0) < 0.5 { 0.0 } else { 2.5 };
+        let stiffness_damping = if uniform(0.0, 3.0) < 2.0 { 0.0 } else { 1e-5 };
+        writeln!(
+            text,
+            "[body.b{body}]\nlength_m = {:.4}\nsection = \"plate\"\nelements = {elements}\n\
+             mass_damping_1_s = {mass_damping}\nstiffness_damping_s = {stiffness_damping}",
+            uniform(0.05, 0.4)
+        )
+        .unwrap();
+    }
+    text += "[joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"b0\"\n";
+    for fold in 1..bodies {
+        let side = if uniform(0.0, 1.0) < 0.5 { 1.0 } else { -1.0 };
+        let mut power = |low: f64, high: f64| 10f64.powf(uniform(low, high));
+        let (stiffness, torque) = (power(-2.0, 0.5), power(-2.0, 0.3));
+        let (damping, ratio) = (power(-4.0, -1.5), power(2.0, 6.0));
+        writeln!(
+            text,
+            "[joint.f{fold}]\ntype = \"revolute\"\nparent = \"b{}\"\nchild = \"b{fold}\"\naxis = [0.0, 1.0, 0.0]\n\
+             start_angle_deg = {:.3}\n[joint.f{fold}.drive]\nstiffness_N_m_rad = {stiffness:.5}\n\
+             damping_N_m_s_rad = {damping:.6}\nconstant_torque_N_m = {:.5}\n[joint.f{fold}.latch]\n\
+             stiffness_ratio = {ratio:.2}",
+            fold - 1,
+            side * uniform(20.0, 170.0),
+            side * torque
+        )
+        .unwrap();
+    }
+    text + &format!("[solver]\n{solver}\n[experiment]\nstop_time_s = 1.0\nstep_s = {STEP_S:?}\n")
+}
+
+/// What a run of a chain comes to.
+struct Outcome {
+    /// Time of the first latch in s; none that closes.
+    first_latch_s: Option<f64>,
+    statistics: Statistics,
+}
+
+/// Runs a chain to its end, or until its first latch has closed.
+fn run(seed: u64, solver: &str, stop_s: f64, to_first_latch: bool) -> Result<Outcome, String> {
+    let machine = config::parse(&chain(seed, solver), "chain.toml").map_err(|error| error.to_string())?;
+    let mut plant = Plant::new(Arc::new(machine));
+    plant.initialize(0.0).map_err(|error| error.to_string())?;
+    plant.watch(OutputSet::NONE);
+    let first_latch_s = |plant: &Plant| {
+        let closed = plant.joint_statuses().map(|joint| joint.latch_time_s).filter(|&time_s| time_s >= 0.0);
+        closed.min_by(f64::total_cmp)
+    };
+    for step in 1..=(stop_s / STEP_S).round() as u32 {
+        plant.step(f64::from(step) * STEP_S).map_err(|error| error.to_string())?;
+        if to_first_latch && first_latch_s(&plant).is_some() {
+            break;
+        }
+    }
+    Ok(Outcome { first_latch_s: first_latch_s(&plant), statistics: plant.statistics() })
+}
+
+/// Calls `examine` for every seed below `count`, on all processors, and collects what it objects to in order.
+fn objections(count: u64, examine: impl Fn(u64) -> Result<(), String> + Sync) -> Vec<String> {
+    let threads = std::thread::available_parallelism().map_or(1, |threads| threads.get() as u64);
+    let examine = &examine;
+    let mut found: Vec<(u64, String)> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads)
+            .map(|first| {
+                let own = (first..count).step_by(threads as usize);
+                scope.spawn(move || own.filter_map(|seed| examine(seed).err().map(|error| (seed, error))).collect())
+            })
+            .collect();
+        workers.into_iter().flat_map(|worker| -> Vec<_> { worker.join().unwrap() }).collect()
+    });
+    found.sort();
+    found.into_iter().map(|(seed, error)| format!("chain {seed}: {error}")).collect()
+}
+
+/// Every one of `count` chains must reach `stop_s`. Returns steps and iterations of all.
+fn all_end(count: u64, solver: &str, stop_s: f64) {
+    let (steps, iterations) = (AtomicU64::new(0), AtomicU64::new(0));
+    let stopped = objections(count, |seed| {
+        let statistics = run(seed, solver, stop_s, false)?.statistics;
+        steps.fetch_add(statistics.steps, Relaxed);
+        iterations.fetch_add(statistics.iterations, Relaxed);
+        Ok(())
+    });
+    println!("{count} chains, `{solver}`: {} stop, {steps:?} steps, {iterations:?} iterations", stopped.len());
+    assert!(stopped.is_empty(), "`{solver}`: {} of {count} chains stop: {stopped:#?}", stopped.len());
+}
+
+/// The first latch of every one of `count` chains must close where it does at tolerance 1e-9, within `bound_s`.
+fn first_latches_agree(count: u64, bound_s: f64) {
+    let errors = Mutex::new(Vec::new());
+    let strayed = objections(count, |seed| {
+        let reference = run(seed, "tolerance = 1e-9", 1.0, true)?.first_latch_s;
+        let own = run(seed, "", 1.0, true)?.first_latch_s;
+        let error_s = match (own, reference) {
+            (Some(own), Some(reference)) => (own - reference).abs(),
+            (None, None) => 0.0,
+            _ => f64::INFINITY,
+        };
+        errors.lock().unwrap().push(error_s);
+        if error_s <= bound_s { Ok(()) } else { Err(format!("first latch at {own:?} s, right is {reference:?} s")) }
+    });
+    let mut errors = errors.into_inner().unwrap();
+    errors.sort_by(f64::total_cmp);
+    let quantile = |share: f64| errors[((errors.len() - 1) as f64 * share) as usize];
+    println!(
+        "{count} chains: first latch off by {:.1e} s (median), {:.1e} s (99 %), {:.1e} s (largest)",
+        quantile(0.5),
+        quantile(0.99),
+        quantile(1.0)
+    );
+    assert!(strayed.is_empty(), "{} of {count} chains: {strayed:#?}", strayed.len());
+}
+
+/// P-120. 250 random chains go on with the default solver, through their first latches.
+#[test]
+fn p120_random_chains_reach_their_end() {
+    all_end(250, "", 0.1);
+}
+
+/// P-121. The first latch of ten of them closes where it does at tolerance 1e-9.
+#[test]
+fn p121_first_latches_of_random_chains_agree_with_converged_ones() {
+    first_latches_agree(10, 1e-3);
+}
+
+/// Number of chains of the long tests below: `FOLDWING_CHAINS`, or 10 000.
+fn many() -> u64 {
+    std::env::var("FOLDWING_CHAINS").map_or(10_000, |count| count.parse().unwrap())
+}
+
+/// P-122. 10 000 chains for a second with the default solver, a tenth of them with every other method.
+#[test]
+#[ignore = "an hour; `make validate` runs it"]
+fn p122_ten_thousand_random_chains_reach_their_end() {
+    for method in ["tr_bdf2", "esdirk3", "sdirk2", "generalized_alpha"] {
+        all_end(many() / 10, &format!("method = \"{method}\""), 1.0);
+    }
+    all_end(many() / 10, "tolerance = 1e-6", 1.0);
+    all_end(many(), "", 1.0);
+}
+
+/// P-123. 1000 first latches against tolerance 1e-9.
+#[test]
+#[ignore = "minutes; `make validate` runs it"]
+fn p123_a_thousand_first_latches_agree_with_converged_ones() {
+    first_latches_agree(many() / 10, 1e-3);
+}
+
+/// P-125. The latch torque between steps does not depend on the latch's stiffness, and the energy account closes.
+///
+/// A latch is as stiff as one likes: what it carries follows from the wing. The quintic polynomial of the steps' ends
+/// multiplied errors of the angle between them by the stiffness: 0.40, 55 and 5538 N·m. The default tolerance leaves 5 % of
+/// the converged 0.229 N·m; the account is that of the steps' ends, 1e-3 of the wing's energy.
+#[test]
+fn p125_stiff_latches_carry_what_the_wing_asks_for() {
+    use crate::machines::{hinge_of, run, start, wing};
+    use foldwing::config::machine::{ElementKind, Method};
+    for method in [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::Sdirk2] {
+        for factor in [1.0, 1e2, 1e4] {
+            let mut machine = wing(ElementKind::Linear, 2, method, 1e-4);
+            hinge_of(&mut machine, 1).latch.as_mut().expect("a latch").stiffness_n_m_rad *= factor;
+            let mut plant = start(machine);
+            let (mut torque_n_m, mut kinetic_j) = (0f64, 0f64);
+            let (mut lowest_j, mut highest_j) = (f64::INFINITY, f64::NEG_INFINITY);
+            run(
+                &mut plant,
+                0.2,
+                400,
+                |_| {},
+                |outputs| {
+                    torque_n_m = torque_n_m.max(outputs.joints[0].latch_torque_n_m.abs());
+                    let account_j = outputs.energy.total - outputs.energy.work + outputs.energy.dissipated;
+                    (lowest_j, highest_j) = (lowest_j.min(account_j), highest_j.max(account_j));
+                    kinetic_j = kinetic_j.max(outputs.energy.kinetic);
+                },
+            );
+            let drift = (highest_j - lowest_j) / kinetic_j;
+            println!("{method:?}, latch {factor:e} times as stiff: {torque_n_m:.4} N·m, account {drift:.1e}");
+            assert!((torque_n_m - 0.229).abs() < 0.05, "{method:?}, {factor:e}: {torque_n_m} N·m");
+            assert!(drift < 0.02, "{method:?}, {factor:e}: account off by {drift:e} of the kinetic energy");
+        }
+    }
+}
