@@ -6,6 +6,7 @@ use crate::plant::Plant;
 use crate::plant::face::{Inputs, Outputs, PlantError};
 use crate::plant::state::State;
 use crate::solve::EquationsOfMotion;
+use crate::solve::continuation::Taken;
 use crate::solve::point::Point;
 use nalgebra::{Quaternion, UnitQuaternion};
 
@@ -99,7 +100,8 @@ impl Plant {
     /// Rates of the accelerations along the present internal step, NOTATION eq. (T6): the slope at the present of the cubic
     /// through four places of the step around it. Zeros where the step has no length.
     fn jerk(&self) -> Vec<f64> {
-        let State { start, ahead, now, .. } = &self.state;
+        let State { start, stages, ahead, now, .. } = &self.state;
+        let taken = Taken { start, stages, end: ahead, continuation: self.stepper.continuation() };
         let length_s = ahead.time_s - start.time_s;
         let mut jerk = vec![0.0; now.a.len()];
         if length_s <= 0.0 {
@@ -110,7 +112,7 @@ impl Plant {
         let place = (now.time_s - first_s) / spacing_s;
         let mut there = now.clone();
         for (i, weight) in slopes_of_cubic(place).into_iter().enumerate() {
-            there.interpolate(start, ahead, first_s + i as f64 * spacing_s);
+            taken.fill(&mut there, first_s + i as f64 * spacing_s);
             move_along(&mut jerk, &there.a, weight / spacing_s);
         }
         jerk

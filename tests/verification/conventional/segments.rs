@@ -295,7 +295,7 @@ pub fn fall(segments: &mut impl PlanarChain, method: Method, step_s: f64) -> Vec
     let mut tips = Vec::with_capacity(500);
     for step in 1..=500 * per_sample {
         let mut effort = Effort::default();
-        stepper.step(segments, &start, step_s, &mut end, NEWTON, &mut effort).expect("convergence");
+        stepper.step(segments, &start, step_s, (&mut end, &mut stages), NEWTON, &mut effort).expect("convergence");
         end.time_s = step as f64 * step_s;
         std::mem::swap(&mut start, &mut end);
         if step % per_sample == 0 {
