@@ -1,4 +1,4 @@
-//! Drive of a fold joint: spring to a commanded neutral angle, damper, constant torque, limits.
+//! Drive of a fold joint, its motor: spring to a commanded neutral angle, damper, constant torque, limits.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,31 +11,40 @@ pub struct Drive {
     pub damping_n_m_s_rad: f64,
     /// Constant torque `T` in N·m.
     pub constant_torque_n_m: f64,
-    /// Largest magnitude of the torque in N·m.
+    /// Largest magnitude of the motor's torque in N·m.
     pub torque_limit_n_m: f64,
 }
 
-/// Torque of a drive and what it means for the Newton matrix and the energy accounts.
+/// Torque of a drive and what it means for the Newton matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DriveTorque {
     /// On the outer body about `+θ`, limited, in N·m.
     pub applied_n_m: f64,
-    /// What the limit took away, in N·m.
-    pub clipped_n_m: f64,
     /// Limit active: the torque does not depend on the angle.
     pub saturated: bool,
 }
 
 impl Drive {
-    /// `clamp(−(k (θ − θ_cmd) + c θ̇ + T) + τ_ext, ±limit)`.
-    pub fn torque(&self, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64, external_n_m: f64) -> DriveTorque {
-        let wanted = -(self.stiffness_n_m_rad * (angle_rad - neutral_rad)
+    /// Torque without the limit in N·m: `−(k_m (θ − θ_cmd) + c_m θ̇ + T)`.
+    pub fn wanted_n_m(&self, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> f64 {
+        -(self.stiffness_n_m_rad * (angle_rad - neutral_rad)
             + self.damping_n_m_s_rad * rate_rad_s
             + self.constant_torque_n_m)
-            + external_n_m;
+    }
+
+    /// `clamp(−(k_m (θ − θ_cmd) + c_m θ̇ + T), ±limit)`.
+    pub fn torque(&self, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> DriveTorque {
+        let wanted = self.wanted_n_m(angle_rad, rate_rad_s, neutral_rad);
         // not `clamp`, which panics on a limit that is negative or NaN
         let applied = wanted.max(-self.torque_limit_n_m).min(self.torque_limit_n_m);
-        DriveTorque { applied_n_m: applied, clipped_n_m: applied - wanted, saturated: applied != wanted }
+        DriveTorque { applied_n_m: applied, saturated: applied != wanted }
+    }
+
+    /// What the torque `applied_n_m` does beyond the potential of spring and constant torque, in W: negative where the
+    /// drive brakes. Without an active limit it is `−c_m θ̇²`, NOTATION eq. (A5).
+    pub fn power_w(&self, applied_n_m: f64, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> f64 {
+        let held_n_m = self.stiffness_n_m_rad * (angle_rad - neutral_rad) + self.constant_torque_n_m;
+        (applied_n_m + held_n_m) * rate_rad_s
     }
 
     /// Potential of spring and constant torque in J: `½ k (θ − θ_cmd)² + T θ`.
@@ -151,9 +160,9 @@ mod tests {
     #[test]
     fn limit_clips_either_way() {
         let drive = Drive { stiffness_n_m_rad: 1.0, torque_limit_n_m: 0.5, ..Drive::default() };
-        let low = drive.torque(2.0, 0.0, 0.0, 0.0);
-        assert_eq!((low.applied_n_m, low.clipped_n_m, low.saturated), (-0.5, 1.5, true));
-        let free = drive.torque(0.25, 0.0, 0.0, 0.0);
+        let low = drive.torque(2.0, 0.0, 0.0);
+        assert_eq!((low.applied_n_m, low.saturated), (-0.5, true));
+        let free = drive.torque(0.25, 0.0, 0.0);
         assert_eq!((free.applied_n_m, free.saturated), (-0.25, false));
     }
 }

@@ -9,21 +9,21 @@ pub struct Latch {
     pub angle_rad: f64,
     /// Stiffness when closed in N·m/rad.
     pub stiffness_n_m_rad: f64,
-    /// Half-width of the window in which enabling closes it at once, rad.
+    /// Half-width of the window that catches the joint, rad.
     pub capture_rad: f64,
-    /// `+1` or `−1`: the folded side is where `side·(θ − angle)` is positive.
-    pub side: f64,
 }
 
 impl Latch {
-    /// Side of a joint that starts at `start_rad`: positive if it starts at the latch angle itself.
-    pub fn side_of(start_rad: f64, angle_rad: f64) -> f64 {
-        if start_rad < angle_rad { -1.0 } else { 1.0 }
+    /// Whether an angle lies in the window: there an enabled latch is closed.
+    pub fn catches(&self, angle_rad: f64) -> bool {
+        (angle_rad - self.angle_rad).abs() <= self.capture_rad
     }
 
-    /// Distance to the latch angle in rad, positive on the folded side.
-    pub fn gap_rad(&self, angle_rad: f64) -> f64 {
-        self.side * (angle_rad - self.angle_rad)
+    /// Way left to the window in rad for a joint that comes from `from_rad`, outside of it: falls through zero where the
+    /// window is reached, whichever side that is, and goes on falling beyond.
+    pub fn gap_rad(&self, from_rad: f64, angle_rad: f64) -> f64 {
+        let side = if from_rad < self.angle_rad { -1.0 } else { 1.0 };
+        side * (angle_rad - self.angle_rad) - self.capture_rad
     }
 
     /// Torque on the outer body about `+θ` in N·m when closed.

@@ -39,7 +39,8 @@ pub(super) struct JointFile {
     pub start_angle_deg: Option<f64>,
     /// Fold rate of a revolute joint at the start, default 0.
     pub start_rate_deg_s: Option<f64>,
-    /// Start value of a revolute joint's release input: false holds it at its start angle until released. Default true.
+    /// Start value of a revolute joint's release input: false holds it where it is, at the start at its start angle.
+    /// Default true.
     pub release: Option<bool>,
     /// How the angle of a revolute joint moves, default `free`.
     pub motion: Option<MotionType>,
@@ -55,9 +56,10 @@ pub(super) struct JointFile {
     pub table_s_deg: Option<Vec<[f64; 2]>>,
     /// How the curve through `table_s_deg` begins and ends, default `rest`.
     pub table_ends: Option<TableEnds>,
-    /// Spring, damper and motor of a revolute joint; spring towards the start attitude and damper of a universal or
-    /// ball joint.
+    /// Motor of a revolute joint; spring towards the start attitude and damper of a universal or ball joint.
     pub drive: Option<DriveFile>,
+    /// Spring and damper of a revolute joint itself, beside its motor.
+    pub spring: Option<SpringFile>,
     /// Latch of a revolute joint.
     pub latch: Option<LatchFile>,
 }
@@ -113,12 +115,12 @@ pub(super) enum TableEnds {
     Onward,
 }
 
-/// Drive: the torque on the outer body about the hinge is `−(k (θ − θ_cmd) + c θ̇ + T)`, limited. Universal and ball
+/// Motor: its torque on the outer body about the hinge is `−(k (θ − θ_cmd) + c θ̇ + T)`, limited. Universal and ball
 /// joints have `k` and `c` only: per axis, or about the rotation vector from the start attitude.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DriveFile {
-    /// Spring stiffness `k`.
+    /// Stiffness `k`.
     #[serde(default, rename = "stiffness_N_m_rad")]
     #[schemars(range(min = 0.0))]
     pub stiffness_n_m_rad: f64,
@@ -129,7 +131,8 @@ pub(super) struct DriveFile {
     /// Constant torque `T`, towards negative angles.
     #[serde(default, rename = "constant_torque_N_m")]
     pub constant_torque_n_m: f64,
-    /// Largest magnitude of the drive torque, default unlimited.
+    /// Largest magnitude of the motor's torque `−(k (θ − θ_cmd) + c θ̇ + T)`, default unlimited. It limits neither the
+    /// joint's spring nor the latch nor the external torque.
     #[serde(rename = "torque_limit_N_m")]
     #[schemars(range(min = 0.0))]
     pub torque_limit_n_m: Option<f64>,
@@ -147,7 +150,27 @@ pub(super) struct DriveFile {
     pub command_deg: f64,
 }
 
-/// Latch: closes when the angle reaches `angle_deg` from the folded side.
+/// Spring and damper of a revolute joint itself: their torque on the outer body about the hinge is
+/// `−(k (θ − θ_0) + c θ̇)`. No limit acts on it.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SpringFile {
+    /// Stiffness `k`.
+    #[serde(default, rename = "stiffness_N_m_rad")]
+    #[schemars(range(min = 0.0))]
+    pub stiffness_n_m_rad: f64,
+    /// Damping `c`.
+    #[serde(default, rename = "damping_N_m_s_rad")]
+    #[schemars(range(min = 0.0))]
+    pub damping_n_m_s_rad: f64,
+    /// Angle `θ_0` at which the spring is slack.
+    #[serde(default)]
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub rest_angle_deg: f64,
+}
+
+/// Latch: closes as soon as it is enabled and the angle is within `capture_deg` of `angle_deg`, from either side, moving
+/// or at rest.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LatchFile {
@@ -155,17 +178,17 @@ pub(super) struct LatchFile {
     #[serde(default)]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub angle_deg: f64,
-    /// Stiffness of the closed joint over the drive's `k`: the latch adds `(ratio − 1) k`.
+    /// Stiffness of the closed joint over that of motor and spring together, `k`: the latch adds `(ratio − 1) k`.
     #[schemars(extend("exclusiveMinimum" = 1))]
     pub stiffness_ratio: Option<f64>,
     /// Stiffness that the latch adds; instead of `stiffness_ratio`.
     #[serde(rename = "stiffness_N_m_rad")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness_n_m_rad: Option<f64>,
-    /// Half-width of the window in which enabling closes it at once.
-    #[serde(default)]
+    /// Half-width of the window that catches the joint, default 1e-6 rad: a wider one closes the latch so far off its
+    /// angle, and the wing then swings about it.
     #[schemars(range(min = 0.0, max = 360.0))]
-    pub capture_deg: f64,
+    pub capture_deg: Option<f64>,
     /// Closed at the start.
     #[serde(default)]
     pub initially_closed: bool,

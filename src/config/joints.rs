@@ -2,8 +2,10 @@
 
 use crate::actuation::prescribed::Law;
 use crate::config::file::ModelFile;
-use crate::config::joint_file::{DriveFile, JointFile, JointType, LatchFile, MotionType, TableEnds};
-use crate::config::machine::{Drive, Joint, JointKind, JointMotion, Latch, Motion, Parent, Revolute, UNLIMITED};
+use crate::config::joint_file::{DriveFile, JointFile, JointType, LatchFile, MotionType, SpringFile, TableEnds};
+use crate::config::machine::{
+    Drive, Joint, JointKind, JointMotion, Latch, Motion, Parent, Revolute, Spring, UNLIMITED,
+};
 use crate::config::schema::quoted;
 use crate::config::spatial;
 use crate::config::tree::{ROOT, Tree};
@@ -18,6 +20,10 @@ pub(super) const RESERVED: &[&str] = &[
 
 /// Beginning of the groups of several free ends, `tip_<body>`.
 const RESERVED_BEGINNING: &str = "tip_";
+
+/// Half-width of a latch's window by default, rad: it catches a joint that rests or creeps at its angle, and closes a
+/// joint that passes it earlier by no more than the time of so small a way.
+const DEFAULT_CAPTURE_RAD: f64 = 1e-6;
 
 /// Keys that not every joint has, with the types that have them.
 const KEYS: &[(&str, &[JointType])] = {
@@ -34,6 +40,7 @@ const KEYS: &[(&str, &[JointType])] = {
         ("polynomial_deg", &[Revolute]),
         ("table_s_deg", &[Revolute]),
         ("drive", &[Revolute, Universal, Ball]),
+        ("spring", &[Revolute]),
         ("latch", &[Revolute]),
     ]
 };
@@ -101,7 +108,9 @@ fn build_parent(
 fn build_revolute(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker) -> Option<Revolute> {
     let motion = build_motion(name, joint, checker);
     let drive = build_drive(joint.drive.as_ref());
-    let latch = build_latch(name, joint, &drive, checker);
+    let spring = joint.spring.as_ref().map(build_spring);
+    let stiffness_n_m_rad = drive.stiffness_n_m_rad + spring.map_or(0.0, |spring| spring.stiffness_n_m_rad);
+    let latch = build_latch(name, joint, stiffness_n_m_rad, checker);
     let release = joint.release.unwrap_or(true);
     let start_rate_rad_s = joint.start_rate_deg_s.unwrap_or(0.0).to_radians();
     if start_rate_rad_s != 0.0 && (kind_of(joint) != MotionType::Free || !release) {
@@ -120,6 +129,7 @@ fn build_revolute(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut
         motion,
         release,
         drive,
+        spring,
         latch: latch?,
     })
 }
@@ -217,8 +227,17 @@ fn build_drive(drive: Option<&DriveFile>) -> Drive {
     }
 }
 
-/// `Some(None)` without a latch, `None` if a problem was found.
-fn build_latch(name: &str, joint: &JointFile, drive: &Drive, checker: &mut Checker) -> Option<Option<Latch>> {
+fn build_spring(spring: &SpringFile) -> Spring {
+    Spring {
+        stiffness_n_m_rad: spring.stiffness_n_m_rad,
+        damping_n_m_s_rad: spring.damping_n_m_s_rad,
+        rest_angle_rad: spring.rest_angle_deg.to_radians(),
+    }
+}
+
+/// `Some(None)` without a latch, `None` if a problem was found. `stiffness_n_m_rad` is that of motor and spring, which
+/// the ratio refers to.
+fn build_latch(name: &str, joint: &JointFile, stiffness_n_m_rad: f64, checker: &mut Checker) -> Option<Option<Latch>> {
     let Some(latch) = &joint.latch else { return Some(None) };
     let path = ["joint", name, "latch"];
     if kind_of(joint) != MotionType::Free {
@@ -230,14 +249,14 @@ fn build_latch(name: &str, joint: &JointFile, drive: &Drive, checker: &mut Check
     }
     Some(Some(Latch {
         angle_rad: latch.angle_deg.to_radians(),
-        stiffness_n_m_rad: latch_stiffness_n_m_rad(name, latch, drive, checker)?,
-        capture_rad: latch.capture_deg.to_radians(),
+        stiffness_n_m_rad: latch_stiffness_n_m_rad(name, latch, stiffness_n_m_rad, checker)?,
+        capture_rad: latch.capture_deg.map_or(DEFAULT_CAPTURE_RAD, f64::to_radians),
         initially_closed: latch.initially_closed,
         enable: latch.enable,
     }))
 }
 
-fn latch_stiffness_n_m_rad(name: &str, latch: &LatchFile, drive: &Drive, checker: &mut Checker) -> Option<f64> {
+fn latch_stiffness_n_m_rad(name: &str, latch: &LatchFile, own_n_m_rad: f64, checker: &mut Checker) -> Option<f64> {
     let path = ["joint", name, "latch", "stiffness_ratio"];
     match (latch.stiffness_ratio, latch.stiffness_n_m_rad) {
         (None, Some(stiffness)) => Some(stiffness),
@@ -250,9 +269,10 @@ fn latch_stiffness_n_m_rad(name: &str, latch: &LatchFile, drive: &Drive, checker
             None
         }
         (Some(ratio), None) => {
-            let stiffness = (ratio - 1.0) * drive.stiffness_n_m_rad;
-            if drive.stiffness_n_m_rad == 0.0 {
-                let allowed = "a ratio where the drive's stiffness is > 0; write stiffness_N_m_rad (N·m/rad) instead";
+            let stiffness = (ratio - 1.0) * own_n_m_rad;
+            if own_n_m_rad == 0.0 {
+                let allowed =
+                    "a ratio where the stiffness of drive and spring is > 0; write stiffness_N_m_rad (N·m/rad) instead";
                 checker.refuse(&path, allowed);
             } else if !(stiffness > 0.0 && stiffness <= UNLIMITED) {
                 checker.refuse(&path, "a ratio that gives a finite stiffness > 0 N·m/rad");

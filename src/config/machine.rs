@@ -1,6 +1,7 @@
 //! The validated model: what the file means, in SI and radians, bodies sorted parent before child.
 
 pub use crate::actuation::prescribed::Motion;
+pub use crate::actuation::spring::Spring;
 pub use crate::aero::AirOptions;
 use crate::aero::flow::Gust;
 pub use crate::aero::lattice::{LoadRule, WakeModel};
@@ -167,8 +168,10 @@ pub struct Revolute {
     pub motion: JointMotion,
     /// Start value of the release input.
     pub release: bool,
-    /// Spring, damper, motor.
+    /// Motor.
     pub drive: Drive,
+    /// Spring and damper of the joint itself, if the file states them.
+    pub spring: Option<Spring>,
     /// Latch, if the joint has one.
     pub latch: Option<Latch>,
 }
@@ -184,7 +187,7 @@ pub enum JointMotion {
     Prescribed(Motion),
 }
 
-/// Drive torque on the outer body about `+θ`: `−(k (θ − θ_cmd) + c θ̇ + T) + τ_ext`, NOTATION eq. (A1).
+/// Motor torque on the outer body about `+θ`: `−(k_m (θ − θ_cmd) + c_m θ̇ + T)`, limited, NOTATION eq. (A1).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
     /// Spring stiffness `k` in N·m/rad.
@@ -193,7 +196,7 @@ pub struct Drive {
     pub damping_n_m_s_rad: f64,
     /// Constant torque `T` in N·m, towards −θ.
     pub constant_torque_n_m: f64,
-    /// Largest magnitude of the drive torque in N·m; [`UNLIMITED`] where there is none.
+    /// Largest magnitude of the motor's torque in N·m; [`UNLIMITED`] where there is none.
     pub torque_limit_n_m: f64,
     /// Largest slew of the neutral angle in rad/s; [`UNLIMITED`] where there is none.
     pub rate_limit_rad_s: f64,
@@ -213,7 +216,7 @@ pub struct Latch {
     pub angle_rad: f64,
     /// Stiffness it adds when closed in N·m/rad.
     pub stiffness_n_m_rad: f64,
-    /// Half-width of the window in which enabling closes it at once, rad.
+    /// Half-width of the window that catches the joint: enabled, it closes as soon as the angle lies in it, rad.
     pub capture_rad: f64,
     /// Closed at the start.
     pub initially_closed: bool,

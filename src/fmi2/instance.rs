@@ -367,7 +367,7 @@ impl Instance {
         self.plant.statistics().advice_on_rows(air.step_s)
     }
 
-    /// One message per release, closing and opening of a step that began at `start_s`. Releases and openings follow
+    /// One message per release, hold, closing and opening of a step that began at `start_s`. Releases, holds and openings follow
     /// from inputs, which act at the beginning.
     fn tell_events(&self, start_s: f64, before: &[JointStatus]) {
         for ((body, before), now) in self.plant.revolute_joints().iter().zip(before).zip(self.plant.joint_statuses()) {
@@ -378,6 +378,9 @@ impl Instance {
             };
             if now.released && !before.released {
                 tell("released", start_s);
+            }
+            if before.released && !now.released {
+                tell("held", start_s);
             }
             if before.latched && (!now.latched || now.latch_count > before.latch_count) {
                 tell("latch opened", start_s);

@@ -81,10 +81,16 @@ pub enum JointParameter {
     Damping,
     /// Constant torque.
     ConstantTorque,
-    /// Largest drive torque.
+    /// Largest motor torque.
     TorqueLimit,
     /// Largest slew of the neutral angle.
     RateLimit,
+    /// Stiffness of the joint's own spring.
+    SpringStiffness,
+    /// Damping beside it.
+    SpringDamping,
+    /// Angle at which it is slack.
+    RestAngle,
     /// Stiffness of the closed latch.
     LatchStiffness,
 }
@@ -168,8 +174,16 @@ pub enum JointOutput {
     Angle,
     /// Fold rate.
     Rate,
-    /// Drive torque.
+    /// Torque of motor, spring and external torque together.
     TorqueApplied,
+    /// Torque of the motor.
+    MotorTorque,
+    /// Torque of the joint's own spring and damper.
+    SpringTorque,
+    /// External torque.
+    ExternalTorque,
+    /// Torque of what holds the joint.
+    HoldingTorque,
     /// Latch torque.
     LatchTorque,
     /// Latch closed.
@@ -426,6 +440,7 @@ impl Output {
     /// The group that it is found with.
     fn group(self) -> OutputSet {
         match self {
+            Self::Joint(_, JointOutput::HoldingTorque) => OutputSet::HOLDING,
             Self::Joint(..) => OutputSet::JOINTS,
             Self::Spatial(..) => OutputSet::SPATIAL,
             Self::JointForce(..) | Self::JointMoment(..) => OutputSet::REACTIONS,

@@ -13,6 +13,10 @@ use crate::interface::binding::{
     Binding, BodyParameter, EnergyOutput, Input, JointInput, JointOutput, JointParameter, Output, Parameter,
     PointOutput, SpatialParameter,
 };
+use crate::interface::hinge_dependencies::{
+    commands_joint, latch_pulls, latches, motor_pulls_initially, spring_pulls_initially, spring_stores_initially,
+    start_rate, starts, starts_closed, turns_joint,
+};
 use crate::interface::topology::{Topology, Turning};
 use crate::interface::{DependencyKind, Variable};
 
@@ -50,7 +54,14 @@ fn settles(topology: &Topology, output: Output) -> bool {
     starts_at_rest
         && match output {
             Output::Joint(joint, JointOutput::Angle) => starts_closed(topology, joint),
-            Output::Joint(_, field) => matches!(field, JointOutput::TorqueApplied | JointOutput::LatchTorque),
+            Output::Joint(_, field) => matches!(
+                field,
+                JointOutput::TorqueApplied
+                    | JointOutput::MotorTorque
+                    | JointOutput::SpringTorque
+                    | JointOutput::HoldingTorque
+                    | JointOutput::LatchTorque
+            ),
             _ => true,
         }
 }
@@ -62,10 +73,16 @@ fn depends(topology: &Topology, output: Output, known: Binding) -> bool {
         Output::Joint(joint, JointOutput::Angle | JointOutput::Rate) => {
             known == Binding::Time && topology.is_prescribed(joint)
         }
-        Output::Joint(joint, JointOutput::TorqueApplied) => drives(joint, known),
+        Output::Joint(joint, JointOutput::TorqueApplied) => commands_joint(joint, known) || turns_joint(joint, known),
+        Output::Joint(joint, JointOutput::MotorTorque) => commands_joint(joint, known),
+        Output::Joint(joint, JointOutput::ExternalTorque) => turns_joint(joint, known),
         Output::Joint(
             _,
-            JointOutput::LatchTorque | JointOutput::Latched | JointOutput::LatchTime | JointOutput::LatchCount,
+            JointOutput::SpringTorque
+            | JointOutput::LatchTorque
+            | JointOutput::Latched
+            | JointOutput::LatchTime
+            | JointOutput::LatchCount,
         ) => false,
         // Attitude and angular velocity are relative to the parent.
         Output::Spatial(_, _) => false,
@@ -76,7 +93,9 @@ fn depends(topology: &Topology, output: Output, known: Binding) -> bool {
             known == Binding::Time && stretched(topology, closure)
         }
         Output::LoopGap(closure, _) => known == Binding::Time && stretched(topology, closure),
-        Output::Gauge(_)
+        // where something holds the joint; zero otherwise
+        Output::Joint(_, JointOutput::HoldingTorque)
+        | Output::Gauge(_)
         | Output::LoopForce(_, _)
         | Output::RootForce(_)
         | Output::RootMoment(_)
@@ -126,22 +145,13 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
         Output::Joint(joint, JointOutput::Angle) => starts(topology, joint, known),
         Output::Joint(joint, JointOutput::Rate) => start_rate(topology, joint, known),
         Output::Joint(joint, JointOutput::TorqueApplied) => {
-            let parameters = match known {
-                Binding::Parameter(Parameter::Joint(other, field)) => {
-                    other == joint
-                        && match field {
-                            JointParameter::StartAngle
-                            | JointParameter::Stiffness
-                            | JointParameter::ConstantTorque
-                            | JointParameter::TorqueLimit => true,
-                            JointParameter::Damping => topology.turns_at_start(joint),
-                            JointParameter::RateLimit | JointParameter::LatchStiffness => false,
-                        }
-                }
-                _ => false,
-            };
-            parameters || drives(joint, known) || start_rate(topology, joint, known)
+            motor_pulls_initially(topology, joint, known)
+                || spring_pulls_initially(topology, joint, known)
+                || turns_joint(joint, known)
         }
+        Output::Joint(joint, JointOutput::MotorTorque) => motor_pulls_initially(topology, joint, known),
+        Output::Joint(joint, JointOutput::SpringTorque) => spring_pulls_initially(topology, joint, known),
+        Output::Joint(joint, JointOutput::ExternalTorque) => turns_joint(joint, known),
         Output::Joint(joint, JointOutput::LatchTorque) => latch_pulls(topology, joint, known),
         Output::Joint(joint, JointOutput::Latched) => latches(topology, joint, known),
         // A latch that is closed at the start has not closed: the first closing is the first event.
@@ -159,7 +169,11 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
             .any(|body| topology.folds(body).any(|joint| starts(topology, joint, known))),
         Output::LoopForce(closure, _) => loop_pulls_initially(topology, closure, known),
         Output::JointMoment(body, _) if topology.is_ball(body) => damps_initially(topology, body, known),
-        Output::RootForce(_) | Output::RootMoment(_) | Output::JointForce(_, _) | Output::JointMoment(_, _) => {
+        Output::Joint(_, JointOutput::HoldingTorque)
+        | Output::RootForce(_)
+        | Output::RootMoment(_)
+        | Output::JointForce(_, _)
+        | Output::JointMoment(_, _) => {
             accelerates_initially(topology, reach(topology, output), known) || blows_initially(topology, known)
         }
         Output::AirForce(_)
@@ -175,9 +189,11 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
         }),
         Output::Energy(E::Kinetic) => moves_initially(topology, known),
         Output::Energy(E::Elastic) => {
-            (0..topology.revolutes.len()).any(|joint| topology.is_free(joint) && latch_pulls(topology, joint, known))
-                || (0..topology.machine.closures.len())
-                    .any(|closure| topology.opens(closure).any(|joint| starts(topology, joint, known)))
+            (0..topology.revolutes.len()).any(|joint| {
+                topology.is_free(joint)
+                    && (latch_pulls(topology, joint, known) || spring_stores_initially(topology, joint, known))
+            }) || (0..topology.machine.closures.len())
+                .any(|closure| topology.opens(closure).any(|joint| starts(topology, joint, known)))
         }
         Output::Energy(E::Gravity) => {
             weighs(known)
@@ -229,6 +245,7 @@ fn body(topology: &Topology, output: Output) -> Option<usize> {
         Output::Gauge(gauge) => Some(topology.machine.gauges[gauge].body),
         Output::Tip(tip, _) => Some(topology.tips[tip]),
         Output::Station(station, _) => Some(topology.stations[station].0),
+        Output::Joint(joint, JointOutput::HoldingTorque) => Some(topology.revolutes[joint]),
         Output::JointForce(body, _) | Output::JointMoment(body, _) => Some(body),
         Output::LoopGap(closure, _) | Output::LoopForce(closure, _) => Some(topology.joined(closure)[0]),
         _ => None,
@@ -322,11 +339,6 @@ fn any_moved(topology: &Topology) -> bool {
     (0..topology.revolutes.len()).any(|joint| topology.is_prescribed(joint))
 }
 
-/// Command and external torque of one joint.
-fn drives(joint: usize, known: Binding) -> bool {
-    matches!(known, Binding::Input(Input::Joint(other, JointInput::Command | JointInput::Torque)) if other == joint)
-}
-
 /// Gravity and the root's linear acceleration.
 fn weighs(known: Binding) -> bool {
     matches!(known, Binding::Input(Input::Gravity(_) | Input::RootAcceleration(_)))
@@ -384,8 +396,10 @@ fn accelerates_initially(topology: &Topology, reach: Reach, known: Binding) -> b
                     JointParameter::StartAngle
                     | JointParameter::Stiffness
                     | JointParameter::ConstantTorque
-                    | JointParameter::TorqueLimit => true,
-                    JointParameter::Damping => topology.turns_at_start(joint),
+                    | JointParameter::TorqueLimit
+                    | JointParameter::SpringStiffness
+                    | JointParameter::RestAngle => true,
+                    JointParameter::Damping | JointParameter::SpringDamping => topology.turns_at_start(joint),
                     JointParameter::LatchStiffness => starts_closed(topology, joint),
                     JointParameter::RateLimit => false,
                 }
@@ -407,38 +421,6 @@ fn accelerates_initially(topology: &Topology, reach: Reach, known: Binding) -> b
         }
         _ => pushes(topology, reach, known),
     }
-}
-
-/// Start angle of a joint, or time where the angle is prescribed.
-fn starts(topology: &Topology, joint: usize, known: Binding) -> bool {
-    if topology.is_prescribed(joint) {
-        return known == Binding::Time;
-    }
-    known == Binding::Parameter(Parameter::Joint(joint, JointParameter::StartAngle))
-}
-
-/// The start rate is the model's, unless the stopper holds the joint.
-fn start_rate(topology: &Topology, joint: usize, known: Binding) -> bool {
-    if topology.is_prescribed(joint) {
-        return known == Binding::Time;
-    }
-    topology.turns_at_start(joint) && known == Binding::Input(Input::Joint(joint, JointInput::Release))
-}
-
-/// What decides whether a latch is closed at the start: only one that the model closes there.
-fn latches(topology: &Topology, joint: usize, known: Binding) -> bool {
-    starts_closed(topology, joint) && known == Binding::Input(Input::Joint(joint, JointInput::LatchEnable))
-}
-
-/// What decides about the torque of a latch at the start.
-fn latch_pulls(topology: &Topology, joint: usize, known: Binding) -> bool {
-    let stiffness = Binding::Parameter(Parameter::Joint(joint, JointParameter::LatchStiffness));
-    starts_closed(topology, joint)
-        && (latches(topology, joint, known) || starts(topology, joint, known) || known == stiffness)
-}
-
-fn starts_closed(topology: &Topology, joint: usize) -> bool {
-    topology.revolute(joint).latch.as_ref().is_some_and(|latch| latch.initially_closed)
 }
 
 /// Initial moment of a ball joint: of its damper alone, in the root frame.

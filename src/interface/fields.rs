@@ -45,6 +45,9 @@ impl JointParameter {
             Self::ConstantTorque => joint.constant_torque_n_m,
             Self::TorqueLimit => joint.torque_limit_n_m,
             Self::RateLimit => joint.rate_limit_rad_s,
+            Self::SpringStiffness => joint.spring_stiffness_n_m_rad,
+            Self::SpringDamping => joint.spring_damping_n_m_s_rad,
+            Self::RestAngle => joint.rest_angle_rad,
             Self::LatchStiffness => joint.latch_stiffness_n_m_rad,
         }
     }
@@ -57,6 +60,9 @@ impl JointParameter {
             Self::ConstantTorque => &mut joint.constant_torque_n_m,
             Self::TorqueLimit => &mut joint.torque_limit_n_m,
             Self::RateLimit => &mut joint.rate_limit_rad_s,
+            Self::SpringStiffness => &mut joint.spring_stiffness_n_m_rad,
+            Self::SpringDamping => &mut joint.spring_damping_n_m_s_rad,
+            Self::RestAngle => &mut joint.rest_angle_rad,
             Self::LatchStiffness => &mut joint.latch_stiffness_n_m_rad,
         }
     }
@@ -105,6 +111,10 @@ impl JointOutput {
             Self::Angle => Value::Real(joint.angle_rad),
             Self::Rate => Value::Real(joint.rate_rad_s),
             Self::TorqueApplied => Value::Real(joint.torque_applied_n_m),
+            Self::MotorTorque => Value::Real(joint.motor_torque_n_m),
+            Self::SpringTorque => Value::Real(joint.spring_torque_n_m),
+            Self::ExternalTorque => Value::Real(joint.external_torque_n_m),
+            Self::HoldingTorque => Value::Real(joint.holding_torque_n_m),
             Self::LatchTorque => Value::Real(joint.latch_torque_n_m),
             Self::Latched => Value::Boolean(joint.latched),
             Self::LatchTime => Value::Real(joint.latch_time_s),

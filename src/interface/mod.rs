@@ -11,6 +11,8 @@ mod dependencies;
 mod derivatives;
 mod fields;
 mod guid;
+mod hinge_dependencies;
+mod joints;
 mod linear;
 mod operating_point;
 mod table;

@@ -4,11 +4,12 @@ use crate::config::Machine;
 use crate::config::machine::UNLIMITED;
 use crate::interface::air;
 use crate::interface::binding::{
-    Binding, BodyParameter, EnergyOutput, Input, JointInput, JointOutput, JointParameter, Output, Parameter,
-    PointOutput, SolverParameter, SpatialOutput, SpatialParameter,
+    Binding, BodyParameter, EnergyOutput, Input, JointInput, JointOutput, Output, Parameter, PointOutput,
+    SolverParameter,
 };
 use crate::interface::counters;
 use crate::interface::dependencies::add_dependencies;
+use crate::interface::joints;
 use crate::interface::topology::Topology;
 use crate::interface::{Causality, Initial, Value, Variability, Variable};
 use crate::plant::{FACTOR_RANGE, Inputs, Parameters};
@@ -16,12 +17,12 @@ use crate::plant::{FACTOR_RANGE, Inputs, Parameters};
 /// Components of a vector.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 /// Components of a quaternion.
-const QUATERNION: [&str; 4] = ["w", "x", "y", "z"];
+pub(super) const QUATERNION: [&str; 4] = ["w", "x", "y", "z"];
 
-const NON_NEGATIVE: Option<(f64, f64)> = Some((0.0, UNLIMITED));
+pub(super) const NON_NEGATIVE: Option<(f64, f64)> = Some((0.0, UNLIMITED));
 const FACTOR: Option<(f64, f64)> = Some(FACTOR_RANGE);
 /// A fold joint starts within one turn either way.
-const TURN: Option<(f64, f64)> = Some((-360_f64.to_radians(), 360_f64.to_radians()));
+pub(super) const TURN: Option<(f64, f64)> = Some((-360_f64.to_radians(), 360_f64.to_radians()));
 const TOLERANCE: Option<(f64, f64)> = Some((1e-12, 1e-1));
 /// Steps are positive; the bounds only keep zero and nonsense out.
 const STEP: Option<(f64, f64)> = Some((1e-30, UNLIMITED));
@@ -29,68 +30,9 @@ const STEP: Option<(f64, f64)> = Some((1e-30, UNLIMITED));
 /// Positive numbers.
 pub(super) const POSITIVE: Range = STEP;
 
-type Range = Option<(f64, f64)>;
-type ParameterRow<Field> = (&'static str, Field, Variability, &'static str, Range, &'static str);
+pub(super) type Range = Option<(f64, f64)>;
+pub(super) type ParameterRow<Field> = (&'static str, Field, Variability, &'static str, Range, &'static str);
 type Fields<Field> = [(&'static str, Field, &'static str, &'static str)];
-
-const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
-    use JointParameter as P;
-    use Variability::{Fixed, Tunable};
-    &[
-        (
-            "start_angle",
-            P::StartAngle,
-            Fixed,
-            "Angle",
-            TURN,
-            "fold angle at the start, right hand about the hinge axis",
-        ),
-        ("stiffness", P::Stiffness, Tunable, "RotationalStiffness", NON_NEGATIVE, "spring stiffness k of the drive"),
-        ("damping", P::Damping, Tunable, "RotationalDamping", NON_NEGATIVE, "damping c of the drive"),
-        (
-            "constant_torque",
-            P::ConstantTorque,
-            Tunable,
-            "Moment",
-            None,
-            "constant torque T of the drive, towards smaller angles",
-        ),
-        (
-            "torque_limit",
-            P::TorqueLimit,
-            Tunable,
-            "Moment",
-            NON_NEGATIVE,
-            "largest magnitude of the drive torque; 1e30 means none",
-        ),
-        (
-            "rate_limit",
-            P::RateLimit,
-            Tunable,
-            "AngularVelocity",
-            NON_NEGATIVE,
-            "largest slew of the neutral angle; 1e30 means none",
-        ),
-        (
-            "latch_stiffness",
-            P::LatchStiffness,
-            Tunable,
-            "RotationalStiffness",
-            NON_NEGATIVE,
-            "stiffness that the closed latch adds",
-        ),
-    ]
-};
-
-const SPATIAL_PARAMETERS: &[ParameterRow<SpatialParameter>] = {
-    use SpatialParameter as P;
-    use Variability::Tunable;
-    let stiffness = "stiffness of the spring towards the start attitude";
-    &[
-        ("stiffness", P::Stiffness, Tunable, "RotationalStiffness", NON_NEGATIVE, stiffness),
-        ("damping", P::Damping, Tunable, "RotationalDamping", NON_NEGATIVE, "damping"),
-    ]
-};
 
 const BODY_PARAMETERS: &[ParameterRow<BodyParameter>] = {
     use BodyParameter as P;
@@ -136,15 +78,15 @@ const SOLVER_PARAMETERS: &[ParameterRow<SolverParameter>] = {
 
 const ENERGIES: &Fields<EnergyOutput> = &[
     ("kinetic", EnergyOutput::Kinetic, "Energy", "kinetic energy relative to the root frame"),
-    ("elastic", EnergyOutput::Elastic, "Energy", "strain energy of beams and closed latches"),
+    ("elastic", EnergyOutput::Elastic, "Energy", "strain energy of beams, springs of fold joints and closed latches"),
     ("gravity", EnergyOutput::Gravity, "Energy", "potential of gravity minus root acceleration, zero at the origin"),
-    ("drive", EnergyOutput::Drive, "Energy", "potential of the drives' springs and constant torques"),
+    ("drive", EnergyOutput::Drive, "Energy", "potential of the motors' stiffness and constant torques"),
     ("work", EnergyOutput::Work, "Energy", "work done by the inputs since the start"),
     (
         "dissipated",
         EnergyOutput::Dissipated,
         "Energy",
-        "energy dissipated by damping and opening latches since the start",
+        "energy dissipated by damping, braking motors, opening latches and stopping joints since the start",
     ),
     (
         "total",
@@ -179,14 +121,14 @@ fn inputs(table: &mut Table, topology: &Topology) {
         let mut add = |field, key: &str, declared, meaning: &str| {
             table.input(Input::Joint(joint, field), format!("{name}.{key}"), declared, format!("{meaning} {name}"));
         };
-        add(JointInput::Command, "command", Some("Angle"), "neutral angle of the drive at joint");
+        add(JointInput::Command, "command", Some("Angle"), "neutral angle of the motor at joint");
         add(
             JointInput::Torque,
             "torque",
             Some("Moment"),
             "external torque on the outer body about the hinge axis of joint",
         );
-        add(JointInput::Release, "release", None, "releases the stopper of joint");
+        add(JointInput::Release, "release", None, "releases the stopper; false holds the joint where it is, joint");
         if topology.revolute(joint).latch.is_some() {
             add(JointInput::LatchEnable, "latch_enable", None, "lets the latch close; false opens it, joint");
         }
@@ -223,10 +165,10 @@ fn inputs(table: &mut Table, topology: &Topology) {
 
 fn outputs(table: &mut Table, topology: &Topology) {
     for joint in 0..topology.revolutes.len() {
-        joint_outputs(table, topology, joint);
+        joints::revolute_outputs(table, topology, joint);
     }
     for joint in 0..topology.spatials.len() {
-        spatial_outputs(table, topology, joint);
+        joints::spatial_outputs(table, topology, joint);
     }
     for (index, gauge) in topology.machine.gauges.iter().enumerate() {
         let body = &topology.machine.bodies[gauge.body].name;
@@ -284,49 +226,6 @@ fn loop_outputs(table: &mut Table, topology: &Topology, closure: usize, name: &s
     }
 }
 
-fn joint_outputs(table: &mut Table, topology: &Topology, joint: usize) {
-    let name = topology.joint_name(joint);
-    let mut add = |field, key: &str, declared, meaning: &str| {
-        table.output(Output::Joint(joint, field), format!("{name}.{key}"), declared, format!("{meaning} {name}"));
-    };
-    add(JointOutput::Angle, "angle", Some("Angle"), "fold angle, right hand about the hinge axis, joint");
-    add(JointOutput::Rate, "rate", Some("AngularVelocity"), "fold rate, joint");
-    if !topology.is_free(joint) {
-        return;
-    }
-    let applied = "limited drive torque with the external torque, on the outer body about the hinge axis of joint";
-    add(JointOutput::TorqueApplied, "torque_applied", Some("Moment"), applied);
-    if topology.revolute(joint).latch.is_some() {
-        let torque = "latch torque on the outer body about the hinge axis of joint";
-        add(JointOutput::LatchTorque, "latch_torque", Some("Moment"), torque);
-        add(JointOutput::Latched, "latched", None, "latch closed, joint");
-        add(JointOutput::LatchTime, "latch_time", Some("Time"), "time of the last closing, -1 before the first, joint");
-        add(JointOutput::LatchCount, "latch_count", None, "number of closings, joint");
-    }
-}
-
-fn spatial_outputs(table: &mut Table, topology: &Topology, joint: usize) {
-    let body = topology.spatials[joint];
-    let (body_name, name) = (&topology.machine.bodies[body].name, &topology.machine.bodies[body].joint.name);
-    let mut add = |bind: &dyn Fn(usize) -> Output, key: &str, components: &[&str], declared, meaning: &str| {
-        for (i, component) in components.iter().enumerate() {
-            let meaning = format!("{meaning}, {component}, joint {name}");
-            table.output(bind(i), format!("{name}.{key}.{component}"), Some(declared), meaning);
-        }
-    };
-    let bind = |field: fn(usize) -> SpatialOutput| move |i| Output::Spatial(joint, field(i));
-    let rotation = "quaternion parent from body, sign continuous";
-    add(&bind(SpatialOutput::Rotation), "rotation", &QUATERNION, "Ratio", rotation);
-    let rate = "angular velocity of the body relative to its parent, parent's frame";
-    add(&bind(SpatialOutput::AngularVelocity), "angular_velocity", &AXES, "AngularVelocity", rate);
-    if !topology.is_unbound(joint) {
-        let force = format!("force of the joint on the inner end of body {body_name}, root frame");
-        add(&|i| Output::JointForce(body, i), "force", &AXES, "Force", &force);
-        let moment = format!("moment of the joint on the inner end of body {body_name}, at that end, root frame");
-        add(&|i| Output::JointMoment(body, i), "moment", &AXES, "Moment", &moment);
-    }
-}
-
 /// Key, binding per component, component names, declared type, meaning.
 type PointRows = (&'static str, fn(usize) -> PointOutput, &'static [&'static str], &'static str, &'static str);
 
@@ -355,27 +254,7 @@ fn point(table: &mut Table, bind: impl Fn(PointOutput) -> Output, group: &str, o
 }
 
 fn parameters(table: &mut Table, topology: &Topology) {
-    for joint in 0..topology.revolutes.len() {
-        let name = topology.joint_name(joint);
-        for &(key, field, variability, declared, range, meaning) in JOINT_PARAMETERS {
-            let acts = match field {
-                JointParameter::StartAngle => !topology.is_prescribed(joint),
-                JointParameter::LatchStiffness => topology.is_free(joint) && topology.revolute(joint).latch.is_some(),
-                _ => topology.is_free(joint),
-            };
-            if acts {
-                let text = (format!("{name}.{key}"), Some(declared), range, format!("{meaning}, joint {name}"));
-                table.parameter(Parameter::Joint(joint, field), variability, text);
-            }
-        }
-    }
-    for joint in (0..topology.spatials.len()).filter(|&joint| !topology.is_unbound(joint)) {
-        let name = &topology.machine.bodies[topology.spatials[joint]].joint.name;
-        for &(key, field, variability, declared, range, meaning) in SPATIAL_PARAMETERS {
-            let text = (format!("{name}.{key}"), Some(declared), range, format!("{meaning}, joint {name}"));
-            table.parameter(Parameter::Spatial(joint, field), variability, text);
-        }
-    }
+    joints::parameters(table, topology);
     for (index, body) in topology.machine.bodies.iter().enumerate() {
         for &(key, field, variability, declared, range, meaning) in BODY_PARAMETERS {
             let name = &body.name;

@@ -53,6 +53,7 @@ pub(crate) fn two_body_machine() -> Machine {
             inertia_kg_m2: 0.0,
             command_rad: 0.0,
         },
+        spring: None,
         latch: Some(Latch {
             angle_rad: 0.0,
             stiffness_n_m_rad: 260.0,

@@ -44,6 +44,10 @@ impl Outputs {
             sum.angle_rad += term.angle_rad * weight;
             sum.rate_rad_s += term.rate_rad_s * weight;
             sum.torque_applied_n_m += term.torque_applied_n_m * weight;
+            sum.motor_torque_n_m += term.motor_torque_n_m * weight;
+            sum.spring_torque_n_m += term.spring_torque_n_m * weight;
+            sum.external_torque_n_m += term.external_torque_n_m * weight;
+            sum.holding_torque_n_m += term.holding_torque_n_m * weight;
             sum.latch_torque_n_m += term.latch_torque_n_m * weight;
         }
         for (sum, term) in self.spatial.iter_mut().zip(&other.spatial) {
@@ -175,14 +179,16 @@ impl Plant {
             let (angle, rate, acceleration) =
                 (now.q[joint.coordinate], now.v[joint.coordinate], now.a[joint.coordinate]);
             let (neutral, slew_rate) = joint.slew.at(now.time_s);
-            let drive = &joint.drive;
-            sum.joints[i].torque_applied_n_m = if joint.drive_torque(now.time_s, angle, rate).saturated {
+            let (drive, spring) = (&joint.drive, &joint.spring);
+            let output = &mut sum.joints[i];
+            output.motor_torque_n_m = if joint.motor_torque(now.time_s, angle, rate).saturated {
                 0.0
             } else {
-                self.equations.course.rates.joints[i].torque_n_m
-                    - drive.stiffness_n_m_rad * (rate - slew_rate)
-                    - drive.damping_n_m_s_rad * acceleration
+                -drive.stiffness_n_m_rad * (rate - slew_rate) - drive.damping_n_m_s_rad * acceleration
             };
+            output.spring_torque_n_m = -spring.stiffness_n_m_rad * rate - spring.damping_n_m_s_rad * acceleration;
+            output.external_torque_n_m = self.equations.course.rates.joints[i].torque_n_m;
+            output.torque_applied_n_m = output.motor_torque_n_m + output.spring_torque_n_m + output.external_torque_n_m;
             let power_w = -drive.stiffness_n_m_rad * (angle - neutral) * slew_rate;
             sum.energy.drive += power_w;
             sum.energy.total += power_w;
@@ -217,7 +223,7 @@ impl Plant {
             let set = self.state.inputs.clone();
             self.impose(&set);
             for joint in &mut self.equations.joints {
-                let torque = joint.drive_torque(time_s, q[joint.coordinate], v[joint.coordinate]);
+                let torque = joint.motor_torque(time_s, q[joint.coordinate], v[joint.coordinate]);
                 joint.pinned_n_m = Some(torque.applied_n_m).filter(|_| torque.saturated);
             }
             let pins: Vec<Option<f64>> = self.equations.joints.iter().map(|joint| joint.pinned_n_m).collect();

@@ -1,11 +1,8 @@
 //! The equations of motion of the whole machine: the tree, its drives and latches, its loads.
 
-use crate::actuation::drive::{Drive, DriveTorque, Slew};
-use crate::actuation::latch::Latch;
-use crate::actuation::prescribed::Law;
 use crate::beam::element::rigid_body_mass;
 use crate::config::Machine;
-use crate::config::machine::{JointKind, JointMotion, Parent};
+use crate::config::machine::{JointKind, Parent};
 use crate::load::{RootMotion, Wrench};
 use crate::multibody::closure::{ClosureDescription, Penalty};
 use crate::multibody::dynamics::{self, Damping, Environment};
@@ -16,56 +13,10 @@ use crate::multibody::{Model, Workspace, energy, norm, station};
 use crate::plant::air::{AirCoupling, StepLoads};
 use crate::plant::course::Course;
 use crate::plant::face::{Inputs, Parameters};
+use crate::plant::hinge::JointEquations;
 use crate::plant::spatial::SpatialEquations;
 use crate::plant::{revolutes, spatials};
 use crate::solve::{EquationsOfMotion, Powers, Singular};
-
-/// A revolute joint as the equations see it.
-#[derive(Debug, Clone)]
-pub(super) struct JointEquations {
-    /// Body that it holds.
-    pub body: usize,
-    /// Index of its angle in `q`.
-    pub coordinate: usize,
-    /// The angle does not follow from torques: stopper, lock or prescribed motion.
-    pub held: bool,
-    /// Spring, damper and motor act: joints that are neither locked nor prescribed.
-    pub driven: bool,
-    /// Prescribed motion.
-    pub law: Option<Law>,
-    /// Drive.
-    pub drive: Drive,
-    /// Its neutral angle.
-    pub slew: Slew,
-    /// External torque in N·m.
-    pub external_n_m: f64,
-    /// Torque at which a limit holds the drive whatever the inputs are, in N·m: only while derivatives by inputs are taken.
-    pub pinned_n_m: Option<f64>,
-    /// Latch.
-    pub latch: Option<Latch>,
-    /// Latch closed.
-    pub latched: bool,
-    /// Torque that holds the joint, of the last residual, in N·m.
-    pub holding_n_m: f64,
-}
-
-impl JointEquations {
-    /// Drive torque at a state; nothing where no drive acts.
-    pub fn drive_torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> DriveTorque {
-        if !self.driven {
-            return DriveTorque::default();
-        }
-        if let Some(applied_n_m) = self.pinned_n_m {
-            return DriveTorque { applied_n_m, clipped_n_m: 0.0, saturated: true };
-        }
-        self.drive.torque(angle_rad, rate_rad_s, self.slew.at(time_s).0, self.external_n_m)
-    }
-
-    /// The latch, if it is closed.
-    pub fn closed_latch(&self) -> Option<&Latch> {
-        self.latch.as_ref().filter(|_| self.latched)
-    }
-}
 
 /// Equations of motion with their scratch.
 pub(super) struct Equations {
@@ -149,28 +100,8 @@ impl Equations {
         let load_stations = model.stations.len();
         AirCoupling::add_sections(machine, &mut model);
         let joints = revolutes(machine)
-            .zip(&parameters.joints)
-            .map(|((body, revolute), parameters)| JointEquations {
-                body,
-                coordinate: model.bodies[body].hinge.map_or(0, |hinge| hinge.coordinate),
-                held: true,
-                driven: revolute.motion == JointMotion::Free,
-                law: match &revolute.motion {
-                    JointMotion::Prescribed(motion) => Some(Law::new(motion)),
-                    _ => None,
-                },
-                drive: Drive::default(),
-                slew: Slew::default(),
-                external_n_m: 0.0,
-                pinned_n_m: None,
-                latch: revolute.latch.as_ref().map(|latch| Latch {
-                    angle_rad: latch.angle_rad,
-                    stiffness_n_m_rad: latch.stiffness_n_m_rad,
-                    capture_rad: latch.capture_rad,
-                    side: Latch::side_of(parameters.start_angle_rad, latch.angle_rad),
-                }),
-                latched: false,
-                holding_n_m: 0.0,
+            .map(|(body, revolute)| {
+                JointEquations::new(body, model.bodies[body].hinge.map_or(0, |hinge| hinge.coordinate), revolute)
             })
             .collect();
         let held = HingeTangent { free: false, stiffness_n_m_rad: 0.0, damping_n_m_s_rad: 0.0 };
@@ -233,7 +164,7 @@ impl Equations {
             if joint.driven {
                 potentials.drive += joint.drive.potential_j(angle, joint.slew.at(time_s).0);
             }
-            potentials.elastic += joint.closed_latch().map_or(0.0, |latch| latch.energy_j(angle));
+            potentials.elastic += joint.stored_j(angle);
         }
         for joint in &self.spatial {
             potentials.drive += joint.potential_j(&self.work);
@@ -273,7 +204,7 @@ impl Equations {
 /// Potential energies in J.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Potentials {
-    /// Beams and closed latches.
+    /// Beams, springs of fold joints, closed latches and closed loops.
     pub elastic: f64,
     /// Apparent gravity, zero at the origin.
     pub gravity: f64,
@@ -317,24 +248,10 @@ impl EquationsOfMotion for Equations {
         for joint in &mut self.joints {
             let c = joint.coordinate;
             let tangent = &mut self.tangents[joint.body];
-            joint.holding_n_m = residual[c];
-            if joint.held {
-                residual[c] = 0.0;
-                tangent.free = false;
-                continue;
-            }
-            let torque = joint.drive_torque(time_s, q[c], v[c]);
-            residual[c] -= torque.applied_n_m;
-            let (mut stiffness, damping) = if torque.saturated {
-                (0.0, 0.0)
-            } else {
-                (joint.drive.stiffness_n_m_rad, joint.drive.damping_n_m_s_rad)
-            };
-            if let Some(latch) = joint.closed_latch() {
-                residual[c] -= latch.torque_n_m(q[c]);
-                stiffness += latch.stiffness_n_m_rad;
-            }
-            *tangent = HingeTangent { free: true, stiffness_n_m_rad: stiffness, damping_n_m_s_rad: damping };
+            let (torque, own) = joint.torque(time_s, q[c], v[c]);
+            joint.holding_n_m = if joint.held { residual[c] - torque } else { 0.0 };
+            residual[c] = if joint.held { 0.0 } else { residual[c] - torque };
+            *tangent = HingeTangent { free: !joint.held, ..own };
         }
         for joint in &self.spatial {
             joint.add_torque(&self.work, v, residual);
@@ -373,15 +290,11 @@ impl EquationsOfMotion for Equations {
         }
         for joint in &self.joints {
             let (angle, rate) = (q[joint.coordinate], v[joint.coordinate]);
-            if !joint.driven {
+            if joint.driven {
+                joint.add_powers(time_s, self.branch_s, angle, rate, &mut powers);
+            } else {
                 powers.work += joint.holding_n_m * rate;
-                continue;
             }
-            let (neutral, slew_rate) = joint.slew.at_on(time_s, self.branch_s);
-            let torque = joint.drive_torque(time_s, angle, rate);
-            powers.work += (joint.external_n_m + torque.clipped_n_m) * rate
-                - joint.drive.stiffness_n_m_rad * (angle - neutral) * slew_rate;
-            powers.dissipated += joint.drive.damping_n_m_s_rad * rate * rate;
         }
         for joint in &self.spatial {
             powers.dissipated += joint.dissipation_w(&self.work, v);

@@ -6,7 +6,6 @@ use crate::config::machine::StartState;
 use crate::multibody::dynamics::Damping;
 use crate::plant::equations::Equations;
 use crate::plant::face::{Parameters, PlantError};
-use crate::plant::march::CROSSING_S;
 use crate::plant::state::{JointState, State};
 use crate::plant::statics::Holding;
 use crate::plant::{Plant, revolutes, spatials};
@@ -65,7 +64,9 @@ impl Plant {
             if equations.driven && inputs.release {
                 v[c] = revolute.start_rate_rad_s;
             }
-            let closed = inputs.latch_enable && revolute.latch.as_ref().is_some_and(|latch| latch.initially_closed);
+            let caught = equations.latch.is_some_and(|latch| latch.catches(q[c]));
+            let closes = caught || revolute.latch.as_ref().is_some_and(|latch| latch.initially_closed);
+            let closed = inputs.latch_enable && closes;
             joints.push(JointState {
                 released: inputs.release,
                 closing: false,
@@ -147,11 +148,14 @@ impl Plant {
         }
         for (i, joint) in equations.joints.iter_mut().enumerate() {
             let (state, parameters) = (&joints[i], &parameters.joints[i]);
-            joint.held = !joint.driven || !state.released;
+            joint.held = !joint.driven || state.holds();
             joint.drive.stiffness_n_m_rad = parameters.stiffness_n_m_rad;
             joint.drive.damping_n_m_s_rad = parameters.damping_n_m_s_rad;
             joint.drive.constant_torque_n_m = parameters.constant_torque_n_m;
             joint.drive.torque_limit_n_m = parameters.torque_limit_n_m;
+            joint.spring.stiffness_n_m_rad = parameters.spring_stiffness_n_m_rad;
+            joint.spring.damping_n_m_s_rad = parameters.spring_damping_n_m_s_rad;
+            joint.spring.rest_angle_rad = parameters.rest_angle_rad;
             joint.slew = state.slew;
             joint.external_n_m = inputs.joints[i].torque_n_m;
             joint.latched = state.latch.closed;
@@ -182,6 +186,7 @@ impl Plant {
         self.cut_step();
         self.event(|state, equations| {
             let time_s = state.start.time_s;
+            let at_end = time_s >= state.ahead.time_s;
             state.applied_inputs.clone_from(&state.inputs);
             state.applied_rates.clone_from(&state.rates);
             state.applied_from_s = time_s;
@@ -189,11 +194,10 @@ impl Plant {
             let mut released_energy = 0.0;
             for (i, joint) in state.joints.iter_mut().enumerate() {
                 let inputs = &state.inputs.joints[i];
-                let c = equations.joints[i].coordinate;
-                let (angle, rate) = (state.start.q[c], state.start.v[c]);
+                let angle = state.start.q[equations.joints[i].coordinate];
                 let closing = std::mem::take(&mut joint.closing);
-                if inputs.release && !joint.released {
-                    joint.released = true;
+                if inputs.release != joint.released {
+                    joint.released = inputs.release;
                     state.statistics.events += u64::from(equations.joints[i].driven);
                 }
                 let (rate_rad_s, limit_rad_s) =
@@ -204,15 +208,7 @@ impl Plant {
                     joint.latch.closed = false;
                     released_energy += latch.energy_j(angle);
                     state.statistics.events += 1;
-                } else if !joint.latch.closed
-                    && inputs.latch_enable
-                    && !joint.latch.enabled
-                    && latch.gap_rad(angle).abs() <= latch.capture_rad
-                {
-                    close(&mut joint.latch, time_s);
-                    state.statistics.events += 1;
-                } else if closing && inputs.latch_enable && latch.gap_rad(angle) <= CROSSING_S * rate.abs() {
-                    // the inputs change at the crossing itself
+                } else if !joint.latch.closed && inputs.latch_enable && (closing && at_end || latch.catches(angle)) {
                     close(&mut joint.latch, time_s);
                     state.statistics.events += 1;
                 }
@@ -263,6 +259,7 @@ impl Plant {
     /// the kinematic norm of their jump in 1/s².
     ///
     /// `change` returns the energy that it dissipates; the rest of the jump of the potentials is booked as work.
+    /// Joints that the change holds stop at once, eq. (A6), and what that costs is booked as dissipated.
     /// The accelerations move by what the change of the residual asks for, so that errors of the interpolation in
     /// stiff modes are not multiplied by the stiffness.
     pub(super) fn discontinuity(
@@ -275,6 +272,7 @@ impl Plant {
         self.equations.residual(time_s, &start.q, &start.v, &start.a, old);
         let before = self.equations.potentials(time_s, &start.q).total();
         let dissipated = change(&mut self.state, &self.equations);
+        let braked = self.stop_held_joints().map_err(|singular| self.no_accelerations(time_s, singular))?;
         self.configure();
         self.equations.branch_s = time_s;
 
@@ -287,7 +285,7 @@ impl Plant {
         let jump = settle(&mut self.equations, new_residual, start);
         let jump = self.accelerations(time_s, jump)?;
         let start = &mut self.state.start;
-        start.dissipated += dissipated;
+        start.dissipated += dissipated + braked;
         start.work += after - before + dissipated;
         let State { before, start, ahead, .. } = &mut self.state;
         ahead.copy_from(start);
@@ -300,9 +298,25 @@ impl Plant {
         let cause = match jump {
             Ok(jump) if jump.is_finite() => return Ok(jump),
             Ok(_) => format!("they are not finite; {}", self.largest_input()),
-            Err(singular) => format!("the mass matrix has no positive pivot at {}", self.place_of(singular.coordinate)),
+            Err(singular) => return Err(self.no_accelerations(time_s, singular)),
         };
         Err(PlantError::Initialization { time_s, cause })
+    }
+
+    fn no_accelerations(&self, time_s: f64, singular: Singular) -> PlantError {
+        let cause = format!("the mass matrix has no positive pivot at {}", self.place_of(singular.coordinate));
+        PlantError::Initialization { time_s, cause }
+    }
+
+    /// Stops the joints that move and that their new state holds; returns the kinetic energy lost in J.
+    fn stop_held_joints(&mut self) -> Result<f64, Singular> {
+        let mut lost_j = 0.0;
+        for (i, joint) in self.state.joints.iter().enumerate() {
+            if joint.holds() && !self.equations.joints[i].held {
+                lost_j += self.equations.stop(i, &mut self.state.start, &mut self.scratch[1])?.energy_j;
+            }
+        }
+        Ok(lost_j)
     }
 
     /// Shortens the next step where the accelerations have jumped.

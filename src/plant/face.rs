@@ -11,7 +11,7 @@ pub struct JointInputs {
     pub command_rad: f64,
     /// External torque `τ_ext` on the outer body about `+θ` in N·m.
     pub torque_n_m: f64,
-    /// Release of the stopper.
+    /// Release of the stopper; false holds the joint where it is.
     pub release: bool,
     /// Latch may close; ignored by joints without a latch.
     pub latch_enable: bool,
@@ -50,16 +50,22 @@ impl Clone for Inputs {
 pub struct JointParameters {
     /// Fold angle at the start in rad; fixed.
     pub start_angle_rad: f64,
-    /// Spring stiffness `k` in N·m/rad; tunable, as all that follow.
+    /// Motor's stiffness `k_m` in N·m/rad; tunable, as all that follow.
     pub stiffness_n_m_rad: f64,
-    /// Damping `c` in N·m·s/rad.
+    /// Motor's damping `c_m` in N·m·s/rad.
     pub damping_n_m_s_rad: f64,
-    /// Constant torque `T` in N·m.
+    /// Motor's constant torque `T` in N·m.
     pub constant_torque_n_m: f64,
-    /// Largest magnitude of the drive torque in N·m.
+    /// Largest magnitude of the motor's torque in N·m.
     pub torque_limit_n_m: f64,
     /// Largest slew of the neutral angle in rad/s.
     pub rate_limit_rad_s: f64,
+    /// Stiffness of the joint's own spring in N·m/rad; 0 without one.
+    pub spring_stiffness_n_m_rad: f64,
+    /// Damping beside the joint's own spring in N·m·s/rad.
+    pub spring_damping_n_m_s_rad: f64,
+    /// Angle at which the joint's own spring is slack in rad.
+    pub rest_angle_rad: f64,
     /// Stiffness of the closed latch in N·m/rad; 0 without a latch.
     pub latch_stiffness_n_m_rad: f64,
 }
@@ -140,8 +146,16 @@ pub struct JointOutputs {
     pub angle_rad: f64,
     /// Fold rate in rad/s.
     pub rate_rad_s: f64,
-    /// Drive torque on the outer body, limited, with `τ_ext`, in N·m.
+    /// Torque of motor, spring and external torque together on the outer body about `+θ`, in N·m.
     pub torque_applied_n_m: f64,
+    /// Torque of the motor, limited, in N·m.
+    pub motor_torque_n_m: f64,
+    /// Torque of the joint's own spring and damper in N·m.
+    pub spring_torque_n_m: f64,
+    /// External torque `τ_ext` that acts, in N·m.
+    pub external_torque_n_m: f64,
+    /// Torque of what holds the joint (stopper, lock, prescribed motion) in N·m; 0 where it turns freely.
+    pub holding_torque_n_m: f64,
     /// Latch torque on the outer body in N·m.
     pub latch_torque_n_m: f64,
     /// Latch closed.
@@ -203,15 +217,15 @@ pub struct JointStatus {
 pub struct EnergyOutputs {
     /// Kinetic energy relative to the root frame.
     pub kinetic: f64,
-    /// Strain energy of beams, closed latches and closed loops.
+    /// Strain energy of beams, springs of fold joints, closed latches and closed loops.
     pub elastic: f64,
     /// Potential of `gravity − root acceleration`, zero at the root's origin.
     pub gravity: f64,
-    /// Potential of the drives' springs and constant torques.
+    /// Potential of the motors' stiffness and constant torques, and of springs of universal and ball joints.
     pub drive: f64,
     /// Work of inputs: loads, torques, commands, root motion, changed parameters.
     pub work: f64,
-    /// Energy dissipated by damping and by opening latches.
+    /// Energy dissipated by damping, braking motors, opening latches and stopping joints.
     pub dissipated: f64,
     /// `kinetic + elastic + gravity + drive`.
     pub total: f64,
@@ -249,7 +263,9 @@ impl Outputs {
     pub(super) fn are_finite(&self) -> bool {
         let wrench = |wrench: &Wrench| wrench.force_n.sum() + wrench.moment_n_m.sum();
         let EnergyOutputs { total, work, dissipated, .. } = self.energy;
-        let joint = |joint: &JointOutputs| joint.rate_rad_s + joint.torque_applied_n_m + joint.latch_torque_n_m;
+        let joint = |joint: &JointOutputs| {
+            joint.rate_rad_s + joint.torque_applied_n_m + joint.latch_torque_n_m + joint.holding_torque_n_m
+        };
         let point = |point: &PointOutputs| {
             point.position_m.sum()
                 + point.velocity_m_s.sum()
@@ -303,7 +319,7 @@ pub struct Statistics {
     pub iterations: u64,
     /// Factorisations.
     pub factorizations: u64,
-    /// Events: releases, closings, openings.
+    /// Events: releases, holds, closings, openings.
     pub events: u64,
     /// Solutions of the air.
     pub air_solutions: u64,

@@ -314,14 +314,14 @@ impl Plant {
         Ok(())
     }
 
-    /// Whether a joint stands at its latch angle at `ahead` to the accuracy of location; `only_just`: and not beyond.
+    /// Whether a joint stands at the edge of its latch's window at `ahead` to the accuracy of location; `only_just`: and not beyond.
     fn has_arrived(&self, joint: usize, only_just: bool) -> bool {
         let rate_rad_s = self.state.ahead.v[self.equations.joints[joint].coordinate].abs();
         let gap_rad = self.gap_rad(joint, &self.state.ahead);
         gap_rad <= CROSSING_S * rate_rad_s && (!only_just || gap_rad >= -CROSSING_S * rate_rad_s)
     }
 
-    /// Repeats the step so that it ends where a joint reaches its latch angle.
+    /// Repeats the step so that it ends where a joint reaches the window of its latch.
     ///
     /// Regula falsi (Illinois) on the step's length: each trial is a full step, so the state at the crossing is as
     /// good as at any step's end.
@@ -359,7 +359,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Joint whose enabled, open latch is reached first from its folded side inside the step, and an estimate of the
+    /// Joint whose enabled, open latch is reached first inside the step, and an estimate of the
     /// fraction of the step at which.
     fn first_crossing(&self) -> Option<(usize, f64)> {
         let State { start, stages, ahead, .. } = &self.state;
@@ -370,7 +370,8 @@ impl Plant {
             if !self.waits(i) {
                 continue;
             }
-            let gap = |fraction: f64| latch.gap_rad(taken.coordinate(fraction, joint.coordinate));
+            let c = joint.coordinate;
+            let gap = |fraction: f64| latch.gap_rad(start.q[c], taken.coordinate(fraction, c));
             let sample = |k: u32| f64::from(k) / f64::from(CROSSING_SAMPLES);
             let Some(k) = (1..=CROSSING_SAMPLES).find(|&k| gap(sample(k)) <= 0.0) else { continue };
             let (mut low, mut high) = (sample(k - 1), sample(k));
@@ -385,7 +386,7 @@ impl Plant {
         first
     }
 
-    /// Whether a joint's latch is enabled and open and the present step starts on its folded side.
+    /// Whether a joint's latch is enabled and open and the present step starts outside its window.
     fn waits(&self, joint: usize) -> bool {
         let latch = &self.state.joints[joint].latch;
         latch.enabled
@@ -394,10 +395,11 @@ impl Plant {
             && self.gap_rad(joint, &self.state.start) > 0.0
     }
 
-    /// Distance of a joint to its latch angle in rad, positive on the folded side.
+    /// Way of a joint from where the step started to the window of its latch in rad; negative beyond its near edge.
     fn gap_rad(&self, joint: usize, point: &Point) -> f64 {
         let joint = &self.equations.joints[joint];
-        joint.latch.as_ref().map_or(f64::INFINITY, |latch| latch.gap_rad(point.q[joint.coordinate]))
+        let (from_rad, angle_rad) = (self.state.start.q[joint.coordinate], point.q[joint.coordinate]);
+        joint.latch.as_ref().map_or(f64::INFINITY, |latch| latch.gap_rad(from_rad, angle_rad))
     }
 
     /// Adopts `time_s` as the present time: for callers whose clock carries round-off.

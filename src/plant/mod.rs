@@ -6,11 +6,13 @@
 //! (`docs/decisions/0002-running-ahead.md`).
 
 mod air;
+mod brake;
 mod course;
 mod derivatives;
 mod equations;
 mod events;
 mod face;
+mod hinge;
 mod latency;
 mod linear;
 mod magnitude;

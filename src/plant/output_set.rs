@@ -38,8 +38,10 @@ impl OutputSet {
     pub const ROOT: Self = Self(1 << 11);
     /// Loads of the air.
     pub const AIR: Self = Self(1 << 12);
+    /// Torques of what holds revolute joints.
+    pub const HOLDING: Self = Self(1 << 13);
     /// Everything; also the motion and the forces inside the wing that shapes, sections and strains are read from.
-    pub const ALL: Self = Self((1 << 13) - 1);
+    pub const ALL: Self = Self((1 << 14) - 1);
 
     /// Whether all of `other` is in it.
     #[inline]
@@ -61,7 +63,7 @@ impl OutputSet {
 
     /// What has to be swept for it, where strains of gauges follow from forces (`recovered`) or from coordinates.
     pub(super) fn sweep(self, recovered: bool) -> Sweep {
-        let forces = Self::REACTIONS | Self::LOOPS | Self::ROOT | Self::AIR;
+        let forces = Self::REACTIONS | Self::LOOPS | Self::ROOT | Self::AIR | Self::HOLDING;
         let motions = Self::SPATIAL | Self::TIP_MOTIONS | Self::STATION_MOTIONS | Self::ENERGIES;
         if self.meets(forces) || recovered && self.meets(Self::GAUGES) {
             Sweep::Residual

@@ -106,8 +106,8 @@ impl Plant {
         let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
         let sweep = wanted.sweep(self.gauges_need_forces);
         match sweep {
-            // linear models go on from a whole residual
-            _ if wanted == OutputSet::ALL => {
+            // linear models go on from a whole residual, and it alone has the torques of what holds joints
+            _ if wanted == OutputSet::ALL || wanted.meets(OutputSet::HOLDING) => {
                 equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
             }
             // where inputs run, it brings them to its time
@@ -123,15 +123,26 @@ impl Plant {
         if wanted.meets(OutputSet::JOINTS) {
             for (i, (joint, state)) in equations.joints.iter().zip(&state.joints).enumerate() {
                 let (angle, rate) = (now.q[joint.coordinate], now.v[joint.coordinate]);
+                let motor = joint.motor_torque(time_s, angle, rate).applied_n_m;
+                let (spring, external) = (joint.spring_torque_n_m(angle, rate), joint.external_torque_n_m());
                 outputs.joints[i] = JointOutputs {
                     angle_rad: angle,
                     rate_rad_s: rate,
-                    torque_applied_n_m: joint.drive_torque(time_s, angle, rate).applied_n_m,
-                    latch_torque_n_m: joint.closed_latch().map_or(0.0, |latch| latch.torque_n_m(angle)),
+                    torque_applied_n_m: motor + spring + external,
+                    motor_torque_n_m: motor,
+                    spring_torque_n_m: spring,
+                    external_torque_n_m: external,
+                    holding_torque_n_m: outputs.joints[i].holding_torque_n_m,
+                    latch_torque_n_m: joint.latch_torque_n_m(angle),
                     latched: joint.latched,
                     latch_time_s: state.latch.time_s,
                     latch_count: state.latch.count,
                 };
+            }
+        }
+        if wanted.meets(OutputSet::HOLDING) {
+            for (output, joint) in outputs.joints.iter_mut().zip(&equations.joints) {
+                output.holding_torque_n_m = joint.holding_n_m;
             }
         }
         if wanted.meets(OutputSet::SPATIAL) {

@@ -44,6 +44,9 @@ impl Parameters {
                     constant_torque_n_m: revolute.drive.constant_torque_n_m,
                     torque_limit_n_m: revolute.drive.torque_limit_n_m,
                     rate_limit_rad_s: revolute.drive.rate_limit_rad_s,
+                    spring_stiffness_n_m_rad: revolute.spring.map_or(0.0, |spring| spring.stiffness_n_m_rad),
+                    spring_damping_n_m_s_rad: revolute.spring.map_or(0.0, |spring| spring.damping_n_m_s_rad),
+                    rest_angle_rad: revolute.spring.map_or(0.0, |spring| spring.rest_angle_rad),
                     latch_stiffness_n_m_rad: revolute.latch.as_ref().map_or(0.0, |latch| latch.stiffness_n_m_rad),
                 })
                 .collect(),

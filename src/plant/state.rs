@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 /// State of one revolute joint beyond its angle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct JointState {
-    /// The stopper has let go.
+    /// The stopper has let go; otherwise it holds the joint where it is.
     pub released: bool,
     /// Latch, of joints that have one.
     pub latch: LatchState,
@@ -22,6 +22,13 @@ pub(super) struct JointState {
     pub closing: bool,
     /// Neutral angle of the drive.
     pub slew: Slew,
+}
+
+impl JointState {
+    /// Whether something holds the joint where it is.
+    pub fn holds(&self) -> bool {
+        !self.released
+    }
 }
 
 /// Everything that changes in time.
@@ -247,6 +254,7 @@ impl State {
             let joint = |joint: &JointParameters| {
                 finite(&[joint.start_angle_rad, joint.stiffness_n_m_rad, joint.damping_n_m_s_rad])
                     && finite(&[joint.constant_torque_n_m, joint.torque_limit_n_m, joint.rate_limit_rad_s])
+                    && finite(&[joint.spring_stiffness_n_m_rad, joint.spring_damping_n_m_s_rad, joint.rest_angle_rad])
                     && joint.latch_stiffness_n_m_rad.is_finite()
             };
             parameters.joints.iter().all(joint)

@@ -6,8 +6,9 @@ use crate::multibody::Model;
 use crate::multibody::norm::kinematic_norm;
 use crate::multibody::tangent::{JointTangent, SingularTangent, Surroundings, Tangent};
 use crate::plant::Plant;
-use crate::plant::equations::{Equations, JointEquations};
+use crate::plant::equations::Equations;
 use crate::plant::face::PlantError;
+use crate::plant::hinge::JointEquations;
 use crate::plant::stability::SYMMETRIC;
 use crate::solve::arc_length::{self, PathPoint};
 use crate::solve::equilibrium::{self, Cause, Effort, NoEquilibrium, Settings, StaticEquations};
@@ -96,6 +97,7 @@ struct Target {
 struct JointTarget {
     start_rad: f64,
     neutral_rad: f64,
+    rest_rad: f64,
     constant_n_m: f64,
     external_n_m: f64,
     latch: Option<Latch>,
@@ -107,6 +109,7 @@ impl Target {
         let joint = |joint: &JointEquations| JointTarget {
             start_rad: start[joint.coordinate],
             neutral_rad: joint.slew.at(time_s).0,
+            rest_rad: joint.spring.rest_angle_rad,
             constant_n_m: joint.drive.constant_torque_n_m,
             external_n_m: joint.external_n_m,
             latch: joint.latch,
@@ -223,6 +226,7 @@ impl StaticEquations for AtRest<'_> {
             let between = |end: f64| target.start_rad + factor * (end - target.start_rad);
             joint.slew.from_rad = between(target.neutral_rad);
             joint.slew.target_rad = joint.slew.from_rad;
+            joint.spring.rest_angle_rad = between(target.rest_rad);
             joint.drive.constant_torque_n_m = factor * target.constant_n_m;
             joint.external_n_m = factor * target.external_n_m;
             if let (Some(latch), Some(target)) = (&mut joint.latch, &target.latch) {
@@ -345,8 +349,8 @@ impl Plant {
 
     /// Replaces the start coordinates by those of the equilibrium.
     ///
-    /// A joint that would come to rest beyond the angle of its enabled latch cannot get there: the latch closes, and
-    /// the search begins anew with it.
+    /// A joint that would come to rest at the angle of its enabled latch or beyond cannot get there: the latch closes,
+    /// and the search begins anew with it.
     pub(super) fn settle_at_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let start = self.state.now.q.clone();
         loop {
@@ -354,9 +358,9 @@ impl Plant {
             let effort = self.search(time_s, holding)?;
             let mut caught = false;
             for (joint, state) in self.equations.joints.iter().zip(&mut self.state.joints) {
-                let passes = |angle_rad: f64| joint.latch.as_ref().is_some_and(|latch| latch.gap_rad(angle_rad) < 0.0);
                 let (before, after) = (start[joint.coordinate], self.state.now.q[joint.coordinate]);
-                if state.latch.enabled && !state.latch.closed && passes(after) && !passes(before) {
+                let reached = joint.latch.is_some_and(|latch| latch.gap_rad(before, after) <= 0.0);
+                if state.latch.enabled && !state.latch.closed && reached {
                     state.latch.closed = true;
                     caught = true;
                 }

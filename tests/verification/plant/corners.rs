@@ -7,7 +7,7 @@ use foldwing::plant::Plant;
 use nalgebra::Vector3;
 
 /// A stiff rod of 0.15 m on a hinge at the root, without gravity: one coordinate matters, closed forms exist.
-fn rod(revolute: Revolute) -> Machine {
+pub fn rod(revolute: Revolute) -> Machine {
     let material = Material { young_pa: 2.83e12, shear_pa: 1e12, density_kg_m3: 1425.0 };
     let section = Section::rectangle(0.02, 0.01, &material, None);
     let mut machine = machine(vec![body("rod", 0.15, &section, ElementKind::Linear, 1, hinged_to_root(revolute))]);
@@ -16,7 +16,7 @@ fn rod(revolute: Revolute) -> Machine {
 }
 
 /// Inertia of [`rod`] about its hinge in kg·m², rotary inertia of the section included.
-fn rod_inertia_kg_m2() -> f64 {
+pub fn rod_inertia_kg_m2() -> f64 {
     let mass_kg = 1425.0 * 0.02 * 0.01 * 0.15;
     mass_kg * (0.15f64.powi(2) / 3.0 + 0.01f64.powi(2) / 12.0)
 }

@@ -84,6 +84,7 @@ pub fn free_hinge(start_angle_rad: f64) -> Revolute {
         motion: JointMotion::Free,
         release: true,
         drive: no_drive(),
+        spring: None,
         latch: None,
     }
 }

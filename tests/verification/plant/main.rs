@@ -11,6 +11,7 @@ mod deployment;
 mod double_pendulum;
 mod energy;
 mod failures;
+mod hinges;
 mod loops;
 mod moving_root;
 mod reaction;

@@ -1,0 +1,102 @@
+//! What the torques about a hinge depend on: motor, spring, external torque, latch, start angle and rate.
+
+use crate::interface::binding::{Binding, Input, JointInput, JointParameter, Parameter};
+use crate::interface::topology::Topology;
+
+/// Command of one joint.
+pub(super) fn commands_joint(joint: usize, known: Binding) -> bool {
+    known == Binding::Input(Input::Joint(joint, JointInput::Command))
+}
+
+/// External torque of one joint.
+pub(super) fn turns_joint(joint: usize, known: Binding) -> bool {
+    known == Binding::Input(Input::Joint(joint, JointInput::Torque))
+}
+
+/// Initial torque of a motor.
+pub(super) fn motor_pulls_initially(topology: &Topology, joint: usize, known: Binding) -> bool {
+    let parameters = match known {
+        Binding::Parameter(Parameter::Joint(other, field)) => {
+            other == joint
+                && match field {
+                    JointParameter::StartAngle
+                    | JointParameter::Stiffness
+                    | JointParameter::ConstantTorque
+                    | JointParameter::TorqueLimit => true,
+                    JointParameter::Damping => topology.turns_at_start(joint),
+                    _ => false,
+                }
+        }
+        _ => false,
+    };
+    parameters || commands_joint(joint, known) || start_rate(topology, joint, known)
+}
+
+/// Initial energy of a joint's own spring.
+pub(super) fn spring_stores_initially(topology: &Topology, joint: usize, known: Binding) -> bool {
+    use JointParameter::{RestAngle, SpringStiffness, StartAngle};
+    topology.revolute(joint).spring.is_some()
+        && matches!(known, Binding::Parameter(Parameter::Joint(other, StartAngle | SpringStiffness | RestAngle)) if other == joint)
+}
+
+/// Initial torque of a joint's own spring and damper.
+pub(super) fn spring_pulls_initially(topology: &Topology, joint: usize, known: Binding) -> bool {
+    if topology.revolute(joint).spring.is_none() {
+        return false;
+    }
+    let parameters = match known {
+        Binding::Parameter(Parameter::Joint(other, field)) => {
+            other == joint
+                && match field {
+                    JointParameter::StartAngle | JointParameter::SpringStiffness | JointParameter::RestAngle => true,
+                    JointParameter::SpringDamping => topology.turns_at_start(joint),
+                    _ => false,
+                }
+        }
+        _ => false,
+    };
+    parameters || start_rate(topology, joint, known)
+}
+
+/// Start angle of a joint, or time where the angle is prescribed.
+pub(super) fn starts(topology: &Topology, joint: usize, known: Binding) -> bool {
+    if topology.is_prescribed(joint) {
+        return known == Binding::Time;
+    }
+    known == Binding::Parameter(Parameter::Joint(joint, JointParameter::StartAngle))
+}
+
+/// The start rate is the model's, unless the stopper holds the joint.
+pub(super) fn start_rate(topology: &Topology, joint: usize, known: Binding) -> bool {
+    if topology.is_prescribed(joint) {
+        return known == Binding::Time;
+    }
+    topology.turns_at_start(joint) && known == Binding::Input(Input::Joint(joint, JointInput::Release))
+}
+
+/// What decides whether a latch is closed at the start: only one that the model closes there.
+pub(super) fn latches(topology: &Topology, joint: usize, known: Binding) -> bool {
+    starts_closed(topology, joint)
+        && (known == Binding::Input(Input::Joint(joint, JointInput::LatchEnable))
+            || starts_caught(topology, joint) && starts(topology, joint, known))
+}
+
+/// What decides about the torque of a latch at the start.
+pub(super) fn latch_pulls(topology: &Topology, joint: usize, known: Binding) -> bool {
+    let stiffness = Binding::Parameter(Parameter::Joint(joint, JointParameter::LatchStiffness));
+    starts_closed(topology, joint)
+        && (latches(topology, joint, known) || starts(topology, joint, known) || known == stiffness)
+}
+
+pub(super) fn starts_closed(topology: &Topology, joint: usize) -> bool {
+    topology.revolute(joint).latch.as_ref().is_some_and(|latch| latch.initially_closed)
+        || starts_caught(topology, joint)
+}
+
+/// Whether the model's start angle lies in the window of a latch that is not closed in any case.
+pub(super) fn starts_caught(topology: &Topology, joint: usize) -> bool {
+    let revolute = topology.revolute(joint);
+    revolute.latch.as_ref().is_some_and(|latch| {
+        !latch.initially_closed && (revolute.start_angle_rad - latch.angle_rad).abs() <= latch.capture_rad
+    })
+}

@@ -1,0 +1,137 @@
+//! A revolute joint in the plant: the torques about its hinge, and what they mean for energies and Newton's matrix.
+
+use crate::actuation::drive::{Drive, DriveTorque, Slew};
+use crate::actuation::latch::Latch;
+use crate::actuation::prescribed::Law;
+use crate::actuation::spring::Spring;
+use crate::config::machine::{JointMotion, Revolute};
+use crate::multibody::factor::HingeTangent;
+use crate::solve::Powers;
+
+/// A revolute joint as the equations see it.
+#[derive(Debug, Clone)]
+pub(super) struct JointEquations {
+    /// Body that it holds.
+    pub body: usize,
+    /// Index of its angle in `q`.
+    pub coordinate: usize,
+    /// The angle does not follow from torques: stopper, lock or prescribed motion.
+    pub held: bool,
+    /// Motor, spring and damper act: joints that are neither locked nor prescribed.
+    pub driven: bool,
+    /// Prescribed motion.
+    pub law: Option<Law>,
+    /// Motor.
+    pub drive: Drive,
+    /// Its neutral angle.
+    pub slew: Slew,
+    /// Spring and damper of the joint itself.
+    pub spring: Spring,
+    /// External torque in N·m.
+    pub external_n_m: f64,
+    /// Torque at which a limit holds the motor whatever the inputs are, in N·m: only while derivatives by inputs are taken.
+    pub pinned_n_m: Option<f64>,
+    /// Latch.
+    pub latch: Option<Latch>,
+    /// Latch closed.
+    pub latched: bool,
+    /// Torque of what holds the joint (stopper, lock, prescribed motion), of the last residual, in N·m; 0 where it is free.
+    pub holding_n_m: f64,
+}
+
+impl JointEquations {
+    /// A joint of body `body`, held; what inputs and parameters decide comes later.
+    pub fn new(body: usize, coordinate: usize, revolute: &Revolute) -> Self {
+        Self {
+            body,
+            coordinate,
+            held: true,
+            driven: revolute.motion == JointMotion::Free,
+            law: match &revolute.motion {
+                JointMotion::Prescribed(motion) => Some(Law::new(motion)),
+                _ => None,
+            },
+            drive: Drive::default(),
+            slew: Slew::default(),
+            spring: Spring::default(),
+            external_n_m: 0.0,
+            pinned_n_m: None,
+            latch: revolute.latch.as_ref().map(|latch| Latch {
+                angle_rad: latch.angle_rad,
+                stiffness_n_m_rad: latch.stiffness_n_m_rad,
+                capture_rad: latch.capture_rad,
+            }),
+            latched: false,
+            holding_n_m: 0.0,
+        }
+    }
+
+    /// Torque of the motor at a state; nothing where none acts.
+    pub fn motor_torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> DriveTorque {
+        if !self.driven {
+            return DriveTorque::default();
+        }
+        if let Some(applied_n_m) = self.pinned_n_m {
+            return DriveTorque { applied_n_m, saturated: true };
+        }
+        self.drive.torque(angle_rad, rate_rad_s, self.slew.at(time_s).0)
+    }
+
+    /// Torque of the joint's own spring and damper at a state in N·m.
+    pub fn spring_torque_n_m(&self, angle_rad: f64, rate_rad_s: f64) -> f64 {
+        if self.driven { self.spring.torque_n_m(angle_rad, rate_rad_s) } else { 0.0 }
+    }
+
+    /// External torque in N·m, of joints that take one.
+    pub fn external_torque_n_m(&self) -> f64 {
+        if self.driven { self.external_n_m } else { 0.0 }
+    }
+
+    /// Torque of the closed latch in N·m.
+    pub fn latch_torque_n_m(&self, angle_rad: f64) -> f64 {
+        self.closed_latch().map_or(0.0, |latch| latch.torque_n_m(angle_rad))
+    }
+
+    /// Sum of all torques on the outer body about `+θ` in N·m, NOTATION eqs. (A1) and (A3), with its tangent.
+    pub fn torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> (f64, HingeTangent) {
+        let motor = self.motor_torque(time_s, angle_rad, rate_rad_s);
+        let sum_n_m = motor.applied_n_m
+            + self.spring_torque_n_m(angle_rad, rate_rad_s)
+            + self.external_torque_n_m()
+            + self.latch_torque_n_m(angle_rad);
+        let active = if motor.saturated { 0.0 } else { 1.0 };
+        let tangent = HingeTangent {
+            free: true,
+            stiffness_n_m_rad: active * self.drive.stiffness_n_m_rad
+                + self.spring.stiffness_n_m_rad
+                + self.closed_latch().map_or(0.0, |latch| latch.stiffness_n_m_rad),
+            damping_n_m_s_rad: active * self.drive.damping_n_m_s_rad + self.spring.damping_n_m_s_rad,
+        };
+        (sum_n_m, tangent)
+    }
+
+    /// Energy that spring and closed latch store in J.
+    pub fn stored_j(&self, angle_rad: f64) -> f64 {
+        let spring_j = if self.driven { self.spring.energy_j(angle_rad) } else { 0.0 };
+        spring_j + self.closed_latch().map_or(0.0, |latch| latch.energy_j(angle_rad))
+    }
+
+    /// Adds what motor, damper and external torque do, NOTATION eq. (A5).
+    pub fn add_powers(&self, time_s: f64, branch_s: f64, angle_rad: f64, rate_rad_s: f64, powers: &mut Powers) {
+        let (neutral_rad, slew_rate_rad_s) = self.slew.at_on(time_s, branch_s);
+        let motor = self.motor_torque(time_s, angle_rad, rate_rad_s);
+        let motor_w = if motor.saturated {
+            self.drive.power_w(motor.applied_n_m, angle_rad, rate_rad_s, neutral_rad)
+        } else {
+            -self.drive.damping_n_m_s_rad * rate_rad_s * rate_rad_s
+        };
+        powers.work += self.external_n_m * rate_rad_s + motor_w.max(0.0)
+            - self.drive.stiffness_n_m_rad * (angle_rad - neutral_rad) * slew_rate_rad_s;
+        powers.dissipated += (-motor_w).max(0.0) + self.spring.damping_n_m_s_rad * rate_rad_s * rate_rad_s;
+    }
+
+    /// The latch, if it is closed.
+    pub fn closed_latch(&self) -> Option<&Latch> {
+        self.latch.as_ref().filter(|_| self.latched)
+    }
+}

@@ -1,0 +1,197 @@
+//! What acts about a hinge: the torque law, the joint that is held again, the latch that catches what rests.
+
+use crate::corners::{rod, rod_inertia_kg_m2};
+use crate::machines::*;
+use foldwing::config::machine::*;
+use foldwing::plant::{Holding, JointOutputs, Plant};
+
+fn only(plant: &Plant) -> JointOutputs {
+    plant.outputs().joints[0]
+}
+
+/// AT-01. The torque limit is the motor's: an external torque of −1 N·m beside a motor limited to 0.02 N·m accelerates
+/// the rod by −1.02 N·m over its inertia. It used to be cut to −0.02 N·m in all.
+#[test]
+fn at01_the_limit_leaves_the_external_torque_alone() {
+    let mut revolute = free_hinge(0.5);
+    revolute.drive = Drive { constant_torque_n_m: 5.0, torque_limit_n_m: 0.02, ..no_drive() };
+    let mut plant = Plant::new(std::sync::Arc::new(rod(revolute)));
+    plant.inputs_mut().joints[0].torque_n_m = -1.0;
+    plant.initialize(0.0).expect("initial accelerations");
+    let before_j = balance_j(plant.outputs());
+    coast(&mut plant, 0.01);
+    let joint = only(&plant);
+    let torques = [joint.motor_torque_n_m, joint.external_torque_n_m, joint.torque_applied_n_m];
+    assert_eq!(torques, [-0.02, -1.0, -1.02]);
+    let expected_rad = -0.5 * 1.02 / rod_inertia_kg_m2() * 1e-4;
+    let error_rad = joint.angle_rad - 0.5 - expected_rad;
+    // the rod bends by 1e-5 of the way
+    assert!(error_rad.abs() < 1e-4 * expected_rad.abs(), "turned by {error_rad:.1e} rad more than {expected_rad} rad");
+    let drift_j = balance_j(plant.outputs()) - before_j;
+    assert!(drift_j.abs() < 1e-4 * plant.outputs().energy.kinetic, "energy drifts by {drift_j:.1e} J");
+}
+
+/// AT-02. A joint's own spring swings the rod about its rest angle at `√(k/J)`, outside the motor's limit, and its
+/// damper takes energy; at rest an external torque `τ` turns it to `θ_0 + τ/k`.
+#[test]
+fn at02_a_spring_of_the_joint_itself() {
+    let spring = Spring { stiffness_n_m_rad: 0.5, damping_n_m_s_rad: 0.0, rest_angle_rad: 0.2 };
+    let mut revolute = free_hinge(0.3);
+    revolute.drive = Drive { torque_limit_n_m: 1e-6, ..no_drive() };
+    revolute.spring = Some(spring);
+    let mut plant = start(rod(revolute.clone()));
+    let stored_j = plant.outputs().energy.elastic;
+    assert!((stored_j - 0.5 * 0.5 * 0.01).abs() < 1e-12, "stored {stored_j} J");
+    let half_s = std::f64::consts::PI / (0.5 / rod_inertia_kg_m2()).sqrt();
+    coast(&mut plant, half_s);
+    let error_rad = only(&plant).angle_rad - 0.1;
+    assert!(error_rad.abs() < 2e-5, "half a swing ends {error_rad:.1e} rad off 0.1 rad");
+    assert!((only(&plant).spring_torque_n_m + 0.5 * (only(&plant).angle_rad - 0.2)).abs() < 1e-12);
+
+    plant.parameters_mut().joints[0].spring_damping_n_m_s_rad = 0.002;
+    let before_j = balance_j(plant.outputs());
+    coast(&mut plant, half_s + 0.5);
+    let drift_j = balance_j(plant.outputs()) - before_j;
+    assert!(drift_j.abs() < 1e-4 * stored_j, "energy drifts by {drift_j:.1e} J of {stored_j:.1e} J");
+    assert!(plant.outputs().energy.dissipated > 0.9 * stored_j, "{:?}", plant.outputs().energy);
+
+    let mut still = Plant::new(std::sync::Arc::new(rod(revolute)));
+    still.inputs_mut().joints[0].torque_n_m = 0.1;
+    still.equilibrium(0.0, Holding::AsReleased).expect("an equilibrium");
+    let error_rad = only(&still).angle_rad - 0.4;
+    assert!(error_rad.abs() < 1e-9, "rests {error_rad:.1e} rad off 0.4 rad");
+    let frequency_hz = still.modes(1).expect("modes")[0].frequency_hz;
+    let expected_hz = 0.5 / half_s;
+    assert!((frequency_hz / expected_hz - 1.0).abs() < 1e-4, "{frequency_hz} Hz, expected {expected_hz} Hz");
+}
+
+/// AT-03. Release set back to false stops a turning rod where it is: all its energy is dissipated, the stopper carries
+/// what acts, and the joint is free again when released again. The input used to be ignored.
+#[test]
+fn at03_release_taken_back_holds_the_joint_where_it_is() {
+    let mut revolute = free_hinge(0.5);
+    revolute.start_rate_rad_s = -3.0;
+    let mut plant = start(rod(revolute));
+    coast(&mut plant, 0.1);
+    let (kinetic_j, angle_rad, before_j) =
+        (plant.outputs().energy.kinetic, only(&plant).angle_rad, balance_j(plant.outputs()));
+    plant.inputs_mut().joints[0].release = false;
+    plant.inputs_mut().joints[0].torque_n_m = 0.7;
+    coast(&mut plant, 0.2);
+    let joint = only(&plant);
+    assert_eq!((joint.angle_rad, joint.rate_rad_s), (angle_rad, 0.0));
+    let dissipated_j = plant.outputs().energy.dissipated;
+    // the stiff rod's bending keeps 1e-4 of it for a while
+    assert!((dissipated_j / kinetic_j - 1.0).abs() < 1e-3, "{dissipated_j} J of {kinetic_j} J");
+    let drift_j = balance_j(plant.outputs()) - before_j;
+    assert!(drift_j.abs() < 1e-6 * kinetic_j, "energy drifts by {drift_j:.1e} J");
+    assert!((joint.holding_torque_n_m + 0.7).abs() < 1e-3, "holds with {} N·m", joint.holding_torque_n_m);
+    plant.inputs_mut().joints[0].release = true;
+    coast(&mut plant, 0.21);
+    assert!(only(&plant).rate_rad_s > 1.0 && only(&plant).holding_torque_n_m == 0.0, "{:?}", only(&plant));
+}
+
+/// AT-04. Holding an elbow while two rods turn is an inelastic stop of that joint alone: the angular momentum about the
+/// shoulder stays, and what is lost is `½ M_eff θ̇²`, both in closed form for rods in line.
+#[test]
+fn at04_a_stop_keeps_the_momentum_about_the_joints_that_stay_free() {
+    let mut shoulder = free_hinge(0.0);
+    shoulder.start_rate_rad_s = 2.0;
+    let mut machine = rod(shoulder);
+    let mut elbow = free_hinge(0.0);
+    elbow.start_rate_rad_s = 5.0;
+    let mut outer = machine.bodies[0].clone();
+    (outer.name, outer.joint) = ("outer".into(), hinged_to(&machine.bodies, elbow));
+    machine.bodies.push(outer);
+    let mut plant = start(machine);
+    let kinetic_j = plant.outputs().energy.kinetic;
+    plant.inputs_mut().joints[1].release = false;
+    coast(&mut plant, 1e-9);
+    let (length_m, mass_kg) = (0.15, 1425.0 * 0.02 * 0.01 * 0.15);
+    let about_middle = mass_kg * (f64::powi(length_m, 2) + 0.01f64.powi(2)) / 12.0;
+    let momentum = |shoulder: f64, elbow: f64| {
+        let middle_m_s = shoulder * length_m + (shoulder + elbow) * 0.5 * length_m;
+        rod_inertia_kg_m2() * shoulder + mass_kg * 1.5 * length_m * middle_m_s + about_middle * (shoulder + elbow)
+    };
+    let expected_rad_s = momentum(2.0, 5.0) / momentum(1.0, 0.0);
+    // strain rates take part: the rods are stiff, but an impulse does not know stiffness
+    let rates: Vec<f64> = plant.outputs().joints.iter().map(|joint| joint.rate_rad_s).collect();
+    println!("rates {rates:?} rad/s, rigid rods {expected_rad_s} rad/s");
+    assert_eq!(rates[1], 0.0);
+    let lost_j = kinetic_j - plant.outputs().energy.kinetic;
+    assert!((plant.outputs().energy.dissipated - lost_j).abs() < 1e-9 * kinetic_j, "lost {lost_j} J");
+    // once bending has died down the rods turn as one
+    coast(&mut plant, 0.2);
+    let error_rad_s = plant.outputs().joints[0].rate_rad_s - expected_rad_s;
+    assert!(error_rad_s.abs() < 1e-3 * expected_rad_s, "turns {error_rad_s:.1e} rad/s off {expected_rad_s} rad/s");
+}
+
+/// AT-05. A wing released at initialisation and held before its first step stays at its start angle.
+#[test]
+fn at05_held_before_the_first_step() {
+    let mut plant = start(default_wing(1e-4));
+    plant.inputs_mut().joints[0].release = false;
+    coast(&mut plant, 0.1);
+    assert_eq!((only(&plant).angle_rad, only(&plant).rate_rad_s), (170f64.to_radians(), 0.0));
+    assert!(!plant.joint_statuses().next().expect("a joint").released);
+}
+
+/// AT-06. An enabled latch catches a wing at its angle: at the start, held there, crept there, from either side. All of
+/// them used to stay open.
+#[test]
+fn at06_a_latch_catches_what_rests_at_its_angle() {
+    const DEFAULT_RAD: f64 = 1e-6;
+    let latched = Latch { capture_rad: DEFAULT_RAD, ..latch(2.0) };
+    let with = |start_rad: f64, change: &dyn Fn(&mut Revolute)| {
+        let mut revolute = free_hinge(start_rad);
+        revolute.latch = Some(latched.clone());
+        change(&mut revolute);
+        start(rod(revolute))
+    };
+    for start_rad in [0.0, 0.9e-6, -0.9e-6] {
+        let plant = with(start_rad, &|_| ());
+        assert!(only(&plant).latched && only(&plant).latch_count == 0, "starts at {start_rad} rad");
+        let held = with(start_rad, &|revolute| revolute.release = false);
+        assert!(only(&held).latched, "held at {start_rad} rad");
+    }
+    for start_rad in [0.3, -0.3] {
+        let mut creeps = with(start_rad, &|revolute| {
+            revolute.drive = Drive { stiffness_n_m_rad: 0.3, damping_n_m_s_rad: 0.2, ..no_drive() };
+        });
+        coast(&mut creeps, 15.0);
+        let expected_s = 0.2 / 0.3 * (0.3 / DEFAULT_RAD).ln();
+        let error_s = only(&creeps).latch_time_s - expected_s;
+        // the rod's inertia, 1e-3 s of the time constant, and tolerance 1e-6 at an angle of 1e-6 rad
+        assert!(error_s.abs() < 1.0, "creeps from {start_rad} rad: closed {error_s} s off {expected_s} s");
+        assert!(only(&creeps).latched);
+        let mut passes = with(start_rad, &|revolute| revolute.start_rate_rad_s = -10.0 * start_rad);
+        coast(&mut passes, 0.2);
+        let error_s = only(&passes).latch_time_s - 0.1 * (0.3 - DEFAULT_RAD) / 0.3;
+        assert!(error_s.abs() < 1e-8, "passes from {start_rad} rad: closed {error_s:.1e} s off");
+    }
+}
+
+/// AT-07. A latch that closes off its angle starts to swing there: what it then stores is booked as work, and what it
+/// stores when it opens as dissipated, term by term.
+#[test]
+fn at07_energy_of_a_latch_that_closes_and_opens_off_its_angle() {
+    let mut revolute = free_hinge(0.3);
+    revolute.start_rate_rad_s = -3.0;
+    revolute.latch = Some(Latch { capture_rad: 0.1, ..latch(2.0) });
+    let mut plant = start(rod(revolute));
+    let before_j = balance_j(plant.outputs());
+    coast(&mut plant, 0.08);
+    assert!(only(&plant).latched, "closes at the window's edge");
+    let closed_s = 0.2 / 3.0;
+    assert!((only(&plant).latch_time_s - closed_s).abs() < 1e-7, "at {} s", only(&plant).latch_time_s);
+    let booked_j = plant.outputs().energy.work;
+    assert!((booked_j - 0.5 * 2.0 * 0.01).abs() < 1e-8, "booked {booked_j} J");
+    let (stored_j, dissipated_j) = (0.5 * 2.0 * only(&plant).angle_rad.powi(2), plant.outputs().energy.dissipated);
+    plant.inputs_mut().joints[0].latch_enable = false;
+    coast(&mut plant, 0.08 + 1e-9);
+    let jump_j = plant.outputs().energy.dissipated - dissipated_j;
+    // within the instant the rod turns by 1e-8 rad
+    assert!((jump_j / stored_j - 1.0).abs() < 1e-5, "dissipated {jump_j} J of {stored_j} J");
+    let drift_j = balance_j(plant.outputs()) - before_j;
+    assert!(drift_j.abs() < 1e-6 * booked_j, "energy drifts by {drift_j:.1e} J");
+}
