@@ -24,6 +24,17 @@ pub struct DriveTorque {
     pub saturated: bool,
 }
 
+/// A piece of the clamp between two limits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Piece {
+    /// Between the limits.
+    Between,
+    /// At the upper limit.
+    Upper,
+    /// At the lower limit.
+    Lower,
+}
+
 impl Drive {
     /// Torque without the limit in N·m: `−(k_m (θ − θ_cmd) + c_m θ̇ + T)`.
     pub fn wanted_n_m(&self, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> f64 {
@@ -40,17 +51,71 @@ impl Drive {
         DriveTorque { applied_n_m: applied, saturated: applied != wanted }
     }
 
-    /// What the torque `applied_n_m` does beyond the potential of spring and constant torque, in W: negative where the
-    /// drive brakes. Without an active limit it is `−c_m θ̇²`, NOTATION eq. (A5).
-    pub fn power_w(&self, applied_n_m: f64, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> f64 {
-        let held_n_m = self.stiffness_n_m_rad * (angle_rad - neutral_rad) + self.constant_torque_n_m;
-        (applied_n_m + held_n_m) * rate_rad_s
+    /// Piece of the clamp on which a state lies, one piece from `last` at most: whoever comes from one limit and wants
+    /// more than the other passes between them.
+    pub fn piece(&self, wanted_n_m: f64, last: Option<Piece>) -> Piece {
+        let piece = if wanted_n_m > self.torque_limit_n_m {
+            Piece::Upper
+        } else if wanted_n_m < -self.torque_limit_n_m {
+            Piece::Lower
+        } else {
+            Piece::Between
+        };
+        match (last, piece) {
+            (Some(Piece::Upper), Piece::Lower) | (Some(Piece::Lower), Piece::Upper) => Piece::Between,
+            _ => piece,
+        }
     }
 
-    /// Potential of spring and constant torque in J: `½ k (θ − θ_cmd)² + T θ`.
+    /// Torque of one piece of the clamp, beyond its ends too.
+    pub fn torque_on(&self, piece: Piece, wanted_n_m: f64) -> DriveTorque {
+        match piece {
+            Piece::Between => DriveTorque { applied_n_m: wanted_n_m, saturated: false },
+            Piece::Upper => DriveTorque { applied_n_m: self.torque_limit_n_m, saturated: true },
+            Piece::Lower => DriveTorque { applied_n_m: -self.torque_limit_n_m, saturated: true },
+        }
+    }
+
+    /// What the torque of a turning drive takes beyond its torque at rest, in W: never negative, and `c_m θ̇²` within the
+    /// limit, NOTATION eq. (A5).
+    pub fn dissipation_w(&self, torque: DriveTorque, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> f64 {
+        let still = self.torque(angle_rad, 0.0, neutral_rad);
+        if torque.saturated || still.saturated {
+            (still.applied_n_m - torque.applied_n_m) * rate_rad_s
+        } else {
+            self.damping_n_m_s_rad * rate_rad_s * rate_rad_s
+        }
+    }
+
+    /// Potential in J of the torque at rest, `clamp(−(k_m (θ − θ_cmd) + T), ±limit)`: within the limit
+    /// `½ k_m (θ − θ_cmd)² + T θ`, beyond it linear in the angle, NOTATION eq. (A5).
     pub fn potential_j(&self, angle_rad: f64, neutral_rad: f64) -> f64 {
-        let stretch = angle_rad - neutral_rad;
-        0.5 * self.stiffness_n_m_rad * stretch * stretch + self.constant_torque_n_m * angle_rad
+        let Self { stiffness_n_m_rad: k, constant_torque_n_m: t, torque_limit_n_m: limit, .. } = *self;
+        let (stretch, constant) = (angle_rad - neutral_rad, t.max(-limit).min(limit));
+        let end = k * stretch + t;
+        if end.abs() <= limit && t.abs() <= limit {
+            return 0.5 * k * stretch * stretch + t * angle_rad;
+        }
+        if k == 0.0 || end.min(t) >= limit || end.max(t) <= -limit {
+            return constant * angle_rad;
+        }
+        // integral of the clamped torque from the neutral angle on, by the stretch at which the limits begin
+        let integral = |x: f64| {
+            let within = x.max((-limit - t) / k).min((limit - t) / k);
+            within * (0.5 * k * within + t) + limit * (x - within).abs()
+        };
+        integral(stretch) - integral(0.0) + constant * neutral_rad
+    }
+
+    /// Rate of the potential in W by the motion of the neutral angle alone.
+    pub fn slew_power_w(&self, angle_rad: f64, neutral_rad: f64, slew_rate_rad_s: f64) -> f64 {
+        let (limit, t) = (self.torque_limit_n_m, self.constant_torque_n_m);
+        let within = |torque_n_m: f64| torque_n_m.max(-limit).min(limit);
+        let pull_n_m = self.stiffness_n_m_rad * (angle_rad - neutral_rad);
+        if (pull_n_m + t).abs() <= limit && t.abs() <= limit {
+            return -pull_n_m * slew_rate_rad_s;
+        }
+        (within(t) - within(pull_n_m + t)) * slew_rate_rad_s
     }
 }
 
@@ -164,5 +229,31 @@ mod tests {
         assert_eq!((low.applied_n_m, low.saturated), (-0.5, true));
         let free = drive.torque(0.25, 0.0, 0.0);
         assert_eq!((free.applied_n_m, free.saturated), (-0.25, false));
+    }
+
+    /// The potential's slopes are the torque at rest and the power of a slew, on all pieces of the clamp; what turns
+    /// dissipates.
+    #[test]
+    fn potential_belongs_to_the_clamped_torque() {
+        let step = 1e-6;
+        for (k, t) in [(1.0, 0.2), (1.0, -0.9), (0.0, 0.8), (20.0, 0.0), (1e-9, 0.7)] {
+            let drive =
+                Drive { stiffness_n_m_rad: k, damping_n_m_s_rad: 0.1, constant_torque_n_m: t, torque_limit_n_m: 0.5 };
+            for angle in [-3.0, -0.45, 0.1, 0.62, 2.0] {
+                let (neutral, rate) = (0.05, 1.7);
+                let slope = (drive.potential_j(angle + step, neutral) - drive.potential_j(angle - step, neutral))
+                    / (2.0 * step);
+                let torque = drive.torque(angle, 0.0, neutral).applied_n_m;
+                assert!((slope + torque).abs() < 1e-8, "k {k}, T {t}, {angle} rad: {slope} against {torque} N·m");
+                let by_neutral = (drive.potential_j(angle, neutral + step) - drive.potential_j(angle, neutral - step))
+                    / (2.0 * step);
+                let power = drive.slew_power_w(angle, neutral, 1.0);
+                assert!((by_neutral - power).abs() < 1e-8, "k {k}, T {t}, {angle} rad: {by_neutral} against {power} W");
+                for rate in [rate, -rate] {
+                    let turning = drive.torque(angle, rate, neutral);
+                    assert!(drive.dissipation_w(turning, angle, rate, neutral) >= 0.0);
+                }
+            }
+        }
     }
 }

@@ -16,7 +16,12 @@ pub struct Latch {
 impl Latch {
     /// Whether an angle lies in the window: there an enabled latch is closed.
     pub fn catches(&self, angle_rad: f64) -> bool {
-        (angle_rad - self.angle_rad).abs() <= self.capture_rad
+        self.beyond_rad(angle_rad) <= 0.0
+    }
+
+    /// Distance of an angle from the window in rad; not positive inside.
+    pub fn beyond_rad(&self, angle_rad: f64) -> f64 {
+        (angle_rad - self.angle_rad).abs() - self.capture_rad
     }
 
     /// Way left to the window in rad for a joint that comes from `from_rad`, outside of it: falls through zero where the

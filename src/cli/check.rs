@@ -2,6 +2,7 @@
 
 use crate::cli::air_summary::AirSummary;
 use crate::cli::joint_size::JointSize;
+use crate::cli::notes::notes;
 use crate::cli::outlets::{Force, Mark, Outlets};
 use crate::cli::{Failure, print, read_model};
 use foldwing::config::Machine;
@@ -62,6 +63,7 @@ struct Summary {
     loops: Vec<LoopSummary>,
     air: Option<AirSummary>,
     gauges: Vec<String>,
+    notes: Vec<String>,
     variables: Vec<VariableSummary>,
 }
 
@@ -88,6 +90,9 @@ struct JointSummary {
     damping_n_m_s_rad: Option<f64>,
     constant_torque_n_m: Option<f64>,
     torque_limit_n_m: Option<f64>,
+    spring_stiffness_n_m_rad: Option<f64>,
+    spring_damping_n_m_s_rad: Option<f64>,
+    rest_angle_deg: Option<f64>,
     latch_angle_deg: Option<f64>,
     latch_stiffness_n_m_rad: Option<f64>,
     size: JointSize,
@@ -161,6 +166,7 @@ impl Summary {
             loops: machine.closures.iter().map(|closure| LoopSummary::new(closure, machine)).collect(),
             air: AirSummary::new(machine, &gaps),
             gauges: machine.gauges.iter().map(|gauge| gauge.name.clone()).collect(),
+            notes: notes(machine),
             variables: interface.variables().iter().map(VariableSummary::new).collect(),
         }
     }
@@ -193,6 +199,9 @@ impl Summary {
         }
         if let Some(air) = &self.air {
             text.push_str(&air.text());
+        }
+        if !self.notes.is_empty() {
+            let _ = writeln!(text, "\nnotes\n  {}", self.notes.join("\n  "));
         }
         let gauges = if self.gauges.is_empty() { "none".to_owned() } else { self.gauges.join(", ") };
         let count = |causality: &str| self.variables.iter().filter(|v| v.causality == causality).count();
@@ -266,6 +275,9 @@ impl JointSummary {
             damping_n_m_s_rad: None,
             constant_torque_n_m: None,
             torque_limit_n_m: None,
+            spring_stiffness_n_m_rad: None,
+            spring_damping_n_m_s_rad: None,
+            rest_angle_deg: None,
             latch_angle_deg: None,
             latch_stiffness_n_m_rad: None,
             size: JointSize::new(&body.joint.kind, variables, multipliers),
@@ -292,6 +304,10 @@ impl JointSummary {
             summary.damping_n_m_s_rad = Some(joint.drive.damping_n_m_s_rad);
             summary.constant_torque_n_m = Some(joint.drive.constant_torque_n_m);
             summary.torque_limit_n_m = Some(joint.drive.torque_limit_n_m).filter(|limit| *limit < UNLIMITED);
+            let spring = joint.spring.as_ref();
+            summary.spring_stiffness_n_m_rad = spring.map(|spring| spring.stiffness_n_m_rad);
+            summary.spring_damping_n_m_s_rad = spring.map(|spring| spring.damping_n_m_s_rad);
+            summary.rest_angle_deg = spring.map(|spring| spring.rest_angle_rad.to_degrees());
             summary.latch_angle_deg = joint.latch.as_ref().map(|latch| latch.angle_rad.to_degrees());
             summary.latch_stiffness_n_m_rad = joint.latch.as_ref().map(|latch| latch.stiffness_n_m_rad);
         }
@@ -305,7 +321,10 @@ impl JointSummary {
             ("k", self.stiffness_n_m_rad, "N.m/rad"),
             ("c", self.damping_n_m_s_rad, "N.m.s/rad"),
             ("T", self.constant_torque_n_m, "N.m"),
-            ("torque limit", self.torque_limit_n_m, "N.m"),
+            ("motor torque limit", self.torque_limit_n_m, "N.m"),
+            ("spring", self.spring_stiffness_n_m_rad, "N.m/rad"),
+            ("spring damping", self.spring_damping_n_m_s_rad, "N.m.s/rad"),
+            ("spring slack at", self.rest_angle_deg, "deg"),
             ("latch at", self.latch_angle_deg, "deg"),
             ("latch stiffness", self.latch_stiffness_n_m_rad, "N.m/rad"),
         ] {

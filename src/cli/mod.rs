@@ -12,6 +12,7 @@ mod lattice;
 mod linearize;
 mod modes;
 mod new;
+mod notes;
 mod outlets;
 mod package;
 mod pictures;

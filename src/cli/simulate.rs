@@ -2,6 +2,7 @@
 
 use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::lattice::LatticeRecord;
+use crate::cli::notes::notes;
 use crate::cli::outlets::{Force, Mark, Outlet, Outlets, Place};
 use crate::cli::pictures::{PictureArguments, Pictures};
 use crate::cli::progress::Progress;
@@ -114,6 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     pictures.write(&mut outlets)?;
     outcome?;
     if !arguments.quiet {
+        notes(plant.machine()).iter().for_each(|note| eprintln!("note: {note}"));
         eprint!("{}", summary(&plant, &grid, elapsed));
     }
     Ok(())

@@ -4,7 +4,7 @@ use crate::actuation::prescribed::Law;
 use crate::config::file::ModelFile;
 use crate::config::joint_file::{DriveFile, JointFile, JointType, LatchFile, MotionType, SpringFile, TableEnds};
 use crate::config::machine::{
-    Drive, Joint, JointKind, JointMotion, Latch, Motion, Parent, Revolute, Spring, UNLIMITED,
+    DEFAULT_CAPTURE_RAD, Drive, Joint, JointKind, JointMotion, Latch, Motion, Parent, Revolute, Spring, UNLIMITED,
 };
 use crate::config::schema::quoted;
 use crate::config::spatial;
@@ -20,10 +20,6 @@ pub(super) const RESERVED: &[&str] = &[
 
 /// Beginning of the groups of several free ends, `tip_<body>`.
 const RESERVED_BEGINNING: &str = "tip_";
-
-/// Half-width of a latch's window by default, rad: it catches a joint that rests or creeps at its angle, and closes a
-/// joint that passes it earlier by no more than the time of so small a way.
-const DEFAULT_CAPTURE_RAD: f64 = 1e-6;
 
 /// Keys that not every joint has, with the types that have them.
 const KEYS: &[(&str, &[JointType])] = {

@@ -209,6 +209,10 @@ pub struct Drive {
 /// Stands for "no limit" in limits that must stay finite numbers (FMI forbids infinity in the description).
 pub const UNLIMITED: f64 = 1e30;
 
+/// Half-width of a latch's window by default, rad: it catches a joint that rests or creeps at its angle, and closes a
+/// joint that passes it earlier by no more than the time of so small a way.
+pub const DEFAULT_CAPTURE_RAD: f64 = 1e-6;
+
 /// Latch of a fold joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Latch {

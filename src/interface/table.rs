@@ -80,13 +80,18 @@ const ENERGIES: &Fields<EnergyOutput> = &[
     ("kinetic", EnergyOutput::Kinetic, "Energy", "kinetic energy relative to the root frame"),
     ("elastic", EnergyOutput::Elastic, "Energy", "strain energy of beams, springs of fold joints and closed latches"),
     ("gravity", EnergyOutput::Gravity, "Energy", "potential of gravity minus root acceleration, zero at the origin"),
-    ("drive", EnergyOutput::Drive, "Energy", "potential of the motors' stiffness and constant torques"),
+    (
+        "drive",
+        EnergyOutput::Drive,
+        "Energy",
+        "potential of the motors' stiffness and constant torques within their limits",
+    ),
     ("work", EnergyOutput::Work, "Energy", "work done by the inputs since the start"),
     (
         "dissipated",
         EnergyOutput::Dissipated,
         "Energy",
-        "energy dissipated by damping, braking motors, opening latches and stopping joints since the start",
+        "energy dissipated by damping, opening latches and stopping joints since the start",
     ),
     (
         "total",

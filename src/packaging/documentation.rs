@@ -145,7 +145,7 @@ fn joints_section(html: &mut String, machine: &Machine) {
         "k (N·m/rad)",
         "c (N·m·s/rad)",
         "T (N·m)",
-        "torque limit (N·m)",
+        "motor's limit (N·m)",
         "latch",
     ];
     table(
@@ -220,7 +220,15 @@ fn revolute(joint: &Revolute) -> Vec<String> {
     let latch = joint.latch.as_ref().map_or("none".to_owned(), |latch| {
         format!("at {} rad, {} N·m/rad", number(latch.angle_rad), number(latch.stiffness_n_m_rad))
     });
-    let mut row = vec![format!("{motion} about {}", vector(joint.axis.as_slice())), number(joint.start_angle_rad)];
+    let spring = joint.spring.as_ref().map_or(String::new(), |spring| {
+        let [stiffness, damping] = [spring.stiffness_n_m_rad, spring.damping_n_m_s_rad].map(number);
+        format!(
+            ", own spring {stiffness} N·m/rad and {damping} N·m·s/rad, slack at {} rad",
+            number(spring.rest_angle_rad)
+        )
+    });
+    let kind = format!("{motion} about {}{spring}", vector(joint.axis.as_slice()));
+    let mut row = vec![kind, number(joint.start_angle_rad)];
     row.extend([drive.stiffness_n_m_rad, drive.damping_n_m_s_rad, drive.constant_torque_n_m].map(number));
     row.extend([number(drive.torque_limit_n_m), latch]);
     row

@@ -1,9 +1,11 @@
 //! Derivatives of the outputs: in time, and by inputs with the state frozen.
 
 use crate::actuation::drive::Slew;
+use crate::config::machine::UNLIMITED;
 use crate::load::Wrench;
 use crate::plant::Plant;
 use crate::plant::face::{Inputs, Outputs, PlantError};
+use crate::plant::hinge::JointEquations;
 use crate::plant::state::State;
 use crate::solve::EquationsOfMotion;
 use crate::solve::continuation::Taken;
@@ -189,7 +191,7 @@ impl Plant {
             output.spring_torque_n_m = -spring.stiffness_n_m_rad * rate - spring.damping_n_m_s_rad * acceleration;
             output.external_torque_n_m = self.equations.course.rates.joints[i].torque_n_m;
             output.torque_applied_n_m = output.motor_torque_n_m + output.spring_torque_n_m + output.external_torque_n_m;
-            let power_w = -drive.stiffness_n_m_rad * (angle - neutral) * slew_rate;
+            let power_w = drive.slew_power_w(angle, neutral, slew_rate);
             sum.energy.drive += power_w;
             sum.energy.total += power_w;
         }
@@ -227,6 +229,7 @@ impl Plant {
                 joint.pinned_n_m = Some(torque.applied_n_m).filter(|_| torque.saturated);
             }
             let pins: Vec<Option<f64>> = self.equations.joints.iter().map(|joint| joint.pinned_n_m).collect();
+            let slopes = self.potential_slopes(time_s, &q);
             let mut varied = set;
             add(&mut varied, sign);
             self.impose(&varied);
@@ -244,7 +247,10 @@ impl Plant {
                     break;
                 }
             }
+            let bend_j = self.bend_of_potentials_j(time_s, &q, &slopes);
             let mut beside = self.beside(|state| move_along(&mut state.now.a, &jump, -1.0));
+            beside.energy.drive += bend_j;
+            beside.energy.total += bend_j;
             // a jump of a potential is booked as work of the input
             beside.energy.work += beside.energy.gravity + beside.energy.drive;
             slope.add(&beside, sign * 0.5);
@@ -252,6 +258,27 @@ impl Plant {
         self.configure();
         self.evaluate();
         outcome.map(|()| slope)
+    }
+
+    /// Of motors with a limit: neutral angle in rad and change of the potential with it in N·m.
+    fn potential_slopes(&self, time_s: f64, q: &[f64]) -> Vec<Option<(f64, f64)>> {
+        let slope = |joint: &JointEquations| {
+            let neutral_rad = joint.slew.at(time_s).0;
+            (joint.driven && joint.drive.torque_limit_n_m < UNLIMITED)
+                .then(|| (neutral_rad, joint.drive.slew_power_w(q[joint.coordinate], neutral_rad, 1.0)))
+        };
+        self.equations.joints.iter().map(slope).collect()
+    }
+
+    /// What the potentials along their slopes have more than those without limit, in J, for neutral angles that have moved.
+    fn bend_of_potentials_j(&self, time_s: f64, q: &[f64], slopes: &[Option<(f64, f64)>]) -> f64 {
+        let bend_j = |(joint, slope): (&JointEquations, &Option<(f64, f64)>)| {
+            let (before_rad, slope_n_m) = (*slope)?;
+            let (angle_rad, after_rad) = (q[joint.coordinate], joint.slew.at(time_s).0);
+            let free_j = |neutral_rad: f64| joint.drive.potential_j(angle_rad, neutral_rad);
+            Some(slope_n_m * (after_rad - before_rad) - (free_j(after_rad) - free_j(before_rad)))
+        };
+        self.equations.joints.iter().zip(slopes).filter_map(bend_j).sum()
     }
 
     /// The equations at the present time with other inputs and the parameters as set; neutral angles jump with their

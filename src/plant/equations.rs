@@ -259,6 +259,28 @@ impl EquationsOfMotion for Equations {
         }
     }
 
+    fn take_pieces(&mut self, time_s: f64, q: &[f64], v: &[f64]) {
+        self.drop_pieces();
+        for joint in &mut self.joints {
+            joint.move_piece(time_s, q[joint.coordinate], v[joint.coordinate]);
+        }
+    }
+
+    fn move_pieces(&mut self, time_s: f64, q: &[f64], v: &[f64], only_first: bool) -> bool {
+        let mut moved = false;
+        for joint in &mut self.joints {
+            moved |= joint.move_piece(time_s, q[joint.coordinate], v[joint.coordinate]);
+            if moved && only_first {
+                break;
+            }
+        }
+        moved
+    }
+
+    fn drop_pieces(&mut self) {
+        self.joints.iter_mut().for_each(|joint| joint.piece = None);
+    }
+
     fn factorize(&mut self, mass: f64, damping: f64, stiffness: f64) -> Result<(), Singular> {
         let weights = Weights { mass, damping, stiffness };
         factor::factorize(&self.model, &mut self.work, weights, &self.damping, &self.tangents)

@@ -6,6 +6,7 @@ use crate::config::machine::StartState;
 use crate::multibody::dynamics::Damping;
 use crate::plant::equations::Equations;
 use crate::plant::face::{Parameters, PlantError};
+use crate::plant::march::CROSSING_S;
 use crate::plant::state::{JointState, State};
 use crate::plant::statics::Holding;
 use crate::plant::{Plant, revolutes, spatials};
@@ -194,7 +195,8 @@ impl Plant {
             let mut released_energy = 0.0;
             for (i, joint) in state.joints.iter_mut().enumerate() {
                 let inputs = &state.inputs.joints[i];
-                let angle = state.start.q[equations.joints[i].coordinate];
+                let c = equations.joints[i].coordinate;
+                let (angle, rate) = (state.start.q[c], state.start.v[c]);
                 let closing = std::mem::take(&mut joint.closing);
                 if inputs.release != joint.released {
                     joint.released = inputs.release;
@@ -208,7 +210,11 @@ impl Plant {
                     joint.latch.closed = false;
                     released_energy += latch.energy_j(angle);
                     state.statistics.events += 1;
-                } else if !joint.latch.closed && inputs.latch_enable && (closing && at_end || latch.catches(angle)) {
+                } else if !joint.latch.closed && inputs.latch_enable && {
+                    // the inputs may change at the crossing itself
+                    let arrived = at_end || latch.beyond_rad(angle) <= CROSSING_S * rate.abs();
+                    closing && arrived || latch.catches(angle)
+                } {
                     close(&mut joint.latch, time_s);
                     state.statistics.events += 1;
                 }

@@ -221,11 +221,11 @@ pub struct EnergyOutputs {
     pub elastic: f64,
     /// Potential of `gravity − root acceleration`, zero at the root's origin.
     pub gravity: f64,
-    /// Potential of the motors' stiffness and constant torques, and of springs of universal and ball joints.
+    /// Potential of the motors' stiffness and constant torques within their limits, and of springs of universal and ball joints.
     pub drive: f64,
     /// Work of inputs: loads, torques, commands, root motion, changed parameters.
     pub work: f64,
-    /// Energy dissipated by damping, braking motors, opening latches and stopping joints.
+    /// Energy dissipated by damping, opening latches and stopping joints.
     pub dissipated: f64,
     /// `kinetic + elastic + gravity + drive`.
     pub total: f64,

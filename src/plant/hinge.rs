@@ -1,10 +1,10 @@
 //! A revolute joint in the plant: the torques about its hinge, and what they mean for energies and Newton's matrix.
 
-use crate::actuation::drive::{Drive, DriveTorque, Slew};
+use crate::actuation::drive::{Drive, DriveTorque, Piece, Slew};
 use crate::actuation::latch::Latch;
 use crate::actuation::prescribed::Law;
 use crate::actuation::spring::Spring;
-use crate::config::machine::{JointMotion, Revolute};
+use crate::config::machine::{JointMotion, Revolute, UNLIMITED};
 use crate::multibody::factor::HingeTangent;
 use crate::solve::Powers;
 
@@ -31,6 +31,8 @@ pub(super) struct JointEquations {
     pub external_n_m: f64,
     /// Torque at which a limit holds the motor whatever the inputs are, in N·m: only while derivatives by inputs are taken.
     pub pinned_n_m: Option<f64>,
+    /// Piece of the motor's limits that residuals stand on, eq. (T12); `None` where they follow from the state.
+    pub piece: Option<Piece>,
     /// Latch.
     pub latch: Option<Latch>,
     /// Latch closed.
@@ -56,6 +58,7 @@ impl JointEquations {
             spring: Spring::default(),
             external_n_m: 0.0,
             pinned_n_m: None,
+            piece: None,
             latch: revolute.latch.as_ref().map(|latch| Latch {
                 angle_rad: latch.angle_rad,
                 stiffness_n_m_rad: latch.stiffness_n_m_rad,
@@ -77,6 +80,25 @@ impl JointEquations {
         self.drive.torque(angle_rad, rate_rad_s, self.slew.at(time_s).0)
     }
 
+    /// Torque of the motor in N·m if it had no limit.
+    fn wanted_n_m(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> f64 {
+        self.drive.wanted_n_m(angle_rad, rate_rad_s, self.slew.at(time_s).0)
+    }
+
+    /// Whether a limit may act on the motor.
+    fn is_limited(&self) -> bool {
+        !self.held && self.driven && self.pinned_n_m.is_none() && self.drive.torque_limit_n_m < UNLIMITED
+    }
+
+    /// Moves a motor with a limit to the piece on which a state lies; says whether that is another one.
+    pub fn move_piece(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> bool {
+        if !self.is_limited() {
+            return false;
+        }
+        let piece = self.drive.piece(self.wanted_n_m(time_s, angle_rad, rate_rad_s), self.piece);
+        self.piece.replace(piece) != Some(piece)
+    }
+
     /// Torque of the joint's own spring and damper at a state in N·m.
     pub fn spring_torque_n_m(&self, angle_rad: f64, rate_rad_s: f64) -> f64 {
         if self.driven { self.spring.torque_n_m(angle_rad, rate_rad_s) } else { 0.0 }
@@ -94,7 +116,10 @@ impl JointEquations {
 
     /// Sum of all torques on the outer body about `+θ` in N·m, NOTATION eqs. (A1) and (A3), with its tangent.
     pub fn torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> (f64, HingeTangent) {
-        let motor = self.motor_torque(time_s, angle_rad, rate_rad_s);
+        let motor = match self.piece {
+            Some(piece) => self.drive.torque_on(piece, self.wanted_n_m(time_s, angle_rad, rate_rad_s)),
+            None => self.motor_torque(time_s, angle_rad, rate_rad_s),
+        };
         let sum_n_m = motor.applied_n_m
             + self.spring_torque_n_m(angle_rad, rate_rad_s)
             + self.external_torque_n_m()
@@ -120,14 +145,10 @@ impl JointEquations {
     pub fn add_powers(&self, time_s: f64, branch_s: f64, angle_rad: f64, rate_rad_s: f64, powers: &mut Powers) {
         let (neutral_rad, slew_rate_rad_s) = self.slew.at_on(time_s, branch_s);
         let motor = self.motor_torque(time_s, angle_rad, rate_rad_s);
-        let motor_w = if motor.saturated {
-            self.drive.power_w(motor.applied_n_m, angle_rad, rate_rad_s, neutral_rad)
-        } else {
-            -self.drive.damping_n_m_s_rad * rate_rad_s * rate_rad_s
-        };
-        powers.work += self.external_n_m * rate_rad_s + motor_w.max(0.0)
-            - self.drive.stiffness_n_m_rad * (angle_rad - neutral_rad) * slew_rate_rad_s;
-        powers.dissipated += (-motor_w).max(0.0) + self.spring.damping_n_m_s_rad * rate_rad_s * rate_rad_s;
+        powers.work +=
+            self.external_n_m * rate_rad_s + self.drive.slew_power_w(angle_rad, neutral_rad, slew_rate_rad_s);
+        powers.dissipated += self.drive.dissipation_w(motor, angle_rad, rate_rad_s, neutral_rad)
+            + self.spring.damping_n_m_s_rad * rate_rad_s * rate_rad_s;
     }
 
     /// The latch, if it is closed.

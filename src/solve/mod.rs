@@ -34,6 +34,19 @@ pub trait EquationsOfMotion {
     /// Residual at a state; entries of held and prescribed coordinates are zero.
     fn residual(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]);
 
+    /// Puts forces with kinks on the smooth piece on which a state lies. Residuals then stay on it, with the tangent that
+    /// belongs to it, until [`EquationsOfMotion::move_pieces`] or [`EquationsOfMotion::drop_pieces`], NOTATION eq. (T12).
+    fn take_pieces(&mut self, _time_s: f64, _q: &[f64], _v: &[f64]) {}
+
+    /// Moves forces with kinks, or only the first of them, towards the piece on which a state lies. Says whether any has
+    /// moved: residual and factors are then stale.
+    fn move_pieces(&mut self, _time_s: f64, _q: &[f64], _v: &[f64], _only_first: bool) -> bool {
+        false
+    }
+
+    /// Forces with kinks follow from the state again.
+    fn drop_pieces(&mut self) {}
+
     /// Factorises `mass·M + damping·C + stiffness·K` at the configuration of the last residual.
     ///
     /// `damping` in s, `stiffness` in s². Fails where a pivot is not positive: a shorter step may help.

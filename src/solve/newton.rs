@@ -93,12 +93,19 @@ const CAUTIOUS_RATE: f64 = 0.01;
 /// Most iterations of a stage of a step whose length is given: at the slowest contraction that keeps its factors, a half,
 /// they reduce the first correction by 1e-9.
 const MAX_ITERATIONS_PERSISTENT: usize = 30;
+/// Moves of forces with kinks in one stage before only the first of them moves at a time: then no cycle is left.
+const FREE_MOVES: usize = 6;
+/// Most moves of forces with kinks in one stage; each allows one more iteration.
+const MAX_MOVES: usize = 40;
 
 /// Iterates until the estimated error of the displacement, in the kinematic norm, falls below `tolerance`.
 ///
 /// `factorized` tells whether the factors of this step stand; they are made at the first iterate, and once more
 /// where the iteration contracts slower than a half, or as often as that happens with [`Accuracy::persistent`]. With
 /// [`Accuracy::most_iterations`] the work is bounded, and only what is not finite or singular is an error.
+///
+/// Forces with kinks stand on one smooth piece per iteration, with the tangent of that piece, and move to the piece on
+/// which the iterate lies, NOTATION eq. (T12); it has converged where they stay.
 pub fn iterate(
     equations: &mut impl EquationsOfMotion,
     stage: &mut Stage,
@@ -108,12 +115,15 @@ pub fn iterate(
 ) -> Result<(), NewtonError> {
     let Accuracy { tolerance, most_iterations, persistent, cautious, .. } = accuracy;
     let most = most_iterations.unwrap_or(if persistent { MAX_ITERATIONS_PERSISTENT } else { MAX_ITERATIONS });
-    let (mut previous, mut slower) = (f64::INFINITY, 0.0_f64);
-    let mut refreshed = false;
-    for iteration in 0..most {
+    let (mut previous, mut slower, mut refreshed) = (f64::INFINITY, 0.0_f64, false);
+    let (mut moves, mut settled) = (0, false);
+    let mut iteration = 0;
+    // bounded work stays bounded
+    while iteration < most + if most_iterations.is_some() { 0 } else { moves } {
         equations.residual(stage.time_s, stage.q, stage.v, stage.a, stage.residual);
+        iteration += 1;
         effort.iterations += 1;
-        effort.largest = effort.largest.max(iteration as u64 + 1);
+        effort.largest = effort.largest.max(iteration as u64);
         if !*factorized {
             equations.factorize(1.0, stage.velocity_gain, stage.position_gain)?;
             effort.factorizations += 1;
@@ -122,7 +132,7 @@ pub fn iterate(
         }
         let correction = equations.solve(stage.residual) * stage.position_gain;
         if !correction.is_finite() {
-            return Err(NewtonError::NotFinite { iteration });
+            return Err(NewtonError::NotFinite { iteration: iteration - 1 });
         }
         let unknowns = stage.a.iter_mut().zip(&mut *stage.v).zip(&mut *stage.q);
         for (((a, v), q), step) in unknowns.zip(&*stage.residual) {
@@ -130,30 +140,40 @@ pub fn iterate(
             *v -= stage.velocity_gain * step;
             *q -= stage.position_gain * step;
         }
+        let moved = moves < MAX_MOVES && equations.move_pieces(stage.time_s, stage.q, stage.v, moves >= FREE_MOVES);
         let rate = correction / previous;
-        let left = if iteration == 0 {
+        let left = if previous.is_infinite() {
             // no rate yet: contraction by a hundred is usual at these steps
             correction * if correction < tolerance { 0.5 } else { f64::INFINITY }
         } else {
             let counted = if cautious { rate.max(slower).max(CAUTIOUS_RATE) } else { rate };
             correction * counted / (1.0 - counted).max(0.0)
         };
-        if left <= tolerance {
+        // where the last move was worth less than the tolerance, the next one back is too
+        if left <= tolerance && (!moved || settled) {
+            *factorized &= !moved;
             return Ok(());
         }
-        if iteration > 0 && rate > 0.5 {
+        settled = correction <= tolerance;
+        if moved {
+            moves += 1;
+            (*factorized, refreshed) = (false, false);
+            (previous, slower) = (f64::INFINITY, 0.0);
+            continue;
+        }
+        if previous.is_finite() && rate > 0.5 {
             if refreshed && rate > 1.0 && most_iterations.is_none() {
-                return Err(NewtonError::NotConverged { iterations: iteration + 1, correction, tolerance });
+                return Err(NewtonError::NotConverged { iterations: iteration, correction, tolerance });
             }
             // where no shorter step is tried, factors at every iterate instead
             *factorized = refreshed && most_iterations.is_none() && !persistent;
         }
-        (previous, slower) = (correction, if iteration == 0 { 0.0 } else { rate });
+        (previous, slower) = (correction, if previous.is_finite() { rate } else { 0.0 });
     }
     if most_iterations.is_some() {
         effort.unconverged += 1;
         effort.rest = effort.rest.max(previous);
         return Ok(());
     }
-    Err(NewtonError::NotConverged { iterations: most, correction: previous, tolerance })
+    Err(NewtonError::NotConverged { iterations: iteration, correction: previous, tolerance })
 }

@@ -98,16 +98,21 @@ impl Stepper {
         accuracy: Accuracy,
         effort: &mut Effort,
     ) -> Result<f64, NewtonError> {
-        match (self.tableau(), self.method) {
+        if self.method == Method::Rk4 {
+            return self.rk4.step(equations, start, h_s, end, effort).map(|()| 0.0);
+        }
+        equations.take_pieces(start.time_s, &start.q, &start.v);
+        let outcome = match (self.tableau(), self.method) {
             (None, Method::GeneralizedAlpha { rho_infinity }) => {
                 let parameters = Parameters::new(rho_infinity);
                 self.generalized_alpha.step(&parameters, equations, start, h_s, end, accuracy, effort)
             }
-            (None, Method::Rk4) => self.rk4.step(equations, start, h_s, end, effort).map(|()| 0.0),
             (tableau, _) => {
                 let tableau = tableau.unwrap_or(&ESDIRK4);
                 self.esdirk.step(tableau, equations, start, h_s, (end, stages), accuracy, effort)
             }
-        }
+        };
+        equations.drop_pieces();
+        outcome
     }
 }

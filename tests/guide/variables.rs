@@ -36,6 +36,7 @@ parent = "root"
 child = "bodyname"
 axis = [0, 1, 0]
 drive = { stiffness_N_m_rad = 1.0 }
+spring = { stiffness_N_m_rad = 0.1 }
 latch = { stiffness_ratio = 1e4 }
 [joint.jointnamea]
 type = "ball"
@@ -82,6 +83,9 @@ const WHERE: &[(&str, &str)] = &[
     ("<joint>.latch", "revolute joints with a latch that move freely"),
     ("<joint>.angle", REVOLUTE),
     ("<joint>.rate.", REVOLUTE),
+    ("<joint>.holding_torque.", REVOLUTE),
+    ("<joint>.spring_", SPRING),
+    ("<joint>.rest_angle.", SPRING),
     ("<joint>.rotation", "universal, ball and free joints"),
     ("<joint>.angular_velocity", "universal, ball and free joints"),
     ("<joint>.start_angle", NOT_PRESCRIBED),
@@ -100,6 +104,7 @@ const WHERE: &[(&str, &str)] = &[
 
 /// All revolute joints.
 const REVOLUTE: &str = "revolute joints";
+const SPRING: &str = "revolute joints that move freely and have a `spring`";
 
 /// Revolute joints whose angle is no function of time.
 const NOT_PRESCRIBED: &str = "revolute joints, but prescribed ones";

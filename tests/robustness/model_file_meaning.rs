@@ -302,7 +302,7 @@ fn latches() {
     assert_eq!(
         message("stiffness_N_m_rad = 0.026", "stiffness_N_m_rad = 0"),
         "wing.toml:37: key 'joint.fold.latch.stiffness_ratio': 1e4 is not allowed; allowed: a ratio where the \
-         drive's stiffness is > 0; write stiffness_N_m_rad (N·m/rad) instead"
+         stiffness of drive and spring is > 0; write stiffness_N_m_rad (N·m/rad) instead"
     );
     assert_eq!(
         message("stiffness_ratio = 1e4", "stiffness_ratio = 1"),

@@ -4,6 +4,7 @@ use crate::corners::{rod, rod_inertia_kg_m2};
 use crate::machines::*;
 use foldwing::config::machine::*;
 use foldwing::plant::{Holding, JointOutputs, Plant};
+use nalgebra::Vector3;
 
 fn only(plant: &Plant) -> JointOutputs {
     plant.outputs().joints[0]
@@ -73,18 +74,19 @@ fn at03_release_taken_back_holds_the_joint_where_it_is() {
     revolute.start_rate_rad_s = -3.0;
     let mut plant = start(rod(revolute));
     coast(&mut plant, 0.1);
-    let (kinetic_j, angle_rad, before_j) =
-        (plant.outputs().energy.kinetic, only(&plant).angle_rad, balance_j(plant.outputs()));
+    let (kinetic_j, angle_rad) = (plant.outputs().energy.kinetic, only(&plant).angle_rad);
+    let (before_j, dissipated_j) = (balance_j(plant.outputs()), plant.outputs().energy.dissipated);
     plant.inputs_mut().joints[0].release = false;
+    coast(&mut plant, 0.15);
+    let dissipated_j = plant.outputs().energy.dissipated - dissipated_j;
+    // the stiff rod's bending keeps 1e-4 of it for a while
+    assert!((dissipated_j / kinetic_j - 1.0).abs() < 1e-3, "{dissipated_j} J of {kinetic_j} J");
+    let drift_j = balance_j(plant.outputs()) - before_j;
+    assert!(drift_j.abs() < 1e-4 * kinetic_j, "energy drifts by {drift_j:.1e} J");
     plant.inputs_mut().joints[0].torque_n_m = 0.7;
     coast(&mut plant, 0.2);
     let joint = only(&plant);
     assert_eq!((joint.angle_rad, joint.rate_rad_s), (angle_rad, 0.0));
-    let dissipated_j = plant.outputs().energy.dissipated;
-    // the stiff rod's bending keeps 1e-4 of it for a while
-    assert!((dissipated_j / kinetic_j - 1.0).abs() < 1e-3, "{dissipated_j} J of {kinetic_j} J");
-    let drift_j = balance_j(plant.outputs()) - before_j;
-    assert!(drift_j.abs() < 1e-6 * kinetic_j, "energy drifts by {drift_j:.1e} J");
     assert!((joint.holding_torque_n_m + 0.7).abs() < 1e-3, "holds with {} N·m", joint.holding_torque_n_m);
     plant.inputs_mut().joints[0].release = true;
     coast(&mut plant, 0.21);
@@ -192,6 +194,96 @@ fn at07_energy_of_a_latch_that_closes_and_opens_off_its_angle() {
     let jump_j = plant.outputs().energy.dissipated - dissipated_j;
     // within the instant the rod turns by 1e-8 rad
     assert!((jump_j / stored_j - 1.0).abs() < 1e-5, "dissipated {jump_j} J of {stored_j} J");
+    // of the integration at its default tolerance, through a swing
     let drift_j = balance_j(plant.outputs()) - before_j;
-    assert!(drift_j.abs() < 1e-6 * booked_j, "energy drifts by {drift_j:.1e} J");
+    assert!(drift_j.abs() < 1e-4 * booked_j, "energy drifts by {drift_j:.1e} J");
+}
+
+/// A swinging wing with a motor and no latch: Newton's iterations through 1 s, drift of the energy over the largest kinetic
+/// one, angle at the end.
+fn swing(drive: Drive, start_deg: f64, method: Method, tolerance: f64) -> (u64, f64, f64) {
+    let mut machine = wing(ElementKind::Linear, 4, method, tolerance);
+    let hinge = hinge_of(&mut machine, 1);
+    (hinge.start_angle_rad, hinge.drive, hinge.latch) = (start_deg.to_radians(), drive, None);
+    let mut plant = start(machine);
+    let first_j = balance_j(plant.outputs());
+    let (mut drift_j, mut kinetic_j) = (0.0f64, 0.0f64);
+    run(
+        &mut plant,
+        1.0,
+        100,
+        |_| {},
+        |outputs| {
+            drift_j = drift_j.max((balance_j(outputs) - first_j).abs());
+            kinetic_j = kinetic_j.max(outputs.energy.kinetic);
+        },
+    );
+    (plant.statistics().iterations, drift_j / kinetic_j, only(&plant).angle_rad)
+}
+
+/// AT-08. A torque limit costs at most three times the residuals of the run without it: a stiff drive that saturates, and
+/// dry friction made of a damper with a limit, which slips and sticks. It used to be up to 700 times.
+#[test]
+fn at08_a_torque_limit_is_cheap() {
+    let drive = |stiffness_n_m_rad, damping_n_m_s_rad, constant_torque_n_m| Drive {
+        stiffness_n_m_rad,
+        damping_n_m_s_rad,
+        constant_torque_n_m,
+        ..no_drive()
+    };
+    let cases = [
+        (drive(20.0, 0.5, 0.0), 60.0, 0.02),
+        (drive(50.0, 1.0, 0.0), 60.0, 0.02),
+        (drive(0.0, 100.0, 0.05), 170.0, 0.02),
+        (drive(0.0, 100.0, 0.0), 60.0, 0.005),
+    ];
+    let alpha = Method::GeneralizedAlpha;
+    for (free, start_deg, torque_limit_n_m) in cases {
+        let limited = Drive { torque_limit_n_m, ..free.clone() };
+        for method in [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::Sdirk2, alpha] {
+            let (without, ..) = swing(free.clone(), start_deg, method, 1e-4);
+            let (with, drift, angle_rad) = swing(limited.clone(), start_deg, method, 1e-4);
+            let (times, k) = (with as f64 / without as f64, free.stiffness_n_m_rad);
+            println!(
+                "{method:?}, k = {k}: {times:.2} times {without} residuals, drift {drift:.1e}, ends at {angle_rad:.4} rad"
+            );
+            assert!(times <= 3.0, "{method:?}, k = {k}: {times} times the residuals of the run without limit");
+        }
+    }
+}
+
+/// AT-09. Inertial acceleration of a tip that rests in inertial space while the root spins up: zero. The rod hangs on a free
+/// hinge about the axis of spin, so that its acceleration relative to the root is the Euler term's opposite.
+#[test]
+fn at09_euler_term_of_a_tip_s_acceleration() {
+    let mut revolute = free_hinge(0.0);
+    revolute.axis = Vector3::z();
+    let mut plant = Plant::new(std::sync::Arc::new(rod(revolute)));
+    plant.inputs_mut().root.angular_acceleration_rad_s2 = Vector3::new(0.0, 0.0, 7.0);
+    plant.initialize(0.0).expect("initial accelerations");
+    let acceleration_m_s2 = plant.outputs().tips[0].acceleration_m_s2.norm();
+    // the rod's elastic coordinates take round-off of the relative acceleration
+    assert!(acceleration_m_s2 < 1e-9 * 7.0 * 0.15, "{acceleration_m_s2} m/s²");
+}
+
+/// AT-10. The moment of a ball joint's damper brakes the body: `−c ω`, and the rod slows down as `exp(−c t/J)` by it.
+#[test]
+fn at10_moment_of_a_ball_joint_s_damper() {
+    let (damping_n_m_s_rad, rate_rad_s) = (1e-3, 4.0);
+    let mut machine = rod(free_hinge(0.0));
+    machine.bodies[0].joint.kind = JointKind::Spatial(Box::new(Spatial {
+        freedom: SpatialFreedom::Ball,
+        stiffness_n_m_rad: 0.0,
+        damping_n_m_s_rad,
+        start_angular_velocity_rad_s: Vector3::new(0.0, rate_rad_s, 0.0),
+        start_velocity_m_s: Vector3::zeros(),
+    }));
+    let mut plant = start(machine);
+    let moment_n_m = plant.outputs().joint_reactions[0].moment_n_m;
+    let error_n_m = (moment_n_m - Vector3::new(0.0, -damping_n_m_s_rad * rate_rad_s, 0.0)).norm();
+    assert!(error_n_m < 1e-12, "{moment_n_m:?} N·m");
+    coast(&mut plant, 0.2);
+    let expected_rad_s = rate_rad_s * (-damping_n_m_s_rad * 0.2 / rod_inertia_kg_m2()).exp();
+    let error_rad_s = plant.outputs().spatial[0].angular_velocity_rad_s.y - expected_rad_s;
+    assert!(error_rad_s.abs() < 1e-3 * rate_rad_s, "turns {error_rad_s:.1e} rad/s off {expected_rad_s} rad/s");
 }
