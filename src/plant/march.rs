@@ -1,8 +1,8 @@
 //! Marching in time: variable steps that run ahead of the caller, latch crossings located inside them.
 
 use crate::plant::Plant;
-use crate::plant::equations::JointEquations;
 use crate::plant::face::PlantError;
+use crate::plant::hinge::JointEquations;
 use crate::plant::place::Failure;
 use crate::plant::state::State;
 use crate::solve::EquationsOfMotion;

@@ -93,7 +93,7 @@ impl Plant {
         for ((&hinge, from), to) in hinges.iter().zip(from).zip(to) {
             let state = &mut self.state.joints[hinge].latch;
             let Some(latch) = &self.equations.joints[hinge].latch else { continue };
-            if state.enabled && !state.closed && latch.gap_rad(*to) < 0.0 && latch.gap_rad(*from) >= 0.0 {
+            if state.enabled && !state.closed && latch.gap_rad(*from, *to) <= 0.0 {
                 state.closed = true;
                 any = true;
             }
