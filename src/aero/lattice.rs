@@ -12,7 +12,7 @@
 use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet, blocks};
 use crate::aero::flow::Flow;
 use crate::aero::joined_edges::Edge;
-use crate::aero::lattice_state::LatticeState;
+use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::linear_system::LinearSystem;
 use crate::aero::near_sheets::{Facing, Gap, NoCirculation};
 use crate::aero::rear::rear_panels;
@@ -491,13 +491,4 @@ impl VortexLattice {
             _ => run(points, velocities, &mut self.arms[0]),
         }
     }
-}
-
-/// Which vortices induce.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum SheetKind {
-    /// Those of the lattice.
-    Bound,
-    /// Those of the wake.
-    Wake,
 }

@@ -5,8 +5,8 @@
 
 use crate::aero::biot_savart::{Block, LANES, Sheet, blocks};
 use crate::aero::flow::{AirPath, Flow};
-use crate::aero::lattice::{LoadRule, SheetKind, VortexLattice};
-use crate::aero::lattice_state::LatticeState;
+use crate::aero::lattice::{LoadRule, VortexLattice};
+use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::{AirLoads, split_between};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;

@@ -1,8 +1,8 @@
 //! What the points of the lattice see of sheets close to them, instead of their lines: eq. (U11).
 
 use crate::aero::biot_savart::{LANES, Sheet};
-use crate::aero::lattice::{SheetKind, VortexLattice};
-use crate::aero::lattice_state::LatticeState;
+use crate::aero::lattice::VortexLattice;
+use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::near_sheets::{ClosedSheets, Facing, Gap, Looking};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;

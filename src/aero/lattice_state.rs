@@ -75,3 +75,12 @@ impl LatticeState {
             && (other.wake_rows > 0 || !other.established)
     }
 }
+
+/// Which vortices induce.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum SheetKind {
+    /// Those of the lattice.
+    Bound,
+    /// Those of the wake.
+    Wake,
+}

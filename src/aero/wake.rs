@@ -2,8 +2,8 @@
 
 use crate::aero::biot_savart::{Block, LANES, blocks};
 use crate::aero::flow::{AirPath, Flow};
-use crate::aero::lattice::{SheetKind, VortexLattice, WakeModel};
-use crate::aero::lattice_state::LatticeState;
+use crate::aero::lattice::{VortexLattice, WakeModel};
+use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::surface::Surface;
 use nalgebra::Vector3;
 

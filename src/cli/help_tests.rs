@@ -67,7 +67,7 @@ fn a_wrong_call_is_seen() {
         std::panic::catch_unwind(|| check(&calls[0])).is_err()
     };
     assert!(refused("foldwing simulate wing.toml --cvs out.csv"));
-    assert!(refused("target/release/foldwing simulate wing.toml"));
+    assert!(refused("target/release/foldwing simulate"));
     assert!(refused("foldwing simulat wing.toml --csv out.csv"));
     assert!(!refused("foldwing simulate wing.toml --csv out.csv   # a remark"));
     assert!(!refused("foldwing run X.fmu --csv - --set \"a b=1 deg\" | head"));

@@ -12,7 +12,7 @@ use crate::config::air_file::{
     AirModelFile, CouplingFile, GustFile, GustShapeFile, IndicialFile, LeadingEdgeFile, SurfaceFile,
 };
 use crate::config::body::{self, BodyFile};
-use crate::config::edges::{RootEdge, fastest_m_s, free_edges};
+use crate::config::edges::{RootEdge, fastest_m_s, free_edges, other_half};
 use crate::config::file::ModelFile;
 use crate::config::function::{FunctionFile, along_body};
 use crate::config::machine::{Air, Body, Coupling, LiftingSurface};
@@ -103,6 +103,9 @@ pub(super) fn build(
         drafts.iter().map(|draft| RootEdge { body: draft.body, chord: draft.chord_line(0.0) }).collect();
     let free = |draft: &Draft| if lattice { free_edges(draft.body, &edges, bodies, mirror) } else { [false; 2] };
     let mut surfaces: Vec<LiftingSurface> = drafts.iter().map(|draft| place(draft, free(draft), bodies)).collect();
+    for surface in &mut surfaces {
+        surface.other_half = other_half(surface.body, &edges, bodies).filter(|_| lattice);
+    }
     surfaces.sort_by_key(|surface| surface.body);
     let smallest_m = surfaces
         .iter()
@@ -300,6 +303,7 @@ fn place(draft: &Draft, free: [bool; 2], bodies: &[Body]) -> LiftingSurface {
     let chords = positions_m.iter().map(|&s| draft.chord_line(s)).collect();
     LiftingSurface {
         body: draft.body,
+        other_half: None,
         positions_m,
         chords,
         chord_panels: draft.chord_panels,

@@ -39,8 +39,13 @@ pub(super) fn free_edges(body: usize, edges: &[RootEdge], bodies: &[Body], mirro
     };
     let held = hangs_on_end
         || mirror.is_some_and(|normal| stands_on(&normal, body, bodies))
-        || edges.iter().any(|edge| edge.body != body && coincide(body, edge, edges, bodies));
+        || other_half(body, edges, bodies).is_some();
     [!held, !goes_on]
+}
+
+/// Body of the first other surface whose inner edge hangs on the same place and coincides at the start.
+pub(super) fn other_half(body: usize, edges: &[RootEdge], bodies: &[Body]) -> Option<usize> {
+    edges.iter().find(|edge| edge.body != body && coincide(body, edge, edges, bodies)).map(|edge| edge.body)
 }
 
 /// Whether the inner end of a body stands on a plane through the origin and stays there.

@@ -321,6 +321,8 @@ pub enum Coupling {
 pub struct LiftingSurface {
     /// Index into [`Machine::bodies`].
     pub body: usize,
+    /// Body whose surface goes on beyond this one's inner edge with an inner edge of its own: the other half of a wing.
+    pub other_half: Option<usize>,
     /// Edges of its strips: distances from the body's inner end in m, ascending.
     pub positions_m: Vec<f64>,
     /// Chord at each edge.

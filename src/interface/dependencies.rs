@@ -206,7 +206,10 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
                 topology.is_free(joint)
                     && matches!(
                         field,
-                        JointParameter::StartAngle | JointParameter::Stiffness | JointParameter::ConstantTorque
+                        JointParameter::StartAngle
+                            | JointParameter::Stiffness
+                            | JointParameter::ConstantTorque
+                            | JointParameter::TorqueLimit
                     )
             }
             _ => false,

@@ -16,8 +16,8 @@ use nalgebra::{Quaternion, UnitQuaternion};
 const STEP: f64 = 2e-3;
 /// Sixth-order central difference: weights of the steps ±1, ±2, ±3, over 60 steps.
 const SIXTH_ORDER: [f64; 3] = [45.0, -9.0, 1.0];
-/// Distance of the four places in which the accelerations are taken for their rates, over the internal step.
-const JERK_SPACING: f64 = 1.0 / 16.0;
+/// Distance of the five places between which outputs are read for their slopes, over the internal step.
+const SLOPE_SPACING: f64 = 1.0 / 64.0;
 /// Step in s of differences in the time that loads and inputs depend on linearly: any serves.
 const TIME_STEP_S: f64 = 1e-3;
 
@@ -90,42 +90,43 @@ impl Plant {
     /// Rates of all outputs per second at the present time, NOTATION eq. (L13); attitudes hold the rates of their four
     /// components.
     ///
-    /// They are the slopes of what is read along the present internal step, to the 1e-12 of its scale that sixth-order
-    /// differences along the motion leave: with the inputs, limits, latches and loads of the air of the step that has led
-    /// here. At its end, where a latch closes or inputs jump, they are those of the left side. At the start of the
-    /// simulation no step has led anywhere: what follows from accelerations has the rate that it has where they stay.
+    /// They are the slopes of what is read along the present internal step, (T6): with the inputs, limits, latches and loads
+    /// of the air of the step that has led here. At its end, where a latch closes or inputs jump, they are those of the left
+    /// side. At the start of the simulation no step has led anywhere: there they follow from rates and accelerations, to
+    /// the 1e-12 of their scale that sixth-order differences along the motion leave, and accelerations stay.
     pub fn output_rates(&mut self) -> Outputs {
+        if self.state.ahead.time_s > self.state.start.time_s {
+            return self.slopes();
+        }
         let mut rates = self.outputs.no_change();
-        let jerk = self.jerk();
-        self.add_motion(&mut rates, &jerk);
+        self.add_motion(&mut rates);
         self.add_time(&mut rates);
         self.add_drives(&mut rates);
         rates
     }
 
-    /// Rates of the accelerations along the present internal step, NOTATION eq. (T6): the slope at the present of the cubic
-    /// through four places of the step around it. Zeros where the step has no length.
-    fn jerk(&self) -> Vec<f64> {
-        let State { start, stages, ahead, now, .. } = &self.state;
-        let taken = Taken { start, stages, end: ahead, continuation: self.stepper.continuation() };
-        let length_s = ahead.time_s - start.time_s;
-        let mut jerk = vec![0.0; now.a.len()];
-        if length_s <= 0.0 {
-            return jerk;
-        }
-        let spacing_s = JERK_SPACING * length_s;
-        let first_s = (now.time_s - 1.5 * spacing_s).clamp(start.time_s, ahead.time_s - 3.0 * spacing_s);
+    /// Slopes of the outputs along the present internal step, NOTATION eq. (T6): of the quartics through five places of the
+    /// step around the present.
+    fn slopes(&mut self) -> Outputs {
+        let State { start, ahead, now, .. } = &self.state;
+        let spacing_s = SLOPE_SPACING * (ahead.time_s - start.time_s);
+        let first_s = (now.time_s - 2.0 * spacing_s).clamp(start.time_s, ahead.time_s - 4.0 * spacing_s);
         let place = (now.time_s - first_s) / spacing_s;
+        let mut sum = self.outputs.no_change();
         let mut there = now.clone();
-        for (i, weight) in slopes_of_cubic(place).into_iter().enumerate() {
+        for (i, weight) in slopes_of_quartic(place).into_iter().enumerate() {
+            let State { start, stages, ahead, .. } = &self.state;
+            let taken = Taken { start, stages, end: ahead, continuation: self.stepper.continuation() };
             taken.fill(&mut there, first_s + i as f64 * spacing_s);
-            move_along(&mut jerk, &there.a, weight / spacing_s);
+            let beside = self.beside(|state| state.now.copy_from(&there));
+            sum.add(&beside, weight / spacing_s);
         }
-        jerk
+        self.evaluate();
+        sum
     }
 
-    /// Change with coordinates along their rates, with rates along the accelerations, with these along theirs.
-    fn add_motion(&mut self, sum: &mut Outputs, jerk: &[f64]) {
+    /// Change with coordinates along their rates, with rates along the accelerations.
+    fn add_motion(&mut self, sum: &mut Outputs) {
         let Point { time_s, q, v, a, .. } = self.state.now.clone();
         self.equations.residual(time_s, &q, &v, &a, &mut self.scratch[0]);
         let (speed_1_s, pull_1_s2) = (self.equations.norm(&v), self.equations.norm(&a));
@@ -144,15 +145,6 @@ impl Plant {
             let step_s = speed_1_s.max(1.0) / pull_1_s2;
             for sign in [1.0, -1.0] {
                 let beside = self.beside(|state| move_along(&mut state.now.v, &a, sign * step_s));
-                sum.add(&beside, sign * 0.5 / step_s);
-            }
-        }
-        let jerk_1_s3 = self.equations.norm(jerk);
-        if jerk_1_s3 > 0.0 {
-            // outputs are linear in the accelerations: any step is exact
-            let step_s = pull_1_s2.max(1.0) / jerk_1_s3;
-            for sign in [1.0, -1.0] {
-                let beside = self.beside(|state| move_along(&mut state.now.a, jerk, sign * step_s));
                 sum.add(&beside, sign * 0.5 / step_s);
             }
         }
@@ -304,10 +296,10 @@ impl Plant {
     }
 }
 
-/// Weights of the values at 0, 1, 2, 3 for the slope at `x` of the cubic through them.
-fn slopes_of_cubic(x: f64) -> [f64; 4] {
+/// Weights of the values at 0, 1, 2, 3, 4 for the slope at `x` of the quartic through them.
+fn slopes_of_quartic(x: f64) -> [f64; 5] {
     std::array::from_fn(|i| {
-        let others = || (0..4).filter(move |&j| j != i);
+        let others = || (0..5).filter(move |&j| j != i);
         let scale: f64 = others().map(|j| i as f64 - j as f64).product();
         let slope = |left: usize| -> f64 { others().filter(|&j| j != left).map(|j| x - j as f64).product() };
         others().map(slope).sum::<f64>() / scale

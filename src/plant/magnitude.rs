@@ -55,7 +55,8 @@ fn parameters_are_moderate(parameters: &Parameters) -> bool {
     joints.iter().all(|joint| {
         let own = [joint.stiffness_n_m_rad, joint.damping_n_m_s_rad, joint.constant_torque_n_m];
         // limits may be infinite: they only make the torque smaller
-        own.into_iter().chain([joint.latch_stiffness_n_m_rad]).all(|value| within(value, LARGEST))
+        let spring = [joint.spring_stiffness_n_m_rad, joint.spring_damping_n_m_s_rad, joint.rest_angle_rad];
+        own.into_iter().chain(spring).chain([joint.latch_stiffness_n_m_rad]).all(|value| within(value, LARGEST))
     }) && spatial
         .iter()
         .all(|joint| within(joint.stiffness_n_m_rad, LARGEST) && within(joint.damping_n_m_s_rad, LARGEST))

@@ -143,7 +143,7 @@ fn slips_are_answered_with_what_is_known() {
     assert!(output.stderr.len() < 500 && begin.elapsed() < Duration::from_secs(10), "it took 18 s");
     write("cell.csv", &format!("time,fold.command\n0,{}\n", "x".repeat(5_000_000)));
     assert!(short(&["--inputs", "cell.csv"]).stderr.len() < 500);
-    refuses(&short(&["--csv", "-", "--set", "fold.command=1e300"]), 3, "1e300 rad of the command of joint fold");
+    refuses(&short(&["--csv", "-", "--set", "fold.command=1e300"]), 3, "the largest input is fold.command = 1e300 rad");
     // model files that are none
     write("x.fmu", "PK\u{3}\u{4} and so on");
     refuses(&run(&["x.fmu"]), 1, "`foldwing run` runs FMUs");

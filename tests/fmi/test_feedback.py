@@ -117,5 +117,6 @@ def test_f43_feedback_stops_the_ringing_after_unfolding(example, linear, damper,
         assert drift < 1e-2
     assert settling["left alone"] > 4.0 * settling["state feedback"]
     assert runs["state feedback"]["energy.work"][-1] < 0.0
-    assert runs["left alone"]["energy.work"][-1] == 0.0
+    # no input does work; the latch closes at the edge of its window, 1e-6 rad off its angle: ½ · 260 N·m/rad · 1e-12
+    assert 0.0 <= runs["left alone"]["energy.work"][-1] < 1.31e-10
     assert np.abs(runs["state feedback"][example.ACTUATOR]).max() <= example.LARGEST_MOMENT_N_M

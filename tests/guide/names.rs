@@ -81,6 +81,7 @@ const FOREIGN: &[&str] = &[
     // fields of what `--timing`, `--lattice`, `--vtk` and `sweep` write
     "processor_s",
     "time_s",
+    "without_air",
     "axial_strain",
     "displacement_m",
     "velocity_m_s",

@@ -35,6 +35,9 @@ start_rate_deg_s = 45
 stiffness_N_m_rad = 0.02
 rate_limit_deg_s = 180
 command_deg = 30
+[joint.fold.spring]
+stiffness_N_m_rad = 0.01
+rest_angle_deg = 25
 [joint.fold.latch]
 angle_deg = -20
 capture_deg = 2
@@ -133,6 +136,7 @@ fn angles_are_read_in_radians() {
     close("start_rate_deg_s", fold.start_rate_rad_s, 45.0);
     close("rate_limit_deg_s", fold.drive.rate_limit_rad_s, 180.0);
     close("command_deg", fold.drive.command_rad, 30.0);
+    close("rest_angle_deg", fold.spring.as_ref().expect("a spring").rest_angle_rad, 25.0);
     let latch = fold.latch.as_ref().expect("a latch");
     close("angle_deg", latch.angle_rad, -20.0);
     close("capture_deg", latch.capture_rad, 2.0);

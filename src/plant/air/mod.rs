@@ -422,7 +422,8 @@ impl AirCoupling {
     }
 }
 
-/// Edges of surfaces that their bodies share: the outer edge of one and the inner edge of a body on its end.
+/// Edges of surfaces that their bodies share: the outer edge of one and the inner edge of a body on its end, or the inner
+/// edges of two halves.
 fn joined_edges(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> Vec<[Edge; 2]> {
     let mut pairs = Vec::new();
     for (inner, parent) in surfaces.iter().enumerate() {
@@ -434,6 +435,10 @@ fn joined_edges(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]
         // with several bodies on one end the first goes on with its edge
         if let Some(outer) = surfaces.iter().position(follows) {
             pairs.push([Edge { surface: inner, outer: true }, Edge { surface: outer, outer: false }]);
+        }
+        let half = |other: &machine::LiftingSurface| Some(other.body) == parent.other_half;
+        if let Some(other) = surfaces.iter().position(half).filter(|&other| other > inner) {
+            pairs.push([inner, other].map(|surface| Edge { surface, outer: false }));
         }
     }
     pairs

@@ -33,9 +33,7 @@ fn follows_from_rates(name: &str) -> bool {
 
 /// E-05. Rates of outputs that follow from coordinates and rates equal central differences over ±0.2 µs of the motion
 /// to 1e-5 of the largest rate of their kind; where rates of coordinates enter, to 1e-3, for accelerations contain modes
-/// of more than 100 kHz, which such differences smooth. Without rotation of the root the rate of a tip's velocity is its
-/// acceleration, to the 1e-9 that is left of the differences. On every shipped kind of machine, with inputs that run,
-/// and in air.
+/// of more than 100 kHz, which such differences smooth. On every shipped kind of machine, with inputs that run, and in air.
 #[test]
 fn e05_rates_of_the_state_equal_differences_of_the_motion() {
     let air = "model = \"uvlm\"\nstep_s = 1e-3\nwake_rows = 10\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 1.0]";
@@ -65,12 +63,6 @@ fn e05_rates_of_the_state_equal_differences_of_the_motion() {
         let before = bench.values(&references);
         let given = rates(&mut bench, &references);
         assert_eq!(bench.values(&references), before, "{name}: asking changes nothing");
-        let tips = rows.iter().zip(&given).filter(|((_, row), _)| row.starts_with("tip") && row.contains(".velocity."));
-        for ((_, row), rate) in tips {
-            let acceleration = bench.get(&row.replace(".velocity.", ".acceleration."));
-            let scale = bench.plant.outputs().tips.iter().map(|tip| tip.acceleration_m_s2.norm()).fold(0.0, f64::max);
-            assert!((rate - acceleration).abs() <= 1e-9 * scale, "{name}: {row}: {rate}, not {acceleration}");
-        }
         push(&mut bench);
         bench.step(0.0303 + 3.0 * side_s);
         let high = bench.values(&references);

@@ -82,7 +82,7 @@ fn q56_two_halves_are_one_wing() {
     for (what, force_n) in cases {
         let off = (force_n - mirrored_n).yz().norm() / mirrored_n.yz().norm();
         println!("Q-56 {what}: {off:.1e}");
-        assert!(off < 1e-6, "{what}: {force_n} instead of {mirrored_n}");
+        assert!(off < 1e-6, "{what}: {off:e} {force_n:?} instead of {mirrored_n:?}");
     }
 }
 

@@ -234,8 +234,8 @@ fn u27_an_edge_sheds_what_it_leaves_behind() {
     };
     // a panel is 1/3 m: a row is worth 16.7 mm
     for step in 0..20 {
-        let way_m = if step % 2 == 0 { 7e-3 } else { 0.0 };
-        assert_eq!(move_to(&mut wing, way_m, 0.0), 0);
+        let (way_m, velocity_m_s) = if step % 2 == 0 { (7e-3, 0.35) } else { (0.0, -0.35) };
+        assert_eq!(move_to(&mut wing, way_m, velocity_m_s), 0);
     }
     assert!(wing.impulsive_n().norm() > 0.1);
     // 10 mm a step: every second one leaves a row, the last one where the edge was a step ago
