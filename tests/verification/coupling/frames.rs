@@ -71,7 +71,8 @@ fn q50_wind_and_flight_are_one_flow() {
 #[test]
 fn q51_a_root_that_accelerates_is_a_wing_that_does() {
     let (gravity_m_s2, rate_m_s2) = ([0.0, 8.0, -3.0], Vector3::new(0.0, -8.0, 3.0));
-    for air in models() {
+    // no far wake: that is seen from where the velocity of a step's begin leads, 2e-5 of the load off in an accelerated frame
+    for air in models().map(|air| air.replace("wake_rows = 12", "wake_rows = 6")) {
         let falls = forces_n(flying([0.0, 10.0, 0.0], gravity_m_s2, [0.0; 3], &air), |_| ());
         let root = heavy_wing("type = \"clamped\"", gravity_m_s2, [0.0, -10.0, 0.0], &air);
         let carried = forces_n(root, |plant| {
@@ -79,7 +80,7 @@ fn q51_a_root_that_accelerates_is_a_wing_that_does() {
             plant.input_rates_mut().wind_m_s = rate_m_s2;
         });
         let off = difference(&falls, &carried);
-        println!("Q-51 {air}: {off:e}");
+        assert!(off < 1e-10, "{air}: {off:e}");
     }
 }
 
