@@ -17,10 +17,10 @@ fn free(velocity_m_s: Vector3<f64>, spin_rad_s: Vector3<f64>) -> Joint {
     Joint { name: "flight".into(), kind: JointKind::Spatial(Box::new(spatial)), ..clamped() }
 }
 
-/// P-120. A damped plate that flies at 12 m/s through vacuum, turning about its thickness at 2 rad/s, keeps speed and
+/// P-126. A damped plate that flies at 12 m/s through vacuum, turning about its thickness at 2 rad/s, keeps speed and
 /// spin: the integrator's tolerance. (After 1 s it had 0.985 m/s.)
 #[test]
-fn p120_a_damped_free_body_keeps_speed_and_spin() {
+fn p126_a_damped_free_body_keeps_speed_and_spin() {
     let velocity_m_s = Vector3::new(0.0, 12.0, 0.0);
     let mut plate = body("plate", 0.3, &wing_section(), ElementKind::Linear, 2, clamped());
     plate.mass_damping_1_s = 2.5;
@@ -37,17 +37,17 @@ fn p120_a_damped_free_body_keeps_speed_and_spin() {
     coast(&mut plant, 1.0);
     let after = momentum(&plant);
     let (speed, spin) = (after.0.norm() / before.0.norm() - 1.0, after.1.norm() / before.1.norm() - 1.0);
-    println!("P-120 speed changes by {speed:.1e}, spin by {spin:.1e} of itself");
+    println!("P-126 speed changes by {speed:.1e}, spin by {spin:.1e} of itself");
     assert!(speed.abs() < 1e-6, "speed changes by {speed:.1e}");
     assert!(spin.abs() < 1e-4, "spin changes by {spin:.1e}");
     let drift = balance_j(plant.outputs()) - start;
     assert!(drift.abs() < 1e-6, "the energy account drifts by {drift:.1e} J of {start} J");
 }
 
-/// P-121. The folding wing unfolds at the same instant clamped to the root and on a heavy carrier that flies at 20 m/s:
+/// P-127. The folding wing unfolds at the same instant clamped to the root and on a heavy carrier that flies at 20 m/s:
 /// 1e-6 of its time, what the carrier's finite mass and the tolerance leave. (Braking the carrier moved it.)
 #[test]
-fn p121_a_wing_on_a_flying_carrier_latches_when_the_clamped_one_does() {
+fn p127_a_wing_on_a_flying_carrier_latches_when_the_clamped_one_does() {
     let latch_time = |carrier: Option<f64>| {
         let mut machine = default_wing(1e-7);
         machine.gravity_m_s2 = Vector3::zeros();
@@ -66,16 +66,16 @@ fn p121_a_wing_on_a_flying_carrier_latches_when_the_clamped_one_does() {
     let clamped_s = latch_time(None);
     for speed_m_s in [0.0, 20.0] {
         let carried_s = latch_time(Some(speed_m_s));
-        println!("P-121 clamped {clamped_s:.6} s, on a carrier at {speed_m_s} m/s {carried_s:.6} s");
+        println!("P-127 clamped {clamped_s:.6} s, on a carrier at {speed_m_s} m/s {carried_s:.6} s");
         assert!((carried_s / clamped_s - 1.0).abs() < 1e-5, "{clamped_s} s clamped, {carried_s} s carried");
     }
 }
 
-/// P-122. A nearly rigid rod of inertia `J` on a hinge with the drive's own inertia `I` and a spring `k`: its mode lies at
+/// P-128. A nearly rigid rod of inertia `J` on a hinge with the drive's own inertia `I` and a spring `k`: its mode lies at
 /// `√(k/(J + I))/2π`, the energy account closes, a constant torque turns it by `τ/(J + I)`, and a prescribed joint is
 /// carried by a torque that accelerates both. 1e-5: the rod's elasticity.
 #[test]
-fn p122_inertia_that_turns_with_the_angle_only() {
+fn p128_inertia_that_turns_with_the_angle_only() {
     let section = stout_section();
     let (own, drive) = (0.3f64.powi(3) / 3.0 * section.mass_kg_m + 0.3 * section.second_moment_kg_m[2], 0.02);
     let rod = |change: &dyn Fn(&mut Revolute)| {
@@ -119,10 +119,10 @@ fn stout_section() -> foldwing::beam::section::Section {
     foldwing::beam::section::Section::rectangle(0.02, 0.02, &material, None)
 }
 
-/// P-123. A bar with a mass at its tip on a free hinge, damped in proportion to mass: with `damp_attached_masses` the
+/// P-129. A bar with a mass at its tip on a free hinge, damped in proportion to mass: with `damp_attached_masses` the
 /// whole machine slows as `exp(−αt)`, without it by the bar's share of the inertia only.
 #[test]
-fn p123_attached_masses_are_damped_where_told() {
+fn p129_attached_masses_are_damped_where_told() {
     let section = stout_section();
     let own = 0.3f64.powi(3) / 3.0 * section.mass_kg_m + 0.3 * section.second_moment_kg_m[2];
     for (damps, share) in [(true, 1.0), (false, own / (own + 0.5 * 0.09))] {
