@@ -11,9 +11,10 @@ use foldwing::config;
 use foldwing::load::{LoadFrame, RootMotion};
 use foldwing::math::se3::LinkGeometry;
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
-use foldwing::multibody::factor::{HingeTangent, Weights, factorize, solve};
+use foldwing::multibody::factor::{FreedomTangent, Weights, factorize, solve};
+use foldwing::multibody::joint::JointKind;
 use foldwing::multibody::kinematics::Motion;
-use foldwing::multibody::model::{Attachment, BodyDescription, JointDescription};
+use foldwing::multibody::model::{Attachment, BodyDescription};
 use foldwing::multibody::{Model, Workspace};
 use foldwing::plant::{Holding, Plant};
 use nalgebra::{Matrix3, Vector3};
@@ -39,6 +40,7 @@ impl Case {
             kind,
             elements: if kind == ElementKind::Linear { sets / 4 } else { sets / 2 },
             natural_strain: [0.0; 4].into(),
+            offset_m: Vector3::zeros(),
             parent,
             mount: Matrix3::identity(),
             joint,
@@ -47,8 +49,8 @@ impl Case {
             load_frame: LoadFrame::Root,
         };
         let model = Model::new(&[
-            body(Attachment::Root(Vector3::zeros()), JointDescription::Clamped),
-            body(Attachment::Body { index: 0, position_m: 0.15 }, JointDescription::Revolute(Vector3::y())),
+            body(Attachment::Root(Vector3::zeros()), JointKind::Clamped),
+            body(Attachment::Body { index: 0, position_m: 0.15 }, JointKind::Revolute { axis: Vector3::y() }),
         ]);
         let wave = |scale: f64| (0..model.coordinates).map(|i| scale * (1.7 * i as f64).sin()).collect();
         Self {
@@ -69,7 +71,7 @@ impl Case {
 
     fn factorize(&mut self) {
         let weights = Weights { mass: 1.0, damping: 1e-4, stiffness: 1e-8 };
-        let tangent = HingeTangent { free: true, stiffness_n_m_rad: 0.026, damping_n_m_s_rad: 8e-4 };
+        let tangent = FreedomTangent { free: true, stiffness: 0.026, damping: 8e-4 };
         factorize(&self.model, &mut self.work, weights, &DAMPING, &[tangent; 2]).expect("positive definite");
     }
 

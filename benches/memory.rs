@@ -11,7 +11,8 @@ mod machines;
 use foldwing::beam::section::{Material, Section};
 use foldwing::config::machine::{ElementKind, Machine, Method};
 use foldwing::load::LoadFrame;
-use foldwing::multibody::model::{Attachment, BodyDescription, JointDescription};
+use foldwing::multibody::joint::JointKind;
+use foldwing::multibody::model::{Attachment, BodyDescription};
 use foldwing::multibody::{Model, Workspace};
 use foldwing::plant::Plant;
 use nalgebra::{Matrix3, Vector3};
@@ -64,6 +65,7 @@ fn recursions(kind: ElementKind, sets: usize) -> [isize; 2] {
         kind,
         elements: per_body(kind, sets),
         natural_strain: [0.0; 4].into(),
+        offset_m: Vector3::zeros(),
         parent,
         mount: Matrix3::identity(),
         joint,
@@ -72,8 +74,8 @@ fn recursions(kind: ElementKind, sets: usize) -> [isize; 2] {
         load_frame: LoadFrame::Root,
     };
     let bodies = [
-        body(Attachment::Root(Vector3::zeros()), JointDescription::Clamped),
-        body(Attachment::Body { index: 0, position_m: 0.15 }, JointDescription::Revolute(Vector3::y())),
+        body(Attachment::Root(Vector3::zeros()), JointKind::Clamped),
+        body(Attachment::Body { index: 0, position_m: 0.15 }, JointKind::Revolute { axis: Vector3::y() }),
     ];
     let (model_bytes, model) = held(|| Model::new(&bodies));
     let (workspace_bytes, _workspace) = held(|| Workspace::new(&model));

@@ -214,12 +214,9 @@ fn project_unit_force(model: &Model, work: &mut Workspace, closure: &Closure, ax
             let own = &work.bias[body.first_node + i];
             p = Pair { linear: own.linear + p.linear, angular: own.angular + p.angular + link.arm_m.cross(&p.linear) };
         }
-        if let Some(hinge) = &body.hinge {
-            out[hinge.coordinate] = work.hinges[index].dot(&p.angular);
-        }
-        if let (Some(joint), Some(parameters)) = (&body.parameters, &work.parameters[index]) {
-            parameters.project(joint, &p, out);
-        }
+        let joint = &work.joints[index];
+        body.joint.project(joint, &p, out);
+        joint.pass_on(&p.linear, &mut p.angular);
         if let Base::Node(node) = body.base {
             work.bias[node].linear += p.linear;
             work.bias[node].angular += p.angular;

@@ -6,7 +6,6 @@
 use crate::beam::element::ElementKind;
 use crate::load::{RootMotion, Wrench};
 use crate::math::so3::hat;
-use crate::multibody::joint::ParameterKind;
 use crate::multibody::kinematics::{Motion, strains, sweep_motion};
 use crate::multibody::model::{Base, Body, Element, Model};
 use crate::multibody::station;
@@ -254,20 +253,7 @@ pub(crate) fn wrench_of(rotation: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) -> 
 /// Elastic and damping forces of the strains, eq. (D8); joints begin at zero.
 fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Damping], residual: &mut [f64]) {
     for (index, (body, damping)) in model.bodies.iter().zip(damping).enumerate() {
-        if let Some(hinge) = &body.hinge {
-            residual[hinge.coordinate] = hinge.inertia_kg_m2 * motion.a[hinge.coordinate];
-        }
-        if let (Some(joint), Some(parameters)) = (&body.parameters, &work.parameters[index]) {
-            let (c, freedoms) = (joint.coordinate, joint.kind.freedoms());
-            let range = c..c + joint.kind.parameters();
-            residual[c..c + freedoms].fill(0.0);
-            parameters.pose.constraint_residual(
-                &joint.kind,
-                &motion.v[range.clone()],
-                &motion.a[range.clone()],
-                &mut residual[c + freedoms..range.end],
-            );
-        }
+        body.joint.own_forces(&work.joints[index], motion, residual);
         let beta = damping.stiffness_s;
         let mut write = |element: &Element, force: Vector4<f64>| {
             residual[element.coordinate..element.coordinate + 4].copy_from_slice(force.as_slice());
@@ -320,24 +306,17 @@ fn sweep_inward<const PROJECT: bool>(model: &Model, work: &mut Workspace, residu
             inner.force += force;
             (force, moment) = (inner.force, inner.moment);
         }
-        if let Some(hinge) = &body.hinge {
-            residual[hinge.coordinate] += work.hinges[index].dot(&moment);
+        let joint = &work.joints[index];
+        body.joint.project(joint, &Pair { linear: force, angular: moment }, residual);
+        if !body.joint.kind.transmits() {
+            // nothing holds it: at the solution this wrench is zero
+            continue;
         }
-        if let (Some(joint), Some(parameters)) = (&body.parameters, &work.parameters[index]) {
-            let c = joint.coordinate;
-            if joint.kind == ParameterKind::Free {
-                residual[c..c + 3].copy_from_slice(force.as_slice());
-                residual[c + 3..c + 6].copy_from_slice(moment.as_slice());
-                // nothing holds it: at the solution this wrench is zero
-                continue;
-            }
-            let torques = parameters.axes.transpose() * moment;
-            residual[c..c + joint.kind.freedoms()].copy_from_slice(&torques.as_slice()[..joint.kind.freedoms()]);
-        }
+        joint.pass_on(&force, &mut moment);
         match body.base {
-            Base::Root(position) => {
+            Base::Root(_) => {
                 work.root_force += force;
-                work.root_moment += moment + position.cross(&force);
+                work.root_moment += moment + work.nodes[body.first_node].position.cross(&force);
             }
             Base::Node(node) => work.nodes[node].add_fixed(&force, &moment),
         }

@@ -68,8 +68,8 @@ pub fn kinetic(model: &Model, work: &Workspace, mut per_body: impl FnMut(usize, 
 
 /// Kinetic energy in J of what turns with the joint angles only, eq. (D16).
 pub fn kinetic_of_drives(model: &Model, v: &[f64]) -> f64 {
-    let hinges = model.bodies.iter().filter_map(|body| body.hinge);
-    hinges.map(|hinge| 0.5 * hinge.inertia_kg_m2 * v[hinge.coordinate].powi(2)).sum()
+    let driven = model.bodies.iter().map(|body| &body.joint).filter(|joint| joint.drive_inertia != 0.0);
+    driven.map(|joint| 0.5 * joint.drive_inertia * v[joint.coordinate].powi(2)).sum()
 }
 
 /// Strain energy of the beams in J; linear elements with their coupling.

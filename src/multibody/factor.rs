@@ -8,10 +8,9 @@ use crate::beam::element::ElementKind;
 use crate::math::so3::hat;
 use crate::multibody::closure;
 use crate::multibody::dynamics::Damping;
-use crate::multibody::joint::ParameterKind;
 use crate::multibody::model::{Base, Element, Model};
 use crate::multibody::norm::{NormSquared, displaced};
-use crate::multibody::workspace::{ArticulatedInertia, ElementFactor, HingeFactor, Node, Pair, Workspace};
+use crate::multibody::workspace::{ArticulatedInertia, ElementFactor, Node, Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
 /// Weights `a`, `b`, `c` of mass, damping and stiffness in the matrix.
@@ -25,15 +24,20 @@ pub struct Weights {
     pub stiffness: f64,
 }
 
-/// Tangent of a hinge's torques.
+/// Tangent of the forces on the freedoms of a joint, the same for all of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HingeTangent {
-    /// The angle is an unknown; otherwise it is held or prescribed.
+pub struct FreedomTangent {
+    /// The freedoms are unknowns; otherwise they are held or prescribed.
     pub free: bool,
-    /// `−∂τ/∂θ` in N·m/rad.
-    pub stiffness_n_m_rad: f64,
-    /// `−∂τ/∂θ̇` in N·m·s/rad.
-    pub damping_n_m_s_rad: f64,
+    /// `−∂τ/∂θ` in N·m/rad, of translations in N/m.
+    pub stiffness: f64,
+    /// `−∂τ/∂θ̇` in N·m·s/rad, of translations in N·s/m.
+    pub damping: f64,
+}
+
+impl FreedomTangent {
+    /// Held or prescribed.
+    pub const HELD: Self = Self { free: false, stiffness: 0.0, damping: 0.0 };
 }
 
 /// The matrix has no Cholesky factor: an iterate has gone astray. A shorter step may help.
@@ -44,16 +48,16 @@ pub struct BadPivot {
     pub coordinate: usize,
 }
 
-/// Factorises at the poses in `work`. `hinges` has one entry per body; those of clamped bodies are ignored.
+/// Factorises at the poses in `work`. `tangents` has one entry per body; those of clamped bodies are ignored.
 /// Allocates nothing.
 pub fn factorize(
     model: &Model,
     work: &mut Workspace,
     weights: Weights,
     damping: &[Damping],
-    hinges: &[HingeTangent],
+    tangents: &[FreedomTangent],
 ) -> Result<(), BadPivot> {
-    factorize_tree(model, work, weights, damping, hinges)?;
+    factorize_tree(model, work, weights, damping, tangents)?;
     if model.closures.is_empty() {
         return Ok(());
     }
@@ -65,7 +69,7 @@ fn factorize_tree(
     work: &mut Workspace,
     weights: Weights,
     damping: &[Damping],
-    hinges: &[HingeTangent],
+    tangents: &[FreedomTangent],
 ) -> Result<(), BadPivot> {
     for (body, damping) in model.bodies.iter().zip(damping) {
         let beam = weights.mass + weights.damping * damping.mass_1_s;
@@ -110,14 +114,7 @@ fn factorize_tree(
             p.ww += elimination.inertia.ww;
         }
         let inertia = work.inertia[body.first_node];
-        let passed = if let (Some(joint), Some(parameters)) = (&body.parameters, &mut work.parameters[index]) {
-            parameters.factorize(joint, &inertia, weights, &hinges[index])?
-        } else {
-            let (factor, passed) =
-                eliminate_hinge(model, index, &work.hinges[index], inertia, weights, &hinges[index])?;
-            work.hinge_factors[index] = factor;
-            passed
-        };
+        let passed = body.joint.eliminate(&mut work.joints[index], &inertia, weights, &tangents[index])?;
         if let Base::Node(node) = body.base {
             let p = &mut work.inertia[node];
             p.vv += passed.vv;
@@ -262,36 +259,6 @@ fn eliminate(
     })
 }
 
-fn eliminate_hinge(
-    model: &Model,
-    index: usize,
-    axis: &Vector3<f64>,
-    inertia: ArticulatedInertia,
-    weights: Weights,
-    tangent: &HingeTangent,
-) -> Result<(HingeFactor, ArticulatedInertia), BadPivot> {
-    let held = HingeFactor { inverse_pivot: 0.0, velocity: Vector3::zeros(), spin: Vector3::zeros() };
-    let Some(hinge) = model.bodies[index].hinge.filter(|_| tangent.free) else {
-        return Ok((held, inertia));
-    };
-    let velocity = inertia.vw * axis;
-    let spin = inertia.ww * axis;
-    let pivot = axis.dot(&spin)
-        + weights.stiffness * tangent.stiffness_n_m_rad
-        + weights.damping * tangent.damping_n_m_s_rad
-        + weights.mass * hinge.inertia_kg_m2;
-    if !(pivot > 0.0 && pivot.is_finite()) {
-        return Err(BadPivot { coordinate: hinge.coordinate });
-    }
-    let inverse_pivot = 1.0 / pivot;
-    let passed = ArticulatedInertia {
-        vv: inertia.vv - velocity * velocity.transpose() * inverse_pivot,
-        vw: inertia.vw - velocity * spin.transpose() * inverse_pivot,
-        ww: inertia.ww - spin * spin.transpose() * inverse_pivot,
-    };
-    Ok((HingeFactor { inverse_pivot, velocity, spin }, passed))
-}
-
 /// Cholesky factor of a symmetric matrix given by its lower part, with inverted diagonal; `None` at a pivot that
 /// is not positive or not finite.
 #[inline]
@@ -375,17 +342,7 @@ pub(crate) fn solve_tree(model: &Model, work: &mut Workspace, x: &mut [f64]) -> 
             }
             p = Pair { linear, angular };
         }
-        if let Some(hinge) = &body.hinge {
-            let factor = &work.hinge_factors[index];
-            let g = x[hinge.coordinate] + work.hinges[index].dot(&p.angular);
-            work.hinge_right_hand[index] = g;
-            let y = g * factor.inverse_pivot;
-            p.linear -= factor.velocity * y;
-            p.angular -= factor.spin * y;
-        }
-        if let (Some(joint), Some(parameters)) = (&body.parameters, &mut work.parameters[index]) {
-            parameters.reduce(joint, x, &mut p);
-        }
+        body.joint.reduce(&mut work.joints[index], x, &mut p);
         if let Base::Node(node) = body.base {
             work.bias[node].linear += p.linear;
             work.bias[node].angular += p.angular;
@@ -402,20 +359,7 @@ fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
             Base::Root(_) => Pair::ZERO,
             Base::Node(node) => work.bias[node],
         };
-        if let Some(hinge) = &body.hinge {
-            let factor = &work.hinge_factors[index];
-            let pull =
-                work.hinge_right_hand[index] - factor.velocity.dot(&moved.linear) - factor.spin.dot(&moved.angular);
-            let angle = pull * factor.inverse_pivot;
-            x[hinge.coordinate] = angle;
-            moved.angular += work.hinges[index] * angle;
-            norm.include(&moved);
-        }
-        if let (Some(joint), Some(parameters)) = (&body.parameters, &work.parameters[index]) {
-            let largest = parameters.expand(joint, x, &mut moved);
-            norm.include(&moved);
-            norm.angular = norm.angular.max(if joint.kind == ParameterKind::Free { 0.0 } else { largest });
-        }
+        body.joint.expand(&work.joints[index], x, &mut moved, &mut norm);
         work.bias[body.first_node] = moved;
         let pairs = body.kind == ElementKind::Linear;
         let mut sibling = Vector4::zeros();

@@ -1,11 +1,8 @@
 //! Outward sweep: poses, velocities and accelerations of all nodes relative to the root frame.
 
 use crate::math::local_link::{self, LANES, Lanes, LocalLinks, LocalMotions, Strains, matrix, vector};
-use crate::math::so3::rotation_about;
-use crate::multibody::joint::{JointPose, ParameterJoint, ParameterKind};
 use crate::multibody::model::{Base, Model};
-use crate::multibody::workspace::{Node, ParameterWork, Workspace};
-use nalgebra::{Matrix3, Vector3};
+use crate::multibody::workspace::Workspace;
 use std::array::from_fn;
 
 /// Coordinates, rates and accelerations, each of [`Model::coordinates`].
@@ -36,79 +33,17 @@ pub fn sweep_motion(model: &Model, work: &mut Workspace, motion: Motion) {
     sweep::<true>(model, work, motion);
 }
 
-/// Moves a body's first node, which stands where its parent is, by a joint with redundant parameters.
-fn move_joint<const RATES: bool>(
-    joint: &ParameterJoint,
-    work: &mut ParameterWork,
-    node: &mut Node,
-    parent: &Matrix3<f64>,
-    motion: Motion,
-) {
-    let range = joint.coordinate..joint.coordinate + joint.kind.parameters();
-    let pose = JointPose::new(&joint.kind, &motion.q[range.clone()]);
-    node.rotation = parent * pose.rotation;
-    // a free joint hangs on the root frame: its offset needs no turning
-    node.position += pose.offset_m;
-    if RATES {
-        let (rates, second) = (&motion.v[range.clone()], &motion.a[range]);
-        let (spin, spin_rate) = pose.spin(&joint.kind, rates, second);
-        let spin = parent * spin;
-        node.spin_rate += parent * spin_rate + node.spin.cross(&spin);
-        node.spin += spin;
-        if joint.kind == ParameterKind::Free {
-            node.velocity += Vector3::new(rates[0], rates[1], rates[2]);
-            node.acceleration += Vector3::new(second[0], second[1], second[2]);
-        }
-    }
-    work.axes = parent * pose.axes;
-    work.constraint_axis = parent * pose.constraint_axis;
-    work.parent = *parent;
-    work.pose = pose;
-}
-
 /// Poses and, with `RATES`, the rest.
 #[inline]
 fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion) {
     sweep_links::<RATES>(model, &mut work.local_links, &mut work.local_motions, motion);
-    let zero = Vector3::zeros();
-    for (index, body) in model.bodies.iter().enumerate() {
-        let (position, parent) = match body.base {
-            Base::Root(position) => (position, None),
-            Base::Node(node) => (work.nodes[node].position, Some(work.nodes[node])),
+    for (body, joint) in model.bodies.iter().zip(&mut work.joints) {
+        let (offset_m, parent) = match &body.base {
+            Base::Root(position_m) => (position_m, None),
+            Base::Node(node) => (&body.offset_m, Some(work.nodes[*node])),
         };
         let node = &mut work.nodes[body.first_node];
-        node.position = position;
-        match &parent {
-            Some(parent) if RATES => {
-                node.velocity = parent.velocity;
-                node.spin = parent.spin;
-                node.acceleration = parent.acceleration;
-                node.spin_rate = parent.spin_rate;
-            }
-            _ => {
-                node.velocity = zero;
-                node.spin = zero;
-                node.acceleration = zero;
-                node.spin_rate = zero;
-            }
-        }
-        let mut mount = body.mount;
-        let mut axis = zero;
-        if let Some(hinge) = &body.hinge {
-            mount = rotation_about(&hinge.axis, motion.q[hinge.coordinate]) * mount;
-            axis = parent.as_ref().map_or(hinge.axis, |parent| parent.rotation * hinge.axis);
-            if RATES {
-                let rate = motion.v[hinge.coordinate];
-                node.spin_rate += axis * motion.a[hinge.coordinate] + node.spin.cross(&axis) * rate;
-                node.spin += axis * rate;
-            }
-        }
-        node.rotation = parent.as_ref().map_or(mount, |parent| parent.rotation * mount);
-        work.hinges[index] = axis;
-        if let (Some(joint), Some(parameters)) = (&body.parameters, &mut work.parameters[index]) {
-            let parent = parent.as_ref().map_or_else(Matrix3::identity, |parent| parent.rotation);
-            move_joint::<RATES>(joint, parameters, node, &parent, motion);
-        }
+        body.joint.carry::<RATES>((offset_m, &body.mount), joint, parent.as_ref(), node, motion);
 
         for i in 0..body.elements {
             let e = body.first_element + i;

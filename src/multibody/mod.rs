@@ -6,7 +6,6 @@ pub mod energy;
 pub mod factor;
 pub mod gauge;
 pub mod joint;
-mod joint_factor;
 pub mod kinematics;
 pub mod model;
 pub mod norm;

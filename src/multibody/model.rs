@@ -7,7 +7,7 @@ use crate::beam::element::{ElementElasticity, ElementKind, ElementMass};
 use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::load::LoadFrame;
 use crate::multibody::closure::{Closure, ClosureDescription};
-use crate::multibody::joint::{ParameterJoint, ParameterKind};
+use crate::multibody::joint::{Joint, JointKind};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
 /// A body as the mesh maker needs it.
@@ -19,42 +19,25 @@ pub struct BodyDescription {
     pub section: SectionLaw,
     /// Kind of element.
     pub kind: ElementKind,
-    /// Number of elements; more are made where masses or children demand mesh boundaries.
+    /// Number of elements; more are made where masses or children demand mesh boundaries. Zero for a rigid body: one node at
+    /// position 0 that carries its masses.
     pub elements: usize,
     /// Natural strains `(εx, κx, κy, κz)` along the body.
     pub natural_strain: NaturalStrain,
     /// What the inner end hangs on.
     pub parent: Attachment,
+    /// Offset of the inner end from the place on the parent, frame of the parent's section there, m; zero on the root.
+    pub offset_m: Vector3<f64>,
     /// Parent ← body at angle zero, or at the start for joints without an angle.
     pub mount: Matrix3<f64>,
     /// What the joint allows.
-    pub joint: JointDescription,
+    pub joint: JointKind,
     /// Rigid masses: distance from the inner end in m, and reduced mass matrix ([`crate::beam::element::rigid_body_mass`]).
     pub masses: Vec<(f64, Matrix4<f64>)>,
     /// Load stations: distance from the inner end in m.
     pub stations_m: Vec<f64>,
     /// Frame of the station loads.
     pub load_frame: LoadFrame,
-}
-
-/// What a joint allows.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum JointDescription {
-    /// Nothing.
-    Clamped,
-    /// Rotation about a unit axis in the parent's frame.
-    Revolute(Vector3<f64>),
-    /// Rotations about a unit axis in the parent's frame and one in the body's frame.
-    Universal {
-        /// Axis in the parent's frame.
-        parent_axis: Vector3<f64>,
-        /// Axis in the body's frame.
-        body_axis: Vector3<f64>,
-    },
-    /// All rotations.
-    Ball,
-    /// Everything; only on the root frame.
-    Free,
 }
 
 /// What a body's inner end hangs on.
@@ -87,10 +70,10 @@ pub struct Body {
     pub base: Base,
     /// Parent ← body at angle zero.
     pub mount: Matrix3<f64>,
-    /// Hinge, if the joint is revolute.
-    pub hinge: Option<Hinge>,
-    /// Redundant parameters, if the joint is universal, ball or free.
-    pub parameters: Option<ParameterJoint>,
+    /// Offset of its first node from the node that carries it, that node's frame, m; zero on the root.
+    pub offset_m: Vector3<f64>,
+    /// What holds it.
+    pub joint: Joint,
     /// First of its nodes; node `first_node + i` is the inner end of element `first_element + i`.
     pub first_node: usize,
     /// First of its (half-)elements.
@@ -127,17 +110,6 @@ impl Body {
         let stride = if self.kind == ElementKind::Linear { 2 } else { 1 };
         (self.first_node..=self.last_node()).step_by(stride)
     }
-}
-
-/// A revolute joint.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hinge {
-    /// Unit axis in the parent's frame.
-    pub axis: Vector3<f64>,
-    /// Index of `θ` in `q`.
-    pub coordinate: usize,
-    /// Moment of inertia that turns with `θ` only, in kg·m²: motor and gear, eq. (D16).
-    pub inertia_kg_m2: f64,
 }
 
 /// A constant-strain element or half of a pair.
@@ -187,7 +159,7 @@ impl NodeMass {
 pub struct Station {
     /// Body.
     pub body: usize,
-    /// Element, or inner half of the pair, that holds it.
+    /// Element, or inner half of the pair, that holds it; on a rigid body where its elements would begin.
     pub element: usize,
     /// Arc length from the inner end of that element or pair in m.
     pub offset_m: f64,
@@ -237,7 +209,7 @@ impl Model {
                 Attachment::Root(position) => (Base::Root(position), position.norm()),
                 Attachment::Body { index: parent, position_m } => (
                     Base::Node(model.node_at(parent, position_m)),
-                    path_m[parent] - descriptions[parent].length_m + position_m,
+                    path_m[parent] - descriptions[parent].length_m + position_m + description.offset_m.norm(),
                 ),
             };
             path_m.push(inner_path_m + description.length_m);
@@ -263,24 +235,14 @@ impl Model {
 
     fn add_body(&mut self, description: &BodyDescription, base: Base, children_m: Vec<f64>) {
         let coordinate = self.coordinates;
-        let (hinge, parameters) = match description.joint {
-            JointDescription::Clamped => (None, None),
-            JointDescription::Revolute(axis) => (Some(Hinge { axis, coordinate, inertia_kg_m2: 0.0 }), None),
-            JointDescription::Universal { parent_axis, body_axis } => {
-                let cosine = parent_axis.dot(&(description.mount * body_axis));
-                let kind = ParameterKind::Universal { parent_axis, body_axis, cosine };
-                (None, Some(ParameterJoint { kind, coordinate }))
-            }
-            JointDescription::Ball => (None, Some(ParameterJoint { kind: ParameterKind::Ball, coordinate })),
-            JointDescription::Free => (None, Some(ParameterJoint { kind: ParameterKind::Free, coordinate })),
-        };
-        self.coordinates += usize::from(hinge.is_some()) + parameters.map_or(0, |joint| joint.kind.parameters());
+        let joint = Joint { kind: description.joint.mounted(&description.mount), coordinate, drive_inertia: 0.0 };
+        self.coordinates += joint.kind.coordinates();
         let body_index = self.bodies.len();
         let mut body = Body {
             base,
             mount: description.mount,
-            hinge,
-            parameters,
+            offset_m: description.offset_m,
+            joint,
             first_node: self.nodes.len(),
             first_element: self.elements.len(),
             elements: 0,
@@ -340,7 +302,7 @@ impl Model {
     /// parent's carrier.
     fn carrier_of(&self, description: &BodyDescription) -> Option<usize> {
         match (description.joint, description.parent) {
-            (JointDescription::Free, _) => Some(self.nodes.len()),
+            (JointKind::Free, _) => Some(self.nodes.len()),
             (_, Attachment::Body { index, .. }) => self.bodies[index].carrier,
             (_, Attachment::Root(_)) => None,
         }
@@ -373,6 +335,9 @@ impl Model {
     pub fn locate(&self, body: usize, position_m: f64) -> (usize, f64) {
         let body_index = body;
         let body = &self.bodies[body];
+        if body.elements == 0 {
+            return (body.first_element, 0.0);
+        }
         let stride = if body.kind == ElementKind::Linear { 2 } else { 1 };
         let mut element = body.first_element;
         for candidate in (body.first_element..body.first_element + body.elements).step_by(stride) {
@@ -399,11 +364,7 @@ impl Model {
     pub fn natural_coordinates(&self) -> Vec<f64> {
         let mut q = vec![0.0; self.coordinates];
         for body in &self.bodies {
-            if let Some(joint) = &body.parameters {
-                let count = joint.kind.parameters();
-                q[joint.coordinate..joint.coordinate + count]
-                    .copy_from_slice(&joint.kind.parameters_of(&body.mount)[..count]);
-            }
+            body.joint.rest(&body.mount, &mut q);
         }
         for element in &self.elements {
             q[element.coordinate..element.coordinate + 4].copy_from_slice(element.natural_strain.as_slice());
@@ -418,6 +379,9 @@ fn end_of(elements: &[Element]) -> f64 {
 
 /// Mesh boundaries from 0 to the body's length: every mass and child sits on one, the rest evenly between.
 fn mesh_boundaries(description: &BodyDescription, children_m: Vec<f64>) -> Vec<f64> {
+    if description.elements == 0 {
+        return vec![0.0]; // a rigid body is its node
+    }
     let length_m = description.length_m;
     let near = 1e-9 * length_m;
     let mut stops: Vec<f64> = children_m.into_iter().chain(description.masses.iter().map(|mass| mass.0)).collect();

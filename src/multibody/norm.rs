@@ -1,5 +1,6 @@
 //! Kinematic norm: how far a change of the coordinates moves the nodes; last part of NOTATION eq. (D13).
 
+use crate::multibody::joint::JointKind;
 use crate::multibody::kinematics::strains;
 use crate::multibody::model::{Base, Model};
 use crate::multibody::workspace::{Pair, Workspace};
@@ -30,14 +31,8 @@ pub fn kinematic_norm(model: &Model, work: &mut Workspace, change: &[f64]) -> f6
             Base::Root(_) => Pair::ZERO,
             Base::Node(node) => work.bias[node],
         };
-        if let Some(hinge) = &body.hinge {
-            moved.angular += work.hinges[index] * change[hinge.coordinate];
-            norm.include(&moved);
-        }
-        if let (Some(joint), Some(parameters)) = (&body.parameters, &work.parameters[index]) {
-            parameters.displace(joint, change, &mut moved);
-            norm.include(&moved);
-        }
+        body.joint.displace(&work.joints[index], change, &mut moved);
+        norm.include(&moved);
         work.bias[body.first_node] = moved;
         for i in 0..body.elements {
             let (element, node) = (body.first_element + i, body.first_node + i);
@@ -60,13 +55,10 @@ pub fn largest_share(model: &Model, work: &Workspace, change: &[f64]) -> usize {
         }
     };
     for (index, body) in model.bodies.iter().enumerate() {
-        if let Some(hinge) = &body.hinge {
-            offer(hinge.coordinate, change[hinge.coordinate].abs());
-        }
-        if let (Some(joint), Some(parameters)) = (&body.parameters, &work.parameters[index]) {
+        if body.joint.kind != JointKind::Clamped {
             let mut moved = Pair::ZERO;
-            parameters.displace(joint, change, &mut moved);
-            offer(joint.coordinate, alone(&moved, model.reference_length_m));
+            body.joint.displace(&work.joints[index], change, &mut moved);
+            offer(body.joint.coordinate, alone(&moved, model.reference_length_m));
         }
         for i in 0..body.elements {
             let element = body.first_element + i;

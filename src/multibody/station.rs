@@ -14,6 +14,7 @@ use nalgebra::Matrix3;
 
 /// One link of the way from the element's inner node to the station: its strain is
 /// `own · (this element) + sibling · (other half)`.
+#[derive(Clone, Copy)]
 pub(crate) struct Step {
     /// Length in m.
     pub length_m: f64,
@@ -23,12 +24,13 @@ pub(crate) struct Step {
 
 /// The links that lead to a station, and how many of them there are.
 pub(crate) fn steps(model: &Model, station: &Station) -> ([Step; 2], usize) {
+    let none = Step { length_m: 0.0, weights: [1.0, 0.0] };
+    if model.bodies[station.body].elements == 0 {
+        return ([none, none], 0);
+    }
     let element = &model.elements[station.element];
     match model.bodies[station.body].kind {
-        ElementKind::Constant => {
-            let none = Step { length_m: 0.0, weights: [1.0, 0.0] };
-            ([Step { length_m: station.offset_m, weights: [1.0, 0.0] }, none], 1)
-        }
+        ElementKind::Constant => ([Step { length_m: station.offset_m, weights: [1.0, 0.0] }, none], 1),
         ElementKind::Linear => {
             let sigma = station.offset_m / (2.0 * element.length_m);
             let (alpha, beta) = (1.25 - 0.25 * sigma, 1.25 - 1.25 * sigma);
@@ -36,6 +38,11 @@ pub(crate) fn steps(model: &Model, station: &Station) -> ([Step; 2], usize) {
             ([Step { length_m, weights: [alpha, 1.0 - alpha] }, Step { length_m, weights: [beta, 1.0 - beta] }], 2)
         }
     }
+}
+
+/// First strain of the element that holds a station; of no meaning on a rigid body, which has no links.
+fn first_coordinate(model: &Model, station: &Station) -> usize {
+    model.elements.get(station.element).map_or(0, |element| element.coordinate)
 }
 
 /// Mixed strains (or rates) of one link; `coordinates` hold the inner half and then the outer half.
@@ -51,7 +58,7 @@ pub(crate) fn mix(coordinates: &[f64], first: usize, weights: [f64; 2]) -> [f64;
 /// Pose, velocity and angular velocity of a station; poses of the nodes must be current in `work`, for rates the
 /// whole motion.
 pub fn motion(model: &Model, work: &Workspace, motion: Motion, station: &Station) -> SectionMotion {
-    let first = model.elements[station.element].coordinate;
+    let first = first_coordinate(model, station);
     let node = &work.nodes[inner_node(model, station)];
     let mut point = SectionMotion {
         rotation: node.rotation,
@@ -73,7 +80,7 @@ pub fn motion(model: &Model, work: &Workspace, motion: Motion, station: &Station
 
 /// Attitude of a station, root ← section; poses of the nodes must be current in `work`.
 pub fn rotation(model: &Model, work: &Workspace, q: &[f64], station: &Station) -> Matrix3<f64> {
-    let first = model.elements[station.element].coordinate;
+    let first = first_coordinate(model, station);
     let mut rotation = work.nodes[inner_node(model, station)].rotation;
     let (steps, count) = steps(model, station);
     for step in &steps[..count] {
@@ -91,7 +98,7 @@ pub(crate) fn apply(
     load: &Wrench,
     residual: &mut [f64],
 ) {
-    let first = model.elements[station.element].coordinate;
+    let first = first_coordinate(model, station);
     let node = inner_node(model, station);
     if let Some(node) = node_under(model, station) {
         let rotation = &work.nodes[node].rotation;

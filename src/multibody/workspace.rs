@@ -3,9 +3,8 @@
 use crate::math::local_link::{LANES, LocalJacobian, LocalLinks, LocalMotions};
 use crate::math::se3::Link;
 use crate::multibody::closure::ClosureFactor;
-use crate::multibody::joint::{JointPose, ParameterJoint};
-use crate::multibody::joint_factor::ParameterFactor;
-use crate::multibody::model::{Body, Model};
+use crate::multibody::joint::JointWork;
+use crate::multibody::model::{Base, Model};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
 /// Motion of a node relative to the root frame, and the wrench that has arrived at it.
@@ -99,44 +98,6 @@ pub struct ElementFactor {
     pub coupling: Matrix4<f64>,
 }
 
-/// Factor of one hinge's elimination.
-#[derive(Debug, Clone, Copy)]
-pub struct HingeFactor {
-    /// Inverse of the pivot; 0 for a held joint.
-    pub inverse_pivot: f64,
-    /// `P J`, velocity and spin rows.
-    pub velocity: Vector3<f64>,
-    /// Spin rows.
-    pub spin: Vector3<f64>,
-}
-
-/// A joint with redundant parameters at the poses of the last sweep.
-#[derive(Debug, Clone)]
-pub struct ParameterWork {
-    /// Attitude and maps, parent's frame.
-    pub pose: JointPose,
-    /// Root ← parent.
-    pub parent: Matrix3<f64>,
-    /// Rotation axes of the freedoms in the root frame, as columns.
-    pub axes: Matrix3<f64>,
-    /// [`JointPose::constraint_axis`] in the root frame.
-    pub constraint_axis: Vector3<f64>,
-    pub(crate) factor: ParameterFactor,
-}
-
-impl ParameterWork {
-    fn new(body: &Body, joint: &ParameterJoint) -> Self {
-        let zero = Matrix3::zeros();
-        Self {
-            pose: JointPose::new(&joint.kind, &joint.kind.parameters_of(&body.mount)[..joint.kind.parameters()]),
-            parent: Matrix3::identity(),
-            axes: zero,
-            constraint_axis: Vector3::zeros(),
-            factor: ParameterFactor::new(),
-        }
-    }
-}
-
 /// Small displacement or wrench in blocks.
 #[derive(Debug, Clone, Copy)]
 pub struct Pair {
@@ -162,10 +123,8 @@ pub struct Workspace {
     pub(crate) arms: Vec<Vector3<f64>>,
     /// As `local_links` for rates and accelerations.
     pub(crate) local_motions: Vec<LocalMotions>,
-    /// Per body: hinge axis in the root frame.
-    pub hinges: Vec<Vector3<f64>>,
-    /// Per body: its joint, if that has redundant parameters.
-    pub parameters: Vec<Option<ParameterWork>>,
+    /// Per body: its joint.
+    pub joints: Vec<JointWork>,
     /// Reaction at the root's origin: inertia less loads of the whole wing, N and N·m.
     pub root_force: Vector3<f64>,
     /// Moment of the same about the origin.
@@ -173,9 +132,7 @@ pub struct Workspace {
     pub(crate) inertia: Vec<ArticulatedInertia>,
     pub(crate) bias: Vec<Pair>,
     pub(crate) element_factors: Vec<ElementFactor>,
-    pub(crate) hinge_factors: Vec<HingeFactor>,
     pub(crate) right_hand: Vec<Vector4<f64>>,
-    pub(crate) hinge_right_hand: Vec<f64>,
     pub(crate) closure_factor: ClosureFactor,
 }
 
@@ -194,18 +151,20 @@ impl Workspace {
 
     /// Scratch for a model.
     pub fn new(model: &Model) -> Self {
-        let (nodes, elements, bodies) = (model.nodes.len(), model.elements.len(), model.bodies.len());
+        let (nodes, elements) = (model.nodes.len(), model.elements.len());
         let zero = Vector3::zeros();
         Self {
             nodes: vec![Node::ZERO; nodes],
             local_links: vec![LocalLinks::ZERO; elements.div_ceil(LANES)],
             arms: vec![zero; elements],
             local_motions: vec![LocalMotions::ZERO; elements.div_ceil(LANES)],
-            hinges: vec![zero; bodies],
-            parameters: model
+            joints: model
                 .bodies
                 .iter()
-                .map(|body| body.parameters.as_ref().map(|joint| ParameterWork::new(body, joint)))
+                .map(|body| {
+                    let carried = matches!(body.base, Base::Node(_));
+                    JointWork::new(&body.joint, &body.mount, &body.offset_m, carried)
+                })
                 .collect(),
             root_force: zero,
             root_moment: zero,
@@ -220,9 +179,7 @@ impl Workspace {
                 };
                 elements
             ],
-            hinge_factors: vec![HingeFactor { inverse_pivot: 0.0, velocity: zero, spin: zero }; bodies],
             right_hand: vec![Vector4::zeros(); elements],
-            hinge_right_hand: vec![0.0; bodies],
             closure_factor: ClosureFactor::new(model.closures.len(), model.coordinates),
         }
     }

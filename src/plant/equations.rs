@@ -6,10 +6,10 @@ use crate::config::machine::{JointKind, Parent};
 use crate::load::{RootMotion, Wrench};
 use crate::multibody::closure::{ClosureDescription, Penalty};
 use crate::multibody::dynamics::{self, Damping, Environment};
-use crate::multibody::factor::{self, HingeTangent, Weights};
+use crate::multibody::factor::{self, FreedomTangent, Weights};
 use crate::multibody::kinematics::Motion;
-use crate::multibody::model::{Attachment, BodyDescription, JointDescription};
-use crate::multibody::{Model, Workspace, energy, norm, station};
+use crate::multibody::model::{Attachment, BodyDescription};
+use crate::multibody::{Model, Workspace, energy, joint, norm, station};
 use crate::plant::air::{AirCoupling, StepLoads};
 use crate::plant::course::Course;
 use crate::plant::face::{Inputs, Parameters};
@@ -17,6 +17,7 @@ use crate::plant::hinge::JointEquations;
 use crate::plant::spatial::SpatialEquations;
 use crate::plant::{revolutes, spatials};
 use crate::solve::{EquationsOfMotion, Powers, Singular};
+use nalgebra::Vector3;
 
 /// Equations of motion with their scratch.
 pub(super) struct Equations {
@@ -39,7 +40,7 @@ pub(super) struct Equations {
     pub spatial: Vec<SpatialEquations>,
     /// Time whose branch of slews and prescribed motions holds, in s: the middle of a step, or the present.
     pub branch_s: f64,
-    pub tangents: Vec<HingeTangent>,
+    pub tangents: Vec<FreedomTangent>,
     scratch: Vec<f64>,
 }
 
@@ -60,11 +61,12 @@ impl Equations {
                     Parent::Root { position_m } => Attachment::Root(position_m),
                     Parent::Body { index, position_m } => Attachment::Body { index, position_m },
                 },
+                offset_m: Vector3::zeros(),
                 mount: body.joint.mount,
                 joint: match &body.joint.kind {
-                    JointKind::Clamped => JointDescription::Clamped,
+                    JointKind::Clamped => joint::JointKind::Clamped,
                     JointKind::Spatial(spatial) => SpatialEquations::describe(spatial),
-                    JointKind::Revolute(revolute) => JointDescription::Revolute(revolute.axis),
+                    JointKind::Revolute(revolute) => joint::JointKind::Revolute { axis: revolute.axis },
                 },
                 masses: body
                     .masses
@@ -93,19 +95,14 @@ impl Equations {
             model.bodies[index].damps_attached = body.damp_attached_masses;
         }
         for (index, revolute) in revolutes(machine) {
-            if let Some(hinge) = &mut model.bodies[index].hinge {
-                hinge.inertia_kg_m2 = revolute.drive.inertia_kg_m2;
-            }
+            model.bodies[index].joint.drive_inertia = revolute.drive.inertia_kg_m2;
         }
         let load_stations = model.stations.len();
         AirCoupling::add_sections(machine, &mut model);
         let joints = revolutes(machine)
-            .map(|(body, revolute)| {
-                JointEquations::new(body, model.bodies[body].hinge.map_or(0, |hinge| hinge.coordinate), revolute)
-            })
+            .map(|(body, revolute)| JointEquations::new(body, model.bodies[body].joint.coordinate, revolute))
             .collect();
-        let held = HingeTangent { free: false, stiffness_n_m_rad: 0.0, damping_n_m_s_rad: 0.0 };
-        let mut tangents = vec![held; model.bodies.len()];
+        let mut tangents = vec![FreedomTangent::HELD; model.bodies.len()];
         for (body, _) in spatials(machine) {
             tangents[body].free = true;
         }
@@ -251,7 +248,7 @@ impl EquationsOfMotion for Equations {
             let (torque, own) = joint.torque(time_s, q[c], v[c]);
             joint.holding_n_m = if joint.held { residual[c] - torque } else { 0.0 };
             residual[c] = if joint.held { 0.0 } else { residual[c] - torque };
-            *tangent = HingeTangent { free: !joint.held, ..own };
+            *tangent = FreedomTangent { free: !joint.held, ..own };
         }
         for joint in &self.spatial {
             joint.add_torque(&self.work, v, residual);

@@ -5,7 +5,7 @@ use crate::actuation::latch::Latch;
 use crate::actuation::prescribed::Law;
 use crate::actuation::spring::Spring;
 use crate::config::machine::{JointMotion, Revolute, UNLIMITED};
-use crate::multibody::factor::HingeTangent;
+use crate::multibody::factor::FreedomTangent;
 use crate::solve::Powers;
 
 /// A revolute joint as the equations see it.
@@ -115,7 +115,7 @@ impl JointEquations {
     }
 
     /// Sum of all torques on the outer body about `+θ` in N·m, NOTATION eqs. (A1) and (A3), with its tangent.
-    pub fn torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> (f64, HingeTangent) {
+    pub fn torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> (f64, FreedomTangent) {
         let motor = match self.piece {
             Some(piece) => self.drive.torque_on(piece, self.wanted_n_m(time_s, angle_rad, rate_rad_s)),
             None => self.motor_torque(time_s, angle_rad, rate_rad_s),
@@ -125,12 +125,12 @@ impl JointEquations {
             + self.external_torque_n_m()
             + self.latch_torque_n_m(angle_rad);
         let active = if motor.saturated { 0.0 } else { 1.0 };
-        let tangent = HingeTangent {
+        let tangent = FreedomTangent {
             free: true,
-            stiffness_n_m_rad: active * self.drive.stiffness_n_m_rad
+            stiffness: active * self.drive.stiffness_n_m_rad
                 + self.spring.stiffness_n_m_rad
                 + self.closed_latch().map_or(0.0, |latch| latch.stiffness_n_m_rad),
-            damping_n_m_s_rad: active * self.drive.damping_n_m_s_rad + self.spring.damping_n_m_s_rad,
+            damping: active * self.drive.damping_n_m_s_rad + self.spring.damping_n_m_s_rad,
         };
         (sum_n_m, tangent)
     }

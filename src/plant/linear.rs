@@ -62,19 +62,17 @@ impl Plant {
                 list.push(Freedom { index, name, unit, rate_unit, step });
             };
             let held = equations.joints.iter().any(|joint| joint.body == index && joint.held);
-            if let Some(hinge) = body.hinge.filter(|_| !held) {
-                add(hinge.coordinate, format!("{joint}.angle"), ["rad", "rad/s"], STEP_RAD);
-            }
-            if let Some(parameters) = &body.parameters {
-                let freedoms = parameters.kind.freedoms();
-                let shifts = if freedoms == 6 { 3 } else { 0 };
+            let (kind, first) = (body.joint.kind, body.joint.coordinate);
+            if kind.is_redundant() {
+                let shifts = kind.translations();
                 for (k, axis) in AXES.iter().enumerate().take(shifts) {
-                    add(parameters.coordinate + k, format!("{joint}.position.{axis}"), ["m", "m/s"], STEP_RAD);
+                    add(first + k, format!("{joint}.position.{axis}"), ["m", "m/s"], STEP_RAD);
                 }
-                for k in shifts..freedoms {
-                    let name = format!("{joint}.turn[{}]", k - shifts + 1);
-                    add(parameters.coordinate + k, name, ["rad", "rad/s"], STEP_RAD);
+                for k in shifts..kind.freedoms() {
+                    add(first + k, format!("{joint}.turn[{}]", k - shifts + 1), ["rad", "rad/s"], STEP_RAD);
                 }
+            } else if kind.freedoms() == 1 && !held {
+                add(first, format!("{joint}.angle"), ["rad", "rad/s"], STEP_RAD);
             }
             for i in 0..body.elements {
                 let element = &equations.model.elements[body.first_element + i];
@@ -95,11 +93,8 @@ impl Plant {
     /// values of their own: they count from the present attitude, and stand still where the machine is linearised.
     pub fn free_state(&self) -> (Vec<f64>, Vec<f64>) {
         let spatial = |index: usize| {
-            self.equations.model.bodies.iter().any(|body| {
-                body.parameters.is_some_and(|joint| {
-                    (joint.coordinate..joint.coordinate + joint.kind.parameters()).contains(&index)
-                })
-            })
+            let mut joints = self.equations.model.bodies.iter().map(|body| body.joint);
+            joints.any(|joint| joint.kind.is_redundant() && joint.range().contains(&index))
         };
         let read = |vector: &[f64]| {
             let value = |freedom: &Freedom| if spatial(freedom.index) { 0.0 } else { vector[freedom.index] };
@@ -174,7 +169,7 @@ impl Plant {
         let mut diagonal = DMatrix::zeros(now.q.len(), now.q.len());
         add_elastic(&mut diagonal, &self.equations.model, |body| self.equations.damping[body].stiffness_s);
         for joint in self.equations.joints.iter().filter(|joint| !joint.held) {
-            diagonal[(joint.coordinate, joint.coordinate)] += self.equations.tangents[joint.body].damping_n_m_s_rad;
+            diagonal[(joint.coordinate, joint.coordinate)] += self.equations.tangents[joint.body].damping;
         }
         for joint in &self.equations.spatial {
             joint.add_damping(&mut diagonal);
@@ -199,7 +194,7 @@ impl Plant {
         let mut springs = DMatrix::zeros(now.q.len(), now.q.len());
         add_elastic(&mut springs, &self.equations.model, |_| 1.0);
         for joint in self.equations.joints.iter().filter(|joint| !joint.held) {
-            springs[(joint.coordinate, joint.coordinate)] += self.equations.tangents[joint.body].stiffness_n_m_rad;
+            springs[(joint.coordinate, joint.coordinate)] += self.equations.tangents[joint.body].stiffness;
         }
         matrix += select(&springs, freedoms);
         matrix
@@ -346,7 +341,7 @@ impl Plant {
                 }
             }
             for joint in self.equations.joints.iter().filter(|joint| !joint.held) {
-                let stiffness = self.equations.tangents[joint.body].stiffness_n_m_rad;
+                let stiffness = self.equations.tangents[joint.body].stiffness;
                 shares[4] += stiffness * x[joint.coordinate].powi(2);
             }
         }

@@ -178,12 +178,8 @@ impl Plant {
 
     /// Joint variables and Lagrange multipliers of a body's joint in our form: `N_J` and `N_L` of Otsuka et al., Table 2.
     pub fn joint_size(&self, body: usize) -> (usize, usize) {
-        let body = &self.equations.model.bodies[body];
-        match (&body.parameters, &body.hinge) {
-            (Some(joint), _) => (joint.kind.parameters(), joint.kind.constraints()),
-            (None, Some(_)) => (1, 0),
-            (None, None) => (0, 0),
-        }
+        let kind = &self.equations.model.bodies[body].joint.kind;
+        (kind.coordinates(), kind.constraints())
     }
 
     /// Number of coordinates: joint angles, joint parameters and strains.

@@ -192,9 +192,8 @@ fn path_weights(model: &Model) -> Vec<f64> {
     let length_m = model.reference_length_m;
     let mut weights = vec![1.0; model.coordinates];
     for body in &model.bodies {
-        if let Some(joint) = body.parameters.filter(|joint| joint.kind.freedoms() == 6) {
-            weights[joint.coordinate..joint.coordinate + 3].fill(length_m.powi(-2));
-        }
+        let first = body.joint.coordinate;
+        weights[first..first + body.joint.kind.translations()].fill(length_m.powi(-2));
     }
     for element in &model.elements {
         weights[element.coordinate] = element.length_m / length_m;
@@ -284,10 +283,10 @@ impl Equations {
     pub(super) fn joint_tangents(&self) -> Vec<JointTangent> {
         let mut joints = vec![JointTangent::HELD; self.model.bodies.len()];
         for joint in self.joints.iter().filter(|joint| !joint.held) {
-            joints[joint.body] = JointTangent::hinge(self.tangents[joint.body].stiffness_n_m_rad);
+            joints[joint.body] = JointTangent::one_freedom(self.tangents[joint.body].stiffness);
         }
         for joint in &self.spatial {
-            joints[joint.body] = JointTangent { free: true, stiffness_n_m_rad: joint.stiffness(&self.work) };
+            joints[joint.body] = JointTangent { free: true, stiffness: joint.stiffness(&self.work) };
         }
         joints
     }
@@ -437,17 +436,11 @@ impl Plant {
     fn coordinate_name(&self, coordinate: usize) -> String {
         let bodies = &self.equations.model.bodies;
         for (body, described) in bodies.iter().zip(&self.machine.bodies) {
-            let joint = body
-                .hinge
-                .map(|hinge| hinge.coordinate..hinge.coordinate + 1)
-                .or_else(|| body.parameters.map(|joint| joint.coordinate..joint.coordinate + joint.kind.parameters()));
-            if joint.is_some_and(|range| range.contains(&coordinate)) {
-                let remedy = if body.hinge.is_some() {
-                    "give it a spring, close its latch, or hold it (release = false)"
-                } else if body.parameters.is_some_and(|joint| joint.kind.freedoms() == 6) {
-                    "a free body has no place of rest"
-                } else {
-                    "give it a spring"
+            if body.joint.range().contains(&coordinate) {
+                let remedy = match body.joint.kind.freedoms() {
+                    1 => "give it a spring, close its latch, or hold it (release = false)",
+                    6 => "a free body has no place of rest",
+                    _ => "give it a spring",
                 };
                 return format!("joint {:?}: {remedy}", described.joint.name);
             }

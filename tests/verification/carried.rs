@@ -5,8 +5,9 @@ use crate::recursion::engine_residual;
 use crate::trees::{Case, Random, State, branching_tree, two_bodies};
 use foldwing::beam::element::ElementKind::{Constant, Linear};
 use foldwing::load::{RootMotion, Wrench};
+use foldwing::multibody::joint::JointKind;
 use foldwing::multibody::kinematics::{Motion, sweep_motion};
-use foldwing::multibody::model::{Attachment, JointDescription};
+use foldwing::multibody::model::Attachment;
 use foldwing::multibody::{Workspace, energy};
 use nalgebra::{DVector, UnitQuaternion, Vector3};
 
@@ -14,7 +15,7 @@ use nalgebra::{DVector, UnitQuaternion, Vector3};
 fn pair(case: Case) -> (Case, Case, usize) {
     let mut free = case.descriptions.clone();
     free.iter_mut().for_each(|body| body.masses.clear());
-    free[0].joint = JointDescription::Free;
+    free[0].joint = JointKind::Free;
     free[0].parent = Attachment::Root(Vector3::zeros());
     (Case::new(free, case.clouds.clone()), case, 7)
 }
@@ -30,7 +31,7 @@ fn flying(free: &Case, clamped: &Case, state: &State) -> State {
     };
     flying.q[..3].copy_from_slice(place.as_slice());
     flying.q[3..7].copy_from_slice(&[attitude.w, attitude.i, attitude.j, attitude.k]);
-    let joint = free.model.bodies[0].parameters.expect("a free joint");
+    let joint = free.model.bodies[0].joint;
     let rates = joint.kind.parameter_rates(&flying.q[..7], &(random.vector() * 3.0));
     flying.v[..7].copy_from_slice(&rates[..7]);
     flying.v[..3].copy_from_slice((random.vector() * 20.0).as_slice());

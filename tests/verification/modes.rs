@@ -8,8 +8,9 @@ use foldwing::beam::section::Section;
 use foldwing::load::{LoadFrame, RootMotion};
 use foldwing::multibody::Workspace;
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
+use foldwing::multibody::joint::JointKind;
 use foldwing::multibody::kinematics::Motion;
-use foldwing::multibody::model::{Attachment, JointDescription};
+use foldwing::multibody::model::Attachment;
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::f64::consts::PI;
 
@@ -21,7 +22,13 @@ pub fn modes(case: &Case, angles_rad: &[f64]) -> Vec<(f64, DVector<f64>)> {
     let model = &case.model;
     let n = model.coordinates;
     let mut rest = model.natural_coordinates();
-    let hinges: Vec<usize> = model.bodies.iter().filter_map(|body| body.hinge.map(|hinge| hinge.coordinate)).collect();
+    let hinges: Vec<usize> = model
+        .bodies
+        .iter()
+        .map(|body| &body.joint)
+        .filter(|joint| joint.kind.freedoms() == 1)
+        .map(|joint| joint.coordinate)
+        .collect();
     for (&hinge, &angle) in hinges.iter().zip(angles_rad) {
         rest[hinge] = angle;
     }
@@ -165,7 +172,7 @@ fn v43_folded_frame() {
             a.stations_m.clear();
             let mut b = a.clone();
             b.parent = Attachment::Body { index: 0, position_m: 0.15 };
-            b.joint = JointDescription::Revolute(Vector3::y());
+            b.joint = JointKind::Revolute { axis: Vector3::y() };
             let list = modes(&Case::new(vec![a, b], Vec::new()), &[fold_deg.to_radians()]);
             let relative = |mode: usize| list[mode].0 / (2.0 * PI) / expected[mode] - 1.0;
             [0, 1, 2, 3].map(relative)

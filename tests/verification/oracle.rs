@@ -9,7 +9,8 @@ use crate::trees::Case;
 use foldwing::beam::element::ElementKind;
 use foldwing::load::{LoadFrame, RootMotion, Wrench};
 use foldwing::multibody::dynamics::Damping;
-use foldwing::multibody::factor::{HingeTangent, Weights};
+use foldwing::multibody::factor::{FreedomTangent, Weights};
+use foldwing::multibody::joint::JointKind;
 use foldwing::multibody::model::{Base, Model};
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, SMatrix, Vector3};
 
@@ -105,20 +106,29 @@ impl<'a> Oracle<'a> {
             };
             // eq. (8): C(η), here 4×4 on the four vectors
             let mut turn = Taylor::constant(Matrix3::identity());
-            if let Some(hinge) = &body.hinge {
-                turn = exponential(Taylor::constant(Matrix3::zeros()).plus(q(hinge.coordinate), skew(&hinge.axis)));
+            // where the body stands in its parent's frame: the offset, and the way of a prismatic joint
+            let mut arm = [body.offset_m, Vector3::zeros(), Vector3::zeros()];
+            match body.joint.kind {
+                JointKind::Revolute { axis } => {
+                    turn = exponential(Taylor::constant(Matrix3::zeros()).plus(q(body.joint.coordinate), skew(&axis)));
+                }
+                JointKind::Prismatic { axis } => {
+                    arm.iter_mut().zip(q(body.joint.coordinate)).for_each(|(arm, way)| *arm += axis * way);
+                }
+                _ => {}
             }
             let turn = (turn * Taylor::constant(body.mount)).transpose();
-            let embed = |block: &Matrix3<f64>, one: f64| {
+            let embed = |block: &Matrix3<f64>, arm: &Vector3<f64>, one: f64| {
                 let mut c = Matrix4::zeros();
                 c[(0, 0)] = one;
+                c.fixed_view_mut::<1, 3>(0, 1).copy_from(&arm.transpose());
                 c.fixed_view_mut::<3, 3>(1, 1).copy_from(block);
                 c
             };
             let joint = Taylor {
-                value: embed(&turn.value, 1.0),
-                first: embed(&turn.first, 0.0),
-                second: embed(&turn.second, 0.0),
+                value: embed(&turn.value, &arm[0], 1.0),
+                first: embed(&turn.first, &arm[1], 0.0),
+                second: embed(&turn.second, &arm[2], 0.0),
             };
             nodes.push(joint * parent);
             for element in &self.model.elements[body.first_element..body.first_element + body.elements] {
@@ -180,7 +190,7 @@ impl<'a> Oracle<'a> {
     }
 
     /// `a BᵀMB + b (Σ α BᵀM_beam B + β K) + c K` with hinge terms on the diagonal.
-    pub fn matrix(&self, q: &[f64], w: Weights, damping: &[Damping], hinges: &[HingeTangent]) -> DMatrix<f64> {
+    pub fn matrix(&self, q: &[f64], w: Weights, damping: &[Damping], hinges: &[FreedomTangent]) -> DMatrix<f64> {
         let b = self.transformation(q);
         let mut mass = &self.mass * w.mass;
         let mut k = DMatrix::zeros(self.model.coordinates, self.model.coordinates);
@@ -189,9 +199,9 @@ impl<'a> Oracle<'a> {
             k += &self.stiffness[i] * (w.stiffness + w.damping * damping.stiffness_s);
         }
         for (body, tangent) in self.model.bodies.iter().zip(hinges) {
-            if let Some(hinge) = &body.hinge {
-                let c = hinge.coordinate;
-                k[(c, c)] += w.stiffness * tangent.stiffness_n_m_rad + w.damping * tangent.damping_n_m_s_rad;
+            if body.joint.kind.freedoms() == 1 {
+                let c = body.joint.coordinate;
+                k[(c, c)] += w.stiffness * tangent.stiffness + w.damping * tangent.damping;
             }
         }
         b.iter().map(|b| b.transpose() * &mass * b).sum::<DMatrix<f64>>() + k

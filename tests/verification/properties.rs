@@ -6,9 +6,10 @@ use crate::trees::{Case, Named, Random, State, all_trees, two_bodies};
 use foldwing::beam::element::ElementKind;
 use foldwing::load::{LoadFrame, RootMotion, Wrench};
 use foldwing::multibody::dynamics::Damping;
-use foldwing::multibody::factor::{HingeTangent, Weights, factorize, solve};
+use foldwing::multibody::factor::{FreedomTangent, Weights, factorize, solve};
+use foldwing::multibody::joint::JointKind;
 use foldwing::multibody::kinematics::{Motion, sweep_motion};
-use foldwing::multibody::model::{Attachment, JointDescription};
+use foldwing::multibody::model::Attachment;
 use foldwing::multibody::{Workspace, energy, station};
 use nalgebra::{DVector, Vector3};
 
@@ -137,7 +138,7 @@ fn v14_frame_invariance() {
             if let Attachment::Root(position) = body.parent {
                 body.parent = Attachment::Root(turn * position);
                 body.mount = turn * body.mount;
-                if let JointDescription::Revolute(axis) = &mut body.joint {
+                if let JointKind::Revolute { axis } | JointKind::Prismatic { axis } = &mut body.joint {
                     *axis = turn * *axis;
                 }
             }
@@ -207,7 +208,7 @@ fn v16_power_balance_along_a_motion() {
         let mut work = Workspace::new(model);
         let mut a: Vec<f64> = (-engine_residual(&case, &mut work, &state)).as_slice().to_vec();
         let mass = Weights { mass: 1.0, damping: 0.0, stiffness: 0.0 };
-        let free = HingeTangent { free: true, stiffness_n_m_rad: 0.0, damping_n_m_s_rad: 0.0 };
+        let free = FreedomTangent { free: true, stiffness: 0.0, damping: 0.0 };
         factorize(model, &mut work, mass, &state.damping, &vec![free; model.bodies.len()]).expect("positive definite");
         solve(model, &mut work, &mut a);
         state.a = a;
@@ -269,7 +270,7 @@ fn v17_turning_root_equals_turning_hinge() {
         clamped.descriptions[0].parent = Attachment::Root(Vector3::zeros());
         let mut hinged = clamped.descriptions.clone();
         let axis = Random::new(27).direction();
-        hinged[0].joint = JointDescription::Revolute(axis);
+        hinged[0].joint = JointKind::Revolute { axis };
         let (clamped, hinged) = (Case::new(clamped.descriptions.clone(), Vec::new()), Case::new(hinged, Vec::new()));
         let (rate, pull) = (1.7, -2.3);
 

@@ -4,7 +4,7 @@ use crate::oracle::{Oracle, element_mass};
 use crate::trees::{Case, Named, Random, State, all_trees, full_section, random_body, two_bodies};
 use foldwing::beam::element::{ElementKind, ElementMass};
 use foldwing::multibody::dynamics::{Environment, residual};
-use foldwing::multibody::factor::{HingeTangent, Weights, factorize, solve};
+use foldwing::multibody::factor::{FreedomTangent, Weights, factorize, solve};
 use foldwing::multibody::kinematics::{Motion, sweep_motion, sweep_poses};
 use foldwing::multibody::model::{Attachment, Base};
 use foldwing::multibody::norm::kinematic_norm;
@@ -81,13 +81,14 @@ struct SolveError {
 }
 
 /// Solves engine and dense, both scaled to a unit diagonal so that units do not decide.
-fn solve_both(case: &Case, state: &State, weights: Weights, hinges: &[HingeTangent]) -> SolveError {
+fn solve_both(case: &Case, state: &State, weights: Weights, hinges: &[FreedomTangent]) -> SolveError {
     let model = &case.model;
     let held: Vec<usize> = model
         .bodies
         .iter()
         .zip(hinges)
-        .filter_map(|(body, tangent)| body.hinge.filter(|_| !tangent.free).map(|hinge| hinge.coordinate))
+        .filter(|(body, tangent)| body.joint.kind.freedoms() == 1 && !tangent.free)
+        .map(|(body, _)| body.joint.coordinate)
         .collect();
     let full = Oracle::new(case).matrix(&state.q, weights, &state.damping, hinges);
     let matrix = full.clone().remove_columns_at(&held).remove_rows_at(&held);

@@ -4,8 +4,9 @@ use foldwing::beam::element::ElementKind;
 use foldwing::beam::section::Section;
 use foldwing::load::{LoadFrame, RootMotion, Wrench};
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
+use foldwing::multibody::joint::JointKind;
 use foldwing::multibody::kinematics::Motion;
-use foldwing::multibody::model::{Attachment, BodyDescription, JointDescription};
+use foldwing::multibody::model::{Attachment, BodyDescription};
 use foldwing::multibody::{Model, Workspace};
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, Vector3, Vector4};
 
@@ -49,7 +50,13 @@ impl Loading {
 /// Every step ends when the Newton correction no longer shrinks below 1e-9 of the coordinates: round-off.
 pub fn equilibrium(model: &Model, work: &mut Workspace, start: &[f64], loading: &Loading, steps: usize) -> Vec<f64> {
     let n = model.coordinates;
-    let held: Vec<usize> = model.bodies.iter().filter_map(|body| body.hinge.map(|hinge| hinge.coordinate)).collect();
+    let held: Vec<usize> = model
+        .bodies
+        .iter()
+        .map(|body| &body.joint)
+        .filter(|joint| joint.kind.freedoms() == 1)
+        .map(|joint| joint.coordinate)
+        .collect();
     let mut q = start.to_vec();
     for step in 1..=steps {
         let share = step as f64 / steps as f64;
@@ -113,9 +120,10 @@ pub fn cantilever(
         kind,
         elements,
         natural_strain: [0.0; 4].into(),
+        offset_m: Vector3::zeros(),
         parent: Attachment::Root(Vector3::zeros()),
         mount: Matrix3::identity(),
-        joint: JointDescription::Clamped,
+        joint: JointKind::Clamped,
         masses: Vec::new(),
         stations_m: vec![length_m],
         load_frame: frame,

@@ -5,8 +5,9 @@ use foldwing::beam::section::Section;
 use foldwing::load::{LoadFrame, RootMotion, Wrench};
 use foldwing::multibody::Model;
 use foldwing::multibody::dynamics::Damping;
-use foldwing::multibody::factor::HingeTangent;
-use foldwing::multibody::model::{Attachment, BodyDescription, JointDescription};
+use foldwing::multibody::factor::FreedomTangent;
+use foldwing::multibody::joint::JointKind;
+use foldwing::multibody::model::{Attachment, BodyDescription};
 use nalgebra::{Matrix3, Matrix4, Rotation3, Unit, Vector3};
 
 /// Numerical Recipes' 64-bit linear congruential generator; the upper bits are good enough for test states.
@@ -104,9 +105,10 @@ pub fn random_body(random: &mut Random, length_m: f64, kind: ElementKind, elemen
             0.3 * random.symmetric(),
         ]
         .into(),
+        offset_m: Vector3::zeros(),
         parent: Attachment::Root(Vector3::zeros()),
         mount: Matrix3::identity(),
-        joint: JointDescription::Clamped,
+        joint: JointKind::Clamped,
         masses: Vec::new(),
         stations_m: Vec::new(),
         load_frame: LoadFrame::Root,
@@ -123,7 +125,7 @@ pub fn two_bodies(seed: u64, kinds: [ElementKind; 2], elements: usize) -> Case {
     a.stations_m = vec![0.21, 0.9];
     a.load_frame = LoadFrame::Section;
     b.parent = Attachment::Body { index: 0, position_m: 0.9 };
-    b.joint = JointDescription::Revolute(random.direction());
+    b.joint = JointKind::Revolute { axis: random.direction() };
     b.mount = random.rotation();
     b.stations_m = vec![0.0, 0.13, 0.35, 0.7];
     Case::new(vec![a, b], Vec::new())
@@ -139,10 +141,10 @@ pub fn branching_tree(seed: u64, kinds: [ElementKind; 4]) -> Case {
     }
     bodies[0].parent = Attachment::Root(random.vector());
     bodies[1].parent = Attachment::Body { index: 0, position_m: 0.4 };
-    bodies[1].joint = JointDescription::Revolute(random.direction());
+    bodies[1].joint = JointKind::Revolute { axis: random.direction() };
     bodies[2].parent = Attachment::Body { index: 0, position_m: 1.0 };
     bodies[3].parent = Attachment::Root(random.vector());
-    bodies[3].joint = JointDescription::Revolute(random.direction());
+    bodies[3].joint = JointKind::Revolute { axis: random.direction() };
     bodies[0].stations_m = vec![0.1, 0.4, 0.77];
     bodies[1].stations_m = vec![0.33, 0.6];
     bodies[1].load_frame = LoadFrame::Section;
@@ -154,6 +156,46 @@ pub fn branching_tree(seed: u64, kinds: [ElementKind; 4]) -> Case {
     };
     let clouds = vec![(0, 0.7, cloud(5)), (1, 0.6, cloud(1)), (2, 0.0, cloud(4)), (3, 0.8, cloud(6))];
     Case::new(bodies, clouds)
+}
+
+/// Rigid bodies, offsets and prismatic joints: a rigid body that slides on the root carries a beam aside of it; from the
+/// beam hang a beam on an offset hinge, which carries one on a slide, and a rigid body on an offset slide, which carries
+/// a rigid body on an offset hinge.
+pub fn levers(seed: u64, kinds: [ElementKind; 3]) -> Case {
+    let mut random = Random::new(seed);
+    let mut beams = kinds.map(|kind| random_body(&mut random, 0.7, kind, 2)).into_iter();
+    let rigid = random_rigid_body;
+    let mut bodies: Vec<BodyDescription> = [true, false, false, true, true, false]
+        .iter()
+        .map(|&is_rigid| if is_rigid { rigid(&mut random) } else { beams.next().expect("three beams") })
+        .collect();
+    let hang = |index, position_m| Attachment::Body { index, position_m };
+    let parents = [hang(0, 0.0), hang(1, 0.3), hang(1, 0.7), hang(3, 0.0), hang(2, 0.7)];
+    bodies[0].parent = Attachment::Root(random.vector());
+    for (body, parent) in bodies[1..].iter_mut().zip(parents) {
+        body.parent = parent;
+        body.offset_m = random.vector() * 0.4;
+    }
+    bodies[5].offset_m = Vector3::zeros();
+    for body in &mut bodies {
+        body.mount = random.rotation();
+        body.load_frame = if random.symmetric() > 0.0 { LoadFrame::Section } else { LoadFrame::Root };
+        body.stations_m = if body.elements == 0 { vec![0.0] } else { vec![0.0, 0.2, 0.7] };
+    }
+    for (index, slides) in [(0, true), (2, false), (3, true), (4, false), (5, true)] {
+        let axis = random.direction();
+        bodies[index].joint = if slides { JointKind::Prismatic { axis } } else { JointKind::Revolute { axis } };
+    }
+    let mut cloud = |n: usize| -> Cloud {
+        (0..n).map(|_| (0.2 + 0.1 * random.symmetric(), random.vector() * 0.2 + Vector3::x() * 0.1)).collect()
+    };
+    let clouds = vec![(0, 0.0, cloud(6)), (3, 0.0, cloud(5)), (4, 0.0, cloud(4)), (1, 0.7, cloud(2))];
+    Case::new(bodies, clouds)
+}
+
+/// Clamped body at the origin without elements; its masses come as a cloud.
+fn random_rigid_body(random: &mut Random) -> BodyDescription {
+    BodyDescription { length_m: 0.0, elements: 0, ..random_body(random, 1.0, ElementKind::Constant, 1) }
 }
 
 /// Everything the equations of motion take, at random.
@@ -171,7 +213,7 @@ pub struct State {
     /// Per station.
     pub loads: Vec<Wrench>,
     /// Per body.
-    pub hinges: Vec<HingeTangent>,
+    pub hinges: Vec<FreedomTangent>,
 }
 
 impl State {
@@ -206,11 +248,7 @@ impl State {
                 .map(|_| Wrench { force_n: random.vector() * 5.0, moment_n_m: random.vector() * 2.0 })
                 .collect(),
             hinges: (0..bodies)
-                .map(|_| HingeTangent {
-                    free: true,
-                    stiffness_n_m_rad: 2.0 + random.symmetric(),
-                    damping_n_m_s_rad: 0.1,
-                })
+                .map(|_| FreedomTangent { free: true, stiffness: 2.0 + random.symmetric(), damping: 0.1 })
                 .collect(),
         }
     }
@@ -263,6 +301,8 @@ pub fn all_trees(seed: u64) -> Vec<Named> {
         named("links of 1.7 rad", two_bodies(seed, [Constant, Linear], 3), 1.7),
         named("links of 3 rad", two_bodies(seed, [Constant, Linear], 3), 3.0),
         named("links of 1e-7 rad", two_bodies(seed, [Linear, Constant], 3), 1e-7),
+        named("levers constant", levers(seed, [Constant; 3]), 0.4),
+        named("levers mixed", levers(seed, [Linear, Constant, Linear]), 0.4),
         named("EA x 1e4", stiff(1e4), 0.4),
         named("EA x 1e12", stiff(1e12), 0.4),
     ]

@@ -89,10 +89,10 @@ impl Tangent {
                 outer[n] += passed;
             }
             let joint = &self.joints[index];
-            let mut passed = outer[body.first_node];
+            let mut passed = joint.passed(&outer[body.first_node]);
             self.joint_factors[index] = None;
             if joint.freedoms > 0 {
-                let (block, sizes) = joint.block(&passed);
+                let (block, sizes) = joint.block(&outer[body.first_node]);
                 let (factor, rest) = Factor::new(block, &sizes, joint.freedoms)
                     .ok_or(SingularTangent { coordinate: joint.coordinate })?;
                 self.joint_factors[index] = Some(factor);
@@ -169,7 +169,9 @@ impl Tangent {
                     right[k] += x[joint.coordinate + k];
                 }
                 factor.right = right;
-                wrench += factor.ax * factor.solve(&right);
+                wrench = joint.carried(&wrench) + factor.ax * factor.solve(&right);
+            } else {
+                wrench = joint.carried(&wrench);
             }
             if let Base::Node(node) = body.base {
                 add(&mut self.wrenches[node], &wrench);
@@ -181,20 +183,15 @@ impl Tangent {
     /// Outward half of [`Self::solve`].
     fn substitute(&mut self, model: &Model, x: &mut [f64]) {
         for (index, body) in model.bodies.iter().enumerate() {
-            let mut moved = self.base_twist(body);
-            if let Some(hinge) = &body.hinge {
-                x[hinge.coordinate] = 0.0;
-            }
-            if let Some(joint) = &body.parameters {
-                x[joint.coordinate..joint.coordinate + joint.kind.parameters()].fill(0.0);
-            }
+            let before = self.base_twist(body);
+            x[body.joint.range()].fill(0.0);
+            let joint = &self.joints[index];
             if let Some(factor) = &self.joint_factors[index] {
-                let joint = &self.joints[index];
-                let freedoms = factor.solve(&(factor.right - factor.xa * moved));
+                let freedoms = factor.solve(&(factor.right - factor.xa * before));
                 x[joint.coordinate..joint.coordinate + joint.freedoms]
                     .copy_from_slice(&freedoms.as_slice()[..joint.freedoms]);
-                moved = joint.displaced(x, &moved);
             }
+            let mut moved = joint.displaced(x, &before);
             self.displaced[body.first_node] = pair(&moved);
             let stride = stride(body);
             for i in (0..body.elements).step_by(stride) {

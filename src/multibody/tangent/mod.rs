@@ -132,9 +132,7 @@ impl Tangent {
                 }
             }
             let mut joint = surroundings.joints[index];
-            if let Some(hinge) = &body.hinge {
-                joint.stiffness_n_m_rad[(0, 0)] += shift_1_s2 * hinge.inertia_kg_m2;
-            }
+            joint.stiffness[(0, 0)] += shift_1_s2 * body.joint.drive_inertia;
             self.joints[index] = JointBlock::new(model, work, index, &joint);
         }
         self.linearize_stations(model, work, q, surroundings.stations);
@@ -283,10 +281,8 @@ impl Tangent {
 
     /// Turns changes of freedoms into changes of coordinates, in place; `work` holds the poses of the linearisation.
     pub fn to_coordinates(model: &Model, work: &Workspace, x: &mut [f64]) {
-        for (body, parameters) in model.bodies.iter().zip(&work.parameters) {
-            if let (Some(joint), Some(parameters)) = (&body.parameters, parameters) {
-                joint::to_parameters(joint, parameters, x);
-            }
+        for (body, joint) in model.bodies.iter().zip(&work.joints) {
+            body.joint.expand_freedoms(joint, x);
         }
     }
 }

@@ -7,8 +7,9 @@ use foldwing::beam::law::{NaturalStrain, SectionLaw};
 use foldwing::load::{LoadFrame, Wrench};
 use foldwing::multibody::dynamics::Damping;
 use foldwing::multibody::gauge::strain_measures;
+use foldwing::multibody::joint::JointKind;
 use foldwing::multibody::kinematics::Motion;
-use foldwing::multibody::model::{Attachment, BodyDescription, JointDescription};
+use foldwing::multibody::model::{Attachment, BodyDescription};
 use foldwing::multibody::{Model, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 use std::f64::consts::PI;
@@ -38,9 +39,10 @@ pub fn description(length_m: f64, section: SectionLaw, natural_strain: NaturalSt
         kind: ElementKind::Linear,
         elements: 1,
         natural_strain,
+        offset_m: Vector3::zeros(),
         parent: Attachment::Root(Vector3::zeros()),
         mount: Matrix3::identity(),
-        joint: JointDescription::Clamped,
+        joint: JointKind::Clamped,
         masses: Vec::new(),
         stations_m: vec![length_m],
         load_frame: LoadFrame::Root,

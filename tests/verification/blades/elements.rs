@@ -9,7 +9,7 @@ use foldwing::beam::section::{Material, Outline, Section, Solid};
 use foldwing::load::RootMotion;
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
 use foldwing::multibody::energy::elastic;
-use foldwing::multibody::factor::{HingeTangent, Weights, factorize};
+use foldwing::multibody::factor::{FreedomTangent, Weights, factorize};
 use foldwing::multibody::kinematics::Motion;
 use foldwing::multibody::model::BodyDescription;
 use foldwing::multibody::{Model, Workspace};
@@ -169,7 +169,7 @@ fn b04_solve_inverts_what_the_residual_multiplies() {
         let rest = motion_residual(&model, &mut work, &q, &vec![0.0; n]);
         let weight = 1e-2;
         let weights = Weights { mass: 1.0, damping: 0.0, stiffness: weight };
-        let hinge = HingeTangent { free: false, stiffness_n_m_rad: 0.0, damping_n_m_s_rad: 0.0 };
+        let hinge = FreedomTangent { free: false, stiffness: 0.0, damping: 0.0 };
         factorize(&model, &mut work, weights, &[Damping::default()], &[hinge]).unwrap();
         let mut x = right.clone();
         foldwing::multibody::factor::solve(&model, &mut work, &mut x);

@@ -12,9 +12,10 @@ use foldwing::beam::section::{Material, Section};
 use foldwing::config::machine::*;
 use foldwing::load::{LoadFrame, RootMotion};
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
-use foldwing::multibody::factor::{HingeTangent, Weights, factorize, solve};
+use foldwing::multibody::factor::{FreedomTangent, Weights, factorize, solve};
+use foldwing::multibody::joint;
 use foldwing::multibody::kinematics;
-use foldwing::multibody::model::{Attachment, BodyDescription, JointDescription};
+use foldwing::multibody::model::{Attachment, BodyDescription};
 use foldwing::multibody::{Model, Workspace};
 use foldwing::plant::Outputs;
 use nalgebra::{DVector, Matrix3, Vector3};
@@ -171,6 +172,7 @@ fn model(between: Between) -> Model {
         kind: ElementKind::Constant,
         elements: 2,
         natural_strain: [0.0; 4].into(),
+        offset_m: Vector3::zeros(),
         parent,
         mount,
         joint,
@@ -179,12 +181,12 @@ fn model(between: Between) -> Model {
         load_frame: LoadFrame::Root,
     };
     let joint = match between {
-        Between::Ball => JointDescription::Ball,
-        Between::Universal => JointDescription::Universal { parent_axis: Vector3::y(), body_axis: Vector3::z() },
-        Between::Revolute => JointDescription::Revolute(Vector3::x()),
+        Between::Ball => joint::JointKind::Ball,
+        Between::Universal => joint::JointKind::universal(Vector3::y(), Vector3::z()),
+        Between::Revolute => joint::JointKind::Revolute { axis: Vector3::x() },
     };
     Model::new(&[
-        body(Attachment::Root(Vector3::zeros()), Matrix3::identity(), JointDescription::Ball),
+        body(Attachment::Root(Vector3::zeros()), Matrix3::identity(), joint::JointKind::Ball),
         body(Attachment::Body { index: 0, position_m: LENGTH_M }, start_of_b(), joint),
     ])
 }
@@ -218,7 +220,7 @@ fn c41_accelerations_equal_the_dense_ones() {
             let motion = kinematics::Motion { q: q.as_slice(), v: v.as_slice(), a: &zero };
             residual(&model, &mut work, motion, environment, &mut x);
             let weights = Weights { mass: 1.0, damping: 0.0, stiffness: 0.0 };
-            let free = HingeTangent { free: true, stiffness_n_m_rad: 0.0, damping_n_m_s_rad: 0.0 };
+            let free = FreedomTangent { free: true, stiffness: 0.0, damping: 0.0 };
             factorize(&model, &mut work, weights, &damping, &[free; 2]).expect("a positive mass matrix");
             solve(&model, &mut work, &mut x);
             let product = -DVector::from_vec(x);

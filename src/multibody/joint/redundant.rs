@@ -4,14 +4,16 @@
 //! such a joint holds first the forces on its freedoms, then the residuals of its constraints; the solution holds the
 //! change of its parameters. NOTATION eq. (J5).
 
-use crate::multibody::factor::{BadPivot, HingeTangent, Weights};
-use crate::multibody::joint::{ParameterJoint, ParameterKind};
-use crate::multibody::workspace::{ArticulatedInertia, Pair, ParameterWork};
+use crate::multibody::factor::{BadPivot, FreedomTangent, Weights};
+use crate::multibody::joint::parameters::JointPose;
+use crate::multibody::joint::{Joint, JointKind};
+use crate::multibody::kinematics::Motion;
+use crate::multibody::workspace::{ArticulatedInertia, Node, Pair};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// Factors of one joint and what its inward sweep leaves for the outward one.
 #[derive(Debug, Clone)]
-pub(crate) struct ParameterFactor {
+struct RedundantFactor {
     /// Nothing is eliminated: the joint is locked.
     held: bool,
     /// Inverse of the rotations' block; the third row and column are empty for two freedoms.
@@ -30,9 +32,9 @@ pub(crate) struct ParameterFactor {
     constraint_turn: f64,
 }
 
-impl ParameterFactor {
+impl RedundantFactor {
     /// Nothing factorised yet.
-    pub(crate) fn new() -> Self {
+    fn new() -> Self {
         Self {
             held: false,
             inverse: Matrix3::zeros(),
@@ -46,21 +48,86 @@ impl ParameterFactor {
     }
 }
 
-impl ParameterWork {
-    /// Eliminates the freedoms from the inertia of the body's first node; returns what the parent feels.
-    pub(crate) fn factorize(
+/// A joint with redundant parameters at the poses of the last sweep.
+#[derive(Debug, Clone)]
+pub struct RedundantWork {
+    /// Attitude and maps, parent's frame.
+    pub pose: JointPose,
+    /// Root ← parent.
+    pub parent: Matrix3<f64>,
+    /// Rotation axes of the freedoms in the root frame, as columns.
+    pub axes: Matrix3<f64>,
+    /// [`JointPose::constraint_axis`] in the root frame.
+    pub constraint_axis: Vector3<f64>,
+    factor: RedundantFactor,
+}
+
+impl RedundantWork {
+    /// Scratch of a joint whose body is mounted by `mount`, parent ← body.
+    pub(super) fn new(joint: &Joint, mount: &Matrix3<f64>) -> Self {
+        Self {
+            pose: JointPose::new(&joint.kind, &joint.kind.parameters_of(mount)[..joint.kind.coordinates()]),
+            parent: Matrix3::identity(),
+            axes: Matrix3::zeros(),
+            constraint_axis: Vector3::zeros(),
+            factor: RedundantFactor::new(),
+        }
+    }
+
+    /// Moves a body's first node, which stands where its parent is, eqs. (J2) and (J3).
+    pub(super) fn carry<const RATES: bool>(
         &mut self,
-        joint: &ParameterJoint,
+        joint: &Joint,
+        parent: Option<&Node>,
+        node: &mut Node,
+        motion: Motion,
+    ) {
+        let parent = parent.map_or_else(Matrix3::identity, |parent| parent.rotation);
+        let range = joint.range();
+        let pose = JointPose::new(&joint.kind, &motion.q[range.clone()]);
+        node.rotation = parent * pose.rotation;
+        // a free joint hangs on the root frame: its offset needs no turning
+        node.position += pose.offset_m;
+        if RATES {
+            let (rates, second) = (&motion.v[range.clone()], &motion.a[range]);
+            let (spin, spin_rate) = pose.spin(&joint.kind, rates, second);
+            let spin = parent * spin;
+            node.spin_rate += parent * spin_rate + node.spin.cross(&spin);
+            node.spin += spin;
+            if joint.kind == JointKind::Free {
+                node.velocity += Vector3::new(rates[0], rates[1], rates[2]);
+                node.acceleration += Vector3::new(second[0], second[1], second[2]);
+            }
+        }
+        self.axes = parent * pose.axes;
+        self.constraint_axis = parent * pose.constraint_axis;
+        self.parent = parent;
+        self.pose = pose;
+    }
+
+    /// Nothing on the freedoms, and the residuals of the constraints behind them, eq. (J4).
+    pub(super) fn own_forces(&self, joint: &Joint, motion: Motion, residual: &mut [f64]) {
+        let (range, freedoms) = (joint.range(), joint.kind.freedoms());
+        let first = range.start + freedoms;
+        residual[range.start..first].fill(0.0);
+        let (rates, second) = (&motion.v[range.clone()], &motion.a[range.clone()]);
+        self.pose.constraint_residual(&joint.kind, rates, second, &mut residual[first..range.end]);
+    }
+
+    /// Eliminates the freedoms from the inertia of the body's first node; returns what the parent feels.
+    pub(super) fn eliminate(
+        &mut self,
+        joint: &Joint,
         inertia: &ArticulatedInertia,
         weights: Weights,
-        tangent: &HingeTangent,
+        tangent: &FreedomTangent,
     ) -> Result<ArticulatedInertia, BadPivot> {
         let bad = BadPivot { coordinate: joint.coordinate };
         self.factor.held = !tangent.free;
         if self.factor.held {
             return Ok(*inertia);
         }
-        if joint.kind == ParameterKind::Free {
+        if joint.kind == JointKind::Free {
             let mut whole = Matrix6::zeros();
             whole.fixed_view_mut::<3, 3>(0, 0).copy_from(&inertia.vv);
             whole.fixed_view_mut::<3, 3>(0, 3).copy_from(&inertia.vw);
@@ -70,7 +137,7 @@ impl ParameterWork {
             return Ok(ArticulatedInertia::ZERO);
         }
         let (velocity, spin) = (inertia.vw * self.axes, inertia.ww * self.axes);
-        let diagonal = weights.stiffness * tangent.stiffness_n_m_rad + weights.damping * tangent.damping_n_m_s_rad;
+        let diagonal = weights.stiffness * tangent.stiffness + weights.damping * tangent.damping;
         let mut block = self.axes.transpose() * spin + Matrix3::from_diagonal_element(diagonal);
         if joint.kind.freedoms() == 2 {
             block[(2, 2)] = 1.0; // no third freedom: keep the factor regular
@@ -90,12 +157,12 @@ impl ParameterWork {
     }
 
     /// Inward half of the solution: takes the joint's share out of the right side `p` of its node.
-    pub(crate) fn reduce(&mut self, joint: &ParameterJoint, x: &[f64], p: &mut Pair) {
+    pub(super) fn reduce(&mut self, joint: &Joint, x: &[f64], p: &mut Pair) {
         let (c, freedoms) = (joint.coordinate, joint.kind.freedoms());
         if self.factor.held {
             return;
         }
-        if joint.kind == ParameterKind::Free {
+        if joint.kind == JointKind::Free {
             for i in 0..3 {
                 self.factor.right_hand[i] = x[c + i] + p.linear[i];
                 self.factor.right_hand[i + 3] = x[c + 3 + i] + p.angular[i];
@@ -103,7 +170,7 @@ impl ParameterWork {
             *p = Pair::ZERO;
             return;
         }
-        let constraint = &x[c + freedoms..c + joint.kind.parameters()];
+        let constraint = &x[c + freedoms..c + joint.kind.coordinates()];
         let turn = self.pose.constraint_turn(&joint.kind, constraint);
         p.linear -= self.factor.constraint.linear * turn;
         p.angular -= self.factor.constraint.angular * turn;
@@ -120,15 +187,15 @@ impl ParameterWork {
 
     /// Outward half: the change of the parameters into `x`; `moved` goes from the parent's twist to the node's.
     ///
-    /// Returns the largest square of a parameter's change.
-    pub(crate) fn expand(&self, joint: &ParameterJoint, x: &mut [f64], moved: &mut Pair) -> f64 {
+    /// Returns the largest square of a parameter's change that the node's own displacement does not show.
+    pub(super) fn expand(&self, joint: &Joint, x: &mut [f64], moved: &mut Pair) -> f64 {
         let (c, freedoms) = (joint.coordinate, joint.kind.freedoms());
-        let parameters = joint.kind.parameters();
+        let parameters = joint.kind.coordinates();
         if self.factor.held {
             x[c..c + parameters].fill(0.0);
             return 0.0;
         }
-        let turn = if joint.kind == ParameterKind::Free {
+        let turn = if joint.kind == JointKind::Free {
             let twist = self.factor.whole * self.factor.right_hand;
             moved.linear = twist.fixed_rows::<3>(0).into_owned();
             moved.angular = twist.fixed_rows::<3>(3).into_owned();
@@ -147,17 +214,19 @@ impl ParameterWork {
             &x[c + freedoms..c + parameters],
         );
         x[c..c + parameters].copy_from_slice(&change[..parameters]);
-        if joint.kind == ParameterKind::Free {
+        if joint.kind == JointKind::Free {
             x[c..c + 3].copy_from_slice(moved.linear.as_slice());
         }
-        // offsets of free joints count through the node's displacement
+        if joint.kind == JointKind::Free {
+            return 0.0; // its offsets count through the node's displacement
+        }
         change.iter().fold(0.0, |largest, change| largest.max(change * change))
     }
 
     /// Forces on the freedoms from the wrench `p` of the joint's node.
-    pub(crate) fn project(&self, joint: &ParameterJoint, p: &Pair, out: &mut [f64]) {
+    pub(super) fn project(&self, joint: &Joint, p: &Pair, out: &mut [f64]) {
         let c = joint.coordinate;
-        if joint.kind == ParameterKind::Free {
+        if joint.kind == JointKind::Free {
             out[c..c + 3].copy_from_slice(p.linear.as_slice());
             out[c + 3..c + 6].copy_from_slice(p.angular.as_slice());
             return;
@@ -168,15 +237,32 @@ impl ParameterWork {
     }
 
     /// Twist of the node that a change of the parameters causes, added to that of the parent.
-    pub(crate) fn displace(&self, joint: &ParameterJoint, change: &[f64], moved: &mut Pair) {
+    pub(super) fn displace(&self, joint: &Joint, change: &[f64], moved: &mut Pair) {
         let c = joint.coordinate;
         let mut turn = Vector3::zeros();
-        for i in 0..joint.kind.parameters() {
+        for i in 0..joint.kind.coordinates() {
             turn += self.pose.spin_map.column(i) * change[c + i];
         }
         moved.angular += self.parent * turn;
-        if joint.kind == ParameterKind::Free {
+        if joint.kind == JointKind::Free {
             moved.linear += Vector3::new(change[c], change[c + 1], change[c + 2]);
+        }
+    }
+
+    /// Turns the freedoms in `x` into changes of the parameters, in place.
+    pub(super) fn to_parameters(&self, joint: &Joint, x: &mut [f64]) {
+        let x = &mut x[joint.range()];
+        let shift = joint.kind.translations();
+        let mut turn = Vector3::zeros();
+        for k in 0..joint.kind.freedoms() - shift {
+            turn += if shift == 3 { Vector3::ith(k, x[shift + k]) } else { self.axes.column(k) * x[k] };
+        }
+        let change = self.pose.parameter_change(&joint.kind, &(self.parent.transpose() * turn), &[0.0; 7]);
+        let kept = [x[0], x[1], x[2]];
+        let count = x.len();
+        x.copy_from_slice(&change[..count]);
+        if shift == 3 {
+            x[..3].copy_from_slice(&kept);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Joints described by the paper's redundant parameters: universal, ball and free.
+//! Redundant parameters of universal, ball and free joints.
 //!
 //! A universal joint has nine direction cosines and seven constraints, a ball joint four Euler parameters and one
 //! constraint, a free joint a position as well (seed eqs. 16–21). The constraints stay inside the joint: in the
@@ -6,61 +6,13 @@
 //! eqs. (J1)–(J6).
 
 use crate::math::so3::hat;
+use crate::multibody::joint::JointKind;
 use nalgebra::{Matrix3, SMatrix, UnitQuaternion, Vector3};
 
 /// Most parameters of any joint.
 pub const MAX_PARAMETERS: usize = 9;
 
-/// Kind of a joint with redundant parameters.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ParameterKind {
-    /// Two axes: one fixed to the parent, one to the body; the angle between them stays.
-    Universal {
-        /// Unit axis in the parent's frame.
-        parent_axis: Vector3<f64>,
-        /// Unit axis in the body's frame, not parallel to the other one.
-        body_axis: Vector3<f64>,
-        /// Cosine of the angle between the axes.
-        cosine: f64,
-    },
-    /// All rotations.
-    Ball,
-    /// All rotations and translations; only on the root frame.
-    Free,
-}
-
-/// A joint with redundant parameters and their place in `q`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ParameterJoint {
-    /// Kind.
-    pub kind: ParameterKind,
-    /// Index of the first parameter in `q`.
-    pub coordinate: usize,
-}
-
-impl ParameterKind {
-    /// Number of parameters `η`.
-    pub fn parameters(&self) -> usize {
-        match self {
-            Self::Universal { .. } => 9,
-            Self::Ball => 4,
-            Self::Free => 7,
-        }
-    }
-
-    /// Number of constraints `Ψ` on them.
-    pub fn constraints(&self) -> usize {
-        match self {
-            Self::Universal { .. } => 7,
-            Self::Ball | Self::Free => 1,
-        }
-    }
-
-    /// Number of freedoms: parameters less constraints.
-    pub fn freedoms(&self) -> usize {
-        self.parameters() - self.constraints()
-    }
-
+impl JointKind {
     /// Index of the first Euler parameter among the joint's parameters.
     fn quaternion_start(&self) -> usize {
         if *self == Self::Free { 3 } else { 0 }
@@ -119,12 +71,12 @@ pub struct JointPose {
 impl JointPose {
     /// Pose from the parameters, which may be off their constraints by what a step's error leaves: the rotation is
     /// orthonormal up to the square of that.
-    pub fn new(kind: &ParameterKind, parameters: &[f64]) -> Self {
+    pub fn new(kind: &JointKind, parameters: &[f64]) -> Self {
         let mut eta = [0.0; MAX_PARAMETERS];
         eta[..parameters.len()].copy_from_slice(parameters);
         match kind {
-            ParameterKind::Universal { parent_axis, body_axis, .. } => Self::universal(parent_axis, body_axis, eta),
-            ParameterKind::Ball | ParameterKind::Free => Self::spherical(kind, eta),
+            JointKind::Universal { parent_axis, body_axis, .. } => Self::universal(parent_axis, body_axis, eta),
+            _ => Self::spherical(kind, eta),
         }
     }
 
@@ -151,7 +103,7 @@ impl JointPose {
         }
     }
 
-    fn spherical(kind: &ParameterKind, eta: [f64; MAX_PARAMETERS]) -> Self {
+    fn spherical(kind: &JointKind, eta: [f64; MAX_PARAMETERS]) -> Self {
         let start = kind.quaternion_start();
         let zeta = &eta[start..start + 4];
         let square: f64 = zeta.iter().map(|z| z * z).sum();
@@ -179,10 +131,10 @@ impl JointPose {
     }
 
     /// Angular velocity and, at the given second rates, angular acceleration of the body, parent's frame, eq. (J3).
-    pub fn spin(&self, kind: &ParameterKind, rates: &[f64], second: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+    pub fn spin(&self, kind: &JointKind, rates: &[f64], second: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
         let spin = apply(&self.spin_map, rates);
         let mut spin_rate = apply(&self.spin_map, second);
-        if !matches!(kind, ParameterKind::Universal { .. }) {
+        if !matches!(kind, JointKind::Universal { .. }) {
             let start = kind.quaternion_start();
             let (zeta, zeta_rate) = (&self.eta[start..start + 4], &rates[start..start + 4]);
             spin_rate -= spin * (2.0 * dot(zeta, zeta_rate) / dot(zeta, zeta));
@@ -191,8 +143,8 @@ impl JointPose {
     }
 
     /// Constraints at the level of accelerations: zero where the second rates keep the parameters on them, eq. (J4).
-    pub fn constraint_residual(&self, kind: &ParameterKind, rates: &[f64], second: &[f64], residual: &mut [f64]) {
-        let ParameterKind::Universal { parent_axis, body_axis, .. } = kind else {
+    pub fn constraint_residual(&self, kind: &JointKind, rates: &[f64], second: &[f64], residual: &mut [f64]) {
+        let JointKind::Universal { parent_axis, body_axis, .. } = kind else {
             let start = kind.quaternion_start();
             let (zeta, rate, second) =
                 (&self.eta[start..start + 4], &rates[start..start + 4], &second[start..start + 4]);
@@ -213,17 +165,12 @@ impl JointPose {
 
     /// Change of the parameters from the change of attitude `turn` (parent's frame) that the freedoms give and what
     /// the constraints ask for; eq. (J5).
-    pub fn parameter_change(
-        &self,
-        kind: &ParameterKind,
-        turn: &Vector3<f64>,
-        constraint: &[f64],
-    ) -> [f64; MAX_PARAMETERS] {
+    pub fn parameter_change(&self, kind: &JointKind, turn: &Vector3<f64>, constraint: &[f64]) -> [f64; MAX_PARAMETERS] {
         let mut change = [0.0; MAX_PARAMETERS];
         for (change, row) in change.iter_mut().zip(self.parameter_map.row_iter()) {
             *change = (row * turn)[0];
         }
-        if let ParameterKind::Universal { .. } = kind {
+        if let JointKind::Universal { .. } = kind {
             let cosines = Matrix3::from_column_slice(&self.eta);
             let stretched = cosines * symmetric(constraint);
             for (change, stretch) in change.iter_mut().zip(stretched.iter()) {
@@ -241,8 +188,8 @@ impl JointPose {
     }
 
     /// Rotation about [`Self::constraint_axis`] that a universal joint's constraint right side asks for; else 0.
-    pub fn constraint_turn(&self, kind: &ParameterKind, constraint: &[f64]) -> f64 {
-        let ParameterKind::Universal { parent_axis, body_axis, .. } = kind else { return 0.0 };
+    pub fn constraint_turn(&self, kind: &JointKind, constraint: &[f64]) -> f64 {
+        let JointKind::Universal { parent_axis, body_axis, .. } = kind else { return 0.0 };
         let cosines = Matrix3::from_column_slice(&self.eta);
         let stretched = cosines * symmetric(constraint) * body_axis;
         let lever = self.axes.column(1).cross(parent_axis).norm();
@@ -266,8 +213,8 @@ fn symmetric(constraint: &[f64]) -> Matrix3<f64> {
 
 /// Brings parameters with their first and second rates back to the constraints, eq. (J6): attitude to the nearest
 /// rotation that the joint allows, angular velocity and acceleration to their allowed parts.
-pub fn project(kind: &ParameterKind, eta: &mut [f64], rates: &mut [f64], second: &mut [f64]) {
-    if let ParameterKind::Universal { .. } = kind {
+pub fn project(kind: &JointKind, eta: &mut [f64], rates: &mut [f64], second: &mut [f64]) {
+    if let JointKind::Universal { .. } = kind {
         project_universal(kind, eta, rates, second);
         return;
     }
@@ -281,8 +228,8 @@ pub fn project(kind: &ParameterKind, eta: &mut [f64], rates: &mut [f64], second:
     remove(second, zeta, excess);
 }
 
-fn project_universal(kind: &ParameterKind, eta: &mut [f64], rates: &mut [f64], second: &mut [f64]) {
-    let ParameterKind::Universal { parent_axis, body_axis, cosine } = kind else { return };
+fn project_universal(kind: &JointKind, eta: &mut [f64], rates: &mut [f64], second: &mut [f64]) {
+    let JointKind::Universal { parent_axis, body_axis, cosine } = kind else { return };
     let before = JointPose::new(kind, eta);
     let (spin, spin_rate) = before.spin(kind, rates, second);
     let mut rotation = before.rotation;

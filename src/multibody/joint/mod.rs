@@ -1,0 +1,411 @@
+//! Joints: what the first frame of a body may do relative to the node that carries it.
+//!
+//! Every kind of joint answers the same questions, here by enum: where it carries its body ([`Joint::carry`]), what it
+//! projects out of a wrench ([`Joint::project`]), and what it takes out of the articulated-body recursion on the way in
+//! ([`Joint::eliminate`], [`Joint::reduce`]) and gives back on the way out ([`Joint::expand`]). The sweeps over the tree
+//! know no joint by name. Two families share their algebra: joints with one freedom along a screw
+//! ([`one_freedom`]) and joints with redundant parameters ([`redundant`]).
+//!
+//! Between the node that carries a body and the body's own first node lies an arm: the offset of the attachment, and the
+//! way that a prismatic joint has gone. It is crossed here too, once for all sweeps, NOTATION eqs. (J7)–(J9).
+
+mod one_freedom;
+pub mod parameters;
+mod prismatic;
+mod redundant;
+mod revolute;
+
+pub use one_freedom::OneFreedom;
+pub use redundant::RedundantWork;
+
+use crate::math::so3::hat;
+use crate::multibody::factor::{BadPivot, FreedomTangent, Weights};
+use crate::multibody::kinematics::Motion;
+use crate::multibody::norm::NormSquared;
+use crate::multibody::workspace::{ArticulatedInertia, Node, Pair};
+use nalgebra::{Matrix3, Matrix6, Vector3};
+use parameters::JointPose;
+
+/// Kind of a joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum JointKind {
+    /// Allows nothing.
+    Clamped,
+    /// Rotation about a unit axis in the parent's frame.
+    Revolute {
+        /// Unit axis in the parent's frame.
+        axis: Vector3<f64>,
+    },
+    /// Translation along a unit axis in the parent's frame.
+    Prismatic {
+        /// Unit axis in the parent's frame.
+        axis: Vector3<f64>,
+    },
+    /// Two axes: one fixed to the parent, one to the body; the angle between them stays.
+    Universal {
+        /// Unit axis in the parent's frame.
+        parent_axis: Vector3<f64>,
+        /// Unit axis in the body's frame, not parallel to the other one.
+        body_axis: Vector3<f64>,
+        /// Cosine of the angle between the axes.
+        cosine: f64,
+    },
+    /// All rotations.
+    Ball,
+    /// All rotations and translations; only on the root frame.
+    Free,
+}
+
+impl JointKind {
+    /// A universal joint about a unit axis in the parent's frame and one in the body's; its angle comes with the mount.
+    pub const fn universal(parent_axis: Vector3<f64>, body_axis: Vector3<f64>) -> Self {
+        Self::Universal { parent_axis, body_axis, cosine: 0.0 }
+    }
+
+    /// The joint of a body mounted by `mount`, parent ← body.
+    pub(crate) fn mounted(self, mount: &Matrix3<f64>) -> Self {
+        match self {
+            Self::Universal { parent_axis, body_axis, .. } => {
+                Self::Universal { parent_axis, body_axis, cosine: parent_axis.dot(&(mount * body_axis)) }
+            }
+            other => other,
+        }
+    }
+
+    /// Number of coordinates in `q`.
+    pub fn coordinates(&self) -> usize {
+        match self {
+            Self::Clamped => 0,
+            Self::Revolute { .. } | Self::Prismatic { .. } => 1,
+            Self::Universal { .. } => 9,
+            Self::Ball => 4,
+            Self::Free => 7,
+        }
+    }
+
+    /// Number of constraints `Ψ` among the coordinates.
+    pub fn constraints(&self) -> usize {
+        match self {
+            Self::Clamped | Self::Revolute { .. } | Self::Prismatic { .. } => 0,
+            Self::Universal { .. } => 7,
+            Self::Ball | Self::Free => 1,
+        }
+    }
+
+    /// Number of freedoms: coordinates less constraints.
+    pub fn freedoms(&self) -> usize {
+        self.coordinates() - self.constraints()
+    }
+
+    /// The coordinates are redundant parameters with constraints.
+    pub fn is_redundant(&self) -> bool {
+        self.constraints() > 0
+    }
+
+    /// Number of translations among the freedoms; they come first.
+    pub fn translations(&self) -> usize {
+        match self {
+            Self::Prismatic { .. } => 1,
+            Self::Free => 3,
+            _ => 0,
+        }
+    }
+
+    /// Something passes from the body to what carries it: every joint but the free one.
+    pub fn transmits(&self) -> bool {
+        *self != Self::Free
+    }
+}
+
+/// A joint with its place in `q`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Joint {
+    /// Kind.
+    pub kind: JointKind,
+    /// Index of its first coordinate in `q`.
+    pub coordinate: usize,
+    /// Inertia that moves with the coordinate only, of joints with one freedom, in kg·m² or kg: motor and gear, eq. (D16).
+    pub drive_inertia: f64,
+}
+
+/// Scratch of one joint: its pose, and its factors.
+#[derive(Debug, Clone)]
+pub struct JointWork {
+    /// From the node that carries the body to its first node, root frame, m; eq. (J7).
+    pub arm: Vector3<f64>,
+    /// There is a node that carries the body, and the arm may differ from zero.
+    levered: bool,
+    /// What the kind keeps.
+    pub(crate) freedoms: Freedoms,
+}
+
+/// What a kind of joint keeps between the sweeps.
+#[derive(Debug, Clone)]
+pub(crate) enum Freedoms {
+    /// Nothing.
+    None,
+    /// Of joints with one freedom.
+    One(OneFreedom),
+    /// Of joints with redundant parameters.
+    Redundant(Box<RedundantWork>),
+}
+
+impl JointWork {
+    /// Scratch of a joint whose body is mounted by `mount` (parent ← body), `offset_m` away from a node where `carried`.
+    pub(crate) fn new(joint: &Joint, mount: &Matrix3<f64>, offset_m: &Vector3<f64>, carried: bool) -> Self {
+        let moves = matches!(joint.kind, JointKind::Prismatic { .. });
+        Self {
+            arm: Vector3::zeros(),
+            levered: carried && (moves || *offset_m != Vector3::zeros()),
+            freedoms: match joint.kind {
+                JointKind::Clamped => Freedoms::None,
+                JointKind::Revolute { .. } | JointKind::Prismatic { .. } => Freedoms::One(OneFreedom::new(&joint.kind)),
+                _ => Freedoms::Redundant(Box::new(RedundantWork::new(joint, mount))),
+            },
+        }
+    }
+
+    /// Pose and maps of a joint with redundant parameters.
+    pub fn redundant(&self) -> Option<&RedundantWork> {
+        match &self.freedoms {
+            Freedoms::Redundant(work) => Some(work),
+            _ => None,
+        }
+    }
+
+    /// Axis of a joint with one freedom in the root frame; zero for the others.
+    pub fn axis(&self) -> Vector3<f64> {
+        match &self.freedoms {
+            Freedoms::One(one) => one.axis,
+            _ => Vector3::zeros(),
+        }
+    }
+
+    /// Twist of the body's first node that goes with a twist of the node that carries it, the joint at rest, eq. (J8).
+    #[inline]
+    pub(crate) fn carried(&self, parent: &Pair) -> Pair {
+        let mut moved = *parent;
+        if self.levered {
+            moved.linear += moved.angular.cross(&self.arm);
+        }
+        moved
+    }
+
+    /// Adds the arm's share to a moment that passes from the body's first node to the node that carries it, eq. (J8).
+    #[inline]
+    pub(crate) fn pass_on(&self, force: &Vector3<f64>, moment: &mut Vector3<f64>) {
+        if self.levered {
+            *moment += self.arm.cross(force);
+        }
+    }
+
+    /// Moves an articulated inertia from the body's first node to the node that carries it, eq. (J9).
+    #[inline]
+    fn shifted(&self, inertia: ArticulatedInertia) -> ArticulatedInertia {
+        if !self.levered {
+            return inertia;
+        }
+        let arm = hat(&self.arm);
+        let vw = inertia.vw - inertia.vv * arm;
+        ArticulatedInertia { vv: inertia.vv, vw, ww: inertia.ww - inertia.vw.transpose() * arm + arm * vw }
+    }
+}
+
+impl Joint {
+    /// Range of its coordinates in `q`.
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.coordinate..self.coordinate + self.kind.coordinates()
+    }
+
+    /// Coordinates at rest into `q`: zero, or the parameters of the mounted attitude.
+    pub fn rest(&self, mount: &Matrix3<f64>, q: &mut [f64]) {
+        let count = self.kind.coordinates();
+        if self.kind.is_redundant() {
+            q[self.range()].copy_from_slice(&self.kind.parameters_of(mount)[..count]);
+        } else {
+            q[self.range()].fill(0.0);
+        }
+    }
+
+    /// Moves a body's first node to where the joint carries it, eqs. (K9), (J2), (J3) and (J7); rates and accelerations
+    /// only with `RATES`. `offset_m` is that of the attachment: from the root's origin, or in the frame of `parent`.
+    #[inline]
+    pub(crate) fn carry<const RATES: bool>(
+        &self,
+        (offset_m, mount): (&Vector3<f64>, &Matrix3<f64>),
+        work: &mut JointWork,
+        parent: Option<&Node>,
+        node: &mut Node,
+        motion: Motion,
+    ) {
+        match parent {
+            Some(parent) => {
+                node.position = parent.position;
+                if RATES {
+                    node.velocity = parent.velocity;
+                    node.spin = parent.spin;
+                    node.acceleration = parent.acceleration;
+                    node.spin_rate = parent.spin_rate;
+                }
+            }
+            None => {
+                node.position = *offset_m;
+                node.velocity = Vector3::zeros();
+                node.spin = Vector3::zeros();
+                node.acceleration = Vector3::zeros();
+                node.spin_rate = Vector3::zeros();
+            }
+        }
+        if work.levered {
+            work.arm = parent.map_or_else(Vector3::zeros, |parent| parent.rotation * offset_m);
+            move_along::<RATES>(&work.arm, node);
+        }
+        match (&self.kind, &mut work.freedoms) {
+            (JointKind::Revolute { axis }, Freedoms::One(one)) => {
+                revolute::carry::<RATES>((axis, self.coordinate), mount, one, parent, node, motion);
+            }
+            (JointKind::Prismatic { axis }, Freedoms::One(one)) => {
+                work.arm += prismatic::carry::<RATES>((axis, self.coordinate), mount, one, parent, node, motion);
+            }
+            (_, Freedoms::Redundant(redundant)) => redundant.carry::<RATES>(self, parent, node, motion),
+            _ => node.rotation = parent.map_or(*mount, |parent| parent.rotation * mount),
+        }
+    }
+
+    /// Forces on the freedoms that do not come from the tree: the drive's own inertia, and the residuals of constraints.
+    #[inline]
+    pub(crate) fn own_forces(&self, work: &JointWork, motion: Motion, residual: &mut [f64]) {
+        match &work.freedoms {
+            Freedoms::None => {}
+            Freedoms::One(_) => residual[self.coordinate] = self.drive_inertia * motion.a[self.coordinate],
+            Freedoms::Redundant(redundant) => redundant.own_forces(self, motion, residual),
+        }
+    }
+
+    /// Adds the projection of the wrench at the body's first node on the freedoms to the residual, eq. (D9).
+    #[inline]
+    pub(crate) fn project(&self, work: &JointWork, wrench: &Pair, residual: &mut [f64]) {
+        match &work.freedoms {
+            Freedoms::None => {}
+            Freedoms::One(one) => residual[self.coordinate] += one.project(wrench),
+            Freedoms::Redundant(redundant) => redundant.project(self, wrench, residual),
+        }
+    }
+
+    /// Eliminates the freedoms from the inertia of the body's first node; returns what the carrying node feels.
+    #[inline]
+    pub(crate) fn eliminate(
+        &self,
+        work: &mut JointWork,
+        inertia: &ArticulatedInertia,
+        weights: Weights,
+        tangent: &FreedomTangent,
+    ) -> Result<ArticulatedInertia, BadPivot> {
+        let passed = match &mut work.freedoms {
+            Freedoms::None => *inertia,
+            Freedoms::One(one) => one.eliminate(self, inertia, weights, tangent)?,
+            Freedoms::Redundant(redundant) => redundant.eliminate(self, inertia, weights, tangent)?,
+        };
+        Ok(work.shifted(passed))
+    }
+
+    /// Inward half of the solution: takes the joint's share out of the right side `p` of its body's first node and leaves
+    /// that of the carrying node.
+    #[inline]
+    pub(crate) fn reduce(&self, work: &mut JointWork, x: &[f64], p: &mut Pair) {
+        match &mut work.freedoms {
+            Freedoms::None => {}
+            Freedoms::One(one) => one.reduce(x[self.coordinate], p),
+            Freedoms::Redundant(redundant) => redundant.reduce(self, x, p),
+        }
+        let force = p.linear;
+        work.pass_on(&force, &mut p.angular);
+    }
+
+    /// Outward half: the change of the coordinates into `x`; `moved` goes from the carrying node's twist to that of the
+    /// body's first node, which `norm` sees.
+    #[inline]
+    pub(crate) fn expand(&self, work: &JointWork, x: &mut [f64], moved: &mut Pair, norm: &mut NormSquared) {
+        *moved = work.carried(moved);
+        match &work.freedoms {
+            Freedoms::None if !work.levered => return,
+            Freedoms::None => {}
+            Freedoms::One(one) => x[self.coordinate] = one.expand(moved),
+            Freedoms::Redundant(redundant) => {
+                let largest = redundant.expand(self, x, moved);
+                norm.angular = norm.angular.max(largest);
+            }
+        }
+        norm.include(moved);
+    }
+
+    /// Adds the twist that a change of the coordinates gives the body's first node to that of the carrying node.
+    #[inline]
+    pub(crate) fn displace(&self, work: &JointWork, change: &[f64], moved: &mut Pair) {
+        *moved = work.carried(moved);
+        match &work.freedoms {
+            Freedoms::None => {}
+            Freedoms::One(one) => one.displace(change[self.coordinate], moved),
+            Freedoms::Redundant(redundant) => redundant.displace(self, change, moved),
+        }
+    }
+
+    /// Brings redundant coordinates with their rates and second rates back to the constraints, eq. (J6).
+    pub fn restore(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
+        if self.kind.is_redundant() {
+            let range = self.range();
+            parameters::project(&self.kind, &mut q[range.clone()], &mut v[range.clone()], &mut a[range]);
+        }
+    }
+
+    /// Twist of the body per freedom, root frame, as columns (velocity over spin); columns beyond the freedoms are zero.
+    pub(crate) fn freedom_twists(&self, work: &JointWork) -> Matrix6<f64> {
+        let mut twists = Matrix6::zeros();
+        match &work.freedoms {
+            Freedoms::None => {}
+            Freedoms::One(one) => {
+                let screw = one.screw();
+                twists.fixed_view_mut::<3, 1>(0, 0).copy_from(&screw.linear);
+                twists.fixed_view_mut::<3, 1>(3, 0).copy_from(&screw.angular);
+            }
+            Freedoms::Redundant(_) if self.kind == JointKind::Free => twists.fill_with_identity(),
+            Freedoms::Redundant(redundant) => twists.fixed_view_mut::<3, 3>(3, 0).copy_from(&redundant.axes),
+        }
+        twists
+    }
+
+    /// Change of the projections of a moment with the freedoms, where one axis of the joint turns another: entry `(i, j)`
+    /// is that of freedom `i` with freedom `j`.
+    pub(crate) fn turning_axes(&self, work: &JointWork, moment: &Vector3<f64>) -> Matrix6<f64> {
+        let mut change = Matrix6::zeros();
+        if let (JointKind::Universal { .. }, Some(redundant)) = (&self.kind, work.redundant()) {
+            // the second axis turns with the first rotation
+            let axis = |k: usize| -> Vector3<f64> { redundant.axes.column(k).into_owned() };
+            change[(1, 0)] = moment.dot(&axis(0).cross(&axis(1)));
+        }
+        change
+    }
+
+    /// Turns changes of the freedoms, first in `x`, into changes of the coordinates, in place.
+    pub(crate) fn expand_freedoms(&self, work: &JointWork, x: &mut [f64]) {
+        if let Some(redundant) = work.redundant() {
+            redundant.to_parameters(self, x);
+        }
+    }
+
+    /// Attitude and maps of a joint with redundant parameters at some coordinates.
+    pub fn pose(&self, q: &[f64]) -> JointPose {
+        JointPose::new(&self.kind, &q[self.range()])
+    }
+}
+
+/// Carries a node by an arm that is fixed to the frame in which it stands, eq. (J7).
+#[inline]
+fn move_along<const RATES: bool>(arm: &Vector3<f64>, node: &mut Node) {
+    node.position += arm;
+    if RATES {
+        let swing = node.spin.cross(arm);
+        node.velocity += swing;
+        node.acceleration += node.spin_rate.cross(arm) + node.spin.cross(&swing);
+    }
+}

@@ -1,0 +1,116 @@
+//! Joints with one freedom: a rotation about an axis or a translation along it, and their elimination.
+
+use crate::multibody::factor::{BadPivot, FreedomTangent, Weights};
+use crate::multibody::joint::{Joint, JointKind};
+use crate::multibody::workspace::{ArticulatedInertia, Pair};
+use nalgebra::Vector3;
+
+/// What the freedom does along the axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Freedom {
+    /// Turns about it.
+    Rotation,
+    /// Moves along it.
+    Translation,
+}
+
+/// A joint with one freedom at the poses of the last sweep, with its factor.
+#[derive(Debug, Clone)]
+pub struct OneFreedom {
+    /// Unit axis in the root frame.
+    pub axis: Vector3<f64>,
+    freedom: Freedom,
+    /// Inverse of the pivot; 0 for a held joint.
+    inverse_pivot: f64,
+    /// `P s` of the screw `s`.
+    pushed: Pair,
+    right_hand: f64,
+}
+
+impl OneFreedom {
+    pub(super) fn new(kind: &JointKind) -> Self {
+        Self {
+            axis: Vector3::zeros(),
+            freedom: if kind.translations() == 1 { Freedom::Translation } else { Freedom::Rotation },
+            inverse_pivot: 0.0,
+            pushed: Pair::ZERO,
+            right_hand: 0.0,
+        }
+    }
+
+    /// Twist of the body per unit of the freedom.
+    pub(super) fn screw(&self) -> Pair {
+        match self.freedom {
+            Freedom::Rotation => Pair { linear: Vector3::zeros(), angular: self.axis },
+            Freedom::Translation => Pair { linear: self.axis, angular: Vector3::zeros() },
+        }
+    }
+
+    /// Force or torque along the freedom of a wrench.
+    #[inline]
+    pub(super) fn project(&self, wrench: &Pair) -> f64 {
+        match self.freedom {
+            Freedom::Rotation => self.axis.dot(&wrench.angular),
+            Freedom::Translation => self.axis.dot(&wrench.linear),
+        }
+    }
+
+    #[inline]
+    pub(super) fn eliminate(
+        &mut self,
+        joint: &Joint,
+        inertia: &ArticulatedInertia,
+        weights: Weights,
+        tangent: &FreedomTangent,
+    ) -> Result<ArticulatedInertia, BadPivot> {
+        if !tangent.free {
+            (self.inverse_pivot, self.pushed) = (0.0, Pair::ZERO);
+            return Ok(*inertia);
+        }
+        let (velocity, spin) = match self.freedom {
+            Freedom::Rotation => (inertia.vw * self.axis, inertia.ww * self.axis),
+            Freedom::Translation => (inertia.vv * self.axis, inertia.vw.tr_mul(&self.axis)),
+        };
+        self.pushed = Pair { linear: velocity, angular: spin };
+        let pivot = self.project(&self.pushed)
+            + weights.stiffness * tangent.stiffness
+            + weights.damping * tangent.damping
+            + weights.mass * joint.drive_inertia;
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return Err(BadPivot { coordinate: joint.coordinate });
+        }
+        let inverse_pivot = 1.0 / pivot;
+        self.inverse_pivot = inverse_pivot;
+        Ok(ArticulatedInertia {
+            vv: inertia.vv - velocity * velocity.transpose() * inverse_pivot,
+            vw: inertia.vw - velocity * spin.transpose() * inverse_pivot,
+            ww: inertia.ww - spin * spin.transpose() * inverse_pivot,
+        })
+    }
+
+    #[inline]
+    pub(super) fn reduce(&mut self, force: f64, p: &mut Pair) {
+        let g = force + self.project(p);
+        self.right_hand = g;
+        let y = g * self.inverse_pivot;
+        p.linear -= self.pushed.linear * y;
+        p.angular -= self.pushed.angular * y;
+    }
+
+    /// Change of the freedom; `moved` goes on to the body's first node.
+    #[inline]
+    pub(super) fn expand(&self, moved: &mut Pair) -> f64 {
+        let pull = self.right_hand - self.pushed.linear.dot(&moved.linear) - self.pushed.angular.dot(&moved.angular);
+        let change = pull * self.inverse_pivot;
+        self.displace(change, moved);
+        change
+    }
+
+    #[inline]
+    pub(super) fn displace(&self, change: f64, moved: &mut Pair) {
+        match self.freedom {
+            Freedom::Rotation => moved.angular += self.axis * change,
+            Freedom::Translation => moved.linear += self.axis * change,
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! Prismatic joints: translation along an axis that is fixed to both sides.
+
+use crate::multibody::joint::one_freedom::OneFreedom;
+use crate::multibody::kinematics::Motion;
+use crate::multibody::workspace::Node;
+use nalgebra::{Matrix3, Vector3};
+
+/// Moves a node that stands where the joint is at zero along the axis, eq. (J7); returns the way that it has gone, root
+/// frame, in m.
+#[inline]
+pub(super) fn carry<const RATES: bool>(
+    (axis, coordinate): (&Vector3<f64>, usize),
+    mount: &Matrix3<f64>,
+    one: &mut OneFreedom,
+    parent: Option<&Node>,
+    node: &mut Node,
+    motion: Motion,
+) -> Vector3<f64> {
+    one.axis = parent.map_or(*axis, |parent| parent.rotation * axis);
+    let way = one.axis * motion.q[coordinate];
+    node.position += way;
+    if RATES {
+        let (swing, slide) = (node.spin.cross(&way), one.axis * motion.v[coordinate]);
+        node.velocity += swing + slide;
+        node.acceleration +=
+            node.spin_rate.cross(&way) + node.spin.cross(&(swing + slide * 2.0)) + one.axis * motion.a[coordinate];
+    }
+    node.rotation = parent.map_or(*mount, |parent| parent.rotation * mount);
+    way
+}
