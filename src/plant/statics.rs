@@ -445,7 +445,7 @@ impl Plant {
                 let remedy = if body.hinge.is_some() {
                     "give it a spring, close its latch, or hold it (release = false)"
                 } else if body.parameters.is_some_and(|joint| joint.kind.freedoms() == 6) {
-                    "a free body has no place of rest"
+                    "a free body has no equilibrium"
                 } else {
                     "give it a spring"
                 };
