@@ -63,24 +63,6 @@ const MOST_LINES: usize = 500;
 /// Files that may be longer, each with its reason.
 const LONGER: &[(&str, &str)] = &[];
 
-/// Documents whose paths and commands are checked.
-const DOCUMENTS: &[&str] = &[
-    "README.md",
-    "docs/ARCHITECTURE.md",
-    "docs/VALIDATION.md",
-    "docs/validation/audit.md",
-    "docs/BENCHMARKS.md",
-    "docs/PLATFORMS.md",
-    "docs/COMMAND_LINE.md",
-    "docs/guide/README.md",
-    "docs/guide/theory.md",
-    "docs/guide/messages.md",
-    "docs/guide/python.md",
-    "docs/guide/simulink.md",
-    "docs/guide/openmodelica.md",
-    "CHANGELOG.md",
-];
-
 /// Folders at the top: what begins with one of them in a document is a path.
 const TOP: &[&str] =
     &[".ci", "benches", "docs", "examples", "modelDescription", "python", "src", "studies", "tests", "tools"];
@@ -189,6 +171,26 @@ fn cited_equations_exist() {
     assert!(citations > 30, "only {citations} citations found: has their form changed?");
 }
 
+/// Letters of chapters and of papers: what is used stands in the legend of `docs/NOTATION.md`.
+#[test]
+fn letters_stand_in_the_legend() {
+    let page = read("docs/NOTATION.md");
+    let (legend, _) = page.split_once("\n## ").expect("the legend stands before the first chapter");
+    for number in equations() {
+        assert!(legend.contains(&format!("**{}** |", &number[..1])), "({number}): no chapter in the legend");
+    }
+    let mut citations = 0;
+    for source in sources() {
+        for (at, _) in source.whole.match_indices("\\[") {
+            let letter = &source.whole[at + 2..].chars().next().expect("a letter behind the bracket");
+            let paper = format!("**[{letter}]**");
+            assert!(legend.contains(&paper), "{}: the paper [{letter}] is not in the legend", source.path);
+            citations += 1;
+        }
+    }
+    assert!(citations > 10, "only {citations} citations of papers found: has their form changed?");
+}
+
 /// An equation that no line of the code cites is either not implemented or not findable from the page.
 #[test]
 fn numbered_equations_are_cited() {
@@ -212,9 +214,9 @@ fn files_stay_short_and_have_names_that_say_something() {
 
 #[test]
 fn paths_in_documents_exist() {
-    for document in DOCUMENTS {
-        let text = read(document);
-        let folder = root().join(document).parent().expect("a document has a folder").to_owned();
+    for document in documents() {
+        let text = read(&document);
+        let folder = root().join(&document).parent().expect("a document has a folder").to_owned();
         for span in code_spans(&text) {
             let path = span.split([' ', ':']).next().unwrap_or_default();
             let looks_like_a_path = TOP.iter().any(|top| path.starts_with(&format!("{top}/")))
@@ -229,6 +231,41 @@ fn paths_in_documents_exist() {
     }
 }
 
+/// Records are numbered without gaps, have one form, and stand in the index in order.
+#[test]
+fn decision_records_have_one_form() {
+    let folder = root().join("docs/decisions");
+    let mut names: Vec<String> = fs::read_dir(&folder)
+        .expect("readable")
+        .map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned())
+        .filter(|name| name != "README.md")
+        .collect();
+    names.sort();
+    let index = read("docs/decisions/README.md");
+    let listed: Vec<&str> = index.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
+    assert_eq!(listed, names, "docs/decisions/README.md (left) and the folder (right)");
+    for (i, name) in names.iter().enumerate() {
+        let text = read(&format!("docs/decisions/{name}"));
+        let number = format!("{:04}", i + 1);
+        assert!(name.starts_with(&number) && text.starts_with(&format!("# {number}: ")), "{name}: number {number}");
+        let status = text.lines().nth(2).unwrap_or_default();
+        let date = status.split([' ', '.', ';']).find(|word| word.len() == 10 && word.starts_with("20"));
+        assert!(status.starts_with("Accepted, ") && date.is_some(), "{name}: `Accepted, YYYY-MM-DD.`, not {status:?}");
+        let sections: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("## ")).collect();
+        assert_eq!(sections, ["Context", "Decision", "Considered", "Consequences"], "{name}");
+    }
+}
+
+/// What to cite is the newest release that the changelog dates.
+#[test]
+fn citation_names_the_newest_release() {
+    let (changelog, citation) = (read("CHANGELOG.md"), read("CITATION.cff"));
+    let release = changelog.lines().find_map(|line| line.strip_prefix("## ")?.strip_suffix(')')?.split_once(" ("));
+    let (version, date) = release.expect("CHANGELOG.md dates its releases: `## 0.1.0 (2026-11-21)`");
+    let value = |key: &str| citation.lines().find_map(|line| line.strip_prefix(key)).map(str::trim);
+    assert_eq!((value("version:"), value("date-released:")), (Some(version), Some(date)), "CITATION.cff");
+}
+
 /// `make X` in a code block names a target; `foldwing X` a command.
 #[test]
 fn commands_in_documents_exist() {
@@ -236,8 +273,8 @@ fn commands_in_documents_exist() {
     let targets: BTreeSet<&str> =
         makefile.lines().filter_map(|line| line.split_once(':')).map(|(target, _)| target).collect();
     let command_line = read("src/cli/mod.rs");
-    for document in DOCUMENTS {
-        let text = read(document);
+    for document in documents() {
+        let text = read(&document);
         let lines = code_blocks(&text, "sh").into_iter().flat_map(str::lines);
         for command in lines.chain(code_spans(&text)) {
             let words: Vec<&str> = command.split(['#', '|']).next().unwrap_or_default().split_whitespace().collect();
@@ -295,7 +332,7 @@ struct Source {
 
 fn sources() -> Vec<Source> {
     let mut paths = Vec::new();
-    walk(&root().join("src"), &mut paths);
+    walk(&root().join("src"), "rs", &mut paths);
     paths.sort();
     let of = |path: PathBuf| {
         let inside = path.strip_prefix(root()).expect("inside the repository");
@@ -313,12 +350,25 @@ fn sources() -> Vec<Source> {
     sources
 }
 
-fn walk(folder: &Path, paths: &mut Vec<PathBuf>) {
+/// Documents whose paths, links and commands are checked: pages at the top, of `studies/`, and all of `docs/`.
+fn documents() -> Vec<String> {
+    let mut paths = Vec::new();
+    walk(&root().join("docs"), "md", &mut paths);
+    walk(&root().join("studies"), "md", &mut paths);
+    let top = fs::read_dir(root()).expect("readable").map(|entry| entry.expect("readable").path());
+    paths.extend(top.filter(|path| path.extension().is_some_and(|extension| extension == "md")));
+    paths.sort();
+    assert!(paths.len() > 30, "only {} documents found", paths.len());
+    let inside = |path: PathBuf| path.strip_prefix(root()).expect("inside").to_string_lossy().replace('\\', "/");
+    paths.into_iter().map(inside).collect()
+}
+
+fn walk(folder: &Path, extension: &str, paths: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display())) {
         let path = entry.expect("readable").path();
         if path.is_dir() {
-            walk(&path, paths);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            walk(&path, extension, paths);
+        } else if path.extension().is_some_and(|found| found == extension) {
             paths.push(path);
         }
     }

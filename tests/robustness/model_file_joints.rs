@@ -121,7 +121,7 @@ fn free_parent() {
 fn foreign_keys() {
     let refusal = |line: usize, key: &str, value: &str, types: &str| {
         format!(
-            "wing.toml:{line}: key 'joint.fold.{key}': {value} is not allowed; allowed: this key with type = {types} only"
+            "wing.toml:{line}: key 'joint.fold.{key}': {value} is not allowed; allowed: this key only with type = {types}"
         )
     };
     for (key, value) in [
@@ -175,8 +175,8 @@ fn foreign_drive_keys() {
             assert_eq!(
                 message_of(&text),
                 format!(
-                    "wing.toml:{line}: key 'joint.fold.drive.{key}': 1 is not allowed; allowed: this key with type = \
-                     \"revolute\" only"
+                    "wing.toml:{line}: key 'joint.fold.drive.{key}': 1 is not allowed; allowed: this key only with type = \
+                     \"revolute\""
                 )
             );
         }
@@ -204,7 +204,7 @@ fn real_time_mode() {
     assert_eq!(
         solver("mode = \"real_time\"\nmethod = \"esdirk4\""),
         "wing.toml:49: key 'solver.method': \"esdirk4\" is not allowed; allowed: \"sdirk2\", or no method, with mode = \
-         \"real_time\": at steps of given length the others carry a jump of the accelerations on in stiff modes"
+         \"real_time\": with fixed steps the others keep a jump of the accelerations ringing in stiff modes"
     );
     assert_eq!(
         solver("max_iterations = 3"),
