@@ -115,7 +115,7 @@ profile: toolchain ## Count the instructions of the deployment by part of the pr
 	    --model examples/models/folding_wing_constant.toml --output gauge.root.strain --output fold.latch_time
 
 bench-sweep: build ## Measure variants per second of `foldwing sweep` with one thread and two
-	@$(PYTHON) tools/sweep_throughput.py --foldwing $(COMMAND)
+	@$(PYTHON) studies/sweep_throughput.py --foldwing $(COMMAND)
 
 bench-latency: build ## Measure single steps of 1 ms in real-time mode under turbulence; alone on its core where the system permits
 	@for model in folding_wing folding_wing_constant; do \
@@ -126,27 +126,27 @@ bench-latency: build ## Measure single steps of 1 ms in real-time mode under tur
 
 bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/tables/exudyn.md, takes minutes
 	@$(PYTHON) tools/create_venv.py $(PEERS) --requirements python/requirements-peers.txt
-	$(PEERS)/bin/python tools/compare_exudyn.py --foldwing $(COMMAND)
-	$(PEERS)/bin/python tools/compare_lattice.py
+	$(PEERS)/bin/python studies/compare_exudyn.py --foldwing $(COMMAND)
+	$(PEERS)/bin/python studies/compare_lattice.py
 
 validate: package venv ## Compare with the methods of the paper, sweep on Dask, flutter, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
 	$(CARGO) test --locked --test conventional -- --nocapture
 	$(CARGO) test --locked --release --test coupling -- --ignored --nocapture
 	$(CARGO) test --locked --release --test plant -- --ignored --nocapture
-	$(VENV_PYTHON) tools/output_convergence.py --foldwing $(COMMAND) --table docs/tables/outputs.md --csv $(TARGET)/verification/outputs.csv
-	$(VENV_PYTHON) tools/plot_conventional.py $(TARGET)/verification docs/pictures
+	$(VENV_PYTHON) studies/output_convergence.py --foldwing $(COMMAND) --table docs/tables/outputs.md --csv $(TARGET)/verification/outputs.csv
+	$(VENV_PYTHON) studies/plot_conventional.py $(TARGET)/verification docs/pictures
 	$(CARGO) test --locked --test capabilities -- --nocapture
-	$(VENV_PYTHON) tools/plot_input_derivatives.py $(TARGET)/verification docs/pictures
+	$(VENV_PYTHON) studies/plot_input_derivatives.py $(TARGET)/verification docs/pictures
 	$(VENV_PYTHON) examples/damp_latched_wing.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/damped_latched_wing.png
 	$(VENV_PYTHON) examples/fold_from_csv.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/fold_from_csv.png
 	$(VENV_PYTHON) examples/soft_fold.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/soft_fold.png
 	$(VENV_PYTHON) examples/gust.py --foldwing $(COMMAND) --picture docs/pictures/gust.png
 	$(VENV_PYTHON) examples/identify_damping.py --fmu $(FMU) --picture docs/pictures/identified_damping.png
-	$(VENV_PYTHON) tools/plot_models.py --foldwing $(COMMAND) --output docs/pictures
-	$(VENV_PYTHON) tools/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
+	$(VENV_PYTHON) studies/plot_models.py --foldwing $(COMMAND) --output docs/pictures
+	$(VENV_PYTHON) studies/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
 	@$(PYTHON) tools/create_venv.py $(DASK) --requirements python/requirements-dask.txt
 	$(DASK)/bin/python examples/sweep_dask.py --fmu $(FMU) --foldwing $(COMMAND)
-	$(VENV_PYTHON) tools/shoot_viewer.py --foldwing $(COMMAND) --output docs/pictures
+	$(VENV_PYTHON) studies/shoot_viewer.py --foldwing $(COMMAND) --output docs/pictures
 	$(MAKE) robust
 
 audit: build venv ## Repeat the audit of physics and numerics: studies/audit, docs/validation/audit.md
@@ -169,10 +169,10 @@ notebook: package venv ## Run examples/deployment.ipynb and store in it what it 
 	    $(VENV_PYTHON) tools/run_notebook.py examples/deployment.ipynb
 
 tunnel: package venv ## Change one choice of the wind tunnel at a time: docs/tables/tunnel.md, takes minutes
-	$(VENV_PYTHON) tools/tunnel_study.py --foldwing $(COMMAND) --table docs/tables/tunnel.md
+	$(VENV_PYTHON) studies/tunnel_study.py --foldwing $(COMMAND) --table docs/tables/tunnel.md
 
 aircraft: package venv ## Couple two wings with an aircraft by several ways: docs/tables/aircraft.md, takes minutes
-	$(VENV_PYTHON) tools/aircraft_study.py --foldwing $(COMMAND) --fmu $(FMU) --table docs/tables/aircraft.md --pictures docs/pictures
+	$(VENV_PYTHON) studies/aircraft_study.py --foldwing $(COMMAND) --fmu $(FMU) --table docs/tables/aircraft.md --pictures docs/pictures
 
 bless: toolchain ## Rewrite modelDescription/, the schema and the pages written from the program, after a deliberate change
 	FOLDWING_BLESS=1 $(CARGO) test --locked --test model_description --test model_file --test guide --no-fail-fast

@@ -1,4 +1,4 @@
-//! Cost of the vortex lattice in the case of `tools/ptera_uvlm.py`: flat wing of aspect ratio 6, 8 × 20 panels, sudden
+//! Cost of the vortex lattice in the case of `studies/ptera_uvlm.py`: flat wing of aspect ratio 6, 8 × 20 panels, sudden
 //! start at 5°, 10 m/s, steps of an eighth of a chord, 100 steps, all wake kept.
 //!
 //! Before that the cost of one step of a wing that bends, split into what is done once and what a coupling repeats.

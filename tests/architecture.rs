@@ -78,6 +78,7 @@ const DOCUMENTS: &[&str] = &[
     "docs/guide/python.md",
     "docs/guide/simulink.md",
     "docs/guide/openmodelica.md",
+    "studies/README.md",
     "CHANGELOG.md",
 ];
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Deployment of Otsuka et al., Table 5, without air in Exudyn: the peer's side of `tools/compare_exudyn.py`.
+"""Deployment of Otsuka et al., Table 5, without air in Exudyn: the peer's side of `studies/compare_exudyn.py`.
 
 Body A is clamped at the origin along +X, body B starts at the hinge, turned by 170 degrees. Exudyn's planar beams live in
 its x-y plane: the paper's X is its x, Z its y. Torque of the hinge on B: -(k θ + c θ' + T), reaction on A. Geometrically

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Two-body system of Otsuka et al., Table 4, in Exudyn: the peer's side of `tools/compare_exudyn.py`.
+"""Two-body system of Otsuka et al., Table 4, in Exudyn: the peer's side of `studies/compare_exudyn.py`.
 
 Body A is clamped at the origin, a hinge about Y holds body B, both start along +X, gravity 9.8 m/s² along -Z. Exudyn's
 planar beams live in its x-y plane: the paper's X is its x, Z its y.

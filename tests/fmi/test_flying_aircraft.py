@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "studies"))
 
 import aircraft_study as study  # noqa: E402
 import flying_aircraft  # noqa: E402

@@ -10,7 +10,7 @@ from conftest import ROOT
 from driving import Fmu, instance
 from test_state import continue_elsewhere
 
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "studies"))
 
 from tunnel_study import AIR, MODEL, PAPER_LATCH_S, PAPER_TIP_M, TIP_TIME_S, WITHOUT, change  # noqa: E402
 

@@ -61,7 +61,7 @@ COMPARED = ("held", "quasi-newton")
 
 PAGE = """# An aircraft that carries two of the FMUs
 
-Written by `make aircraft` (`tools/aircraft_study.py`), {date}. `examples/flying_aircraft.py` couples a rigid fuselage
+Written by `make aircraft` (`studies/aircraft_study.py`), {date}. `examples/flying_aircraft.py` couples a rigid fuselage
 of 0.3 kg in Python with two folding wings of 0.063 kg; the same aircraft in one piece, `examples/flying_aircraft.toml`
 at a tolerance of 1e-10, is the reference. In brackets: order between a step and the one before.
 

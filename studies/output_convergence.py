@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Errors of every output of the shipped models by tolerance, against tolerance 1e-9: docs/tables/outputs.md.
 
-  python tools/output_convergence.py --foldwing COMMAND --table docs/tables/outputs.md [--csv ALL.csv] [--model NAME]...
+  python studies/output_convergence.py --foldwing COMMAND --table docs/tables/outputs.md [--csv ALL.csv] [--model NAME]...
 
 The error of an output is the largest departure from the run at 1e-9 over all communication points, over the range of the
 output in that run; of `energy.total`, over that of the kinetic energy. Models with air are left out: their loads change by aerodynamic steps, which the tolerance does not
@@ -125,7 +125,7 @@ def page(summary, exceptions):
         "",
         "Largest departure from the run at tolerance 1e-9 over all communication points, as a share of the output's range there;",
         "method ESDIRK4, every output that moves, of every shipped model without air. Written by",
-        "`python tools/output_convergence.py --foldwing COMMAND --table docs/tables/outputs.md` (`make validate`).",
+        "`python studies/output_convergence.py --foldwing COMMAND --table docs/tables/outputs.md` (`make validate`).",
         f"An output *falls* where its error at 1e-7 is at most a tenth of that at 1e-5, or that is below {SMALL:g};",
         f"*damped*: with `stiffness_damping_s = {DAMPING_S:g}` on every body that has none.",
         "",

@@ -2,9 +2,9 @@
 """Compares cost and lift of the vortex lattice with Ptera Software on the same case, in one run on one machine.
 
   pip install pterasoftware
-  python tools/compare_lattice.py [--runs 2]
+  python studies/compare_lattice.py [--runs 2]
 
-Runs `tools/ptera_uvlm.py` and `cargo bench --bench lattice` in turn (fastest of the runs each) for the prescribed and the
+Runs `studies/ptera_uvlm.py` and `cargo bench --bench lattice` in turn (fastest of the runs each) for the prescribed and the
 free wake and prints times, ratio and the lift coefficients' difference over way. One thread each.
 """
 import argparse
@@ -20,7 +20,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 def ptera(wake: str, folder: pathlib.Path) -> float:
     """Seconds of the solver; the history goes to `folder`."""
-    script = [sys.executable, str(ROOT / "tools" / "ptera_uvlm.py"), "--wake", wake, "--csv", str(folder / f"ptera_{wake}.csv")]
+    script = [sys.executable, str(ROOT / "studies" / "ptera_uvlm.py"), "--wake", wake, "--csv", str(folder / f"ptera_{wake}.csv")]
     text = subprocess.run(script, check=True, capture_output=True, text=True).stdout
     return float(re.search(r"solve_wall_s=([\d.]+)", text).group(1))
 

@@ -208,7 +208,7 @@ def write_table(runs, path, states, rounds, apart, deployment):
     lines = [
         "# Cost against error: Foldwing and Exudyn",
         "",
-        f"Written by `make bench-peers` (`tools/compare_exudyn.py`), {begin['time']:%Y-%m-%d %H:%M} UTC, on one core of "
+        f"Written by `make bench-peers` (`studies/compare_exudyn.py`), {begin['time']:%Y-%m-%d %H:%M} UTC, on one core of "
         f"{begin['cores']} of an {begin['model']}, {begin['system']}; load of the machine {begin['load']} before, {end['load']} "
         f"after. Exudyn {version('exudyn')} and Foldwing in turn, one thread each, {len(runs)} settings, "
         f"up to {rounds} round{'s' if rounds > 1 else ''}.",

@@ -250,7 +250,7 @@ def document(results, still):
     text = [
         "# The deployment in the wind tunnel: what moves the answer",
         "",
-        f"Written by `make tunnel` (`tools/tunnel_study.py`), {datetime.date.today().isoformat()}. Every row is the shipped model",
+        f"Written by `make tunnel` (`studies/tunnel_study.py`), {datetime.date.today().isoformat()}. Every row is the shipped model",
         "`examples/models/folding_wing_in_tunnel.toml` with one choice changed; nothing is fitted. \"%\" is the change of the latch",
         "time against the shipped model. Times of runs are wall-clock times beside other runs: a comparison, no benchmark.",
         "",

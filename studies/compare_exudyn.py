@@ -2,7 +2,7 @@
 """Compares cost and error of Foldwing and Exudyn on the two-body system and the deployment, in turn in one run.
 
   make bench-peers
-  python tools/compare_exudyn.py --foldwing target/release/foldwing [--rounds 5] [--quick]
+  python studies/compare_exudyn.py --foldwing target/release/foldwing [--rounds 5] [--quick]
 
 Both programs run over meshes, steps and tolerances, one thread each, in the same process tree and in turn: round by round,
 each setting once per round. Cost is processor time of the solution alone: Exudyn's `SolveDynamic`, Foldwing's
