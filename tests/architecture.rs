@@ -63,25 +63,6 @@ const MOST_LINES: usize = 500;
 /// Files that may be longer, each with its reason.
 const LONGER: &[(&str, &str)] = &[];
 
-/// Documents whose paths and commands are checked.
-const DOCUMENTS: &[&str] = &[
-    "README.md",
-    "docs/ARCHITECTURE.md",
-    "docs/VALIDATION.md",
-    "docs/validation/audit.md",
-    "docs/BENCHMARKS.md",
-    "docs/PLATFORMS.md",
-    "docs/COMMAND_LINE.md",
-    "docs/guide/README.md",
-    "docs/guide/theory.md",
-    "docs/guide/messages.md",
-    "docs/guide/python.md",
-    "docs/guide/simulink.md",
-    "docs/guide/openmodelica.md",
-    "studies/README.md",
-    "CHANGELOG.md",
-];
-
 /// Folders at the top: what begins with one of them in a document is a path.
 const TOP: &[&str] =
     &[".ci", "benches", "docs", "examples", "modelDescription", "python", "src", "studies", "tests", "tools"];
@@ -213,9 +194,9 @@ fn files_stay_short_and_have_names_that_say_something() {
 
 #[test]
 fn paths_in_documents_exist() {
-    for document in DOCUMENTS {
-        let text = read(document);
-        let folder = root().join(document).parent().expect("a document has a folder").to_owned();
+    for document in documents() {
+        let text = read(&document);
+        let folder = root().join(&document).parent().expect("a document has a folder").to_owned();
         for span in code_spans(&text) {
             let path = span.split([' ', ':']).next().unwrap_or_default();
             let looks_like_a_path = TOP.iter().any(|top| path.starts_with(&format!("{top}/")))
@@ -237,8 +218,8 @@ fn commands_in_documents_exist() {
     let targets: BTreeSet<&str> =
         makefile.lines().filter_map(|line| line.split_once(':')).map(|(target, _)| target).collect();
     let command_line = read("src/cli/mod.rs");
-    for document in DOCUMENTS {
-        let text = read(document);
+    for document in documents() {
+        let text = read(&document);
         let lines = code_blocks(&text, "sh").into_iter().flat_map(str::lines);
         for command in lines.chain(code_spans(&text)) {
             let words: Vec<&str> = command.split(['#', '|']).next().unwrap_or_default().split_whitespace().collect();
@@ -296,7 +277,7 @@ struct Source {
 
 fn sources() -> Vec<Source> {
     let mut paths = Vec::new();
-    walk(&root().join("src"), &mut paths);
+    walk(&root().join("src"), "rs", &mut paths);
     paths.sort();
     let of = |path: PathBuf| {
         let inside = path.strip_prefix(root()).expect("inside the repository");
@@ -314,12 +295,25 @@ fn sources() -> Vec<Source> {
     sources
 }
 
-fn walk(folder: &Path, paths: &mut Vec<PathBuf>) {
+/// Documents whose paths, links and commands are checked: pages at the top, of `studies/`, and all of `docs/`.
+fn documents() -> Vec<String> {
+    let mut paths = Vec::new();
+    walk(&root().join("docs"), "md", &mut paths);
+    walk(&root().join("studies"), "md", &mut paths);
+    let top = fs::read_dir(root()).expect("readable").map(|entry| entry.expect("readable").path());
+    paths.extend(top.filter(|path| path.extension().is_some_and(|extension| extension == "md")));
+    paths.sort();
+    assert!(paths.len() > 30, "only {} documents found", paths.len());
+    let inside = |path: PathBuf| path.strip_prefix(root()).expect("inside").to_string_lossy().replace('\\', "/");
+    paths.into_iter().map(inside).collect()
+}
+
+fn walk(folder: &Path, extension: &str, paths: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display())) {
         let path = entry.expect("readable").path();
         if path.is_dir() {
-            walk(&path, paths);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            walk(&path, extension, paths);
+        } else if path.extension().is_some_and(|found| found == extension) {
             paths.push(path);
         }
     }

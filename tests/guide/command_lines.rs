@@ -17,7 +17,7 @@ pub struct CommandLine {
 pub fn pages() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut pages = vec![root.join("README.md")];
-    for folder in ["docs", "docs/guide"] {
+    for folder in ["docs", "docs/guide", "docs/validation"] {
         let files = std::fs::read_dir(root.join(folder)).expect("the folder is part of the repository");
         pages.extend(files.map(|file| file.unwrap().path()).filter(|path| path.extension().is_some_and(|e| e == "md")));
     }
