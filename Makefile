@@ -30,7 +30,7 @@ PLATFORMS   := $(TARGET)/platforms
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers profile bless licenses robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
+.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers profile bless licenses msrv robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -67,6 +67,9 @@ fmu-all: build platforms ## Make the FMUs for Linux and Windows in one, in $(TAR
 test-platforms: fmu-all package test-venv ## Check the libraries of `make fmu-all`, the one for Windows under Wine
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) \
 	    $(TEST_PYTHON) -m pytest -q -rs tests/fmi/test_platforms.py $(PYTEST_ARGUMENTS)
+
+msrv: ## Compile with the oldest Rust that Cargo.toml declares, if rustup has it
+	@sh tools/check_minimum_rust.sh "$(MINIMUM_RUST)" $(TARGET)/msrv
 
 venv: toolchain ## Create the Python environment from pinned packages
 	@$(PYTHON) tools/create_venv.py $(VENV) --requirements python/requirements.txt
