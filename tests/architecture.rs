@@ -211,6 +211,16 @@ fn paths_in_documents_exist() {
     }
 }
 
+/// What to cite is the newest release that the changelog dates.
+#[test]
+fn citation_names_the_newest_release() {
+    let (changelog, citation) = (read("CHANGELOG.md"), read("CITATION.cff"));
+    let release = changelog.lines().find_map(|line| line.strip_prefix("## ")?.strip_suffix(')')?.split_once(" ("));
+    let (version, date) = release.expect("CHANGELOG.md dates its releases: `## 0.1.0 (2026-11-21)`");
+    let value = |key: &str| citation.lines().find_map(|line| line.strip_prefix(key)).map(str::trim);
+    assert_eq!((value("version:"), value("date-released:")), (Some(version), Some(date)), "CITATION.cff");
+}
+
 /// `make X` in a code block names a target; `foldwing X` a command.
 #[test]
 fn commands_in_documents_exist() {

@@ -21,8 +21,8 @@ ROOT = Path(__file__).resolve().parents[1]
 FIRST_OF_1980 = 315532800
 
 # What of the repository a user of the command needs. Folders are taken whole.
-KEPT = ["README.md", "CHANGELOG.md", "LICENSE", "LICENSE-APACHE", "LICENSE-MIT", "licenses", "docs", "examples",
-        "python/requirements.txt"]
+KEPT = ["README.md", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "SECURITY.md", "LICENSE", "LICENSE-APACHE",
+        "LICENSE-MIT", "licenses", "docs", "examples", "python/requirements.txt"]
 LEFT_OUT = {"__pycache__", ".ipynb_checkpoints"}
 LIBRARIES = ["libfoldwing.so", "foldwing.dll", "libfoldwing.dylib"]
 

@@ -27,7 +27,9 @@ def check(tmp_path):
             rustup = folder / "rustup"
             rustup.write_text(f"#!/bin/sh\nif [ $1 = toolchain ]; then echo '{listed}'; else echo \"ran $*\"; fi\n")
             rustup.chmod(0o755)
-        return subprocess.run([folder / "sh", SCRIPT, "1.89", "out"], env={"PATH": str(folder)}, capture_output=True, text=True)
+        return subprocess.run(
+            [folder / "sh", SCRIPT, "1.89", "out"], env={"PATH": str(folder)}, capture_output=True, text=True
+        )
 
     return run
 
@@ -40,12 +42,20 @@ def test_t40_the_declared_toolchain_compiles(check, toolchain):
     assert f"ran run {toolchain.split()[0]} cargo check --locked --lib --bins --target-dir out" in outcome.stdout
 
 
-@pytest.mark.parametrize("toolchains", [["stable-x86_64-unknown-linux-gnu", "1.95.0-x86_64-unknown-linux-gnu"], ["1.890-x86_64"], ["no installed toolchains"]])
+@pytest.mark.parametrize(
+    "toolchains",
+    [
+        ["stable-x86_64-unknown-linux-gnu", "1.95.0-x86_64-unknown-linux-gnu"],
+        ["1.890-x86_64"],
+        ["no installed toolchains"],
+    ],
+)
 def test_t41_another_toolchain_is_no_substitute(check, toolchains):
     """T-41. Newer ones prove nothing: refused with the line that installs the right one."""
     outcome = check(toolchains)
     assert outcome.returncode == 1 and "ran" not in outcome.stdout
-    assert "Rust 1.89, the oldest that Cargo.toml declares, is not installed" in outcome.stderr and INSTALL in outcome.stderr
+    assert "Rust 1.89, the oldest that Cargo.toml declares, is not installed" in outcome.stderr
+    assert INSTALL in outcome.stderr
 
 
 def test_t42_without_rustup(check):
