@@ -211,6 +211,31 @@ fn paths_in_documents_exist() {
     }
 }
 
+/// Records are numbered without gaps, have one form, and stand in the index in order.
+#[test]
+fn decision_records_have_one_form() {
+    let folder = root().join("docs/decisions");
+    let mut names: Vec<String> = fs::read_dir(&folder)
+        .expect("readable")
+        .map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned())
+        .filter(|name| name != "README.md")
+        .collect();
+    names.sort();
+    let index = read("docs/decisions/README.md");
+    let listed: Vec<&str> = index.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
+    assert_eq!(listed, names, "docs/decisions/README.md (left) and the folder (right)");
+    for (i, name) in names.iter().enumerate() {
+        let text = read(&format!("docs/decisions/{name}"));
+        let number = format!("{:04}", i + 1);
+        assert!(name.starts_with(&number) && text.starts_with(&format!("# {number}: ")), "{name}: number {number}");
+        let status = text.lines().nth(2).unwrap_or_default();
+        let date = status.split([' ', '.', ';']).find(|word| word.len() == 10 && word.starts_with("20"));
+        assert!(status.starts_with("Accepted, ") && date.is_some(), "{name}: `Accepted, YYYY-MM-DD.`, not {status:?}");
+        let sections: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("## ")).collect();
+        assert_eq!(sections, ["Context", "Decision", "Considered", "Consequences"], "{name}");
+    }
+}
+
 /// What to cite is the newest release that the changelog dates.
 #[test]
 fn citation_names_the_newest_release() {
