@@ -171,6 +171,26 @@ fn cited_equations_exist() {
     assert!(citations > 30, "only {citations} citations found: has their form changed?");
 }
 
+/// Letters of chapters and of papers: what is used stands in the legend of `docs/NOTATION.md`.
+#[test]
+fn letters_stand_in_the_legend() {
+    let page = read("docs/NOTATION.md");
+    let (legend, _) = page.split_once("\n## ").expect("the legend stands before the first chapter");
+    for number in equations() {
+        assert!(legend.contains(&format!("**{}** |", &number[..1])), "({number}): no chapter in the legend");
+    }
+    let mut citations = 0;
+    for source in sources() {
+        for (at, _) in source.whole.match_indices("\\[") {
+            let letter = &source.whole[at + 2..].chars().next().expect("a letter behind the bracket");
+            let paper = format!("**[{letter}]**");
+            assert!(legend.contains(&paper), "{}: the paper [{letter}] is not in the legend", source.path);
+            citations += 1;
+        }
+    }
+    assert!(citations > 10, "only {citations} citations of papers found: has their form changed?");
+}
+
 /// An equation that no line of the code cites is either not implemented or not findable from the page.
 #[test]
 fn numbered_equations_are_cited() {

@@ -1,4 +1,4 @@
-//! The beam element's constant inertia: mass matrix of the fully parameterised ANCF element, seed eqs. (1)–(4).
+//! The beam element's constant inertia: mass matrix of the fully parameterised ANCF element, \[O\] (1)–(4).
 
 use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::section::Section;

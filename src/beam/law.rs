@@ -10,7 +10,7 @@ use nalgebra::Vector4;
 pub enum SectionLaw {
     /// The same everywhere, given by its properties.
     Uniform(Section),
-    /// A solid section whose outline is stretched by factors along the body ([M] 10–11), NOTATION eq. (S5).
+    /// A solid section whose outline is stretched by factors along the body (\[M\] 10–11), NOTATION eq. (S5).
     Tapered {
         /// Outline at factors 1.
         solid: Solid,

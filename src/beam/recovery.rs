@@ -1,7 +1,7 @@
-//! Strain and stress at any point of a solid section from its four strain measures ([M] 16–19, 30).
+//! Strain and stress at any point of a solid section from its four strain measures (\[M\] 16–19, 30).
 //!
 //! The measures `(γ₁, k₁, k₂, k₃)` are the strains `(εx, κx, κy, κz)` less the natural ones. Components are those of
-//! the section frame, index 1 along the axis, 2 along `y`, 3 along `z`. As in [M], terms of the order of strain times
+//! the section frame, index 1 along the axis, 2 along `y`, 3 along `z`. As in \[M\], terms of the order of strain times
 //! curvature times thickness are left out, and with them the shear of transverse forces.
 
 use crate::beam::section::{Material, Outline, Section, Solid};
@@ -20,7 +20,7 @@ pub fn strain_tensor(solid: &Solid, measures: &Vector4<f64>, y_m: f64, z_m: f64)
     Matrix3::new(axial, along_y, along_z, along_y, lateral, 0.0, along_z, 0.0, lateral)
 }
 
-/// Second Piola–Kirchhoff stress in Pa of an isotropic material, `S = 2μ E + λ tr(E) I` ([M] 19), NOTATION eq. (R5).
+/// Second Piola–Kirchhoff stress in Pa of an isotropic material, `S = 2μ E + λ tr(E) I` (\[M\] 19), NOTATION eq. (R5).
 ///
 /// `None` where Poisson's ratio is not known or ½, where `λ` has no bound.
 pub fn stress_tensor(material: &Material, strain: &Matrix3<f64>) -> Option<Matrix3<f64>> {
@@ -32,7 +32,7 @@ pub fn stress_tensor(material: &Material, strain: &Matrix3<f64>) -> Option<Matri
 
 /// Warping displacement `(w₁, w₂, w₃)` in m at a point, NOTATION eqs. (R2)–(R4).
 ///
-/// `w₁` is Saint-Venant's of the outline. In [M] (30) the term of `w₂` with `k₃` carries the other sign; with it
+/// `w₁` is Saint-Venant's of the outline. In \[M\] (30) the term of `w₂` with `k₃` carries the other sign; with it
 /// neither `S₂₂` nor `S₂₃` would vanish.
 pub fn warping(solid: &Solid, measures: &Vector4<f64>, y_m: f64, z_m: f64) -> Vector3<f64> {
     let ratio = solid.material.poisson_ratio().unwrap_or(0.0);

@@ -11,7 +11,7 @@ fn solid(outline: Outline, width_m: f64, height_m: f64) -> Solid {
 
 const MEASURES: [f64; 4] = [1e-3, 4e-3, -2e-3, 3e-3];
 
-/// [M] (17): the components are the derivatives of the warping, here by central differences, plus the section's
+/// \[M\] (17): the components are the derivatives of the warping, here by central differences, plus the section's
 /// rotation and stretch.
 #[test]
 fn strains_are_the_derivatives_of_the_warping() {
@@ -89,7 +89,7 @@ fn torsion_shear_runs_along_the_rim_and_makes_the_torque() {
     assert!((shear + 0.675).abs() < 5e-4, "{shear}");
 }
 
-/// [M] (31), (32): energy per length of a bi-tapered ellipse with the paper's constants is that of the stretched
+/// \[M\] (31), (32): energy per length of a bi-tapered ellipse with the paper's constants is that of the stretched
 /// outline, `½ (EA γ² + GJ k₁² + EI_y k₂² + EI_z k₃²)`. The two are the same numbers to round-off.
 #[test]
 fn bi_tapered_energy_is_that_of_the_stretched_ellipse() {

@@ -1,6 +1,6 @@
 //! Closed loops by the penalty method: a joint between two nodes of the tree.
 //!
-//! The gap `g` between a point of either node is held small by `m g̈ + c ġ + k g`, seed section 1 and NOTATION
+//! The gap `g` between a point of either node is held small by `m g̈ + c ġ + k g`, \[O\] section 1 and NOTATION
 //! eqs. (C1)–(C3). Its part of the Newton matrix couples distant branches; it has low rank, so the tree's O(n)
 //! factorisation stays and Woodbury's formula adds the loops.
 

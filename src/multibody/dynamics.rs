@@ -1,4 +1,4 @@
-//! Residual of the equations of motion, seed eq. (9), by recursion: `BᵀM(ë − g) + K(q − q₀) + damping − loads`.
+//! Residual of the equations of motion, \[O\] (9), by recursion: `BᵀM(ë − g) + K(q − q₀) + damping − loads`.
 //!
 //! Everything is written with the nodal vectors `(r, r_x, r_y, r_z)`: their mass is constant, so no velocity
 //! term appears besides `ω × (ω × r_k)`, NOTATION eqs. (D4)–(D7).

@@ -1,6 +1,6 @@
 //! The immutable tree: mesh, masses, stiffness, joints and where their coordinates stand in `q`.
 //!
-//! Coordinates follow seed eqs. (10)–(12): body by body, first the joint parameter (if the joint is revolute),
+//! Coordinates follow \[O\] (10)–(12): body by body, first the joint parameter (if the joint is revolute),
 //! then four strains per element; a linear element is two halves with four strains each.
 
 use crate::beam::element::{ElementElasticity, ElementKind, ElementMass};

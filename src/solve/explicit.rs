@@ -1,4 +1,4 @@
-//! The classical explicit Runge–Kutta method of order 4 with fixed step, as in seed section 4; NOTATION eq. (T8).
+//! The classical explicit Runge–Kutta method of order 4 with fixed step, as in \[O\] section 4; NOTATION eq. (T8).
 
 use crate::solve::newton::{Effort, NewtonError};
 use crate::solve::point::Point;

@@ -30,7 +30,7 @@ fn revolute<'m>(machine: &'m Machine, joint: &str) -> &'m Revolute {
     }
 }
 
-/// Seed 000, Table 5: two equal plates, the actuator at the joint, defaults elsewhere.
+/// \[O\] Table 5: two equal plates, the actuator at the joint, defaults elsewhere.
 #[test]
 fn the_shipped_wing_has_the_plates_of_the_paper() {
     let machine = shipped("folding_wing.toml");
@@ -65,7 +65,7 @@ fn the_shipped_wing_has_the_plates_of_the_paper() {
     assert_eq!((experiment.start_time_s, experiment.stop_time_s, experiment.step_s), (0.0, 0.4, 5e-4));
 }
 
-/// Seed 000, Table 5, with the spring stiffness that its Fig. 10 asks for.
+/// \[O\] Table 5, with the spring stiffness that its Fig. 10 asks for.
 #[test]
 fn the_shipped_wing_has_the_fold_joint_of_the_experiment() {
     let machine = shipped("folding_wing.toml");

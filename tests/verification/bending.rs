@@ -209,7 +209,7 @@ fn v25_distributed_follower_loads() {
     }
 }
 
-/// V-26. Seed 001 set 1, a 90 m beam of 8 m × 2 m under a flapwise dead tip force, extensible and shear-free (shooting,
+/// V-26. \[M\] set 1, a 90 m beam of 8 m × 2 m under a flapwise dead tip force, extensible and shear-free (shooting,
 /// 1e-8): 12 pairs within 1e-7 L of tip deflection and shortening at 10 and 50 MN, order 4.
 #[test]
 fn v26_extensible_cantilever_of_seed_001() {

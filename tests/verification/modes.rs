@@ -153,7 +153,7 @@ fn v42_torsion() {
     }
 }
 
-/// V-43. Two plates of seed 000 Table 5 as a rigid L-frame, fold held at 0° and 90°, in-plane modes against the exact
+/// V-43. Two plates of \[O\] Table 5 as a rigid L-frame, fold held at 0° and 90°, in-plane modes against the exact
 /// dynamic stiffness (1e-9 Hz). 8 pairs per body: 1e-4 of each of four frequencies. Other motions are stiffened away.
 #[test]
 fn v43_folded_frame() {

@@ -1,4 +1,4 @@
-//! The paper's equations in dense form, seed 000 eqs. (1)–(12): `e` of all nodes from `q` by matrix exponentials,
+//! The paper's equations in dense form, \[O\] (1)–(12): `e` of all nodes from `q` by matrix exponentials,
 //! `B = ∂e/∂q` and `Ḃq̇` by exact Taylor arithmetic, `M` assembled from ANCF elements integrated here.
 //!
 //! Shares no formula with the recursions: it reads the tree, lengths and coordinates of [`Model`], and takes

@@ -22,7 +22,7 @@ pub fn engine_residual(case: &Case, work: &mut Workspace, state: &State) -> DVec
     value.into()
 }
 
-/// V-02. Element mass blocks equal the exact integrals of the ANCF shape functions (seed 000 eqs. 1–4, cubic along
+/// V-02. Element mass blocks equal the exact integrals of the ANCF shape functions (\[O\] 1–4, cubic along
 /// the axis, linear across): polynomials of degree 6, so four Gauss points leave round-off only.
 #[test]
 fn v02_element_mass_is_the_exact_integral() {

@@ -1,7 +1,7 @@
 //! Redundant parameters of universal, ball and free joints.
 //!
 //! A universal joint has nine direction cosines and seven constraints, a ball joint four Euler parameters and one
-//! constraint, a free joint a position as well (seed eqs. 16–21). The constraints stay inside the joint: in the
+//! constraint, a free joint a position as well (\[O\] 16–21). The constraints stay inside the joint: in the
 //! recursions only the two, three or six true freedoms appear, and the parameters follow from them; NOTATION
 //! eqs. (J1)–(J6).
 
@@ -197,7 +197,7 @@ impl JointPose {
     }
 }
 
-/// Which columns each orthonormality constraint of a universal joint couples, seed eq. (18).
+/// Which columns each orthonormality constraint of a universal joint couples, \[O\] (18).
 const UNIVERSAL_PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
 /// Symmetric matrix of the orthonormality right sides, off-diagonals halved.

@@ -153,7 +153,7 @@ fn s13_bend_of_45_degrees() {
     }
 }
 
-/// S-14. Seed 001 set 1, a 90 m beam of 8 m × 2 m under 10 and 50 MN (shooting, 1e-8): 12 pairs within 1e-7 L, order 4;
+/// S-14. \[M\] set 1, a 90 m beam of 8 m × 2 m under 10 and 50 MN (shooting, 1e-8): 12 pairs within 1e-7 L, order 4;
 /// 32 constant elements within 1e-3 L, order 2.
 #[test]
 fn s14_wide_blade_of_seed_001() {
