@@ -23,13 +23,13 @@ use std::sync::Arc;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Print JSON, for programs
+    /// Print JSON for programs
     #[arg(long)]
     json: bool,
     /// List every variable of the FMU
     #[arg(long)]
     variables: bool,
-    /// Also draw the wing into a file, deployed and at its start angles
+    /// Also write a drawing of the wing, deployed and at its start angles
     #[arg(long, value_name = "FILE.svg")]
     draw: Option<PathBuf>,
     #[command(flatten)]

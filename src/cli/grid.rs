@@ -49,7 +49,7 @@ impl Grid {
             return Err(Failure::Usage(format!("--step {step_s}: the step must be positive")));
         }
         if stop_s <= start_s {
-            return Err(Failure::Usage(format!("--stop {stop_s}: must lie after the start time, {start_s} s")));
+            return Err(Failure::Usage(format!("--stop {stop_s}: must be after the start time, {start_s} s")));
         }
         let steps = ((stop_s - start_s) / step_s - 1e-9).ceil().max(1.0);
         if steps > Self::MOST_STEPS {

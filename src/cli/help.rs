@@ -8,7 +8,7 @@ Exit codes:
   0  done
   1  the content of a file was refused: model, inputs, library or FMU
   2  the command line was refused, including unknown names in --output and --set
-  3  the simulation failed, the rows up to that time are in the CSV; or there is no equilibrium or
+  3  the simulation failed (the CSV has the rows up to that time), or there is no equilibrium or
      linear model
   4  a file could not be read or written"
     };
@@ -21,8 +21,8 @@ pub(super) const EXIT_CODES: &str = exit_codes!();
 pub(super) const ORDER_OF_WORK: &str = concat!(
     "\
 The usual order of work, from a model file to its FMU:
-  foldwing new wing.toml                          a starter of two bodies, every key explained
-  foldwing check wing.toml                        what was understood: masses, joints, variables
+  foldwing new wing.toml                          a starter with two bodies, every key explained
+  foldwing check wing.toml                        a check and a summary: masses, joints, variables
   foldwing simulate wing.toml --csv wing.csv --view wing.html
                                                   a run, and a page that plays it
   foldwing static wing.toml                       its shape at rest under gravity and loads
@@ -33,7 +33,7 @@ The usual order of work, from a model file to its FMU:
   foldwing package wing.toml -o Wing.fmu          the FMU
   foldwing package --help                         options and examples of a command
 
-A slip in a file or on the command line is answered with its place and with what is allowed.
+Mistakes in a file or on the command line are reported with their location and the allowed values.
 Messages go to standard error, as does a progress bar for runs that last more than half a second
 if it is a terminal.
 
@@ -67,7 +67,7 @@ Examples:
   foldwing simulate wing.toml --csv wing.csv --strains strains.csv --timing cost.json
 
 A file of inputs has a column `time` (s, ascending) and columns named after inputs; lines that
-begin with # are remarks:
+start with # are comments:
   time, fold.command, fold.release
   0.0,  0.0,          0
   0.1,  0.0,          1";
@@ -121,6 +121,6 @@ the free coordinates and their rates. `examples/damp_latched_wing.py` designs a 
 runs it against the FMU.";
 
 pub(super) const SCHEMA: &str = "\
-Example, and the first line with which an editor completes a model file beside the schema:
+Example, and the first line of a model file that tells editors where its schema is:
   foldwing schema > foldwing.schema.json
   #:schema ./foldwing.schema.json";

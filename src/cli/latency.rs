@@ -17,13 +17,13 @@ use std::time::{Duration, Instant};
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Communication steps that are measured
+    /// Number of communication steps to measure
     #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     steps: u32,
     /// Communication step in s
     #[arg(long, default_value_t = 1e-3, value_name = "S", allow_negative_numbers = true)]
     step: f64,
-    /// Standard deviation in N of the force that the turbulence puts on each load station along z of its load frame
+    /// Standard deviation in N of the turbulent force on each load station, along z of its load frame
     #[arg(long, default_value_t = 0.1, value_name = "N", allow_negative_numbers = true)]
     turbulence: f64,
     /// Correlation time of the turbulence in s
@@ -32,7 +32,7 @@ pub struct Arguments {
     /// Seed of the turbulence: the same seed gives the same forces everywhere
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Begin every step on the clock, as a real-time loop does: the run then takes as long as the time it simulates
+    /// Start every step at its wall time, as a real-time loop does: the run then takes as long as the simulated time
     #[arg(long)]
     paced: bool,
     /// Start value of an input or parameter; may be repeated
@@ -149,7 +149,7 @@ fn table(text: &mut String, mut wall: Vec<Duration>, mut processor: Vec<Duration
         // writing to a String cannot fail
         let _ = writeln!(text, "{name:>12} {wall:>12} {processor:>14}");
     };
-    line("us", "on the clock".to_owned(), "processor time".to_owned());
+    line("us", "wall time".to_owned(), "processor time".to_owned());
     for (name, share) in [("median", 0.5), ("99 %", 0.99), ("99.9 %", 0.999), ("slowest", 1.0)] {
         line(name, us(&wall, share), us(&processor, share));
     }

@@ -16,13 +16,13 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// State: `start`, `equilibrium`, or a time in s up to which the model is simulated
+    /// State to linearise about: `start`, `equilibrium`, or a time in s up to which the model is simulated
     #[arg(long, value_name = "STATE", default_value = "equilibrium")]
     at: String,
-    /// Real inputs, separated by commas; `load.` and the like stand for all that begin so [default: all]
+    /// Real inputs, separated by commas; `load.` selects every name with that prefix [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     inputs: Vec<String>,
-    /// Real outputs, in the same way [default: all]
+    /// Real outputs, selected in the same way [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     outputs: Vec<String>,
     /// Start value of an input or parameter; may be repeated
@@ -120,7 +120,7 @@ pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Fai
                 })?;
             if time_s > stop_s {
                 eprintln!(
-                    "note: {option} {time} lies beyond the end of the experiment, {stop_s} s; the run goes on to it"
+                    "note: {option} {time} lies beyond the end of the experiment, {stop_s} s; the run continues up to it"
                 );
             }
             plant.initialize(start_s).map_err(statics)?;

@@ -49,9 +49,9 @@ fn version() -> &'static str {
 
 /// Flexible folding wings from short model files: FMUs, simulations, checks.
 ///
-/// A model file (TOML) describes a wing: sections, bodies, fold joints, gauges, air. From it Foldwing makes an FMU for FMI
-/// 2.0 co-simulation, a flexible wing that folds, unfolds and latches, and it simulates and studies the same wing here,
-/// without an importer. No compiler is needed.
+/// A model file (TOML) describes a wing: sections, bodies, fold joints, gauges, air. Foldwing turns it into an FMU for FMI
+/// 2.0 co-simulation, a flexible wing that folds, unfolds and latches. It also simulates and studies the same wing
+/// itself, without an importer. No compiler is needed.
 #[derive(Parser)]
 #[command(name = "foldwing", version = version(), after_help = help::EXIT_CODES, after_long_help = help::ORDER_OF_WORK)]
 struct Arguments {
@@ -63,57 +63,57 @@ struct Arguments {
 enum Command {
     /// Write a commented model file to start from
     ///
-    /// Two bodies that unfold and latch, named after the file, with every key explained; beside it the JSON schema that its first
-    /// line names, by which editors complete it. Says what to type next.
+    /// Two bodies that unfold and latch, named after the file, with every key explained; with the JSON schema that its first
+    /// line names, so that editors can autocomplete. Prints what to type next.
     New(new::Arguments),
     /// Make an FMU of a model
     ///
-    /// The file appears whole or not at all, and the same model, library and version give the same bytes. While packaging, the
-    /// default experiment is simulated for the reference results that the FMU brings. The library is the one beside this
-    /// executable unless --library names others, one for each platform.
+    /// The file appears whole or not at all, and the same model, library and version give the same bytes. Packaging simulates
+    /// the default experiment for the reference results in the FMU. The library is the one next to this executable, unless
+    /// --library names others, one for each platform.
     Package(package::Arguments),
     /// Simulate a model and write its outputs as CSV
     ///
-    /// Without an importer: the outputs, or the variables that --output names, at the communication points of the model's
-    /// experiment. Pictures go with it or instead: figures, a page that plays the motion, files for ParaView. A summary goes to
-    /// standard error; without any file it is all there is. If the simulation fails, rows and pictures show what was until then.
+    /// Without an importer: the outputs, or the variables named by --output, at the communication points of the model's
+    /// experiment. Optional pictures: figures, a page that plays the motion, files for ParaView. A summary goes to standard
+    /// error; without any file it is the only result. If the simulation fails, rows and pictures show the run up to that point.
     Simulate(simulate::Arguments),
-    /// Simulate many variants of a model, and write a row for each
+    /// Simulate many variants of a model and write a row for each
     ///
-    /// Variants run on several threads, whose number changes no byte of the results. A sweep that was killed goes on where it
-    /// was when the same command is given again. A variant that fails is a row with its message.
+    /// Variants run on several threads, whose number does not change a byte of the results. The same command resumes a sweep
+    /// that was killed. A variant that fails gives a row with its message.
     Sweep(sweep::Arguments),
     /// Measure how long single steps take under a turbulent load
     ///
-    /// For hardware in the loop: median, 99 %, 99.9 % and slowest of the steps on the clock and in processor time, and a
-    /// histogram. `solver.mode = "real_time"` in the model bounds what a step may cost.
+    /// For hardware in the loop: median, 99 %, 99.9 % and slowest of the steps in wall time and in processor time, and a
+    /// histogram. `solver.mode = "real_time"` in the model bounds the cost of a step.
     Latency(latency::Arguments),
     /// Run an FMU of any tool (FMI 2.0 co-simulation) and write its outputs as CSV
     ///
-    /// Our own FMUs give the bytes of `simulate`. Needs a build with the feature `import`, which `make runner` makes; other
-    /// builds say so.
+    /// Foldwing's own FMUs give the same bytes as `simulate`. Needs a build with the feature `import`, which `make runner`
+    /// makes; other builds say so.
     Run(run::Arguments),
-    /// Say what was understood of a model
+    /// Check a model and summarise it
     ///
-    /// A drawing of the wing at its start angles in characters, from above and from the side. Bodies, masses, degrees of freedom, stations, joints, gauges, air and variables; for each joint the number of its
-    /// variables and Lagrange multipliers beside the conventional form with 12 variables per node.
+    /// Draws the wing at its start angles in characters, from above and from the side. Lists bodies, masses, degrees of freedom, stations, joints, gauges, air and variables; for each joint the number of its
+    /// variables and Lagrange multipliers, compared with the conventional form with 12 variables per node.
     Check(check::Arguments),
     /// Bring a model to rest under its loads and print its shape
     ///
     /// Equilibrium under gravity, loads and root motion: positions, rotations and strains along the bodies, joint angles with
     /// torques, gauges, gaps and forces of closed loops, tips, and what the wing exerts on the root. Joints are held or free as
-    /// their release inputs say; an enabled latch on the way closes.
+    /// their release inputs say; an enabled latch that the load path reaches closes.
     Static(statics::Arguments),
     /// Print natural frequencies and damping
     ///
-    /// About the equilibrium, or about the bare structure: frequencies, damping ratios and what bends. A root that turns
-    /// stiffens and couples.
+    /// About the equilibrium or about the bare structure: frequencies, damping ratios and what bends. A turning root stiffens
+    /// and couples the modes.
     Modes(modes::Arguments),
-    /// Write the linear model between inputs and outputs
+    /// Write a linear model from inputs to outputs
     ///
-    /// A, B, C, D about a start, an equilibrium or a state along a run, for NumPy, MATLAB or as JSON.
+    /// A, B, C, D about the start, an equilibrium or a state during a run, for NumPy, for MATLAB or as JSON.
     Linearize(linearize::Arguments),
-    /// Print the JSON schema of model files, for editors that complete them
+    /// Print the JSON schema of model files, for autocompletion in editors
     #[command(after_long_help = help::SCHEMA)]
     Schema,
 }
@@ -201,7 +201,7 @@ fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
         std::fs::read(path).map_err(|error| Failure::Files(format!("{}: cannot be read: {error}", path.display())))?;
     if bytes.starts_with(b"PK\x03\x04") {
         return Err(Failure::Refused(format!(
-            "{}: is an archive, as FMUs are, and no model file; `foldwing run` runs FMUs",
+            "{}: is an archive, as FMUs are, not a model file; `foldwing run` runs FMUs",
             path.display()
         )));
     }

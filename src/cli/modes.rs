@@ -14,10 +14,10 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// State: without loads, gravity and root motion, or at rest under those that are set
+    /// State: without loads, gravity and root motion, or at rest under those that act
     #[arg(long, value_enum, default_value = "equilibrium")]
     about: About,
-    /// Which equilibrium the modes belong to where the one on the load path is unstable
+    /// Which equilibrium to use if the one on the load path is unstable
     #[arg(long, value_enum, default_value = "path")]
     branch: BranchOption,
     /// Number of modes
@@ -26,7 +26,7 @@ pub struct Arguments {
     /// Start value of an input or parameter, e.g. `root.angular_velocity.z=20`, `fold.release=0`; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// Print JSON with shapes, for programs
+    /// Print JSON with mode shapes for programs
     #[arg(long)]
     json: bool,
 }

@@ -22,10 +22,10 @@ const FILE: &str = "MODEL";
 pub struct Arguments {
     /// Model file to write; its name becomes the model's
     model: PathBuf,
-    /// Overwrite what is there
+    /// Overwrite existing files
     #[arg(long)]
     force: bool,
-    /// Leave out the schema, by which editors complete and check the file
+    /// Do not write the schema, which lets editors complete and check the file
     #[arg(long)]
     no_schema: bool,
 }
@@ -36,9 +36,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let shown = path.display();
     let stem = path.file_stem().filter(|_| !path.to_string_lossy().ends_with(['/', '\\']));
     let Some(name) = stem.map(|stem| identifier(&stem.to_string_lossy())) else {
-        return Err(Failure::Usage(format!(
-            "{shown}: is no name of a file; allowed: a path such as wings/mywing.toml"
-        )));
+        return Err(Failure::Usage(format!("{shown}: is not a file name; allowed: a path such as wings/mywing.toml")));
     };
     if path.extension().is_none_or(|extension| extension != "toml") {
         return Err(Failure::Usage(format!(

@@ -21,16 +21,16 @@ pub struct Arguments {
     #[arg(short, long, value_name = "X.fmu", required_unless_present = "description_only")]
     output: Option<PathBuf>,
     /// Shared library to put into the FMU, once for each platform, as PATH or linux64=PATH; the library's own header
-    /// tells the platform [default: the one beside this executable]
+    /// tells the platform [default: the library next to this executable]
     #[arg(long = "library", value_name = "[PLATFORM=]PATH")]
     libraries: Vec<OsString>,
-    /// Put the linear model about a state into the FMU: `start`, a time in s, or the equilibrium
+    /// Add the linear model about a state: `start`, a time in s, or the equilibrium
     #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "equilibrium")]
     linear: Option<String>,
-    /// Leave the reference results out: the default experiment is not simulated
+    /// Omit the reference results; the default experiment is then not simulated
     #[arg(long)]
     no_reference: bool,
-    /// Also write the files of the FMI Cross-Check below a folder
+    /// Also write the files of the FMI Cross-Check into a folder
     #[arg(long, value_name = "FOLDER", conflicts_with = "no_reference")]
     cross_check: Option<PathBuf>,
     #[command(flatten)]
@@ -116,7 +116,7 @@ fn place(argument: &OsStr) -> Result<(Option<Platform>, PathBuf), Failure> {
 fn reference(machine: &Machine) -> Result<Reference, Failure> {
     Reference::simulate(machine).map_err(|error| {
         Failure::Simulation(format!(
-            "{error}; it was the default experiment, whose result goes into the FMU: mend the model or its [experiment], or \
+            "{error}; it was the default experiment, whose result goes into the FMU: fix the model or its [experiment], or \
              package with --no-reference"
         ))
     })

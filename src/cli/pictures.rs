@@ -13,17 +13,17 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct PictureArguments {
-    /// Folder for figures as SVG and PNG: fold angles, strains, tip paths, shapes, energies, and the variables of
+    /// Folder for figures (SVG and PNG): fold angles, strains, tip paths, shapes, energies, and the variables of
     /// `--output`
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
-    /// Page that plays the motion in a browser; one file, no network
+    /// Page that plays the motion in a browser: one file, no network needed
     #[arg(long, value_name = "OUT.html")]
     pub view: Option<PathBuf>,
     /// Folder for VTK files of wing and wake over time, for ParaView
     #[arg(long, value_name = "DIR")]
     pub vtk: Option<PathBuf>,
-    /// Most frames of `--view` and `--vtk` after the first; a page of more than 8 MB has fewer
+    /// Maximum number of frames of `--view` and `--vtk` after the first; a page of more than 8 MB has fewer
     #[arg(long, value_name = "N", default_value_t = FRAMES, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub frames: u64,
 }

@@ -115,7 +115,7 @@ fn check_steps(grid: &Grid, description: &Description) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::Usage(format!(
-        "--stop {}: the FMU takes equal steps only (canHandleVariableCommunicationStepSize), and {} s is no whole number \
+        "--stop {}: the FMU only takes equal steps (canHandleVariableCommunicationStepSize), and {} s is not a whole number \
          of steps of {} s",
         grid.stop_s,
         grid.stop_s - grid.start_s,

@@ -13,15 +13,15 @@ pub struct Arguments {
     /// CSV file to write; `-` is standard output
     #[arg(long, value_name = "OUT.csv", required_unless_present_any = ["variables", "plot"])]
     pub csv: Option<PathBuf>,
-    /// List the variables with type, unit and start value, and run nothing
+    /// List the variables with type, unit and start value without running
     #[arg(long)]
     pub variables: bool,
     /// Inputs over time: CSV with a column `time` and columns named after inputs; taken at the start of each step,
-    /// reals on straight lines between rows, others held
+    /// reals interpolated linearly between rows, others held
     #[arg(long, alias = "input", value_name = "IN.csv")]
     pub inputs: Option<PathBuf>,
-    /// Start value, with one of the variable's units after a space if need be ("x=90 deg"), a word of an enumeration or a
-    /// text; may be repeated
+    /// Start value: a number, optionally with one of the variable's units after a space ("x=90 deg"), a word of an
+    /// enumeration or a text; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     pub settings: Vec<String>,
     #[command(flatten)]
@@ -32,12 +32,12 @@ pub struct Arguments {
     /// Variable to write; may be repeated [default: all outputs]
     #[arg(long = "output", value_name = "NAME")]
     pub outputs: Vec<String>,
-    /// Folder for figures of the variables over time as SVG and PNG, one per unit
+    /// Folder for figures (SVG and PNG) of the variables over time, one per unit
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
     #[command(flatten)]
     pub force: Force,
-    /// Switch the FMU's messages on; warnings and errors are shown in any case
+    /// Show all messages of the FMU; warnings and errors are always shown
     #[arg(long)]
     pub log: bool,
     /// Print no summary

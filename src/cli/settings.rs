@@ -68,7 +68,7 @@ fn set_real(text: &str, variable: &Variable, interface: &Interface, plant: &mut 
         Some((name, factor)) if name == unit => factor,
         _ => {
             let other = shown.map_or(String::new(), |(name, _)| format!(" and {name}"));
-            return Err(format!("`{}` is no unit of it; allowed: {own}{other}", shortened(unit)));
+            return Err(format!("`{}` is not one of its units; allowed: {own}{other}", shortened(unit)));
         }
     };
     let set = interface.set(plant, variable.value_reference, Value::Real(value / factor));

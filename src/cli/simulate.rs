@@ -30,7 +30,7 @@ pub struct Arguments {
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
     /// Inputs over time: CSV with a column `time` and columns named after inputs; taken at the start of each step,
-    /// reals on straight lines between rows, Booleans held
+    /// reals interpolated linearly between rows, Booleans held
     #[arg(long, value_name = "IN.csv")]
     inputs: Option<PathBuf>,
     /// Start value of an input or parameter; may be repeated
@@ -44,14 +44,14 @@ pub struct Arguments {
     /// JSON file for the vortex lattice and its wake at the times of `--lattice-at`
     #[arg(long, value_name = "OUT.json", requires = "lattice_at")]
     lattice: Option<PathBuf>,
-    /// Time in s at which the lattice is written; may be repeated. Taken at the next communication point, at the end of
+    /// Time in s at which to write the lattice; may be repeated. Taken at the next communication point, at the end of
     /// the aerodynamic step there
     #[arg(long, value_name = "S", requires = "lattice", allow_negative_numbers = true)]
     lattice_at: Vec<f64>,
     /// Variable to write; may be repeated [default: all outputs]
     #[arg(long = "output", value_name = "NAME")]
     outputs: Vec<String>,
-    /// JSON file for what the run costs: processor time, wall time of start, steps and rows, counts of steps,
+    /// JSON file for the cost of the run: processor time, wall time of start, steps and rows, counts of steps,
     /// rejections, iterations and factorisations
     #[arg(long, value_name = "OUT.json")]
     timing: Option<PathBuf>,
@@ -237,7 +237,7 @@ impl<W: Write> Run<'_, W> {
         feed(self.inputs.as_ref(), self.interface, &mut self.plant, grid.start_s)?;
         self.plant.initialize(grid.start_s).map_err(failed)?;
         if self.lattices.is_some() && self.plant.lattice().is_none() {
-            return Err(Failure::Usage("--lattice: the model's air is no vortex lattice".to_owned()));
+            return Err(Failure::Usage("--lattice: the model's air is not a vortex lattice".to_owned()));
         }
         self.record(grid.start_s).map_err(writing)?;
         if let Some(timing) = &mut self.timing {

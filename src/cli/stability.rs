@@ -13,8 +13,8 @@ pub fn text(plant: &Plant, stability: &Stability, departure: Option<Departure>) 
             directions(count)
         ),
         Some(Departure::PathEnds(factor)) => format!(
-            "No load path leads on beyond {factor:.4} of the load: under all of it the machine falls or snaps to this place \
-             of rest (--path arc-length follows a path that turns back).\n"
+            "The load path ends at {factor:.4} of the load: under the full load the machine falls or snaps to this \
+             equilibrium (--path arc-length follows a path that turns back).\n"
         ),
         None => String::new(),
     };

@@ -18,23 +18,23 @@ pub struct Arguments {
     /// Start value of an input or parameter, e.g. a load, gravity, `fold.release=0`; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// How the loads are brought on
+    /// How the loads are applied
     #[arg(long, value_enum, default_value = "load")]
     path: PathOption,
-    /// Which equilibrium is printed where the one on the path is unstable
+    /// Which equilibrium to print if the one on the load path is unstable
     #[arg(long, value_enum, default_value = "stable")]
     branch: BranchOption,
-    /// Print JSON, for programs
+    /// Print JSON for programs
     #[arg(long)]
     json: bool,
 }
 
-/// How the loads are brought on.
+/// How the loads are applied.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 enum PathOption {
-    /// The whole load at once, in steps where that fails
+    /// The whole load at once, in steps if that fails
     Load,
-    /// Along the path of equilibria, through limit points; prints its points
+    /// Along the path of equilibria, through limit points; prints the points of the path
     ArcLength,
 }
 

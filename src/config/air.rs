@@ -120,7 +120,7 @@ pub(super) fn build(
         None => match fastest_m_s(&surfaces, bodies, wind_m_s, file.experiment.start_time_s) {
             Some(speed_m_s) => smallest_m / speed_m_s,
             None => {
-                let allowed = "a finite time > 0 s: it has no default where wing and air do not move against each other at the start";
+                let allowed = "a finite time > 0 s: it has no default if wing and air do not move relative to each other at the start";
                 checker.refuse(&["aerodynamics", "step_s"], allowed);
                 return Err(());
             }

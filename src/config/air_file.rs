@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Air around the wing. Surfaces say where it acts.
+/// Air around the wing. It acts on the surfaces.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct AirFile {
@@ -16,23 +16,24 @@ pub(super) struct AirFile {
     pub density_kg_m3: f64,
     /// Velocity of the air relative to the root, root frame: start value of the input `wind.velocity`.
     pub wind_m_s: [f64; 3],
-    /// Aerodynamic step; default the time in which the fastest point of the trailing edge passes one panel at the start,
-    /// by wind, flight and joints together.
+    /// Aerodynamic step; default: the time in which the fastest point of the trailing edge moves by one panel at the
+    /// start, due to wind, flight and joints together.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub step_s: Option<f64>,
-    /// Whether the flow of the start has been there for long, with a straight wake along the relative flow at the trailing
-    /// edge; else it sets in at the start. Where wing and air do not move against each other there is no such wake.
+    /// Whether the initial flow is fully established, with a straight wake along the relative flow at the trailing
+    /// edge; otherwise it sets in at the start. Where wing and air do not move relative to each other there is no such
+    /// wake.
     pub established: bool,
-    /// How air and structure agree: `staggered` corrects the loads once per aerodynamic step, for wings much heavier than
-    /// the air that they move; where it diverges, the run stops.
+    /// How air and structure agree: `staggered` corrects the loads once per aerodynamic step, for wings much heavier
+    /// than the air that they move; if it diverges, the run stops.
     pub coupling: CouplingFile,
     /// Change of the loads, relative to the largest so far, at which the iteration ends.
     #[schemars(range(min = 1e-12, max = 1e-1))]
     pub coupling_tolerance: f64,
-    /// Most iterations per aerodynamic step; beyond them the run stops with an error.
+    /// Maximum number of iterations per aerodynamic step; beyond it the run stops with an error.
     #[schemars(range(min = 1, max = 1000))]
     pub coupling_iterations: usize,
-    /// Strips without memory, instead of Wagner's and Küssner's.
+    /// Strips without memory, instead of Wagner's and Küssner's functions.
     pub quasi_steady: bool,
     /// Whether strips carry the apparent mass of the air.
     pub apparent_mass: bool,
@@ -41,21 +42,21 @@ pub(super) struct AirFile {
     /// Normal of a mirror plane through the origin (a tunnel wall, or the other half of an aircraft); lattice only.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub mirror_normal: Option<[f64; 3]>,
-    /// Whether the wake moves in its own flow; else it goes with the wind. Lattice only.
+    /// Whether the wake moves with its own flow too; otherwise it moves with the wind only. Lattice only.
     pub free_wake: bool,
-    /// Rows of panels that the wake keeps, besides that of an established flow; older ones are forgotten. Lattice only.
+    /// Rows of panels that the wake keeps, besides that of an established flow; older ones are dropped. Lattice only.
     #[schemars(range(min = 1, max = 10000))]
     pub wake_rows: usize,
-    /// Radius of the vortices' cores, default a hundredth of the shortest panel's chord. Lattice only.
+    /// Radius of the vortex cores; default: a hundredth of the shortest panel's chord. Lattice only.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub core_radius_m: Option<f64>,
     /// Suction at the leading edge. Strips have it by default; the lattice, whose loads are then those of
-    /// Kutta–Joukowski's theorem on every bound vortex instead of pressures by Bernoulli's equation, has not.
+    /// Kutta–Joukowski's theorem on every bound vortex instead of pressures by Bernoulli's equation, does not.
     pub leading_edge_suction: Option<bool>,
     /// Threads for the influence of the wake; the result does not depend on it. Lattice only.
     #[schemars(range(min = 1, max = 256))]
     pub threads: usize,
-    /// Adds an output `aero.circulation.<body>[strip]` per strip.
+    /// Adds an output `aero.circulation.<body>[strip]` for each strip.
     pub report_circulation: bool,
 }
 
@@ -122,16 +123,16 @@ pub(super) enum IndicialFile {
 pub(super) struct SurfaceFile {
     /// Body that carries it.
     pub body: String,
-    /// Chord along the body, default the width of its section.
+    /// Chord along the body; default: the width of its section.
     pub chord_m: Option<FunctionFile>,
-    /// Place of the beam's axis on the chord, from the leading edge, as a fraction of the chord.
+    /// Position of the beam's axis on the chord, from the leading edge, as a fraction of the chord.
     #[serde(default = "middle")]
     #[schemars(range(min = -10.0, max = 10.0))]
     pub axis_fraction: f64,
     /// Side of the section on which the leading edge lies.
     #[serde(default)]
     pub leading_edge: LeadingEdgeFile,
-    /// Incidence of the chord against the section along the body; positive raises the leading edge towards `+z`.
+    /// Incidence of the chord relative to the section along the body; positive raises the leading edge towards `+z`.
     pub incidence_deg: Option<FunctionFile>,
     /// Strips along the span; panels of the lattice along the span.
     #[schemars(range(min = 1, max = 1000))]
@@ -144,7 +145,7 @@ pub(super) struct SurfaceFile {
     #[serde(default = "thin")]
     #[schemars(range(min = 0.0))]
     pub lift_slope_1_rad: f64,
-    /// Angle of attack without lift; strips only.
+    /// Angle of attack of zero lift; strips only.
     #[serde(default)]
     pub zero_lift_angle_deg: f64,
     /// Moment coefficient about the quarter chord, nose up; strips only.
@@ -155,7 +156,7 @@ pub(super) struct SurfaceFile {
     #[schemars(range(min = 0.0))]
     pub drag_coefficient: f64,
     /// Polar of the profile, instead of the coefficients above: rows of angle of attack in degrees, lift, drag and
-    /// moment coefficient about the quarter chord, straight between them; strips only.
+    /// moment coefficient about the quarter chord, linear between rows; strips only.
     #[schemars(
         length(min = 1, max = 1000),
         extend("x-allowed" = "at least 1 row [angle of attack in deg, lift, drag, moment coefficient]")
@@ -191,20 +192,20 @@ pub(super) enum LeadingEdgeFile {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GustFile {
-    /// Shape behind its front.
+    /// Shape behind the front.
     pub shape: GustShapeFile,
-    /// Largest added velocity, root frame.
+    /// Maximum added velocity, root frame.
     pub velocity_m_s: [f64; 3],
     /// Length of a `one_minus_cosine`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub length_m: Option<f64>,
-    /// Direction in which it travels, root frame, of any length but zero; default that of `wind_m_s`.
+    /// Direction of travel, root frame, of any length except zero; default: that of `wind_m_s`.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub direction: Option<[f64; 3]>,
-    /// Speed at which it travels; default that of `wind_m_s`.
+    /// Speed of travel; default: that of `wind_m_s`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub speed_m_s: Option<f64>,
-    /// Place that its front passes at `start_s`.
+    /// Position of its front at `start_s`.
     #[serde(default)]
     pub origin_m: [f64; 3],
     /// Time at which its front passes `origin_m`.

@@ -20,7 +20,7 @@ pub(super) struct BodyFile {
     /// Arc length of the undeformed axis.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub length_m: f64,
-    /// Name of the cross-section, at the inner end where it varies.
+    /// Name of the cross-section; of the one at the inner end if it varies.
     pub section: String,
     /// Name of the cross-section at the outer end: stiffness, inertia and outline are linear between the two.
     pub outer_section: Option<String>,

@@ -127,7 +127,7 @@ fn first_of(before: &[&str], written: &str) -> String {
         before[begin..].iter().position(|line| key(line) == key(written)).map(|at| begin + at)
     };
     let what = shorten(&key(written));
-    found.map_or(format!(": {what}"), |at| format!(": {what}, which stands on line {} already", at + 1))
+    found.map_or(format!(": {what}"), |at| format!(": {what}, already on line {}", at + 1))
 }
 
 fn find_in<'t, 'a>(table: &'t DeTable<'a>, key: &str) -> Option<Entry<'t, 'a>> {

@@ -95,7 +95,7 @@ impl fmt::Display for Problem {
                 }
                 write!(f, "allowed keys: {}", allowed.join(", "))
             }
-            Fault::Further { count } => write!(f, "and {count} further problems behind this line"),
+            Fault::Further { count } => write!(f, "and {count} further problems after this line"),
             Fault::MissingKey { allowed } => write!(f, "key '{key}' is missing; allowed: {allowed}"),
             Fault::NotAllowed { value, allowed } => {
                 write!(f, "key '{key}': {value} is not allowed; allowed: {allowed}")

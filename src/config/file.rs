@@ -11,7 +11,7 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A Foldwing model: a wing of flexible bodies and fold joints. SI units; angles in degrees where the key says `_deg`.
+/// A Foldwing model: a wing of flexible bodies and fold joints. SI units; angles in degrees if the key ends in `_deg`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Foldwing model file")]
@@ -92,11 +92,11 @@ pub(super) struct SolidSection {
     #[serde(rename = "young_Pa")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub young_pa: f64,
-    /// Shear modulus; instead of `poisson_ratio`. Not needed where `torsional_rigidity_N_m2` is given.
+    /// Shear modulus; instead of `poisson_ratio`. Not needed if `torsional_rigidity_N_m2` is given.
     #[serde(rename = "shear_Pa")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub shear_pa: Option<f64>,
-    /// Poisson's ratio; instead of `shear_Pa`. Not needed where `torsional_rigidity_N_m2` is given.
+    /// Poisson's ratio; instead of `shear_Pa`. Not needed if `torsional_rigidity_N_m2` is given.
     #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 0.5))]
     pub poisson_ratio: Option<f64>,
     /// Torsional rigidity `GJ`, instead of Saint-Venant's value for the outline.
@@ -164,22 +164,22 @@ pub(super) struct ExplicitSection {
     pub half_height_m: Option<f64>,
 }
 
-/// Two points of two bodies that are held together, by the penalty force `m g̈ + c ġ + k g` on the gap `g` between them:
-/// a ball joint that closes a loop. Two of them on one axis make a hinge. The stiffer the spring, the smaller the gap.
+/// Holds two points of two bodies together by the penalty force `m g̈ + c ġ + k g` on the gap `g` between them:
+/// a ball joint that closes a loop. Two of them on one axis form a hinge. The stiffer the spring, the smaller the gap.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LoopFile {
-    /// The two bodies. The root takes part by joints only.
+    /// The two bodies. A loop cannot be closed on the root.
     #[schemars(extend("x-allowed" = "an array of 2 names of bodies"))]
     pub bodies: [String; 2],
-    /// Distances of the sections from the bodies' inner ends, default their outer ends.
+    /// Distances of the sections from the bodies' inner ends, default: their outer ends.
     #[schemars(inner(range(min = 0.0)))]
     pub positions_m: Option<[f64; 2]>,
     /// The points from the sections' axes, section frames. They coincide at the start.
     #[serde(default)]
     #[schemars(extend("x-allowed" = "an array of 2 arrays of 3 finite lengths in m"))]
     pub offsets_m: [[f64; 3]; 2],
-    /// Penalty stiffness `k`: the gap is the force over it.
+    /// Penalty stiffness `k`: the gap is the force divided by it.
     #[serde(rename = "stiffness_N_m")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness_n_m: f64,
@@ -187,7 +187,7 @@ pub(super) struct LoopFile {
     #[serde(default, rename = "damping_N_s_m")]
     #[schemars(range(min = 0.0))]
     pub damping_n_s_m: f64,
-    /// Penalty inertia `m`; acts on the gap only, the machine's mass stays as it is.
+    /// Penalty inertia `m`; acts on the gap only; the mass of the machine does not change.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub inertia_kg: f64,
@@ -231,7 +231,7 @@ pub(super) struct LoadFile {
     pub moment_n_m: [f64; 3],
 }
 
-/// A strain gauge: strain of a fibre at a point of a section, zero where the body is not strained.
+/// A strain gauge: strain of a fibre at a point of a section, zero when the body is unstrained.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GaugeFile {
@@ -243,9 +243,9 @@ pub(super) struct GaugeFile {
     /// Chordwise coordinate.
     #[serde(default)]
     pub y_m: f64,
-    /// Thickness coordinate, default the upper face `+h/2`.
+    /// Thickness coordinate; default: the upper face, `+h/2`.
     pub z_m: Option<f64>,
-    /// Direction of the fibre in the section frame, of any length but zero; default along the axis. Other directions
+    /// Direction of the fibre in the section frame, of any length except zero; default: along the axis. Other directions
     /// need a rectangle or an ellipse with known Poisson's ratio.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub direction: Option<[f64; 3]>,

@@ -3,28 +3,28 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Joint that holds a body's inner end. Which of the keys from `axis` on a joint has depends on its type.
+/// Joint that holds a body's inner end. The keys from `axis` on depend on the type of the joint.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct JointFile {
     /// What the joint allows.
     #[serde(rename = "type")]
     pub kind: JointType,
-    /// What the joint holds on to: `root` or a body.
+    /// What the joint is attached to: `root` or a body.
     pub parent: String,
     /// Body whose inner end the joint holds.
     pub child: String,
-    /// Distance along the parent body from its inner end, default its outer end.
+    /// Distance along the parent body from its inner end; default: its outer end.
     #[schemars(range(min = 0.0))]
     pub parent_position_m: Option<f64>,
-    /// Position in the root frame where the parent is `root`, default the origin.
+    /// Position in the root frame if the parent is `root`; default: the origin.
     pub root_position_m: Option<[f64; 3]>,
     /// Rotation vector of the body's first frame in the parent's frame: at angle zero of revolute joints, at the start
     /// of universal, ball and free ones.
     #[serde(default)]
     #[schemars(inner(range(min = -360.0, max = 360.0)))]
     pub mount_rotation_deg: [f64; 3],
-    /// Hinge axis in the parent's section frame, of any length but zero. Positive angles by the right hand. Revolute and
+    /// Hinge axis in the parent's section frame, of any length except zero. Positive angles follow the right-hand rule. Revolute and
     /// universal joints need it.
     pub axis: Option<[f64; 3]>,
     /// Second axis of a universal joint in the body's section frame, not parallel to `axis` at the start.
@@ -54,11 +54,11 @@ pub(super) struct JointFile {
         extend("x-allowed" = "at least 2 pairs [time in s, angle in deg] of finite numbers")
     )]
     pub table_s_deg: Option<Vec<[f64; 2]>>,
-    /// How the curve through `table_s_deg` begins and ends, default `rest`.
+    /// How the curve through `table_s_deg` starts and ends, default `rest`.
     pub table_ends: Option<TableEnds>,
     /// Motor of a revolute joint; spring towards the start attitude and damper of a universal or ball joint.
     pub drive: Option<DriveFile>,
-    /// Spring and damper of a revolute joint itself, beside its motor.
+    /// Spring and damper of a revolute joint itself, in addition to its motor.
     pub spring: Option<SpringFile>,
     /// Latch of a revolute joint.
     pub latch: Option<LatchFile>,
@@ -131,16 +131,16 @@ pub(super) struct DriveFile {
     /// Constant torque `T`, towards negative angles.
     #[serde(default, rename = "constant_torque_N_m")]
     pub constant_torque_n_m: f64,
-    /// Largest magnitude of the motor's torque `−(k (θ − θ_cmd) + c θ̇ + T)`, default unlimited. It limits neither the
+    /// Maximum magnitude of the motor torque `−(k (θ − θ_cmd) + c θ̇ + T)`, default unlimited. It limits neither the
     /// joint's spring nor the latch nor the external torque.
     #[serde(rename = "torque_limit_N_m")]
     #[schemars(range(min = 0.0))]
     pub torque_limit_n_m: Option<f64>,
-    /// Largest slew of the commanded angle, default unlimited.
+    /// Maximum slew rate of the commanded angle, default unlimited.
     #[schemars(range(min = 0.0))]
     pub rate_limit_deg_s: Option<f64>,
-    /// Moment of inertia that turns with the joint's angle only: of a motor with its gear, the rotor's times the square of
-    /// the gear ratio. It has no mass and no gyroscopic moment. Default 0.
+    /// Moment of inertia that turns with the joint's angle only: for a motor with gear, the rotor's inertia times the
+    /// square of the gear ratio. It has neither mass nor gyroscopic moment. Default 0.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub inertia_kg_m2: f64,
@@ -151,7 +151,7 @@ pub(super) struct DriveFile {
 }
 
 /// Spring and damper of a revolute joint itself: their torque on the outer body about the hinge is
-/// `−(k (θ − θ_0) + c θ̇)`. No limit acts on it.
+/// `−(k (θ − θ_0) + c θ̇)`. It is not limited.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SpringFile {
@@ -185,8 +185,8 @@ pub(super) struct LatchFile {
     #[serde(rename = "stiffness_N_m_rad")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness_n_m_rad: Option<f64>,
-    /// Half-width of the window that catches the joint, default 1e-6 rad: a wider one closes the latch so far off its
-    /// angle, and the wing then swings about it.
+    /// Half-width of the window that catches the joint, default 1e-6 rad: a wider one closes the latch that far from
+    /// its angle, and the wing then swings about the angle.
     #[schemars(range(min = 0.0, max = 360.0))]
     pub capture_deg: Option<f64>,
     /// Closed at the start.

@@ -51,14 +51,14 @@ pub(super) fn build(
 ) -> Option<Joint> {
     if RESERVED.contains(&name) || name.starts_with(RESERVED_BEGINNING) {
         let allowed =
-            format!("a name that does not begin with {RESERVED_BEGINNING} and is none of {}", RESERVED.join(", "));
+            format!("a name that does not start with {RESERVED_BEGINNING} and is not one of {}", RESERVED.join(", "));
         checker.refuse_as(&["joint", name], format!("the name {name:?}"), allowed);
     }
     let parent = build_parent(name, joint, file, tree, checker);
     for (key, types) in KEYS.iter().filter(|(_, types)| !types.contains(&joint.kind)) {
         if checker.states(&["joint", name, key]) {
             let names: Vec<&str> = types.iter().copied().map(JointType::name).collect();
-            checker.refuse(&["joint", name, key], format!("this key with type = {} only", quoted(&names)));
+            checker.refuse(&["joint", name, key], format!("this key only with type = {}", quoted(&names)));
         }
     }
     let rotation = Vector3::from(joint.mount_rotation_deg).map(f64::to_radians);
@@ -154,7 +154,7 @@ fn build_motion(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<
     if kind_of(joint) != MotionType::Prescribed {
         for key in ["polynomial_deg", "table_s_deg", "table_ends"] {
             if checker.states(&["joint", name, key]) {
-                checker.refuse(&["joint", name, key], "this key with motion = \"prescribed\" only");
+                checker.refuse(&["joint", name, key], "this key only with motion = \"prescribed\"");
             }
         }
         let locked = kind_of(joint) == MotionType::Locked;
@@ -163,11 +163,11 @@ fn build_motion(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<
     if joint.start_angle_deg.is_some() {
         checker.refuse(
             &["joint", name, "start_angle_deg"],
-            "no start angle beside motion = \"prescribed\", which gives it",
+            "no start angle with motion = \"prescribed\", which determines it",
         );
     }
     if joint.table_ends.is_some() && joint.table_s_deg.is_none() {
-        checker.refuse(&["joint", name, "table_ends"], "this key with table_s_deg only");
+        checker.refuse(&["joint", name, "table_ends"], "this key only with table_s_deg");
     }
     match (&joint.polynomial_deg, &joint.table_s_deg) {
         (Some(coefficients), None) => {
@@ -237,10 +237,10 @@ fn build_latch(name: &str, joint: &JointFile, stiffness_n_m_rad: f64, checker: &
     let Some(latch) = &joint.latch else { return Some(None) };
     let path = ["joint", name, "latch"];
     if kind_of(joint) != MotionType::Free {
-        checker.refuse_as(&path, "a latch on a joint that does not move freely", "a latch with motion = \"free\" only");
+        checker.refuse_as(&path, "a latch on a joint that does not move freely", "a latch only with motion = \"free\"");
     }
     if latch.initially_closed && !latch.enable {
-        let allowed = "true with enable = true only: a latch that is not enabled is open";
+        let allowed = "true only with enable = true: a latch that is not enabled is open";
         checker.refuse(&["joint", name, "latch", "initially_closed"], allowed);
     }
     Some(Some(Latch {

@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 const DEEPEST: usize = 16;
 
 /// What stands in a message for the letters allowed.
-const ALLOWED: &str = "text without control characters, but line feeds and tabs";
+const ALLOWED: &str = "text without control characters except line feeds and tabs";
 
 /// Looks at every text of the file.
 ///

@@ -28,7 +28,7 @@ fn place(
     let path = ["loop", name, "bodies"];
     for body in &closure.bodies {
         if body == ROOT {
-            let allowed = "two bodies: the root takes part by joints only. Hold one of the bodies by a joint with \
+            let allowed = "two bodies: a loop cannot be closed on the root. Attach one of the bodies by a joint with \
                            parent = \"root\" and close the loop between two bodies";
             checker.refuse(&path, allowed);
             return None;

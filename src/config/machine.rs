@@ -228,7 +228,7 @@ pub struct Latch {
     pub enable: bool,
 }
 
-/// Two sections whose points coincide: a ball joint that closes a loop. Two of them on one axis make a hinge.
+/// Two sections whose points coincide: a ball joint that closes a loop. Two of them on one axis form a hinge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Closure {
     /// Identifier.

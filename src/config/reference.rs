@@ -8,21 +8,21 @@ use std::fmt::Write;
 const HEAD: &str = "\
 # The model file
 
-This page is written from the same schema that checks the file (`foldwing schema` prints it for editors); a test
-keeps it current. Keys end in their unit. Angles are in degrees where the key says `_deg`, all else is SI. An
+This page is generated from the schema that checks the file (`foldwing schema` prints it for editors); a test
+keeps it current. Keys end in their unit. Angles are in degrees if the key ends in `_deg`; everything else is SI. An
 unknown key, a missing one or a value outside its range is refused with file, line, key, value and what is allowed.
-`examples/models/` holds complete files, `foldwing new mywing.toml` writes one to start from, with every key explained.
+`examples/models/` has complete files; `foldwing new mywing.toml` writes one to start from, with every key explained.
 
 - Vectors are resolved in the root frame unless their key says otherwise. A body's section frame has `x` along the
   axis, `y` chordwise, `z` through the thickness; without rotations it equals the root frame.
 - Strains are ordered `(εx, κx, κy, κz)`: stretch, twist, curvature about `y` (flap), curvature about `z` (lag).
 - Names are identifiers: letters, digits and `_`, no digit first. Joint names are groups of the FMU's variables and
-  must not begin with `tip_` or be one of RESERVED.
-  No body is called `root`.
+  must not start with `tip_` or be one of RESERVED.
+  A body must not be called `root`.
 - A function along a body is a number, `{ polynomial = [c0, c1, …] }` in powers of the distance `s` from the body's
-  inner end in m, or `{ table = [[s, value], …] }` with ascending `s`: straight lines between the rows, constant
-  outside them. A number is the same value all along, except in `width_taper` and `height_taper`.
-- Every body has exactly one joint with it as `child`. Bodies may branch: several may hang on the root or on one body.
+  inner end in m, or `{ table = [[s, value], …] }` with ascending `s`: linear between the rows, constant
+  outside them. A number is a constant, except in `width_taper` and `height_taper`.
+- Every body has exactly one joint with it as `child`. Bodies may branch: several may be attached to the root or to one body.
 - A machine with closed loops is cut into such a tree; a table `[loop.<name>]` closes each loop again. A loop that is open
   by more than 0.001 of the longer body's length, in the unstrained machine at its start angles, is refused.
 - Numbers are finite and at most 1e30 in magnitude.
@@ -33,8 +33,8 @@ const START: &str = concat!(
     "\
 ## From the starter to a wing of three bodies
 
-`foldwing new mywing.toml` writes a wing of two bodies; these nine lines make it three, with a second fold that starts
-folded to the other side and latches on its own. Then `foldwing package mywing.toml -o mywing.fmu`.
+`foldwing new mywing.toml` writes a wing with two bodies; these nine lines add a third, with a second fold that starts
+folded to the other side and latches on its own. Then run `foldwing package mywing.toml -o mywing.fmu`.
 
 ```diff
 ",
@@ -44,16 +44,16 @@ folded to the other side and latches on its own. Then `foldwing package mywing.t
 
 ## Completion in an editor
 
-Editors that know Taplo (Even Better TOML in Visual Studio Code, Zed, Helix and others) complete keys, show what they mean and
-mark slips as you type, by the JSON schema that the first line of the file names:
+Editors that know Taplo (Even Better TOML in Visual Studio Code, Zed, Helix and others) complete keys, show their meaning and
+mark mistakes as you type, with the JSON schema named in the first line of the file:
 
 ```toml
 #:schema ./foldwing.schema.json
 ```
 
-The path is relative to the model file. `foldwing new` writes the schema beside the model (`--no-schema`: neither file nor
-line); `foldwing schema > foldwing.schema.json` writes it beside a model of your own, and again after an update. The models in
-`examples/models/` have theirs there. Foldwing itself ignores the line.
+The path is relative to the model file. `foldwing new` writes the schema next to the model (`--no-schema`: neither file nor
+line); `foldwing schema > foldwing.schema.json` writes it for a model of your own, and again after an update. The models in
+`examples/models/` have theirs in that folder. Foldwing itself ignores the line.
 
 ## The models in `examples/models/`
 

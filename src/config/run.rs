@@ -19,8 +19,8 @@ pub(super) struct SolverFile {
     /// Smallest internal step; less than `max_step_s`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub min_step_s: f64,
-    /// Fixed internal step, default variable steps; `rk4` needs one. It divides the communication step evenly, in air the
-    /// aerodynamic one.
+    /// Fixed internal step, default variable steps; `rk4` needs one. It divides the communication step evenly; in air,
+    /// the aerodynamic step.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub fixed_step_s: Option<f64>,
     /// Spectral radius at infinity of the generalised-α method.
@@ -29,7 +29,7 @@ pub(super) struct SolverFile {
     /// `accurate`, or `real_time`: fixed steps, by default of 1 ms, with the method `sdirk2` and bounded work; nothing is
     /// repeated. Not with air.
     pub mode: ModeFile,
-    /// Most Newton iterations of a stage in real-time mode; what they reach is accepted and counted.
+    /// Maximum number of Newton iterations per stage in real-time mode; an unconverged result is accepted and counted.
     #[schemars(range(min = 1, max = 10))]
     pub max_iterations: u32,
 }
@@ -106,9 +106,9 @@ pub(super) struct ExperimentFile {
     /// Communication step.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub step_s: f64,
-    /// State at the start: `unstrained`, gravity and loads then act at once; or `equilibrium`, at rest under them. Stoppers
-    /// hold the joints at their start angles while the wing settles, but those whose latch is closed; joints that are
-    /// released let go at the start.
+    /// State at the start: `unstrained`, where gravity and loads act suddenly; or `equilibrium`, at rest under them.
+    /// While the wing settles, stoppers hold the joints at their start angles, except joints with a closed latch;
+    /// joints that are released let go at the start.
     pub start: StartFile,
 }
 

@@ -22,7 +22,7 @@ const REVOLUTE_DRIVE_KEYS: &[&str] =
 pub(super) fn build(name: &str, joint: &JointFile, mount: &Matrix3<f64>, checker: &mut Checker) -> Option<Spatial> {
     for key in REVOLUTE_DRIVE_KEYS.iter().filter(|_| joint.kind != JointType::Free) {
         if checker.states(&["joint", name, "drive", key]) {
-            checker.refuse(&["joint", name, "drive", key], "this key with type = \"revolute\" only");
+            checker.refuse(&["joint", name, "drive", key], "this key only with type = \"revolute\"");
         }
     }
     if joint.kind == JointType::Free && joint.parent != ROOT {

@@ -146,7 +146,7 @@ fn build_solver(file: &ModelFile, checker: &mut Checker) -> Solver {
         checker.refuse(&["solver", "mode"], allowed);
     }
     if real_time && checker.states(&["solver", "method"]) && solver.method != MethodFile::Sdirk2 {
-        let allowed = "\"sdirk2\", or no method, with mode = \"real_time\": at steps of given length the others carry a jump of the \
+        let allowed = "\"sdirk2\", or no method, with mode = \"real_time\": with fixed steps the others keep a jump of the \
                        accelerations on in stiff modes";
         checker.refuse(&["solver", "method"], allowed);
     }

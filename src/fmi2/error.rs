@@ -76,7 +76,7 @@ pub enum CallError {
     },
     /// Too long to be marched through.
     #[error(
-        "the step from t = {time_s} s has the size {step_s:e} s: it can have {longest_s:e} s at most; take shorter ones"
+        "the step from t = {time_s} s has the size {step_s:e} s: the maximum is {longest_s:e} s; take shorter steps"
     )]
     StepTooLong {
         /// Communication point of the caller in s.
@@ -88,7 +88,7 @@ pub enum CallError {
     },
     /// The caller's clock and ours differ.
     #[error(
-        "the step starts at t = {time_s} s but the instance stands at t = {own_s} s; step from there, or set an earlier state"
+        "the step starts at t = {time_s} s but the instance is at t = {own_s} s; step from there, or set an earlier state"
     )]
     TimeMismatch {
         /// Communication point of the caller in s.

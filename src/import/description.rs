@@ -104,7 +104,7 @@ fn check_identifier(identifier: &str) -> Result<(), String> {
     let outside = |c: char| c.is_control() || matches!(c, '/' | '\\' | ':');
     if identifier.is_empty() || identifier.starts_with('.') || identifier.contains(outside) {
         let shown: String = identifier.chars().take(60).collect();
-        return Err(format!("modelIdentifier {shown:?} is no name of a library; allowed: a C identifier"));
+        return Err(format!("modelIdentifier {shown:?} is not a library name; allowed: a C identifier"));
     }
     Ok(())
 }
@@ -214,7 +214,7 @@ impl Variable {
             Kind::Integer => Value::Integer(whole(text)?),
             Kind::Enumeration(words) => match words.iter().find(|(word, _)| word == text) {
                 Some((_, number)) => Value::Integer(*number),
-                None => Value::Integer(whole(text).map_err(|_| format!("`{text}` is no word{}", among(words)))?),
+                None => Value::Integer(whole(text).map_err(|_| format!("`{text}` is not one{}", among(words)))?),
             },
             Kind::Boolean => match text {
                 "1" | "true" => Value::Boolean(true),
@@ -291,7 +291,7 @@ fn whole(text: &str) -> Result<i32, String> {
 
 fn among(words: &[(String, i32)]) -> String {
     let list: Vec<String> = words.iter().map(|(word, number)| format!("{word} ({number})")).collect();
-    if list.is_empty() { " and not a whole number".to_owned() } else { format!(" of {}", list.join(", ")) }
+    if list.is_empty() { " of its words and not a whole number".to_owned() } else { format!(" of {}", list.join(", ")) }
 }
 
 #[cfg(test)]

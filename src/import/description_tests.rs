@@ -78,7 +78,7 @@ fn settings_are_converted_or_refused() {
         ("angle", "x", "`x` is not a number"),
         ("angle", "200 deg", "`200 deg` is out of range; allowed is -4.0 to 3.0 rad"),
         ("pi", "1 m", "`m`: the variable has no unit"),
-        ("gear", "fly", "`fly` is no word of park (1), drive (4)"),
+        ("gear", "fly", "`fly` is not one of park (1), drive (4)"),
         ("on", "yes", "`yes` is not a Boolean; allowed are 0, 1, false and true"),
         ("count", "1.5", "`1.5` is not a whole number"),
         ("count", "10", "`10` is out of range; allowed is -inf to 9.0"),

@@ -23,7 +23,7 @@ pub enum ImportError {
         cause: String,
     },
     /// Another version of the standard.
-    #[error("{path}: FMI {found}; FMI 2.0 is what can be run", path = path.display())]
+    #[error("{path}: FMI {found}; only FMI 2.0 can be run", path = path.display())]
     Version {
         /// The FMU.
         path: PathBuf,
@@ -31,7 +31,7 @@ pub enum ImportError {
         found: String,
     },
     /// Model exchange only.
-    #[error("{path}: for model exchange only; co-simulation is what can be run", path = path.display())]
+    #[error("{path}: for model exchange only; only co-simulation can be run", path = path.display())]
     NoCoSimulation {
         /// The FMU.
         path: PathBuf,
@@ -57,7 +57,7 @@ pub enum ImportError {
         cause: String,
     },
     /// The library lacks a function that co-simulation needs.
-    #[error("{path}: `{library}` exports no function {function}", path = path.display())]
+    #[error("{path}: `{library}` does not export the function {function}", path = path.display())]
     NoFunction {
         /// The FMU.
         path: PathBuf,
@@ -67,7 +67,7 @@ pub enum ImportError {
         function: &'static str,
     },
     /// `fmi2Instantiate` gave no instance.
-    #[error("{path}: fmi2Instantiate gave no instance", path = path.display())]
+    #[error("{path}: fmi2Instantiate returned no instance", path = path.display())]
     NotInstantiated {
         /// The FMU.
         path: PathBuf,
@@ -89,7 +89,7 @@ pub enum Fault {
 
 /// A call that an FMU refused or failed in.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{call}: the FMU answers {answer}", answer = fault.name())]
+#[error("{call}: the FMU returned {answer}", answer = fault.name())]
 pub struct CallError {
     /// Function, and what it was called for.
     pub call: String,
@@ -104,7 +104,7 @@ impl Fault {
             Self::Discard => "fmi2Discard",
             Self::Error => "fmi2Error",
             Self::Fatal => "fmi2Fatal",
-            Self::Other => "fmi2Pending, which is not supported, or no status of FMI",
+            Self::Other => "fmi2Pending, which is not supported, or a status that FMI does not define",
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Reading and writing rows: what is legal, and the message where it is not.
 
 use crate::interface::binding::Binding;
+use crate::interface::table::NON_NEGATIVE;
 use crate::interface::{Causality, Interface, Value, Variability, Variable};
 use crate::plant::OutputSet;
 
@@ -42,7 +43,7 @@ pub enum AccessError {
         name: String,
     },
     /// Only continuous inputs have a time derivative that can be set.
-    #[error("variable {name} has no time derivative to set: only Real inputs have")]
+    #[error("variable {name} has no time derivative to set: only Real inputs have one")]
     NotAnInput {
         /// Name of the row.
         name: String,
@@ -76,7 +77,7 @@ pub enum AccessError {
         value: f64,
     },
     /// Outside the range of the row.
-    #[error("variable {name} cannot be {value}: allowed is {min} to {max} {unit}")]
+    #[error("variable {name} cannot be {value}: it must be {}", bounds(*min, *max, unit))]
     OutOfRange {
         /// Name of the row.
         name: String,
@@ -89,6 +90,22 @@ pub enum AccessError {
         /// Unit of all three.
         unit: &'static str,
     },
+}
+
+/// A range in words, without the bounds that only keep numbers finite: `≥ 0 N.m`, `from 1e-12 to 0.1`.
+fn bounds(min: f64, max: f64, unit: &str) -> String {
+    let unlimited = NON_NEGATIVE.map_or(f64::INFINITY, |(_, largest)| largest);
+    let shown = |value: f64| match value.abs() {
+        0.0 | 1e-4..1e6 => value.to_string(),
+        _ => format!("{value:e}"),
+    };
+    let unit = if matches!(unit, "" | "1") { String::new() } else { format!(" {unit}") };
+    match (min > -unlimited, max < unlimited) {
+        (true, false) if 0.0 < min && min <= 1.0 / unlimited => format!("> 0{unit}"),
+        (true, false) => format!("≥ {}{unit}", shown(min)),
+        (false, true) => format!("≤ {}{unit}", shown(max)),
+        _ => format!("from {} to {}{unit}", shown(min), shown(max)),
+    }
 }
 
 impl AccessError {

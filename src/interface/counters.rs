@@ -9,7 +9,7 @@ use crate::interface::{Causality, Value, Variability};
 const COUNTERS: &[(&str, Counter, &str)] = &[
     ("steps", Counter::Steps, "accepted internal steps"),
     ("rejections", Counter::Rejections, "internal steps rejected by the error estimate"),
-    ("failures", Counter::Failures, "internal steps given up by the Newton iteration"),
+    ("failures", Counter::Failures, "internal steps abandoned by the Newton iteration"),
     ("iterations", Counter::Iterations, "Newton iterations"),
     ("factorizations", Counter::Factorizations, "factorisations of the equations of motion"),
     ("events", Counter::Events, "events: releases, latch closings and openings"),
@@ -18,16 +18,16 @@ const COUNTERS: &[(&str, Counter, &str)] = &[
 /// Those that only real-time mode has.
 const REAL_TIME_COUNTERS: &[(&str, Counter, &str)] = &[
     ("unconverged", Counter::Unconverged, "stages accepted without convergence"),
-    ("iterations_max", Counter::LargestIterations, "most Newton iterations of one stage"),
+    ("iterations_max", Counter::LargestIterations, "maximum number of Newton iterations in one stage"),
 ];
 
 /// Name, duration and meaning of what only real-time mode has.
 const DURATIONS: &[(&str, Duration, &str)] = &[
-    ("step_time", Duration::Last, "wall time that the last communication step took, reading of outputs not included"),
+    ("step_time", Duration::Last, "wall time of the last communication step, without the reading of outputs"),
     (
         "step_time_median",
         Duration::Median,
-        "wall time that half of the communication steps since initialisation did not exceed, to 4.5 %",
+        "median wall time of the communication steps since initialisation, within 4.5 %",
     ),
     ("step_time_max", Duration::Slowest, "wall time of the slowest communication step since initialisation"),
 ];

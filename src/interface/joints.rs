@@ -15,17 +15,17 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
             Fixed,
             "Angle",
             TURN,
-            "fold angle at the start, right hand about the hinge axis",
+            "fold angle at the start, by the right-hand rule about the hinge axis",
         ),
-        ("stiffness", P::Stiffness, Tunable, "RotationalStiffness", NON_NEGATIVE, "stiffness k of the motor"),
-        ("damping", P::Damping, Tunable, "RotationalDamping", NON_NEGATIVE, "damping c of the motor"),
+        ("stiffness", P::Stiffness, Tunable, "RotationalStiffness", NON_NEGATIVE, "motor stiffness k"),
+        ("damping", P::Damping, Tunable, "RotationalDamping", NON_NEGATIVE, "motor damping c"),
         (
             "constant_torque",
             P::ConstantTorque,
             Tunable,
             "Moment",
             None,
-            "constant torque T of the motor, towards smaller angles",
+            "constant motor torque T, towards smaller angles",
         ),
         (
             "torque_limit",
@@ -33,7 +33,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
             Tunable,
             "Moment",
             NON_NEGATIVE,
-            "largest magnitude of the motor's torque, external torque and spring excepted; 1e30 means none",
+            "maximum magnitude of the motor torque, without external torque and spring; 1e30 means no limit",
         ),
         (
             "rate_limit",
@@ -41,7 +41,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
             Tunable,
             "AngularVelocity",
             NON_NEGATIVE,
-            "largest slew of the neutral angle; 1e30 means none",
+            "maximum slew rate of the neutral angle; 1e30 means no limit",
         ),
         (
             "spring_stiffness",
@@ -57,7 +57,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
             Tunable,
             "RotationalDamping",
             NON_NEGATIVE,
-            "damping beside the joint's own spring",
+            "damping parallel to the joint's own spring",
         ),
         ("rest_angle", P::RestAngle, Tunable, "Angle", None, "angle at which the joint's own spring is slack"),
         (
@@ -66,7 +66,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
             Tunable,
             "RotationalStiffness",
             NON_NEGATIVE,
-            "stiffness that the closed latch adds",
+            "stiffness added by the closed latch",
         ),
     ]
 };
@@ -95,7 +95,7 @@ pub(super) fn parameters(table: &mut Table, topology: &Topology) {
                 _ => topology.is_free(joint),
             };
             if acts {
-                let text = (format!("{name}.{key}"), Some(declared), range, format!("{meaning}, joint {name}"));
+                let text = (format!("{name}.{key}"), Some(declared), range, format!("joint {name}: {meaning}"));
                 table.parameter(Parameter::Joint(joint, field), variability, text);
             }
         }
@@ -103,7 +103,7 @@ pub(super) fn parameters(table: &mut Table, topology: &Topology) {
     for joint in (0..topology.spatials.len()).filter(|&joint| !topology.is_unbound(joint)) {
         let name = &topology.machine.bodies[topology.spatials[joint]].joint.name;
         for &(key, field, variability, declared, range, meaning) in SPATIAL_PARAMETERS {
-            let text = (format!("{name}.{key}"), Some(declared), range, format!("{meaning}, joint {name}"));
+            let text = (format!("{name}.{key}"), Some(declared), range, format!("joint {name}: {meaning}"));
             table.parameter(Parameter::Spatial(joint, field), variability, text);
         }
     }
@@ -113,32 +113,37 @@ pub(super) fn parameters(table: &mut Table, topology: &Topology) {
 pub(super) fn revolute_outputs(table: &mut Table, topology: &Topology, joint: usize) {
     let name = topology.joint_name(joint);
     let mut add = |field, key: &str, declared, meaning: &str| {
-        table.output(Output::Joint(joint, field), format!("{name}.{key}"), declared, format!("{meaning} {name}"));
+        table.output(
+            Output::Joint(joint, field),
+            format!("{name}.{key}"),
+            declared,
+            format!("joint {name}: {meaning}"),
+        );
     };
-    add(JointOutput::Angle, "angle", Some("Angle"), "fold angle, right hand about the hinge axis, joint");
-    add(JointOutput::Rate, "rate", Some("AngularVelocity"), "fold rate, joint");
-    let holding = "torque of the stopper, lock or prescribed motion that holds the joint, on the outer body, joint";
+    add(JointOutput::Angle, "angle", Some("Angle"), "fold angle, by the right-hand rule about the hinge axis");
+    add(JointOutput::Rate, "rate", Some("AngularVelocity"), "fold rate");
+    let holding = "torque on the outer body of the stopper, lock or prescribed motion that holds the joint";
     add(JointOutput::HoldingTorque, "holding_torque", Some("Moment"), holding);
     if !topology.is_free(joint) {
         return;
     }
-    let applied =
-        "torque of motor, spring and external torque together, on the outer body about the hinge axis of joint";
+    let applied = "sum of motor, spring and external torque on the outer body about the hinge axis";
     add(JointOutput::TorqueApplied, "torque_applied", Some("Moment"), applied);
-    let motor = "torque of the motor within its limit, on the outer body about the hinge axis of joint";
+    let motor = "motor torque within its limit, on the outer body about the hinge axis";
     add(JointOutput::MotorTorque, "motor_torque", Some("Moment"), motor);
     if topology.revolute(joint).spring.is_some() {
-        let spring = "torque of the joint's own spring and damper, on the outer body about the hinge axis of joint";
+        let spring = "torque of the joint's own spring and damper, on the outer body about the hinge axis";
         add(JointOutput::SpringTorque, "spring_torque", Some("Moment"), spring);
     }
-    let external = "external torque that acts on the outer body about the hinge axis of joint";
+    let external = "external torque that acts on the outer body about the hinge axis";
     add(JointOutput::ExternalTorque, "external_torque", Some("Moment"), external);
     if topology.revolute(joint).latch.is_some() {
-        let torque = "latch torque on the outer body about the hinge axis of joint";
+        let torque = "latch torque on the outer body about the hinge axis";
         add(JointOutput::LatchTorque, "latch_torque", Some("Moment"), torque);
-        add(JointOutput::Latched, "latched", None, "latch closed, joint");
-        add(JointOutput::LatchTime, "latch_time", Some("Time"), "time of the last closing, -1 before the first, joint");
-        add(JointOutput::LatchCount, "latch_count", None, "number of closings, joint");
+        add(JointOutput::Latched, "latched", None, "latch is closed");
+        let time = "time at which the latch last closed, -1 before the first closing";
+        add(JointOutput::LatchTime, "latch_time", Some("Time"), time);
+        add(JointOutput::LatchCount, "latch_count", None, "number of times the latch has closed");
     }
 }
 
@@ -148,14 +153,14 @@ pub(super) fn spatial_outputs(table: &mut Table, topology: &Topology, joint: usi
     let (body_name, name) = (&topology.machine.bodies[body].name, &topology.machine.bodies[body].joint.name);
     let mut add = |bind: &dyn Fn(usize) -> Output, key: &str, components: &[&str], declared, meaning: &str| {
         for (i, component) in components.iter().enumerate() {
-            let meaning = format!("{meaning}, {component}, joint {name}");
+            let meaning = format!("joint {name}: {meaning}, {component}");
             table.output(bind(i), format!("{name}.{key}.{component}"), Some(declared), meaning);
         }
     };
     let bind = |field: fn(usize) -> SpatialOutput| move |i| Output::Spatial(joint, field(i));
-    let rotation = "quaternion parent from body, sign continuous";
+    let rotation = "quaternion from the body to its parent, with continuous sign";
     add(&bind(SpatialOutput::Rotation), "rotation", &QUATERNION, "Ratio", rotation);
-    let rate = "angular velocity of the body relative to its parent, parent's frame";
+    let rate = "angular velocity of the body relative to its parent, in the parent's frame";
     add(&bind(SpatialOutput::AngularVelocity), "angular_velocity", &AXES, "AngularVelocity", rate);
     if !topology.is_unbound(joint) {
         let force = format!("force of the joint on the inner end of body {body_name}, root frame");

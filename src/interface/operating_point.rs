@@ -83,7 +83,7 @@ impl Interface {
 
 impl fmt::Display for OperatingPoint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let state = if self.equilibrium { "an equilibrium" } else { "a state that is no equilibrium" };
+        let state = if self.equilibrium { "an equilibrium" } else { "a state that is not an equilibrium" };
         write!(f, "about {state} at t = {} s", self.time_s)?;
         for JointPoint { name, angle_rad, motion, latch } in &self.joints {
             write!(f, "; {name} at {:.4} deg, {motion}", angle_rad.to_degrees())?;

@@ -124,18 +124,18 @@ fn inputs(table: &mut Table, topology: &Topology) {
     for joint in (0..topology.revolutes.len()).filter(|&joint| topology.is_free(joint)) {
         let name = topology.joint_name(joint);
         let mut add = |field, key: &str, declared, meaning: &str| {
-            table.input(Input::Joint(joint, field), format!("{name}.{key}"), declared, format!("{meaning} {name}"));
+            table.input(
+                Input::Joint(joint, field),
+                format!("{name}.{key}"),
+                declared,
+                format!("joint {name}: {meaning}"),
+            );
         };
-        add(JointInput::Command, "command", Some("Angle"), "neutral angle of the motor at joint");
-        add(
-            JointInput::Torque,
-            "torque",
-            Some("Moment"),
-            "external torque on the outer body about the hinge axis of joint",
-        );
-        add(JointInput::Release, "release", None, "releases the stopper; false holds the joint where it is, joint");
+        add(JointInput::Command, "command", Some("Angle"), "commanded neutral angle of the motor");
+        add(JointInput::Torque, "torque", Some("Moment"), "external torque on the outer body about the hinge axis");
+        add(JointInput::Release, "release", None, "joint may turn (false holds it where it is)");
         if topology.revolute(joint).latch.is_some() {
-            add(JointInput::LatchEnable, "latch_enable", None, "lets the latch close; false opens it, joint");
+            add(JointInput::LatchEnable, "latch_enable", None, "latch may close (false opens it)");
         }
     }
     for (station, &(body, number)) in topology.stations.iter().enumerate() {
@@ -226,7 +226,7 @@ fn loop_outputs(table: &mut Table, topology: &Topology, closure: usize, name: &s
     }
     for (i, axis) in AXES.iter().enumerate() {
         let meaning =
-            format!("force of loop {name} on body {first}, its opposite acts on {second}, {axis}, root frame");
+            format!("force of loop {name} on body {first}; the opposite force acts on {second}, {axis}, root frame");
         table.output(Output::LoopForce(closure, i), format!("loop.{name}.force.{axis}"), Some("Force"), meaning);
     }
 }
@@ -247,7 +247,7 @@ const ANGULAR_VELOCITY: PointRows = (
 const ACCELERATION: PointRows =
     ("acceleration", PointOutput::Acceleration, &AXES, "Acceleration", "inertial acceleration, without gravity,");
 const ROTATION: PointRows =
-    ("rotation", PointOutput::Rotation, &QUATERNION, "Ratio", "quaternion root from section, sign continuous,");
+    ("rotation", PointOutput::Rotation, &QUATERNION, "Ratio", "quaternion from section to root, with continuous sign,");
 
 fn point(table: &mut Table, bind: impl Fn(PointOutput) -> Output, group: &str, of: &str, rows: &[PointRows]) {
     for &(key, field, components, declared, meaning) in rows {

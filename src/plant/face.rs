@@ -341,8 +341,8 @@ impl Statistics {
         (self.longest_row_panels > MOST_ROW_PANELS * (1.0 + 1e-9)).then(|| {
             let (longest, shorter_s) = (self.longest_row_panels, step_s * MOST_ROW_PANELS / self.longest_row_panels);
             format!(
-                "the trailing edge leaves rows of up to {longest:.1} panels in the wake; beyond {MOST_ROW_PANELS} they are too \
-                 coarse: aerodynamics.step_s of at most {shorter_s:.1e} s instead of {step_s:.3e} s cures it"
+                "the wake has rows of up to {longest:.1} panels, and more than {MOST_ROW_PANELS} are too \
+                 coarse: aerodynamics.step_s of at most {shorter_s:.1e} s instead of {step_s:.3e} s cures this"
             )
         })
     }
@@ -368,9 +368,7 @@ pub enum PlantError {
         advice: &'static str,
     },
     /// Numbers that grew too large.
-    #[error(
-        "outputs at t = {time_s} s are not finite; {cause}; look at the inputs and parameters that act until there"
-    )]
+    #[error("outputs at t = {time_s} s are not finite; {cause}; look at the inputs and parameters that act until then")]
     NotFinite {
         /// End of the step in s.
         time_s: f64,
@@ -379,7 +377,7 @@ pub enum PlantError {
     },
     /// More work than one communication step may cost.
     #[error(
-        "{most} iterations lead to t = {time_s} s only, the last internal step of {step_s:.1e} s; {cause}; take shorter communication steps, or allow a larger solver.tolerance"
+        "reached only t = {time_s} s after {most} iterations, with a last internal step of {step_s:.1e} s; {cause}; take shorter communication steps, or allow a larger solver.tolerance"
     )]
     TooMuchWork {
         /// Last good time in s.
@@ -406,7 +404,7 @@ pub enum PlantError {
         cause: String,
     },
     /// The time is so large that a step is lost in its round-off.
-    #[error("a step of {step_s:.1e} s does not move the time t = {time_s} s; start nearer to 0 s")]
+    #[error("a step of {step_s:.1e} s does not advance the time t = {time_s} s; start nearer to 0 s")]
     Clock {
         /// Last good time in s.
         time_s: f64,
@@ -422,7 +420,7 @@ pub enum PlantError {
         max_step_s: f64,
     },
     /// The initial accelerations could not be found.
-    #[error("no accelerations at t = {time_s} s: {cause}; look at the inputs and parameters that act from there on")]
+    #[error("no accelerations at t = {time_s} s: {cause}; look at the inputs and parameters that act from then on")]
     Initialization {
         /// Start time in s.
         time_s: f64,

@@ -63,7 +63,7 @@ impl Plant {
                 (format!("in real time a stage has no solution: {error}; {}", self.largest_input()), REAL_TIME_ADVICE)
             }
             Failure::Unsolved { rest } => (
-                format!("in real time an iteration that is cut short still corrects by {rest:.1e} rad"),
+                format!("in real time an iteration that was cut short still corrects by {rest:.1e} rad"),
                 REAL_TIME_ADVICE,
             ),
             Failure::Turned { turn_rad, .. } => (
@@ -141,7 +141,7 @@ impl Plant {
         if [ROOT_ACCELERATION, ROOT_ANGULAR_ACCELERATION].iter().any(|name| largest.contains(&format!("{name}."))) {
             let mass_kg = self.mass_kg();
             format!(
-                "{largest}, and where it answers root.force, what carries a wing of {mass_kg:.3} kg must be heavier"
+                "{largest}; if it responds to root.force, the carrier must be heavier than the wing ({mass_kg:.3} kg)"
             )
         } else {
             largest

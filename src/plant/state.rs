@@ -210,9 +210,9 @@ impl Snapshot {
 }
 
 impl State {
-    /// Refuses values that no run leads to: the bytes of a state can be anything.
+    /// Refuses values that no run can reach: the bytes of a state can be anything.
     fn check_values(&self) -> Result<(), PlantError> {
-        let refuse = |what: &str| Err(PlantError::Snapshot(format!("{what} that no run leads to")));
+        let refuse = |what: &str| Err(PlantError::Snapshot(format!("{what} that no run can reach")));
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         let points = [&self.before, &self.start, &self.ahead, &self.now];
         let sound = |point: &&Point| {
@@ -289,6 +289,6 @@ impl State {
         } else {
             return Ok(());
         };
-        Err(PlantError::Snapshot(format!("{what} that no run leads to")))
+        Err(PlantError::Snapshot(format!("{what} that no run can reach")))
     }
 }

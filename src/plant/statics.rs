@@ -439,7 +439,7 @@ impl Plant {
             if body.joint.range().contains(&coordinate) {
                 let remedy = match body.joint.kind.freedoms() {
                     1 => "give it a spring, close its latch, or hold it (release = false)",
-                    6 => "a free body has no place of rest",
+                    6 => "a free body has no equilibrium",
                     _ => "give it a spring",
                 };
                 return format!("joint {:?}: {remedy}", described.joint.name);

@@ -160,7 +160,7 @@ impl InputTable {
         };
         let time_s = real(&record[0]).map_err(|cause| bad(0, cause))?;
         if let Some(last) = self.times_s.last().filter(|last| time_s <= **last) {
-            return Err(bad(0, format!("does not lie after the row before ({last} s); times must ascend")));
+            return Err(bad(0, format!("is not after the previous row ({last} s); times must ascend")));
         }
         self.times_s.push(time_s);
         for (i, column) in self.columns.iter_mut().enumerate() {
@@ -202,7 +202,7 @@ fn columns(header: &StringRecord, file: &str, variables: &[impl Channel]) -> Res
     if header.get(0) != Some("time") {
         let found = header.get(0).unwrap_or_default();
         if header.len() == 1 && found.contains(';') {
-            return Err(bad(0, "columns are separated by `;`; write `,`, and a point in numbers".to_owned()));
+            return Err(bad(0, "columns are separated by `;`; write `,`, and a decimal point in numbers".to_owned()));
         }
         return Err(bad(0, format!("`{}`: the first column must be named `time` (s)", shortened(found))));
     }
@@ -210,7 +210,7 @@ fn columns(header: &StringRecord, file: &str, variables: &[impl Channel]) -> Res
     for (i, name) in header.iter().enumerate().skip(1) {
         let (position, kind) = input(name, variables).map_err(|cause| bad(i, cause))?;
         if columns.iter().any(|column| column.position == position) {
-            return Err(bad(i, format!("`{name}` stands twice")));
+            return Err(bad(i, format!("`{name}` appears twice")));
         }
         columns.push(Column { position, kind, values: vec![] });
     }

@@ -59,7 +59,7 @@ fn mistakes_are_named_with_their_place() {
         ),
         ("time,xyz\n0,1\n".to_owned(), "in.csv:1: column 2: no input is named `xyz`; `foldwing check` lists the names"),
         ("time,fold.angle\n0,1\n".to_owned(), "in.csv:1: column 2: `fold.angle` is not an input"),
-        ("time,fold.command,fold.command\n0,1,1\n".to_owned(), "in.csv:1: column 3: `fold.command` stands twice"),
+        ("time,fold.command,fold.command\n0,1,1\n".to_owned(), "in.csv:1: column 3: `fold.command` appears twice"),
         (format!("{head}0,1,1\n1,x,1\n"), "in.csv:3: column 2 (fold.command): `x` is not a finite number"),
         (format!("{head}0,inf,1\n"), "in.csv:2: column 2 (fold.command): `inf` is not a finite number"),
         (
@@ -72,7 +72,7 @@ fn mistakes_are_named_with_their_place() {
         ),
         (
             format!("{head}1,1,1\n1,1,1\n"),
-            "in.csv:3: column 1 (time): `1` does not lie after the row before (1 s); times must ascend",
+            "in.csv:3: column 1 (time): `1` is not after the previous row (1 s); times must ascend",
         ),
         (format!("{head}1,1\n"), "in.csv: line 2: 2 columns where the header has 3"),
         (head.to_owned(), "in.csv: no rows below the header; at least one is needed"),

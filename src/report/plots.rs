@@ -113,7 +113,7 @@ fn tip_path(recording: &Recording) -> Figure {
         let begin = Curve { points: path.first().copied().into_iter().collect(), ..Curve::nth(n, "", Vec::new()) };
         curves.extend([Curve::nth(n, name, path), begin]);
     }
-    seen(recording, "paths of the tips (dot: begin)", axes, curves)
+    seen(recording, "paths of the tips (dot: start)", axes, curves)
 }
 
 /// Axes of the bodies at equal intervals of time, from blue (early) to red (late).

@@ -6,7 +6,7 @@ use crate::solve::{EquationsOfMotion, Singular};
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NewtonError {
     /// Too slow or diverging.
-    #[error("iteration {iterations} still corrects by {correction:.1e}, allowed is {tolerance:.1e}")]
+    #[error("correction {correction:.1e} after {iterations} iterations exceeds {tolerance:.1e}")]
     NotConverged {
         /// Iterations done.
         iterations: usize,

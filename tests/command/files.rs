@@ -144,7 +144,7 @@ fn only_results_of_the_same_kind_are_replaced() {
         let refused = bench.run(&arguments);
         let message = String::from_utf8_lossy(&refused.stderr).into_owned();
         assert_eq!(refused.status.code(), Some(4), "{arguments:?}: {message}");
-        assert!(message.contains("exists and is not known as") && message.contains(&output), "{message}");
+        assert!(message.contains("exists and is not recognised as") && message.contains(&output), "{message}");
         assert_eq!(bench.read(&output), FOREIGN, "{arguments:?}");
         if !command.contains(&"sweep") {
             succeeds(&forced);

@@ -109,7 +109,7 @@ fn the_starter_overwrites_nothing() {
 
     let schema = folder.path().join("foldwing.schema.json");
     std::fs::write(&schema, "{}").unwrap();
-    let exists = "foldwing: foldwing.schema.json: exists and is not known as the schema of foldwing; --force overwrites it, \
+    let exists = "foldwing: foldwing.schema.json: exists and is not recognised as the schema of foldwing; --force overwrites it, \
          --no-schema leaves it as it is";
     assert_eq!(refusal(&new(&["third.toml"])), (Some(4), exists.to_owned()));
     assert!(!folder.path().join("third.toml").exists());

@@ -216,7 +216,7 @@ fn k06_a_changed_sweep_is_refused() {
     refuses(
         &mut with(&["--vary", "fold.start_angle=1,2.5"]),
         2,
-        &["results.csv.sweep: belongs to another sweep, different are: values of the keys;", "name another --out"],
+        &["results.csv.sweep: belongs to another sweep, these differ: values of the keys;", "name another --out"],
     );
     refuses(&mut with(&["--vary", "fold.start_angle=1,2", "--step", "1e-3"]), 2, &["--start, --stop, --step"]);
     refuses(&mut with(&["--vary", "fold.start_angle=1,2", "--set", "fold.release=0"]), 2, &["different are: --set;"]);
@@ -246,9 +246,9 @@ fn k07_slips_are_refused_before_anything_runs() {
         (&["--vary", "fold.start_angle=1,2", "--vary", "fold.start_angle=1,2"], &["fold.start_angle is given twice"]),
         (&["--vary", "file:body.inner.lenght_m=1,2"], &["'body.inner.lenght_m' is unknown", "length_m"]),
         (&["--vary", "file:body.inner.elements=4,0"], &["file:body.inner.elements=0", "not allowed; allowed: "]),
-        (&["--vary", "file:name.x=1"], &["--vary file:name.x=1: name is no table"]),
+        (&["--vary", "file:name.x=1"], &["--vary file:name.x=1: name is not a table"]),
         (&["--vary", "fold.start_angle=1,2", "--output", "tip.q"], &["tip.q"]),
-        (&["--vary", "fold.start_angle=1,2", "--output", "fold.start_angle"], &["there is such a column already"]),
+        (&["--vary", "fold.start_angle=1,2", "--output", "fold.start_angle"], &["this column exists already"]),
         (&["--vary", "fold.start_angle=1,2", "--threads", "0"], &["--threads"]),
         (&[], &["--vary", "--samples"]),
     ];

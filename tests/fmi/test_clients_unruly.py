@@ -87,13 +87,13 @@ def test_f140_statuses_end_the_run_as_the_standard_says(runner, make):  # noqa: 
         (0, 0, whole, "Unruly: 0.500000 s simulated"),
         (1, 0, whole, "Unruly: warning: it is 0.2 s, 50%\n"),
         (1, 0, whole, ", 3 warnings\n"),
-        (2, 3, short, "fmi2DoStep from 0.2 s: the FMU answers fmi2Discard"),
+        (2, 3, short, "fmi2DoStep from 0.2 s: the FMU returned fmi2Discard"),
         (3, 0, [*short, 0.25], "the FMU ended the simulation at 0.25 s"),
-        (4, 3, short, "fmi2DoStep from 0.2 s: the FMU answers fmi2Error"),
+        (4, 3, short, "fmi2DoStep from 0.2 s: the FMU returned fmi2Error"),
         (4, 3, short, "Unruly: error: gave up"),
-        (5, 3, short, "the FMU answers fmi2Fatal"),
-        (6, 3, short, "the FMU answers fmi2Pending, which is not supported, or no status of FMI"),
-        (7, 3, short, "the FMU answers fmi2Pending, which is not supported, or no status of FMI"),
+        (5, 3, short, "the FMU returned fmi2Fatal"),
+        (6, 3, short, "the FMU returned fmi2Pending, which is not supported, or a status that FMI does not define"),
+        (7, 3, short, "the FMU returned fmi2Pending, which is not supported, or a status that FMI does not define"),
     ]
     for mode, code, times, words in cases:
         columns, text = run(runner, fmu, "--set", f"mode={mode}", code=code)
@@ -133,10 +133,10 @@ def test_f142_bad_command_lines_are_refused(runner, make, tmp_path):  # noqa: F8
         (2, ["--set", "u=1 m"], "`m` is not one of its units; allowed: K, degC"),
         (2, ["--set", "u=500"], "`500` is out of range; allowed is -inf to 400.0 K"),
         (2, ["--set", "mode=1.5"], "`1.5` is not a whole number"),
-        (2, ["--set", "gear=fly"], "`fly` is no word of park (1), drive (4)"),
-        (1, ["--set", "mode=8", "--set", "u=1"], "fmi2SetReal of u to 1.0: the FMU answers fmi2Discard"),
+        (2, ["--set", "gear=fly"], "`fly` is not one of park (1), drive (4)"),
+        (1, ["--set", "mode=8", "--set", "u=1"], "fmi2SetReal of u to 1.0: the FMU returned fmi2Discard"),
         (2, ["--output", "x"], "no variable is named `x`"),
-        (2, ["--stop", "0.25"], "0.25 s is no whole number of steps of 0.1 s"),
+        (2, ["--stop", "0.25"], "0.25 s is not a whole number of steps of 0.1 s"),
         (2, ["--step", "-1"], "the step must be positive"),
         (2, ["--tolerance", "0"], "--tolerance 0: must be positive"),
         (4, ["--inputs", tmp_path / "none.csv"], "none.csv: cannot be read"),
@@ -167,14 +167,14 @@ def test_f143_what_cannot_be_run_is_refused(runner, make, wing, tmp_path):  # no
         (1, cut, "cut.fmu: not an FMU"),
         (1, make("empty", None), "not an FMU: no modelDescription.xml in the archive"),
         (1, make("torn", text[:900]), "not an FMU: modelDescription.xml"),
-        (1, make("three", text.replace('fmiVersion="2.0"', 'fmiVersion="3.0"')), "FMI 3.0; FMI 2.0 is what can be run"),
+        (1, make("three", text.replace('fmiVersion="2.0"', 'fmiVersion="3.0"')), "FMI 3.0; only FMI 2.0 can be run"),
         (1, make("exchange", exchange), "for model exchange only"),
         (1, make("nameless", text.replace('\n    guid="{unruly}"', "")), "no attribute guid"),
         (1, make("windows", files={"binaries/win32/unruly.dll": b"x"}), "the FMU has win32"),
         (1, make("bare", files={}), "the FMU has no libraries at all"),
         (1, make("broken", files={LIBRARY: b"not a library"}), "cannot be loaded"),
-        (1, make("lacking", files={LIBRARY: without_step}), "exports no function fmi2DoStep"),
-        (1, make("stranger", text.replace("{unruly}", "{other}")), "fmi2Instantiate gave no instance"),
+        (1, make("lacking", files={LIBRARY: without_step}), "does not export the function fmi2DoStep"),
+        (1, make("stranger", text.replace("{unruly}", "{other}")), "fmi2Instantiate returned no instance"),
         (1, make("stranger", text.replace("{unruly}", "{other}")), "the GUID is {other}, 100% expected {unruly}"),
     ]:
         _, said = run(runner, fmu, code=code)
@@ -199,8 +199,8 @@ def test_af9_hostile_archives_are_refused(runner, make, tmp_path):  # noqa: F811
         return DESCRIPTION.replace('modelIdentifier="unruly"', f'modelIdentifier="{identifier}"')
 
     for fmu, words in [
-        (make("absolute", called(tmp_path / "unruly")), "is no name of a library; allowed: a C identifier"),
-        (make("above", called("../../unruly")), "is no name of a library; allowed: a C identifier"),
+        (make("absolute", called(tmp_path / "unruly")), "is not a library name; allowed: a C identifier"),
+        (make("above", called("../../unruly")), "is not a library name; allowed: a C identifier"),
         (make("out", files={"../escaped": b"x", LIBRARY: library}), "leaves the folder of the FMU"),
         (make("rooted", files={str(away): b"x", LIBRARY: library}), "leaves the folder of the FMU"),
         (make("linked", files={link: b"/etc", LIBRARY: library}), "is a link"),

@@ -204,7 +204,7 @@ fn real_time_mode() {
     assert_eq!(
         solver("mode = \"real_time\"\nmethod = \"esdirk4\""),
         "wing.toml:49: key 'solver.method': \"esdirk4\" is not allowed; allowed: \"sdirk2\", or no method, with mode = \
-         \"real_time\": at steps of given length the others carry a jump of the accelerations on in stiff modes"
+         \"real_time\": with fixed steps the others keep a jump of the accelerations ringing in stiff modes"
     );
     assert_eq!(
         solver("max_iterations = 3"),

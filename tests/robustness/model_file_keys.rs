@@ -15,7 +15,7 @@ fn syntax_errors() {
     );
     assert_eq!(
         message("[section.spar]", "[section.plate]"),
-        "wing.toml:10: not valid TOML: duplicate key: [section.plate], which stands on line 3 already"
+        "wing.toml:10: not valid TOML: duplicate key: [section.plate], already on line 3"
     );
     assert_eq!(
         message("shape = \"rectangle\"", "shape = \"rectangle"),

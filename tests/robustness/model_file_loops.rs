@@ -58,7 +58,7 @@ fn bodies_of_a_loop() {
     assert_eq!(
         message(&CLOSED.replace("outer", "root")),
         "wing.toml:57: key 'loop.pin.bodies': [\"inner\", \"root\"] is not allowed; allowed: two bodies: the \
-         root takes part by joints only. Hold one of the bodies by a joint with parent = \"root\" and close \
+         root takes part by joints only. Attach one of the bodies by a joint with parent = \"root\" and close \
          the loop between two bodies"
     );
     assert_eq!(
@@ -166,7 +166,7 @@ fn no_joint_is_named_loop() {
     assert_eq!(
         message_of(&text),
         "wing.toml:24: key 'joint.loop': the name \"loop\" is not allowed; allowed: a name that does not \
-         begin with tip_ and is none of load, gravity, root, wind, gauge, loop, tip, station, aero, energy, \
+         start with tip_ and is not one of load, gravity, root, wind, gauge, loop, tip, station, aero, energy, \
          solver, body, time, der"
     );
 }

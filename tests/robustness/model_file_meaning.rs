@@ -29,7 +29,7 @@ fn joint_names_that_clash() {
     assert_eq!(
         message("[joint.mount]", "[joint.tip_inner]"),
         "wing.toml:24: key 'joint.tip_inner': the name \"tip_inner\" is not allowed; allowed: a name that does \
-         not begin with tip_ and is none of load, gravity, root, wind, gauge, loop, tip, station, aero, energy, solver, \
+         not start with tip_ and is not one of load, gravity, root, wind, gauge, loop, tip, station, aero, energy, solver, \
          body, time, der"
     );
 }
@@ -321,7 +321,7 @@ fn latches() {
     assert_eq!(
         message("start_angle_deg = 170", "motion = \"locked\""),
         "wing.toml:36: key 'joint.fold.latch': a latch on a joint that does not move freely is not allowed; \
-         allowed: a latch with motion = \"free\" only"
+         allowed: a latch only with motion = \"free\""
     );
     assert_eq!(
         message("stiffness_ratio = 1e4", "stiffness_ratio = 1e4\ninitially_closed = true\nenable = false"),

@@ -22,7 +22,7 @@ const UNFINISHED: &str = ".foldwing-";
 /// `--force`, the same for every command that writes.
 #[derive(clap::Args)]
 pub struct Force {
-    /// Replace files that something else wrote; never what the command reads
+    /// Replace files that something else wrote, but never what the command reads
     #[arg(long)]
     pub force: bool,
 }
@@ -117,7 +117,7 @@ impl Outlets {
         {
             let source = source.display();
             return Err(Failure::Usage(format!(
-                "{shown}: is what the command reads ({source}), and is never overwritten; name another file"
+                "{shown}: is read by this command ({source}) and is never overwritten; name another file"
             )));
         }
         if self.written.contains(&file) {
@@ -138,7 +138,7 @@ impl Outlets {
 fn stranger(shown: &str, mark: &Mark) -> Failure {
     let why = match mark {
         Mark::Never => "exists already".to_owned(),
-        _ => format!("exists and is not known as {}", mark.name()),
+        _ => format!("exists and is not recognised as {}", mark.name()),
     };
     Failure::Files(format!("{shown}: {why}; --force overwrites it"))
 }

@@ -28,16 +28,16 @@ pub struct Arguments {
     /// Model file
     model: PathBuf,
     /// Values of an input's or parameter's start value, or of a key of the model file (`file:solver.tolerance`):
-    /// FROM:TO:COUNT or A,B,…; several make a grid, the last varies fastest
+    /// FROM:TO:COUNT or A,B,…; several form a grid, in which the last varies fastest
     #[arg(long, value_name = "KEY=VALUES", group = "variants", value_parser = NonEmptyStringValueParser::new())]
     vary: Vec<String>,
     /// CSV file with a column for each key and a row for each variant
     #[arg(long, value_name = "FILE.csv", group = "variants", conflicts_with = "vary")]
     samples: Option<PathBuf>,
-    /// CSV file for the results, one row for each variant; `OUT.csv.sweep` beside it keeps what is done
+    /// CSV file for the results, one row for each variant; `OUT.csv.sweep` next to it keeps finished rows
     #[arg(long, value_name = "OUT.csv")]
     out: PathBuf,
-    /// Variable whose value at the end is written; may be repeated
+    /// Variable whose final value is written; may be repeated
     #[arg(long = "output", value_name = "NAME")]
     outputs: Vec<String>,
     /// Start value of an input or parameter in all variants; may be repeated

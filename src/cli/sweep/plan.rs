@@ -147,7 +147,7 @@ fn check_keys(keys: &[String], place: &str, interface: &Interface) -> Result<(),
         if let Some(path) = file_path(key) {
             if path.iter().any(|part| part.is_empty()) {
                 return Err(Failure::Usage(format!(
-                    "{place}: {key} names no key of the model file; one is written as in file:body.inner.length_m"
+                    "{place}: {key} is not a key of the model file; write keys as in file:body.inner.length_m"
                 )));
             }
         } else if interface.find(key).is_none() {
@@ -164,7 +164,7 @@ fn axis(text: &str) -> Result<Vec<String>, String> {
         return range(from, to, count);
     }
     if text.contains(':') {
-        return Err(format!("`{text}` is no range; ranges are FROM:TO:COUNT, as 0:1:11"));
+        return Err(format!("`{text}` is not a range; ranges are FROM:TO:COUNT, such as 0:1:11"));
     }
     let values: Vec<String> = text.split(',').map(|value| value.trim().to_owned()).collect();
     if values.iter().any(|value| value.is_empty() || value.contains(char::is_control)) {
@@ -177,12 +177,12 @@ fn axis(text: &str) -> Result<Vec<String>, String> {
 fn range(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
     let number = |text: &str| match text.trim().parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("`{text}` is no finite number")),
+        _ => Err(format!("`{text}` is not a finite number")),
     };
     let (first, last) = (number(from)?, number(to)?);
     let count: usize = match count.trim().parse() {
         Ok(count) if (2..=MOST_VARIANTS).contains(&count) => count,
-        _ => return Err(format!("`{count}` is no number of values; allowed is 2 to {MOST_VARIANTS}")),
+        _ => return Err(format!("`{count}` is not a number of values; allowed is 2 to {MOST_VARIANTS}")),
     };
     let whole = [from, to].iter().all(|text| text.trim().parse::<i32>().is_ok());
     let value = |i: usize| {

@@ -50,7 +50,7 @@ pub(super) fn columns(plan: &Plan, outputs: &[String], machine: &Machine) -> Res
     columns.extend(["steps", "rejections", "iterations", "message"].map(str::to_owned));
     let mut seen = HashSet::new();
     match columns.iter().find(|column| !seen.insert(column.as_str())) {
-        Some(twice) => Err(Failure::Usage(format!("--output {twice}: there is such a column already"))),
+        Some(twice) => Err(Failure::Usage(format!("--output {twice}: this column exists already"))),
         None => Ok(columns),
     }
 }
@@ -140,7 +140,7 @@ impl Experiment<'_> {
             let mut table = &mut tree;
             for name in tables {
                 let entry = table.entry(*name).or_insert_with(|| toml::Table::new().into());
-                table = entry.as_table_mut().ok_or_else(|| refused(&format!("{name} is no table")))?;
+                table = entry.as_table_mut().ok_or_else(|| refused(&format!("{name} is not a table")))?;
             }
             // what is no TOML value by itself is a word: file:solver.method=esdirk3
             let parsed = toml::from_str::<toml::Table>(&format!("value = {value}")).ok();

@@ -30,7 +30,7 @@ const STATIC_TOLERANCE: f64 = 1e-9;
 /// against small loads takes two or three such steps.
 const MOST_STRAYED: u32 = 4;
 /// What is said then.
-const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges, in 4 aerodynamic steps in a row the loads missed their \
+const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges: in 4 aerodynamic steps in a row the loads missed their \
      prediction by more than the largest of the run: the air is too heavy for one correction, write coupling = \"iterated\"";
 
 /// The flow at a time, with the wind and the turning of the root frame at that time.
@@ -134,7 +134,7 @@ impl Plant {
             air.write(&mut history.loads);
             history.loads.from.clone_from(&history.loads.to);
         }
-        let cause = format!("{MOST_STATIC_ITERATIONS} iterations at rest leave a change of the loads of {change:.1e}");
+        let cause = format!("the loads at rest still change by {change:.1e} after {MOST_STATIC_ITERATIONS} iterations");
         Err(refusal(time_s, cause))
     }
 
@@ -294,7 +294,7 @@ impl Plant {
         *longest = longest.max(row_panels);
         self.state.air = Some(history);
         outcome.map_err(|change| {
-            refusal(begin_s, format!("{most} iterations leave a change of the loads of {change:.1e} of the largest"))
+            refusal(begin_s, format!("the loads still change by {change:.1e} of the largest after {most} iterations"))
         })?;
         self.discontinuity(|_, _| 0.0).map(|_| ())
     }

@@ -111,7 +111,7 @@ impl Plant {
             })
             .collect();
         let cause = format!(
-            "the free hinges ({}) find no place of rest, a torque of {torque_n_m:.1e} N m is left on them: the air does not \
+            "the free hinges ({}) do not come to rest, a torque of {torque_n_m:.1e} N m is left on them: the air does not \
              hold them; give them a spring, or hold them (release = false)",
             list.join(", ")
         );
