@@ -99,7 +99,7 @@ impl Drive {
         if k == 0.0 || end.min(t) >= limit || end.max(t) <= -limit {
             return constant * angle_rad;
         }
-        // integral of the clamped torque from the neutral angle on, by the stretch at which the limits begin
+        // integral of the clamped torque from the neutral angle on, by the stretch at which the limits start
         let integral = |x: f64| {
             let within = x.max((-limit - t) / k).min((limit - t) / k);
             within * (0.5 * k * within + t) + limit * (x - within).abs()

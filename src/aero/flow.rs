@@ -54,7 +54,7 @@ impl AirPath {
         Self { rotation: Rotation3::new(turn).into_inner(), shift_m: mean * flow.wind_m_s * step_s }
     }
 
-    /// Where air that was at `begin_m` at the begin of the step is at its end, root frame, m.
+    /// Where air that was at `begin_m` at the start of the step is at its end, root frame, m.
     pub fn end_m(&self, begin_m: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * begin_m + self.shift_m
     }

@@ -100,7 +100,7 @@ pub(super) fn circulatory(
     }
 }
 
-/// Rate of the bound rings' impulse over the step at constant vector areas, eq. (U8). Those of the begin stay as they were
+/// Rate of the bound rings' impulse over the step at constant vector areas, eq. (U8). Those of the start stay as they were
 /// in the air, which turns where the root frame does.
 pub(super) fn impulsive(
     lattice: &VortexLattice,

@@ -1,6 +1,6 @@
 //! Air: loads on the sections of lifting bodies that move through a flow.
 //!
-//! A model of the air is a function of motion and history: given its [state](AirLoads) at the begin of an aerodynamic
+//! A model of the air is a function of motion and history: given its [state](AirLoads) at the start of an aerodynamic
 //! step and the motion of every section at the end of it, it gives the state at the end and the loads. Nothing here
 //! knows beams or integrators; the plant decides when a step is final.
 

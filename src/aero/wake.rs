@@ -25,16 +25,16 @@ const REST_SHARE: f64 = 1e-9;
 const ESTABLISHED_DIAMETERS: f64 = 200.0;
 
 /// Rows of the wake that [`solve`](VortexLattice::solve) sums anew for every motion that it is given. Those behind are
-/// summed once for a step, at the collocation points as the velocities of its begin carry them: the points then are off by
+/// summed once for a step, at the collocation points as the velocities of its start carry them: the points then are off by
 /// the acceleration times half the square of the step, small against the distance of these rows.
 pub(super) const NEAR_ROWS: usize = 8;
 
 impl VortexLattice {
     /// Moves the wake to the end of a step and sheds the row that the trailing edge leaves behind, with the circulation
-    /// that it had at the begin, eqs. (U5) and (U10). Done once for a step, before [`solve`](Self::solve).
+    /// that it had at the start, eqs. (U5) and (U10). Done once for a step, before [`solve`](Self::solve).
     ///
     /// The undisturbed air moves on its exact path in the rotating frame; in a free wake gusts and induced velocities of
-    /// the begin of the step are added (first order). The foremost row of nodes is attached to the trailing edge by
+    /// the start of the step are added (first order). The foremost row of nodes is attached to the trailing edge by
     /// `solve`. A wake that is full keeps its far end: its last ring grows from step to step, with the circulation of the
     /// ring that it takes in, so that what is lost is the history of the far wake and not its length. The wake of an
     /// established flow stays behind all that as the one ring that it is: it takes nothing in.
@@ -88,7 +88,7 @@ impl VortexLattice {
     /// Carries what the last row has left with the air; true where some point of the trailing edge will be far enough
     /// from it at the end of the step for the next row, eq. (U10).
     ///
-    /// The edge goes on as it moves at the begin of the step: what decides must not change while air and structure
+    /// The edge goes on as it moves at the start of the step: what decides must not change while air and structure
     /// are brought to agree. Only distances between the edge and the air count, which are the same in every frame.
     fn leaves_a_row(&self, from: &LatticeState, path: &AirPath, step_s: f64, to: &mut LatticeState) -> bool {
         let left_m = if from.sheds { &from.edge_m } else { &from.left_m };
@@ -141,7 +141,7 @@ impl VortexLattice {
         }
     }
 
-    /// Foremost row of the wake: circulation of the trailing edge at the begin of the step.
+    /// Foremost row of the wake: circulation of the trailing edge at the start of the step.
     fn shed_row(&self, from: &LatticeState, to: &mut LatticeState) {
         for (bound, wake) in self.bound.iter().zip(&self.wake) {
             for strip in 0..bound.strips {

@@ -196,7 +196,7 @@ pub struct LocalMotions {
 const ZERO: Lanes = Lanes([0.0; LANES]);
 
 impl LocalLinks {
-    /// Nothing, to be filled.
+    /// Zeros, to be overwritten.
     pub const ZERO: Self =
         Self { rotation: [[ZERO; 3]; 3], arm_m: [ZERO; 3], tangent: [[ZERO; 3]; 3], slope_m: [[ZERO; 3]; 3] };
 }

@@ -111,7 +111,7 @@ fn images(bytes: &[u8]) -> Result<Vec<&[u8]>, String> {
         Err(_) => return Err("not a shared library (ELF, PE or Mach-O)".to_owned()),
     };
     match images {
-        Ok(images) if images.is_empty() => Err("the macOS library is for no processor at all".to_owned()),
+        Ok(images) if images.is_empty() => Err("the macOS library has no processor in it".to_owned()),
         images => images.map_err(|error| format!("a broken macOS library for several processors: {error}")),
     }
 }

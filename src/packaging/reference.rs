@@ -168,7 +168,7 @@ impl Reference {
             "Reference results (FMI-LS-REF 1.0.0-alpha.1)\n\n\
              {FOLDER} holds the experiments below with their results. They were simulated by\n\
              `foldwing package` with the code of the library in this FMU.\n\n\
-             Communication step: {} s, inputs taken at its beginning and held (reals on straight lines between the rows\n\
+             Communication step: {} s, inputs taken at its beginning and held (reals linearly interpolated between the rows\n\
              of the stimuli), no input derivatives.\n\
              Expected deviation: at most {TOLERANCE:e} of a variable's range over the run, or {LEAST:e} in its unit where that is\n\
              more; none where the same library runs without stimuli. An importer with other communication steps gets other\n\

@@ -37,13 +37,13 @@ pub(super) fn drive(html: &mut String, machine: &Machine, variables: &[Variable]
     if let Some(row) = released {
         let _ = writeln!(
             html,
-            "<li>With the start values as they are the joint lets go at once; <code>{}</code> = false holds it.</li>",
+            "<li>With the default start values the joint is released at once; <code>{}</code> = false holds it.</li>",
             escape(&row.name)
         );
     }
     let _ = write!(
         html,
-        "<li>Inputs hold during a communication step, or run linearly where the importer sets their derivatives. Outputs \
+        "<li>Inputs are held during a communication step, or run linearly if the importer sets their derivatives. Outputs \
          belong to the end of the last step.</li>\n\
          <li>States can be saved and restored, also as bytes; two instances of <code>{MODEL_IDENTIFIER}</code> share \
          nothing.</li>\n\

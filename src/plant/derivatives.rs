@@ -22,7 +22,7 @@ const SLOPE_SPACING: f64 = 1.0 / 64.0;
 const TIME_STEP_S: f64 = 1e-3;
 
 impl Outputs {
-    /// Derivatives of nothing: the same sizes, all zero. Attitudes then hold the derivatives of their four components.
+    /// Zero derivatives of the same sizes. Attitudes then hold the derivatives of their four components.
     fn no_change(&self) -> Self {
         let mut zero = self.clone();
         zero.add(self, -1.0);

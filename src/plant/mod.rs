@@ -67,7 +67,7 @@ pub struct Plant {
     tip_bodies: Vec<usize>,
     gauges: Vec<GaugePoint>,
     state: State,
-    /// The state at the begin of the communication step, to go back to.
+    /// The state at the start of the communication step, to go back to.
     begin: State,
     /// Newton iterations that the present communication step may cost, and those of them that are left.
     most_work: u64,

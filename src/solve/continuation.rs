@@ -11,7 +11,7 @@ const POWERS: usize = 5;
 /// Weights of a method's stages as polynomials of the place `s` within the step, 0 to 1.
 ///
 /// Every stage satisfies the equations of motion, so their combinations do where the equations are linear over the step,
-/// however fast a mode is: no mode is drawn larger than at the step's begin. Methods without stages have none.
+/// however fast a mode is: no mode is drawn larger than at the step's start. Methods without stages have none.
 #[derive(Debug, Clone, Default)]
 pub struct Continuation(Vec<[f64; POWERS]>);
 

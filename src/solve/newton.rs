@@ -37,7 +37,7 @@ pub struct Accuracy {
     /// The step's length is given, not chosen: a stage may take more iterations, with new factors wherever they contract
     /// slowly, before the step is given up.
     pub persistent: bool,
-    /// The accelerations at the step's begin have jumped by more than a guess over the whole step can use, NOTATION
+    /// The accelerations at the step's start have jumped by more than a guess over the whole step can use, NOTATION
     /// eq. (T10).
     pub jumped: bool,
     /// Counts on the slower of the last two contractions, and on none faster than [`CAUTIOUS_RATE`]: where the first

@@ -30,7 +30,7 @@ impl Tableau<'_> {
 
     /// First guess of a stage's accelerations: two stages before it with their weights, NOTATION eq. (T9).
     ///
-    /// The straight line in time through the two nearest abscissae; the first implicit stage has only the step's begin.
+    /// The straight line in time through the two nearest abscissae; the first implicit stage has only the step's start.
     /// A parabola through three takes more iterations: it amplifies what stiff modes leave.
     pub fn predictor(&self, stage: usize) -> [(usize, f64); 2] {
         let at = self.abscissa(stage);
@@ -65,7 +65,7 @@ pub const TR_BDF2: Tableau = {
 };
 
 /// SDIRK of two stages, order 2, L-stable (Alexander 1977), NOTATION eq. (T10): its explicit first stage has no weight, so
-/// that a jump of the accelerations at the step's begin does not ring on in stiff modes.
+/// that a jump of the accelerations at the step's start does not ring on in stiff modes.
 pub const SDIRK2: Tableau = {
     const GAMMA: f64 = 1.0 - ROOT_2 / 2.0;
     Tableau {

@@ -117,7 +117,7 @@ fn the_lattice_is_written_at_chosen_times() {
         let shed = surface["wake_circulation_m2_s"][0][5].as_f64().unwrap();
         assert!(shed != 0.0, "the moving wing sheds");
     }
-    refuses(&on_model("simulate", &run), 2, "no vortex lattice");
+    refuses(&on_model("simulate", &run), 2, "not a vortex lattice");
     refuses(&on_model("simulate", &["--csv", "-", "--lattice", path]), 2, "--lattice-at");
 }
 

@@ -80,7 +80,7 @@ fn descriptions_are_such_that_importers_can_read_them() {
         foldwing(folder.path(), &["package", "wing.toml", "--description-only"])
     };
     let refused = "wing.toml:1: key 'description': a text with the control character U+0001 is not allowed; allowed: text \
-                   without control characters, but line feeds and tabs";
+                   without control characters except line feeds and tabs";
     refuses(&describe("a\\u0001b"), 1, refused);
     // a small generator of our own: the letters decide, not the order in which they are tried
     let mut state = 7_u64;

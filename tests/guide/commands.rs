@@ -9,8 +9,8 @@ use std::process::{Command, Output};
 const HEAD: &str = "\
 # All commands and their options
 
-This page is what `foldwing --help` and `foldwing COMMAND --help` print; a test keeps it current. Formats of files and what stands
-behind the options: [COMMAND_LINE.md](../COMMAND_LINE.md).
+This page shows what `foldwing --help` and `foldwing COMMAND --help` print; a test keeps it current. Formats of files and details of
+the options: [COMMAND_LINE.md](../COMMAND_LINE.md).
 ";
 
 /// Runs the command in a folder.

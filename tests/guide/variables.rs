@@ -64,16 +64,16 @@ strips = 1
 const HEAD: &str = "\
 # All variables of the FMU
 
-This page is written from the table that the FMU itself is made of; a test keeps it current. `<joint>`, `<body>`, `<gauge>` and
-`<loop>` stand for the names in the model file, `[i]` counts from 1. `{x,y,z}` stands for three variables: `gravity.{x,y,z}` are
+This page is generated from the table that makes the FMU; a test keeps it current. `<joint>`, `<body>`, `<gauge>` and
+`<loop>` stand for names in the model file, `[i]` counts from 1. `{x,y,z}` stands for three variables: `gravity.{x,y,z}` are
 `gravity.x`, `gravity.y` and `gravity.z`. `foldwing check MODEL.toml --variables` lists those of a model with their start values,
 and `documentation/index.html` inside the FMU shows them as a table.
 
-- Vectors are resolved in the root frame unless the line says otherwise, in SI units. Angles are in rad, their display unit is
-  degrees. A quaternion `{w,x,y,z}` turns section components into root components; its sign is continuous.
-- Reals unless the line says otherwise. A value outside its range, or one that is not finite, is refused with `fmi2Discard` and
-  changes nothing.
-- Inputs are held during a step, or run linearly where `fmi2SetRealInputDerivatives` says so. Outputs belong to the end of the
+- Vectors are in the root frame unless the row says otherwise; units are SI. Angles are in rad, with degrees as display
+  unit. A quaternion `{w,x,y,z}` turns section components into root components; its sign is continuous.
+- Variables are Reals unless the row says otherwise. A value outside its range, or one that is not finite, is refused with
+  `fmi2Discard` and changes nothing.
+- Inputs are held during a step, or run linearly if `fmi2SetRealInputDerivatives` sets their rates. Outputs belong to the end of the
   last step, with the inputs that were used in it.
 - **fixed** parameters can be set before the end of the initialisation, **tunable** ones at any time.
 ";
@@ -106,8 +106,8 @@ const WHERE: &[(&str, &str)] = &[
 const REVOLUTE: &str = "revolute joints";
 const SPRING: &str = "revolute joints that move freely and have a `spring`";
 
-/// Revolute joints whose angle is no function of time.
-const NOT_PRESCRIBED: &str = "revolute joints, but prescribed ones";
+/// Revolute joints whose angle is not a function of time.
+const NOT_PRESCRIBED: &str = "revolute joints except prescribed ones";
 
 /// Where a row exists.
 fn place(variable: &Variable, pattern: &str) -> &'static str {
@@ -215,18 +215,18 @@ fn page() -> String {
         (
             Causality::Input,
             "Inputs",
-            "Start values come from the model file: loads from `[load.<name>]`, gravity from `gravity_m_s2`, wind from `aerodynamics.wind_m_s`; they are 0 where it says nothing. `<joint>.release` and `<joint>.latch_enable` start true unless the model file says otherwise, so that default values unfold the wing.",
+            "Start values come from the model file: loads from `[load.<name>]`, gravity from `gravity_m_s2`, wind from `aerodynamics.wind_m_s`; they are 0 by default. `<joint>.release` and `<joint>.latch_enable` start as true unless the model file says otherwise, so that default values unfold the wing.",
         ),
         (
             Causality::Output,
             "Outputs",
-            "`energy.total - energy.work + energy.dissipated` is constant but for the error of the integration.",
+            "`energy.total - energy.work + energy.dissipated` is constant up to the error of the integration.",
         ),
         (Causality::Parameter, "Parameters", "Start values come from the model file."),
         (
             Causality::Local,
             "Counters",
-            "Local variables, for those who look into the cost of a run. All begin at 0 with the initialisation; durations are on the wall clock.",
+            "Local variables about the cost of a run. All start at 0 at the initialisation; durations are wall time.",
         ),
         (Causality::Independent, "Time", ""),
     ];
@@ -236,7 +236,7 @@ fn page() -> String {
         if !remark.is_empty() {
             page += &format!("{remark}\n\n");
         }
-        page += "| name | unit | kind | allowed | meaning | there for |\n|---|---|---|---|---|---|\n";
+        page += "| name | unit | kind | allowed | meaning | exists for |\n|---|---|---|---|---|---|\n";
         page += &rows(&interfaces, causality);
     }
     page

@@ -274,7 +274,7 @@ fn x05_failures_at_the_begin_of_a_step() {
     let told = |(_, _, largest): (_, _, &str)| {
         format!(
             "fmi2DoStep: no accelerations at t = 0.001 s: they are not finite; the largest input is {largest}; look at the \
-             inputs and parameters that act from there on"
+             inputs and parameters that act from then on"
         )
     };
     assert_eq!(found, causes.map(told));

@@ -132,7 +132,7 @@ fn numbers_of_air() {
     assert_eq!(
         air("wind_m_s = [0, -10, 0]\n", ""),
         "wing.toml:56: key 'aerodynamics.step_s' is missing; allowed: a finite time > 0 s: it has no \
-         default where wing and air do not move against each other at the start"
+         default if wing and air do not move relative to each other at the start"
     );
     assert_eq!(
         air("model = \"uvlm\"\n", "model = \"uvlm\"\nmirror_normal = [0, 0, 0]\n"),

@@ -121,7 +121,7 @@ fn free_parent() {
 fn foreign_keys() {
     let refusal = |line: usize, key: &str, value: &str, types: &str| {
         format!(
-            "wing.toml:{line}: key 'joint.fold.{key}': {value} is not allowed; allowed: this key with type = {types} only"
+            "wing.toml:{line}: key 'joint.fold.{key}': {value} is not allowed; allowed: this key only with type = {types}"
         )
     };
     for (key, value) in [
@@ -175,8 +175,8 @@ fn foreign_drive_keys() {
             assert_eq!(
                 message_of(&text),
                 format!(
-                    "wing.toml:{line}: key 'joint.fold.drive.{key}': 1 is not allowed; allowed: this key with type = \
-                     \"revolute\" only"
+                    "wing.toml:{line}: key 'joint.fold.drive.{key}': 1 is not allowed; allowed: this key only with type = \
+                     \"revolute\""
                 )
             );
         }

@@ -57,8 +57,8 @@ fn bodies_of_a_loop() {
     );
     assert_eq!(
         message(&CLOSED.replace("outer", "root")),
-        "wing.toml:57: key 'loop.pin.bodies': [\"inner\", \"root\"] is not allowed; allowed: two bodies: the \
-         root takes part by joints only. Attach one of the bodies by a joint with parent = \"root\" and close \
+        "wing.toml:57: key 'loop.pin.bodies': [\"inner\", \"root\"] is not allowed; allowed: two bodies: a \
+         loop cannot be closed on the root. Attach one of the bodies by a joint with parent = \"root\" and close \
          the loop between two bodies"
     );
     assert_eq!(

@@ -22,8 +22,8 @@ fn overflowing_dimensions() {
 fn joint_names_that_clash() {
     assert_eq!(
         message("[joint.mount]", "[joint.load]"),
-        "wing.toml:24: key 'joint.load': the name \"load\" is not allowed; allowed: a name that does not begin \
-         with tip_ and is none of load, gravity, root, wind, gauge, loop, tip, station, aero, energy, solver, body, \
+        "wing.toml:24: key 'joint.load': the name \"load\" is not allowed; allowed: a name that does not start \
+         with tip_ and is not one of load, gravity, root, wind, gauge, loop, tip, station, aero, energy, solver, body, \
          time, der"
     );
     assert_eq!(
@@ -195,8 +195,8 @@ fn axes() {
     );
     assert_eq!(
         message("type = \"clamped\"", "type = \"clamped\"\naxis = [0, 1, 0]"),
-        "wing.toml:26: key 'joint.mount.axis': [0, 1, 0] is not allowed; allowed: this key with type = \
-         \"revolute\" or \"universal\" only"
+        "wing.toml:26: key 'joint.mount.axis': [0, 1, 0] is not allowed; allowed: this key only with type = \
+         \"revolute\" or \"universal\""
     );
 }
 
@@ -325,8 +325,8 @@ fn latches() {
     );
     assert_eq!(
         message("stiffness_ratio = 1e4", "stiffness_ratio = 1e4\ninitially_closed = true\nenable = false"),
-        "wing.toml:38: key 'joint.fold.latch.initially_closed': true is not allowed; allowed: true with enable = \
-         true only: a latch that is not enabled is open"
+        "wing.toml:38: key 'joint.fold.latch.initially_closed': true is not allowed; allowed: true only with enable = \
+         true: a latch that is not enabled is open"
     );
 }
 
@@ -410,13 +410,13 @@ fn prescribed_motion() {
                      0.026\n[joint.fold.latch]\nstiffness_ratio = 1e4",
             "motion = \"prescribed\"\nstart_angle_deg = 3\npolynomial_deg = [1]"
         ),
-        "wing.toml:34: key 'joint.fold.start_angle_deg': 3 is not allowed; allowed: no start angle beside motion \
-         = \"prescribed\", which gives it"
+        "wing.toml:34: key 'joint.fold.start_angle_deg': 3 is not allowed; allowed: no start angle with motion \
+         = \"prescribed\", which determines it"
     );
     assert_eq!(
         message("start_angle_deg = 170", "polynomial_deg = [1]"),
-        "wing.toml:33: key 'joint.fold.polynomial_deg': [1] is not allowed; allowed: this key with motion = \
-         \"prescribed\" only"
+        "wing.toml:33: key 'joint.fold.polynomial_deg': [1] is not allowed; allowed: this key only with motion = \
+         \"prescribed\""
     );
 }
 

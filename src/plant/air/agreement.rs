@@ -205,7 +205,7 @@ impl Plant {
         let Some(mut history) = self.state.air.take() else { return Ok(()) };
         let (begin_s, end_s) = (history.loads.begin_s, history.loads.end_s);
         // way of the wind over the whole step, and the turning of the root frame in the middle of what is left of it:
-        // exact for inputs that run linearly from the step's begin
+        // exact for inputs that run linearly from the step's start
         let middle_s = 0.5 * (begin_s + end_s);
         let way_m = history.carried_m + self.state.wind_at_m_s(middle_s) * (end_s - begin_s);
         let spin_rad_s = self.state.spin_at_rad_s(middle_s);

@@ -32,7 +32,7 @@ const NEAR: f64 = 1e-9;
 const ROUND_OFF: f64 = 1e-14;
 
 /// Weights of eq. (Q4): of the mean velocity over the step, of that over the step before, and of the velocity that the
-/// air saw at its begin. Second order; jumps die out by half per step.
+/// air saw at its start. Second order; jumps die out by half per step.
 const VELOCITY_WEIGHTS: [f64; 3] = [1.75, -0.25, -0.5];
 
 /// Loads of the air in an aerodynamic step, per section and in its frame.
@@ -42,7 +42,7 @@ pub(super) struct StepLoads {
     pub begin_s: f64,
     /// Time of `to` in s.
     pub end_s: f64,
-    /// Circulatory loads at the begin.
+    /// Circulatory loads at the start.
     pub from: Vec<Wrench>,
     /// Circulatory loads at the end.
     pub to: Vec<Wrench>,
@@ -129,7 +129,7 @@ impl Sample {
     }
 }
 
-/// What the rates of the input have added to the wind since the begin of an aerodynamic step; jumps are not in it.
+/// What the rates of the input have added to the wind since the start of an aerodynamic step; jumps are not in it.
 /// Velocities are averaged relative to air that gains the same: a root that accelerates in air and a wing that does so
 /// are one flow.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -157,19 +157,19 @@ pub(super) struct AirHistory {
     pub start_s: f64,
     /// Aerodynamic steps begun since.
     pub steps: u64,
-    /// Air at the begin of the present step.
+    /// Air at the start of the present step.
     pub before: AirState,
     /// Air at its end.
     pub after: AirState,
-    /// Sections at the begin of the present step, as the air saw them.
+    /// Sections at the start of the present step, as the air saw them.
     pub begin: Vec<Sample>,
     /// Sections at its end.
     pub end: Vec<Sample>,
     /// Loads of the present step.
     pub loads: StepLoads,
-    /// Circulatory loads at the begin of the present step; `loads` may begin later.
+    /// Circulatory loads at the start of the present step; `loads` may begin later.
     pub at_begin: Vec<Wrench>,
-    /// Way of the wind from the begin of the step to that of `loads`, in m.
+    /// Way of the wind from the start of the step to that of `loads`, in m.
     pub carried_m: Vector3<f64>,
     /// Gain of the wind in that time.
     pub gain: Gain,
@@ -388,7 +388,7 @@ impl AirCoupling {
                 }
             }
         }
-        // `max` drops NaN: say it loudly
+        // `max` drops NaN: return it explicitly
         let sound = self.residual.iter().all(|entry| entry.is_finite());
         (if sound { change_n } else { f64::NAN }, size_n)
     }
