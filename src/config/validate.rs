@@ -147,7 +147,7 @@ fn build_solver(file: &ModelFile, checker: &mut Checker) -> Solver {
     }
     if real_time && checker.states(&["solver", "method"]) && solver.method != MethodFile::Sdirk2 {
         let allowed = "\"sdirk2\", or no method, with mode = \"real_time\": with fixed steps the others keep a jump of the \
-                       accelerations on in stiff modes";
+                       accelerations ringing in stiff modes";
         checker.refuse(&["solver", "method"], allowed);
     }
     if !real_time && checker.states(&["solver", "max_iterations"]) {
