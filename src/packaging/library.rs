@@ -258,7 +258,7 @@ mod tests {
         assert_eq!(found, ["darwin64", "aarch64-darwin"]);
         assert!(images(&both[..5000]).unwrap_err().contains("broken macOS library"));
         let none = [fat(&[]), vec![0; 16]].concat();
-        assert!(images(&none).unwrap_err().contains("for no processor"));
+        assert!(images(&none).unwrap_err().contains("no processor"));
     }
 
     /// A slip in a platform's name is answered with the names.
