@@ -80,6 +80,8 @@ and `documentation/index.html` inside the FMU shows them as a table.
 
 /// Where the rows whose name begins so exist.
 const WHERE: &[(&str, &str)] = &[
+    ("<joint>.latch_impulse", "revolute joints with a rigid latch"),
+    ("<joint>.latch_stiffness", "revolute joints with an elastic latch"),
     ("<joint>.latch", "revolute joints with a latch that move freely"),
     ("<joint>.angle", REVOLUTE),
     ("<joint>.rate.", REVOLUTE),
@@ -131,6 +133,11 @@ pub fn everything() -> Interface {
 pub fn in_real_time() -> Interface {
     let (still, _) = EVERYTHING.split_once("[aerodynamics]").unwrap();
     table(&format!("{still}[solver]\nmode = \"real_time\"\n"))
+}
+
+/// The table of [`EVERYTHING`] with a rigid latch.
+pub fn with_rigid_latch() -> Interface {
+    table(&EVERYTHING.replace("stiffness_ratio = 1e4", "kind = \"rigid\""))
 }
 
 fn table(model: &str) -> Interface {
@@ -210,7 +217,7 @@ fn rows([ordinary, in_real_time]: &[Interface; 2], causality: Causality) -> Stri
 
 /// The page.
 fn page() -> String {
-    let interfaces = [everything(), in_real_time()];
+    let interfaces = [everything(), in_real_time(), with_rigid_latch()];
     let parts = [
         (
             Causality::Input,

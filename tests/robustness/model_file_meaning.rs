@@ -351,7 +351,7 @@ fn rigid_latches() {
     );
     assert_eq!(
         message("stiffness_ratio = 1e4", "kind = \"stiff\""),
-        "wing.toml:37: key 'joint.fold.latch.kind': \"stiff\" is not allowed; allowed: one of \"elastic\", \"rigid\""
+        "wing.toml:37: key 'joint.fold.latch.kind': \"stiff\" is not allowed; allowed: \"elastic\" or \"rigid\""
     );
     let turning = with("start_angle_deg = 170", "start_angle_deg = 170\nstart_rate_deg_s = 5");
     let caught = turning.replace("stiffness_ratio = 1e4", "kind = \"rigid\"\nangle_deg = 170");

@@ -138,6 +138,7 @@ fn rl05_loops_take_part_in_the_impulse() {
         for inertia_kg in [0.0, 0.3] {
             let mut machine = linkage(JointMotion::Free, 1e7);
             machine.closures[0].inertia_kg = inertia_kg;
+            machine.bodies[2].joint.name = "pivot".into();
             for body in [1, 2] {
                 hinge_of(&mut machine, body).latch = Some(Latch { capture_rad: 10.0, enable: false, ..rigid_latch() });
             }
@@ -145,12 +146,8 @@ fn rl05_loops_take_part_in_the_impulse() {
             coast(&mut plant, 0.2);
             let miss = miss_of_dense_oracle(&mut plant, joints);
             println!("RL-05 {joints:?}, {inertia_kg} kg: {miss:.1e}");
-            // the gap of the penalty's inertia, a millionth of the jump, over the sizes of the smallest strain rates
-            assert!(miss < 1e-4, "latches {joints:?} miss the dense oracle by {miss:.1e}");
-            let gap_m = plant.outputs().loops[0].gap_m.norm();
-            coast(&mut plant, 0.203);
-            let after_m = plant.outputs().loops[0].gap_m.norm();
-            println!("RL-05 gap {gap_m:.1e} m, 3 ms later {after_m:.1e} m");
+            // the rate of the gap jumps by a millionth of the others, a strain rate by a few millionths of its own
+            assert!(miss < 2e-5, "latches {joints:?} miss the dense oracle by {miss:.1e}");
         }
     }
 }
