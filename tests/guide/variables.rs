@@ -189,13 +189,13 @@ fn shortest(value: f64) -> String {
 }
 
 /// The rows of one causality; each pattern once.
-fn rows([ordinary, in_real_time]: &[Interface; 2], causality: Causality) -> String {
+fn rows([ordinary, in_real_time, rigid]: &[Interface; 3], causality: Causality) -> String {
     let mut seen = BTreeSet::new();
     let mut text = String::new();
-    let all = ordinary.variables().iter().chain(in_real_time.variables());
+    let all = [ordinary, in_real_time, rigid].into_iter().flat_map(Interface::variables);
     for variable in all.filter(|variable| variable.causality == causality) {
         let (name, component) = pattern(&variable.name);
-        let only_in_real_time = ordinary.find(&variable.name).is_none();
+        let only_in_real_time = [ordinary, rigid].iter().all(|interface| interface.find(&variable.name).is_none());
         let (place, meaning) = (place(variable, &name), meaning(variable, component).replace('<', "\\<"));
         if !seen.insert((name.clone(), meaning.clone())) {
             continue;

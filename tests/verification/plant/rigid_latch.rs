@@ -377,3 +377,48 @@ fn strips(text: &str) -> String {
     kept.map(|line| if line.starts_with("model = ") { "model = \"strip\"\n".into() } else { format!("{line}\n") })
         .collect()
 }
+
+/// RL-19. Two equal wings on a root that turns and under torques that run in time latch at one instant, to the bit, and the
+/// account closes through it.
+#[test]
+fn rl19_two_wings_latch_at_once_on_a_turning_root() {
+    let mut machine = rigid_wing(Method::Esdirk4, 1e-8);
+    machine.bodies.iter_mut().for_each(|body| body.stiffness_damping_s = 1e-4);
+    let mut twins = machine.bodies.clone();
+    for body in &mut twins {
+        body.name += "_twin";
+        body.joint.name += "_twin";
+        if let Parent::Body { index, .. } = &mut body.joint.parent {
+            *index += 2;
+        }
+    }
+    machine.bodies.append(&mut twins);
+    let mut plant = Plant::new(Arc::new(machine));
+    plant.inputs_mut().root.angular_velocity_rad_s = Vector3::new(0.5, 1.0, 2.0);
+    plant.initialize(0.0).expect("initial accelerations");
+    let before_j = balance_j(plant.outputs());
+    let mut kinetic_j = 0f64;
+    run(
+        &mut plant,
+        0.16,
+        160,
+        |plant| {
+            let time_s = plant.time_s();
+            for joint in 0..2 {
+                plant.inputs_mut().joints[joint].torque_n_m = -0.05 * time_s;
+                plant.input_rates_mut().joints[joint].torque_n_m = -0.05;
+            }
+        },
+        |outputs| {
+            kinetic_j = kinetic_j.max(outputs.energy.kinetic);
+            assert_eq!(outputs.joints[0], outputs.joints[1]);
+        },
+    );
+    let drift = (balance_j(plant.outputs()) - before_j).abs() / kinetic_j;
+    println!(
+        "RL-19 latched at {} s, account off by {drift:.1e} of the largest kinetic energy",
+        only(&plant).latch_time_s
+    );
+    assert!(only(&plant).latched && only(&plant).latch_count == 1);
+    assert!(drift < 1e-5, "{drift:.1e}");
+}
