@@ -2,12 +2,23 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Parameters of a latch, NOTATION eq. (A3).
+/// What a closed latch does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LatchKind {
+    /// A spring about its angle, NOTATION eq. (A3).
+    Elastic,
+    /// Holds the angle at which it has caught the joint, NOTATION eq. (A7).
+    Rigid,
+}
+
+/// Parameters of a latch, NOTATION eqs. (A3) and (A7).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Latch {
+    /// What it does when closed.
+    pub kind: LatchKind,
     /// Angle at which it closes in rad.
     pub angle_rad: f64,
-    /// Stiffness when closed in N·m/rad.
+    /// Stiffness when closed in N·m/rad; 0 of a rigid one, which holds by its reaction.
     pub stiffness_n_m_rad: f64,
     /// Half-width of the window that catches the joint, rad.
     pub capture_rad: f64,
@@ -31,12 +42,22 @@ impl Latch {
         side * (angle_rad - self.angle_rad) - self.capture_rad
     }
 
-    /// Torque on the outer body about `+θ` in N·m when closed.
+    /// Whether it holds the joint without a spring.
+    pub fn is_rigid(&self) -> bool {
+        self.kind == LatchKind::Rigid
+    }
+
+    /// Edge of the window in rad that a joint reaches from `from_rad`, outside of it.
+    pub fn edge_rad(&self, from_rad: f64) -> f64 {
+        self.angle_rad + if from_rad < self.angle_rad { -self.capture_rad } else { self.capture_rad }
+    }
+
+    /// Torque of the spring on the outer body about `+θ` in N·m when closed.
     pub fn torque_n_m(&self, angle_rad: f64) -> f64 {
         -self.stiffness_n_m_rad * (angle_rad - self.angle_rad)
     }
 
-    /// Energy stored when closed in J.
+    /// Energy that the spring stores when closed in J.
     pub fn energy_j(&self, angle_rad: f64) -> f64 {
         0.5 * self.stiffness_n_m_rad * (angle_rad - self.angle_rad).powi(2)
     }
@@ -53,4 +74,6 @@ pub struct LatchState {
     pub time_s: f64,
     /// Number of closings.
     pub count: i32,
+    /// Impulse of the last closing on the outer body about `+θ` in N·m·s, of a rigid latch; 0 before the first.
+    pub impulse_n_m_s: f64,
 }

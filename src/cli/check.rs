@@ -7,7 +7,7 @@ use crate::cli::outlets::{Force, Mark, Outlets};
 use crate::cli::{Failure, print, read_model};
 use foldwing::config::Machine;
 use foldwing::config::machine::{
-    Body, Closure, ElementKind, JointKind, JointMotion, Parent, SpatialFreedom, UNLIMITED,
+    Body, Closure, ElementKind, JointKind, JointMotion, LatchKind, Parent, SpatialFreedom, UNLIMITED,
 };
 use foldwing::interface::{Causality, Interface, Value};
 use foldwing::packaging::drawing;
@@ -93,6 +93,7 @@ struct JointSummary {
     spring_stiffness_n_m_rad: Option<f64>,
     spring_damping_n_m_s_rad: Option<f64>,
     rest_angle_deg: Option<f64>,
+    latch_kind: Option<&'static str>,
     latch_angle_deg: Option<f64>,
     latch_stiffness_n_m_rad: Option<f64>,
     size: JointSize,
@@ -278,6 +279,7 @@ impl JointSummary {
             spring_stiffness_n_m_rad: None,
             spring_damping_n_m_s_rad: None,
             rest_angle_deg: None,
+            latch_kind: None,
             latch_angle_deg: None,
             latch_stiffness_n_m_rad: None,
             size: JointSize::new(&body.joint.kind, variables, multipliers),
@@ -308,8 +310,15 @@ impl JointSummary {
             summary.spring_stiffness_n_m_rad = spring.map(|spring| spring.stiffness_n_m_rad);
             summary.spring_damping_n_m_s_rad = spring.map(|spring| spring.damping_n_m_s_rad);
             summary.rest_angle_deg = spring.map(|spring| spring.rest_angle_rad.to_degrees());
-            summary.latch_angle_deg = joint.latch.as_ref().map(|latch| latch.angle_rad.to_degrees());
-            summary.latch_stiffness_n_m_rad = joint.latch.as_ref().map(|latch| latch.stiffness_n_m_rad);
+            if let Some(latch) = &joint.latch {
+                let (kind, stiffness_n_m_rad) = match latch.kind {
+                    LatchKind::Elastic => ("elastic", Some(latch.stiffness_n_m_rad)),
+                    LatchKind::Rigid => ("rigid", None),
+                };
+                summary.latch_kind = Some(kind);
+                summary.latch_angle_deg = Some(latch.angle_rad.to_degrees());
+                summary.latch_stiffness_n_m_rad = stiffness_n_m_rad;
+            }
         }
         summary
     }
@@ -325,7 +334,7 @@ impl JointSummary {
             ("spring", self.spring_stiffness_n_m_rad, "N.m/rad"),
             ("spring damping", self.spring_damping_n_m_s_rad, "N.m.s/rad"),
             ("spring slack at", self.rest_angle_deg, "deg"),
-            ("latch at", self.latch_angle_deg, "deg"),
+            (if self.latch_kind == Some("rigid") { "rigid latch at" } else { "latch at" }, self.latch_angle_deg, "deg"),
             ("latch stiffness", self.latch_stiffness_n_m_rad, "N.m/rad"),
         ] {
             if let Some(value) = value {

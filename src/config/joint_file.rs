@@ -169,16 +169,31 @@ pub(super) struct SpringFile {
     pub rest_angle_deg: f64,
 }
 
+/// What a closed latch does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum LatchType {
+    /// A stiff spring about `angle_deg`.
+    #[default]
+    Elastic,
+    /// No spring: an impulse stops the joint, and a reaction holds it at the angle at which it was caught.
+    Rigid,
+}
+
 /// Latch: closes as soon as it is enabled and the angle is within `capture_deg` of `angle_deg`, from either side, moving
 /// or at rest.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LatchFile {
+    /// What it does when closed, default `elastic`.
+    #[serde(default)]
+    pub kind: LatchType,
     /// Angle at which it closes.
     #[serde(default)]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub angle_deg: f64,
-    /// Stiffness of the closed joint over that of motor and spring together, `k`: the latch adds `(ratio − 1) k`.
+    /// Stiffness of the closed joint over that of motor and spring together, `k`: the latch adds `(ratio − 1) k`. Of
+    /// elastic latches.
     #[schemars(extend("exclusiveMinimum" = 1))]
     pub stiffness_ratio: Option<f64>,
     /// Stiffness that the latch adds; instead of `stiffness_ratio`.
@@ -186,10 +201,11 @@ pub(super) struct LatchFile {
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness_n_m_rad: Option<f64>,
     /// Half-width of the window that catches the joint, default 1e-6 rad: a wider one closes the latch that far from
-    /// its angle, and the wing then swings about the angle.
+    /// its angle. An elastic latch then lets the wing swing about its angle, a rigid one holds it where it was caught.
     #[schemars(range(min = 0.0, max = 360.0))]
     pub capture_deg: Option<f64>,
-    /// Closed at the start.
+    /// Closed at the start wherever the joint is. Of elastic latches: a rigid one is closed at the start where it is
+    /// enabled and `start_angle_deg` lies in its window.
     #[serde(default)]
     pub initially_closed: bool,
     /// Start value of the enable input.

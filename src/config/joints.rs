@@ -1,8 +1,11 @@
 //! Joints of the file to [`Joint`]: where they hold, hinge axis, motion, drive, latch.
 
+use crate::actuation::latch::LatchKind;
 use crate::actuation::prescribed::Law;
 use crate::config::file::ModelFile;
-use crate::config::joint_file::{DriveFile, JointFile, JointType, LatchFile, MotionType, SpringFile, TableEnds};
+use crate::config::joint_file::{
+    DriveFile, JointFile, JointType, LatchFile, LatchType, MotionType, SpringFile, TableEnds,
+};
 use crate::config::machine::{
     DEFAULT_CAPTURE_RAD, Drive, Joint, JointKind, JointMotion, Latch, Motion, Parent, Revolute, Spring, UNLIMITED,
 };
@@ -114,20 +117,20 @@ fn build_revolute(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut
         checker.refuse(&["joint", name, "start_rate_deg_s"], allowed);
     }
     let axis = unit_axis(name, "axis", joint.axis, checker);
-    let motion = motion?;
-    Some(Revolute {
-        axis: axis?,
-        start_angle_rad: match &motion {
-            JointMotion::Prescribed(law) => law_start_rad(law, file.experiment.start_time_s),
-            _ => joint.start_angle_deg.unwrap_or(0.0).to_radians(),
-        },
-        start_rate_rad_s,
-        motion,
-        release,
-        drive,
-        spring,
-        latch: latch?,
-    })
+    let (motion, latch) = (motion?, latch?);
+    let start_angle_rad = match &motion {
+        JointMotion::Prescribed(law) => law_start_rad(law, file.experiment.start_time_s),
+        _ => joint.start_angle_deg.unwrap_or(0.0).to_radians(),
+    };
+    let caught = |latch: &Latch| {
+        latch.kind == LatchKind::Rigid && latch.enable && (start_angle_rad - latch.angle_rad).abs() <= latch.capture_rad
+    };
+    if start_rate_rad_s != 0.0 && latch.as_ref().is_some_and(caught) {
+        let allowed = "a rate of 0 deg/s where a rigid latch is closed at the start; start outside its window, or write \
+             enable = false";
+        checker.refuse(&["joint", name, "start_rate_deg_s"], allowed);
+    }
+    Some(Revolute { axis: axis?, start_angle_rad, start_rate_rad_s, motion, release, drive, spring, latch })
 }
 
 /// Unit vector of the direction at a key, which must be given and not be zero.
@@ -239,17 +242,44 @@ fn build_latch(name: &str, joint: &JointFile, stiffness_n_m_rad: f64, checker: &
     if kind_of(joint) != MotionType::Free {
         checker.refuse_as(&path, "a latch on a joint that does not move freely", "a latch only with motion = \"free\"");
     }
+    if latch.kind == LatchType::Rigid {
+        return Some(Some(build_rigid_latch(name, latch, checker)));
+    }
     if latch.initially_closed && !latch.enable {
         let allowed = "true only with enable = true: a latch that is not enabled is open";
         checker.refuse(&["joint", name, "latch", "initially_closed"], allowed);
     }
     Some(Some(Latch {
+        kind: LatchKind::Elastic,
         angle_rad: latch.angle_deg.to_radians(),
         stiffness_n_m_rad: latch_stiffness_n_m_rad(name, latch, stiffness_n_m_rad, checker)?,
         capture_rad: latch.capture_deg.map_or(DEFAULT_CAPTURE_RAD, f64::to_radians),
         initially_closed: latch.initially_closed,
         enable: latch.enable,
     }))
+}
+
+/// A latch without spring: the keys of one are refused.
+fn build_rigid_latch(name: &str, latch: &LatchFile, checker: &mut Checker) -> Latch {
+    for key in ["stiffness_ratio", "stiffness_N_m_rad"] {
+        if checker.states(&["joint", name, "latch", key]) {
+            let allowed = "this key only with kind = \"elastic\": a rigid latch has no spring";
+            checker.refuse(&["joint", name, "latch", key], allowed);
+        }
+    }
+    if latch.initially_closed {
+        let allowed = "true only with kind = \"elastic\": a rigid latch is closed at the start where it is enabled and \
+             start_angle_deg lies within capture_deg of angle_deg";
+        checker.refuse(&["joint", name, "latch", "initially_closed"], allowed);
+    }
+    Latch {
+        kind: LatchKind::Rigid,
+        angle_rad: latch.angle_deg.to_radians(),
+        stiffness_n_m_rad: 0.0,
+        capture_rad: latch.capture_deg.map_or(DEFAULT_CAPTURE_RAD, f64::to_radians),
+        initially_closed: false,
+        enable: latch.enable,
+    }
 }
 
 fn latch_stiffness_n_m_rad(name: &str, latch: &LatchFile, own_n_m_rad: f64, checker: &mut Checker) -> Option<f64> {
@@ -261,7 +291,7 @@ fn latch_stiffness_n_m_rad(name: &str, latch: &LatchFile, own_n_m_rad: f64, chec
             None
         }
         (None, None) => {
-            checker.refuse(&path, "a finite number > 1, or stiffness_N_m_rad instead");
+            checker.refuse(&path, "a finite number > 1, or stiffness_N_m_rad instead, or kind = \"rigid\"");
             None
         }
         (Some(ratio), None) => {

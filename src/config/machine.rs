@@ -1,5 +1,6 @@
 //! The validated model: what the file means, in SI and radians, bodies sorted parent before child.
 
+pub use crate::actuation::latch::LatchKind;
 pub use crate::actuation::prescribed::Motion;
 pub use crate::actuation::spring::Spring;
 pub use crate::aero::AirOptions;
@@ -216,13 +217,15 @@ pub const DEFAULT_CAPTURE_RAD: f64 = 1e-6;
 /// Latch of a fold joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Latch {
+    /// What it does when closed.
+    pub kind: LatchKind,
     /// Angle at which it closes in rad.
     pub angle_rad: f64,
-    /// Stiffness it adds when closed in N·m/rad.
+    /// Stiffness it adds when closed in N·m/rad; 0 of a rigid one.
     pub stiffness_n_m_rad: f64,
     /// Half-width of the window that catches the joint: enabled, it closes as soon as the angle lies in it, rad.
     pub capture_rad: f64,
-    /// Closed at the start.
+    /// Closed at the start wherever the joint is; of elastic latches only.
     pub initially_closed: bool,
     /// Start value of the enable input.
     pub enable: bool,

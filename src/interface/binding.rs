@@ -184,14 +184,18 @@ pub enum JointOutput {
     ExternalTorque,
     /// Torque of what holds the joint.
     HoldingTorque,
-    /// Latch torque.
+    /// Torque of an elastic latch, which follows from the angle.
     LatchTorque,
+    /// Torque of a rigid latch, a reaction.
+    LatchReaction,
     /// Latch closed.
     Latched,
     /// Time of the last closing.
     LatchTime,
     /// Number of closings.
     LatchCount,
+    /// Impulse of a rigid latch's last closing.
+    LatchImpulse,
 }
 
 /// An output of a universal, ball or free joint, with its component; rotations run over w, x, y, z.
@@ -440,7 +444,7 @@ impl Output {
     /// The group that it is found with.
     fn group(self) -> OutputSet {
         match self {
-            Self::Joint(_, JointOutput::HoldingTorque) => OutputSet::HOLDING,
+            Self::Joint(_, JointOutput::HoldingTorque | JointOutput::LatchReaction) => OutputSet::HOLDING,
             Self::Joint(..) => OutputSet::JOINTS,
             Self::Spatial(..) => OutputSet::SPATIAL,
             Self::JointForce(..) | Self::JointMoment(..) => OutputSet::REACTIONS,

@@ -53,7 +53,9 @@ fn settles(topology: &Topology, output: Output) -> bool {
     let starts_at_rest = topology.machine.experiment.start == StartState::Equilibrium;
     starts_at_rest
         && match output {
-            Output::Joint(joint, JointOutput::Angle) => starts_closed(topology, joint),
+            Output::Joint(joint, JointOutput::Angle) => {
+                topology.has_elastic_latch(joint) && starts_closed(topology, joint)
+            }
             Output::Joint(_, field) => matches!(
                 field,
                 JointOutput::TorqueApplied
@@ -61,6 +63,7 @@ fn settles(topology: &Topology, output: Output) -> bool {
                     | JointOutput::SpringTorque
                     | JointOutput::HoldingTorque
                     | JointOutput::LatchTorque
+                    | JointOutput::LatchReaction
             ),
             _ => true,
         }
@@ -82,7 +85,8 @@ fn depends(topology: &Topology, output: Output, known: Binding) -> bool {
             | JointOutput::LatchTorque
             | JointOutput::Latched
             | JointOutput::LatchTime
-            | JointOutput::LatchCount,
+            | JointOutput::LatchCount
+            | JointOutput::LatchImpulse,
         ) => false,
         // Attitude and angular velocity are relative to the parent.
         Output::Spatial(_, _) => false,
@@ -94,7 +98,7 @@ fn depends(topology: &Topology, output: Output, known: Binding) -> bool {
         }
         Output::LoopGap(closure, _) => known == Binding::Time && stretched(topology, closure),
         // where something holds the joint; zero otherwise
-        Output::Joint(_, JointOutput::HoldingTorque)
+        Output::Joint(_, JointOutput::HoldingTorque | JointOutput::LatchReaction)
         | Output::Gauge(_)
         | Output::LoopForce(_, _)
         | Output::RootForce(_)
@@ -155,7 +159,7 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
         Output::Joint(joint, JointOutput::LatchTorque) => latch_pulls(topology, joint, known),
         Output::Joint(joint, JointOutput::Latched) => latches(topology, joint, known),
         // A latch that is closed at the start has not closed: the first closing is the first event.
-        Output::Joint(_, JointOutput::LatchTime | JointOutput::LatchCount) => false,
+        Output::Joint(_, JointOutput::LatchTime | JointOutput::LatchCount | JointOutput::LatchImpulse) => false,
         Output::Gauge(gauge) => {
             let body = topology.machine.gauges[gauge].body;
             accelerates_initially(topology, reach(topology, output), known)
@@ -169,7 +173,7 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
             .any(|body| topology.folds(body).any(|joint| starts(topology, joint, known))),
         Output::LoopForce(closure, _) => loop_pulls_initially(topology, closure, known),
         Output::JointMoment(body, _) if topology.is_ball(body) => damps_initially(topology, body, known),
-        Output::Joint(_, JointOutput::HoldingTorque)
+        Output::Joint(_, JointOutput::HoldingTorque | JointOutput::LatchReaction)
         | Output::RootForce(_)
         | Output::RootMoment(_)
         | Output::JointForce(_, _)
@@ -248,7 +252,9 @@ fn body(topology: &Topology, output: Output) -> Option<usize> {
         Output::Gauge(gauge) => Some(topology.machine.gauges[gauge].body),
         Output::Tip(tip, _) => Some(topology.tips[tip]),
         Output::Station(station, _) => Some(topology.stations[station].0),
-        Output::Joint(joint, JointOutput::HoldingTorque) => Some(topology.revolutes[joint]),
+        Output::Joint(joint, JointOutput::HoldingTorque | JointOutput::LatchReaction) => {
+            Some(topology.revolutes[joint])
+        }
         Output::JointForce(body, _) | Output::JointMoment(body, _) => Some(body),
         Output::LoopGap(closure, _) | Output::LoopForce(closure, _) => Some(topology.joined(closure)[0]),
         _ => None,

@@ -115,10 +115,11 @@ impl JointOutput {
             Self::SpringTorque => Value::Real(joint.spring_torque_n_m),
             Self::ExternalTorque => Value::Real(joint.external_torque_n_m),
             Self::HoldingTorque => Value::Real(joint.holding_torque_n_m),
-            Self::LatchTorque => Value::Real(joint.latch_torque_n_m),
+            Self::LatchTorque | Self::LatchReaction => Value::Real(joint.latch_torque_n_m),
             Self::Latched => Value::Boolean(joint.latched),
             Self::LatchTime => Value::Real(joint.latch_time_s),
             Self::LatchCount => Value::Integer(joint.latch_count),
+            Self::LatchImpulse => Value::Real(joint.latch_impulse_n_m_s),
         }
     }
 }

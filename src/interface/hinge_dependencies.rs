@@ -66,12 +66,20 @@ pub(super) fn starts(topology: &Topology, joint: usize, known: Binding) -> bool 
     known == Binding::Parameter(Parameter::Joint(joint, JointParameter::StartAngle))
 }
 
-/// The start rate is the model's, unless the stopper holds the joint.
+/// The start rate is the model's, unless the stopper or a rigid latch holds the joint.
 pub(super) fn start_rate(topology: &Topology, joint: usize, known: Binding) -> bool {
     if topology.is_prescribed(joint) {
         return known == Binding::Time;
     }
-    topology.turns_at_start(joint) && known == Binding::Input(Input::Joint(joint, JointInput::Release))
+    topology.turns_at_start(joint)
+        && (known == Binding::Input(Input::Joint(joint, JointInput::Release))
+            || topology.has_rigid_latch(joint) && catches_at_start(joint, known))
+}
+
+/// What decides whether an enabled rigid latch catches a joint at the start, wherever the model starts it.
+fn catches_at_start(joint: usize, known: Binding) -> bool {
+    known == Binding::Input(Input::Joint(joint, JointInput::LatchEnable))
+        || known == Binding::Parameter(Parameter::Joint(joint, JointParameter::StartAngle))
 }
 
 /// What decides whether a latch is closed at the start: only one that the model closes there.
@@ -81,10 +89,11 @@ pub(super) fn latches(topology: &Topology, joint: usize, known: Binding) -> bool
             || starts_caught(topology, joint) && starts(topology, joint, known))
 }
 
-/// What decides about the torque of a latch at the start.
+/// What decides about the torque of an elastic latch at the start.
 pub(super) fn latch_pulls(topology: &Topology, joint: usize, known: Binding) -> bool {
     let stiffness = Binding::Parameter(Parameter::Joint(joint, JointParameter::LatchStiffness));
-    starts_closed(topology, joint)
+    topology.has_elastic_latch(joint)
+        && starts_closed(topology, joint)
         && (latches(topology, joint, known) || starts(topology, joint, known) || known == stiffness)
 }
 

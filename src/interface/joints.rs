@@ -88,7 +88,7 @@ pub(super) fn parameters(table: &mut Table, topology: &Topology) {
         for &(key, field, variability, declared, range, meaning) in JOINT_PARAMETERS {
             let acts = match field {
                 JointParameter::StartAngle => !topology.is_prescribed(joint),
-                JointParameter::LatchStiffness => topology.is_free(joint) && topology.revolute(joint).latch.is_some(),
+                JointParameter::LatchStiffness => topology.is_free(joint) && topology.has_elastic_latch(joint),
                 JointParameter::SpringStiffness | JointParameter::SpringDamping | JointParameter::RestAngle => {
                     topology.is_free(joint) && topology.revolute(joint).spring.is_some()
                 }
@@ -139,11 +139,17 @@ pub(super) fn revolute_outputs(table: &mut Table, topology: &Topology, joint: us
     add(JointOutput::ExternalTorque, "external_torque", Some("Moment"), external);
     if topology.revolute(joint).latch.is_some() {
         let torque = "latch torque on the outer body about the hinge axis";
-        add(JointOutput::LatchTorque, "latch_torque", Some("Moment"), torque);
+        let rigid = topology.has_rigid_latch(joint);
+        let field = if rigid { JointOutput::LatchReaction } else { JointOutput::LatchTorque };
+        add(field, "latch_torque", Some("Moment"), torque);
         add(JointOutput::Latched, "latched", None, "latch is closed");
         let time = "time at which the latch last closed, -1 before the first closing";
         add(JointOutput::LatchTime, "latch_time", Some("Time"), time);
         add(JointOutput::LatchCount, "latch_count", None, "number of times the latch has closed");
+        if rigid {
+            let impulse = "impulse of the latch's last closing on the outer body about the hinge axis";
+            add(JointOutput::LatchImpulse, "latch_impulse", Some("AngularImpulse"), impulse);
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! At which state a linear model is: time, joints, latches, and what acts.
 
-use crate::config::machine::{JointKind, JointMotion};
+use crate::config::machine::{JointKind, JointMotion, LatchKind};
 use crate::interface::{Causality, Interface, Value};
 use crate::plant::Plant;
 use std::fmt;
@@ -25,9 +25,10 @@ pub struct JointPoint {
     pub name: String,
     /// Fold angle in rad.
     pub angle_rad: f64,
-    /// `free`, `held` by its stopper, `locked` or `prescribed`: the angle is a state of the linear model where it is free.
+    /// `free`, `held` by its stopper or a closed rigid latch, `locked` or `prescribed`: the angle is a state of the linear
+    /// model where it is free.
     pub motion: &'static str,
-    /// `closed` (a stiff spring of the linear model), `open`, or `none`.
+    /// `closed` (a stiff spring of the linear model; a rigid one holds), `open`, or `none`.
     pub latch: &'static str,
 }
 
@@ -49,17 +50,18 @@ impl Interface {
         let statuses = plant.joint_statuses().zip(&plant.outputs().joints).zip(plant.revolute_joints());
         let joints = statuses.map(|((status, outputs), body)| {
             let joint = &machine.bodies[*body].joint;
-            let (motion, latched) = match &joint.kind {
-                JointKind::Revolute(revolute) => (Some(&revolute.motion), revolute.latch.is_some()),
-                JointKind::Clamped | JointKind::Spatial(_) => (None, false),
+            let (motion, latch) = match &joint.kind {
+                JointKind::Revolute(revolute) => (Some(&revolute.motion), revolute.latch.as_ref()),
+                JointKind::Clamped | JointKind::Spatial(_) => (None, None),
             };
+            let latched_rigidly = status.latched && latch.is_some_and(|latch| latch.kind == LatchKind::Rigid);
             let motion = match motion {
                 Some(JointMotion::Locked) => "locked",
                 Some(JointMotion::Prescribed(_)) => "prescribed",
-                _ if status.released => "free",
+                _ if status.released && !latched_rigidly => "free",
                 _ => "held",
             };
-            let latch = match (latched, status.latched) {
+            let latch = match (latch.is_some(), status.latched) {
                 (false, _) => "none",
                 (true, true) => "closed",
                 (true, false) => "open",

@@ -316,9 +316,10 @@ impl Table {
     ) {
         // The time of an event and flags change at events only; everything else moves with time.
         let variability = match output {
-            Output::Joint(_, JointOutput::Latched | JointOutput::LatchTime | JointOutput::LatchCount) => {
-                Variability::Discrete
-            }
+            Output::Joint(
+                _,
+                JointOutput::Latched | JointOutput::LatchTime | JointOutput::LatchCount | JointOutput::LatchImpulse,
+            ) => Variability::Discrete,
             _ => Variability::Continuous,
         };
         let text = (name, declared_type, None, description);

@@ -1,7 +1,7 @@
 //! Who is connected to whom: what the table needs to know of the tree of bodies.
 
 use crate::config::Machine;
-use crate::config::machine::{JointKind, JointMotion, Parent, Revolute, Spatial, SpatialFreedom};
+use crate::config::machine::{JointKind, JointMotion, LatchKind, Parent, Revolute, Spatial, SpatialFreedom};
 
 /// A joint that a body can turn about, by its place in [`Topology::revolutes`] or [`Topology::spatials`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,6 +87,16 @@ impl<'a> Topology<'a> {
     /// Whether the angle of a joint moves by its torques.
     pub fn is_free(&self, joint: usize) -> bool {
         self.revolute(joint).motion == JointMotion::Free
+    }
+
+    /// Whether a joint has a latch with a spring.
+    pub fn has_elastic_latch(&self, joint: usize) -> bool {
+        self.revolute(joint).latch.as_ref().is_some_and(|latch| latch.kind == LatchKind::Elastic)
+    }
+
+    /// Whether a joint has a latch without a spring.
+    pub fn has_rigid_latch(&self, joint: usize) -> bool {
+        self.revolute(joint).latch.as_ref().is_some_and(|latch| latch.kind == LatchKind::Rigid)
     }
 
     /// Whether the angle of a joint is a function of time.

@@ -3,7 +3,7 @@
 use crate::beam::section::Section;
 use crate::config::Machine;
 use crate::config::machine::{
-    Body, ElementKind, JointKind, JointMotion, Parent, Revolute, Spatial, SpatialFreedom, UNLIMITED,
+    Body, ElementKind, JointKind, JointMotion, LatchKind, Parent, Revolute, Spatial, SpatialFreedom, UNLIMITED,
 };
 use crate::interface::{Causality, TYPES, UNITS, Value, Variability, Variable};
 use crate::packaging::contents::Extras;
@@ -217,8 +217,11 @@ fn revolute(joint: &Revolute) -> Vec<String> {
         JointMotion::Prescribed(_) => "revolute, prescribed",
     };
     let drive = &joint.drive;
-    let latch = joint.latch.as_ref().map_or("none".to_owned(), |latch| {
-        format!("at {} rad, {} N·m/rad", number(latch.angle_rad), number(latch.stiffness_n_m_rad))
+    let latch = joint.latch.as_ref().map_or("none".to_owned(), |latch| match latch.kind {
+        LatchKind::Elastic => {
+            format!("at {} rad, {} N·m/rad", number(latch.angle_rad), number(latch.stiffness_n_m_rad))
+        }
+        LatchKind::Rigid => format!("rigid, at {} rad", number(latch.angle_rad)),
     });
     let spring = joint.spring.as_ref().map_or(String::new(), |spring| {
         let [stiffness, damping] = [spring.stiffness_n_m_rad, spring.damping_n_m_s_rad].map(number);

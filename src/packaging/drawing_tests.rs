@@ -3,7 +3,7 @@
 use super::*;
 use crate::beam::section::{Material, Section};
 use crate::config::machine::{
-    Drive, ElementKind, Experiment, Joint, JointMotion, Latch, Method, Parent, Revolute, Solver, Spatial,
+    Drive, ElementKind, Experiment, Joint, JointMotion, Latch, LatchKind, Method, Parent, Revolute, Solver, Spatial,
     SpatialFreedom, StartState, UNLIMITED,
 };
 use crate::load::LoadFrame;
@@ -55,6 +55,7 @@ pub(crate) fn two_body_machine() -> Machine {
         },
         spring: None,
         latch: Some(Latch {
+            kind: LatchKind::Elastic,
             angle_rad: 0.0,
             stiffness_n_m_rad: 260.0,
             capture_rad: 0.0,

@@ -28,7 +28,7 @@ impl Outputs {
         zero.add(self, -1.0);
         zero.time_s = 0.0;
         for joint in &mut zero.joints {
-            (joint.latched, joint.latch_time_s, joint.latch_count) = (false, 0.0, 0);
+            (joint.latched, joint.latch_time_s, joint.latch_count, joint.latch_impulse_n_m_s) = (false, 0.0, 0, 0.0);
         }
         zero
     }

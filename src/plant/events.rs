@@ -62,16 +62,13 @@ impl Plant {
         {
             let c = equations.coordinate;
             q[c] = parameters.start_angle_rad;
-            if equations.driven && inputs.release {
-                v[c] = revolute.start_rate_rad_s;
-            }
             let caught = equations.latch.is_some_and(|latch| latch.catches(q[c]));
-            let closes = caught || revolute.latch.as_ref().is_some_and(|latch| latch.initially_closed);
-            let closed = inputs.latch_enable && closes;
-            joints.push(JointState {
+            let told = revolute.latch.as_ref().is_some_and(|latch| latch.initially_closed);
+            let closed = inputs.latch_enable && (caught || told && !equations.has_rigid_latch());
+            let state = JointState {
                 released: inputs.release,
                 closing: false,
-                latch: LatchState { closed, enabled: inputs.latch_enable, time_s: -1.0, count: 0 },
+                latch: LatchState { closed, enabled: inputs.latch_enable, time_s: -1.0, count: 0, impulse_n_m_s: 0.0 },
                 slew: Slew {
                     from_rad: inputs.command_rad,
                     target_rad: inputs.command_rad,
@@ -79,7 +76,11 @@ impl Plant {
                     start_s: time_s,
                     rate_limit_rad_s: parameters.rate_limit_rad_s,
                 },
-            });
+            };
+            if !equations.is_held_in(&state) {
+                v[c] = revolute.start_rate_rad_s;
+            }
+            joints.push(state);
         }
 
         for ((_, spatial), equations) in spatials(&self.machine).zip(&self.equations.spatial) {
@@ -149,7 +150,7 @@ impl Plant {
         }
         for (i, joint) in equations.joints.iter_mut().enumerate() {
             let (state, parameters) = (&joints[i], &parameters.joints[i]);
-            joint.held = !joint.driven || state.holds();
+            joint.held = joint.is_held_in(state);
             joint.drive.stiffness_n_m_rad = parameters.stiffness_n_m_rad;
             joint.drive.damping_n_m_s_rad = parameters.damping_n_m_s_rad;
             joint.drive.constant_torque_n_m = parameters.constant_torque_n_m;
@@ -278,7 +279,7 @@ impl Plant {
         self.equations.residual(time_s, &start.q, &start.v, &start.a, old);
         let before = self.equations.potentials(time_s, &start.q).total();
         let dissipated = change(&mut self.state, &self.equations);
-        let braked = self.stop_held_joints().map_err(|singular| self.no_accelerations(time_s, singular))?;
+        let stopped = self.stop_held_joints().map_err(|singular| self.no_accelerations(time_s, singular))?;
         self.configure();
         self.equations.branch_s = time_s;
 
@@ -291,8 +292,8 @@ impl Plant {
         let jump = settle(&mut self.equations, new_residual, start);
         let jump = self.accelerations(time_s, jump)?;
         let start = &mut self.state.start;
-        start.dissipated += dissipated + braked;
-        start.work += after - before + dissipated;
+        start.dissipated += dissipated + stopped.lost_j;
+        start.work += after - before + dissipated + stopped.work_j;
         let State { before, start, ahead, .. } = &mut self.state;
         ahead.copy_from(start);
         before.copy_from(start);
@@ -314,17 +315,6 @@ impl Plant {
         PlantError::Initialization { time_s, cause }
     }
 
-    /// Stops the joints that move and that their new state holds; returns the kinetic energy lost in J.
-    fn stop_held_joints(&mut self) -> Result<f64, Singular> {
-        let mut lost_j = 0.0;
-        for (i, joint) in self.state.joints.iter().enumerate() {
-            if joint.holds() && !self.equations.joints[i].held {
-                lost_j += self.equations.stop(i, &mut self.state.start, &mut self.scratch[1])?.energy_j;
-            }
-        }
-        Ok(lost_j)
-    }
-
     /// Shortens the next step where the accelerations have jumped.
     fn restrain_step(&mut self, jump_norm_1_s2: f64) {
         let parameters = &self.state.applied_parameters;
@@ -333,8 +323,10 @@ impl Plant {
     }
 }
 
+/// The impulse of a rigid one follows when the joint has been stopped.
 fn close(latch: &mut LatchState, time_s: f64) {
     latch.closed = true;
+    latch.impulse_n_m_s = 0.0;
     latch.time_s = time_s;
     latch.count += 1;
 }

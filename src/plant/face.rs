@@ -154,10 +154,13 @@ pub struct JointOutputs {
     pub spring_torque_n_m: f64,
     /// External torque `τ_ext` that acts, in N·m.
     pub external_torque_n_m: f64,
-    /// Torque of what holds the joint (stopper, lock, prescribed motion) in N·m; 0 where it turns freely.
+    /// Torque of what holds the joint (stopper, lock, prescribed motion) in N·m; 0 where it turns freely, and where a
+    /// closed rigid latch bears it all.
     pub holding_torque_n_m: f64,
-    /// Latch torque on the outer body in N·m.
+    /// Latch torque on the outer body in N·m: of the spring, or the reaction of a rigid latch.
     pub latch_torque_n_m: f64,
+    /// Impulse of a rigid latch's last closing on the outer body in N·m·s; 0 before the first.
+    pub latch_impulse_n_m_s: f64,
     /// Latch closed.
     pub latched: bool,
     /// Time of the last closing in s; −1 before the first.

@@ -6,6 +6,7 @@ use crate::actuation::prescribed::Law;
 use crate::actuation::spring::Spring;
 use crate::config::machine::{JointMotion, Revolute, UNLIMITED};
 use crate::multibody::factor::FreedomTangent;
+use crate::plant::state::JointState;
 use crate::solve::Powers;
 
 /// A revolute joint as the equations see it.
@@ -15,7 +16,7 @@ pub(super) struct JointEquations {
     pub body: usize,
     /// Index of its angle in `q`.
     pub coordinate: usize,
-    /// The angle does not follow from torques: stopper, lock or prescribed motion.
+    /// The angle does not follow from torques: stopper, rigid latch, lock or prescribed motion.
     pub held: bool,
     /// Motor, spring and damper act: joints that are neither locked nor prescribed.
     pub driven: bool,
@@ -37,7 +38,7 @@ pub(super) struct JointEquations {
     pub latch: Option<Latch>,
     /// Latch closed.
     pub latched: bool,
-    /// Torque of what holds the joint (stopper, lock, prescribed motion), of the last residual, in N·m; 0 where it is free.
+    /// Torque of what holds the joint (stopper, rigid latch, lock, prescribed motion), of the last residual, in N·m; 0 where it is free.
     pub holding_n_m: f64,
 }
 
@@ -60,6 +61,7 @@ impl JointEquations {
             pinned_n_m: None,
             piece: None,
             latch: revolute.latch.as_ref().map(|latch| Latch {
+                kind: latch.kind,
                 angle_rad: latch.angle_rad,
                 stiffness_n_m_rad: latch.stiffness_n_m_rad,
                 capture_rad: latch.capture_rad,
@@ -109,7 +111,7 @@ impl JointEquations {
         if self.driven { self.external_n_m } else { 0.0 }
     }
 
-    /// Torque of the closed latch in N·m.
+    /// Torque of the closed elastic latch in N·m.
     pub fn latch_torque_n_m(&self, angle_rad: f64) -> f64 {
         self.closed_latch().map_or(0.0, |latch| latch.torque_n_m(angle_rad))
     }
@@ -149,6 +151,16 @@ impl JointEquations {
             self.external_n_m * rate_rad_s + self.drive.slew_power_w(angle_rad, neutral_rad, slew_rate_rad_s);
         powers.dissipated += self.drive.dissipation_w(motor, angle_rad, rate_rad_s, neutral_rad)
             + self.spring.damping_n_m_s_rad * rate_rad_s * rate_rad_s;
+    }
+
+    /// Whether stopper, rigid latch, lock or prescribed motion hold the joint in a state of it.
+    pub fn is_held_in(&self, state: &JointState) -> bool {
+        !self.driven || !state.released || state.latch.closed && self.has_rigid_latch()
+    }
+
+    /// Whether its latch is a rigid one.
+    pub fn has_rigid_latch(&self) -> bool {
+        self.latch.as_ref().is_some_and(Latch::is_rigid)
     }
 
     /// The latch, if it is closed.

@@ -338,12 +338,14 @@ impl Plant {
             high_gap = -f64::MIN_POSITIVE;
         }
         let real_time = self.machine.solver.most_iterations.is_some();
+        // a rigid latch keeps the joint where it catches it: in the window, not beside it
+        let share = if self.equations.joints[joint].has_rigid_latch() { 0.5 } else { 1.0 };
         for _ in 0..if real_time { MAX_LOCATING_STEPS_REAL_TIME } else { MAX_LOCATING_STEPS } {
             self.attempt_given(trial_s)?;
-            let here = gap(self);
             let coordinate = self.equations.joints[joint].coordinate;
             let rate = self.state.ahead.v[coordinate].abs();
-            if here.abs() <= CROSSING_S * rate || high - low <= CROSSING_S {
+            let here = gap(self) + (1.0 - share) * CROSSING_S * rate;
+            if here.abs() <= share * CROSSING_S * rate || high - low <= CROSSING_S {
                 break;
             }
             if here > 0.0 {

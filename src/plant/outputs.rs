@@ -133,7 +133,11 @@ impl Plant {
                     spring_torque_n_m: spring,
                     external_torque_n_m: external,
                     holding_torque_n_m: outputs.joints[i].holding_torque_n_m,
-                    latch_torque_n_m: joint.latch_torque_n_m(angle),
+                    latch_torque_n_m: match joint.has_rigid_latch() {
+                        true => outputs.joints[i].latch_torque_n_m,
+                        false => joint.latch_torque_n_m(angle),
+                    },
+                    latch_impulse_n_m_s: state.latch.impulse_n_m_s,
                     latched: joint.latched,
                     latch_time_s: state.latch.time_s,
                     latch_count: state.latch.count,
@@ -143,6 +147,12 @@ impl Plant {
         if wanted.meets(OutputSet::HOLDING) {
             for (output, joint) in outputs.joints.iter_mut().zip(&equations.joints) {
                 output.holding_torque_n_m = joint.holding_n_m;
+                if joint.has_rigid_latch() {
+                    // closed, it bears all, whatever else holds the joint, eq. (A7)
+                    let borne_n_m = if joint.latched { joint.holding_n_m } else { 0.0 };
+                    output.latch_torque_n_m = borne_n_m;
+                    output.holding_torque_n_m -= borne_n_m;
+                }
             }
         }
         if wanted.meets(OutputSet::SPATIAL) {

@@ -24,13 +24,6 @@ pub(super) struct JointState {
     pub slew: Slew,
 }
 
-impl JointState {
-    /// Whether something holds the joint where it is.
-    pub fn holds(&self) -> bool {
-        !self.released
-    }
-}
-
 /// Everything that changes in time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct State {
@@ -274,8 +267,14 @@ impl State {
         };
         let inputs = [&self.inputs, &self.rates, &self.applied_inputs, &self.applied_rates];
         let joint = |JointState { latch, slew, .. }: &JointState| {
-            finite(&[latch.time_s, slew.from_rad, slew.target_rad, slew.target_rate_rad_s, slew.start_s])
-                && slew.rate_limit_rad_s.is_finite()
+            finite(&[
+                latch.time_s,
+                latch.impulse_n_m_s,
+                slew.from_rad,
+                slew.target_rad,
+                slew.target_rate_rad_s,
+                slew.start_s,
+            ]) && slew.rate_limit_rad_s.is_finite()
         };
         let rotations = [&self.spatial_rotations, &self.tip_rotations, &self.station_rotations];
         let what = if !(spatial(&self.parameters) && spatial(&self.applied_parameters)) {

@@ -349,26 +349,38 @@ impl Plant {
     /// Replaces the start coordinates by those of the equilibrium.
     ///
     /// A joint that would come to rest at the angle of its enabled latch or beyond cannot get there: the latch closes,
-    /// and the search begins anew with it.
+    /// and the search begins anew with it. A rigid one then holds the joint at the edge of its window.
     pub(super) fn settle_at_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
-        let start = self.state.now.q.clone();
+        let mut start = self.state.now.q.clone();
         loop {
             self.state.now.q.copy_from_slice(&start);
             let effort = self.search(time_s, holding)?;
             let mut caught = false;
-            for (joint, state) in self.equations.joints.iter().zip(&mut self.state.joints) {
-                let (before, after) = (start[joint.coordinate], self.state.now.q[joint.coordinate]);
-                let reached = joint.latch.is_some_and(|latch| latch.gap_rad(before, after) <= 0.0);
-                if state.latch.enabled && !state.latch.closed && reached {
-                    state.latch.closed = true;
-                    caught = true;
-                }
+            for joint in 0..self.equations.joints.len() {
+                let c = self.equations.joints[joint].coordinate;
+                caught |= self.catch(joint, &mut start[c], self.state.now.q[c]);
             }
             if !caught {
                 return Ok(effort);
             }
             self.configure();
         }
+    }
+
+    /// Closes the enabled latch of a joint that has come from one angle to rest at another if it lies between them, and
+    /// brings the angle from which the search begins anew to where a rigid one holds it. Whether there is one.
+    pub(super) fn catch(&mut self, joint: usize, from_rad: &mut f64, to_rad: f64) -> bool {
+        let (Some(latch), state) = (&self.equations.joints[joint].latch, &mut self.state.joints[joint].latch) else {
+            return false;
+        };
+        let caught = state.enabled && !state.closed && latch.gap_rad(*from_rad, to_rad) <= 0.0;
+        if caught {
+            state.closed = true;
+            if latch.is_rigid() {
+                *from_rad = latch.edge_rad(*from_rad);
+            }
+        }
+        caught
     }
 
     /// The equilibrium on the path from the start coordinates, with the latches as they are.

@@ -80,6 +80,8 @@ and `documentation/index.html` inside the FMU shows them as a table.
 
 /// Where the rows whose name begins so exist.
 const WHERE: &[(&str, &str)] = &[
+    ("<joint>.latch_impulse", "revolute joints with a rigid latch"),
+    ("<joint>.latch_stiffness", "revolute joints with an elastic latch"),
     ("<joint>.latch", "revolute joints with a latch that move freely"),
     ("<joint>.angle", REVOLUTE),
     ("<joint>.rate.", REVOLUTE),
@@ -133,6 +135,11 @@ pub fn in_real_time() -> Interface {
     table(&format!("{still}[solver]\nmode = \"real_time\"\n"))
 }
 
+/// The table of [`EVERYTHING`] with a rigid latch.
+pub fn with_rigid_latch() -> Interface {
+    table(&EVERYTHING.replace("stiffness_ratio = 1e4", "kind = \"rigid\""))
+}
+
 fn table(model: &str) -> Interface {
     Interface::new(&config::parse(model, "everything.toml").unwrap_or_else(|error| panic!("{error}")))
 }
@@ -182,13 +189,13 @@ fn shortest(value: f64) -> String {
 }
 
 /// The rows of one causality; each pattern once.
-fn rows([ordinary, in_real_time]: &[Interface; 2], causality: Causality) -> String {
+fn rows([ordinary, in_real_time, rigid]: &[Interface; 3], causality: Causality) -> String {
     let mut seen = BTreeSet::new();
     let mut text = String::new();
-    let all = ordinary.variables().iter().chain(in_real_time.variables());
+    let all = [ordinary, in_real_time, rigid].into_iter().flat_map(Interface::variables);
     for variable in all.filter(|variable| variable.causality == causality) {
         let (name, component) = pattern(&variable.name);
-        let only_in_real_time = ordinary.find(&variable.name).is_none();
+        let only_in_real_time = [ordinary, rigid].iter().all(|interface| interface.find(&variable.name).is_none());
         let (place, meaning) = (place(variable, &name), meaning(variable, component).replace('<', "\\<"));
         if !seen.insert((name.clone(), meaning.clone())) {
             continue;
@@ -210,7 +217,7 @@ fn rows([ordinary, in_real_time]: &[Interface; 2], causality: Causality) -> Stri
 
 /// The page.
 fn page() -> String {
-    let interfaces = [everything(), in_real_time()];
+    let interfaces = [everything(), in_real_time(), with_rigid_latch()];
     let parts = [
         (
             Causality::Input,

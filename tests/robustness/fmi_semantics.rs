@@ -1,6 +1,6 @@
 //! What calls do, as design and standard say it: values and their times, initialisation, rollback, reset.
 
-use crate::fmu::{Attempt, Fmu, Resources, WING};
+use crate::fmu::{Attempt, Fmu, Resources, WING, table};
 use foldwing::fmi2::abi::functions::*;
 use foldwing::fmi2::abi::states::*;
 use foldwing::fmi2::abi::types::*;
@@ -113,6 +113,52 @@ fn a_restored_state_repeats_the_step_bit_for_bit() {
         fmu.step(0.121, 5e-3);
         assert_eq!(fmu.bits(), first);
     }
+}
+
+/// The shipped wing with a rigid latch: it closes where the elastic one does, holds the angle, its reaction stands for the
+/// spring's torque; a state from before the closing leads through it again, in another instance too; the derivative of the
+/// reaction by the external torque is −1, and in its dependencies.
+#[test]
+fn a_rigid_latch_through_the_c_functions() {
+    let text = WING.replace("stiffness_ratio = 1e4", "kind = \"rigid\"");
+    assert_ne!(text, WING);
+    let (elastic, rigid) = (Fmu::stepping(), Fmu::new(&text));
+    rigid.setup(0.0, None);
+    rigid.ok(unsafe { fmi2EnterInitializationMode(rigid.component) });
+    rigid.ok(unsafe { fmi2ExitInitializationMode(rigid.component) });
+    let table = table(&text);
+    assert!(table.find("fold.latch_stiffness").is_none());
+    for fmu in [&elastic, &rigid] {
+        advance(fmu, 0, 121);
+    }
+    let state = rigid.save();
+    let bytes = rigid.serialize(state);
+    for fmu in [&elastic, &rigid] {
+        advance(fmu, 121, 150);
+    }
+    let (angle_rad, torque_n_m) = (rigid.get("fold.angle"), rigid.get("fold.latch_torque"));
+    assert!((rigid.get("fold.latch_time") - elastic.get("fold.latch_time")).abs() < 2e-10);
+    assert!(angle_rad.abs() <= 1e-6 && rigid.get("fold.rate") == 0.0 && rigid.get_boolean("fold.latched"));
+    assert!(torque_n_m != 0.0 && rigid.get("fold.holding_torque") == 0.0 && rigid.get("fold.latch_impulse") > 0.0);
+    let (unknown, known) = (rigid.reference("fold.latch_torque"), rigid.reference("fold.torque"));
+    let mut slope = f64::NAN;
+    rigid.ok(unsafe { fmi2GetDirectionalDerivative(rigid.component, &unknown, 1, &known, 1, &1.0, &mut slope) });
+    assert!((slope + 1.0).abs() < 1e-9, "{slope}");
+    assert!(table.variables()[unknown as usize].dependencies.iter().any(|&(reference, _)| reference == known));
+    let first = rigid.bits();
+    rigid.ok(unsafe { fmi2SetFMUstate(rigid.component, state) });
+    assert!(!rigid.get_boolean("fold.latched"));
+    advance(&rigid, 121, 150);
+    assert_eq!(rigid.bits(), first);
+    let heir = Fmu::new(&text);
+    let (status, state) = heir.deserialize(&bytes);
+    heir.ok(status);
+    heir.ok(unsafe { fmi2SetFMUstate(heir.component, state) });
+    advance(&heir, 121, 150);
+    assert_eq!(heir.bits(), first);
+    heir.set_boolean("fold.latch_enable", false);
+    advance(&heir, 150, 151);
+    assert!(!heir.get_boolean("fold.latched") && heir.get("fold.latch_torque") == 0.0 && heir.get("fold.rate") != 0.0);
 }
 
 #[test]

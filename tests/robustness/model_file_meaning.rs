@@ -1,6 +1,7 @@
 //! Refusals of what several keys say together.
 
 use crate::{message, message_of, with};
+use foldwing::config;
 
 /// Dimensions that are numbers each, but whose products leave the range of numbers.
 #[test]
@@ -311,7 +312,7 @@ fn latches() {
     assert_eq!(
         message("stiffness_ratio = 1e4", "capture_deg = 1"),
         "wing.toml:36: key 'joint.fold.latch.stiffness_ratio' is missing; allowed: a finite number > 1, or \
-         stiffness_N_m_rad instead"
+         stiffness_N_m_rad instead, or kind = \"rigid\""
     );
     assert_eq!(
         message("stiffness_ratio = 1e4", "stiffness_ratio = 1e4\nstiffness_N_m_rad = 100"),
@@ -328,6 +329,42 @@ fn latches() {
         "wing.toml:38: key 'joint.fold.latch.initially_closed': true is not allowed; allowed: true only with enable = \
          true: a latch that is not enabled is open"
     );
+}
+
+/// Rigid latches: no key of a spring, closed at the start by their window alone, and then without a rate.
+#[test]
+fn rigid_latches() {
+    for (key, value) in [("stiffness_ratio", "1e4"), ("stiffness_N_m_rad", "100.0")] {
+        assert_eq!(
+            message("stiffness_ratio = 1e4", &format!("kind = \"rigid\"\n{key} = {value}")),
+            format!(
+                "wing.toml:38: key 'joint.fold.latch.{key}': {value} is not allowed; allowed: this key only with kind = \
+                 \"elastic\": a rigid latch has no spring"
+            )
+        );
+    }
+    assert_eq!(
+        message("stiffness_ratio = 1e4", "kind = \"rigid\"\ninitially_closed = true"),
+        "wing.toml:38: key 'joint.fold.latch.initially_closed': true is not allowed; allowed: true only with kind = \
+         \"elastic\": a rigid latch is closed at the start where it is enabled and start_angle_deg lies within \
+         capture_deg of angle_deg"
+    );
+    assert_eq!(
+        message("stiffness_ratio = 1e4", "kind = \"stiff\""),
+        "wing.toml:37: key 'joint.fold.latch.kind': \"stiff\" is not allowed; allowed: \"elastic\" or \"rigid\""
+    );
+    let turning = with("start_angle_deg = 170", "start_angle_deg = 170\nstart_rate_deg_s = 5");
+    let caught = turning.replace("stiffness_ratio = 1e4", "kind = \"rigid\"\nangle_deg = 170");
+    assert_eq!(
+        message_of(&caught),
+        "wing.toml:34: key 'joint.fold.start_rate_deg_s': 5 is not allowed; allowed: a rate of 0 deg/s where a rigid latch \
+         is closed at the start; start outside its window, or write enable = false"
+    );
+    for accepted in ["enable = false", "capture_deg = 0"] {
+        let angle = if accepted.starts_with("enable") { 170.0 } else { 170.000_001 };
+        let text = caught.replace("angle_deg = 170\n", &format!("angle_deg = {angle}\n{accepted}\n"));
+        assert!(config::parse(&text, "wing.toml").is_ok(), "{text}");
+    }
 }
 
 /// Keys that exclude one another.

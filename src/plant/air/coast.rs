@@ -30,12 +30,11 @@ impl Plant {
     /// Brings the machine to rest in air with the angles of `hinges` as outer unknowns, NOTATION eq. (Q6). A joint that
     /// comes to rest beyond its enabled latch is caught by it, as [`Plant::settle_at_rest`] does.
     pub(super) fn coast(&mut self, time_s: f64, hinges: &[usize]) -> Result<Effort, PlantError> {
-        let start = self.state.now.q.clone();
+        let mut start = self.state.now.q.clone();
         let joints = self.state.joints.clone();
         let mut angles = self.angles(hinges);
-        let first = angles.clone();
-        let at = |plant: &mut Self, angles: &DVector<f64>| {
-            plant.state.now.q.copy_from_slice(&start);
+        let at = |plant: &mut Self, start: &[f64], angles: &DVector<f64>| {
+            plant.state.now.q.copy_from_slice(start);
             plant.state.joints.copy_from_slice(&joints);
             plant.configure();
             for (angle, &hinge) in angles.iter().zip(hinges) {
@@ -45,20 +44,20 @@ impl Plant {
         };
         let mut largest_n_m = f64::NAN;
         for _ in 0..MOST_ITERATIONS {
-            let effort = at(self, &angles)?;
+            let effort = at(self, &start, &angles)?;
             let torque = self.hinge_torques(time_s, hinges);
             largest_n_m = torque.amax();
             let mut slopes = DMatrix::zeros(hinges.len(), hinges.len());
             for column in 0..hinges.len() {
                 let mut beside = angles.clone();
                 beside[column] += STEP_RAD;
-                at(self, &beside)?;
+                at(self, &start, &beside)?;
                 slopes.set_column(column, &((self.hinge_torques(time_s, hinges) - &torque) / STEP_RAD));
             }
             let Some(change) = downhill(&slopes, &torque) else { break };
             if change.amax() <= TOLERANCE_RAD {
-                at(self, &angles)?;
-                return if self.caught(hinges, &first, &angles) {
+                at(self, &start, &angles)?;
+                return if self.caught(hinges, &mut start, &angles) {
                     let caught = self.state.joints.clone();
                     self.state.now.q.copy_from_slice(&start);
                     self.state.joints.copy_from_slice(&caught);
@@ -87,16 +86,12 @@ impl Plant {
         DVector::from_iterator(hinges.len(), hinges.iter().map(torque))
     }
 
-    /// Closes the enabled latches that lie between two sets of angles; whether there are any.
-    fn caught(&mut self, hinges: &[usize], from: &DVector<f64>, to: &DVector<f64>) -> bool {
+    /// Closes the enabled latches between the angles of `start` and those of rest; whether there are any.
+    fn caught(&mut self, hinges: &[usize], start: &mut [f64], to: &DVector<f64>) -> bool {
         let mut any = false;
-        for ((&hinge, from), to) in hinges.iter().zip(from).zip(to) {
-            let state = &mut self.state.joints[hinge].latch;
-            let Some(latch) = &self.equations.joints[hinge].latch else { continue };
-            if state.enabled && !state.closed && latch.gap_rad(*from, *to) <= 0.0 {
-                state.closed = true;
-                any = true;
-            }
+        for (&hinge, to) in hinges.iter().zip(to) {
+            let c = self.equations.joints[hinge].coordinate;
+            any |= self.catch(hinge, &mut start[c], *to);
         }
         any
     }

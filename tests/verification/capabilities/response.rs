@@ -1,6 +1,7 @@
 //! Derivatives of outputs by inputs and parameters.
 
 use crate::{Bench, Dice, wings};
+use foldwing::config;
 use foldwing::interface::{AccessError, Causality, DerivativeError, Stage, Value};
 use std::collections::BTreeMap;
 
@@ -138,19 +139,25 @@ fn e08_derivatives_by_inputs_equal_differences() {
 /// E-08. The same before, at and after the latch of the shipped wing.
 #[test]
 fn e08_derivatives_around_the_latch() {
-    let mut bench = Bench::shipped("folding_wing");
-    bench.march(0.15, 30);
-    let latch_s = bench.get("fold.latch_time");
-    assert!(latch_s > 0.1 && latch_s < 0.15, "{latch_s} s");
-    let mut bench = Bench::shipped("folding_wing");
-    for (when, end_s) in
-        [("just before", latch_s - 1e-6), ("at", latch_s), ("just after", latch_s + 1e-6), ("after", 0.15)]
-    {
-        bench.march(end_s, 2);
-        let (pairs, worst) = compare_at_state(&format!("{when} the latch"), &mut bench);
-        println!("E-08: {when} the latch, t = {end_s} s: {pairs} pairs, worst {worst:.1e}");
+    let rigid =
+        include_str!("../../../examples/models/folding_wing.toml").replace("stiffness_ratio = 1e4", "kind = \"rigid\"");
+    let rigid = config::parse(&rigid, "rigid").expect("valid");
+    for (kind, machine) in [("elastic", None), ("rigid", Some(rigid))] {
+        let bench = || machine.clone().map_or_else(|| Bench::shipped("folding_wing"), Bench::of);
+        let mut ahead = bench();
+        ahead.march(0.15, 30);
+        let latch_s = ahead.get("fold.latch_time");
+        assert!(latch_s > 0.1 && latch_s < 0.15, "{latch_s} s");
+        let mut bench = bench();
+        for (when, end_s) in
+            [("just before", latch_s - 1e-6), ("at", latch_s), ("just after", latch_s + 1e-6), ("after", 0.15)]
+        {
+            bench.march(end_s, 2);
+            let (pairs, worst) = compare_at_state(&format!("{when} the {kind} latch"), &mut bench);
+            println!("E-08: {when} the {kind} latch, t = {end_s} s: {pairs} pairs, worst {worst:.1e}");
+        }
+        assert!(bench.plant.outputs().joints[0].latched);
     }
-    assert!(bench.plant.outputs().joints[0].latched);
 }
 
 /// E-08. A drive at its torque limit does not feel its command, one behind a rate limit not at once; one without limits

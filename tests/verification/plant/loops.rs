@@ -27,7 +27,7 @@ fn kinematics(crank_rad: f64) -> (f64, f64, Vector2<f64>) {
 }
 
 /// Steel bars in the `x`–`z` plane; the coupler's end meets the rocker's.
-fn linkage(crank_motion: JointMotion, stiffness_n_m: f64) -> Machine {
+pub fn linkage(crank_motion: JointMotion, stiffness_n_m: f64) -> Machine {
     let material = Material { young_pa: 2e11, shear_pa: 8e10, density_kg_m3: 7800.0 };
     let section = Section::rectangle(0.02, 0.02, &material, None);
     let (coupler_rad, rocker_rad, _) = kinematics(START_RAD);

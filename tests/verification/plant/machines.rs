@@ -91,7 +91,19 @@ pub fn free_hinge(start_angle_rad: f64) -> Revolute {
 
 /// A latch at zero of the stiffness given, open and enabled.
 pub fn latch(stiffness_n_m_rad: f64) -> Latch {
-    Latch { angle_rad: 0.0, stiffness_n_m_rad, capture_rad: 0.0, initially_closed: false, enable: true }
+    Latch {
+        kind: LatchKind::Elastic,
+        angle_rad: 0.0,
+        stiffness_n_m_rad,
+        capture_rad: 0.0,
+        initially_closed: false,
+        enable: true,
+    }
+}
+
+/// A rigid latch at zero with the default window, open and enabled.
+pub fn rigid_latch() -> Latch {
+    Latch { kind: LatchKind::Rigid, capture_rad: DEFAULT_CAPTURE_RAD, ..latch(0.0) }
 }
 
 /// A body without damping, stations or masses: `count` elements of `kind`.
