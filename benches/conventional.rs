@@ -16,7 +16,7 @@ mod planar;
 mod segments;
 
 use foldwing::beam::section::Section;
-use foldwing::config::machine::*;
+use foldwing::machine::*;
 use foldwing::solve::stepper;
 use nalgebra::{Matrix4, Vector2, Vector3, Vector4};
 use segments::{Algebra, RootSpring, Segments, fall, table_4};

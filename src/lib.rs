@@ -20,9 +20,11 @@ pub mod aero;
 
 pub mod solve;
 
-pub mod config;
+pub mod machine;
 
 pub mod plant;
+
+pub mod config;
 
 pub mod interface;
 

@@ -12,14 +12,14 @@ use crate::config::air_file::{
     AirModelFile, CouplingFile, GustFile, GustShapeFile, IndicialFile, LeadingEdgeFile, SurfaceFile,
 };
 use crate::config::body::{self, BodyFile};
-use crate::config::edges::{RootEdge, fastest_m_s, free_edges, other_half};
 use crate::config::file::ModelFile;
 use crate::config::function::{FunctionFile, along_body};
-use crate::config::machine::{Air, Body, Coupling, LiftingSurface};
 use crate::config::schema::shortest;
 use crate::config::sections::Sections;
 use crate::config::tree::Tree;
 use crate::config::validate::Checker;
+use crate::machine::edges::{RootEdge, fastest_m_s, free_edges, other_half};
+use crate::machine::{Air, Body, Coupling, LiftingSurface};
 use nalgebra::Vector3;
 
 /// Inset of a free edge of the lattice in panels: uniform lattices that reach the tip converge only as `1/N`.

@@ -4,11 +4,11 @@ use crate::beam::law::SectionLaw;
 use crate::beam::section::{Outline, Section};
 use crate::config::body;
 use crate::config::file::{GaugeFile, MassFile, ModelFile};
-use crate::config::machine::{AttachedMass, Body, Gauge};
 use crate::config::sections::Sections;
 use crate::config::tree::Tree;
 use crate::config::validate::Checker;
 use crate::load::Wrench;
+use crate::machine::{AttachedMass, Body, Gauge};
 use nalgebra::{Matrix3, Vector3};
 
 /// Violation of an inequality between moments of inertia that is taken for round-off, relative to the largest.

@@ -3,11 +3,11 @@
 use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::profile::Profile;
 use crate::config::function::{FunctionFile, along_body};
-use crate::config::machine::{AttachedMass, Body, ElementKind, Joint};
 use crate::config::schema::shortest;
 use crate::config::sections::{Built, Sections, is_sound};
 use crate::config::validate::Checker;
 use crate::load::{LoadFrame, Wrench};
+use crate::machine::{AttachedMass, Body, ElementKind, Joint};
 use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

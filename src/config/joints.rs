@@ -3,13 +3,13 @@
 use crate::actuation::prescribed::Law;
 use crate::config::file::ModelFile;
 use crate::config::joint_file::{DriveFile, JointFile, JointType, LatchFile, MotionType, SpringFile, TableEnds};
-use crate::config::machine::{
-    DEFAULT_CAPTURE_RAD, Drive, Joint, JointKind, JointMotion, Latch, Motion, Parent, Revolute, Spring, UNLIMITED,
-};
 use crate::config::schema::quoted;
 use crate::config::spatial;
 use crate::config::tree::{ROOT, Tree};
 use crate::config::validate::Checker;
+use crate::machine::{
+    DEFAULT_CAPTURE_RAD, Drive, Joint, JointKind, JointMotion, Latch, Motion, Parent, Revolute, Spring, UNLIMITED,
+};
 use nalgebra::{Rotation3, Vector3};
 
 /// Groups of the FMU's variables, which a joint's name would clash with.

@@ -1,11 +1,11 @@
 //! Closed loops of the file to [`Closure`]: where they hold, and whether they are closed at the start.
 
 use crate::config::file::{LoopFile, ModelFile};
-use crate::config::machine::{Closure, Machine};
-use crate::config::pose::{along, first_frames};
 use crate::config::schema::shortest;
 use crate::config::tree::{ROOT, Tree};
 use crate::config::validate::Checker;
+use crate::machine::pose::{along, first_frames};
+use crate::machine::{Closure, Machine};
 
 /// Largest gap at the start over the length of the longer body: angles rounded to 0.01 degrees leave 2e-4. A wider gap
 /// is a mistake in the model and would snap shut with a penalty's full force.

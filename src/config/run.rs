@@ -1,6 +1,6 @@
 //! How a model is run: the tables `[solver]` and `[experiment]` of the model file.
 
-use crate::config::machine::{Method, StartState};
+use crate::machine::{Method, StartState};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -2,8 +2,8 @@
 
 use crate::beam::section::{Material, Outline, Section, Solid};
 use crate::config::file::{ExplicitSection, SectionFile, SolidSection};
-use crate::config::machine::UNLIMITED;
 use crate::config::validate::Checker;
+use crate::machine::UNLIMITED;
 use indexmap::IndexMap;
 use nalgebra::{Cholesky, Matrix4};
 

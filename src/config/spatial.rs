@@ -2,9 +2,9 @@
 
 use crate::config::joint_file::{DriveFile, JointFile, JointType};
 use crate::config::joints::unit_axis;
-use crate::config::machine::{Spatial, SpatialFreedom};
 use crate::config::tree::ROOT;
 use crate::config::validate::Checker;
+use crate::machine::{Spatial, SpatialFreedom};
 use nalgebra::{Matrix3, Vector3};
 
 /// Cosine between a universal joint's axes beyond which they count as parallel.

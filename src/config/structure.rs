@@ -2,12 +2,12 @@
 
 use crate::config::document::{Document, key_text};
 use crate::config::error::{Fault, Problem};
-use crate::config::machine::UNLIMITED;
 use crate::config::meant::{did_you_mean, homes, nearest};
 use crate::config::schema::{
     IDENTIFIER, IDENTIFIER_ALLOWED, Node, allowed, in_range, is_required, options, properties, tagged, tree,
 };
-use crate::config::units::same_quantity;
+use crate::machine::UNLIMITED;
+use crate::machine::units::same_quantity;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 

@@ -4,11 +4,11 @@ use crate::config::body::{self, BodyFile};
 use crate::config::document::{Document, key_text};
 use crate::config::error::{Fault, Problem};
 use crate::config::file::ModelFile;
-use crate::config::machine::{Body, Experiment, Joint, Machine, Method, Solver};
 use crate::config::meant::did_you_mean;
 use crate::config::run::{MethodFile, ModeFile};
 use crate::config::schema::{quoted, shortest};
 use crate::config::{air, attachments, joints, loops, sections, tree};
+use crate::machine::{Body, Experiment, Joint, Machine, Method, Solver};
 use nalgebra::Vector3;
 use sections::Sections;
 

@@ -9,8 +9,8 @@ use crate::pendulum::{
 use crate::reference;
 use crate::sample::{Sample, run_as_printed, write_table};
 use foldwing::beam::section::{Material, Section};
-use foldwing::config::machine::*;
 use foldwing::load::{LoadFrame, RootMotion};
+use foldwing::machine::*;
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
 use foldwing::multibody::factor::{FreedomTangent, Weights, factorize, solve};
 use foldwing::multibody::joint;

@@ -6,7 +6,7 @@ use crate::reference;
 use crate::sample::write_table;
 use crate::segments::{Algebra, RootSpring, Segments, fall, table_4};
 use foldwing::beam::section::Section;
-use foldwing::config::machine::*;
+use foldwing::machine::*;
 use foldwing::solve::{EquationsOfMotion, stepper};
 use nalgebra::{Matrix4, Vector2, Vector3, Vector4};
 

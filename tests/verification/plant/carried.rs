@@ -1,7 +1,7 @@
 //! Machines on a free joint: mass-proportional damping leaves their flight alone (D12).
 
 use crate::machines::*;
-use foldwing::config::machine::*;
+use foldwing::machine::*;
 use foldwing::plant::Plant;
 use nalgebra::{Matrix3, Vector3};
 

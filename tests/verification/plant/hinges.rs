@@ -2,7 +2,7 @@
 
 use crate::corners::{rod, rod_inertia_kg_m2};
 use crate::machines::*;
-use foldwing::config::machine::*;
+use foldwing::machine::*;
 use foldwing::plant::{Holding, JointOutputs, Plant};
 use nalgebra::Vector3;
 

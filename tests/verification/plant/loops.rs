@@ -2,7 +2,7 @@
 
 use crate::machines::*;
 use foldwing::beam::section::{Material, Section};
-use foldwing::config::machine::*;
+use foldwing::machine::*;
 use foldwing::plant::{Holding, Plant};
 use nalgebra::{Vector2, Vector3};
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! Machines for the tests, built without the model file, and ways to run them.
 
 use foldwing::beam::section::{Material, Section};
-use foldwing::config::machine::*;
 use foldwing::load::LoadFrame;
+use foldwing::machine::*;
 use foldwing::plant::{Outputs, Plant};
 use nalgebra::{Matrix3, Vector3};
 use std::path::Path;

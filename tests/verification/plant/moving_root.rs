@@ -1,8 +1,8 @@
 //! A root that moves: against gravity, against a turned model, against the same motion made by a joint.
 
 use crate::machines::*;
-use foldwing::config::machine::{JointMotion, Machine, Motion};
 use foldwing::load::Wrench;
+use foldwing::machine::{JointMotion, Machine, Motion};
 use foldwing::math::so3::rotation_about;
 use foldwing::plant::{Outputs, Plant};
 use nalgebra::{Matrix3, Unit, Vector3};

@@ -1,8 +1,8 @@
 //! Root force and moment against weight, loads and the rate of momentum.
 
 use crate::machines::*;
-use foldwing::config::machine::{ElementKind, Machine, Method};
 use foldwing::load::{LoadFrame, Wrench};
+use foldwing::machine::{ElementKind, Machine, Method};
 use foldwing::plant::{Inputs, Outputs};
 use nalgebra::{Matrix3, Vector3};
 

@@ -1,7 +1,7 @@
 //! What is read does not decide what is found, nor what comes after.
 
 use crate::machines::*;
-use foldwing::config::machine::{ElementKind, Method, Revolute, Solver};
+use foldwing::machine::{ElementKind, Method, Revolute, Solver};
 use foldwing::plant::{OutputSet, Outputs, Plant};
 use nalgebra::Vector3;
 

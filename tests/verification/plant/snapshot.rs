@@ -2,8 +2,8 @@
 
 use crate::machines::*;
 use foldwing::config;
-use foldwing::config::machine::{ElementKind, Method};
 use foldwing::interface::{Interface, Value};
+use foldwing::machine::{ElementKind, Method};
 use foldwing::plant::{Outputs, Plant, PlantError, Snapshot};
 use std::sync::Arc;
 

@@ -2,8 +2,8 @@
 
 use crate::machines::*;
 use crate::rod::{Joint, Load, Rod, Segment};
-use foldwing::config::machine::{ElementKind, Gauge, Latch, Machine};
 use foldwing::load::{LoadFrame, Wrench};
+use foldwing::machine::{ElementKind, Gauge, Latch, Machine};
 use foldwing::plant::Plant;
 use nalgebra::Vector3;
 

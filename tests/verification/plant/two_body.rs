@@ -2,7 +2,7 @@
 
 use crate::machines::*;
 use foldwing::beam::section::Section;
-use foldwing::config::machine::*;
+use foldwing::machine::*;
 use nalgebra::{Matrix4, Vector3, Vector4};
 
 /// Two bodies of 10 m, EI = 1e4 N·m², 1 kg/m, rotary inertia 0.1 kg·m, EA = 1e8 N, the inner one clamped.

@@ -1,4 +1,10 @@
-//! The validated model: what the file means, in SI and radians, bodies sorted parent before child.
+//! The machine: bodies, joints, loops, gauges, air, solver and experiment, in SI and radians.
+//!
+//! Whoever needs the model needs this module alone; a model file is one way to come by a [`Machine`].
+
+pub(crate) mod edges;
+pub mod pose;
+pub(crate) mod units;
 
 pub use crate::actuation::prescribed::Motion;
 pub use crate::actuation::spring::Spring;
