@@ -22,9 +22,7 @@ mod reference;
 mod run;
 mod schema;
 mod sections;
-mod spatial;
 mod structure;
-mod tree;
 mod validate;
 
 pub use error::{ConfigError, Fault, Problem};

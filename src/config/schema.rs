@@ -4,14 +4,12 @@ use crate::config::file::ModelFile;
 use crate::machine::UNLIMITED;
 use crate::machine::units::finite;
 pub(super) use crate::machine::units::{quoted, shortest};
+use crate::machine::validate::IDENTIFIER_ALLOWED;
 use serde_json::{Map, Value, json};
 use std::ops::Deref;
 
 /// What names of sections, bodies, joints, masses and gauges must look like.
 pub(super) const IDENTIFIER: &str = "^[A-Za-z_][A-Za-z0-9_]*$";
-
-/// Wording of [`IDENTIFIER`].
-pub(super) const IDENTIFIER_ALLOWED: &str = "an identifier: letters, digits and _, no digit first";
 
 /// Wording of a function along a body, behind that of a number.
 const FUNCTION_ALLOWED: &str = "{ polynomial = [c0, c1, …] } or { table = [[s, value], …] }";
