@@ -11,10 +11,8 @@ use nalgebra::Vector3;
 fn blade(frame: LoadFrame) -> Machine {
     let mut section = wing_section();
     section.stiffness[(0, 0)] = 1e9;
-    let mut blade = body("blade", 0.3, &section, ElementKind::Linear, 8, clamped());
-    (blade.mass_damping_1_s, blade.stiffness_damping_s) = (60.0, 1e-5);
-    (blade.station_positions_m, blade.load_frame) = (vec![0.3], frame);
-    machine(vec![blade])
+    let blade = body("blade", 0.3, &section, ElementKind::Linear, 8).mass_damping_1_s(60.0).stiffness_damping_s(1e-5);
+    machine([(blade.load_station_positions_m([0.3]).load_frame(frame), clamped())])
 }
 
 /// Deflection, shortening (both over the length) and tip angle under `lambda = P L²/EI` across, once at rest.
