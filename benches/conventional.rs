@@ -16,7 +16,7 @@ mod planar;
 mod segments;
 
 use foldwing::beam::section::Section;
-use foldwing::config::machine::*;
+use foldwing::machine::*;
 use foldwing::solve::stepper;
 use nalgebra::{Matrix4, Vector2, Vector3, Vector4};
 use segments::{Algebra, RootSpring, Segments, fall, table_4};
@@ -43,9 +43,9 @@ fn beams(kind: ElementKind, count: usize) -> Vec<Vector2<f64>> {
         half_width_m: 0.5,
         half_height_m: 0.5,
     };
-    let mut bodies = vec![machines::body("a", table_4::LENGTH_M, &section, kind, count, machines::clamped())];
-    let joint = machines::hinged_to(&bodies, machines::free_hinge(0.0));
-    bodies.push(machines::body("b", table_4::LENGTH_M, &section, kind, count, joint));
+    let beam = |name| machines::body(name, table_4::LENGTH_M, &section, kind, count);
+    let hinge = Joint::hinge("fold", machines::free_hinge(0.0)).on("a");
+    let bodies = [(beam("a"), machines::clamped()), (beam("b"), hinge)];
     let solver = Solver {
         fixed_step_s: Some(STEP_S),
         max_step_s: STEP_S,

@@ -9,8 +9,8 @@
 mod machines;
 
 use foldwing::beam::section::{Material, Section};
-use foldwing::config::machine::{ElementKind, Machine, Method};
 use foldwing::load::LoadFrame;
+use foldwing::machine::{ElementKind, Machine, Method};
 use foldwing::multibody::joint::JointKind;
 use foldwing::multibody::model::{Attachment, BodyDescription};
 use foldwing::multibody::{Model, Workspace};

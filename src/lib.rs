@@ -3,6 +3,30 @@
 //! A short model file becomes an FMI 2.0 co-simulation FMU of a geometrically nonlinear, strain-based
 //! beam multibody wing with fold joints, drives and latches. `docs/ARCHITECTURE.md` maps the modules,
 //! `docs/NOTATION.md` numbers the equations that the code cites.
+//!
+//! What a model file says, code can say: a [`machine::Machine`] by its [builder](machine::Machine::builder), refused with place,
+//! value and cure where it is wrong. A [`plant::Plant`] runs it.
+//!
+//! ```
+//! use foldwing::beam::section::{Material, Solid};
+//! use foldwing::machine::{Body, Drive, Joint, Latch, Machine};
+//! use foldwing::plant::Plant;
+//!
+//! let plate = Solid::rectangle(0.05, 0.002, Material::isotropic(2.83e9, 0.3, 1425.0));
+//! let half = |name| Body::beam(name, 0.15, plate).elements(2).mass_damping_1_s(2.5);
+//! let motor = Drive { stiffness_n_m_rad: 0.026, constant_torque_n_m: 0.043, ..Drive::default() };
+//! let fold = Joint::revolute("fold", [0.0, 1.0, 0.0]).on("inner").start_angle_rad(2.97);
+//! let wing = Machine::builder("FoldingWing")
+//!     .gravity_m_s2([-9.8, 0.0, 0.0])
+//!     .body(half("inner"), Joint::clamped("mount"))
+//!     .body(half("outer"), fold.drive(motor).latch(Latch::with_ratio(1e4)))
+//!     .build()?;
+//! let mut plant = Plant::new(std::sync::Arc::new(wing));
+//! plant.initialize(0.0)?;
+//! plant.step(0.2)?;
+//! assert!(plant.outputs().joints[0].latched);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
@@ -20,9 +44,11 @@ pub mod aero;
 
 pub mod solve;
 
-pub mod config;
+pub mod machine;
 
 pub mod plant;
+
+pub mod config;
 
 pub mod interface;
 

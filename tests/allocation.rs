@@ -4,10 +4,8 @@
 #[path = "verification/plant/machines.rs"]
 mod machines;
 
-use foldwing::config::machine::{
-    Closure, ElementKind, JointKind, JointMotion, Machine, Method, Motion, SpatialFreedom,
-};
 use foldwing::load::LoadFrame;
+use foldwing::machine::{Closure, ElementKind, JointKind, JointMotion, Machine, Method, Motion, SpatialFreedom};
 use machines::*;
 use nalgebra::Vector3;
 use std::alloc::{GlobalAlloc, Layout, System};

@@ -33,6 +33,11 @@ pub struct Material {
 }
 
 impl Material {
+    /// An isotropic material by Young's modulus in Pa, Poisson's ratio and density in kg/m³.
+    pub fn isotropic(young_pa: f64, poisson_ratio: f64, density_kg_m3: f64) -> Self {
+        Self { young_pa, shear_pa: 0.5 * young_pa / (1.0 + poisson_ratio), density_kg_m3 }
+    }
+
     /// Poisson's ratio `E/2G − 1`; `None` where the shear modulus is not known.
     pub fn poisson_ratio(&self) -> Option<f64> {
         (self.shear_pa > 0.0).then(|| 0.5 * self.young_pa / self.shear_pa - 1.0)
@@ -64,6 +69,21 @@ pub struct Solid {
 }
 
 impl Solid {
+    /// A rectangle, full width along `y` and full height along `z` in m.
+    pub fn rectangle(width_m: f64, height_m: f64, material: Material) -> Self {
+        Self { outline: Outline::Rectangle, width_m, height_m, material, torsional_rigidity_n_m2: None }
+    }
+
+    /// An ellipse, full width along `y` and full height along `z` in m.
+    pub fn ellipse(width_m: f64, height_m: f64, material: Material) -> Self {
+        Self { outline: Outline::Ellipse, ..Self::rectangle(width_m, height_m, material) }
+    }
+
+    /// The same with a torsional rigidity `GJ` in N·m² instead of Saint-Venant's value for the outline.
+    pub fn with_torsional_rigidity_n_m2(self, rigidity_n_m2: f64) -> Self {
+        Self { torsional_rigidity_n_m2: Some(rigidity_n_m2), ..self }
+    }
+
     /// Its stiffness and inertia.
     pub fn section(&self) -> Section {
         let make = match self.outline {

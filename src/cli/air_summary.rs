@@ -1,7 +1,7 @@
 //! Air in the summary of `foldwing check`.
 
-use foldwing::config::Machine;
-use foldwing::config::machine::{AirOptions, Coupling, JointKind, LoadRule, Parent, WakeModel};
+use foldwing::machine::Machine;
+use foldwing::machine::{AirOptions, Coupling, JointKind, LoadRule, Parent, WakeModel};
 use foldwing::plant::{CLOSED_PANELS, SurfaceGap};
 use serde::Serialize;
 use std::fmt::Write;
@@ -43,7 +43,7 @@ impl AirSummary {
     /// Of a machine in air, with its surfaces that lie close to each other.
     pub fn new(machine: &Machine, gaps: &[SurfaceGap]) -> Option<Self> {
         let air = machine.air.as_ref()?;
-        let surface = |surface: &foldwing::config::machine::LiftingSurface| {
+        let surface = |surface: &foldwing::machine::LiftingSurface| {
             let strips = surface.positions_m.windows(2).zip(surface.chords.windows(2));
             SurfaceSummary {
                 body: machine.bodies[surface.body].name.clone(),

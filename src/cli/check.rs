@@ -5,11 +5,11 @@ use crate::cli::joint_size::JointSize;
 use crate::cli::notes::notes;
 use crate::cli::outlets::{Force, Mark, Outlets};
 use crate::cli::{Failure, print, read_model};
-use foldwing::config::Machine;
-use foldwing::config::machine::{
+use foldwing::interface::{Causality, Interface, Value};
+use foldwing::machine::Machine;
+use foldwing::machine::{
     Body, Closure, ElementKind, JointKind, JointMotion, LatchKind, Parent, SpatialFreedom, UNLIMITED,
 };
-use foldwing::interface::{Causality, Interface, Value};
 use foldwing::packaging::drawing;
 use foldwing::packaging::sketch::sketch;
 use foldwing::plant::Plant;

@@ -1,6 +1,6 @@
 //! How many unknowns a joint needs, beside the conventional form: Otsuka et al., Table 2 and eq. (13).
 
-use foldwing::config::machine::JointKind;
+use foldwing::machine::JointKind;
 use serde::Serialize;
 
 /// Components of a node in the conventional form: position and three vectors of its frame.
@@ -36,7 +36,7 @@ impl JointSize {
         let in_table_2 = match kind {
             JointKind::Clamped => false,
             JointKind::Revolute(_) => true,
-            JointKind::Spatial(joint) => joint.freedom != foldwing::config::machine::SpatialFreedom::Free,
+            JointKind::Spatial(joint) => joint.freedom != foldwing::machine::SpatialFreedom::Free,
         };
         Self {
             variables,

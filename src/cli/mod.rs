@@ -33,7 +33,8 @@ mod sweep;
 mod timing;
 
 use clap::{Parser, Subcommand};
-use foldwing::config::{self, Machine};
+use foldwing::config;
+use foldwing::machine::Machine;
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;

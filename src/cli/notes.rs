@@ -1,7 +1,7 @@
 //! What a user should know of a model although it is valid.
 
-use foldwing::config::Machine;
-use foldwing::config::machine::{DEFAULT_CAPTURE_RAD, JointKind, Latch, LatchKind, Revolute};
+use foldwing::machine::Machine;
+use foldwing::machine::{DEFAULT_CAPTURE_RAD, JointKind, Latch, LatchKind, Revolute};
 
 /// Notes on a model, a sentence each.
 pub fn notes(machine: &Machine) -> Vec<String> {

@@ -3,8 +3,8 @@
 use crate::cli::linearize::reach;
 use crate::cli::outlets::{Force, Mark, Outlets};
 use crate::cli::{Failure, print, read_model};
-use foldwing::config::Machine;
 use foldwing::interface::{Interface, LinearModel, Variable, guid};
+use foldwing::machine::Machine;
 use foldwing::packaging::{self, CrossCheck, Extras, Library, PackageError, Platform, Reference};
 use foldwing::plant::Plant;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};

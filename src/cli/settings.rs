@@ -2,8 +2,8 @@
 
 use crate::cli::simulate::unknown;
 use crate::cli::{Failure, read_model};
-use foldwing::config::Machine;
 use foldwing::interface::{Interface, UNITS, Value, Variable};
+use foldwing::machine::Machine;
 use foldwing::plant::Plant;
 use foldwing::report::inputs::shortened;
 use std::path::Path;

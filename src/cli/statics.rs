@@ -3,7 +3,7 @@
 use crate::cli::settings::read_plant;
 use crate::cli::{Failure, print, stability};
 use clap::builder::NonEmptyStringValueParser;
-use foldwing::config::Machine;
+use foldwing::machine::Machine;
 use foldwing::plant::{Branch, Holding, LoadPath, Plant, PlantError, Search, SectionShape, StaticEffort};
 use nalgebra::Vector3;
 use serde_json::{Value, json};

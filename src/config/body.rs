@@ -1,17 +1,16 @@
 //! Bodies of the file: mesh, sections and natural shape along them, load stations.
 
-use crate::beam::law::{NaturalStrain, SectionLaw};
+use crate::beam::law::SectionLaw;
 use crate::beam::profile::Profile;
+use crate::beam::section::{Material, Solid};
 use crate::config::function::{FunctionFile, along_body};
-use crate::config::machine::{AttachedMass, Body, ElementKind, Joint};
-use crate::config::schema::shortest;
-use crate::config::sections::{Built, Sections, is_sound};
+use crate::config::sections::{Built, Sections};
 use crate::config::validate::Checker;
-use crate::load::{LoadFrame, Wrench};
-use nalgebra::Vector3;
+use crate::load::LoadFrame;
+use crate::machine::builder::BodyBuilder;
+use crate::machine::{Body, ElementKind};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
 
 /// A beam.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
@@ -106,44 +105,36 @@ impl From<LoadFrameFile> for LoadFrame {
     }
 }
 
-/// Load stations of a body that says nothing about them.
-const DEFAULT_STATIONS: usize = 4;
-
-/// Builds a body; `None` if a problem was found.
-pub(super) fn build(
-    name: &str,
-    file: &BodyFile,
-    sections: &Sections,
-    masses: Vec<AttachedMass>,
-    joint: Option<Joint>,
-    checker: &mut Checker,
-) -> Option<Body> {
-    if name == "root" {
-        let allowed = "another name: \"root\" is what the wing is fixed to";
-        checker.refuse_as(&["body", name], "the name \"root\"", allowed);
+/// Builds a body. What was refused leaves stand-ins, as for a section law that is `None`.
+pub(super) fn build(name: &str, file: &BodyFile, law: Option<SectionLaw>, checker: &mut Checker) -> BodyBuilder {
+    if law.is_none() {
+        for key in ["section", "width_taper", "height_taper", "outer_section"] {
+            checker.stands_in(&["body", name, key]);
+        }
     }
-    let section = section_law(name, file, sections, checker);
-    let natural_strain = natural_strain(name, file, checker);
-    let station_positions_m = stations(name, file, checker);
-    Some(Body {
-        name: name.to_owned(),
-        length_m: file.length_m,
-        section: section?,
-        element: file.element.into(),
-        elements: file.elements,
-        natural_strain: natural_strain?,
-        mass_damping_1_s: file.mass_damping_1_s,
-        damp_attached_masses: file.damp_attached_masses,
-        stiffness_damping_s: file.stiffness_damping_s,
-        station_loads: vec![Wrench::default(); station_positions_m.len()],
-        station_positions_m,
-        load_frame: file.load_frame.into(),
-        masses,
-        joint: joint?,
-    })
+    let law = law.unwrap_or_else(|| Solid::rectangle(1.0, 1.0, Material::isotropic(1.0, 0.0, 1.0)).into());
+    let mut body = Body::beam(name, file.length_m, law)
+        .element(file.element.into())
+        .elements(file.elements)
+        .mass_damping_1_s(file.mass_damping_1_s)
+        .damp_attached_masses(file.damp_attached_masses)
+        .stiffness_damping_s(file.stiffness_damping_s)
+        .load_frame(file.load_frame.into());
+    if let Some(curvature_1_m) = natural_curvature(name, file, checker) {
+        body = body.natural_curvature_along_1_m(curvature_1_m);
+    }
+    if let (Some(_), Some(_)) = (&file.load_station_positions_m, file.load_stations) {
+        let allowed = "either load_stations or load_station_positions_m, not both";
+        checker.refuse(&["body", name, "load_station_positions_m"], allowed);
+    }
+    match (&file.load_station_positions_m, file.load_stations) {
+        (Some(positions_m), _) => body.load_station_positions_m(positions_m.as_slice()),
+        (None, Some(count)) => body.load_stations(count),
+        (None, None) => body,
+    }
 }
 
-/// The section along the body: uniform, tapered, or between two named ones.
+/// The section along the body: uniform, tapered, or between two named ones; `None` where a problem was found.
 pub(super) fn section_law(
     name: &str,
     file: &BodyFile,
@@ -172,18 +163,9 @@ pub(super) fn section_law(
         return Some(SectionLaw::Between { inner, outer, length_m: file.length_m });
     }
     match (inner, tapered) {
-        (Built::Solid(solid), _) => {
-            let law = SectionLaw::Tapered { solid: *solid, width: width?, height: height? };
-            let sound = law.samples_m(file.length_m).iter().all(|s| is_sound(&law.at(*s)));
-            if !sound {
-                let allowed = "factors that leave mass, inertia and stiffness positive, finite numbers in SI";
-                let key = tapered.map_or("section", |(key, _)| key);
-                checker.refuse_as(&["body", name, key], "a section of such dimensions", allowed);
-            }
-            sound.then_some(law)
-        }
-        (Built::Explicit { section, .. }, None) => Some(section.clone().into()),
-        (Built::Explicit { .. }, Some((key, _))) => {
+        (Built::Solid(solid), _) => Some(SectionLaw::Tapered { solid: *solid, width: width?, height: height? }),
+        (Built::Explicit(section), None) => Some(section.clone().into()),
+        (Built::Explicit(_), Some((key, _))) => {
             let allowed = "a body whose section is a rectangle or an ellipse; other sections vary by outer_section";
             checker.refuse(&["body", name, key], allowed);
             None
@@ -199,29 +181,15 @@ fn taper_law(
     taper: Option<&FunctionFile>,
     checker: &mut Checker,
 ) -> Option<Profile> {
-    let length_m = file.length_m;
-    let profile = match taper {
-        None => Profile::constant(1.0),
-        Some(FunctionFile::Number(outer)) => Profile::linear(1.0, *outer, length_m),
-        Some(taper) => along_body(&["body", name, key], taper, length_m, checker)?,
-    };
-    let least = profile.samples_m(length_m).into_iter().map(|s| profile.at(s)).fold(f64::INFINITY, f64::min);
-    if least > 0.0 {
-        return Some(profile);
-    }
     match taper {
-        Some(FunctionFile::Number(_)) => checker.refuse(&["body", name, key], "a finite factor > 0"),
-        _ => checker.refuse_as(
-            &["body", name, key],
-            format!("a factor that falls to {} on the body", shortest(least)),
-            "a factor > 0 all along the body",
-        ),
+        None => Some(Profile::constant(1.0)),
+        Some(FunctionFile::Number(outer)) => Some(Profile::linear(1.0, *outer, file.length_m)),
+        Some(taper) => along_body(&["body", name, key], taper, checker),
     }
-    None
 }
 
-/// Natural strain along the body.
-fn natural_strain(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<NaturalStrain> {
+/// Natural twist and curvatures along the body; `None` where a problem was found.
+fn natural_curvature(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<[Profile; 3]> {
     let functions = [
         ("twist_1_m", &file.twist_1_m),
         ("curvature_y_1_m", &file.curvature_y_1_m),
@@ -236,52 +204,9 @@ fn natural_strain(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<
     let mut profiles = file.natural_curvature_1_m.map(|curvature| Some(Profile::constant(curvature)));
     for (profile, (key, function)) in profiles.iter_mut().zip(functions) {
         if let Some(function) = function {
-            *profile = along_body(&["body", name, key], function, file.length_m, checker);
+            *profile = along_body(&["body", name, key], function, checker);
         }
     }
     let [Some(twist), Some(y), Some(z)] = profiles else { return None };
-    let strain = NaturalStrain([Profile::constant(0.0), twist, y, z]);
-    let key = stated.map_or("natural_curvature_1_m", |(key, _)| key);
-    check_curvature(&["body", name, key], file, &strain, checker);
-    Some(strain)
-}
-
-/// An element's rotation must stay below π, where its rotation vector is unique.
-fn check_curvature(path: &[&str], file: &BodyFile, strain: &NaturalStrain, checker: &mut Checker) {
-    let limit = PI * file.elements as f64 / file.length_m;
-    let size = |s: f64| Vector3::from_fn(|i, _| strain.0[i + 1].at(s)).norm();
-    let samples = strain.0.iter().flat_map(|profile| profile.samples_m(file.length_m));
-    let (largest, place) = samples.map(|s| (size(s), s)).fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
-    if largest < limit {
-        return;
-    }
-    let allowed = format!("curvatures of a magnitude < {limit:.4} 1/m: half a turn per element");
-    if strain.0.iter().all(Profile::is_constant) {
-        checker.refuse(path, allowed);
-    } else {
-        checker.refuse_as(path, format!("a curvature of {largest:.4} 1/m at {} m", shortest(place)), allowed);
-    }
-}
-
-/// Distances of the load stations from the inner end in m.
-fn stations(name: &str, file: &BodyFile, checker: &mut Checker) -> Vec<f64> {
-    let path = ["body", name, "load_station_positions_m"];
-    match (&file.load_station_positions_m, file.load_stations) {
-        (Some(positions), count) => {
-            if count.is_some() {
-                checker.refuse(&path, "either load_stations or load_station_positions_m, not both");
-            }
-            let ascending = positions.windows(2).all(|pair| pair[0] < pair[1]);
-            let on_body = positions.iter().all(|position| (0.0..=file.length_m).contains(position));
-            if !(ascending && on_body) {
-                let length = shortest(file.length_m);
-                checker.refuse(&path, format!("ascending lengths from 0 to {length} m, the length of the body"));
-            }
-            positions.clone()
-        }
-        (None, count) => {
-            let count = count.unwrap_or(DEFAULT_STATIONS);
-            (0..count).map(|i| file.length_m * (i as f64 + 0.5) / count as f64).collect()
-        }
-    }
+    Some([twist, y, z])
 }

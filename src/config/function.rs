@@ -1,7 +1,6 @@
 //! Functions along a body: a number, a polynomial or a table.
 
 use crate::beam::profile::Profile;
-use crate::config::schema::shortest;
 use crate::config::validate::Checker;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -28,33 +27,16 @@ pub(super) struct CurveFile {
     pub table: Option<Vec<[f64; 2]>>,
 }
 
-/// The function; refused where polynomial and table are both there or neither, or rows are out of order or off the
-/// body.
-pub(super) fn along_body(
-    path: &[&str],
-    function: &FunctionFile,
-    length_m: f64,
-    checker: &mut Checker,
-) -> Option<Profile> {
-    let inside = |key: &'static str| [path, &[key]].concat();
+/// The function; refused where polynomial and table are both there or neither.
+pub(super) fn along_body(path: &[&str], function: &FunctionFile, checker: &mut Checker) -> Option<Profile> {
     match function {
         FunctionFile::Number(value) => Some(Profile::constant(*value)),
         FunctionFile::Curve(CurveFile { polynomial: Some(coefficients), table: None }) => {
             Some(Profile::Polynomial(coefficients.clone()))
         }
-        FunctionFile::Curve(CurveFile { polynomial: None, table: Some(rows) }) => {
-            let ascending = rows.windows(2).all(|pair| pair[0][0] < pair[1][0]);
-            let on_body = rows.iter().all(|row| (0.0..=length_m).contains(&row[0]));
-            if ascending && on_body {
-                return Some(Profile::Table(rows.clone()));
-            }
-            let length = shortest(length_m);
-            let allowed = format!("rows [s, value] with s ascending from 0 to at most {length} m, the body's length");
-            checker.refuse(&inside("table"), allowed);
-            None
-        }
+        FunctionFile::Curve(CurveFile { polynomial: None, table: Some(rows) }) => Some(Profile::Table(rows.clone())),
         FunctionFile::Curve(CurveFile { polynomial: Some(_), table: Some(_) }) => {
-            checker.refuse(&inside("table"), "either polynomial or table, not both");
+            checker.refuse(&[path, &["table"]].concat(), "either polynomial or table, not both");
             None
         }
         FunctionFile::Curve(CurveFile { polynomial: None, table: None }) => {

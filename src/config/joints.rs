@@ -1,88 +1,161 @@
-//! Joints of the file to [`Joint`]: where they hold, hinge axis, motion, drive, latch.
+//! Joints of the file told to a [`JointBuilder`]: where they hold, motion, latch.
 
-use crate::actuation::latch::LatchKind;
-use crate::actuation::prescribed::Law;
 use crate::config::file::ModelFile;
 use crate::config::joint_file::{
     DriveFile, JointFile, JointType, LatchFile, LatchType, MotionType, SpringFile, TableEnds,
 };
-use crate::config::machine::{
-    DEFAULT_CAPTURE_RAD, Drive, Joint, JointKind, JointMotion, Latch, Motion, Parent, Revolute, Spring, UNLIMITED,
-};
-use crate::config::schema::quoted;
-use crate::config::spatial;
-use crate::config::tree::{ROOT, Tree};
 use crate::config::validate::Checker;
-use nalgebra::{Rotation3, Vector3};
+use crate::machine::builder::{JointBuilder, LatchBuilder};
+use crate::machine::units::quoted;
+use crate::machine::{Drive, Joint, JointMotion, Latch, Motion, Spring};
+use nalgebra::Vector3;
 
-/// Groups of the FMU's variables, which a joint's name would clash with.
-pub(super) const RESERVED: &[&str] = &[
-    "load", "gravity", "root", "wind", "gauge", "loop", "tip", "station", "aero", "energy", "solver", "body", "time",
-    "der",
-];
+/// Name of the parent that is no body.
+const ROOT: &str = "root";
 
-/// Beginning of the groups of several free ends, `tip_<body>`.
-const RESERVED_BEGINNING: &str = "tip_";
-
-/// Keys that not every joint has, with the types that have them.
+/// Keys that the machine does not know as such, and axes, with the types that have them.
 const KEYS: &[(&str, &[JointType])] = {
-    use JointType::{Ball, Free, Revolute, Universal};
+    use JointType::{Revolute, Universal};
     &[
         ("axis", &[Revolute, Universal]),
         ("body_axis", &[Universal]),
-        ("start_angular_velocity_deg_s", &[Universal, Ball, Free]),
-        ("start_velocity_m_s", &[Free]),
-        ("start_angle_deg", &[Revolute]),
-        ("start_rate_deg_s", &[Revolute]),
-        ("release", &[Revolute]),
-        ("motion", &[Revolute]),
         ("polynomial_deg", &[Revolute]),
         ("table_s_deg", &[Revolute]),
-        ("drive", &[Revolute, Universal, Ball]),
-        ("spring", &[Revolute]),
-        ("latch", &[Revolute]),
     ]
 };
 
-/// Builds a joint; `None` if a problem was found that leaves nothing to build.
-pub(super) fn build(
-    name: &str,
-    joint: &JointFile,
-    file: &ModelFile,
-    tree: Option<&Tree>,
-    checker: &mut Checker,
-) -> Option<Joint> {
-    if RESERVED.contains(&name) || name.starts_with(RESERVED_BEGINNING) {
-        let allowed =
-            format!("a name that does not start with {RESERVED_BEGINNING} and is not one of {}", RESERVED.join(", "));
-        checker.refuse_as(&["joint", name], format!("the name {name:?}"), allowed);
+/// Keys of a drive that only revolute joints have, and the machine's fields.
+const REVOLUTE_DRIVE_KEYS: &[(&str, &str)] = &[
+    ("constant_torque_N_m", "constant_torque_n_m"),
+    ("torque_limit_N_m", "torque_limit_n_m"),
+    ("rate_limit_deg_s", "rate_limit_rad_s"),
+    ("inertia_kg_m2", "inertia_kg_m2"),
+    ("command_deg", "command_rad"),
+];
+
+/// The joints of all bodies, in the order of the bodies. What was refused leaves stand-ins.
+pub(super) fn build_all(file: &ModelFile, checker: &mut Checker) -> Vec<JointBuilder> {
+    let joint_of = joint_of_bodies(file, checker);
+    let held = |joint: usize| joint_of.contains(&Some(joint));
+    let joints: Vec<JointBuilder> = file.joint.iter().map(|(name, joint)| build(name, joint, checker)).collect();
+    for (index, (name, _)) in file.joint.iter().enumerate() {
+        if !held(index) {
+            checker.stands_in(&["joint", name]);
+        }
     }
-    let parent = build_parent(name, joint, file, tree, checker);
+    let bodies = file.body.keys().zip(joint_of);
+    bodies
+        .map(|(name, joint)| match joint {
+            Some(joint) => joints[joint].clone(),
+            None => {
+                let name = format!("unheld_{name}");
+                checker.stands_in(&["joint", &name]);
+                Joint::clamped(name)
+            }
+        })
+        .collect()
+}
+
+/// The joint of each body: children exist, differ from the parents, and no two joints hold the same child.
+fn joint_of_bodies(file: &ModelFile, checker: &mut Checker) -> Vec<Option<usize>> {
+    let mut joint_of = vec![None; file.body.len()];
+    let mut hold = true;
+    for (index, (name, joint)) in file.joint.iter().enumerate() {
+        let path = ["joint", name, "child"];
+        let earlier = file.joint.values().take(index).position(|other| other.child == joint.child);
+        let Some(body) = file.body.get_index_of(&joint.child) else {
+            checker.unknown_name(&path, &joint.child, "a body", file.body.keys().map(String::as_str));
+            hold = false;
+            continue;
+        };
+        if joint.child == joint.parent {
+            checker.refuse(&path, "a body other than the parent");
+            hold = false;
+        } else if let Some((other, _)) = earlier.and_then(|earlier| file.joint.get_index(earlier)) {
+            checker.refuse(&path, format!("a body that no other joint holds; {other:?} holds this one"));
+            hold = false;
+        } else {
+            joint_of[body] = Some(index);
+        }
+    }
+    hold &= file.joint.values().all(|joint| joint.parent == ROOT || file.body.contains_key(&joint.parent));
+    if hold {
+        for (name, _) in file.body.keys().zip(&joint_of).filter(|(_, joint)| joint.is_none()) {
+            let allowed = format!("exactly one joint with child = {name:?}");
+            checker.refuse_as(&["body", name], "a body without a joint", allowed);
+        }
+    }
+    joint_of
+}
+
+/// Builds a joint.
+fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> JointBuilder {
     for (key, types) in KEYS.iter().filter(|(_, types)| !types.contains(&joint.kind)) {
         if checker.states(&["joint", name, key]) {
             let names: Vec<&str> = types.iter().copied().map(JointType::name).collect();
             checker.refuse(&["joint", name, key], format!("this key only with type = {}", quoted(&names)));
         }
     }
-    let rotation = Vector3::from(joint.mount_rotation_deg).map(f64::to_radians);
-    let mount = Rotation3::new(rotation).into_inner();
-    let kind = match joint.kind {
-        JointType::Clamped => JointKind::Clamped,
-        JointType::Revolute => JointKind::Revolute(Box::new(build_revolute(name, joint, file, checker)?)),
-        JointType::Universal | JointType::Ball | JointType::Free => {
-            JointKind::Spatial(Box::new(spatial::build(name, joint, &mount, checker)?))
+    for (key, field) in
+        REVOLUTE_DRIVE_KEYS.iter().filter(|_| [JointType::Universal, JointType::Ball].contains(&joint.kind))
+    {
+        // the machine only sees values that are not the default
+        if checker.states(&["joint", name, "drive", key]) {
+            checker.refuse(&["joint", name, "drive", key], "this key only with type = \"revolute\"");
+            checker.stands_in(&["joint", name, "drive", field]);
         }
+    }
+    let axis = Vector3::from(joint.axis.unwrap_or_default());
+    let mut built = match joint.kind {
+        JointType::Clamped => Joint::clamped(name),
+        JointType::Revolute => Joint::revolute(name, axis),
+        JointType::Universal => Joint::universal(name, axis, joint.body_axis.unwrap_or_default()),
+        JointType::Ball => Joint::ball(name),
+        JointType::Free => Joint::free(name),
     };
-    Some(Joint { name: name.to_owned(), parent: parent?, mount, kind })
+    built = on_parent(built, name, joint, checker);
+    built = built.mount_rotation_rad(Vector3::from(joint.mount_rotation_deg).map(f64::to_radians));
+    if let Some(velocity_deg_s) = joint.start_angular_velocity_deg_s {
+        built = built.start_angular_velocity_rad_s(Vector3::from(velocity_deg_s).map(f64::to_radians));
+    }
+    if let Some(velocity_m_s) = joint.start_velocity_m_s {
+        built = built.start_velocity_m_s(velocity_m_s);
+    }
+    if let Some(angle_deg) = joint.start_angle_deg {
+        built = built.start_angle_rad(angle_deg.to_radians());
+    }
+    if let Some(rate_deg_s) = joint.start_rate_deg_s {
+        built = built.start_rate_rad_s(rate_deg_s.to_radians());
+    }
+    if let Some(release) = joint.release {
+        built = built.release(release);
+    }
+    if let Some(kind) = joint.motion {
+        match motion(name, joint, kind, checker) {
+            Some(motion) => built = built.motion(motion),
+            None => checker.stands_in(&["joint", name]),
+        }
+    }
+    if joint.motion != Some(MotionType::Prescribed) && joint.kind == JointType::Revolute {
+        for key in ["polynomial_deg", "table_s_deg", "table_ends"] {
+            if checker.states(&["joint", name, key]) {
+                checker.refuse(&["joint", name, key], "this key only with motion = \"prescribed\"");
+            }
+        }
+    }
+    if let Some(drive) = &joint.drive {
+        built = built.drive(build_drive(drive));
+    }
+    if let Some(spring) = &joint.spring {
+        built = built.spring(build_spring(spring));
+    }
+    if let Some(latch) = joint.latch.as_ref().and_then(|latch| build_latch(name, latch, checker)) {
+        built = built.latch(latch);
+    }
+    built
 }
 
-fn build_parent(
-    name: &str,
-    joint: &JointFile,
-    file: &ModelFile,
-    tree: Option<&Tree>,
-    checker: &mut Checker,
-) -> Option<Parent> {
+fn on_parent(built: JointBuilder, name: &str, joint: &JointFile, checker: &mut Checker) -> JointBuilder {
     if joint.parent == ROOT {
         if joint.parent_position_m.is_some() {
             checker.refuse(
@@ -90,7 +163,7 @@ fn build_parent(
                 "this key with a body as parent; write root_position_m = [x, y, z] (m)",
             );
         }
-        return Some(Parent::Root { position_m: joint.root_position_m.unwrap_or_default().into() });
+        return built.at_root(joint.root_position_m.unwrap_or_default());
     }
     if joint.root_position_m.is_some() {
         checker.refuse(
@@ -98,76 +171,19 @@ fn build_parent(
             "this key with parent = \"root\"; write parent_position_m (m), the distance along the parent",
         );
     }
-    let (index, _, parent) = file.body.get_full(&joint.parent)?;
-    let position_m = joint.parent_position_m.unwrap_or(parent.length_m);
-    checker.on_body(&["joint", name, "parent_position_m"], position_m, parent);
-    Some(Parent::Body { index: tree?.rank[index], position_m })
+    match joint.parent_position_m {
+        Some(position_m) => built.on_at(&joint.parent, position_m),
+        None => built.on(&joint.parent),
+    }
 }
 
-fn build_revolute(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker) -> Option<Revolute> {
-    let motion = build_motion(name, joint, checker);
-    let drive = build_drive(joint.drive.as_ref());
-    let spring = joint.spring.as_ref().map(build_spring);
-    let stiffness_n_m_rad = drive.stiffness_n_m_rad + spring.map_or(0.0, |spring| spring.stiffness_n_m_rad);
-    let latch = build_latch(name, joint, stiffness_n_m_rad, checker);
-    let release = joint.release.unwrap_or(true);
-    let start_rate_rad_s = joint.start_rate_deg_s.unwrap_or(0.0).to_radians();
-    if start_rate_rad_s != 0.0 && (kind_of(joint) != MotionType::Free || !release) {
-        let allowed = "a rate of 0 deg/s where the joint is locked, prescribed or not released at the start";
-        checker.refuse(&["joint", name, "start_rate_deg_s"], allowed);
-    }
-    let axis = unit_axis(name, "axis", joint.axis, checker);
-    let (motion, latch) = (motion?, latch?);
-    let start_angle_rad = match &motion {
-        JointMotion::Prescribed(law) => law_start_rad(law, file.experiment.start_time_s),
-        _ => joint.start_angle_deg.unwrap_or(0.0).to_radians(),
-    };
-    let caught = |latch: &Latch| {
-        latch.kind == LatchKind::Rigid && latch.enable && (start_angle_rad - latch.angle_rad).abs() <= latch.capture_rad
-    };
-    if start_rate_rad_s != 0.0 && latch.as_ref().is_some_and(caught) {
-        let allowed = "a rate of 0 deg/s where a rigid latch is closed at the start; start outside its window, or write \
-             enable = false";
-        checker.refuse(&["joint", name, "start_rate_deg_s"], allowed);
-    }
-    Some(Revolute { axis: axis?, start_angle_rad, start_rate_rad_s, motion, release, drive, spring, latch })
-}
-
-/// Unit vector of the direction at a key, which must be given and not be zero.
-pub(super) fn unit_axis(
-    name: &str,
-    key: &str,
-    direction: Option<[f64; 3]>,
-    checker: &mut Checker,
-) -> Option<Vector3<f64>> {
-    let direction = Vector3::from(direction.unwrap_or_default());
-    let largest = direction.amax();
-    if largest == 0.0 {
-        checker.refuse(&["joint", name, key], "an array of 3 finite numbers, not all 0");
-        return None;
-    }
-    Some((direction / largest).normalize())
-}
-
-fn kind_of(joint: &JointFile) -> MotionType {
-    joint.motion.unwrap_or(MotionType::Free)
-}
-
-fn build_motion(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<JointMotion> {
-    if kind_of(joint) != MotionType::Prescribed {
-        for key in ["polynomial_deg", "table_s_deg", "table_ends"] {
-            if checker.states(&["joint", name, key]) {
-                checker.refuse(&["joint", name, key], "this key only with motion = \"prescribed\"");
-            }
-        }
-        let locked = kind_of(joint) == MotionType::Locked;
-        return Some(if locked { JointMotion::Locked } else { JointMotion::Free });
-    }
-    if joint.start_angle_deg.is_some() {
-        checker.refuse(
-            &["joint", name, "start_angle_deg"],
-            "no start angle with motion = \"prescribed\", which determines it",
-        );
+/// The motion that a hinge states; `None` where nothing can stand for it.
+fn motion(name: &str, joint: &JointFile, kind: MotionType, checker: &mut Checker) -> Option<JointMotion> {
+    match kind {
+        MotionType::Free => return Some(JointMotion::Free),
+        MotionType::Locked => return Some(JointMotion::Locked),
+        MotionType::Prescribed if joint.kind != JointType::Revolute => return Some(JointMotion::Locked), // refused
+        MotionType::Prescribed => {}
     }
     if joint.table_ends.is_some() && joint.table_s_deg.is_none() {
         checker.refuse(&["joint", name, "table_ends"], "this key only with table_s_deg");
@@ -197,30 +213,14 @@ fn build_motion(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<
     }
 }
 
-/// Angle of a law at a time in rad; between the points of a table only nearly (straight lines).
-fn law_start_rad(law: &Motion, time_s: f64) -> f64 {
-    match law {
-        Motion::Polynomial(coefficients) => coefficients.iter().rev().fold(0.0, |sum, c| sum * time_s + c),
-        Motion::Onward(_) => Law::new(law).at(time_s)[0],
-        Motion::Table(points) => {
-            let after = points.partition_point(|(time, _)| *time <= time_s);
-            match (points.get(after.wrapping_sub(1)), points.get(after)) {
-                (Some((t0, a0)), Some((t1, a1))) => a0 + (a1 - a0) * (time_s - t0) / (t1 - t0),
-                (Some((_, angle)), None) | (None, Some((_, angle))) => *angle,
-                (None, None) => 0.0,
-            }
-        }
-    }
-}
-
-fn build_drive(drive: Option<&DriveFile>) -> Drive {
-    let drive = drive.cloned().unwrap_or_default();
+fn build_drive(drive: &DriveFile) -> Drive {
+    let none = Drive::default();
     Drive {
         stiffness_n_m_rad: drive.stiffness_n_m_rad,
         damping_n_m_s_rad: drive.damping_n_m_s_rad,
         constant_torque_n_m: drive.constant_torque_n_m,
-        torque_limit_n_m: drive.torque_limit_n_m.unwrap_or(UNLIMITED),
-        rate_limit_rad_s: drive.rate_limit_deg_s.map_or(UNLIMITED, f64::to_radians),
+        torque_limit_n_m: drive.torque_limit_n_m.unwrap_or(none.torque_limit_n_m),
+        rate_limit_rad_s: drive.rate_limit_deg_s.map_or(none.rate_limit_rad_s, f64::to_radians),
         inertia_kg_m2: drive.inertia_kg_m2,
         command_rad: drive.command_deg.to_radians(),
     }
@@ -234,88 +234,33 @@ fn build_spring(spring: &SpringFile) -> Spring {
     }
 }
 
-/// `Some(None)` without a latch, `None` if a problem was found. `stiffness_n_m_rad` is that of motor and spring, which
-/// the ratio refers to.
-fn build_latch(name: &str, joint: &JointFile, stiffness_n_m_rad: f64, checker: &mut Checker) -> Option<Option<Latch>> {
-    let Some(latch) = &joint.latch else { return Some(None) };
-    let path = ["joint", name, "latch"];
-    if kind_of(joint) != MotionType::Free {
-        checker.refuse_as(&path, "a latch on a joint that does not move freely", "a latch only with motion = \"free\"");
-    }
-    if latch.kind == LatchType::Rigid {
-        return Some(Some(build_rigid_latch(name, latch, checker)));
-    }
-    if latch.initially_closed && !latch.enable {
-        let allowed = "true only with enable = true: a latch that is not enabled is open";
-        checker.refuse(&["joint", name, "latch", "initially_closed"], allowed);
-    }
-    Some(Some(Latch {
-        kind: LatchKind::Elastic,
-        angle_rad: latch.angle_deg.to_radians(),
-        stiffness_n_m_rad: latch_stiffness_n_m_rad(name, latch, stiffness_n_m_rad, checker)?,
-        capture_rad: latch.capture_deg.map_or(DEFAULT_CAPTURE_RAD, f64::to_radians),
-        initially_closed: latch.initially_closed,
-        enable: latch.enable,
-    }))
-}
-
-/// A latch without spring: the keys of one are refused.
-fn build_rigid_latch(name: &str, latch: &LatchFile, checker: &mut Checker) -> Latch {
-    for key in ["stiffness_ratio", "stiffness_N_m_rad"] {
-        if checker.states(&["joint", name, "latch", key]) {
-            let allowed = "this key only with kind = \"elastic\": a rigid latch has no spring";
-            checker.refuse(&["joint", name, "latch", key], allowed);
-        }
-    }
-    if latch.initially_closed {
-        let allowed = "true only with kind = \"elastic\": a rigid latch is closed at the start where it is enabled and \
-             start_angle_deg lies within capture_deg of angle_deg";
-        checker.refuse(&["joint", name, "latch", "initially_closed"], allowed);
-    }
-    Latch {
-        kind: LatchKind::Rigid,
-        angle_rad: latch.angle_deg.to_radians(),
-        stiffness_n_m_rad: 0.0,
-        capture_rad: latch.capture_deg.map_or(DEFAULT_CAPTURE_RAD, f64::to_radians),
-        initially_closed: false,
-        enable: latch.enable,
-    }
-}
-
-fn latch_stiffness_n_m_rad(name: &str, latch: &LatchFile, own_n_m_rad: f64, checker: &mut Checker) -> Option<f64> {
+/// `None` where a problem was found.
+fn build_latch(name: &str, latch: &LatchFile, checker: &mut Checker) -> Option<LatchBuilder> {
     let path = ["joint", name, "latch", "stiffness_ratio"];
-    match (latch.stiffness_ratio, latch.stiffness_n_m_rad) {
-        (None, Some(stiffness)) => Some(stiffness),
-        (Some(_), Some(_)) => {
-            checker.refuse(&path, "either stiffness_ratio or stiffness_N_m_rad, not both");
-            None
-        }
-        (None, None) => {
-            checker.refuse(&path, "a finite number > 1, or stiffness_N_m_rad instead, or kind = \"rigid\"");
-            None
-        }
-        (Some(ratio), None) => {
-            let stiffness = (ratio - 1.0) * own_n_m_rad;
-            if own_n_m_rad == 0.0 {
-                let allowed =
-                    "a ratio where the stiffness of drive and spring is > 0; write stiffness_N_m_rad (N·m/rad) instead";
-                checker.refuse(&path, allowed);
-            } else if !(stiffness > 0.0 && stiffness <= UNLIMITED) {
-                checker.refuse(&path, "a ratio that gives a finite stiffness > 0 N·m/rad");
+    let mut built = match (latch.kind, latch.stiffness_ratio, latch.stiffness_n_m_rad) {
+        (LatchType::Rigid, ..) => {
+            for key in ["stiffness_ratio", "stiffness_N_m_rad"] {
+                if checker.states(&["joint", name, "latch", key]) {
+                    let allowed = "this key only with kind = \"elastic\": a rigid latch has no spring";
+                    checker.refuse(&["joint", name, "latch", key], allowed);
+                }
             }
-            Some(stiffness)
+            Latch::rigid()
         }
+        (LatchType::Elastic, Some(ratio), None) => Latch::with_ratio(ratio),
+        (LatchType::Elastic, None, Some(stiffness_n_m_rad)) => Latch::with_stiffness_n_m_rad(stiffness_n_m_rad),
+        (LatchType::Elastic, Some(_), Some(_)) => {
+            checker.refuse(&path, "either stiffness_ratio or stiffness_N_m_rad, not both");
+            return None;
+        }
+        (LatchType::Elastic, None, None) => {
+            checker.refuse(&path, "a finite number > 1, or stiffness_N_m_rad instead, or kind = \"rigid\"");
+            return None;
+        }
+    };
+    built = built.angle_rad(latch.angle_deg.to_radians());
+    if let Some(capture_deg) = latch.capture_deg {
+        built = built.capture_rad(capture_deg.to_radians());
     }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn start_of_a_law() {
-        let table = Motion::Table(vec![(1.0, 0.0), (3.0, 1.0)]);
-        assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(|t| law_start_rad(&table, t)), [0.0, 0.0, 0.5, 1.0, 1.0]);
-        assert_eq!(law_start_rad(&Motion::Polynomial(vec![1.0, 2.0, 3.0]), 2.0), 17.0);
-    }
+    Some(built.initially_closed(latch.initially_closed).enable(latch.enable))
 }

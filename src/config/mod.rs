@@ -5,15 +5,11 @@
 //! keys, types, ranges. What one key alone cannot tell is checked last (`validate` and its neighbours): the
 //! tree of bodies, references, positions, definiteness. Each pass reports all its problems at once.
 
-pub mod machine;
-pub mod pose;
-
 mod air;
 mod air_file;
 mod attachments;
 mod body;
 mod document;
-mod edges;
 mod error;
 mod file;
 mod function;
@@ -26,17 +22,14 @@ mod reference;
 mod run;
 mod schema;
 mod sections;
-mod spatial;
 mod structure;
-mod tree;
-mod units;
 mod validate;
 
 pub use error::{ConfigError, Fault, Problem};
-pub use machine::Machine;
 pub use reference::reference;
 pub use schema::schema;
 
+use crate::machine::Machine;
 use document::Document;
 use file::ModelFile;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! `docs/MODEL_FILE.md`: the reference of all keys, written from the schema.
 
-use crate::config::joints::RESERVED;
 use crate::config::schema::{Node, allowed, is_required, properties, shortest, tagged, tree};
+use crate::machine::validate::joint::RESERVED;
 use serde_json::Value;
 use std::fmt::Write;
 

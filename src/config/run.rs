@@ -1,6 +1,6 @@
 //! How a model is run: the tables `[solver]` and `[experiment]` of the model file.
 
-use crate::config::machine::{Method, StartState};
+use crate::machine::{Experiment, Method, Solver, StartState};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -46,13 +46,14 @@ pub(super) enum ModeFile {
 
 impl Default for SolverFile {
     fn default() -> Self {
+        let Solver { tolerance, max_step_s, min_step_s, fixed_step_s, rho_infinity, .. } = Solver::default();
         Self {
             method: MethodFile::Esdirk4,
-            tolerance: 1e-4,
-            max_step_s: 5e-3,
-            min_step_s: 1e-9,
-            fixed_step_s: None,
-            rho_infinity: 0.8,
+            tolerance,
+            max_step_s,
+            min_step_s,
+            fixed_step_s,
+            rho_infinity,
             mode: ModeFile::Accurate,
             max_iterations: 4,
         }
@@ -133,6 +134,7 @@ impl From<StartFile> for StartState {
 
 impl Default for ExperimentFile {
     fn default() -> Self {
-        Self { start_time_s: 0.0, stop_time_s: 0.4, step_s: 5e-4, start: StartFile::Unstrained }
+        let Experiment { start_time_s, stop_time_s, step_s, .. } = Experiment::default();
+        Self { start_time_s, stop_time_s, step_s, start: StartFile::Unstrained }
     }
 }

@@ -1,16 +1,15 @@
 //! The JSON schema of the model file, derived from the serde structs, and how the checks read it.
 
 use crate::config::file::ModelFile;
-use crate::config::machine::UNLIMITED;
-use crate::config::units::unit_of;
+use crate::machine::UNLIMITED;
+use crate::machine::units::finite;
+pub(super) use crate::machine::units::{quoted, shortest};
+use crate::machine::validate::IDENTIFIER_ALLOWED;
 use serde_json::{Map, Value, json};
 use std::ops::Deref;
 
 /// What names of sections, bodies, joints, masses and gauges must look like.
 pub(super) const IDENTIFIER: &str = "^[A-Za-z_][A-Za-z0-9_]*$";
-
-/// Wording of [`IDENTIFIER`].
-pub(super) const IDENTIFIER_ALLOWED: &str = "an identifier: letters, digits and _, no digit first";
 
 /// Wording of a function along a body, behind that of a number.
 const FUNCTION_ALLOWED: &str = "{ polynomial = [c0, c1, …] } or { table = [[s, value], …] }";
@@ -175,26 +174,8 @@ pub(super) fn allowed(key: &str, schema: Node) -> String {
     }
 }
 
-/// `"a" or "b"`.
-pub(super) fn quoted(options: &[&str]) -> String {
-    options.iter().map(|option| format!("{option:?}")).collect::<Vec<_>>().join(" or ")
-}
-
 fn number(key: &str, schema: &Value, plural: &str) -> String {
-    let article = if plural.is_empty() { "a " } else { "" };
-    let (quantity, unit) = unit_of(key).map_or(("number", ""), |unit| (unit.quantity, unit.symbol));
-    let range = range(schema);
-    let unit = match (unit, range.is_empty()) {
-        ("", _) => String::new(),
-        (unit, true) => format!(" in {unit}"),
-        (unit, false) if unit.starts_with(char::is_numeric) => format!(" ({unit})"),
-        (unit, false) => format!(" {unit}"),
-    };
-    let quantity = match quantity.strip_suffix('y') {
-        Some(stem) if !plural.is_empty() => format!("{stem}ie"),
-        _ => quantity.to_owned(),
-    };
-    format!("{article}finite {quantity}{plural}{range}{unit}")
+    finite(key, &range(schema), plural)
 }
 
 fn array(key: &str, schema: &Value) -> String {
@@ -228,10 +209,4 @@ pub(super) fn in_range(value: f64, schema: &Value) -> bool {
         && value > bound("exclusiveMinimum", f64::NEG_INFINITY)
         && value <= bound("maximum", f64::INFINITY)
         && value < bound("exclusiveMaximum", f64::INFINITY)
-}
-
-/// A number in its shortest form.
-pub(super) fn shortest(value: f64) -> String {
-    let size = value.abs();
-    if value != 0.0 && !(1e-3..1e6).contains(&size) { format!("{value:e}") } else { format!("{value}") }
 }

@@ -2,16 +2,10 @@
 
 use crate::beam::section::{Material, Outline, Section, Solid};
 use crate::config::file::{ExplicitSection, SectionFile, SolidSection};
-use crate::config::machine::UNLIMITED;
 use crate::config::validate::Checker;
+use crate::machine::validate::section::{are_second_moments, asymmetry, is_positive_definite, is_sound};
 use indexmap::IndexMap;
-use nalgebra::{Cholesky, Matrix4};
-
-/// Asymmetry of a stiffness matrix that is taken for round-off, relative to its diagonal.
-const SYMMETRY_TOLERANCE: f64 = 1e-9;
-
-/// Smallest pivot of a stiffness matrix scaled to a unit diagonal: below it the matrix counts as singular.
-const SMALLEST_PIVOT: f64 = 1e-10;
+use nalgebra::Matrix4;
 
 /// Sections of the file by name; `None` where a problem was found.
 pub(super) type Sections<'f> = IndexMap<&'f str, Option<Built>>;
@@ -20,13 +14,8 @@ pub(super) type Sections<'f> = IndexMap<&'f str, Option<Built>>;
 pub(super) enum Built {
     /// Rectangle or ellipse of one material.
     Solid(Solid),
-    /// By its properties; gauges need to know whether its half width and half height are stated.
-    Explicit {
-        /// The section.
-        section: Section,
-        /// Half width and half height are stated.
-        has_outline: bool,
-    },
+    /// By its properties; half width and half height are 0 where they are not stated.
+    Explicit(Section),
 }
 
 impl Built {
@@ -34,13 +23,8 @@ impl Built {
     pub fn section(&self) -> Section {
         match self {
             Self::Solid(solid) => solid.section(),
-            Self::Explicit { section, .. } => section.clone(),
+            Self::Explicit(section) => section.clone(),
         }
-    }
-
-    /// True where the outline is known.
-    pub fn has_outline(&self) -> bool {
-        matches!(self, Self::Solid(_) | Self::Explicit { has_outline: true, .. })
     }
 }
 
@@ -69,13 +53,6 @@ fn solid(name: &str, outline: Outline, file: &SolidSection, checker: &mut Checke
     })
 }
 
-/// True where nothing overflowed or underflowed on the way from dimensions to properties.
-pub(super) fn is_sound(section: &Section) -> bool {
-    let in_range = |value: f64| value > 0.0 && value <= UNLIMITED;
-    let [yy, _, zz] = section.second_moment_kg_m;
-    section.stiffness.diagonal().iter().copied().all(in_range) && in_range(section.mass_kg_m) && in_range(yy + zz)
-}
-
 fn material(name: &str, solid: &SolidSection, checker: &mut Checker) -> Option<Material> {
     let shear_pa = match (solid.shear_pa, solid.poisson_ratio) {
         (Some(_), Some(_)) => {
@@ -98,9 +75,9 @@ fn material(name: &str, solid: &SolidSection, checker: &mut Checker) -> Option<M
 fn build_explicit(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> Option<Built> {
     let stiffness = stiffness(name, explicit, checker);
     let second_moments = second_moments(name, explicit, checker);
-    let (half_width_m, half_height_m, has_outline) = match (explicit.half_width_m, explicit.half_height_m) {
-        (Some(half_width_m), Some(half_height_m)) => (half_width_m, half_height_m, true),
-        (None, None) => (0.0, 0.0, false),
+    let (half_width_m, half_height_m) = match (explicit.half_width_m, explicit.half_height_m) {
+        (Some(half_width_m), Some(half_height_m)) => (half_width_m, half_height_m),
+        (None, None) => (0.0, 0.0),
         (width, _) => {
             let missing = if width.is_none() { "half_width_m" } else { "half_height_m" };
             checker.refuse(&["section", name, missing], "half_width_m and half_height_m together, or neither");
@@ -117,15 +94,13 @@ fn build_explicit(name: &str, explicit: &ExplicitSection, checker: &mut Checker)
         half_width_m,
         half_height_m,
     };
-    Some(Built::Explicit { section, has_outline })
+    Some(Built::Explicit(section))
 }
 
 /// Second moments about the centre of mass, `[yy, yz, zz]` in kg·m, checked.
 fn second_moments(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> Option<[f64; 3]> {
-    let [yy, yz, zz] = explicit.second_moments_kg_m;
-    let semidefinite = yy >= 0.0 && zz >= 0.0 && yz.abs() <= (yy.sqrt() * zz.sqrt()) * (1.0 + 1e-9);
-    if semidefinite && yy + zz > 0.0 {
-        return Some([yy, yz, zz]);
+    if are_second_moments(explicit.second_moments_kg_m) {
+        return Some(explicit.second_moments_kg_m);
     }
     let allowed = "[yy, yz, zz] in kg·m with yy >= 0, zz >= 0, yy + zz > 0 and yz² <= yy zz";
     checker.refuse(&["section", name, "second_moments_kg_m"], allowed);
@@ -179,22 +154,12 @@ fn stiffness(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> O
 fn full_stiffness(name: &str, rows: &[[f64; 4]; 4], checker: &mut Checker) -> Option<Matrix4<f64>> {
     let path = ["section", name, "stiffness_SI"];
     let matrix = Matrix4::from_fn(|i, j| rows[i][j]);
-    let scale = |i: usize, j: usize| matrix[(i, i)].abs().sqrt() * matrix[(j, j)].abs().sqrt();
-    for i in 0..4 {
-        for j in 0..i {
-            let (lower, upper) = (matrix[(i, j)], matrix[(j, i)]);
-            if (lower - upper).abs() > SYMMETRY_TOLERANCE * scale(i, j) {
-                let found = format!(
-                    "{lower} in row {}, column {} and {upper} in row {}, column {}",
-                    i + 1,
-                    j + 1,
-                    j + 1,
-                    i + 1
-                );
-                checker.refuse_as(&path, found, "a symmetric matrix");
-                return None;
-            }
-        }
+    if let Some((i, j)) = asymmetry(&matrix) {
+        let (lower, upper) = (matrix[(i, j)], matrix[(j, i)]);
+        let found =
+            format!("{lower} in row {}, column {} and {upper} in row {}, column {}", i + 1, j + 1, j + 1, i + 1);
+        checker.refuse_as(&path, found, "a symmetric matrix");
+        return None;
     }
     let symmetric = 0.5 * (matrix + matrix.transpose());
     if !is_positive_definite(&symmetric) {
@@ -202,30 +167,4 @@ fn full_stiffness(name: &str, rows: &[[f64; 4]; 4], checker: &mut Checker) -> Op
         return None;
     }
     Some(symmetric)
-}
-
-/// True where a symmetric matrix, scaled to a unit diagonal, has pivots above [`SMALLEST_PIVOT`].
-fn is_positive_definite(matrix: &Matrix4<f64>) -> bool {
-    let diagonal = matrix.diagonal();
-    if diagonal.iter().any(|entry| *entry <= 0.0) {
-        return false;
-    }
-    let scaled = Matrix4::from_fn(|i, j| matrix[(i, j)] / (diagonal[i].sqrt() * diagonal[j].sqrt()));
-    Cholesky::new(scaled).is_some_and(|factor| factor.l().diagonal().iter().all(|pivot| pivot * pivot > SMALLEST_PIVOT))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn definiteness_does_not_depend_on_units() {
-        // A bend–twist coupling of 99 % of the geometric mean, stiffnesses eight decades apart.
-        let mut matrix = Matrix4::from_diagonal(&nalgebra::Vector4::new(1e9, 1e1, 2e1, 3e2));
-        let coupling = 0.99 * (1e1_f64 * 2e1).sqrt();
-        (matrix[(1, 2)], matrix[(2, 1)]) = (coupling, coupling);
-        assert!(is_positive_definite(&matrix));
-        (matrix[(1, 2)], matrix[(2, 1)]) = (coupling / 0.98, coupling / 0.98);
-        assert!(!is_positive_definite(&matrix));
-    }
 }

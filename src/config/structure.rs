@@ -2,12 +2,11 @@
 
 use crate::config::document::{Document, key_text};
 use crate::config::error::{Fault, Problem};
-use crate::config::machine::UNLIMITED;
 use crate::config::meant::{did_you_mean, homes, nearest};
-use crate::config::schema::{
-    IDENTIFIER, IDENTIFIER_ALLOWED, Node, allowed, in_range, is_required, options, properties, tagged, tree,
-};
-use crate::config::units::same_quantity;
+use crate::config::schema::{IDENTIFIER, Node, allowed, in_range, is_required, options, properties, tagged, tree};
+use crate::machine::UNLIMITED;
+use crate::machine::units::same_quantity;
+use crate::machine::validate::{IDENTIFIER_ALLOWED, is_identifier};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -28,13 +27,6 @@ pub(super) fn check(document: &Document) -> Result<(), Vec<Problem>> {
         problems.push(Problem { line, key: String::new(), fault: Fault::Further { count } });
     }
     if problems.is_empty() { Ok(()) } else { Err(problems) }
-}
-
-/// True where a name fits [`IDENTIFIER`].
-pub(super) fn is_identifier(name: &str) -> bool {
-    let mut letters = name.chars();
-    letters.next().is_some_and(|first| first.is_ascii_alphabetic() || first == '_')
-        && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
 }
 
 struct Check<'d, 'a> {

@@ -1,21 +1,17 @@
-//! Third pass: what several keys say together, and the [`Machine`] made of them.
+//! Third pass: the file told to a [`MachineBuilder`], and what that refuses told with the file's keys and lines.
 
-use crate::config::body::{self, BodyFile};
 use crate::config::document::{Document, key_text};
 use crate::config::error::{Fault, Problem};
 use crate::config::file::ModelFile;
-use crate::config::machine::{Body, Experiment, Joint, Machine, Method, Solver};
 use crate::config::meant::did_you_mean;
 use crate::config::run::{MethodFile, ModeFile};
-use crate::config::schema::{quoted, shortest};
-use crate::config::{air, attachments, joints, loops, sections, tree};
-use nalgebra::Vector3;
+use crate::config::{air, attachments, body, joints, loops, sections};
+use crate::machine::builder::MachineBuilder;
+use crate::machine::fault::{Fault as MachineFault, Subject};
+use crate::machine::units::quoted;
+use crate::machine::{Machine, Method, Solver};
 use sections::Sections;
-
-/// Most load stations of a machine: its model description then has some ten megabytes.
-const MOST_STATIONS: usize = 2_000;
-/// Most elements of a machine: a step then takes a tenth of a second.
-const MOST_ELEMENTS: usize = 20_000;
+use toml::de::DeValue;
 
 /// Fixed step of real-time mode where the file names none, in s.
 const REAL_TIME_STEP_S: f64 = 1e-3;
@@ -24,9 +20,11 @@ const REAL_TIME_STEP_S: f64 = 1e-3;
 pub(super) struct Checker<'d, 'a> {
     document: &'d Document<'a>,
     problems: Vec<Problem>,
+    /// Places of the machine where something stands in for what was refused here: faults at them follow from that.
+    stand_ins: Vec<Vec<String>>,
 }
 
-impl<'d, 'a> Checker<'d, 'a> {
+impl Checker<'_, '_> {
     /// Refuses the value at `path`, or says that it is missing.
     pub fn refuse(&mut self, path: &[&str], allowed: impl Into<String>) {
         self.problems.push(self.document.refusal(path, allowed.into()));
@@ -36,11 +34,6 @@ impl<'d, 'a> Checker<'d, 'a> {
     pub fn refuse_as(&mut self, path: &[&str], value: impl Into<String>, allowed: impl Into<String>) {
         let fault = Fault::NotAllowed { value: value.into(), allowed: allowed.into() };
         self.problems.push(Problem { line: self.document.line_of(path), key: key_text(path), fault });
-    }
-
-    /// A checker of the same file whose problems are not kept, for what is checked elsewhere.
-    pub fn silent(&self) -> Checker<'d, 'a> {
-        Checker { document: self.document, problems: Vec::new() }
     }
 
     /// True where the file states the key.
@@ -55,133 +48,175 @@ impl<'d, 'a> Checker<'d, 'a> {
         self.refuse(path, format!("{what}: {}{hint}", quoted(&known)));
     }
 
-    /// Refuses a distance beyond a body's length.
-    pub fn on_body(&mut self, path: &[&str], position_m: f64, body: &BodyFile) {
-        if !(0.0..=body.length_m).contains(&position_m) {
-            self.refuse(path, format!("a length from 0 to {} m, the length of the body", shortest(body.length_m)));
+    /// Faults at this place of the machine and inside it will not be told.
+    pub fn stands_in(&mut self, place: &[&str]) {
+        self.stand_ins.push(place.iter().map(|part| (*part).to_owned()).collect());
+    }
+
+    /// Tells a fault of the machine with the key and line of the file.
+    fn tell(&mut self, fault: &MachineFault, file: &ModelFile) {
+        if self.stand_ins.iter().any(|place| fault.place.0.starts_with(place)) {
+            return;
+        }
+        let path = self.path_of(&fault.place.0, file);
+        let path: Vec<&str> = path.iter().map(String::as_str).collect();
+        let mut allowed = fault.allowed.clone();
+        for (machine, file) in WORDS {
+            allowed = allowed.replace(machine, file);
+        }
+        match &fault.subject {
+            Subject::Value => self.refuse(&path, allowed),
+            Subject::State => match self.plain_number(&path) {
+                Some(allowed) => self.refuse(&path, allowed),
+                None => self.refuse_as(&path, &fault.value, allowed),
+            },
+            Subject::Name { known } => {
+                let name = fault.value.trim_matches('"');
+                let hint = did_you_mean(name, known.iter().map(String::as_str));
+                self.refuse(&path, allowed + &hint);
+            }
         }
     }
+
+    /// What is allowed where the file gives a function along a body by one number.
+    fn plain_number(&self, path: &[&str]) -> Option<&'static str> {
+        let entry = self.document.find(path)?;
+        let number = matches!(entry.value.get_ref(), DeValue::Integer(_) | DeValue::Float(_));
+        match path.last() {
+            Some(&("width_taper" | "height_taper")) if number => Some("a finite factor > 0"),
+            Some(&"chord_m") if number => Some("a finite length > 0 m"),
+            _ => None,
+        }
+    }
+
+    /// Path in the file of a place of the machine.
+    fn path_of(&self, place: &[String], file: &ModelFile) -> Vec<String> {
+        let mut path: Vec<String> = place.to_vec();
+        for part in path.iter_mut().skip(1) {
+            if let Some((_, key)) = KEYS.iter().find(|(field, _)| field == part) {
+                *part = (*key).to_owned();
+            }
+        }
+        let states = |keys: &[&'static str], table: &[String]| -> Option<&'static str> {
+            let path = |key| -> Vec<&str> { table.iter().map(String::as_str).chain([key]).collect() };
+            keys.iter().copied().find(|key| self.states(&path(*key)))
+        };
+        let kind = path[0].clone();
+        match (kind.as_str(), path.get(2).map(String::as_str)) {
+            ("air", _) => path[0] = "aerodynamics".to_owned(),
+            ("surface", _) => {
+                let stated = file.surface.iter().find(|(_, surface)| path.get(1) == Some(&surface.body));
+                if let Some((name, _)) = stated {
+                    path[1] = name.clone();
+                }
+            }
+            ("body", Some("natural_strain")) => {
+                let key = states(&["twist_1_m", "curvature_y_1_m", "curvature_z_1_m"], &path[..2]);
+                path[2] = key.unwrap_or("natural_curvature_1_m").to_owned();
+            }
+            ("body", Some("section")) => {
+                if let Some(key) = states(&["width_taper", "height_taper"], &path[..2]) {
+                    path[2] = key.to_owned();
+                }
+            }
+            ("loop", Some("positions_m")) if states(&["positions_m"], &path[..2]).is_none() => {
+                path[2] = "bodies".to_owned();
+            }
+            _ => {}
+        }
+        path
+    }
 }
+
+/// Fields of the machine and its builder whose keys have other names, and those keys.
+const KEYS: &[(&str, &str)] = &[
+    ("start_angle_rad", "start_angle_deg"),
+    ("start_rate_rad_s", "start_rate_deg_s"),
+    ("start_angular_velocity_rad_s", "start_angular_velocity_deg_s"),
+    ("rate_limit_rad_s", "rate_limit_deg_s"),
+    ("command_rad", "command_deg"),
+    ("rest_angle_rad", "rest_angle_deg"),
+    ("angle_rad", "angle_deg"),
+    ("capture_rad", "capture_deg"),
+    ("zero_lift_angle_rad", "zero_lift_angle_deg"),
+    ("stiffness_n_m_rad", "stiffness_N_m_rad"),
+    ("damping_n_m_s_rad", "damping_N_m_s_rad"),
+    ("constant_torque_n_m", "constant_torque_N_m"),
+    ("torque_limit_n_m", "torque_limit_N_m"),
+    ("stiffness_n_m", "stiffness_N_m"),
+    ("damping_n_s_m", "damping_N_s_m"),
+    ("station_positions_m", "load_station_positions_m"),
+    ("most_iterations", "max_iterations"),
+];
+
+/// Words of the machine's messages, and what stands for them in those of the file.
+const WORDS: &[(&str, &str)] = &[
+    ("rad/s", "deg/s"),
+    ("mount_rotation ", "mount_rotation_deg "),
+    ("stiffness_n_m_rad", "stiffness_N_m_rad"),
+    ("start_angle lies within capture of angle", "start_angle_deg lies within capture_deg of angle_deg"),
+    ("at least one surface", "at least one table [surface.<name>]"),
+];
 
 /// Validates a file that fits the schema.
 ///
 /// # Errors
 /// All problems, in the order of the file.
 pub(super) fn machine(file: &ModelFile, document: &Document) -> Result<Machine, Vec<Problem>> {
-    let mut checker = Checker { document, problems: Vec::new() };
-    let machine = build(file, &mut checker);
+    let mut checker = Checker { document, problems: Vec::new(), stand_ins: Vec::new() };
+    let machine = describe(file, &mut checker).build();
+    if let Err(refused) = &machine {
+        refused.faults.iter().for_each(|fault| checker.tell(fault, file));
+    }
     let mut problems = checker.problems;
     problems.sort_by_key(|problem| problem.line);
     match machine {
-        Some(machine) if problems.is_empty() => Ok(machine),
+        Ok(machine) if problems.is_empty() => Ok(machine),
         _ => Err(problems),
     }
 }
 
-fn build(file: &ModelFile, checker: &mut Checker) -> Option<Machine> {
+/// The machine that the file describes.
+fn describe(file: &ModelFile, checker: &mut Checker) -> MachineBuilder {
     let sections: Sections =
         file.section.iter().map(|(name, section)| (name.as_str(), sections::build(name, section, checker))).collect();
-    let tree = tree::build(file, checker);
-    let joints: Vec<Option<Joint>> =
-        file.joint.iter().map(|(name, joint)| joints::build(name, joint, file, tree.as_ref(), checker)).collect();
-    let mut masses = attachments::masses(file, checker);
-    let mut loads = attachments::loads(file, checker);
-    let mut bodies: Vec<Option<Body>> = Vec::with_capacity(file.body.len());
-    for (index, (name, file)) in file.body.iter().enumerate() {
-        let joint = tree.as_ref().and_then(|tree| joints[tree.joint_of[index]].clone());
-        let mut body = body::build(name, file, &sections, std::mem::take(&mut masses[index]), joint, checker);
-        if let Some(body) = &mut body {
-            attachments::place_loads(std::mem::take(&mut loads[index]), body, checker);
+    let mut machine = Machine::builder(&file.name)
+        .description(&file.description)
+        .gravity_m_s2(file.gravity_m_s2)
+        .solver(solver(file, checker));
+    let mut lawless = Vec::new();
+    for ((name, body), joint) in file.body.iter().zip(joints::build_all(file, checker)) {
+        let law = body::section_law(name, body, &sections, checker);
+        if law.is_none() {
+            lawless.push(name.as_str());
         }
-        bodies.push(body);
+        machine = machine.body(body::build(name, body, law, checker), joint);
     }
-    let stations: usize = bodies.iter().flatten().map(|body| body.station_positions_m.len()).sum();
-    if stations > MOST_STATIONS {
-        let allowed = format!("at most {MOST_STATIONS} on all bodies together: each is 19 variables of the FMU");
-        checker.refuse_as(&["body"], format!("{stations} load stations"), allowed);
+    machine = attachments::add(file, &lawless, machine);
+    machine = loops::add(file, machine);
+    machine = air::add(file, &lawless, machine, checker);
+    let experiment = &file.experiment;
+    if checker.states(&["experiment", "step_s"]) {
+        machine = machine.step_s(experiment.step_s);
     }
-    let elements: usize = bodies.iter().flatten().map(|body| body.elements).sum();
-    if elements > MOST_ELEMENTS {
-        let allowed = format!("at most {MOST_ELEMENTS} on all bodies together");
-        checker.refuse_as(&["body"], format!("{elements} elements"), allowed);
-    }
-    let gauges = attachments::gauges(file, &sections, tree.as_ref(), checker);
-    let closures = loops::build(file, tree.as_ref(), checker);
-    let (solver, experiment) = (build_solver(file, checker), build_experiment(file, checker));
-    let order = tree.as_ref()?.order.clone();
-    let bodies: Option<Vec<Body>> = order.iter().map(|index| bodies[*index].take()).collect();
-    let air = air::build(file, &sections, tree.as_ref(), bodies.as_deref().unwrap_or_default(), checker);
-    let machine = Machine {
-        name: file.name.clone(),
-        description: file.description.clone(),
-        bodies: bodies?,
-        closures: closures?,
-        gauges: gauges?,
-        air: air.ok()?,
-        gravity_m_s2: Vector3::from(file.gravity_m_s2),
-        solver,
-        experiment,
-    };
-    loops::check_gaps(&machine, checker);
-    Some(machine)
+    let machine = machine.start_time_s(experiment.start_time_s).stop_time_s(experiment.stop_time_s);
+    machine.start(experiment.start.into())
 }
 
-fn build_solver(file: &ModelFile, checker: &mut Checker) -> Solver {
+fn solver(file: &ModelFile, checker: &mut Checker) -> Solver {
     let solver = &file.solver;
-    if solver.min_step_s >= solver.max_step_s {
-        let key = if checker.states(&["solver", "min_step_s"]) { "min_step_s" } else { "max_step_s" };
-        let (sign, other, bound) = match key {
-            "min_step_s" => ("<", "max_step_s", solver.max_step_s),
-            _ => (">", "min_step_s", solver.min_step_s),
-        };
-        checker.refuse(&["solver", key], format!("a finite time {sign} {other} = {} s", shortest(bound)));
-    }
-    if solver.method == MethodFile::Rk4 && solver.fixed_step_s.is_none() {
-        let allowed = "a finite time > 0 s: method = \"rk4\" has no error estimate to choose its steps by";
-        checker.refuse(&["solver", "fixed_step_s"], allowed);
-    }
     let real_time = solver.mode == ModeFile::RealTime;
-    if real_time && file.aerodynamics.is_some() {
-        let allowed = "\"accurate\" for a machine in air: its iteration with the structure is not bounded";
-        checker.refuse(&["solver", "mode"], allowed);
-    }
-    if real_time && checker.states(&["solver", "method"]) && solver.method != MethodFile::Sdirk2 {
-        let allowed = "\"sdirk2\", or no method, with mode = \"real_time\": with fixed steps the others keep a jump of the \
-                       accelerations ringing in stiff modes";
-        checker.refuse(&["solver", "method"], allowed);
-    }
     if !real_time && checker.states(&["solver", "max_iterations"]) {
         checker.refuse(&["solver", "max_iterations"], "this key only with mode = \"real_time\"");
     }
+    let method = if real_time && !checker.states(&["solver", "method"]) { MethodFile::Sdirk2 } else { solver.method };
     Solver {
-        method: if real_time { Method::Sdirk2 } else { solver.method.into() },
+        method: Method::from(method),
         tolerance: solver.tolerance,
         max_step_s: solver.max_step_s,
         min_step_s: solver.min_step_s,
         fixed_step_s: solver.fixed_step_s.or(real_time.then_some(REAL_TIME_STEP_S)),
         rho_infinity: solver.rho_infinity,
         most_iterations: real_time.then_some(solver.max_iterations as usize),
-    }
-}
-
-fn build_experiment(file: &ModelFile, checker: &mut Checker) -> Experiment {
-    let experiment = &file.experiment;
-    let duration_s = experiment.stop_time_s - experiment.start_time_s;
-    if duration_s <= 0.0 {
-        let key = if checker.states(&["experiment", "stop_time_s"]) { "stop_time_s" } else { "start_time_s" };
-        let (sign, other, bound) = match key {
-            "stop_time_s" => (">", "start_time_s", experiment.start_time_s),
-            _ => ("<", "stop_time_s", experiment.stop_time_s),
-        };
-        checker.refuse(&["experiment", key], format!("a finite time {sign} {other} = {} s", shortest(bound)));
-    } else if experiment.step_s > duration_s && checker.states(&["experiment", "step_s"]) {
-        let allowed = format!("a finite time > 0 s and <= {} s, the length of the experiment", shortest(duration_s));
-        checker.refuse(&["experiment", "step_s"], allowed);
-    }
-    Experiment {
-        start_time_s: experiment.start_time_s,
-        stop_time_s: experiment.stop_time_s,
-        step_s: experiment.step_s.min(if duration_s > 0.0 { duration_s } else { experiment.step_s }),
-        start: experiment.start.into(),
     }
 }

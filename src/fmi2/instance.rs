@@ -1,12 +1,13 @@
 //! One instance: the life cycle around a plant and its variable table.
 
-use crate::config::{self, Machine};
+use crate::config;
 use crate::fmi2::error::{CallError, InstantiationError, Status};
 use crate::fmi2::life_cycle::{Call, Phase};
 use crate::fmi2::log::{Log, LogCategory};
 use crate::fmi2::resource::read_model;
 use crate::fmi2::state::{Experiment, Registry, SavedState};
 use crate::interface::{DerivativeError, Interface, Kind, Scalar, Stage, Value, guid};
+use crate::machine::Machine;
 use crate::plant::{JointStatus, OutputSet, Plant};
 use std::sync::Arc;
 use std::time::Instant;

@@ -141,7 +141,7 @@ pub enum Output {
     JointMoment(usize, usize),
     /// Strain of a gauge.
     Gauge(usize),
-    /// Gap of a closed loop, by its place in [`crate::config::Machine::closures`].
+    /// Gap of a closed loop, by its place in [`crate::machine::Machine::closures`].
     LoopGap(usize, usize),
     /// Force of a closed loop on its first body.
     LoopForce(usize, usize),

@@ -1,9 +1,9 @@
 //! Locals: counters of the time integration and, in real-time mode, durations of its steps.
 
-use crate::config::Machine;
 use crate::interface::binding::{Binding, Counter, Duration};
 use crate::interface::table::Table;
 use crate::interface::{Causality, Value, Variability};
+use crate::machine::Machine;
 
 /// Name, counter and meaning.
 const COUNTERS: &[(&str, Counter, &str)] = &[

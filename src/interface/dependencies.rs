@@ -7,7 +7,6 @@
 //! rates and the inputs that decide about stoppers and latches; the springs of universal and ball joints are slack.
 //! Where the experiment starts from equilibrium the state depends on all that acts on the machine.
 
-use crate::config::machine::StartState;
 use crate::interface::air::{blows, blows_initially};
 use crate::interface::binding::{
     Binding, BodyParameter, EnergyOutput, Input, JointInput, JointOutput, JointParameter, Output, Parameter,
@@ -19,6 +18,7 @@ use crate::interface::hinge_dependencies::{
 };
 use crate::interface::topology::{Topology, Turning};
 use crate::interface::{DependencyKind, Variable};
+use crate::machine::StartState;
 
 /// Fills the dependencies of every output.
 pub(super) fn add_dependencies(topology: &Topology, variables: &mut [Variable], bindings: &[Binding]) {

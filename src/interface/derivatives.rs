@@ -1,10 +1,10 @@
 //! Derivatives of rows: in time, and with respect to each other.
 
-use crate::config::Machine;
-use crate::config::machine::StartState;
 use crate::interface::access::{Kind, Stage};
 use crate::interface::binding::{Binding, Input, Output, Parameter};
 use crate::interface::{AccessError, Interface, Scalar, Value, Variable};
+use crate::machine::Machine;
+use crate::machine::StartState;
 use crate::plant::{Inputs, Outputs, Plant, PlantError};
 
 /// Step of differences of initial values, of the known's value, or in its unit where that is smaller (inputs) or zero.

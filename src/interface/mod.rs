@@ -26,7 +26,7 @@ pub use linear::{LinearModel, Signal};
 pub use operating_point::{Acting, JointPoint, OperatingPoint};
 pub use units::{RealType, TYPES, UNITS, Unit};
 
-use crate::config::Machine;
+use crate::machine::Machine;
 use crate::plant::{OutputSet, Outputs, Plant};
 use access::Slot;
 use binding::Source;

@@ -1,7 +1,7 @@
 //! At which state a linear model is: time, joints, latches, and what acts.
 
-use crate::config::machine::{JointKind, JointMotion, LatchKind};
 use crate::interface::{Causality, Interface, Value};
+use crate::machine::{JointKind, JointMotion, LatchKind};
 use crate::plant::Plant;
 use std::fmt;
 

@@ -1,7 +1,5 @@
 //! The rows of the table, built from one machine.
 
-use crate::config::Machine;
-use crate::config::machine::UNLIMITED;
 use crate::interface::air;
 use crate::interface::binding::{
     Binding, BodyParameter, EnergyOutput, Input, JointInput, JointOutput, Output, Parameter, PointOutput,
@@ -12,6 +10,8 @@ use crate::interface::dependencies::add_dependencies;
 use crate::interface::joints;
 use crate::interface::topology::Topology;
 use crate::interface::{Causality, Initial, Value, Variability, Variable};
+use crate::machine::Machine;
+use crate::machine::UNLIMITED;
 use crate::plant::{FACTOR_RANGE, Inputs, Parameters};
 
 /// Components of a vector.

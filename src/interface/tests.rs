@@ -5,7 +5,7 @@ mod spatial;
 
 use super::*;
 use crate::config;
-use crate::config::machine::{JointKind, JointMotion, LatchKind, Motion, Parent, Revolute, Spring};
+use crate::machine::{JointKind, JointMotion, LatchKind, Motion, Parent, Revolute, Spring};
 use spatial::{SPATIAL, with_spins};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -372,7 +372,7 @@ fn initial_dependencies_of_an_equilibrium_are_declared() {
             latch.initially_closed = true;
         }
     });
-    machine.experiment.start = crate::config::machine::StartState::Equilibrium;
+    machine.experiment.start = crate::machine::StartState::Equilibrium;
     let interface = Interface::new(&machine);
     let mut plant = generic(&machine, &interface);
     plant.initialize(0.2).expect("an equilibrium");

@@ -1,7 +1,7 @@
 //! Who is connected to whom: what the table needs to know of the tree of bodies.
 
-use crate::config::Machine;
-use crate::config::machine::{JointKind, JointMotion, LatchKind, Parent, Revolute, Spatial, SpatialFreedom};
+use crate::machine::Machine;
+use crate::machine::{JointKind, JointMotion, LatchKind, Parent, Revolute, Spatial, SpatialFreedom};
 
 /// A joint that a body can turn about, by its place in [`Topology::revolutes`] or [`Topology::spatials`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

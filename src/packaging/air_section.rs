@@ -1,7 +1,7 @@
 //! Air on the documentation page.
 
-use crate::config::Machine;
-use crate::config::machine::{AirOptions, Coupling, LoadRule, WakeModel};
+use crate::machine::Machine;
+use crate::machine::{AirOptions, Coupling, LoadRule, WakeModel};
 use crate::packaging::documentation::{number, table, vector};
 use quick_xml::escape::escape;
 

@@ -1,6 +1,6 @@
 //! The FMU archive: the same model, library and version give the same bytes.
 
-use crate::config::Machine;
+use crate::machine::Machine;
 use crate::packaging::contents::{Extras, contents};
 use crate::packaging::{Library, MODEL_IDENTIFIER, Platform};
 use std::collections::BTreeMap;

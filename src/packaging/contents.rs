@@ -1,8 +1,8 @@
 //! Everything in the archive but the libraries.
 
-use crate::config::Machine;
 use crate::fmi2::MODEL_FILE;
 use crate::interface::{Interface, LinearModel, guid};
+use crate::machine::Machine;
 use crate::packaging::{Reference, documentation, icon, licenses, linear_model, model_description};
 use std::collections::BTreeMap;
 

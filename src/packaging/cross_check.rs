@@ -1,6 +1,6 @@
 //! The files that the rules of the FMI Cross-Check (version 4.1) ask of an exporting tool, made from a finished FMU.
 
-use crate::config::Machine;
+use crate::machine::Machine;
 use crate::packaging::xml::real;
 use crate::packaging::{Library, Reference, VERSION};
 use std::collections::BTreeSet;

@@ -3,11 +3,11 @@
 //! The text holds nothing but the model, the table and the version: no date, no path, so that packaging twice
 //! gives the same bytes.
 
-use crate::config::Machine;
 use crate::fmi2::LOG_CATEGORIES;
 use crate::interface::{
     Causality, DependencyKind, Initial, RealType, TYPES, UNITS, Unit, Value, Variability, Variable,
 };
+use crate::machine::Machine;
 use crate::packaging::xml::{self, Attributes, Xml, leaf, nest, real};
 use crate::packaging::{MODEL_IDENTIFIER, VERSION};
 use std::io;

@@ -1,11 +1,11 @@
 //! `documentation/index.html`: one page without outside references, made from the model and the variable table.
 
 use crate::beam::section::Section;
-use crate::config::Machine;
-use crate::config::machine::{
+use crate::interface::{Causality, TYPES, UNITS, Value, Variability, Variable};
+use crate::machine::Machine;
+use crate::machine::{
     Body, ElementKind, JointKind, JointMotion, LatchKind, Parent, Revolute, Spatial, SpatialFreedom, UNLIMITED,
 };
-use crate::interface::{Causality, TYPES, UNITS, Value, Variability, Variable};
 use crate::packaging::contents::Extras;
 use crate::packaging::{VERSION, air_section, drawing, palette, use_section};
 use nalgebra::{Matrix3, Rotation3};
@@ -358,7 +358,7 @@ pub(super) fn table(html: &mut String, head: &[&str], rows: impl Iterator<Item =
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::machine::Closure;
+    use crate::machine::Closure;
     use crate::packaging::drawing::tests::two_body_machine;
 
     /// The page names what the model has, escapes its text, refers to nothing outside itself and closes its tags.

@@ -1,9 +1,9 @@
 //! Drawing of an undeformed wing: deployed, at its start angles, and frames between them. One list of shapes, which the
 //! page shows as SVG and `model.png` as pixels.
 
-use crate::config::Machine;
-use crate::config::machine::{Body, JointKind, LiftingSurface, Revolute};
-use crate::config::pose::{self, Frame};
+use crate::machine::Machine;
+use crate::machine::pose::{self, Frame};
+use crate::machine::{Body, JointKind, LiftingSurface, Revolute};
 use crate::packaging::palette::{self, Role, ink};
 use nalgebra::Vector3;
 use quick_xml::escape::escape;

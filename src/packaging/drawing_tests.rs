@@ -2,11 +2,11 @@
 
 use super::*;
 use crate::beam::section::{Material, Section};
-use crate::config::machine::{
+use crate::load::LoadFrame;
+use crate::machine::{
     Drive, ElementKind, Experiment, Joint, JointMotion, Latch, LatchKind, Method, Parent, Revolute, Solver, Spatial,
     SpatialFreedom, StartState, UNLIMITED,
 };
-use crate::load::LoadFrame;
 use nalgebra::{Matrix3, Rotation3};
 use std::f64::consts::{FRAC_PI_2, PI};
 

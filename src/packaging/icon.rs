@@ -1,6 +1,6 @@
 //! `model.png`: the drawing as pixels, the icon of the FMU.
 
-use crate::config::Machine;
+use crate::machine::Machine;
 use crate::packaging::drawing::{Drawing, Point, Shape, drawing};
 use crate::packaging::palette::{Colour, Ink, PAPER, ink};
 use tiny_skia::{Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};

@@ -1,9 +1,9 @@
 //! Reference results: the default experiment, and the same with moving inputs, simulated while packaging, so that they
 //! cannot differ from what the library does. Laid down as FMI-LS-REF 1.0.0-alpha.1 has it.
 
-use crate::config::Machine;
-use crate::config::machine::Body;
 use crate::interface::{Causality, Interface, Value, Variable};
+use crate::machine::Body;
+use crate::machine::Machine;
 use crate::packaging::xml::{self, real};
 use crate::plant::{Plant, PlantError};
 use crate::report::{InputTable, Recorder};

@@ -2,9 +2,9 @@
 //!
 //! ASCII only, so that no terminal, log or continuous integration garbles it; 80 columns.
 
-use crate::config::Machine;
-use crate::config::machine::JointKind;
-use crate::config::pose::Frame;
+use crate::machine::JointKind;
+use crate::machine::Machine;
+use crate::machine::pose::Frame;
 use crate::packaging::drawing::{hinges, outline, places, planforms, undeformed};
 use crate::packaging::palette::Role;
 use nalgebra::Vector3;
@@ -289,8 +289,7 @@ mod tests {
     fn an_endless_machine_is_not_drawn() {
         for position_m in [f64::INFINITY, f64::NAN] {
             let mut machine = two_body_machine();
-            machine.bodies[0].joint.parent =
-                crate::config::machine::Parent::Root { position_m: Vector3::repeat(position_m) };
+            machine.bodies[0].joint.parent = crate::machine::Parent::Root { position_m: Vector3::repeat(position_m) };
             assert_eq!(sketch(&machine), "  (no drawing: the machine is too large)\n");
         }
     }

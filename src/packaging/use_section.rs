@@ -1,8 +1,8 @@
 //! What a user of the FMU needs on its page beyond the model: how to drive it, how good it is, what else is in the archive,
 //! licences.
 
-use crate::config::Machine;
 use crate::interface::{Causality, Value, Variable};
+use crate::machine::Machine;
 use crate::packaging::contents::Extras;
 use crate::packaging::documentation::{number, table};
 use crate::packaging::{MODEL_IDENTIFIER, linear_model, reference};

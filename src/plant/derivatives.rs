@@ -1,8 +1,8 @@
 //! Derivatives of the outputs: in time, and by inputs with the state frozen.
 
 use crate::actuation::drive::Slew;
-use crate::config::machine::UNLIMITED;
 use crate::load::Wrench;
+use crate::machine::UNLIMITED;
 use crate::plant::Plant;
 use crate::plant::face::{Inputs, Outputs, PlantError};
 use crate::plant::hinge::JointEquations;

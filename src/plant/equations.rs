@@ -1,9 +1,9 @@
 //! The equations of motion of the whole machine: the tree, its drives and latches, its loads.
 
 use crate::beam::element::rigid_body_mass;
-use crate::config::Machine;
-use crate::config::machine::{JointKind, Parent};
 use crate::load::{RootMotion, Wrench};
+use crate::machine::Machine;
+use crate::machine::{JointKind, Parent};
 use crate::multibody::closure::{ClosureDescription, Penalty};
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::factor::{self, FreedomTangent, Weights};

@@ -2,7 +2,7 @@
 
 use crate::actuation::drive::Slew;
 use crate::actuation::latch::LatchState;
-use crate::config::machine::StartState;
+use crate::machine::StartState;
 use crate::multibody::dynamics::Damping;
 use crate::plant::equations::Equations;
 use crate::plant::face::{Parameters, PlantError};

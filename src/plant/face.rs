@@ -247,7 +247,7 @@ pub struct Outputs {
     pub joint_reactions: Vec<Wrench>,
     /// Axial strain per gauge.
     pub gauges: Vec<f64>,
-    /// Per closed loop, in the order of [`crate::config::Machine::closures`].
+    /// Per closed loop, in the order of [`crate::machine::Machine::closures`].
     pub loops: Vec<LoopOutputs>,
     /// Force and moment of the wing on the aircraft at the origin, root frame.
     pub root: Wrench,

@@ -4,7 +4,7 @@ use crate::actuation::drive::{Drive, DriveTorque, Piece, Slew};
 use crate::actuation::latch::Latch;
 use crate::actuation::prescribed::Law;
 use crate::actuation::spring::Spring;
-use crate::config::machine::{JointMotion, Revolute, UNLIMITED};
+use crate::machine::{JointMotion, Revolute, UNLIMITED};
 use crate::multibody::factor::FreedomTangent;
 use crate::plant::state::JointState;
 use crate::solve::Powers;

@@ -50,8 +50,8 @@ pub use statics::{Branch, Departure, Holding, LoadPath, Rest, Search};
 pub use strains::SectionStrain;
 
 use crate::beam::element::ElementKind;
-use crate::config::Machine;
-use crate::config::machine::{Gauge, JointKind, Method, Parent, Revolute, Spatial};
+use crate::machine::Machine;
+use crate::machine::{Gauge, JointKind, Method, Parent, Revolute, Spatial};
 use crate::multibody::gauge::GaugePoint;
 use crate::solve::stepper::{self, Stepper};
 use air::AirCoupling;

@@ -1,9 +1,9 @@
 //! Outputs at the present time.
 
 use crate::beam::recovery::axial_row;
-use crate::config::Machine;
-use crate::config::machine::Gauge;
 use crate::load::Wrench;
+use crate::machine::Gauge;
+use crate::machine::Machine;
 use crate::math::so3::quaternion_near;
 use crate::multibody::gauge::GaugePoint;
 use crate::multibody::kinematics::{Motion, sweep_motion, sweep_poses};

@@ -1,7 +1,7 @@
 //! Universal, ball and free joints in the plant: springs, dampers, start, projection.
 
-use crate::config::Machine;
-use crate::config::machine::{Spatial, SpatialFreedom};
+use crate::machine::Machine;
+use crate::machine::{Spatial, SpatialFreedom};
 use crate::math::so3::hat;
 use crate::multibody::factor::FreedomTangent;
 use crate::multibody::joint::{Joint, JointKind, RedundantWork};

@@ -1,7 +1,7 @@
 //! Inputs and parameters as the model states them.
 
-use crate::config::Machine;
 use crate::load::RootMotion;
+use crate::machine::Machine;
 use crate::plant::face::{BodyParameters, Inputs, JointInputs, JointParameters, Parameters, SpatialParameters};
 use crate::plant::{revolutes, spatials};
 use nalgebra::Vector3;

@@ -2,7 +2,7 @@
 
 use crate::actuation::drive::Slew;
 use crate::actuation::latch::LatchState;
-use crate::config::Machine;
+use crate::machine::Machine;
 use crate::plant::air::AirHistory;
 use crate::plant::face::{
     BodyParameters, FACTOR_RANGE, Inputs, JointParameters, Parameters, PlantError, SpatialParameters, Statistics,

@@ -1,8 +1,8 @@
 //! What a run leaves for pictures: histories of scalars, and frames with the whole wing.
 
 use crate::beam::section::Outline;
-use crate::config::Machine;
-use crate::config::machine::JointKind;
+use crate::machine::JointKind;
+use crate::machine::Machine;
 use crate::plant::{EnergyOutputs, Plant, SectionState, SurfaceLattice};
 use nalgebra::Vector3;
 

@@ -3,6 +3,7 @@
 use crate::{assert_current, in_package};
 use foldwing::config;
 use foldwing::interface::{Causality, Interface, Value, Variability, Variable};
+use foldwing::machine::Machine;
 use std::collections::BTreeSet;
 
 /// One of everything that has variables. Its names are those that the page replaces.
@@ -303,7 +304,7 @@ fn f245_the_page_says_which_joints_have_a_row() {
 }
 
 /// The pattern of a machine's variable.
-pub fn named(machine: &config::Machine, name: &str) -> String {
+pub fn named(machine: &Machine, name: &str) -> String {
     let (pattern, _) = pattern(name);
     let mut parts: Vec<String> = pattern.split('.').map(str::to_owned).collect();
     let count = parts.len();

@@ -3,6 +3,9 @@
 //! A case is the small model below with one text replaced. Each message stands here in full, so that a change of
 //! wording is seen.
 
+mod machine_in_code;
+mod machine_random;
+mod machine_refusals;
 mod model_file_accepted;
 mod model_file_air;
 mod model_file_functions;

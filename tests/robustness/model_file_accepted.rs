@@ -2,11 +2,10 @@
 
 use crate::{MODEL, repository, with};
 use approx::assert_relative_eq;
-use foldwing::config::machine::{
-    ElementKind, JointKind, JointMotion, Method, Motion, Parent, Revolute, StartState, UNLIMITED,
-};
-use foldwing::config::{self, Machine};
+use foldwing::config;
 use foldwing::load::LoadFrame;
+use foldwing::machine::Machine;
+use foldwing::machine::{ElementKind, JointKind, JointMotion, Method, Motion, Parent, Revolute, StartState, UNLIMITED};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 

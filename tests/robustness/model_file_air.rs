@@ -3,7 +3,7 @@
 use crate::{MODEL, message_of};
 use foldwing::aero::flow::GustShape;
 use foldwing::config;
-use foldwing::config::machine::{AirOptions, Coupling, Machine, WakeModel};
+use foldwing::machine::{AirOptions, Coupling, Machine, WakeModel};
 use nalgebra::Vector3;
 
 const AIR: &str = "[aerodynamics]\nmodel = \"uvlm\"\nwind_m_s = [0, -10, 0]\n";

@@ -1,7 +1,8 @@
 //! Functions along a body: twist, curvatures, tapers, sections between two ends; what they mean and what is refused.
 
 use crate::{message, message_of, with};
-use foldwing::config::{self, Machine};
+use foldwing::config;
+use foldwing::machine::Machine;
 
 /// The small model with more keys in `[body.inner]`.
 fn inner(keys: &str) -> String {

@@ -2,7 +2,7 @@
 
 use crate::{message_of, with};
 use foldwing::config;
-use foldwing::config::machine::{JointKind, Method, Spatial, SpatialFreedom};
+use foldwing::machine::{JointKind, Method, Spatial, SpatialFreedom};
 use nalgebra::Vector3;
 
 /// The fold joint of the small model, lines 29 to 37.

@@ -2,7 +2,7 @@
 
 use crate::{MODEL, message_of};
 use foldwing::config;
-use foldwing::config::machine::Closure;
+use foldwing::machine::Closure;
 use nalgebra::Vector3;
 
 /// A loop behind the small model, whose fold joint starts at `fold_deg`; its table stands on line 55.

@@ -1,8 +1,8 @@
 //! Degrees: every key that ends in `_deg` or `_deg_s`, read from one file and compared with radians.
 
 use foldwing::actuation::prescribed::Motion;
-use foldwing::config::machine::{JointKind, JointMotion, Machine};
 use foldwing::config::{parse, schema};
+use foldwing::machine::{JointKind, JointMotion, Machine};
 use std::collections::BTreeSet;
 
 /// A machine with every angle that a file can state.

@@ -8,10 +8,11 @@ mod watchdog;
 use fastrand::Rng;
 use fmu::{Attempt, Fmu, Resources, WING, guid_of};
 use foldwing::aero::AirOptions;
-use foldwing::config::{self, ConfigError, Machine};
+use foldwing::config::{self, ConfigError};
 use foldwing::fmi2::abi::functions::*;
 use foldwing::fmi2::abi::types::*;
 use foldwing::interface::{Interface, guid};
+use foldwing::machine::Machine;
 use std::collections::BTreeMap;
 use std::process::Command;
 

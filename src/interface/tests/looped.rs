@@ -1,9 +1,9 @@
 //! Closed loops in the table: with inertia they pass on accelerations, without it the forces of springs and dampers only.
 
 use super::machine;
-use crate::config::Machine;
-use crate::config::machine::{Closure, JointKind, JointMotion, Motion, Revolute};
 use crate::interface::Interface;
+use crate::machine::Machine;
+use crate::machine::{Closure, JointKind, JointMotion, Motion, Revolute};
 use nalgebra::Vector3;
 
 /// Three branches on the root, the first of two bodies, and one that floats.

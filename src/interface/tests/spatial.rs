@@ -1,9 +1,9 @@
 //! Universal, ball and free joints in the table.
 
 use super::machine;
-use crate::config::Machine;
-use crate::config::machine::{JointKind, SpatialFreedom};
 use crate::interface::Interface;
+use crate::machine::Machine;
+use crate::machine::{JointKind, SpatialFreedom};
 
 /// Every kind of joint, each where another one turns or is set before it, and a branch that floats.
 pub(super) const SPATIAL: &str = r#"

@@ -7,7 +7,7 @@
 //! them: the air sees velocities that belong to the displacements over the steps, eq. (Q4), not those of the instants.
 
 use crate::aero::flow::{AirPath, Flow};
-use crate::config::machine::{self, Coupling};
+use crate::machine::{self, Coupling};
 use crate::plant::Plant;
 use crate::plant::air::{AirCoupling, AirHistory, Gain, Sample, StepLoads, Trial, gaps};
 use crate::plant::face::PlantError;

@@ -4,7 +4,7 @@ pub use crate::aero::near_sheets::CLOSED_PANELS;
 
 use crate::aero::AirModel;
 use crate::aero::near_sheets::NoCirculation;
-use crate::config::machine::{self, Machine};
+use crate::machine::{self, Machine};
 use crate::plant::Plant;
 use crate::plant::face::PlantError;
 use crate::solve::EquationsOfMotion;

@@ -26,7 +26,7 @@ impl Plant {
     pub fn lattice(&self) -> Option<(f64, Vec<SurfaceLattice>)> {
         let (air, history) = (self.air.as_ref()?, self.state.air.as_ref()?);
         let (AirModel::Lattice(lattice), AirState::Lattice(state)) = (&air.model, &history.after) else { return None };
-        let view = |(index, surface): (usize, &crate::config::machine::LiftingSurface)| {
+        let view = |(index, surface): (usize, &crate::machine::LiftingSurface)| {
             let columns = surface.positions_m.len();
             SurfaceLattice {
                 body: surface.body,

@@ -13,6 +13,7 @@ mod response;
 
 use foldwing::config;
 use foldwing::interface::{Causality, Interface, Value, Variable};
+use foldwing::machine::Machine;
 use foldwing::plant::Plant;
 use std::path::Path;
 
@@ -31,7 +32,7 @@ impl Bench {
     }
 
     /// Some machine.
-    pub fn of(machine: config::Machine) -> Self {
+    pub fn of(machine: Machine) -> Self {
         let table = Interface::new(&machine);
         Self { plant: wings::start(machine), table }
     }

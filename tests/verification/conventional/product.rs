@@ -9,8 +9,8 @@ use crate::pendulum::{
 use crate::reference;
 use crate::sample::{Sample, run_as_printed, write_table};
 use foldwing::beam::section::{Material, Section};
-use foldwing::config::machine::*;
 use foldwing::load::{LoadFrame, RootMotion};
+use foldwing::machine::*;
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
 use foldwing::multibody::factor::{FreedomTangent, Weights, factorize, solve};
 use foldwing::multibody::joint;
@@ -28,33 +28,13 @@ fn section() -> Section {
 
 /// The double pendulum as a machine.
 fn machine(between: Between, kind: ElementKind, count: usize, solver: Solver) -> Machine {
-    let spatial = |freedom| {
-        JointKind::Spatial(Box::new(Spatial {
-            freedom,
-            stiffness_n_m_rad: 0.0,
-            damping_n_m_s_rad: 0.0,
-            start_angular_velocity_rad_s: Vector3::zeros(),
-            start_velocity_m_s: Vector3::zeros(),
-        }))
+    let between = match between {
+        Between::Ball => Joint::ball("between"),
+        Between::Universal => Joint::universal("between", Vector3::y(), Vector3::z()),
+        Between::Revolute => Joint::revolute("between", Vector3::x()),
     };
-    let root = Joint { kind: spatial(SpatialFreedom::Ball), ..machines::clamped() };
-    let kind_of_b = match between {
-        Between::Ball => spatial(SpatialFreedom::Ball),
-        Between::Universal => spatial(SpatialFreedom::Universal { parent_axis: Vector3::y(), body_axis: Vector3::z() }),
-        Between::Revolute => {
-            JointKind::Revolute(Box::new(Revolute { axis: Vector3::x(), ..machines::free_hinge(0.0) }))
-        }
-    };
-    let joint = Joint {
-        name: "between".into(),
-        parent: Parent::Body { index: 0, position_m: LENGTH_M },
-        mount: start_of_b(),
-        kind: kind_of_b,
-    };
-    let bodies = vec![
-        machines::body("a", LENGTH_M, &section(), kind, count, root),
-        machines::body("b", LENGTH_M, &section(), kind, count, joint),
-    ];
+    let beam = |name| machines::body(name, LENGTH_M, &section(), kind, count);
+    let bodies = [(beam("a"), Joint::ball("mount")), (beam("b"), between.on("a").mount(start_of_b()))];
     Machine { gravity_m_s2: Vector3::new(0.0, -GRAVITY_M_S2, 0.0), solver, ..machines::machine(bodies) }
 }
 

@@ -6,7 +6,7 @@ use crate::reference;
 use crate::sample::write_table;
 use crate::segments::{Algebra, RootSpring, Segments, fall, table_4};
 use foldwing::beam::section::Section;
-use foldwing::config::machine::*;
+use foldwing::machine::*;
 use foldwing::solve::{EquationsOfMotion, stepper};
 use nalgebra::{Matrix4, Vector2, Vector3, Vector4};
 
@@ -29,9 +29,9 @@ pub fn machine(kind: ElementKind, count: usize, axial_n: f64, step_s: f64) -> Ma
         half_height_m: 0.5,
     };
     let length_m = table_4::LENGTH_M;
-    let mut bodies = vec![machines::body("a", length_m, &section, kind, count, machines::clamped())];
-    let joint = machines::hinged_to(&bodies, machines::free_hinge(0.0));
-    bodies.push(machines::body("b", length_m, &section, kind, count, joint));
+    let beam = |name| machines::body(name, length_m, &section, kind, count);
+    let hinge = Joint::hinge("fold", machines::free_hinge(0.0)).on("a");
+    let bodies = [(beam("a"), machines::clamped()), (beam("b"), hinge)];
     Machine {
         gravity_m_s2: Vector3::new(0.0, 0.0, -table_4::GRAVITY_M_S2),
         solver: Solver { fixed_step_s: Some(step_s), max_step_s: step_s, ..machines::solver(Method::Esdirk4, 1e-8) },

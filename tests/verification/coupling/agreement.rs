@@ -2,7 +2,7 @@
 //! rollback, accounts.
 
 use crate::wings::{folding_wing, light_wing, march, start};
-use foldwing::config::machine::{JointKind, StartState};
+use foldwing::machine::{JointKind, StartState};
 use foldwing::plant::{Plant, PlantError};
 use nalgebra::{Matrix4, Vector3, Vector4};
 

@@ -2,7 +2,7 @@
 
 use crate::wings::start;
 use foldwing::config;
-use foldwing::config::Machine;
+use foldwing::machine::Machine;
 use nalgebra::Vector3;
 
 const SECTION: &str = "name = \"Wing\"\n[section.plate]\nshape = \"explicit\"\naxial_stiffness_N = 1e9\n\

@@ -6,7 +6,7 @@
 use crate::identification::{Oscillation, least_damped};
 use crate::wings::start;
 use foldwing::config;
-use foldwing::config::machine::Machine;
+use foldwing::machine::Machine;
 use serde_json::Value;
 
 /// Samples before this time are not used: the gust has passed after 40 ms, higher modes have died away.

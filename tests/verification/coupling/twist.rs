@@ -6,7 +6,7 @@
 
 use crate::goland::Goland;
 use crate::wings::start;
-use foldwing::config::machine::Machine;
+use foldwing::machine::Machine;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 const LENGTH_M: f64 = 6.096;

@@ -1,7 +1,7 @@
 //! Wings in air, as model texts: the shipped folding wing with surfaces on both bodies.
 
 use foldwing::config;
-use foldwing::config::machine::Machine;
+use foldwing::machine::Machine;
 use foldwing::plant::Plant;
 use std::fmt::Write;
 use std::sync::Arc;

@@ -1,20 +1,14 @@
 //! Machines on a free joint: mass-proportional damping leaves their flight alone (D12).
 
 use crate::machines::*;
-use foldwing::config::machine::*;
+use foldwing::machine::builder::JointBuilder;
+use foldwing::machine::*;
 use foldwing::plant::Plant;
 use nalgebra::{Matrix3, Vector3};
 
 /// A free joint on the root that starts with these velocities.
-fn free(velocity_m_s: Vector3<f64>, spin_rad_s: Vector3<f64>) -> Joint {
-    let spatial = Spatial {
-        freedom: SpatialFreedom::Free,
-        stiffness_n_m_rad: 0.0,
-        damping_n_m_s_rad: 0.0,
-        start_velocity_m_s: velocity_m_s,
-        start_angular_velocity_rad_s: spin_rad_s,
-    };
-    Joint { name: "flight".into(), kind: JointKind::Spatial(Box::new(spatial)), ..clamped() }
+fn free(velocity_m_s: Vector3<f64>, spin_rad_s: Vector3<f64>) -> JointBuilder {
+    Joint::free("flight").start_velocity_m_s(velocity_m_s).start_angular_velocity_rad_s(spin_rad_s)
 }
 
 /// P-126. A damped plate that flies at 12 m/s through vacuum, turning about its thickness at 2 rad/s, keeps speed and
@@ -22,10 +16,8 @@ fn free(velocity_m_s: Vector3<f64>, spin_rad_s: Vector3<f64>) -> Joint {
 #[test]
 fn p126_a_damped_free_body_keeps_speed_and_spin() {
     let velocity_m_s = Vector3::new(0.0, 12.0, 0.0);
-    let mut plate = body("plate", 0.3, &wing_section(), ElementKind::Linear, 2, clamped());
-    plate.mass_damping_1_s = 2.5;
-    plate.joint = free(velocity_m_s, Vector3::new(0.0, 0.0, 2.0));
-    let mut plant = start(machine(vec![plate]));
+    let plate = body("plate", 0.3, &wing_section(), ElementKind::Linear, 2).mass_damping_1_s(2.5);
+    let mut plant = start(machine([(plate, free(velocity_m_s, Vector3::new(0.0, 0.0, 2.0)))]));
     // a straight, nearly rigid plate: its middle is the centre of mass
     let momentum = |plant: &Plant| {
         let (joint, tip) = (plant.outputs().spatial[0], plant.outputs().tips[0]);
@@ -52,9 +44,15 @@ fn p127_a_wing_on_a_flying_carrier_latches_when_the_clamped_one_does() {
         let mut machine = default_wing(1e-7);
         machine.gravity_m_s2 = Vector3::zeros();
         if let Some(speed_m_s) = carrier {
-            machine.bodies[0].joint = free(Vector3::new(0.0, speed_m_s, 0.3 * speed_m_s), Vector3::zeros());
+            machine.bodies[0].joint.kind = JointKind::Spatial(Box::new(Spatial {
+                freedom: SpatialFreedom::Free,
+                stiffness_n_m_rad: 0.0,
+                damping_n_m_s_rad: 0.0,
+                start_velocity_m_s: Vector3::new(0.0, speed_m_s, 0.3 * speed_m_s),
+                start_angular_velocity_rad_s: Vector3::zeros(),
+            }));
             let inertia_kg_m2 = Matrix3::identity() * 1e6;
-            let heavy = AttachedMass { name: "carrier".into(), inertia_kg_m2, ..point_mass(0.0, 1e6) };
+            let heavy = AttachedMass { inertia_kg_m2, ..AttachedMass::point("carrier", 0.0, 1e6) };
             machine.bodies[0].masses.push(heavy);
         }
         let mut plant = start(machine);
@@ -82,7 +80,7 @@ fn p128_inertia_that_turns_with_the_angle_only() {
         let mut hinge = free_hinge(0.2);
         hinge.drive.inertia_kg_m2 = drive;
         change(&mut hinge);
-        machine(vec![body("rod", 0.3, &section, ElementKind::Linear, 1, hinged_to_root(hinge))])
+        machine([(body("rod", 0.3, &section, ElementKind::Linear, 1), hinged_to_root(hinge))])
     };
     let mut plant = start(rod(&|hinge| hinge.drive.stiffness_n_m_rad = 2.0));
     let right_hz = (2.0 / (own + drive)).sqrt() / std::f64::consts::TAU;
@@ -128,11 +126,10 @@ fn p129_attached_masses_are_damped_where_told() {
     for (damps, share) in [(true, 1.0), (false, own / (own + 0.5 * 0.09))] {
         let mut hinge = free_hinge(0.0);
         hinge.start_rate_rad_s = 2.0;
-        let mut bar = body("bar", 0.3, &section, ElementKind::Linear, 2, hinged_to_root(hinge));
-        bar.mass_damping_1_s = 3.0;
-        bar.damp_attached_masses = damps;
-        bar.masses = vec![point_mass(0.3, 0.5)];
-        let mut plant = start(machine(vec![bar]));
+        let bar = body("bar", 0.3, &section, ElementKind::Linear, 2).mass_damping_1_s(3.0).damp_attached_masses(damps);
+        let mut machine = machine([(bar, hinged_to_root(hinge))]);
+        machine.bodies[0].masses = vec![AttachedMass::point("tip", 0.3, 0.5)];
+        let mut plant = start(machine);
         let account = balance_j(plant.outputs());
         coast(&mut plant, 0.4);
         let rate = plant.outputs().joints[0].rate_rad_s;

@@ -178,7 +178,7 @@ fn p123_a_thousand_first_latches_agree_with_converged_ones() {
 #[test]
 fn p125_stiff_latches_carry_what_the_wing_asks_for() {
     use crate::machines::{hinge_of, run, start, wing};
-    use foldwing::config::machine::{ElementKind, Method};
+    use foldwing::machine::{ElementKind, Method};
     for method in [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::Sdirk2] {
         for factor in [1.0, 1e2, 1e4] {
             let mut machine = wing(ElementKind::Linear, 2, method, 1e-4);

@@ -2,17 +2,29 @@
 
 use crate::machines::*;
 use foldwing::beam::section::{Material, Section};
-use foldwing::config::machine::*;
+use foldwing::machine::*;
 use foldwing::plant::Plant;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// A stiff rod of 0.15 m on a hinge at the root, without gravity: one coordinate matters, closed forms exist.
 pub fn rod(revolute: Revolute) -> Machine {
     let material = Material { young_pa: 2.83e12, shear_pa: 1e12, density_kg_m3: 1425.0 };
     let section = Section::rectangle(0.02, 0.01, &material, None);
-    let mut machine = machine(vec![body("rod", 0.15, &section, ElementKind::Linear, 1, hinged_to_root(revolute))]);
-    machine.bodies[0].stiffness_damping_s = 1e-5;
-    machine
+    let rod = body("rod", 0.15, &section, ElementKind::Linear, 1).stiffness_damping_s(1e-5);
+    machine([(rod, hinged_to_root(revolute))])
+}
+
+/// Adds a second rod like the first one to its outer end, on a hinge `fold0`.
+pub fn add_rod(machine: &mut Machine, elbow: Revolute) {
+    let mut outer = machine.bodies[0].clone();
+    outer.name = "outer".into();
+    outer.joint = Joint {
+        name: "fold0".into(),
+        parent: Parent::Body { index: 0, position_m: outer.length_m },
+        mount: Matrix3::identity(),
+        kind: JointKind::Revolute(Box::new(elbow)),
+    };
+    machine.bodies.push(outer);
 }
 
 /// Inertia of [`rod`] about its hinge in kg·m², rotary inertia of the section included.
@@ -31,7 +43,7 @@ fn only(plant: &Plant) -> foldwing::plant::JointOutputs {
 #[test]
 fn p40_command_while_latched_moves_the_joint_by_the_ratio_of_stiffnesses() {
     let mut revolute = free_hinge(0.0);
-    revolute.drive = Drive { stiffness_n_m_rad: 0.1, damping_n_m_s_rad: 0.01, ..no_drive() };
+    revolute.drive = Drive { stiffness_n_m_rad: 0.1, damping_n_m_s_rad: 0.01, ..Drive::default() };
     revolute.latch = Some(Latch { initially_closed: true, ..latch(10.0) });
     let mut plant = start(rod(revolute));
     assert!(only(&plant).latched && only(&plant).latch_count == 0 && only(&plant).latch_time_s == -1.0);
@@ -69,7 +81,7 @@ fn p41_latch_on_a_free_hinge() {
 #[test]
 fn p42_torque_limit_gives_constant_acceleration() {
     let mut revolute = free_hinge(2.0);
-    revolute.drive = Drive { stiffness_n_m_rad: 1.0, torque_limit_n_m: 0.01, ..no_drive() };
+    revolute.drive = Drive { stiffness_n_m_rad: 1.0, torque_limit_n_m: 0.01, ..Drive::default() };
     let mut plant = start(rod(revolute));
     coast(&mut plant, 0.05);
     let expected_rad = 2.0 - 0.5 * 0.01 / rod_inertia_kg_m2() * 0.05f64.powi(2);
@@ -82,7 +94,7 @@ fn p42_torque_limit_gives_constant_acceleration() {
 #[test]
 fn p43_slew_limits_the_neutral_angle() {
     let mut revolute = free_hinge(0.0);
-    revolute.drive = Drive { stiffness_n_m_rad: 0.2, rate_limit_rad_s: 3.0, ..no_drive() };
+    revolute.drive = Drive { stiffness_n_m_rad: 0.2, rate_limit_rad_s: 3.0, ..Drive::default() };
     let mut plant = start(rod(revolute));
     coast(&mut plant, 0.1);
     plant.inputs_mut().joints[0].command_rad = 0.9;
@@ -150,15 +162,17 @@ fn p46_latch_closes_from_either_side() {
 /// Three bodies: two folds that latch at different times.
 fn three_bodies() -> Machine {
     let section = wing_section();
-    let mut bodies = vec![body("a", 0.1, &section, ElementKind::Linear, 2, clamped())];
+    let bar = |name| body(name, 0.1, &section, ElementKind::Linear, 2);
     let mut first = wing_hinge(0.05);
     first.start_angle_rad = 1.2;
-    bodies.push(body("b", 0.1, &section, ElementKind::Linear, 2, hinged_to(&bodies, first)));
     let mut second = wing_hinge(0.05);
     second.start_angle_rad = -1.0;
     second.drive.constant_torque_n_m = -0.05;
-    bodies.push(body("c", 0.1, &section, ElementKind::Linear, 2, hinged_to(&bodies, second)));
-    machine(bodies)
+    machine([
+        (bar("a"), clamped()),
+        (bar("b"), Joint::hinge("fold0", first).on("a")),
+        (bar("c"), Joint::hinge("fold1", second).on("b")),
+    ])
 }
 
 /// P-47. Two joints latch at different times, each from its own folded side.
@@ -180,13 +194,14 @@ fn p48_two_joints_latch_at_the_same_instant() {
     for lag_rad in [0.0, 1e-15, 1e-13, 1e-11, 1e-9, -1e-13, -1e-11] {
         let material = Material { young_pa: 2.83e12, shear_pa: 1e12, density_kg_m3: 1425.0 };
         let section = Section::rectangle(0.02, 0.01, &material, None);
-        let half = |start_angle_rad: f64, rate: f64| {
+        let half = |name: &str, start_angle_rad: f64, rate: f64| {
             let mut revolute = free_hinge(start_angle_rad);
             revolute.start_rate_rad_s = rate;
             revolute.latch = Some(latch(2.0));
-            body("rod", 0.15, &section, ElementKind::Linear, 1, hinged_to_root(revolute))
+            (body(name, 0.15, &section, ElementKind::Linear, 1), Joint::hinge(format!("fold_{name}"), revolute))
         };
-        let mut plant = start(machine(vec![half(0.5, -4.0), half(-0.5 + lag_rad, 4.0), half(0.5 - lag_rad, -4.0)]));
+        let halves = [half("a", 0.5, -4.0), half("b", -0.5 + lag_rad, 4.0), half("c", 0.5 - lag_rad, -4.0)];
+        let mut plant = start(machine(halves));
         coast(&mut plant, 0.2);
         for joint in &plant.outputs().joints {
             assert!(joint.latched && (joint.latch_time_s - 0.125).abs() < 1e-6, "lag {lag_rad:e} rad: {joint:?}");

@@ -2,7 +2,7 @@
 
 use crate::machines::*;
 use foldwing::config;
-use foldwing::config::Machine;
+use foldwing::machine::Machine;
 use nalgebra::Vector3;
 use std::path::Path;
 

@@ -1,8 +1,8 @@
 //! The energy accounts: `total − work + dissipated` stays.
 
 use crate::machines::*;
-use foldwing::config::machine::{ElementKind, JointMotion, Machine, Method, Motion};
 use foldwing::load::{LoadFrame, Wrench};
+use foldwing::machine::{ElementKind, JointMotion, Machine, Method, Motion};
 use foldwing::plant::Plant;
 use nalgebra::Vector3;
 

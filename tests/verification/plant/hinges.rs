@@ -2,7 +2,7 @@
 
 use crate::corners::{rod, rod_inertia_kg_m2};
 use crate::machines::*;
-use foldwing::config::machine::*;
+use foldwing::machine::*;
 use foldwing::plant::{Holding, JointOutputs, Plant};
 use nalgebra::Vector3;
 
@@ -15,7 +15,7 @@ fn only(plant: &Plant) -> JointOutputs {
 #[test]
 fn at01_the_limit_leaves_the_external_torque_alone() {
     let mut revolute = free_hinge(0.5);
-    revolute.drive = Drive { constant_torque_n_m: 5.0, torque_limit_n_m: 0.02, ..no_drive() };
+    revolute.drive = Drive { constant_torque_n_m: 5.0, torque_limit_n_m: 0.02, ..Drive::default() };
     let mut plant = Plant::new(std::sync::Arc::new(rod(revolute)));
     plant.inputs_mut().joints[0].torque_n_m = -1.0;
     plant.initialize(0.0).expect("initial accelerations");
@@ -38,7 +38,7 @@ fn at01_the_limit_leaves_the_external_torque_alone() {
 fn at02_a_spring_of_the_joint_itself() {
     let spring = Spring { stiffness_n_m_rad: 0.5, damping_n_m_s_rad: 0.0, rest_angle_rad: 0.2 };
     let mut revolute = free_hinge(0.3);
-    revolute.drive = Drive { torque_limit_n_m: 1e-6, ..no_drive() };
+    revolute.drive = Drive { torque_limit_n_m: 1e-6, ..Drive::default() };
     revolute.spring = Some(spring);
     let mut plant = start(rod(revolute.clone()));
     let stored_j = plant.outputs().energy.elastic;
@@ -104,7 +104,9 @@ fn at04_a_stop_keeps_the_momentum_about_the_joints_that_stay_free() {
     let mut elbow = free_hinge(0.0);
     elbow.start_rate_rad_s = 5.0;
     let mut outer = machine.bodies[0].clone();
-    (outer.name, outer.joint) = ("outer".into(), hinged_to(&machine.bodies, elbow));
+    let parent = Parent::Body { index: 0, position_m: outer.length_m };
+    let kind = JointKind::Revolute(Box::new(elbow));
+    (outer.name, outer.joint) = ("outer".into(), Joint { name: "elbow".into(), parent, kind, ..outer.joint });
     machine.bodies.push(outer);
     let mut plant = start(machine);
     let kinetic_j = plant.outputs().energy.kinetic;
@@ -159,7 +161,7 @@ fn at06_a_latch_catches_what_rests_at_its_angle() {
     }
     for start_rad in [0.3, -0.3] {
         let mut creeps = with(start_rad, &|revolute| {
-            revolute.drive = Drive { stiffness_n_m_rad: 0.3, damping_n_m_s_rad: 0.2, ..no_drive() };
+            revolute.drive = Drive { stiffness_n_m_rad: 0.3, damping_n_m_s_rad: 0.2, ..Drive::default() };
         });
         coast(&mut creeps, 15.0);
         let expected_s = 0.2 / 0.3 * (0.3 / DEFAULT_RAD).ln();
@@ -230,7 +232,7 @@ fn at08_a_torque_limit_is_cheap() {
         stiffness_n_m_rad,
         damping_n_m_s_rad,
         constant_torque_n_m,
-        ..no_drive()
+        ..Drive::default()
     };
     let cases = [
         (drive(20.0, 0.5, 0.0), 60.0, 0.02),

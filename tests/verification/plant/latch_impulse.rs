@@ -3,12 +3,12 @@
 //! Latches with a window of more than a turn are enabled in motion and close within a communication step of no length, so
 //! that the states before and after belong to one instant.
 
-use crate::corners::{rod, rod_inertia_kg_m2};
+use crate::corners::{add_rod, rod, rod_inertia_kg_m2};
 use crate::loops::linkage;
 use crate::machines::*;
-use foldwing::config::machine::*;
+use foldwing::machine::*;
 use foldwing::plant::{Argument, Outputs, Plant};
-use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::collections::HashMap;
 
 /// A free hinge about an axis that turns at the start; its rigid latch closes wherever it is enabled.
@@ -91,27 +91,20 @@ fn miss_of_dense_oracle(plant: &mut Plant, joints: &[usize]) -> f64 {
 fn chain() -> Plant {
     let axes = [Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.3, 1.0, 0.1), Vector3::new(-0.2, 0.8, 0.4)];
     let section = wing_section();
-    let mut bodies: Vec<Body> = Vec::new();
+    let mut parts = Vec::new();
     for (i, (axis, rate)) in axes.into_iter().zip([3.0, -7.0, 5.0]).enumerate() {
-        let hinge = hinge(axis, 0.4 * i as f64 - 0.3, rate);
-        let joint = if i == 0 { hinged_to_root(hinge) } else { hinged_to(&bodies, hinge) };
-        bodies.push(body(&format!("b{i}"), 0.15, &section, ElementKind::Linear, 2, joint));
+        let joint = Joint::hinge(format!("h{i}"), hinge(axis, 0.4 * i as f64 - 0.3, rate));
+        let joint = if i == 0 { joint } else { joint.on(format!("b{}", i - 1)) };
+        parts.push((body(&format!("b{i}"), 0.15, &section, ElementKind::Linear, 2), joint));
     }
+    let mut machine = machine(parts);
     let offset_m = Vector3::new(0.01, 0.03, -0.02);
-    bodies[2].masses = vec![AttachedMass { offset_m, ..point_mass(0.1, 0.02) }];
-    hinge_of_drive(&mut bodies[1], 3e-5);
-    let mut machine = machine(bodies);
+    machine.bodies[2].masses = vec![AttachedMass { offset_m, ..AttachedMass::point("m", 0.1, 0.02) }];
+    hinge_of(&mut machine, 1).drive.inertia_kg_m2 = 3e-5;
     machine.gravity_m_s2 = Vector3::new(-9.8, 0.0, 3.0);
     let mut plant = start(machine);
     coast(&mut plant, 0.0123);
     plant
-}
-
-/// Gives the hinge of a body a rotor.
-fn hinge_of_drive(body: &mut Body, inertia_kg_m2: f64) {
-    if let JointKind::Revolute(revolute) = &mut body.joint.kind {
-        revolute.drive.inertia_kg_m2 = inertia_kg_m2;
-    }
 }
 
 /// RL-01. Jump of all rates, impulses and energy lost against the dense mass matrix: one latch, two at once, all three,
@@ -158,9 +151,7 @@ fn rl05_loops_take_part_in_the_impulse() {
 fn rl06_a_prescribed_joint_keeps_its_rate_by_work() {
     let mut machine =
         rod(Revolute { motion: JointMotion::Prescribed(Motion::Polynomial(vec![0.0, 3.0])), ..free_hinge(0.0) });
-    let mut outer = machine.bodies[0].clone();
-    (outer.name, outer.joint) = ("outer".into(), hinged_to(&machine.bodies, hinge(Vector3::y(), 0.2, 5.0)));
-    machine.bodies.push(outer);
+    add_rod(&mut machine, hinge(Vector3::y(), 0.2, 5.0));
     let mut plant = start(machine);
     let before_j = balance_j(plant.outputs());
     let (kinetic_j, work_j) = (plant.outputs().energy.kinetic, plant.outputs().energy.work);
@@ -177,9 +168,7 @@ fn rl06_a_prescribed_joint_keeps_its_rate_by_work() {
 #[test]
 fn rl02_two_rods_turn_as_one() {
     let mut machine = rod(Revolute { start_rate_rad_s: 2.0, ..free_hinge(0.0) });
-    let mut outer = machine.bodies[0].clone();
-    (outer.name, outer.joint) = ("outer".into(), hinged_to(&machine.bodies, hinge(Vector3::y(), 0.0, 5.0)));
-    machine.bodies.push(outer);
+    add_rod(&mut machine, hinge(Vector3::y(), 0.0, 5.0));
     machine.solver.tolerance = 1e-9;
     let mut plant = start(machine);
     let kinetic_j = plant.outputs().energy.kinetic;
@@ -218,9 +207,7 @@ fn rl03_the_reaction_is_the_moment_of_the_centrifugal_forces() {
     let (angle_rad, rate_rad_s) = (0.7, 8.0);
     let mut machine = rod(Revolute { start_rate_rad_s: rate_rad_s, ..free_hinge(0.0) });
     let elbow = Revolute { latch: Some(Latch { angle_rad, ..rigid_latch() }), ..free_hinge(angle_rad) };
-    let mut outer = machine.bodies[0].clone();
-    (outer.name, outer.joint) = ("outer".into(), hinged_to(&machine.bodies, elbow));
-    machine.bodies.push(outer);
+    add_rod(&mut machine, elbow);
     let mut plant = start(machine);
     coast(&mut plant, 0.3);
     let joint = plant.outputs().joints[1];
@@ -237,29 +224,23 @@ fn rl03_the_reaction_is_the_moment_of_the_centrifugal_forces() {
 /// An aircraft without symmetry in free flight: a keel, a wing of two panels on either side, flared hinges, masses.
 fn aircraft() -> Machine {
     let section = wing_section();
-    let flight = Spatial {
-        freedom: SpatialFreedom::Free,
-        stiffness_n_m_rad: 0.0,
-        damping_n_m_s_rad: 0.0,
-        start_velocity_m_s: Vector3::new(0.3, 12.0, -0.7),
-        start_angular_velocity_rad_s: Vector3::new(0.4, -0.9, 0.6),
-    };
-    let mut bodies = vec![body("keel", 0.2, &section, ElementKind::Linear, 1, clamped())];
-    bodies[0].joint.kind = JointKind::Spatial(Box::new(flight));
-    let inertia_kg_m2 = Matrix3::from_diagonal(&Vector3::new(1e-4, 3e-4, 2e-4));
-    bodies[0].masses = vec![AttachedMass { inertia_kg_m2, ..point_mass(0.0, 0.1) }];
-    for (side, turn) in [(1.0, 0.0), (-1.0, std::f64::consts::PI)] {
-        let mut inner = body("inner", 0.15, &section, ElementKind::Linear, 2, clamped());
-        inner.joint.name = format!("wing{}", bodies.len());
-        inner.joint.parent = Parent::Body { index: 0, position_m: 0.1 };
-        inner.joint.mount = Rotation3::from_scaled_axis(Vector3::z() * turn).into_inner();
-        bodies.push(inner);
+    let flight =
+        Joint::free("mount").start_velocity_m_s([0.3, 12.0, -0.7]).start_angular_velocity_rad_s([0.4, -0.9, 0.6]);
+    let mut parts = vec![(body("keel", 0.2, &section, ElementKind::Linear, 1), flight)];
+    for (name, side, turn) in [("right", 1.0, 0.0), ("left", -1.0, std::f64::consts::PI)] {
+        let root = Joint::clamped(format!("root_{name}")).on_at("keel", 0.1).mount_rotation_rad([0.0, 0.0, turn]);
+        parts.push((body(name, 0.15, &section, ElementKind::Linear, 2), root));
         let fold = hinge(Vector3::new(0.3, 1.0, 0.0), 0.5 + 0.2 * side, 6.0 + 3.0 * side);
-        let mut outer = body("outer", 0.1, &section, ElementKind::Linear, 2, hinged_to(&bodies, fold));
-        outer.masses = vec![point_mass(0.1, 0.01 + 0.005 * side)];
-        bodies.push(outer);
+        let outer = body(&format!("{name}_outer"), 0.1, &section, ElementKind::Linear, 2);
+        parts.push((outer, Joint::hinge(format!("fold_{name}"), fold).on(name)));
     }
-    machine(bodies)
+    let mut machine = machine(parts);
+    let inertia_kg_m2 = Matrix3::from_diagonal(&Vector3::new(1e-4, 3e-4, 2e-4));
+    machine.bodies[0].masses = vec![AttachedMass { inertia_kg_m2, ..AttachedMass::point("m", 0.0, 0.1) }];
+    for (index, mass_kg) in [(2, 0.015), (4, 0.005)] {
+        machine.bodies[index].masses = vec![AttachedMass::point("m", 0.1, mass_kg)];
+    }
+    machine
 }
 
 /// Momentum in N·s and angular momentum about the first section of the keel in N·m·s: slopes of the kinetic energy, which

@@ -2,7 +2,7 @@
 
 use crate::machines::*;
 use foldwing::beam::section::{Material, Section};
-use foldwing::config::machine::*;
+use foldwing::machine::*;
 use foldwing::plant::{Holding, Plant};
 use nalgebra::{Vector2, Vector3};
 use std::sync::Arc;
@@ -34,24 +34,19 @@ pub fn linkage(crank_motion: JointMotion, stiffness_n_m: f64) -> Machine {
     // positive angles about y turn x towards −z
     let mut crank_hinge = free_hinge(-START_RAD);
     crank_hinge.motion = crank_motion;
-    let bar = |name: &str, i: usize, joint| body(name, BARS_M[i], &section, ElementKind::Linear, 1, joint);
-    let mut bodies = vec![bar("crank", 0, hinged_to_root(crank_hinge))];
-    let coupler_hinge = hinged_to(&bodies, free_hinge(START_RAD - coupler_rad));
-    bodies.push(bar("coupler", 1, coupler_hinge));
-    let mut rocker_hinge = hinged_to_root(free_hinge(-rocker_rad));
-    rocker_hinge.parent = Parent::Root { position_m: Vector3::new(BARS_M[3], 0.0, 0.0) };
-    bodies.push(bar("rocker", 2, rocker_hinge));
-    let mut machine = machine(bodies);
-    machine.gravity_m_s2 = Vector3::new(0.0, 0.0, -9.8);
-    machine.closures = vec![Closure {
-        name: "pin".into(),
-        places: [(1, BARS_M[1]), (2, BARS_M[2])],
-        offsets_m: [Vector3::zeros(); 2],
-        inertia_kg: 0.0,
-        damping_n_s_m: 2e-4 * stiffness_n_m,
-        stiffness_n_m,
-    }];
-    machine
+    let bar = |name: &str, i: usize| body(name, BARS_M[i], &section, ElementKind::Linear, 1);
+    let pin = Closure::between("pin", ["coupler", "rocker"], stiffness_n_m).damping_n_s_m(2e-4 * stiffness_n_m);
+    let built = Machine::builder("linkage")
+        .gravity_m_s2([0.0, 0.0, -9.8])
+        .body(bar("crank", 0), hinged_to_root(crank_hinge))
+        .body(bar("coupler", 1), Joint::hinge("elbow", free_hinge(START_RAD - coupler_rad)).on("crank"))
+        .body(bar("rocker", 2), Joint::hinge("pivot", free_hinge(-rocker_rad)).at_root([BARS_M[3], 0.0, 0.0]))
+        .closure(pin)
+        .solver(solver(Method::Esdirk4, 1e-6))
+        .stop_time_s(1.0)
+        .step_s(1e-3)
+        .build();
+    built.unwrap_or_else(|refused| panic!("{refused}"))
 }
 
 /// The linkage with bars 1e4 times too stiff and the crank prescribed.

@@ -1,92 +1,41 @@
 //! Machines for the tests, built without the model file, and ways to run them.
 
 use foldwing::beam::section::{Material, Section};
-use foldwing::config::machine::*;
-use foldwing::load::LoadFrame;
+use foldwing::machine::builder::{BodyBuilder, JointBuilder};
+use foldwing::machine::*;
 use foldwing::plant::{Outputs, Plant};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use std::path::Path;
 use std::sync::Arc;
 
 /// Time integration of most tests: the default method at the tolerance given, steps up to 5 ms.
 pub fn solver(method: Method, tolerance: f64) -> Solver {
-    Solver {
-        method,
-        tolerance,
-        max_step_s: 5e-3,
-        min_step_s: 1e-10,
-        fixed_step_s: None,
-        rho_infinity: 0.8,
-        most_iterations: None,
-    }
+    Solver { method, tolerance, min_step_s: 1e-10, ..Solver::default() }
 }
 
-/// A machine of bodies, without gravity, ESDIRK4 at 1e-6.
-pub fn machine(bodies: Vec<Body>) -> Machine {
-    Machine {
-        name: "test".into(),
-        description: String::new(),
-        bodies,
-        closures: Vec::new(),
-        air: None,
-        gauges: Vec::new(),
-        gravity_m_s2: Vector3::zeros(),
-        solver: solver(Method::Esdirk4, 1e-6),
-        experiment: Experiment { start_time_s: 0.0, stop_time_s: 1.0, step_s: 1e-3, start: StartState::Unstrained },
-    }
+/// A beam and the joint that holds it.
+pub type Part = (BodyBuilder, JointBuilder);
+
+/// A machine of bodies, without gravity, ESDIRK4 at 1e-6, for 1 s.
+pub fn machine(parts: impl IntoIterator<Item = Part>) -> Machine {
+    let empty = Machine::builder("test").solver(solver(Method::Esdirk4, 1e-6)).stop_time_s(1.0).step_s(1e-3);
+    let whole = parts.into_iter().fold(empty, |machine, (body, joint)| machine.body(body, joint));
+    whole.build().unwrap_or_else(|refused| panic!("{refused}"))
 }
 
 /// Clamped at the root's origin along `x`.
-pub fn clamped() -> Joint {
-    Joint {
-        name: "mount".into(),
-        parent: Parent::Root { position_m: Vector3::zeros() },
-        mount: Matrix3::identity(),
-        kind: JointKind::Clamped,
-    }
-}
-
-/// Hinge about `axis` at the end of body `parent`.
-pub fn hinged_to(parent: &[Body], revolute: Revolute) -> Joint {
-    let index = parent.len() - 1;
-    Joint {
-        name: format!("fold{index}"),
-        parent: Parent::Body { index, position_m: parent[index].length_m },
-        mount: Matrix3::identity(),
-        kind: JointKind::Revolute(Box::new(revolute)),
-    }
+pub fn clamped() -> JointBuilder {
+    Joint::clamped("mount")
 }
 
 /// Hinge at the root's origin.
-pub fn hinged_to_root(revolute: Revolute) -> Joint {
-    Joint { kind: JointKind::Revolute(Box::new(revolute)), ..clamped() }
-}
-
-/// A drive that does nothing.
-pub fn no_drive() -> Drive {
-    Drive {
-        stiffness_n_m_rad: 0.0,
-        damping_n_m_s_rad: 0.0,
-        constant_torque_n_m: 0.0,
-        torque_limit_n_m: UNLIMITED,
-        rate_limit_rad_s: UNLIMITED,
-        inertia_kg_m2: 0.0,
-        command_rad: 0.0,
-    }
+pub fn hinged_to_root(hinge: Revolute) -> JointBuilder {
+    Joint::hinge("mount", hinge)
 }
 
 /// A free hinge about `y` without drive or latch.
 pub fn free_hinge(start_angle_rad: f64) -> Revolute {
-    Revolute {
-        axis: Vector3::y(),
-        start_angle_rad,
-        start_rate_rad_s: 0.0,
-        motion: JointMotion::Free,
-        release: true,
-        drive: no_drive(),
-        spring: None,
-        latch: None,
-    }
+    Revolute { start_angle_rad, ..Revolute::about(Vector3::y()) }
 }
 
 /// A latch at zero of the stiffness given, open and enabled.
@@ -106,24 +55,9 @@ pub fn rigid_latch() -> Latch {
     Latch { kind: LatchKind::Rigid, capture_rad: DEFAULT_CAPTURE_RAD, ..latch(0.0) }
 }
 
-/// A body without damping, stations or masses: `count` elements of `kind`.
-pub fn body(name: &str, length_m: f64, section: &Section, kind: ElementKind, count: usize, joint: Joint) -> Body {
-    Body {
-        name: name.into(),
-        length_m,
-        section: section.clone().into(),
-        element: kind,
-        elements: count,
-        natural_strain: [0.0; 4].into(),
-        mass_damping_1_s: 0.0,
-        damp_attached_masses: false,
-        stiffness_damping_s: 0.0,
-        station_positions_m: Vec::new(),
-        station_loads: Vec::new(),
-        load_frame: LoadFrame::Root,
-        masses: Vec::new(),
-        joint,
-    }
+/// A body without damping or stations: `count` elements of `kind`.
+pub fn body(name: &str, length_m: f64, section: &Section, kind: ElementKind, count: usize) -> BodyBuilder {
+    Body::beam(name, length_m, section.clone()).element(kind).elements(count).load_stations(0)
 }
 
 /// Section of the deployment experiment: Otsuka et al., Table 5; GJ of a thin strip.
@@ -135,7 +69,7 @@ pub fn wing_section() -> Section {
 /// Hinge of the deployment experiment with spring `k`: folded by 170°, latch of 9999 `k`.
 pub fn wing_hinge(stiffness_n_m_rad: f64) -> Revolute {
     Revolute {
-        drive: Drive { stiffness_n_m_rad, damping_n_m_s_rad: 0.0008, constant_torque_n_m: 0.043, ..no_drive() },
+        drive: Drive { stiffness_n_m_rad, damping_n_m_s_rad: 0.0008, constant_torque_n_m: 0.043, ..Drive::default() },
         latch: Some(latch(9999.0 * stiffness_n_m_rad)),
         ..free_hinge(170f64.to_radians())
     }
@@ -143,38 +77,23 @@ pub fn wing_hinge(stiffness_n_m_rad: f64) -> Revolute {
 
 /// Wing of the deployment experiment (Otsuka et al., Table 5) with `k` = 0.026 N·m/rad.
 pub fn wing(kind: ElementKind, count: usize, method: Method, tolerance: f64) -> Machine {
-    let section = wing_section();
-    let mut inner = body("inner", 0.15, &section, kind, count, clamped());
-    inner.mass_damping_1_s = 2.5;
-    inner.masses = vec![point_mass(0.15, 0.0203)];
-    let mut bodies = vec![inner];
-    let mut outer = body("outer", 0.15, &section, kind, count, hinged_to(&bodies, wing_hinge(0.026)));
-    outer.mass_damping_1_s = 2.5;
-    bodies.push(outer);
-    Machine {
-        closures: Vec::new(),
-        air: None,
-        gauges: vec![Gauge::axial("root", 0, 0.02, [0.0, 0.001])],
-        gravity_m_s2: Vector3::new(-9.8, 0.0, 0.0),
-        solver: solver(method, tolerance),
-        ..machine(bodies)
-    }
+    let half = |name| body(name, 0.15, &wing_section(), kind, count).mass_damping_1_s(2.5);
+    let built = Machine::builder("test")
+        .gravity_m_s2([-9.8, 0.0, 0.0])
+        .body(half("inner"), clamped())
+        .body(half("outer"), Joint::hinge("fold0", wing_hinge(0.026)).on("inner"))
+        .mass("inner", AttachedMass::point("mass", 0.15, 0.0203))
+        .gauge(Gauge::on("root", "inner", 0.02))
+        .solver(solver(method, tolerance))
+        .stop_time_s(1.0)
+        .step_s(1e-3)
+        .build();
+    built.unwrap_or_else(|refused| panic!("{refused}"))
 }
 
 /// The default: two pairs per body, ESDIRK4.
 pub fn default_wing(tolerance: f64) -> Machine {
     wing(ElementKind::Linear, 2, Method::Esdirk4, tolerance)
-}
-
-/// A point mass on the axis.
-pub fn point_mass(position_m: f64, mass_kg: f64) -> AttachedMass {
-    AttachedMass {
-        name: "mass".into(),
-        position_m,
-        mass_kg,
-        offset_m: Vector3::zeros(),
-        inertia_kg_m2: Matrix3::zeros(),
-    }
 }
 
 /// The fold joint of body `index`.

@@ -1,8 +1,8 @@
 //! A root that moves: against gravity, against a turned model, against the same motion made by a joint.
 
 use crate::machines::*;
-use foldwing::config::machine::{JointMotion, Machine, Motion};
 use foldwing::load::Wrench;
+use foldwing::machine::{JointKind, JointMotion, Machine, Motion};
 use foldwing::math::so3::rotation_about;
 use foldwing::plant::{Outputs, Plant};
 use nalgebra::{Matrix3, Unit, Vector3};
@@ -98,7 +98,7 @@ fn spinning_pair(law: Vec<f64>) -> (Plant, Plant) {
     let mut on_joint = on_root.clone();
     let mut joint = free_hinge(0.0);
     (joint.axis, joint.motion) = (spin_axis().into_inner(), JointMotion::Prescribed(Motion::Polynomial(law)));
-    on_joint.bodies[0].joint = hinged_to_root(joint);
+    on_joint.bodies[0].joint.kind = JointKind::Revolute(Box::new(joint));
     (start(on_root), start(on_joint))
 }
 

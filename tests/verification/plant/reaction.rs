@@ -1,8 +1,8 @@
 //! Root force and moment against weight, loads and the rate of momentum.
 
 use crate::machines::*;
-use foldwing::config::machine::{ElementKind, Machine, Method};
 use foldwing::load::{LoadFrame, Wrench};
+use foldwing::machine::{AttachedMass, ElementKind, Machine, Method};
 use foldwing::plant::{Inputs, Outputs};
 use nalgebra::{Matrix3, Vector3};
 
@@ -13,12 +13,10 @@ use nalgebra::{Matrix3, Vector3};
 fn p60_reaction_of_a_wing_at_rest_is_its_weight() {
     let mut section = wing_section();
     section.stiffness *= 1e4;
-    let mut wing = body("wing", 0.3, &section, ElementKind::Linear, 3, clamped());
-    (wing.mass_damping_1_s, wing.stiffness_damping_s) = (60.0, 1e-4);
-    let mut offset = point_mass(0.2, 0.05);
-    offset.offset_m = Vector3::new(0.01, 0.04, -0.02);
-    wing.masses = vec![offset];
-    let mut machine = machine(vec![wing]);
+    let wing = body("wing", 0.3, &section, ElementKind::Linear, 3).mass_damping_1_s(60.0).stiffness_damping_s(1e-4);
+    let mut machine = machine([(wing, clamped())]);
+    let offset_m = Vector3::new(0.01, 0.04, -0.02);
+    machine.bodies[0].masses = vec![AttachedMass { offset_m, ..AttachedMass::point("offset", 0.2, 0.05) }];
     let gravity = Vector3::new(2.0, -3.0, -9.0);
     machine.gravity_m_s2 = gravity;
     let mut plant = start(machine);

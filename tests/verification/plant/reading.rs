@@ -1,7 +1,7 @@
 //! What is read does not decide what is found, nor what comes after.
 
 use crate::machines::*;
-use foldwing::config::machine::{ElementKind, Method, Revolute, Solver};
+use foldwing::machine::{ElementKind, Method, Revolute, Solver};
 use foldwing::plant::{OutputSet, Outputs, Plant};
 use nalgebra::Vector3;
 
@@ -69,8 +69,8 @@ fn p100_outputs_do_not_depend_on_what_is_read() {
 #[test]
 fn p101_signs_follow_turns_within_an_internal_step() {
     let hinge = Revolute { start_rate_rad_s: 300.0, ..free_hinge(0.0) };
-    let blade = body("blade", 0.1, &wing_section(), ElementKind::Constant, 1, hinged_to_root(hinge));
-    let mut spinner = machine(vec![blade]);
+    let blade = body("blade", 0.1, &wing_section(), ElementKind::Constant, 1);
+    let mut spinner = machine([(blade, hinged_to_root(hinge))]);
     spinner.gravity_m_s2 = Vector3::zeros();
     spinner.solver = Solver { max_step_s: 0.1, ..solver(Method::Esdirk4, 1.0) };
     let mut plant = start(spinner);

@@ -2,8 +2,8 @@
 
 use crate::chains::chain;
 use crate::machines;
-use foldwing::config::Machine;
-use foldwing::config::machine::{ElementKind, Method};
+use foldwing::machine::Machine;
+use foldwing::machine::{ElementKind, Method};
 use foldwing::plant::{Plant, PlantError};
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 
 use crate::machines::*;
 use foldwing::beam::section::{Material, Section};
-use foldwing::config::machine::*;
+use foldwing::machine::*;
 use foldwing::plant::Plant;
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -16,13 +16,12 @@ const LENGTH_M: f64 = 1.8;
 fn rods(angles_rad: &[f64], kind: ElementKind, count: usize, stiffness_factor: f64) -> Plant {
     let material = Material { young_pa: 2e11, shear_pa: 8e10, density_kg_m3: 7800.0 };
     let section = Section::rectangle(0.02, 0.02, &material, None);
-    let mut bodies = Vec::new();
-    for &angle_rad in angles_rad {
-        let hinge = free_hinge(angle_rad);
-        let joint = if bodies.is_empty() { hinged_to_root(hinge) } else { hinged_to(&bodies, hinge) };
-        bodies.push(body("rod", LENGTH_M, &section, kind, count, joint));
-    }
-    let mut machine = machine(bodies);
+    let rods = angles_rad.iter().enumerate().map(|(index, angle_rad)| {
+        let hinge = Joint::hinge(format!("hinge{index}"), free_hinge(*angle_rad));
+        let parent = index.checked_sub(1).map_or("root".to_owned(), |parent| format!("rod{parent}"));
+        (body(&format!("rod{index}"), LENGTH_M, &section, kind, count), hinge.on(parent))
+    });
+    let mut machine = machine(rods);
     machine.gravity_m_s2 = Vector3::new(0.0, 0.0, -9.8);
     machine.solver = solver(Method::Esdirk4, 1e-8);
     let mut plant = Plant::new(Arc::new(machine));

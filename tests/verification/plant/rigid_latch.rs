@@ -1,11 +1,11 @@
 //! Runs through the closing of rigid latches, eq. (A7): methods, limits, loops, air, chains, states of rest.
 
 use crate::chains::chain;
-use crate::corners::rod;
+use crate::corners::{add_rod, rod};
 use crate::loops::linkage;
 use crate::machines::*;
 use foldwing::config;
-use foldwing::config::machine::*;
+use foldwing::machine::*;
 use foldwing::plant::{Holding, JointOutputs, Plant, Snapshot};
 use nalgebra::Vector3;
 use std::path::Path;
@@ -121,9 +121,7 @@ fn rl12_the_rigid_latch_is_the_limit_of_the_elastic_one() {
         let mut machine = rod(Revolute { start_rate_rad_s: 6.0, ..free_hinge(0.0) });
         let mut elbow = Revolute { start_rate_rad_s: -20.0, latch: Some(latch), ..free_hinge(0.55) };
         elbow.drive.damping_n_m_s_rad = 1e-2;
-        let mut outer = machine.bodies[0].clone();
-        (outer.name, outer.joint) = ("outer".into(), hinged_to(&machine.bodies, elbow));
-        machine.bodies.push(outer);
+        add_rod(&mut machine, elbow);
         machine.solver.tolerance = 1e-9;
         machine.bodies.iter_mut().for_each(|body| body.section = body.section.scaled(1.0, 1e-3));
         let mut plant = start(machine);
@@ -298,7 +296,7 @@ fn rl18_a_linkage_rests_in_a_latch_on_its_way() {
 fn rl16_command_stopper_opening_and_closing_again() {
     let mut revolute = free_hinge(0.3);
     revolute.start_rate_rad_s = -3.0;
-    revolute.drive = Drive { stiffness_n_m_rad: 0.1, torque_limit_n_m: 0.02, ..no_drive() };
+    revolute.drive = Drive { stiffness_n_m_rad: 0.1, torque_limit_n_m: 0.02, ..Drive::default() };
     revolute.latch = Some(rigid_latch());
     let mut plant = start(rod(revolute));
     coast(&mut plant, 0.2);

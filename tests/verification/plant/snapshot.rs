@@ -2,8 +2,8 @@
 
 use crate::machines::*;
 use foldwing::config;
-use foldwing::config::machine::{ElementKind, Method};
 use foldwing::interface::{Interface, Value};
+use foldwing::machine::{ElementKind, Method};
 use foldwing::plant::{Outputs, Plant, PlantError, Snapshot};
 use std::sync::Arc;
 
@@ -66,7 +66,7 @@ fn p92_snapshot_of_another_model_is_refused() {
     let outputs = plant.outputs().clone();
     let mut with_stations = default_wing(1e-4);
     with_stations.bodies[0].station_positions_m = vec![0.1];
-    let single = machine(vec![body("b", 0.1, &wing_section(), ElementKind::Linear, 1, clamped())]);
+    let single = machine([(body("b", 0.1, &wing_section(), ElementKind::Linear, 1), clamped())]);
     let finer = wing(ElementKind::Linear, 3, Method::Esdirk4, 1e-4);
     let constant = wing(ElementKind::Constant, 5, Method::Esdirk4, 1e-4);
     for other in [single, with_stations, finer, constant] {

@@ -2,8 +2,8 @@
 
 use crate::machines::*;
 use crate::rod::{Joint, Load, Rod, Segment};
-use foldwing::config::machine::{ElementKind, Gauge, Latch, Machine};
 use foldwing::load::{LoadFrame, Wrench};
+use foldwing::machine::{ElementKind, Gauge, Latch, Machine};
 use foldwing::plant::Plant;
 use nalgebra::Vector3;
 
@@ -11,10 +11,8 @@ use nalgebra::Vector3;
 fn blade(frame: LoadFrame) -> Machine {
     let mut section = wing_section();
     section.stiffness[(0, 0)] = 1e9;
-    let mut blade = body("blade", 0.3, &section, ElementKind::Linear, 8, clamped());
-    (blade.mass_damping_1_s, blade.stiffness_damping_s) = (60.0, 1e-5);
-    (blade.station_positions_m, blade.load_frame) = (vec![0.3], frame);
-    machine(vec![blade])
+    let blade = body("blade", 0.3, &section, ElementKind::Linear, 8).mass_damping_1_s(60.0).stiffness_damping_s(1e-5);
+    machine([(blade.load_station_positions_m([0.3]).load_frame(frame), clamped())])
 }
 
 /// Deflection, shortening (both over the length) and tip angle under `lambda = P L²/EI` across, once at rest.

@@ -1,7 +1,7 @@
 //! The answer against communication steps, start times and tolerances.
 
 use crate::machines::*;
-use foldwing::config::machine::{ElementKind, Method};
+use foldwing::machine::{ElementKind, Method};
 use foldwing::plant::{Plant, Statistics};
 
 /// Communication steps to a little beyond the latch from `start_s`; latch time counted from the start.

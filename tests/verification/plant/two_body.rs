@@ -2,7 +2,7 @@
 
 use crate::machines::*;
 use foldwing::beam::section::Section;
-use foldwing::config::machine::*;
+use foldwing::machine::*;
 use nalgebra::{Matrix4, Vector3, Vector4};
 
 /// Two bodies of 10 m, EI = 1e4 N·m², 1 kg/m, rotary inertia 0.1 kg·m, EA = 1e8 N, the inner one clamped.
@@ -15,9 +15,9 @@ fn two_bodies(kind: ElementKind, count: usize) -> Machine {
         half_width_m: 0.5,
         half_height_m: 0.5,
     };
-    let mut bodies = vec![body("a", 10.0, &section, kind, count, clamped())];
-    bodies.push(body("b", 10.0, &section, kind, count, hinged_to(&bodies, free_hinge(0.0))));
-    let mut machine = machine(bodies);
+    let beam = |name| body(name, 10.0, &section, kind, count);
+    let hinge = Joint::hinge("fold", free_hinge(0.0)).on("a");
+    let mut machine = machine([(beam("a"), clamped()), (beam("b"), hinge)]);
     machine.gravity_m_s2 = Vector3::new(0.0, 0.0, -9.8);
     machine.solver = Solver { max_step_s: 0.02, ..solver(Method::Esdirk4, 1e-6) };
     machine

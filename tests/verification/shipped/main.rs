@@ -6,7 +6,8 @@ mod flared_tip;
 mod roll_fold;
 mod slender_wing;
 
-use foldwing::config::{self, Machine};
+use foldwing::config;
+use foldwing::machine::Machine;
 use foldwing::plant::Plant;
 use std::sync::Arc;
 

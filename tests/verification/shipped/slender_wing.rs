@@ -1,7 +1,7 @@
 //! F-230, F-231: `slender_wing.toml`, curved, tapered and bent far up, against a planar beam of its own.
 
 use crate::{machine, percent};
-use foldwing::config::Machine;
+use foldwing::machine::Machine;
 use foldwing::plant::{Holding, ModeShape, Plant};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{PI, TAU};

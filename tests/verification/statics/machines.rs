@@ -1,6 +1,7 @@
 //! Model files of the cases.
 
-use foldwing::config::{self, Machine};
+use foldwing::config;
+use foldwing::machine::Machine;
 use foldwing::plant::{Holding, Plant, StaticEffort};
 use std::sync::Arc;
 

@@ -3,7 +3,7 @@
 use crate::machines::{Cantilever, assert_order, machine, plant};
 use crate::reference::{case, numbers};
 use crate::ritz::frequencies;
-use foldwing::config::machine::{JointKind, Spatial, SpatialFreedom};
+use foldwing::machine::{JointKind, Spatial, SpatialFreedom};
 use foldwing::plant::{Holding, ModeShape, Plant};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;

@@ -1,4 +1,16 @@
-//! The validated model: what the file means, in SI and radians, bodies sorted parent before child.
+//! The machine: bodies, joints, loops, gauges, air, solver and experiment, in SI and radians.
+//!
+//! Whoever needs the model needs this module alone. A [`Machine`] comes from [`Machine::builder`], in code or told by a model
+//! file; [`Machine::validate`] says what is wrong with one whose fields were set by hand.
+
+pub mod builder;
+pub(crate) mod edges;
+pub mod fault;
+pub mod pose;
+pub(crate) mod units;
+pub(crate) mod validate;
+
+pub use fault::{Fault, Refused};
 
 pub use crate::actuation::latch::LatchKind;
 pub use crate::actuation::prescribed::Motion;
@@ -177,6 +189,22 @@ pub struct Revolute {
     pub latch: Option<Latch>,
 }
 
+impl Revolute {
+    /// A hinge about an axis in the parent's section frame: free, released, at rest at angle 0, without motor, spring or latch.
+    pub fn about(axis: impl Into<Vector3<f64>>) -> Self {
+        Self {
+            axis: axis.into(),
+            start_angle_rad: 0.0,
+            start_rate_rad_s: 0.0,
+            motion: JointMotion::Free,
+            release: true,
+            drive: Drive::default(),
+            spring: None,
+            latch: None,
+        }
+    }
+}
+
 /// How a fold angle moves.
 #[derive(Debug, Clone, PartialEq)]
 pub enum JointMotion {
@@ -205,6 +233,21 @@ pub struct Drive {
     pub inertia_kg_m2: f64,
     /// Start value of the command input in rad.
     pub command_rad: f64,
+}
+
+impl Default for Drive {
+    /// No motor: no torque, no limits, no inertia.
+    fn default() -> Self {
+        Self {
+            stiffness_n_m_rad: 0.0,
+            damping_n_m_s_rad: 0.0,
+            constant_torque_n_m: 0.0,
+            torque_limit_n_m: UNLIMITED,
+            rate_limit_rad_s: UNLIMITED,
+            inertia_kg_m2: 0.0,
+            command_rad: 0.0,
+        }
+    }
 }
 
 /// Stands for "no limit" in limits that must stay finite numbers (FMI forbids infinity in the description).
@@ -372,6 +415,21 @@ pub struct Solver {
     pub most_iterations: Option<usize>,
 }
 
+impl Default for Solver {
+    /// What a model file without a table `[solver]` has: ESDIRK4 at 1e-4 with steps of up to 5 ms.
+    fn default() -> Self {
+        Self {
+            method: Method::Esdirk4,
+            tolerance: 1e-4,
+            max_step_s: 5e-3,
+            min_step_s: 1e-9,
+            fixed_step_s: None,
+            rho_infinity: 0.8,
+            most_iterations: None,
+        }
+    }
+}
+
 /// Default experiment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {
@@ -383,6 +441,13 @@ pub struct Experiment {
     pub step_s: f64,
     /// State at the start.
     pub start: StartState,
+}
+
+impl Default for Experiment {
+    /// What a model file without a table `[experiment]` has: 0.4 s from 0 on by 0.5 ms, unstrained at the start.
+    fn default() -> Self {
+        Self { start_time_s: 0.0, stop_time_s: 0.4, step_s: 5e-4, start: StartState::Unstrained }
+    }
 }
 
 /// State of the machine at the start of the experiment.

@@ -1,6 +1,6 @@
 //! Where the unstrained machine stands: frames of its sections at given fold angles.
 
-use crate::config::machine::{Body, JointKind, Parent, Revolute};
+use crate::machine::{Body, JointKind, Parent, Revolute};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 /// A section of the unstrained machine in the root frame.

@@ -1,8 +1,8 @@
-//! The unit that a key's ending states.
+//! The unit that a name's ending states, and numbers in words.
 
 /// Unit and quantity of the keys that end alike.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Unit {
+pub(crate) struct Unit {
     /// Ending of the key, e.g. `_N_m_rad`.
     pub suffix: &'static str,
     /// Unit as an engineer writes it, e.g. `N·m/rad`.
@@ -32,11 +32,13 @@ const UNITS: &[Unit] = &[
     unit("_Pa", "Pa", "modulus"),
     unit("_m_s2", "m/s²", "acceleration"),
     unit("_m_s", "m/s", "velocity"),
+    unit("_rad_s", "rad/s", "rate"),
     unit("_deg_s", "deg/s", "rate"),
     unit("_s_deg", "s, deg", "pair"),
+    unit("_1_rad", "1/rad", "slope"),
+    unit("_rad", "rad", "angle"),
     unit("_deg", "deg", "angle"),
     unit("_1_m", "1/m", "curvature"),
-    unit("_1_rad", "1/rad", "slope"),
     unit("_1_s", "1/s", "damping"),
     unit("_SI", "SI", "number"),
     unit("force_N", "N", "force"),
@@ -45,15 +47,48 @@ const UNITS: &[Unit] = &[
     unit("_m", "m", "length"),
 ];
 
-/// Unit of a key, `None` where its ending states none.
-pub(super) fn unit_of(key: &str) -> Option<Unit> {
-    let unit = UNITS.iter().find(|unit| key.ends_with(unit.suffix)).copied()?;
+/// Unit of a key of the model file or of a field here, `None` where its ending states none.
+pub(crate) fn unit_of(key: &str) -> Option<Unit> {
+    let ends = |unit: &&Unit| {
+        let begin = key.len().checked_sub(unit.suffix.len());
+        begin.and_then(|begin| key.get(begin..)).is_some_and(|ending| ending.eq_ignore_ascii_case(unit.suffix))
+    };
+    let unit = UNITS.iter().find(ends).copied()?;
     // Off-diagonal stiffnesses in N·m are no torques.
     Some(if key.starts_with("coupling_") { Unit { quantity: "stiffness", ..unit } } else { unit })
 }
 
+/// A finite number in words, with a range that begins with a space or is empty, e.g. `a finite length > 0 m`; several
+/// with `plural`.
+pub(crate) fn finite(key: &str, range: &str, plural: &str) -> String {
+    let article = if plural.is_empty() { "a " } else { "" };
+    let (quantity, unit) = unit_of(key).map_or(("number", ""), |unit| (unit.quantity, unit.symbol));
+    let unit = match (unit, range.is_empty()) {
+        ("", _) => String::new(),
+        (unit, true) => format!(" in {unit}"),
+        (unit, false) if unit.starts_with(char::is_numeric) => format!(" ({unit})"),
+        (unit, false) => format!(" {unit}"),
+    };
+    let quantity = match quantity.strip_suffix('y') {
+        Some(stem) if !plural.is_empty() => format!("{stem}ie"),
+        _ => quantity.to_owned(),
+    };
+    format!("{article}finite {quantity}{plural}{range}{unit}")
+}
+
+/// `"a" or "b"`.
+pub(crate) fn quoted(options: &[&str]) -> String {
+    options.iter().map(|option| format!("{option:?}")).collect::<Vec<_>>().join(" or ")
+}
+
+/// A number in its shortest form.
+pub(crate) fn shortest(value: f64) -> String {
+    let size = value.abs();
+    if value != 0.0 && !(1e-3..1e6).contains(&size) { format!("{value:e}") } else { format!("{value}") }
+}
+
 /// The known key that `key` is without its unit or with another one, e.g. `length` or `length_mm` for `length_m`.
-pub(super) fn same_quantity<'a>(key: &str, known: impl IntoIterator<Item = &'a str>) -> Option<(&'a str, Unit)> {
+pub(crate) fn same_quantity<'a>(key: &str, known: impl IntoIterator<Item = &'a str>) -> Option<(&'a str, Unit)> {
     known
         .into_iter()
         .filter_map(|known| unit_of(known).map(|unit| (known, unit)))

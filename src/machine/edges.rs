@@ -2,8 +2,8 @@
 
 use crate::actuation::prescribed::Law;
 use crate::aero::surface::ChordLine;
-use crate::config::machine::{Body, JointKind, JointMotion, LiftingSurface, Parent, SpatialFreedom};
-use crate::config::pose::{along, first_frames};
+use crate::machine::pose::{along, first_frames};
+use crate::machine::{Body, JointKind, JointMotion, LiftingSurface, Parent, SpatialFreedom};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 /// Distance over a body's length, or over a chord, below which two places are the same.
@@ -13,7 +13,7 @@ const NEAR: f64 = 1e-9;
 const REST_SHARE: f64 = 1e-9;
 
 /// Inner edge of a surface.
-pub(super) struct RootEdge {
+pub(crate) struct RootEdge {
     /// Body that carries the surface.
     pub body: usize,
     /// Chord there, section frame.
@@ -26,7 +26,7 @@ pub(super) struct RootEdge {
 /// Surfaces whose inner ends hang on one place (two halves of a wing on the root or on a keel) go on in one another where
 /// their edges coincide at the start: what hangs on one place stays together. A mirror plane through the inner end holds
 /// it as well. Edges that happen to meet at the start, as those of a wing folded flat, end freely.
-pub(super) fn free_edges(body: usize, edges: &[RootEdge], bodies: &[Body], mirror: Option<Vector3<f64>>) -> [bool; 2] {
+pub(crate) fn free_edges(body: usize, edges: &[RootEdge], bodies: &[Body], mirror: Option<Vector3<f64>>) -> [bool; 2] {
     let has_surface = |body: usize| edges.iter().any(|edge| edge.body == body);
     let at_end = |parent: usize, position_m: f64| position_m >= bodies[parent].length_m * (1.0 - NEAR);
     let goes_on = bodies.iter().enumerate().any(|(child, described)| match described.joint.parent {
@@ -44,7 +44,7 @@ pub(super) fn free_edges(body: usize, edges: &[RootEdge], bodies: &[Body], mirro
 }
 
 /// Body of the first other surface whose inner edge hangs on the same place and coincides at the start.
-pub(super) fn other_half(body: usize, edges: &[RootEdge], bodies: &[Body]) -> Option<usize> {
+pub(crate) fn other_half(body: usize, edges: &[RootEdge], bodies: &[Body]) -> Option<usize> {
     edges.iter().find(|edge| edge.body != body && coincide(body, edge, edges, bodies)).map(|edge| edge.body)
 }
 
@@ -121,7 +121,7 @@ fn stays(body: usize, bodies: &[Body]) -> bool {
 
 /// Speed in m/s of the trailing edge's fastest point against the air at the start, the root frame at rest; `None` where
 /// they do not move against each other.
-pub(super) fn fastest_m_s(
+pub(crate) fn fastest_m_s(
     surfaces: &[LiftingSurface],
     bodies: &[Body],
     wind_m_s: Vector3<f64>,

@@ -1,0 +1,341 @@
+//! Air in code: what the tables `[aerodynamics]`, `[surface.<name>]` and `[gust.<name>]` of the model file can say.
+
+use crate::aero::AirOptions;
+use crate::aero::flow::{Gust, GustShape};
+use crate::aero::lattice::{LatticeOptions, LoadRule, WakeModel};
+use crate::aero::strip::StripOptions;
+use crate::aero::strip::indicial::Fit;
+use crate::machine::builder::surfaces::{SurfaceBuilder, draft, place_all};
+use crate::machine::edges::fastest_m_s;
+use crate::machine::fault::{Checker, array_text};
+use crate::machine::units::shortest;
+use crate::machine::validate::air::lattice_size;
+use crate::machine::{Air, Body, Coupling};
+use nalgebra::Vector3;
+
+/// Core radius over the smallest panel's chord where none is stated.
+const CORE_SHARE: f64 = 1e-2;
+
+/// Model of the air in the builder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Model {
+    Lattice,
+    Strips,
+    None,
+}
+
+/// Air under construction: [`Air::lattice`], [`Air::strips`], [`Air::none`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct AirBuilder {
+    model: Model,
+    density_kg_m3: f64,
+    wind_m_s: Vector3<f64>,
+    step_s: Option<f64>,
+    coupling: Coupling,
+    established: bool,
+    reports_circulation: bool,
+    unsteady: bool,
+    apparent_mass: bool,
+    fit: Fit,
+    leading_edge_suction: Option<bool>,
+    mirror_normal: Option<Vector3<f64>>,
+    wake: WakeModel,
+    wake_rows: usize,
+    core_radius_m: Option<f64>,
+    threads: usize,
+}
+
+impl Air {
+    fn builder(model: Model) -> AirBuilder {
+        AirBuilder {
+            model,
+            density_kg_m3: 1.225,
+            wind_m_s: Vector3::zeros(),
+            step_s: None,
+            coupling: Coupling::Iterated { tolerance: 1e-4, most_iterations: 50 },
+            established: true,
+            reports_circulation: false,
+            unsteady: true,
+            apparent_mass: true,
+            fit: Fit::Jones,
+            leading_edge_suction: None,
+            mirror_normal: None,
+            wake: WakeModel::Prescribed,
+            wake_rows: 100,
+            core_radius_m: None,
+            threads: 1,
+        }
+    }
+
+    /// An unsteady vortex lattice.
+    pub fn lattice() -> AirBuilder {
+        Self::builder(Model::Lattice)
+    }
+
+    /// Strip theory.
+    pub fn strips() -> AirBuilder {
+        Self::builder(Model::Strips)
+    }
+
+    /// No air: loads come from outside. Surfaces and gusts are checked and left out.
+    pub fn none() -> AirBuilder {
+        Self::builder(Model::None)
+    }
+}
+
+impl AirBuilder {
+    /// Density in kg/m³. Default 1.225.
+    pub fn density_kg_m3(self, density_kg_m3: f64) -> Self {
+        Self { density_kg_m3, ..self }
+    }
+
+    /// Velocity of the air relative to the root in m/s, root frame: start value of the input. Default 0.
+    pub fn wind_m_s(self, wind_m_s: impl Into<Vector3<f64>>) -> Self {
+        Self { wind_m_s: wind_m_s.into(), ..self }
+    }
+
+    /// Aerodynamic step in s. Default the time in which the fastest point of the trailing edge passes one panel at the start.
+    pub fn step_s(self, step_s: f64) -> Self {
+        Self { step_s: Some(step_s), ..self }
+    }
+
+    /// How air and structure agree. Default iteration to 1e-4, at most 50 times.
+    pub fn coupling(self, coupling: Coupling) -> Self {
+        Self { coupling, ..self }
+    }
+
+    /// Whether the flow of the start has been there for long. Default true.
+    pub fn established(self, established: bool) -> Self {
+        Self { established, ..self }
+    }
+
+    /// Whether the circulation of every strip is an output. Default false.
+    pub fn reports_circulation(self, reports_circulation: bool) -> Self {
+        Self { reports_circulation, ..self }
+    }
+
+    /// Strips with the memory of Wagner's and Küssner's functions. Default true.
+    pub fn unsteady(self, unsteady: bool) -> Self {
+        Self { unsteady, ..self }
+    }
+
+    /// Strips with the apparent mass of the air. Default true.
+    pub fn apparent_mass(self, apparent_mass: bool) -> Self {
+        Self { apparent_mass, ..self }
+    }
+
+    /// Fit to Wagner's and Küssner's functions; strips only. Default [`Fit::Jones`].
+    pub fn fit(self, fit: Fit) -> Self {
+        Self { fit, ..self }
+    }
+
+    /// Suction at the leading edge. Default true for strips; false for the lattice, whose loads then follow Bernoulli's
+    /// equation instead of Kutta–Joukowski's theorem.
+    pub fn leading_edge_suction(self, suction: bool) -> Self {
+        Self { leading_edge_suction: Some(suction), ..self }
+    }
+
+    /// Normal of a mirror plane through the root's origin, of any length but zero; lattice only. Default none.
+    pub fn mirror_normal(self, normal: impl Into<Vector3<f64>>) -> Self {
+        Self { mirror_normal: Some(normal.into()), ..self }
+    }
+
+    /// How the wake of the lattice moves. Default [`WakeModel::Prescribed`].
+    pub fn wake(self, wake: WakeModel) -> Self {
+        Self { wake, ..self }
+    }
+
+    /// Rows of panels that the wake of the lattice keeps. Default 100.
+    pub fn wake_rows(self, wake_rows: usize) -> Self {
+        Self { wake_rows, ..self }
+    }
+
+    /// Radius of the vortices' cores in m; lattice only. Default a hundredth of the shortest panel's chord.
+    pub fn core_radius_m(self, core_radius_m: f64) -> Self {
+        Self { core_radius_m: Some(core_radius_m), ..self }
+    }
+
+    /// Threads for the influence of the wake; the result does not depend on it. Lattice only. Default 1.
+    pub fn threads(self, threads: usize) -> Self {
+        Self { threads, ..self }
+    }
+}
+
+/// A gust under construction: [`GustBuilder::new`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct GustBuilder {
+    name: String,
+    shape: GustShape,
+    velocity_m_s: Vector3<f64>,
+    direction: Option<Vector3<f64>>,
+    speed_m_s: Option<f64>,
+    origin_m: Vector3<f64>,
+    start_s: f64,
+}
+
+impl GustBuilder {
+    /// A gust by its shape and its largest added velocity in m/s, root frame. It travels with the wind and passes the
+    /// root's origin at 0 s unless told otherwise.
+    pub fn new(name: impl Into<String>, shape: GustShape, velocity_m_s: impl Into<Vector3<f64>>) -> Self {
+        Self {
+            name: name.into(),
+            shape,
+            velocity_m_s: velocity_m_s.into(),
+            direction: None,
+            speed_m_s: None,
+            origin_m: Vector3::zeros(),
+            start_s: 0.0,
+        }
+    }
+
+    /// Direction in which it travels, root frame, of any length but zero.
+    pub fn direction(self, direction: impl Into<Vector3<f64>>) -> Self {
+        Self { direction: Some(direction.into()), ..self }
+    }
+
+    /// Speed at which it travels in m/s.
+    pub fn speed_m_s(self, speed_m_s: f64) -> Self {
+        Self { speed_m_s: Some(speed_m_s), ..self }
+    }
+
+    /// Place in m that its front passes at [`GustBuilder::start_s`].
+    pub fn origin_m(self, origin_m: impl Into<Vector3<f64>>) -> Self {
+        Self { origin_m: origin_m.into(), ..self }
+    }
+
+    /// Time in s at which its front passes [`GustBuilder::origin_m`].
+    pub fn start_s(self, start_s: f64) -> Self {
+        Self { start_s, ..self }
+    }
+
+    fn build(&self, wind_m_s: &Vector3<f64>, checker: &mut Checker) -> Option<Gust> {
+        let place = |key| ["gust", self.name.as_str(), key];
+        let direction = self.direction.unwrap_or(*wind_m_s);
+        let Some(unit) = direction.try_normalize(0.0).filter(|unit| unit.norm() > 0.5) else {
+            let allowed = "an array of 3 finite numbers, not all 0; its default is the direction of wind_m_s";
+            checker.refuse(&place("direction"), array_text(direction.as_slice()), allowed);
+            return None;
+        };
+        let speed_m_s = self.speed_m_s.unwrap_or(wind_m_s.norm());
+        if speed_m_s <= 0.0 {
+            let allowed = "a finite speed > 0 m/s; its default is that of wind_m_s";
+            checker.refuse(&place("speed_m_s"), shortest(speed_m_s), allowed);
+            return None;
+        }
+        Some(Gust {
+            name: self.name.clone(),
+            shape: self.shape,
+            velocity_m_s: self.velocity_m_s,
+            direction: unit,
+            speed_m_s,
+            origin_m: self.origin_m,
+            start_s: self.start_s,
+        })
+    }
+}
+
+/// The air around bodies that stand; `None` without air, or where something was refused that leaves nothing to build.
+/// Bodies that `stand` not are not looked at further than by name.
+pub(super) fn build(
+    air: Option<&AirBuilder>,
+    surfaces: &[SurfaceBuilder],
+    gusts: &[GustBuilder],
+    bodies: &[Body],
+    stand: bool,
+    start_time_s: f64,
+    checker: &mut Checker,
+) -> Option<Air> {
+    let Some(air) = air else {
+        let stray = surfaces.first().map(|surface| ["surface", surface.body.as_str()]);
+        let stray = stray.or(gusts.first().map(|gust| ["gust", gust.name.as_str()]));
+        if let Some(place) = stray {
+            checker.refuse_state(&place, "a surface or gust without air", "a machine with air");
+        }
+        return None;
+    };
+    let drafts: Option<Vec<_>> = {
+        let drafts: Vec<Option<_>> =
+            surfaces.iter().enumerate().map(|(index, _)| draft(index, surfaces, bodies, checker)).collect();
+        drafts.into_iter().collect()
+    };
+    let gusts: Vec<Option<Gust>> = gusts.iter().map(|gust| gust.build(&air.wind_m_s, checker)).collect();
+    if air.model == Model::None {
+        return None;
+    }
+    if surfaces.is_empty() {
+        let allowed = "at least one surface";
+        checker.refuse_state(&["air", "model"], "air without a surface", allowed);
+        return None;
+    }
+    let mirror = match air.mirror_normal {
+        None => None,
+        Some(normal) => match normal.try_normalize(0.0).filter(|unit| unit.norm() > 0.5) {
+            Some(unit) => Some(unit),
+            None => {
+                let found = array_text(normal.as_slice());
+                checker.refuse(&["air", "mirror_normal"], found, "an array of 3 finite numbers, not all 0");
+                return None;
+            }
+        },
+    };
+    let drafts = drafts?;
+    let gusts = gusts.into_iter().collect::<Option<Vec<_>>>()?;
+    if !stand {
+        return None;
+    }
+    let lattice = air.model == Model::Lattice;
+    if lattice {
+        let sizes = drafts.iter().map(|draft| (draft.surface.strips, draft.surface.chord_panels));
+        if !lattice_size(sizes, air.wake_rows, checker) {
+            return None;
+        }
+    }
+    let surfaces = place_all(&drafts, lattice, bodies, mirror);
+    let smallest_m = surfaces
+        .iter()
+        .flat_map(|surface| surface.chords.iter().map(|chord| chord.length_m() / surface.chord_panels as f64))
+        .fold(f64::INFINITY, f64::min);
+    let step_s = match air.step_s {
+        Some(step_s) => step_s,
+        None => match fastest_m_s(&surfaces, bodies, air.wind_m_s, start_time_s) {
+            Some(speed_m_s) => smallest_m / speed_m_s,
+            None => {
+                let allowed = "a finite time > 0 s: it has no default if wing and air do not move relative to each other at the start";
+                checker.refuse(&["air", "step_s"], "none", allowed);
+                return None;
+            }
+        },
+    };
+    let options = if lattice {
+        AirOptions::Lattice(LatticeOptions {
+            wake: air.wake,
+            wake_rows: air.wake_rows,
+            core_radius_m: air.core_radius_m.unwrap_or(CORE_SHARE * smallest_m),
+            load_rule: if air.leading_edge_suction.unwrap_or(false) {
+                LoadRule::KuttaJoukowski
+            } else {
+                LoadRule::Bernoulli
+            },
+            mirror_normal: mirror,
+            threads: air.threads,
+        })
+    } else {
+        AirOptions::Strips(StripOptions {
+            unsteady: air.unsteady,
+            apparent_mass: air.apparent_mass,
+            fit: air.fit,
+            leading_edge_suction: air.leading_edge_suction.unwrap_or(true),
+        })
+    };
+    Some(Air {
+        options,
+        density_kg_m3: air.density_kg_m3,
+        wind_m_s: air.wind_m_s,
+        step_s,
+        coupling: air.coupling,
+        established: air.established,
+        reports_circulation: air.reports_circulation,
+        surfaces,
+        gusts,
+    })
+}

@@ -1,0 +1,295 @@
+//! Bodies in code, and what sits on them: what the tables `[body.<name>]`, `[mass.<name>]`, `[gauge.<name>]` and
+//! `[loop.<name>]` of the model file can say.
+
+use crate::beam::law::{NaturalStrain, SectionLaw};
+use crate::beam::profile::Profile;
+use crate::load::{LoadFrame, Wrench};
+use crate::machine::fault::{Checker, array_text};
+use crate::machine::units::shortest;
+use crate::machine::validate::MOST_STATIONS_OF_BODY;
+use crate::machine::{AttachedMass, Body, Closure, ElementKind, Gauge, Joint};
+use nalgebra::{Matrix3, Vector3};
+
+/// Load stations of a body that says nothing about them.
+const DEFAULT_STATIONS: usize = 4;
+
+/// Load stations under construction.
+#[derive(Debug, Clone, PartialEq)]
+enum Stations {
+    /// At the centres of so many equal strips.
+    Equal(usize),
+    /// At distances in m from the inner end.
+    At(Vec<f64>),
+}
+
+/// A body under construction: [`Body::beam`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyBuilder {
+    pub(super) name: String,
+    pub(super) length_m: f64,
+    section: SectionLaw,
+    element: ElementKind,
+    elements: usize,
+    natural_strain: NaturalStrain,
+    mass_damping_1_s: f64,
+    damp_attached_masses: bool,
+    stiffness_damping_s: f64,
+    stations: Stations,
+    load_frame: LoadFrame,
+}
+
+impl Body {
+    /// A beam by its name, its length in m and its section: a [`Solid`](crate::beam::section::Solid), a
+    /// [`Section`](crate::beam::section::Section) or a [`SectionLaw`] that varies along it. Say how many elements it has.
+    pub fn beam(name: impl Into<String>, length_m: f64, section: impl Into<SectionLaw>) -> BodyBuilder {
+        BodyBuilder {
+            name: name.into(),
+            length_m,
+            section: section.into(),
+            element: ElementKind::Linear,
+            elements: 0,
+            natural_strain: [0.0; 4].into(),
+            mass_damping_1_s: 0.0,
+            damp_attached_masses: false,
+            stiffness_damping_s: 0.0,
+            stations: Stations::Equal(DEFAULT_STATIONS),
+            load_frame: LoadFrame::Root,
+        }
+    }
+}
+
+impl BodyBuilder {
+    /// Number of elements along the body: 1 to 1000. Must be said.
+    pub fn elements(self, elements: usize) -> Self {
+        Self { elements, ..self }
+    }
+
+    /// Kind of strain element. Default [`ElementKind::Linear`].
+    pub fn element(self, element: ElementKind) -> Self {
+        Self { element, ..self }
+    }
+
+    /// Natural twist and curvatures `[κx, κy, κz]` in 1/m, constant along the body. Default 0.
+    pub fn natural_curvature_1_m(self, [twist, y, z]: [f64; 3]) -> Self {
+        self.natural_strain(NaturalStrain::from([0.0, twist, y, z]))
+    }
+
+    /// Natural twist and curvatures `κx`, `κy`, `κz` in 1/m as functions of the distance from the inner end in m.
+    pub fn natural_curvature_along_1_m(self, [twist, y, z]: [Profile; 3]) -> Self {
+        self.natural_strain(NaturalStrain([Profile::constant(0.0), twist, y, z]))
+    }
+
+    /// Natural strain `(εx, κx, κy, κz)` along the body. Default 0.
+    pub fn natural_strain(self, natural_strain: NaturalStrain) -> Self {
+        Self { natural_strain, ..self }
+    }
+
+    /// Mass-proportional damping in 1/s. Default 0.
+    pub fn mass_damping_1_s(self, damping_1_s: f64) -> Self {
+        Self { mass_damping_1_s: damping_1_s, ..self }
+    }
+
+    /// The mass-proportional damping acts on attached masses too. Default false.
+    pub fn damp_attached_masses(self, damped: bool) -> Self {
+        Self { damp_attached_masses: damped, ..self }
+    }
+
+    /// Stiffness-proportional damping in s. Default 0.
+    pub fn stiffness_damping_s(self, damping_s: f64) -> Self {
+        Self { stiffness_damping_s: damping_s, ..self }
+    }
+
+    /// Load stations at the centres of so many equal strips, 0 to 1000. Default 4.
+    pub fn load_stations(self, count: usize) -> Self {
+        Self { stations: Stations::Equal(count), ..self }
+    }
+
+    /// Load stations at distances in m from the inner end, ascending.
+    pub fn load_station_positions_m(self, positions_m: impl Into<Vec<f64>>) -> Self {
+        Self { stations: Stations::At(positions_m.into()), ..self }
+    }
+
+    /// Frame of the loads at the stations. Default [`LoadFrame::Root`].
+    pub fn load_frame(self, load_frame: LoadFrame) -> Self {
+        Self { load_frame, ..self }
+    }
+
+    /// The body on a joint; too many load stations are refused and left out.
+    pub(super) fn build(&self, joint: Joint, checker: &mut Checker) -> Body {
+        let station_positions_m: Vec<f64> = match &self.stations {
+            Stations::At(positions_m) => positions_m.clone(),
+            Stations::Equal(count) => {
+                let fits = checker.count(&["body", &self.name, "load_stations"], *count, 0, MOST_STATIONS_OF_BODY);
+                let count = if fits { *count } else { 0 };
+                (0..count).map(|i| self.length_m * (i as f64 + 0.5) / count as f64).collect()
+            }
+        };
+        Body {
+            name: self.name.clone(),
+            length_m: self.length_m,
+            section: self.section.clone(),
+            element: self.element,
+            elements: self.elements,
+            natural_strain: self.natural_strain.clone(),
+            mass_damping_1_s: self.mass_damping_1_s,
+            damp_attached_masses: self.damp_attached_masses,
+            stiffness_damping_s: self.stiffness_damping_s,
+            station_loads: vec![Wrench::default(); station_positions_m.len()],
+            station_positions_m,
+            load_frame: self.load_frame,
+            masses: Vec::new(),
+            joint,
+        }
+    }
+}
+
+impl AttachedMass {
+    /// A point mass in kg on the axis, at a distance in m from its body's inner end. Its offset and inertia can be set.
+    pub fn point(name: impl Into<String>, position_m: f64, mass_kg: f64) -> Self {
+        let (offset_m, inertia_kg_m2) = (Vector3::zeros(), Matrix3::zeros());
+        Self { name: name.into(), position_m, mass_kg, offset_m, inertia_kg_m2 }
+    }
+}
+
+/// A strain gauge under construction: [`Gauge::on`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct GaugeBuilder {
+    pub(super) name: String,
+    pub(super) body: String,
+    position_m: f64,
+    y_m: f64,
+    z_m: Option<f64>,
+    direction: Vector3<f64>,
+}
+
+impl Gauge {
+    /// A gauge along the axis on the upper face of the body of a name, at a distance in m from its inner end.
+    pub fn on(name: impl Into<String>, body: impl Into<String>, position_m: f64) -> GaugeBuilder {
+        let (y_m, z_m, direction) = (0.0, None, Vector3::x());
+        GaugeBuilder { name: name.into(), body: body.into(), position_m, y_m, z_m, direction }
+    }
+}
+
+impl GaugeBuilder {
+    /// Chordwise coordinate in m. Default 0.
+    pub fn y_m(self, y_m: f64) -> Self {
+        Self { y_m, ..self }
+    }
+
+    /// Thickness coordinate in m. Default the upper face.
+    pub fn z_m(self, z_m: f64) -> Self {
+        Self { z_m: Some(z_m), ..self }
+    }
+
+    /// Direction of the fibre in the section frame, of any length but zero. Default along the axis.
+    pub fn direction(self, direction: impl Into<Vector3<f64>>) -> Self {
+        Self { direction: direction.into(), ..self }
+    }
+
+    /// The gauge on its body; `None` where it points nowhere.
+    pub(super) fn build(&self, index: usize, law: &SectionLaw, checker: &mut Checker) -> Option<Gauge> {
+        let Some(direction) = self.direction.try_normalize(0.0).filter(|unit| unit.norm() > 0.5) else {
+            let found = array_text(self.direction.as_slice());
+            checker.refuse(&["gauge", &self.name, "direction"], found, "an array of 3 finite numbers, not all 0");
+            return None;
+        };
+        let z_m = self.z_m.unwrap_or_else(|| law.at(self.position_m).half_height_m);
+        let (name, position_m) = (self.name.clone(), self.position_m);
+        Some(Gauge { name, body: index, position_m, y_m: self.y_m, z_m, direction })
+    }
+}
+
+/// A loop under construction: [`Closure::between`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClosureBuilder {
+    pub(super) name: String,
+    pub(super) bodies: [String; 2],
+    positions_m: Option<[f64; 2]>,
+    offsets_m: [Vector3<f64>; 2],
+    stiffness_n_m: f64,
+    damping_n_s_m: f64,
+    inertia_kg: f64,
+}
+
+impl Closure {
+    /// A ball joint that closes a loop between the outer ends of two bodies, by a penalty stiffness in N/m.
+    pub fn between(name: impl Into<String>, bodies: [&str; 2], stiffness_n_m: f64) -> ClosureBuilder {
+        ClosureBuilder {
+            name: name.into(),
+            bodies: bodies.map(str::to_owned),
+            positions_m: None,
+            offsets_m: [Vector3::zeros(); 2],
+            stiffness_n_m,
+            damping_n_s_m: 0.0,
+            inertia_kg: 0.0,
+        }
+    }
+}
+
+impl ClosureBuilder {
+    /// Distances of the sections from the bodies' inner ends in m. Default their outer ends.
+    pub fn positions_m(self, positions_m: [f64; 2]) -> Self {
+        Self { positions_m: Some(positions_m), ..self }
+    }
+
+    /// The points from the sections' axes in m, section frames. Default 0.
+    pub fn offsets_m(self, offsets_m: [[f64; 3]; 2]) -> Self {
+        Self { offsets_m: offsets_m.map(Into::into), ..self }
+    }
+
+    /// Penalty damping in N·s/m. Default 0.
+    pub fn damping_n_s_m(self, damping_n_s_m: f64) -> Self {
+        Self { damping_n_s_m, ..self }
+    }
+
+    /// Penalty inertia in kg, which acts on the gap only. Default 0.
+    pub fn inertia_kg(self, inertia_kg: f64) -> Self {
+        Self { inertia_kg, ..self }
+    }
+
+    /// The loop between bodies that `indices` finds; `None` where one is not there.
+    pub(super) fn build(&self, bodies: &[Body], checker: &mut Checker) -> Option<Closure> {
+        let place = ["loop", self.name.as_str(), "bodies"];
+        let mut places = [(0, 0.0); 2];
+        for (side, place_of) in places.iter_mut().enumerate() {
+            let name = self.bodies[side].as_str();
+            if name == "root" {
+                let allowed = "two bodies: a loop cannot be closed on the root. Attach one of the bodies by a joint with \
+                               parent = \"root\" and close the loop between two bodies";
+                checker.refuse(&place, format!("{:?}", self.bodies), allowed);
+                return None;
+            }
+            let Some(index) = bodies.iter().position(|body| body.name == name) else {
+                checker.unknown_name(&place, name, "names of bodies", bodies.iter().map(|body| body.name.as_str()));
+                return None;
+            };
+            *place_of = (index, self.positions_m.map_or(bodies[index].length_m, |positions_m| positions_m[side]));
+        }
+        Some(Closure {
+            name: self.name.clone(),
+            places,
+            offsets_m: self.offsets_m,
+            inertia_kg: self.inertia_kg,
+            damping_n_s_m: self.damping_n_s_m,
+            stiffness_n_m: self.stiffness_n_m,
+        })
+    }
+}
+
+/// Adds a load at a station of a body, counted from 1; refused where there is none.
+pub(super) fn add_load(name: &str, station: usize, load: &Wrench, body: &mut Body, checker: &mut Checker) {
+    let count = body.station_loads.len();
+    match station.checked_sub(1).and_then(|index| body.station_loads.get_mut(index)) {
+        Some(sum) => {
+            sum.force_n += load.force_n;
+            sum.moment_n_m += load.moment_n_m;
+        }
+        None => {
+            let allowed = match count {
+                0 => format!("a body with load stations: {:?} has none", body.name),
+                count => format!("a whole number from 1 to {count}, the load stations of {:?}", body.name),
+            };
+            checker.refuse(&["load", name, "station"], shortest(station as f64), allowed);
+        }
+    }
+}

@@ -1,0 +1,478 @@
+//! Joints in code: what a table `[joint.<name>]` of the model file can say.
+
+use crate::actuation::prescribed::Law;
+use crate::machine::fault::{Checker, array_text};
+use crate::machine::units::{quoted, shortest};
+use crate::machine::validate::joint::{ACROSS, check_motion, latch_stiffness_n_m_rad};
+use crate::machine::{
+    DEFAULT_CAPTURE_RAD, Drive, Joint, JointKind, JointMotion, Latch, LatchKind, Motion, Parent, Revolute, Spatial,
+    SpatialFreedom, Spring,
+};
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+/// Type of a joint in the builder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Type {
+    Clamped,
+    Revolute,
+    Universal,
+    Ball,
+    Free,
+}
+
+impl Type {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Clamped => "clamped",
+            Self::Revolute => "revolute",
+            Self::Universal => "universal",
+            Self::Ball => "ball",
+            Self::Free => "free",
+        }
+    }
+}
+
+/// What a joint holds on to, by name.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Holder {
+    /// The root frame, at a position in m.
+    Root(Vector3<f64>),
+    /// A body, at a distance in m from its inner end or at its outer end.
+    Body(String, Option<f64>),
+}
+
+/// A joint under construction: [`Joint::clamped`], [`Joint::revolute`], [`Joint::universal`], [`Joint::ball`],
+/// [`Joint::free`]. It holds on to the root's origin unless told otherwise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointBuilder {
+    pub(super) name: String,
+    pub(super) kind: Type,
+    pub(super) holder: Holder,
+    mount: Matrix3<f64>,
+    axis: Vector3<f64>,
+    body_axis: Vector3<f64>,
+    start_angular_velocity_rad_s: Option<Vector3<f64>>,
+    start_velocity_m_s: Option<Vector3<f64>>,
+    start_angle_rad: Option<f64>,
+    start_rate_rad_s: Option<f64>,
+    release: Option<bool>,
+    motion: Option<JointMotion>,
+    drive: Option<Drive>,
+    spring: Option<Spring>,
+    latch: Option<LatchBuilder>,
+}
+
+impl Joint {
+    fn builder(name: impl Into<String>, kind: Type) -> JointBuilder {
+        JointBuilder {
+            name: name.into(),
+            kind,
+            holder: Holder::Root(Vector3::zeros()),
+            mount: Matrix3::identity(),
+            axis: Vector3::zeros(),
+            body_axis: Vector3::zeros(),
+            start_angular_velocity_rad_s: None,
+            start_velocity_m_s: None,
+            start_angle_rad: None,
+            start_rate_rad_s: None,
+            release: None,
+            motion: None,
+            drive: None,
+            spring: None,
+            latch: None,
+        }
+    }
+
+    /// A joint that allows nothing.
+    pub fn clamped(name: impl Into<String>) -> JointBuilder {
+        Self::builder(name, Type::Clamped)
+    }
+
+    /// A hinge about `axis` in the parent's section frame, of any length but zero; positive angles by the right hand.
+    pub fn revolute(name: impl Into<String>, axis: impl Into<Vector3<f64>>) -> JointBuilder {
+        JointBuilder { axis: axis.into(), ..Self::builder(name, Type::Revolute) }
+    }
+
+    /// A hinge all of whose fields are set already.
+    pub fn hinge(name: impl Into<String>, hinge: Revolute) -> JointBuilder {
+        let Revolute { axis, start_angle_rad, start_rate_rad_s, motion, release, drive, spring, latch } = hinge;
+        let prescribed = matches!(motion, JointMotion::Prescribed(_)); // by a law, which gives the start angle
+        JointBuilder {
+            start_angle_rad: Some(start_angle_rad).filter(|_| !prescribed),
+            start_rate_rad_s: Some(start_rate_rad_s),
+            motion: Some(motion),
+            release: Some(release),
+            drive: Some(drive),
+            spring,
+            latch: latch.map(LatchBuilder::from),
+            ..Self::revolute(name, axis)
+        }
+    }
+
+    /// A universal joint: rotation about `axis` in the parent's section frame and `body_axis` in the body's.
+    pub fn universal(
+        name: impl Into<String>,
+        axis: impl Into<Vector3<f64>>,
+        body_axis: impl Into<Vector3<f64>>,
+    ) -> JointBuilder {
+        JointBuilder { axis: axis.into(), body_axis: body_axis.into(), ..Self::builder(name, Type::Universal) }
+    }
+
+    /// A ball joint: all rotations.
+    pub fn ball(name: impl Into<String>) -> JointBuilder {
+        Self::builder(name, Type::Ball)
+    }
+
+    /// A free joint: the body flies. On the root only.
+    pub fn free(name: impl Into<String>) -> JointBuilder {
+        Self::builder(name, Type::Free)
+    }
+}
+
+impl JointBuilder {
+    /// Holds on to the outer end of the body `parent`; `"root"` is the root frame's origin.
+    pub fn on(self, parent: impl Into<String>) -> Self {
+        let parent = parent.into();
+        let holder = if parent == "root" { Holder::Root(Vector3::zeros()) } else { Holder::Body(parent, None) };
+        Self { holder, ..self }
+    }
+
+    /// Holds on to the body `parent` at a distance in m from its inner end.
+    pub fn on_at(self, parent: impl Into<String>, position_m: f64) -> Self {
+        Self { holder: Holder::Body(parent.into(), Some(position_m)), ..self }
+    }
+
+    /// Holds on to the root frame at a position in m.
+    pub fn at_root(self, position_m: impl Into<Vector3<f64>>) -> Self {
+        Self { holder: Holder::Root(position_m.into()), ..self }
+    }
+
+    /// Rotation vector in rad of the body's first frame in the parent's frame: at angle zero of hinges, at the start of
+    /// universal, ball and free joints. Default none.
+    pub fn mount_rotation_rad(self, rotation_rad: impl Into<Vector3<f64>>) -> Self {
+        self.mount(Rotation3::new(rotation_rad.into()).into_inner())
+    }
+
+    /// The same as a rotation matrix, parent ← body.
+    pub fn mount(self, mount: Matrix3<f64>) -> Self {
+        Self { mount, ..self }
+    }
+
+    /// Angular velocity in rad/s of a universal, ball or free joint's body at the start, relative to the parent and resolved
+    /// in the parent's section frame. Default 0.
+    pub fn start_angular_velocity_rad_s(self, velocity_rad_s: impl Into<Vector3<f64>>) -> Self {
+        Self { start_angular_velocity_rad_s: Some(velocity_rad_s.into()), ..self }
+    }
+
+    /// Velocity in m/s of a free body's inner end at the start, root frame. Default 0.
+    pub fn start_velocity_m_s(self, velocity_m_s: impl Into<Vector3<f64>>) -> Self {
+        Self { start_velocity_m_s: Some(velocity_m_s.into()), ..self }
+    }
+
+    /// Fold angle of a hinge at the start in rad. Default 0.
+    pub fn start_angle_rad(self, angle_rad: f64) -> Self {
+        Self { start_angle_rad: Some(angle_rad), ..self }
+    }
+
+    /// Fold rate of a hinge at the start in rad/s. Default 0.
+    pub fn start_rate_rad_s(self, rate_rad_s: f64) -> Self {
+        Self { start_rate_rad_s: Some(rate_rad_s), ..self }
+    }
+
+    /// Start value of a hinge's release input; false holds it at its start angle. Default true.
+    pub fn release(self, release: bool) -> Self {
+        Self { release: Some(release), ..self }
+    }
+
+    /// How the angle of a hinge moves. Default [`JointMotion::Free`].
+    pub fn motion(self, motion: JointMotion) -> Self {
+        Self { motion: Some(motion), ..self }
+    }
+
+    /// Holds a hinge at its start angle.
+    pub fn locked(self) -> Self {
+        self.motion(JointMotion::Locked)
+    }
+
+    /// Prescribes the angle of a hinge over absolute time, which gives the start angle too.
+    pub fn prescribed(self, motion: Motion) -> Self {
+        self.motion(JointMotion::Prescribed(motion))
+    }
+
+    /// Motor of a hinge; spring towards the start attitude and damper of a universal or ball joint.
+    pub fn drive(self, drive: Drive) -> Self {
+        Self { drive: Some(drive), ..self }
+    }
+
+    /// Spring and damper of a hinge itself, beside its motor.
+    pub fn spring(self, spring: Spring) -> Self {
+        Self { spring: Some(spring), ..self }
+    }
+
+    /// Latch of a hinge: [`Latch::with_ratio`] or [`Latch::with_stiffness_n_m_rad`].
+    pub fn latch(self, latch: impl Into<LatchBuilder>) -> Self {
+        Self { latch: Some(latch.into()), ..self }
+    }
+
+    /// The joint on a parent that is known; what is refused leaves a stand-in.
+    pub(super) fn build(&self, parent: Parent, start_time_s: f64, checker: &mut Checker) -> Joint {
+        self.refuse_strangers(checker);
+        let kind = match self.kind {
+            Type::Clamped => JointKind::Clamped,
+            Type::Revolute => JointKind::Revolute(Box::new(self.build_revolute(start_time_s, checker))),
+            Type::Universal | Type::Ball | Type::Free => JointKind::Spatial(Box::new(self.build_spatial(checker))),
+        };
+        Joint { name: self.name.clone(), parent, mount: self.mount, kind }
+    }
+
+    /// Refuses what this type of joint does not have.
+    fn refuse_strangers(&self, checker: &mut Checker) {
+        use Type::{Ball, Free, Revolute, Universal};
+        let stated: [(&str, &[Type], Option<String>); 8] = [
+            (
+                "start_angular_velocity_rad_s",
+                &[Universal, Ball, Free],
+                self.start_angular_velocity_rad_s.map(|v| array_text(v.as_slice())),
+            ),
+            ("start_velocity_m_s", &[Free], self.start_velocity_m_s.map(|v| array_text(v.as_slice()))),
+            ("start_angle_rad", &[Revolute], self.start_angle_rad.map(shortest)),
+            ("start_rate_rad_s", &[Revolute], self.start_rate_rad_s.map(shortest)),
+            ("release", &[Revolute], self.release.map(|release| release.to_string())),
+            ("motion", &[Revolute], self.motion.as_ref().map(|motion| format!("{motion:?}"))),
+            ("drive", &[Revolute, Universal, Ball], self.drive.as_ref().map(|_| "a drive".to_owned())),
+            ("spring", &[Revolute], self.spring.map(|_| "a spring".to_owned())),
+        ];
+        let latch = self.latch.as_ref().map(|_| "a latch".to_owned());
+        for (key, types, found) in stated.into_iter().chain([("latch", &[Revolute] as &[Type], latch)]) {
+            if let (Some(found), false) = (found, types.contains(&self.kind)) {
+                let names: Vec<&str> = types.iter().copied().map(Type::name).collect();
+                checker.refuse(
+                    &["joint", &self.name, key],
+                    found,
+                    format!("this key only with type = {}", quoted(&names)),
+                );
+            }
+        }
+    }
+
+    fn build_revolute(&self, start_time_s: f64, checker: &mut Checker) -> Revolute {
+        let name = self.name.as_str();
+        let motion = self.motion.clone().unwrap_or(JointMotion::Free);
+        let drive = self.drive.clone().unwrap_or_default();
+        let spring = self.spring;
+        let own_n_m_rad = drive.stiffness_n_m_rad + spring.map_or(0.0, |spring| spring.stiffness_n_m_rad);
+        let start_angle_rad = match &motion {
+            JointMotion::Prescribed(law) => {
+                if let Some(angle_rad) = self.start_angle_rad {
+                    let allowed = "no start angle with motion = \"prescribed\", which determines it";
+                    checker.refuse(&["joint", name, "start_angle_rad"], shortest(angle_rad), allowed);
+                }
+                // what cannot be evaluated is refused with the machine
+                let sound = check_motion(&["joint", name, "motion"], law, &mut Checker::default());
+                if sound { law_start_rad(law, start_time_s) } else { 0.0 }
+            }
+            _ => self.start_angle_rad.unwrap_or(0.0),
+        };
+        Revolute {
+            axis: self.unit_axis("axis", &self.axis, checker).unwrap_or(Vector3::x()),
+            start_angle_rad,
+            start_rate_rad_s: self.start_rate_rad_s.unwrap_or(0.0),
+            motion,
+            release: self.release.unwrap_or(true),
+            drive,
+            spring,
+            latch: self.latch.as_ref().map(|latch| latch.build(name, own_n_m_rad, checker)),
+        }
+    }
+
+    /// The direction at unit length; `None` where its length is zero, which is refused.
+    fn unit_axis(&self, key: &str, direction: &Vector3<f64>, checker: &mut Checker) -> Option<Vector3<f64>> {
+        let largest = direction.amax();
+        if largest > 0.0 && largest < f64::INFINITY {
+            return Some((direction / largest).normalize());
+        }
+        let found = array_text(direction.as_slice());
+        checker.refuse(&["joint", &self.name, key], found, "an array of 3 finite numbers, not all 0");
+        None
+    }
+
+    /// Axes of a universal joint and its start angular velocity without the part across both that is round-off. A ball joint
+    /// stands in where an axis is refused.
+    fn universal(&self, mut spin: Vector3<f64>, checker: &mut Checker) -> (SpatialFreedom, Vector3<f64>) {
+        let axes = [("axis", &self.axis), ("body_axis", &self.body_axis)];
+        let [Some(parent_axis), Some(body_axis)] = axes.map(|(key, axis)| self.unit_axis(key, axis, checker)) else {
+            return (SpatialFreedom::Ball, spin);
+        };
+        let normal = parent_axis.cross(&(self.mount * body_axis)).normalize();
+        let part = normal * normal.dot(&spin);
+        // more is refused with the machine
+        if spin.amax() > 0.0 && part.norm() <= ACROSS * spin.norm() {
+            spin -= part;
+        }
+        (SpatialFreedom::Universal { parent_axis, body_axis }, spin)
+    }
+
+    fn build_spatial(&self, checker: &mut Checker) -> Spatial {
+        let spin = self.start_angular_velocity_rad_s.unwrap_or_default();
+        let (freedom, spin) = match self.kind {
+            Type::Universal => self.universal(spin, checker),
+            Type::Free => (SpatialFreedom::Free, spin),
+            Type::Ball | Type::Clamped | Type::Revolute => (SpatialFreedom::Ball, spin),
+        };
+        let free = self.kind == Type::Free;
+        let drive = self.drive.clone().filter(|_| !free).unwrap_or_default(); // that of a free joint is refused
+        self.refuse_motor(&drive, checker);
+        Spatial {
+            freedom,
+            stiffness_n_m_rad: drive.stiffness_n_m_rad,
+            damping_n_m_s_rad: drive.damping_n_m_s_rad,
+            start_angular_velocity_rad_s: spin,
+            start_velocity_m_s: self.start_velocity_m_s.filter(|_| free).unwrap_or_default(),
+        }
+    }
+
+    /// Refuses what only the motor of a hinge has.
+    fn refuse_motor(&self, drive: &Drive, checker: &mut Checker) {
+        let none = Drive::default();
+        for (key, value, default) in [
+            ("constant_torque_n_m", drive.constant_torque_n_m, none.constant_torque_n_m),
+            ("torque_limit_n_m", drive.torque_limit_n_m, none.torque_limit_n_m),
+            ("rate_limit_rad_s", drive.rate_limit_rad_s, none.rate_limit_rad_s),
+            ("inertia_kg_m2", drive.inertia_kg_m2, none.inertia_kg_m2),
+            ("command_rad", drive.command_rad, none.command_rad),
+        ] {
+            if value != default {
+                let allowed = "this key only with type = \"revolute\"";
+                checker.refuse(&["joint", &self.name, "drive", key], shortest(value), allowed);
+            }
+        }
+    }
+}
+
+/// Angle of a law at a time in rad; between the points of a table only nearly (straight lines).
+fn law_start_rad(law: &Motion, time_s: f64) -> f64 {
+    match law {
+        Motion::Polynomial(coefficients) => coefficients.iter().rev().fold(0.0, |sum, c| sum * time_s + c),
+        Motion::Onward(_) => Law::new(law).at(time_s)[0],
+        Motion::Table(points) => {
+            let after = points.partition_point(|(time, _)| *time <= time_s);
+            match (points.get(after.wrapping_sub(1)), points.get(after)) {
+                (Some((t0, a0)), Some((t1, a1))) => a0 + (a1 - a0) * (time_s - t0) / (t1 - t0),
+                (Some((_, angle)), None) | (None, Some((_, angle))) => *angle,
+                (None, None) => 0.0,
+            }
+        }
+    }
+}
+
+/// Stiffness of a latch under construction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Stiffening {
+    /// Stiffness of the closed joint over that of motor and spring.
+    Ratio(f64),
+    /// Stiffness that the latch adds, in N·m/rad.
+    Added(f64),
+    /// None: the latch is rigid.
+    Rigid,
+}
+
+/// A latch under construction: [`Latch::with_ratio`], [`Latch::with_stiffness_n_m_rad`], [`Latch::rigid`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct LatchBuilder {
+    stiffening: Stiffening,
+    angle_rad: f64,
+    capture_rad: f64,
+    initially_closed: bool,
+    enable: bool,
+}
+
+impl From<Latch> for LatchBuilder {
+    fn from(latch: Latch) -> Self {
+        Self {
+            stiffening: match latch.kind {
+                LatchKind::Elastic => Stiffening::Added(latch.stiffness_n_m_rad),
+                LatchKind::Rigid => Stiffening::Rigid,
+            },
+            angle_rad: latch.angle_rad,
+            capture_rad: latch.capture_rad,
+            initially_closed: latch.initially_closed,
+            enable: latch.enable,
+        }
+    }
+}
+
+impl Latch {
+    /// A latch at angle 0, open and enabled, that makes its joint `ratio` times as stiff as motor and spring: it adds
+    /// `(ratio − 1) k`.
+    pub fn with_ratio(ratio: f64) -> LatchBuilder {
+        LatchBuilder { stiffening: Stiffening::Ratio(ratio), ..Self::with_stiffness_n_m_rad(0.0) }
+    }
+
+    /// A latch at angle 0, open and enabled, that adds a stiffness in N·m/rad when it is closed.
+    pub fn with_stiffness_n_m_rad(stiffness_n_m_rad: f64) -> LatchBuilder {
+        LatchBuilder {
+            stiffening: Stiffening::Added(stiffness_n_m_rad),
+            angle_rad: 0.0,
+            capture_rad: DEFAULT_CAPTURE_RAD,
+            initially_closed: false,
+            enable: true,
+        }
+    }
+
+    /// A latch at angle 0, open and enabled, that holds the joint where it catches it, without a spring: an impulse stops
+    /// the joint, NOTATION eq. (A7).
+    pub fn rigid() -> LatchBuilder {
+        LatchBuilder { stiffening: Stiffening::Rigid, ..Self::with_stiffness_n_m_rad(0.0) }
+    }
+}
+
+impl LatchBuilder {
+    /// Angle at which it closes in rad. Default 0.
+    pub fn angle_rad(self, angle_rad: f64) -> Self {
+        Self { angle_rad, ..self }
+    }
+
+    /// Half-width in rad of the window that catches the joint. Default [`DEFAULT_CAPTURE_RAD`].
+    pub fn capture_rad(self, capture_rad: f64) -> Self {
+        Self { capture_rad, ..self }
+    }
+
+    /// Closed at the start. Default false.
+    pub fn initially_closed(self, initially_closed: bool) -> Self {
+        Self { initially_closed, ..self }
+    }
+
+    /// Start value of the enable input. Default true.
+    pub fn enable(self, enable: bool) -> Self {
+        Self { enable, ..self }
+    }
+
+    fn build(&self, joint: &str, own_n_m_rad: f64, checker: &mut Checker) -> Latch {
+        let stiffness_n_m_rad = match self.stiffening {
+            Stiffening::Added(stiffness_n_m_rad) => stiffness_n_m_rad,
+            Stiffening::Rigid => 0.0,
+            // the stand-in is a stiffness that nothing refuses
+            Stiffening::Ratio(ratio) => latch_stiffness_n_m_rad(joint, ratio, own_n_m_rad, checker).unwrap_or(1.0),
+        };
+        Latch {
+            kind: if self.stiffening == Stiffening::Rigid { LatchKind::Rigid } else { LatchKind::Elastic },
+            angle_rad: self.angle_rad,
+            stiffness_n_m_rad,
+            capture_rad: self.capture_rad,
+            initially_closed: self.initially_closed,
+            enable: self.enable,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn start_of_a_law() {
+        let table = Motion::Table(vec![(1.0, 0.0), (3.0, 1.0)]);
+        assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(|t| law_start_rad(&table, t)), [0.0, 0.0, 0.5, 1.0, 1.0]);
+        assert_eq!(law_start_rad(&Motion::Polynomial(vec![1.0, 2.0, 3.0]), 2.0), 17.0);
+    }
+}

@@ -1,0 +1,239 @@
+//! A machine in code: what a model file can say, with the same defaults and the same refusals.
+
+mod air;
+mod body;
+mod joint;
+mod surfaces;
+mod tree;
+
+pub use air::{AirBuilder, GustBuilder};
+pub use body::{BodyBuilder, ClosureBuilder, GaugeBuilder};
+pub use joint::{JointBuilder, LatchBuilder};
+pub use surfaces::SurfaceBuilder;
+
+use crate::load::Wrench;
+use crate::machine::fault::{Checker, Refused};
+use crate::machine::validate::{self, names};
+use crate::machine::{AttachedMass, Body, Experiment, Machine, Solver, StartState};
+use nalgebra::Vector3;
+
+/// A machine under construction: [`Machine::builder`]. Parts name one another, in any order.
+#[derive(Debug, Clone)]
+pub struct MachineBuilder {
+    name: String,
+    description: String,
+    gravity_m_s2: Vector3<f64>,
+    bodies: Vec<(BodyBuilder, JointBuilder)>,
+    masses: Vec<(String, AttachedMass)>,
+    loads: Vec<Load>,
+    gauges: Vec<GaugeBuilder>,
+    closures: Vec<ClosureBuilder>,
+    air: Option<AirBuilder>,
+    surfaces: Vec<SurfaceBuilder>,
+    gusts: Vec<GustBuilder>,
+    solver: Solver,
+    experiment: Experiment,
+    step_s: Option<f64>,
+}
+
+/// A load at a station.
+#[derive(Debug, Clone)]
+struct Load {
+    name: String,
+    body: String,
+    station: usize,
+    wrench: Wrench,
+}
+
+impl Machine {
+    /// Begins a machine of a name, an identifier: nothing but defaults, which are those of the model file.
+    pub fn builder(name: impl Into<String>) -> MachineBuilder {
+        MachineBuilder {
+            name: name.into(),
+            description: String::new(),
+            gravity_m_s2: Vector3::zeros(),
+            bodies: Vec::new(),
+            masses: Vec::new(),
+            loads: Vec::new(),
+            gauges: Vec::new(),
+            closures: Vec::new(),
+            air: None,
+            surfaces: Vec::new(),
+            gusts: Vec::new(),
+            solver: Solver::default(),
+            experiment: Experiment::default(),
+            step_s: None,
+        }
+    }
+}
+
+impl MachineBuilder {
+    /// One-line description.
+    pub fn description(self, description: impl Into<String>) -> Self {
+        Self { description: description.into(), ..self }
+    }
+
+    /// Gravity in the root frame in m/s². Default 0.
+    pub fn gravity_m_s2(self, gravity_m_s2: impl Into<Vector3<f64>>) -> Self {
+        Self { gravity_m_s2: gravity_m_s2.into(), ..self }
+    }
+
+    /// Adds a body with the joint that holds its inner end.
+    pub fn body(mut self, body: BodyBuilder, joint: JointBuilder) -> Self {
+        self.bodies.push((body, joint));
+        self
+    }
+
+    /// Fixes a mass to the body of a name.
+    pub fn mass(mut self, body: impl Into<String>, mass: AttachedMass) -> Self {
+        self.masses.push((body.into(), mass));
+        self
+    }
+
+    /// Adds a force and moment, in the body's load frame, at a load station counted from 1 at the inner end.
+    pub fn load(mut self, name: impl Into<String>, body: impl Into<String>, station: usize, wrench: Wrench) -> Self {
+        self.loads.push(Load { name: name.into(), body: body.into(), station, wrench });
+        self
+    }
+
+    /// Adds a strain gauge.
+    pub fn gauge(mut self, gauge: GaugeBuilder) -> Self {
+        self.gauges.push(gauge);
+        self
+    }
+
+    /// Closes a loop.
+    pub fn closure(mut self, closure: ClosureBuilder) -> Self {
+        self.closures.push(closure);
+        self
+    }
+
+    /// Puts air around the machine.
+    pub fn air(self, air: AirBuilder) -> Self {
+        Self { air: Some(air), ..self }
+    }
+
+    /// Adds a lifting surface.
+    pub fn surface(mut self, surface: SurfaceBuilder) -> Self {
+        self.surfaces.push(surface);
+        self
+    }
+
+    /// Adds a gust.
+    pub fn gust(mut self, gust: GustBuilder) -> Self {
+        self.gusts.push(gust);
+        self
+    }
+
+    /// Time integration. Default [`Solver::default`].
+    pub fn solver(self, solver: Solver) -> Self {
+        Self { solver, ..self }
+    }
+
+    /// Start of the default experiment in s. Default 0.
+    pub fn start_time_s(mut self, start_time_s: f64) -> Self {
+        self.experiment.start_time_s = start_time_s;
+        self
+    }
+
+    /// End of the default experiment in s. Default 0.4.
+    pub fn stop_time_s(mut self, stop_time_s: f64) -> Self {
+        self.experiment.stop_time_s = stop_time_s;
+        self
+    }
+
+    /// Communication step of the default experiment in s. Default 5e-4, or the whole experiment if that is shorter.
+    pub fn step_s(self, step_s: f64) -> Self {
+        Self { step_s: Some(step_s), ..self }
+    }
+
+    /// State at the start. Default [`StartState::Unstrained`].
+    pub fn start(mut self, start: StartState) -> Self {
+        self.experiment.start = start;
+        self
+    }
+
+    /// The machine, validated.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it: names, references, the tree of bodies, numbers, and what several of them say
+    /// together.
+    pub fn build(&self) -> Result<Machine, Refused> {
+        let mut checker = Checker::default();
+        let machine = self.assemble(&mut checker);
+        if checker.faults.is_empty() { Ok(machine) } else { Err(Refused { faults: checker.faults }) }
+    }
+
+    fn assemble(&self, checker: &mut Checker) -> Machine {
+        let start_time_s = self.experiment.start_time_s;
+        let tree = tree::resolve(&self.bodies, checker);
+        let mut bodies: Vec<Body> = Vec::with_capacity(self.bodies.len());
+        for index in &tree.order {
+            let (body, joint) = &self.bodies[*index];
+            let joint = joint.build(tree.parents[*index].clone(), start_time_s, checker);
+            bodies.push(body.build(joint, checker));
+        }
+        self.attach(&mut bodies, checker);
+        let closures = self.closures.iter().filter_map(|closure| closure.build(&bodies, checker)).collect();
+        names("load", self.loads.iter().map(|load| load.name.as_str()), checker);
+        let mut machine = Machine {
+            name: self.name.clone(),
+            description: self.description.clone(),
+            bodies,
+            closures,
+            gauges: Vec::new(),
+            air: None,
+            gravity_m_s2: self.gravity_m_s2,
+            solver: self.solver.clone(),
+            experiment: self.experiment(),
+        };
+        for gauge in &self.gauges {
+            let index = self.index_of(&["gauge", &gauge.name, "body"], &gauge.body, &machine.bodies, checker);
+            machine.gauges.extend(index.and_then(|index| gauge.build(index, &machine.bodies[index].section, checker)));
+        }
+        validate::structure(&machine, checker);
+        // air is placed on bodies that stand
+        let stand = tree.holds && validate::stand(checker);
+        let (surfaces, gusts) = (&self.surfaces, &self.gusts);
+        let air = self.air.as_ref();
+        machine.air = air::build(air, surfaces, gusts, &machine.bodies, stand, start_time_s, checker);
+        validate::surroundings(&machine, checker);
+        machine
+    }
+
+    /// Puts masses and loads on bodies.
+    fn attach(&self, bodies: &mut [Body], checker: &mut Checker) {
+        for (body, mass) in &self.masses {
+            if let Some(index) = self.index_of(&["mass", &mass.name, "body"], body, bodies, checker) {
+                bodies[index].masses.push(mass.clone());
+            }
+        }
+        for Load { name, body, station, wrench } in &self.loads {
+            if let Some(index) = self.index_of(&["load", name, "body"], body, bodies, checker) {
+                body::add_load(name, *station, wrench, &mut bodies[index], checker);
+            }
+        }
+    }
+
+    /// Index of the body of a name; refused where there is none.
+    fn index_of(&self, place: &[&str], name: &str, bodies: &[Body], checker: &mut Checker) -> Option<usize> {
+        let found = bodies.iter().position(|body| body.name == name);
+        if found.is_none() {
+            // as they were added
+            let known = self.bodies.iter().map(|(body, _)| body.name.as_str());
+            checker.unknown_name(place, name, "a body", known);
+        }
+        found
+    }
+
+    fn experiment(&self) -> Experiment {
+        let default_s = Experiment::default().step_s;
+        let duration_s = self.experiment.stop_time_s - self.experiment.start_time_s;
+        let step_s = match self.step_s {
+            Some(step_s) => step_s,
+            None if duration_s > 0.0 => default_s.min(duration_s),
+            None => default_s,
+        };
+        Experiment { step_s, ..self.experiment.clone() }
+    }
+}

@@ -1,0 +1,197 @@
+//! What is wrong with a machine: the place in the machine's own terms, the value, what is allowed.
+
+use crate::machine::units::{finite, quoted, shortest};
+use std::fmt;
+
+/// Where something is refused, e.g. `joint "fold", latch, stiffness_n_m_rad`.
+///
+/// Its parts are a kind (`joint`), then a name where there are several of the kind (`fold`), then fields of the machine
+/// or of its builder.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place(pub Vec<String>);
+
+/// Kinds of which a machine has several, each with a name.
+const NAMED: &[&str] = &["body", "joint", "loop", "mass", "load", "gauge", "surface", "gust"];
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, part) in self.0.iter().enumerate() {
+            match index {
+                0 => write!(f, "{part}")?,
+                1 if NAMED.contains(&self.0[0].as_str()) => write!(f, " {part:?}")?,
+                _ => write!(f, ", {part}")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// One thing that is refused. Displays as `place: value is not allowed; allowed: …`, with the cure.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// Where.
+    pub place: Place,
+    /// The refused value in SI and radians, or what stands there.
+    pub value: String,
+    /// What is allowed, with its unit.
+    pub allowed: String,
+    /// What `value` is.
+    pub subject: Subject,
+}
+
+/// What the `value` of a [`Fault`] is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Subject {
+    /// The value of the quantity at the place.
+    Value,
+    /// A description of what is there.
+    State,
+    /// A name that refers to nothing.
+    Name {
+        /// Names that it may be.
+        known: Vec<String>,
+    },
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {} is not allowed; allowed: {}", self.place, self.value, self.allowed)
+    }
+}
+
+/// A machine that was refused. Displays one fault per line.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refused {
+    /// Everything that is wrong; never empty.
+    pub faults: Vec<Fault>,
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let lines: Vec<String> = self.faults.iter().map(Fault::to_string).collect();
+        write!(f, "{}", lines.join("\n"))
+    }
+}
+
+impl std::error::Error for Refused {}
+
+/// Range of a number. None contains what is not a number or larger than [`UNLIMITED`](crate::machine::UNLIMITED).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Range {
+    /// All.
+    Finite,
+    /// From a number on.
+    AtLeast(f64),
+    /// Beyond a number.
+    Above(f64),
+    /// From one number to another.
+    Within(f64, f64),
+}
+
+impl Range {
+    fn contains(self, value: f64) -> bool {
+        let inside = match self {
+            Self::Finite => true,
+            Self::AtLeast(least) => value >= least,
+            Self::Above(bound) => value > bound,
+            Self::Within(least, most) => (least..=most).contains(&value),
+        };
+        inside && is_finite(value)
+    }
+
+    /// In words with a leading space; empty where there are no bounds.
+    fn words(self) -> String {
+        match self {
+            Self::Finite => String::new(),
+            Self::AtLeast(least) => format!(" >= {}", shortest(least)),
+            Self::Above(bound) => format!(" > {}", shortest(bound)),
+            Self::Within(least, most) => format!(" from {} to {}", shortest(least), shortest(most)),
+        }
+    }
+}
+
+/// True for numbers up to the largest that a model may hold.
+pub(super) fn is_finite(value: f64) -> bool {
+    value.abs() <= crate::machine::UNLIMITED
+}
+
+/// Collects faults.
+#[derive(Debug, Default)]
+pub(crate) struct Checker {
+    /// Found so far.
+    pub faults: Vec<Fault>,
+}
+
+impl Checker {
+    fn push(&mut self, place: &[&str], value: String, allowed: String, subject: Subject) {
+        let place = Place(place.iter().map(|part| (*part).to_owned()).collect());
+        self.faults.push(Fault { place, value, allowed, subject });
+    }
+
+    /// Refuses the value of what stands at `place`.
+    pub fn refuse(&mut self, place: &[&str], value: impl ToString, allowed: impl Into<String>) {
+        self.push(place, value.to_string(), allowed.into(), Subject::Value);
+    }
+
+    /// Refuses what `state` describes, at `place`.
+    pub fn refuse_state(&mut self, place: &[&str], state: impl Into<String>, allowed: impl Into<String>) {
+        self.push(place, state.into(), allowed.into(), Subject::State);
+    }
+
+    /// Refuses a name that refers to nothing; `known` are the names it may be.
+    pub fn unknown_name<'k>(
+        &mut self,
+        place: &[&str],
+        name: &str,
+        what: &str,
+        known: impl IntoIterator<Item = &'k str>,
+    ) {
+        let known: Vec<&str> = known.into_iter().collect();
+        let allowed = format!("{what}: {}", quoted(&known));
+        let known = known.into_iter().map(str::to_owned).collect();
+        self.push(place, format!("{name:?}"), allowed, Subject::Name { known });
+    }
+
+    /// Refuses a number out of its range; the last part of the place names quantity and unit.
+    pub fn number(&mut self, place: &[&str], value: f64, range: Range) -> bool {
+        let fits = range.contains(value);
+        if !fits {
+            let key = place.last().copied().unwrap_or_default();
+            self.refuse(place, shortest(value), finite(key, &range.words(), ""));
+        }
+        fits
+    }
+
+    /// Refuses arrays with a number that is not finite.
+    pub fn array(&mut self, place: &[&str], values: &[f64]) -> bool {
+        let fits = values.iter().all(|value| is_finite(*value));
+        if !fits {
+            let key = place.last().copied().unwrap_or_default();
+            let allowed = format!("an array of {} {}", values.len(), finite(key, "", "s"));
+            self.refuse(place, array_text(values), allowed);
+        }
+        fits
+    }
+
+    /// Refuses a count out of its range.
+    pub fn count(&mut self, place: &[&str], value: usize, least: usize, most: usize) -> bool {
+        let fits = (least..=most).contains(&value);
+        if !fits {
+            self.refuse(place, value, format!("a whole number from {least} to {most}"));
+        }
+        fits
+    }
+
+    /// Refuses a distance off a body.
+    pub fn on_body(&mut self, place: &[&str], position_m: f64, length_m: f64) {
+        if !(0.0..=length_m).contains(&position_m) {
+            let allowed = format!("a length from 0 to {} m, the length of the body", shortest(length_m));
+            self.refuse(place, shortest(position_m), allowed);
+        }
+    }
+}
+
+/// `[1, 2.5, 3]`.
+pub(super) fn array_text(values: &[f64]) -> String {
+    format!("[{}]", values.iter().map(|value| shortest(*value)).collect::<Vec<_>>().join(", "))
+}

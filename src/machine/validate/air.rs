@@ -1,0 +1,151 @@
+//! Checks of the air: its settings, lifting surfaces, polars, gusts, and the size of a lattice.
+
+use crate::aero::AirOptions;
+use crate::aero::flow::{Gust, GustShape};
+use crate::aero::lattice::LatticeOptions;
+use crate::machine::fault::{Checker, Range, array_text, is_finite};
+use crate::machine::validate::{names, unit_vector};
+use crate::machine::{Air, Body, Coupling, LiftingSurface};
+use std::f64::consts::PI;
+
+/// Most panels of a lattice: its matrix then takes 200 MB, and its factors half a minute.
+const MOST_PANELS: usize = 5_000;
+/// Most panels of a wake.
+const MOST_WAKE_PANELS: usize = 200_000;
+/// Most strips of a surface, and most panels along its chord.
+pub(crate) const MOST_STRIPS: usize = 1_000;
+
+/// The air around bodies.
+pub(super) fn check(air: &Air, bodies: &[Body], checker: &mut Checker) {
+    checker.number(&["air", "density_kg_m3"], air.density_kg_m3, Range::Above(0.0));
+    checker.array(&["air", "wind_m_s"], air.wind_m_s.as_slice());
+    checker.number(&["air", "step_s"], air.step_s, Range::Above(0.0));
+    if let Coupling::Iterated { tolerance, most_iterations } = air.coupling {
+        checker.number(&["air", "coupling_tolerance"], tolerance, Range::Within(1e-12, 1e-1));
+        checker.count(&["air", "coupling_iterations"], most_iterations, 1, 1000);
+    }
+    if air.surfaces.is_empty() {
+        checker.refuse_state(&["air", "model"], "air without a surface", "at least one surface");
+    }
+    for (index, surface) in air.surfaces.iter().enumerate() {
+        check_surface(index, surface, &air.surfaces, bodies, checker);
+    }
+    if let AirOptions::Lattice(options) = &air.options {
+        check_lattice(options, &air.surfaces, checker);
+    }
+    names("gust", air.gusts.iter().map(|gust| gust.name.as_str()), checker);
+    for gust in &air.gusts {
+        check_gust(gust, checker);
+    }
+}
+
+fn check_lattice(options: &LatticeOptions, surfaces: &[LiftingSurface], checker: &mut Checker) {
+    let counted = checker.count(&["air", "wake_rows"], options.wake_rows, 1, 10_000);
+    checker.count(&["air", "threads"], options.threads, 1, 256);
+    checker.number(&["air", "core_radius_m"], options.core_radius_m, Range::Above(0.0));
+    if let Some(normal) = &options.mirror_normal {
+        unit_vector(&["air", "mirror_normal"], normal, checker);
+    }
+    if counted {
+        let sizes = surfaces.iter().map(|surface| (surface.positions_m.len().saturating_sub(1), surface.chord_panels));
+        lattice_size(sizes, options.wake_rows, checker);
+    }
+}
+
+/// Refuses lattices, by the strips and chord panels of their surfaces, that memory or patience do not hold.
+pub(crate) fn lattice_size(
+    surfaces: impl Iterator<Item = (usize, usize)>,
+    wake_rows: usize,
+    checker: &mut Checker,
+) -> bool {
+    let (mut panels, mut strips) = (0_usize, 0_usize);
+    for (own, along_chord) in surfaces {
+        panels = panels.saturating_add(own.saturating_mul(along_chord));
+        strips = strips.saturating_add(own);
+    }
+    let wake_panels = wake_rows.saturating_mul(strips);
+    if panels > MOST_PANELS {
+        let allowed = format!("at most {MOST_PANELS} panels: strips times chord_panels, of all surfaces together");
+        checker.refuse_state(&["surface"], format!("a lattice of {panels} panels"), allowed);
+    } else if wake_panels > MOST_WAKE_PANELS {
+        let allowed = format!("at most {MOST_WAKE_PANELS} panels: wake_rows times the strips of all surfaces");
+        checker.refuse_state(&["air", "wake_rows"], format!("a wake of {wake_panels} panels"), allowed);
+    } else {
+        return true;
+    }
+    false
+}
+
+fn check_surface(
+    index: usize,
+    surface: &LiftingSurface,
+    surfaces: &[LiftingSurface],
+    bodies: &[Body],
+    checker: &mut Checker,
+) {
+    let Some(body) = bodies.get(surface.body) else {
+        let allowed = format!("one of the {} bodies, counted from 0", bodies.len());
+        checker.refuse_state(&["surface"], format!("a surface on body {}", surface.body), allowed);
+        return;
+    };
+    let name = body.name.as_str();
+    if surfaces[..index].iter().any(|other| other.body == surface.body) {
+        checker.refuse(&["surface", name, "body"], format!("{name:?}"), "a body without a surface");
+    }
+    if index > 0 && surfaces[index - 1].body > surface.body {
+        let allowed = "surfaces in the order of their bodies";
+        checker.refuse_state(&["surface", name], "a surface behind that of a later body", allowed);
+    }
+    if let Some(half) = surface.other_half.filter(|half| !surfaces.iter().any(|other| other.body == *half)) {
+        let allowed = "a body with a surface";
+        checker.refuse_state(&["surface", name, "other_half"], format!("body {half}"), allowed);
+    }
+    let positions_m = &surface.positions_m;
+    let strips = positions_m.len().saturating_sub(1);
+    checker.count(&["surface", name, "strips"], strips, 1, MOST_STRIPS);
+    checker.count(&["surface", name, "chord_panels"], surface.chord_panels, 1, MOST_STRIPS);
+    let ascending = positions_m.windows(2).all(|pair| pair[0] < pair[1]);
+    let on_body = positions_m.iter().all(|s| (0.0..=body.length_m * (1.0 + 1e-12)).contains(s));
+    if !(ascending && on_body) {
+        let allowed = format!("ascending lengths from 0 to {} m, the length of the body", body.length_m);
+        checker.refuse(&["surface", name, "positions_m"], array_text(positions_m), allowed);
+    }
+    let lengths: Vec<f64> = surface.chords.iter().map(|chord| chord.length_m()).collect();
+    if lengths.len() != positions_m.len() || !lengths.iter().all(|length| *length > 0.0 && is_finite(*length)) {
+        let allowed = "a chord of finite length > 0 m at every edge of the strips";
+        checker.refuse(&["surface", name, "chords"], array_text(&lengths), allowed);
+    }
+    check_profile(name, surface, checker);
+}
+
+fn check_profile(name: &str, surface: &LiftingSurface, checker: &mut Checker) {
+    let profile = &surface.profile;
+    let place = |key| ["surface", name, key];
+    checker.number(&place("lift_slope_1_rad"), profile.lift_slope_1_rad, Range::AtLeast(0.0));
+    checker.number(&place("drag_coefficient"), profile.drag_coefficient, Range::AtLeast(0.0));
+    checker.number(&place("moment_coefficient"), profile.moment_coefficient, Range::Finite);
+    checker.number(&place("zero_lift_angle_rad"), profile.zero_lift_angle_rad, Range::Finite);
+    let Some(polar) = &profile.polar else { return };
+    let rows = &polar.rows;
+    let numbers = rows.iter().flat_map(|row| [row.angle_rad, row.lift, row.drag, row.moment]);
+    let finite = (1..=1000).contains(&rows.len()) && numbers.into_iter().all(is_finite);
+    let ascending = rows.windows(2).all(|pair| pair[0].angle_rad < pair[1].angle_rad);
+    if !(finite && ascending && rows.iter().all(|row| row.angle_rad.abs() <= PI)) {
+        let allowed = "1 to 1000 rows (angle of attack in rad, lift, drag, moment coefficient) of finite numbers with angles \
+                       ascending from -pi to pi";
+        let angles: Vec<f64> = rows.iter().map(|row| row.angle_rad).collect();
+        checker.refuse(&place("polar"), format!("angles {}", array_text(&angles)), allowed);
+    }
+}
+
+fn check_gust(gust: &Gust, checker: &mut Checker) {
+    let place = |key| ["gust", gust.name.as_str(), key];
+    unit_vector(&place("direction"), &gust.direction, checker);
+    checker.array(&place("velocity_m_s"), gust.velocity_m_s.as_slice());
+    checker.array(&place("origin_m"), gust.origin_m.as_slice());
+    checker.number(&place("start_s"), gust.start_s, Range::Finite);
+    checker.number(&place("speed_m_s"), gust.speed_m_s, Range::Above(0.0));
+    if let GustShape::OneMinusCosine { length_m } = gust.shape {
+        checker.number(&place("length_m"), length_m, Range::Above(0.0));
+    }
+}

@@ -1,0 +1,141 @@
+//! Checks of gauges and of loops: where they sit, and whether loops are closed at the start.
+
+use crate::beam::law::SectionLaw;
+use crate::beam::section::{Outline, Section};
+use crate::machine::fault::{Checker, Range, array_text, is_finite};
+use crate::machine::pose::{along, first_frames};
+use crate::machine::units::shortest;
+use crate::machine::validate::body::section_stands;
+use crate::machine::validate::unit_vector;
+use crate::machine::{Body, Closure, Gauge, Machine};
+use nalgebra::Vector3;
+
+/// Largest gap at the start over the length of the longer body: angles rounded to 0.01 degrees leave 2e-4. A wider gap
+/// is a mistake in the model and would snap shut with a penalty's full force.
+const START_GAP: f64 = 1e-3;
+
+/// A body by its index, refused where there is none.
+fn body_at<'m>(place: &[&str], index: usize, bodies: &'m [Body], checker: &mut Checker) -> Option<&'m Body> {
+    let body = bodies.get(index);
+    if body.is_none() {
+        let allowed = format!("one of the {} bodies, counted from 0", bodies.len());
+        checker.refuse_state(place, format!("body {index}"), allowed);
+    }
+    body
+}
+
+/// True where half width and half height are known all along a body.
+pub(crate) fn has_outline(law: &SectionLaw) -> bool {
+    let known = |section: &Section| section.half_width_m > 0.0 && section.half_height_m > 0.0;
+    match law {
+        SectionLaw::Uniform(section) => known(section),
+        SectionLaw::Between { inner, outer, .. } => known(inner) && known(outer),
+        SectionLaw::Tapered { .. } => true,
+    }
+}
+
+/// A gauge: on its body, on its section, along a fibre whose strain is known.
+pub(super) fn gauge(gauge: &Gauge, bodies: &[Body], checker: &mut Checker) {
+    let name = gauge.name.as_str();
+    let Some(body) = body_at(&["gauge", name, "body"], gauge.body, bodies, checker) else { return };
+    let law = &body.section;
+    checker.on_body(&["gauge", name, "position_m"], gauge.position_m, body.length_m);
+    if !section_stands(&body.name, checker) {
+        return;
+    }
+    if !has_outline(law) {
+        let allowed = "a body whose section states half_width_m and half_height_m";
+        checker.refuse(&["gauge", name, "body"], format!("{:?}", body.name), allowed);
+        return;
+    }
+    point(gauge, law, checker);
+    let directed = unit_vector(&["gauge", name, "direction"], &gauge.direction, checker);
+    if directed && gauge.row(law).is_none() {
+        let allowed = "the axis, [1, 0, 0], on a section that is not a rectangle or an ellipse with shear_Pa or \
+                       poisson_ratio";
+        checker.refuse(&["gauge", name, "direction"], array_text(gauge.direction.as_slice()), allowed);
+    }
+}
+
+/// Refuses a point off the section; round-off of the rim is forgiven.
+fn point(gauge: &Gauge, law: &SectionLaw, checker: &mut Checker) {
+    let (y_m, z_m) = (gauge.y_m, gauge.z_m);
+    let section = law.at(gauge.position_m);
+    let outline = law.solid_at(gauge.position_m).map(|solid| solid.outline);
+    let (width, height) = (section.half_width_m, section.half_height_m);
+    let (y, z) = (y_m.abs() / width, z_m.abs() / height);
+    let (reach, allowed) = match outline {
+        Some(Outline::Ellipse) => {
+            (y.hypot(z), format!("a point on the section: (y/{width})² + (z/{height})² <= 1, in m"))
+        }
+        _ => (y.max(z), format!("a point on the section: |y| <= {width} m, |z| <= {height} m")),
+    };
+    if !(reach <= 1.0 + 1e-9 && is_finite(y_m) && is_finite(z_m)) {
+        let off_in_z = z_m.abs() > height || y_m == 0.0;
+        let (key, value) = if off_in_z { ("z_m", z_m) } else { ("y_m", y_m) };
+        checker.refuse(&["gauge", &gauge.name, key], shortest(value), allowed);
+    }
+}
+
+/// A closed loop; true where its places exist.
+pub(super) fn closure(closure: &Closure, bodies: &[Body], checker: &mut Checker) -> bool {
+    let name = closure.name.as_str();
+    checker.number(&["loop", name, "stiffness_n_m"], closure.stiffness_n_m, Range::Above(0.0));
+    checker.number(&["loop", name, "damping_n_s_m"], closure.damping_n_s_m, Range::AtLeast(0.0));
+    checker.number(&["loop", name, "inertia_kg"], closure.inertia_kg, Range::AtLeast(0.0));
+    let offsets: Vec<f64> = closure.offsets_m.iter().flat_map(Vector3::iter).copied().collect();
+    let mut holds = checker.array(&["loop", name, "offsets_m"], &offsets);
+    for (index, position_m) in closure.places {
+        let Some(body) = body_at(&["loop", name, "bodies"], index, bodies, checker) else { return false };
+        if !(0.0..=body.length_m).contains(&position_m) {
+            let length = shortest(body.length_m);
+            let allowed = format!("lengths up to those of the bodies; {:?} is {length} m long", body.name);
+            let positions = closure.places.map(|(_, position_m)| position_m);
+            checker.refuse(&["loop", name, "positions_m"], array_text(&positions), allowed);
+            holds = false;
+        }
+    }
+    if holds && closure.places[0] == closure.places[1] {
+        let positions = closure.places.map(|(_, position_m)| position_m);
+        let allowed = "two different sections: one is joined to itself";
+        checker.refuse(&["loop", name, "positions_m"], array_text(&positions), allowed);
+        holds = false;
+    }
+    holds
+}
+
+/// Refuses loops that are open in the unstrained machine at its start angles.
+pub(super) fn gaps(machine: &Machine, checker: &mut Checker) {
+    if machine.closures.is_empty() {
+        return;
+    }
+    let firsts = first_frames(&machine.bodies, |joint| joint.start_angle_rad);
+    for closure in &machine.closures {
+        let points = [0, 1].map(|side| {
+            let (body, position_m) = closure.places[side];
+            let frame = along(&machine.bodies[body], &firsts[body], position_m);
+            frame.position_m + frame.attitude * closure.offsets_m[side]
+        });
+        let gap = points[1] - points[0];
+        let length_m = closure.places.map(|(body, _)| machine.bodies[body].length_m).into_iter().fold(0.0, f64::max);
+        let limit_m = START_GAP * length_m;
+        // what is not a number is no closed loop either
+        if gap.norm() > limit_m || gap.norm().is_nan() {
+            checker.refuse_state(
+                &["loop", &closure.name],
+                format!(
+                    "a gap of {:.6} m, from one point to the other [{:.6}, {:.6}, {:.6}],",
+                    gap.norm(),
+                    gap.x,
+                    gap.y,
+                    gap.z
+                ),
+                format!(
+                    "points that coincide in the unstrained machine at its start angles to {} m, {START_GAP} of the \
+                     longer body",
+                    shortest(limit_m)
+                ),
+            );
+        }
+    }
+}

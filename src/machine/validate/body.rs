@@ -1,0 +1,221 @@
+//! Checks of bodies: mesh, section and natural shape along them, load stations, masses.
+
+use crate::beam::law::{NaturalStrain, SectionLaw};
+use crate::beam::profile::Profile;
+use crate::beam::section::Section;
+use crate::machine::fault::{Checker, Range, array_text, is_finite};
+use crate::machine::units::shortest;
+use crate::machine::validate::MOST_STATIONS_OF_BODY;
+use crate::machine::validate::section::{asymmetry, has_second_moments, is_positive_definite, is_rigid_body, is_sound};
+use crate::machine::{AttachedMass, Body};
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+
+/// Natural strains as places name them.
+const STRAINS: [&str; 4] = ["stretch", "twist_1_m", "curvature_y_1_m", "curvature_z_1_m"];
+
+/// A body without its joint.
+pub(super) fn check(body: &Body, checker: &mut Checker) {
+    let name = body.name.as_str();
+    if name == "root" {
+        let allowed = "another name: \"root\" is what the wing is fixed to";
+        checker.refuse_state(&["body", name], "the name \"root\"", allowed);
+    }
+    let long = checker.number(&["body", name, "length_m"], body.length_m, Range::Above(0.0));
+    let meshed = checker.count(&["body", name, "elements"], body.elements, 1, 1000);
+    checker.number(&["body", name, "mass_damping_1_s"], body.mass_damping_1_s, Range::AtLeast(0.0));
+    checker.number(&["body", name, "stiffness_damping_s"], body.stiffness_damping_s, Range::AtLeast(0.0));
+    if !long {
+        return; // nothing can be placed on it
+    }
+    section_law(body, checker);
+    natural_strain(body, meshed, checker);
+    stations(body, checker);
+    for mass in &body.masses {
+        attached_mass(mass, body, checker);
+    }
+}
+
+/// A function along a body: finite, rows in order and on the body.
+pub(crate) fn profile(place: &[&str], profile: &Profile, length_m: f64, checker: &mut Checker) -> bool {
+    match profile {
+        Profile::Polynomial(coefficients) => {
+            let fits =
+                !coefficients.is_empty() && coefficients.len() <= 100 && coefficients.iter().copied().all(is_finite);
+            if !fits {
+                let place = [place, &["polynomial"]].concat();
+                checker.refuse(&place, array_text(coefficients), "an array of 1 to 100 finite numbers");
+            }
+            fits
+        }
+        Profile::Table(rows) => {
+            let finite = !rows.is_empty() && rows.iter().flatten().copied().all(is_finite);
+            let ascending = rows.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+            let on_body = rows.iter().all(|row| (0.0..=length_m).contains(&row[0]));
+            let fits = finite && ascending && on_body;
+            if !fits {
+                let length = shortest(length_m);
+                let allowed =
+                    format!("rows [s, value] with s ascending from 0 to at most {length} m, the body's length");
+                let rows: Vec<String> = rows.iter().map(|row| array_text(row)).collect();
+                checker.refuse(&[place, &["table"]].concat(), format!("[{}]", rows.join(", ")), allowed);
+            }
+            fits
+        }
+    }
+}
+
+/// True where nothing is said against the section of a body: what depends on it can be looked at.
+pub(crate) fn section_stands(name: &str, checker: &Checker) -> bool {
+    let keys = ["section", "outer_section", "width_taper", "height_taper"];
+    let fell = |place: &[String]| place[0] == "body" && place[1] == name && keys.contains(&place[2].as_str());
+    !checker.faults.iter().any(|fault| fault.place.0.len() > 2 && fell(&fault.place.0))
+}
+
+/// Section along the body.
+fn section_law(body: &Body, checker: &mut Checker) {
+    let (name, length_m) = (body.name.as_str(), body.length_m);
+    match &body.section {
+        SectionLaw::Uniform(section) => explicit(&["body", name, "section"], section, checker),
+        SectionLaw::Between { inner, outer, length_m: stated_m } => {
+            explicit(&["body", name, "section"], inner, checker);
+            explicit(&["body", name, "outer_section"], outer, checker);
+            if stated_m != &length_m {
+                let allowed = format!("{} m, the length of the body", shortest(length_m));
+                checker.refuse(&["body", name, "section", "length_m"], shortest(*stated_m), allowed);
+            }
+        }
+        SectionLaw::Tapered { width, height, .. } => {
+            let tapers = [("width_taper", width), ("height_taper", height)];
+            for (key, taper) in tapers {
+                let place = ["body", name, key];
+                if !profile(&place, taper, length_m, checker) {
+                    return;
+                }
+                let least = least_of(taper, length_m);
+                if least.is_nan() || least <= 0.0 {
+                    checker.refuse_state(
+                        &place,
+                        format!("a factor that falls to {} on the body", shortest(least)),
+                        "a factor > 0 all along the body",
+                    );
+                    return;
+                }
+            }
+            let law = &body.section;
+            if !law.samples_m(length_m).iter().all(|s| is_sound(&law.at(*s))) {
+                let allowed = "factors that leave mass, inertia and stiffness positive, finite numbers in SI";
+                checker.refuse_state(&["body", name, "section"], "a section of such dimensions", allowed);
+            }
+        }
+    }
+}
+
+/// Least value of a function on a body; NaN where one is.
+pub(crate) fn least_of(profile: &Profile, length_m: f64) -> f64 {
+    let values = profile.samples_m(length_m).into_iter().map(|s| profile.at(s));
+    values.fold(f64::INFINITY, |least, value| if value.is_nan() { value } else { least.min(value) })
+}
+
+/// A section by its stiffness and inertia.
+fn explicit(place: &[&str], section: &Section, checker: &mut Checker) {
+    if let Some((i, j)) = asymmetry(&section.stiffness) {
+        let (lower, upper) = (section.stiffness[(i, j)], section.stiffness[(j, i)]);
+        let found =
+            format!("{lower} in row {}, column {} and {upper} in row {}, column {}", i + 1, j + 1, j + 1, i + 1);
+        checker.refuse_state(&[place, &["stiffness"]].concat(), found, "a symmetric matrix");
+    } else if !is_sound(section) {
+        let allowed = "mass, inertia and stiffness that are positive, finite numbers in SI";
+        checker.refuse_state(place, "a section of such properties", allowed);
+    } else if !is_positive_definite(&section.stiffness) {
+        let allowed = "a symmetric positive definite matrix";
+        let found = "a matrix that is not positive definite";
+        checker.refuse_state(&[place, &["stiffness"]].concat(), found, allowed);
+    } else if !has_second_moments(section) {
+        let allowed =
+            "[yy, yz, zz] in kg·m with yy >= 0, zz >= 0, yy + zz > 0 and yz² <= yy zz about the centre of mass";
+        checker.refuse(&[place, &["second_moment_kg_m"]].concat(), array_text(&section.second_moment_kg_m), allowed);
+    }
+    let outline = [section.half_width_m, section.half_height_m];
+    if !outline.iter().all(|half| (0.0..=f64::MAX).contains(half)) {
+        let allowed = "half width and half height >= 0 m, 0 where the outline is not known";
+        checker.refuse(&[place, &["half_width_m"]].concat(), array_text(&outline), allowed);
+    }
+}
+
+/// Natural strain along the body. An element's rotation must stay below π, where its rotation vector is unique.
+fn natural_strain(body: &Body, meshed: bool, checker: &mut Checker) {
+    let (name, length_m, strain) = (body.name.as_str(), body.length_m, &body.natural_strain);
+    let mut sound = true;
+    for (key, component) in STRAINS.iter().zip(&strain.0) {
+        sound &= profile(&["body", name, key], component, length_m, checker);
+    }
+    if !(sound && meshed) {
+        return;
+    }
+    let stretch = least_of(&strain.0[0], length_m);
+    if stretch.is_nan() || stretch <= -1.0 {
+        let allowed = "a stretch > -1 all along the body";
+        checker.refuse_state(&["body", name, "stretch"], format!("a stretch of {}", shortest(stretch)), allowed);
+    }
+    let limit = PI * body.elements as f64 / length_m;
+    let (largest, place_m) = largest_curvature(strain, length_m);
+    if largest < limit {
+        return;
+    }
+    let place = ["body", name, "natural_strain"];
+    let allowed = format!("curvatures of a magnitude < {limit:.4} 1/m: half a turn per element");
+    if strain.0.iter().all(Profile::is_constant) {
+        let values: Vec<f64> = (1..4).map(|i| strain.0[i].at(0.0)).collect();
+        checker.refuse(&place, array_text(&values), allowed);
+    } else {
+        let found = format!("a curvature of {largest:.4} 1/m at {} m", shortest(place_m));
+        checker.refuse_state(&place, found, allowed);
+    }
+}
+
+/// Largest curvature along a body in 1/m and its place in m.
+fn largest_curvature(strain: &NaturalStrain, length_m: f64) -> (f64, f64) {
+    let size = |s: f64| Vector3::from_fn(|i, _| strain.0[i + 1].at(s)).norm();
+    let samples = strain.0.iter().flat_map(|profile| profile.samples_m(length_m));
+    samples.map(|s| (size(s), s)).fold((0.0, 0.0), |a, b| if b.0 > a.0 || b.0.is_nan() { b } else { a })
+}
+
+fn stations(body: &Body, checker: &mut Checker) {
+    let (name, positions_m) = (body.name.as_str(), &body.station_positions_m);
+    let place = ["body", name, "station_positions_m"];
+    let ascending = positions_m.windows(2).all(|pair| pair[0] < pair[1]);
+    let on_body = positions_m.iter().all(|position| (0.0..=body.length_m).contains(position));
+    if positions_m.len() > MOST_STATIONS_OF_BODY {
+        let allowed = format!("at most {MOST_STATIONS_OF_BODY} load stations on a body");
+        checker.refuse_state(&place, format!("{} load stations", positions_m.len()), allowed);
+    } else if !(ascending && on_body) {
+        let length = shortest(body.length_m);
+        let allowed = format!("ascending lengths from 0 to {length} m, the length of the body");
+        checker.refuse(&place, array_text(positions_m), allowed);
+    }
+    if body.station_loads.len() > positions_m.len() {
+        let allowed = format!("at most {}, one per load station", positions_m.len());
+        let found = format!("{} loads", body.station_loads.len());
+        checker.refuse_state(&["body", name, "station_loads"], found, allowed);
+    }
+    for load in &body.station_loads {
+        checker.array(&["body", name, "station_loads", "force_n"], load.force_n.as_slice());
+        checker.array(&["body", name, "station_loads", "moment_n_m"], load.moment_n_m.as_slice());
+    }
+}
+
+fn attached_mass(mass: &AttachedMass, body: &Body, checker: &mut Checker) {
+    let name = mass.name.as_str();
+    checker.on_body(&["mass", name, "position_m"], mass.position_m, body.length_m);
+    checker.number(&["mass", name, "mass_kg"], mass.mass_kg, Range::Above(0.0));
+    checker.array(&["mass", name, "offset_m"], mass.offset_m.as_slice());
+    let tensor = &mass.inertia_kg_m2;
+    let symmetric = (tensor - tensor.transpose()).amax() <= 1e-9 * tensor.amax();
+    if !(tensor.iter().copied().all(is_finite) && symmetric && is_rigid_body(tensor)) {
+        let parts = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|place| tensor[place]);
+        let allowed = "[Ixx, Iyy, Izz, Ixy, Ixz, Iyz] in kg·m² with principal moments >= 0, none larger than the sum \
+                       of the other two";
+        checker.refuse(&["mass", name, "inertia_kg_m2"], array_text(&parts), allowed);
+    }
+}
