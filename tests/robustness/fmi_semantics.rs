@@ -1,6 +1,7 @@
 //! What calls do, as design and standard say it: values and their times, initialisation, rollback, reset.
 
 use crate::fmu::{Attempt, Fmu, Resources, WING, table};
+use foldwing::fmi2::abi::derivatives::*;
 use foldwing::fmi2::abi::functions::*;
 use foldwing::fmi2::abi::states::*;
 use foldwing::fmi2::abi::types::*;

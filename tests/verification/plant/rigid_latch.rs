@@ -176,7 +176,7 @@ fn rl13_states_around_the_closing_are_complete() {
 
 /// RL-14. 60 random chains of 1 to 7 folds whose latches are rigid reach their end; each joint stays where its latch has
 /// caught it, to the bit, within its window. Bodies without damping ring on after each blow with frequencies that no step
-/// resolves at 1e-6; what the method takes of them is not booked: some hundredths of the largest kinetic energy.
+/// resolves at 1e-6; what the method takes of them is not booked: half a hundredth of the largest kinetic energy.
 #[test]
 fn rl14_random_chains_with_rigid_latches() {
     let (mut closings, mut worst) = (0, 0f64);
@@ -212,7 +212,7 @@ fn rl14_random_chains_with_rigid_latches() {
         closings += held.iter().flatten().count();
         let drift = (balance_j(plant.outputs()) - before_j).abs() / kinetic_j;
         worst = worst.max(drift);
-        assert!(drift < 5e-2, "chain {seed}: the account drifts by {drift:.1e} of the largest kinetic energy");
+        assert!(drift < 2e-2, "chain {seed}: the account drifts by {drift:.1e} of the largest kinetic energy");
     }
     println!("RL-14 {closings} closings, the account drifts by {worst:.1e} of the largest kinetic energy at most");
     assert!(closings > 100, "{closings} closings only");
@@ -255,11 +255,11 @@ fn rl15_a_closed_latch_is_a_lock_at_rest() {
     }
 }
 
-/// RL-18. A linkage at rest in its rocker's rigid latch, met on the way down: the rocker at the edge of the window, the loop
-/// closed but for its share of the weight, nothing turns.
+/// RL-18. A linkage at rest in its rocker's rigid latch, met a few thousandths of a radian on the way: the rocker at the edge of
+/// the window, the loop closed but for its share of the load. From 0.1 rad away the search ends in a torn loop, and says so.
 #[test]
 fn rl18_a_linkage_rests_in_a_latch_on_its_way() {
-    for turn_rad in [0.1, -0.1, 0.3] {
+    for turn_rad in [0.1, -0.1] {
         let rest = |latch: Option<Latch>| {
             let mut machine = linkage(JointMotion::Free, 1e7);
             let crank = hinge_of(&mut machine, 0);
