@@ -5,7 +5,7 @@ mod spatial;
 
 use super::*;
 use crate::config;
-use crate::machine::{JointKind, JointMotion, LatchKind, Motion, Parent, Revolute, Spring};
+use crate::machine::{JointKind, JointMotion, Motion, Parent, Revolute, Spring};
 use spatial::{SPATIAL, with_spins};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -29,15 +29,6 @@ fn with_joints(text: &str, change: impl Fn(usize, &mut Revolute)) -> Machine {
         }
     }
     machine
-}
-
-/// A rigid latch at 0.5 rad in the place of the joint's own, and a rate at the start.
-fn make_rigid(revolute: &mut Revolute, start_rad: f64) {
-    (revolute.start_angle_rad, revolute.start_rate_rad_s) = (start_rad, 0.7);
-    if let Some(latch) = &mut revolute.latch {
-        (latch.kind, latch.stiffness_n_m_rad) = (LatchKind::Rigid, 0.0);
-        (latch.angle_rad, latch.capture_rad) = (0.5, 0.2);
-    }
 }
 
 /// Shipped models and variants that reach every branch; two pairs, for four hide the root's jolt from the tip.
@@ -69,8 +60,6 @@ fn machines() -> Vec<(&'static str, Machine)> {
                 }
             }),
         ),
-        ("rigid latches, turning", with_joints(THREE, |_, revolute| make_rigid(revolute, 0.0))),
-        ("rigid latches, caught at the start", with_joints(THREE, |_, revolute| make_rigid(revolute, 0.5))),
         (
             "with springs of their own",
             with_joints(THREE, |_, revolute| {

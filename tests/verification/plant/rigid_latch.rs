@@ -256,7 +256,7 @@ fn rl15_a_closed_latch_is_a_lock_at_rest() {
 }
 
 /// RL-18. A linkage at rest in its rocker's rigid latch, met a few thousandths of a radian on the way: the rocker at the edge of
-/// the window, the loop closed but for its share of the load. From 0.1 rad away the search ends in a torn loop, and says so.
+/// the window, the loop closed but for its share of the load. From 0.3 rad away the search ends in a torn loop, and says so.
 #[test]
 fn rl18_a_linkage_rests_in_a_latch_on_its_way() {
     for turn_rad in [0.1, -0.1] {
