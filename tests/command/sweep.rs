@@ -219,7 +219,7 @@ fn k06_a_changed_sweep_is_refused() {
         &["results.csv.sweep: belongs to another sweep, these differ: values of the keys;", "name another --out"],
     );
     refuses(&mut with(&["--vary", "fold.start_angle=1,2", "--step", "1e-3"]), 2, &["--start, --stop, --step"]);
-    refuses(&mut with(&["--vary", "fold.start_angle=1,2", "--set", "fold.release=0"]), 2, &["different are: --set;"]);
+    refuses(&mut with(&["--vary", "fold.start_angle=1,2", "--set", "fold.release=0"]), 2, &["these differ: --set;"]);
     assert_eq!(fs::read_to_string(&out).unwrap(), results, "a refusal touches nothing");
     fs::remove_file(record_of(&out)).unwrap();
     refuses(&mut with(&["--vary", "fold.start_angle=1,2"]), 2, &["results.csv: exists and has no record"]);
@@ -236,7 +236,7 @@ fn k07_slips_are_refused_before_anything_runs() {
     let cases: &[(&[&str], &[&str])] = &[
         (&["--vary", "fold.start_angel=1,2"], &["--vary: ", "did you mean `fold.start_angle`", "begin with file:"]),
         (&["--vary", "fold.start_angle=1,x"], &["--vary fold.start_angle=x: `x` is not a number"]),
-        (&["--vary", "fold.start_angle=1,99"], &["--vary fold.start_angle=99", "allowed is"]),
+        (&["--vary", "fold.start_angle=1,99"], &["--vary fold.start_angle=99", "it must be from"]),
         (&["--vary", "fold.release=0,2"], &["`2` is not a Boolean; allowed are 0, 1, false and true"]),
         (&["--vary", "fold.angle=1,2"], &["fold.angle", "only inputs and parameters can"]),
         (&["--vary", "fold.start_angle"], &["must be KEY=FROM:TO:COUNT or KEY=A,B"]),

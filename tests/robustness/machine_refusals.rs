@@ -108,8 +108,8 @@ fn names_and_tree() {
             (|m| m.bodies[1].name = "inner".into(), "body \"inner\"", "a name that no other body has"),
             (|m| m.bodies[1].name = "root".into(), "body \"root\"", "what the wing is fixed to"),
             (|m| m.bodies[1].joint.name = "mount".into(), "joint \"mount\"", "a name that no other joint has"),
-            (|m| m.bodies[1].joint.name = "energy".into(), "joint \"energy\"", "is none of load, gravity"),
-            (|m| m.bodies[1].joint.name = "tip_1".into(), "joint \"tip_1\"", "does not begin with tip_"),
+            (|m| m.bodies[1].joint.name = "energy".into(), "joint \"energy\"", "is not one of load, gravity"),
+            (|m| m.bodies[1].joint.name = "tip_1".into(), "joint \"tip_1\"", "does not start with tip_"),
             (
                 |m| m.bodies[1].joint.parent = Parent::Body { index: 1, position_m: 0.0 },
                 "joint \"fold\", parent",
@@ -357,7 +357,7 @@ fn joints() {
                 "joint \"fold\", spring, rest_angle_rad",
                 "a finite angle",
             ),
-            (|m| fold(m).motion = JointMotion::Locked, "joint \"fold\", latch", "motion = \"free\" only"),
+            (|m| fold(m).motion = JointMotion::Locked, "joint \"fold\", latch", "a latch only with motion = \"free\""),
             (
                 |m| {
                     let latch = fold(m).latch.as_mut().unwrap();
@@ -632,7 +632,7 @@ fn parts_by_name() {
         (inner().body(beam("outer"), Joint::universal("u", [0.0; 3], [1.0, 0.0, 0.0])), "joint \"u\", axis: [0, 0, 0]"),
         (
             inner().body(beam("outer"), Joint::ball("b").latch(Latch::with_ratio(2.0))),
-            "joint \"b\", latch: a latch is not allowed; allowed: this key with type = \"revolute\" only",
+            "joint \"b\", latch: a latch is not allowed; allowed: this key only with type = \"revolute\"",
         ),
         (inner().body(beam("outer"), Joint::clamped("c").start_angle_rad(1.0)), "joint \"c\", start_angle_rad: 1"),
         (inner().body(beam("outer"), Joint::clamped("c").start_rate_rad_s(1.0)), "joint \"c\", start_rate_rad_s: 1"),
@@ -669,7 +669,7 @@ fn parts_by_name() {
         ),
         (
             inner().body(beam("outer"), fold().start_angle_rad(1.0).prescribed(Motion::Polynomial(vec![0.0]))),
-            "no start angle beside motion = \"prescribed\"",
+            "no start angle with motion = \"prescribed\"",
         ),
         (inner().body(beam("outer").load_stations(usize::MAX), fold()), "body \"outer\", load_stations"),
         (inner().body(Body::beam("outer", 1.0, plate()), fold()), "body \"outer\", elements: 0 is not allowed"),
@@ -695,7 +695,7 @@ fn parts_by_name() {
         (inner().closure(Closure::between("pin", ["inner", "x"], 1.0)), "loop \"pin\", bodies: \"x\""),
         (
             inner().closure(Closure::between("pin", ["root", "inner"], 1.0)),
-            "two bodies: the root takes part by joints only",
+            "two bodies: a loop cannot be closed on the root",
         ),
         (inner().surface(LiftingSurface::on("inner", 4)), "surface \"inner\": a surface or gust without air"),
         (inner().air(Air::strips()), "air, model: air without a surface"),

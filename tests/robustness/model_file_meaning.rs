@@ -362,7 +362,7 @@ fn rigid_latches() {
     );
     for accepted in ["enable = false", "capture_deg = 0"] {
         let angle = if accepted.starts_with("enable") { 170.0 } else { 170.000_001 };
-        let text = caught.replace("angle_deg = 170\n", &format!("angle_deg = {angle}\n{accepted}\n"));
+        let text = caught.replace("\nangle_deg = 170\n", &format!("\nangle_deg = {angle}\n{accepted}\n"));
         assert!(config::parse(&text, "wing.toml").is_ok(), "{text}");
     }
 }

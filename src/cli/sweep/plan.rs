@@ -213,7 +213,7 @@ mod tests {
         assert_eq!(axis("2:8:4").unwrap(), ["2", "4", "6", "8"]);
         assert_eq!(axis("2:3:3").unwrap(), ["2.0", "2.5", "3.0"]);
         assert_eq!(axis("1, true ,x").unwrap(), ["1", "true", "x"]);
-        for (text, message) in [("1:2", "no range"), ("1:2:1", "`1`"), ("1:x:3", "`x`"), ("1,,2", "missing")] {
+        for (text, message) in [("1:2", "FROM:TO:COUNT"), ("1:2:1", "`1`"), ("1:x:3", "`x`"), ("1,,2", "missing")] {
             assert!(axis(text).unwrap_err().contains(message), "{text}");
         }
     }

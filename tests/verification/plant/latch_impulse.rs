@@ -16,7 +16,7 @@ fn hinge(axis: Vector3<f64>, start_rad: f64, rate_rad_s: f64) -> Revolute {
     Revolute {
         axis: axis.normalize(),
         start_rate_rad_s: rate_rad_s,
-        latch: Some(Latch { capture_rad: 10.0, enable: false, ..rigid_latch() }),
+        latch: Some(Latch { capture_rad: 6.2, enable: false, ..rigid_latch() }),
         ..free_hinge(start_rad)
     }
 }
@@ -133,7 +133,7 @@ fn rl05_loops_take_part_in_the_impulse() {
             machine.closures[0].inertia_kg = inertia_kg;
             machine.bodies[2].joint.name = "pivot".into();
             for body in [1, 2] {
-                hinge_of(&mut machine, body).latch = Some(Latch { capture_rad: 10.0, enable: false, ..rigid_latch() });
+                hinge_of(&mut machine, body).latch = Some(Latch { capture_rad: 6.2, enable: false, ..rigid_latch() });
             }
             let mut plant = start(machine);
             coast(&mut plant, 0.2);

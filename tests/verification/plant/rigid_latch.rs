@@ -14,9 +14,15 @@ use std::sync::Arc;
 const METHODS: [Method; 5] =
     [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::Sdirk2, Method::GeneralizedAlpha];
 
+/// A machine with another method; `rk4` still needs its step.
+fn with_method(mut machine: Machine, method: Method) -> Machine {
+    machine.solver.method = method;
+    machine
+}
+
 /// The wing of the deployment with a rigid latch.
 fn rigid_wing(method: Method, tolerance: f64) -> Machine {
-    let mut machine = wing(ElementKind::Linear, 2, method, tolerance);
+    let mut machine = with_method(wing(ElementKind::Linear, 2, Method::Esdirk4, tolerance), method);
     hinge_of(&mut machine, 1).latch = Some(rigid_latch());
     machine
 }
@@ -35,7 +41,7 @@ fn rl10_every_method_holds_the_angle_to_the_bit() {
         (Method::Rk4, Some(2e-6), None),
     ]) {
         let elastic_s = {
-            let mut machine = wing(ElementKind::Linear, 2, method, 1e-6);
+            let mut machine = with_method(wing(ElementKind::Linear, 2, Method::Esdirk4, 1e-6), method);
             hinge_of(&mut machine, 1).latch = Some(Latch { capture_rad: DEFAULT_CAPTURE_RAD, ..latch(260.0) });
             (machine.solver.fixed_step_s, machine.solver.most_iterations) = (step_s, most_iterations);
             let mut plant = start(machine);
@@ -332,9 +338,10 @@ fn rl16_command_stopper_opening_and_closing_again() {
     coast(&mut plant, 0.5);
     assert!(only(&plant).rate_rad_s > 1.0);
 
-    let mut revolute = free_hinge(0.0);
-    (revolute.start_rate_rad_s, revolute.latch) = (2.0, Some(rigid_latch()));
-    let caught = start(rod(revolute));
+    // refused in a file; set by hand, the latch takes it
+    let mut machine = rod(Revolute { latch: Some(rigid_latch()), ..free_hinge(0.0) });
+    hinge_of(&mut machine, 0).start_rate_rad_s = 2.0;
+    let caught = start(machine);
     assert!(only(&caught).latched && only(&caught).rate_rad_s == 0.0 && caught.outputs().energy.kinetic == 0.0);
 }
 
