@@ -273,8 +273,9 @@ impl Plant {
     /// One step from `start` into `ahead`; returns the error estimate.
     fn attempt(&mut self, step_s: f64, length: Length) -> Result<f64, NewtonError> {
         let ceiling = if length == Length::Given { NEWTON_CEILING_EXACT } else { NEWTON_CEILING };
+        let unnoticed = self.state.air.as_ref().map_or(f64::INFINITY, |history| history.motion_tolerance);
         let accuracy = Accuracy {
-            tolerance: (NEWTON_SHARE * self.state.applied_parameters.tolerance).min(ceiling),
+            tolerance: (NEWTON_SHARE * self.state.applied_parameters.tolerance).min(ceiling).min(unnoticed),
             most_iterations: self.machine.solver.most_iterations,
             persistent: length == Length::Given,
             jumped: self.machine.solver.most_iterations.is_some() && self.state.step_s < step_s,
