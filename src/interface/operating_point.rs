@@ -6,6 +6,9 @@ use crate::plant::{Plant, PlantError};
 use nalgebra::Complex;
 use std::fmt;
 
+/// Share of the real part of an eigenvalue below which its imaginary part is round-off.
+const ROUND_OFF: f64 = 1e-9;
+
 /// The state about which a linear model is linear, as a reader tells one wing from another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OperatingPoint {
@@ -112,7 +115,9 @@ impl fmt::Display for OperatingPoint {
         }
         match self.growing_1_s.as_deref() {
             Some([]) | None => Ok(()),
-            Some([fastest, ..]) if fastest.im == 0.0 => write!(f, "; UNSTABLE: grows with {:.4} 1/s", fastest.re),
+            Some([fastest, ..]) if fastest.im.abs() <= ROUND_OFF * fastest.re => {
+                write!(f, "; UNSTABLE: grows with {:.4} 1/s", fastest.re)
+            }
             Some([fastest, ..]) => {
                 let frequency_hz = fastest.im.abs() / std::f64::consts::TAU;
                 write!(f, "; UNSTABLE: grows with {:.4} 1/s, oscillating with {frequency_hz:.4} Hz", fastest.re)
