@@ -31,7 +31,7 @@ CURES = {
 # Errors below this share of the range at 1e-5 need not fall: round-off of the CSV and of the reference.
 SMALL = 1e-5
 # Where a run to the end would take too long: end of the experiment in s. The tunnel's latch closes at 0.166 s.
-SHORTER_S = {"folding_wing_in_tunnel": 0.1}
+SHORTER_S = {"folding_wing_in_tunnel": 0.05}
 # Outputs whose range is below this share of the largest of their kind do not move: symmetry or a free joint keeps them at zero.
 NOTHING = SMALL
 
@@ -131,8 +131,10 @@ def main():
         for path in chosen:
             text = shortened(path)
             found = errors(arguments.foldwing, text, pathlib.Path(folder))
-            calm = errors(arguments.foldwing, cured(path.stem, text), pathlib.Path(folder))
-            calm = f"{sum(map(falls, calm.values()))} of {len(calm)}"
+            calm = "–"
+            if "[aerodynamics]" not in text:
+                calm = errors(arguments.foldwing, cured(path.stem, text), pathlib.Path(folder)).values()
+                calm = f"{sum(map(falls, calm))} of {len(calm)}"
             everything += [[path.stem, name, *row] for name, row in found.items()]
             stuck = {name: row for name, row in found.items() if not falls(row)}
             exceptions += [[path.stem, name, *row] for name, row in stuck.items()]
@@ -154,7 +156,8 @@ What does not fall, by group:
 |---|---|---|---|
 | `folding_wing`, `folding_wing_as_printed`, `folding_wing_constant`, `branched`, `four_bar` | accelerations, velocities and rates of inner stations, root forces, a few strains and angles | waves along the bodies and the highest bending modes, which a release and a latch strike and nothing damps: no step resolves them above 1e-8 and the method damps them, the undamped equations keep them | `stiffness_damping_s`, 1e-5 s and more |
 | `double_pendulum` | rates, forces, strain, accelerations | bending of 1 % of the rates that the sudden start leaves and nothing damps; beside it the longest step, which binds at 1e-4 and 1e-5 | `stiffness_damping_s = 1e-3` |
-| `curved_blade`, `roll_fold` | most outputs; heights of the outer stations | the longest step binds at 1e-4 and 1e-5, where the errors are already below those of the tolerance: they are small, not stuck | none needed; with a larger `max_step_s` the tolerance decides, and every output falls |""".splitlines()
+| `curved_blade`, `roll_fold` | most outputs; heights of the outer stations | the longest step binds at 1e-4 and 1e-5, where the errors are already below those of the tolerance: they are small, not stuck | none needed; with a larger `max_step_s` the tolerance decides, and every output falls |
+| `flared_wing_tip`, `goland_wing`, `slender_wing`, `folding_wing_in_tunnel` | accelerations, root forces and moments, velocities and rates of the stations | the structure takes at least one step per aerodynamic step, and down to 1e-7 mostly no more: the errors are the same at 1e-4 and 1e-7. The largest are those of waves that the loads strike at the begin of every aerodynamic step | a smaller `aerodynamics.step_s`, whose own error is larger and of second order (Q-01) |""".splitlines()
 
 
 def settings(cure):
