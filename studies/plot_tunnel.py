@@ -143,7 +143,8 @@ def plot_histories(runs, path):
         lower.set(xlabel="time (s)", xlim=(0.0, 0.4))
         lower.legend(fontsize=8, loc="lower right")
     grid[0, 0].set(ylabel="fold angle (deg)", yticks=np.arange(0, 181, 30))
-    grid[1, 0].set(ylabel="strain at the root gauge (10⁻³)")
+    # room for the legend below the deepest peak; the axes share it
+    grid[1, 0].set(ylabel="strain at the root gauge (10⁻³)", ylim=(-6.2, 4.8))
     save(figure, path)
 
 

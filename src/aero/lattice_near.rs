@@ -3,7 +3,7 @@
 use crate::aero::biot_savart::{LANES, Sheet};
 use crate::aero::lattice::VortexLattice;
 use crate::aero::lattice_state::{LatticeState, SheetKind};
-use crate::aero::near_sheets::{ClosedSheets, Facing, Gap, Looking};
+use crate::aero::near_sheets::{ClosedSheets, CrossedSheets, Facing, Gap, Looking};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 
@@ -118,6 +118,16 @@ impl VortexLattice {
             surfaces: [at / count, at % count],
             gap_m: gap.widest_m,
             gap_panels: gap.panels[1],
+        })
+    }
+
+    /// The first pair of sheets of which one passes through the other, since the last start or solution.
+    pub fn crossed_sheets(&self) -> Option<CrossedSheets> {
+        let count = self.bound.len();
+        let crossed = self.gaps.iter().enumerate().find(|(_, gap)| gap.is_crossed());
+        crossed.map(|(at, gap)| CrossedSheets {
+            surfaces: [at / count, at % count],
+            depth_m: gap.sides_m[0].min(gap.sides_m[1]),
         })
     }
 

@@ -20,6 +20,9 @@ const PARALLEL: [f64; 2] = [0.866_025_403_784_438_6, 0.965_925_826_289_068_3];
 const EDGE_PANELS: f64 = 0.25;
 /// Largest height over the panel's size of a pair that counts as closed, see [`ClosedSheets`].
 pub const CLOSED_PANELS: f64 = 0.07;
+/// Heights over the panel's size on either side of a sheet from which on another sheet, whose points stand on both, passes
+/// through it: above what bending makes of the points next to a common hinge, far below what a lattice resolves.
+const CROSSED_PANELS: f64 = 0.02;
 /// Control points in each direction that are interpolated between.
 const ORDER: usize = 4;
 /// Blocks of as many points.
@@ -40,6 +43,15 @@ pub struct ClosedSheets {
     pub gap_m: f64,
     /// The same over the size of the panels there.
     pub gap_panels: f64,
+}
+
+/// Two sheets of which one passes through the other: air would flow through them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CrossedSheets {
+    /// Indices of the surfaces.
+    pub surfaces: [usize; 2],
+    /// How far points of the first stand on either side of the second at most, in m; the smaller of the two.
+    pub depth_m: f64,
 }
 
 /// Why the lattice has no circulation.
@@ -86,6 +98,8 @@ struct Above {
     /// Place in rings: row from the foremost quarter chord, column from the inner section; control points at `i + ½`.
     place: [f64; 2],
     height_m: Vector3<f64>,
+    /// Unit normal of the sheet there.
+    normal: Vector3<f64>,
     panel_m: f64,
     /// Chord of the panel in m.
     chord_m: f64,
@@ -162,6 +176,7 @@ fn above(sheet: &Sheet, state: &LatticeState, rear_panels: &[f64], looking: &Loo
     Some(Above {
         place,
         height_m,
+        normal,
         panel_m: across_m.norm().max(along_m.norm()),
         chord_m: along_m.norm(),
         share: on_sheet * ramp(PARALLEL[0], PARALLEL[1], normal.dot(&looking.normal).abs()),
@@ -175,11 +190,17 @@ pub struct Gap {
     pub panels: [f64; 2],
     /// Largest height in m.
     pub widest_m: f64,
+    /// Largest heights on the two sides of the sheet, against and along its normal, over the panel's size; 0 where no point
+    /// stands on that side.
+    pub sides_panels: [f64; 2],
+    /// The same in m.
+    pub sides_m: [f64; 2],
 }
 
 impl Gap {
     /// Where no point lies above the sheet.
-    pub const NONE: Self = Self { panels: [f64::INFINITY, 0.0], widest_m: 0.0 };
+    pub const NONE: Self =
+        Self { panels: [f64::INFINITY, 0.0], widest_m: 0.0, sides_panels: [0.0; 2], sides_m: [0.0; 2] };
 
     fn include(&mut self, above: &Above) {
         let height_m = above.height_m.norm();
@@ -188,6 +209,14 @@ impl Gap {
         if panels > self.panels[1] {
             (self.panels[1], self.widest_m) = (panels, height_m);
         }
+        let side = usize::from(above.height_m.dot(&above.normal) > 0.0);
+        self.sides_panels[side] = self.sides_panels[side].max(panels);
+        self.sides_m[side] = self.sides_m[side].max(height_m);
+    }
+
+    /// Whether points stand on both sides of the sheet: see [`CrossedSheets`].
+    pub fn is_crossed(&self) -> bool {
+        self.sides_panels.iter().all(|panels| *panels > CROSSED_PANELS)
     }
 
     /// Whether the sheets are closed: see [`ClosedSheets`].

@@ -66,12 +66,13 @@ impl Timing {
             "rejections": statistics.rejections,
             "failures": statistics.failures,
             "iterations": statistics.iterations,
+            "trial_iterations": statistics.trial_iterations,
             "factorizations": statistics.factorizations,
             "events": statistics.events,
             "air_solutions": statistics.air_solutions,
             "longest_row_panels": statistics.longest_row_panels,
             "step_us": per(statistics.steps),
-            "iteration_us": per(statistics.iterations),
+            "iteration_us": per(statistics.iterations + statistics.trial_iterations),
         });
         serde_json::to_writer_pretty(&mut sink, &figures)?;
         writeln!(sink)

@@ -13,6 +13,9 @@ use toml::de::{DeTable, DeValue};
 /// Problems that are told one by one.
 pub(super) const MOST_PROBLEMS: usize = 200;
 
+/// Longest name in bytes for which another one is offered.
+const LONGEST_NAME: usize = 80;
+
 /// Compares the document with the schema.
 ///
 /// # Errors
@@ -127,7 +130,7 @@ impl<'a> Check<'_, 'a> {
             self.problem(
                 offset,
                 key_text(&self.path),
-                Fault::NotAllowed { value, allowed: IDENTIFIER_ALLOWED.to_owned() },
+                Fault::NotAllowed { value, allowed: IDENTIFIER_ALLOWED.to_owned() + &as_identifier(name) },
             );
         }
         self.value(name, schema, value, offset);
@@ -201,8 +204,33 @@ fn hint(value: &DeValue, schema: Node) -> String {
     let tags = tagged(schema).map(|(_, variants)| variants.into_iter().map(|(name, _)| name).collect());
     match (value.as_str(), options(schema).or(tags)) {
         (Some(word), Some(options)) => did_you_mean(word, options),
+        (Some(word), None) if schema["pattern"] == IDENTIFIER => as_identifier(word),
+        (Some(word), None) if schema["maxItems"] == 3 => as_direction(word),
         _ => String::new(),
     }
+}
+
+/// The identifier that a name with other letters in it probably stands for: `Rover Wing` for `Rover_Wing`.
+fn as_identifier(word: &str) -> String {
+    let words: Vec<&str> = word
+        .split(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_')
+        .filter(|part| !part.is_empty())
+        .collect();
+    let joined = words.join("_");
+    let meant = if joined.starts_with(|letter: char| letter.is_ascii_digit()) { format!("_{joined}") } else { joined };
+    let short = meant.len() <= LONGEST_NAME && is_identifier(&meant);
+    if short { format!("; perhaps {meant:?}") } else { String::new() }
+}
+
+/// The direction that the name of an axis stands for.
+fn as_direction(word: &str) -> String {
+    let (sign, axis) = word.strip_prefix('-').map_or(("", word), |axis| ("-", axis));
+    let place = ["x", "y", "z"].iter().position(|name| axis.eq_ignore_ascii_case(name));
+    place.map_or(String::new(), |place| {
+        let numbers: Vec<String> =
+            (0..3).map(|i| if i == place { format!("{sign}1.0") } else { "0.0".to_owned() }).collect();
+        format!("; perhaps [{}]", numbers.join(", "))
+    })
 }
 
 fn is_table(schema: Node) -> bool {

@@ -99,6 +99,7 @@ impl Interface {
             DVector::from_iterator(rows.len(), rows.iter().map(value))
         };
         let matrices = plant.state_space(&slopes, &read)?;
+        let point = self.operating_point(plant)?;
 
         let values = read(plant.outputs());
         let signal = |row: &Variable, value: f64| Signal { name: row.name.clone(), unit: row.unit().to_owned(), value };
@@ -119,7 +120,7 @@ impl Interface {
             }))
             .collect();
         Ok(LinearModel {
-            point: self.operating_point(plant),
+            point,
             without_air: plant.machine().air.is_some(),
             states,
             inputs: inputs.iter().map(|row| signal(row, present(&row))).collect(),

@@ -2,8 +2,12 @@
 
 use crate::interface::{Causality, Interface, Value};
 use crate::machine::{JointKind, JointMotion, LatchKind};
-use crate::plant::Plant;
+use crate::plant::{Plant, PlantError};
+use nalgebra::Complex;
 use std::fmt;
+
+/// Share of the real part of an eigenvalue below which its imaginary part is round-off.
+const ROUND_OFF: f64 = 1e-9;
 
 /// The state about which a linear model is linear, as a reader tells one wing from another.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +20,9 @@ pub struct OperatingPoint {
     pub joints: Vec<JointPoint>,
     /// Inputs that act: Booleans as they are, Reals that are not 0.
     pub acting: Vec<Acting>,
+    /// Eigenvalues in 1/s of the linear model whose motions grow, fastest first, of its modes of lowest frequency and one of
+    /// each pair. `None` for machines that are too large to look.
+    pub growing_1_s: Option<Vec<Complex<f64>>>,
 }
 
 /// A revolute joint at the operating point.
@@ -45,7 +52,11 @@ pub struct Acting {
 
 impl Interface {
     /// The plant's present state as an operating point.
-    pub fn operating_point(&self, plant: &Plant) -> OperatingPoint {
+    ///
+    /// # Errors
+    /// [`PlantError::Linearization`] where its modes cannot be found.
+    pub fn operating_point(&self, plant: &mut Plant) -> Result<OperatingPoint, PlantError> {
+        let growing_1_s = plant.growing_1_s()?;
         let machine = plant.machine();
         let statuses = plant.joint_statuses().zip(&plant.outputs().joints).zip(plant.revolute_joints());
         let joints = statuses.map(|((status, outputs), body)| {
@@ -74,12 +85,13 @@ impl Interface {
             let acts = !matches!(value, Value::Real(0.0));
             acts.then(|| Acting { name: row.name.clone(), unit: row.unit().to_owned(), value })
         });
-        OperatingPoint {
+        Ok(OperatingPoint {
             time_s: plant.time_s(),
             equilibrium: plant.is_at_rest(),
             joints: joints.collect(),
             acting: acting.collect(),
-        }
+            growing_1_s,
+        })
     }
 }
 
@@ -101,6 +113,15 @@ impl fmt::Display for OperatingPoint {
                 Value::Boolean(value) => write!(f, "{begin}{name} = {value}")?,
             }
         }
-        Ok(())
+        match self.growing_1_s.as_deref() {
+            Some([]) | None => Ok(()),
+            Some([fastest, ..]) if fastest.im.abs() <= ROUND_OFF * fastest.re => {
+                write!(f, "; UNSTABLE: grows with {:.4} 1/s", fastest.re)
+            }
+            Some([fastest, ..]) => {
+                let frequency_hz = fastest.im.abs() / std::f64::consts::TAU;
+                write!(f, "; UNSTABLE: grows with {:.4} 1/s, oscillating with {frequency_hz:.4} Hz", fastest.re)
+            }
+        }
     }
 }

@@ -318,8 +318,10 @@ pub struct Statistics {
     pub rejections: u64,
     /// Steps given up by the Newton iteration.
     pub failures: u64,
-    /// Newton iterations (residuals with a solve).
+    /// Newton iterations (residuals with a solve) of the motion that was taken.
     pub iterations: u64,
+    /// Newton iterations of the trial marches in which air and structure agree, and which are taken back.
+    pub trial_iterations: u64,
     /// Factorisations.
     pub factorizations: u64,
     /// Events: releases, holds, closings, openings.
@@ -332,23 +334,6 @@ pub struct Statistics {
     pub largest_iterations: u64,
     /// Longest row that a step of the air has given the wake, in panel chords; 0 without a lattice.
     pub longest_row_panels: f64,
-}
-
-/// Rows of the wake longer than this many panels are too coarse for what they carry: `aerodynamics.step_s` is too long.
-pub const MOST_ROW_PANELS: f64 = 2.0;
-
-impl Statistics {
-    /// What to do where rows of the wake have outgrown [`MOST_ROW_PANELS`] with aerodynamic steps of `step_s` in s.
-    pub fn advice_on_rows(&self, step_s: f64) -> Option<String> {
-        // the way of a round number of panels is reached to round-off
-        (self.longest_row_panels > MOST_ROW_PANELS * (1.0 + 1e-9)).then(|| {
-            let (longest, shorter_s) = (self.longest_row_panels, step_s * MOST_ROW_PANELS / self.longest_row_panels);
-            format!(
-                "the wake has rows of up to {longest:.1} panels, and more than {MOST_ROW_PANELS} are too \
-                 coarse: aerodynamics.step_s of at most {shorter_s:.1e} s instead of {step_s:.3e} s cures this"
-            )
-        })
-    }
 }
 
 /// Why a plant cannot go on.
@@ -456,6 +441,20 @@ pub enum PlantError {
         gap_m: f64,
         /// The same over the size of a panel.
         gap_panels: f64,
+    },
+    /// One lattice passes through another.
+    #[error(
+        "no loads of the air at t = {time_s} s: the lattices of {} and {} pass through each other by {depth_m:.1e} m, and nothing \
+         holds them apart: more chord_panels resolve a narrower gap; else open their joint farther",
+        .bodies[0], .bodies[1]
+    )]
+    CrossedSheets {
+        /// Time in s.
+        time_s: f64,
+        /// Bodies that carry them.
+        bodies: [String; 2],
+        /// How far in m.
+        depth_m: f64,
     },
     /// No state of rest was found.
     #[error(

@@ -103,6 +103,9 @@ impl Plant {
 
     /// Brings the present to a time within the integrator's step.
     fn arrive_at(&mut self, time_s: f64) {
+        if self.stepper.lands() && self.land(time_s) {
+            return;
+        }
         let State { start, stages, ahead, now, .. } = &mut self.state;
         let taken = Taken { start, stages, end: ahead, continuation: self.stepper.continuation() };
         if taken.fill(now, time_s) {
@@ -111,6 +114,24 @@ impl Plant {
             self.equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
             self.equations.project(&mut now.q, &mut now.v, &mut now.a);
         }
+    }
+
+    /// A step of its own from the begin of the integrator's step to a time within it, for methods without stages, whose
+    /// polynomial of the ends would draw fast modes larger than they are. False at the ends, and where it has no solution.
+    fn land(&mut self, time_s: f64) -> bool {
+        let step_s = time_s - self.state.start.time_s;
+        if step_s <= 0.0 || time_s >= self.state.ahead.time_s {
+            return false;
+        }
+        let accuracy = self.accuracy(step_s, Length::Given);
+        let mut effort = Effort::default();
+        let State { start, now, statistics, .. } = &mut self.state;
+        self.equations.branch_s = start.time_s + 0.5 * step_s;
+        let landed = self.stepper.step(&mut self.equations, start, step_s, (now, &mut []), accuracy, &mut effort);
+        statistics.iterations += effort.iterations;
+        statistics.factorizations += effort.factorizations;
+        now.time_s = time_s;
+        landed.is_ok()
     }
 
     /// Undoes what a step has begun, but for the inputs and parameters as the caller has set them.
@@ -272,14 +293,7 @@ impl Plant {
 
     /// One step from `start` into `ahead`; returns the error estimate.
     fn attempt(&mut self, step_s: f64, length: Length) -> Result<f64, NewtonError> {
-        let ceiling = if length == Length::Given { NEWTON_CEILING_EXACT } else { NEWTON_CEILING };
-        let accuracy = Accuracy {
-            tolerance: (NEWTON_SHARE * self.state.applied_parameters.tolerance).min(ceiling),
-            most_iterations: self.machine.solver.most_iterations,
-            persistent: length == Length::Given,
-            jumped: self.machine.solver.most_iterations.is_some() && self.state.step_s < step_s,
-            cautious: self.state.air.is_some(),
-        };
+        let accuracy = self.accuracy(step_s, length);
         let mut effort = Effort::default();
         let State { start, stages, ahead, statistics, .. } = &mut self.state;
         self.equations.branch_s = start.time_s + 0.5 * step_s;
@@ -291,6 +305,19 @@ impl Plant {
         self.rest = effort.rest;
         statistics.largest_iterations = statistics.largest_iterations.max(effort.largest);
         outcome
+    }
+
+    /// What a step asks of Newton's iteration.
+    fn accuracy(&self, step_s: f64, length: Length) -> Accuracy {
+        let ceiling = if length == Length::Given { NEWTON_CEILING_EXACT } else { NEWTON_CEILING };
+        let unnoticed = self.state.air.as_ref().map_or(f64::INFINITY, |history| history.motion_tolerance);
+        Accuracy {
+            tolerance: (NEWTON_SHARE * self.state.applied_parameters.tolerance).min(ceiling).min(unnoticed),
+            most_iterations: self.machine.solver.most_iterations,
+            persistent: length == Length::Given,
+            jumped: self.machine.solver.most_iterations.is_some() && self.state.step_s < step_s,
+            cautious: self.state.air.is_some(),
+        }
     }
 
     /// Where latches close inside the step, repeats the step so that it ends at the first closing.

@@ -29,6 +29,7 @@ mod state;
 mod state_space;
 mod statics;
 mod strains;
+mod wake_rows;
 
 pub use crate::solve::arc_length::PathPoint;
 pub use crate::solve::equilibrium::Effort as StaticEffort;

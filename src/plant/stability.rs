@@ -98,6 +98,15 @@ impl Plant {
         Ok(Stability { negative_directions, potential, neutral, growing })
     }
 
+    /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first: of the modes of lowest frequency,
+    /// one of each pair, the loads of the air held as they are. `None` for machines with too many coordinates to look.
+    pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
+        if self.coordinates() > MOST_COORDINATES {
+            return Ok(None);
+        }
+        Ok(Some(self.growing()?.iter().map(|growth| growth.eigenvalue_1_s).collect()))
+    }
+
     fn growing(&mut self) -> Result<Vec<Growth>, PlantError> {
         let mut list: Vec<Growth> =
             self.modes(MODES)?.iter().filter(|mode| mode.grows()).map(|mode| self.growth(mode)).collect();

@@ -9,7 +9,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 /// A linear model as JSON: `time_s`, `without_air` (the machine is in air, the model holds its loads), `state` (whether it is
-/// an equilibrium, joints, inputs that act), `states`, `inputs`, `outputs` (name, unit, value about which it is linear) and
+/// an equilibrium, joints, inputs that act, `growing_1_s`), `states`, `inputs`, `outputs` (name, unit, value about which it is linear) and
 /// the matrices `A`, `B`, `C`, `D` row by row.
 pub fn linear_json(model: &LinearModel) -> Value {
     let signals = |list: &[Signal]| -> Vec<Value> {
@@ -45,8 +45,11 @@ fn state(point: &OperatingPoint) -> Value {
         };
         json!({ "name": acting.name, "unit": acting.unit, "value": value })
     };
+    let growing: Option<Vec<[f64; 2]>> =
+        point.growing_1_s.as_ref().map(|list| list.iter().map(|lambda| [lambda.re, lambda.im]).collect());
     json!({
         "equilibrium": point.equilibrium,
+        "growing_1_s": growing,
         "joints": point.joints.iter().map(joint).collect::<Vec<_>>(),
         "acting": point.acting.iter().map(acting).collect::<Vec<_>>(),
     })
@@ -54,7 +57,8 @@ fn state(point: &OperatingPoint) -> Value {
 
 /// Writes a linear model for `numpy.load`: `A`, `B`, `C`, `D`, `x0`, `u0`, `y0`, `time_s`, `without_air` (1 or 0), and the
 /// names and units `state_names`, `state_units`, … as arrays of text; of the operating point `equilibrium` (0 or 1), `joint_names`,
-/// `joint_angles_rad`, `joint_motions`, `joint_latches`, `acting_names`, `acting_values`, `acting_units`. Equal models give equal bytes.
+/// `joint_angles_rad`, `joint_motions`, `joint_latches`, `acting_names`, `acting_values`, `acting_units`, and `growing_1_s`, a row of
+/// real and imaginary part for each eigenvalue that grows (NaN where nobody has looked). Equal models give equal bytes.
 pub fn write_npz<W: Write + Seek>(model: &LinearModel, target: W) -> io::Result<()> {
     let mut archive = ZipWriter::new(target);
     let mut member = |name: &str, bytes: Vec<u8>| -> io::Result<()> {
@@ -84,6 +88,9 @@ pub fn write_npz<W: Write + Seek>(model: &LinearModel, target: W) -> io::Result<
     member("time_s", numbers(&[point.time_s], "()"))?;
     member("without_air", numbers(&[f64::from(u8::from(model.without_air))], "()"))?;
     member("equilibrium", numbers(&[f64::from(u8::from(point.equilibrium))], "()"))?;
+    let growing = growing(point);
+    let values: Vec<f64> = growing.iter().flatten().copied().collect();
+    member("growing_1_s", numbers(&values, &format!("({}, 2)", growing.len())))?;
     let angles: Vec<f64> = point.joints.iter().map(|joint| joint.angle_rad).collect();
     member("joint_angles_rad", numbers(&angles, &format!("({},)", angles.len())))?;
     let values: Vec<f64> = point.acting.iter().map(|acting| number(&acting.value)).collect();
@@ -93,6 +100,14 @@ pub fn write_npz<W: Write + Seek>(model: &LinearModel, target: W) -> io::Result<
     }
     archive.finish()?;
     Ok(())
+}
+
+/// Real and imaginary parts in 1/s of the eigenvalues that grow; one row of NaN where nobody has looked.
+pub(super) fn growing(point: &OperatingPoint) -> Vec<[f64; 2]> {
+    match &point.growing_1_s {
+        Some(list) => list.iter().map(|lambda| [lambda.re, lambda.im]).collect(),
+        None => vec![[f64::NAN; 2]],
+    }
 }
 
 /// Names of the texts of an operating point in files of arrays, and the texts.

@@ -4,7 +4,7 @@
 //! the header; equal models give equal bytes here.
 
 use crate::interface::{LinearModel, OperatingPoint, Signal};
-use crate::report::linear::point_texts;
+use crate::report::linear::{growing, point_texts};
 use crate::report::number;
 use nalgebra::DMatrix;
 use std::io::{self, Write};
@@ -52,6 +52,9 @@ fn write_point<W: Write>(point: &OperatingPoint, target: &mut W) -> io::Result<(
     target.write_all(&numbers("time_s", &DMatrix::from_element(1, 1, point.time_s)))?;
     let equilibrium = f64::from(u8::from(point.equilibrium));
     target.write_all(&numbers("equilibrium", &DMatrix::from_element(1, 1, equilibrium)))?;
+    let growing = growing(point);
+    let rows = growing.iter().flatten().copied();
+    target.write_all(&numbers("growing_1_s", &DMatrix::from_row_iterator(growing.len(), 2, rows)))?;
     let angles = point.joints.iter().map(|joint| joint.angle_rad);
     target.write_all(&numbers("joint_angles_rad", &DMatrix::from_iterator(point.joints.len(), 1, angles)))?;
     let values = point.acting.iter().map(|acting| number(&acting.value));

@@ -60,6 +60,11 @@ impl Stepper {
         &self.continuation
     }
 
+    /// Whether states between the ends of a step take a step of their own: implicit methods without stages.
+    pub fn lands(&self) -> bool {
+        matches!(self.method, Method::GeneralizedAlpha { .. })
+    }
+
     /// Power of the step with which the error estimate falls.
     pub fn error_order(&self) -> u32 {
         self.tableau().map_or(3, |tableau| tableau.error_order)

@@ -67,6 +67,48 @@ fn a_linear_model_says_at_which_state_it_is() {
     assert!(archive.by_name("acting_values.npy").is_ok() && archive.by_name("acting_names.npy").is_ok());
 }
 
+/// A linear model of a state that the machine leaves by itself says so, in print and in every file: a rod of 0.3 m that stands
+/// upright on a free hinge falls with `√(3g/2L)` = 7.0036 1/s, a thin one at rest; unstrained at the start it begins to yield, too, which
+/// adds 2e-3 to that.
+#[test]
+fn a_linear_model_of_an_unstable_state_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let rod = |start_deg: f64| {
+        format!(
+            "name = \"Rod\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[section.plate]\nshape = \"rectangle\"\nwidth_m = 0.05\n\
+             height_m = 0.002\ndensity_kg_m3 = 1425.0\nyoung_Pa = 2.83e9\ntorsional_rigidity_N_m2 = 0.18\n[body.rod]\n\
+             length_m = 0.3\nsection = \"plate\"\nelements = 8\n[joint.h]\ntype = \"revolute\"\nparent = \"root\"\n\
+             child = \"rod\"\naxis = [0.0, 1.0, 0.0]\nstart_angle_deg = {start_deg:?}\n"
+        )
+    };
+    for (start_deg, unstable) in [(-90.0, true), (90.0, false)] {
+        std::fs::write(folder.path().join("rod.toml"), rod(start_deg)).unwrap();
+        let call = |file: &str| {
+            succeeds(&foldwing(folder.path(), &["linearize", "rod.toml", "--at", "start", "-o", file, "--force"]))
+        };
+        let text = call("x.json");
+        assert_eq!(text.contains("UNSTABLE: grows with 7.0"), unstable, "{text}");
+        assert!(!text.contains("oscillating"), "{text}");
+        let json: serde_json::Value =
+            serde_json::from_str(&std::fs::read_to_string(folder.path().join("x.json")).unwrap()).unwrap();
+        let growing = json["state"]["growing_1_s"].as_array().unwrap();
+        assert_eq!(growing.len(), usize::from(unstable), "{json}");
+        for lambda in growing {
+            let [re, im] = [0, 1].map(|part| lambda[part].as_f64().unwrap());
+            assert!((re - 7.0036).abs() < 0.02 && im.abs() < 1e-6, "{lambda}");
+        }
+        call("x.npz");
+        let mut archive = zip::ZipArchive::new(std::fs::File::open(folder.path().join("x.npz")).unwrap()).unwrap();
+        let mut bytes = Vec::new();
+        std::io::Read::read_to_end(&mut archive.by_name("growing_1_s.npy").unwrap(), &mut bytes).unwrap();
+        let shape = format!("'shape': ({}, 2)", u8::from(unstable));
+        assert!(String::from_utf8_lossy(&bytes[..128]).contains(&shape), "{shape}");
+        call("x.mat");
+        let bytes = std::fs::read(folder.path().join("x.mat")).unwrap();
+        assert!(String::from_utf8_lossy(&bytes).contains("growing_1_s"));
+    }
+}
+
 /// Control characters come into a model by escapes; no importer reads a description with them. Line feeds and tabs arrive.
 #[test]
 fn descriptions_are_such_that_importers_can_read_them() {

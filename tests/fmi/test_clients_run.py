@@ -3,9 +3,11 @@
 import csv
 import io
 import os
+import signal
 import subprocess
 import sys
 import sysconfig
+import time
 from pathlib import Path
 
 import numpy as np
@@ -140,3 +142,26 @@ def test_f188_run_draws_what_simulate_draws(runner, foldwing, fmus, tmp_path):
     assert drawn == [f"outputs_{i}.{kind}" for i in (1, 2, 3) for kind in ("png", "svg")]
     for name in drawn:
         assert (tmp_path / "fmu" / name).read_bytes() == (tmp_path / "model" / name).read_bytes(), name
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_f139_ctrl_c_leaves_the_old_results_and_no_folder(runner, wing, tmp_path):
+    """F-139. Ctrl-C in the middle of `foldwing run`: the old CSV to the byte, nothing beside it, the unpacked FMU gone."""
+    results, unpacked = tmp_path / "results", tmp_path / "unpacked"
+    results.mkdir(), unpacked.mkdir()
+    environment = {**os.environ, "TMPDIR": str(unpacked)}
+    target = results / "x.csv"
+    command = [runner, "run", wing.path, "--csv", target, "-q", "--step", "1e-3", "--stop"]
+    subprocess.run([*command, "1e-2"], check=True, env=environment)
+    before = target.read_bytes()
+    child = subprocess.Popen([*command, "1000"], env=environment)
+    unfinished = lambda: [file for file in results.iterdir() if file.name.startswith(".foldwing-")]
+    begin = time.monotonic()
+    while not any(file.stat().st_size for file in unfinished()):
+        assert child.poll() is None and time.monotonic() - begin < 60, "no rows"
+        time.sleep(0.01)
+    assert list(unpacked.iterdir())
+    child.send_signal(signal.SIGINT)
+    assert child.wait(60) == -signal.SIGINT
+    assert target.read_bytes() == before
+    assert list(results.iterdir()) == [target] and not list(unpacked.iterdir())

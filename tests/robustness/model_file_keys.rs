@@ -250,24 +250,35 @@ fn names() {
     assert_eq!(
         message("name = \"Wing\"", "name = \"my wing\""),
         "wing.toml:1: key 'name': \"my wing\" is not allowed; allowed: an identifier: letters, digits and _, no \
-         digit first"
+         digit first; perhaps \"my_wing\""
     );
     assert_eq!(
         message("[body.outer]", "[body.\"the outer\"]"),
         "wing.toml:20: key 'body.\"the outer\"': the name \"the outer\" is not allowed; allowed: an identifier: \
-         letters, digits and _, no digit first"
+         letters, digits and _, no digit first; perhaps \"the_outer\""
     );
     assert_eq!(
         message("[gauge.root]", "[gauge.1st]"),
         "wing.toml:43: key 'gauge.1st': the name \"1st\" is not allowed; allowed: an identifier: letters, digits \
-         and _, no digit first"
+         and _, no digit first; perhaps \"_1st\""
     );
+    assert!(!message("name = \"Wing\"", "name = \"翼\"").contains("perhaps"), "nothing is left of it");
     assert_eq!(
         message("[body.outer]", "[body.root]"),
         "wing.toml:20: key 'body.root': the name \"root\" is not allowed; allowed: another name: \"root\" is what \
          the wing is fixed to\nwing.toml:31: key 'joint.fold.child': \"outer\" is not allowed; allowed: a body: \
          \"inner\" or \"root\""
     );
+}
+
+/// Directions by the name of an axis.
+#[test]
+fn axes_by_name() {
+    for (word, meant) in [("y", "[0.0, 1.0, 0.0]"), ("-Z", "[0.0, 0.0, -1.0]")] {
+        let told = message("axis = [0, 2, 0]", &format!("axis = {word:?}"));
+        assert!(told.ends_with(&format!("an array of 3 finite numbers; perhaps {meant}")), "{told}");
+    }
+    assert!(!message("axis = [0, 2, 0]", "axis = \"up\"").contains("perhaps"));
 }
 
 /// A model without bodies.

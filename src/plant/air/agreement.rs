@@ -25,6 +25,12 @@ const MOST_STATIC_ITERATIONS: usize = 100;
 /// Change of the loads at rest, relative to the largest, at which they agree: far above the statics' own error.
 const STATIC_TOLERANCE: f64 = 1e-9;
 
+/// Share of the coupling's tolerance that the loads may move by what Newton's iteration leaves in a trial march.
+const MOTION_SHARE: f64 = 0.1;
+/// Smallest displacement error in the kinematic norm that Newton's iteration is asked for: a thousand times the round-off
+/// of angles, since its last corrections are a hundred times what they leave.
+const LEAST_MOTION_TOLERANCE: f64 = 1e-12;
+
 /// Aerodynamic steps in a row in which the prediction of the staggered coupling may miss the loads by more than the largest
 /// of the run: where it does so on and on, no prediction at all would be nearer, and each step makes it worse. A start
 /// against small loads takes two or three such steps.
@@ -62,6 +68,9 @@ impl Plant {
         model
             .start(motions, &flow, settings.established, &mut history.after, loads)
             .map_err(|error| gaps::failure(&self.machine, settings, time_s, error))?;
+        if let Some(error) = gaps::crossing(&self.machine, settings, model, time_s) {
+            return Err(error);
+        }
         air.read(&history.loads);
         let (change_n, size_n) = air.compare();
         if !change_n.is_finite() {
@@ -224,6 +233,14 @@ impl Plant {
         }
         let mut outcome = Err(0.0);
         for trial in 0..most {
+            history.motion_tolerance = match air.settings.coupling {
+                Coupling::Iterated { tolerance, .. } if history.scale_n > 0.0 => {
+                    let density_kg_m3 = self.state.applied_parameters.air_density_kg_m3;
+                    let way_m = air.unnoticed_m(MOTION_SHARE * tolerance * history.scale_n, density_kg_m3);
+                    (way_m / self.equations.model.reference_length_m).max(LEAST_MOTION_TOLERANCE)
+                }
+                _ => f64::INFINITY,
+            };
             self.state.air = Some(history);
             let marched = self.march_on_trial(end_s, trial == 0);
             let (wanted_s, next_s) = (self.smallest_step_s, self.state.step_s);
@@ -293,9 +310,20 @@ impl Plant {
         let longest = &mut self.state.statistics.longest_row_panels;
         *longest = longest.max(row_panels);
         self.state.air = Some(history);
-        outcome.map_err(|change| {
-            refusal(begin_s, format!("the loads still change by {change:.1e} of the largest after {most} iterations"))
-        })?;
+        if let Err(change) = outcome {
+            let mut cause = format!("the loads still change by {change:.1e} of the largest after {most} iterations");
+            if let Some(surface) =
+                gaps::blown_from_behind(&air.settings, &air.motions, &flow(&air.settings, &self.state, end_s))
+            {
+                let body = &self.machine.bodies[air.settings.surfaces[surface].body].name;
+                cause +=
+                    &format!("; the air meets the trailing edge of {body} first, and the wake must leave behind it");
+            }
+            return Err(refusal(begin_s, cause));
+        }
+        if let Some(error) = gaps::crossing(&self.machine, &air.settings, &air.model, end_s) {
+            return Err(error);
+        }
         self.discontinuity(|_, _| 0.0).map(|_| ())
     }
 
@@ -324,12 +352,15 @@ impl Plant {
     /// Undoes a trial march; takes the history out, so that its air can be changed.
     fn go_back(&mut self, trial: &Trial) -> AirHistory {
         let solutions = self.state.statistics.air_solutions;
+        let trial_iterations = self.state.statistics.iterations - trial.statistics.iterations;
+        let so_far = self.state.statistics.trial_iterations;
         let State { start, ahead, joints, .. } = &mut self.state;
         start.copy_from(&trial.start);
         ahead.copy_from(&trial.start);
         joints.copy_from_slice(&trial.joints);
         self.state.statistics = trial.statistics;
         self.state.statistics.air_solutions = solutions;
+        self.state.statistics.trial_iterations = so_far + trial_iterations;
         self.configure();
         if let Some(loads) = &mut self.equations.air {
             loads.copy_from(&trial.loads);

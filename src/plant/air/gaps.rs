@@ -3,7 +3,9 @@
 pub use crate::aero::near_sheets::CLOSED_PANELS;
 
 use crate::aero::AirModel;
+use crate::aero::flow::Flow;
 use crate::aero::near_sheets::NoCirculation;
+use crate::load::SectionMotion;
 use crate::machine::{self, Machine};
 use crate::plant::Plant;
 use crate::plant::face::PlantError;
@@ -33,6 +35,30 @@ pub(super) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failur
             gap_panels: closed.gap_panels,
         },
     }
+}
+
+/// Why a run stops where one sheet of a lattice passes through another.
+pub(super) fn crossing(machine: &Machine, air: &machine::Air, model: &AirModel, time_s: f64) -> Option<PlantError> {
+    let AirModel::Lattice(lattice) = model else { return None };
+    lattice.crossed_sheets().map(|crossed| PlantError::CrossedSheets {
+        time_s,
+        bodies: crossed.surfaces.map(|surface| machine.bodies[air.surfaces[surface].body].name.clone()),
+        depth_m: crossed.depth_m,
+    })
+}
+
+/// Index of the first surface that the air mostly meets at its trailing edge.
+pub(super) fn blown_from_behind(air: &machine::Air, motions: &[SectionMotion], flow: &Flow) -> Option<usize> {
+    let mut first = 0;
+    air.surfaces.iter().position(|surface| {
+        let sections = &motions[first..first + surface.chords.len()];
+        first += surface.chords.len();
+        let from_behind = sections.iter().zip(&surface.chords).filter(|(motion, chord)| {
+            let backwards = motion.rotation * (chord.trailing_m - chord.leading_m);
+            (flow.velocity_m_s(&motion.position_m) - motion.velocity_m_s).dot(&backwards) < 0.0
+        });
+        2 * from_behind.count() > surface.chords.len()
+    })
 }
 
 impl Plant {

@@ -175,6 +175,9 @@ pub(super) struct AirHistory {
     pub gain: Gain,
     /// Largest force so far, in N.
     pub scale_n: f64,
+    /// Displacement error in the kinematic norm that Newton's iteration may leave in the present aerodynamic step, so that
+    /// the loads do not notice; eq. (Q2).
+    pub motion_tolerance: f64,
     /// Step of the structure within the present aerodynamic step in s: the smallest that the error estimate asked for in
     /// the first trial march. With steps that changed from one trial to the next, the loads at the end would jump with
     /// them by the error that the tolerance allows, and no iteration would end.
@@ -202,6 +205,7 @@ impl AirHistory {
         self.at_begin.copy_from_slice(&other.at_begin);
         (self.carried_m, self.gain, self.scale_n) = (other.carried_m, other.gain, other.scale_n);
         (self.structure_step_s, self.strayed) = (other.structure_step_s, other.strayed);
+        self.motion_tolerance = other.motion_tolerance;
     }
 
     /// Whether a history has the sizes of this one.
@@ -225,7 +229,10 @@ pub(super) struct AirCoupling {
     guess: Vec<f64>,
     residual: Vec<f64>,
     acceleration: Anderson,
+    /// Longest chord in m.
     length_m: f64,
+    /// Widest strip in m.
+    strip_m: f64,
     trial: Trial,
     /// Load station, section and share: how the sections' loads are reported at the load stations.
     shares: Vec<(usize, usize, f64)>,
@@ -263,6 +270,8 @@ impl AirCoupling {
             .collect();
         let chords = surfaces.iter().flat_map(|surface| &surface.chords);
         let length_m = chords.map(|chord| chord.length_m()).fold(0.0, f64::max);
+        let strips = settings.surfaces.iter().flat_map(|surface| surface.positions_m.windows(2));
+        let strip_m = strips.map(|edges| edges[1] - edges[0]).fold(0.0, f64::max);
         let still = SectionMotion {
             rotation: nalgebra::Matrix3::identity(),
             position_m: Vector3::zeros(),
@@ -285,6 +294,7 @@ impl AirCoupling {
             carried_m: Vector3::zeros(),
             gain: Gain::default(),
             scale_n: 0.0,
+            motion_tolerance: f64::INFINITY,
             structure_step_s: 0.0,
             strayed: 0,
         };
@@ -299,6 +309,7 @@ impl AirCoupling {
             residual: vec![0.0; unknowns],
             acceleration: Anderson::new(unknowns),
             length_m,
+            strip_m,
             trial: Trial {
                 start: Point::zeros(coordinates),
                 step_s: 0.0,
@@ -398,6 +409,12 @@ impl AirCoupling {
     fn round_off_n(&self, density_kg_m3: f64) -> f64 {
         let velocity_m_s = self.length_m / self.settings.step_s;
         ROUND_OFF * density_kg_m3 * (velocity_m_s * self.length_m).powi(2)
+    }
+
+    /// Way in m of a section within an aerodynamic step that changes its load by `change_n`: the air of a strip, as thick as
+    /// its chord, gains within the step the velocity of that way over the step.
+    fn unnoticed_m(&self, change_n: f64, density_kg_m3: f64) -> f64 {
+        change_n * self.settings.step_s.powi(2) / (density_kg_m3 * self.length_m.powi(2) * self.strip_m)
     }
 
     /// Adds the residual to the guess.

@@ -2,7 +2,7 @@
 
 use crate::wings::{march, start};
 use foldwing::config;
-use foldwing::plant::{Plant, SurfaceLattice};
+use foldwing::plant::{Plant, Statistics, SurfaceLattice};
 use nalgebra::Vector3;
 
 /// A stiff wing so heavy that the air does not move it, at 5 degrees of incidence.
@@ -183,5 +183,18 @@ fn q55_rows_that_are_too_long_are_told() {
         let advice = statistics.advice_on_rows(5e-3);
         assert_eq!(advice.is_some(), panels > 2.0);
         assert!(advice.is_none_or(|advice| advice.contains("up to 3.0 panels") && advice.contains("3.3e-3 s")));
+    }
+}
+
+/// The advice tells a length that only just exceeds the bound from it, and the step that it names keeps to the bound.
+#[test]
+fn q55_advice_on_rows_is_told_to_the_digit_that_matters() {
+    for (panels, told) in [(2.0031, "up to 2.003 panels"), (2.01, "up to 2.01 panels"), (2.16, "up to 2.2 panels")] {
+        let statistics = Statistics { longest_row_panels: panels, ..Statistics::default() };
+        let advice = statistics.advice_on_rows(1.27e-3).expect("rows are too long");
+        assert!(advice.contains(told), "{panels}: {advice}");
+        let named_s: f64 =
+            advice.split("at most ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
+        assert!(named_s * panels <= 2.0 * 1.27e-3 && named_s > 0.9 * 1.27e-3 * 2.0 / panels, "{panels}: {advice}");
     }
 }

@@ -13,5 +13,6 @@ mod frames;
 mod goland;
 mod identification;
 mod light_tips;
+mod narrow_gaps;
 mod twist;
 mod wings;
