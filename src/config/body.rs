@@ -3,12 +3,14 @@
 use crate::beam::law::SectionLaw;
 use crate::beam::profile::Profile;
 use crate::beam::section::{Material, Solid};
+use crate::config::file::RigidBodyFile;
 use crate::config::function::{FunctionFile, along_body};
 use crate::config::sections::{Built, Sections};
 use crate::config::validate::Checker;
 use crate::load::LoadFrame;
 use crate::machine::builder::BodyBuilder;
 use crate::machine::{Body, ElementKind};
+use nalgebra::Matrix3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -132,6 +134,16 @@ pub(super) fn build(name: &str, file: &BodyFile, law: Option<SectionLaw>, checke
         (None, Some(count)) => body.load_stations(count),
         (None, None) => body,
     }
+}
+
+/// Builds a rigid body.
+pub(super) fn build_rigid(name: &str, file: &RigidBodyFile) -> BodyBuilder {
+    let body = Body::rigid(name).load_frame(file.load_frame.into());
+    if file.mass_kg == 0.0 && file.inertia_kg_m2 == [0.0; 6] {
+        return body;
+    }
+    let [xx, yy, zz, xy, xz, yz] = file.inertia_kg_m2;
+    body.inertia(file.mass_kg, file.centre_of_mass_m, Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz))
 }
 
 /// The section along the body: uniform, tapered, or between two named ones; `None` where a problem was found.

@@ -4,7 +4,7 @@
 //! enforced from there; `x-allowed` overrides the wording of error messages where a range cannot say it.
 
 use crate::config::air_file::{AirFile, GustFile, SurfaceFile};
-use crate::config::body::BodyFile;
+use crate::config::body::{BodyFile, LoadFrameFile};
 use crate::config::joint_file::JointFile;
 use crate::config::run::{ExperimentFile, SolverFile};
 use indexmap::IndexMap;
@@ -14,7 +14,10 @@ use serde::Deserialize;
 /// A Foldwing model: a wing of flexible bodies and fold joints. SI units; angles in degrees if the key ends in `_deg`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Foldwing model file")]
+#[schemars(
+    title = "Foldwing model file",
+    extend("anyOf" = [{ "required": ["section", "body"] }, { "required": ["rigid_body"] }])
+)]
 pub(super) struct ModelFile {
     /// Model name; names the FMU.
     #[schemars(extend("pattern" = "^[A-Za-z_][A-Za-z0-9_]*$"))]
@@ -26,11 +29,17 @@ pub(super) struct ModelFile {
     #[serde(default)]
     pub gravity_m_s2: [f64; 3],
     /// Cross-sections by name.
+    #[serde(default)]
     #[schemars(extend("minProperties" = 1, "x-allowed" = "at least one table [section.<name>]"))]
     pub section: IndexMap<String, SectionFile>,
     /// Bodies by name: beams, each held by exactly one joint at its inner end.
+    #[serde(default)]
     #[schemars(extend("minProperties" = 1, "x-allowed" = "at least one table [body.<name>]"))]
     pub body: IndexMap<String, BodyFile>,
+    /// Rigid bodies by name: frames with mass, each held by exactly one joint. A machine of rigid bodies alone needs neither
+    /// sections nor beams.
+    #[serde(default)]
+    pub rigid_body: IndexMap<String, RigidBodyFile>,
     /// Joints by name; a joint's name is a group of the FMU's variables.
     #[schemars(extend("minProperties" = 1, "x-allowed" = "at least one table [joint.<name>]"))]
     pub joint: IndexMap<String, JointFile>,
@@ -60,6 +69,41 @@ pub(super) struct ModelFile {
     /// Default experiment.
     #[serde(default)]
     pub experiment: ExperimentFile,
+}
+
+/// A rigid body: a frame that carries mass, loads and other bodies. Joints hold it at its frame.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RigidBodyFile {
+    /// Mass, default 0: a frame, or a body whose masses are tables `[mass.<name>]`.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub mass_kg: f64,
+    /// Centre of mass in the body's frame, default its origin.
+    #[serde(default)]
+    pub centre_of_mass_m: [f64; 3],
+    /// Inertia tensor about the centre of mass, body frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where `Ixy = −∫xy dm`.
+    /// Default: a point.
+    #[serde(default)]
+    pub inertia_kg_m2: [f64; 6],
+    /// Frames on the body by name: places where joints hold on, `parent_frame`.
+    #[serde(default)]
+    pub frame: IndexMap<String, FrameFile>,
+    /// Frame of the force and moment at the body's one load station, its origin: `root` or `section`, the body's own.
+    #[serde(default)]
+    pub load_frame: LoadFrameFile,
+}
+
+/// A place on a rigid body.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FrameFile {
+    /// Its origin in the body's frame.
+    pub position_m: [f64; 3],
+    /// Its rotation vector in the body's frame, default none.
+    #[serde(default)]
+    #[schemars(inner(range(min = -360.0, max = 360.0)))]
+    pub rotation_deg: [f64; 3],
 }
 
 /// Cross-section. `y` runs chordwise, `z` through the thickness.

@@ -17,6 +17,11 @@ pub(super) struct JointFile {
     /// Distance along the parent body from its inner end; default: its outer end.
     #[schemars(range(min = 0.0))]
     pub parent_position_m: Option<f64>,
+    /// Frame of the parent, a rigid body, that the joint holds on to; keys in the parent's frame then refer to this frame.
+    pub parent_frame: Option<String>,
+    /// From the place on the parent to the body's first frame, in the parent's frame there: a rigid arm without mass. Not with
+    /// `parent = "root"`.
+    pub parent_offset_m: Option<[f64; 3]>,
     /// Position in the root frame if the parent is `root`; default: the origin.
     pub root_position_m: Option<[f64; 3]>,
     /// Rotation vector of the body's first frame in the parent's frame: at angle zero of revolute joints, at the start

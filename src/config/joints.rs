@@ -1,6 +1,6 @@
 //! Joints of the file told to a [`JointBuilder`]: where they hold, motion, latch.
 
-use crate::config::file::ModelFile;
+use crate::config::file::{FrameFile, ModelFile};
 use crate::config::joint_file::{
     DriveFile, JointFile, JointType, LatchFile, LatchType, MotionType, SpringFile, TableEnds,
 };
@@ -8,7 +8,7 @@ use crate::config::validate::Checker;
 use crate::machine::builder::{JointBuilder, LatchBuilder};
 use crate::machine::units::quoted;
 use crate::machine::{Drive, Joint, JointMotion, Latch, Motion, Spring};
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 
 /// Name of the parent that is no body.
 const ROOT: &str = "root";
@@ -37,13 +37,13 @@ const REVOLUTE_DRIVE_KEYS: &[(&str, &str)] = &[
 pub(super) fn build_all(file: &ModelFile, checker: &mut Checker) -> Vec<JointBuilder> {
     let joint_of = joint_of_bodies(file, checker);
     let held = |joint: usize| joint_of.contains(&Some(joint));
-    let joints: Vec<JointBuilder> = file.joint.iter().map(|(name, joint)| build(name, joint, checker)).collect();
+    let joints: Vec<JointBuilder> = file.joint.iter().map(|(name, joint)| build(name, joint, file, checker)).collect();
     for (index, (name, _)) in file.joint.iter().enumerate() {
         if !held(index) {
             checker.stands_in(&["joint", name]);
         }
     }
-    let bodies = file.body.keys().zip(joint_of);
+    let bodies = bodies(file).zip(joint_of);
     bodies
         .map(|(name, joint)| match joint {
             Some(joint) => joints[joint].clone(),
@@ -56,15 +56,20 @@ pub(super) fn build_all(file: &ModelFile, checker: &mut Checker) -> Vec<JointBui
         .collect()
 }
 
+/// Names of all bodies: beams, then rigid bodies.
+fn bodies(file: &ModelFile) -> impl Iterator<Item = &String> {
+    file.body.keys().chain(file.rigid_body.keys())
+}
+
 /// The joint of each body: children exist, differ from the parents, and no two joints hold the same child.
 fn joint_of_bodies(file: &ModelFile, checker: &mut Checker) -> Vec<Option<usize>> {
-    let mut joint_of = vec![None; file.body.len()];
+    let mut joint_of = vec![None; bodies(file).count()];
     let mut hold = true;
     for (index, (name, joint)) in file.joint.iter().enumerate() {
         let path = ["joint", name, "child"];
         let earlier = file.joint.values().take(index).position(|other| other.child == joint.child);
-        let Some(body) = file.body.get_index_of(&joint.child) else {
-            checker.unknown_name(&path, &joint.child, "a body", file.body.keys().map(String::as_str));
+        let Some(body) = bodies(file).position(|body| *body == joint.child) else {
+            checker.unknown_name(&path, &joint.child, "a body", bodies(file).map(String::as_str));
             hold = false;
             continue;
         };
@@ -78,9 +83,9 @@ fn joint_of_bodies(file: &ModelFile, checker: &mut Checker) -> Vec<Option<usize>
             joint_of[body] = Some(index);
         }
     }
-    hold &= file.joint.values().all(|joint| joint.parent == ROOT || file.body.contains_key(&joint.parent));
+    hold &= file.joint.values().all(|joint| joint.parent == ROOT || bodies(file).any(|body| *body == joint.parent));
     if hold {
-        for (name, _) in file.body.keys().zip(&joint_of).filter(|(_, joint)| joint.is_none()) {
+        for (name, _) in bodies(file).zip(&joint_of).filter(|(_, joint)| joint.is_none()) {
             let allowed = format!("exactly one joint with child = {name:?}");
             checker.refuse_as(&["body", name], "a body without a joint", allowed);
         }
@@ -89,7 +94,7 @@ fn joint_of_bodies(file: &ModelFile, checker: &mut Checker) -> Vec<Option<usize>
 }
 
 /// Builds a joint.
-fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> JointBuilder {
+fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker) -> JointBuilder {
     for (key, types) in KEYS.iter().filter(|(_, types)| !types.contains(&joint.kind)) {
         if checker.states(&["joint", name, key]) {
             let names: Vec<&str> = types.iter().copied().map(JointType::name).collect();
@@ -105,7 +110,13 @@ fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> JointBuilder {
             checker.stands_in(&["joint", name, "drive", field]);
         }
     }
-    let axis = Vector3::from(joint.axis.unwrap_or_default());
+    let place = parent_frame(name, joint, file, checker);
+    // of vectors in the frame that the joint holds on to
+    let turned = |vector: Vector3<f64>| match place {
+        Some(place) => Rotation3::new(radians(place.rotation_deg)) * vector,
+        None => vector,
+    };
+    let axis = turned(Vector3::from(joint.axis.unwrap_or_default()));
     let mut built = match joint.kind {
         JointType::Clamped => Joint::clamped(name),
         JointType::Revolute => Joint::revolute(name, axis),
@@ -114,9 +125,15 @@ fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> JointBuilder {
         JointType::Free => Joint::free(name),
     };
     built = on_parent(built, name, joint, checker);
-    built = built.mount_rotation_rad(Vector3::from(joint.mount_rotation_deg).map(f64::to_radians));
+    let mount = Rotation3::new(radians(joint.mount_rotation_deg));
+    built = match place {
+        Some(place) => built.mount((Rotation3::new(radians(place.rotation_deg)) * mount).into_inner()),
+        None => built.mount(mount.into_inner()),
+    };
+    let from_m = place.map_or(Vector3::zeros(), |place| Vector3::from(place.position_m));
+    built = built.offset_m(from_m + turned(Vector3::from(joint.parent_offset_m.unwrap_or_default())));
     if let Some(velocity_deg_s) = joint.start_angular_velocity_deg_s {
-        built = built.start_angular_velocity_rad_s(Vector3::from(velocity_deg_s).map(f64::to_radians));
+        built = built.start_angular_velocity_rad_s(turned(radians(velocity_deg_s)));
     }
     if let Some(velocity_m_s) = joint.start_velocity_m_s {
         built = built.start_velocity_m_s(velocity_m_s);
@@ -153,6 +170,31 @@ fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> JointBuilder {
         built = built.latch(latch);
     }
     built
+}
+
+fn radians(degrees: [f64; 3]) -> Vector3<f64> {
+    Vector3::from(degrees).map(f64::to_radians)
+}
+
+/// The frame that a joint holds on to, if it names one.
+fn parent_frame<'f>(
+    name: &str,
+    joint: &JointFile,
+    file: &'f ModelFile,
+    checker: &mut Checker,
+) -> Option<&'f FrameFile> {
+    let frame = joint.parent_frame.as_ref()?;
+    let path = ["joint", name, "parent_frame"];
+    let Some(parent) = file.rigid_body.get(&joint.parent) else {
+        checker.refuse(&path, "this key only with a rigid body as parent");
+        return None;
+    };
+    let found = parent.frame.get(frame);
+    if found.is_none() {
+        let known = parent.frame.keys().map(String::as_str);
+        checker.unknown_name(&path, frame, &format!("a frame of {:?}", joint.parent), known);
+    }
+    found
 }
 
 fn on_parent(built: JointBuilder, name: &str, joint: &JointFile, checker: &mut Checker) -> JointBuilder {

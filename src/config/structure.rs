@@ -113,7 +113,12 @@ impl<'a> Check<'_, 'a> {
         }
         for (known, property) in properties(schema) {
             // A key that is there under a wrong name is refused once.
-            let required = is_required(&schema, known) && !meant.contains(&known);
+            let needed = is_required(&schema, known)
+                // beams need both; a machine of rigid bodies neither
+                || self.path.is_empty()
+                    && ["section", "body"].contains(&known)
+                    && !table.iter().any(|(key, _)| key.get_ref() == "rigid_body");
+            let required = needed && !meant.contains(&known);
             if required && !table.iter().any(|(key, _)| key.get_ref() == known) {
                 self.path.push(known.to_owned());
                 let fault = Fault::MissingKey { allowed: allowed(known, property) };

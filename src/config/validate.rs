@@ -146,6 +146,7 @@ const KEYS: &[(&str, &str)] = &[
     ("stiffness_n_m", "stiffness_N_m"),
     ("damping_n_s_m", "damping_N_s_m"),
     ("station_positions_m", "load_station_positions_m"),
+    ("offset_m", "parent_offset_m"),
     ("most_iterations", "max_iterations"),
 ];
 
@@ -185,12 +186,16 @@ fn describe(file: &ModelFile, checker: &mut Checker) -> MachineBuilder {
         .gravity_m_s2(file.gravity_m_s2)
         .solver(solver(file, checker));
     let mut lawless = Vec::new();
-    for ((name, body), joint) in file.body.iter().zip(joints::build_all(file, checker)) {
+    let mut joints = joints::build_all(file, checker);
+    for ((name, body), joint) in file.body.iter().zip(joints.iter().cloned()) {
         let law = body::section_law(name, body, &sections, checker);
         if law.is_none() {
             lawless.push(name.as_str());
         }
         machine = machine.body(body::build(name, body, law, checker), joint);
+    }
+    for ((name, body), joint) in file.rigid_body.iter().zip(joints.split_off(file.body.len())) {
+        machine = machine.body(body::build_rigid(name, body), joint);
     }
     machine = attachments::add(file, &lawless, machine);
     machine = loops::add(file, machine);

@@ -260,7 +260,8 @@ fn point(table: &mut Table, bind: impl Fn(PointOutput) -> Output, group: &str, o
 
 fn parameters(table: &mut Table, topology: &Topology) {
     joints::parameters(table, topology);
-    for (index, body) in topology.machine.bodies.iter().enumerate() {
+    let beams = topology.machine.bodies.iter().enumerate().filter(|(_, body)| !body.is_rigid());
+    for (index, body) in beams {
         for &(key, field, variability, declared, range, meaning) in BODY_PARAMETERS {
             let name = &body.name;
             let text = (format!("body.{name}.{key}"), Some(declared), range, format!("{meaning}, body {name}"));

@@ -48,18 +48,18 @@ pub struct Machine {
     pub experiment: Experiment,
 }
 
-/// A beam and the joint at its inner end.
+/// A beam or a rigid body, and the joint at its inner end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Identifier.
     pub name: String,
-    /// Arc length of the undeformed axis in m.
+    /// Arc length of the undeformed axis in m; 0 for a rigid body.
     pub length_m: f64,
-    /// Cross-section along the body.
+    /// Cross-section along the body; of no meaning for a rigid body.
     pub section: SectionLaw,
     /// Kind of strain element.
     pub element: ElementKind,
-    /// Number of elements of that kind along the body (a linear element is one pair of halves).
+    /// Number of elements of that kind along the body (a linear element is one pair of halves); 0 makes the body rigid.
     pub elements: usize,
     /// Natural strains `(εx, κx, κy, κz)` along the body: initial stretch (–), twist and curvatures (1/m).
     pub natural_strain: NaturalStrain,
@@ -79,6 +79,13 @@ pub struct Body {
     pub masses: Vec<AttachedMass>,
     /// Joint to the parent.
     pub joint: Joint,
+}
+
+impl Body {
+    /// The body has no elements: one frame that carries masses, joints and loads.
+    pub fn is_rigid(&self) -> bool {
+        self.elements == 0
+    }
 }
 
 /// A point mass or rigid body fixed to a section.
@@ -103,6 +110,8 @@ pub struct Joint {
     pub name: String,
     /// What the joint holds on to.
     pub parent: Parent,
+    /// From the place on the parent body to the body's first frame, parent's section frame there, in m; zero on the root.
+    pub offset_m: Vector3<f64>,
     /// Orientation of the body's first frame in the parent's frame at angle zero: parent ← body.
     pub mount: Matrix3<f64>,
     /// What the joint allows.

@@ -20,7 +20,10 @@ pub fn first_frames(bodies: &[Body], angle_rad: impl Fn(&Revolute) -> f64) -> Ve
     for body in bodies {
         let origin = match body.joint.parent {
             Parent::Root { position_m } => Frame { position_m, attitude: Matrix3::identity() },
-            Parent::Body { index, position_m } => along(&bodies[index], &frames[index], position_m),
+            Parent::Body { index, position_m } => {
+                let place = along(&bodies[index], &frames[index], position_m);
+                Frame { position_m: place.position_m + place.attitude * body.joint.offset_m, ..place }
+            }
         };
         let fold = match &body.joint.kind {
             JointKind::Clamped | JointKind::Spatial(_) => Matrix3::identity(),

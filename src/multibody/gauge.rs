@@ -52,6 +52,9 @@ pub fn strain_measures(
     body: usize,
     position_m: f64,
 ) -> Vector4<f64> {
+    if model.bodies[body].elements == 0 {
+        return Vector4::zeros(); // a rigid body
+    }
     match model.bodies[body].kind {
         ElementKind::Constant => between_centres(model, motion.q, body, position_m),
         ElementKind::Linear => recovered(model, work, motion, damping[body].stiffness_s, body, position_m),

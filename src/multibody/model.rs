@@ -209,10 +209,12 @@ impl Model {
                 Attachment::Root(position) => (Base::Root(position), position.norm()),
                 Attachment::Body { index: parent, position_m } => (
                     Base::Node(model.node_at(parent, position_m)),
-                    path_m[parent] - descriptions[parent].length_m + position_m + description.offset_m.norm(),
+                    path_m[parent] - descriptions[parent].length_m - reach_m(&descriptions[parent])
+                        + position_m
+                        + description.offset_m.norm(),
                 ),
             };
-            path_m.push(inner_path_m + description.length_m);
+            path_m.push(inner_path_m + description.length_m + reach_m(description));
             let children = descriptions.iter().filter_map(|child| match child.parent {
                 Attachment::Body { index: parent, position_m } if parent == index => Some(position_m),
                 _ => None,
@@ -230,6 +232,9 @@ impl Model {
             })
             .collect();
         model.reference_length_m = path_m.iter().copied().fold(0.0, f64::max);
+        if model.reference_length_m == 0.0 {
+            model.reference_length_m = 1.0; // frames without extent
+        }
         model
     }
 
@@ -371,6 +376,15 @@ impl Model {
         }
         q
     }
+}
+
+/// How far a rigid body goes beyond its node: the radius of gyration of its masses about it, in m. Zero for beams.
+fn reach_m(description: &BodyDescription) -> f64 {
+    let sum: Matrix4<f64> = description.masses.iter().map(|(_, mass)| mass).sum();
+    if description.elements > 0 || sum[(0, 0)] == 0.0 {
+        return 0.0;
+    }
+    ((sum[(1, 1)] + sum[(2, 2)] + sum[(3, 3)]) / sum[(0, 0)]).sqrt()
 }
 
 fn end_of(elements: &[Element]) -> f64 {

@@ -108,6 +108,13 @@ fn bodies_section(html: &mut String, machine: &Machine) {
         html,
         &head,
         machine.bodies.iter().map(|body| {
+            if body.is_rigid() {
+                let mass_kg: f64 = body.masses.iter().map(|mass| mass.mass_kg).sum();
+                let mut row = vec![escape(&body.name).into_owned(), format!("rigid, {} kg", number(mass_kg))];
+                row.extend(std::iter::repeat_n("–".to_owned(), 6));
+                row.extend([body.station_positions_m.len().to_string(), "–".to_owned(), "–".to_owned()]);
+                return row;
+            }
             // a section that varies is shown at both ends
             let ends = match body.section.is_uniform() {
                 true => vec![body.section.at(0.0)],

@@ -3,7 +3,7 @@
 
 use crate::machine::Machine;
 use crate::machine::pose::{self, Frame};
-use crate::machine::{Body, JointKind, LiftingSurface, Revolute};
+use crate::machine::{Body, JointKind, LiftingSurface, Parent, Revolute};
 use crate::packaging::palette::{self, Role, ink};
 use nalgebra::Vector3;
 use quick_xml::escape::escape;
@@ -94,6 +94,22 @@ fn project(point: &Vector3<f64>) -> Point {
     [right, -(cos_e * point.z + sin_e * depth)]
 }
 
+/// Outline of a beam; of a rigid body, lines from its frame to the bodies that it carries.
+pub(super) fn contour(machine: &Machine, index: usize, wing: &[Vec<Frame>]) -> Vec<Vector3<f64>> {
+    let (body, own) = (&machine.bodies[index], &wing[index]);
+    if !body.is_rigid() {
+        return outline(body, own);
+    }
+    let carried = machine
+        .bodies
+        .iter()
+        .zip(wing)
+        .filter(|(child, _)| matches!(child.joint.parent, Parent::Body { index: parent, .. } if parent == index));
+    let mut points = vec![own[0].position_m];
+    points.extend(carried.flat_map(|(_, frames)| [frames[0].position_m, own[0].position_m]));
+    points
+}
+
 /// Both edges of a body as one closed outline.
 pub(super) fn outline(body: &Body, frames: &[Frame]) -> Vec<Vector3<f64>> {
     let place = |i: usize| body.length_m * i as f64 / (frames.len() - 1) as f64;
@@ -118,7 +134,7 @@ pub fn drawing(machine: &Machine) -> Drawing {
 
     let mut outlines: Vec<(Role, Vec<Vector3<f64>>)> = wings
         .iter()
-        .flat_map(|(role, wing)| machine.bodies.iter().zip(wing).map(|(body, frames)| (*role, outline(body, frames))))
+        .flat_map(|(role, wing)| (0..machine.bodies.len()).map(|index| (*role, contour(machine, index, wing))))
         .collect();
     // behind the deployed wing
     let behind = outlines.len() - machine.bodies.len();
@@ -158,13 +174,20 @@ pub(super) fn planforms(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<(Role, Ve
     surfaces.map(planform).collect()
 }
 
+/// Half width at which the fold axis of a rigid body, which has no section, is drawn, in m.
+const RIGID_HALF_WIDTH_M: f64 = 0.02;
+
 /// Fold axes, each from end to end of a line that is a little longer than the section of the joint's body is wide.
 pub(super) fn hinges(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<[Vector3<f64>; 2]> {
     let line = |(body, frames): (&Body, &Vec<Frame>)| {
         let JointKind::Revolute(joint) = &body.joint.kind else { return None };
         // the fold leaves its own axis where it is, so the body's first frame tells it without the parent's
         let axis = frames[0].attitude * body.joint.mount.transpose() * joint.axis;
-        let reach = axis * (1.3 * body.section.at(0.0).half_width_m.max(0.02 * body.length_m));
+        let half_m = match body.is_rigid() {
+            true => RIGID_HALF_WIDTH_M,
+            false => body.section.at(0.0).half_width_m.max(0.02 * body.length_m),
+        };
+        let reach = axis * (1.3 * half_m);
         Some([frames[0].position_m - reach, frames[0].position_m + reach])
     };
     machine.bodies.iter().zip(wing).filter_map(line).collect()

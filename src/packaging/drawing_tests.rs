@@ -35,6 +35,7 @@ pub(crate) fn two_body_machine() -> Machine {
     let clamp = Joint {
         name: "clamp".to_owned(),
         parent: Parent::Root { position_m: Vector3::zeros() },
+        offset_m: Vector3::zeros(),
         mount: Matrix3::identity(),
         kind: JointKind::Clamped,
     };
@@ -66,6 +67,7 @@ pub(crate) fn two_body_machine() -> Machine {
     let fold = Joint {
         name: "fold".to_owned(),
         parent: Parent::Body { index: 0, position_m: 0.15 },
+        offset_m: Vector3::zeros(),
         mount: Matrix3::identity(),
         kind: JointKind::Revolute(Box::new(revolute)),
     };

@@ -17,7 +17,6 @@ use crate::plant::hinge::JointEquations;
 use crate::plant::spatial::SpatialEquations;
 use crate::plant::{revolutes, spatials};
 use crate::solve::{EquationsOfMotion, Powers, Singular};
-use nalgebra::Vector3;
 
 /// Equations of motion with their scratch.
 pub(super) struct Equations {
@@ -61,7 +60,7 @@ impl Equations {
                     Parent::Root { position_m } => Attachment::Root(position_m),
                     Parent::Body { index, position_m } => Attachment::Body { index, position_m },
                 },
-                offset_m: Vector3::zeros(),
+                offset_m: body.joint.offset_m,
                 mount: body.joint.mount,
                 joint: match &body.joint.kind {
                     JointKind::Clamped => joint::JointKind::Clamped,

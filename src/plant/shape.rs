@@ -102,10 +102,13 @@ impl SectionState {
 }
 
 impl Plant {
-    /// Mesh boundaries of a body: distances from its inner end in m, ascending.
+    /// Mesh boundaries of a body: distances from its inner end in m, ascending; 0 alone on a rigid body.
     pub fn mesh_m(&self, body: usize) -> Vec<f64> {
         let model = &self.equations.model;
         let body = &model.bodies[body];
+        if body.elements == 0 {
+            return vec![0.0];
+        }
         let elements = &model.elements[body.first_element..body.first_element + body.elements];
         let stride = if body.kind == ElementKind::Linear { 2 } else { 1 };
         let end = elements.last().map(|last| last.start_m + last.length_m);
@@ -138,7 +141,9 @@ impl Plant {
         let section = |index: usize, node: usize| {
             let body = &model.bodies[index];
             let next = body.first_element + node - body.first_node;
-            let place_m = if node == body.last_node() {
+            let place_m = if body.elements == 0 {
+                0.0
+            } else if node == body.last_node() {
                 let last = &model.elements[next - 1];
                 last.start_m + last.length_m
             } else {

@@ -30,6 +30,9 @@ impl Plant {
         let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
         let mut strains = Vec::new();
         for (index, (body, description)) in model.bodies.iter().zip(&self.machine.bodies).enumerate() {
+            if body.elements == 0 {
+                continue; // rigid
+            }
             let elements = &model.elements[body.first_element..body.first_element + body.elements];
             let stride = if body.kind == ElementKind::Linear { 2 } else { 1 };
             let starts = elements.iter().step_by(stride).map(|element| element.start_m);

@@ -249,6 +249,9 @@ fn body_scene(plant: &Plant, machine: &Machine, index: usize) -> BodyScene {
     };
     let places_m: Vec<f64> = mesh_m.windows(2).flat_map(inside).chain(mesh_m.last().copied()).collect();
     let rim = |place_m: &f64| {
+        if body.is_rigid() {
+            return rim(Outline::Rectangle, 0.0, 0.0); // a point
+        }
         let section = body.section.at(*place_m);
         let outline = body.section.solid_at(*place_m).map_or(Outline::Rectangle, |solid| solid.outline);
         let half = |given_m: f64| if given_m > 0.0 { given_m } else { ROD * body.length_m };

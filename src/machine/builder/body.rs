@@ -3,6 +3,7 @@
 
 use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::profile::Profile;
+use crate::beam::section::{Material, Solid};
 use crate::load::{LoadFrame, Wrench};
 use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::shortest;
@@ -22,7 +23,7 @@ enum Stations {
     At(Vec<f64>),
 }
 
-/// A body under construction: [`Body::beam`].
+/// A body under construction: [`Body::beam`], [`Body::rigid`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyBuilder {
     pub(super) name: String,
@@ -36,6 +37,7 @@ pub struct BodyBuilder {
     stiffness_damping_s: f64,
     stations: Stations,
     load_frame: LoadFrame,
+    own_mass: Option<AttachedMass>,
 }
 
 impl Body {
@@ -54,11 +56,31 @@ impl Body {
             stiffness_damping_s: 0.0,
             stations: Stations::Equal(DEFAULT_STATIONS),
             load_frame: LoadFrame::Root,
+            own_mass: None,
         }
+    }
+
+    /// A rigid body by its name: a frame with one load station, without mass until [`BodyBuilder::inertia`] or attached masses
+    /// give it one. Others hang on it aside of its frame by [`JointBuilder::offset_m`](super::JointBuilder::offset_m).
+    pub fn rigid(name: impl Into<String>) -> BodyBuilder {
+        let unused = Solid::rectangle(1.0, 1.0, Material::isotropic(1.0, 0.0, 1.0));
+        BodyBuilder { stations: Stations::At(vec![0.0]), ..Self::beam(name, 0.0, unused) }
     }
 }
 
 impl BodyBuilder {
+    /// Mass in kg, centre of mass in m and inertia about it in kg·m², body frame, of a rigid body.
+    pub fn inertia(
+        self,
+        mass_kg: f64,
+        centre_of_mass_m: impl Into<Vector3<f64>>,
+        inertia_kg_m2: impl Into<Matrix3<f64>>,
+    ) -> Self {
+        let (offset_m, inertia_kg_m2) = (centre_of_mass_m.into(), inertia_kg_m2.into());
+        let own = AttachedMass { offset_m, inertia_kg_m2, ..AttachedMass::point(&self.name, 0.0, mass_kg) };
+        Self { own_mass: Some(own), ..self }
+    }
+
     /// Number of elements along the body: 1 to 1000. Must be said.
     pub fn elements(self, elements: usize) -> Self {
         Self { elements, ..self }
@@ -137,7 +159,7 @@ impl BodyBuilder {
             station_loads: vec![Wrench::default(); station_positions_m.len()],
             station_positions_m,
             load_frame: self.load_frame,
-            masses: Vec::new(),
+            masses: self.own_mass.iter().cloned().collect(),
             joint,
         }
     }

@@ -49,6 +49,7 @@ pub struct JointBuilder {
     pub(super) kind: Type,
     pub(super) holder: Holder,
     mount: Matrix3<f64>,
+    offset_m: Vector3<f64>,
     axis: Vector3<f64>,
     body_axis: Vector3<f64>,
     start_angular_velocity_rad_s: Option<Vector3<f64>>,
@@ -69,6 +70,7 @@ impl Joint {
             kind,
             holder: Holder::Root(Vector3::zeros()),
             mount: Matrix3::identity(),
+            offset_m: Vector3::zeros(),
             axis: Vector3::zeros(),
             body_axis: Vector3::zeros(),
             start_angular_velocity_rad_s: None,
@@ -147,6 +149,12 @@ impl JointBuilder {
         Self { holder: Holder::Root(position_m.into()), ..self }
     }
 
+    /// From the place on the parent body to the body's first frame, frame of the parent's section there, in m. Default 0; on
+    /// the root say [`Self::at_root`].
+    pub fn offset_m(self, offset_m: impl Into<Vector3<f64>>) -> Self {
+        Self { offset_m: offset_m.into(), ..self }
+    }
+
     /// Rotation vector in rad of the body's first frame in the parent's frame: at angle zero of hinges, at the start of
     /// universal, ball and free joints. Default none.
     pub fn mount_rotation_rad(self, rotation_rad: impl Into<Vector3<f64>>) -> Self {
@@ -222,7 +230,7 @@ impl JointBuilder {
             Type::Revolute => JointKind::Revolute(Box::new(self.build_revolute(start_time_s, checker))),
             Type::Universal | Type::Ball | Type::Free => JointKind::Spatial(Box::new(self.build_spatial(checker))),
         };
-        Joint { name: self.name.clone(), parent, mount: self.mount, kind }
+        Joint { name: self.name.clone(), parent, offset_m: self.offset_m, mount: self.mount, kind }
     }
 
     /// Refuses what this type of joint does not have.

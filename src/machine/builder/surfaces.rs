@@ -110,6 +110,10 @@ pub(super) fn draft<'b>(
         checker.unknown_name(&place, name, "a body", bodies.iter().map(|body| body.name.as_str()));
         return None;
     };
+    if bodies[body].is_rigid() {
+        checker.refuse(&place, format!("{name:?}"), "a body that bends; this one is rigid");
+        return None;
+    }
     if surfaces[..index].iter().any(|other| other.body == name) {
         checker.refuse(&place, format!("{name:?}"), "a body without a surface; one is on this one");
         return None;

@@ -38,6 +38,11 @@ pub(crate) fn has_outline(law: &SectionLaw) -> bool {
 pub(super) fn gauge(gauge: &Gauge, bodies: &[Body], checker: &mut Checker) {
     let name = gauge.name.as_str();
     let Some(body) = body_at(&["gauge", name, "body"], gauge.body, bodies, checker) else { return };
+    if body.is_rigid() {
+        let allowed = "a body that bends; this one is rigid";
+        checker.refuse(&["gauge", name, "body"], format!("{:?}", body.name), allowed);
+        return;
+    }
     let law = &body.section;
     checker.on_body(&["gauge", name, "position_m"], gauge.position_m, body.length_m);
     if !section_stands(&body.name, checker) {

@@ -21,6 +21,10 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
         let allowed = "another name: \"root\" is what the wing is fixed to";
         checker.refuse_state(&["body", name], "the name \"root\"", allowed);
     }
+    if body.is_rigid() {
+        rigid(body, checker);
+        return;
+    }
     let long = checker.number(&["body", name, "length_m"], body.length_m, Range::Above(0.0));
     let meshed = checker.count(&["body", name, "elements"], body.elements, 1, 1000);
     checker.number(&["body", name, "mass_damping_1_s"], body.mass_damping_1_s, Range::AtLeast(0.0));
@@ -30,6 +34,26 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
     }
     section_law(body, checker);
     natural_strain(body, meshed, checker);
+    stations(body, checker);
+    for mass in &body.masses {
+        attached_mass(mass, body, checker);
+    }
+}
+
+/// A body without elements: its masses and loads sit on its frame.
+fn rigid(body: &Body, checker: &mut Checker) {
+    let name = body.name.as_str();
+    if body.length_m != 0.0 {
+        // a beam whose elements were forgotten, most likely
+        checker.count(&["body", name, "elements"], body.elements, 1, 1000);
+        return;
+    }
+    for (key, value) in [("mass_damping_1_s", body.mass_damping_1_s), ("stiffness_damping_s", body.stiffness_damping_s)]
+    {
+        if value != 0.0 {
+            checker.refuse(&["body", name, key], shortest(value), "0 on a rigid body, which does not bend");
+        }
+    }
     stations(body, checker);
     for mass in &body.masses {
         attached_mass(mass, body, checker);

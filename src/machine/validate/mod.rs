@@ -121,8 +121,14 @@ fn tree(bodies: &[Body], checker: &mut Checker) -> bool {
         match body.joint.parent {
             Parent::Root { position_m } => {
                 checker.array(&["joint", &body.joint.name, "root_position_m"], position_m.as_slice());
+                if body.joint.offset_m != nalgebra::Vector3::zeros() {
+                    let found = array_text(body.joint.offset_m.as_slice());
+                    let allowed = "no offset from the root; add it to root_position_m";
+                    checker.refuse(&["joint", &body.joint.name, "offset_m"], found, allowed);
+                }
             }
             Parent::Body { index, position_m } if index < own => {
+                checker.array(&["joint", &body.joint.name, "offset_m"], body.joint.offset_m.as_slice());
                 let place = ["joint", &body.joint.name, "parent_position_m"];
                 checker.on_body(&place, position_m, bodies[index].length_m);
             }

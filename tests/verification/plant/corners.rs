@@ -21,6 +21,7 @@ pub fn add_rod(machine: &mut Machine, elbow: Revolute) {
     outer.joint = Joint {
         name: "fold0".into(),
         parent: Parent::Body { index: 0, position_m: outer.length_m },
+        offset_m: Vector3::zeros(),
         mount: Matrix3::identity(),
         kind: JointKind::Revolute(Box::new(elbow)),
     };

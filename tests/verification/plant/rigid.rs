@@ -31,7 +31,7 @@ fn rods(angles_rad: &[f64], kind: ElementKind, count: usize, stiffness_factor: f
 }
 
 /// Largest miss of the free end in m over the times of a reference `{time: [angles…, x, y]}` up to `end_s`.
-fn worst_miss_m(mut plant: Plant, reference: &serde_json::Value, end_s: f64) -> f64 {
+pub fn worst_miss_m(mut plant: Plant, reference: &serde_json::Value, end_s: f64) -> f64 {
     let rows = reference.as_object().expect("times");
     let mut times: Vec<(f64, Vec<f64>)> = rows
         .iter()

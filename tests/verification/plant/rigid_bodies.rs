@@ -1,0 +1,210 @@
+//! Bodies without elements, offsets, frames: rigid pendulums, a gyroscope, what hangs aside of its place.
+
+use crate::machines::*;
+use crate::rigid::worst_miss_m;
+use foldwing::beam::section::{Material, Section, Solid};
+use foldwing::config;
+use foldwing::machine::builder::{BodyBuilder, JointBuilder};
+use foldwing::machine::*;
+use foldwing::plant::{Holding, Outputs, Plant};
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use std::sync::Arc;
+
+const LENGTH_M: f64 = 1.8;
+const GRAVITY_M_S2: f64 = 9.8;
+
+/// A rigid rod along `x` with the inertia of the steel rods of P-65: 3.12 kg/m, a square of 20 mm.
+fn rod(name: &str) -> BodyBuilder {
+    let mass_kg = 3.12 * LENGTH_M;
+    let (along, across) = (0.02f64.powi(2) / 6.0, (LENGTH_M.powi(2) + 0.02f64.powi(2)) / 12.0);
+    let inertia = Matrix3::from_diagonal(&(Vector3::new(along, across, across) * mass_kg));
+    Body::rigid(name).inertia(mass_kg, [0.5 * LENGTH_M, 0.0, 0.0], inertia)
+}
+
+/// Rigid rods in a row on free hinges at their ends, and a frame at the last one's end.
+fn rods(angles_rad: &[f64]) -> Plant {
+    let mut parts = Vec::new();
+    for (index, angle_rad) in angles_rad.iter().enumerate() {
+        let hinge = Joint::hinge(format!("hinge{index}"), free_hinge(*angle_rad));
+        let hinge = match index {
+            0 => hinge,
+            _ => hinge.on(format!("rod{}", index - 1)).offset_m([LENGTH_M, 0.0, 0.0]),
+        };
+        parts.push((rod(&format!("rod{index}")), hinge));
+    }
+    let last = format!("rod{}", angles_rad.len() - 1);
+    parts.push((Body::rigid("end"), Joint::clamped("weld").on(last).offset_m([LENGTH_M, 0.0, 0.0])));
+    let mut machine = machine(parts);
+    machine.gravity_m_s2 = Vector3::new(0.0, 0.0, -GRAVITY_M_S2);
+    machine.solver = solver(Method::Esdirk4, 1e-9);
+    start(machine)
+}
+
+/// RB-01. Rigid rods against the rigid pendulum and double pendulums to which P-65 and P-66 bring elastic rods. The tolerance
+/// of 1e-9 over some 1e3 steps of a motion that amplifies by ten.
+#[test]
+fn rb01_rigid_links_are_the_rigid_pendulums() {
+    let limits = expected("dyn.rigid_limits");
+    for (name, angles_rad, end_s) in [
+        ("rigid_rod_pendulum_L1.8_rhoA3.12_no_rot (theta,x,y)", &[0.0][..], 2.0),
+        ("rigid_double_rod_L1.8_from_horizontal (thA,thB,x,y)", &[0.0, 0.0], 1.5),
+        ("rigid_double_rod_L1.8_A_horizontal_B_down (thA,thB,x,y)", &[0.0, std::f64::consts::FRAC_PI_2], 1.5),
+    ] {
+        let worst_m = worst_miss_m(rods(angles_rad), &limits[name], end_s);
+        println!("RB-01 {name}: {worst_m:.1e} m");
+        assert!(worst_m < 1e-6, "{name}: free end misses by {worst_m:.1e} m");
+    }
+}
+
+/// RB-02. A gyroscope: a disc whose axis lies level on a ball joint precesses steadily at `Ω = m g l/(I ω)` where it starts
+/// so, and its axis stays level; the joint carries its weight.
+#[test]
+fn rb02_a_gyroscope_precesses() {
+    let (mass_kg, arm_m, axial, spin_rad_s) = (2.0, 0.15, 0.01, 200.0);
+    let rate_rad_s = mass_kg * GRAVITY_M_S2 * arm_m / (axial * spin_rad_s);
+    let inertia = Matrix3::from_diagonal(&Vector3::new(axial, 0.006, 0.006));
+    let disc = Body::rigid("disc").inertia(mass_kg, [arm_m, 0.0, 0.0], inertia);
+    let joint = Joint::ball("pivot").start_angular_velocity_rad_s([spin_rad_s, 0.0, rate_rad_s]);
+    let mut machine = machine([(disc, joint)]);
+    machine.gravity_m_s2 = Vector3::new(0.0, 0.0, -GRAVITY_M_S2);
+    machine.solver.tolerance = 1e-8;
+    let mut plant = start(machine);
+    let before_j = balance_j(plant.outputs());
+    coast(&mut plant, 0.5);
+    let axis = plant.outputs().spatial[0].rotation * Vector3::x();
+    let turned = Vector3::new((rate_rad_s * 0.5).cos(), (rate_rad_s * 0.5).sin(), 0.0);
+    let miss = (axis - turned).norm();
+    let force_n = plant.outputs().joint_reactions[0].force_n;
+    // the centre of mass goes round at Ω
+    let expected_n = mass_kg * (Vector3::z() * GRAVITY_M_S2 - turned * (arm_m * rate_rad_s.powi(2)));
+    let drift = (balance_j(plant.outputs()) - before_j).abs() / plant.outputs().energy.kinetic;
+    println!("RB-02 axis off by {miss:.1e}, force by {:.1e}, drift {drift:.1e}", (force_n - expected_n).norm());
+    assert!(miss < 1e-5 && (force_n - expected_n).norm() < 1e-3 * expected_n.norm() && drift < 1e-7);
+}
+
+/// A wing on a fuselage that the root holds, with loads of its own.
+fn wing_on(fuselage: Option<BodyBuilder>, roots: [JointBuilder; 2]) -> Machine {
+    let material = Material { young_pa: 2.83e9, shear_pa: 1e9, density_kg_m3: 1425.0 };
+    let section = Section::rectangle(0.05, 0.002, &material, Some(0.18));
+    let half = |name: &str| body(name, 0.15, &section, ElementKind::Linear, 2).mass_damping_1_s(2.5);
+    let [right, left] = roots;
+    let mut parts = Vec::new();
+    if let Some(fuselage) = fuselage {
+        parts.push((fuselage, Joint::clamped("hold").at_root([0.1, -0.2, 0.3])));
+    }
+    parts.push((half("right"), right));
+    parts.push((half("left"), left));
+    parts.push((half("tip"), Joint::hinge("fold", wing_hinge(0.026)).on("right")));
+    let mut machine = machine(parts);
+    machine.gravity_m_s2 = Vector3::new(-9.8, 0.0, 1.0);
+    machine.solver.tolerance = 1e-9;
+    machine
+}
+
+/// RB-03. Wings on offset and turned roots of a rigid fuselage that is held move as on the root at those places: the arm
+/// adds round-off alone, and the fuselage its weight on the root.
+#[test]
+fn rb03_offset_roots_are_places_on_the_root() {
+    let arms = [Vector3::new(0.02, 0.03, -0.01), Vector3::new(-0.04, 0.01, 0.02)];
+    let turns = [Vector3::new(0.1, 0.2, -0.3), Vector3::new(0.0, 0.1, 3.0)];
+    let fuselage = || Body::rigid("fuselage").inertia(0.3, [0.0, 0.02, -0.03], Matrix3::from_diagonal_element(1e-3));
+    let hung = [0, 1]
+        .map(|i| Joint::clamped(format!("root{i}")).on("fuselage").offset_m(arms[i]).mount_rotation_rad(turns[i]));
+    let placed = [0, 1].map(|i| {
+        Joint::clamped(format!("root{i}")).at_root(Vector3::new(0.1, -0.2, 0.3) + arms[i]).mount_rotation_rad(turns[i])
+    });
+    let runs = [wing_on(Some(fuselage()), hung), wing_on(None, placed)].map(|machine| {
+        let mut plant = start(machine);
+        coast(&mut plant, 0.15);
+        plant.outputs().clone()
+    });
+    let tips = |outputs: &Outputs| outputs.tips.iter().map(|tip| tip.position_m).collect::<Vec<_>>();
+    let [hung, placed] = [0, 1].map(|run| tips(&runs[run]));
+    // wings are the last free ends of both
+    let pairs = hung.iter().rev().zip(placed.iter().rev());
+    let apart_m = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    let weight_n: Vector3<f64> = runs[0].root.force_n - runs[1].root.force_n - 0.3 * Vector3::new(-9.8, 0.0, 1.0);
+    println!("RB-03 tips {apart_m:.1e} m apart, root force off by {:.1e} N", weight_n.norm());
+    assert!(runs[0].joints[0].latched && apart_m < 1e-8 && weight_n.norm() < 1e-5);
+}
+
+/// RB-04. A rigid pendulum at rest hangs, swings at `√(m g l/(I + m l²))`, and its linear model says so.
+#[test]
+fn rb04_statics_and_modes_know_rigid_bodies() {
+    let mut plant = rods(&[1.2]);
+    plant.equilibrium(0.0, Holding::AsReleased).expect("it hangs");
+    let end = plant.outputs().tips[0].position_m;
+    assert!((end - Vector3::new(0.0, 0.0, -LENGTH_M)).norm() < 1e-9, "{end}");
+    let modes = plant.modes(1).expect("a mode");
+    let per_mass = (LENGTH_M.powi(2) + 0.02f64.powi(2)) / 12.0 + 0.25 * LENGTH_M.powi(2);
+    let expected_hz = (GRAVITY_M_S2 * 0.5 * LENGTH_M / per_mass).sqrt() / std::f64::consts::TAU;
+    let error = modes[0].frequency_hz / expected_hz - 1.0;
+    println!("RB-04 {expected_hz} Hz, off by {error:.1e}");
+    assert!(error.abs() < 1e-9, "{} Hz, expected {expected_hz} Hz", modes[0].frequency_hz);
+    assert_eq!(plant.second_order().expect("a linear model").mass.nrows(), 1);
+}
+
+/// RB-05. A machine of rigid bodies and beams written as a file and in code is one machine: frames, offsets, inertia; and
+/// one tumbling in free flight keeps its energy and its momentum, whose rate is the weight.
+#[test]
+fn rb05_file_and_code_say_the_same() {
+    let text = include_str!("rigid_bodies.toml");
+    let read = config::parse(text, "rigid_bodies.toml").expect("a sound model");
+    let material = Material { young_pa: 2.83e9, shear_pa: 0.0, density_kg_m3: 1425.0 };
+    let plate = Solid::rectangle(0.05, 0.002, material).with_torsional_rigidity_n_m2(0.18);
+    let wing = |name| Body::beam(name, 0.15, plate).elements(2);
+    let inertia = Matrix3::new(2.4e-3, 0.0, 0.0, 0.0, 3e-4, 9e-5, 0.0, 9e-5, 2.55e-3);
+    let turn = Rotation3::new(Vector3::new(0.0, 0.0, 180f64.to_radians()));
+    let left_m = Vector3::new(0.0, -0.02, 0.01) + turn * Vector3::new(0.005, 0.0, 0.0);
+    let drive = Drive { stiffness_n_m_rad: 0.05, ..Drive::default() };
+    let rotor = AttachedMass { offset_m: Vector3::new(0.0, 0.02, 0.0), ..AttachedMass::point("rotor", 0.0, 0.02) };
+    let flight = Joint::free("flight")
+        .start_velocity_m_s([0.0, 12.0, 0.0])
+        .start_angular_velocity_rad_s(Vector3::new(100.0, 400.0, -200.0).map(f64::to_radians));
+    let written = Machine::builder("RigidBodies")
+        .gravity_m_s2([0.0, 0.0, -9.81])
+        .body(wing("right"), Joint::clamped("right_root").on("fuselage").offset_m([0.0, 0.02, 0.01]))
+        .body(wing("left"), Joint::clamped("left_root").on("fuselage").offset_m(left_m).mount(turn.into_inner()))
+        .body(Body::rigid("fuselage").inertia(0.3, [0.0, 0.02, -0.03], inertia), flight)
+        .body(
+            Body::rigid("engine").inertia(0.05, [0.0; 3], Matrix3::zeros()),
+            Joint::revolute("pylon", [0.0, 0.0, 1.0]).on_at("left", 0.07).offset_m([0.0, 0.03, -0.02]).drive(drive),
+        )
+        .mass("engine", rotor)
+        .solver(Solver { tolerance: 1e-8, ..Solver::default() })
+        .stop_time_s(0.3)
+        .build();
+    assert_eq!(written.unwrap_or_else(|refused| panic!("{refused}")), read);
+    let mut plant = Plant::new(Arc::new(read));
+    plant.initialize(0.0).expect("accelerations");
+    let before_j = balance_j(plant.outputs());
+    coast(&mut plant, 0.3);
+    let drift = (balance_j(plant.outputs()) - before_j).abs() / plant.outputs().energy.kinetic;
+    println!("RB-05 drift {drift:.1e}");
+    assert!(drift < 1e-6 && plant.outputs().root.force_n.norm() < 1e-9, "drift {drift:.1e}");
+}
+
+/// RB-06. What a rigid body cannot do is refused by place, value and cure.
+#[test]
+fn rb06_refusals() {
+    let text = include_str!("rigid_bodies.toml");
+    for (from, to, expected) in [
+        ("parent_frame = \"left_root\"", "parent_frame = \"left\"", "a frame of \"fuselage\": \"left_root\""),
+        (
+            "parent_frame = \"left_root\"\n",
+            "parent_position_m = 0.1\n",
+            "a length from 0 to 0 m, the length of the body",
+        ),
+        ("root_position_m = [0.0, 0.0, 0.0]", "parent_offset_m = [1.0, 0.0, 0.0]", "no offset from the root"),
+        ("mass_kg = 0.3", "mass_kg = -0.3", "a finite number >= 0"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let error = config::parse(&text.replacen(from, to, 1), "m.toml").expect_err("refused").to_string();
+        assert!(error.contains(expected), "{from} -> {to}: {error}");
+    }
+    let gauge = Machine::builder("m")
+        .body(Body::rigid("stone").inertia(1.0, [0.0; 3], Matrix3::zeros()), Joint::free("flight"))
+        .gauge(Gauge::on("g", "stone", 0.0))
+        .build();
+    assert!(gauge.expect_err("refused").to_string().contains("a body that bends"));
+}
