@@ -718,6 +718,25 @@ fn parts_by_name() {
             "surface \"inner\", incidence_deg, polynomial",
         ),
         (
+            inner().body(Body::rigid("stone"), Joint::clamped("glue").offset_m([1.0, 0.0, 0.0])),
+            "joint \"glue\", offset_m: [1, 0, 0] is not allowed; allowed: no offset from the root",
+        ),
+        (
+            inner().body(Body::rigid("stone").mass_damping_1_s(2.0), Joint::clamped("glue").on("inner")),
+            "body \"stone\", mass_damping_1_s: 2 is not allowed; allowed: 0 on a rigid body",
+        ),
+        (
+            inner().body(Body::rigid("stone"), Joint::clamped("glue").on("inner")).gauge(Gauge::on("g", "stone", 0.0)),
+            "gauge \"g\", body: \"stone\" is not allowed; allowed: a body that bends",
+        ),
+        (
+            inner()
+                .body(Body::rigid("stone"), Joint::clamped("glue").on("inner"))
+                .air(Air::none())
+                .surface(LiftingSurface::on("stone", 4)),
+            "surface \"stone\", body: \"stone\" is not allowed; allowed: a body that bends",
+        ),
+        (
             inner().air(Air::none()).gust(GustBuilder::new("g", GustShape::SharpEdge, [1.0, 0.0, 0.0])),
             "gust \"g\", direction: [0, 0, 0]",
         ),

@@ -2,7 +2,7 @@
 
 use crate::message;
 
-const TOP: &str = "name, description, gravity_m_s2, section, body, joint, loop, mass, load, gauge, aerodynamics, \
+const TOP: &str = "name, description, gravity_m_s2, section, body, rigid_body, joint, loop, mass, load, gauge, aerodynamics, \
                    surface, gust, solver, experiment";
 const BODY: &str = "length_m, section, outer_section, width_taper, height_taper, element, elements, \
                     natural_curvature_1_m, twist_1_m, curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, \
@@ -39,7 +39,7 @@ fn misplaced_keys() {
     assert_eq!(
         message("[joint.fold.drive]\n", ""),
         "wing.toml:34: key 'joint.fold.stiffness_N_m_rad' is unknown; it belongs to [joint.<name>.drive] or \
-         [joint.<name>.spring] or [joint.<name>.latch]; allowed keys: type, parent, child, parent_position_m, root_position_m, \
+         [joint.<name>.spring] or [joint.<name>.latch]; allowed keys: type, parent, child, parent_position_m, parent_frame, parent_offset_m, root_position_m, \
          mount_rotation_deg, axis, body_axis, start_angular_velocity_deg_s, start_velocity_m_s, start_angle_deg, \
          start_rate_deg_s, release, motion, polynomial_deg, table_s_deg, table_ends, drive, spring, latch"
     );

@@ -38,7 +38,7 @@ pub(crate) fn has_outline(law: &SectionLaw) -> bool {
 pub(super) fn gauge(gauge: &Gauge, bodies: &[Body], checker: &mut Checker) {
     let name = gauge.name.as_str();
     let Some(body) = body_at(&["gauge", name, "body"], gauge.body, bodies, checker) else { return };
-    if body.is_rigid() {
+    if body.is_rigid() && body.length_m == 0.0 {
         let allowed = "a body that bends; this one is rigid";
         checker.refuse(&["gauge", name, "body"], format!("{:?}", body.name), allowed);
         return;

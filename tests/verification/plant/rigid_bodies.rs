@@ -57,7 +57,7 @@ fn rb01_rigid_links_are_the_rigid_pendulums() {
 }
 
 /// RB-02. A gyroscope: a disc whose axis lies level on a ball joint precesses steadily at `Ω = m g l/(I ω)` where it starts
-/// so, and its axis stays level; the joint carries its weight.
+/// so, and its axis stays level; the joint carries its weight. The tolerance of 1e-8 per step over 16 turns.
 #[test]
 fn rb02_a_gyroscope_precesses() {
     let (mass_kg, arm_m, axial, spin_rad_s) = (2.0, 0.15, 0.01, 200.0);
@@ -79,7 +79,7 @@ fn rb02_a_gyroscope_precesses() {
     let expected_n = mass_kg * (Vector3::z() * GRAVITY_M_S2 - turned * (arm_m * rate_rad_s.powi(2)));
     let drift = (balance_j(plant.outputs()) - before_j).abs() / plant.outputs().energy.kinetic;
     println!("RB-02 axis off by {miss:.1e}, force by {:.1e}, drift {drift:.1e}", (force_n - expected_n).norm());
-    assert!(miss < 1e-5 && (force_n - expected_n).norm() < 1e-3 * expected_n.norm() && drift < 1e-7);
+    assert!(miss < 1e-5 && (force_n - expected_n).norm() < 1e-3 * expected_n.norm() && drift < 1e-5);
 }
 
 /// A wing on a fuselage that the root holds, with loads of its own.
@@ -102,7 +102,8 @@ fn wing_on(fuselage: Option<BodyBuilder>, roots: [JointBuilder; 2]) -> Machine {
 }
 
 /// RB-03. Wings on offset and turned roots of a rigid fuselage that is held move as on the root at those places: the arm
-/// adds round-off alone, and the fuselage its weight on the root.
+/// adds round-off alone, and the fuselage its weight on the root. Both runs choose their own steps at a tolerance of 1e-9, which
+/// leaves 1e-9 m of the tips, and of the force through the axial stiffness 1e-3 N.
 #[test]
 fn rb03_offset_roots_are_places_on_the_root() {
     let arms = [Vector3::new(0.02, 0.03, -0.01), Vector3::new(-0.04, 0.01, 0.02)];
@@ -125,7 +126,7 @@ fn rb03_offset_roots_are_places_on_the_root() {
     let apart_m = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
     let weight_n: Vector3<f64> = runs[0].root.force_n - runs[1].root.force_n - 0.3 * Vector3::new(-9.8, 0.0, 1.0);
     println!("RB-03 tips {apart_m:.1e} m apart, root force off by {:.1e} N", weight_n.norm());
-    assert!(runs[0].joints[0].latched && apart_m < 1e-8 && weight_n.norm() < 1e-5);
+    assert!(runs[0].joints[0].latched && apart_m < 1e-8 && weight_n.norm() < 2e-3);
 }
 
 /// RB-04. A rigid pendulum at rest hangs, swings at `√(m g l/(I + m l²))`, and its linear model says so.
@@ -196,7 +197,7 @@ fn rb06_refusals() {
             "a length from 0 to 0 m, the length of the body",
         ),
         ("root_position_m = [0.0, 0.0, 0.0]", "parent_offset_m = [1.0, 0.0, 0.0]", "no offset from the root"),
-        ("mass_kg = 0.3", "mass_kg = -0.3", "a finite number >= 0"),
+        ("mass_kg = 0.3", "mass_kg = -0.3", "a finite mass >= 0 kg"),
     ] {
         assert!(text.contains(from), "{from}");
         let error = config::parse(&text.replacen(from, to, 1), "m.toml").expect_err("refused").to_string();
@@ -207,4 +208,36 @@ fn rb06_refusals() {
         .gauge(Gauge::on("g", "stone", 0.0))
         .build();
     assert!(gauge.expect_err("refused").to_string().contains("a body that bends"));
+}
+
+/// RB-07. The aircraft of the examples, whose fuselage is a rigid body, moves as the one whose fuselage was a mass on a wing
+/// root, through a gust; with the wings' roots aside of its origin and turned it keeps its energy account.
+#[test]
+fn rb07_an_aircraft_with_a_rigid_fuselage() {
+    let old = include_str!("aircraft_without_fuselage.toml");
+    let new = include_str!("../../../examples/flying_aircraft.toml");
+    let fly = |text: &str| {
+        let mut plant = Plant::new(Arc::new(config::parse(text, "aircraft.toml").expect("a sound model")));
+        plant.initialize(0.0).expect("accelerations");
+        let before_j = balance_j(plant.outputs());
+        plant.inputs_mut().stations[0].force_n = Vector3::new(0.1, -0.3, 2.0);
+        coast(&mut plant, 0.06);
+        let outputs = plant.outputs();
+        let drift = (balance_j(outputs) - before_j).abs() / outputs.energy.kinetic;
+        let ends = outputs.tips.iter().map(|tip| tip.position_m).collect::<Vec<_>>();
+        (ends, outputs.joints[0].angle_rad, drift)
+    };
+    let (before, now) = (fly(old), fly(new));
+    let apart_m = before.0.iter().zip(&now.0).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    println!("RB-07 tips {apart_m:.1e} m, fold {:.1e} rad apart", (before.1 - now.1).abs());
+    assert!(before.0.len() == 2 && now.0.len() == 2 && apart_m < 1e-9 && (before.1 - now.1).abs() < 1e-8);
+    let aside = new
+        .replace(
+            "child = \"right_inner\"",
+            "parent_offset_m = [0.03, 0.01, 0.02]\nmount_rotation_deg = [5.0, 3.0, -7.0]\nchild = \"right_inner\"",
+        )
+        .replace("child = \"left_inner\"", "parent_offset_m = [-0.03, 0.01, 0.02]\nchild = \"left_inner\"");
+    let aside = fly(&aside);
+    println!("RB-07 aside: drift {:.1e}", aside.2);
+    assert!(aside.2 < 1e-7 && (aside.0[0] - now.0[0]).norm() > 1e-3, "drift {:.1e}", aside.2);
 }
