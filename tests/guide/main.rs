@@ -21,3 +21,23 @@ fn assert_current(page: &str, text: &str) {
     let difference = found.lines().zip(text.lines()).find(|(old, new)| old != new);
     assert!(found == text, "{page} is stale: `make bless` writes it anew; first {difference:?}");
 }
+
+/// F-259. The example in Rust of the front page is the crate's first doc test, line for line but for its hidden end.
+#[test]
+fn f259_the_rust_example_of_the_front_page_is_the_doc_test() {
+    let read = |path: &str| std::fs::read_to_string(in_package(path)).expect("a file of the repository");
+    let library = read("src/lib.rs");
+    let documented =
+        library.lines().filter_map(|line| line.strip_prefix("//!").map(|text| text.trim_start_matches(' ')));
+    let code: Vec<&str> = documented
+        .skip_while(|line| *line != "```")
+        .skip(1)
+        .take_while(|line| *line != "```")
+        .filter(|line| !line.starts_with("# "))
+        .collect();
+    let page = read("README.md");
+    let shown: Vec<&str> =
+        page.lines().skip_while(|line| *line != "```rust").skip(1).take_while(|line| *line != "```").collect();
+    assert!(code.len() > 9, "{code:?}");
+    assert_eq!(shown.iter().map(|line| line.trim()).collect::<Vec<_>>(), code);
+}
