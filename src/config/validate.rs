@@ -110,6 +110,14 @@ impl Checker<'_, '_> {
                     path[1] = name.clone();
                 }
             }
+            ("joint", Some("offset_m")) => path[2] = "parent_offset_m".to_owned(),
+            ("body" | "mass", _) if file.rigid_body.contains_key(&path[1]) && !file.mass.contains_key(&path[1]) => {
+                // a rigid body has a table of its own, and its mass no other
+                path[0] = "rigid_body".to_owned();
+                if path.get(2).is_some_and(|part| part == "offset_m") {
+                    path[2] = "centre_of_mass_m".to_owned();
+                }
+            }
             ("body", Some("natural_strain")) => {
                 let key = states(&["twist_1_m", "curvature_y_1_m", "curvature_z_1_m"], &path[..2]);
                 path[2] = key.unwrap_or("natural_curvature_1_m").to_owned();
@@ -146,7 +154,6 @@ const KEYS: &[(&str, &str)] = &[
     ("stiffness_n_m", "stiffness_N_m"),
     ("damping_n_s_m", "damping_N_s_m"),
     ("station_positions_m", "load_station_positions_m"),
-    ("offset_m", "parent_offset_m"),
     ("most_iterations", "max_iterations"),
 ];
 

@@ -1,6 +1,5 @@
 //! Kinematic norm: how far a change of the coordinates moves the nodes; last part of NOTATION eq. (D13).
 
-use crate::multibody::joint::JointKind;
 use crate::multibody::kinematics::strains;
 use crate::multibody::model::{Base, Model};
 use crate::multibody::workspace::{Pair, Workspace};
@@ -55,7 +54,7 @@ pub fn largest_share(model: &Model, work: &Workspace, change: &[f64]) -> usize {
         }
     };
     for (index, body) in model.bodies.iter().enumerate() {
-        if body.joint.kind != JointKind::Clamped {
+        if body.joint.kind.freedoms() > 0 {
             let mut moved = Pair::ZERO;
             body.joint.displace(&work.joints[index], change, &mut moved);
             offer(body.joint.coordinate, alone(&moved, model.reference_length_m));

@@ -1,5 +1,7 @@
 //! Where something went wrong: coordinates by the names of the model file.
 
+use crate::beam::element::ElementKind;
+use crate::multibody::model::Element;
 use crate::multibody::norm;
 use crate::plant::Plant;
 use crate::plant::face::PlantError;
@@ -86,18 +88,19 @@ impl Plant {
     /// Name of what a coordinate belongs to.
     pub(super) fn place_of(&self, coordinate: usize) -> String {
         let model = &self.equations.model;
-        // bodies follow each other in the coordinates, each with its joint first
-        let first = |body: usize| model.elements[model.bodies[body].first_element].coordinate;
-        let index = (0..model.bodies.len())
-            .find(|&body| coordinate < first(body) + 4 * model.bodies[body].elements)
-            .unwrap_or(model.bodies.len() - 1);
-        let (body, machine) = (&model.bodies[index], &self.machine.bodies[index]);
-        if coordinate < first(index) {
-            return format!("joint {}", machine.joint.name);
+        for (body, machine) in model.bodies.iter().zip(&self.machine.bodies) {
+            if body.joint.range().contains(&coordinate) {
+                return format!("joint {}", machine.joint.name);
+            }
+            let elements = &model.elements[body.first_element..body.first_element + body.elements];
+            let holds = |element: &Element| (element.coordinate..element.coordinate + 4).contains(&coordinate);
+            if let Some(place) = elements.iter().position(holds) {
+                let per_element = if body.kind == ElementKind::Linear { 2 } else { 1 };
+                let (element, count) = (place / per_element + 1, body.elements / per_element);
+                return format!("element {element} of {count} of body {}", machine.name);
+            }
         }
-        let per_element = body.frames().nth(1).map_or(1, |frame| frame - body.first_node);
-        let element = (coordinate - first(index)) / 4 / per_element;
-        format!("element {} of {} of body {}", element + 1, body.elements / per_element, machine.name)
+        "no joint and no element".to_owned()
     }
 
     /// The largest of the loads, torques, commands and motions that act, by the name of its variable, with what an

@@ -8,7 +8,7 @@ pub(crate) mod section;
 
 use crate::machine::fault::{Checker, Fault, Range, array_text};
 use crate::machine::units::shortest;
-use crate::machine::{Body, Experiment, Machine, Method, Parent, Solver};
+use crate::machine::{Body, Experiment, JointKind, Machine, Method, Parent, Solver};
 use std::collections::BTreeSet;
 
 /// What names must look like.
@@ -71,6 +71,9 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     for body in &machine.bodies {
         joint::check(&body.joint, checker);
         body::check(body, checker);
+    }
+    if tree_holds {
+        inertia(&machine.bodies, checker);
     }
     sizes(&machine.bodies, checker);
     for gauge in &machine.gauges {
@@ -146,6 +149,27 @@ fn tree(bodies: &[Body], checker: &mut Checker) -> bool {
         }
     }
     holds
+}
+
+/// A rigid body that can move has mass, or carries something that has.
+fn inertia(bodies: &[Body], checker: &mut Checker) {
+    let mut heavy: Vec<bool> = bodies
+        .iter()
+        .map(|body| body.length_m != 0.0 || !body.is_rigid() || body.masses.iter().any(|mass| mass.mass_kg > 0.0))
+        .collect();
+    for own in (0..bodies.len()).rev() {
+        if let (Parent::Body { index, .. }, true) = (&bodies[own].joint.parent, heavy[own]) {
+            heavy[*index] = true;
+        }
+    }
+    for (body, _) in bodies.iter().zip(&heavy).filter(|(body, heavy)| !**heavy && !is_clamped(body)) {
+        let allowed = "a mass on it or on what it carries, because its joint lets it move";
+        checker.refuse_state(&["body", &body.name], "a rigid body without mass", allowed);
+    }
+}
+
+fn is_clamped(body: &Body) -> bool {
+    matches!(body.joint.kind, JointKind::Clamped)
 }
 
 /// Sizes that time and memory hold.

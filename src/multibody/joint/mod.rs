@@ -24,7 +24,6 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::norm::NormSquared;
 use crate::multibody::workspace::{ArticulatedInertia, Node, Pair};
 use nalgebra::{Matrix3, Matrix6, Vector3};
-use parameters::JointPose;
 
 /// Kind of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -170,14 +169,6 @@ impl JointWork {
         match &self.freedoms {
             Freedoms::Redundant(work) => Some(work),
             _ => None,
-        }
-    }
-
-    /// Axis of a joint with one freedom in the root frame; zero for the others.
-    pub fn axis(&self) -> Vector3<f64> {
-        match &self.freedoms {
-            Freedoms::One(one) => one.axis,
-            _ => Vector3::zeros(),
         }
     }
 
@@ -391,11 +382,6 @@ impl Joint {
         if let Some(redundant) = work.redundant() {
             redundant.to_parameters(self, x);
         }
-    }
-
-    /// Attitude and maps of a joint with redundant parameters at some coordinates.
-    pub fn pose(&self, q: &[f64]) -> JointPose {
-        JointPose::new(&self.kind, &q[self.range()])
     }
 }
 

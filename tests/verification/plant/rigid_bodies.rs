@@ -198,6 +198,12 @@ fn rb06_refusals() {
         ),
         ("root_position_m = [0.0, 0.0, 0.0]", "parent_offset_m = [1.0, 0.0, 0.0]", "no offset from the root"),
         ("mass_kg = 0.3", "mass_kg = -0.3", "a finite mass >= 0 kg"),
+        ("[2.4e-3, 3e-4, 2.55e-3,", "[2.4e-3, 3e-4, 5.55e-3,", "m.toml:25: key 'rigid_body.fuselage.inertia_kg_m2'"),
+        (
+            "mass_kg = 0.05\n\n[joint.flight]",
+            "\n[rigid_body.ghost]\n[joint.haunt]\ntype = \"ball\"\nparent = \"left\"\nchild = \"ghost\"\n[joint.flight]",
+            "key 'rigid_body.ghost': a rigid body without mass is not allowed; allowed: a mass on it or on what it carries",
+        ),
     ] {
         assert!(text.contains(from), "{from}");
         let error = config::parse(&text.replacen(from, to, 1), "m.toml").expect_err("refused").to_string();
@@ -240,4 +246,16 @@ fn rb07_an_aircraft_with_a_rigid_fuselage() {
     let aside = fly(&aside);
     println!("RB-07 aside: drift {:.1e}", aside.2);
     assert!(aside.2 < 1e-7 && (aside.0[0] - now.0[0]).norm() > 1e-3, "drift {:.1e}", aside.2);
+}
+
+/// RB-08. Where a machine with rigid bodies has no accelerations the message names the joint: a point mass on its hinge's axis
+/// gives no inertia to turn.
+#[test]
+fn rb08_failures_are_placed_among_rigid_bodies() {
+    let stone = |name: &str, at_m: f64| Body::rigid(name).inertia(1.0, [at_m, 0.0, 0.0], Matrix3::zeros());
+    let inner = (stone("arm", 1.0), Joint::revolute("shoulder", [0.0, 1.0, 0.0]));
+    let outer = (stone("hand", 0.0), Joint::revolute("wrist", [0.0, 1.0, 0.0]).on("arm"));
+    let mut plant = Plant::new(Arc::new(machine([inner, outer])));
+    let error = plant.initialize(0.0).expect_err("no inertia about the wrist").to_string();
+    assert!(error.contains("joint wrist"), "{error}");
 }
