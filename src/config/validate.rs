@@ -111,8 +111,12 @@ impl Checker<'_, '_> {
                 }
             }
             ("joint", Some("offset_m")) => path[2] = "parent_offset_m".to_owned(),
-            ("body" | "mass", _) if file.rigid_body.contains_key(&path[1]) && !file.mass.contains_key(&path[1]) => {
-                // a rigid body has a table of its own, and its mass no other
+            // a rigid body has a table of its own, and its mass no other; a fault of all bodies has no name
+            ("body" | "mass", _)
+                if path
+                    .get(1)
+                    .is_some_and(|name| file.rigid_body.contains_key(name) && !file.mass.contains_key(name)) =>
+            {
                 path[0] = "rigid_body".to_owned();
                 if path.get(2).is_some_and(|part| part == "offset_m") {
                     path[2] = "centre_of_mass_m".to_owned();
