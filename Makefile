@@ -60,7 +60,7 @@ fmu-all: build platforms ## Make the FMUs for Linux and Windows in one, in $(TAR
 	@mkdir -p $(TARGET)/fmu-all
 	@set -e; for model in $(MODELS); do \
 	    $(COMMAND) package $$model -o $(TARGET)/fmu-all/$$(basename $$model .toml).fmu \
-	        --library linux64=$(PLATFORMS)/linux64/libfoldwing.so --library win64=$(PLATFORMS)/win64/foldwing.dll; \
+	        --library linux64=$(PLATFORMS)/linux64/libfoldwing_fmu.so --library win64=$(PLATFORMS)/win64/foldwing_fmu.dll; \
 	done
 	@echo "packaged $(words $(MODELS)) FMUs in $(TARGET)/fmu-all"
 

@@ -6,14 +6,14 @@
 
 #[path = "../tests/robustness/fmu.rs"]
 mod fmu;
-#[path = "../src/cli/processor_time.rs"]
+#[path = "../crates/command/src/cli/processor_time.rs"]
 mod processor_time;
 
 use fmu::{Attempt, Fmu, Resources};
-use foldwing::fmi2::abi::functions::*;
-use foldwing::fmi2::abi::types::fmi2OK;
 use foldwing::interface::{Causality, Value};
 use foldwing::plant::Plant;
+use foldwing_fmu::functions::*;
+use foldwing_fmu::types::fmi2OK;
 use processor_time::processor_time;
 use std::hint::black_box;
 use std::sync::Arc;

@@ -28,35 +28,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-#![deny(unsafe_code)]
+#![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-pub mod math;
-
-pub mod beam;
-pub mod load;
-
-pub mod multibody;
-
-pub mod actuation;
-
-pub mod aero;
-
-pub mod solve;
-
-pub mod machine;
-
-pub mod plant;
-
-pub mod config;
-
-pub mod interface;
-
-pub mod fmi2;
-
-pub mod packaging;
-
-pub mod report;
+pub use foldwing_engine::{actuation, aero, beam, load, machine, math, multibody, plant, solve};
+pub use foldwing_file as config;
 
 #[cfg(feature = "import")]
-pub mod import;
+pub use foldwing_command::import;
+#[cfg(feature = "command")]
+pub use foldwing_command::{packaging, report};
+#[cfg(feature = "command")]
+pub use foldwing_fmi::{fmi2, interface};

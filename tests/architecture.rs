@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Module → modules of this crate that it may name, in the order of `docs/ARCHITECTURE.md`. Rows name earlier rows
+/// Module → modules that it may name, of its own crate and of others, in the order of `docs/ARCHITECTURE.md`. Rows name earlier rows
 /// only, so there are no cycles.
 const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("math", &[]),
@@ -23,11 +23,15 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("config", &["load", "aero", "beam", "machine"]),
     ("interface", &["load", "machine", "plant"]),
     ("fmi2", &["machine", "plant", "config", "interface"]),
+    ("fmu", &["interface", "fmi2"]),
     ("report", &["beam", "machine", "plant", "interface"]),
     ("packaging", &["load", "beam", "machine", "plant", "interface", "fmi2", "report"]),
     ("import", &["interface", "report"]),
     ("cli", &["machine", "plant", "config", "interface", "report", "packaging", "import"]),
 ];
+
+/// Folders below `crates` whose crate is one module, and how the table calls it.
+const CRATES_OF_ONE_MODULE: &[(&str, &str)] = &[("file", "config"), ("fmu", "fmu")];
 
 /// Module that the unit tests of every module may name besides: they read the models that ship.
 const OPEN_TO_UNIT_TESTS: &str = "config";
@@ -62,7 +66,7 @@ const NOT_IN_PHYSICS: &[&str] = &[
 ];
 
 /// The only place for `unsafe`.
-const UNSAFE_FOLDER: &str = "src/fmi2/abi/";
+const UNSAFE_FOLDER: &str = "crates/fmu/src/";
 
 /// Lines that a source file may have.
 const MOST_LINES: usize = 500;
@@ -72,14 +76,17 @@ const LONGER: &[(&str, &str)] = &[];
 
 /// Folders at the top: what begins with one of them in a document is a path.
 const TOP: &[&str] =
-    &[".ci", "benches", "docs", "examples", "modelDescription", "python", "src", "studies", "tests", "tools"];
+    &[".ci", "benches", "crates", "docs", "examples", "modelDescription", "python", "src", "studies", "tests", "tools"];
 
 #[test]
 fn imports_point_one_way() {
     let mut used: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for source in sources() {
         let text = &source.whole;
-        for forbidden in ["crate::{", "foldwing::{", "super::super"] {
+        if source.path == "src/lib.rs" {
+            continue; // it re-exports the other crates' modules, all at once
+        }
+        for forbidden in ["crate::{", "foldwing::{", "foldwing_engine::{", "super::super"] {
             assert!(
                 !text.contains(forbidden),
                 "{}: write one `crate::module::…` instead of `{forbidden}`",
@@ -91,27 +98,27 @@ fn imports_point_one_way() {
         }
         if source.module == "lib" {
             // it declares modules without naming paths; its documentation shows how they are used
-            let named = ["crate::", "foldwing::"].into_iter().flat_map(|prefix| words_after(&source.code, prefix));
-            assert_eq!(named.collect::<Vec<_>>(), [""; 0], "src/lib.rs only declares modules");
+            let named = ["crate::", "super::"].into_iter().flat_map(|prefix| words_after(&source.code, prefix));
+            assert_eq!(named.collect::<Vec<_>>(), [""; 0], "{} only declares modules", source.path);
             continue;
         }
         let (product, tests) = text.split_at(source.tests_at);
-        let names = |text| ["crate::", "foldwing::"].into_iter().flat_map(move |prefix| words_after(text, prefix));
+        let names = |text| source.names(text).into_iter();
         let names = names(product).chain(names(tests).filter(|name| name != OPEN_TO_UNIT_TESTS));
         used.entry(source.module.clone()).or_default().extend(names.filter(|name| *name != source.module));
     }
-    assert_eq!(used.remove("main"), Some(BTreeSet::new()), "src/main.rs only starts the command line");
+    assert_eq!(used.remove("main"), Some(BTreeSet::from(["run".to_owned()])), "src/main.rs only starts the command");
 
     let allowed: BTreeMap<String, BTreeSet<String>> =
         MAY_IMPORT.iter().map(|(module, imports)| ((*module).to_owned(), owned(imports))).collect();
     for (module, imports) in &used {
-        let row = allowed.get(module).unwrap_or_else(|| panic!("src/{module} has no row in MAY_IMPORT"));
+        let row = allowed.get(module).unwrap_or_else(|| panic!("{module} has no row in MAY_IMPORT"));
         let beyond: Vec<_> = imports.difference(row).collect();
-        assert!(beyond.is_empty(), "src/{module} names {beyond:?}; see MAY_IMPORT");
+        assert!(beyond.is_empty(), "{module} names {beyond:?}; see MAY_IMPORT");
         let unused: Vec<_> = row.difference(imports).collect();
-        assert!(unused.is_empty(), "src/{module} no longer names {unused:?}: take them out of MAY_IMPORT");
+        assert!(unused.is_empty(), "{module} no longer names {unused:?}: take them out of MAY_IMPORT");
     }
-    assert_eq!(used.keys().collect::<Vec<_>>(), allowed.keys().collect::<Vec<_>>(), "rows and folders of src");
+    assert_eq!(used.keys().collect::<Vec<_>>(), allowed.keys().collect::<Vec<_>>(), "rows and modules");
 }
 
 /// Without this a cycle could be written into the table.
@@ -285,7 +292,7 @@ fn commands_in_documents_exist() {
     let makefile = read("Makefile");
     let targets: BTreeSet<&str> =
         makefile.lines().filter_map(|line| line.split_once(':')).map(|(target, _)| target).collect();
-    let command_line = read("src/cli/mod.rs");
+    let command_line = read("crates/command/src/cli/mod.rs");
     for document in documents() {
         let text = read(&document);
         let lines = code_blocks(&text, "sh").into_iter().flat_map(str::lines);
@@ -335,7 +342,7 @@ fn comments_and_strings_are_told_from_code() {
 struct Source {
     /// Path from the root, with `/`.
     path: String,
-    /// First folder below `src`, or the file's name.
+    /// Module of its crate: first folder below `src`, or the file's name; crates of one module are that module.
     module: String,
     /// As it stands.
     whole: String,
@@ -345,9 +352,29 @@ struct Source {
     code: String,
 }
 
+impl Source {
+    /// Modules that a part of this file names, of its own crate and of others.
+    fn names(&self, text: &str) -> Vec<String> {
+        let mut names = Vec::new();
+        for package in ["foldwing_engine::", "foldwing_fmi::", "foldwing_command::", "foldwing::"] {
+            names.extend(words_after(text, package));
+        }
+        if !CRATES_OF_ONE_MODULE.iter().any(|(_, module)| *module == self.module) {
+            names.extend(words_after(text, "crate::"));
+        }
+        for (folder, module) in CRATES_OF_ONE_MODULE {
+            names.extend(has_word(text, &format!("foldwing_{folder}")).then(|| (*module).to_owned()));
+        }
+        names
+    }
+}
+
 fn sources() -> Vec<Source> {
     let mut paths = Vec::new();
     walk(&root().join("src"), "rs", &mut paths);
+    for package in fs::read_dir(root().join("crates")).expect("readable") {
+        walk(&package.expect("readable").path().join("src"), "rs", &mut paths);
+    }
     paths.sort();
     let of = |path: PathBuf| {
         let inside = path.strip_prefix(root()).expect("inside the repository");
@@ -356,7 +383,10 @@ fn sources() -> Vec<Source> {
         let path = parts.join("/");
         let all_tests = path.ends_with("tests.rs") || path.contains("/tests/");
         let tests_at = if all_tests { 0 } else { first_of(&whole, INLINE_TESTS) };
-        Source { path, tests_at, module: parts[1].trim_end_matches(".rs").to_owned(), code: code_of(&whole), whole }
+        let of_one = CRATES_OF_ONE_MODULE.iter().find(|(folder, _)| parts[1] == *folder).map(|(_, module)| *module);
+        let below_src = parts.iter().position(|part| part == "src").expect("sources stand below src") + 1;
+        let module = of_one.unwrap_or(parts[below_src].trim_end_matches(".rs")).to_owned();
+        Source { path, tests_at, module, code: code_of(&whole), whole }
     };
     let sources: Vec<Source> = paths.into_iter().map(of).collect();
     assert!(sources.len() > 50, "only {} files found", sources.len());

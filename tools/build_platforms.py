@@ -29,7 +29,7 @@ ROOT = Path(__file__).resolve().parents[1]
 GLIBC = "2.17"
 LINUX = "x86_64-unknown-linux-gnu"
 WINDOWS = "x86_64-pc-windows-gnu"
-FILES = {"linux64": (LINUX, "libfoldwing.so"), "win64": (WINDOWS, "foldwing.dll")}
+FILES = {"linux64": (LINUX, "libfoldwing_fmu.so"), "win64": (WINDOWS, "foldwing_fmu.dll")}
 TO_TYPE = """\
     with rustup:          rustup target add x86_64-pc-windows-gnu
     on Debian or Ubuntu:  sudo apt-get install -y rustc-web rust-web-src"""
@@ -109,7 +109,7 @@ def build(platform, compiler, venv, folder):
     if subprocess.run(["cargo", "fetch", "--locked"], cwd=ROOT).returncode:  # the folders to hide exist from here on
         sys.exit("build_platforms: the dependencies could not be fetched; Cargo's message stands above")
     flags = [f"--remap-path-prefix={path}={shown}" for path, shown in hidden_paths(compiler)]
-    command = [interpreter(venv).parent / "cargo-zigbuild", "rustc", "--release", "--locked", "--lib"]
+    command = [interpreter(venv).parent / "cargo-zigbuild", "rustc", "--release", "--locked", "--package", "foldwing-fmu", "--lib"]
     command += ["--crate-type", "cdylib", "--target", f"{target}.{GLIBC}" if target == LINUX else target]
     environment["SOURCE_DATE_EPOCH"] = "315532800"  # 1980-01-01, the date inside the archive, instead of today
     # Paths behind -Clink-arg are relative to the root, where the compiler runs: flags are part of what decides the bytes.
@@ -132,7 +132,7 @@ def build(platform, compiler, venv, folder):
 
 def functions():
     """Names of the functions that an FMU exports, from the list that packaging checks libraries with."""
-    text = (ROOT / "src/fmi2/mod.rs").read_text()
+    text = (ROOT / "crates/fmi/src/fmi2/mod.rs").read_text()
     return re.findall(r'^ +"(fmi2\w+)",$', text, re.M)
 
 

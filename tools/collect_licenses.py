@@ -77,7 +77,8 @@ def linked(resolved):
     """Packages whose code may be in the library, by name and version."""
     packages = {package["id"]: package for package in resolved["packages"]}
     nodes = {node["id"]: node for node in resolved["resolve"]["nodes"]}
-    found, waiting = set(), [resolved["resolve"]["root"]]
+    own = set(resolved["workspace_members"])
+    found, waiting = set(), sorted(own)
     while waiting:
         identity = waiting.pop()
         if identity in found:
@@ -87,8 +88,7 @@ def linked(resolved):
             macro = any("proc-macro" in target["kind"] for target in packages[dependency["pkg"]]["targets"])
             if not macro and any(kind["kind"] is None for kind in dependency["dep_kinds"]):
                 waiting.append(dependency["pkg"])
-    found.remove(resolved["resolve"]["root"])
-    return sorted((packages[identity] for identity in found), key=lambda p: (p["name"], p["version"]))
+    return sorted((packages[identity] for identity in found - own), key=lambda p: (p["name"], p["version"]))
 
 
 def chosen(package):

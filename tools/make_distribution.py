@@ -24,7 +24,7 @@ FIRST_OF_1980 = 315532800
 KEPT = ["README.md", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "SECURITY.md", "LICENSE", "LICENSE-APACHE",
         "LICENSE-MIT", "licenses", "docs", "examples", "python/requirements.txt"]
 LEFT_OUT = {"__pycache__", ".ipynb_checkpoints"}
-LIBRARIES = ["libfoldwing.so", "foldwing.dll", "libfoldwing.dylib"]
+LIBRARIES = ["libfoldwing_fmu.so", "foldwing_fmu.dll", "libfoldwing_fmu.dylib"]
 
 
 def built_version(command):

@@ -455,7 +455,7 @@ fn linear_models_and_modes_are_without_air_and_say_so() {
 
 /// The shared library that Cargo built beside this test.
 fn library() -> PathBuf {
-    let name = format!("{}foldwing{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let name = format!("{}foldwing_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     std::env::current_exe().unwrap().with_file_name(name)
 }
 

@@ -16,7 +16,7 @@ from driving import Fmu, Instance
 from fmpy.validation import validate_fmu
 
 ROOT = Path(__file__).resolve().parents[2]
-FUNCTIONS = set(re.findall(r'^ +"(fmi2\w+)",$', (ROOT / "src/fmi2/mod.rs").read_text(), re.M))
+FUNCTIONS = set(re.findall(r'^ +"(fmi2\w+)",$', (ROOT / "crates/fmi/src/fmi2/mod.rs").read_text(), re.M))
 ARCHIVE_LIMIT_BYTES = 4e6
 MODEL = "folding_wing"
 
@@ -42,7 +42,7 @@ def platforms():
 @pytest.fixture(scope="module")
 def libraries(platforms):
     """The libraries by platform."""
-    found = {"linux64": platforms / "linux64/libfoldwing.so", "win64": platforms / "win64/foldwing.dll"}
+    found = {"linux64": platforms / "linux64/libfoldwing_fmu.so", "win64": platforms / "win64/foldwing_fmu.dll"}
     missing = [str(path) for path in found.values() if not path.is_file()]
     if missing:
         pytest.skip(f"{', '.join(missing)}: not built; `make fmu-all` builds it")
@@ -99,7 +99,7 @@ def test_n04_no_path_of_this_machine_stands_in_a_library(libraries):
     paths = [ROOT, cargo, *({Path.home()} - {Path("/")}), "/usr/lib/rustlib", "/usr/src/rustc"]
     for platform, library in libraries.items():
         content = library.read_bytes()
-        assert b"src/fmi2" in content or b"src/plant" in content, "messages name the sources, so the search can find"
+        assert b"crates/fmi/src/fmi2" in content or b"crates/engine/src/plant" in content, "messages name the sources, so the search can find"
         assert [str(path) for path in paths if os.fsencode(f"{path}/") in content] == [], platform
 
 

@@ -53,7 +53,7 @@ fn f244_the_page_of_commands_is_current() {
 
 /// The shared library that Cargo built beside this test.
 pub fn library() -> PathBuf {
-    let name = format!("{}foldwing{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let name = format!("{}foldwing_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     std::env::current_exe().unwrap().with_file_name(name)
 }
 
@@ -89,7 +89,7 @@ fn f246_the_lines_of_the_guide_run() {
         if words[0] == "package" && !words.iter().any(|word| word == "--description-only" || word == "--library") {
             words.extend(["--library".to_owned(), library().to_str().unwrap().to_owned()]);
         }
-        if words.iter().any(|word| word == "libfoldwing.so") {
+        if words.iter().any(|word| word == "libfoldwing_fmu.so") {
             continue;
         }
         let clock = std::time::Instant::now();

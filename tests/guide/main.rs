@@ -6,6 +6,13 @@ mod messages;
 mod names;
 mod variables;
 
+#[allow(dead_code, reason = "`main` and what it prints")]
+#[path = "../../examples/package.rs"]
+mod package;
+#[allow(dead_code, reason = "`main` and what it prints")]
+#[path = "../../examples/wing.rs"]
+mod wing;
+
 use std::path::{Path, PathBuf};
 
 fn in_package(path: &str) -> PathBuf {
@@ -40,4 +47,23 @@ fn f259_the_rust_example_of_the_front_page_is_the_doc_test() {
         page.lines().skip_while(|line| *line != "```rust").skip(1).take_while(|line| *line != "```").collect();
     assert!(code.len() > 9, "{code:?}");
     assert_eq!(shown.iter().map(|line| line.trim()).collect::<Vec<_>>(), code);
+}
+
+/// F-260. The examples in Rust: a wing built in code unfolds and has modes, a model file becomes an FMU.
+#[test]
+fn f260_the_rust_examples_do_what_they_say() {
+    let latch_time_s = wing::unfold(wing::wing(0.15).unwrap()).unwrap();
+    assert!((0.1..0.2).contains(&latch_time_s), "{latch_time_s} s");
+    let modes = wing::latched_modes(wing::wing(0.15).unwrap()).unwrap();
+    assert_eq!(modes.len(), 4);
+    assert!(modes.iter().all(|(hz, ratio)| *hz > 0.1 && *ratio > 0.0), "a damped wing at rest: {modes:?}");
+    // half the length, with a mass per length that stays: bending four times as fast
+    let short = wing::latched_modes(wing::wing(0.075).unwrap()).unwrap();
+    assert!((3.0..5.0).contains(&(short[0].0 / modes[0].0)), "{short:?} beside {modes:?}");
+
+    let text = std::fs::read_to_string(in_package("examples/models/folding_wing.toml")).unwrap();
+    let fmu = package::package(&text, &commands::library()).unwrap();
+    assert_eq!(&fmu[..2], b"PK", "an archive");
+    let refused = package::package(&text.replace("elements = 4", "elements = 0"), &commands::library()).unwrap_err();
+    assert!(refused.to_string().contains("elements"), "{refused}");
 }

@@ -1,4 +1,4 @@
-//! `docs/guide/variables.md`: every variable that an FMU can have, written from the table in `src/interface`.
+//! `docs/guide/variables.md`: every variable that an FMU can have, written from the table in `crates/fmi/src/interface`.
 
 use crate::{assert_current, in_package};
 use foldwing::config;

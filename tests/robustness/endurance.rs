@@ -5,9 +5,9 @@
 mod fmu;
 
 use fmu::{Fmu, Resources, WING, guid_of, table};
-use foldwing::fmi2::abi::functions::*;
-use foldwing::fmi2::abi::states::*;
-use foldwing::fmi2::abi::types::*;
+use foldwing_fmu::functions::*;
+use foldwing_fmu::states::*;
+use foldwing_fmu::types::*;
 use std::ffi::CString;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -276,7 +276,7 @@ type FreeInstance = unsafe extern "C" fn(fmi2Component);
 /// The shared library, as an importer loads it.
 fn load() -> libloading::Library {
     let tests = std::env::current_exe().expect("a path");
-    let name = format!("{}foldwing{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let name = format!("{}foldwing_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     let path = tests.with_file_name(name); // Cargo builds the library beside its tests
     // SAFETY: our own library, without initialisers.
     unsafe { libloading::Library::new(&path) }.unwrap_or_else(|error| panic!("{path:?}: {error}"))
@@ -372,7 +372,7 @@ fn child_loads_and_unloads() {
         }
     }
     let maps = std::fs::read_to_string("/proc/self/maps").expect("readable");
-    let mapped = maps.lines().filter(|line| line.contains("libfoldwing")).count();
+    let mapped = maps.lines().filter(|line| line.contains("foldwing_fmu")).count();
     println!("result {} {mapped}", resident_kb() - early_kb);
 }
 

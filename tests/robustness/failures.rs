@@ -1,11 +1,11 @@
 //! Every way to `fmi2Error` and `fmi2Discard`: the whole message, and where the instance stands afterwards.
 
 use crate::fmu::{Attempt, Fmu, OTHER, Resources, WING, guid_of};
-use foldwing::fmi2::abi::derivatives::*;
-use foldwing::fmi2::abi::functions::*;
-use foldwing::fmi2::abi::states::*;
-use foldwing::fmi2::abi::status::*;
-use foldwing::fmi2::abi::types::*;
+use foldwing_fmu::derivatives::*;
+use foldwing_fmu::functions::*;
+use foldwing_fmu::states::*;
+use foldwing_fmu::status::*;
+use foldwing_fmu::types::*;
 use std::ptr;
 
 /// The model in the tunnel, with few panels.

@@ -3,9 +3,9 @@
 mod fmu;
 
 use fmu::Fmu;
-use foldwing::fmi2::abi::derivatives::fmi2SetRealInputDerivatives;
-use foldwing::fmi2::abi::functions::*;
 use foldwing::interface::{Causality, Value};
+use foldwing_fmu::derivatives::fmi2SetRealInputDerivatives;
+use foldwing_fmu::functions::*;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 

@@ -7,16 +7,16 @@ mod fmu;
 
 use fmu::{Attempt, Fmu, OTHER, Resources, WING, callbacks, guid_of};
 use foldwing::fmi2::FUNCTIONS;
-use foldwing::fmi2::abi::functions::*;
-use foldwing::fmi2::abi::states::*;
-use foldwing::fmi2::abi::status::*;
-use foldwing::fmi2::abi::types::*;
+use foldwing_fmu::functions::*;
+use foldwing_fmu::states::*;
+use foldwing_fmu::status::*;
+use foldwing_fmu::types::*;
 use std::ptr;
 
 #[test]
 fn the_shared_library_exports_every_function() {
     let tests = std::env::current_exe().expect("a path");
-    let name = format!("{}foldwing{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let name = format!("{}foldwing_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     let path = tests.with_file_name(name); // Cargo builds the library beside its tests
     // SAFETY: our own library, without initialisers.
     let library = unsafe { libloading::Library::new(&path) }.unwrap_or_else(|error| panic!("{path:?}: {error}"));

@@ -3,12 +3,12 @@
 
 use crate::fmu::{Fmu, WING};
 use foldwing::config;
-use foldwing::fmi2::abi::derivatives::*;
-use foldwing::fmi2::abi::functions::*;
-use foldwing::fmi2::abi::states::*;
-use foldwing::fmi2::abi::types::*;
 use foldwing::interface::guid;
 use foldwing::packaging::model_description;
+use foldwing_fmu::derivatives::*;
+use foldwing_fmu::functions::*;
+use foldwing_fmu::states::*;
+use foldwing_fmu::types::*;
 use std::ptr;
 
 fn set_rate(fmu: &Fmu, name: &str, order: i32, value: f64) -> fmi2Status {

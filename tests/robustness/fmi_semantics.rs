@@ -1,10 +1,10 @@
 //! What calls do, as design and standard say it: values and their times, initialisation, rollback, reset.
 
 use crate::fmu::{Attempt, Fmu, Resources, WING, table};
-use foldwing::fmi2::abi::derivatives::*;
-use foldwing::fmi2::abi::functions::*;
-use foldwing::fmi2::abi::states::*;
-use foldwing::fmi2::abi::types::*;
+use foldwing_fmu::derivatives::*;
+use foldwing_fmu::functions::*;
+use foldwing_fmu::states::*;
+use foldwing_fmu::types::*;
 
 const STEP_S: f64 = 1e-3;
 

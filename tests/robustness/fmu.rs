@@ -3,10 +3,10 @@
 #![allow(dead_code, reason = "each test uses a part of it")]
 
 use foldwing::config;
-use foldwing::fmi2::abi::functions::*;
-use foldwing::fmi2::abi::states::*;
-use foldwing::fmi2::abi::types::*;
 use foldwing::interface::{Interface, guid};
+use foldwing_fmu::functions::*;
+use foldwing_fmu::states::*;
+use foldwing_fmu::types::*;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_void};
 use std::path::PathBuf;

@@ -1,6 +1,6 @@
 //! The life cycle, exhaustively: every function in every phase that an instance can be in, against the table of the
 //! standard (`standard.rs`). The breakdown, which no exported function leads to, is the column of a unit test in
-//! `src/fmi2/abi/tests.rs`.
+//! `crates/fmu/src/tests.rs`.
 
 mod failures;
 mod fmu;
@@ -8,11 +8,11 @@ mod loggers;
 mod standard;
 
 use fmu::{Fmu, WING};
-use foldwing::fmi2::abi::derivatives::*;
-use foldwing::fmi2::abi::functions::*;
-use foldwing::fmi2::abi::states::*;
-use foldwing::fmi2::abi::status::*;
-use foldwing::fmi2::abi::types::*;
+use foldwing_fmu::derivatives::*;
+use foldwing_fmu::functions::*;
+use foldwing_fmu::states::*;
+use foldwing_fmu::status::*;
+use foldwing_fmu::types::*;
 use standard::{Effect, PHASES, Phase, Row, TABLE};
 use std::ptr;
 

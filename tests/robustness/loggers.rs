@@ -1,10 +1,10 @@
 //! Importers' loggers that are absent, slow, or call back.
 
 use crate::fmu::{Attempt, Fmu, Messages, Resources, WING, callbacks, table};
-use foldwing::fmi2::abi::functions::*;
-use foldwing::fmi2::abi::states::*;
-use foldwing::fmi2::abi::status::*;
-use foldwing::fmi2::abi::types::*;
+use foldwing_fmu::functions::*;
+use foldwing_fmu::states::*;
+use foldwing_fmu::status::*;
+use foldwing_fmu::types::*;
 use std::cell::{Cell, RefCell};
 use std::ffi::c_void;
 use std::ptr;

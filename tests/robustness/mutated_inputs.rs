@@ -9,10 +9,10 @@ use fastrand::Rng;
 use fmu::{Attempt, Fmu, Resources, WING, guid_of};
 use foldwing::aero::AirOptions;
 use foldwing::config::{self, ConfigError};
-use foldwing::fmi2::abi::functions::*;
-use foldwing::fmi2::abi::types::*;
 use foldwing::interface::{Interface, guid};
 use foldwing::machine::Machine;
+use foldwing_fmu::functions::*;
+use foldwing_fmu::types::*;
 use std::collections::BTreeMap;
 use std::process::Command;
 

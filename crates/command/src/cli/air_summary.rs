@@ -1,0 +1,157 @@
+//! Air in the summary of `foldwing check`.
+
+use foldwing_engine::machine::Machine;
+use foldwing_engine::machine::{AirOptions, Coupling, JointKind, LoadRule, Parent, WakeModel};
+use foldwing_engine::plant::{CLOSED_PANELS, SurfaceGap};
+use serde::Serialize;
+use std::fmt::Write;
+
+/// Air of a model in numbers.
+#[derive(Serialize)]
+pub struct AirSummary {
+    model: String,
+    density_kg_m3: f64,
+    wind_m_s: [f64; 3],
+    step_s: f64,
+    coupling: &'static str,
+    surfaces: Vec<SurfaceSummary>,
+    gaps: Vec<GapSummary>,
+    gusts: Vec<String>,
+}
+
+/// Two lattices that lie above each other at the start.
+#[derive(Serialize)]
+struct GapSummary {
+    bodies: [String; 2],
+    angle_deg: Option<f64>,
+    least_panels: f64,
+    widest_panels: f64,
+    closed: bool,
+}
+
+#[derive(Serialize)]
+struct SurfaceSummary {
+    body: String,
+    strips: usize,
+    chord_panels: usize,
+    area_m2: f64,
+    from_m: f64,
+    to_m: f64,
+}
+
+impl AirSummary {
+    /// Of a machine in air, with its surfaces that lie close to each other.
+    pub fn new(machine: &Machine, gaps: &[SurfaceGap]) -> Option<Self> {
+        let air = machine.air.as_ref()?;
+        let surface = |surface: &foldwing_engine::machine::LiftingSurface| {
+            let strips = surface.positions_m.windows(2).zip(surface.chords.windows(2));
+            SurfaceSummary {
+                body: machine.bodies[surface.body].name.clone(),
+                strips: surface.positions_m.len() - 1,
+                chord_panels: surface.chord_panels,
+                area_m2: strips
+                    .map(|(edge, chord)| 0.5 * (edge[1] - edge[0]) * (chord[0].length_m() + chord[1].length_m()))
+                    .sum(),
+                from_m: surface.positions_m[0],
+                to_m: surface.positions_m[surface.positions_m.len() - 1],
+            }
+        };
+        Some(Self {
+            model: describe(&air.options),
+            density_kg_m3: air.density_kg_m3,
+            wind_m_s: air.wind_m_s.into(),
+            step_s: air.step_s,
+            coupling: match air.coupling {
+                Coupling::Staggered => "staggered",
+                Coupling::Iterated { .. } => "iterated",
+            },
+            surfaces: air.surfaces.iter().map(surface).collect(),
+            gaps: gaps.iter().map(|gap| GapSummary::new(machine, gap)).collect(),
+            gusts: air.gusts.iter().map(|gust| gust.name.clone()).collect(),
+        })
+    }
+
+    /// For people.
+    pub fn text(&self) -> String {
+        let [x, y, z] = self.wind_m_s;
+        let mut text = format!(
+            "\nair\n  {}, {} kg/m3, wind ({x}, {y}, {z}) m/s, {} at steps of {:.6} s\n",
+            self.model, self.density_kg_m3, self.coupling, self.step_s
+        );
+        for surface in &self.surfaces {
+            let _ = writeln!(
+                text,
+                "  on {}: {} strips from {:.4} to {:.4} m, {} panels along the chord, {:.6} m2",
+                surface.body, surface.strips, surface.from_m, surface.to_m, surface.chord_panels, surface.area_m2
+            );
+        }
+        for gap in &self.gaps {
+            let _ = writeln!(text, "  {}", gap.text());
+        }
+        if !self.gusts.is_empty() {
+            let _ = writeln!(text, "  gusts: {}", self.gusts.join(", "));
+        }
+        text
+    }
+}
+
+impl GapSummary {
+    fn new(machine: &Machine, gap: &SurfaceGap) -> Self {
+        let joins = |child: usize, parent: usize| match (
+            &machine.bodies[child].joint.parent,
+            &machine.bodies[child].joint.kind,
+        ) {
+            (Parent::Body { index, .. }, JointKind::Revolute(joint)) if *index == parent => {
+                Some(joint.start_angle_rad.to_degrees())
+            }
+            _ => None,
+        };
+        let [one, two] = gap.bodies;
+        Self {
+            bodies: gap.bodies.map(|body| machine.bodies[body].name.clone()),
+            angle_deg: joins(two, one).or_else(|| joins(one, two)),
+            least_panels: gap.least_panels,
+            widest_panels: gap.widest_panels,
+            closed: gap.closed,
+        }
+    }
+
+    fn text(&self) -> String {
+        let [one, two] = &self.bodies;
+        let angle = self.angle_deg.map_or(String::new(), |angle| format!(" at {angle:.6} deg"));
+        let verdict = if self.closed {
+            format!(
+                "a run refuses this; open their joint until the widest place is {CLOSED_PANELS} panels, or use more strips"
+            )
+        } else {
+            "each sees the other from above its control points".to_owned()
+        };
+        format!(
+            "{one} and {two} lie over each other{angle}, {:.3} to {:.3} panels apart: {verdict}",
+            self.least_panels, self.widest_panels
+        )
+    }
+}
+
+/// The model of the air in words.
+fn describe(options: &AirOptions) -> String {
+    match options {
+        AirOptions::Lattice(lattice) => {
+            let wake = match lattice.wake {
+                WakeModel::Prescribed => "prescribed",
+                WakeModel::Free => "free",
+            };
+            let loads = match lattice.load_rule {
+                LoadRule::Bernoulli => "Bernoulli",
+                LoadRule::KuttaJoukowski => "Kutta-Joukowski",
+            };
+            let mirror = if lattice.mirror_normal.is_some() { ", mirror plane" } else { "" };
+            format!("vortex lattice, {wake} wake of {} rows, {loads} loads{mirror}", lattice.wake_rows)
+        }
+        AirOptions::Strips(strips) => {
+            let lag = if strips.unsteady { "unsteady" } else { "quasi-steady" };
+            let mass = if strips.apparent_mass { "" } else { ", no apparent mass" };
+            format!("{lag} strips{mass}")
+        }
+    }
+}

@@ -1,0 +1,393 @@
+//! `foldwing check`: what was understood of a model.
+
+use crate::cli::air_summary::AirSummary;
+use crate::cli::joint_size::JointSize;
+use crate::cli::notes::notes;
+use crate::cli::outlets::{Force, Mark, Outlets};
+use crate::cli::{Failure, print, read_model};
+use crate::packaging::drawing;
+use crate::packaging::sketch::sketch;
+use foldwing_engine::machine::Machine;
+use foldwing_engine::machine::{
+    Body, Closure, ElementKind, JointKind, JointMotion, LatchKind, Parent, SpatialFreedom, UNLIMITED,
+};
+use foldwing_engine::plant::Plant;
+use foldwing_fmi::interface::{Causality, Interface, Value};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+#[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::CHECK)]
+pub struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// Print JSON for programs
+    #[arg(long)]
+    json: bool,
+    /// List every variable of the FMU
+    #[arg(long)]
+    variables: bool,
+    /// Also write a drawing of the wing, deployed and at its start angles
+    #[arg(long, value_name = "FILE.svg")]
+    draw: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
+}
+
+/// Prints the summary and the wing.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (machine, _) = read_model(&arguments.model)?;
+    if let Some(path) = &arguments.draw {
+        let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
+        outlets.place(path, Mark::SVG)?.fill(drawing::file(&machine).as_bytes())?;
+    }
+    let summary = Summary::new(&machine);
+    if arguments.json {
+        return print(&serde_json::to_string_pretty(&summary).expect("names and finite numbers always serialise"));
+    }
+    print(&format!("{}\n{}", summary.text(arguments.variables), sketch(&machine)))
+}
+
+/// A model in numbers.
+#[derive(Serialize)]
+struct Summary {
+    name: String,
+    description: String,
+    mass_kg: f64,
+    degrees_of_freedom: usize,
+    stations: usize,
+    bodies: Vec<BodySummary>,
+    joints: Vec<JointSummary>,
+    loops: Vec<LoopSummary>,
+    air: Option<AirSummary>,
+    gauges: Vec<String>,
+    notes: Vec<String>,
+    variables: Vec<VariableSummary>,
+}
+
+#[derive(Serialize)]
+struct BodySummary {
+    name: String,
+    length_m: f64,
+    mass_kg: f64,
+    attached_mass_kg: f64,
+    elements: usize,
+    element_kind: &'static str,
+    degrees_of_freedom: usize,
+    stations_m: Vec<f64>,
+}
+
+#[derive(Serialize)]
+struct JointSummary {
+    name: String,
+    body: String,
+    parent: String,
+    kind: &'static str,
+    start_angle_deg: Option<f64>,
+    stiffness_n_m_rad: Option<f64>,
+    damping_n_m_s_rad: Option<f64>,
+    constant_torque_n_m: Option<f64>,
+    torque_limit_n_m: Option<f64>,
+    spring_stiffness_n_m_rad: Option<f64>,
+    spring_damping_n_m_s_rad: Option<f64>,
+    rest_angle_deg: Option<f64>,
+    latch_kind: Option<&'static str>,
+    latch_angle_deg: Option<f64>,
+    latch_stiffness_n_m_rad: Option<f64>,
+    size: JointSize,
+}
+
+#[derive(Serialize)]
+struct LoopSummary {
+    name: String,
+    bodies: [String; 2],
+    positions_m: [f64; 2],
+    stiffness_n_m: f64,
+    damping_n_s_m: f64,
+    inertia_kg: f64,
+}
+
+/// A start value, in JSON a number or a Boolean.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Start {
+    Real(f64),
+    Integer(i32),
+    Boolean(bool),
+}
+
+impl Start {
+    fn text(&self) -> String {
+        match self {
+            Self::Real(value) => format!("{value:?}"),
+            Self::Integer(value) => value.to_string(),
+            Self::Boolean(value) => value.to_string(),
+        }
+    }
+}
+
+impl From<Value> for Start {
+    fn from(value: Value) -> Self {
+        match value {
+            Value::Real(value) => Self::Real(value),
+            Value::Integer(value) => Self::Integer(value),
+            Value::Boolean(value) => Self::Boolean(value),
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct VariableSummary {
+    name: String,
+    causality: &'static str,
+    r#type: &'static str,
+    unit: &'static str,
+    start: Option<Start>,
+    description: String,
+}
+
+impl Summary {
+    fn new(machine: &Machine) -> Self {
+        let bodies: Vec<BodySummary> = machine.bodies.iter().map(BodySummary::new).collect();
+        let interface = Interface::new(machine);
+        let mut plant = Plant::new(Arc::new(machine.clone()));
+        let gaps = plant.surface_gaps();
+        let joint = |(index, body): (usize, &Body)| JointSummary::new(body, machine, plant.joint_size(index));
+        Self {
+            name: machine.name.clone(),
+            description: machine.description.clone(),
+            mass_kg: bodies.iter().map(|body| body.mass_kg + body.attached_mass_kg).sum(),
+            degrees_of_freedom: bodies.iter().map(|body| body.degrees_of_freedom).sum::<usize>()
+                + machine.bodies.iter().map(joint_freedoms).sum::<usize>(),
+            stations: bodies.iter().map(|body| body.stations_m.len()).sum(),
+            bodies,
+            joints: machine.bodies.iter().enumerate().map(joint).collect(),
+            loops: machine.closures.iter().map(|closure| LoopSummary::new(closure, machine)).collect(),
+            air: AirSummary::new(machine, &gaps),
+            gauges: machine.gauges.iter().map(|gauge| gauge.name.clone()).collect(),
+            notes: notes(machine),
+            variables: interface.variables().iter().map(VariableSummary::new).collect(),
+        }
+    }
+
+    fn text(&self, list_variables: bool) -> String {
+        let mut text = format!(
+            "{}: {}\n{:.6} kg, {} degrees of freedom, {} load stations\n\nbodies\n",
+            self.name, self.description, self.mass_kg, self.degrees_of_freedom, self.stations
+        );
+        for body in &self.bodies {
+            let _ = writeln!(
+                text,
+                "  {}: {} m, {:.6} kg and {:.6} kg attached, {} {} elements, {} stations",
+                body.name,
+                body.length_m,
+                body.mass_kg,
+                body.attached_mass_kg,
+                body.elements,
+                body.element_kind,
+                body.stations_m.len()
+            );
+        }
+        text.push_str("\njoints\n");
+        self.joints.iter().for_each(|joint| text.push_str(&joint.text()));
+        text.push_str(JointSize::TITLE);
+        self.joints.iter().for_each(|joint| text.push_str(&joint.size.text(&joint.name, joint.kind)));
+        if !self.loops.is_empty() {
+            text.push_str("\nclosed loops\n");
+            self.loops.iter().for_each(|closure| text.push_str(&closure.text()));
+        }
+        if let Some(air) = &self.air {
+            text.push_str(&air.text());
+        }
+        if !self.notes.is_empty() {
+            let _ = writeln!(text, "\nnotes\n  {}", self.notes.join("\n  "));
+        }
+        let gauges = if self.gauges.is_empty() { "none".to_owned() } else { self.gauges.join(", ") };
+        let count = |causality: &str| self.variables.iter().filter(|v| v.causality == causality).count();
+        let _ = writeln!(
+            text,
+            "\ngauges: {gauges}\n{} inputs, {} outputs, {} parameters",
+            count("input"),
+            count("output"),
+            count("parameter")
+        );
+        if list_variables {
+            for variable in &self.variables {
+                let start = variable.start.as_ref().map(|start| format!(" = {}", start.text())).unwrap_or_default();
+                let unit = if variable.unit.is_empty() { String::new() } else { format!(" [{}]", variable.unit) };
+                let _ =
+                    writeln!(text, "  {} {}{start}{unit}: {}", variable.causality, variable.name, variable.description);
+            }
+        } else {
+            text.push_str("(--variables lists them)\n");
+        }
+        text
+    }
+}
+
+/// Degrees of freedom that the joint adds.
+fn joint_freedoms(body: &Body) -> usize {
+    match &body.joint.kind {
+        JointKind::Clamped => 0,
+        JointKind::Revolute(joint) => usize::from(joint.motion == JointMotion::Free),
+        JointKind::Spatial(joint) => match joint.freedom {
+            SpatialFreedom::Universal { .. } => 2,
+            SpatialFreedom::Ball => 3,
+            SpatialFreedom::Free => 6,
+        },
+    }
+}
+
+impl BodySummary {
+    fn new(body: &Body) -> Self {
+        // A linear element is a pair of constant halves; each of those has four strains.
+        let (element_kind, strains) = match body.element {
+            ElementKind::Constant => ("constant", 4),
+            ElementKind::Linear => ("linear", 8),
+        };
+        Self {
+            name: body.name.clone(),
+            length_m: body.length_m,
+            mass_kg: body.section.mass_kg(body.length_m),
+            attached_mass_kg: body.masses.iter().fold(0.0, |sum, mass| sum + mass.mass_kg),
+            elements: body.elements,
+            element_kind,
+            degrees_of_freedom: strains * body.elements,
+            stations_m: body.station_positions_m.clone(),
+        }
+    }
+}
+
+impl JointSummary {
+    fn new(body: &Body, machine: &Machine, (variables, multipliers): (usize, usize)) -> Self {
+        let parent = match body.joint.parent {
+            Parent::Root { .. } => "root".to_owned(),
+            Parent::Body { index, position_m } => format!("{} at {position_m} m", machine.bodies[index].name),
+        };
+        let mut summary = Self {
+            name: body.joint.name.clone(),
+            body: body.name.clone(),
+            parent,
+            kind: "clamped",
+            start_angle_deg: None,
+            stiffness_n_m_rad: None,
+            damping_n_m_s_rad: None,
+            constant_torque_n_m: None,
+            torque_limit_n_m: None,
+            spring_stiffness_n_m_rad: None,
+            spring_damping_n_m_s_rad: None,
+            rest_angle_deg: None,
+            latch_kind: None,
+            latch_angle_deg: None,
+            latch_stiffness_n_m_rad: None,
+            size: JointSize::new(&body.joint.kind, variables, multipliers),
+        };
+        if let JointKind::Spatial(joint) = &body.joint.kind {
+            summary.kind = match joint.freedom {
+                SpatialFreedom::Universal { .. } => "universal",
+                SpatialFreedom::Ball => "ball",
+                SpatialFreedom::Free => "free",
+            };
+            if joint.freedom != SpatialFreedom::Free {
+                summary.stiffness_n_m_rad = Some(joint.stiffness_n_m_rad);
+                summary.damping_n_m_s_rad = Some(joint.damping_n_m_s_rad);
+            }
+        }
+        if let JointKind::Revolute(joint) = &body.joint.kind {
+            summary.kind = match joint.motion {
+                JointMotion::Free => "revolute",
+                JointMotion::Locked => "revolute, locked",
+                JointMotion::Prescribed(_) => "revolute, prescribed",
+            };
+            summary.start_angle_deg = Some(joint.start_angle_rad.to_degrees());
+            summary.stiffness_n_m_rad = Some(joint.drive.stiffness_n_m_rad);
+            summary.damping_n_m_s_rad = Some(joint.drive.damping_n_m_s_rad);
+            summary.constant_torque_n_m = Some(joint.drive.constant_torque_n_m);
+            summary.torque_limit_n_m = Some(joint.drive.torque_limit_n_m).filter(|limit| *limit < UNLIMITED);
+            let spring = joint.spring.as_ref();
+            summary.spring_stiffness_n_m_rad = spring.map(|spring| spring.stiffness_n_m_rad);
+            summary.spring_damping_n_m_s_rad = spring.map(|spring| spring.damping_n_m_s_rad);
+            summary.rest_angle_deg = spring.map(|spring| spring.rest_angle_rad.to_degrees());
+            if let Some(latch) = &joint.latch {
+                let (kind, stiffness_n_m_rad) = match latch.kind {
+                    LatchKind::Elastic => ("elastic", Some(latch.stiffness_n_m_rad)),
+                    LatchKind::Rigid => ("rigid", None),
+                };
+                summary.latch_kind = Some(kind);
+                summary.latch_angle_deg = Some(latch.angle_rad.to_degrees());
+                summary.latch_stiffness_n_m_rad = stiffness_n_m_rad;
+            }
+        }
+        summary
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!("  {}: {} on {}, {}", self.name, self.body, self.parent, self.kind);
+        for (name, value, unit) in [
+            ("start", self.start_angle_deg, "deg"),
+            ("k", self.stiffness_n_m_rad, "N.m/rad"),
+            ("c", self.damping_n_m_s_rad, "N.m.s/rad"),
+            ("T", self.constant_torque_n_m, "N.m"),
+            ("motor torque limit", self.torque_limit_n_m, "N.m"),
+            ("spring", self.spring_stiffness_n_m_rad, "N.m/rad"),
+            ("spring damping", self.spring_damping_n_m_s_rad, "N.m.s/rad"),
+            ("spring slack at", self.rest_angle_deg, "deg"),
+            (if self.latch_kind == Some("rigid") { "rigid latch at" } else { "latch at" }, self.latch_angle_deg, "deg"),
+            ("latch stiffness", self.latch_stiffness_n_m_rad, "N.m/rad"),
+        ] {
+            if let Some(value) = value {
+                let _ = write!(text, ", {name} {} {unit}", (value * 1e9).round() / 1e9);
+            }
+        }
+        text + "\n"
+    }
+}
+
+impl LoopSummary {
+    fn new(closure: &Closure, machine: &Machine) -> Self {
+        Self {
+            name: closure.name.clone(),
+            bodies: closure.places.map(|(body, _)| machine.bodies[body].name.clone()),
+            positions_m: closure.places.map(|(_, position_m)| position_m),
+            stiffness_n_m: closure.stiffness_n_m,
+            damping_n_s_m: closure.damping_n_s_m,
+            inertia_kg: closure.inertia_kg,
+        }
+    }
+
+    fn text(&self) -> String {
+        let ([first, second], [at, on]) = (&self.bodies, self.positions_m);
+        format!(
+            "  {}: {first} at {at} m to {second} at {on} m, k {} N/m, c {} N.s/m, m {} kg\n",
+            self.name, self.stiffness_n_m, self.damping_n_s_m, self.inertia_kg
+        )
+    }
+}
+
+impl VariableSummary {
+    fn new(variable: &foldwing_fmi::interface::Variable) -> Self {
+        let causality = match variable.causality {
+            Causality::Input => "input",
+            Causality::Output => "output",
+            Causality::Parameter => "parameter",
+            Causality::Local => "local",
+            Causality::Independent => "independent",
+        };
+        let r#type = match variable.value {
+            Value::Real(_) => "Real",
+            Value::Integer(_) => "Integer",
+            Value::Boolean(_) => "Boolean",
+        };
+        let has_start = matches!(variable.causality, Causality::Input | Causality::Parameter);
+        Self {
+            name: variable.name.clone(),
+            causality,
+            r#type,
+            unit: variable.unit(),
+            start: has_start.then(|| Start::from(variable.value)),
+            description: variable.description.clone(),
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! What `foldwing --help` and `foldwing COMMAND --help` say below the options. A test parses every line of it that is a
+//! command.
+
+macro_rules! exit_codes {
+    () => {
+        "\
+Exit codes:
+  0  done
+  1  the content of a file was refused: model, inputs, library or FMU
+  2  the command line was refused, including unknown names in --output and --set
+  3  the simulation failed (the CSV has the rows up to that time), or there is no equilibrium or
+     linear model
+  4  a file could not be read or written"
+    };
+}
+
+/// Below `foldwing -h`.
+pub(super) const EXIT_CODES: &str = exit_codes!();
+
+/// Below `foldwing --help`: the order of work, then the exit codes.
+pub(super) const ORDER_OF_WORK: &str = concat!(
+    "\
+The usual order of work, from a model file to its FMU:
+  foldwing new wing.toml                          a starter with two bodies, every key explained
+  foldwing check wing.toml                        a check and a summary: masses, joints, variables
+  foldwing simulate wing.toml --csv wing.csv --view wing.html
+                                                  a run, and a page that plays it
+  foldwing static wing.toml                       its shape at rest under gravity and loads
+  foldwing modes wing.toml                        natural frequencies about that state
+  foldwing sweep wing.toml --vary fold.start_angle=0.5:2:16 --out sweep.csv
+                                                  many variants, a row for each
+  foldwing linearize wing.toml -o wing.npz        A, B, C, D for a controller
+  foldwing package wing.toml -o Wing.fmu          the FMU
+  foldwing package --help                         options and examples of a command
+
+Mistakes in a file or on the command line are reported with their location and the allowed values.
+Messages go to standard error, as does a progress bar for runs that last more than half a second
+if it is a terminal.
+
+",
+    exit_codes!()
+);
+
+pub(super) const NEW: &str = "\
+Examples:
+  foldwing new wing.toml
+  foldwing new wing.toml --force
+  foldwing new second.toml --no-schema";
+
+pub(super) const PACKAGE: &str = "\
+Examples:
+  foldwing package wing.toml -o Wing.fmu
+  foldwing package wing.toml -o Wing.fmu --linear
+  foldwing package wing.toml -o Wing.fmu --linear=0.3 --no-reference
+  foldwing package wing.toml -o Wing.fmu --library libfoldwing_fmu.so --library win64=foldwing_fmu.dll
+  foldwing package wing.toml -o Wing.fmu --cross-check results
+  foldwing package wing.toml --description-only";
+
+pub(super) const SIMULATE: &str = "\
+Examples:
+  foldwing simulate wing.toml
+  foldwing simulate wing.toml --csv wing.csv
+  foldwing simulate wing.toml --csv - --output fold.angle --output tip.position.z --stop 0.2
+  foldwing simulate wing.toml --csv wing.csv --set fold.start_angle=1.5 --set fold.latch_enable=0
+  foldwing simulate wing.toml --csv wing.csv --inputs commands.csv
+  foldwing simulate wing.toml --plot figures --view wing.html --vtk vtk
+  foldwing simulate wing.toml --csv wing.csv --strains strains.csv --timing cost.json
+
+A file of inputs has a column `time` (s, ascending) and columns named after inputs; lines that
+start with # are comments:
+  time, fold.command, fold.release
+  0.0,  0.0,          0
+  0.1,  0.0,          1";
+
+pub(super) const SWEEP: &str = "\
+Examples:
+  foldwing sweep wing.toml --vary fold.start_angle=1:3:21 --vary fold.release=0,1 --out grid.csv
+  foldwing sweep wing.toml --vary file:body.inner.elements=2,4,8 --output tip.position.z --out m.csv
+  foldwing sweep wing.toml --samples samples.csv --out results.csv";
+
+pub(super) const LATENCY: &str = "\
+Examples:
+  foldwing latency wing.toml --steps 1000
+  foldwing latency wing.toml --steps 1000 --step 1e-3 --turbulence 0.1 --seed 7
+  foldwing latency wing.toml --steps 1000 --paced";
+
+pub(super) const RUN: &str = "\
+Examples:
+  foldwing run Wing.fmu --csv wing.csv
+  foldwing run Wing.fmu --variables
+  foldwing run Wing.fmu --csv - --set \"fold.start_angle=90 deg\" --output fold.angle --stop 0.2
+  foldwing run Wing.fmu --csv wing.csv --inputs commands.csv --plot figures --log";
+
+pub(super) const CHECK: &str = "\
+Examples:
+  foldwing check wing.toml
+  foldwing check wing.toml --variables
+  foldwing check wing.toml --draw wing.svg
+  foldwing check wing.toml --json";
+
+pub(super) const STATIC: &str = "\
+Examples:
+  foldwing static wing.toml
+  foldwing static wing.toml --set fold.release=0
+  foldwing static wing.toml --set load.outer[4].force.z=0.2 --set gravity.x=0 --json";
+
+pub(super) const MODES: &str = "\
+Examples:
+  foldwing modes wing.toml
+  foldwing modes wing.toml --about undeformed --count 4 --set fold.start_angle=0
+  foldwing modes wing.toml --set fold.release=0 --set root.angular_velocity.z=20 --json";
+
+pub(super) const LINEARIZE: &str = "\
+Examples:
+  foldwing linearize wing.toml -o wing.npz
+  foldwing linearize wing.toml --at 0.3 --inputs fold.torque,load. --outputs tip.,gauge. -o wing.mat
+  foldwing linearize wing.toml --at start --set fold.release=0 -o wing.json
+
+The file holds A, B, C, D with names, units and the values about which they are linear. States are
+the free coordinates and their rates. `examples/damp_latched_wing.py` designs a feedback on it and
+runs it against the FMU.";
+
+pub(super) const SCHEMA: &str = "\
+Example, and the first line of a model file that tells editors where its schema is:
+  foldwing schema > foldwing.schema.json
+  #:schema ./foldwing.schema.json";

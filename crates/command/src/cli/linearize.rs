@@ -1,0 +1,143 @@
+//! `foldwing linearize`: `A`, `B`, `C`, `D` about a state.
+
+use crate::cli::outlets::{Force, Mark, Outlet, Outlets};
+use crate::cli::settings::plant_with;
+use crate::cli::simulate::unknown;
+use crate::cli::{Failure, print, read_model};
+use crate::report::{linear_json, write_mat, write_npz};
+use clap::builder::NonEmptyStringValueParser;
+use foldwing_engine::plant::{Holding, Plant, PlantError};
+use foldwing_fmi::interface::{Interface, LinearModel, Variable};
+use std::io::{self, Cursor, Write};
+use std::path::PathBuf;
+
+#[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::LINEARIZE)]
+pub struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// State to linearise about: `start`, `equilibrium`, or a time in s up to which the model is simulated
+    #[arg(long, value_name = "STATE", default_value = "equilibrium")]
+    at: String,
+    /// Real inputs, separated by commas; `load.` selects every name with that prefix [default: all]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    inputs: Vec<String>,
+    /// Real outputs, selected in the same way [default: all]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    outputs: Vec<String>,
+    /// Start value of an input or parameter; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
+    settings: Vec<String>,
+    /// File to write: `.json`, `.npz` (NumPy) or `.mat` (MATLAB)
+    #[arg(short, long, value_name = "X.json|X.npz|X.mat")]
+    output: PathBuf,
+    #[command(flatten)]
+    force: Force,
+}
+
+/// Writes the linear model.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (mark, write): (Mark, Writer) = match arguments.output.extension().and_then(|extension| extension.to_str()) {
+        Some("json") => (Mark::LINEAR_JSON, |model, sink| writeln!(sink, "{:#}", linear_json(model))),
+        Some("npz") => (Mark::NPZ, write_npz_to),
+        Some("mat") => (Mark::MAT, |model, sink| write_mat(model, sink)),
+        _ => {
+            let output = arguments.output.display();
+            return Err(Failure::Usage(format!("--output {output}: the name must end in .json, .npz or .mat")));
+        }
+    };
+    let place = Outlets::new(arguments.force.force, [arguments.model.as_path()]).place(&arguments.output, mark)?;
+    let (machine, _) = read_model(&arguments.model)?;
+    let interface = Interface::new(&machine);
+    let inputs = chosen(&arguments.inputs, interface.real_inputs(), "real input")?;
+    let outputs = chosen(&arguments.outputs, interface.real_outputs(), "real output")?;
+    let mut plant = plant_with(machine, &interface, &arguments.settings)?;
+    reach("--at", &arguments.at, &mut plant)?;
+    let model =
+        interface.linearize(&mut plant, &inputs, &outputs).map_err(|error| Failure::Statics(error.to_string()))?;
+    let mut outlet = place.open()?;
+    write(&model, &mut outlet).map_err(|error| outlet.failure(&error))?;
+    outlet.finish()?;
+    print(&format!(
+        "{}: {} states, {} inputs, {} outputs{}, written to {}\n{}",
+        plant.machine().name,
+        model.states.len(),
+        model.inputs.len(),
+        model.outputs.len(),
+        if model.without_air { ", without air (its loads are held; no wind)" } else { "" },
+        arguments.output.display(),
+        model.point
+    ))
+}
+
+/// Rows that the names choose; all without names.
+fn chosen<'a>(
+    names: &[String],
+    rows: impl Iterator<Item = &'a Variable>,
+    what: &str,
+) -> Result<Vec<&'a Variable>, Failure> {
+    let rows: Vec<&Variable> = rows.collect();
+    if names.is_empty() {
+        return Ok(rows);
+    }
+    let mut list = Vec::new();
+    for name in names {
+        let found: Vec<&Variable> = rows
+            .iter()
+            .copied()
+            .filter(|row| row.name == *name || (name.ends_with('.') && row.name.starts_with(name.as_str())))
+            .collect();
+        if found.is_empty() && name.starts_with("wind.") {
+            return Err(Failure::Usage(format!(
+                "--inputs {name}: linear models are without air, they hold its loads; choose other inputs, or take the answer to \
+                 wind from runs"
+            )));
+        }
+        if found.is_empty() {
+            return Err(unknown(name, what, rows.iter().copied()));
+        }
+        list.extend(found);
+    }
+    Ok(list)
+}
+
+/// Brings the plant to the state asked for: `start`, `equilibrium` or a time in s.
+pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Failure> {
+    let (start_s, stop_s) = (plant.machine().experiment.start_time_s, plant.machine().experiment.stop_time_s);
+    let statics = |error: PlantError| Failure::Statics(error.to_string());
+    match at {
+        "start" => plant.initialize(start_s).map_err(statics),
+        "equilibrium" => plant.equilibrium(start_s, Holding::AsReleased).map(|_| ()).map_err(statics),
+        time => {
+            let time_s: f64 = time
+                .parse()
+                .ok()
+                .filter(|time_s: &f64| time_s.is_finite() && *time_s >= start_s)
+                .ok_or_else(|| {
+                    Failure::Usage(format!(
+                        "{option} {time}: must be start, equilibrium or a time from {start_s} s, the start of the experiment"
+                    ))
+                })?;
+            if time_s > stop_s {
+                eprintln!(
+                    "note: {option} {time} lies beyond the end of the experiment, {stop_s} s; the run continues up to it"
+                );
+            }
+            plant.initialize(start_s).map_err(statics)?;
+            if time_s > start_s {
+                plant.step(time_s).map_err(|error| Failure::Simulation(error.to_string()))?;
+            }
+            Ok(())
+        }
+    }
+}
+
+/// Writes a linear model in one of the formats.
+type Writer = fn(&LinearModel, &mut Outlet) -> io::Result<()>;
+
+/// An archive is written back and forth, so in memory first.
+fn write_npz_to(model: &LinearModel, sink: &mut Outlet) -> io::Result<()> {
+    let mut archive = Cursor::new(Vec::new());
+    write_npz(model, &mut archive)?;
+    sink.write_all(&archive.into_inner())
+}

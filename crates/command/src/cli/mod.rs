@@ -1,0 +1,228 @@
+//! The command line: arguments, exit codes, and one module per command.
+
+mod air_summary;
+mod check;
+mod grid;
+mod help;
+#[cfg(test)]
+mod help_tests;
+mod joint_size;
+mod latency;
+mod lattice;
+mod linearize;
+mod modes;
+mod new;
+mod notes;
+mod outlets;
+mod package;
+mod pictures;
+mod processor_time;
+mod progress;
+#[cfg(feature = "import")]
+mod run;
+#[cfg(not(feature = "import"))]
+#[path = "run_without_import.rs"]
+mod run;
+mod run_arguments;
+mod settings;
+mod simulate;
+mod stability;
+mod statics;
+mod strains;
+mod sweep;
+mod timing;
+
+use clap::{Parser, Subcommand};
+use foldwing_engine::machine::Machine;
+use foldwing_file as config;
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Name of the build: version, commit if it was built from a repository, target.
+fn version() -> &'static str {
+    if env!("FOLDWING_COMMIT").is_empty() {
+        concat!(env!("CARGO_PKG_VERSION"), " (", env!("FOLDWING_TARGET"), ")")
+    } else {
+        concat!(env!("CARGO_PKG_VERSION"), " (", env!("FOLDWING_COMMIT"), ", ", env!("FOLDWING_TARGET"), ")")
+    }
+}
+
+/// Flexible folding wings from short model files: FMUs, simulations, checks.
+///
+/// A model file (TOML) describes a wing: sections, bodies, fold joints, gauges, air. Foldwing turns it into an FMU for FMI
+/// 2.0 co-simulation, a flexible wing that folds, unfolds and latches. It also simulates and studies the same wing
+/// itself, without an importer. No compiler is needed.
+#[derive(Parser)]
+#[command(name = "foldwing", version = version(), after_help = help::EXIT_CODES, after_long_help = help::ORDER_OF_WORK)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Write a commented model file to start from
+    ///
+    /// Two bodies that unfold and latch, named after the file, with every key explained; with the JSON schema that its first
+    /// line names, so that editors can autocomplete. Prints what to type next.
+    New(new::Arguments),
+    /// Make an FMU of a model
+    ///
+    /// The file appears whole or not at all, and the same model, library and version give the same bytes. Packaging simulates
+    /// the default experiment for the reference results in the FMU. The library is the one next to this executable, unless
+    /// --library names others, one for each platform.
+    Package(package::Arguments),
+    /// Simulate a model and write its outputs as CSV
+    ///
+    /// Without an importer: the outputs, or the variables named by --output, at the communication points of the model's
+    /// experiment. Optional pictures: figures, a page that plays the motion, files for ParaView. A summary goes to standard
+    /// error; without any file it is the only result. If the simulation fails, rows and pictures show the run up to that point.
+    Simulate(simulate::Arguments),
+    /// Simulate many variants of a model and write a row for each
+    ///
+    /// Variants run on several threads, whose number does not change a byte of the results. The same command resumes a sweep
+    /// that was killed. A variant that fails gives a row with its message.
+    Sweep(sweep::Arguments),
+    /// Measure how long single steps take under a turbulent load
+    ///
+    /// For hardware in the loop: median, 99 %, 99.9 % and slowest of the steps in wall time and in processor time, and a
+    /// histogram. `solver.mode = "real_time"` in the model bounds the cost of a step.
+    Latency(latency::Arguments),
+    /// Run an FMU of any tool (FMI 2.0 co-simulation) and write its outputs as CSV
+    ///
+    /// Foldwing's own FMUs give the same bytes as `simulate`. Needs a build with the feature `import`, which `make runner`
+    /// makes; other builds say so.
+    Run(run::Arguments),
+    /// Check a model and summarise it
+    ///
+    /// Draws the wing at its start angles in characters, from above and from the side. Lists bodies, masses, degrees of freedom, stations, joints, gauges, air and variables; for each joint the number of its
+    /// variables and Lagrange multipliers, compared with the conventional form with 12 variables per node.
+    Check(check::Arguments),
+    /// Bring a model to rest under its loads and print its shape
+    ///
+    /// Equilibrium under gravity, loads and root motion: positions, rotations and strains along the bodies, joint angles with
+    /// torques, gauges, gaps and forces of closed loops, tips, and what the wing exerts on the root. Joints are held or free as
+    /// their release inputs say; an enabled latch that the load path reaches closes.
+    Static(statics::Arguments),
+    /// Print natural frequencies and damping
+    ///
+    /// About the equilibrium or about the bare structure: frequencies, damping ratios and what bends. A turning root stiffens
+    /// and couples the modes.
+    Modes(modes::Arguments),
+    /// Write a linear model from inputs to outputs
+    ///
+    /// A, B, C, D about the start, an equilibrium or a state during a run, for NumPy, for MATLAB or as JSON.
+    Linearize(linearize::Arguments),
+    /// Print the JSON schema of model files, for autocompletion in editors
+    #[command(after_long_help = help::SCHEMA)]
+    Schema,
+}
+
+/// Why a command stops; each kind has its exit code.
+#[derive(Debug, thiserror::Error)]
+enum Failure {
+    /// The content of a file was refused.
+    #[error("{0}")]
+    Refused(String),
+    /// The command line asks for something that does not exist.
+    #[error("{0}")]
+    Usage(String),
+    /// The simulation gave up.
+    #[error("the simulation failed: {0}")]
+    Simulation(String),
+    /// Statics, modes or linearisation gave up.
+    #[error("{0}")]
+    Statics(String),
+    /// A file could not be read or written.
+    #[error("{0}")]
+    Files(String),
+    /// Standard output was closed, as `head` does: nothing is wrong.
+    #[error("standard output was closed")]
+    Closed,
+}
+
+impl Failure {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::Closed => 0,
+            Self::Refused(_) => 1,
+            Self::Usage(_) => 2,
+            Self::Simulation(_) | Self::Statics(_) => 3,
+            Self::Files(_) => 4,
+        }
+    }
+
+    /// A failed write to `target`.
+    fn writing(target: &str, error: &io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::BrokenPipe => Self::Closed,
+            _ => Self::Files(format!("{target}: cannot be written: {error}")),
+        }
+    }
+}
+
+/// Runs the command that the arguments name.
+pub fn run() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::New(arguments) => new::run(&arguments),
+        Command::Package(arguments) => package::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Sweep(arguments) => sweep::run(&arguments),
+        Command::Latency(arguments) => latency::run(&arguments),
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Static(arguments) => statics::run(&arguments),
+        Command::Modes(arguments) => modes::run(&arguments),
+        Command::Linearize(arguments) => linearize::run(&arguments),
+        Command::Schema => print(&config::schema()),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            if !matches!(failure, Failure::Closed) {
+                eprintln!("foldwing: {failure}");
+            }
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}
+
+/// Writes text to standard output, with a final line feed.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    writeln!(out, "{}", text.trim_end())
+        .and_then(|()| out.flush())
+        .map_err(|error| Failure::writing("standard output", &error))
+}
+
+/// A model and its text.
+fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
+    let bytes =
+        std::fs::read(path).map_err(|error| Failure::Files(format!("{}: cannot be read: {error}", path.display())))?;
+    if bytes.starts_with(b"PK\x03\x04") {
+        return Err(Failure::Refused(format!(
+            "{}: is an archive, as FMUs are, not a model file; `foldwing run` runs FMUs",
+            path.display()
+        )));
+    }
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let line = error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
+        Failure::Refused(format!("{}:{}: a model file is UTF-8 text; this line is not", path.display(), line + 1))
+    })?;
+    let machine =
+        config::parse(&text, &path.display().to_string()).map_err(|error| Failure::Refused(error.to_string()))?;
+    Ok((machine, text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    /// The argument definitions are consistent.
+    #[test]
+    fn command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+}

@@ -1,0 +1,144 @@
+//! `foldwing package`: an FMU of a model.
+
+use crate::cli::linearize::reach;
+use crate::cli::outlets::{Force, Mark, Outlets};
+use crate::cli::{Failure, print, read_model};
+use crate::packaging::{self, CrossCheck, Extras, Library, PackageError, Platform, Reference};
+use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::Plant;
+use foldwing_fmi::interface::{Interface, LinearModel, Variable, guid};
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+#[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::PACKAGE)]
+pub struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// FMU to write
+    #[arg(short, long, value_name = "X.fmu", required_unless_present = "description_only")]
+    output: Option<PathBuf>,
+    /// Shared library to put into the FMU, once for each platform, as PATH or linux64=PATH; the library's own header
+    /// tells the platform [default: the library next to this executable]
+    #[arg(long = "library", value_name = "[PLATFORM=]PATH")]
+    libraries: Vec<OsString>,
+    /// Add the linear model about a state: `start`, a time in s, or the equilibrium
+    #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "equilibrium")]
+    linear: Option<String>,
+    /// Omit the reference results; the default experiment is then not simulated
+    #[arg(long)]
+    no_reference: bool,
+    /// Also write the files of the FMI Cross-Check into a folder
+    #[arg(long, value_name = "FOLDER", conflicts_with = "no_reference")]
+    cross_check: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
+    /// Print modelDescription.xml and write nothing
+    #[arg(long, conflicts_with_all = ["output", "libraries", "linear", "no_reference", "cross_check"])]
+    description_only: bool,
+}
+
+/// Writes the FMU, or prints its description.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (machine, text) = read_model(&arguments.model)?;
+    let Some(output) = &arguments.output else {
+        let interface = Interface::new(&machine);
+        let variables = interface.variables();
+        return print(&packaging::model_description(&machine, variables, &guid(&text, variables)));
+    };
+    if !output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu")) {
+        let shown = output.display();
+        return Err(Failure::Usage(format!("{shown}: an FMU ends in .fmu; write {shown}.fmu")));
+    }
+    let sources = sources(&arguments.libraries)?;
+    let read = std::iter::once(arguments.model.as_path()).chain(sources.iter().map(|(_, path)| path.as_path()));
+    let mut outlets = Outlets::new(arguments.force.force, read);
+    let place = outlets.place(output, Mark::FMU)?;
+    let extras = Extras {
+        reference: (!arguments.no_reference).then(|| reference(&machine)).transpose()?,
+        linear: arguments.linear.as_ref().map(|at| linear(&machine, at)).transpose()?,
+    };
+    let mut libraries = Vec::new();
+    for (platform, path) in sources {
+        libraries.extend(Library::read(&path, platform).map_err(failure)?);
+    }
+    let fmu = packaging::package(&machine, &text, &extras, &libraries).map_err(failure)?;
+    place.fill_durably(&fmu)?;
+    if let (Some(folder), Some(reference)) = (&arguments.cross_check, &extras.reference) {
+        let name = output.file_stem().and_then(|stem| stem.to_str()).unwrap_or("model");
+        let files = CrossCheck::new(&machine, reference, name);
+        for (place, files) in files.submissions(&libraries, &fmu) {
+            submit(&folder.join(place), &files, &mut outlets)?;
+        }
+    }
+    Ok(())
+}
+
+/// Writes the cross-check's files of one platform, and says where.
+fn submit(folder: &Path, files: &[(String, &[u8])], outlets: &mut Outlets) -> Result<(), Failure> {
+    for (name, bytes) in files {
+        let mark = if name.ends_with(".fmu") { Mark::FMU } else { Mark::first_line(bytes) };
+        outlets.place(&folder.join(name), mark)?.fill(bytes)?;
+    }
+    print(&format!("cross-check files in {}", folder.display()))
+}
+
+fn failure(error: PackageError) -> Failure {
+    match error {
+        PackageError::NotALibrary { .. } => Failure::Refused(error.to_string()),
+        PackageError::Twice { .. } => Failure::Usage(error.to_string()),
+        PackageError::Library { .. } => Failure::Files(error.to_string()),
+    }
+}
+
+/// Where the libraries are, and for which platform each is to be.
+fn sources(arguments: &[OsString]) -> Result<Vec<(Option<Platform>, PathBuf)>, Failure> {
+    if arguments.is_empty() {
+        return Ok(vec![(None, library_beside_executable()?)]);
+    }
+    arguments.iter().map(|argument| place(argument)).collect()
+}
+
+/// Splits `PLATFORM=PATH`. A path may contain `=` too: what stands before it is a platform unless it contains a
+/// separator, or the whole is a file.
+fn place(argument: &OsStr) -> Result<(Option<Platform>, PathBuf), Failure> {
+    let whole = || (None, PathBuf::from(argument));
+    let Some((name, path)) = argument.to_str().and_then(|text| text.split_once('=')) else { return Ok(whole()) };
+    match Platform::named(name) {
+        Ok(platform) => Ok((Some(platform), path.into())),
+        Err(_) if name.contains(['/', '\\']) || Path::new(argument).is_file() => Ok(whole()),
+        Err(error) => Err(Failure::Usage(format!("--library {name}={path}: {error}"))),
+    }
+}
+
+fn reference(machine: &Machine) -> Result<Reference, Failure> {
+    Reference::simulate(machine).map_err(|error| {
+        Failure::Simulation(format!(
+            "{error}; it was the default experiment, whose result goes into the FMU: fix the model or its [experiment], or \
+             package with --no-reference"
+        ))
+    })
+}
+
+/// The linear model between all real inputs and outputs.
+fn linear(machine: &Machine, at: &str) -> Result<LinearModel, Failure> {
+    let interface = Interface::new(machine);
+    let mut plant = Plant::new(Arc::new(machine.clone()));
+    reach("--linear", at, &mut plant)?;
+    let (inputs, outputs): (Vec<&Variable>, Vec<&Variable>) =
+        (interface.real_inputs().collect(), interface.real_outputs().collect());
+    interface.linearize(&mut plant, &inputs, &outputs).map_err(|error| Failure::Statics(error.to_string()))
+}
+
+fn library_beside_executable() -> Result<PathBuf, Failure> {
+    let executable = std::env::current_exe()
+        .map_err(|error| Failure::Files(format!("this executable's own path is unknown ({error}); give --library")))?;
+    let library = executable.with_file_name(format!("{DLL_PREFIX}foldwing_fmu{DLL_SUFFIX}"));
+    if library.is_file() {
+        Ok(library)
+    } else {
+        Err(Failure::Files(format!("{}: no library beside this executable; give --library", library.display())))
+    }
+}

@@ -1,0 +1,132 @@
+//! `--plot`, `--view` and `--vtk`: pictures of a run.
+
+use crate::cli::Failure;
+use crate::cli::outlets::{Mark, Outlets, Place};
+use crate::report::Recording;
+use crate::report::figure::{Figure, FigureError};
+use crate::report::plots::{self, Series};
+use crate::report::recording::FRAMES;
+use crate::report::{number, viewer, vtk};
+use foldwing_engine::plant::Plant;
+use foldwing_fmi::interface::{Value, Variable};
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args)]
+pub struct PictureArguments {
+    /// Folder for figures (SVG and PNG): fold angles, strains, tip paths, shapes, energies, and the variables of
+    /// `--output`
+    #[arg(long, value_name = "DIR")]
+    pub plot: Option<PathBuf>,
+    /// Page that plays the motion in a browser: one file, no network needed
+    #[arg(long, value_name = "OUT.html")]
+    pub view: Option<PathBuf>,
+    /// Folder for VTK files of wing and wake over time, for ParaView
+    #[arg(long, value_name = "DIR")]
+    pub vtk: Option<PathBuf>,
+    /// Maximum number of frames of `--view` and `--vtk` after the first; a page of more than 8 MB has fewer
+    #[arg(long, value_name = "N", default_value_t = FRAMES, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub frames: u64,
+}
+
+impl PictureArguments {
+    /// Whether any is asked for.
+    pub fn any(&self) -> bool {
+        self.plot.is_some() || self.view.is_some() || self.vtk.is_some()
+    }
+}
+
+/// The pictures in the making.
+pub struct Pictures<'a> {
+    wanted: &'a PictureArguments,
+    /// Variables that were named.
+    series: Option<Series>,
+    recording: Option<Recording>,
+    steps: u64,
+    view: Place,
+}
+
+impl<'a> Pictures<'a> {
+    /// Pictures of a run of so many steps; `named` are the variables that the caller chose. Makes the folders and looks
+    /// what is in them, so that a bad place is refused before the run.
+    pub fn new(
+        wanted: &'a PictureArguments,
+        steps: u64,
+        named: &[&Variable],
+        outlets: &mut Outlets,
+    ) -> Result<Self, Failure> {
+        if let Some(folder) = &wanted.plot {
+            check_figures(folder, outlets)?;
+        }
+        if let Some(folder) = &wanted.vtk {
+            make_folder(folder)?;
+            for name in ["wing", "surfaces", "wake"] {
+                outlets.check(&folder.join(format!("{name}.pvd")), &Mark::VTK)?;
+                outlets.check(&folder.join(format!("{name}_0000.vtu")), &Mark::VTK)?;
+            }
+        }
+        let view = outlets.place_if(wanted.view.as_deref(), Mark::PAGE)?;
+        let named = named.iter().map(|variable| (variable.name.as_str(), variable.unit()));
+        let series = wanted.plot.as_ref().map(|_| Series::new(named, steps));
+        Ok(Self { wanted, series, recording: None, steps, view })
+    }
+
+    /// Takes the plant at one of the `steps + 1` points of the run, with the values of the variables that were named.
+    pub fn include(&mut self, plant: &Plant, values: impl Iterator<Item = Value>) {
+        if !self.wanted.any() {
+            return;
+        }
+        self.recording.get_or_insert_with(|| Recording::new(plant, self.steps, self.wanted.frames)).include(plant);
+        if let Some(series) = &mut self.series {
+            series.include(plant.time_s(), values.map(|value| number(&value)));
+        }
+    }
+
+    /// Writes what was asked for, up to where the run has come.
+    pub fn write(self, outlets: &mut Outlets) -> Result<(), Failure> {
+        let Some(recording) = &self.recording else { return Ok(()) };
+        if let Some(folder) = &self.wanted.plot {
+            for (stem, figure) in plots::figures(recording) {
+                write_figure(folder, stem, &figure, outlets)?;
+            }
+        }
+        if let (Some(folder), Some(series)) = (&self.wanted.plot, &self.series) {
+            write_series(folder, &recording.scene.name, series, outlets)?;
+        }
+        if self.wanted.view.is_some() {
+            self.view.fill(viewer::page(recording).as_bytes())?;
+        }
+        if let Some(folder) = &self.wanted.vtk {
+            vtk::files(recording, |name, text| outlets.place(&folder.join(name), Mark::VTK)?.fill(text.as_bytes()))?;
+        }
+        Ok(())
+    }
+}
+
+/// Makes a folder for figures. What others put under the names of figures is refused before the run.
+pub(super) fn check_figures(folder: &Path, outlets: &Outlets) -> Result<(), Failure> {
+    make_folder(folder)?;
+    let series = (1..).map(|n| format!("outputs_{n}")).take_while(|name| folder.join(format!("{name}.svg")).exists());
+    for name in plots::NAMES.into_iter().map(str::to_owned).chain(series) {
+        outlets.check(&folder.join(format!("{name}.svg")), &Mark::SVG)?;
+        outlets.check(&folder.join(format!("{name}.png")), &Mark::PNG)?;
+    }
+    Ok(())
+}
+
+fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| Failure::writing(&folder.display().to_string(), &error))
+}
+
+/// Writes the figures of variables as `outputs_1.svg`, `outputs_1.png` and so on.
+pub(super) fn write_series(folder: &Path, title: &str, series: &Series, outlets: &mut Outlets) -> Result<(), Failure> {
+    let mut figures = series.figures(title).into_iter().enumerate();
+    figures.try_for_each(|(i, figure)| write_figure(folder, &format!("outputs_{}", i + 1), &figure, outlets))
+}
+
+/// Writes a figure as `stem.svg` and `stem.png`.
+fn write_figure(folder: &Path, stem: &str, figure: &Figure, outlets: &mut Outlets) -> Result<(), Failure> {
+    let drawn = |error: FigureError| Failure::Files(format!("{}: {error}", folder.display()));
+    let (svg, png) = (figure.svg().map_err(drawn)?, figure.png().map_err(drawn)?);
+    outlets.place(&folder.join(format!("{stem}.svg")), Mark::SVG)?.fill(svg.as_bytes())?;
+    outlets.place(&folder.join(format!("{stem}.png")), Mark::PNG)?.fill(&png)
+}

@@ -1,0 +1,259 @@
+//! `foldwing run`: an FMU of any tool over time, as CSV.
+
+use crate::cli::grid::Grid;
+use crate::cli::outlets::{Leftover, Mark, Outlets};
+use crate::cli::pictures::{check_figures, write_series};
+use crate::cli::progress::Progress;
+pub use crate::cli::run_arguments::Arguments;
+use crate::cli::simulate::{read_inputs, unknown};
+use crate::cli::{Failure, print};
+use crate::import::{
+    CallError, Datum, Description, Fault, Fmu, ImportError, Kind, Message, Readout, Severity, Slave, Step, Variable,
+    listen,
+};
+use crate::report::plots::Series;
+use crate::report::{InputTable, Recorder, number};
+use std::fmt::Write as _;
+use std::io::{self, Write};
+use std::panic;
+use std::time::{Duration, Instant};
+
+/// Runs an FMU and writes the CSV; the rows up to a failure are kept.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.variables {
+        return print(&listing(&Fmu::describe(&arguments.fmu).map_err(refused)?));
+    }
+    show_messages(arguments.log);
+    let folder = tempfile::Builder::new().prefix("foldwing-run").tempdir();
+    let folder = folder.map_err(|error| Failure::writing("the folder for temporary files", &error))?;
+    let _leftover = Leftover::watch(folder.path());
+    let fmu = Fmu::open(&arguments.fmu, folder).map_err(refused)?;
+    let description = fmu.description();
+    let experiment = description.experiment;
+    let grid = Grid::new(&arguments.grid, experiment.start_s, experiment.stop_s, experiment.step_s)?;
+    check_steps(&grid, description)?;
+    let tolerance = checked(arguments.tolerance)?;
+    let recorded = recorded(&arguments.outputs, description)?;
+    let settings = settings(&arguments.settings, description)?;
+    let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, &description.variables)).transpose()?;
+    let slave = fmu.instantiate(&description.model_name, arguments.log).map_err(refused)?;
+
+    let read = [Some(arguments.fmu.as_path()), arguments.inputs.as_deref()];
+    let mut outlets = Outlets::new(arguments.force.force, read.into_iter().flatten());
+    let csv = outlets.place_if(arguments.csv.as_deref(), table(&recorded))?.open()?;
+    arguments.plot.as_deref().map(|folder| check_figures(folder, &outlets)).transpose()?;
+    let series = arguments.plot.as_ref().map(|_| Series::new(recorded.iter().map(|row| named(row)), grid.steps));
+    let target = csv.name().to_owned();
+    let recorder = Recorder::new(csv, recorded.iter().map(|variable| variable.name.as_str()));
+    let writing = |error: io::Error| Failure::writing(&target, &error);
+    let readout = Readout::new(recorded.iter().copied());
+    let mut run = Run { slave, description, inputs, readout, recorder: recorder.map_err(writing)?, series };
+    let clock = Instant::now();
+    run.slave.set_up(tolerance, grid.start_s, grid.stop_s).map_err(failed)?;
+    for (variable, value) in &settings {
+        run.slave.set(variable, value).map_err(set_refused)?;
+    }
+    let outcome = run.through(&grid, &writing);
+    if let Err(Failure::Files(_) | Failure::Closed) = outcome {
+        return outcome.map(|_| ()); // nothing can be written: what stood there stays
+    }
+    let Run { slave, recorder, series, .. } = run;
+    recorder.finish().map_err(writing)?.finish()?;
+    if let (Some(folder), Some(series)) = (&arguments.plot, &series) {
+        write_series(folder, &description.model_name, series, &mut outlets)?;
+    }
+    let end_s = outcome?;
+    if !arguments.quiet {
+        eprint!("{}", summary(&slave, description, end_s - grid.start_s, clock.elapsed()));
+    }
+    Ok(())
+}
+
+/// Messages of FMUs go to standard error: with `everything` also those that are for information.
+fn show_messages(everything: bool) {
+    listen(move |Message { instance, severity, text }| {
+        let word = match severity {
+            Severity::Note if !everything => return,
+            Severity::Note => "note",
+            Severity::Warning => "warning",
+            Severity::Discard => "discard",
+            Severity::Error => "error",
+        };
+        eprintln!("{instance}: {word}: {text}");
+    });
+    // `Slave::call` answers for a status that the crate panics on; the panic's own words would only confuse
+    let default = panic::take_hook();
+    panic::set_hook(Box::new(move |info| {
+        let payload = info.payload();
+        let text = payload.downcast_ref::<String>().map(String::as_str).or(payload.downcast_ref::<&str>().copied());
+        if !text.is_some_and(|text| text.contains("Invalid status")) {
+            default(info);
+        }
+    }));
+}
+
+fn refused(error: ImportError) -> Failure {
+    match error {
+        ImportError::File { .. } => Failure::Files(error.to_string()),
+        error => Failure::Refused(error.to_string()),
+    }
+}
+
+fn failed(error: CallError) -> Failure {
+    Failure::Simulation(error.to_string())
+}
+
+/// A value that the FMU does not take is a slip of the caller; everything else is a failure.
+fn set_refused(error: CallError) -> Failure {
+    if error.fault == Fault::Discard { Failure::Refused(error.to_string()) } else { failed(error) }
+}
+
+/// An FMU that takes equal steps only cannot take a shorter last one.
+fn check_steps(grid: &Grid, description: &Description) -> Result<(), Failure> {
+    let whole_s = grid.start_s + grid.steps as f64 * grid.step_s;
+    if description.varies_step || (whole_s - grid.stop_s).abs() <= 1e-9 * grid.step_s.max(grid.stop_s.abs()) {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!(
+        "--stop {}: the FMU only takes equal steps (canHandleVariableCommunicationStepSize), and {} s is not a whole number \
+         of steps of {} s",
+        grid.stop_s,
+        grid.stop_s - grid.start_s,
+        grid.step_s
+    )))
+}
+
+fn checked(tolerance: Option<f64>) -> Result<Option<f64>, Failure> {
+    match tolerance {
+        Some(value) if !(value.is_finite() && value > 0.0) => {
+            Err(Failure::Usage(format!("--tolerance {value}: must be positive")))
+        }
+        tolerance => Ok(tolerance),
+    }
+}
+
+/// Variables to write: those named, else all outputs.
+fn recorded<'a>(names: &[String], description: &'a Description) -> Result<Vec<&'a Variable>, Failure> {
+    let variables = &description.variables;
+    if names.is_empty() {
+        return Ok(variables.iter().filter(|variable| variable.causality == "output").collect());
+    }
+    let find = |name: &String| description.find(name).ok_or_else(|| unknown(name, "variable", variables));
+    names.iter().map(find).collect()
+}
+
+/// By what a CSV of these variables is known. A table of inputs alone may be what somebody wrote for a run.
+fn table(recorded: &[&Variable]) -> Mark {
+    if recorded.iter().all(|variable| variable.causality == "input") {
+        return Mark::Never;
+    }
+    Mark::table(std::iter::once("time").chain(recorded.iter().map(|variable| variable.name.as_str())))
+}
+
+/// `NAME=VALUE` of each setting.
+fn settings<'a>(settings: &[String], description: &'a Description) -> Result<Vec<(&'a Variable, Datum)>, Failure> {
+    let apply = |setting: &String| {
+        let refused = |cause: &str| Failure::Usage(format!("--set {setting}: {cause}"));
+        let (name, text) = setting.split_once('=').ok_or_else(|| refused("must be NAME=VALUE"))?;
+        let variable =
+            description.find(name).ok_or_else(|| unknown(name, "input or parameter", &description.variables))?;
+        if !variable.settable {
+            return Err(refused(&format!("`{name}` cannot be set, it is computed ({})", variable.causality)));
+        }
+        Ok((variable, variable.parse(text).map_err(|cause| refused(&cause))?))
+    };
+    settings.iter().map(apply).collect()
+}
+
+/// Name and unit of a variable.
+fn named(variable: &Variable) -> (&str, &str) {
+    (&variable.name, variable.unit.as_ref().map_or("", |unit| unit.name.as_str()))
+}
+
+/// One run.
+struct Run<'a, W: Write> {
+    slave: Slave,
+    description: &'a Description,
+    inputs: Option<InputTable>,
+    readout: Readout,
+    recorder: Recorder<W>,
+    /// For figures, where they are wanted.
+    series: Option<Series>,
+}
+
+impl<W: Write> Run<'_, W> {
+    /// From the initialisation to the last row; the time reached.
+    fn through(&mut self, grid: &Grid, writing: &impl Fn(io::Error) -> Failure) -> Result<f64, Failure> {
+        self.slave.enter_initialization().map_err(failed)?;
+        self.feed(grid.start_s)?;
+        self.slave.exit_initialization().map_err(failed)?;
+        self.record(grid.start_s, writing)?;
+        let mut progress = Progress::new(grid.steps, "of the time");
+        for point in 1..=grid.steps {
+            let (from_s, to_s) = (grid.time_s(point - 1), grid.time_s(point));
+            self.feed(from_s)?;
+            if let Step::Ended(time_s) = self.slave.step(from_s, to_s - from_s).map_err(failed)? {
+                self.record(time_s, writing)?;
+                eprintln!("{}: the FMU ended the simulation at {time_s} s", self.description.model_name);
+                return Ok(time_s);
+            }
+            self.record(to_s, writing)?;
+            progress.at(point);
+        }
+        Ok(grid.stop_s)
+    }
+
+    /// Inputs of the step that begins at `time_s`.
+    fn feed(&mut self, time_s: f64) -> Result<(), Failure> {
+        let Some(table) = &self.inputs else { return Ok(()) };
+        for (position, value) in table.at(time_s) {
+            self.slave.set(&self.description.variables[position], &Datum::Number(value)).map_err(set_refused)?;
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, time_s: f64, writing: &impl Fn(io::Error) -> Failure) -> Result<(), Failure> {
+        self.slave.read(&mut self.readout).map_err(failed)?;
+        if let Some(series) = &mut self.series {
+            let drawn = |datum| match datum {
+                Datum::Number(value) => number(&value),
+                Datum::Text(_) => f64::NAN,
+            };
+            series.include(time_s, self.readout.values().map(drawn));
+        }
+        self.recorder.record_cells(time_s, self.readout.values().map(|datum| datum.to_string())).map_err(writing)
+    }
+}
+
+/// Every variable in a line.
+fn listing(description: &Description) -> String {
+    let mut text = String::new();
+    for variable in &description.variables {
+        let kind = match &variable.kind {
+            Kind::Real => "Real".to_owned(),
+            Kind::Integer => "Integer".to_owned(),
+            Kind::Boolean => "Boolean".to_owned(),
+            Kind::String => "String".to_owned(),
+            Kind::Enumeration(words) => {
+                let words: Vec<&str> = words.iter().map(|(word, _)| word.as_str()).collect();
+                format!("Enumeration of {}", words.join(", "))
+            }
+        };
+        let start = variable.start.as_ref().map(|start| format!(" = {start}")).unwrap_or_default();
+        let unit = variable.unit_after_number();
+        // writing to a String cannot fail
+        let _ = writeln!(text, "{} {}: {kind}{start}{unit}", variable.causality, variable.name);
+    }
+    text
+}
+
+/// What happened, in a line.
+fn summary(slave: &Slave, description: &Description, simulated_s: f64, elapsed: Duration) -> String {
+    let warnings = match slave.warnings() {
+        0 => String::new(),
+        1 => ", 1 warning".to_owned(),
+        count => format!(", {count} warnings"),
+    };
+    let (name, elapsed_s) = (&description.model_name, elapsed.as_secs_f64());
+    format!("{name}: {simulated_s:.6} s simulated in {elapsed_s:.4} s{warnings}\n")
+}

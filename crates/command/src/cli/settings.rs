@@ -1,0 +1,79 @@
+//! `--set NAME=VALUE`: plants with the start values that the command line gives.
+
+use crate::cli::simulate::unknown;
+use crate::cli::{Failure, read_model};
+use crate::report::inputs::shortened;
+use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::Plant;
+use foldwing_fmi::interface::{Interface, UNITS, Value, Variable};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A plant of a model file with start values set, not yet initialised.
+pub(super) fn read_plant(model: &Path, settings: &[String]) -> Result<Plant, Failure> {
+    let (machine, _) = read_model(model)?;
+    let interface = Interface::new(&machine);
+    plant_with(machine, &interface, settings)
+}
+
+/// A plant of a machine with start values set, not yet initialised.
+pub(super) fn plant_with(
+    machine: impl Into<Arc<Machine>>,
+    interface: &Interface,
+    settings: &[String],
+) -> Result<Plant, Failure> {
+    let mut plant = Plant::new(machine.into());
+    for setting in settings {
+        apply_setting("--set", setting, interface, &mut plant)?;
+    }
+    Ok(plant)
+}
+
+/// `NAME=VALUE` of an input or parameter; `option` is what messages begin with.
+pub(super) fn apply_setting(
+    option: &str,
+    setting: &str,
+    interface: &Interface,
+    plant: &mut Plant,
+) -> Result<(), Failure> {
+    let refused = |cause: String| Failure::Usage(format!("{option} {}: {cause}", shortened(setting)));
+    let (name, text) = setting.split_once('=').ok_or_else(|| refused("must be NAME=VALUE".to_owned()))?;
+    if name.starts_with("file:") {
+        return Err(refused(
+            "keys of the model file are varied by `foldwing sweep`; change the file itself here".to_owned(),
+        ));
+    }
+    let variable = interface.find(name).ok_or_else(|| unknown(name, "input or parameter", interface.variables()))?;
+    let value = match variable.value {
+        Value::Real(_) => return set_real(text, variable, interface, plant).map_err(refused),
+        Value::Integer(_) => text.parse().map(Value::Integer).map_err(|_| "is not a whole number"),
+        Value::Boolean(_) => match text {
+            "1" | "true" => Ok(Value::Boolean(true)),
+            "0" | "false" => Ok(Value::Boolean(false)),
+            _ => Err("is not a Boolean; allowed are 0, 1, false and true"),
+        },
+    };
+    let value = value.map_err(|cause| refused(format!("`{text}` {cause}")))?;
+    interface.set(plant, variable.value_reference, value).map_err(|error| refused(error.to_string()))
+}
+
+/// Sets a real, given in the variable's unit or, behind the number, in another that it is shown in (`90 deg`).
+fn set_real(text: &str, variable: &Variable, interface: &Interface, plant: &mut Plant) -> Result<(), String> {
+    let own = variable.unit();
+    let (number, unit) = text.trim().split_once(' ').map_or((text, own), |(number, unit)| (number, unit.trim()));
+    let value: f64 = number.parse().map_err(|_| format!("`{}` is not a number", shortened(number)))?;
+    let shown = UNITS.iter().find(|known| known.name == own).and_then(|known| known.display);
+    let factor = match shown {
+        _ if unit == own => 1.0,
+        Some((name, factor)) if name == unit => factor,
+        _ => {
+            let other = shown.map_or(String::new(), |(name, _)| format!(" and {name}"));
+            return Err(format!("`{}` is not one of its units; allowed: {own}{other}", shortened(unit)));
+        }
+    };
+    let set = interface.set(plant, variable.value_reference, Value::Real(value / factor));
+    set.map_err(|error| match shown {
+        Some((name, _)) if unit == own => format!("{error}; in degrees write \"{number} {name}\""),
+        _ => error.to_string(),
+    })
+}

@@ -1,0 +1,318 @@
+//! `foldwing simulate`: outputs over time as CSV.
+
+use crate::cli::grid::{Grid, GridArguments};
+use crate::cli::lattice::LatticeRecord;
+use crate::cli::notes::notes;
+use crate::cli::outlets::{Force, Mark, Outlet, Outlets, Place};
+use crate::cli::pictures::{PictureArguments, Pictures};
+use crate::cli::progress::Progress;
+use crate::cli::settings::plant_with;
+use crate::cli::strains::StrainPeaks;
+use crate::cli::timing::Timing;
+use crate::cli::{Failure, read_model};
+use crate::report::inputs::unknown_name;
+use crate::report::{Channel, InputTable, InputsError, Recorder};
+use clap::builder::NonEmptyStringValueParser;
+use foldwing_engine::machine::JointKind;
+use foldwing_engine::plant::{OutputSet, Plant};
+use foldwing_fmi::interface::{Causality, Interface, Variable};
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+#[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::SIMULATE)]
+pub struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// CSV file to write; `-` is standard output
+    #[arg(long, value_name = "OUT.csv")]
+    csv: Option<PathBuf>,
+    /// Inputs over time: CSV with a column `time` and columns named after inputs; taken at the start of each step,
+    /// reals interpolated linearly between rows, Booleans held
+    #[arg(long, value_name = "IN.csv")]
+    inputs: Option<PathBuf>,
+    /// Start value of an input or parameter; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
+    settings: Vec<String>,
+    #[command(flatten)]
+    grid: GridArguments,
+    /// CSV file for the largest longitudinal strain of every section (ends of the elements) over the run
+    #[arg(long, value_name = "OUT.csv")]
+    strains: Option<PathBuf>,
+    /// JSON file for the vortex lattice and its wake at the times of `--lattice-at`
+    #[arg(long, value_name = "OUT.json", requires = "lattice_at")]
+    lattice: Option<PathBuf>,
+    /// Time in s at which to write the lattice; may be repeated. Taken at the next communication point, at the end of
+    /// the aerodynamic step there
+    #[arg(long, value_name = "S", requires = "lattice", allow_negative_numbers = true)]
+    lattice_at: Vec<f64>,
+    /// Variable to write; may be repeated [default: all outputs]
+    #[arg(long = "output", value_name = "NAME")]
+    outputs: Vec<String>,
+    /// JSON file for the cost of the run: processor time, wall time of start, steps and rows, counts of steps,
+    /// rejections, iterations and factorisations
+    #[arg(long, value_name = "OUT.json")]
+    timing: Option<PathBuf>,
+    #[command(flatten)]
+    pictures: PictureArguments,
+    #[command(flatten)]
+    force: Force,
+    /// Print no summary
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Simulates and writes the CSV; the rows up to a failure are kept.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (machine, _) = read_model(&arguments.model)?;
+    let experiment = &machine.experiment;
+    let grid = Grid::new(&arguments.grid, experiment.start_time_s, experiment.stop_time_s, experiment.step_s)?;
+    let interface = Interface::new(&machine);
+    let recorded = recorded(&arguments.outputs, &interface)?;
+    let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, interface.variables())).transpose()?;
+    let mut plant = plant_with(machine, &interface, &arguments.settings)?;
+    if arguments.strains.is_none() && arguments.lattice.is_none() && !arguments.pictures.any() {
+        let rows: Vec<u32> = recorded.iter().map(|variable| variable.value_reference).collect();
+        plant.watch(interface.needs(&rows) | OutputSet::JOINTS); // the summary tells of joints
+    }
+
+    let read = [Some(arguments.model.as_path()), arguments.inputs.as_deref()];
+    let mut outlets = Outlets::new(arguments.force.force, read.into_iter().flatten());
+    let names = || recorded.iter().map(|variable| variable.name.as_str());
+    let csv = outlets.place_if(arguments.csv.as_deref(), table(&recorded))?;
+    let reports = Reports::new(arguments, &mut outlets)?;
+    let named = if arguments.outputs.is_empty() { &[] } else { recorded.as_slice() };
+    let pictures = Pictures::new(&arguments.pictures, grid.steps, named, &mut outlets)?;
+    let csv = csv.open()?;
+    let target = csv.name().to_owned();
+    let writing = |error: io::Error| Failure::writing(&target, &error);
+    let mut run = Run {
+        plant,
+        interface: &interface,
+        inputs,
+        recorded: &recorded,
+        recorder: Recorder::new(csv, names()).map_err(writing)?,
+        strains: arguments.strains.as_ref().map(|_| StrainPeaks::default()),
+        lattices: arguments.lattice.as_ref().map(|_| LatticeRecord::new(arguments.lattice_at.clone())),
+        timing: None,
+        pictures,
+    };
+    let clock = Instant::now();
+    run.timing = arguments.timing.as_ref().map(|_| Timing::start());
+    let outcome = run.through(&grid, &writing);
+    if let Some(timing) = &mut run.timing {
+        timing.finish();
+    }
+    if let Err(Failure::Usage(_) | Failure::Files(_) | Failure::Closed) = outcome {
+        return outcome; // nothing was computed, or nothing can be written: what stood there stays
+    }
+    let Run { plant, recorder, strains, lattices, timing, pictures, .. } = run;
+    recorder.finish().map_err(writing)?.finish()?;
+    reports.write(timing, strains, lattices, &plant, grid.start_s)?;
+    let elapsed = clock.elapsed();
+    pictures.write(&mut outlets)?;
+    outcome?;
+    if !arguments.quiet {
+        notes(plant.machine()).iter().for_each(|note| eprintln!("note: {note}"));
+        eprint!("{}", summary(&plant, &grid, elapsed));
+    }
+    Ok(())
+}
+
+/// By what a CSV of these variables is known. A table of inputs alone may be what somebody wrote for a run.
+fn table(recorded: &[&Variable]) -> Mark {
+    if recorded.iter().all(|variable| variable.causality == Causality::Input) {
+        return Mark::Never;
+    }
+    Mark::table(std::iter::once("time").chain(recorded.iter().map(|variable| variable.name.as_str())))
+}
+
+/// What is written at the end of a run beside the CSV and the pictures.
+struct Reports {
+    timing: Place,
+    strains: Place,
+    lattices: Place,
+}
+
+impl Reports {
+    fn new(arguments: &Arguments, outlets: &mut Outlets) -> Result<Self, Failure> {
+        Ok(Self {
+            timing: outlets.place_if(arguments.timing.as_deref(), Mark::TIMING)?,
+            strains: outlets.place_if(arguments.strains.as_deref(), Mark::table(StrainPeaks::COLUMNS))?,
+            lattices: outlets.place_if(arguments.lattice.as_deref(), Mark::LATTICE)?,
+        })
+    }
+
+    fn write(
+        self,
+        timing: Option<Timing>,
+        strains: Option<StrainPeaks>,
+        lattices: Option<LatticeRecord>,
+        plant: &Plant,
+        start_s: f64,
+    ) -> Result<(), Failure> {
+        if let Some(timing) = timing {
+            let simulated_s = plant.time_s() - start_s;
+            written(self.timing, |sink| timing.write(&plant.statistics(), simulated_s, sink))?;
+        }
+        if let Some(strains) = strains {
+            written(self.strains, |sink| strains.write(plant, sink))?;
+        }
+        if let Some(lattices) = lattices {
+            written(self.lattices, |sink| lattices.write(sink))?;
+        }
+        Ok(())
+    }
+}
+
+/// Opens a place, has it written, and finishes it.
+fn written(place: Place, write: impl FnOnce(&mut Outlet) -> io::Result<()>) -> Result<(), Failure> {
+    let mut outlet = place.open()?;
+    write(&mut outlet).map_err(|error| outlet.failure(&error))?;
+    outlet.finish()
+}
+
+/// Rows of the table to write: those named, else all outputs.
+fn recorded<'a>(names: &[String], interface: &'a Interface) -> Result<Vec<&'a Variable>, Failure> {
+    let variables = interface.variables();
+    if names.is_empty() {
+        return Ok(variables.iter().filter(|variable| variable.causality == Causality::Output).collect());
+    }
+    let find = |name: &String| interface.find(name).ok_or_else(|| unknown(name, "variable", variables));
+    names.iter().map(find).collect()
+}
+
+/// A name that no row has.
+pub(super) fn unknown<'a, C: Channel + 'a>(name: &str, what: &str, rows: impl IntoIterator<Item = &'a C>) -> Failure {
+    Failure::Usage(unknown_name(name, what, rows.into_iter()))
+}
+
+/// Inputs over time from a file.
+pub(super) fn read_inputs(path: &Path, variables: &[impl Channel]) -> Result<InputTable, Failure> {
+    let name = path.display().to_string();
+    let file = File::open(path).map_err(|error| Failure::Files(format!("{name}: cannot be read: {error}")))?;
+    InputTable::read(file, &name, variables).map_err(|error| match error {
+        InputsError::Unreadable { .. } => Failure::Files(error.to_string()),
+        error => Failure::Refused(error.to_string()),
+    })
+}
+
+/// Sets the inputs of the step that begins at `time_s`, where a table gives them.
+pub(super) fn feed(
+    inputs: Option<&InputTable>,
+    interface: &Interface,
+    plant: &mut Plant,
+    time_s: f64,
+) -> Result<(), Failure> {
+    let Some(table) = inputs else { return Ok(()) };
+    for (row, value) in table.at(time_s) {
+        interface
+            .set(plant, interface.variables()[row].value_reference, value)
+            .map_err(|error| Failure::Refused(format!("input at {time_s} s: {error}")))?;
+    }
+    Ok(())
+}
+
+/// One simulation.
+struct Run<'a, W: Write> {
+    plant: Plant,
+    interface: &'a Interface,
+    inputs: Option<InputTable>,
+    recorded: &'a [&'a Variable],
+    recorder: Recorder<W>,
+    /// Largest strains, where they are wanted.
+    strains: Option<StrainPeaks>,
+    /// Lattices, where they are wanted.
+    lattices: Option<LatticeRecord>,
+    /// Clocks, where they are wanted.
+    timing: Option<Timing>,
+    pictures: Pictures<'a>,
+}
+
+impl<W: Write> Run<'_, W> {
+    fn through(&mut self, grid: &Grid, writing: &impl Fn(io::Error) -> Failure) -> Result<(), Failure> {
+        let failed = |error: foldwing_engine::plant::PlantError| Failure::Simulation(error.to_string());
+        feed(self.inputs.as_ref(), self.interface, &mut self.plant, grid.start_s)?;
+        self.plant.initialize(grid.start_s).map_err(failed)?;
+        if self.lattices.is_some() && self.plant.lattice().is_none() {
+            return Err(Failure::Usage("--lattice: the model's air is not a vortex lattice".to_owned()));
+        }
+        self.record(grid.start_s).map_err(writing)?;
+        if let Some(timing) = &mut self.timing {
+            timing.initialized();
+        }
+        let mut progress = Progress::new(grid.steps, "of the time");
+        for point in 1..=grid.steps {
+            feed(self.inputs.as_ref(), self.interface, &mut self.plant, grid.time_s(point - 1))?;
+            let time_s = grid.time_s(point);
+            let begin = self.timing.is_some().then(Instant::now);
+            if let Err(error) = self.plant.step(time_s) {
+                if self.plant.time_s() > grid.time_s(point - 1) {
+                    self.record(self.plant.time_s()).map_err(writing)?; // the last good time
+                }
+                return Err(failed(error));
+            }
+            let end = begin.map(|begin| (begin, Instant::now()));
+            self.record(time_s).map_err(writing)?;
+            if let (Some(timing), Some((begin, end))) = (&mut self.timing, end) {
+                timing.stepped(begin, end);
+            }
+            progress.at(point);
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, time_s: f64) -> io::Result<()> {
+        let (plant, interface) = (&self.plant, self.interface);
+        if let Some(strains) = &mut self.strains {
+            strains.include(plant);
+        }
+        if let Some(lattices) = &mut self.lattices {
+            lattices.include(plant);
+        }
+        let value = |variable: &&Variable| {
+            interface.get(plant, plant.outputs(), variable.value_reference).expect("rows come from the same table")
+        };
+        self.pictures.include(plant, self.recorded.iter().map(value));
+        self.recorder.record(time_s, self.recorded.iter().map(value))
+    }
+}
+
+/// What happened, in a few lines.
+fn summary(plant: &Plant, grid: &Grid, elapsed: Duration) -> String {
+    let machine = plant.machine();
+    let mut text = String::new();
+    for (joint, body) in plant.outputs().joints.iter().zip(plant.revolute_joints()) {
+        let holder = &machine.bodies[*body].joint;
+        let name = &holder.name;
+        let latch = match &holder.kind {
+            JointKind::Revolute(revolute) => revolute.latch.as_ref(),
+            JointKind::Clamped | JointKind::Spatial(_) => None,
+        };
+        let latch = match (latch, joint.latch_count) {
+            (None, _) => "has no latch".to_owned(),
+            (Some(_), 0) if joint.latched => "latched from the start".to_owned(),
+            (Some(latch), 0) if latch.initially_closed => "latch open at the end".to_owned(),
+            (Some(_), 0) => "did not latch".to_owned(),
+            (Some(_), count) => format!("latched at {:.6} s ({count} in all)", joint.latch_time_s),
+        };
+        text += &format!("{name}: {latch}, angle {:.3} deg at the end\n", joint.angle_rad.to_degrees());
+    }
+    let statistics = plant.statistics();
+    let advice = machine.air.as_ref().and_then(|air| statistics.advice_on_rows(air.step_s));
+    if let Some(advice) = advice {
+        text += &format!("warning: {advice}\n");
+    }
+    text + &format!(
+        "{:.6} s simulated in {:.4} s: {} steps, {} rejected, {} failed, {} iterations, {} events\n",
+        grid.stop_s - grid.start_s,
+        elapsed.as_secs_f64(),
+        statistics.steps,
+        statistics.rejections,
+        statistics.failures,
+        statistics.iterations,
+        statistics.events
+    )
+}

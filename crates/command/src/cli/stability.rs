@@ -1,0 +1,142 @@
+//! Stability of a state of rest, and the path that led to it, in words and as JSON.
+
+use foldwing_engine::plant::{Coarseness, Departure, Growth, Plant, Rest, Stability};
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// Whether the state is stable, what grows if not, and what made the search leave the path.
+pub fn text(plant: &Plant, stability: &Stability, departure: Option<Departure>) -> String {
+    let mut text = match departure {
+        Some(Departure::Unstable(count)) => format!(
+            "The equilibrium on the load path is unstable in {}: this is a stable one downhill from it (--branch path \
+             keeps the other).\n",
+            directions(count)
+        ),
+        Some(Departure::PathEnds(factor)) => format!(
+            "The load path ends at {factor:.4} of the load: under the full load the machine falls or snaps to this \
+             equilibrium (--path arc-length follows a path that turns back).\n"
+        ),
+        None => String::new(),
+    };
+    let basis = match (stability.neutral, stability.potential) {
+        (true, _) => " (something moves without resistance: judged by the lowest modes)",
+        (false, false) => " (loads without a potential: judged by the lowest modes)",
+        (false, true) => "",
+    };
+    if stability.is_stable() {
+        let _ = writeln!(text, "stability: stable{basis}");
+        return text;
+    }
+    let _ = writeln!(text, "stability: UNSTABLE in {}{basis}", directions(stability.unstable_directions()));
+    for growth in &stability.growing {
+        let _ = writeln!(text, "  {}", growth_in_words(plant, growth));
+    }
+    if stability.growing.is_empty() {
+        text.push_str("  no slow mode grows: gyroscopic forces hold it, until damping gives way\n");
+    }
+    text
+}
+
+fn directions(count: usize) -> String {
+    format!("{count} direction{}", if count == 1 { "" } else { "s" })
+}
+
+fn growth_in_words(plant: &Plant, growth: &Growth) -> String {
+    let (lambda, d) = (growth.eigenvalue_1_s, growth.direction);
+    let swing = if lambda.im.abs() > 1e-9 * lambda.norm() {
+        format!(", oscillating with {:.4} Hz", lambda.im / std::f64::consts::TAU)
+    } else {
+        String::new()
+    };
+    let name = &plant.machine().bodies[growth.body].name;
+    format!(
+        "grows with {:.4} 1/s{swing}: most at {:.4} m of {name}, along ({:.2}, {:.2}, {:.2})",
+        lambda.re, growth.place_m, d.x, d.y, d.z
+    )
+}
+
+/// The same for programs.
+pub fn as_json(plant: &Plant, stability: &Stability, departure: Option<Departure>) -> Value {
+    let growing: Vec<Value> = stability
+        .growing
+        .iter()
+        .map(|growth| {
+            json!({
+                "eigenvalue_1_s": [growth.eigenvalue_1_s.re, growth.eigenvalue_1_s.im],
+                "body": plant.machine().bodies[growth.body].name,
+                "place_m": growth.place_m,
+                "direction": growth.direction.as_slice(),
+            })
+        })
+        .collect();
+    json!({
+        "stable": stability.is_stable(),
+        "unstable_directions": stability.unstable_directions(),
+        "negative_pivots": stability.negative_directions,
+        "loads_have_potential": stability.potential,
+        "neutral": stability.neutral,
+        "growing": growing,
+        "left_path": match departure {
+            None => Value::Null,
+            Some(Departure::Unstable(count)) => json!({ "unstable_directions": count }),
+            Some(Departure::PathEnds(factor)) => json!({ "load_factor": factor }),
+        },
+    })
+}
+
+/// A hint where the mesh is too coarse for the shape; nothing otherwise.
+pub fn coarse_hint(plant: &Plant, coarseness: &Coarseness) -> Option<String> {
+    coarseness.is_coarse().then(|| {
+        format!(
+            "hint: the mesh is coarse: {} bends by {:.2} rad more from one element to the next at {:.4} m; compare with \
+             twice the elements",
+            plant.machine().bodies[coarseness.body].name,
+            coarseness.turn_rad,
+            coarseness.place_m
+        )
+    })
+}
+
+/// Load factor, unstable directions and positions of the free ends, point by point of the path.
+pub fn path_text(plant: &mut Plant, rest: &Rest) -> String {
+    if rest.path.is_empty() {
+        return String::new();
+    }
+    let names: Vec<String> = tip_names(plant);
+    let mut text = format!("\nPath of equilibria\n{:>12} {:>8}", "load factor", "unstable");
+    for name in &names {
+        let _ = write!(text, "  {:>35}", format!("tip of {name}: x y z m"));
+    }
+    text.push('\n');
+    for point in &rest.path {
+        let _ = write!(text, "{:12.6} {:8}", point.factor, point.negative_directions);
+        for tip in plant.tips_at(point) {
+            let _ = write!(text, "  {:11.6} {:11.6} {:11.6}", tip.x, tip.y, tip.z);
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// The same for programs.
+pub fn path_json(plant: &mut Plant, rest: &Rest) -> Vec<Value> {
+    let names = tip_names(plant);
+    let mut list = Vec::new();
+    for point in &rest.path {
+        let tips: Vec<Value> = names
+            .iter()
+            .zip(plant.tips_at(point))
+            .map(|(name, tip)| json!({ "body": name, "position_m": tip.as_slice() }))
+            .collect();
+        list.push(json!({
+            "load_factor": point.factor,
+            "unstable_directions": point.negative_directions,
+            "tips": tips,
+        }));
+    }
+    list
+}
+
+fn tip_names(plant: &Plant) -> Vec<String> {
+    plant.tip_bodies().iter().map(|&body| plant.machine().bodies[body].name.clone()).collect()
+}

@@ -1,0 +1,246 @@
+//! `foldwing static`: the machine at rest under its loads.
+
+use crate::cli::settings::read_plant;
+use crate::cli::{Failure, print, stability};
+use clap::builder::NonEmptyStringValueParser;
+use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::{Branch, Holding, LoadPath, Plant, PlantError, Search, SectionShape, StaticEffort};
+use nalgebra::Vector3;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+#[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::STATIC)]
+pub struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// Start value of an input or parameter, e.g. a load, gravity, `fold.release=0`; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
+    settings: Vec<String>,
+    /// How the loads are applied
+    #[arg(long, value_enum, default_value = "load")]
+    path: PathOption,
+    /// Which equilibrium to print if the one on the load path is unstable
+    #[arg(long, value_enum, default_value = "stable")]
+    branch: BranchOption,
+    /// Print JSON for programs
+    #[arg(long)]
+    json: bool,
+}
+
+/// How the loads are applied.
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum PathOption {
+    /// The whole load at once, in steps if that fails
+    Load,
+    /// Along the path of equilibria, through limit points; prints the points of the path
+    ArcLength,
+}
+
+/// Which equilibrium is the answer.
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+pub enum BranchOption {
+    /// A stable one downhill from it
+    Stable,
+    /// The one on the path
+    Path,
+}
+
+impl BranchOption {
+    /// For the plant.
+    pub fn choice(self) -> Branch {
+        match self {
+            Self::Stable => Branch::Stable,
+            Self::Path => Branch::Path,
+        }
+    }
+}
+
+/// Finds the equilibrium and prints it. Joints are held or free as their release inputs say.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let mut plant = read_plant(&arguments.model, &arguments.settings)?;
+    let time_s = plant.machine().experiment.start_time_s;
+    let path = match arguments.path {
+        PathOption::Load => LoadPath::Load,
+        PathOption::ArcLength => LoadPath::ArcLength,
+    };
+    let search = Search { path, branch: arguments.branch.choice() };
+    let failed = |error: PlantError| Failure::Statics(error.to_string());
+    let rest = plant.rest(time_s, Holding::AsReleased, search).map_err(failed)?;
+    let stability = plant.stability().map_err(failed)?;
+    let coarseness = plant.coarseness();
+    if arguments.json {
+        let mut value = as_json(&plant, rest.effort);
+        value["stability"] = stability::as_json(&plant, &stability, rest.departure);
+        value["mesh"] = json!({
+            "largest_change_of_turn_rad": coarseness.turn_rad,
+            "body": plant.machine().bodies[coarseness.body].name,
+            "place_m": coarseness.place_m,
+            "coarse": coarseness.is_coarse(),
+        });
+        if !rest.path.is_empty() {
+            value["path"] = stability::path_json(&mut plant, &rest).into();
+        }
+        return print(&format!("{value:#}"));
+    }
+    let mut text = as_text(&plant, rest.effort);
+    text.push_str(&stability::text(&plant, &stability, rest.departure));
+    if let Some(hint) = stability::coarse_hint(&plant, &coarseness) {
+        let _ = writeln!(text, "{hint}");
+    }
+    text.push_str(&stability::path_text(&mut plant, &rest));
+    print(&text)
+}
+
+fn array(vector: &Vector3<f64>) -> [f64; 3] {
+    [vector.x, vector.y, vector.z]
+}
+
+fn as_json(plant: &Plant, effort: StaticEffort) -> Value {
+    let (machine, outputs) = (plant.machine(), plant.outputs());
+    let section = |section: &SectionShape| {
+        json!({
+            "place_m": section.place_m,
+            "position_m": array(&section.position_m),
+            "rotation_rad": array(&section.rotation_vector_rad()),
+            "strain": section.strain.as_slice(),
+        })
+    };
+    let bodies: Vec<Value> = machine
+        .bodies
+        .iter()
+        .zip(plant.shape())
+        .map(|(body, sections)| json!({ "name": body.name, "sections": sections.iter().map(section).collect::<Vec<_>>() }))
+        .collect();
+    let joints: Vec<Value> = joints(plant)
+        .map(|(name, joint)| {
+            json!({
+                "name": name,
+                "angle_rad": joint.angle_rad,
+                "torque_applied_N_m": joint.torque_applied_n_m,
+                "latch_torque_N_m": joint.latch_torque_n_m,
+                "latched": joint.latched,
+            })
+        })
+        .collect();
+    let gauges: Vec<Value> = machine
+        .gauges
+        .iter()
+        .zip(&outputs.gauges)
+        .map(|(gauge, strain)| json!({ "name": gauge.name, "strain": strain }))
+        .collect();
+    let loops: Vec<Value> = machine
+        .closures
+        .iter()
+        .zip(&outputs.loops)
+        .map(|(closure, output)| {
+            json!({ "name": closure.name, "gap_m": array(&output.gap_m), "force_N": array(&output.force_n) })
+        })
+        .collect();
+    let tips: Vec<Value> =
+        tips(machine, plant).map(|(name, position)| json!({ "body": name, "position_m": array(&position) })).collect();
+    json!({
+        "name": machine.name,
+        "time_s": outputs.time_s,
+        "load_steps": effort.load_steps,
+        "iterations": effort.iterations,
+        "bodies": bodies,
+        "joints": joints,
+        "gauges": gauges,
+        "loops": loops,
+        "tips": tips,
+        "root": { "force_N": array(&outputs.root.force_n), "moment_N_m": array(&outputs.root.moment_n_m) },
+        "energy_J": { "elastic": outputs.energy.elastic, "gravity": outputs.energy.gravity, "drive": outputs.energy.drive },
+    })
+}
+
+fn joints(plant: &Plant) -> impl Iterator<Item = (&str, &foldwing_engine::plant::JointOutputs)> {
+    let name = |&body: &usize| plant.machine().bodies[body].joint.name.as_str();
+    plant.revolute_joints().iter().map(name).zip(&plant.outputs().joints)
+}
+
+fn tips<'a>(machine: &'a Machine, plant: &'a Plant) -> impl Iterator<Item = (&'a str, Vector3<f64>)> {
+    let name = |&body: &usize| machine.bodies[body].name.as_str();
+    plant.tip_bodies().iter().map(name).zip(plant.outputs().tips.iter().map(|tip| tip.position_m))
+}
+
+fn as_text(plant: &Plant, effort: StaticEffort) -> String {
+    let (machine, outputs) = (plant.machine(), plant.outputs());
+    let mut text =
+        format!("{} at rest: {} load steps, {} iterations\n", machine.name, effort.load_steps, effort.iterations);
+    for (body, sections) in machine.bodies.iter().zip(plant.shape()) {
+        let _ = write!(
+            text,
+            "\n{}\n{:>9} {:>11} {:>11} {:>11} {:>10} {:>10} {:>10} {:>11} {:>11} {:>11} {:>11}\n",
+            body.name,
+            "place m",
+            "x m",
+            "y m",
+            "z m",
+            "turn x deg",
+            "turn y deg",
+            "turn z deg",
+            "strain x",
+            "kappa x 1/m",
+            "kappa y 1/m",
+            "kappa z 1/m"
+        );
+        for section in &sections {
+            let (r, turn, e) = (section.position_m, section.rotation_vector_rad().map(f64::to_degrees), section.strain);
+            let _ = writeln!(
+                text,
+                "{:9.4} {:11.6} {:11.6} {:11.6} {:10.4} {:10.4} {:10.4} {:11.3e} {:11.3e} {:11.3e} {:11.3e}",
+                section.place_m,
+                tidy(r.x),
+                tidy(r.y),
+                tidy(r.z),
+                tidy(turn.x),
+                tidy(turn.y),
+                tidy(turn.z),
+                e[0],
+                e[1],
+                e[2],
+                e[3]
+            );
+        }
+    }
+    text.push('\n');
+    for (name, joint) in joints(plant) {
+        let _ = writeln!(
+            text,
+            "{name}: angle {:.6} deg, drive {:.6e} N.m, latch {:.6e} N.m{}",
+            joint.angle_rad.to_degrees(),
+            joint.torque_applied_n_m + 0.0,
+            joint.latch_torque_n_m + 0.0,
+            if joint.latched { ", latched" } else { "" }
+        );
+    }
+    for (gauge, strain) in machine.gauges.iter().zip(&outputs.gauges) {
+        let _ = writeln!(text, "gauge {}: {strain:.6e}", gauge.name);
+    }
+    for (closure, output) in machine.closures.iter().zip(&outputs.loops) {
+        let (gap, force) = (output.gap_m.add_scalar(0.0), output.force_n.add_scalar(0.0));
+        let _ = writeln!(
+            text,
+            "loop {}: gap {:.3e} {:.3e} {:.3e} m, force {:.6e} {:.6e} {:.6e} N",
+            closure.name, gap.x, gap.y, gap.z, force.x, force.y, force.z
+        );
+    }
+    for (name, tip) in tips(machine, plant) {
+        let _ = writeln!(text, "tip of {name}: {:.6} {:.6} {:.6} m", tidy(tip.x), tidy(tip.y), tidy(tip.z));
+    }
+    // adding zero takes the sign from −0
+    let (force, moment) = (outputs.root.force_n.add_scalar(0.0), outputs.root.moment_n_m.add_scalar(0.0));
+    let _ = writeln!(
+        text,
+        "wing on root: force {:.6e} {:.6e} {:.6e} N, moment {:.6e} {:.6e} {:.6e} N.m",
+        force.x, force.y, force.z, moment.x, moment.y, moment.z
+    );
+    text
+}
+
+/// Without the sign of zeros and of what rounds to them.
+fn tidy(value: f64) -> f64 {
+    if value.abs() < 5e-8 { 0.0 } else { value }
+}

@@ -1,0 +1,162 @@
+//! `foldwing sweep`: many variants of one model on several threads, a row for each; a killed sweep continues.
+
+mod journal;
+mod plan;
+mod variant;
+
+use crate::cli::grid::{Grid, GridArguments};
+use crate::cli::outlets::{Mark, Outlets};
+use crate::cli::progress::Progress;
+use crate::cli::simulate::{read_inputs, unknown};
+use crate::cli::{Failure, read_model, version};
+use clap::builder::NonEmptyStringValueParser;
+use foldwing_fmi::interface::Interface;
+use journal::Journal;
+use plan::Plan;
+use serde_json::json;
+use sha2::{Digest, Sha256};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+use variant::{Experiment, columns};
+
+#[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::SWEEP, group = clap::ArgGroup::new("variants").required(true))]
+pub struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// Values of an input's or parameter's start value, or of a key of the model file (`file:solver.tolerance`):
+    /// FROM:TO:COUNT or A,B,…; several form a grid, in which the last varies fastest
+    #[arg(long, value_name = "KEY=VALUES", group = "variants", value_parser = NonEmptyStringValueParser::new())]
+    vary: Vec<String>,
+    /// CSV file with a column for each key and a row for each variant
+    #[arg(long, value_name = "FILE.csv", group = "variants", conflicts_with = "vary")]
+    samples: Option<PathBuf>,
+    /// CSV file for the results, one row for each variant; `OUT.csv.sweep` next to it keeps finished rows
+    #[arg(long, value_name = "OUT.csv")]
+    out: PathBuf,
+    /// Variable whose final value is written; may be repeated
+    #[arg(long = "output", value_name = "NAME")]
+    outputs: Vec<String>,
+    /// Start value of an input or parameter in all variants; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
+    settings: Vec<String>,
+    /// Inputs over time in all variants, as in `simulate`
+    #[arg(long, value_name = "IN.csv")]
+    inputs: Option<PathBuf>,
+    #[command(flatten)]
+    grid: GridArguments,
+    /// Threads [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Print no summary
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Runs what is missing of the sweep, then writes all rows in the order of the variants.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let clock = Instant::now();
+    let (machine, text) = read_model(&arguments.model)?;
+    let interface = Interface::new(&machine);
+    let plan = match &arguments.samples {
+        Some(path) => Plan::samples(path, &interface)?,
+        None => Plan::grid(&arguments.vary, &interface)?,
+    };
+    for name in &arguments.outputs {
+        interface.find(name).ok_or_else(|| unknown(name, "variable", interface.variables()))?;
+    }
+    let columns = columns(&plan, &arguments.outputs, &machine)?;
+    // a grid that the command line gives badly is refused before anything runs
+    let (start_s, stop_s) = (machine.experiment.start_time_s, machine.experiment.stop_time_s);
+    Grid::new(&arguments.grid, start_s, stop_s, machine.experiment.step_s)?;
+    let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, interface.variables())).transpose()?;
+    let experiment = Experiment {
+        file: arguments.model.display().to_string(),
+        machine: Arc::new(machine),
+        interface: Arc::new(interface),
+        text: &text,
+        plan: &plan,
+        settings: &arguments.settings,
+        inputs,
+        grid: &arguments.grid,
+        outputs: &arguments.outputs,
+    };
+    experiment.check_values()?;
+
+    let identity = json!({
+        "foldwing": version(),
+        "model file": digest(text.as_bytes()),
+        "keys": plan.keys(),
+        "values of the keys": digest(plan.values_text().as_bytes()),
+        "number of variants": plan.count(),
+        "--output": arguments.outputs,
+        "--set": arguments.settings,
+        "--inputs": arguments.inputs.as_deref().map(file_digest).transpose()?,
+        "--start, --stop, --step": arguments.grid.given(),
+    });
+    if let Some(folder) = arguments.out.parent() {
+        fs::create_dir_all(folder).map_err(|error| Failure::writing(&arguments.out.display().to_string(), &error))?;
+    }
+    let mut journal = Journal::open(&arguments.out, &identity, plan.count())?;
+    let read = [Some(&arguments.model), arguments.samples.as_ref(), arguments.inputs.as_ref()];
+    let mut outlets = Outlets::new(false, read.into_iter().flatten().map(PathBuf::as_path));
+    let place = outlets.place(&arguments.out, Mark::table(columns.iter().map(String::as_str)))?;
+    let taken_over = journal.done();
+    march(&experiment, &mut journal, arguments.threads.unwrap_or(0).into())?;
+
+    let (bytes, failed) = journal.results(&columns)?;
+    place.fill_durably(&bytes)?;
+    if !arguments.quiet {
+        eprintln!(
+            "{} variants, {failed} of them failed, {taken_over} taken over from an earlier run; {:.3} s",
+            plan.count(),
+            clock.elapsed().as_secs_f64()
+        );
+    }
+    Ok(())
+}
+
+/// Runs the variants that have no row yet. Each thread takes the next one when it is free; rows are kept as they come.
+fn march(experiment: &Experiment, journal: &mut Journal, threads: usize) -> Result<(), Failure> {
+    let missing = journal.missing();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| Failure::Files(format!("--threads {threads}: the threads cannot be started: {error}")))?;
+    let count = experiment.plan.count() as u64;
+    let shared = Mutex::new((journal, Progress::new(count, "of the variants"), None));
+    let next = AtomicUsize::new(0);
+    // not a parallel iterator: a thread that waits for the threads of a vortex lattice would begin another variant on
+    // top of its stack, and so on
+    pool.broadcast(|_| {
+        while let Some(&index) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let row = experiment.run(index);
+            let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
+            let (journal, progress, failure) = &mut *shared;
+            if failure.is_none() {
+                *failure = journal.append(index, &row).err();
+            }
+            if failure.is_some() {
+                return;
+            }
+            progress.at(journal.done() as u64);
+        }
+    });
+    let (_, _, failure) = shared.into_inner().unwrap_or_else(PoisonError::into_inner);
+    failure.map_or(Ok(()), Err)
+}
+
+/// SHA-256 of bytes as text.
+fn digest(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// SHA-256 of a file as text.
+fn file_digest(path: &Path) -> Result<String, Failure> {
+    let bytes =
+        fs::read(path).map_err(|error| Failure::Files(format!("{}: cannot be read: {error}", path.display())))?;
+    Ok(digest(&bytes))
+}

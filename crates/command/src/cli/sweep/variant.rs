@@ -1,0 +1,246 @@
+//! One variant of a sweep: its model, its run, its row.
+
+use crate::cli::Failure;
+use crate::cli::grid::{Grid, GridArguments};
+use crate::cli::settings::{apply_setting, plant_with};
+use crate::cli::simulate::feed;
+use crate::cli::sweep::plan::{Plan, file_path};
+use crate::report::{InputTable, cell};
+use foldwing_engine::machine::JointKind;
+use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::{OutputSet, Plant};
+use foldwing_file as config;
+use foldwing_fmi::interface::{Interface, Value};
+use std::collections::HashSet;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+/// Everything that the variants have in common.
+pub(super) struct Experiment<'a> {
+    /// Name of the model file, for messages.
+    pub file: String,
+    /// The model without variation.
+    pub machine: Arc<Machine>,
+    /// Its variables.
+    pub interface: Arc<Interface>,
+    /// Text of the model file.
+    pub text: &'a str,
+    /// The variants.
+    pub plan: &'a Plan,
+    /// `--set`, for all variants.
+    pub settings: &'a [String],
+    /// Inputs over time, for all variants.
+    pub inputs: Option<InputTable>,
+    /// Communication points, as far as the command line gives them.
+    pub grid: &'a GridArguments,
+    /// Variables whose last value is wanted.
+    pub outputs: &'a [String],
+}
+
+/// Names of the columns: number and values of the variant, what came of it, last values, measures, message.
+///
+/// # Errors
+/// Where two columns would have one name.
+pub(super) fn columns(plan: &Plan, outputs: &[String], machine: &Machine) -> Result<Vec<String>, Failure> {
+    let mut columns = vec!["variant".to_owned()];
+    columns.extend(plan.keys().iter().cloned());
+    columns.extend(["status", "end_time"].map(str::to_owned));
+    columns.extend(outputs.iter().cloned());
+    columns.extend(latches(machine).map(|(_, name)| format!("{name}.first_latch_time")));
+    columns.extend(machine.gauges.iter().map(|gauge| format!("gauge.{}.strain.peak", gauge.name)));
+    columns.extend(["steps", "rejections", "iterations", "message"].map(str::to_owned));
+    let mut seen = HashSet::new();
+    match columns.iter().find(|column| !seen.insert(column.as_str())) {
+        Some(twice) => Err(Failure::Usage(format!("--output {twice}: this column exists already"))),
+        None => Ok(columns),
+    }
+}
+
+/// Joints that have a latch: their place among the revolute joints, and name.
+fn latches(machine: &Machine) -> impl Iterator<Item = (usize, &str)> {
+    let revolutes = machine.bodies.iter().filter_map(|body| match &body.joint.kind {
+        JointKind::Revolute(revolute) => Some((revolute.latch.is_some(), body.joint.name.as_str())),
+        JointKind::Clamped | JointKind::Spatial(_) => None,
+    });
+    revolutes.enumerate().filter(|(_, (latched, _))| *latched).map(|(place, (_, name))| (place, name))
+}
+
+/// What is measured while a variant runs.
+struct Measures {
+    first_latch_time_s: Vec<Option<f64>>,
+    peaks: Vec<f64>,
+}
+
+impl Measures {
+    fn include(&mut self, plant: &Plant) {
+        for (peak, strain) in self.peaks.iter_mut().zip(&plant.outputs().gauges) {
+            *peak = peak.max(strain.abs());
+        }
+        for (first, joint) in self.first_latch_time_s.iter_mut().zip(plant.joint_statuses()) {
+            if first.is_none() && joint.latch_count > 0 {
+                *first = Some(joint.latch_time_s);
+            }
+        }
+    }
+}
+
+impl Experiment<'_> {
+    /// Sets every value of every key once, so that slips are refused before anything runs.
+    ///
+    /// Keys of the model file are tried in the first variant with the value: what only other combinations refuse is a
+    /// failure of those variants.
+    pub fn check_values(&self) -> Result<(), Failure> {
+        let mut plant = plant_with(Arc::clone(&self.machine), &self.interface, self.settings)?;
+        let mut seen = vec![HashSet::new(); self.plan.keys().len()];
+        for index in 0..self.plan.count() {
+            let values = self.plan.variant(index);
+            let place = self.plan.place(index);
+            let mut file_changes = false;
+            for ((key, &value), seen) in self.plan.keys().iter().zip(&values).zip(&mut seen) {
+                if !seen.insert(value) {
+                    continue;
+                }
+                if file_path(key).is_some() {
+                    file_changes = true;
+                } else {
+                    apply_setting(&place, &format!("{key}={value}"), &self.interface, &mut plant)?;
+                }
+            }
+            if file_changes {
+                self.prepare(index, &values)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Plant and variables of a variant.
+    fn prepare(&self, index: usize, values: &[&str]) -> Result<(Plant, Arc<Interface>), Failure> {
+        let place = self.plan.place(index);
+        let keyed = || self.plan.keys().iter().zip(values);
+        let changes: Vec<_> = keyed().filter_map(|(key, value)| Some((file_path(key)?, *value))).collect();
+        let (machine, interface) = if changes.is_empty() {
+            (Arc::clone(&self.machine), Arc::clone(&self.interface))
+        } else {
+            let machine = self.changed(&place, &changes)?;
+            let interface = Interface::new(&machine);
+            (Arc::new(machine), Arc::new(interface))
+        };
+        let mut plant = plant_with(machine, &interface, self.settings)?;
+        for (key, value) in keyed().filter(|(key, _)| file_path(key).is_none()) {
+            apply_setting(&place, &format!("{key}={value}"), &interface, &mut plant)?;
+        }
+        Ok((plant, interface))
+    }
+
+    /// The model with other values of some keys of its file.
+    fn changed(&self, place: &str, changes: &[(Vec<&str>, &str)]) -> Result<Machine, Failure> {
+        let mut tree: toml::Table = toml::from_str(self.text).map_err(|error| Failure::Refused(error.to_string()))?;
+        for (path, value) in changes {
+            let refused = |cause: &str| Failure::Usage(format!("{place} file:{}={value}: {cause}", path.join(".")));
+            let (last, tables) = path.split_last().expect("paths have at least one part");
+            let mut table = &mut tree;
+            for name in tables {
+                let entry = table.entry(*name).or_insert_with(|| toml::Table::new().into());
+                table = entry.as_table_mut().ok_or_else(|| refused(&format!("{name} is not a table")))?;
+            }
+            // what is no TOML value by itself is a word: file:solver.method=esdirk3
+            let parsed = toml::from_str::<toml::Table>(&format!("value = {value}")).ok();
+            let parsed = parsed.filter(|table| table.len() == 1).and_then(|mut table| table.remove("value"));
+            table.insert((*last).to_owned(), parsed.unwrap_or_else(|| toml::Value::String((*value).to_owned())));
+        }
+        let text = toml::to_string(&tree).map_err(|error| Failure::Refused(error.to_string()))?;
+        config::parse(&text, &self.file).map_err(|error| {
+            let what: Vec<String> =
+                changes.iter().map(|(path, value)| format!("file:{}={value}", path.join("."))).collect();
+            // the lines are those of the changed text, which nobody has seen
+            let cause = |problem: &config::Problem| {
+                let text = problem.to_string();
+                text.split_once(": ").map_or(text.clone(), |(_line, rest)| rest.to_owned())
+            };
+            let causes: Vec<String> = error.problems().iter().map(cause).collect();
+            Failure::Usage(format!("{place} {}: {}: {}", what.join(" "), self.file, causes.join("; ")))
+        })
+    }
+
+    /// Runs a variant; its cells without the number. Whatever goes wrong is the row's message.
+    pub fn run(&self, index: usize) -> Vec<String> {
+        let values = self.plan.variant(index);
+        let cells = catch_unwind(AssertUnwindSafe(|| match self.prepare(index, &values) {
+            Ok((plant, interface)) => self.simulate(plant, &interface),
+            Err(failure) => self.without_result(&failure.to_string()),
+        }));
+        let cells = cells.unwrap_or_else(|_| self.without_result("internal error: the variant panicked"));
+        values.into_iter().map(str::to_owned).chain(cells).collect()
+    }
+
+    /// Cells of a variant that never ran.
+    fn without_result(&self, message: &str) -> Vec<String> {
+        let empty = 1 + self.outputs.len() + latches(&self.machine).count() + self.machine.gauges.len() + 3;
+        let mut cells = vec!["failed".to_owned()];
+        cells.extend(std::iter::repeat_n(String::new(), empty));
+        cells.push(one_line(message));
+        cells
+    }
+
+    fn simulate(&self, mut plant: Plant, interface: &Interface) -> Vec<String> {
+        let mut measures = Measures {
+            first_latch_time_s: vec![None; plant.revolute_joints().len()],
+            peaks: vec![0.0; plant.machine().gauges.len()],
+        };
+        plant.watch(OutputSet::GAUGES);
+        let outcome = self.march(&mut plant, interface, &mut measures);
+        plant.provide(OutputSet::ALL);
+        let (status, message) = match outcome {
+            Ok(()) => ("done", String::new()),
+            Err(failure) => ("failed", one_line(&failure.to_string())),
+        };
+        let real = |value: f64| cell(&Value::Real(value));
+        let mut cells = vec![status.to_owned(), real(plant.time_s())];
+        cells.extend(self.outputs.iter().map(|name| {
+            let value =
+                interface.find(name).and_then(|row| interface.get(&plant, plant.outputs(), row.value_reference));
+            value.as_ref().map(cell).unwrap_or_default()
+        }));
+        // a changed model file may have other joints and gauges: columns go by name
+        let machine = plant.machine();
+        cells.extend(latches(&self.machine).map(|(_, name)| {
+            let place = latches(machine).find(|(_, other)| *other == name).map(|(place, _)| place);
+            place.map(|place| real(measures.first_latch_time_s[place].unwrap_or(-1.0))).unwrap_or_default()
+        }));
+        cells.extend(self.machine.gauges.iter().map(|gauge| {
+            let place = machine.gauges.iter().position(|other| other.name == gauge.name);
+            place.map(|place| real(measures.peaks[place])).unwrap_or_default()
+        }));
+        let statistics = plant.statistics();
+        cells.extend([statistics.steps, statistics.rejections, statistics.iterations].map(|count| count.to_string()));
+        cells.push(message);
+        cells
+    }
+
+    fn march(&self, plant: &mut Plant, interface: &Interface, measures: &mut Measures) -> Result<(), Failure> {
+        let experiment = &plant.machine().experiment;
+        let (start_s, stop_s) = (experiment.start_time_s, experiment.stop_time_s);
+        let grid = Grid::new(self.grid, start_s, stop_s, experiment.step_s)?;
+        let failed = |error: foldwing_engine::plant::PlantError| Failure::Simulation(error.to_string());
+        feed(self.inputs.as_ref(), interface, plant, grid.start_s)?;
+        plant.initialize(grid.start_s).map_err(failed)?;
+        measures.include(plant);
+        for point in 1..=grid.steps {
+            feed(self.inputs.as_ref(), interface, plant, grid.time_s(point - 1))?;
+            let outcome = plant.step(grid.time_s(point));
+            measures.include(plant);
+            outcome.map_err(failed)?;
+        }
+        Ok(())
+    }
+}
+
+/// Rows are lines, so a message is one.
+fn one_line(message: &str) -> String {
+    message
+        .split(|c: char| c.is_control())
+        .map(str::trim)
+        .filter(|part| !part.is_empty())
+        .collect::<Vec<_>>()
+        .join("; ")
+}

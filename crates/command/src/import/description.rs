@@ -1,0 +1,299 @@
+//! What an FMU says of itself: how to load it, its experiment, its variables with types, units and ranges.
+
+use crate::import::description_file::{Attributes, Root, ScalarVariable};
+use crate::report::{Channel, cell};
+use foldwing_fmi::interface::Value;
+use std::collections::HashMap;
+use std::fmt;
+
+/// A description, interpreted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Description {
+    /// `modelName`.
+    pub model_name: String,
+    /// `guid`, which the library compares with its own.
+    pub guid: String,
+    /// Name of the library without its ending.
+    pub identifier: String,
+    /// Whether steps may differ in length.
+    pub varies_step: bool,
+    /// What the FMU proposes.
+    pub experiment: Experiment,
+    /// In the order of the file.
+    pub variables: Vec<Variable>,
+}
+
+/// Times that an FMU proposes, in s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Experiment {
+    /// Start; 0 where the file is silent.
+    pub start_s: f64,
+    /// Stop; a second after the start where the file is silent.
+    pub stop_s: f64,
+    /// Communication step; a 500th of the duration where the file is silent.
+    pub step_s: f64,
+}
+
+/// Type of a variable.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Kind {
+    /// Floating-point number.
+    Real,
+    /// Whole number.
+    Integer,
+    /// Truth value.
+    Boolean,
+    /// Text.
+    String,
+    /// One of a list of words, each with its number.
+    Enumeration(Vec<(String, i32)>),
+}
+
+/// Unit of a variable and those it may be shown in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unit {
+    /// As the file names it.
+    pub name: String,
+    /// Others: `displayed = factor · value + offset`.
+    pub display: Vec<DisplayUnit>,
+}
+
+/// A unit to show values in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DisplayUnit {
+    /// As the file names it.
+    pub name: String,
+    /// Displayed value per value.
+    pub factor: f64,
+    /// Displayed value of zero.
+    pub offset: f64,
+}
+
+/// A variable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// Its name.
+    pub name: String,
+    /// Handle, unique among variables of its type but for aliases.
+    pub value_reference: u32,
+    /// `causality` as it stands, `local` where the file is silent.
+    pub causality: String,
+    /// Whether it may be set before the initialisation: inputs, parameters, and start values of others.
+    pub settable: bool,
+    /// Type.
+    pub kind: Kind,
+    /// Unit.
+    pub unit: Option<Unit>,
+    /// Smallest and largest value.
+    pub range: Option<(f64, f64)>,
+    /// Start value as it stands.
+    pub start: Option<String>,
+}
+
+/// A value of any type.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Datum {
+    /// Real, Integer, Enumeration or Boolean.
+    Number(Value),
+    /// String.
+    Text(String),
+}
+
+/// The identifier names a file below `binaries`: it must not lead elsewhere.
+fn check_identifier(identifier: &str) -> Result<(), String> {
+    let outside = |c: char| c.is_control() || matches!(c, '/' | '\\' | ':');
+    if identifier.is_empty() || identifier.starts_with('.') || identifier.contains(outside) {
+        let shown: String = identifier.chars().take(60).collect();
+        return Err(format!("modelIdentifier {shown:?} is not a library name; allowed: a C identifier"));
+    }
+    Ok(())
+}
+
+impl fmt::Display for Datum {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(value) => f.write_str(&cell(value)),
+            Self::Text(text) => f.write_str(text),
+        }
+    }
+}
+
+impl Description {
+    /// Interprets what stands in the file.
+    ///
+    /// # Errors
+    /// The name of what is missing or contradicts itself.
+    pub(super) fn new(root: Root) -> Result<Self, String> {
+        let co_simulation = root.co_simulation.ok_or("no element CoSimulation")?;
+        check_identifier(&co_simulation.identifier)?;
+        let units = root.units.list.into_iter().map(|unit| {
+            let display = unit.display.into_iter().map(|display| DisplayUnit {
+                name: display.name,
+                factor: display.factor.unwrap_or(1.0),
+                offset: display.offset.unwrap_or(0.0),
+            });
+            (unit.name.clone(), Unit { name: unit.name, display: display.collect() })
+        });
+        let units: HashMap<String, Unit> = units.collect();
+        let types = root.types.list.into_iter().map(|declared| (declared.name, declared.attributes));
+        let types: HashMap<String, Attributes> = types.collect();
+        let variables = root.variables.list.into_iter().map(|variable| Variable::new(variable, &types, &units));
+        let experiment = root.experiment;
+        let start_s = experiment.start.unwrap_or(0.0);
+        let stop_s = experiment.stop.unwrap_or(start_s + 1.0);
+        Ok(Self {
+            model_name: root.model_name.ok_or("no attribute modelName")?,
+            guid: root.guid.ok_or("no attribute guid")?,
+            identifier: co_simulation.identifier,
+            varies_step: co_simulation.varies_step,
+            experiment: Experiment { start_s, stop_s, step_s: experiment.step.unwrap_or((stop_s - start_s) / 500.0) },
+            variables: variables.collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// A variable by name.
+    pub fn find(&self, name: &str) -> Option<&Variable> {
+        self.variables.iter().find(|variable| variable.name == name)
+    }
+}
+
+impl Variable {
+    fn new(
+        file: ScalarVariable,
+        types: &HashMap<String, Attributes>,
+        units: &HashMap<String, Unit>,
+    ) -> Result<Self, String> {
+        let (own, mut kind) = [
+            (file.real, Kind::Real),
+            (file.integer, Kind::Integer),
+            (file.boolean, Kind::Boolean),
+            (file.string, Kind::String),
+            (file.enumeration, Kind::Enumeration(vec![])),
+        ]
+        .into_iter()
+        .find_map(|(attributes, kind)| attributes.map(|attributes| (attributes, kind)))
+        .ok_or_else(|| format!("variable {}: no type", file.name))?;
+        let silent = Attributes::default();
+        let declared = own.declared_type.as_ref().and_then(|name| types.get(name)).unwrap_or(&silent);
+        if let Kind::Enumeration(words) = &mut kind {
+            *words = declared.items.iter().map(|item| (item.name.clone(), item.value)).collect();
+        }
+        let unit = own.unit.as_ref().or(declared.unit.as_ref());
+        let mut unit =
+            unit.map(|name| units.get(name).cloned().unwrap_or_else(|| Unit { name: name.clone(), display: vec![] }));
+        if own.relative.or(declared.relative) == Some(true) {
+            let displays = unit.iter_mut().flat_map(|unit| &mut unit.display);
+            displays.for_each(|display| display.offset = 0.0); // a difference: 5 K are 5 °C
+        }
+        let (min, max) = (own.min.or(declared.min), own.max.or(declared.max));
+        let range =
+            (min.is_some() || max.is_some()).then(|| (min.unwrap_or(f64::NEG_INFINITY), max.unwrap_or(f64::INFINITY)));
+        let causality = file.causality.unwrap_or_else(|| "local".to_owned());
+        let given = matches!(file.initial.as_deref(), Some("exact" | "approx"));
+        let settable = (matches!(causality.as_str(), "input" | "parameter") || given)
+            && file.variability.as_deref() != Some("constant");
+        Ok(Self {
+            name: file.name,
+            value_reference: file.reference,
+            causality,
+            settable,
+            kind,
+            unit,
+            range,
+            start: own.start,
+        })
+    }
+
+    /// A value from the command line: a number, with a unit after a space if need be; a truth value, a word, a text.
+    ///
+    /// # Errors
+    /// What is wrong with it and what is allowed.
+    pub fn parse(&self, text: &str) -> Result<Datum, String> {
+        let value = match &self.kind {
+            Kind::Real => Value::Real(self.real(text)?),
+            Kind::Integer => Value::Integer(whole(text)?),
+            Kind::Enumeration(words) => match words.iter().find(|(word, _)| word == text) {
+                Some((_, number)) => Value::Integer(*number),
+                None => Value::Integer(whole(text).map_err(|_| format!("`{text}` is not one{}", among(words)))?),
+            },
+            Kind::Boolean => match text {
+                "1" | "true" => Value::Boolean(true),
+                "0" | "false" => Value::Boolean(false),
+                _ => return Err(format!("`{text}` is not a Boolean; allowed are 0, 1, false and true")),
+            },
+            Kind::String => return Ok(Datum::Text(text.to_owned())),
+        };
+        let number = match value {
+            Value::Real(value) => Some(value),
+            Value::Integer(value) => Some(f64::from(value)),
+            Value::Boolean(_) => None,
+        };
+        match (number, self.range) {
+            (Some(number), Some((min, max))) if !(min..=max).contains(&number) => {
+                Err(format!("`{text}` is out of range; allowed is {min:?} to {max:?}{}", self.unit_after_number()))
+            }
+            _ => Ok(Datum::Number(value)),
+        }
+    }
+
+    /// A real, converted to the variable's unit.
+    fn real(&self, text: &str) -> Result<f64, String> {
+        let (number, unit) = text.split_once(' ').map_or((text, None), |(number, unit)| (number, Some(unit.trim())));
+        let number = number.parse::<f64>().map_err(|_| format!("`{number}` is not a number"))?;
+        let Some(name) = unit else { return Ok(number) };
+        let Some(own) = &self.unit else { return Err(format!("`{name}`: the variable has no unit")) };
+        if own.name == name {
+            return Ok(number);
+        }
+        match own.display.iter().find(|display| display.name == name) {
+            Some(display) => Ok((number - display.offset) / display.factor),
+            None => {
+                let others = own.display.iter().map(|display| format!(", {}", display.name)).collect::<String>();
+                Err(format!("`{name}` is not one of its units; allowed: {}{others}", own.name))
+            }
+        }
+    }
+
+    /// Its unit with a space in front, if it has one.
+    pub fn unit_after_number(&self) -> String {
+        self.unit.as_ref().map(|unit| format!(" {}", unit.name)).unwrap_or_default()
+    }
+}
+
+impl Channel for Variable {
+    const LISTED_BY: &'static str = "`foldwing run X.fmu --variables`";
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn is_input(&self) -> bool {
+        self.causality == "input"
+    }
+
+    fn kind(&self) -> Option<Value> {
+        match self.kind {
+            Kind::Real => Some(Value::Real(0.0)),
+            Kind::Integer | Kind::Enumeration(_) => Some(Value::Integer(0)),
+            Kind::Boolean => Some(Value::Boolean(false)),
+            Kind::String => None,
+        }
+    }
+
+    fn range(&self) -> Option<(f64, f64)> {
+        self.range
+    }
+}
+
+fn whole(text: &str) -> Result<i32, String> {
+    text.parse().map_err(|_| format!("`{text}` is not a whole number"))
+}
+
+fn among(words: &[(String, i32)]) -> String {
+    let list: Vec<String> = words.iter().map(|(word, number)| format!("{word} ({number})")).collect();
+    if list.is_empty() { " of its words and not a whole number".to_owned() } else { format!(" of {}", list.join(", ")) }
+}
+
+#[cfg(test)]
+#[path = "description_tests.rs"]
+mod tests;

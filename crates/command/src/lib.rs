@@ -1,0 +1,9 @@
+//! The command `foldwing`: models to FMUs, simulations, pictures, checks.
+
+mod cli;
+#[cfg(feature = "import")]
+pub mod import;
+pub mod packaging;
+pub mod report;
+
+pub use cli::run;

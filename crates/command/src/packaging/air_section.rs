@@ -1,0 +1,64 @@
+//! Air on the documentation page.
+
+use crate::packaging::documentation::{number, table, vector};
+use foldwing_engine::machine::Machine;
+use foldwing_engine::machine::{AirOptions, Coupling, LoadRule, WakeModel};
+use quick_xml::escape::escape;
+
+/// Nothing where the air is not computed here.
+pub(super) fn write(html: &mut String, machine: &Machine) {
+    let Some(air) = &machine.air else { return };
+    html.push_str("<h2>Air</h2>\n<p>");
+    html.push_str(&match &air.options {
+        AirOptions::Lattice(lattice) => format!(
+            "Unsteady vortex lattice, {} wake of {} rows, core radius {} m, loads by {}{}.",
+            match lattice.wake {
+                WakeModel::Prescribed => "prescribed",
+                WakeModel::Free => "free",
+            },
+            lattice.wake_rows,
+            number(lattice.core_radius_m),
+            match lattice.load_rule {
+                LoadRule::Bernoulli => "Bernoulli's equation",
+                LoadRule::KuttaJoukowski => "Kutta–Joukowski's theorem",
+            },
+            lattice.mirror_normal.map_or(String::new(), |normal| {
+                format!(", mirror plane through the origin with normal {}", vector(normal.as_slice()))
+            })
+        ),
+        AirOptions::Strips(strips) => format!(
+            "{} strips{}.",
+            if strips.unsteady { "Unsteady" } else { "Quasi-steady" },
+            if strips.apparent_mass { " with apparent mass" } else { "" }
+        ),
+    });
+    html.push_str(&format!(
+        " Density {} kg/m³, wind {} m/s at the start, aerodynamic steps of {} s, {}. The loads of the air in a step are \
+         constant and turn with the sections; wind and other inputs act from the end of the present aerodynamic step \
+         on.</p>\n",
+        number(air.density_kg_m3),
+        vector(air.wind_m_s.as_slice()),
+        number(air.step_s),
+        match air.coupling {
+            Coupling::Staggered => "one correction per step",
+            Coupling::Iterated { .. } => "iterated with the structure",
+        }
+    ));
+    let head = ["surface on", "strips", "panels along the chord", "from (m)", "to (m)", "chord (m)"];
+    table(
+        html,
+        &head,
+        air.surfaces.iter().map(|surface| {
+            let last = surface.positions_m.len() - 1;
+            let chords = [&surface.chords[0], &surface.chords[last]].map(|chord| number(chord.length_m()));
+            vec![
+                escape(&machine.bodies[surface.body].name).into_owned(),
+                last.to_string(),
+                surface.chord_panels.to_string(),
+                number(surface.positions_m[0]),
+                number(surface.positions_m[last]),
+                if chords[0] == chords[1] { chords[0].clone() } else { chords.join(" … ") },
+            ]
+        }),
+    );
+}

@@ -1,0 +1,145 @@
+//! The FMU archive: the same model, library and version give the same bytes.
+
+use crate::packaging::contents::{Extras, contents};
+use crate::packaging::{Library, MODEL_IDENTIFIER, Platform};
+use foldwing_engine::machine::Machine;
+use std::collections::BTreeMap;
+use std::io::{self, Cursor, Write};
+use std::path::PathBuf;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+/// Why no archive was written.
+#[derive(Debug, thiserror::Error)]
+pub enum PackageError {
+    /// The library cannot be read.
+    #[error("{path}: cannot read the library: {source}")]
+    Library {
+        /// File that was asked for.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The file is no Foldwing library, or one for another platform than was said, or for one that FMI does not name.
+    #[error("{path}: {cause}")]
+    NotALibrary {
+        /// File that was read.
+        path: PathBuf,
+        /// What is wrong with it.
+        cause: String,
+    },
+    /// Two libraries for one platform.
+    #[error("{path}: a second library for {platform}; the first is {first}")]
+    Twice {
+        /// The second one.
+        path: PathBuf,
+        /// The first one.
+        first: PathBuf,
+        /// What both are for.
+        platform: Platform,
+    },
+}
+
+/// The FMU of a model, byte by byte.
+///
+/// `model_text` is the file that `machine` was read from; it travels in the archive. `libraries` are shared libraries
+/// of this package, one for each platform that the FMU is to run on. `extras` is what the archive holds beyond the
+/// necessary.
+pub fn package(
+    machine: &Machine,
+    model_text: &str,
+    extras: &Extras,
+    libraries: &[Library],
+) -> Result<Vec<u8>, PackageError> {
+    let mut entries: BTreeMap<String, Entry> = contents(machine, model_text, extras)
+        .into_iter()
+        .map(|(path, bytes)| (path, Entry { bytes, permissions: 0o644 }))
+        .collect();
+    entries.extend(binaries(libraries)?);
+    Ok(archive(&entries))
+}
+
+/// The libraries by their path in the archive.
+fn binaries(libraries: &[Library]) -> Result<BTreeMap<String, Entry>, PackageError> {
+    for (i, library) in libraries.iter().enumerate() {
+        if let Some(first) = libraries[..i].iter().find(|first| first.platform == library.platform) {
+            let (path, first) = (library.path.clone(), first.path.clone());
+            return Err(PackageError::Twice { path, first, platform: library.platform });
+        }
+    }
+    let entry = |library: &Library| {
+        let Platform { folder, extension } = library.platform;
+        let path = format!("binaries/{folder}/{MODEL_IDENTIFIER}.{extension}");
+        (path, Entry { bytes: library.bytes.clone(), permissions: 0o755 })
+    };
+    Ok(libraries.iter().map(entry).collect())
+}
+
+/// One file of the archive; the map that holds them keeps them sorted by path.
+struct Entry {
+    bytes: Vec<u8>,
+    permissions: u32,
+}
+
+/// A zip of the entries: deflate only, one fixed date, so that nothing but the contents decides the bytes.
+fn archive(entries: &BTreeMap<String, Entry>) -> Vec<u8> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    for (path, entry) in entries {
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Deflated)
+            .last_modified_time(DateTime::default())
+            .unix_permissions(entry.permissions);
+        zip.start_file(path.as_str(), options).expect("entry names are unique and valid");
+        zip.write_all(&entry.bytes).expect("writing to memory does not fail");
+    }
+    zip.finish().expect("writing to memory does not fail").into_inner()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Read;
+
+    /// Each library has the folder of its platform; two for one platform are refused by their names.
+    #[test]
+    fn libraries_go_into_the_folders_of_their_platforms() {
+        let library = |path: &str, platform: &str| Library {
+            path: path.into(),
+            platform: Platform::named(platform).unwrap(),
+            bytes: path.as_bytes().to_vec(),
+        };
+        let found =
+            binaries(&[library("w", "win64"), library("l", "linux64"), library("m", "aarch64-darwin")]).unwrap();
+        let found: Vec<_> = found.iter().map(|(path, entry)| (path.as_str(), entry.bytes.as_slice())).collect();
+        let expected = [
+            ("binaries/aarch64-darwin/foldwing.dylib", b"m".as_slice()),
+            ("binaries/linux64/foldwing.so", b"l"),
+            ("binaries/win64/foldwing.dll", b"w"),
+        ];
+        assert_eq!(found, expected);
+
+        let twice = binaries(&[library("a.so", "linux64"), library("b.so", "linux64")]).err().unwrap().to_string();
+        assert_eq!(twice, "b.so: a second library for linux64; the first is a.so");
+    }
+
+    /// Entries are sorted, deflated, dated alike, and come back with their bytes and permissions.
+    #[test]
+    fn archive_is_reproducible_and_readable() {
+        let entries = BTreeMap::from([
+            ("b.txt".to_owned(), Entry { bytes: b"second".to_vec(), permissions: 0o644 }),
+            ("a/library.so".to_owned(), Entry { bytes: vec![7; 10_000], permissions: 0o755 }),
+        ]);
+        let bytes = archive(&entries);
+        assert_eq!(bytes, archive(&entries));
+
+        let mut zip = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
+        let names: Vec<_> = (0..zip.len()).map(|i| zip.by_index(i).unwrap().name().unwrap().into_owned()).collect();
+        assert_eq!(names, ["a/library.so", "b.txt"]);
+        let mut library = zip.by_name("a/library.so").unwrap();
+        assert_eq!(library.compression(), CompressionMethod::Deflated);
+        assert_eq!(library.unix_mode().unwrap() & 0o777, 0o755);
+        let mut back = Vec::new();
+        library.read_to_end(&mut back).unwrap();
+        assert_eq!(back, vec![7; 10_000]);
+    }
+}

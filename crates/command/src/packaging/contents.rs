@@ -1,0 +1,38 @@
+//! Everything in the archive but the libraries.
+
+use crate::packaging::{Reference, documentation, icon, licenses, linear_model, model_description};
+use foldwing_engine::machine::Machine;
+use foldwing_fmi::fmi2::MODEL_FILE;
+use foldwing_fmi::interface::{Interface, LinearModel, guid};
+use std::collections::BTreeMap;
+
+/// What an archive may hold beyond the necessary.
+#[derive(Debug, Clone, Default)]
+pub struct Extras {
+    /// Reference results.
+    pub reference: Option<Reference>,
+    /// Linear model.
+    pub linear: Option<LinearModel>,
+}
+
+/// All files by their path in the archive, libraries aside.
+///
+/// `model_text` is the file that `machine` was read from.
+pub fn contents(machine: &Machine, model_text: &str, extras: &Extras) -> BTreeMap<String, Vec<u8>> {
+    let interface = Interface::new(machine);
+    let variables = interface.variables();
+    let mut files = BTreeMap::from([
+        ("documentation/index.html".to_owned(), documentation::page(machine, variables, extras).into_bytes()),
+        ("model.png".to_owned(), icon::png(machine)),
+        ("modelDescription.xml".to_owned(), model_description(machine, variables, &guid(model_text, variables)).into()),
+        (format!("resources/{MODEL_FILE}"), model_text.into()),
+    ]);
+    files.extend(licenses::FILES.map(|(name, text)| (format!("{}/{name}", licenses::FOLDER), text.into())));
+    if let Some(reference) = &extras.reference {
+        files.extend(reference.files(machine).into_iter().map(|(path, text)| (path, text.into_bytes())));
+    }
+    if let Some(model) = &extras.linear {
+        files.extend(linear_model::files(model));
+    }
+    files
+}

@@ -1,0 +1,68 @@
+//! The files that the rules of the FMI Cross-Check (version 4.1) ask of an exporting tool, made from a finished FMU.
+
+use crate::packaging::xml::real;
+use crate::packaging::{Library, Reference, VERSION};
+use foldwing_engine::machine::Machine;
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+/// What one platform has in the cross-check: its folder, and its files by name.
+pub type Submission<'a> = (PathBuf, Vec<(String, &'a [u8])>);
+
+/// The text files of the cross-check, the same for every platform.
+pub struct CrossCheck {
+    name: String,
+    texts: [(String, String); 4],
+}
+
+impl CrossCheck {
+    /// Inputs, reference result, options and a page for a model that is called `name`, as the FMU's file.
+    pub fn new(machine: &Machine, reference: &Reference, name: &str) -> Self {
+        // the one with inputs: an importer that reads them wrongly is found out
+        let [_, experiment] = &reference.experiments;
+        let texts = [
+            (format!("{name}_ref.csv"), experiment.result.clone()),
+            (format!("{name}_in.csv"), experiment.stimuli.clone().unwrap_or_default()),
+            (format!("{name}_ref.opt"), options(machine, reference)),
+            ("README.md".to_owned(), readme(machine, name)),
+        ];
+        Self { name: name.to_owned(), texts }
+    }
+
+    /// `fmus/2.0/cs/<platform>/Foldwing/<version>/<model>/` with its files, once for each platform that the FMU `fmu` has
+    /// a library for.
+    pub fn submissions<'a>(&'a self, libraries: &[Library], fmu: &'a [u8]) -> Vec<Submission<'a>> {
+        let platforms: BTreeSet<&str> = libraries.iter().map(|library| library.platform.folder).collect();
+        let folder = |platform| ["fmus/2.0/cs", platform, "Foldwing", VERSION, &self.name].iter().collect();
+        let files = || {
+            let texts = self.texts.iter().map(|(name, text)| (name.clone(), text.as_bytes()));
+            std::iter::once((format!("{}.fmu", self.name), fmu)).chain(texts).collect()
+        };
+        platforms.into_iter().map(|platform| (folder(platform), files())).collect()
+    }
+}
+
+/// Options in the rules' own form.
+fn options(machine: &Machine, reference: &Reference) -> String {
+    let experiment = &machine.experiment;
+    [
+        ("StartTime", experiment.start_time_s),
+        ("StopTime", experiment.stop_time_s),
+        ("StepSize", reference.step_s),
+        ("RelTol", machine.solver.tolerance),
+        ("OutputIntervalLength", reference.step_s),
+    ]
+    .map(|(name, value)| format!("{name}, {}\n", real(value)))
+    .concat()
+}
+
+fn readme(machine: &Machine, name: &str) -> String {
+    format!(
+        "# {name}\n\n{}\n\n- FMI 2.0 co-simulation, made by foldwing {VERSION}; no licence check, no further files needed.\n\
+         - `{name}_in.csv` moves inputs in triangles: the root accelerates and the outermost station is loaded. Inputs are \
+         taken at the beginning of each communication step and held during it.\n\
+         - `{name}_ref.csv` was computed by `foldwing package` with the communication step of `{name}_ref.opt`. FMPy repeats \
+         it with `simulate_fmu(..., output_interval=StepSize, input=...)`.\n",
+        machine.description
+    )
+}

@@ -1,0 +1,240 @@
+//! `modelDescription.xml` from the variable table, in the element order of the FMI 2.0 schema.
+//!
+//! The text holds nothing but the model, the table and the version: no date, no path, so that packaging twice
+//! gives the same bytes.
+
+use crate::packaging::xml::{self, Attributes, Xml, leaf, nest, real};
+use crate::packaging::{MODEL_IDENTIFIER, VERSION};
+use foldwing_engine::machine::Machine;
+use foldwing_fmi::fmi2::LOG_CATEGORIES;
+use foldwing_fmi::interface::{
+    Causality, DependencyKind, Initial, RealType, TYPES, UNITS, Unit, Value, Variability, Variable,
+};
+use std::io;
+
+/// Capability flags of the `CoSimulation` element.
+///
+/// A flag turns true only with the work behind it: an importer believes them.
+const CAPABILITIES: [(&str, &str); 9] = [
+    ("needsExecutionTool", "false"),
+    ("canHandleVariableCommunicationStepSize", "true"),
+    ("canInterpolateInputs", "true"),
+    ("maxOutputDerivativeOrder", "1"),
+    ("canRunAsynchronuously", "false"), // the standard's own spelling
+    ("canBeInstantiatedOnlyOncePerProcess", "false"),
+    ("canNotUseMemoryManagementFunctions", "true"),
+    ("canGetAndSetFMUstate", "true"),
+    ("canSerializeFMUstate", "true"),
+];
+
+/// The complete text of `modelDescription.xml`, ending in a line feed.
+///
+/// `variables` is the table of `machine`, in order; `guid` is the hash that the library checks on instantiation.
+pub fn model_description(machine: &Machine, variables: &[Variable], guid: &str) -> String {
+    xml::document(|xml| write_root(xml, machine, variables, guid))
+}
+
+fn write_root(xml: &mut Xml, machine: &Machine, variables: &[Variable], guid: &str) -> io::Result<()> {
+    let attributes: Attributes = vec![
+        ("fmiVersion", "2.0".to_owned()),
+        ("modelName", machine.name.clone()),
+        ("guid", guid.to_owned()),
+        ("description", machine.description.clone()),
+        ("version", VERSION.to_owned()),
+        ("license", "MIT OR Apache-2.0".to_owned()),
+        ("generationTool", format!("{MODEL_IDENTIFIER} {VERSION}")),
+        ("variableNamingConvention", "structured".to_owned()),
+    ];
+    nest(xml, "fmiModelDescription", &attributes, |xml| {
+        let mut co_simulation: Attributes = vec![("modelIdentifier", MODEL_IDENTIFIER.to_owned())];
+        co_simulation.extend(CAPABILITIES.map(|(name, value)| (name, value.to_owned())));
+        // with the loads of the air held they would be wrong
+        co_simulation.push(("providesDirectionalDerivative", machine.air.is_none().to_string()));
+        leaf(xml, "CoSimulation", &co_simulation)?;
+        write_units(xml, variables)?;
+        write_types(xml, variables)?;
+        nest(xml, "LogCategories", &vec![], |xml| {
+            LOG_CATEGORIES.iter().try_for_each(|(name, description)| {
+                leaf(xml, "Category", &vec![("name", name.to_string()), ("description", description.to_string())])
+            })
+        })?;
+        write_experiment(xml, machine)?;
+        nest(xml, "ModelVariables", &vec![], |xml| variables.iter().try_for_each(|v| write_variable(xml, v)))?;
+        write_structure(xml, variables)
+    })
+}
+
+/// Units of the types in use: base-unit exponents (zero ones are omitted) and the display unit.
+fn write_units(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
+    let types = types_in_use(variables);
+    let used: Vec<&Unit> = UNITS.iter().filter(|unit| types.iter().any(|t| t.unit == unit.name)).collect();
+    if used.is_empty() {
+        return Ok(());
+    }
+    nest(xml, "UnitDefinitions", &vec![], |xml| {
+        used.iter().try_for_each(|unit| {
+            nest(xml, "Unit", &vec![("name", unit.name.to_owned())], |xml| {
+                let exponents: Attributes = ["kg", "m", "s", "rad"]
+                    .into_iter()
+                    .zip(unit.exponents)
+                    .filter(|(_, exponent)| *exponent != 0)
+                    .map(|(base, exponent)| (base, exponent.to_string()))
+                    .collect();
+                leaf(xml, "BaseUnit", &exponents)?;
+                match unit.display {
+                    Some((name, factor)) => {
+                        leaf(xml, "DisplayUnit", &vec![("name", name.to_owned()), ("factor", real(factor))])
+                    }
+                    None => Ok(()),
+                }
+            })
+        })
+    })
+}
+
+fn write_types(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
+    let types = types_in_use(variables);
+    if types.is_empty() {
+        return Ok(());
+    }
+    nest(xml, "TypeDefinitions", &vec![], |xml| {
+        types.iter().try_for_each(|t| {
+            nest(xml, "SimpleType", &vec![("name", t.name.to_owned())], |xml| {
+                let mut attributes = vec![("quantity", t.quantity.to_owned()), ("unit", t.unit.to_owned())];
+                if let Some((display, _)) = UNITS.iter().find(|unit| unit.name == t.unit).and_then(|u| u.display) {
+                    attributes.push(("displayUnit", display.to_owned()));
+                }
+                leaf(xml, "Real", &attributes)
+            })
+        })
+    })
+}
+
+/// Declared types that the table names, in the order of [`TYPES`].
+fn types_in_use(variables: &[Variable]) -> Vec<&'static RealType> {
+    TYPES.iter().filter(|t| variables.iter().any(|v| v.declared_type == Some(t.name))).collect()
+}
+
+fn write_experiment(xml: &mut Xml, machine: &Machine) -> io::Result<()> {
+    let experiment = &machine.experiment;
+    leaf(
+        xml,
+        "DefaultExperiment",
+        &vec![
+            ("startTime", real(experiment.start_time_s)),
+            ("stopTime", real(experiment.stop_time_s)),
+            ("tolerance", real(machine.solver.tolerance)),
+            ("stepSize", real(experiment.step_s)),
+        ],
+    )
+}
+
+fn write_variable(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
+    let mut attributes: Attributes = vec![
+        ("name", variable.name.clone()),
+        ("valueReference", variable.value_reference.to_string()),
+        ("description", variable.description.clone()),
+        ("causality", causality(variable.causality).to_owned()),
+        ("variability", variability(variable.variability).to_owned()),
+    ];
+    if let Some(initial) = variable.initial {
+        attributes.push(("initial", if initial == Initial::Exact { "exact" } else { "calculated" }.to_owned()));
+    }
+    nest(xml, "ScalarVariable", &attributes, |xml| write_type(xml, variable))
+}
+
+/// The type element: declared type, bounds, and a start value where the standard wants one.
+fn write_type(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
+    let mut attributes: Attributes = vec![];
+    if let Some(name) = variable.declared_type {
+        attributes.push(("declaredType", name.to_owned()));
+    }
+    if let Some((smallest, largest)) = variable.range {
+        let integer = matches!(variable.value, Value::Integer(_));
+        let bound = |value: f64| if integer { format!("{value:.0}") } else { real(value) };
+        attributes.extend([("min", bound(smallest)), ("max", bound(largest))]);
+    }
+    let has_start = variable.causality == Causality::Input || variable.initial == Some(Initial::Exact);
+    let (element, start) = match variable.value {
+        Value::Real(value) => ("Real", real(value)),
+        Value::Integer(value) => ("Integer", value.to_string()),
+        Value::Boolean(value) => ("Boolean", value.to_string()),
+    };
+    if has_start {
+        attributes.push(("start", start));
+    }
+    leaf(xml, element, &attributes)
+}
+
+/// `ModelStructure`: every output, and every unknown of Initialization Mode, with what it depends on.
+fn write_structure(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
+    nest(xml, "ModelStructure", &vec![], |xml| {
+        let outputs: Vec<_> = rows(variables).filter(|(_, v)| v.causality == Causality::Output).collect();
+        if !outputs.is_empty() {
+            nest(xml, "Outputs", &vec![], |xml| {
+                outputs.iter().try_for_each(|(index, v)| unknown(xml, *index, &v.dependencies))
+            })?;
+        }
+        let unknowns: Vec<_> = rows(variables).filter(|(_, v)| is_initial_unknown(v)).collect();
+        if !unknowns.is_empty() {
+            nest(xml, "InitialUnknowns", &vec![], |xml| {
+                unknowns.iter().try_for_each(|(index, v)| unknown(xml, *index, &v.initial_dependencies))
+            })?;
+        }
+        Ok(())
+    })
+}
+
+/// Outputs whose initial value is calculated; the standard wants exactly these (there are no
+/// calculated parameters and no exposed states).
+fn is_initial_unknown(variable: &Variable) -> bool {
+    variable.causality == Causality::Output && variable.initial == Some(Initial::Calculated)
+}
+
+/// Rows with their index in `ModelVariables`, which counts from 1.
+fn rows(variables: &[Variable]) -> impl Iterator<Item = (usize, &Variable)> {
+    variables.iter().enumerate().map(|(row, variable)| (row + 1, variable))
+}
+
+/// One `Unknown`; an empty list of dependencies means "none" and must be written.
+fn unknown(xml: &mut Xml, index: usize, dependencies: &[(u32, DependencyKind)]) -> io::Result<()> {
+    let mut sorted = dependencies.to_vec();
+    sorted.sort_by_key(|(row, _)| *row);
+    let join = |words: Vec<String>| words.join(" ");
+    let indices = join(sorted.iter().map(|(row, _)| (row + 1).to_string()).collect());
+    let kinds = join(sorted.iter().map(|(_, kind)| dependency_kind(*kind).to_owned()).collect());
+    leaf(xml, "Unknown", &vec![("index", index.to_string()), ("dependencies", indices), ("dependenciesKind", kinds)])
+}
+
+fn causality(causality: Causality) -> &'static str {
+    match causality {
+        Causality::Input => "input",
+        Causality::Output => "output",
+        Causality::Parameter => "parameter",
+        Causality::Local => "local",
+        Causality::Independent => "independent",
+    }
+}
+
+fn variability(variability: Variability) -> &'static str {
+    match variability {
+        Variability::Fixed => "fixed",
+        Variability::Tunable => "tunable",
+        Variability::Discrete => "discrete",
+        Variability::Continuous => "continuous",
+    }
+}
+
+fn dependency_kind(kind: DependencyKind) -> &'static str {
+    match kind {
+        DependencyKind::Dependent => "dependent",
+        DependencyKind::Constant => "constant",
+        DependencyKind::Fixed => "fixed",
+        DependencyKind::Tunable => "tunable",
+        DependencyKind::Discrete => "discrete",
+    }
+}
+
+#[cfg(test)]
+#[path = "description_tests.rs"]
+mod tests;

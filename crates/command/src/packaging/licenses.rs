@@ -1,0 +1,12 @@
+//! Licences inside the archive: ours, and those of what is linked into the library.
+
+/// Folder inside the archive, as FMI 2.0.4 has it; `license.txt` is the entry point.
+pub const FOLDER: &str = "documentation/licenses";
+
+/// Files of the folder.
+pub const FILES: [(&str, &str); 4] = [
+    ("license.txt", include_str!("../../../../licenses/license.txt")),
+    ("LICENSE-APACHE.txt", include_str!("../../../../LICENSE-APACHE")),
+    ("LICENSE-MIT.txt", include_str!("../../../../LICENSE-MIT")),
+    ("THIRD_PARTY.txt", include_str!("../../../../licenses/THIRD_PARTY.txt")),
+];

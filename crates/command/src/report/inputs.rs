@@ -1,0 +1,289 @@
+//! Inputs over time from a CSV file: first column `time`, the others named after inputs of the FMU.
+
+use csv::StringRecord;
+use foldwing_fmi::interface::{Causality, Value, Variable};
+use std::io::Read;
+
+/// Names further away than this are not worth suggesting.
+const SUGGESTION_SIMILARITY: f64 = 0.75;
+
+/// Longest name, in bytes, that a suggestion is looked for.
+const LONGEST_MISSPELT: usize = 200;
+
+/// Longest text that a message repeats, in characters.
+const LONGEST_ECHO: usize = 60;
+
+/// The beginning of a text, as a message repeats it.
+pub fn shortened(text: &str) -> String {
+    match text.char_indices().nth(LONGEST_ECHO) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+/// What is wrong with an input file, and where.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum InputsError {
+    /// The file is no CSV: rows of different length, bytes that are not UTF-8, a file that cannot be read.
+    #[error("{file}: {cause}")]
+    Malformed {
+        /// File as the caller named it.
+        file: String,
+        /// What the reader found, with its line.
+        cause: String,
+    },
+    /// The file cannot be read.
+    #[error("{file}: cannot be read: {cause}")]
+    Unreadable {
+        /// File as the caller named it.
+        file: String,
+        /// What the system said.
+        cause: String,
+    },
+    /// The header is not one.
+    #[error("{file}:1: column {column}: {cause}")]
+    Header {
+        /// File as the caller named it.
+        file: String,
+        /// Column, counted from 1.
+        column: usize,
+        /// What is wrong and what is allowed.
+        cause: String,
+    },
+    /// A cell holds no usable value.
+    #[error("{file}:{line}: column {column} ({name}): `{text}` {cause}")]
+    Cell {
+        /// File as the caller named it.
+        file: String,
+        /// Line, counted from 1.
+        line: u64,
+        /// Column, counted from 1.
+        column: usize,
+        /// Header of the column.
+        name: String,
+        /// The cell's text.
+        text: String,
+        /// What is wrong and what is allowed.
+        cause: String,
+    },
+    /// The file has a header and nothing else.
+    #[error("{file}: no rows below the header; at least one is needed")]
+    Empty {
+        /// File as the caller named it.
+        file: String,
+    },
+}
+
+/// What a table of inputs asks of a variable.
+pub trait Channel {
+    /// The command that lists the names, for messages.
+    const LISTED_BY: &'static str;
+    /// Its name.
+    fn name(&self) -> &str;
+    /// Whether it is an input.
+    fn is_input(&self) -> bool;
+    /// A value of its type; `None` for text, which a table cannot give.
+    fn kind(&self) -> Option<Value>;
+    /// Smallest and largest value allowed.
+    fn range(&self) -> Option<(f64, f64)>;
+}
+
+impl Channel for Variable {
+    const LISTED_BY: &'static str = "`foldwing check`";
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn is_input(&self) -> bool {
+        self.causality == Causality::Input
+    }
+
+    fn kind(&self) -> Option<Value> {
+        Some(self.value)
+    }
+
+    fn range(&self) -> Option<(f64, f64)> {
+        self.range
+    }
+}
+
+/// One input over time.
+#[derive(Debug, Clone, PartialEq)]
+struct Column {
+    /// Position in the list of variables.
+    position: usize,
+    kind: Value,
+    values: Vec<f64>,
+}
+
+/// Inputs over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InputTable {
+    times_s: Vec<f64>,
+    columns: Vec<Column>,
+}
+
+impl InputTable {
+    /// Reads a table; `file` is the name that errors carry.
+    pub fn read(source: impl Read, file: &str, variables: &[impl Channel]) -> Result<Self, InputsError> {
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(source);
+        let malformed = |error: csv::Error| match error.kind() {
+            csv::ErrorKind::Io(error) => InputsError::Unreadable { file: file.to_owned(), cause: error.to_string() },
+            _ => InputsError::Malformed { file: file.to_owned(), cause: describe(&error) },
+        };
+        let header = reader.headers().map_err(malformed)?.clone();
+        let mut table = Self { times_s: vec![], columns: columns(&header, file, variables)? };
+        for record in reader.into_records() {
+            table.push(&record.map_err(malformed)?, &header, file, variables)?;
+        }
+        if table.times_s.is_empty() {
+            return Err(InputsError::Empty { file: file.to_owned() });
+        }
+        Ok(table)
+    }
+
+    fn push(
+        &mut self,
+        record: &StringRecord,
+        header: &StringRecord,
+        file: &str,
+        variables: &[impl Channel],
+    ) -> Result<(), InputsError> {
+        let bad = |column: usize, cause: String| InputsError::Cell {
+            file: file.to_owned(),
+            line: record.position().map_or(0, csv::Position::line),
+            column: column + 1,
+            name: shortened(&header[column]),
+            text: shortened(&record[column]),
+            cause,
+        };
+        let time_s = real(&record[0]).map_err(|cause| bad(0, cause))?;
+        if let Some(last) = self.times_s.last().filter(|last| time_s <= **last) {
+            return Err(bad(0, format!("is not after the previous row ({last} s); times must ascend")));
+        }
+        self.times_s.push(time_s);
+        for (i, column) in self.columns.iter_mut().enumerate() {
+            let range = variables[column.position].range();
+            column.values.push(value(&record[i + 1], column.kind, range).map_err(|cause| bad(i + 1, cause))?);
+        }
+        Ok(())
+    }
+
+    /// Positions in the list of variables and values of all columns at a time: reals on straight lines between rows, the others
+    /// held from their row on; constant before the first row and after the last.
+    pub fn at(&self, time_s: f64) -> impl Iterator<Item = (usize, Value)> + '_ {
+        let next = self.times_s.partition_point(|t| *t <= time_s);
+        self.columns.iter().map(move |column| {
+            let held = column.values[next.saturating_sub(1)];
+            let value = match column.kind {
+                Value::Real(_) => Value::Real(self.interpolate(column, next, time_s)),
+                Value::Integer(_) => Value::Integer(held as i32),
+                Value::Boolean(_) => Value::Boolean(held != 0.0),
+            };
+            (column.position, value)
+        })
+    }
+
+    fn interpolate(&self, column: &Column, next: usize, time_s: f64) -> f64 {
+        if next == 0 {
+            return column.values[0];
+        }
+        let before = column.values[next - 1];
+        let Some(after) = column.values.get(next) else { return before };
+        let share = (time_s - self.times_s[next - 1]) / (self.times_s[next] - self.times_s[next - 1]);
+        before + share * (after - before)
+    }
+}
+
+/// The columns that a header names, without values yet.
+fn columns(header: &StringRecord, file: &str, variables: &[impl Channel]) -> Result<Vec<Column>, InputsError> {
+    let bad = |column: usize, cause: String| InputsError::Header { file: file.to_owned(), column: column + 1, cause };
+    if header.get(0) != Some("time") {
+        let found = header.get(0).unwrap_or_default();
+        if header.len() == 1 && found.contains(';') {
+            return Err(bad(0, "columns are separated by `;`; write `,`, and a decimal point in numbers".to_owned()));
+        }
+        return Err(bad(0, format!("`{}`: the first column must be named `time` (s)", shortened(found))));
+    }
+    let mut columns: Vec<Column> = vec![];
+    for (i, name) in header.iter().enumerate().skip(1) {
+        let (position, kind) = input(name, variables).map_err(|cause| bad(i, cause))?;
+        if columns.iter().any(|column| column.position == position) {
+            return Err(bad(i, format!("`{name}` appears twice")));
+        }
+        columns.push(Column { position, kind, values: vec![] });
+    }
+    Ok(columns)
+}
+
+/// Position of an input by name, and a value of its type.
+fn input<C: Channel>(name: &str, variables: &[C]) -> Result<(usize, Value), String> {
+    let found = variables.iter().enumerate().find(|(_, variable)| variable.name() == name);
+    match found {
+        Some((position, variable)) if variable.is_input() => match variable.kind() {
+            Some(kind) => Ok((position, kind)),
+            None => Err(format!("`{name}` is a text, which a table cannot give")),
+        },
+        Some(_) => Err(format!("`{name}` is not an input")),
+        None => Err(unknown_name(name, "input", variables.iter().filter(|variable| variable.is_input()))),
+    }
+}
+
+/// Says that a name is unknown, with the nearest known one if there is one near.
+pub fn unknown_name<'a, C: Channel + 'a>(name: &str, what: &str, known: impl Iterator<Item = &'a C>) -> String {
+    // what is longer than any name is no misspelt one, and likeness costs the product of the lengths
+    let worth_it = name.len() <= LONGEST_MISSPELT;
+    let name = &shortened(name);
+    let nearest = known
+        .filter(|_| worth_it)
+        .map(|candidate| (strsim::jaro_winkler(name, candidate.name()), candidate.name()))
+        .filter(|(similarity, _)| *similarity > SUGGESTION_SIMILARITY)
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    match nearest {
+        Some((_, candidate)) => format!("no {what} is named `{name}`; did you mean `{candidate}`?"),
+        None => format!("no {what} is named `{name}`; {} lists the names", C::LISTED_BY),
+    }
+}
+
+/// A cell's value, checked against type and range of its input.
+fn value(text: &str, kind: Value, range: Option<(f64, f64)>) -> Result<f64, String> {
+    let value = match kind {
+        Value::Real(_) => real(text)?,
+        Value::Integer(_) => text.parse::<i32>().map(f64::from).map_err(|_| "is not a whole number".to_owned())?,
+        Value::Boolean(_) => match text {
+            "1" | "true" => 1.0,
+            "0" | "false" => 0.0,
+            _ => return Err("is not a Boolean; allowed are 0, 1, false and true".to_owned()),
+        },
+    };
+    match range {
+        Some((smallest, largest)) if !(smallest..=largest).contains(&value) => {
+            Err(format!("is out of range; allowed is {smallest:?} to {largest:?}"))
+        }
+        _ => Ok(value),
+    }
+}
+
+fn real(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err("is not a finite number".to_owned()),
+    }
+}
+
+/// The reader's complaint with its line in front, without the reader's own vocabulary.
+fn describe(error: &csv::Error) -> String {
+    let line = error.position().map(|position| position.line());
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+            format!("line {}: {len} columns where the header has {expected_len}", line.unwrap_or(0))
+        }
+        csv::ErrorKind::Utf8 { err, .. } => format!("line {}: not UTF-8 text: {err}", line.unwrap_or(0)),
+        _ => error.to_string(),
+    }
+}
+
+#[cfg(test)]
+#[path = "inputs_tests.rs"]
+mod tests;

@@ -1,0 +1,216 @@
+//! The figures of a run: fold angles, strains, tip paths, shapes over time, energies; and of any variables over time.
+
+use crate::report::figure::{Curve, Figure, PALETTE};
+use crate::report::recording::{Frame, MOST_POINTS, Recording, Thinning};
+use foldwing_engine::plant::EnergyOutputs;
+use nalgebra::Vector3;
+
+/// Shapes that one figure shows.
+const SHAPES: usize = 9;
+
+/// Curves that one figure of chosen variables shows: two looks per colour.
+const CURVES: usize = 2 * PALETTE.len();
+
+/// Axes of the root frame.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// A figure and the name of its files.
+pub type Named = (&'static str, Figure);
+
+/// Names of the figures of [`figures`].
+pub const NAMES: [&str; 5] = ["fold_angles", "strains", "energies", "tip_path", "shapes"];
+
+/// All figures that the recording has something for.
+pub fn figures(recording: &Recording) -> Vec<Named> {
+    let history = &recording.history;
+    let over_time = |values: &[f64], factor: f64| -> Vec<[f64; 2]> {
+        history.time_s.iter().zip(values).map(|(time_s, value)| [*time_s, factor * value]).collect()
+    };
+    let scene = &recording.scene;
+    let named = |(what, y_label): (&str, &str), curves: Vec<Curve>| Figure {
+        title: format!("{}: {what}", scene.name),
+        x_label: "time (s)".to_owned(),
+        y_label: y_label.to_owned(),
+        curves,
+        marks: marks(recording),
+        equal: false,
+    };
+    let joints = scene.joints.iter().zip(&history.angles_rad).enumerate();
+    let angles = joints.map(|(n, ((name, _), angle))| Curve::nth(n, name, over_time(angle, 1f64.to_degrees())));
+    let gauges = scene.gauges.iter().zip(&history.gauges).enumerate();
+    let strains = gauges.map(|(n, (gauge, strain))| Curve::nth(n, &gauge.name, over_time(strain, 1e3)));
+    let energies = ENERGIES.iter().enumerate().map(|(n, (name, value))| {
+        Curve::nth(n, *name, over_time(&history.energies.iter().map(value).collect::<Vec<_>>(), 1.0))
+    });
+    let plots = [
+        named(("fold angles", "fold angle (°)"), angles.collect()),
+        named(("strains of the gauges", "strain (10⁻³)"), strains.collect()),
+        named(("energies", "energy (J)"), energies.collect()),
+        tip_path(recording),
+        shapes(recording),
+    ];
+    NAMES.into_iter().zip(plots).filter(|(_, figure)| !figure.curves.is_empty()).collect()
+}
+
+type Energy = fn(&EnergyOutputs) -> f64;
+
+/// Energies with their names.
+const ENERGIES: [(&str, Energy); 7] = [
+    ("kinetic", |energy| energy.kinetic),
+    ("elastic", |energy| energy.elastic),
+    ("gravity", |energy| energy.gravity),
+    ("drive", |energy| energy.drive),
+    ("work of inputs", |energy| energy.work),
+    ("dissipated", |energy| energy.dissipated),
+    ("total", |energy| energy.total),
+];
+
+/// Where latches closed.
+fn marks(recording: &Recording) -> Vec<(f64, String)> {
+    let joints = recording.scene.joints.iter().zip(&recording.history.latches_s);
+    joints
+        .flat_map(|((name, _), times)| {
+            times.iter().map(move |time_s| (*time_s, format!("{name} latched, {time_s:.4} s")))
+        })
+        .collect()
+}
+
+/// The two axes along which points spread most, the upright one second.
+fn plane<'a>(points: impl Iterator<Item = &'a Vector3<f64>>) -> [usize; 2] {
+    let (mut least, mut most) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
+    for point in points {
+        least = least.inf(point);
+        most = most.sup(point);
+    }
+    let span = most - least;
+    let flattest = (0..3).min_by(|&i, &j| span[i].total_cmp(&span[j])).unwrap_or(1);
+    match flattest {
+        0 => [1, 2],
+        1 => [0, 2],
+        _ => [0, 1],
+    }
+}
+
+fn seen(recording: &Recording, what: &str, [across, up]: [usize; 2], curves: Vec<Curve>) -> Figure {
+    Figure {
+        title: format!("{}: {what}", recording.scene.name),
+        x_label: format!("{} (m), root frame", AXES[across]),
+        y_label: format!("{} (m), root frame", AXES[up]),
+        curves,
+        marks: Vec::new(),
+        equal: true,
+    }
+}
+
+/// Paths of the free ends in the plane in which they move most, with their begins.
+fn tip_path(recording: &Recording) -> Figure {
+    let tips = &recording.history.tips_m;
+    let axes = plane(tips.iter().flatten());
+    let flat = |point: &Vector3<f64>| axes.map(|axis| point[axis]);
+    let mut curves = Vec::new();
+    for (n, (name, path)) in recording.scene.tips.iter().zip(tips).enumerate() {
+        let path: Vec<[f64; 2]> = path.iter().map(flat).collect();
+        let begin = Curve { points: path.first().copied().into_iter().collect(), ..Curve::nth(n, "", Vec::new()) };
+        curves.extend([Curve::nth(n, name, path), begin]);
+    }
+    seen(recording, "paths of the tips (dot: start)", axes, curves)
+}
+
+/// Axes of the bodies at equal intervals of time, from blue (early) to red (late).
+fn shapes(recording: &Recording) -> Figure {
+    let frames = &recording.frames;
+    let points = frames.iter().flat_map(|frame| frame.sections.iter().flatten().map(|section| &section.position_m));
+    let axes = plane(points);
+    let count = SHAPES.min(frames.len());
+    let chosen = (0..count).map(|i| &frames[(frames.len() - 1) * i / (count - 1).max(1)]);
+    let curves = chosen.enumerate().flat_map(|(i, frame)| {
+        let colour = hue(i as f64 / (count - 1).max(1) as f64);
+        let body = move |(body, points): (usize, Vec<[f64; 2]>)| {
+            let name = if body == 0 { format!("{:.4} s", frame.time_s) } else { String::new() };
+            Curve { name, colour, dashed: false, points }
+        };
+        axis_lines(frame, axes).into_iter().enumerate().map(body)
+    });
+    seen(recording, "shapes over time", axes, curves.collect())
+}
+
+fn axis_lines(frame: &Frame, axes: [usize; 2]) -> Vec<Vec<[f64; 2]>> {
+    let flat = |sections: &Vec<_>| -> Vec<[f64; 2]> {
+        sections
+            .iter()
+            .map(|section: &foldwing_engine::plant::SectionState| axes.map(|axis| section.position_m[axis]))
+            .collect()
+    };
+    frame.sections.iter().map(flat).collect()
+}
+
+/// From dark blue over violet and orange-red to gold: order is seen without telling red from green.
+fn hue(fraction: f64) -> [u8; 3] {
+    const STOPS: [[f64; 3]; 4] = [[13.0, 8.0, 135.0], [126.0, 3.0, 168.0], [204.0, 71.0, 120.0], [240.0, 150.0, 50.0]];
+    let place = fraction.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
+    let before = (place as usize).min(STOPS.len() - 2);
+    std::array::from_fn(|i| {
+        let [from, to] = [STOPS[before][i], STOPS[before + 1][i]];
+        (from + (to - from) * (place - before as f64)).round() as u8
+    })
+}
+
+/// A variable over time.
+#[derive(Debug, Clone, PartialEq)]
+struct Column {
+    name: String,
+    /// Empty for none.
+    unit: String,
+    values: Vec<f64>,
+}
+
+/// Any variables over time, of a model or of an FMU.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    time_s: Vec<f64>,
+    columns: Vec<Column>,
+    thinning: Thinning,
+}
+
+impl Series {
+    /// Nothing yet of variables with these names and units, in a run of so many steps.
+    pub fn new<'a>(variables: impl IntoIterator<Item = (&'a str, &'a str)>, steps: u64) -> Self {
+        let column = |(name, unit): (&str, &str)| Column { name: name.into(), unit: unit.into(), values: Vec::new() };
+        let columns = variables.into_iter().map(column).collect();
+        Self { time_s: Vec::new(), columns, thinning: Thinning::new(steps, MOST_POINTS) }
+    }
+
+    /// Takes the values of all variables, in their order; what is no number is not drawn (NaN).
+    pub fn include(&mut self, time_s: f64, values: impl IntoIterator<Item = f64>) {
+        if self.thinning.keeps() {
+            self.time_s.push(time_s);
+            self.columns.iter_mut().zip(values).for_each(|(column, value)| column.values.push(value));
+        }
+    }
+
+    /// Figures, one per unit in order of their first appearance, of at most as many curves as a figure tells apart.
+    pub fn figures(&self, title: &str) -> Vec<Figure> {
+        let drawn = self.columns.iter().filter(|column| column.values.iter().any(|value| value.is_finite()));
+        let mut groups: Vec<(&str, Vec<&Column>)> = Vec::new();
+        for column in drawn {
+            let has_room = |(unit, group): &&mut (&str, Vec<&Column>)| *unit == column.unit && group.len() < CURVES;
+            match groups.iter_mut().find(has_room) {
+                Some((_, group)) => group.push(column),
+                None => groups.push((&column.unit, vec![column])),
+            }
+        }
+        groups.into_iter().map(|(unit, group)| self.figure(title, unit, &group)).collect()
+    }
+
+    fn figure(&self, title: &str, unit: &str, columns: &[&Column]) -> Figure {
+        let points = |values: &[f64]| self.time_s.iter().zip(values).map(|(time_s, value)| [*time_s, *value]).collect();
+        let curves = columns.iter().enumerate().map(|(n, column)| Curve::nth(n, &column.name, points(&column.values)));
+        Figure {
+            title: title.to_owned(),
+            x_label: "time (s)".to_owned(),
+            y_label: if unit.is_empty() { "value".to_owned() } else { format!("value ({unit})") },
+            curves: curves.collect(),
+            ..Figure::default()
+        }
+    }
+}

@@ -1,0 +1,364 @@
+//! What a run leaves for pictures: histories of scalars, and frames with the whole wing.
+
+use foldwing_engine::beam::section::Outline;
+use foldwing_engine::machine::JointKind;
+use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::{EnergyOutputs, Plant, SectionState, SurfaceLattice};
+use nalgebra::Vector3;
+
+/// Frames that a recording keeps where nobody says how many.
+pub const FRAMES: u64 = 600;
+
+/// Points of a history that a recording keeps at most.
+pub(super) const MOST_POINTS: u64 = 200_000;
+
+/// Intervals along a body, at least: enough for smooth surfaces.
+const INTERVALS: usize = 16;
+
+/// Half width and height of what is drawn of a section without outline, as a share of the body's length.
+const ROD: f64 = 0.004;
+
+/// Which of the `steps + 1` points of a run are kept: at equal intervals, the first and the last among them.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Thinning {
+    steps: u64,
+    stride: u64,
+    seen: u64,
+}
+
+impl Thinning {
+    /// At most so many intervals.
+    pub(super) fn new(steps: u64, most: u64) -> Self {
+        Self { steps, stride: steps.div_ceil(most).max(1), seen: 0 }
+    }
+
+    /// Whether the next point is kept.
+    pub(super) fn keeps(&mut self) -> bool {
+        let keeps = self.seen.is_multiple_of(self.stride) || self.seen == self.steps;
+        self.seen += 1;
+        keeps
+    }
+}
+
+/// How a body is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyScene {
+    /// Name.
+    pub name: String,
+    /// Name of the joint at its inner end.
+    pub joint: String,
+    /// Distances of the sections from the inner end in m: the mesh boundaries, and places between them.
+    pub places_m: Vec<f64>,
+    /// Points `[y, z]` around each section in m.
+    pub rims_m: Vec<Vec<[f64; 2]>>,
+}
+
+/// A gauge and where it sits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GaugeScene {
+    /// Name.
+    pub name: String,
+    /// Index into the machine's bodies.
+    pub body: usize,
+    /// Distance from the inner end in m.
+    pub place_m: f64,
+    /// Point `[y, z]` of the section in m.
+    pub point_m: [f64; 2],
+}
+
+/// What does not move.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// Name of the model.
+    pub name: String,
+    /// Its description.
+    pub description: String,
+    /// Bodies, in the machine's order.
+    pub bodies: Vec<BodyScene>,
+    /// Names of the fold joints, in the order of [`Plant::revolute_joints`], each with the index of its outer body.
+    pub joints: Vec<(String, usize)>,
+    /// Names of the free ends' bodies.
+    pub tips: Vec<String>,
+    /// Gauges.
+    pub gauges: Vec<GaugeScene>,
+}
+
+/// Scalars over time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct History {
+    /// Times in s.
+    pub time_s: Vec<f64>,
+    /// Angles in rad per fold joint.
+    pub angles_rad: Vec<Vec<f64>>,
+    /// Times in s at which a latch closed, per fold joint.
+    pub latches_s: Vec<Vec<f64>>,
+    /// Strains per gauge.
+    pub gauges: Vec<Vec<f64>>,
+    /// Positions in m per free end, root frame.
+    pub tips_m: Vec<Vec<Vector3<f64>>>,
+    /// Energies.
+    pub energies: Vec<EnergyOutputs>,
+}
+
+/// The whole wing at one time; positions in the root frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// Time in s.
+    pub time_s: f64,
+    /// Sections per body, at the places of [`BodyScene::places_m`].
+    pub sections: Vec<Vec<SectionState>>,
+    /// Leading and trailing edge in m per lifting surface, from the inner to the outer strip edge.
+    pub edges_m: Vec<Vec<[Vector3<f64>; 2]>>,
+    /// Places of the gauges in m.
+    pub gauges_m: Vec<Vector3<f64>>,
+    /// Angles in rad per fold joint.
+    pub angles_rad: Vec<f64>,
+    /// Strains per gauge.
+    pub strains: Vec<f64>,
+    /// Energies.
+    pub energy: EnergyOutputs,
+    /// Lattice and wake at the end of the aerodynamic step in which the time lies; empty without.
+    pub lattice: Vec<SurfaceLattice>,
+}
+
+/// A run as far as it has come.
+#[derive(Debug, Clone)]
+pub struct Recording {
+    /// What does not move.
+    pub scene: Scene,
+    /// Scalars over time.
+    pub history: History,
+    /// Frames in order of time.
+    pub frames: Vec<Frame>,
+    points: Thinning,
+    kept_frames: Thinning,
+}
+
+impl Recording {
+    /// An empty recording of a run of so many steps. Short runs are kept whole; of long ones equally many steps are
+    /// left out between points and between frames, never the last. `frames` is the largest number of frames after the
+    /// first.
+    pub fn new(plant: &Plant, steps: u64, frames: u64) -> Self {
+        let scene = Scene::of(plant);
+        let history = History {
+            angles_rad: vec![Vec::new(); scene.joints.len()],
+            latches_s: vec![Vec::new(); scene.joints.len()],
+            gauges: vec![Vec::new(); scene.gauges.len()],
+            tips_m: vec![Vec::new(); scene.tips.len()],
+            ..History::default()
+        };
+        Self {
+            scene,
+            history,
+            frames: Vec::new(),
+            points: Thinning::new(steps, MOST_POINTS),
+            kept_frames: Thinning::new(steps, frames),
+        }
+    }
+
+    /// Takes the plant's present state.
+    pub fn include(&mut self, plant: &Plant) {
+        self.include_latches(plant);
+        if self.points.keeps() {
+            self.include_point(plant);
+        }
+        if self.kept_frames.keeps() {
+            self.frames.push(self.frame(plant));
+        }
+    }
+
+    fn include_latches(&mut self, plant: &Plant) {
+        for (times, joint) in self.history.latches_s.iter_mut().zip(&plant.outputs().joints) {
+            if joint.latch_count > 0 && times.last() != Some(&joint.latch_time_s) {
+                times.push(joint.latch_time_s);
+            }
+        }
+    }
+
+    fn include_point(&mut self, plant: &Plant) {
+        let (history, outputs) = (&mut self.history, plant.outputs());
+        history.time_s.push(outputs.time_s);
+        history.angles_rad.iter_mut().zip(&outputs.joints).for_each(|(curve, joint)| curve.push(joint.angle_rad));
+        history.gauges.iter_mut().zip(&outputs.gauges).for_each(|(curve, strain)| curve.push(*strain));
+        history.tips_m.iter_mut().zip(&outputs.tips).for_each(|(curve, tip)| curve.push(tip.position_m));
+        history.energies.push(outputs.energy);
+    }
+
+    fn frame(&self, plant: &Plant) -> Frame {
+        let (scene, outputs) = (&self.scene, plant.outputs());
+        let sections = scene.bodies.iter().enumerate().map(|(i, body)| plant.sections(i, &body.places_m)).collect();
+        let gauge = |gauge: &GaugeScene| plant.sections(gauge.body, &[gauge.place_m])[0].point(gauge.point_m).0;
+        Frame {
+            time_s: outputs.time_s,
+            sections,
+            edges_m: edges_m(plant),
+            gauges_m: scene.gauges.iter().map(gauge).collect(),
+            angles_rad: outputs.joints.iter().map(|joint| joint.angle_rad).collect(),
+            strains: outputs.gauges.clone(),
+            energy: outputs.energy,
+            lattice: plant.lattice().map_or_else(Vec::new, |(_, surfaces)| surfaces),
+        }
+    }
+}
+
+/// Leading and trailing edges of the lifting surfaces on the present wing.
+fn edges_m(plant: &Plant) -> Vec<Vec<[Vector3<f64>; 2]>> {
+    let surfaces = plant.machine().air.iter().flat_map(|air| &air.surfaces);
+    let edges = surfaces.map(|surface| {
+        let sections = plant.sections(surface.body, &surface.positions_m);
+        let ends = |(section, fraction): (&SectionState, [Vector3<f64>; 2])| {
+            fraction.map(|offset_m| section.position_m + section.rotation * offset_m)
+        };
+        let chords = surface.chords.iter().map(|chord| [chord.leading_m, chord.trailing_m]);
+        sections.iter().zip(chords).map(ends).collect()
+    });
+    edges.collect()
+}
+
+impl Scene {
+    fn of(plant: &Plant) -> Self {
+        let machine = plant.machine();
+        let name = |body: &usize| machine.bodies[*body].name.clone();
+        Self {
+            name: machine.name.clone(),
+            description: machine.description.clone(),
+            bodies: (0..machine.bodies.len()).map(|body| body_scene(plant, machine, body)).collect(),
+            joints: plant.revolute_joints().iter().map(|&i| (machine.bodies[i].joint.name.clone(), i)).collect(),
+            tips: plant.tip_bodies().iter().map(name).collect(),
+            gauges: machine
+                .gauges
+                .iter()
+                .map(|gauge| GaugeScene {
+                    name: gauge.name.clone(),
+                    body: gauge.body,
+                    place_m: gauge.position_m,
+                    point_m: [gauge.y_m, gauge.z_m],
+                })
+                .collect(),
+        }
+    }
+}
+
+fn body_scene(plant: &Plant, machine: &Machine, index: usize) -> BodyScene {
+    let body = &machine.bodies[index];
+    let mesh_m = plant.mesh_m(index);
+    let parts = INTERVALS.div_ceil(mesh_m.len().saturating_sub(1).max(1));
+    let inside = |pair: &[f64]| -> Vec<f64> {
+        let (start, length) = (pair[0], pair[1] - pair[0]);
+        (0..parts).map(|i| start + length * i as f64 / parts as f64).collect()
+    };
+    let places_m: Vec<f64> = mesh_m.windows(2).flat_map(inside).chain(mesh_m.last().copied()).collect();
+    let rim = |place_m: &f64| {
+        if body.is_rigid() {
+            return rim(Outline::Rectangle, 0.0, 0.0); // a point
+        }
+        let section = body.section.at(*place_m);
+        let outline = body.section.solid_at(*place_m).map_or(Outline::Rectangle, |solid| solid.outline);
+        let half = |given_m: f64| if given_m > 0.0 { given_m } else { ROD * body.length_m };
+        rim(outline, half(section.half_width_m), half(section.half_height_m))
+    };
+    let rims_m = places_m.iter().map(rim).collect();
+    let joint = match &body.joint.kind {
+        JointKind::Clamped => String::new(),
+        JointKind::Revolute(_) | JointKind::Spatial(_) => body.joint.name.clone(),
+    };
+    BodyScene { name: body.name.clone(), joint, places_m, rims_m }
+}
+
+/// Points around a section, from `+y` towards `+z`.
+fn rim(outline: Outline, half_width_m: f64, half_height_m: f64) -> Vec<[f64; 2]> {
+    match outline {
+        Outline::Rectangle => [[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]]
+            .map(|[y, z]| [y * half_width_m, z * half_height_m])
+            .into(),
+        Outline::Ellipse => {
+            let point = |i: u32| {
+                let (sine, cosine) = (f64::from(i) * std::f64::consts::TAU / 12.0).sin_cos();
+                [cosine * half_width_m, sine * half_height_m]
+            };
+            (0..12).map(point).collect()
+        }
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use foldwing_file as config;
+    use std::sync::Arc;
+
+    /// A shipped model.
+    pub fn shipped(name: &str) -> Machine {
+        let path = format!("{}/../../examples/models/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        config::parse(&std::fs::read_to_string(path).unwrap(), name).unwrap()
+    }
+
+    fn started(machine: Machine) -> Plant {
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap();
+        plant
+    }
+
+    /// A recording of so many steps of 1 ms.
+    pub fn recorded(machine: Machine, steps: u64) -> Recording {
+        let mut plant = started(machine);
+        let mut recording = Recording::new(&plant, steps, FRAMES);
+        recording.include(&plant);
+        for step in 1..=steps {
+            plant.step(step as f64 * 1e-3).unwrap();
+            recording.include(&plant);
+        }
+        recording
+    }
+
+    /// First and last are kept, what lies between at equal intervals, and never more than asked for.
+    #[test]
+    fn thinning_keeps_both_ends() {
+        for (steps, most) in [(1, 1), (5, 10), (10, 10), (11, 10), (101, 10), (100_000, 7)] {
+            let mut thinning = Thinning::new(steps, most);
+            let kept: Vec<u64> = (0..=steps).filter(|_| thinning.keeps()).collect();
+            assert_eq!((kept[0], kept[kept.len() - 1]), (0, steps));
+            assert!(kept.len() as u64 <= most + 1, "{} of {steps} steps", kept.len());
+            let strides: Vec<u64> = kept.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            assert!(strides[..strides.len() - 1].iter().all(|stride| *stride == strides[0]), "{strides:?}");
+        }
+    }
+
+    /// Sections anywhere on a moving, curved, twisted or branched body are those of the mesh and of the load stations: the
+    /// same sums in another order, so round-off of the largest length (90 m) and velocity.
+    #[test]
+    fn sections_are_those_of_mesh_and_stations() {
+        for name in ["curved_blade", "branched", "folding_wing_constant"] {
+            let mut plant = started(shipped(name));
+            plant.step(0.05).unwrap();
+            for (body, mesh) in plant.shape().iter().enumerate() {
+                let places_m = plant.mesh_m(body);
+                assert_eq!(places_m.len(), mesh.len(), "{name}");
+                for (section, node) in plant.sections(body, &places_m).iter().zip(mesh) {
+                    let off_m = (section.position_m - node.position_m).norm();
+                    assert!(off_m < 1e-12 && (section.rotation - node.rotation).norm() < 1e-12, "{name}: {off_m:e} m");
+                }
+            }
+            let bodies = plant.machine().bodies.iter().enumerate();
+            let places =
+                bodies.flat_map(|(body, with)| with.station_positions_m.iter().map(move |place_m| (body, *place_m)));
+            for ((body, place_m), station) in places.zip(&plant.outputs().stations) {
+                let section = plant.sections(body, &[place_m])[0];
+                assert!((section.position_m - station.position_m).norm() < 1e-12, "{name}: station at {place_m} m");
+                assert!((section.velocity_m_s - station.velocity_m_s).norm() < 1e-12, "{name}: station at {place_m} m");
+            }
+        }
+    }
+
+    /// A gauge reads the longitudinal strain of the section at its point.
+    #[test]
+    fn axial_strain_is_what_a_gauge_reads() {
+        let recording = recorded(shipped("folding_wing"), 40);
+        let gauge = &recording.scene.gauges[0];
+        let mut plant = started(shipped("folding_wing"));
+        plant.step(0.04).unwrap();
+        let section = plant.sections(gauge.body, &[gauge.place_m])[0];
+        let (read, found) = (plant.outputs().gauges[0], section.axial_strain(gauge.point_m));
+        assert!(read.abs() > 1e-5 && (read - found).abs() < 1e-15, "{read} and {found}");
+    }
+}

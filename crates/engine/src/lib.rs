@@ -1,0 +1,22 @@
+//! Flexible machines with joints: the equations of geometrically nonlinear, strain-based beams and rigid bodies in a
+//! tree, forces, air, and their integration in time.
+//!
+//! `docs/NOTATION.md` numbers the equations that the code cites. Nothing here reads a file, asks a clock or knows FMI.
+//! A [`machine::Machine`] comes from its [builder](machine::Machine::builder); a [`plant::Plant`] runs it.
+
+pub mod math;
+
+pub mod beam;
+pub mod load;
+
+pub mod multibody;
+
+pub mod actuation;
+
+pub mod aero;
+
+pub mod solve;
+
+pub mod machine;
+
+pub mod plant;

@@ -1,0 +1,469 @@
+//! The machine: bodies, joints, loops, gauges, air, solver and experiment, in SI and radians.
+//!
+//! Whoever needs the model needs this module alone. A [`Machine`] comes from [`Machine::builder`], in code or told by a model
+//! file; [`Machine::validate`] says what is wrong with one whose fields were set by hand.
+
+pub mod builder;
+pub(crate) mod edges;
+pub mod fault;
+pub mod pose;
+pub mod units;
+pub mod validate;
+
+pub use fault::{Fault, Refused};
+
+pub use crate::actuation::latch::LatchKind;
+pub use crate::actuation::prescribed::Motion;
+pub use crate::actuation::spring::Spring;
+pub use crate::aero::AirOptions;
+use crate::aero::flow::Gust;
+pub use crate::aero::lattice::{LoadRule, WakeModel};
+use crate::aero::surface::{ChordLine, Profile};
+pub use crate::beam::element::ElementKind;
+pub use crate::beam::law::{NaturalStrain, SectionLaw};
+use crate::beam::recovery::{axial_row, gauge_row};
+use crate::load::{LoadFrame, Wrench};
+use nalgebra::{Matrix3, Vector3, Vector4};
+
+/// A whole machine as validated. Bodies are in topological order: a parent stands before its children.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Machine {
+    /// Model name, an identifier; names the FMU.
+    pub name: String,
+    /// One-line description.
+    pub description: String,
+    /// Bodies, each with the joint that holds it to its parent.
+    pub bodies: Vec<Body>,
+    /// Joints that close loops, by the penalty method.
+    pub closures: Vec<Closure>,
+    /// Strain gauges.
+    pub gauges: Vec<Gauge>,
+    /// Air, if it is computed here.
+    pub air: Option<Air>,
+    /// Gravity in the root frame, m/s².
+    pub gravity_m_s2: Vector3<f64>,
+    /// Time integration.
+    pub solver: Solver,
+    /// Default experiment.
+    pub experiment: Experiment,
+}
+
+/// A beam or a rigid body, and the joint at its inner end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// Identifier.
+    pub name: String,
+    /// Arc length of the undeformed axis in m; 0 for a rigid body.
+    pub length_m: f64,
+    /// Cross-section along the body; of no meaning for a rigid body.
+    pub section: SectionLaw,
+    /// Kind of strain element.
+    pub element: ElementKind,
+    /// Number of elements of that kind along the body (a linear element is one pair of halves); 0 makes the body rigid.
+    pub elements: usize,
+    /// Natural strains `(εx, κx, κy, κz)` along the body: initial stretch (–), twist and curvatures (1/m).
+    pub natural_strain: NaturalStrain,
+    /// Mass-proportional damping `α` in 1/s.
+    pub mass_damping_1_s: f64,
+    /// It acts on the attached masses too.
+    pub damp_attached_masses: bool,
+    /// Stiffness-proportional damping `β` in s.
+    pub stiffness_damping_s: f64,
+    /// Distances of the load stations from the body's inner end in m, ascending.
+    pub station_positions_m: Vec<f64>,
+    /// Frame of the station loads.
+    pub load_frame: LoadFrame,
+    /// Start values of the loads, per station, in that frame; stations beyond the list carry none.
+    pub station_loads: Vec<Wrench>,
+    /// Point masses and rigid bodies on this body.
+    pub masses: Vec<AttachedMass>,
+    /// Joint to the parent.
+    pub joint: Joint,
+}
+
+impl Body {
+    /// The body has no elements: one frame that carries masses, joints and loads.
+    pub fn is_rigid(&self) -> bool {
+        self.elements == 0
+    }
+}
+
+/// A point mass or rigid body fixed to a section.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AttachedMass {
+    /// Identifier.
+    pub name: String,
+    /// Distance of the section from the body's inner end in m.
+    pub position_m: f64,
+    /// Mass in kg.
+    pub mass_kg: f64,
+    /// Centre of gravity from the axis, section frame, m.
+    pub offset_m: Vector3<f64>,
+    /// Inertia about the centre of gravity, section frame, kg·m².
+    pub inertia_kg_m2: Matrix3<f64>,
+}
+
+/// Joint between a body's inner end and its parent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Identifier.
+    pub name: String,
+    /// What the joint holds on to.
+    pub parent: Parent,
+    /// From the place on the parent body to the body's first frame, parent's section frame there, in m; zero on the root.
+    pub offset_m: Vector3<f64>,
+    /// Orientation of the body's first frame in the parent's frame at angle zero: parent ← body.
+    pub mount: Matrix3<f64>,
+    /// What the joint allows.
+    pub kind: JointKind,
+}
+
+/// What a joint holds on to.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Parent {
+    /// The root frame, at a position in m.
+    Root {
+        /// Position of the body's inner end in the root frame, m.
+        position_m: Vector3<f64>,
+    },
+    /// A section of another body.
+    Body {
+        /// Index into [`Machine::bodies`].
+        index: usize,
+        /// Distance of the section from that body's inner end in m.
+        position_m: f64,
+    },
+}
+
+/// What a joint allows.
+#[derive(Debug, Clone, PartialEq)]
+pub enum JointKind {
+    /// Nothing.
+    Clamped,
+    /// Rotation about one axis: `R_body = R_parent · Rot(axis, θ) · mount`.
+    Revolute(Box<Revolute>),
+    /// Several freedoms, described by the paper's redundant parameters; `mount` is the attitude at the start.
+    Spatial(Box<Spatial>),
+}
+
+/// A universal, ball or free joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spatial {
+    /// What it allows.
+    pub freedom: SpatialFreedom,
+    /// Spring towards the start attitude in N·m/rad: per axis of a universal joint, about the rotation vector of a ball.
+    pub stiffness_n_m_rad: f64,
+    /// Damping in N·m·s/rad.
+    pub damping_n_m_s_rad: f64,
+    /// Angular velocity at the start relative to the parent, parent's frame, rad/s.
+    pub start_angular_velocity_rad_s: Vector3<f64>,
+    /// Velocity of the body's inner end at the start, root frame, m/s; free joints only.
+    pub start_velocity_m_s: Vector3<f64>,
+}
+
+/// What a joint with several freedoms allows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SpatialFreedom {
+    /// Rotation about two axes, one fixed to each side.
+    Universal {
+        /// Unit axis in the parent's section frame.
+        parent_axis: Vector3<f64>,
+        /// Unit axis in the body's section frame.
+        body_axis: Vector3<f64>,
+    },
+    /// All rotations.
+    Ball,
+    /// Everything; only on the root.
+    Free,
+}
+
+/// A fold joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Revolute {
+    /// Unit hinge axis in the parent's section frame.
+    pub axis: Vector3<f64>,
+    /// Fold angle at the start in rad.
+    pub start_angle_rad: f64,
+    /// Fold rate at the start in rad/s (joints that are free at the start).
+    pub start_rate_rad_s: f64,
+    /// How the angle moves.
+    pub motion: JointMotion,
+    /// Start value of the release input.
+    pub release: bool,
+    /// Motor.
+    pub drive: Drive,
+    /// Spring and damper of the joint itself, if the file states them.
+    pub spring: Option<Spring>,
+    /// Latch, if the joint has one.
+    pub latch: Option<Latch>,
+}
+
+impl Revolute {
+    /// A hinge about an axis in the parent's section frame: free, released, at rest at angle 0, without motor, spring or latch.
+    pub fn about(axis: impl Into<Vector3<f64>>) -> Self {
+        Self {
+            axis: axis.into(),
+            start_angle_rad: 0.0,
+            start_rate_rad_s: 0.0,
+            motion: JointMotion::Free,
+            release: true,
+            drive: Drive::default(),
+            spring: None,
+            latch: None,
+        }
+    }
+}
+
+/// How a fold angle moves.
+#[derive(Debug, Clone, PartialEq)]
+pub enum JointMotion {
+    /// By its torques.
+    Free,
+    /// Not at all: held at the start angle.
+    Locked,
+    /// As a function of absolute time.
+    Prescribed(Motion),
+}
+
+/// Motor torque on the outer body about `+θ`: `−(k_m (θ − θ_cmd) + c_m θ̇ + T)`, limited, NOTATION eq. (A1).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drive {
+    /// Spring stiffness `k` in N·m/rad.
+    pub stiffness_n_m_rad: f64,
+    /// Damping `c` in N·m·s/rad.
+    pub damping_n_m_s_rad: f64,
+    /// Constant torque `T` in N·m, towards −θ.
+    pub constant_torque_n_m: f64,
+    /// Largest magnitude of the motor's torque in N·m; [`UNLIMITED`] where there is none.
+    pub torque_limit_n_m: f64,
+    /// Largest slew of the neutral angle in rad/s; [`UNLIMITED`] where there is none.
+    pub rate_limit_rad_s: f64,
+    /// Moment of inertia that turns with the angle only, in kg·m².
+    pub inertia_kg_m2: f64,
+    /// Start value of the command input in rad.
+    pub command_rad: f64,
+}
+
+impl Default for Drive {
+    /// No motor: no torque, no limits, no inertia.
+    fn default() -> Self {
+        Self {
+            stiffness_n_m_rad: 0.0,
+            damping_n_m_s_rad: 0.0,
+            constant_torque_n_m: 0.0,
+            torque_limit_n_m: UNLIMITED,
+            rate_limit_rad_s: UNLIMITED,
+            inertia_kg_m2: 0.0,
+            command_rad: 0.0,
+        }
+    }
+}
+
+/// Stands for "no limit" in limits that must stay finite numbers (FMI forbids infinity in the description).
+pub const UNLIMITED: f64 = 1e30;
+
+/// Half-width of a latch's window by default, rad: it catches a joint that rests or creeps at its angle, and closes a
+/// joint that passes it earlier by no more than the time of so small a way.
+pub const DEFAULT_CAPTURE_RAD: f64 = 1e-6;
+
+/// Latch of a fold joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Latch {
+    /// What it does when closed.
+    pub kind: LatchKind,
+    /// Angle at which it closes in rad.
+    pub angle_rad: f64,
+    /// Stiffness it adds when closed in N·m/rad; 0 of a rigid one.
+    pub stiffness_n_m_rad: f64,
+    /// Half-width of the window that catches the joint: enabled, it closes as soon as the angle lies in it, rad.
+    pub capture_rad: f64,
+    /// Closed at the start wherever the joint is; of elastic latches only.
+    pub initially_closed: bool,
+    /// Start value of the enable input.
+    pub enable: bool,
+}
+
+/// Two sections whose points coincide: a ball joint that closes a loop. Two of them on one axis form a hinge.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Closure {
+    /// Identifier.
+    pub name: String,
+    /// Indices into [`Machine::bodies`] and distances from the bodies' inner ends in m.
+    pub places: [(usize, f64); 2],
+    /// Points from the sections' axes, section frames, m.
+    pub offsets_m: [Vector3<f64>; 2],
+    /// Penalty on the gap: inertia in kg.
+    pub inertia_kg: f64,
+    /// Penalty on the gap: damping in N·s/m.
+    pub damping_n_s_m: f64,
+    /// Penalty on the gap: stiffness in N/m.
+    pub stiffness_n_m: f64,
+}
+
+/// A strain gauge: strain of a fibre at a point of a section.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gauge {
+    /// Identifier.
+    pub name: String,
+    /// Index into [`Machine::bodies`].
+    pub body: usize,
+    /// Distance from the body's inner end in m.
+    pub position_m: f64,
+    /// Chordwise coordinate of the point in m.
+    pub y_m: f64,
+    /// Thickness coordinate of the point in m.
+    pub z_m: f64,
+    /// Unit vector along the fibre, section frame.
+    pub direction: Vector3<f64>,
+}
+
+impl Gauge {
+    /// A gauge along the beam axis at the point `(y_m, z_m)` of a section.
+    pub fn axial(name: impl Into<String>, body: usize, position_m: f64, [y_m, z_m]: [f64; 2]) -> Self {
+        Self { name: name.into(), body, position_m, y_m, z_m, direction: Vector3::x() }
+    }
+
+    /// What it reads per strain measure `(γ₁, k₁, k₂, k₃)` of its section, NOTATION eqs. (R1), (R6). `None` where the
+    /// fibre lies across the axis of a section that is no solid with known Poisson's ratio.
+    pub fn row(&self, section: &SectionLaw) -> Option<Vector4<f64>> {
+        if self.direction.y == 0.0 && self.direction.z == 0.0 {
+            return Some(axial_row(self.y_m, self.z_m));
+        }
+        let solid = section.solid_at(self.position_m).filter(|solid| solid.material.poisson_ratio().is_some())?;
+        Some(gauge_row(&solid, self.y_m, self.z_m, &self.direction))
+    }
+}
+
+/// Air around the machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Air {
+    /// Model with its settings.
+    pub options: AirOptions,
+    /// Density in kg/m³.
+    pub density_kg_m3: f64,
+    /// Velocity of the air relative to the root's origin, root frame, m/s: start value of the input.
+    pub wind_m_s: Vector3<f64>,
+    /// Aerodynamic step in s.
+    pub step_s: f64,
+    /// How air and structure agree.
+    pub coupling: Coupling,
+    /// Whether the flow of the start has been there for long.
+    pub established: bool,
+    /// Whether the circulation of every strip is an output.
+    pub reports_circulation: bool,
+    /// Lifting surfaces, in the order of their bodies.
+    pub surfaces: Vec<LiftingSurface>,
+    /// Gusts.
+    pub gusts: Vec<Gust>,
+}
+
+/// How air and structure agree on the loads at the end of an aerodynamic step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Coupling {
+    /// Prediction and one correction.
+    Staggered,
+    /// Iteration.
+    Iterated {
+        /// Change of the loads, relative to the largest so far, at which it ends.
+        tolerance: f64,
+        /// Most iterations per aerodynamic step.
+        most_iterations: usize,
+    },
+}
+
+/// Lifting surface of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LiftingSurface {
+    /// Index into [`Machine::bodies`].
+    pub body: usize,
+    /// Body whose surface goes on beyond this one's inner edge with an inner edge of its own: the other half of a wing.
+    pub other_half: Option<usize>,
+    /// Edges of its strips: distances from the body's inner end in m, ascending.
+    pub positions_m: Vec<f64>,
+    /// Chord at each edge.
+    pub chords: Vec<ChordLine>,
+    /// Panels along the chord.
+    pub chord_panels: usize,
+    /// Profile, for strip theory.
+    pub profile: Profile,
+}
+
+/// Time integration method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Generalised-α, second order.
+    GeneralizedAlpha,
+    /// TR-BDF2, second order.
+    TrBdf2,
+    /// SDIRK of two stages, second order.
+    Sdirk2,
+    /// `ESDIRK3(2)4L[2]SA`, third order.
+    Esdirk3,
+    /// `ESDIRK4(3)6L[2]SA`, fourth order.
+    Esdirk4,
+    /// Classical explicit Runge–Kutta, fourth order; with fixed steps only.
+    Rk4,
+}
+
+/// Settings of the time integration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solver {
+    /// Method.
+    pub method: Method,
+    /// Tolerance of the kinematic error norm per step (displacement over wing length, rotation in rad).
+    pub tolerance: f64,
+    /// Largest internal step in s.
+    pub max_step_s: f64,
+    /// Smallest internal step in s: below it non-convergence is an error.
+    pub min_step_s: f64,
+    /// Fixed internal step in s; `None` for variable steps.
+    pub fixed_step_s: Option<f64>,
+    /// Spectral radius at infinity of generalised-α.
+    pub rho_infinity: f64,
+    /// Most Newton iterations of a stage in real-time mode, which repeats nothing; `None` otherwise.
+    pub most_iterations: Option<usize>,
+}
+
+impl Default for Solver {
+    /// What a model file without a table `[solver]` has: ESDIRK4 at 1e-4 with steps of up to 5 ms.
+    fn default() -> Self {
+        Self {
+            method: Method::Esdirk4,
+            tolerance: 1e-4,
+            max_step_s: 5e-3,
+            min_step_s: 1e-9,
+            fixed_step_s: None,
+            rho_infinity: 0.8,
+            most_iterations: None,
+        }
+    }
+}
+
+/// Default experiment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Experiment {
+    /// Start time in s.
+    pub start_time_s: f64,
+    /// Stop time in s.
+    pub stop_time_s: f64,
+    /// Communication step in s.
+    pub step_s: f64,
+    /// State at the start.
+    pub start: StartState,
+}
+
+impl Default for Experiment {
+    /// What a model file without a table `[experiment]` has: 0.4 s from 0 on by 0.5 ms, unstrained at the start.
+    fn default() -> Self {
+        Self { start_time_s: 0.0, stop_time_s: 0.4, step_s: 5e-4, start: StartState::Unstrained }
+    }
+}
+
+/// State of the machine at the start of the experiment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StartState {
+    /// Without strains: loads act from the start on.
+    Unstrained,
+    /// At rest under the loads of the start, stoppers holding the joints that are not latched.
+    Equilibrium,
+}

@@ -1,0 +1,201 @@
+//! Checks of joints: names, attitudes, axes, motions, motors, springs, latches, start rates.
+
+use crate::machine::fault::{Checker, Range, array_text, is_finite};
+use crate::machine::units::shortest;
+use crate::machine::validate::unit_vector;
+use crate::machine::{
+    Drive, Joint, JointKind, JointMotion, Latch, LatchKind, Motion, Parent, Revolute, Spatial, SpatialFreedom,
+};
+use crate::machine::{Spring, UNLIMITED};
+use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::TAU;
+
+/// Groups of the FMU's variables, which a joint's name would clash with.
+pub const RESERVED: &[&str] = &[
+    "load", "gravity", "root", "wind", "gauge", "loop", "tip", "station", "aero", "energy", "solver", "body", "time",
+    "der",
+];
+
+/// Beginning of the groups of several free ends, `tip_<body>`.
+const RESERVED_BEGINNING: &str = "tip_";
+
+/// Cosine between a universal joint's axes beyond which they count as parallel.
+const PARALLEL: f64 = 0.999;
+
+/// Share of a start angular velocity across both axes of a universal joint that is taken for rounded numbers.
+pub(crate) const ACROSS: f64 = 1e-4;
+
+/// A joint, without the place that it holds on to.
+pub(super) fn check(joint: &Joint, checker: &mut Checker) {
+    let name = joint.name.as_str();
+    if RESERVED.contains(&name) || name.starts_with(RESERVED_BEGINNING) {
+        let allowed =
+            format!("a name that does not start with {RESERVED_BEGINNING} and is not one of {}", RESERVED.join(", "));
+        checker.refuse_state(&["joint", name], format!("the name {name:?}"), allowed);
+    }
+    let turned = joint.mount.transpose() * joint.mount - Matrix3::identity();
+    let proper = turned.amax() <= 1e-9 && joint.mount.determinant() > 0.0;
+    if !(proper && joint.mount.iter().copied().all(is_finite)) {
+        checker.refuse_state(&["joint", name, "mount"], "a matrix that turns nothing", "a rotation matrix");
+        return;
+    }
+    match &joint.kind {
+        JointKind::Clamped => {}
+        JointKind::Revolute(revolute) => check_revolute(name, revolute, checker),
+        JointKind::Spatial(spatial) => check_spatial(name, joint, spatial, checker),
+    }
+}
+
+fn check_revolute(name: &str, joint: &Revolute, checker: &mut Checker) {
+    unit_vector(&["joint", name, "axis"], &joint.axis, checker);
+    let turn = match joint.motion {
+        JointMotion::Prescribed(_) => Range::Finite, // as the law begins
+        _ => Range::Within(-TAU, TAU),
+    };
+    checker.number(&["joint", name, "start_angle_rad"], joint.start_angle_rad, turn);
+    let rate = checker.number(&["joint", name, "start_rate_rad_s"], joint.start_rate_rad_s, Range::Finite);
+    if rate && joint.start_rate_rad_s != 0.0 && (joint.motion != JointMotion::Free || !joint.release) {
+        let allowed = "a rate of 0 rad/s where the joint is locked, prescribed or not released at the start";
+        checker.refuse(&["joint", name, "start_rate_rad_s"], shortest(joint.start_rate_rad_s), allowed);
+    }
+    if let JointMotion::Prescribed(motion) = &joint.motion {
+        check_motion(&["joint", name, "motion"], motion, checker);
+    }
+    check_drive(name, &joint.drive, checker);
+    if let Some(Spring { stiffness_n_m_rad, damping_n_m_s_rad, rest_angle_rad }) = joint.spring {
+        let place = |key| ["joint", name, "spring", key];
+        checker.number(&place("stiffness_n_m_rad"), stiffness_n_m_rad, Range::AtLeast(0.0));
+        checker.number(&place("damping_n_m_s_rad"), damping_n_m_s_rad, Range::AtLeast(0.0));
+        checker.number(&place("rest_angle_rad"), rest_angle_rad, Range::Within(-TAU, TAU));
+    }
+    if let Some(latch) = &joint.latch {
+        check_latch(name, joint, latch, checker);
+    }
+}
+
+/// A prescribed motion that can be evaluated.
+pub(crate) fn check_motion(place: &[&str], motion: &Motion, checker: &mut Checker) -> bool {
+    let (fits, allowed) = match motion {
+        Motion::Polynomial(coefficients) => {
+            let fits = (1..=100).contains(&coefficients.len()) && coefficients.iter().copied().all(is_finite);
+            (fits, "an array of 1 to 100 finite coefficients in rad and s")
+        }
+        Motion::Table(points) | Motion::Onward(points) => {
+            let finite = points.len() >= 2 && points.iter().all(|(t, angle)| is_finite(*t) && is_finite(*angle));
+            let ascending = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
+            (finite && ascending, "at least 2 pairs [time in s, angle in rad] of finite numbers with ascending times")
+        }
+    };
+    if !fits {
+        checker.refuse(place, format!("{motion:?}"), allowed);
+    }
+    fits
+}
+
+fn check_drive(name: &str, drive: &Drive, checker: &mut Checker) {
+    let place = |key| ["joint", name, "drive", key];
+    for (key, value) in [
+        ("stiffness_n_m_rad", drive.stiffness_n_m_rad),
+        ("damping_n_m_s_rad", drive.damping_n_m_s_rad),
+        ("torque_limit_n_m", drive.torque_limit_n_m),
+        ("rate_limit_rad_s", drive.rate_limit_rad_s),
+        ("inertia_kg_m2", drive.inertia_kg_m2),
+    ] {
+        checker.number(&place(key), value, Range::AtLeast(0.0));
+    }
+    checker.number(&place("constant_torque_n_m"), drive.constant_torque_n_m, Range::Finite);
+    checker.number(&place("command_rad"), drive.command_rad, Range::Within(-TAU, TAU));
+}
+
+fn check_latch(name: &str, joint: &Revolute, latch: &Latch, checker: &mut Checker) {
+    let place = |key| ["joint", name, "latch", key];
+    if joint.motion != JointMotion::Free {
+        let allowed = "a latch only with motion = \"free\"";
+        checker.refuse_state(&["joint", name, "latch"], "a latch on a joint that does not move freely", allowed);
+    }
+    if latch.kind == LatchKind::Rigid && latch.initially_closed {
+        let allowed = "true only with kind = \"elastic\": a rigid latch is closed at the start where it is enabled and \
+             start_angle lies within capture of angle";
+        checker.refuse(&place("initially_closed"), "true", allowed);
+    } else if latch.initially_closed && !latch.enable {
+        let allowed = "true only with enable = true: a latch that is not enabled is open";
+        checker.refuse(&place("initially_closed"), "true", allowed);
+    }
+    let caught = latch.enable && (joint.start_angle_rad - latch.angle_rad).abs() <= latch.capture_rad;
+    if latch.kind == LatchKind::Rigid && caught && joint.start_rate_rad_s != 0.0 {
+        let allowed = "a rate of 0 rad/s where a rigid latch is closed at the start; start outside its window, or write \
+             enable = false";
+        checker.refuse(&["joint", name, "start_rate_rad_s"], shortest(joint.start_rate_rad_s), allowed);
+    }
+    checker.number(&place("angle_rad"), latch.angle_rad, Range::Within(-TAU, TAU));
+    checker.number(&place("capture_rad"), latch.capture_rad, Range::Within(0.0, TAU));
+    if latch.kind == LatchKind::Elastic {
+        checker.number(&place("stiffness_n_m_rad"), latch.stiffness_n_m_rad, Range::Above(0.0));
+    } else if latch.stiffness_n_m_rad != 0.0 {
+        let found = shortest(latch.stiffness_n_m_rad);
+        checker.refuse(&place("stiffness_n_m_rad"), found, "0: a rigid latch has no spring");
+    }
+}
+
+/// Universal, ball and free joints.
+fn check_spatial(name: &str, joint: &Joint, spatial: &Spatial, checker: &mut Checker) {
+    let place = |key| ["joint", name, key];
+    let within = [place("stiffness_n_m_rad"), place("damping_n_m_s_rad")];
+    checker.number(&within[0], spatial.stiffness_n_m_rad, Range::AtLeast(0.0));
+    checker.number(&within[1], spatial.damping_n_m_s_rad, Range::AtLeast(0.0));
+    let spin = &spatial.start_angular_velocity_rad_s;
+    let turns = checker.array(&place("start_angular_velocity_rad_s"), spin.as_slice());
+    checker.array(&place("start_velocity_m_s"), spatial.start_velocity_m_s.as_slice());
+    let free = spatial.freedom == SpatialFreedom::Free;
+    if free && !matches!(joint.parent, Parent::Root { .. }) {
+        let allowed = "\"root\" where type = \"free\": a body that another one carries is held by that body's joint";
+        checker.refuse(&place("parent"), "a body", allowed);
+    }
+    if free && (spatial.stiffness_n_m_rad != 0.0 || spatial.damping_n_m_s_rad != 0.0) {
+        let allowed = "0 on a free joint, which holds nothing";
+        checker.refuse(&within[0], shortest(spatial.stiffness_n_m_rad.max(spatial.damping_n_m_s_rad)), allowed);
+    }
+    if !free && spatial.start_velocity_m_s != Vector3::zeros() {
+        let found = array_text(spatial.start_velocity_m_s.as_slice());
+        checker.refuse(&place("start_velocity_m_s"), found, "0 on joints that are not free");
+    }
+    let SpatialFreedom::Universal { parent_axis, body_axis } = &spatial.freedom else { return };
+    if !(unit_vector(&place("axis"), parent_axis, checker) & unit_vector(&place("body_axis"), body_axis, checker)) {
+        return;
+    }
+    let second = joint.mount * body_axis;
+    if parent_axis.dot(&second).abs() > PARALLEL {
+        let allowed = "an array of 3 finite numbers, in the attitude of mount_rotation not parallel to axis";
+        checker.refuse(&place("body_axis"), array_text(body_axis.as_slice()), allowed);
+        return;
+    }
+    let normal = parent_axis.cross(&second).normalize();
+    // against overflow of squares
+    let scale = spin.amax();
+    if turns && scale > 0.0 && normal.dot(&(spin / scale).normalize()).abs() > ACROSS {
+        let [x, y, z] = normal.map(|part| (part * 1e4).round() / 1e4 + 0.0).into();
+        let allowed = format!("rates in rad/s about axis and body_axis only: nothing along [{x}, {y}, {z}]");
+        checker.refuse(&place("start_angular_velocity_rad_s"), array_text(spin.as_slice()), allowed);
+    }
+}
+
+/// Stiffness in N·m/rad that a latch adds where its joint is `ratio` times as stiff when it is closed; `None` where it is
+/// refused.
+pub(crate) fn latch_stiffness_n_m_rad(name: &str, ratio: f64, own_n_m_rad: f64, checker: &mut Checker) -> Option<f64> {
+    let place = ["joint", name, "latch", "stiffness_ratio"];
+    if !checker.number(&place, ratio, Range::Above(1.0)) {
+        return None;
+    }
+    let stiffness = (ratio - 1.0) * own_n_m_rad;
+    if own_n_m_rad == 0.0 {
+        let allowed =
+            "a ratio where the stiffness of drive and spring is > 0; write stiffness_n_m_rad (N·m/rad) instead";
+        checker.refuse(&place, shortest(ratio), allowed);
+        return None;
+    }
+    if !(stiffness > 0.0 && stiffness <= UNLIMITED) {
+        checker.refuse(&place, shortest(ratio), "a ratio that gives a finite stiffness > 0 N·m/rad");
+        return None;
+    }
+    Some(stiffness)
+}

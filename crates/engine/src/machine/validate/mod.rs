@@ -1,0 +1,267 @@
+//! Checks of a whole machine: names, tree, numbers and what several of them say together.
+
+pub(crate) mod air;
+mod attached;
+pub(crate) mod body;
+pub mod joint;
+pub mod section;
+
+use crate::machine::fault::{Checker, Fault, Range, array_text};
+use crate::machine::units::shortest;
+use crate::machine::{Body, Experiment, JointKind, Machine, Method, Parent, Solver};
+use std::collections::BTreeSet;
+
+/// What names must look like.
+pub const IDENTIFIER_ALLOWED: &str = "an identifier: letters, digits and _, no digit first";
+
+/// Most load stations of a machine: its model description then has some ten megabytes.
+const MOST_STATIONS: usize = 2_000;
+/// Most load stations of a body.
+pub(super) const MOST_STATIONS_OF_BODY: usize = 1_000;
+/// Most elements of a machine: a step then takes a tenth of a second.
+const MOST_ELEMENTS: usize = 20_000;
+
+/// True where a name has letters, digits and _ only, and begins with no digit.
+pub fn is_identifier(name: &str) -> bool {
+    let mut letters = name.chars();
+    letters.next().is_some_and(|first| first.is_ascii_alphabetic() || first == '_')
+        && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
+}
+
+impl Machine {
+    /// Everything that is wrong with the machine; empty where it is sound. Plants and interfaces take sound machines only.
+    ///
+    /// A machine by [`Machine::builder`] or from a model file has been validated. One whose fields were set by hand
+    /// should be validated before it is used: a wrong index would panic, a wrong number end in a run that does not converge.
+    ///
+    /// ```
+    /// use crate::beam::section::{Material, Solid};
+    /// use crate::machine::{Body, Joint, Machine};
+    ///
+    /// let plate = Solid::rectangle(0.05, 0.002, Material::isotropic(70e9, 0.33, 2700.0));
+    /// let mut machine =
+    ///     Machine::builder("wing").body(Body::beam("wing", 1.0, plate).elements(4), Joint::clamped("mount")).build().unwrap();
+    /// machine.bodies[0].mass_damping_1_s = -1.0;
+    /// let faults: Vec<String> = machine.validate().iter().map(|fault| fault.to_string()).collect();
+    /// assert_eq!(faults, ["body \"wing\", mass_damping_1_s: -1 is not allowed; allowed: a finite damping >= 0 (1/s)"]);
+    /// ```
+    pub fn validate(&self) -> Vec<Fault> {
+        let mut checker = Checker::default();
+        structure(self, &mut checker);
+        surroundings(self, &mut checker);
+        checker.faults
+    }
+}
+
+/// Bodies, joints and what sits on them.
+pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
+    if !is_identifier(&machine.name) {
+        checker.refuse(&["name"], format!("{:?}", machine.name), IDENTIFIER_ALLOWED);
+    }
+    checker.array(&["gravity_m_s2"], machine.gravity_m_s2.as_slice());
+    if machine.bodies.is_empty() {
+        checker.refuse_state(&["body"], "a machine without bodies", "at least one body");
+    }
+    names("body", machine.bodies.iter().map(|body| body.name.as_str()), checker);
+    names("joint", machine.bodies.iter().map(|body| body.joint.name.as_str()), checker);
+    names("mass", machine.bodies.iter().flat_map(|body| &body.masses).map(|mass| mass.name.as_str()), checker);
+    names("loop", machine.closures.iter().map(|closure| closure.name.as_str()), checker);
+    names("gauge", machine.gauges.iter().map(|gauge| gauge.name.as_str()), checker);
+    let tree_holds = tree(&machine.bodies, checker);
+    for body in &machine.bodies {
+        joint::check(&body.joint, checker);
+        body::check(body, checker);
+    }
+    if tree_holds {
+        inertia(&machine.bodies, checker);
+    }
+    sizes(&machine.bodies, checker);
+    for gauge in &machine.gauges {
+        attached::gauge(gauge, &machine.bodies, checker);
+    }
+    let mut closures_hold = true;
+    for closure in &machine.closures {
+        closures_hold &= attached::closure(closure, &machine.bodies, checker);
+    }
+    if tree_holds && closures_hold && stand(checker) {
+        attached::gaps(machine, checker);
+    }
+}
+
+/// True where no body and no joint was refused, so that the unstrained machine has a shape.
+pub(super) fn stand(checker: &Checker) -> bool {
+    let fell = |fault: &Fault| fault.place.0.first().is_some_and(|kind| kind == "body" || kind == "joint");
+    !checker.faults.iter().any(fell)
+}
+
+/// Air, solver and experiment.
+pub(super) fn surroundings(machine: &Machine, checker: &mut Checker) {
+    if let Some(air) = &machine.air {
+        air::check(air, &machine.bodies, checker);
+    }
+    solver(&machine.solver, machine.air.is_some(), checker);
+    experiment(&machine.experiment, checker);
+}
+
+/// Names are identifiers, and no two of a kind are the same.
+pub(super) fn names<'n>(kind: &str, names: impl Iterator<Item = &'n str>, checker: &mut Checker) {
+    let mut seen = BTreeSet::new();
+    for name in names {
+        if !is_identifier(name) {
+            checker.refuse_state(&[kind, name], format!("the name {name:?}"), IDENTIFIER_ALLOWED);
+        }
+        if !seen.insert(name) {
+            let allowed = format!("a name that no other {kind} has");
+            checker.refuse_state(&[kind, name], format!("the name {name:?}"), allowed);
+        }
+    }
+}
+
+/// Parents stand before their children, and joints on them.
+fn tree(bodies: &[Body], checker: &mut Checker) -> bool {
+    let mut holds = true;
+    for (own, body) in bodies.iter().enumerate() {
+        match body.joint.parent {
+            Parent::Root { position_m } => {
+                checker.array(&["joint", &body.joint.name, "root_position_m"], position_m.as_slice());
+                if body.joint.offset_m != nalgebra::Vector3::zeros() {
+                    let found = array_text(body.joint.offset_m.as_slice());
+                    let allowed = "no offset from the root; add it to root_position_m";
+                    checker.refuse(&["joint", &body.joint.name, "offset_m"], found, allowed);
+                }
+            }
+            Parent::Body { index, position_m } if index < own => {
+                checker.array(&["joint", &body.joint.name, "offset_m"], body.joint.offset_m.as_slice());
+                let place = ["joint", &body.joint.name, "parent_position_m"];
+                checker.on_body(&place, position_m, bodies[index].length_m);
+            }
+            Parent::Body { index, .. } => {
+                let found = match bodies.get(index) {
+                    Some(parent) => {
+                        format!("{:?}, body {index} of the list, as the parent of body {own},", parent.name)
+                    }
+                    None => format!("body {index} of {}", bodies.len()),
+                };
+                let allowed = "the root or a body that stands earlier in the list: parents come before their children";
+                checker.refuse_state(&["joint", &body.joint.name, "parent"], found, allowed);
+                holds = false;
+            }
+        }
+    }
+    holds
+}
+
+/// A rigid body that can move has mass, or carries something that has.
+fn inertia(bodies: &[Body], checker: &mut Checker) {
+    let mut heavy: Vec<bool> = bodies
+        .iter()
+        .map(|body| body.length_m != 0.0 || !body.is_rigid() || body.masses.iter().any(|mass| mass.mass_kg > 0.0))
+        .collect();
+    for own in (0..bodies.len()).rev() {
+        if let (Parent::Body { index, .. }, true) = (&bodies[own].joint.parent, heavy[own]) {
+            heavy[*index] = true;
+        }
+    }
+    for (body, _) in bodies.iter().zip(&heavy).filter(|(body, heavy)| !**heavy && !is_clamped(body)) {
+        let allowed = "a mass on it or on what it carries, because its joint lets it move";
+        checker.refuse_state(&["body", &body.name], "a rigid body without mass", allowed);
+    }
+}
+
+fn is_clamped(body: &Body) -> bool {
+    matches!(body.joint.kind, JointKind::Clamped)
+}
+
+/// Sizes that time and memory hold.
+fn sizes(bodies: &[Body], checker: &mut Checker) {
+    let sum = |count: fn(&Body) -> usize| bodies.iter().map(count).fold(0, usize::saturating_add);
+    let stations = sum(|body| body.station_positions_m.len());
+    if stations > MOST_STATIONS {
+        let allowed = format!("at most {MOST_STATIONS} on all bodies together: each is 19 variables of the FMU");
+        checker.refuse_state(&["body"], format!("{stations} load stations"), allowed);
+    }
+    let elements = sum(|body| body.elements);
+    if elements > MOST_ELEMENTS {
+        let allowed = format!("at most {MOST_ELEMENTS} on all bodies together");
+        checker.refuse_state(&["body"], format!("{elements} elements"), allowed);
+    }
+}
+
+fn solver(solver: &Solver, in_air: bool, checker: &mut Checker) {
+    checker.number(&["solver", "tolerance"], solver.tolerance, Range::Within(1e-12, 1e-1));
+    checker.number(&["solver", "rho_infinity"], solver.rho_infinity, Range::Within(0.0, 1.0));
+    let positive = checker.number(&["solver", "max_step_s"], solver.max_step_s, Range::Above(0.0))
+        & checker.number(&["solver", "min_step_s"], solver.min_step_s, Range::Above(0.0));
+    if positive && solver.min_step_s >= solver.max_step_s {
+        // the one that is not the default is the mistake
+        let least = solver.min_step_s != Solver::default().min_step_s;
+        let (key, value, sign, other, bound) = match least {
+            true => ("min_step_s", solver.min_step_s, '<', "max_step_s", solver.max_step_s),
+            false => ("max_step_s", solver.max_step_s, '>', "min_step_s", solver.min_step_s),
+        };
+        let allowed = format!("a finite time {sign} {other} = {} s", shortest(bound));
+        checker.refuse(&["solver", key], shortest(value), allowed);
+    }
+    match solver.fixed_step_s {
+        Some(step_s) => {
+            checker.number(&["solver", "fixed_step_s"], step_s, Range::Above(0.0));
+        }
+        None if solver.method == Method::Rk4 => {
+            let allowed = "a finite time > 0 s: method = \"rk4\" has no error estimate to choose its steps by";
+            checker.refuse(&["solver", "fixed_step_s"], "none", allowed);
+        }
+        None if solver.most_iterations.is_some() => {
+            let allowed = "a finite time > 0 s: steps in real-time mode have a fixed length";
+            checker.refuse(&["solver", "fixed_step_s"], "none", allowed);
+        }
+        None => {}
+    }
+    let Some(most_iterations) = solver.most_iterations else { return };
+    checker.count(&["solver", "most_iterations"], most_iterations, 1, 10);
+    if in_air {
+        let allowed = "\"accurate\" for a machine in air: its iteration with the structure is not bounded";
+        checker.refuse(&["solver", "mode"], "\"real_time\"", allowed);
+    }
+    if solver.method != Method::Sdirk2 {
+        let allowed = "\"sdirk2\", or no method, with mode = \"real_time\": with fixed steps the others keep a jump of \
+                       the accelerations ringing in stiff modes";
+        checker.refuse(&["solver", "method"], format!("{:?}", solver.method), allowed);
+    }
+}
+
+fn experiment(experiment: &Experiment, checker: &mut Checker) {
+    let Experiment { start_time_s, stop_time_s, step_s, .. } = *experiment;
+    if !checker.number(&["experiment", "start_time_s"], start_time_s, Range::Finite)
+        | !checker.number(&["experiment", "stop_time_s"], stop_time_s, Range::Finite)
+        | !checker.number(&["experiment", "step_s"], step_s, Range::Above(0.0))
+    {
+        return;
+    }
+    let duration_s = stop_time_s - start_time_s;
+    if duration_s <= 0.0 {
+        // the one that is not the default is the mistake
+        let stop = stop_time_s != Experiment::default().stop_time_s;
+        let (key, value, sign, other, bound) = match stop {
+            true => ("stop_time_s", stop_time_s, '>', "start_time_s", start_time_s),
+            false => ("start_time_s", start_time_s, '<', "stop_time_s", stop_time_s),
+        };
+        let allowed = format!("a finite time {sign} {other} = {} s", shortest(bound));
+        checker.refuse(&["experiment", key], shortest(value), allowed);
+    } else if step_s > duration_s {
+        let allowed = format!("a finite time > 0 s and <= {} s, the length of the experiment", shortest(duration_s));
+        checker.refuse(&["experiment", "step_s"], shortest(step_s), allowed);
+    }
+}
+
+/// Refuses directions that are no unit vectors.
+fn unit_vector(place: &[&str], direction: &nalgebra::Vector3<f64>, checker: &mut Checker) -> bool {
+    let fits = (direction.norm() - 1.0).abs() <= 1e-9;
+    if !fits {
+        checker.refuse(
+            place,
+            array_text(direction.as_slice()),
+            "a unit vector: 3 finite numbers, not all 0, scaled to length 1",
+        );
+    }
+    fits
+}

@@ -1,0 +1,163 @@
+//! Air of the file: the tables `[aerodynamics]`, `[surface.<name>]` and `[gust.<name>]`.
+
+use crate::air_file::{
+    AirFile, AirModelFile, CouplingFile, GustFile, GustShapeFile, IndicialFile, LeadingEdgeFile, SurfaceFile,
+};
+use crate::file::ModelFile;
+use crate::function::along_body;
+use crate::validate::Checker;
+use foldwing_engine::aero::flow::GustShape;
+use foldwing_engine::aero::lattice::WakeModel;
+use foldwing_engine::aero::polar::{Polar, PolarRow};
+use foldwing_engine::aero::strip::indicial::Fit;
+use foldwing_engine::aero::surface::Profile;
+use foldwing_engine::machine::builder::{AirBuilder, GustBuilder, MachineBuilder, SurfaceBuilder};
+use foldwing_engine::machine::{Air, Coupling, LiftingSurface};
+
+/// Adds air, surfaces and gusts to a machine. Surfaces on bodies whose section was refused are left out.
+pub(super) fn add(
+    file: &ModelFile,
+    lawless: &[&str],
+    mut machine: MachineBuilder,
+    checker: &mut Checker,
+) -> MachineBuilder {
+    match &file.aerodynamics {
+        Some(air) => machine = machine.air(build(air)),
+        None => {
+            let stray = file.surface.keys().next().map(|name| ["surface", name]);
+            let stray = stray.or(file.gust.keys().next().map(|name| ["gust", name]));
+            if let Some(path) = stray {
+                checker.refuse_as(&path, "a table without air", "a model file with [aerodynamics]");
+            }
+            machine = machine.air(Air::none()); // what the tables say is looked at all the same
+        }
+    }
+    for (index, (name, surface)) in file.surface.iter().enumerate() {
+        let path = ["surface", name, "body"];
+        let earlier = file.surface.iter().take(index).find(|(_, other)| other.body == surface.body);
+        let built = match earlier {
+            Some((other, _)) => {
+                checker.refuse(&path, format!("a body without a surface; {other:?} is on this one"));
+                None
+            }
+            None if lawless.contains(&surface.body.as_str()) => None,
+            None => build_surface(name, surface, checker),
+        };
+        match built {
+            Some(built) => machine = machine.surface(built),
+            None => checker.stands_in(&["air"]),
+        }
+    }
+    for (name, gust) in &file.gust {
+        if let Some(gust) = build_gust(name, gust, checker) {
+            machine = machine.gust(gust);
+        }
+    }
+    machine
+}
+
+fn build(air: &AirFile) -> AirBuilder {
+    let mut built = match air.model {
+        AirModelFile::Uvlm => Air::lattice(),
+        AirModelFile::Strip => Air::strips(),
+        AirModelFile::None => Air::none(),
+    };
+    built = built
+        .density_kg_m3(air.density_kg_m3)
+        .wind_m_s(air.wind_m_s)
+        .established(air.established)
+        .reports_circulation(air.report_circulation)
+        .unsteady(!air.quasi_steady)
+        .apparent_mass(air.apparent_mass)
+        .fit(match air.indicial {
+            IndicialFile::Jones => Fit::Jones,
+            IndicialFile::Fine => Fit::Fine,
+        })
+        .wake(if air.free_wake { WakeModel::Free } else { WakeModel::Prescribed })
+        .wake_rows(air.wake_rows)
+        .threads(air.threads)
+        .coupling(match air.coupling {
+            CouplingFile::Staggered => Coupling::Staggered,
+            CouplingFile::Iterated => {
+                Coupling::Iterated { tolerance: air.coupling_tolerance, most_iterations: air.coupling_iterations }
+            }
+        });
+    if let Some(step_s) = air.step_s {
+        built = built.step_s(step_s);
+    }
+    if let Some(suction) = air.leading_edge_suction {
+        built = built.leading_edge_suction(suction);
+    }
+    if let Some(normal) = air.mirror_normal {
+        built = built.mirror_normal(normal);
+    }
+    if let Some(radius_m) = air.core_radius_m {
+        built = built.core_radius_m(radius_m);
+    }
+    built
+}
+
+/// `None` where a problem was found.
+fn build_surface(name: &str, surface: &SurfaceFile, checker: &mut Checker) -> Option<SurfaceBuilder> {
+    let polar = match &surface.polar {
+        None => None,
+        Some(rows) => Some(polar(name, rows, checker)?),
+    };
+    let mut built = LiftingSurface::on(&surface.body, surface.strips)
+        .chord_panels(surface.chord_panels)
+        .axis_fraction(surface.axis_fraction)
+        .profile(Profile {
+            lift_slope_1_rad: surface.lift_slope_1_rad,
+            zero_lift_angle_rad: surface.zero_lift_angle_deg.to_radians(),
+            moment_coefficient: surface.moment_coefficient,
+            drag_coefficient: surface.drag_coefficient,
+            polar,
+        });
+    if let Some(chord) = &surface.chord_m {
+        built = built.chord_m(along_body(&["surface", name, "chord_m"], chord, checker)?);
+    }
+    if let Some(incidence) = &surface.incidence_deg {
+        built = built.incidence_deg(along_body(&["surface", name, "incidence_deg"], incidence, checker)?);
+    }
+    Some(match surface.leading_edge {
+        LeadingEdgeFile::Plus => built,
+        LeadingEdgeFile::Minus => built.leading_edge_minus_y(),
+    })
+}
+
+/// Polar of a profile.
+fn polar(name: &str, rows: &[[f64; 4]], checker: &mut Checker) -> Option<Polar> {
+    let ascending = rows.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+    if !ascending || rows.iter().any(|row| row[0].abs() > 180.0) {
+        let allowed =
+            "rows [angle of attack in deg, lift, drag, moment coefficient] with angles ascending from -180 to 180";
+        checker.refuse(&["surface", name, "polar"], allowed);
+        return None;
+    }
+    let row = |row: &[f64; 4]| PolarRow { angle_rad: row[0].to_radians(), lift: row[1], drag: row[2], moment: row[3] };
+    Some(Polar { rows: rows.iter().map(row).collect() })
+}
+
+/// `None` where a problem was found.
+fn build_gust(name: &str, gust: &GustFile, checker: &mut Checker) -> Option<GustBuilder> {
+    let shape = match (gust.shape, gust.length_m) {
+        (GustShapeFile::SharpEdge, None) => GustShape::SharpEdge,
+        (GustShapeFile::OneMinusCosine, Some(length_m)) => GustShape::OneMinusCosine { length_m },
+        (GustShapeFile::SharpEdge, Some(_)) => {
+            checker.refuse(&["gust", name, "length_m"], "no length: a sharp edge has none");
+            return None;
+        }
+        (GustShapeFile::OneMinusCosine, None) => {
+            checker.refuse(&["gust", name, "length_m"], "a finite length > 0 m");
+            return None;
+        }
+    };
+    let mut built = GustBuilder::new(name, shape, gust.velocity_m_s).origin_m(gust.origin_m).start_s(gust.start_s);
+    if let Some(direction) = gust.direction {
+        built = built.direction(direction);
+    }
+    if let Some(speed_m_s) = gust.speed_m_s {
+        built = built.speed_m_s(speed_m_s);
+    }
+    Some(built)
+}

@@ -1,0 +1,224 @@
+//! Air around the machine: the tables `[aerodynamics]`, `[surface.<name>]` and `[gust.<name>]` of the model file.
+
+use crate::function::FunctionFile;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Air around the wing. It acts on the surfaces.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct AirFile {
+    /// Model of the air; `none` leaves it to loads from outside.
+    pub model: AirModelFile,
+    /// Density.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub density_kg_m3: f64,
+    /// Velocity of the air relative to the root, root frame: start value of the input `wind.velocity`.
+    pub wind_m_s: [f64; 3],
+    /// Aerodynamic step; default: the time in which the fastest point of the trailing edge moves by one panel at the
+    /// start, due to wind, flight and joints together.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub step_s: Option<f64>,
+    /// Whether the initial flow is fully established, with a straight wake along the relative flow at the trailing
+    /// edge; otherwise it sets in at the start. Where wing and air do not move relative to each other there is no such
+    /// wake.
+    pub established: bool,
+    /// How air and structure agree: `staggered` corrects the loads once per aerodynamic step, for wings much heavier
+    /// than the air that they move; if it diverges, the run stops.
+    pub coupling: CouplingFile,
+    /// Change of the loads, relative to the largest so far, at which the iteration ends.
+    #[schemars(range(min = 1e-12, max = 1e-1))]
+    pub coupling_tolerance: f64,
+    /// Maximum number of iterations per aerodynamic step; beyond it the run stops with an error.
+    #[schemars(range(min = 1, max = 1000))]
+    pub coupling_iterations: usize,
+    /// Strips without memory, instead of Wagner's and Küssner's functions.
+    pub quasi_steady: bool,
+    /// Whether strips carry the apparent mass of the air.
+    pub apparent_mass: bool,
+    /// Fit to Wagner's and Küssner's functions; strips only.
+    pub indicial: IndicialFile,
+    /// Normal of a mirror plane through the origin (a tunnel wall, or the other half of an aircraft); lattice only.
+    #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
+    pub mirror_normal: Option<[f64; 3]>,
+    /// Whether the wake moves with its own flow too; otherwise it moves with the wind only. Lattice only.
+    pub free_wake: bool,
+    /// Rows of panels that the wake keeps, besides that of an established flow; older ones are dropped. Lattice only.
+    #[schemars(range(min = 1, max = 10000))]
+    pub wake_rows: usize,
+    /// Radius of the vortex cores; default: a hundredth of the shortest panel's chord. Lattice only.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub core_radius_m: Option<f64>,
+    /// Suction at the leading edge. Strips have it by default; the lattice, whose loads are then those of
+    /// Kutta–Joukowski's theorem on every bound vortex instead of pressures by Bernoulli's equation, does not.
+    pub leading_edge_suction: Option<bool>,
+    /// Threads for the influence of the wake; the result does not depend on it. Lattice only.
+    #[schemars(range(min = 1, max = 256))]
+    pub threads: usize,
+    /// Adds an output `aero.circulation.<body>[strip]` for each strip.
+    pub report_circulation: bool,
+}
+
+impl Default for AirFile {
+    fn default() -> Self {
+        Self {
+            model: AirModelFile::None,
+            density_kg_m3: 1.225,
+            wind_m_s: [0.0; 3],
+            step_s: None,
+            established: true,
+            coupling: CouplingFile::Iterated,
+            coupling_tolerance: 1e-4,
+            coupling_iterations: 50,
+            quasi_steady: false,
+            apparent_mass: true,
+            indicial: IndicialFile::Jones,
+            mirror_normal: None,
+            free_wake: false,
+            wake_rows: 100,
+            core_radius_m: None,
+            leading_edge_suction: None,
+            threads: 1,
+            report_circulation: false,
+        }
+    }
+}
+
+/// Model of the air.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum AirModelFile {
+    /// Unsteady vortex lattice.
+    Uvlm,
+    /// Strip theory.
+    Strip,
+    /// None: loads come from outside.
+    None,
+}
+
+/// How air and structure agree on the loads at the end of an aerodynamic step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum CouplingFile {
+    /// By iteration, until they change no more.
+    Iterated,
+    /// By prediction and one correction.
+    Staggered,
+}
+
+/// Fit to the functions of Wagner and Küssner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum IndicialFile {
+    /// R. T. Jones: two and three terms, lift within 1.5 % and 4 % of the exact frequency response.
+    Jones,
+    /// Five terms each, within 0.06 % and 0.7 %: flutter of slender wings; a little slower.
+    Fine,
+}
+
+/// Lifting surface of a body.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SurfaceFile {
+    /// Body that carries it.
+    pub body: String,
+    /// Chord along the body; default: the width of its section.
+    pub chord_m: Option<FunctionFile>,
+    /// Position of the beam's axis on the chord, from the leading edge, as a fraction of the chord.
+    #[serde(default = "middle")]
+    #[schemars(range(min = -10.0, max = 10.0))]
+    pub axis_fraction: f64,
+    /// Side of the section on which the leading edge lies.
+    #[serde(default)]
+    pub leading_edge: LeadingEdgeFile,
+    /// Incidence of the chord relative to the section along the body; positive raises the leading edge towards `+z`.
+    pub incidence_deg: Option<FunctionFile>,
+    /// Strips along the span; panels of the lattice along the span.
+    #[schemars(range(min = 1, max = 1000))]
+    pub strips: usize,
+    /// Panels of the lattice along the chord.
+    #[serde(default = "four")]
+    #[schemars(range(min = 1, max = 1000))]
+    pub chord_panels: usize,
+    /// Lift slope of the profile; strips only.
+    #[serde(default = "thin")]
+    #[schemars(range(min = 0.0))]
+    pub lift_slope_1_rad: f64,
+    /// Angle of attack of zero lift; strips only.
+    #[serde(default)]
+    pub zero_lift_angle_deg: f64,
+    /// Moment coefficient about the quarter chord, nose up; strips only.
+    #[serde(default)]
+    pub moment_coefficient: f64,
+    /// Drag coefficient; strips only.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub drag_coefficient: f64,
+    /// Polar of the profile, instead of the coefficients above: rows of angle of attack in degrees, lift, drag and
+    /// moment coefficient about the quarter chord, linear between rows; strips only.
+    #[schemars(
+        length(min = 1, max = 1000),
+        extend("x-allowed" = "at least 1 row [angle of attack in deg, lift, drag, moment coefficient]")
+    )]
+    pub polar: Option<Vec<[f64; 4]>>,
+}
+
+fn middle() -> f64 {
+    0.5
+}
+
+fn four() -> usize {
+    4
+}
+
+fn thin() -> f64 {
+    TAU
+}
+
+/// Side of the section on which the leading edge lies.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, JsonSchema)]
+pub(super) enum LeadingEdgeFile {
+    /// Towards the section's `+y`.
+    #[default]
+    #[serde(rename = "+y")]
+    Plus,
+    /// Towards the section's `−y`.
+    #[serde(rename = "-y")]
+    Minus,
+}
+
+/// A frozen gust that travels through the air.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GustFile {
+    /// Shape behind the front.
+    pub shape: GustShapeFile,
+    /// Maximum added velocity, root frame.
+    pub velocity_m_s: [f64; 3],
+    /// Length of a `one_minus_cosine`.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub length_m: Option<f64>,
+    /// Direction of travel, root frame, of any length except zero; default: that of `wind_m_s`.
+    #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
+    pub direction: Option<[f64; 3]>,
+    /// Speed of travel; default: that of `wind_m_s`.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub speed_m_s: Option<f64>,
+    /// Position of its front at `start_s`.
+    #[serde(default)]
+    pub origin_m: [f64; 3],
+    /// Time at which its front passes `origin_m`.
+    #[serde(default)]
+    pub start_s: f64,
+}
+
+/// Shape of a gust.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum GustShapeFile {
+    /// Full velocity behind the front.
+    SharpEdge,
+    /// `(1 − cos)/2` over `length_m`.
+    OneMinusCosine,
+}

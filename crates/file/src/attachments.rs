@@ -1,0 +1,37 @@
+//! What sits on bodies: point masses, rigid bodies, loads and gauges.
+
+use crate::file::ModelFile;
+use foldwing_engine::load::Wrench;
+use foldwing_engine::machine::builder::MachineBuilder;
+use foldwing_engine::machine::{AttachedMass, Gauge};
+use nalgebra::Matrix3;
+
+/// Adds them to a machine. Gauges on bodies whose section was refused are left out.
+pub(super) fn add(file: &ModelFile, lawless: &[&str], mut machine: MachineBuilder) -> MachineBuilder {
+    for (name, mass) in &file.mass {
+        let [xx, yy, zz, xy, xz, yz] = mass.inertia_kg_m2;
+        let attached = AttachedMass {
+            name: name.clone(),
+            position_m: mass.position_m,
+            mass_kg: mass.mass_kg,
+            offset_m: mass.offset_m.into(),
+            inertia_kg_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+        };
+        machine = machine.mass(&mass.body, attached);
+    }
+    for (name, load) in &file.load {
+        let wrench = Wrench { force_n: load.force_n.into(), moment_n_m: load.moment_n_m.into() };
+        machine = machine.load(name, &load.body, load.station, wrench);
+    }
+    for (name, gauge) in file.gauge.iter().filter(|(_, gauge)| !lawless.contains(&gauge.body.as_str())) {
+        let mut built = Gauge::on(name, &gauge.body, gauge.position_m).y_m(gauge.y_m);
+        if let Some(z_m) = gauge.z_m {
+            built = built.z_m(z_m);
+        }
+        if let Some(direction) = gauge.direction {
+            built = built.direction(direction);
+        }
+        machine = machine.gauge(built);
+    }
+    machine
+}

@@ -1,0 +1,224 @@
+//! Bodies of the file: mesh, sections and natural shape along them, load stations.
+
+use crate::file::RigidBodyFile;
+use crate::function::{FunctionFile, along_body};
+use crate::sections::{Built, Sections};
+use crate::validate::Checker;
+use foldwing_engine::beam::law::SectionLaw;
+use foldwing_engine::beam::profile::Profile;
+use foldwing_engine::beam::section::{Material, Solid};
+use foldwing_engine::load::LoadFrame;
+use foldwing_engine::machine::builder::BodyBuilder;
+use foldwing_engine::machine::{Body, ElementKind};
+use nalgebra::Matrix3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A beam.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct BodyFile {
+    /// Arc length of the undeformed axis.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub length_m: f64,
+    /// Name of the cross-section; of the one at the inner end if it varies.
+    pub section: String,
+    /// Name of the cross-section at the outer end: stiffness, inertia and outline are linear between the two.
+    pub outer_section: Option<String>,
+    /// Factor `λ₂` of the section's width along the body; a number is the factor at the outer end, linear from 1.
+    pub width_taper: Option<FunctionFile>,
+    /// Factor `λ₃` of the section's height along the body; a number is the factor at the outer end, linear from 1.
+    pub height_taper: Option<FunctionFile>,
+    /// Kind of strain element.
+    #[serde(default)]
+    pub element: ElementFile,
+    /// Number of elements along the body; a linear element is one pair of halves.
+    #[schemars(range(min = 1, max = 1000))]
+    pub elements: usize,
+    /// Natural twist and curvatures `[κx, κy, κz]`, constant along the body: the shape without loads.
+    #[serde(default)]
+    pub natural_curvature_1_m: [f64; 3],
+    /// Natural twist `κx` along the body; instead of `natural_curvature_1_m`.
+    pub twist_1_m: Option<FunctionFile>,
+    /// Natural curvature `κy` along the body; positive bends the axis towards `−z`.
+    pub curvature_y_1_m: Option<FunctionFile>,
+    /// Natural curvature `κz` along the body; positive bends the axis towards `+y`.
+    pub curvature_z_1_m: Option<FunctionFile>,
+    /// Mass-proportional damping `α`, on motion relative to the root or, behind a free joint, to the first frame of the
+    /// body that flies. Acts on the beam only, unless `damp_attached_masses` is set.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub mass_damping_1_s: f64,
+    /// `mass_damping_1_s` acts on this body's attached masses too. Default false.
+    #[serde(default)]
+    pub damp_attached_masses: bool,
+    /// Stiffness-proportional damping `β`.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub stiffness_damping_s: f64,
+    /// Number of load stations at the centres of equal strips, default 4.
+    #[schemars(range(min = 0, max = 1000))]
+    pub load_stations: Option<usize>,
+    /// Distances of the load stations from the inner end, ascending; instead of `load_stations`.
+    #[schemars(length(max = 1000))]
+    pub load_station_positions_m: Option<Vec<f64>>,
+    /// Frame of the forces and moments at the stations: `root` (dead loads) or `section` (follower loads).
+    #[serde(default)]
+    pub load_frame: LoadFrameFile,
+}
+
+/// Kind of strain element.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum ElementFile {
+    /// Linear strain: fourth order.
+    #[default]
+    Linear,
+    /// Constant strain: second order.
+    Constant,
+}
+
+impl From<ElementFile> for ElementKind {
+    fn from(kind: ElementFile) -> Self {
+        match kind {
+            ElementFile::Linear => Self::Linear,
+            ElementFile::Constant => Self::Constant,
+        }
+    }
+}
+
+/// Frame of station loads.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum LoadFrameFile {
+    /// Root frame: a dead load.
+    #[default]
+    Root,
+    /// Section frame: a follower load.
+    Section,
+}
+
+impl From<LoadFrameFile> for LoadFrame {
+    fn from(frame: LoadFrameFile) -> Self {
+        match frame {
+            LoadFrameFile::Root => Self::Root,
+            LoadFrameFile::Section => Self::Section,
+        }
+    }
+}
+
+/// Builds a body. What was refused leaves stand-ins, as for a section law that is `None`.
+pub(super) fn build(name: &str, file: &BodyFile, law: Option<SectionLaw>, checker: &mut Checker) -> BodyBuilder {
+    if law.is_none() {
+        for key in ["section", "width_taper", "height_taper", "outer_section"] {
+            checker.stands_in(&["body", name, key]);
+        }
+    }
+    let law = law.unwrap_or_else(|| Solid::rectangle(1.0, 1.0, Material::isotropic(1.0, 0.0, 1.0)).into());
+    let mut body = Body::beam(name, file.length_m, law)
+        .element(file.element.into())
+        .elements(file.elements)
+        .mass_damping_1_s(file.mass_damping_1_s)
+        .damp_attached_masses(file.damp_attached_masses)
+        .stiffness_damping_s(file.stiffness_damping_s)
+        .load_frame(file.load_frame.into());
+    if let Some(curvature_1_m) = natural_curvature(name, file, checker) {
+        body = body.natural_curvature_along_1_m(curvature_1_m);
+    }
+    if let (Some(_), Some(_)) = (&file.load_station_positions_m, file.load_stations) {
+        let allowed = "either load_stations or load_station_positions_m, not both";
+        checker.refuse(&["body", name, "load_station_positions_m"], allowed);
+    }
+    match (&file.load_station_positions_m, file.load_stations) {
+        (Some(positions_m), _) => body.load_station_positions_m(positions_m.as_slice()),
+        (None, Some(count)) => body.load_stations(count),
+        (None, None) => body,
+    }
+}
+
+/// Builds a rigid body.
+pub(super) fn build_rigid(name: &str, file: &RigidBodyFile) -> BodyBuilder {
+    let body = Body::rigid(name).load_frame(file.load_frame.into());
+    if file.mass_kg == 0.0 && file.inertia_kg_m2 == [0.0; 6] {
+        return body;
+    }
+    let [xx, yy, zz, xy, xz, yz] = file.inertia_kg_m2;
+    body.inertia(file.mass_kg, file.centre_of_mass_m, Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz))
+}
+
+/// The section along the body: uniform, tapered, or between two named ones; `None` where a problem was found.
+pub(super) fn section_law(
+    name: &str,
+    file: &BodyFile,
+    sections: &Sections,
+    checker: &mut Checker,
+) -> Option<SectionLaw> {
+    let mut named = |key: &str, section: &str| {
+        let found = sections.get(section);
+        if found.is_none() {
+            checker.unknown_name(&["body", name, key], section, "a section", sections.keys().copied());
+        }
+        found.and_then(Option::as_ref)
+    };
+    let inner = named("section", &file.section);
+    let outer = file.outer_section.as_ref().map(|section| named("outer_section", section));
+    let tapers = [("width_taper", &file.width_taper), ("height_taper", &file.height_taper)];
+    let [width, height] = tapers.map(|(key, taper)| taper_law(name, file, key, taper.as_ref(), checker));
+    let tapered = tapers.iter().find(|(_, taper)| taper.is_some());
+    if let (Some((key, _)), true) = (tapered, outer.is_some()) {
+        checker.refuse(&["body", name, key], "either outer_section or width_taper and height_taper, not both");
+        return None;
+    }
+    let inner = inner?;
+    if let Some(outer) = outer {
+        let [inner, outer] = [inner, outer?].map(Built::section);
+        return Some(SectionLaw::Between { inner, outer, length_m: file.length_m });
+    }
+    match (inner, tapered) {
+        (Built::Solid(solid), _) => Some(SectionLaw::Tapered { solid: *solid, width: width?, height: height? }),
+        (Built::Explicit(section), None) => Some(section.clone().into()),
+        (Built::Explicit(_), Some((key, _))) => {
+            let allowed = "a body whose section is a rectangle or an ellipse; other sections vary by outer_section";
+            checker.refuse(&["body", name, key], allowed);
+            None
+        }
+    }
+}
+
+/// A factor along the body; 1 where the file says nothing.
+fn taper_law(
+    name: &str,
+    file: &BodyFile,
+    key: &str,
+    taper: Option<&FunctionFile>,
+    checker: &mut Checker,
+) -> Option<Profile> {
+    match taper {
+        None => Some(Profile::constant(1.0)),
+        Some(FunctionFile::Number(outer)) => Some(Profile::linear(1.0, *outer, file.length_m)),
+        Some(taper) => along_body(&["body", name, key], taper, checker),
+    }
+}
+
+/// Natural twist and curvatures along the body; `None` where a problem was found.
+fn natural_curvature(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<[Profile; 3]> {
+    let functions = [
+        ("twist_1_m", &file.twist_1_m),
+        ("curvature_y_1_m", &file.curvature_y_1_m),
+        ("curvature_z_1_m", &file.curvature_z_1_m),
+    ];
+    let stated = functions.iter().find(|(_, function)| function.is_some());
+    if let (Some((key, _)), true) = (stated, checker.states(&["body", name, "natural_curvature_1_m"])) {
+        let allowed = "either natural_curvature_1_m or twist_1_m, curvature_y_1_m and curvature_z_1_m, not both";
+        checker.refuse(&["body", name, key], allowed);
+        return None;
+    }
+    let mut profiles = file.natural_curvature_1_m.map(|curvature| Some(Profile::constant(curvature)));
+    for (profile, (key, function)) in profiles.iter_mut().zip(functions) {
+        if let Some(function) = function {
+            *profile = along_body(&["body", name, key], function, checker);
+        }
+    }
+    let [Some(twist), Some(y), Some(z)] = profiles else { return None };
+    Some([twist, y, z])
+}

@@ -1,0 +1,182 @@
+//! The text as a tree in which every key and value knows its place.
+
+use crate::error::{Fault, Problem};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Longest value that a message repeats, in characters.
+const LONGEST_VALUE: usize = 60;
+
+/// A parsed text. Keys are looked up by path; lines count from 1.
+pub(super) struct Document<'a> {
+    text: &'a str,
+    /// Byte offset of each line's beginning.
+    lines: Vec<usize>,
+    root: DeTable<'a>,
+}
+
+/// A key and its value in a [`Document`].
+#[derive(Clone, Copy)]
+pub(super) struct Entry<'t, 'a> {
+    /// Byte offset of the key.
+    pub offset: usize,
+    /// The value.
+    pub value: &'t Spanned<DeValue<'a>>,
+}
+
+impl<'a> Document<'a> {
+    /// Parses TOML.
+    ///
+    /// # Errors
+    /// One problem with the parser's message.
+    pub fn parse(text: &'a str) -> Result<Self, Vec<Problem>> {
+        let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
+        let mut document = Self { text, lines, root: DeTable::new() };
+        match DeTable::parse(text) {
+            Ok(root) => document.root = root.into_inner(),
+            Err(error) => return Err(vec![document.syntax_problem(&error)]),
+        }
+        Ok(document)
+    }
+
+    /// The whole file.
+    pub fn root(&self) -> &DeTable<'a> {
+        &self.root
+    }
+
+    /// Line of a byte offset.
+    pub fn line(&self, offset: usize) -> usize {
+        self.lines.partition_point(|start| *start <= offset).max(1)
+    }
+
+    /// The parser's error as a problem.
+    pub fn syntax_problem(&self, error: &toml::de::Error) -> Problem {
+        let mut message = error.message().lines().collect::<Vec<_>>().join(", ");
+        let line = error.span().map_or(1, |span| self.line(span.start));
+        message += &hint(self.text, line, &message);
+        Problem { line, key: String::new(), fault: Fault::Syntax { message } }
+    }
+
+    /// Key and value at a path.
+    pub fn find(&self, path: &[&str]) -> Option<Entry<'_, 'a>> {
+        let (first, rest) = path.split_first()?;
+        let mut entry = find_in(&self.root, first)?;
+        for key in rest {
+            entry = find_in(entry.value.get_ref().as_table()?, key)?;
+        }
+        Some(entry)
+    }
+
+    /// Line of a key, or of the nearest table around it that is written in the file.
+    pub fn line_of(&self, path: &[&str]) -> usize {
+        (1..=path.len()).rev().find_map(|n| self.find(&path[..n])).map_or(1, |entry| self.line(entry.offset))
+    }
+
+    /// The value as a message repeats it.
+    pub fn value_text(&self, value: &Spanned<DeValue<'a>>) -> String {
+        match value.get_ref() {
+            DeValue::Table(table) if table.is_empty() => "an empty table".to_owned(),
+            DeValue::Table(_) => "a table".to_owned(),
+            DeValue::Array(array) if array.iter().any(|item| item.get_ref().is_table()) => {
+                "an array of tables".to_owned()
+            }
+            _ => shorten(self.text.get(value.span()).unwrap_or_default()),
+        }
+    }
+
+    /// The problem that the value at `path` is refused, or that it is missing.
+    pub fn refusal(&self, path: &[&str], allowed: String) -> Problem {
+        let fault = match self.find(path) {
+            Some(entry) => Fault::NotAllowed { value: self.value_text(entry.value), allowed },
+            None => Fault::MissingKey { allowed },
+        };
+        Problem { line: self.line_of(path), key: key_text(path), fault }
+    }
+}
+
+/// What a user may have meant on a line that is no TOML; empty where nothing comes to mind.
+fn hint(text: &str, line: usize, message: &str) -> String {
+    let lines: Vec<&str> = text.lines().collect();
+    let Some(written) = lines.get(line - 1).map(|line| line.split('#').next().unwrap_or_default().trim()) else {
+        return String::new();
+    };
+    if message.starts_with("duplicate key") {
+        return first_of(&lines[..line - 1], written);
+    }
+    match written.split_once('=').and_then(|(_, value)| value.trim().split_once(',')) {
+        Some((whole, part)) if is_digits(whole.trim_start_matches(['+', '-'])) && is_digits(part) => {
+            format!("; a decimal comma? write {whole}.{part}")
+        }
+        _ => String::new(),
+    }
+}
+
+fn is_digits(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// Where a table or key that `written` repeats stands for the first time.
+fn first_of(before: &[&str], written: &str) -> String {
+    let code = |line: &str| line.split('#').next().unwrap_or_default().trim().to_owned();
+    let key = |line: &str| line.split('=').next().unwrap_or_default().trim().to_owned();
+    let found = if written.starts_with('[') {
+        before.iter().position(|line| code(line) == written)
+    } else {
+        // keys of the same table: those behind its last header
+        let begin = before.iter().rposition(|line| line.trim_start().starts_with('[')).map_or(0, |at| at + 1);
+        before[begin..].iter().position(|line| key(line) == key(written)).map(|at| begin + at)
+    };
+    let what = shorten(&key(written));
+    found.map_or(format!(": {what}"), |at| format!(": {what}, already on line {}", at + 1))
+}
+
+fn find_in<'t, 'a>(table: &'t DeTable<'a>, key: &str) -> Option<Entry<'t, 'a>> {
+    let (key, value) = table.get_key_value(key)?;
+    Some(Entry { offset: key.span().start, value })
+}
+
+/// A path as TOML writes it: bare keys, others in quotes.
+pub(super) fn key_text<S: AsRef<str>>(path: &[S]) -> String {
+    let parts: Vec<String> = path
+        .iter()
+        .map(|part| {
+            let part = part.as_ref();
+            let bare = !part.is_empty() && part.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+            if bare { part.to_owned() } else { format!("{:?}", shorten(part)) }
+        })
+        .collect();
+    parts.join(".")
+}
+
+/// One line of at most [`LONGEST_VALUE`] characters.
+fn shorten(text: &str) -> String {
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    match line.char_indices().nth(LONGEST_VALUE) {
+        Some((end, _)) => format!("{}…", &line[..end]),
+        None => line,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "name = 'a'\n[body.inner]\nlength_m = 1.5\n[body.outer.x]\n";
+
+    #[test]
+    fn keys_know_their_line() {
+        let document = Document::parse(TEXT).unwrap();
+        assert_eq!(document.line_of(&["name"]), 1);
+        assert_eq!(document.line_of(&["body", "inner"]), 2);
+        assert_eq!(document.line_of(&["body", "inner", "length_m"]), 3);
+        assert_eq!(document.line_of(&["body", "inner", "elements"]), 2, "a missing key stands at its table");
+        assert_eq!(document.line_of(&["body", "outer", "x"]), 4);
+        assert_eq!(document.line_of(&["gauge"]), 1);
+    }
+
+    #[test]
+    fn long_values_are_cut_between_characters() {
+        assert_eq!(shorten(&"é".repeat(80)), format!("{}…", "é".repeat(60)));
+        assert_eq!(shorten("[1,\n   2]"), "[1, 2]");
+    }
+}

@@ -1,0 +1,296 @@
+//! The model file's shape. Doc comments become the descriptions of the JSON schema and of `docs/MODEL_FILE.md`.
+//!
+//! Ranges that one key states alone stand here as JSON schema keywords (`minimum`, `exclusiveMinimum`, …) and are
+//! enforced from there; `x-allowed` overrides the wording of error messages where a range cannot say it.
+
+use crate::air_file::{AirFile, GustFile, SurfaceFile};
+use crate::body::{BodyFile, LoadFrameFile};
+use crate::joint_file::JointFile;
+use crate::run::{ExperimentFile, SolverFile};
+use indexmap::IndexMap;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A Foldwing model: a wing of flexible bodies and fold joints. SI units; angles in degrees if the key ends in `_deg`.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(
+    title = "Foldwing model file",
+    extend("anyOf" = [{ "required": ["section", "body"] }, { "required": ["rigid_body"] }])
+)]
+pub(super) struct ModelFile {
+    /// Model name; names the FMU.
+    #[schemars(extend("pattern" = "^[A-Za-z_][A-Za-z0-9_]*$"))]
+    pub name: String,
+    /// One-line description.
+    #[serde(default)]
+    pub description: String,
+    /// Gravity in the root frame.
+    #[serde(default)]
+    pub gravity_m_s2: [f64; 3],
+    /// Cross-sections by name.
+    #[serde(default)]
+    #[schemars(extend("minProperties" = 1, "x-allowed" = "at least one table [section.<name>]"))]
+    pub section: IndexMap<String, SectionFile>,
+    /// Bodies by name: beams, each held by exactly one joint at its inner end.
+    #[serde(default)]
+    #[schemars(extend("minProperties" = 1, "x-allowed" = "at least one table [body.<name>]"))]
+    pub body: IndexMap<String, BodyFile>,
+    /// Rigid bodies by name: frames with mass, each held by exactly one joint. A machine of rigid bodies alone needs neither
+    /// sections nor beams.
+    #[serde(default)]
+    pub rigid_body: IndexMap<String, RigidBodyFile>,
+    /// Joints by name; a joint's name is a group of the FMU's variables.
+    #[schemars(extend("minProperties" = 1, "x-allowed" = "at least one table [joint.<name>]"))]
+    pub joint: IndexMap<String, JointFile>,
+    /// Ball joints that close loops, by name; the FMU's outputs are `loop.<name>.gap` and `loop.<name>.force`.
+    #[serde(default, rename = "loop")]
+    pub closures: IndexMap<String, LoopFile>,
+    /// Point masses and rigid bodies by name.
+    #[serde(default)]
+    pub mass: IndexMap<String, MassFile>,
+    /// Loads at stations by name: start values of the inputs `load.<body>[station]`, constant unless these are set.
+    #[serde(default)]
+    pub load: IndexMap<String, LoadFile>,
+    /// Strain gauges by name; the FMU's output is `gauge.<name>.strain`.
+    #[serde(default)]
+    pub gauge: IndexMap<String, GaugeFile>,
+    /// Air around the wing.
+    pub aerodynamics: Option<AirFile>,
+    /// Lifting surfaces by name, at most one per body.
+    #[serde(default)]
+    pub surface: IndexMap<String, SurfaceFile>,
+    /// Gusts by name.
+    #[serde(default)]
+    pub gust: IndexMap<String, GustFile>,
+    /// Time integration.
+    #[serde(default)]
+    pub solver: SolverFile,
+    /// Default experiment.
+    #[serde(default)]
+    pub experiment: ExperimentFile,
+}
+
+/// A rigid body: a frame that carries mass, loads and other bodies. Joints hold it at its frame.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RigidBodyFile {
+    /// Mass, default 0: a frame, or a body whose masses are tables `[mass.<name>]`.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub mass_kg: f64,
+    /// Centre of mass in the body's frame, default its origin.
+    #[serde(default)]
+    pub centre_of_mass_m: [f64; 3],
+    /// Inertia tensor about the centre of mass, body frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where `Ixy = −∫xy dm`.
+    /// Default: a point.
+    #[serde(default)]
+    pub inertia_kg_m2: [f64; 6],
+    /// Frames on the body by name: places where joints hold on, `parent_frame`.
+    #[serde(default)]
+    pub frame: IndexMap<String, FrameFile>,
+    /// Frame of the force and moment at the body's one load station, its origin: `root` or `section`, the body's own.
+    #[serde(default)]
+    pub load_frame: LoadFrameFile,
+}
+
+/// A place on a rigid body.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FrameFile {
+    /// Its origin in the body's frame.
+    pub position_m: [f64; 3],
+    /// Its rotation vector in the body's frame, default none.
+    #[serde(default)]
+    #[schemars(inner(range(min = -360.0, max = 360.0)))]
+    pub rotation_deg: [f64; 3],
+}
+
+/// Cross-section. `y` runs chordwise, `z` through the thickness.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(tag = "shape", rename_all = "lowercase", deny_unknown_fields)]
+pub(super) enum SectionFile {
+    /// Solid rectangle of one isotropic material.
+    Rectangle(SolidSection),
+    /// Solid ellipse of one isotropic material.
+    Ellipse(SolidSection),
+    /// Any section, by its stiffness and inertia: either the four stiffnesses with optional couplings, or
+    /// `stiffness_SI`.
+    Explicit(Box<ExplicitSection>),
+}
+
+/// Solid section of one isotropic material.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SolidSection {
+    /// Full width along `y`.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub width_m: f64,
+    /// Full height along `z`.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub height_m: f64,
+    /// Density.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub density_kg_m3: f64,
+    /// Young's modulus.
+    #[serde(rename = "young_Pa")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub young_pa: f64,
+    /// Shear modulus; instead of `poisson_ratio`. Not needed if `torsional_rigidity_N_m2` is given.
+    #[serde(rename = "shear_Pa")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub shear_pa: Option<f64>,
+    /// Poisson's ratio; instead of `shear_Pa`. Not needed if `torsional_rigidity_N_m2` is given.
+    #[schemars(extend("exclusiveMinimum" = -1, "maximum" = 0.5))]
+    pub poisson_ratio: Option<f64>,
+    /// Torsional rigidity `GJ`, instead of Saint-Venant's value for the outline.
+    #[serde(rename = "torsional_rigidity_N_m2")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub torsional_rigidity_n_m2: Option<f64>,
+}
+
+/// Section by its stiffness and inertia, about the beam axis.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ExplicitSection {
+    /// Axial stiffness `EA`.
+    #[serde(rename = "axial_stiffness_N")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub axial_stiffness_n: Option<f64>,
+    /// Torsional rigidity `GJ`.
+    #[serde(rename = "torsional_rigidity_N_m2")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub torsional_rigidity_n_m2: Option<f64>,
+    /// Bending stiffness `EI_y` about `y` (flap).
+    #[serde(rename = "flap_stiffness_N_m2")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub flap_stiffness_n_m2: Option<f64>,
+    /// Bending stiffness `EI_z` about `z` (lag).
+    #[serde(rename = "lag_stiffness_N_m2")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub lag_stiffness_n_m2: Option<f64>,
+    /// Coupling of stretch and twist, default 0.
+    #[serde(rename = "coupling_axial_twist_N_m")]
+    pub coupling_axial_twist_n_m: Option<f64>,
+    /// Coupling of stretch and curvature about `y`, default 0.
+    #[serde(rename = "coupling_axial_flap_N_m")]
+    pub coupling_axial_flap_n_m: Option<f64>,
+    /// Coupling of stretch and curvature about `z`, default 0.
+    #[serde(rename = "coupling_axial_lag_N_m")]
+    pub coupling_axial_lag_n_m: Option<f64>,
+    /// Coupling of twist and curvature about `y` (bend–twist), default 0.
+    #[serde(rename = "coupling_twist_flap_N_m2")]
+    pub coupling_twist_flap_n_m2: Option<f64>,
+    /// Coupling of twist and curvature about `z`, default 0.
+    #[serde(rename = "coupling_twist_lag_N_m2")]
+    pub coupling_twist_lag_n_m2: Option<f64>,
+    /// Coupling of the two curvatures, default 0.
+    #[serde(rename = "coupling_flap_lag_N_m2")]
+    pub coupling_flap_lag_n_m2: Option<f64>,
+    /// Full stiffness of the strains `(εx, κx, κy, κz)` in N, N·m and N·m², symmetric and positive definite; instead
+    /// of the four stiffnesses and the couplings.
+    #[serde(rename = "stiffness_SI")]
+    #[schemars(extend("x-allowed" = "a 4 x 4 matrix of finite numbers in N, N·m and N·m²"))]
+    pub stiffness_si: Option<[[f64; 4]; 4]>,
+    /// Mass per length.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub mass_kg_m: f64,
+    /// Centre of mass `[y, z]` from the beam axis.
+    #[serde(default)]
+    pub centre_of_mass_m: [f64; 2],
+    /// Second moments of mass per length about the centre of mass: `[∫ρy² dA, ∫ρyz dA, ∫ρz² dA]`.
+    pub second_moments_kg_m: [f64; 3],
+    /// Largest `|y|` of the outline; gauges need it.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub half_width_m: Option<f64>,
+    /// Largest `|z|` of the outline; gauges need it.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub half_height_m: Option<f64>,
+}
+
+/// Holds two points of two bodies together by the penalty force `m g̈ + c ġ + k g` on the gap `g` between them:
+/// a ball joint that closes a loop. Two of them on one axis form a hinge. The stiffer the spring, the smaller the gap.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LoopFile {
+    /// The two bodies. A loop cannot be closed on the root.
+    #[schemars(extend("x-allowed" = "an array of 2 names of bodies"))]
+    pub bodies: [String; 2],
+    /// Distances of the sections from the bodies' inner ends, default: their outer ends.
+    #[schemars(inner(range(min = 0.0)))]
+    pub positions_m: Option<[f64; 2]>,
+    /// The points from the sections' axes, section frames. They coincide at the start.
+    #[serde(default)]
+    #[schemars(extend("x-allowed" = "an array of 2 arrays of 3 finite lengths in m"))]
+    pub offsets_m: [[f64; 3]; 2],
+    /// Penalty stiffness `k`: the gap is the force divided by it.
+    #[serde(rename = "stiffness_N_m")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub stiffness_n_m: f64,
+    /// Penalty damping `c`.
+    #[serde(default, rename = "damping_N_s_m")]
+    #[schemars(range(min = 0.0))]
+    pub damping_n_s_m: f64,
+    /// Penalty inertia `m`; acts on the gap only; the mass of the machine does not change.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub inertia_kg: f64,
+}
+
+/// A point mass or rigid body fixed to a section.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MassFile {
+    /// Body that carries it.
+    pub body: String,
+    /// Distance from the body's inner end.
+    #[schemars(range(min = 0.0))]
+    pub position_m: f64,
+    /// Mass.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub mass_kg: f64,
+    /// Centre of gravity from the axis, section frame.
+    #[serde(default)]
+    pub offset_m: [f64; 3],
+    /// Inertia tensor about the centre of gravity, section frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where
+    /// `Ixy = −∫xy dm`. Default: a point.
+    #[serde(default)]
+    pub inertia_kg_m2: [f64; 6],
+}
+
+/// Force and moment at a load station from the start on; several loads at one station add up.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LoadFile {
+    /// Body that carries it.
+    pub body: String,
+    /// Number of the load station on that body, from 1 at its inner end.
+    #[schemars(range(min = 1, max = 1000))]
+    pub station: usize,
+    /// Force in the body's `load_frame`.
+    #[serde(default, rename = "force_N")]
+    pub force_n: [f64; 3],
+    /// Moment in the body's `load_frame`.
+    #[serde(default, rename = "moment_N_m")]
+    pub moment_n_m: [f64; 3],
+}
+
+/// A strain gauge: strain of a fibre at a point of a section, zero when the body is unstrained.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GaugeFile {
+    /// Body that carries it.
+    pub body: String,
+    /// Distance from the body's inner end.
+    #[schemars(range(min = 0.0))]
+    pub position_m: f64,
+    /// Chordwise coordinate.
+    #[serde(default)]
+    pub y_m: f64,
+    /// Thickness coordinate; default: the upper face, `+h/2`.
+    pub z_m: Option<f64>,
+    /// Direction of the fibre in the section frame, of any length except zero; default: along the axis. Other directions
+    /// need a rectangle or an ellipse with known Poisson's ratio.
+    #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
+    pub direction: Option<[f64; 3]>,
+}

@@ -1,0 +1,223 @@
+//! The joints of the model file: shape and descriptions, as in [`crate::file`].
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Joint that holds a body's inner end. The keys from `axis` on depend on the type of the joint.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct JointFile {
+    /// What the joint allows.
+    #[serde(rename = "type")]
+    pub kind: JointType,
+    /// What the joint is attached to: `root` or a body.
+    pub parent: String,
+    /// Body whose inner end the joint holds.
+    pub child: String,
+    /// Distance along the parent body from its inner end; default: its outer end.
+    #[schemars(range(min = 0.0))]
+    pub parent_position_m: Option<f64>,
+    /// Frame of the parent, a rigid body, that the joint holds on to; keys in the parent's frame then refer to this frame.
+    pub parent_frame: Option<String>,
+    /// From the place on the parent to the body's first frame, in the parent's frame there: a rigid arm without mass. Not with
+    /// `parent = "root"`.
+    pub parent_offset_m: Option<[f64; 3]>,
+    /// Position in the root frame if the parent is `root`; default: the origin.
+    pub root_position_m: Option<[f64; 3]>,
+    /// Rotation vector of the body's first frame in the parent's frame: at angle zero of revolute joints, at the start
+    /// of universal, ball and free ones.
+    #[serde(default)]
+    #[schemars(inner(range(min = -360.0, max = 360.0)))]
+    pub mount_rotation_deg: [f64; 3],
+    /// Hinge axis in the parent's section frame, of any length except zero. Positive angles follow the right-hand rule. Revolute and
+    /// universal joints need it.
+    pub axis: Option<[f64; 3]>,
+    /// Second axis of a universal joint in the body's section frame, not parallel to `axis` at the start.
+    pub body_axis: Option<[f64; 3]>,
+    /// Angular velocity of a universal, ball or free joint's body at the start, relative to the parent and resolved in the
+    /// parent's section frame (the root frame on the root), not the body's. Default 0.
+    pub start_angular_velocity_deg_s: Option<[f64; 3]>,
+    /// Velocity of a free body's inner end at the start, root frame, default 0.
+    pub start_velocity_m_s: Option<[f64; 3]>,
+    /// Fold angle of a revolute joint at the start, default 0; 0 is deployed.
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub start_angle_deg: Option<f64>,
+    /// Fold rate of a revolute joint at the start, default 0.
+    pub start_rate_deg_s: Option<f64>,
+    /// Start value of a revolute joint's release input: false holds it where it is, at the start at its start angle.
+    /// Default true.
+    pub release: Option<bool>,
+    /// How the angle of a revolute joint moves, default `free`.
+    pub motion: Option<MotionType>,
+    /// Prescribed angle as a polynomial of absolute time: coefficients of 1, t, t², …
+    #[schemars(length(min = 1, max = 100))]
+    pub polynomial_deg: Option<Vec<f64>>,
+    /// Prescribed angle as a smooth curve through `[time_s, angle_deg]`, times ascending. Unless `table_ends` says
+    /// otherwise it leaves the first row and reaches the last at rest, and holds them outside.
+    #[schemars(
+        length(min = 2),
+        extend("x-allowed" = "at least 2 pairs [time in s, angle in deg] of finite numbers")
+    )]
+    pub table_s_deg: Option<Vec<[f64; 2]>>,
+    /// How the curve through `table_s_deg` starts and ends, default `rest`.
+    pub table_ends: Option<TableEnds>,
+    /// Motor of a revolute joint; spring towards the start attitude and damper of a universal or ball joint.
+    pub drive: Option<DriveFile>,
+    /// Spring and damper of a revolute joint itself, in addition to its motor.
+    pub spring: Option<SpringFile>,
+    /// Latch of a revolute joint.
+    pub latch: Option<LatchFile>,
+}
+
+/// What a joint allows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum JointType {
+    /// Nothing.
+    Clamped,
+    /// Rotation about one axis.
+    Revolute,
+    /// Rotation about two axes, one fixed to each side.
+    Universal,
+    /// All rotations.
+    Ball,
+    /// Everything; on the root only.
+    Free,
+}
+
+impl JointType {
+    /// Name as the file writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clamped => "clamped",
+            Self::Revolute => "revolute",
+            Self::Universal => "universal",
+            Self::Ball => "ball",
+            Self::Free => "free",
+        }
+    }
+}
+
+/// How a fold angle moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum MotionType {
+    /// By its torques.
+    Free,
+    /// Not at all: held at the start angle.
+    Locked,
+    /// By `polynomial_deg` or `table_s_deg`.
+    Prescribed,
+}
+
+/// How a table of angles begins and ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum TableEnds {
+    /// At rest: the first interval speeds up, the last one brakes; the angle holds outside.
+    Rest,
+    /// Moving on: without acceleration at the first and the last row, at constant rate outside.
+    Onward,
+}
+
+/// Motor: its torque on the outer body about the hinge is `−(k (θ − θ_cmd) + c θ̇ + T)`, limited. Universal and ball
+/// joints have `k` and `c` only: per axis, or about the rotation vector from the start attitude.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DriveFile {
+    /// Stiffness `k`.
+    #[serde(default, rename = "stiffness_N_m_rad")]
+    #[schemars(range(min = 0.0))]
+    pub stiffness_n_m_rad: f64,
+    /// Damping `c`.
+    #[serde(default, rename = "damping_N_m_s_rad")]
+    #[schemars(range(min = 0.0))]
+    pub damping_n_m_s_rad: f64,
+    /// Constant torque `T`, towards negative angles.
+    #[serde(default, rename = "constant_torque_N_m")]
+    pub constant_torque_n_m: f64,
+    /// Maximum magnitude of the motor torque `−(k (θ − θ_cmd) + c θ̇ + T)`, default unlimited. It limits neither the
+    /// joint's spring nor the latch nor the external torque.
+    #[serde(rename = "torque_limit_N_m")]
+    #[schemars(range(min = 0.0))]
+    pub torque_limit_n_m: Option<f64>,
+    /// Maximum slew rate of the commanded angle, default unlimited.
+    #[schemars(range(min = 0.0))]
+    pub rate_limit_deg_s: Option<f64>,
+    /// Moment of inertia that turns with the joint's angle only: for a motor with gear, the rotor's inertia times the
+    /// square of the gear ratio. It has neither mass nor gyroscopic moment. Default 0.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub inertia_kg_m2: f64,
+    /// Start value of the commanded (neutral) angle `θ_cmd`.
+    #[serde(default)]
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub command_deg: f64,
+}
+
+/// Spring and damper of a revolute joint itself: their torque on the outer body about the hinge is
+/// `−(k (θ − θ_0) + c θ̇)`. It is not limited.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SpringFile {
+    /// Stiffness `k`.
+    #[serde(default, rename = "stiffness_N_m_rad")]
+    #[schemars(range(min = 0.0))]
+    pub stiffness_n_m_rad: f64,
+    /// Damping `c`.
+    #[serde(default, rename = "damping_N_m_s_rad")]
+    #[schemars(range(min = 0.0))]
+    pub damping_n_m_s_rad: f64,
+    /// Angle `θ_0` at which the spring is slack.
+    #[serde(default)]
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub rest_angle_deg: f64,
+}
+
+/// What a closed latch does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum LatchType {
+    /// A stiff spring about `angle_deg`.
+    #[default]
+    Elastic,
+    /// No spring: an impulse stops the joint, and a reaction holds it at the angle at which it was caught.
+    Rigid,
+}
+
+/// Latch: closes as soon as it is enabled and the angle is within `capture_deg` of `angle_deg`, from either side, moving
+/// or at rest.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LatchFile {
+    /// What it does when closed, default `elastic`.
+    #[serde(default)]
+    pub kind: LatchType,
+    /// Angle at which it closes.
+    #[serde(default)]
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub angle_deg: f64,
+    /// Stiffness of the closed joint over that of motor and spring together, `k`: the latch adds `(ratio − 1) k`. Of
+    /// elastic latches.
+    #[schemars(extend("exclusiveMinimum" = 1))]
+    pub stiffness_ratio: Option<f64>,
+    /// Stiffness that the latch adds; instead of `stiffness_ratio`.
+    #[serde(rename = "stiffness_N_m_rad")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub stiffness_n_m_rad: Option<f64>,
+    /// Half-width of the window that catches the joint, default 1e-6 rad: a wider one closes the latch that far from
+    /// its angle. An elastic latch then lets the wing swing about its angle, a rigid one holds it where it was caught.
+    #[schemars(range(min = 0.0, max = 360.0))]
+    pub capture_deg: Option<f64>,
+    /// Closed at the start wherever the joint is. Of elastic latches: a rigid one is closed at the start where it is
+    /// enabled and `start_angle_deg` lies in its window.
+    #[serde(default)]
+    pub initially_closed: bool,
+    /// Start value of the enable input.
+    #[serde(default = "yes")]
+    pub enable: bool,
+}
+
+fn yes() -> bool {
+    true
+}

@@ -1,0 +1,306 @@
+//! Joints of the file told to a [`JointBuilder`]: where they hold, motion, latch.
+
+use crate::file::{FrameFile, ModelFile};
+use crate::joint_file::{DriveFile, JointFile, JointType, LatchFile, LatchType, MotionType, SpringFile, TableEnds};
+use crate::validate::Checker;
+use foldwing_engine::machine::builder::{JointBuilder, LatchBuilder};
+use foldwing_engine::machine::units::quoted;
+use foldwing_engine::machine::{Drive, Joint, JointMotion, Latch, Motion, Spring};
+use nalgebra::{Rotation3, Vector3};
+
+/// Name of the parent that is no body.
+const ROOT: &str = "root";
+
+/// Keys that the machine does not know as such, and axes, with the types that have them.
+const KEYS: &[(&str, &[JointType])] = {
+    use JointType::{Revolute, Universal};
+    &[
+        ("axis", &[Revolute, Universal]),
+        ("body_axis", &[Universal]),
+        ("polynomial_deg", &[Revolute]),
+        ("table_s_deg", &[Revolute]),
+    ]
+};
+
+/// Keys of a drive that only revolute joints have, and the machine's fields.
+const REVOLUTE_DRIVE_KEYS: &[(&str, &str)] = &[
+    ("constant_torque_N_m", "constant_torque_n_m"),
+    ("torque_limit_N_m", "torque_limit_n_m"),
+    ("rate_limit_deg_s", "rate_limit_rad_s"),
+    ("inertia_kg_m2", "inertia_kg_m2"),
+    ("command_deg", "command_rad"),
+];
+
+/// The joints of all bodies, in the order of the bodies. What was refused leaves stand-ins.
+pub(super) fn build_all(file: &ModelFile, checker: &mut Checker) -> Vec<JointBuilder> {
+    let joint_of = joint_of_bodies(file, checker);
+    let held = |joint: usize| joint_of.contains(&Some(joint));
+    let joints: Vec<JointBuilder> = file.joint.iter().map(|(name, joint)| build(name, joint, file, checker)).collect();
+    for (index, (name, _)) in file.joint.iter().enumerate() {
+        if !held(index) {
+            checker.stands_in(&["joint", name]);
+        }
+    }
+    let bodies = bodies(file).zip(joint_of);
+    bodies
+        .map(|(name, joint)| match joint {
+            Some(joint) => joints[joint].clone(),
+            None => {
+                let name = format!("unheld_{name}");
+                checker.stands_in(&["joint", &name]);
+                Joint::clamped(name)
+            }
+        })
+        .collect()
+}
+
+/// Names of all bodies: beams, then rigid bodies.
+fn bodies(file: &ModelFile) -> impl Iterator<Item = &String> {
+    file.body.keys().chain(file.rigid_body.keys())
+}
+
+/// The joint of each body: children exist, differ from the parents, and no two joints hold the same child.
+fn joint_of_bodies(file: &ModelFile, checker: &mut Checker) -> Vec<Option<usize>> {
+    let mut joint_of = vec![None; bodies(file).count()];
+    let mut hold = true;
+    for (index, (name, joint)) in file.joint.iter().enumerate() {
+        let path = ["joint", name, "child"];
+        let earlier = file.joint.values().take(index).position(|other| other.child == joint.child);
+        let Some(body) = bodies(file).position(|body| *body == joint.child) else {
+            checker.unknown_name(&path, &joint.child, "a body", bodies(file).map(String::as_str));
+            hold = false;
+            continue;
+        };
+        if joint.child == joint.parent {
+            checker.refuse(&path, "a body other than the parent");
+            hold = false;
+        } else if let Some((other, _)) = earlier.and_then(|earlier| file.joint.get_index(earlier)) {
+            checker.refuse(&path, format!("a body that no other joint holds; {other:?} holds this one"));
+            hold = false;
+        } else {
+            joint_of[body] = Some(index);
+        }
+    }
+    hold &= file.joint.values().all(|joint| joint.parent == ROOT || bodies(file).any(|body| *body == joint.parent));
+    if hold {
+        for (name, _) in bodies(file).zip(&joint_of).filter(|(_, joint)| joint.is_none()) {
+            let allowed = format!("exactly one joint with child = {name:?}");
+            checker.refuse_as(&["body", name], "a body without a joint", allowed);
+        }
+    }
+    joint_of
+}
+
+/// Builds a joint.
+fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker) -> JointBuilder {
+    for (key, types) in KEYS.iter().filter(|(_, types)| !types.contains(&joint.kind)) {
+        if checker.states(&["joint", name, key]) {
+            let names: Vec<&str> = types.iter().copied().map(JointType::name).collect();
+            checker.refuse(&["joint", name, key], format!("this key only with type = {}", quoted(&names)));
+        }
+    }
+    for (key, field) in
+        REVOLUTE_DRIVE_KEYS.iter().filter(|_| [JointType::Universal, JointType::Ball].contains(&joint.kind))
+    {
+        // the machine only sees values that are not the default
+        if checker.states(&["joint", name, "drive", key]) {
+            checker.refuse(&["joint", name, "drive", key], "this key only with type = \"revolute\"");
+            checker.stands_in(&["joint", name, "drive", field]);
+        }
+    }
+    let place = parent_frame(name, joint, file, checker);
+    // of vectors in the frame that the joint holds on to
+    let turned = |vector: Vector3<f64>| match place {
+        Some(place) => Rotation3::new(radians(place.rotation_deg)) * vector,
+        None => vector,
+    };
+    let axis = turned(Vector3::from(joint.axis.unwrap_or_default()));
+    let mut built = match joint.kind {
+        JointType::Clamped => Joint::clamped(name),
+        JointType::Revolute => Joint::revolute(name, axis),
+        JointType::Universal => Joint::universal(name, axis, joint.body_axis.unwrap_or_default()),
+        JointType::Ball => Joint::ball(name),
+        JointType::Free => Joint::free(name),
+    };
+    built = on_parent(built, name, joint, checker);
+    let mount = Rotation3::new(radians(joint.mount_rotation_deg));
+    built = match place {
+        Some(place) => built.mount((Rotation3::new(radians(place.rotation_deg)) * mount).into_inner()),
+        None => built.mount(mount.into_inner()),
+    };
+    let from_m = place.map_or(Vector3::zeros(), |place| Vector3::from(place.position_m));
+    built = built.offset_m(from_m + turned(Vector3::from(joint.parent_offset_m.unwrap_or_default())));
+    if let Some(velocity_deg_s) = joint.start_angular_velocity_deg_s {
+        built = built.start_angular_velocity_rad_s(turned(radians(velocity_deg_s)));
+    }
+    if let Some(velocity_m_s) = joint.start_velocity_m_s {
+        built = built.start_velocity_m_s(velocity_m_s);
+    }
+    if let Some(angle_deg) = joint.start_angle_deg {
+        built = built.start_angle_rad(angle_deg.to_radians());
+    }
+    if let Some(rate_deg_s) = joint.start_rate_deg_s {
+        built = built.start_rate_rad_s(rate_deg_s.to_radians());
+    }
+    if let Some(release) = joint.release {
+        built = built.release(release);
+    }
+    if let Some(kind) = joint.motion {
+        match motion(name, joint, kind, checker) {
+            Some(motion) => built = built.motion(motion),
+            None => checker.stands_in(&["joint", name]),
+        }
+    }
+    if joint.motion != Some(MotionType::Prescribed) && joint.kind == JointType::Revolute {
+        for key in ["polynomial_deg", "table_s_deg", "table_ends"] {
+            if checker.states(&["joint", name, key]) {
+                checker.refuse(&["joint", name, key], "this key only with motion = \"prescribed\"");
+            }
+        }
+    }
+    if let Some(drive) = &joint.drive {
+        built = built.drive(build_drive(drive));
+    }
+    if let Some(spring) = &joint.spring {
+        built = built.spring(build_spring(spring));
+    }
+    if let Some(latch) = joint.latch.as_ref().and_then(|latch| build_latch(name, latch, checker)) {
+        built = built.latch(latch);
+    }
+    built
+}
+
+fn radians(degrees: [f64; 3]) -> Vector3<f64> {
+    Vector3::from(degrees).map(f64::to_radians)
+}
+
+/// The frame that a joint holds on to, if it names one.
+fn parent_frame<'f>(
+    name: &str,
+    joint: &JointFile,
+    file: &'f ModelFile,
+    checker: &mut Checker,
+) -> Option<&'f FrameFile> {
+    let frame = joint.parent_frame.as_ref()?;
+    let path = ["joint", name, "parent_frame"];
+    let Some(parent) = file.rigid_body.get(&joint.parent) else {
+        checker.refuse(&path, "this key only with a rigid body as parent");
+        return None;
+    };
+    let found = parent.frame.get(frame);
+    if found.is_none() {
+        let known = parent.frame.keys().map(String::as_str);
+        checker.unknown_name(&path, frame, &format!("a frame of {:?}", joint.parent), known);
+    }
+    found
+}
+
+fn on_parent(built: JointBuilder, name: &str, joint: &JointFile, checker: &mut Checker) -> JointBuilder {
+    if joint.parent == ROOT {
+        if joint.parent_position_m.is_some() {
+            checker.refuse(
+                &["joint", name, "parent_position_m"],
+                "this key with a body as parent; write root_position_m = [x, y, z] (m)",
+            );
+        }
+        return built.at_root(joint.root_position_m.unwrap_or_default());
+    }
+    if joint.root_position_m.is_some() {
+        checker.refuse(
+            &["joint", name, "root_position_m"],
+            "this key with parent = \"root\"; write parent_position_m (m), the distance along the parent",
+        );
+    }
+    match joint.parent_position_m {
+        Some(position_m) => built.on_at(&joint.parent, position_m),
+        None => built.on(&joint.parent),
+    }
+}
+
+/// The motion that a hinge states; `None` where nothing can stand for it.
+fn motion(name: &str, joint: &JointFile, kind: MotionType, checker: &mut Checker) -> Option<JointMotion> {
+    match kind {
+        MotionType::Free => return Some(JointMotion::Free),
+        MotionType::Locked => return Some(JointMotion::Locked),
+        MotionType::Prescribed if joint.kind != JointType::Revolute => return Some(JointMotion::Locked), // refused
+        MotionType::Prescribed => {}
+    }
+    if joint.table_ends.is_some() && joint.table_s_deg.is_none() {
+        checker.refuse(&["joint", name, "table_ends"], "this key only with table_s_deg");
+    }
+    match (&joint.polynomial_deg, &joint.table_s_deg) {
+        (Some(coefficients), None) => {
+            let coefficients = coefficients.iter().copied().map(f64::to_radians).collect();
+            Some(JointMotion::Prescribed(Motion::Polynomial(coefficients)))
+        }
+        (None, Some(table)) => {
+            if !table.windows(2).all(|pair| pair[0][0] < pair[1][0]) {
+                checker.refuse(&["joint", name, "table_s_deg"], "pairs [time in s, angle in deg] with ascending times");
+                return None;
+            }
+            let points = table.iter().map(|[time_s, angle_deg]| (*time_s, angle_deg.to_radians())).collect();
+            let onward = joint.table_ends == Some(TableEnds::Onward);
+            Some(JointMotion::Prescribed(if onward { Motion::Onward(points) } else { Motion::Table(points) }))
+        }
+        (Some(_), Some(_)) => {
+            checker.refuse(&["joint", name, "table_s_deg"], "either polynomial_deg or table_s_deg, not both");
+            None
+        }
+        (None, None) => {
+            checker.refuse(&["joint", name, "motion"], "this motion with polynomial_deg or table_s_deg");
+            None
+        }
+    }
+}
+
+fn build_drive(drive: &DriveFile) -> Drive {
+    let none = Drive::default();
+    Drive {
+        stiffness_n_m_rad: drive.stiffness_n_m_rad,
+        damping_n_m_s_rad: drive.damping_n_m_s_rad,
+        constant_torque_n_m: drive.constant_torque_n_m,
+        torque_limit_n_m: drive.torque_limit_n_m.unwrap_or(none.torque_limit_n_m),
+        rate_limit_rad_s: drive.rate_limit_deg_s.map_or(none.rate_limit_rad_s, f64::to_radians),
+        inertia_kg_m2: drive.inertia_kg_m2,
+        command_rad: drive.command_deg.to_radians(),
+    }
+}
+
+fn build_spring(spring: &SpringFile) -> Spring {
+    Spring {
+        stiffness_n_m_rad: spring.stiffness_n_m_rad,
+        damping_n_m_s_rad: spring.damping_n_m_s_rad,
+        rest_angle_rad: spring.rest_angle_deg.to_radians(),
+    }
+}
+
+/// `None` where a problem was found.
+fn build_latch(name: &str, latch: &LatchFile, checker: &mut Checker) -> Option<LatchBuilder> {
+    let path = ["joint", name, "latch", "stiffness_ratio"];
+    let mut built = match (latch.kind, latch.stiffness_ratio, latch.stiffness_n_m_rad) {
+        (LatchType::Rigid, ..) => {
+            for key in ["stiffness_ratio", "stiffness_N_m_rad"] {
+                if checker.states(&["joint", name, "latch", key]) {
+                    let allowed = "this key only with kind = \"elastic\": a rigid latch has no spring";
+                    checker.refuse(&["joint", name, "latch", key], allowed);
+                }
+            }
+            Latch::rigid()
+        }
+        (LatchType::Elastic, Some(ratio), None) => Latch::with_ratio(ratio),
+        (LatchType::Elastic, None, Some(stiffness_n_m_rad)) => Latch::with_stiffness_n_m_rad(stiffness_n_m_rad),
+        (LatchType::Elastic, Some(_), Some(_)) => {
+            checker.refuse(&path, "either stiffness_ratio or stiffness_N_m_rad, not both");
+            return None;
+        }
+        (LatchType::Elastic, None, None) => {
+            checker.refuse(&path, "a finite number > 1, or stiffness_N_m_rad instead, or kind = \"rigid\"");
+            return None;
+        }
+    };
+    built = built.angle_rad(latch.angle_deg.to_radians());
+    if let Some(capture_deg) = latch.capture_deg {
+        built = built.capture_rad(capture_deg.to_radians());
+    }
+    Some(built.initially_closed(latch.initially_closed).enable(latch.enable))
+}

@@ -1,0 +1,61 @@
+//! Letters that no text of a model may have, for XML cannot carry them: escapes such as `\u0001` bring them in.
+
+use crate::document::{Document, key_text};
+use crate::error::{Fault, Problem};
+use crate::structure::MOST_PROBLEMS;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Tables in tables: no known key lies as deep, and unknown ones are refused by the next pass.
+const DEEPEST: usize = 16;
+
+/// What stands in a message for the letters allowed.
+const ALLOWED: &str = "text without control characters except line feeds and tabs";
+
+/// Looks at every text of the file.
+///
+/// # Errors
+/// All texts with such letters, in the order of the file.
+pub(super) fn check(document: &Document) -> Result<(), Vec<Problem>> {
+    let mut problems = Vec::new();
+    table(document.root(), &mut Vec::new(), document, &mut problems);
+    problems.sort_by_key(|problem| problem.line);
+    if problems.is_empty() { Ok(()) } else { Err(problems) }
+}
+
+/// True where XML has no way to carry the letter, or where it is a control character of another kind.
+fn refused(letter: char) -> bool {
+    letter.is_control() && !matches!(letter, '\n' | '\r' | '\t') || matches!(letter, '\u{fffe}' | '\u{ffff}')
+}
+
+fn table(inside: &DeTable, path: &mut Vec<String>, document: &Document, problems: &mut Vec<Problem>) {
+    if path.len() > DEEPEST || problems.len() >= MOST_PROBLEMS {
+        return;
+    }
+    for (key, entry) in inside {
+        path.push(key.get_ref().to_string());
+        value(entry, key.span().start, path, document, problems);
+        path.pop();
+    }
+}
+
+fn value(
+    entry: &Spanned<DeValue>,
+    offset: usize,
+    path: &mut Vec<String>,
+    document: &Document,
+    problems: &mut Vec<Problem>,
+) {
+    match entry.get_ref() {
+        DeValue::Table(inside) => table(inside, path, document, problems),
+        DeValue::Array(items) => items.iter().for_each(|item| value(item, offset, path, document, problems)),
+        DeValue::String(text) => {
+            if let Some(letter) = text.chars().find(|letter| refused(*letter)) {
+                let value = format!("a text with the control character U+{:04X}", u32::from(letter));
+                let fault = Fault::NotAllowed { value, allowed: ALLOWED.to_owned() };
+                problems.push(Problem { line: document.line(offset), key: key_text(path), fault });
+            }
+        }
+        _ => {}
+    }
+}

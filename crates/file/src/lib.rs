@@ -1,0 +1,65 @@
+//! The model file: TOML read into [`Machine`], every number checked, every error with its line.
+//!
+//! Three passes. The text becomes a tree in which every key and value knows its place (`document`). The
+//! tree is compared with the JSON schema derived from the serde structs (`structure`): unknown and missing
+//! keys, types, ranges. What one key alone cannot tell is checked last (`validate` and its neighbours): the
+//! tree of bodies, references, positions, definiteness. Each pass reports all its problems at once.
+
+mod air;
+mod air_file;
+mod attachments;
+mod body;
+mod document;
+mod error;
+mod file;
+mod function;
+mod joint_file;
+mod joints;
+mod letters;
+mod loops;
+mod meant;
+mod reference;
+mod run;
+mod schema;
+mod sections;
+mod structure;
+mod validate;
+
+pub use error::{ConfigError, Fault, Problem};
+pub use reference::reference;
+pub use schema::schema;
+
+use document::Document;
+use file::ModelFile;
+use foldwing_engine::machine::Machine;
+use std::path::Path;
+
+/// Reads a model from the text of a model file. `file_name` only appears in error messages.
+///
+/// # Errors
+/// [`ConfigError::Refused`] with every problem found: syntax first, then keys, types and ranges, then what
+/// depends on several keys.
+pub fn parse(text: &str, file_name: &str) -> Result<Machine, ConfigError> {
+    build(text).map_err(|problems| ConfigError::Refused { file: file_name.to_owned(), problems })
+}
+
+/// Reads a model file; returns the machine and the file's text, which rides in the FMU's resources.
+///
+/// # Errors
+/// [`ConfigError::Read`] where the file cannot be read or is not UTF-8, else as [`parse`].
+pub fn read(path: impl AsRef<Path>) -> Result<(Machine, String), ConfigError> {
+    let path = path.as_ref();
+    let file = path.display().to_string();
+    match std::fs::read_to_string(path) {
+        Ok(text) => Ok((parse(&text, &file)?, text)),
+        Err(source) => Err(ConfigError::Read { file, source }),
+    }
+}
+
+fn build(text: &str) -> Result<Machine, Vec<Problem>> {
+    let document = Document::parse(text)?;
+    letters::check(&document)?;
+    structure::check(&document)?;
+    let file: ModelFile = toml::from_str(text).map_err(|error| vec![document.syntax_problem(&error)])?;
+    validate::machine(&file, &document)
+}

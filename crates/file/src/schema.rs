@@ -1,0 +1,237 @@
+//! The JSON schema of the model file, derived from the serde structs, and how the checks read it.
+
+use crate::file::ModelFile;
+use foldwing_engine::machine::UNLIMITED;
+use foldwing_engine::machine::units::finite;
+pub(super) use foldwing_engine::machine::units::{quoted, shortest};
+use foldwing_engine::machine::validate::IDENTIFIER_ALLOWED;
+use serde_json::{Map, Value, json};
+use std::ops::Deref;
+
+/// What names of sections, bodies, joints, masses and gauges must look like.
+pub(super) const IDENTIFIER: &str = "^[A-Za-z_][A-Za-z0-9_]*$";
+
+/// Wording of a function along a body, behind that of a number.
+const FUNCTION_ALLOWED: &str = "{ polynomial = [c0, c1, …] } or { table = [[s, value], …] }";
+
+/// JSON schema (draft 2020-12) of the model file, pretty printed, for editors that complete TOML.
+pub fn schema() -> String {
+    let mut text = format!("{:#}", derived());
+    text.push('\n');
+    text
+}
+
+/// What [`schema`] gave when the page was last written: reading it takes a tenth of the time of deriving it.
+const WRITTEN: &str = include_str!("../../../examples/models/foldwing.schema.json");
+
+/// The schema as a tree. Whoever checks a file makes one and drops it: a library that is unloaded must not leave it behind.
+pub(super) fn tree() -> Value {
+    serde_json::from_str(WRITTEN).unwrap_or_else(|_| derived())
+}
+
+/// The schema as the structs have it.
+fn derived() -> Value {
+    let mut tree = schemars::schema_for!(ModelFile).to_value();
+    tidy(&mut tree);
+    tree
+}
+
+/// A node of the schema that knows its tree, for references to `$defs`.
+#[derive(Clone, Copy)]
+pub(super) struct Node<'s> {
+    tree: &'s Value,
+    here: &'s Value,
+}
+
+impl<'s> Node<'s> {
+    /// The root of a tree.
+    pub fn root(tree: &'s Value) -> Self {
+        Self { tree, here: tree }
+    }
+
+    /// The root of the same tree.
+    pub fn top(self) -> Self {
+        Self::root(self.tree)
+    }
+
+    /// Another node of the same tree.
+    fn at(self, here: &'s Value) -> Self {
+        Self { here, ..self }
+    }
+
+    /// The node under a key; null where there is none.
+    pub fn child(self, key: &str) -> Self {
+        self.at(&self.here[key])
+    }
+
+    /// The nodes of an array under a key.
+    pub fn children(self, key: &str) -> Option<impl Iterator<Item = Self> + use<'s>> {
+        Some(self.here[key].as_array()?.iter().map(move |here| self.at(here)))
+    }
+
+    /// Follows a `$ref` into `$defs`.
+    pub fn resolve(self) -> Self {
+        let target = self.here["$ref"].as_str().and_then(|path| path.strip_prefix("#/$defs/"));
+        target.map_or(self, |name| self.at(&self.tree["$defs"][name]))
+    }
+}
+
+impl Deref for Node<'_> {
+    type Target = Value;
+
+    fn deref(&self) -> &Value {
+        self.here
+    }
+}
+
+/// Fits the derived schema to TOML: no `null`, names of tables are identifiers, one-line descriptions.
+fn tidy(node: &mut Value) {
+    match node {
+        Value::Array(items) => items.iter_mut().for_each(tidy),
+        Value::Object(map) => {
+            map.values_mut().for_each(tidy);
+            tidy_object(map);
+        }
+        _ => {}
+    }
+}
+
+fn tidy_object(map: &mut Map<String, Value>) {
+    if let Some(types) = map.get_mut("type").filter(|types| types.is_array()) {
+        let kept: Vec<Value> = types.as_array().into_iter().flatten().filter(|t| **t != "null").cloned().collect();
+        *types = kept.into_iter().next().unwrap_or_default();
+    }
+    if let Some(Value::Array(options)) = map.get("anyOf") {
+        let kept: Vec<Value> = options.iter().filter(|option| option["type"] != "null").cloned().collect();
+        if let [Value::Object(only)] = kept.as_slice() {
+            map.remove("anyOf");
+            only.iter().for_each(|(key, value)| {
+                map.insert(key.clone(), value.clone());
+            });
+        }
+    }
+    // Rust's own number types; JSON schema knows no such formats.
+    if map.get("format").is_some_and(|format| format == "double" || format == "uint") {
+        map.remove("format");
+    }
+    if map.get("default").is_some_and(Value::is_null) {
+        map.remove("default");
+    }
+    if let Some(Value::Object(default)) = map.get_mut("default") {
+        default.retain(|_, value| !value.is_null());
+    }
+    if map.get("additionalProperties").is_some_and(Value::is_object) {
+        map.insert("propertyNames".to_owned(), json!({ "pattern": IDENTIFIER }));
+    }
+    if let Some(Value::String(description)) = map.get_mut("description") {
+        *description = description.split_whitespace().collect::<Vec<_>>().join(" ");
+    }
+}
+
+/// The keys of a table's schema.
+pub(super) fn properties<'s>(schema: Node<'s>) -> impl Iterator<Item = (&'s str, Node<'s>)> {
+    let keys = schema.here["properties"].as_object().into_iter().flatten();
+    keys.map(move |(key, value)| (key.as_str(), schema.at(value)))
+}
+
+/// True where a table must contain the key.
+pub(super) fn is_required(schema: &Value, key: &str) -> bool {
+    schema["required"].as_array().into_iter().flatten().any(|name| name == key)
+}
+
+/// The key that tells the variants of a table apart, with their schemas: `shape` of a section.
+pub(super) fn tagged<'s>(schema: Node<'s>) -> Option<(&'s str, Vec<(&'s str, Node<'s>)>)> {
+    let variants: Vec<Node> = schema.children("oneOf")?.collect();
+    let tag = properties(*variants.first()?).find(|(_, value)| value.get("const").is_some())?.0;
+    let named =
+        variants.iter().map(|variant| variant.here["properties"][tag]["const"].as_str().map(|name| (name, *variant)));
+    Some((tag, named.collect::<Option<_>>()?))
+}
+
+/// The strings that a key may hold, where they are listed.
+pub(super) fn options<'s>(schema: Node<'s>) -> Option<Vec<&'s str>> {
+    if let Some(list) = schema.here["enum"].as_array() {
+        return list.iter().map(Value::as_str).collect();
+    }
+    schema.children("oneOf")?.map(|option| option.here["const"].as_str()).collect()
+}
+
+/// What a key may hold, in words with quantity, range and unit, e.g. `a finite length > 0 m`.
+pub(super) fn allowed(key: &str, schema: Node) -> String {
+    if let Some(text) = schema["x-allowed"].as_str() {
+        return text.to_owned();
+    }
+    let schema = schema.resolve();
+    if let Some(options) = options(schema) {
+        return quoted(&options);
+    }
+    if let Some((_, variants)) = tagged(schema) {
+        return quoted(&variants.iter().map(|(name, _)| *name).collect::<Vec<_>>());
+    }
+    if schema["anyOf"].is_array() {
+        return format!("{}, {FUNCTION_ALLOWED}", number(key, &schema, ""));
+    }
+    match schema["type"].as_str() {
+        Some("number") => number(key, &schema, ""),
+        Some("integer") => format!("a whole number{}", range(&schema)),
+        Some("boolean") => "true or false".to_owned(),
+        Some("array") => array(key, &schema),
+        Some("object") => "a table".to_owned(),
+        _ if schema["pattern"] == IDENTIFIER => IDENTIFIER_ALLOWED.to_owned(),
+        _ => "a text in quotes".to_owned(),
+    }
+}
+
+fn number(key: &str, schema: &Value, plural: &str) -> String {
+    finite(key, &range(schema), plural)
+}
+
+fn array(key: &str, schema: &Value) -> String {
+    let items = number(key, &schema["items"], "s");
+    match (schema["minItems"].as_u64(), schema["maxItems"].as_u64()) {
+        (Some(least), Some(most)) if least == most => format!("an array of {least} {items}"),
+        (None | Some(0), Some(most)) => format!("an array of at most {most} {items}"),
+        (Some(least), Some(most)) => format!("an array of {least} to {most} {items}"),
+        (Some(least), None) => format!("an array of at least {least} {items}"),
+        (None, None) => format!("an array of {items}"),
+    }
+}
+
+/// Range of a number in words, with a leading space; empty where there is none.
+fn range(schema: &Value) -> String {
+    let bound = |keyword: &str| schema[keyword].as_f64().map(shortest);
+    if let (Some(least), Some(most)) = (bound("minimum"), bound("maximum")) {
+        return format!(" from {least} to {most}");
+    }
+    let bounds = [("exclusiveMinimum", ">"), ("minimum", ">="), ("exclusiveMaximum", "<"), ("maximum", "<=")];
+    let words: Vec<String> =
+        bounds.iter().filter_map(|(keyword, sign)| bound(keyword).map(|value| format!("{sign} {value}"))).collect();
+    if words.is_empty() { String::new() } else { format!(" {}", words.join(" and ")) }
+}
+
+/// True where `value` is finite, no larger than [`UNLIMITED`] and within the schema's range.
+pub(super) fn in_range(value: f64, schema: &Value) -> bool {
+    let bound = |keyword: &str, otherwise: f64| schema[keyword].as_f64().unwrap_or(otherwise);
+    value.abs() <= UNLIMITED
+        && value >= bound("minimum", f64::NEG_INFINITY)
+        && value > bound("exclusiveMinimum", f64::NEG_INFINITY)
+        && value <= bound("maximum", f64::INFINITY)
+        && value < bound("exclusiveMaximum", f64::INFINITY)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The written schema is that of the structs, in the same order; `make bless` writes it. Prints what either costs.
+    #[test]
+    fn the_written_schema_is_current() {
+        let time = |make: fn() -> Value| {
+            let begin = std::time::Instant::now();
+            (make(), begin.elapsed())
+        };
+        let ((written, reading), (derived, deriving)) = (time(tree), time(derived));
+        println!("schema read in {reading:?}, derived in {deriving:?}");
+        assert_eq!(written.to_string(), derived.to_string(), "`make bless`");
+    }
+}

@@ -1,0 +1,238 @@
+//! Third pass: the file told to a [`MachineBuilder`], and what that refuses told with the file's keys and lines.
+
+use crate::document::{Document, key_text};
+use crate::error::{Fault, Problem};
+use crate::file::ModelFile;
+use crate::meant::did_you_mean;
+use crate::run::{MethodFile, ModeFile};
+use crate::{air, attachments, body, joints, loops, sections};
+use foldwing_engine::machine::builder::MachineBuilder;
+use foldwing_engine::machine::fault::{Fault as MachineFault, Subject};
+use foldwing_engine::machine::units::quoted;
+use foldwing_engine::machine::{Machine, Method, Solver};
+use sections::Sections;
+use toml::de::DeValue;
+
+/// Fixed step of real-time mode where the file names none, in s.
+const REAL_TIME_STEP_S: f64 = 1e-3;
+
+/// Collects problems and knows where keys stand.
+pub(super) struct Checker<'d, 'a> {
+    document: &'d Document<'a>,
+    problems: Vec<Problem>,
+    /// Places of the machine where something stands in for what was refused here: faults at them follow from that.
+    stand_ins: Vec<Vec<String>>,
+}
+
+impl Checker<'_, '_> {
+    /// Refuses the value at `path`, or says that it is missing.
+    pub fn refuse(&mut self, path: &[&str], allowed: impl Into<String>) {
+        self.problems.push(self.document.refusal(path, allowed.into()));
+    }
+
+    /// Refuses what `value` describes, at `path`.
+    pub fn refuse_as(&mut self, path: &[&str], value: impl Into<String>, allowed: impl Into<String>) {
+        let fault = Fault::NotAllowed { value: value.into(), allowed: allowed.into() };
+        self.problems.push(Problem { line: self.document.line_of(path), key: key_text(path), fault });
+    }
+
+    /// True where the file states the key.
+    pub fn states(&self, path: &[&str]) -> bool {
+        self.document.find(path).is_some()
+    }
+
+    /// Refuses a name that refers to nothing; `known` are the names it may be.
+    pub fn unknown_name<'k>(&mut self, path: &[&str], name: &str, what: &str, known: impl Iterator<Item = &'k str>) {
+        let known: Vec<&str> = known.collect();
+        let hint = did_you_mean(name, known.iter().copied());
+        self.refuse(path, format!("{what}: {}{hint}", quoted(&known)));
+    }
+
+    /// Faults at this place of the machine and inside it will not be told.
+    pub fn stands_in(&mut self, place: &[&str]) {
+        self.stand_ins.push(place.iter().map(|part| (*part).to_owned()).collect());
+    }
+
+    /// Tells a fault of the machine with the key and line of the file.
+    fn tell(&mut self, fault: &MachineFault, file: &ModelFile) {
+        if self.stand_ins.iter().any(|place| fault.place.0.starts_with(place)) {
+            return;
+        }
+        let path = self.path_of(&fault.place.0, file);
+        let path: Vec<&str> = path.iter().map(String::as_str).collect();
+        let mut allowed = fault.allowed.clone();
+        for (machine, file) in WORDS {
+            allowed = allowed.replace(machine, file);
+        }
+        match &fault.subject {
+            Subject::Value => self.refuse(&path, allowed),
+            Subject::State => match self.plain_number(&path) {
+                Some(allowed) => self.refuse(&path, allowed),
+                None => self.refuse_as(&path, &fault.value, allowed),
+            },
+            Subject::Name { known } => {
+                let name = fault.value.trim_matches('"');
+                let hint = did_you_mean(name, known.iter().map(String::as_str));
+                self.refuse(&path, allowed + &hint);
+            }
+        }
+    }
+
+    /// What is allowed where the file gives a function along a body by one number.
+    fn plain_number(&self, path: &[&str]) -> Option<&'static str> {
+        let entry = self.document.find(path)?;
+        let number = matches!(entry.value.get_ref(), DeValue::Integer(_) | DeValue::Float(_));
+        match path.last() {
+            Some(&("width_taper" | "height_taper")) if number => Some("a finite factor > 0"),
+            Some(&"chord_m") if number => Some("a finite length > 0 m"),
+            _ => None,
+        }
+    }
+
+    /// Path in the file of a place of the machine.
+    fn path_of(&self, place: &[String], file: &ModelFile) -> Vec<String> {
+        let mut path: Vec<String> = place.to_vec();
+        for part in path.iter_mut().skip(1) {
+            if let Some((_, key)) = KEYS.iter().find(|(field, _)| field == part) {
+                *part = (*key).to_owned();
+            }
+        }
+        let states = |keys: &[&'static str], table: &[String]| -> Option<&'static str> {
+            let path = |key| -> Vec<&str> { table.iter().map(String::as_str).chain([key]).collect() };
+            keys.iter().copied().find(|key| self.states(&path(*key)))
+        };
+        let kind = path[0].clone();
+        match (kind.as_str(), path.get(2).map(String::as_str)) {
+            ("air", _) => path[0] = "aerodynamics".to_owned(),
+            ("surface", _) => {
+                let stated = file.surface.iter().find(|(_, surface)| path.get(1) == Some(&surface.body));
+                if let Some((name, _)) = stated {
+                    path[1] = name.clone();
+                }
+            }
+            ("joint", Some("offset_m")) => path[2] = "parent_offset_m".to_owned(),
+            // a rigid body has a table of its own, and its mass no other; a fault of all bodies has no name
+            ("body" | "mass", _)
+                if path
+                    .get(1)
+                    .is_some_and(|name| file.rigid_body.contains_key(name) && !file.mass.contains_key(name)) =>
+            {
+                path[0] = "rigid_body".to_owned();
+                if path.get(2).is_some_and(|part| part == "offset_m") {
+                    path[2] = "centre_of_mass_m".to_owned();
+                }
+            }
+            ("body", Some("natural_strain")) => {
+                let key = states(&["twist_1_m", "curvature_y_1_m", "curvature_z_1_m"], &path[..2]);
+                path[2] = key.unwrap_or("natural_curvature_1_m").to_owned();
+            }
+            ("body", Some("section")) => {
+                if let Some(key) = states(&["width_taper", "height_taper"], &path[..2]) {
+                    path[2] = key.to_owned();
+                }
+            }
+            ("loop", Some("positions_m")) if states(&["positions_m"], &path[..2]).is_none() => {
+                path[2] = "bodies".to_owned();
+            }
+            _ => {}
+        }
+        path
+    }
+}
+
+/// Fields of the machine and its builder whose keys have other names, and those keys.
+const KEYS: &[(&str, &str)] = &[
+    ("start_angle_rad", "start_angle_deg"),
+    ("start_rate_rad_s", "start_rate_deg_s"),
+    ("start_angular_velocity_rad_s", "start_angular_velocity_deg_s"),
+    ("rate_limit_rad_s", "rate_limit_deg_s"),
+    ("command_rad", "command_deg"),
+    ("rest_angle_rad", "rest_angle_deg"),
+    ("angle_rad", "angle_deg"),
+    ("capture_rad", "capture_deg"),
+    ("zero_lift_angle_rad", "zero_lift_angle_deg"),
+    ("stiffness_n_m_rad", "stiffness_N_m_rad"),
+    ("damping_n_m_s_rad", "damping_N_m_s_rad"),
+    ("constant_torque_n_m", "constant_torque_N_m"),
+    ("torque_limit_n_m", "torque_limit_N_m"),
+    ("stiffness_n_m", "stiffness_N_m"),
+    ("damping_n_s_m", "damping_N_s_m"),
+    ("station_positions_m", "load_station_positions_m"),
+    ("most_iterations", "max_iterations"),
+];
+
+/// Words of the machine's messages, and what stands for them in those of the file.
+const WORDS: &[(&str, &str)] = &[
+    ("rad/s", "deg/s"),
+    ("mount_rotation ", "mount_rotation_deg "),
+    ("stiffness_n_m_rad", "stiffness_N_m_rad"),
+    ("start_angle lies within capture of angle", "start_angle_deg lies within capture_deg of angle_deg"),
+    ("at least one surface", "at least one table [surface.<name>]"),
+];
+
+/// Validates a file that fits the schema.
+///
+/// # Errors
+/// All problems, in the order of the file.
+pub(super) fn machine(file: &ModelFile, document: &Document) -> Result<Machine, Vec<Problem>> {
+    let mut checker = Checker { document, problems: Vec::new(), stand_ins: Vec::new() };
+    let machine = describe(file, &mut checker).build();
+    if let Err(refused) = &machine {
+        refused.faults.iter().for_each(|fault| checker.tell(fault, file));
+    }
+    let mut problems = checker.problems;
+    problems.sort_by_key(|problem| problem.line);
+    match machine {
+        Ok(machine) if problems.is_empty() => Ok(machine),
+        _ => Err(problems),
+    }
+}
+
+/// The machine that the file describes.
+fn describe(file: &ModelFile, checker: &mut Checker) -> MachineBuilder {
+    let sections: Sections =
+        file.section.iter().map(|(name, section)| (name.as_str(), sections::build(name, section, checker))).collect();
+    let mut machine = Machine::builder(&file.name)
+        .description(&file.description)
+        .gravity_m_s2(file.gravity_m_s2)
+        .solver(solver(file, checker));
+    let mut lawless = Vec::new();
+    let mut joints = joints::build_all(file, checker);
+    for ((name, body), joint) in file.body.iter().zip(joints.iter().cloned()) {
+        let law = body::section_law(name, body, &sections, checker);
+        if law.is_none() {
+            lawless.push(name.as_str());
+        }
+        machine = machine.body(body::build(name, body, law, checker), joint);
+    }
+    for ((name, body), joint) in file.rigid_body.iter().zip(joints.split_off(file.body.len())) {
+        machine = machine.body(body::build_rigid(name, body), joint);
+    }
+    machine = attachments::add(file, &lawless, machine);
+    machine = loops::add(file, machine);
+    machine = air::add(file, &lawless, machine, checker);
+    let experiment = &file.experiment;
+    if checker.states(&["experiment", "step_s"]) {
+        machine = machine.step_s(experiment.step_s);
+    }
+    let machine = machine.start_time_s(experiment.start_time_s).stop_time_s(experiment.stop_time_s);
+    machine.start(experiment.start.into())
+}
+
+fn solver(file: &ModelFile, checker: &mut Checker) -> Solver {
+    let solver = &file.solver;
+    let real_time = solver.mode == ModeFile::RealTime;
+    if !real_time && checker.states(&["solver", "max_iterations"]) {
+        checker.refuse(&["solver", "max_iterations"], "this key only with mode = \"real_time\"");
+    }
+    let method = if real_time && !checker.states(&["solver", "method"]) { MethodFile::Sdirk2 } else { solver.method };
+    Solver {
+        method: Method::from(method),
+        tolerance: solver.tolerance,
+        max_step_s: solver.max_step_s,
+        min_step_s: solver.min_step_s,
+        fixed_step_s: solver.fixed_step_s.or(real_time.then_some(REAL_TIME_STEP_S)),
+        rho_infinity: solver.rho_infinity,
+        most_iterations: real_time.then_some(solver.max_iterations as usize),
+    }
+}

@@ -1,0 +1,183 @@
+//! What a call can answer, and why it was refused.
+
+use crate::fmi2::life_cycle::{Call, Phase};
+use crate::fmi2::resource::ResourceError;
+use crate::fmi2::state::StateError;
+use crate::interface::AccessError;
+use foldwing_engine::plant::PlantError;
+use foldwing_file::ConfigError;
+
+/// Outcome of a call, `fmi2Status` without the asynchronous one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Status {
+    /// Done.
+    Ok,
+    /// Done, with something to tell.
+    Warning,
+    /// A value was refused; nothing changed.
+    Discard,
+    /// The call was refused or failed.
+    Error,
+    /// The instance is lost.
+    Fatal,
+}
+
+/// Why a call was refused or failed.
+#[derive(Debug, thiserror::Error)]
+pub enum CallError {
+    /// Out of order.
+    #[error("not legal {phase}{}", advice(*call, *phase))]
+    OutOfOrder {
+        /// The call.
+        call: Call,
+        /// Where the instance stands.
+        phase: Phase,
+    },
+    /// Any call after a panic.
+    #[error("the instance broke down earlier; only fmi2FreeInstance is legal")]
+    Poisoned,
+    /// A pointer that must not be null.
+    #[error("argument {argument} is null; that is legal for a length of 0 only")]
+    NullPointer {
+        /// Name of the argument in the standard.
+        argument: &'static str,
+    },
+    /// Text that is not UTF-8.
+    #[error("argument {argument} is not UTF-8 text")]
+    NotText {
+        /// Name of the argument in the standard.
+        argument: &'static str,
+    },
+    /// A variable cannot be read or written so.
+    #[error(transparent)]
+    Access(#[from] AccessError),
+    /// Derivatives that would leave the air out.
+    #[error(
+        "no directional derivatives of a machine in air: the loads of the air would be held, and the derivatives wrong; difference steps from one saved state instead"
+    )]
+    DerivativesInAir,
+    /// An argument that is not a variable.
+    #[error("argument {argument} is {value}: it must be {allowed}")]
+    Argument {
+        /// Name of the argument in the standard.
+        argument: &'static str,
+        /// The refused value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// Step of zero, negative or no size.
+    #[error("the step from t = {time_s} s has the size {step_s} s: it must be positive, finite and advance the time")]
+    StepSize {
+        /// Communication point of the caller in s.
+        time_s: f64,
+        /// The refused step size in s.
+        step_s: f64,
+    },
+    /// Too long to be marched through.
+    #[error(
+        "the step from t = {time_s} s has the size {step_s:e} s: the maximum is {longest_s:e} s; take shorter steps"
+    )]
+    StepTooLong {
+        /// Communication point of the caller in s.
+        time_s: f64,
+        /// The refused step size in s.
+        step_s: f64,
+        /// Longest step in s that the bound on internal steps leaves possible.
+        longest_s: f64,
+    },
+    /// The caller's clock and ours differ.
+    #[error(
+        "the step starts at t = {time_s} s but the instance is at t = {own_s} s; step from there, or set an earlier state"
+    )]
+    TimeMismatch {
+        /// Communication point of the caller in s.
+        time_s: f64,
+        /// Our time in s.
+        own_s: f64,
+    },
+    /// Beyond the stop time.
+    #[error(
+        "the step ends at t = {end_s} s, beyond the stop time {stop_s} s given to fmi2SetupExperiment; shorten it, or reset and give a later stop time"
+    )]
+    BeyondStop {
+        /// End of the refused step in s.
+        end_s: f64,
+        /// Stop time in s.
+        stop_s: f64,
+    },
+    /// The model cannot go on.
+    #[error(transparent)]
+    Plant(#[from] PlantError),
+    /// A saved state was refused.
+    #[error(transparent)]
+    State(#[from] StateError),
+    /// A status kind that the function does not report.
+    #[error("status kind {kind} is not reported by this function; it reports {reported}")]
+    StatusKind {
+        /// The kind asked for.
+        kind: u32,
+        /// What can be asked.
+        reported: &'static str,
+    },
+    /// A log category that does not exist.
+    #[error("unknown log category {name:?}: there are {known}")]
+    LogCategory {
+        /// The refused name.
+        name: String,
+        /// All names.
+        known: String,
+    },
+}
+
+/// What to do where a call is out of order.
+fn advice(call: Call, phase: Phase) -> String {
+    let legal: Vec<String> = call.phases().map(|phase| phase.to_string()).collect();
+    let back = match phase {
+        Phase::StepFailed | Phase::Terminated => "; fmi2SetFMUstate with an earlier state or fmi2Reset leads back",
+        _ => "",
+    };
+    if legal.is_empty() {
+        return ": steps are never asynchronous, so there is none to cancel".to_owned();
+    }
+    format!("; it is legal {}{back}", legal.join(", "))
+}
+
+impl CallError {
+    /// The status that the importer gets: a bad value is discarded, all else is an error.
+    pub fn status(&self) -> Status {
+        match self {
+            Self::Access(error) if error.is_bad_value() => Status::Discard,
+            Self::Argument { .. } => Status::Discard,
+            Self::Poisoned => Status::Fatal,
+            _ => Status::Error,
+        }
+    }
+}
+
+/// Why there is no instance.
+#[derive(Debug, thiserror::Error)]
+pub enum InstantiationError {
+    /// No instance name.
+    #[error("the instance name is missing: it is null or empty")]
+    NoName,
+    /// Not a co-simulation.
+    #[error("this FMU is for co-simulation only (FMU type 1): FMU type {0} was asked for")]
+    WrongType(u32),
+    /// Description and model do not belong together.
+    #[error(
+        "the GUID {given} of the model description is not {own}, that of resources/model.toml in this library; package the model again"
+    )]
+    Guid {
+        /// As passed by the importer.
+        given: String,
+        /// As computed from the model.
+        own: String,
+    },
+    /// The resource folder cannot be used.
+    #[error(transparent)]
+    Resource(#[from] ResourceError),
+    /// The model file is wrong.
+    #[error("the model cannot be read: {0}")]
+    Model(#[from] ConfigError),
+}

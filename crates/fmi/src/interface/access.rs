@@ -1,0 +1,298 @@
+//! Reading and writing rows: what is legal, and the message where it is not.
+
+use crate::interface::binding::Binding;
+use crate::interface::table::NON_NEGATIVE;
+use crate::interface::{Causality, Interface, Value, Variability, Variable};
+use foldwing_engine::plant::OutputSet;
+
+/// Why a row cannot be read or written.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum AccessError {
+    /// No such row.
+    #[error("unknown value reference {value_reference}: this model has 0 to {last}")]
+    UnknownReference {
+        /// What was asked for.
+        value_reference: u32,
+        /// Last value reference of the table.
+        last: u32,
+    },
+    /// A row of another type.
+    #[error("variable {name} (value reference {value_reference}) has type {actual}, not {requested}")]
+    WrongType {
+        /// Name of the row.
+        name: String,
+        /// Its value reference.
+        value_reference: u32,
+        /// Its type.
+        actual: &'static str,
+        /// The type asked for.
+        requested: &'static str,
+    },
+    /// Outputs, locals and time are not set.
+    #[error("variable {name} cannot be set: it is {causality}; only inputs and parameters can")]
+    NotSettable {
+        /// Name of the row.
+        name: String,
+        /// What it is.
+        causality: &'static str,
+    },
+    /// Too late for a fixed parameter.
+    #[error("parameter {name} is fixed: it can be set before the end of the initialisation only")]
+    Fixed {
+        /// Name of the row.
+        name: String,
+    },
+    /// Only continuous inputs have a time derivative that can be set.
+    #[error("variable {name} has no time derivative to set: only Real inputs have one")]
+    NotAnInput {
+        /// Name of the row.
+        name: String,
+    },
+    /// Only outputs have derivatives.
+    #[error("no derivative of variable {name} is known: unknowns are Real outputs")]
+    NotAnUnknown {
+        /// Name of the row.
+        name: String,
+    },
+    /// Nothing is differentiated by this row now.
+    #[error("no derivative by variable {name}: knowns are Real inputs and, in Initialization Mode, parameters")]
+    NotAKnown {
+        /// Name of the row.
+        name: String,
+    },
+    /// No such derivative.
+    #[error("variable {name} has no time derivative of order {order}: inputs have order 1, outputs 1 and higher")]
+    Order {
+        /// Name of the row.
+        name: String,
+        /// The refused order.
+        order: i32,
+    },
+    /// NaN or infinite.
+    #[error("variable {name} cannot be {value}: the value must be finite")]
+    NotFinite {
+        /// Name of the row.
+        name: String,
+        /// The refused value.
+        value: f64,
+    },
+    /// Outside the range of the row.
+    #[error("variable {name} cannot be {value}: it must be {}", bounds(*min, *max, unit))]
+    OutOfRange {
+        /// Name of the row.
+        name: String,
+        /// The refused value.
+        value: f64,
+        /// Smallest value allowed.
+        min: f64,
+        /// Largest value allowed.
+        max: f64,
+        /// Unit of all three.
+        unit: &'static str,
+    },
+}
+
+/// A range in words, without the bounds that only keep numbers finite: `≥ 0 N.m`, `from 1e-12 to 0.1`.
+fn bounds(min: f64, max: f64, unit: &str) -> String {
+    let unlimited = NON_NEGATIVE.map_or(f64::INFINITY, |(_, largest)| largest);
+    let shown = |value: f64| match value.abs() {
+        0.0 | 1e-4..1e6 => value.to_string(),
+        _ => format!("{value:e}"),
+    };
+    let unit = if matches!(unit, "" | "1") { String::new() } else { format!(" {unit}") };
+    match (min > -unlimited, max < unlimited) {
+        (true, false) if 0.0 < min && min <= 1.0 / unlimited => format!("> 0{unit}"),
+        (true, false) => format!("≥ {}{unit}", shown(min)),
+        (false, true) => format!("≤ {}{unit}", shown(max)),
+        _ => format!("from {} to {}{unit}", shown(min), shown(max)),
+    }
+}
+
+impl AccessError {
+    /// Whether the value, not the call, was at fault.
+    pub fn is_bad_value(&self) -> bool {
+        matches!(self, Self::NotFinite { .. } | Self::OutOfRange { .. })
+    }
+}
+
+/// How far a simulation has come, as far as setting is concerned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// Before the end of the initialisation: fixed parameters can be set.
+    Starting,
+    /// Between steps: inputs and tunable parameters only.
+    Running,
+}
+
+/// The types of the interface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Real.
+    Real,
+    /// Integer.
+    Integer,
+    /// Boolean.
+    Boolean,
+    /// String: no row has it.
+    String,
+}
+
+impl Kind {
+    /// Name as FMI writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Real => "Real",
+            Self::Integer => "Integer",
+            Self::Boolean => "Boolean",
+            Self::String => "String",
+        }
+    }
+}
+
+/// A Rust type of the interface.
+pub trait Scalar: Copy {
+    /// The type.
+    const KIND: Kind;
+    /// As a tagged value.
+    fn into_value(self) -> Value;
+    /// From a tagged value of the same type.
+    fn from_value(value: Value) -> Option<Self>;
+}
+
+macro_rules! scalar {
+    ($type:ty, $variant:ident) => {
+        impl Scalar for $type {
+            const KIND: Kind = Kind::$variant;
+            #[inline]
+            fn into_value(self) -> Value {
+                Value::$variant(self)
+            }
+            #[inline]
+            fn from_value(value: Value) -> Option<Self> {
+                match value {
+                    Value::$variant(value) => Some(value),
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+scalar!(f64, Real);
+scalar!(i32, Integer);
+scalar!(bool, Boolean);
+
+impl Value {
+    /// The type.
+    #[inline]
+    pub fn kind(self) -> Kind {
+        match self {
+            Self::Real(_) => Kind::Real,
+            Self::Integer(_) => Kind::Integer,
+            Self::Boolean(_) => Kind::Boolean,
+        }
+    }
+}
+
+/// When a row can be set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Settable {
+    Never,
+    Starting,
+    Always,
+}
+
+/// What reading and writing need of a row, packed for speed.
+pub(super) struct Slot {
+    pub(super) binding: Binding,
+    /// [`Binding::needs`].
+    pub(super) needs: OutputSet,
+    kind: Kind,
+    settable: Settable,
+    min: f64,
+    max: f64,
+}
+
+impl Slot {
+    pub(super) fn new(variable: &Variable, binding: Binding) -> Self {
+        let (min, max) = variable.range.unwrap_or((f64::MIN, f64::MAX));
+        let settable = match (variable.causality, variable.variability) {
+            (Causality::Input, _) | (Causality::Parameter, Variability::Tunable) => Settable::Always,
+            (Causality::Parameter, _) => Settable::Starting,
+            (Causality::Output | Causality::Local | Causality::Independent, _) => Settable::Never,
+        };
+        Self { binding, needs: binding.needs(), kind: variable.value.kind(), settable, min, max }
+    }
+}
+
+impl Interface {
+    /// The slot of a row that may take `value` now.
+    #[inline]
+    pub(super) fn check(&self, reference: u32, value: Value, stage: Stage) -> Result<&Slot, AccessError> {
+        let slot = self.typed(reference, value.kind())?;
+        let now = match slot.settable {
+            Settable::Always => true,
+            Settable::Starting => stage == Stage::Starting,
+            Settable::Never => false,
+        };
+        // NaN and infinity fail both comparisons' conjunction: unlimited rows span the finite numbers.
+        let fits = match value {
+            Value::Real(value) => slot.min <= value && value <= slot.max,
+            Value::Integer(_) | Value::Boolean(_) => true,
+        };
+        if now && fits { Ok(slot) } else { Err(self.refusal(reference, value, slot)) }
+    }
+
+    /// Whether all rows have the type asked for.
+    #[inline]
+    pub fn check_kind(&self, references: &[u32], kind: Kind) -> Result<(), AccessError> {
+        references.iter().try_for_each(|&reference| self.typed(reference, kind).map(|_| ()))
+    }
+
+    #[inline]
+    fn typed(&self, reference: u32, requested: Kind) -> Result<&Slot, AccessError> {
+        match self.slots.get(reference as usize) {
+            Some(slot) if slot.kind == requested => Ok(slot),
+            Some(slot) => Err(AccessError::WrongType {
+                name: self.variables[reference as usize].name.clone(),
+                value_reference: reference,
+                actual: slot.kind.name(),
+                requested: requested.name(),
+            }),
+            None => Err(AccessError::UnknownReference {
+                value_reference: reference,
+                last: self.variables.last().map_or(0, |row| row.value_reference),
+            }),
+        }
+    }
+
+    /// The reason why `value` cannot be set.
+    #[cold]
+    fn refusal(&self, reference: u32, value: Value, slot: &Slot) -> AccessError {
+        let row = &self.variables[reference as usize];
+        let name = row.name.clone();
+        match (slot.settable, value) {
+            (Settable::Never, _) => AccessError::NotSettable {
+                name,
+                causality: match row.causality {
+                    Causality::Independent => "the independent variable",
+                    Causality::Local => "a local variable",
+                    _ => "an output",
+                },
+            },
+            (_, Value::Real(value)) if !value.is_finite() => AccessError::NotFinite { name, value },
+            (_, Value::Real(value)) if !(slot.min <= value && value <= slot.max) => {
+                AccessError::OutOfRange { name, value, min: slot.min, max: slot.max, unit: row.unit() }
+            }
+            _ => AccessError::Fixed { name },
+        }
+    }
+}
+
+impl Variable {
+    /// Unit of a Real row; empty for others.
+    pub fn unit(&self) -> &'static str {
+        let declared = crate::interface::TYPES.iter().find(|declared| Some(declared.name) == self.declared_type);
+        declared.map_or("", |declared| declared.unit)
+    }
+}

@@ -1,0 +1,131 @@
+//! The linear model with the names and units of the variable table.
+
+use crate::interface::binding::{Binding, Input, JointInput};
+use crate::interface::operating_point::OperatingPoint;
+use crate::interface::{Causality, Interface, Value, Variable};
+use foldwing_engine::plant::{InputSlope, Inputs, Outputs, Plant, PlantError, StateSpace};
+use nalgebra::DVector;
+
+/// A signal of a linear model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signal {
+    /// Name; of an input or output that of the table, of a state the free coordinate's or `der(…)` of it.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Value about which the model is linear.
+    pub value: f64,
+}
+
+/// `δẋ = A δx + B δu`, `δy = C δx + D δu` about a state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearModel {
+    /// The state about which it is linear.
+    pub point: OperatingPoint,
+    /// The machine is in air, whose loads the model holds: it says nothing of wind, aerodynamic damping and flutter.
+    pub without_air: bool,
+    /// States: free coordinates, then their rates.
+    pub states: Vec<Signal>,
+    /// Inputs.
+    pub inputs: Vec<Signal>,
+    /// Outputs.
+    pub outputs: Vec<Signal>,
+    /// The four matrices.
+    pub matrices: StateSpace,
+}
+
+/// Step of differences in the inputs of drives (rad, N·m): small against torque limits.
+const DRIVE_STEP: f64 = 1e-4;
+
+impl Interface {
+    /// Real inputs of the table, which a linear model may have: all but wind, which acts through loads that it holds.
+    pub fn real_inputs(&self) -> impl Iterator<Item = &Variable> {
+        let wind = |row: &&Variable| matches!(self.binding(row.value_reference), Some(Binding::Input(Input::Wind(_))));
+        self.reals(Causality::Input).filter(move |row| !wind(row))
+    }
+
+    /// Real outputs of the table, which a linear model may have.
+    pub fn real_outputs(&self) -> impl Iterator<Item = &Variable> {
+        self.reals(Causality::Output)
+    }
+
+    fn reals(&self, causality: Causality) -> impl Iterator<Item = &Variable> {
+        let wanted = move |row: &&Variable| row.causality == causality && matches!(row.value, Value::Real(_));
+        self.variables().iter().filter(wanted)
+    }
+
+    /// Linear model about the plant's present state, from real inputs to real outputs. The plant must be initialised;
+    /// its state stays as it is.
+    pub fn linearize(
+        &self,
+        plant: &mut Plant,
+        inputs: &[&Variable],
+        outputs: &[&Variable],
+    ) -> Result<LinearModel, PlantError> {
+        let real_inputs: Vec<Input> = inputs
+            .iter()
+            .filter_map(|row| match self.binding(row.value_reference) {
+                Some(Binding::Input(input)) => Some(input),
+                _ => None,
+            })
+            .collect();
+        let adders: Vec<_> = real_inputs
+            .iter()
+            .map(|&input| {
+                move |inputs: &mut Inputs, amount: f64| {
+                    if let Some(slot) = input.real_mut(inputs) {
+                        *slot += amount;
+                    }
+                }
+            })
+            .collect();
+        let slopes: Vec<InputSlope> = adders
+            .iter()
+            .zip(&real_inputs)
+            .map(|(add, input)| {
+                let drive = matches!(input, Input::Joint(_, JointInput::Command | JointInput::Torque));
+                InputSlope { add, step: if drive { DRIVE_STEP } else { 1.0 } }
+            })
+            .collect();
+        let rows: Vec<Binding> = outputs.iter().filter_map(|row| self.binding(row.value_reference)).collect();
+        let read = |values: &Outputs| {
+            let value = |row: &Binding| match row {
+                Binding::Output(output) => match output.read(values) {
+                    Value::Real(value) => value,
+                    _ => 0.0,
+                },
+                _ => 0.0,
+            };
+            DVector::from_iterator(rows.len(), rows.iter().map(value))
+        };
+        let matrices = plant.state_space(&slopes, &read)?;
+        let point = self.operating_point(plant)?;
+
+        let values = read(plant.outputs());
+        let signal = |row: &Variable, value: f64| Signal { name: row.name.clone(), unit: row.unit().to_owned(), value };
+        let present = |row: &&&Variable| match self.get(plant, plant.outputs(), row.value_reference) {
+            Some(Value::Real(value)) => value,
+            _ => 0.0,
+        };
+        let freedoms = plant.freedoms();
+        let (positions, rates) = plant.free_state();
+        let states = freedoms
+            .iter()
+            .zip(&positions)
+            .map(|(freedom, &value)| Signal { name: freedom.name.clone(), unit: freedom.unit.to_owned(), value })
+            .chain(freedoms.iter().zip(&rates).map(|(freedom, &value)| Signal {
+                name: format!("der({})", freedom.name),
+                unit: freedom.rate_unit.to_owned(),
+                value,
+            }))
+            .collect();
+        Ok(LinearModel {
+            point,
+            without_air: plant.machine().air.is_some(),
+            states,
+            inputs: inputs.iter().map(|row| signal(row, present(&row))).collect(),
+            outputs: outputs.iter().zip(values.iter()).map(|(row, &value)| signal(row, value)).collect(),
+            matrices,
+        })
+    }
+}

@@ -1,0 +1,217 @@
+//! The variable table: every name, causality, unit, start value and meaning, bound to the plant.
+//!
+//! The one source of truth: the model description, the FMI calls, `foldwing check`, CSV columns and the
+//! documentation page all read this table.
+
+mod access;
+mod air;
+mod binding;
+mod counters;
+mod dependencies;
+mod derivatives;
+mod fields;
+mod guid;
+mod hinge_dependencies;
+mod joints;
+mod linear;
+mod operating_point;
+mod table;
+mod topology;
+mod units;
+
+pub use access::{AccessError, Kind, Scalar, Stage};
+pub use derivatives::DerivativeError;
+pub use guid::guid;
+pub use linear::{LinearModel, Signal};
+pub use operating_point::{Acting, JointPoint, OperatingPoint};
+pub use units::{RealType, TYPES, UNITS, Unit};
+
+use access::Slot;
+use binding::Source;
+use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::{OutputSet, Outputs, Plant};
+use std::collections::HashMap;
+
+/// FMI 2.0 causality.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Causality {
+    /// Set by the importer.
+    Input,
+    /// Computed, reported.
+    Output,
+    /// Constant during a step; see [`Variability`].
+    Parameter,
+    /// Computed, for inspection only.
+    Local,
+    /// The independent variable, time.
+    Independent,
+}
+
+/// FMI 2.0 variability.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Variability {
+    /// Set before initialisation.
+    Fixed,
+    /// May change between steps.
+    Tunable,
+    /// Changes at events only.
+    Discrete,
+    /// May change at any time.
+    Continuous,
+}
+
+/// FMI 2.0 `initial`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Initial {
+    /// Start value given.
+    Exact,
+    /// Computed from others.
+    Calculated,
+}
+
+/// Type and start value of a variable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Value {
+    /// Real.
+    Real(f64),
+    /// Integer.
+    Integer(i32),
+    /// Boolean.
+    Boolean(bool),
+}
+
+/// How an output depends on a known, FMI 2.0 `dependenciesKind`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DependencyKind {
+    /// Any nonlinear dependence.
+    Dependent,
+    /// Constant factor.
+    Constant,
+    /// Factor that changes only before initialisation.
+    Fixed,
+    /// Factor that changes at events or with tunable parameters.
+    Tunable,
+    /// Factor that changes at events.
+    Discrete,
+}
+
+/// One row of the table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// Structured name, as scripts use it.
+    pub name: String,
+    /// FMI value reference: the row's position in the table.
+    pub value_reference: u32,
+    /// Causality.
+    pub causality: Causality,
+    /// Variability.
+    pub variability: Variability,
+    /// `initial`; `None` where the standard forbids or defaults it.
+    pub initial: Option<Initial>,
+    /// Type with start value; outputs carry a zero that is not written.
+    pub value: Value,
+    /// Declared type (unit, display unit, quantity), by name in [`TYPES`]; `None` for Boolean and Integer.
+    pub declared_type: Option<&'static str>,
+    /// Smallest and largest value allowed.
+    pub range: Option<(f64, f64)>,
+    /// One sentence: meaning, frame, sign.
+    pub description: String,
+    /// Rows that the value depends on at a communication point (outputs; state frozen).
+    pub dependencies: Vec<(u32, DependencyKind)>,
+    /// Rows that the initial value depends on (outputs, in Initialization Mode).
+    pub initial_dependencies: Vec<(u32, DependencyKind)>,
+}
+
+/// The table of one model.
+pub struct Interface {
+    variables: Vec<Variable>,
+    slots: Vec<Slot>,
+    references: HashMap<String, u32>,
+}
+
+impl Interface {
+    /// The table of a machine. Row 0 is `time`.
+    pub fn new(machine: &Machine) -> Self {
+        let (variables, bindings) = table::build(machine);
+        let slots = variables.iter().zip(bindings).map(|(variable, binding)| Slot::new(variable, binding)).collect();
+        let references = variables.iter().map(|row| (row.name.clone(), row.value_reference)).collect();
+        Self { variables, slots, references }
+    }
+
+    /// All rows; a row's position is its value reference.
+    pub fn variables(&self) -> &[Variable] {
+        &self.variables
+    }
+
+    /// Row of a name.
+    pub fn find(&self, name: &str) -> Option<&Variable> {
+        self.references.get(name).map(|&reference| &self.variables[reference as usize])
+    }
+
+    /// Present value: inputs and parameters as the plant holds them, outputs from `outputs`.
+    pub fn get(&self, plant: &Plant, outputs: &Outputs, value_reference: u32) -> Option<Value> {
+        self.slots.get(value_reference as usize).map(|slot| slot.binding.read(&Source::new(plant, outputs)))
+    }
+
+    /// Sets an input or parameter, fixed ones included (they act at the next [`Plant::initialize`]); the row's
+    /// type must match and the value lie within its range.
+    pub fn set(&self, plant: &mut Plant, value_reference: u32, value: Value) -> Result<(), AccessError> {
+        let slot = self.check(value_reference, value, Stage::Starting)?;
+        slot.binding.write(plant, value);
+        Ok(())
+    }
+
+    /// Outputs that a plant must have found before these rows are read; rows that do not exist need none.
+    pub fn needs(&self, references: &[u32]) -> OutputSet {
+        let slots = references.iter().filter_map(|&reference| self.slots.get(reference as usize));
+        slots.fold(OutputSet::NONE, |needs, slot| needs | slot.needs)
+    }
+
+    /// Reads many rows of one type; nothing is written to `values` unless all can be read.
+    ///
+    /// `references` and `values` are equally long. The plant must have found what [`Interface::needs`] says. Allocates
+    /// nothing.
+    pub fn get_all<T: Scalar>(&self, plant: &Plant, references: &[u32], values: &mut [T]) -> Result<(), AccessError> {
+        self.check_kind(references, T::KIND)?;
+        debug_assert!(plant.provides(self.needs(references)), "outputs of an earlier time");
+        let source = Source::new(plant, plant.outputs());
+        for (&reference, value) in references.iter().zip(values) {
+            if let Some(read) = T::from_value(self.slots[reference as usize].binding.read(&source)) {
+                *value = read;
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets many inputs and parameters of one type; if one is refused, none is set.
+    ///
+    /// `references` and `values` are equally long. Allocates nothing unless it fails.
+    pub fn set_all<T: Scalar>(
+        &self,
+        plant: &mut Plant,
+        references: &[u32],
+        values: &[T],
+        stage: Stage,
+    ) -> Result<(), AccessError> {
+        for (&reference, &value) in references.iter().zip(values) {
+            self.check(reference, value.into_value(), stage)?;
+        }
+        for (&reference, &value) in references.iter().zip(values) {
+            self.slots[reference as usize].binding.write(plant, value.into_value());
+        }
+        Ok(())
+    }
+
+    /// What a row is bound to.
+    fn binding(&self, value_reference: u32) -> Option<binding::Binding> {
+        self.slots.get(value_reference as usize).map(|slot| slot.binding)
+    }
+
+    /// Whether a row's value comes from the last evaluation (outputs and locals).
+    pub fn is_computed(&self, value_reference: u32) -> bool {
+        self.slots.get(value_reference as usize).is_some_and(|slot| slot.binding.is_computed())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,127 @@
+//! At which state a linear model is: time, joints, latches, and what acts.
+
+use crate::interface::{Causality, Interface, Value};
+use foldwing_engine::machine::{JointKind, JointMotion, LatchKind};
+use foldwing_engine::plant::{Plant, PlantError};
+use nalgebra::Complex;
+use std::fmt;
+
+/// Share of the real part of an eigenvalue below which its imaginary part is round-off.
+const ROUND_OFF: f64 = 1e-9;
+
+/// The state about which a linear model is linear, as a reader tells one wing from another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OperatingPoint {
+    /// Time in s.
+    pub time_s: f64,
+    /// Nothing moves and nothing begins to; false at a start from which the machine sets out, and in the middle of a run.
+    pub equilibrium: bool,
+    /// Revolute joints, in the order of the model.
+    pub joints: Vec<JointPoint>,
+    /// Inputs that act: Booleans as they are, Reals that are not 0.
+    pub acting: Vec<Acting>,
+    /// Eigenvalues in 1/s of the linear model whose motions grow, fastest first, of its modes of lowest frequency and one of
+    /// each pair. `None` for machines that are too large to look.
+    pub growing_1_s: Option<Vec<Complex<f64>>>,
+}
+
+/// A revolute joint at the operating point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointPoint {
+    /// Its name.
+    pub name: String,
+    /// Fold angle in rad.
+    pub angle_rad: f64,
+    /// `free`, `held` by its stopper or a closed rigid latch, `locked` or `prescribed`: the angle is a state of the linear
+    /// model where it is free.
+    pub motion: &'static str,
+    /// `closed` (a stiff spring of the linear model; a rigid one holds), `open`, or `none`.
+    pub latch: &'static str,
+}
+
+/// An input that acts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Acting {
+    /// Name of the table.
+    pub name: String,
+    /// Unit; empty for Booleans.
+    pub unit: String,
+    /// Value.
+    pub value: Value,
+}
+
+impl Interface {
+    /// The plant's present state as an operating point.
+    ///
+    /// # Errors
+    /// [`PlantError::Linearization`] where its modes cannot be found.
+    pub fn operating_point(&self, plant: &mut Plant) -> Result<OperatingPoint, PlantError> {
+        let growing_1_s = plant.growing_1_s()?;
+        let machine = plant.machine();
+        let statuses = plant.joint_statuses().zip(&plant.outputs().joints).zip(plant.revolute_joints());
+        let joints = statuses.map(|((status, outputs), body)| {
+            let joint = &machine.bodies[*body].joint;
+            let (motion, latch) = match &joint.kind {
+                JointKind::Revolute(revolute) => (Some(&revolute.motion), revolute.latch.as_ref()),
+                JointKind::Clamped | JointKind::Spatial(_) => (None, None),
+            };
+            let latched_rigidly = status.latched && latch.is_some_and(|latch| latch.kind == LatchKind::Rigid);
+            let motion = match motion {
+                Some(JointMotion::Locked) => "locked",
+                Some(JointMotion::Prescribed(_)) => "prescribed",
+                _ if status.released && !latched_rigidly => "free",
+                _ => "held",
+            };
+            let latch = match (latch.is_some(), status.latched) {
+                (false, _) => "none",
+                (true, true) => "closed",
+                (true, false) => "open",
+            };
+            JointPoint { name: joint.name.clone(), angle_rad: outputs.angle_rad, motion, latch }
+        });
+        let inputs = self.variables().iter().filter(|row| row.causality == Causality::Input);
+        let acting = inputs.filter_map(|row| {
+            let value = self.get(plant, plant.outputs(), row.value_reference)?;
+            let acts = !matches!(value, Value::Real(0.0));
+            acts.then(|| Acting { name: row.name.clone(), unit: row.unit().to_owned(), value })
+        });
+        Ok(OperatingPoint {
+            time_s: plant.time_s(),
+            equilibrium: plant.is_at_rest(),
+            joints: joints.collect(),
+            acting: acting.collect(),
+            growing_1_s,
+        })
+    }
+}
+
+impl fmt::Display for OperatingPoint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let state = if self.equilibrium { "an equilibrium" } else { "a state that is not an equilibrium" };
+        write!(f, "about {state} at t = {} s", self.time_s)?;
+        for JointPoint { name, angle_rad, motion, latch } in &self.joints {
+            write!(f, "; {name} at {:.4} deg, {motion}", angle_rad.to_degrees())?;
+            if *latch != "none" {
+                write!(f, ", latch {latch}")?;
+            }
+        }
+        for (i, Acting { name, unit, value }) in self.acting.iter().enumerate() {
+            let begin = if i == 0 { "; with " } else { ", " };
+            match value {
+                Value::Real(value) => write!(f, "{begin}{name} = {value} {unit}")?,
+                Value::Integer(value) => write!(f, "{begin}{name} = {value}")?,
+                Value::Boolean(value) => write!(f, "{begin}{name} = {value}")?,
+            }
+        }
+        match self.growing_1_s.as_deref() {
+            Some([]) | None => Ok(()),
+            Some([fastest, ..]) if fastest.im.abs() <= ROUND_OFF * fastest.re => {
+                write!(f, "; UNSTABLE: grows with {:.4} 1/s", fastest.re)
+            }
+            Some([fastest, ..]) => {
+                let frequency_hz = fastest.im.abs() / std::f64::consts::TAU;
+                write!(f, "; UNSTABLE: grows with {:.4} 1/s, oscillating with {frequency_hz:.4} Hz", fastest.re)
+            }
+        }
+    }
+}

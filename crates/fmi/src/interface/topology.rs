@@ -1,0 +1,207 @@
+//! Who is connected to whom: what the table needs to know of the tree of bodies.
+
+use foldwing_engine::machine::Machine;
+use foldwing_engine::machine::{JointKind, JointMotion, LatchKind, Parent, Revolute, Spatial, SpatialFreedom};
+
+/// A joint that a body can turn about, by its place in [`Topology::revolutes`] or [`Topology::spatials`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Turning {
+    /// A fold joint.
+    Revolute(usize),
+    /// A universal, ball or free joint.
+    Spatial(usize),
+}
+
+/// Order and connection of joints, stations and free ends, as [`foldwing_engine::plant::Plant`] numbers them.
+pub(super) struct Topology<'a> {
+    /// The model.
+    pub machine: &'a Machine,
+    /// Bodies whose joint is revolute.
+    pub revolutes: Vec<usize>,
+    /// Bodies whose joint is universal, ball or free.
+    pub spatials: Vec<usize>,
+    /// Bodies whose outer end is free.
+    pub tips: Vec<usize>,
+    /// Body and number (from 1, per body) of each station.
+    pub stations: Vec<(usize, usize)>,
+    /// Per body: the first body of its branch, the one that the root holds.
+    branch: Vec<usize>,
+    /// Per body: the branches that closed loops with inertia join to its own are one group, named after its first body.
+    /// Loops without inertia pass on no acceleration: their forces follow from the state.
+    pub group: Vec<usize>,
+    /// Per body: joints between the root and the body that turn, from the root outward.
+    pub path: Vec<Vec<Turning>>,
+}
+
+impl<'a> Topology<'a> {
+    /// Of a machine whose bodies stand parent before child.
+    pub fn new(machine: &'a Machine) -> Self {
+        let revolutes: Vec<usize> =
+            (0..machine.bodies.len()).filter(|&body| revolute(machine, body).is_some()).collect();
+        let spatials: Vec<usize> = (0..machine.bodies.len()).filter(|&body| spatial(machine, body).is_some()).collect();
+        let mut branch: Vec<usize> = Vec::new();
+        let mut path: Vec<Vec<Turning>> = Vec::new();
+        let mut free = vec![true; machine.bodies.len()];
+        for (index, body) in machine.bodies.iter().enumerate() {
+            let (first, mut joints) = match body.joint.parent {
+                Parent::Root { .. } => (index, Vec::new()),
+                Parent::Body { index: parent, position_m } => {
+                    let length_m = machine.bodies[parent].length_m;
+                    free[parent] &= (length_m - position_m).abs() > 1e-9 * length_m;
+                    (branch[parent], path[parent].clone())
+                }
+            };
+            joints.extend(revolutes.iter().position(|&joint| joint == index).map(Turning::Revolute));
+            joints.extend(spatials.iter().position(|&joint| joint == index).map(Turning::Spatial));
+            branch.push(first);
+            path.push(joints);
+        }
+        let group = groups(machine, &branch);
+        Self {
+            machine,
+            revolutes,
+            spatials,
+            tips: (0..free.len()).filter(|&body| free[body]).collect(),
+            stations: machine
+                .bodies
+                .iter()
+                .enumerate()
+                .flat_map(|(index, body)| (1..=body.station_positions_m.len()).map(move |number| (index, number)))
+                .collect(),
+            branch,
+            group,
+            path,
+        }
+    }
+
+    /// The fold joint of an index into `revolutes`.
+    pub fn revolute(&self, joint: usize) -> &'a Revolute {
+        revolute(self.machine, self.revolutes[joint]).expect("listed because it is revolute")
+    }
+
+    /// Name of a joint by index into `revolutes`.
+    pub fn joint_name(&self, joint: usize) -> &'a str {
+        &self.machine.bodies[self.revolutes[joint]].joint.name
+    }
+
+    /// Whether the angle of a joint moves by its torques.
+    pub fn is_free(&self, joint: usize) -> bool {
+        self.revolute(joint).motion == JointMotion::Free
+    }
+
+    /// Whether a joint has a latch with a spring.
+    pub fn has_elastic_latch(&self, joint: usize) -> bool {
+        self.revolute(joint).latch.as_ref().is_some_and(|latch| latch.kind == LatchKind::Elastic)
+    }
+
+    /// Whether a joint has a latch without a spring.
+    pub fn has_rigid_latch(&self, joint: usize) -> bool {
+        self.revolute(joint).latch.as_ref().is_some_and(|latch| latch.kind == LatchKind::Rigid)
+    }
+
+    /// Whether the angle of a joint is a function of time.
+    pub fn is_prescribed(&self, joint: usize) -> bool {
+        matches!(self.revolute(joint).motion, JointMotion::Prescribed(_))
+    }
+
+    /// Whether the fold joint turns at the start.
+    pub fn turns_at_start(&self, joint: usize) -> bool {
+        self.is_prescribed(joint) || (self.is_free(joint) && self.revolute(joint).start_rate_rad_s != 0.0)
+    }
+
+    /// The universal, ball or free joint of an index into `spatials`.
+    pub fn spatial(&self, joint: usize) -> &'a Spatial {
+        spatial(self.machine, self.spatials[joint]).expect("listed because it is universal, ball or free")
+    }
+
+    /// Whether the universal, ball or free joint holds nothing.
+    pub fn is_unbound(&self, joint: usize) -> bool {
+        self.spatial(joint).freedom == SpatialFreedom::Free
+    }
+
+    /// Whether the universal, ball or free joint turns at the start.
+    pub fn spins_at_start(&self, joint: usize) -> bool {
+        self.spatial(joint).start_angular_velocity_rad_s.amax() > 0.0
+    }
+
+    /// Whether a body's joint is a ball joint.
+    pub fn is_ball(&self, body: usize) -> bool {
+        spatial(self.machine, body).is_some_and(|joint| joint.freedom == SpatialFreedom::Ball)
+    }
+
+    /// Whether a joint on a path turns at the start.
+    pub fn starts_turning(&self, joint: Turning) -> bool {
+        match joint {
+            Turning::Revolute(joint) => self.turns_at_start(joint),
+            Turning::Spatial(joint) => self.spins_at_start(joint),
+        }
+    }
+
+    /// Fold joints between the root and a body, from the root outward.
+    pub fn folds(&self, body: usize) -> impl Iterator<Item = usize> {
+        self.path[body].iter().filter_map(|joint| match joint {
+            Turning::Revolute(joint) => Some(*joint),
+            Turning::Spatial(_) => None,
+        })
+    }
+
+    /// Whether nothing holds the group of a body.
+    pub fn floats(&self, body: usize) -> bool {
+        let members = self.branch.iter().filter(|&&first| self.group[first] == self.group[body]);
+        members.copied().all(|first| self.unbound(first).is_some())
+    }
+
+    /// Whether the first body of a body's branch is free and has a velocity at the start.
+    pub fn drifts(&self, body: usize) -> bool {
+        self.unbound(self.branch[body]).is_some_and(|joint| joint.start_velocity_m_s.amax() > 0.0)
+    }
+
+    /// Whether a free joint carries the branch of a body.
+    pub fn flies(&self, body: usize) -> bool {
+        self.unbound(self.branch[body]).is_some()
+    }
+
+    /// The free joint that holds a body, if it is one.
+    fn unbound(&self, body: usize) -> Option<&'a Spatial> {
+        spatial(self.machine, body).filter(|joint| joint.freedom == SpatialFreedom::Free)
+    }
+
+    /// Both bodies of a closed loop.
+    pub fn joined(&self, closure: usize) -> [usize; 2] {
+        self.machine.closures[closure].places.map(|(body, _)| body)
+    }
+
+    /// Fold joints that lie between the root and exactly one side of a closed loop: they change the size of its gap.
+    pub fn opens(&self, closure: usize) -> impl Iterator<Item = usize> {
+        let [first, second] = self.joined(closure).map(|body| self.folds(body).collect::<Vec<_>>());
+        let either = first.clone().into_iter().chain(second.clone());
+        either.filter(move |joint| first.contains(joint) != second.contains(joint))
+    }
+}
+
+/// Per body: the first body of the first branch of its group.
+fn groups(machine: &Machine, branch: &[usize]) -> Vec<usize> {
+    let mut group = branch.to_vec();
+    for closure in machine.closures.iter().filter(|closure| closure.inertia_kg > 0.0) {
+        let [first, second] = closure.places.map(|(body, _)| group[body]);
+        let (kept, joined) = (first.min(second), first.max(second));
+        group.iter_mut().filter(|of| **of == joined).for_each(|of| *of = kept);
+    }
+    group
+}
+
+/// The fold joint that holds a body, if it is one.
+fn revolute(machine: &Machine, body: usize) -> Option<&Revolute> {
+    match &machine.bodies[body].joint.kind {
+        JointKind::Revolute(revolute) => Some(revolute),
+        JointKind::Clamped | JointKind::Spatial(_) => None,
+    }
+}
+
+/// The universal, ball or free joint that holds a body, if it is one.
+fn spatial(machine: &Machine, body: usize) -> Option<&Spatial> {
+    match &machine.bodies[body].joint.kind {
+        JointKind::Spatial(spatial) => Some(spatial),
+        JointKind::Clamped | JointKind::Revolute(_) => None,
+    }
+}

@@ -1,0 +1,158 @@
+//! Compile-time proof that the exported functions have the types of the official headers, through the bindings that
+//! bindgen makes of them (crate `fmi`). A difference in any argument, result or field does not compile.
+
+use super::types::{
+    fmi2Boolean, fmi2Byte, fmi2CallbackAllocateMemory, fmi2CallbackFreeMemory, fmi2CallbackFunctions,
+    fmi2CallbackLogger, fmi2Component, fmi2FMUstate, fmi2Integer, fmi2Real, fmi2Status, fmi2StatusKind,
+    fmi2StepFinished, fmi2String, fmi2Type, fmi2ValueReference,
+};
+use super::{derivatives, functions, states, status, types};
+use fmi::fmi2::binding;
+use std::mem::{align_of, offset_of, size_of};
+
+/// One line per function: ours is coerced to the header's function-pointer type, which succeeds for equal types only
+/// (a safe function may stand for an unsafe one).
+macro_rules! have_the_official_type {
+    ($($module:ident::$function:ident: $official:ident;)*) => {
+        $(const _: binding::$official = Some($module::$function);)*
+
+        /// Functions whose type is checked against the header; [`functions::fmi2Instantiate`] is one more.
+        pub const CHECKED: &[&str] = &[$(stringify!($function)),*];
+    };
+}
+
+have_the_official_type! {
+    functions::fmi2GetTypesPlatform: fmi2GetTypesPlatformTYPE;
+    functions::fmi2GetVersion: fmi2GetVersionTYPE;
+    functions::fmi2SetDebugLogging: fmi2SetDebugLoggingTYPE;
+    functions::fmi2FreeInstance: fmi2FreeInstanceTYPE;
+    functions::fmi2SetupExperiment: fmi2SetupExperimentTYPE;
+    functions::fmi2EnterInitializationMode: fmi2EnterInitializationModeTYPE;
+    functions::fmi2ExitInitializationMode: fmi2ExitInitializationModeTYPE;
+    functions::fmi2Terminate: fmi2TerminateTYPE;
+    functions::fmi2Reset: fmi2ResetTYPE;
+    functions::fmi2GetReal: fmi2GetRealTYPE;
+    functions::fmi2GetInteger: fmi2GetIntegerTYPE;
+    functions::fmi2GetBoolean: fmi2GetBooleanTYPE;
+    functions::fmi2GetString: fmi2GetStringTYPE;
+    functions::fmi2SetReal: fmi2SetRealTYPE;
+    functions::fmi2SetInteger: fmi2SetIntegerTYPE;
+    functions::fmi2SetBoolean: fmi2SetBooleanTYPE;
+    functions::fmi2SetString: fmi2SetStringTYPE;
+    functions::fmi2DoStep: fmi2DoStepTYPE;
+    functions::fmi2CancelStep: fmi2CancelStepTYPE;
+    states::fmi2GetFMUstate: fmi2GetFMUstateTYPE;
+    states::fmi2SetFMUstate: fmi2SetFMUstateTYPE;
+    states::fmi2FreeFMUstate: fmi2FreeFMUstateTYPE;
+    states::fmi2SerializedFMUstateSize: fmi2SerializedFMUstateSizeTYPE;
+    states::fmi2SerializeFMUstate: fmi2SerializeFMUstateTYPE;
+    states::fmi2DeSerializeFMUstate: fmi2DeSerializeFMUstateTYPE;
+    derivatives::fmi2GetDirectionalDerivative: fmi2GetDirectionalDerivativeTYPE;
+    derivatives::fmi2SetRealInputDerivatives: fmi2SetRealInputDerivativesTYPE;
+    derivatives::fmi2GetRealOutputDerivatives: fmi2GetRealOutputDerivativesTYPE;
+    status::fmi2GetStatus: fmi2GetStatusTYPE;
+    status::fmi2GetRealStatus: fmi2GetRealStatusTYPE;
+    status::fmi2GetIntegerStatus: fmi2GetIntegerStatusTYPE;
+    status::fmi2GetBooleanStatus: fmi2GetBooleanStatusTYPE;
+    status::fmi2GetStringStatus: fmi2GetStringStatusTYPE;
+}
+
+/// `fmi2Instantiate` with the structure of callbacks left open: two structures of the same layout are two types in Rust.
+type Instantiate<Callbacks> = Option<
+    unsafe extern "C" fn(
+        fmi2String,
+        fmi2Type,
+        fmi2String,
+        fmi2String,
+        *const Callbacks,
+        fmi2Boolean,
+        fmi2Boolean,
+    ) -> fmi2Component,
+>;
+const _: Instantiate<fmi2CallbackFunctions> = Some(functions::fmi2Instantiate);
+const _: fn(binding::fmi2InstantiateTYPE) -> Instantiate<binding::fmi2CallbackFunctions> = |official| official;
+
+/// The two structures have the same fields, of the same types, at the same places.
+macro_rules! same_fields {
+    ($($field:ident: $kind:ty;)*) => {
+        $(
+            const _: fn(fmi2CallbackFunctions) -> $kind = |ours| ours.$field;
+            const _: fn(binding::fmi2CallbackFunctions) -> $kind = |official| official.$field;
+            const _: () = assert!(
+                offset_of!(fmi2CallbackFunctions, $field) == offset_of!(binding::fmi2CallbackFunctions, $field)
+            );
+        )*
+    };
+}
+
+same_fields! {
+    logger: fmi2CallbackLogger;
+    allocateMemory: fmi2CallbackAllocateMemory;
+    freeMemory: fmi2CallbackFreeMemory;
+    stepFinished: fmi2StepFinished;
+    componentEnvironment: types::fmi2ComponentEnvironment;
+}
+
+const _: () = assert!(
+    size_of::<fmi2CallbackFunctions>() == size_of::<binding::fmi2CallbackFunctions>()
+        && align_of::<fmi2CallbackFunctions>() == align_of::<binding::fmi2CallbackFunctions>()
+);
+
+/// The plain types, by identity functions that compile for equal types only.
+macro_rules! same_types {
+    ($($name:ident;)*) => { $(const _: fn(binding::$name) -> $name = |official| official;)* };
+}
+
+same_types! {
+    fmi2Component;
+    fmi2FMUstate;
+    fmi2ValueReference;
+    fmi2Real;
+    fmi2Integer;
+    fmi2Boolean;
+    fmi2String;
+    fmi2Byte;
+    fmi2Status;
+    fmi2StatusKind;
+    fmi2Type;
+}
+
+/// The enumerators have the header's values.
+macro_rules! same_values {
+    ($($ours:ident = $official:ident;)*) => { $(const _: () = assert!(types::$ours == binding::$official);)* };
+}
+
+same_values! {
+    fmi2OK = fmi2Status_fmi2OK;
+    fmi2Warning = fmi2Status_fmi2Warning;
+    fmi2Discard = fmi2Status_fmi2Discard;
+    fmi2Error = fmi2Status_fmi2Error;
+    fmi2Fatal = fmi2Status_fmi2Fatal;
+    fmi2Pending = fmi2Status_fmi2Pending;
+    fmi2ModelExchange = fmi2Type_fmi2ModelExchange;
+    fmi2CoSimulation = fmi2Type_fmi2CoSimulation;
+    fmi2DoStepStatus = fmi2StatusKind_fmi2DoStepStatus;
+    fmi2PendingStatus = fmi2StatusKind_fmi2PendingStatus;
+    fmi2LastSuccessfulTime = fmi2StatusKind_fmi2LastSuccessfulTime;
+    fmi2Terminated = fmi2StatusKind_fmi2Terminated;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::CHECKED;
+    use std::collections::BTreeSet;
+
+    /// Every function that this folder exports stands in the list above.
+    #[test]
+    fn every_exported_function_is_checked() {
+        let sources = ["functions", "states", "derivatives", "status"].map(|name| {
+            let path = format!("{}/src/{name}.rs", env!("CARGO_MANIFEST_DIR"));
+            std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"))
+        });
+        let heads = sources.iter().flat_map(|text| text.split("extern \"C\" fn ").skip(1));
+        let exported: BTreeSet<&str> = heads.filter_map(|rest| rest.split('(').next()).collect();
+        let checked: BTreeSet<&str> = CHECKED.iter().copied().chain(["fmi2Instantiate"]).collect();
+        assert_eq!(exported.len(), 34, "functions of FMI 2.0 for co-simulation");
+        assert_eq!(exported, checked);
+    }
+}
