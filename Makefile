@@ -133,12 +133,12 @@ bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/table
 	$(PEERS)/bin/python studies/compare_lattice.py
 
 validate: package venv ## Compare with the methods of the paper, sweep on Dask, flutter, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
-	$(CARGO) test --locked --test conventional -- --nocapture
-	$(CARGO) test --locked --release --test coupling -- --ignored --nocapture
-	$(CARGO) test --locked --release --test plant -- --ignored --nocapture
+	$(CARGO) test --locked --test verification -- --nocapture conventional::
+	$(CARGO) test --locked --release --test verification -- --ignored --nocapture coupling::
+	$(CARGO) test --locked --release --test verification -- --ignored --nocapture plant::
 	$(VENV_PYTHON) studies/output_convergence.py --foldwing $(COMMAND) --table docs/tables/outputs.md --csv $(TARGET)/verification/outputs.csv
 	$(VENV_PYTHON) studies/plot_conventional.py $(TARGET)/verification docs/pictures
-	$(CARGO) test --locked --test capabilities -- --nocapture
+	$(CARGO) test --locked --test verification -- --nocapture capabilities::
 	$(VENV_PYTHON) studies/plot_input_derivatives.py $(TARGET)/verification docs/pictures
 	$(VENV_PYTHON) examples/damp_latched_wing.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/damped_latched_wing.png
 	$(VENV_PYTHON) examples/fold_from_csv.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/fold_from_csv.png
@@ -160,12 +160,12 @@ audit: build venv ## Repeat the audit of physics and numerics: studies/audit, do
 # with the checks for overflow and the assertions that a release build leaves out; a single step may take its 10⁶ internal
 # steps, a minute and more in this build
 robust: toolchain valgrind ## A million random calls, 30000 mutated models, a million steps, 100 killed importers
-	FOLDWING_CALLS=1000000 FOLDWING_WATCHDOG=900 $(CARGO) test --locked --test random_calls -- --nocapture c01
-	FOLDWING_MUTATIONS=30000 $(CARGO) test --locked --test mutated_inputs -- --nocapture
-	FOLDWING_STEPS=1000000 FOLDWING_KILLS=50 $(CARGO) test --locked --test endurance -- --nocapture
+	FOLDWING_CALLS=1000000 FOLDWING_WATCHDOG=900 $(CARGO) test --locked --test robustness -- --nocapture c01
+	FOLDWING_MUTATIONS=30000 $(CARGO) test --locked --test robustness -- --nocapture mutated_inputs::
+	FOLDWING_STEPS=1000000 FOLDWING_KILLS=50 $(CARGO) test --locked --test robustness -- --nocapture endurance::
 
 valgrind: toolchain ## Random calls under valgrind: no error, no leak
-	FOLDWING_VALGRIND_CALLS=3000 $(CARGO) test --locked --test random_calls -- --nocapture c02
+	FOLDWING_VALGRIND_CALLS=3000 $(CARGO) test --locked --test robustness -- --nocapture c02
 
 notebook: package venv ## Run examples/deployment.ipynb and store in it what it shows
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) \
@@ -178,7 +178,7 @@ aircraft: package venv ## Couple two wings with an aircraft by several ways: doc
 	$(VENV_PYTHON) studies/aircraft_study.py --foldwing $(COMMAND) --fmu $(FMU) --table docs/tables/aircraft.md --pictures docs/pictures
 
 bless: toolchain ## Rewrite modelDescription/, the schema and the pages written from the program, after a deliberate change
-	FOLDWING_BLESS=1 $(CARGO) test --locked --test model_description --test model_file --test guide --no-fail-fast
+	FOLDWING_BLESS=1 $(CARGO) test --locked --test robustness --test documents --no-fail-fast -- model_file:: model_description:: guide::
 
 licenses: toolchain ## Renew licenses/THIRD_PARTY.txt after a change of Cargo.lock
 	CARGO="$(CARGO)" $(PYTHON) tools/collect_licenses.py

@@ -45,12 +45,12 @@ pub fn unfold(machine: Arc<Machine>) -> Result<f64, Box<dyn Error>> {
     Err("the latch did not close within 0.4 s".into())
 }
 
-/// Natural frequency in Hz and damping ratio of the four slowest oscillations of the deployed wing.
+/// Natural frequency in Hz and damping ratio of the four slowest oscillations of the deployed wing, once it hangs at rest.
 pub fn latched_modes(machine: Arc<Machine>) -> Result<Vec<(f64, f64)>, Box<dyn Error>> {
     let table = Interface::new(&machine);
     let mut plant = Plant::new(machine);
     plant.initialize(0.0)?;
-    plant.step(2.0)?;
+    plant.step(20.0)?;
     let inputs: Vec<&Variable> = table.real_inputs().filter(|input| input.name == "fold.torque").collect();
     let outputs: Vec<&Variable> = table.real_outputs().filter(|output| output.name == "fold.angle").collect();
     let model = table.linearize(&mut plant, &inputs, &outputs)?;

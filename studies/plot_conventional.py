@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Figures 4 to 7 of Otsuka et al. from the tables that `cargo test --test conventional` writes."""
+"""Figures 4 to 7 of Otsuka et al. from the tables that `cargo test --test verification conventional::` writes."""
 
 import argparse
 from pathlib import Path

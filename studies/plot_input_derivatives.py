@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Error of a sinusoidal load over the communication step, from the table that `cargo test --test capabilities` writes."""
+"""Error of a sinusoidal load over the communication step, from the table that `cargo test --test verification capabilities::` writes."""
 
 import argparse
 from pathlib import Path

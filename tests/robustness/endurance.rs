@@ -2,9 +2,7 @@
 //!
 //! What a whole process does is done by this program itself, started again with one of the ignored tests `child_…`.
 
-mod fmu;
-
-use fmu::{Fmu, Resources, WING, guid_of, table};
+use crate::fmu::{Fmu, Resources, WING, guid_of, table};
 use foldwing_fmu::functions::*;
 use foldwing_fmu::states::*;
 use foldwing_fmu::types::*;
@@ -79,7 +77,7 @@ fn child(name: &str, place: &Resources, settings: &[(&str, &str)]) -> Command {
     }
     let mut command = Command::new(std::env::current_exe().expect("a path"));
     command
-        .args(["--exact", name, "--ignored", "--nocapture", "--test-threads=1"])
+        .args(["--exact", &format!("endurance::{name}"), "--ignored", "--nocapture", "--test-threads=1"])
         .current_dir(here)
         .env("TMPDIR", &temporary)
         .env("FOLDWING_RESOURCES", place.folder.join("resources"))

@@ -1,11 +1,7 @@
 //! Bad calls: each kind is refused with the right status and a message that says what is wrong, and leaves the
 //! instance unharmed.
 
-mod fmi_capabilities;
-mod fmi_semantics;
-mod fmu;
-
-use fmu::{Attempt, Fmu, OTHER, Resources, WING, callbacks, guid_of};
+use crate::fmu::{Attempt, Fmu, OTHER, Resources, WING, callbacks, guid_of};
 use foldwing::fmi2::FUNCTIONS;
 use foldwing_fmu::functions::*;
 use foldwing_fmu::states::*;
@@ -216,7 +212,7 @@ fn a_folder_with_a_space_and_a_plain_path_are_found() {
 #[test]
 fn a_silent_importer_is_legal() {
     let resources = Resources::with(WING);
-    let messages = fmu::Messages::default();
+    let messages = crate::fmu::Messages::default();
     let without_logger = fmi2CallbackFunctions { logger: None, ..callbacks(&messages) };
     for functions in [ptr::null(), &raw const without_logger] {
         let component = Attempt::of(WING, &resources).call(functions);

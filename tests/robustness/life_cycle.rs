@@ -2,18 +2,13 @@
 //! standard (`standard.rs`). The breakdown, which no exported function leads to, is the column of a unit test in
 //! `crates/fmu/src/tests.rs`.
 
-mod failures;
-mod fmu;
-mod loggers;
-mod standard;
-
-use fmu::{Fmu, WING};
+use crate::fmu::{Fmu, WING};
+use crate::standard::{Effect, PHASES, Phase, Row, TABLE};
 use foldwing_fmu::derivatives::*;
 use foldwing_fmu::functions::*;
 use foldwing_fmu::states::*;
 use foldwing_fmu::status::*;
 use foldwing_fmu::types::*;
-use standard::{Effect, PHASES, Phase, Row, TABLE};
 use std::ptr;
 
 /// Communication step in s.
@@ -195,7 +190,7 @@ fn l01_every_call_in_every_phase() {
 
 fn refused(subject: &mut Subject, row: &Row, phase: Phase, undisturbed: &[u64]) {
     let cell = format!("{} {}", row.name, phase.phrase());
-    let readable = standard::row_of("fmi2GetReal").is_legal(phase) && phase != Phase::Initialization;
+    let readable = crate::standard::row_of("fmi2GetReal").is_legal(phase) && phase != Phase::Initialization;
     let outputs = readable.then(|| subject.fmu.bits());
     assert_eq!(subject.call(row.name), fmi2Error, "{cell}");
     {

@@ -1,6 +1,6 @@
 //! The shipped folding wing written in Rust: the same machine as its file, and the same run to the last bit.
 
-use crate::{repository, shipped_models};
+use crate::model_file::{repository, shipped_models};
 use foldwing::beam::section::{Material, Solid};
 use foldwing::config;
 use foldwing::machine::{AttachedMass, Body, Drive, Gauge, Joint, Latch, Machine};

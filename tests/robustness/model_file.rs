@@ -3,24 +3,11 @@
 //! A case is the small model below with one text replaced. Each message stands here in full, so that a change of
 //! wording is seen.
 
-mod machine_in_code;
-mod machine_random;
-mod machine_refusals;
-mod model_file_accepted;
-mod model_file_air;
-mod model_file_functions;
-mod model_file_joints;
-mod model_file_keys;
-mod model_file_loops;
-mod model_file_meaning;
-mod model_file_meant;
-mod model_file_units;
-
 use foldwing::config::{self, ConfigError, Fault};
 use std::path::PathBuf;
 
 /// The model that the cases break; its lines are numbered in the messages.
-const MODEL: &str = r#"name = "Wing"
+pub const MODEL: &str = r#"name = "Wing"
 gravity_m_s2 = [0.0, 0.0, -9.81]
 [section.plate]
 shape = "rectangle"
@@ -78,27 +65,27 @@ step_s = 5e-4
 "#;
 
 /// [`MODEL`] with one text replaced.
-fn with(old: &str, new: &str) -> String {
+pub fn with(old: &str, new: &str) -> String {
     assert!(MODEL.contains(old), "the model has no {old:?}");
     MODEL.replacen(old, new, 1)
 }
 
 /// What is said about [`MODEL`] with one text replaced, one problem per line.
-fn message(old: &str, new: &str) -> String {
+pub fn message(old: &str, new: &str) -> String {
     message_of(&with(old, new))
 }
 
 /// What is said about a text.
-fn message_of(text: &str) -> String {
+pub fn message_of(text: &str) -> String {
     config::parse(text, "wing.toml").map_or_else(|error| error.to_string(), |_| "accepted".to_owned())
 }
 
-fn repository() -> PathBuf {
+pub fn repository() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
 /// The shipped models, by path.
-fn shipped_models() -> Vec<PathBuf> {
+pub fn shipped_models() -> Vec<PathBuf> {
     let folder = repository().join("examples/models");
     let mut models: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     models.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));

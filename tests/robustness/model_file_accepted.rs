@@ -1,6 +1,6 @@
 //! What accepted files mean: units, defaults, order.
 
-use crate::{MODEL, repository, with};
+use crate::model_file::{MODEL, repository, with};
 use approx::assert_relative_eq;
 use foldwing::config;
 use foldwing::load::LoadFrame;

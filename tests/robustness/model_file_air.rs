@@ -1,6 +1,6 @@
 //! Air: what is refused, whole messages, and what an accepted file means.
 
-use crate::{MODEL, message_of};
+use crate::model_file::{MODEL, message_of};
 use foldwing::aero::flow::GustShape;
 use foldwing::config;
 use foldwing::machine::{AirOptions, Coupling, Machine, WakeModel};

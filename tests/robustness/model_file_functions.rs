@@ -1,6 +1,6 @@
 //! Functions along a body: twist, curvatures, tapers, sections between two ends; what they mean and what is refused.
 
-use crate::{message, message_of, with};
+use crate::model_file::{message, message_of, with};
 use foldwing::config;
 use foldwing::machine::Machine;
 

@@ -1,6 +1,6 @@
 //! Universal, ball and free joints: what is refused, whole messages, and what an accepted file means.
 
-use crate::{message_of, with};
+use crate::model_file::{message_of, with};
 use foldwing::config;
 use foldwing::machine::{JointKind, Method, Spatial, SpatialFreedom};
 use nalgebra::Vector3;

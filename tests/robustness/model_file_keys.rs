@@ -1,6 +1,6 @@
 //! Refusals of single keys: syntax, names, types, ranges.
 
-use crate::message;
+use crate::model_file::message;
 
 /// What is not TOML is refused with the parser's message and the line; one problem at a time.
 #[test]

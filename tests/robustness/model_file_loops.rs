@@ -1,6 +1,6 @@
 //! Closed loops: what is refused, whole messages, and what an accepted file means.
 
-use crate::{MODEL, message_of};
+use crate::model_file::{MODEL, message_of};
 use foldwing::config;
 use foldwing::machine::Closure;
 use nalgebra::Vector3;

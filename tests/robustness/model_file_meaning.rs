@@ -1,6 +1,6 @@
 //! Refusals of what several keys say together.
 
-use crate::{message, message_of, with};
+use crate::model_file::{message, message_of, with};
 use foldwing::config;
 
 /// Dimensions that are numbers each, but whose products leave the range of numbers.

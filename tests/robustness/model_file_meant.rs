@@ -1,6 +1,6 @@
 //! What a refusal offers in place of a misspelt or misplaced word: whole messages.
 
-use crate::message;
+use crate::model_file::message;
 
 const TOP: &str = "name, description, gravity_m_s2, section, body, rigid_body, joint, loop, mass, load, gauge, aerodynamics, \
                    surface, gust, solver, experiment";

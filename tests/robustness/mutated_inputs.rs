@@ -2,11 +2,8 @@
 //!
 //! `FOLDWING_MUTATIONS` sets how many files are made from the shipped ones, `FOLDWING_SEED` runs a single one.
 
-mod fmu;
-mod watchdog;
-
+use crate::fmu::{Attempt, Fmu, Resources, WING, guid_of};
 use fastrand::Rng;
-use fmu::{Attempt, Fmu, Resources, WING, guid_of};
 use foldwing::aero::AirOptions;
 use foldwing::config::{self, ConfigError};
 use foldwing::interface::{Interface, guid};
@@ -230,7 +227,7 @@ fn number(name: &str) -> Option<usize> {
 #[test]
 fn m01_mutated_models() {
     let models = models();
-    let guard = watchdog::watch(number("FOLDWING_WATCHDOG").unwrap_or(120) as u64);
+    let guard = crate::watchdog::watch(number("FOLDWING_WATCHDOG").unwrap_or(120) as u64);
     let mut tally: BTreeMap<&str, usize> = BTreeMap::new();
     let seeds = match number("FOLDWING_SEED") {
         Some(seed) => seed..seed + 1,

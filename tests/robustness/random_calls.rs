@@ -2,13 +2,7 @@
 //!
 //! `FOLDWING_CALLS` sets their number, `FOLDWING_SEED` runs the one sequence that a failure names.
 
-mod fmu;
-mod random_arguments;
-mod random_session;
-mod standard;
-mod watchdog;
-
-use random_session::{Session, Tally};
+use crate::random_session::{Session, Tally};
 use std::process::Command;
 
 /// Calls in a plain `cargo test`.
@@ -27,7 +21,7 @@ fn number(name: &str) -> Option<usize> {
 #[test]
 fn c01_random_calls() {
     let calls = number("FOLDWING_CALLS").unwrap_or(SHARE);
-    let guard = watchdog::watch(number("FOLDWING_WATCHDOG").unwrap_or(60) as u64);
+    let guard = crate::watchdog::watch(number("FOLDWING_WATCHDOG").unwrap_or(60) as u64);
     let mut session = Session::new();
     let mut tally = Tally::default();
     let seeds = match number("FOLDWING_SEED") {
@@ -57,7 +51,7 @@ fn c02_random_calls_under_valgrind() {
         .args(["--errors-for-leak-kinds=definite,indirect,possible", "--error-exitcode=99", "--num-callers=40"])
         .arg(concat!("--suppressions=", env!("CARGO_MANIFEST_DIR"), "/tests/robustness/valgrind.supp"))
         .arg(std::env::current_exe().expect("a path"))
-        .args(["--exact", "c01_random_calls", "--test-threads=1", "--nocapture"])
+        .args(["--exact", "random_calls::c01_random_calls", "--test-threads=1", "--nocapture"])
         .env("FOLDWING_CALLS", calls.to_string())
         .env("FOLDWING_WATCHDOG", "600")
         .env_remove("FOLDWING_SEED");

@@ -2,7 +2,7 @@
 
 use crate::reference::{case, numbers};
 use crate::rod::Rod;
-use crate::statics::{Loading, assert_order, cantilever, equilibrium, plain_section};
+use crate::static_newton::{Loading, assert_order, cantilever, equilibrium, plain_section};
 use foldwing::beam::element::ElementKind::{self, Constant, Linear};
 use foldwing::beam::section::{Material, Section};
 use foldwing::load::{LoadFrame, Wrench};

@@ -3,7 +3,7 @@
 use crate::modes::{flap_beam, mode_shape, modes};
 use crate::oracle::Oracle;
 use crate::rod::Rod;
-use crate::statics::{Loading, assert_order, cantilever, equilibrium, order, plain_section};
+use crate::static_newton::{Loading, assert_order, cantilever, equilibrium, order, plain_section};
 use crate::trees::{Case, Cloud, Random, State, branching_tree, random_body};
 use foldwing::beam::element::ElementKind::{self, Constant, Linear};
 use foldwing::beam::recovery::axial_row;

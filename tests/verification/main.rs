@@ -1,14 +1,25 @@
-//! Verification against theory: a dense oracle, identities, statics, frequencies. Case numbers V-xx.
+//! Verification against theory and independent solutions: the engine by itself, statics, the machine in time, air, and the
+//! methods of the papers. Case numbers V-xx; the other folders name theirs.
 
 mod bending;
+mod blades;
+mod capabilities;
 mod carried;
+mod conventional;
+mod counting_allocator;
+mod coupling;
 mod gauges;
+mod lattice;
 mod modes;
 mod oracle;
+mod plant;
 mod properties;
 mod recursion;
 mod reference;
 mod rod;
+mod shipped;
+mod static_newton;
 mod statics;
+mod strips;
 mod taylor;
 mod trees;

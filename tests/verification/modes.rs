@@ -1,7 +1,7 @@
 //! V-40 to V-44: frequencies against closed forms and an exact dynamic stiffness.
 
 use crate::reference::{case, numbers};
-use crate::statics::{cantilever, order, plain_section};
+use crate::static_newton::{cantilever, order, plain_section};
 use crate::trees::{Case, State};
 use foldwing::beam::element::ElementKind::{self, Constant, Linear};
 use foldwing::beam::section::Section;

@@ -1,7 +1,7 @@
 //! The blades of the tests, twice: as laws that the reference evaluates, and as the engine's description.
 
-use crate::boundary_value::{Rod, Section};
-use crate::statics::{Loading, equilibrium};
+use crate::blades::boundary_value::{Rod, Section};
+use crate::static_newton::{Loading, equilibrium};
 use foldwing::beam::element::ElementKind;
 use foldwing::beam::law::{NaturalStrain, SectionLaw};
 use foldwing::load::{LoadFrame, Wrench};

@@ -1,7 +1,7 @@
 //! B-01 to B-09: elements whose section and natural strain vary along them.
 
-use crate::blade::{description, errors, reference, solve};
-use crate::statics::assert_order;
+use crate::blades::blade::{description, errors, reference, solve};
+use crate::static_newton::assert_order;
 use foldwing::beam::element::ElementKind::{Constant, Linear};
 use foldwing::beam::law::{NaturalStrain, SectionLaw};
 use foldwing::beam::profile::Profile;

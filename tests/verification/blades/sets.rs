@@ -8,10 +8,10 @@
 //! With these the tip moves by 6.32, 12.41 and 18.14 % of the length at 250, 500 and 750 kN; the paper has "about" 6.4,
 //! 12.5 and 18.1 %.
 
-use crate::blade::{POISSON, SHEAR_PA, Solution, YOUNG_PA, description, ellipse, errors, reference, solve};
-use crate::boundary_value::Section;
-use crate::reference_file::{case, numbers};
-use crate::statics::assert_order;
+use crate::blades::blade::{POISSON, SHEAR_PA, Solution, YOUNG_PA, description, ellipse, errors, reference, solve};
+use crate::blades::boundary_value::Section;
+use crate::reference::{case, numbers};
+use crate::static_newton::assert_order;
 use foldwing::beam::element::ElementKind::{Constant, Linear};
 use foldwing::beam::law::{NaturalStrain, SectionLaw};
 use foldwing::beam::profile::Profile;

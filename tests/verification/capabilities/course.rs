@@ -1,6 +1,7 @@
 //! Inputs within a communication step.
 
-use crate::{Bench, Dice, wings};
+use super::{Bench, Dice};
+use crate::coupling::wings;
 use foldwing::interface::Causality;
 
 const LOAD: &str = "load.outer[4].force.z";

@@ -1,6 +1,7 @@
 //! Rates of outputs in time.
 
-use crate::{Bench, wings};
+use super::Bench;
+use crate::coupling::wings;
 use foldwing::interface::{AccessError, Causality};
 
 /// What follows from accelerations.

@@ -1,6 +1,7 @@
 //! Derivatives of outputs by inputs and parameters.
 
-use crate::{Bench, Dice, wings};
+use super::{Bench, Dice};
+use crate::coupling::wings;
 use foldwing::config;
 use foldwing::interface::{AccessError, Causality, DerivativeError, Stage, Value};
 use std::collections::BTreeMap;

@@ -1,10 +1,10 @@
 //! C-20 to C-23: the first two conventional methods of Table 1 and what they cost: singularity and tuning.
 
-use crate::link::{Axis, turn};
-use crate::pendulum::{
+use crate::conventional::link::{Axis, turn};
+use crate::conventional::pendulum::{
     Between, STEP_S, highest_frequency, joint_parameters, penalty_joint, rotation_angles, runge_kutta,
 };
-use crate::sample::{Sample, largest, run, run_as_printed};
+use crate::conventional::sample::{Sample, largest, run, run_as_printed};
 use nalgebra::{DVector, Matrix3};
 use std::f64::consts::FRAC_PI_2;
 

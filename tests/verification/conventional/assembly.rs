@@ -1,7 +1,7 @@
 //! Beams and joints as one dense system: kinematics `e(q)`, `B`, `Ḃq̇`, and eq. (9) as a matrix with multipliers.
 
-use crate::constraint::{Constraint, End, Spring};
-use crate::link::{self, Jet, Joint, Node};
+use crate::conventional::constraint::{Constraint, End, Spring};
+use crate::conventional::link::{self, Jet, Joint, Node};
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, SMatrix, Vector3};
 
 /// A uniform beam and the joint at its inner end.

@@ -1,6 +1,6 @@
 //! Constraints, all of them quadratic, and the fictitious springs of the first two conventional methods.
 
-use crate::assembly::{BodyMotion, NodeMotion, row};
+use crate::conventional::assembly::{BodyMotion, NodeMotion, row};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// A node of a body.

@@ -1,8 +1,8 @@
 //! C-01, C-02: the dense model against its own definitions.
 
-use crate::assembly::{Assembly, Body};
-use crate::link::{Axis, Joint};
-use crate::pendulum::{Between, body, gravity, index_1_dae, joint_parameters};
+use crate::conventional::assembly::{Assembly, Body};
+use crate::conventional::link::{Axis, Joint};
+use crate::conventional::pendulum::{Between, body, gravity, index_1_dae, joint_parameters};
 use nalgebra::{DVector, Matrix3};
 
 /// A number in (−1, 1) that looks random.
@@ -13,7 +13,7 @@ fn scatter(i: usize) -> f64 {
 /// A chain with every kind of joint variable, bent and moving.
 fn chains() -> Vec<(&'static str, Assembly)> {
     let identity = Matrix3::identity();
-    let mount = crate::link::turn(Axis::Z, 0.4)[0] * crate::link::turn(Axis::X, -0.8)[0];
+    let mount = crate::conventional::link::turn(Axis::Z, 0.4)[0] * crate::conventional::link::turn(Axis::X, -0.8)[0];
     let of = |joint: Joint, mount| {
         let bodies: Vec<Body> = vec![body(None, Joint::Ball, identity, 2), body(Some(0), joint, mount, 2)];
         Assembly::new(bodies, vec![], vec![], gravity())
@@ -44,8 +44,12 @@ fn c01_velocity_transformation_is_the_derivative_of_the_nodes() {
         for (body, moving) in motion.iter().enumerate() {
             for (i, node) in moving.nodes.iter().enumerate() {
                 let [a, b] = [&ahead[body].nodes[i], &behind[body].nodes[i]];
-                let product =
-                    node.columns.iter().zip(&moving.active).map(|(c, &j)| c * v[j]).sum::<crate::link::Node>();
+                let product = node
+                    .columns
+                    .iter()
+                    .zip(&moving.active)
+                    .map(|(c, &j)| c * v[j])
+                    .sum::<crate::conventional::link::Node>();
                 let first = ((a.h - b.h) / (2.0 * h) - node.rate).amax();
                 let second = ((a.rate - b.rate) / (2.0 * h) - node.bias).amax();
                 let columns = (product - node.rate).amax();

@@ -1,9 +1,9 @@
 //! C-10 to C-14: double pendulums of §4.1–4.3, joint parameters in dense form beside the index-1 DAE.
 
-use crate::link::Joint;
-use crate::pendulum::{Between, STEP_S, index_1_dae, joint_parameters};
-use crate::reference;
-use crate::sample::{Sample, largest, run, run_as_printed, write_motion};
+use crate::conventional::link::Joint;
+use crate::conventional::pendulum::{Between, STEP_S, index_1_dae, joint_parameters};
+use crate::conventional::reference;
+use crate::conventional::sample::{Sample, largest, run, run_as_printed, write_motion};
 
 /// Two elements per body, Runge–Kutta at 1e-4 s, 2 s: as in the paper.
 fn compare(between: Between) {

@@ -3,9 +3,9 @@
 //! Body A lies along `X`, hung at the origin by a ball joint; body B hangs at its end along `+Z`, so that
 //! `r_x^P + r_z^Q = 0` as §4.3 has it; gravity acts along `−Y`. Point P is A's end, Q is B's beginning.
 
-use crate::assembly::{Assembly, Body};
-use crate::constraint::{Constraint, End, Spring};
-use crate::link::{Axis, Joint, turn};
+use crate::conventional::assembly::{Assembly, Body};
+use crate::conventional::constraint::{Constraint, End, Spring};
+use crate::conventional::link::{Axis, Joint, turn};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 

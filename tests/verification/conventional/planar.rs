@@ -3,7 +3,7 @@
 //! §4.4 times planar codes, so that times compare like with like only against this: same unknowns per section as the
 //! finite segments, same algebra twice, by recursion in O(n) and with the dense `BᵀMB`, same integrator.
 
-use crate::segments::{Algebra, PlanarChain, table_4};
+use super::segments::{Algebra, PlanarChain, table_4};
 use foldwing::solve::{EquationsOfMotion, Powers, Singular};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, SMatrix, Vector2, Vector3};
 

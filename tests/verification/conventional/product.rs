@@ -1,13 +1,13 @@
 //! C-40 to C-43: the product's recursions and time integration against the dense models, on the double pendulums.
 
-use crate::assembly::Assembly;
-use crate::machines;
-use crate::pendulum::{
+use crate::conventional::assembly::Assembly;
+use crate::conventional::pendulum::{
     Between, DENSITY_KG_M3, GRAVITY_M_S2, LENGTH_M, SECOND_M4, SHEAR_PA, SIDE_M, STEP_S, YOUNG_PA, joint_parameters,
     start_of_b,
 };
-use crate::reference;
-use crate::sample::{Sample, run_as_printed, write_table};
+use crate::conventional::reference;
+use crate::conventional::sample::{Sample, run_as_printed, write_table};
+use crate::plant::machines;
 use foldwing::beam::section::{Material, Section};
 use foldwing::load::{LoadFrame, RootMotion};
 use foldwing::machine::*;

@@ -1,9 +1,9 @@
 //! Motions of the double pendulum, sampled with all that figs. 4 to 6 of the paper show, and their tables.
 
-use crate::assembly::{Assembly, row};
-use crate::constraint::Constraint;
-use crate::link::{self, Node};
-use crate::pendulum::{STEP_S, runge_kutta};
+use crate::conventional::assembly::{Assembly, row};
+use crate::conventional::constraint::Constraint;
+use crate::conventional::link::{self, Node};
+use crate::conventional::pendulum::{STEP_S, runge_kutta};
 use nalgebra::{DVector, Vector3};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -87,7 +87,9 @@ fn multiplier_wrench(system: &Assembly, q: &DVector<f64>, v: &DVector<f64>) -> O
         match constraint {
             Constraint::Coincident(..) => *force -= lambda.fixed_rows::<3>(line),
             Constraint::Product { a, b, .. } if a.0.body != b.0.body => {
-                let vector = |(end, k): (crate::constraint::End, usize)| row(&motion[end.body].nodes[end.node].h, k);
+                let vector = |(end, k): (crate::conventional::constraint::End, usize)| {
+                    row(&motion[end.body].nodes[end.node].h, k)
+                };
                 *moment -= vector(*b).cross(&vector(*a)) * lambda[line];
             }
             _ => {}

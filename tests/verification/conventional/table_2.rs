@@ -1,7 +1,7 @@
 //! C-03: Table 2 of the paper from the models themselves.
 
-use crate::constraint::Constraint;
-use crate::pendulum::{Between, index_1_dae, joint_parameters};
+use crate::conventional::constraint::Constraint;
+use crate::conventional::pendulum::{Between, index_1_dae, joint_parameters};
 
 /// One joint of Table 2.
 pub struct Row {
@@ -29,7 +29,7 @@ fn c03_variables_and_multipliers_are_those_of_table_2() {
     for row in TABLE_2 {
         let (ours, _) = joint_parameters(row.between, 2);
         let (dae, _) = index_1_dae(row.between, 2);
-        let variables = |system: &crate::assembly::Assembly| system.bodies[1].joint.variables();
+        let variables = |system: &crate::conventional::assembly::Assembly| system.bodies[1].joint.variables();
         // body A hangs by a ball joint, with its 6 rigid-node constraints and 3 of position in the DAE
         let dae_multipliers = dae.multipliers() - 9;
         let own: usize = ours.constraints.iter().map(Constraint::rows).sum::<usize>() - 1;

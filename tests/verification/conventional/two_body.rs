@@ -1,10 +1,10 @@
 //! C-30 to C-35: the two-body system of §4.4 by the product and by finite segments: convergence.
 
-use crate::machines;
-use crate::planar::PlanarBeams;
-use crate::reference;
-use crate::sample::write_table;
-use crate::segments::{Algebra, RootSpring, Segments, fall, table_4};
+use crate::conventional::planar::PlanarBeams;
+use crate::conventional::reference;
+use crate::conventional::sample::write_table;
+use crate::conventional::segments::{Algebra, RootSpring, Segments, fall, table_4};
+use crate::plant::machines;
 use foldwing::beam::section::Section;
 use foldwing::machine::*;
 use foldwing::solve::{EquationsOfMotion, stepper};

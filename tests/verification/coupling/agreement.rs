@@ -1,7 +1,7 @@
 //! How air and structure agree: orders in the aerodynamic step, independence of the caller's steps, light wings,
 //! rollback, accounts.
 
-use crate::wings::{folding_wing, light_wing, march, start};
+use crate::coupling::wings::{folding_wing, light_wing, march, start};
 use foldwing::machine::{JointKind, StartState};
 use foldwing::plant::{Plant, PlantError};
 use nalgebra::{Matrix4, Vector3, Vector4};

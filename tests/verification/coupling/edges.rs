@@ -1,6 +1,6 @@
 //! Edges that go on in another surface have no slit, whatever they hang on.
 
-use crate::wings::start;
+use crate::coupling::wings::start;
 use foldwing::config;
 use foldwing::machine::Machine;
 use nalgebra::Vector3;

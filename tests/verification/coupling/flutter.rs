@@ -1,6 +1,6 @@
 //! flutter of Goland's wing by time marching.
 
-use crate::goland::{Goland, LATTICE_WITH_SUCTION, reference};
+use crate::coupling::goland::{Goland, LATTICE_WITH_SUCTION, reference};
 
 /// Flutter speed in m/s and frequency in rad/s with the strip model's fit to Wagner's function, of the continuous wing
 /// by transfer matrices: W-32 of the crate "strips", which shares nothing with the product but that fit.

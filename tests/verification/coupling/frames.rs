@@ -1,6 +1,6 @@
 //! One flow gives one answer, whoever moves: wings that fly, roots that move, wind.
 
-use crate::wings::{march, start};
+use crate::coupling::wings::{march, start};
 use foldwing::config;
 use foldwing::plant::{Plant, Statistics, SurfaceLattice};
 use nalgebra::Vector3;

@@ -1,10 +1,10 @@
 //! Goland's wing for the tests: the shipped model in air of every kind, marched in time.
 //!
 //! In a wind along its chord the wing is hit by a small short gust. Growth rate and frequency of what follows come from
-//! the tip's heave by the matrix pencil ([`crate::identification`]); the flutter speed is where the growth rate vanishes.
+//! the tip's heave by the matrix pencil ([`crate::coupling::identification`]); the flutter speed is where the growth rate vanishes.
 
-use crate::identification::{Oscillation, least_damped};
-use crate::wings::start;
+use crate::coupling::identification::{Oscillation, least_damped};
+use crate::coupling::wings::start;
 use foldwing::config;
 use foldwing::machine::Machine;
 use serde_json::Value;

@@ -1,6 +1,6 @@
 //! Tips that are light against the air that they move, and the schemes that couple them; hinges that only the air holds.
 
-use crate::wings::{folding_wing, start};
+use crate::coupling::wings::{folding_wing, start};
 use foldwing::config;
 use foldwing::plant::{Holding, Plant, PlantError};
 use std::fmt::Write;

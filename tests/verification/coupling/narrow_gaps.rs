@@ -1,6 +1,6 @@
 //! Sheets that the wind draws together over a narrow gap.
 
-use crate::wings::{folding_wing, start};
+use crate::coupling::wings::{folding_wing, start};
 use foldwing::config;
 use foldwing::plant::{Plant, PlantError};
 

@@ -4,8 +4,8 @@
 //! axis and incidence `α₀`: `θ(x) = α₀ (tan λL sin λx + cos λx − 1)` with `λ² = 2π q c e/GJ`; the wing diverges where
 //! `λL = π/2` (Bisplinghoff, Ashley and Halfman, Aeroelasticity, 1955, section 8-3).
 
-use crate::goland::Goland;
-use crate::wings::start;
+use crate::coupling::goland::Goland;
+use crate::coupling::wings::start;
 use foldwing::machine::Machine;
 use std::f64::consts::{FRAC_PI_2, TAU};
 

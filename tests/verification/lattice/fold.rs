@@ -1,6 +1,6 @@
 //! Two bodies with a hinge, folded until their panels nearly touch.
 
-use crate::wing::{DENSITY_KG_M3, SPEED_M_S, options};
+use crate::lattice::wing::{DENSITY_KG_M3, SPEED_M_S, options};
 use foldwing::aero::AirLoads;
 use foldwing::aero::flow::Flow;
 use foldwing::aero::joined_edges::Edge;

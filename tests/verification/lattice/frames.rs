@@ -1,6 +1,6 @@
 //! Roots that turn against wings that do, and edges that move at different speeds.
 
-use crate::wing::{DENSITY_KG_M3, inset, options};
+use crate::lattice::wing::{DENSITY_KG_M3, inset, options};
 use foldwing::aero::flow::Flow;
 use foldwing::aero::lattice::LatticeOptions;
 use foldwing::aero::strip::StripOptions;

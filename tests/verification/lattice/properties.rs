@@ -1,6 +1,6 @@
 //! What must hold exactly: power, frames, scales, mirror, repetition.
 
-use crate::wing::{DENSITY_KG_M3, SPEED_M_S, Wing, inset, options};
+use crate::lattice::wing::{DENSITY_KG_M3, SPEED_M_S, Wing, inset, options};
 use foldwing::aero::AirLoads;
 use foldwing::aero::flow::Flow;
 use foldwing::aero::lattice::{LatticeOptions, LoadRule, VortexLattice, WakeModel};

@@ -1,7 +1,7 @@
 //! Steady wings: lift slope, tips, elliptic wing, both rules for loads.
 
-use crate::reference_file::{case, numbers};
-use crate::wing::{Wing, inset, options, pressure_pa};
+use crate::lattice::wing::{Wing, inset, options, pressure_pa};
+use crate::reference::{case, numbers};
 use foldwing::aero::lattice::{LatticeOptions, LoadRule};
 use nalgebra::Vector3;
 use std::f64::consts::PI;

@@ -1,7 +1,7 @@
 //! Unsteady flow: the plane limit against Wagner, Theodorsen, Küssner; apparent mass; the wake.
 
-use crate::theory::{Aerofoil, kuessner, theodorsen, wagner};
-use crate::wing::{DENSITY_KG_M3, SPEED_M_S, Wing, inset, options, pressure_pa};
+use crate::lattice::wing::{DENSITY_KG_M3, SPEED_M_S, Wing, inset, options, pressure_pa};
+use crate::strips::theory::{Aerofoil, kuessner, theodorsen, wagner};
 use foldwing::aero::flow::{Gust, GustShape};
 use foldwing::aero::lattice::{LatticeOptions, WakeModel};
 use foldwing::load::SectionMotion;

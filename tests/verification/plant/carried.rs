@@ -1,6 +1,6 @@
 //! Machines on a free joint: mass-proportional damping leaves their flight alone (D12).
 
-use crate::machines::*;
+use crate::plant::machines::*;
 use foldwing::machine::builder::JointBuilder;
 use foldwing::machine::*;
 use foldwing::plant::Plant;

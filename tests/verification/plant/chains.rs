@@ -178,7 +178,7 @@ fn p123_a_thousand_first_latches_agree_with_converged_ones() {
 /// the converged 0.229 N·m; the account is that of the steps' ends, 1e-3 of the wing's energy.
 #[test]
 fn p125_stiff_latches_carry_what_the_wing_asks_for() {
-    use crate::machines::{hinge_of, run, start, wing};
+    use crate::plant::machines::{hinge_of, run, start, wing};
     use foldwing::machine::{ElementKind, Method};
     for method in [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::Sdirk2, Method::GeneralizedAlpha] {
         for factor in [1.0, 1e2, 1e4] {

@@ -1,6 +1,6 @@
 //! Corner cases of drive, stopper and latch.
 
-use crate::machines::*;
+use crate::plant::machines::*;
 use foldwing::beam::section::{Material, Section};
 use foldwing::machine::*;
 use foldwing::plant::Plant;

@@ -1,6 +1,6 @@
 //! Deployment in still air: Otsuka et al., Table 5, with k = 0.026 N·m/rad.
 
-use crate::machines::*;
+use crate::plant::machines::*;
 use foldwing::machine::{ElementKind, Machine, Method};
 
 /// Latch time in s, and peak of |root strain| with its time, at the reference's own output step.

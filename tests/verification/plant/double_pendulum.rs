@@ -1,6 +1,6 @@
 //! Shipped models with ball and free joints: the double pendulum of Otsuka et al., Table 3, and a wing in free flight.
 
-use crate::machines::*;
+use crate::plant::machines::*;
 use foldwing::config;
 use foldwing::machine::Machine;
 use nalgebra::Vector3;

@@ -1,6 +1,6 @@
 //! The energy accounts: `total − work + dissipated` stays.
 
-use crate::machines::*;
+use crate::plant::machines::*;
 use foldwing::load::{LoadFrame, Wrench};
 use foldwing::machine::{ElementKind, JointMotion, Machine, Method, Motion};
 use foldwing::plant::Plant;

@@ -1,6 +1,6 @@
 //! What cannot be integrated ends in an error that names time and cause, never in a panic.
 
-use crate::machines::*;
+use crate::plant::machines::*;
 use foldwing::plant::{Inputs, Parameters, Plant, PlantError};
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! What acts about a hinge: the torque law, the joint that is held again, the latch that catches what rests.
 
-use crate::corners::{rod, rod_inertia_kg_m2};
-use crate::machines::*;
+use crate::plant::corners::{rod, rod_inertia_kg_m2};
+use crate::plant::machines::*;
 use foldwing::machine::*;
 use foldwing::plant::{Holding, JointOutputs, Plant};
 use nalgebra::Vector3;

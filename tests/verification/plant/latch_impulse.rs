@@ -3,9 +3,9 @@
 //! Latches with a window of more than a turn are enabled in motion and close within a communication step of no length, so
 //! that the states before and after belong to one instant.
 
-use crate::corners::{add_rod, rod, rod_inertia_kg_m2};
-use crate::loops::linkage;
-use crate::machines::*;
+use crate::plant::corners::{add_rod, rod, rod_inertia_kg_m2};
+use crate::plant::loops::linkage;
+use crate::plant::machines::*;
 use foldwing::machine::*;
 use foldwing::plant::{Argument, Outputs, Plant};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};

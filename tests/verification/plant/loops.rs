@@ -1,6 +1,6 @@
 //! Closed loops by the penalty method.
 
-use crate::machines::*;
+use crate::plant::machines::*;
 use foldwing::beam::section::{Material, Section};
 use foldwing::machine::*;
 use foldwing::plant::{Holding, Plant};

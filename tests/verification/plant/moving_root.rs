@@ -1,6 +1,6 @@
 //! A root that moves: against gravity, against a turned model, against the same motion made by a joint.
 
-use crate::machines::*;
+use crate::plant::machines::*;
 use foldwing::load::Wrench;
 use foldwing::machine::{JointKind, JointMotion, Machine, Motion};
 use foldwing::math::so3::rotation_about;

@@ -1,6 +1,6 @@
 //! Root force and moment against weight, loads and the rate of momentum.
 
-use crate::machines::*;
+use crate::plant::machines::*;
 use foldwing::load::{LoadFrame, Wrench};
 use foldwing::machine::{AttachedMass, ElementKind, Machine, Method};
 use foldwing::plant::{Inputs, Outputs};

@@ -1,6 +1,6 @@
 //! What is read does not decide what is found, nor what comes after.
 
-use crate::machines::*;
+use crate::plant::machines::*;
 use foldwing::machine::{ElementKind, Method, Revolute, Solver};
 use foldwing::plant::{OutputSet, Outputs, Plant};
 use nalgebra::Vector3;

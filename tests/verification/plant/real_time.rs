@@ -1,7 +1,7 @@
 //! Real-time mode: bounded work in every step, and nothing else changed.
 
-use crate::chains::chain;
-use crate::machines;
+use crate::plant::chains::chain;
+use crate::plant::machines;
 use foldwing::machine::Machine;
 use foldwing::machine::{ElementKind, Method};
 use foldwing::plant::{Plant, PlantError};

@@ -1,6 +1,6 @@
 //! The rigid limit: stiffness × 1e4 against rigid pendulums.
 
-use crate::machines::*;
+use crate::plant::machines::*;
 use foldwing::beam::section::{Material, Section};
 use foldwing::machine::*;
 use foldwing::plant::Plant;

@@ -1,7 +1,7 @@
 //! Bodies without elements, offsets, frames: rigid pendulums, a gyroscope, what hangs aside of its place.
 
-use crate::machines::*;
-use crate::rigid::worst_miss_m;
+use crate::plant::machines::*;
+use crate::plant::rigid::worst_miss_m;
 use foldwing::beam::section::{Material, Section, Solid};
 use foldwing::config;
 use foldwing::machine::builder::{BodyBuilder, JointBuilder};

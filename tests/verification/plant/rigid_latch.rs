@@ -1,9 +1,9 @@
 //! Runs through the closing of rigid latches, eq. (A7): methods, limits, loops, air, chains, states of rest.
 
-use crate::chains::chain;
-use crate::corners::{add_rod, rod};
-use crate::loops::linkage;
-use crate::machines::*;
+use crate::plant::chains::chain;
+use crate::plant::corners::{add_rod, rod};
+use crate::plant::loops::linkage;
+use crate::plant::machines::*;
 use foldwing::config;
 use foldwing::machine::*;
 use foldwing::plant::{Holding, JointOutputs, Plant, Snapshot};

@@ -1,6 +1,6 @@
 //! Going back, going on elsewhere, and repeating: to the bit.
 
-use crate::machines::*;
+use crate::plant::machines::*;
 use foldwing::config;
 use foldwing::interface::{Interface, Value};
 use foldwing::machine::{ElementKind, Method};

@@ -1,7 +1,7 @@
 //! Static answers that remain after the motion has died away.
 
-use crate::machines::*;
-use crate::rod::{Joint, Load, Rod, Segment};
+use crate::plant::machines::*;
+use crate::plant::rod::{Joint, Load, Rod, Segment};
 use foldwing::load::{LoadFrame, Wrench};
 use foldwing::machine::{ElementKind, Gauge, Latch, Machine};
 use foldwing::plant::Plant;

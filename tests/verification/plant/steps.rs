@@ -1,6 +1,6 @@
 //! The answer against communication steps, start times and tolerances.
 
-use crate::machines::*;
+use crate::plant::machines::*;
 use foldwing::machine::{ElementKind, Method};
 use foldwing::plant::{Plant, Statistics};
 

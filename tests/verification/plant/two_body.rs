@@ -1,6 +1,6 @@
 //! The two-body system of Otsuka et al., Table 4.
 
-use crate::machines::*;
+use crate::plant::machines::*;
 use foldwing::beam::section::Section;
 use foldwing::machine::*;
 use nalgebra::{Matrix4, Vector3, Vector4};

@@ -1,6 +1,6 @@
 //! F-220 to F-222: `flared_wing_tip.toml`, a folding tip that relieves gusts.
 
-use crate::{machine, run, start};
+use super::{machine, run, start};
 use nalgebra::{Rotation3, Unit, Vector3};
 use std::f64::consts::PI;
 

@@ -1,6 +1,6 @@
 //! F-210, F-211: `roll_fold.toml`, two folds that open one after the other.
 
-use crate::{machine, percent, run};
+use super::{machine, percent, run};
 use foldwing::machine::Machine;
 
 const MODEL: &str = include_str!("../../../examples/models/roll_fold.toml");

@@ -1,6 +1,6 @@
 //! F-230, F-231: `slender_wing.toml`, curved, tapered and bent far up, against a planar beam of its own.
 
-use crate::{machine, percent};
+use super::{machine, percent};
 use foldwing::machine::Machine;
 use foldwing::plant::{Holding, ModeShape, Plant};
 use nalgebra::{DMatrix, DVector};

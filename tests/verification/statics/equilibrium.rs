@@ -1,8 +1,8 @@
 //! S-10 to S-20: equilibrium against closed forms, elliptic integrals and shooting.
 
-use crate::machines::{Cantilever, assert_order, at_rest, plant};
 use crate::reference::{case, numbers};
 use crate::rod::Rod;
+use crate::statics::machines::{Cantilever, assert_order, at_rest, plant};
 use foldwing::plant::{Holding, PlantError};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 use std::f64::consts::{PI, TAU};

@@ -1,6 +1,6 @@
 //! S-40 to S-46: the linear model against differences of simulations.
 
-use crate::machines::plant;
+use crate::statics::machines::plant;
 use foldwing::interface::{Interface, LinearModel, Value, Variable};
 use foldwing::plant::{Holding, Plant};
 use nalgebra::{Complex, DMatrix, DVector};

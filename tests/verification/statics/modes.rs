@@ -1,8 +1,8 @@
 //! S-30 to S-38: natural frequencies against closed forms, an exact dynamic stiffness and Ritz's method.
 
-use crate::machines::{Cantilever, assert_order, machine, plant};
 use crate::reference::{case, numbers};
-use crate::ritz::frequencies;
+use crate::statics::machines::{Cantilever, assert_order, machine, plant};
+use crate::statics::ritz::frequencies;
 use foldwing::machine::{JointKind, Spatial, SpatialFreedom};
 use foldwing::plant::{Holding, ModeShape, Plant};
 use nalgebra::Vector3;

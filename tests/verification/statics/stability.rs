@@ -1,6 +1,6 @@
 //! Stability of equilibria, the way to a stable one, and paths through limit points, against closed forms.
 
-use crate::machines::*;
+use crate::statics::machines::*;
 use foldwing::plant::{Branch, Departure, Holding, LoadPath, Plant, Rest, Search};
 use std::f64::consts::PI;
 

@@ -7,8 +7,8 @@
 //! transfer matrix over the span vanish; its two real parts give flutter speed and frequency. This shares no code with
 //! the product and is the reference for its flutter in time.
 
-use crate::theory::{Aerofoil, theodorsen};
-use crate::unsteady::fitted_theodorsen;
+use crate::strips::theory::{Aerofoil, theodorsen};
+use crate::strips::unsteady::fitted_theodorsen;
 use nalgebra::{Complex, Matrix3, Matrix6};
 use serde_json::Value;
 

@@ -1,6 +1,6 @@
 //! W-20 to W-28: what must hold for any air on any wing, and attitudes far from the linear ones.
 
-use crate::plate::{Motion, Plate};
+use crate::strips::plate::{Motion, Plate};
 use foldwing::aero::AirLoads;
 use foldwing::aero::flow::{Flow, Gust, GustShape};
 use foldwing::aero::strip::{StripOptions, StripState, Strips};

@@ -1,8 +1,8 @@
 //! W-33: the strips in a closed loop with the smallest structure there is, a section on two springs.
 
-use crate::plate::{Motion, Plate};
-use crate::theory::Aerofoil;
-use crate::unsteady::fitted_theodorsen;
+use crate::strips::plate::{Motion, Plate};
+use crate::strips::theory::Aerofoil;
+use crate::strips::unsteady::fitted_theodorsen;
 use foldwing::aero::AirLoads;
 use foldwing::aero::strip::Strips;
 use nalgebra::{Complex, Matrix2, Vector2};

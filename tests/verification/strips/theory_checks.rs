@@ -1,7 +1,7 @@
 //! The references of this crate, checked against published values and against each other.
 
-use crate::reference_file::{case, numbers};
-use crate::theory::{kuessner, sears, theodorsen, wagner};
+use crate::reference::{case, numbers};
+use crate::strips::theory::{kuessner, sears, theodorsen, wagner};
 use serde_json::Value;
 
 /// Rows of a table of the case by their argument.

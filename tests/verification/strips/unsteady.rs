@@ -1,7 +1,7 @@
 //! W-10 to W-17: the strip in unsteady plane flow.
 
-use crate::plate::{Loads, Motion, Plate};
-use crate::theory::{Aerofoil, kuessner, theodorsen, wagner};
+use crate::strips::plate::{Loads, Motion, Plate};
+use crate::strips::theory::{Aerofoil, kuessner, theodorsen, wagner};
 use foldwing::aero::flow::{Gust, GustShape};
 use foldwing::aero::polar::{Polar, PolarRow};
 use foldwing::aero::strip::StripOptions;

@@ -52,7 +52,7 @@ Examples:
   foldwing package wing.toml -o Wing.fmu
   foldwing package wing.toml -o Wing.fmu --linear
   foldwing package wing.toml -o Wing.fmu --linear=0.3 --no-reference
-  foldwing package wing.toml -o Wing.fmu --library libfoldwing_fmu.so --library win64=foldwing_fmu.dll
+  foldwing package wing.toml -o Wing.fmu --library libfoldwing_fmu.so --library foldwing_fmu.dll
   foldwing package wing.toml -o Wing.fmu --cross-check results
   foldwing package wing.toml --description-only";
 

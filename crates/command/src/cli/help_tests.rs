@@ -5,7 +5,7 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 use command_lines::CommandLine;
 
-#[path = "../../../../tests/guide/command_lines.rs"]
+#[path = "../../../../tests/documents/guide/command_lines.rs"]
 mod command_lines;
 
 /// Parses a call. One that stands in a sentence may lack arguments.

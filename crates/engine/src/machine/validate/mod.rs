@@ -35,8 +35,8 @@ impl Machine {
     /// should be validated before it is used: a wrong index would panic, a wrong number end in a run that does not converge.
     ///
     /// ```
-    /// use crate::beam::section::{Material, Solid};
-    /// use crate::machine::{Body, Joint, Machine};
+    /// use foldwing_engine::beam::section::{Material, Solid};
+    /// use foldwing_engine::machine::{Body, Joint, Machine};
     ///
     /// let plate = Solid::rectangle(0.05, 0.002, Material::isotropic(70e9, 0.33, 2700.0));
     /// let mut machine =

@@ -11,9 +11,6 @@ mod constraint;
 mod derivatives;
 mod double_pendulum;
 mod link;
-#[allow(dead_code)]
-#[path = "../plant/machines.rs"]
-mod machines;
 mod pendulum;
 mod planar;
 mod product;

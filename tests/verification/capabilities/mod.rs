@@ -3,10 +3,6 @@
 //!
 //! Cases are numbered E-xx.
 
-#[allow(dead_code)]
-#[path = "../coupling/wings.rs"]
-mod wings;
-
 mod course;
 mod rates;
 mod response;
@@ -34,7 +30,7 @@ impl Bench {
     /// Some machine.
     pub fn of(machine: Machine) -> Self {
         let table = Interface::new(&machine);
-        Self { plant: wings::start(machine), table }
+        Self { plant: crate::coupling::wings::start(machine), table }
     }
 
     /// Value reference of a name.

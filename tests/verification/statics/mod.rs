@@ -4,10 +4,6 @@ mod equilibrium;
 mod linear;
 mod machines;
 mod modes;
-#[path = "../reference.rs"]
-mod reference;
 mod ritz;
-#[path = "../rod.rs"]
-mod rod;
 mod stability;
 mod tangent;

@@ -2,7 +2,8 @@
 //!
 //! Cases are numbered P-xx. Machines stand in `machines`, reference files in `tests/reference`.
 
-mod machines;
+mod allocation;
+pub(crate) mod machines;
 
 mod carried;
 mod chains;

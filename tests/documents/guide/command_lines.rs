@@ -15,7 +15,8 @@ pub struct CommandLine {
 
 /// The pages whose command lines must be right: the front page, everything in `docs/`, and the guide.
 pub fn pages() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors(); // of the command's unit tests: crates/command
+    let root = folders.find(|folder| folder.join("docs/guide").is_dir()).expect("a folder of the repository");
     let mut pages = vec![root.join("README.md")];
     for folder in ["docs", "docs/guide", "docs/validation"] {
         let files = std::fs::read_dir(root.join(folder)).expect("the folder is part of the repository");

@@ -1,63 +1,17 @@
 //! Stepping a plant allocates nothing after the first step.
 
-#[allow(dead_code)]
-#[path = "verification/plant/machines.rs"]
-mod machines;
-
+use crate::counting_allocator::allocations;
+use crate::plant::machines::*;
 use foldwing::load::LoadFrame;
 use foldwing::machine::{Closure, ElementKind, JointKind, JointMotion, Machine, Method, Motion, SpatialFreedom};
-use machines::*;
 use nalgebra::Vector3;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-/// The system's allocator, which counts per thread.
-struct Counting;
-
-thread_local! {
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-fn count() {
-    // during a thread's teardown there is no counter any more
-    let _ = ALLOCATIONS.try_with(|allocations| allocations.set(allocations.get() + 1));
-}
-
-// SAFETY: every call is forwarded unchanged to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
-        // SAFETY: forwarded from the caller.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        count();
-        // SAFETY: forwarded from the caller.
-        unsafe { System.alloc_zeroed(layout) }
-    }
-
-    unsafe fn realloc(&self, block: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
-        count();
-        // SAFETY: forwarded from the caller.
-        unsafe { System.realloc(block, layout, new_size) }
-    }
-
-    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        // SAFETY: forwarded from the caller.
-        unsafe { System.dealloc(block, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// Allocations of a run of 0.3 s after its first step: inputs, loads, root and parameters change, the latch closes,
 /// opens and closes.
-fn allocations(machine: Machine) -> (u64, i32) {
+fn allocations_through_latches(machine: Machine) -> (u64, i32) {
     let mut plant = start(machine);
     coast(&mut plant, 1e-3);
-    let before = ALLOCATIONS.with(Cell::get);
+    let before = allocations();
     for i in 2..=400 {
         let share = f64::from(i) / 400.0;
         let inputs = plant.inputs_mut();
@@ -75,7 +29,7 @@ fn allocations(machine: Machine) -> (u64, i32) {
         }
         coast(&mut plant, 1e-3 * f64::from(i));
     }
-    (ALLOCATIONS.with(Cell::get) - before, plant.outputs().joints[0].latch_count)
+    (allocations() - before, plant.outputs().joints[0].latch_count)
 }
 
 /// No method allocates in [`foldwing::plant::Plant::step`] after the first step; variable and fixed steps, real time, both
@@ -96,7 +50,7 @@ fn a01_steps_allocate_nothing() {
                     body.stiffness_damping_s = 1e-6;
                 }
                 machine.bodies[1].load_frame = LoadFrame::Section;
-                let (allocations, closings) = allocations(machine);
+                let (allocations, closings) = allocations_through_latches(machine);
                 assert_eq!(allocations, 0, "{method:?}, {kind:?}, fixed step {fixed_step_s:?}: allocations");
                 assert!(closings >= 1, "{method:?}, {kind:?}: the run must span a latch, closings: {closings}");
             }
@@ -110,19 +64,19 @@ fn a02_prescribed_joint_allocates_nothing() {
     let mut machine = default_wing(1e-4);
     let knots = vec![(0.02, 2.9), (0.15, 1.0), (0.3, 0.1)];
     hinge_of(&mut machine, 1).motion = JointMotion::Prescribed(Motion::Table(knots));
-    assert_eq!(allocations(machine).0, 0, "allocations");
+    assert_eq!(allocations_through_latches(machine).0, 0, "allocations");
 }
 
 /// Allocations of a run of 0.1 s after its first millisecond, while the root spins up.
 fn allocations_of(machine: Machine) -> u64 {
     let mut plant = start(machine);
     coast(&mut plant, 1e-3);
-    let before = ALLOCATIONS.with(Cell::get);
+    let before = allocations();
     for i in 2..=100 {
         plant.inputs_mut().root.angular_velocity_rad_s = Vector3::new(0.0, 0.0, 1e-3 * f64::from(i));
         coast(&mut plant, 1e-3 * f64::from(i));
     }
-    ALLOCATIONS.with(Cell::get) - before
+    allocations() - before
 }
 
 /// A shipped model.
@@ -185,7 +139,7 @@ fn a04_steps_in_air_allocate_nothing() {
         "model = \"uvlm\"\nwake_rows = 5\nreport_circulation = true",
         "model = \"uvlm\"\nwake_rows = 5\nfree_wake = true\nleading_edge_suction = true",
     ] {
-        let mut text = include_str!("../examples/models/folding_wing.toml").to_owned();
+        let mut text = include_str!("../../../examples/models/folding_wing.toml").to_owned();
         text += &format!("\n[aerodynamics]\nwind_m_s = [0.0, -10.0, 0.0]\n{air}\n");
         for body in ["inner", "outer"] {
             text += &format!("[surface.{body}]\nbody = \"{body}\"\nstrips = 3\nchord_panels = 2\n");
@@ -194,13 +148,13 @@ fn a04_steps_in_air_allocate_nothing() {
         let mut plant = start(machine);
         // through the first aerodynamic steps, in which the wake grows
         coast(&mut plant, 2e-2);
-        let before = ALLOCATIONS.with(Cell::get);
+        let before = allocations();
         for i in 1..=60 {
             if i % 10 == 0 {
                 plant.inputs_mut().wind_m_s = Vector3::new(0.0, -10.0, 0.01 * f64::from(i));
             }
             coast(&mut plant, 2e-2 + 1e-3 * f64::from(i));
         }
-        assert_eq!(ALLOCATIONS.with(Cell::get) - before, 0, "{air}");
+        assert_eq!(allocations() - before, 0, "{air}");
     }
 }

@@ -2,10 +2,6 @@
 //!
 //! Cases are numbered Q-xx.
 
-#[allow(dead_code)]
-#[path = "../plant/machines.rs"]
-mod machines;
-
 mod agreement;
 mod edges;
 mod flutter;
@@ -15,4 +11,4 @@ mod identification;
 mod light_tips;
 mod narrow_gaps;
 mod twist;
-mod wings;
+pub(crate) mod wings;

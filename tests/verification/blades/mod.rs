@@ -6,9 +6,4 @@ mod blade;
 mod boundary_value;
 mod elements;
 mod product;
-#[path = "../reference.rs"]
-mod reference_file;
 mod sets;
-#[path = "../statics.rs"]
-#[allow(dead_code)]
-mod statics;

@@ -4,9 +4,7 @@ mod allocation;
 mod goland;
 mod invariance;
 mod plate;
-#[path = "../reference.rs"]
-mod reference_file;
 mod section_flutter;
-mod theory;
+pub(crate) mod theory;
 mod theory_checks;
 mod unsteady;

@@ -1,7 +1,7 @@
 //! `docs/guide/commands.md`: what the command says about itself, and whether the lines of the guide run.
 
-use crate::command_lines::{self, CommandLine};
-use crate::{assert_current, in_package};
+use crate::guide::command_lines::{self, CommandLine};
+use crate::guide::{assert_current, in_package};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::{Command, Output};

@@ -7,10 +7,10 @@ mod names;
 mod variables;
 
 #[allow(dead_code, reason = "`main` and what it prints")]
-#[path = "../../examples/package.rs"]
+#[path = "../../../examples/package.rs"]
 mod package;
 #[allow(dead_code, reason = "`main` and what it prints")]
-#[path = "../../examples/wing.rs"]
+#[path = "../../../examples/wing.rs"]
 mod wing;
 
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! What the pages quote exists: variables, keys of the model file, sections that links lead to.
 
-use crate::command_lines::pages;
-use crate::variables::{everything, in_real_time, named, pattern, with_rigid_latch};
+use crate::guide::command_lines::pages;
+use crate::guide::variables::{everything, in_real_time, named, pattern, with_rigid_latch};
 use foldwing::config;
 use foldwing::interface::Interface;
 use std::collections::BTreeSet;
@@ -47,7 +47,7 @@ fn variables() -> BTreeSet<String> {
     let mut names: BTreeSet<String> =
         tables.iter().flat_map(Interface::variables).map(|row| pattern(&row.name).0).collect();
     for model in ["folding_wing.toml", "folding_wing_in_tunnel.toml", "four_bar.toml"] {
-        let path = crate::in_package("examples/models").join(model);
+        let path = crate::guide::in_package("examples/models").join(model);
         let (machine, _) = config::read(path).unwrap_or_else(|error| panic!("{error}"));
         for row in Interface::new(&machine).variables() {
             names.insert(row.name.clone());
@@ -210,7 +210,7 @@ fn sections(page: &Path) -> BTreeSet<String> {
 /// F-256. Figures of the front page's table of speeds are those of `docs/BENCHMARKS.md`, and what is missed there is missed here.
 #[test]
 fn f256_speeds_of_the_front_page_are_those_of_the_benchmarks() {
-    let read = |path: &str| fs::read_to_string(crate::in_package(path)).unwrap();
+    let read = |path: &str| fs::read_to_string(crate::guide::in_package(path)).unwrap();
     let (front, benchmarks) = (read("README.md"), read("docs/BENCHMARKS.md"));
     let section = front.split("## How fast it is").nth(1).and_then(|rest| rest.split("\n## ").next()).unwrap();
     let rows: Vec<Vec<&str>> = section

@@ -4,11 +4,6 @@ mod allocation;
 mod fold;
 mod frames;
 mod properties;
-#[path = "../reference.rs"]
-mod reference_file;
 mod steady;
-#[path = "../strips/theory.rs"]
-#[allow(dead_code, reason = "the strips use all of it")]
-mod theory;
 mod unsteady;
 mod wing;

@@ -1,6 +1,6 @@
 //! `docs/guide/variables.md`: every variable that an FMU can have, written from the table in `crates/fmi/src/interface`.
 
-use crate::{assert_current, in_package};
+use crate::guide::{assert_current, in_package};
 use foldwing::config;
 use foldwing::interface::{Causality, Interface, Value, Variability, Variable};
 use foldwing::machine::Machine;

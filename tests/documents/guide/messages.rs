@@ -4,8 +4,8 @@
 //! which `tests/robustness` compares what the program says, word for word. *Source*: texts of the program that neither of the two
 //! brings about.
 
-use crate::commands::foldwing;
-use crate::in_package;
+use crate::guide::commands::foldwing;
+use crate::guide::in_package;
 use std::fs;
 use std::path::Path;
 
@@ -245,7 +245,7 @@ fn produced() -> Vec<String> {
     let station = "[load.tip]\nbody = \"outer\"\nstation = 1\n[body.outer]\nload_stations = 0";
     write("loaded.toml", model.replace("[body.outer]", station).as_bytes());
 
-    let library = crate::commands::library().to_str().unwrap().to_owned();
+    let library = crate::guide::commands::library().to_str().unwrap().to_owned();
     let call = |line: &str| {
         let line = line.replace("LIBRARY", &library).replace("COMMAND", env!("CARGO_BIN_EXE_foldwing"));
         let words: Vec<String> = line.split(' ').map(|word| word.replace('+', " ")).collect();
@@ -280,7 +280,7 @@ fn f247_quoted_messages_are_the_programs() {
     let (model_file, calls) = asserted();
     assert!(model_file.len() > 100 && calls.len() > 40, "{} and {}", model_file.len(), calls.len());
     let said: Vec<String> = produced().into_iter().chain(model_file).chain(calls).collect();
-    let source = literals_below("src");
+    let source = literals_below("crates");
     let (mut seen, mut read, mut unknown) = (0, Vec::new(), Vec::new());
     for quote in quotes() {
         let from_function = quote.text.split_once(": ").filter(|(function, _)| function.starts_with("fmi2"));
@@ -316,7 +316,7 @@ fn f248_every_message_of_the_program_is_quoted() {
         }
     }
     let mut files = Vec::new();
-    sources(&in_package("src"), &mut files);
+    sources(&in_package("crates"), &mut files);
     let mut count = 0;
     for attribute in files.iter().flat_map(|file| file.split("#[error(").skip(1)) {
         let Some(text) = literals(attribute.split(")]").next().unwrap()).into_iter().next() else { continue };

@@ -1,0 +1,7 @@
+//! The command `foldwing` as a shell runs it.
+
+mod command_line;
+mod files;
+mod slips;
+mod starter;
+mod sweep;

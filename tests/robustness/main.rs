@@ -1,0 +1,32 @@
+//! What users, importers and broken files do: calls, arguments, models and machines that are wrong, random or without end.
+
+#[path = "../verification/counting_allocator.rs"]
+mod counting_allocator;
+mod endurance;
+mod failures;
+mod fmi_allocation;
+mod fmi_calls;
+mod fmi_capabilities;
+mod fmi_semantics;
+mod fmu;
+mod life_cycle;
+mod loggers;
+mod machine_in_code;
+mod machine_random;
+mod machine_refusals;
+mod model_file;
+mod model_file_accepted;
+mod model_file_air;
+mod model_file_functions;
+mod model_file_joints;
+mod model_file_keys;
+mod model_file_loops;
+mod model_file_meaning;
+mod model_file_meant;
+mod model_file_units;
+mod mutated_inputs;
+mod random_arguments;
+mod random_calls;
+mod random_session;
+mod standard;
+mod watchdog;
