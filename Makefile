@@ -20,6 +20,7 @@ TEST_PYTHON := $(TEST_VENV)/bin/python
 IMPORT      := LIBCLANG_PATH="$$($(TEST_PYTHON) -c 'import clang; print(clang.__path__[0] + "/native")')" \
                BINDGEN_EXTRA_CLANG_ARGS="-I$$($(or $(CC),cc) -print-file-name=include)"
 RUNNER      := $(TARGET)/runner/foldwing
+PYTEST_WORKERS ?= 2
 
 VENV_PYTHON := $(VENV)/bin/python
 COMMAND     := $(TARGET)/release/foldwing
@@ -78,7 +79,8 @@ test-venv: toolchain
 	@$(PYTHON) tools/create_venv.py $(TEST_VENV) --requirements python/requirements-test.txt
 
 runner: test-venv ## Build a `foldwing` that runs any FMU (feature `import`): target/runner/foldwing
-	$(IMPORT) $(CARGO) build --profile test --locked --features import --bin foldwing
+	@# what `unit` has built already: `cargo build` would choose other features of shared crates and compile everything again
+	$(IMPORT) $(CARGO) test --locked --features import --test command --no-run
 	@mkdir -p $(dir $(RUNNER)) && cp $(TARGET)/debug/foldwing $(RUNNER)
 
 deploy: package venv ## Unfold the wing without air, in air at rest and at 10 and 20 m/s: latch time, peak strain, CSV and plots
@@ -98,7 +100,7 @@ unit: test-venv
 pytest: package runner
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) FOLDWING_RUNNER=$(abspath $(RUNNER)) \
 	    FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) \
-	    $(TEST_PYTHON) -m pytest -q tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
+	    $(TEST_PYTHON) -m pytest -q -n $(PYTEST_WORKERS) tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
 
 bench: bench-own bench-sweep bench-latency bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
 
