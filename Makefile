@@ -93,6 +93,7 @@ format:
 
 lint: test-venv
 	$(IMPORT) $(CARGO) clippy --all-targets --locked --features import -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --workspace --locked --quiet
 
 unit: test-venv
 	$(IMPORT) $(CARGO) test --locked --features import

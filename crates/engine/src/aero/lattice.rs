@@ -4,7 +4,7 @@
 //! three quarters of the panels. Normals and vector areas are those of the bilinear patches between quarter chords: the
 //! collocation point is the middle of its patch, where the diagonals give the normal exactly, bent and twisted or not;
 //! normals of the sections would have to be averaged. The last rings end where the youngest vorticity belongs
-//! ([`rear_panels`](crate::aero::rear::rear_panels)).
+//! ([`rear_panels`]).
 //!
 //! Each surface has its own rings. Where two surfaces share an edge (a hinge), the segments on it coincide and cancel as
 //! far as their circulations agree.

@@ -6,7 +6,7 @@ use crate::plant::face::Statistics;
 pub const MOST_ROW_PANELS: f64 = 2.0;
 
 impl Statistics {
-    /// What to do where rows of the wake have outgrown [`MOST_ROW_PANELS`] with aerodynamic steps of `step_s` in s.
+    /// What to do where rows of the wake have outgrown `MOST_ROW_PANELS` with aerodynamic steps of `step_s` in s.
     pub fn advice_on_rows(&self, step_s: f64) -> Option<String> {
         // the way of a round number of panels is reached to round-off
         (self.longest_row_panels > MOST_ROW_PANELS * (1.0 + 1e-9)).then(|| {

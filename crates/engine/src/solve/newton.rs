@@ -40,7 +40,7 @@ pub struct Accuracy {
     /// The accelerations at the step's start have jumped by more than a guess over the whole step can use, NOTATION
     /// eq. (T10).
     pub jumped: bool,
-    /// Counts on the slower of the last two contractions, and on none faster than [`CAUTIOUS_RATE`]: where the first
+    /// Counts on the slower of the last two contractions, and on none faster than `CAUTIOUS_RATE`: where the first
     /// correction takes away a large transient of stiff coordinates, the ratio of the next one to it says nothing about the
     /// slow rest.
     pub cautious: bool,

@@ -19,11 +19,11 @@ pub enum Method {
     },
     /// TR-BDF2, second order.
     TrBdf2,
-    /// ESDIRK3(2)4L[2]SA, third order.
+    /// `ESDIRK3(2)4L[2]SA`, third order.
     Esdirk3,
     /// SDIRK of two stages, second order: does not carry a jump of the accelerations on.
     Sdirk2,
-    /// ESDIRK4(3)6L[2]SA, fourth order.
+    /// `ESDIRK4(3)6L[2]SA`, fourth order.
     Esdirk4,
     /// Classical explicit Runge–Kutta, fourth order, without error estimate.
     Rk4,

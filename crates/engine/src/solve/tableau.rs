@@ -78,7 +78,7 @@ pub const SDIRK2: Tableau = {
     }
 };
 
-/// Implicit part of ARK3(2)4L[2]SA (Kennedy and Carpenter 2003): order 3, L-stable.
+/// Implicit part of `ARK3(2)4L[2]SA` (Kennedy and Carpenter 2003): order 3, L-stable.
 pub const ESDIRK3: Tableau = {
     const GAMMA: f64 = 1767732205903.0 / 4055673282236.0;
     const B: [f64; 3] =
@@ -98,7 +98,7 @@ pub const ESDIRK3: Tableau = {
     }
 };
 
-/// Implicit part of ARK4(3)6L[2]SA (Kennedy and Carpenter 2003): order 4, L-stable.
+/// Implicit part of `ARK4(3)6L[2]SA` (Kennedy and Carpenter 2003): order 4, L-stable.
 pub const ESDIRK4: Tableau = {
     const B: [f64; 5] = [82889.0 / 524892.0, 0.0, 15625.0 / 83664.0, 69875.0 / 102672.0, -2260.0 / 8211.0];
     Tableau {

@@ -1,5 +1,5 @@
 //! Figures of curves, as SVG and as PNG, from one description: the chart is `plotters`', with its SVG; the pixels are
-//! `tiny-skia`'s ([`pixels`]).
+//! `tiny-skia`'s (`pixels`).
 //!
 //! Both use tenths of a user unit as integers, because `plotters` draws on whole ones.
 

@@ -41,7 +41,7 @@ pub struct BodyBuilder {
 }
 
 impl Body {
-    /// A beam by its name, its length in m and its section: a [`Solid`](crate::beam::section::Solid), a
+    /// A beam by its name, its length in m and its section: a [`Solid`], a
     /// [`Section`](crate::beam::section::Section) or a [`SectionLaw`] that varies along it. Say how many elements it has.
     pub fn beam(name: impl Into<String>, length_m: f64, section: impl Into<SectionLaw>) -> BodyBuilder {
         BodyBuilder {

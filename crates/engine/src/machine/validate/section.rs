@@ -30,7 +30,7 @@ pub fn asymmetry(matrix: &Matrix4<f64>) -> Option<(usize, usize)> {
     })
 }
 
-/// True where a symmetric matrix, scaled to a unit diagonal, has pivots above [`SMALLEST_PIVOT`].
+/// True where a symmetric matrix, scaled to a unit diagonal, has pivots above `SMALLEST_PIVOT`.
 pub fn is_positive_definite(matrix: &Matrix4<f64>) -> bool {
     let diagonal = matrix.diagonal();
     if !diagonal.iter().all(|entry| *entry > 0.0) {

@@ -1,10 +1,10 @@
 //! Joints: what the first frame of a body may do relative to the node that carries it.
 //!
-//! Every kind of joint answers the same questions, here by enum: where it carries its body ([`Joint::carry`]), what it
-//! projects out of a wrench ([`Joint::project`]), and what it takes out of the articulated-body recursion on the way in
-//! ([`Joint::eliminate`], [`Joint::reduce`]) and gives back on the way out ([`Joint::expand`]). The sweeps over the tree
+//! Every kind of joint answers the same questions, here by enum: where it carries its body (`Joint::carry`), what it
+//! projects out of a wrench (`Joint::project`), and what it takes out of the articulated-body recursion on the way in
+//! (`Joint::eliminate`, `Joint::reduce`) and gives back on the way out (`Joint::expand`). The sweeps over the tree
 //! know no joint by name. Two families share their algebra: joints with one freedom along a screw
-//! ([`one_freedom`]) and joints with redundant parameters ([`redundant`]).
+//! (`one_freedom`) and joints with redundant parameters (`redundant`).
 //!
 //! Between the node that carries a body and the body's own first node lies an arm: the offset of the attachment, and the
 //! way that a prismatic joint has gone. It is crossed here too, once for all sweeps, NOTATION eqs. (J7)–(J9).
