@@ -421,6 +421,12 @@ fn joints() {
     );
 }
 
+/// Section loads outboard of a place.
+fn cut(machine: &mut Machine, body: usize, position_m: f64) {
+    let (name, side) = ("cut".into(), SectionSide::Outboard);
+    machine.section_loads = vec![SectionLoad { name, body, position_m, side }];
+}
+
 #[test]
 fn gauges_and_loops() {
     check(
@@ -445,6 +451,11 @@ fn gauges_and_loops() {
                 "gauge \"root\", body",
                 "half_width_m and half_height_m",
             ),
+            (|m| cut(m, 6, 0.0), "section_load \"cut\", body", "one of the 6 bodies"),
+            (|m| cut(m, 0, 0.2), "section_load \"cut\", position_m", "a length from 0 to 0.15 m"),
+            (|m| cut(m, 0, -1e-3), "section_load \"cut\", position_m", "a length from 0 to 0.15 m"),
+            (|m| cut(m, 0, NAN), "section_load \"cut\", position_m", "a length from 0 to 0.15 m"),
+            (|m| cut(m, 0, 0.15), "section_load \"cut\", side", "outboard of it there is nothing"),
             (|m| m.closures[0].places[1].0 = 9, "loop \"pin\", bodies", "one of the 6 bodies"),
             (|m| m.closures[0].places[1].1 = 0.2, "loop \"pin\", positions_m", "\"outer\" is 0.15 m long"),
             (|m| m.closures[0].places = [(0, 0.1); 2], "loop \"pin\", positions_m", "one is joined to itself"),
@@ -725,6 +736,17 @@ fn parts_by_name() {
             inner().body(Body::rigid("stone").mass_damping_1_s(2.0), Joint::clamped("glue").on("inner")),
             "body \"stone\", mass_damping_1_s: 2 is not allowed; allowed: 0 on a rigid body",
         ),
+        (
+            inner()
+                .body(Body::rigid("stone"), Joint::clamped("glue").on("inner"))
+                .section_load(SectionLoad::on("s", "stone", 0.0)),
+            "section_load \"s\", body: \"stone\" is not allowed; allowed: a body that bends; this one is rigid and has no sections",
+        ),
+        (
+            inner().section_load(SectionLoad::on("s", "inner", 0.0)).section_load(SectionLoad::on("s", "inner", 0.1)),
+            "section_load \"s\"",
+        ),
+        (inner().section_load(SectionLoad::on("s", "x", 0.0)), "section_load \"s\", body: \"x\""),
         (
             inner().body(Body::rigid("stone"), Joint::clamped("glue").on("inner")).gauge(Gauge::on("g", "stone", 0.0)),
             "gauge \"g\", body: \"stone\" is not allowed; allowed: a body that bends",

@@ -1,9 +1,9 @@
-//! What sits on bodies: point masses, rigid bodies, loads and gauges.
+//! What sits on bodies: point masses, rigid bodies, loads, gauges and places of section loads.
 
-use crate::file::ModelFile;
+use crate::file::{ModelFile, SectionSideFile};
 use foldwing_engine::load::Wrench;
 use foldwing_engine::machine::builder::MachineBuilder;
-use foldwing_engine::machine::{AttachedMass, Gauge};
+use foldwing_engine::machine::{AttachedMass, Gauge, SectionLoad};
 use nalgebra::Matrix3;
 
 /// Adds them to a machine. Gauges on bodies whose section was refused are left out.
@@ -32,6 +32,13 @@ pub(super) fn add(file: &ModelFile, lawless: &[&str], mut machine: MachineBuilde
             built = built.direction(direction);
         }
         machine = machine.gauge(built);
+    }
+    for (name, place) in &file.section_load {
+        let built = SectionLoad::on(name, &place.body, place.position_m);
+        machine = machine.section_load(match place.side {
+            SectionSideFile::Inboard => built,
+            SectionSideFile::Outboard => built.outboard(),
+        });
     }
     machine
 }

@@ -9,7 +9,7 @@ use crate::joint_file::JointFile;
 use crate::run::{ExperimentFile, SolverFile};
 use indexmap::IndexMap;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// A Foldwing model: a wing of flexible bodies and fold joints. SI units; angles in degrees if the key ends in `_deg`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
@@ -55,6 +55,9 @@ pub(super) struct ModelFile {
     /// Strain gauges by name; the FMU's output is `gauge.<name>.strain`.
     #[serde(default)]
     pub gauge: IndexMap<String, GaugeFile>,
+    /// Places whose section loads are outputs, by name: `section_load.<name>.force` and `section_load.<name>.moment`.
+    #[serde(default)]
+    pub section_load: IndexMap<String, SectionLoadFile>,
     /// Air around the wing.
     pub aerodynamics: Option<AirFile>,
     /// Lifting surfaces by name, at most one per body.
@@ -293,4 +296,31 @@ pub(super) struct GaugeFile {
     /// need a rectangle or an ellipse with known Poisson's ratio.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub direction: Option<[f64; 3]>,
+}
+
+/// A place along a beam whose section loads are outputs: force and moment that the part outboard of the section exerts on
+/// the part inboard of it, in the section's frame (x along the axis: tension is positive).
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SectionLoadFile {
+    /// Body that is cut, a beam.
+    pub body: String,
+    /// Distance from the body's inner end.
+    #[schemars(range(min = 0.0))]
+    pub position_m: f64,
+    /// Side of the place that is cut, which matters where something is attached to it (the load of a station, a mass, a
+    /// joint, a loop): `inboard` carries it, `outboard` does not.
+    #[serde(default)]
+    pub side: SectionSideFile,
+}
+
+/// Side of a place.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum SectionSideFile {
+    /// Towards the inner end.
+    #[default]
+    Inboard,
+    /// Towards the outer end.
+    Outboard,
 }

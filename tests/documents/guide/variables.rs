@@ -53,6 +53,9 @@ stiffness_N_m = 1e4
 [gauge.gaugename]
 body = "bodyname"
 position_m = 0.01
+[section_load.sectionname]
+body = "bodyname"
+position_m = 0.05
 [aerodynamics]
 model = "strip"
 wind_m_s = [0, -10, 0]
@@ -65,8 +68,8 @@ strips = 1
 const HEAD: &str = "\
 # All variables of the FMU
 
-This page is generated from the table that makes the FMU; a test keeps it current. `<joint>`, `<body>`, `<gauge>` and
-`<loop>` stand for names in the model file, `[i]` counts from 1. `{x,y,z}` stands for three variables: `gravity.{x,y,z}` are
+This page is generated from the table that makes the FMU; a test keeps it current. `<joint>`, `<body>`, `<gauge>`,
+`<section>` and `<loop>` stand for names in the model file, `[i]` counts from 1. `{x,y,z}` stands for three variables: `gravity.{x,y,z}` are
 `gravity.x`, `gravity.y` and `gravity.z`. `foldwing check MODEL.toml --variables` lists those of a model with their start values,
 and `documentation/index.html` inside the FMU shows them as a table.
 
@@ -87,6 +90,8 @@ const WHERE: &[(&str, &str)] = &[
     ("<joint>.angle", REVOLUTE),
     ("<joint>.rate.", REVOLUTE),
     ("<joint>.holding_torque.", REVOLUTE),
+    ("<joint>.force", BOUND),
+    ("<joint>.moment", BOUND),
     ("<joint>.spring_", SPRING),
     ("<joint>.rest_angle.", SPRING),
     ("<joint>.rotation", "universal, ball and free joints"),
@@ -100,6 +105,7 @@ const WHERE: &[(&str, &str)] = &[
     ("aero.load", "load stations of bodies with a surface"),
     ("aero.", "with air"),
     ("gauge.", "each gauge"),
+    ("section_load.", "each place of section loads"),
     ("loop.", "each closed loop"),
     ("tip_<body>", "each free end; `tip` where there is only one"),
     ("body.", "each body"),
@@ -108,6 +114,9 @@ const WHERE: &[(&str, &str)] = &[
 /// All revolute joints.
 const REVOLUTE: &str = "revolute joints";
 const SPRING: &str = "revolute joints that move freely and have a `spring`";
+
+/// Joints that hold something.
+const BOUND: &str = "all joints except free ones";
 
 /// Revolute joints whose angle is not a function of time.
 const NOT_PRESCRIBED: &str = "revolute joints except prescribed ones";
@@ -147,7 +156,7 @@ fn table(model: &str) -> Interface {
 
 /// Names of the model file as placeholders. Longer names first: they contain the shorter ones.
 fn generic(text: &str) -> String {
-    ["body", "joint", "gauge", "loop", "surface"].iter().fold(text.to_owned(), |text, kind| {
+    ["body", "joint", "gauge", "loop", "section", "surface"].iter().fold(text.to_owned(), |text, kind| {
         ["a", "b", ""]
             .iter()
             .fold(text, |text, suffix| text.replace(&format!("{kind}name{suffix}"), &format!("<{kind}>")))
@@ -168,9 +177,10 @@ fn meaning(variable: &Variable, component: Option<&str>) -> String {
     let text =
         component.map_or(variable.description.clone(), |c| variable.description.replacen(&format!(", {c}"), "", 1));
     let text = generic(&text).replace("station 1", "station i").replace("strip 1", "strip i");
-    match variable.name.starts_with("gauge.") {
-        true => "strain at the gauge's point, along the axis or its `direction`".to_owned(),
-        false => text,
+    match variable.name.split_once('.') {
+        Some(("gauge", _)) => "strain at the gauge's point, along the axis or its `direction`".to_owned(),
+        Some(("section_load", _)) => text.replace(" at 0.05 m", " at the place"),
+        _ => text,
     }
 }
 
@@ -286,8 +296,8 @@ fn f243_every_variable_of_every_shipped_model_is_on_the_page() {
 fn f245_the_page_says_which_joints_have_a_row() {
     let free = everything();
     for (motion, places) in [
-        ("motion = \"locked\"", &[REVOLUTE, NOT_PRESCRIBED][..]),
-        ("motion = \"prescribed\"\npolynomial_deg = [1]", &[REVOLUTE]),
+        ("motion = \"locked\"", &[REVOLUTE, BOUND, NOT_PRESCRIBED][..]),
+        ("motion = \"prescribed\"\npolynomial_deg = [1]", &[REVOLUTE, BOUND]),
     ] {
         let text = EVERYTHING.replace("child = \"bodyname\"\n", &format!("child = \"bodyname\"\n{motion}\n"));
         let text = text.replace("latch = { stiffness_ratio = 1e4 }\n", "");
@@ -315,6 +325,7 @@ pub fn named(machine: &Machine, name: &str) -> String {
         "aero" if count > 2 && index(&parts[2]).is_some() => parts[2] = "<body>[i]".to_owned(),
         "body" => parts[1] = "<body>".to_owned(),
         "gauge" => parts[1] = "<gauge>".to_owned(),
+        "section_load" => parts[1] = "<section>".to_owned(),
         "loop" => parts[1] = "<loop>".to_owned(),
         "tip" => parts[0] = "tip_<body>".to_owned(),
         first if first.strip_prefix("tip_").is_some_and(body) => parts[0] = "tip_<body>".to_owned(),

@@ -6,7 +6,9 @@ use foldwing::interface::{AccessError, Causality};
 
 /// What follows from accelerations.
 fn follows_from_accelerations(name: &str) -> bool {
-    ["root.force", "root.moment", ".acceleration", ".reaction", "joint."].iter().any(|part| name.contains(part))
+    ["root.force", "root.moment", "acceleration.", ".reaction", "joint.", "section_load."]
+        .iter()
+        .any(|part| name.contains(part))
         || (name.starts_with("gauge.")
             || name.ends_with(".holding_torque")
             || name.contains(".force.")

@@ -23,6 +23,7 @@ pub(crate) mod rigid;
 mod rigid_bodies;
 mod rigid_latch;
 mod rod;
+mod section_loads;
 mod snapshot;
 mod statics;
 mod steps;

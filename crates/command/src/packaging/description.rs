@@ -172,13 +172,13 @@ fn write_structure(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
         let outputs: Vec<_> = rows(variables).filter(|(_, v)| v.causality == Causality::Output).collect();
         if !outputs.is_empty() {
             nest(xml, "Outputs", &vec![], |xml| {
-                outputs.iter().try_for_each(|(index, v)| unknown(xml, *index, &v.dependencies))
+                outputs.iter().try_for_each(|(index, v)| unknown(xml, *index, v, &v.dependencies))
             })?;
         }
         let unknowns: Vec<_> = rows(variables).filter(|(_, v)| is_initial_unknown(v)).collect();
         if !unknowns.is_empty() {
             nest(xml, "InitialUnknowns", &vec![], |xml| {
-                unknowns.iter().try_for_each(|(index, v)| unknown(xml, *index, &v.initial_dependencies))
+                unknowns.iter().try_for_each(|(index, v)| unknown(xml, *index, v, &v.initial_dependencies))
             })?;
         }
         Ok(())
@@ -196,8 +196,11 @@ fn rows(variables: &[Variable]) -> impl Iterator<Item = (usize, &Variable)> {
     variables.iter().enumerate().map(|(row, variable)| (row + 1, variable))
 }
 
-/// One `Unknown`; an empty list of dependencies means "none" and must be written.
-fn unknown(xml: &mut Xml, index: usize, dependencies: &[(u32, DependencyKind)]) -> io::Result<()> {
+/// One `Unknown`; an empty list of dependencies means "none" and must be written, no list means "all".
+fn unknown(xml: &mut Xml, index: usize, variable: &Variable, dependencies: &[(u32, DependencyKind)]) -> io::Result<()> {
+    if variable.depends_on_all {
+        return leaf(xml, "Unknown", &vec![("index", index.to_string())]);
+    }
     let mut sorted = dependencies.to_vec();
     sorted.sort_by_key(|(row, _)| *row);
     let join = |words: Vec<String>| words.join(" ");

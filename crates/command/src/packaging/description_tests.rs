@@ -21,6 +21,7 @@ fn row(row: u32, name: &str, causality: Causality, value: Value) -> Variable {
         description: format!("{name} < & \" of the wing"),
         dependencies: vec![],
         initial_dependencies: vec![],
+        depends_on_all: false,
     }
 }
 

@@ -78,6 +78,7 @@ pub(crate) fn two_body_machine() -> Machine {
         closures: Vec::new(),
         air: None,
         gauges: vec![],
+        section_loads: vec![],
         gravity_m_s2: Vector3::new(-9.8, 0.0, 0.0),
         solver: Solver {
             method: Method::Esdirk3,

@@ -16,6 +16,7 @@ fn variable(row: u32, name: &str, causality: Causality, value: Value) -> Variabl
         description: String::new(),
         dependencies: vec![],
         initial_dependencies: vec![],
+        depends_on_all: false,
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::section::Section;
 use crate::math::quadrature::gauss_pieces;
-use nalgebra::{Matrix4, SMatrix, Vector4};
+use nalgebra::{Matrix4, SMatrix, Vector3, Vector4};
 
 /// Blocks of the reduced element mass matrix `m̂` (8×8, `M_e = m̂ ⊗ I₃`) over the nodal vectors
 /// `(r, r_x, r_y, r_z)` of the inner end `a` and the outer end `b`, NOTATION eq. (D1).
@@ -76,6 +76,18 @@ fn shape_functions(length_m: f64, xi: f64) -> ShapeFunctions {
         y: [0.0, 0.0, 1.0 - xi, 0.0, 0.0, 0.0, xi, 0.0].into(),
         z: [0.0, 0.0, 0.0, 1.0 - xi, 0.0, 0.0, 0.0, xi].into(),
     }
+}
+
+/// Nodal vectors `(r, r_x, r_y, r_z)` at `ξ` of an element of `length_m` between those of its inner and outer end, or their
+/// rates: `r` and its derivative along the axis by the cubic of eq. (D2), the others linear.
+pub fn shape_at(length_m: f64, xi: f64, inner: &[Vector3<f64>; 4], outer: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
+    let shape = shape_functions(length_m, xi);
+    let slope = [6.0 * (xi * xi - xi) / length_m, 1.0 - 4.0 * xi + 3.0 * xi * xi, 3.0 * xi * xi - 2.0 * xi];
+    let of = |weights: &SMatrix<f64, 8, 1>| {
+        (0..4).map(|k| inner[k] * weights[k] + outer[k] * weights[k + 4]).sum::<Vector3<f64>>()
+    };
+    let along = (inner[0] - outer[0]) * slope[0] + inner[1] * slope[1] + outer[1] * slope[2];
+    [of(&shape.axis), along, of(&shape.y), of(&shape.z)]
 }
 
 /// Pseudo-inertia of a rigid body in the same coordinates: `m̂ = [[m, m cᵀ], [m c, S]]`,

@@ -82,6 +82,29 @@ impl RootMotion {
         self.gravity_m_s2 - self.acceleration_m_s2
     }
 
+    /// Inertial acceleration in m/s² of a point that moves relative to the root frame, all resolved in it.
+    pub fn inertial_acceleration_m_s2(
+        &self,
+        position_m: &Vector3<f64>,
+        velocity_m_s: &Vector3<f64>,
+        acceleration_m_s2: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        let omega = &self.angular_velocity_rad_s;
+        acceleration_m_s2
+            + self.acceleration_m_s2
+            + omega.cross(&(velocity_m_s * 2.0 + omega.cross(position_m)))
+            + self.angular_acceleration_rad_s2.cross(position_m)
+    }
+
+    /// Inertial angular acceleration in rad/s² of a frame that turns relative to the root frame, all resolved in it.
+    pub fn inertial_angular_acceleration_rad_s2(
+        &self,
+        spin_rad_s: &Vector3<f64>,
+        spin_rate_rad_s2: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        spin_rate_rad_s2 + self.angular_acceleration_rad_s2 + self.angular_velocity_rad_s.cross(spin_rad_s)
+    }
+
     /// True where the root frame rotates or is about to.
     pub fn rotates(&self) -> bool {
         self.angular_velocity_rad_s != Vector3::zeros() || self.angular_acceleration_rad_s2 != Vector3::zeros()

@@ -38,6 +38,8 @@ pub struct Machine {
     pub closures: Vec<Closure>,
     /// Strain gauges.
     pub gauges: Vec<Gauge>,
+    /// Places whose section loads are outputs.
+    pub section_loads: Vec<SectionLoad>,
     /// Air, if it is computed here.
     pub air: Option<Air>,
     /// Gravity in the root frame, m/s².
@@ -332,6 +334,31 @@ impl Gauge {
         let solid = section.solid_at(self.position_m).filter(|solid| solid.material.poisson_ratio().is_some())?;
         Some(gauge_row(&solid, self.y_m, self.z_m, &self.direction))
     }
+}
+
+/// A place along a beam whose section loads are outputs: force and moment that the part outboard of it exerts on the part
+/// inboard of it, in the section's frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SectionLoad {
+    /// Identifier.
+    pub name: String,
+    /// Index into [`Machine::bodies`].
+    pub body: usize,
+    /// Distance from the body's inner end in m.
+    pub position_m: f64,
+    /// Side of the place that is cut.
+    pub side: SectionSide,
+}
+
+/// Side of a place that is cut: what is attached to the place itself (loads of a station, masses, children, loops) lies on
+/// the other one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SectionSide {
+    /// Towards the body's inner end: what is attached there is carried.
+    #[default]
+    Inboard,
+    /// Towards the body's outer end: what is attached there is not carried.
+    Outboard,
 }
 
 /// Air around the machine.

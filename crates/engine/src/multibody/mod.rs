@@ -9,6 +9,7 @@ pub mod joint;
 pub mod kinematics;
 pub mod model;
 pub mod norm;
+pub mod section_load;
 pub mod station;
 pub mod tangent;
 pub mod workspace;

@@ -10,7 +10,7 @@ use crate::math::se3::{Link, LinkGeometry};
 use crate::multibody::kinematics::{Motion, strains};
 use crate::multibody::model::{Model, Station};
 use crate::multibody::workspace::Workspace;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 /// One link of the way from the element's inner node to the station: its strain is
 /// `own · (this element) + sibling · (other half)`.
@@ -76,6 +76,48 @@ pub fn motion(model: &Model, work: &Workspace, motion: Motion, station: &Station
         point.rotation = link.rotation;
     }
     point
+}
+
+/// Motion of a section with what its accelerations are relative to the root frame, resolved in it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Accelerated {
+    /// Pose, velocity and angular velocity.
+    pub motion: SectionMotion,
+    /// Acceleration in m/s².
+    pub acceleration_m_s2: Vector3<f64>,
+    /// Angular acceleration in rad/s².
+    pub spin_rate_rad_s2: Vector3<f64>,
+}
+
+/// Motion of a station with its accelerations, NOTATION eqs. (K5), (K9), (K10); `work` must hold the whole motion.
+pub fn accelerated(model: &Model, work: &Workspace, motion: Motion, station: &Station) -> Accelerated {
+    let first = first_coordinate(model, station);
+    let node = &work.nodes[inner_node(model, station)];
+    let mut point = SectionMotion {
+        rotation: node.rotation,
+        position_m: node.position,
+        velocity_m_s: node.velocity,
+        spin_rad_s: node.spin,
+    };
+    let (mut acceleration_m_s2, mut spin_rate_rad_s2) = (node.acceleration, node.spin_rate);
+    let (steps, count) = steps(model, station);
+    for step in &steps[..count] {
+        let (geometry, link) = LinkGeometry::new(&point.rotation, step.length_m, &mix(motion.q, first, step.weights));
+        let rates = geometry.rates(&point.rotation, &mix(motion.v, first, step.weights));
+        // velocities are linear in the rates: the same map takes the second rates
+        let second = geometry.rates(&point.rotation, &mix(motion.a, first, step.weights));
+        let swing = point.spin_rad_s.cross(&link.arm_m);
+        acceleration_m_s2 += spin_rate_rad_s2.cross(&link.arm_m)
+            + point.spin_rad_s.cross(&(swing + rates.velocity * 2.0))
+            + second.velocity
+            + rates.velocity_bias;
+        spin_rate_rad_s2 += point.spin_rad_s.cross(&rates.spin) + second.spin + rates.spin_bias;
+        point.velocity_m_s += swing + rates.velocity;
+        point.spin_rad_s += rates.spin;
+        point.position_m += link.arm_m;
+        point.rotation = link.rotation;
+    }
+    Accelerated { motion: point, acceleration_m_s2, spin_rate_rad_s2 }
 }
 
 /// Attitude of a station, root ← section; poses of the nodes must be current in `work`.

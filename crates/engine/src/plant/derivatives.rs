@@ -58,6 +58,7 @@ impl Outputs {
         }
         self.joint_reactions.iter_mut().zip(&other.joint_reactions).for_each(|(sum, term)| wrench(sum, term));
         self.gauges.iter_mut().zip(&other.gauges).for_each(|(sum, term)| *sum += term * weight);
+        self.section_loads.iter_mut().zip(&other.section_loads).for_each(|(sum, term)| wrench(sum, term));
         for (sum, term) in self.loops.iter_mut().zip(&other.loops) {
             sum.gap_m += term.gap_m * weight;
             sum.force_n += term.force_n * weight;
@@ -69,6 +70,7 @@ impl Outputs {
             sum.velocity_m_s += term.velocity_m_s * weight;
             sum.angular_velocity_rad_s += term.angular_velocity_rad_s * weight;
             sum.acceleration_m_s2 += term.acceleration_m_s2 * weight;
+            sum.angular_acceleration_rad_s2 += term.angular_acceleration_rad_s2 * weight;
             turn(&mut sum.rotation, &term.rotation);
         }
         let (sum, term) = (&mut self.energy, &other.energy);

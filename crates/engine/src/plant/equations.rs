@@ -3,12 +3,14 @@
 use crate::beam::element::rigid_body_mass;
 use crate::load::{RootMotion, Wrench};
 use crate::machine::Machine;
-use crate::machine::{JointKind, Parent};
+use crate::machine::{JointKind, Parent, SectionLoad, SectionSide};
 use crate::multibody::closure::{ClosureDescription, Penalty};
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::factor::{self, FreedomTangent, Weights};
+use crate::multibody::gauge::Side;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Attachment, BodyDescription};
+use crate::multibody::section_load::SectionPlace;
 use crate::multibody::{Model, Workspace, energy, joint, norm, station};
 use crate::plant::air::{AirCoupling, StepLoads};
 use crate::plant::course::Course;
@@ -40,6 +42,8 @@ pub(super) struct Equations {
     /// Time whose branch of slews and prescribed motions holds, in s: the middle of a step, or the present.
     pub branch_s: f64,
     pub tangents: Vec<FreedomTangent>,
+    /// Places whose section loads are outputs.
+    pub sections: Vec<SectionPlace>,
     scratch: Vec<f64>,
 }
 
@@ -105,7 +109,15 @@ impl Equations {
         for (body, _) in spatials(machine) {
             tangents[body].free = true;
         }
+        let section = |place: &SectionLoad| {
+            let side = match place.side {
+                SectionSide::Inboard => Side::Inboard,
+                SectionSide::Outboard => Side::Outboard,
+            };
+            SectionPlace::new(&model, &descriptions[place.body].section, place.body, place.position_m, side)
+        };
         Self {
+            sections: machine.section_loads.iter().map(section).collect(),
             work: Workspace::new(&model),
             course: Course::held(&Inputs::of(machine)),
             root: RootMotion::default(),

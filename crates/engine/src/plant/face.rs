@@ -196,8 +196,10 @@ pub struct PointOutputs {
     pub velocity_m_s: Vector3<f64>,
     /// Angular velocity in rad/s.
     pub angular_velocity_rad_s: Vector3<f64>,
-    /// Inertial acceleration (without gravity) in m/s²; zero for stations, which do not report it.
+    /// Inertial acceleration (without gravity) in m/s².
     pub acceleration_m_s2: Vector3<f64>,
+    /// Inertial angular acceleration in rad/s².
+    pub angular_acceleration_rad_s2: Vector3<f64>,
     /// Attitude, root ← section; sign continuous in time.
     pub rotation: UnitQuaternion<f64>,
 }
@@ -247,6 +249,9 @@ pub struct Outputs {
     pub joint_reactions: Vec<Wrench>,
     /// Axial strain per gauge.
     pub gauges: Vec<f64>,
+    /// Per place of [`crate::machine::Machine::section_loads`]: force and moment of the part outboard of the section on the
+    /// part inboard of it, section frame.
+    pub section_loads: Vec<Wrench>,
     /// Per closed loop, in the order of [`crate::machine::Machine::closures`].
     pub loops: Vec<LoopOutputs>,
     /// Force and moment of the wing on the aircraft at the origin, root frame.
@@ -274,6 +279,7 @@ impl Outputs {
                 + point.velocity_m_s.sum()
                 + point.angular_velocity_rad_s.sum()
                 + point.acceleration_m_s2.sum()
+                + point.angular_acceleration_rad_s2.sum()
                 + point.rotation.coords.sum()
         };
         let sum = total
@@ -289,6 +295,7 @@ impl Outputs {
                 .sum::<f64>()
             + self.joint_reactions.iter().map(wrench).sum::<f64>()
             + self.gauges.iter().sum::<f64>()
+            + self.section_loads.iter().map(wrench).sum::<f64>()
             + self.loops.iter().map(|closed| closed.force_n.sum()).sum::<f64>()
             + self.tips.iter().chain(&self.stations).map(point).sum::<f64>()
             + self.air.stations.iter().map(wrench).sum::<f64>()

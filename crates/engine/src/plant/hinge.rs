@@ -6,8 +6,11 @@ use crate::actuation::prescribed::Law;
 use crate::actuation::spring::Spring;
 use crate::machine::{JointMotion, Revolute, UNLIMITED};
 use crate::multibody::factor::FreedomTangent;
+use crate::multibody::kinematics::Motion;
+use crate::multibody::{Model, Workspace};
 use crate::plant::state::JointState;
 use crate::solve::Powers;
+use nalgebra::Vector3;
 
 /// A revolute joint as the equations see it.
 #[derive(Debug, Clone)]
@@ -135,6 +138,25 @@ impl JointEquations {
             damping: active * self.drive.damping_n_m_s_rad + self.spring.damping_n_m_s_rad,
         };
         (sum_n_m, tangent)
+    }
+
+    /// What the joint's moment on its body lacks along the hinge, root frame, N·m: a joint that turns freely passes on its
+    /// torques, less what its drive's inertia takes, whatever the last residual left there. Zero for a joint that is held.
+    pub fn moment_correction_n_m(
+        &self,
+        model: &Model,
+        work: &Workspace,
+        motion: Motion,
+        time_s: f64,
+        moment_n_m: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        if self.held {
+            return Vector3::zeros();
+        }
+        let (c, joint) = (self.coordinate, &model.bodies[self.body].joint);
+        let axis = joint.freedom_twists(&work.joints[self.body]).fixed_view::<3, 1>(3, 0).into_owned();
+        let along_n_m = self.torque(time_s, motion.q[c], motion.v[c]).0 - joint.drive_inertia * motion.a[c];
+        axis * (along_n_m - axis.dot(moment_n_m))
     }
 
     /// Energy that spring and closed latch store in J.

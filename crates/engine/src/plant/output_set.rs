@@ -7,7 +7,7 @@ use std::ops::BitOr;
 /// What nobody reads need not be found: angles follow from the coordinates alone, positions from a sweep of poses,
 /// velocities and energies from one of motions, forces from a whole residual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct OutputSet(u16);
+pub struct OutputSet(u32);
 
 impl OutputSet {
     /// Nothing.
@@ -26,7 +26,7 @@ impl OutputSet {
     pub const SPATIAL: Self = Self(1 << 5);
     /// Velocities and accelerations of free ends.
     pub const TIP_MOTIONS: Self = Self(1 << 6);
-    /// Velocities of load stations.
+    /// Velocities and angular velocities of load stations.
     pub const STATION_MOTIONS: Self = Self(1 << 7);
     /// Kinetic and potential energies and their sum.
     pub const ENERGIES: Self = Self(1 << 8);
@@ -40,8 +40,12 @@ impl OutputSet {
     pub const AIR: Self = Self(1 << 12);
     /// Torques of what holds revolute joints.
     pub const HOLDING: Self = Self(1 << 13);
+    /// Accelerations of load stations.
+    pub const STATION_ACCELERATIONS: Self = Self(1 << 14);
+    /// Section loads.
+    pub const SECTION_LOADS: Self = Self(1 << 15);
     /// Everything; also the motion and the forces inside the wing that shapes, sections and strains are read from.
-    pub const ALL: Self = Self((1 << 14) - 1);
+    pub const ALL: Self = Self((1 << 16) - 1);
 
     /// Whether all of `other` is in it.
     #[inline]
@@ -63,8 +67,9 @@ impl OutputSet {
 
     /// What has to be swept for it, where strains of gauges follow from forces (`recovered`) or from coordinates.
     pub(super) fn sweep(self, recovered: bool) -> Sweep {
-        let forces = Self::REACTIONS | Self::LOOPS | Self::ROOT | Self::AIR | Self::HOLDING;
-        let motions = Self::SPATIAL | Self::TIP_MOTIONS | Self::STATION_MOTIONS | Self::ENERGIES;
+        let forces = Self::REACTIONS | Self::SECTION_LOADS | Self::LOOPS | Self::ROOT | Self::AIR | Self::HOLDING;
+        let motions =
+            Self::SPATIAL | Self::TIP_MOTIONS | Self::STATION_MOTIONS | Self::STATION_ACCELERATIONS | Self::ENERGIES;
         if self.meets(forces) || recovered && self.meets(Self::GAUGES) {
             Sweep::Residual
         } else if self.meets(motions) {

@@ -1,7 +1,7 @@
 //! Outputs at the present time.
 
 use crate::beam::recovery::axial_row;
-use crate::load::Wrench;
+use crate::load::{SectionMotion, Wrench};
 use crate::machine::Gauge;
 use crate::machine::Machine;
 use crate::math::so3::quaternion_near;
@@ -25,6 +25,7 @@ pub(super) fn blank(machine: &Machine, joints: usize, spatial: usize, tips: usiz
         velocity_m_s: Vector3::zeros(),
         angular_velocity_rad_s: Vector3::zeros(),
         acceleration_m_s2: Vector3::zeros(),
+        angular_acceleration_rad_s2: Vector3::zeros(),
         rotation: UnitQuaternion::identity(),
     };
     let stations = machine.bodies.iter().map(|body| body.station_positions_m.len()).sum();
@@ -37,6 +38,7 @@ pub(super) fn blank(machine: &Machine, joints: usize, spatial: usize, tips: usiz
         ],
         joint_reactions: vec![Wrench::default(); machine.bodies.len()],
         gauges: vec![0.0; machine.gauges.len()],
+        section_loads: vec![Wrench::default(); machine.section_loads.len()],
         loops: vec![LoopOutputs::default(); machine.closures.len()],
         root: Wrench::default(),
         tips: vec![point; tips],
@@ -167,6 +169,10 @@ impl Plant {
                 let node = &work.nodes[body.first_node];
                 *reaction = Wrench { force_n: node.force, moment_n_m: node.moment };
             }
+            for joint in &equations.joints {
+                let moment_n_m = &mut outputs.joint_reactions[joint.body].moment_n_m;
+                *moment_n_m += joint.moment_correction_n_m(model, work, motion, time_s, moment_n_m);
+            }
             for joint in &equations.spatial {
                 if let Some(moment_n_m) = joint.ball_moment_n_m(work, &now.v) {
                     outputs.joint_reactions[joint.body].moment_n_m = moment_n_m;
@@ -176,6 +182,12 @@ impl Plant {
         if wanted.meets(OutputSet::GAUGES) {
             for (strain, gauge) in outputs.gauges.iter_mut().zip(&self.gauges) {
                 *strain = gauge.strain(model, work, motion, &equations.damping);
+            }
+        }
+        if wanted.meets(OutputSet::SECTION_LOADS) {
+            let loads: &[Wrench] = if equations.loaded { &equations.stations } else { &[] };
+            for (load, section) in outputs.section_loads.iter_mut().zip(&equations.sections) {
+                *load = section.load(model, work, motion, loads);
             }
         }
         if wanted.meets(OutputSet::LOOPS) {
@@ -270,7 +282,6 @@ fn turn_between(equations: &Equations, from: &[f64], to: &[f64]) -> f64 {
 /// Free ends.
 fn fill_tips(wanted: OutputSet, bodies: &[usize], state: &State, equations: &Equations, outputs: &mut Outputs) {
     let root = &equations.root;
-    let omega = &root.angular_velocity_rad_s;
     for (i, &body) in bodies.iter().enumerate() {
         let node = &equations.work.nodes[equations.model.bodies[body].last_node()];
         let tip = &mut outputs.tips[i];
@@ -281,10 +292,8 @@ fn fill_tips(wanted: OutputSet, bodies: &[usize], state: &State, equations: &Equ
         if wanted.meets(OutputSet::TIP_MOTIONS) {
             tip.velocity_m_s = node.velocity;
             tip.angular_velocity_rad_s = node.spin;
-            tip.acceleration_m_s2 = node.acceleration
-                + root.acceleration_m_s2
-                + omega.cross(&(node.velocity * 2.0 + omega.cross(&node.position)))
-                + root.angular_acceleration_rad_s2.cross(&node.position);
+            tip.acceleration_m_s2 = root.inertial_acceleration_m_s2(&node.position, &node.velocity, &node.acceleration);
+            tip.angular_acceleration_rad_s2 = root.inertial_angular_acceleration_rad_s2(&node.spin, &node.spin_rate);
         }
     }
 }
@@ -293,12 +302,24 @@ fn fill_tips(wanted: OutputSet, bodies: &[usize], state: &State, equations: &Equ
 fn fill_stations(wanted: OutputSet, motion: Motion, state: &State, equations: &Equations, outputs: &mut Outputs) {
     let (model, work) = (&equations.model, &equations.work);
     let places = wanted.meets(OutputSet::STATION_PLACES);
-    if !(places || wanted.meets(OutputSet::STATION_MOTIONS)) {
+    let accelerations = wanted.meets(OutputSet::STATION_ACCELERATIONS);
+    if !(places || accelerations || wanted.meets(OutputSet::STATION_MOTIONS)) {
         return;
     }
+    let root = &equations.root;
     for (i, place) in model.stations[..equations.load_stations].iter().enumerate() {
-        let point = station::motion(model, work, motion, place);
         let station = &mut outputs.stations[i];
+        let point = if accelerations {
+            let found = station::accelerated(model, work, motion, place);
+            let SectionMotion { position_m, velocity_m_s, spin_rad_s, .. } = &found.motion;
+            station.acceleration_m_s2 =
+                root.inertial_acceleration_m_s2(position_m, velocity_m_s, &found.acceleration_m_s2);
+            station.angular_acceleration_rad_s2 =
+                root.inertial_angular_acceleration_rad_s2(spin_rad_s, &found.spin_rate_rad_s2);
+            found.motion
+        } else {
+            station::motion(model, work, motion, place)
+        };
         if places {
             station.position_m = point.position_m;
             station.rotation = quaternion_near(&point.rotation, &state.station_rotations[i]);

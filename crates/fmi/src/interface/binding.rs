@@ -141,6 +141,10 @@ pub enum Output {
     JointMoment(usize, usize),
     /// Strain of a gauge.
     Gauge(usize),
+    /// Force at a section, by its place in [`foldwing_engine::machine::Machine::section_loads`].
+    SectionForce(usize, usize),
+    /// Moment at a section.
+    SectionMoment(usize, usize),
     /// Gap of a closed loop, by its place in [`foldwing_engine::machine::Machine::closures`].
     LoopGap(usize, usize),
     /// Force of a closed loop on its first body.
@@ -218,6 +222,8 @@ pub enum PointOutput {
     AngularVelocity(usize),
     /// Acceleration.
     Acceleration(usize),
+    /// Angular acceleration.
+    AngularAcceleration(usize),
     /// Attitude.
     Rotation(usize),
 }
@@ -426,6 +432,8 @@ impl Output {
             Self::JointForce(body, i) => Value::Real(component(&outputs.joint_reactions[body].force_n, i)),
             Self::JointMoment(body, i) => Value::Real(component(&outputs.joint_reactions[body].moment_n_m, i)),
             Self::Gauge(gauge) => Value::Real(outputs.gauges[gauge]),
+            Self::SectionForce(place, i) => Value::Real(component(&outputs.section_loads[place].force_n, i)),
+            Self::SectionMoment(place, i) => Value::Real(component(&outputs.section_loads[place].moment_n_m, i)),
             Self::LoopGap(closure, i) => Value::Real(component(&outputs.loops[closure].gap_m, i)),
             Self::LoopForce(closure, i) => Value::Real(component(&outputs.loops[closure].force_n, i)),
             Self::RootForce(i) => Value::Real(component(&outputs.root.force_n, i)),
@@ -449,11 +457,15 @@ impl Output {
             Self::Spatial(..) => OutputSet::SPATIAL,
             Self::JointForce(..) | Self::JointMoment(..) => OutputSet::REACTIONS,
             Self::Gauge(_) => OutputSet::GAUGES,
+            Self::SectionForce(..) | Self::SectionMoment(..) => OutputSet::SECTION_LOADS,
             Self::LoopGap(..) | Self::LoopForce(..) => OutputSet::LOOPS,
             Self::RootForce(_) | Self::RootMoment(_) => OutputSet::ROOT,
             Self::Tip(_, PointOutput::Position(_) | PointOutput::Rotation(_)) => OutputSet::TIP_PLACES,
             Self::Tip(..) => OutputSet::TIP_MOTIONS,
             Self::Station(_, PointOutput::Position(_) | PointOutput::Rotation(_)) => OutputSet::STATION_PLACES,
+            Self::Station(_, PointOutput::Acceleration(_) | PointOutput::AngularAcceleration(_)) => {
+                OutputSet::STATION_ACCELERATIONS
+            }
             Self::Station(..) => OutputSet::STATION_MOTIONS,
             Self::Energy(EnergyOutput::Work | EnergyOutput::Dissipated) => OutputSet::ACCOUNTS,
             Self::Energy(_) => OutputSet::ENERGIES,

@@ -17,7 +17,7 @@ use crate::interface::hinge_dependencies::{
     start_rate, starts, starts_closed, turns_joint,
 };
 use crate::interface::topology::{Topology, Turning};
-use crate::interface::{DependencyKind, Variable};
+use crate::interface::{DependencyKind, MOST_LISTED, Variable};
 use foldwing_engine::machine::StartState;
 
 /// Fills the dependencies of every output.
@@ -28,14 +28,24 @@ pub(super) fn add_dependencies(topology: &Topology, variables: &mut [Variable], 
         variable.dependencies = knowns()
             .filter(|&(_, known)| depends(topology, output, known))
             .map(|(reference, _)| (reference, DependencyKind::Dependent))
+            .take(MOST_LISTED + 1)
             .collect();
+        if variable.dependencies.len() > MOST_LISTED {
+            (variable.dependencies, variable.depends_on_all) = (Vec::new(), true);
+            continue;
+        }
         variable.initial_dependencies = knowns()
             .filter(|&(_, known)| depends_initially(topology, output, known))
             .map(|(reference, known)| {
                 let settles = settles(topology, output);
                 (reference, if settles { DependencyKind::Dependent } else { initial_kind(output, known) })
             })
+            .take(MOST_LISTED + 1)
             .collect();
+        if variable.initial_dependencies.len() > MOST_LISTED {
+            variable.depends_on_all = true;
+            (variable.dependencies, variable.initial_dependencies) = (Vec::new(), Vec::new());
+        }
     }
 }
 
@@ -100,13 +110,15 @@ fn depends(topology: &Topology, output: Output, known: Binding) -> bool {
         // where something holds the joint; zero otherwise
         Output::Joint(_, JointOutput::HoldingTorque | JointOutput::LatchReaction)
         | Output::Gauge(_)
+        | Output::SectionForce(_, _)
+        | Output::SectionMoment(_, _)
         | Output::LoopForce(_, _)
         | Output::RootForce(_)
         | Output::RootMoment(_)
         | Output::JointForce(_, _)
         | Output::JointMoment(_, _)
-        | Output::Tip(_, PointOutput::Acceleration(_))
-        | Output::Station(_, PointOutput::Acceleration(_)) => {
+        | Output::Tip(_, PointOutput::Acceleration(_) | PointOutput::AngularAcceleration(_))
+        | Output::Station(_, PointOutput::Acceleration(_) | PointOutput::AngularAcceleration(_)) => {
             pushes(topology, reach(topology, output), known) || blows(topology, known)
         }
         Output::AirForce(_)
@@ -174,6 +186,8 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
         Output::LoopForce(closure, _) => loop_pulls_initially(topology, closure, known),
         Output::JointMoment(body, _) if topology.is_ball(body) => damps_initially(topology, body, known),
         Output::Joint(_, JointOutput::HoldingTorque | JointOutput::LatchReaction)
+        | Output::SectionForce(_, _)
+        | Output::SectionMoment(_, _)
         | Output::RootForce(_)
         | Output::RootMoment(_)
         | Output::JointForce(_, _)
@@ -186,7 +200,7 @@ fn depends_initially(topology: &Topology, output: Output, known: Binding) -> boo
         | Output::AirStationMoment(_, _)
         | Output::AirCirculation(_) => blows_initially(topology, known),
         Output::Tip(_, field) | Output::Station(_, field) => body(topology, output).is_some_and(|body| match field {
-            PointOutput::Acceleration(_) => {
+            PointOutput::Acceleration(_) | PointOutput::AngularAcceleration(_) => {
                 accelerates_initially(topology, reach(topology, output), known) || blows_initially(topology, known)
             }
             _ => point_initially(topology, body, field, known),
@@ -242,7 +256,7 @@ fn point_initially(topology: &Topology, body: usize, field: PointOutput, known: 
             let Turning::Revolute(joint) = joint else { return false };
             start_rate(topology, joint, known) || (starts(topology, joint, known) && turns(&path[i + 1..]))
         }),
-        PointOutput::Acceleration(_) => false,
+        PointOutput::Acceleration(_) | PointOutput::AngularAcceleration(_) => false,
     }
 }
 
@@ -250,6 +264,9 @@ fn point_initially(topology: &Topology, body: usize, field: PointOutput, known: 
 fn body(topology: &Topology, output: Output) -> Option<usize> {
     match output {
         Output::Gauge(gauge) => Some(topology.machine.gauges[gauge].body),
+        Output::SectionForce(place, _) | Output::SectionMoment(place, _) => {
+            Some(topology.machine.section_loads[place].body)
+        }
         Output::Tip(tip, _) => Some(topology.tips[tip]),
         Output::Station(station, _) => Some(topology.stations[station].0),
         Output::Joint(joint, JointOutput::HoldingTorque | JointOutput::LatchReaction) => {
@@ -300,9 +317,10 @@ impl Reach {
 
 fn reach(topology: &Topology, output: Output) -> Reach {
     match (output, body(topology, output)) {
-        (Output::Tip(_, PointOutput::Acceleration(_)), Some(body)) if topology.floats(body) => {
-            Reach::Flight(topology.group[body])
-        }
+        (
+            Output::Tip(_, PointOutput::Acceleration(_)) | Output::Station(_, PointOutput::Acceleration(_)),
+            Some(body),
+        ) if topology.floats(body) => Reach::Flight(topology.group[body]),
         (_, body) => body.map_or(Reach::Root, |body| Reach::Group(topology.group[body])),
     }
 }

@@ -117,7 +117,7 @@ impl Interface {
             let concerned = |unknown: u32| {
                 let row = &self.variables()[unknown as usize];
                 let declared = if stage == Stage::Starting { &row.initial_dependencies } else { &row.dependencies };
-                declared.iter().any(|&(reference, _)| reference == known)
+                row.depends_on_all || declared.iter().any(|&(reference, _)| reference == known)
             };
             if seed == 0.0 || !unknowns.iter().any(|&unknown| concerned(unknown)) {
                 continue;

@@ -142,6 +142,7 @@ impl PointOutput {
             Self::Velocity(i) => component(&point.velocity_m_s, i),
             Self::AngularVelocity(i) => component(&point.angular_velocity_rad_s, i),
             Self::Acceleration(i) => component(&point.acceleration_m_s2, i),
+            Self::AngularAcceleration(i) => component(&point.angular_acceleration_rad_s2, i),
             Self::Rotation(i) => quaternion_component(&point.rotation, i),
         }
     }

@@ -4,6 +4,7 @@ use crate::interface::Variability;
 use crate::interface::binding::{JointOutput, JointParameter, Output, Parameter, SpatialOutput, SpatialParameter};
 use crate::interface::table::{AXES, NON_NEGATIVE, ParameterRow, QUATERNION, TURN, Table};
 use crate::interface::topology::Topology;
+use foldwing_engine::machine::JointKind;
 
 const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
     use JointParameter as P;
@@ -124,9 +125,18 @@ pub(super) fn revolute_outputs(table: &mut Table, topology: &Topology, joint: us
     add(JointOutput::Rate, "rate", Some("AngularVelocity"), "fold rate");
     let holding = "torque on the outer body of the stopper, lock or prescribed motion that holds the joint";
     add(JointOutput::HoldingTorque, "holding_torque", Some("Moment"), holding);
-    if !topology.is_free(joint) {
-        return;
+    if topology.is_free(joint) {
+        torque_outputs(topology, joint, &mut add);
     }
+    reaction_outputs(table, topology, topology.revolutes[joint]);
+}
+
+/// Torques about the hinge of a joint that may turn, and its latch.
+fn torque_outputs(
+    topology: &Topology,
+    joint: usize,
+    add: &mut impl FnMut(JointOutput, &str, Option<&'static str>, &str),
+) {
     let applied = "sum of motor, spring and external torque on the outer body about the hinge axis";
     add(JointOutput::TorqueApplied, "torque_applied", Some("Moment"), applied);
     let motor = "motor torque within its limit, on the outer body about the hinge axis";
@@ -156,7 +166,7 @@ pub(super) fn revolute_outputs(table: &mut Table, topology: &Topology, joint: us
 /// Outputs of a universal, ball or free joint.
 pub(super) fn spatial_outputs(table: &mut Table, topology: &Topology, joint: usize) {
     let body = topology.spatials[joint];
-    let (body_name, name) = (&topology.machine.bodies[body].name, &topology.machine.bodies[body].joint.name);
+    let name = &topology.machine.bodies[body].joint.name;
     let mut add = |bind: &dyn Fn(usize) -> Output, key: &str, components: &[&str], declared, meaning: &str| {
         for (i, component) in components.iter().enumerate() {
             let meaning = format!("joint {name}: {meaning}, {component}");
@@ -169,9 +179,28 @@ pub(super) fn spatial_outputs(table: &mut Table, topology: &Topology, joint: usi
     let rate = "angular velocity of the body relative to its parent, in the parent's frame";
     add(&bind(SpatialOutput::AngularVelocity), "angular_velocity", &AXES, "AngularVelocity", rate);
     if !topology.is_unbound(joint) {
-        let force = format!("force of the joint on the inner end of body {body_name}, root frame");
-        add(&|i| Output::JointForce(body, i), "force", &AXES, "Force", &force);
-        let moment = format!("moment of the joint on the inner end of body {body_name}, at that end, root frame");
-        add(&|i| Output::JointMoment(body, i), "moment", &AXES, "Moment", &moment);
+        reaction_outputs(table, topology, body);
+    }
+}
+
+/// Outputs of all clamped joints.
+pub(super) fn clamped_outputs(table: &mut Table, topology: &Topology) {
+    let clamped = |body: &usize| topology.machine.bodies[*body].joint.kind == JointKind::Clamped;
+    (0..topology.machine.bodies.len()).filter(clamped).for_each(|body| reaction_outputs(table, topology, body));
+}
+
+/// Force and moment of the joint that holds a body.
+fn reaction_outputs(table: &mut Table, topology: &Topology, body: usize) {
+    let (body_name, name) = (&topology.machine.bodies[body].name, &topology.machine.bodies[body].joint.name);
+    for (i, axis) in AXES.iter().enumerate() {
+        let force =
+            format!("joint {name}: force of the joint on the inner end of body {body_name}, root frame, {axis}");
+        table.output(Output::JointForce(body, i), format!("{name}.force.{axis}"), Some("Force"), force);
+    }
+    for (i, axis) in AXES.iter().enumerate() {
+        let moment = format!(
+            "joint {name}: moment of the joint on the inner end of body {body_name}, at that end, root frame, {axis}"
+        );
+        table.output(Output::JointMoment(body, i), format!("{name}.moment.{axis}"), Some("Moment"), moment);
     }
 }

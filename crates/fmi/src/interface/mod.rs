@@ -120,7 +120,13 @@ pub struct Variable {
     pub dependencies: Vec<(u32, DependencyKind)>,
     /// Rows that the initial value depends on (outputs, in Initialization Mode).
     pub initial_dependencies: Vec<(u32, DependencyKind)>,
+    /// Of an output whose lists would be too long ([`MOST_LISTED`]): both are empty, and it counts as dependent on all knowns.
+    pub depends_on_all: bool,
 }
+
+/// Longest list of dependencies of a row. With thousands of inputs, accelerations and section loads at thousands of places
+/// would fill hundreds of megabytes; FMI lets a row without a list depend on everything.
+pub const MOST_LISTED: usize = 1_000;
 
 /// The table of one model.
 pub struct Interface {

@@ -11,7 +11,7 @@ use crate::interface::joints;
 use crate::interface::topology::Topology;
 use crate::interface::{Causality, Initial, Value, Variability, Variable};
 use foldwing_engine::machine::Machine;
-use foldwing_engine::machine::UNLIMITED;
+use foldwing_engine::machine::{SectionSide, UNLIMITED};
 use foldwing_engine::plant::{FACTOR_RANGE, Inputs, Parameters};
 
 /// Components of a vector.
@@ -175,6 +175,7 @@ fn outputs(table: &mut Table, topology: &Topology) {
     for joint in 0..topology.spatials.len() {
         joints::spatial_outputs(table, topology, joint);
     }
+    joints::clamped_outputs(table, topology);
     for (index, gauge) in topology.machine.gauges.iter().enumerate() {
         let body = &topology.machine.bodies[gauge.body].name;
         let [x, y, z] = gauge.direction.into();
@@ -185,6 +186,27 @@ fn outputs(table: &mut Table, topology: &Topology) {
         let (at, [y, z]) = (gauge.position_m, [gauge.y_m, gauge.z_m]);
         let meaning = format!("{what} on body {body} at {at} m, y = {y} m, z = {z} m");
         table.output(Output::Gauge(index), format!("gauge.{}.strain", gauge.name), Some("Strain"), meaning);
+    }
+    for (index, place) in topology.machine.section_loads.iter().enumerate() {
+        let body = &topology.machine.bodies[place.body].name;
+        let (at, side) = (
+            place.position_m,
+            match place.side {
+                SectionSide::Inboard => "",
+                SectionSide::Outboard => ", outboard of what is attached there",
+            },
+        );
+        let of = format!("of the outboard part of body {body} on the inboard part at {at} m{side}");
+        for (i, axis) in AXES.iter().enumerate() {
+            let (name, meaning) = (format!("section_load.{}.force.{axis}", place.name), format!("force {of}"));
+            let output = Output::SectionForce(index, i);
+            table.output(output, name, Some("Force"), format!("{meaning}, {axis}, section frame"));
+        }
+        for (i, axis) in AXES.iter().enumerate() {
+            let (name, meaning) = (format!("section_load.{}.moment.{axis}", place.name), format!("moment {of}"));
+            let output = Output::SectionMoment(index, i);
+            table.output(output, name, Some("Moment"), format!("{meaning}, {axis}, section frame"));
+        }
     }
     for (index, closure) in topology.machine.closures.iter().enumerate() {
         loop_outputs(table, topology, index, &closure.name);
@@ -201,14 +223,16 @@ fn outputs(table: &mut Table, topology: &Topology) {
         let body = &topology.machine.bodies[body].name;
         let group = if topology.tips.len() == 1 { "tip".to_owned() } else { format!("tip_{body}") };
         let of = format!("of the free end of body {body}");
-        let fields: &[PointRows] = &[POSITION, VELOCITY, ACCELERATION, ROTATION];
+        let fields: &[PointRows] =
+            &[POSITION, VELOCITY, ACCELERATION, ANGULAR_VELOCITY, ANGULAR_ACCELERATION, ROTATION];
         point(table, |field| Output::Tip(tip, field), &group, &of, fields);
     }
     for (station, &(body, number)) in topology.stations.iter().enumerate() {
         let body = &topology.machine.bodies[body].name;
         let group = format!("station.{body}[{number}]");
         let of = format!("of station {number} of body {body}");
-        let fields: &[PointRows] = &[POSITION, VELOCITY, ANGULAR_VELOCITY, ROTATION];
+        let fields: &[PointRows] =
+            &[POSITION, VELOCITY, ANGULAR_VELOCITY, ACCELERATION, ANGULAR_ACCELERATION, ROTATION];
         point(table, |field| Output::Station(station, field), &group, &of, fields);
     }
     for &(name, field, declared, meaning) in ENERGIES {
@@ -246,6 +270,13 @@ const ANGULAR_VELOCITY: PointRows = (
 );
 const ACCELERATION: PointRows =
     ("acceleration", PointOutput::Acceleration, &AXES, "Acceleration", "inertial acceleration, without gravity,");
+const ANGULAR_ACCELERATION: PointRows = (
+    "angular_acceleration",
+    PointOutput::AngularAcceleration,
+    &AXES,
+    "AngularAcceleration",
+    "inertial angular acceleration",
+);
 const ROTATION: PointRows =
     ("rotation", PointOutput::Rotation, &QUATERNION, "Ratio", "quaternion from section to root, with continuous sign,");
 
@@ -359,6 +390,7 @@ impl Table {
             description,
             dependencies: Vec::new(),
             initial_dependencies: Vec::new(),
+            depends_on_all: false,
         });
     }
 }

@@ -1,5 +1,5 @@
-//! Bodies in code, and what sits on them: what the tables `[body.<name>]`, `[mass.<name>]`, `[gauge.<name>]` and
-//! `[loop.<name>]` of the model file can say.
+//! Bodies in code, and what sits on them: what the tables `[body.<name>]`, `[mass.<name>]`, `[gauge.<name>]`,
+//! `[section_load.<name>]` and `[loop.<name>]` of the model file can say.
 
 use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::profile::Profile;
@@ -8,7 +8,7 @@ use crate::load::{LoadFrame, Wrench};
 use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::shortest;
 use crate::machine::validate::MOST_STATIONS_OF_BODY;
-use crate::machine::{AttachedMass, Body, Closure, ElementKind, Gauge, Joint};
+use crate::machine::{AttachedMass, Body, Closure, ElementKind, Gauge, Joint, SectionLoad, SectionSide};
 use nalgebra::{Matrix3, Vector3};
 
 /// Load stations of a body that says nothing about them.
@@ -218,6 +218,34 @@ impl GaugeBuilder {
         let z_m = self.z_m.unwrap_or_else(|| law.at(self.position_m).half_height_m);
         let (name, position_m) = (self.name.clone(), self.position_m);
         Some(Gauge { name, body: index, position_m, y_m: self.y_m, z_m, direction })
+    }
+}
+
+/// A place of section loads under construction: [`SectionLoad::on`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct SectionLoadBuilder {
+    pub(super) name: String,
+    pub(super) body: String,
+    position_m: f64,
+    side: SectionSide,
+}
+
+impl SectionLoad {
+    /// The section of the body of a name at a distance in m from its inner end, cut inboard of what is attached there.
+    pub fn on(name: impl Into<String>, body: impl Into<String>, position_m: f64) -> SectionLoadBuilder {
+        SectionLoadBuilder { name: name.into(), body: body.into(), position_m, side: SectionSide::Inboard }
+    }
+}
+
+impl SectionLoadBuilder {
+    /// Cuts outboard of what is attached to the place. Default inboard.
+    pub fn outboard(self) -> Self {
+        Self { side: SectionSide::Outboard, ..self }
+    }
+
+    /// The place on its body.
+    pub(super) fn build(&self, index: usize) -> SectionLoad {
+        SectionLoad { name: self.name.clone(), body: index, position_m: self.position_m, side: self.side }
     }
 }
 

@@ -7,7 +7,7 @@ mod surfaces;
 mod tree;
 
 pub use air::{AirBuilder, GustBuilder};
-pub use body::{BodyBuilder, ClosureBuilder, GaugeBuilder};
+pub use body::{BodyBuilder, ClosureBuilder, GaugeBuilder, SectionLoadBuilder};
 pub use joint::{JointBuilder, LatchBuilder};
 pub use surfaces::SurfaceBuilder;
 
@@ -27,6 +27,7 @@ pub struct MachineBuilder {
     masses: Vec<(String, AttachedMass)>,
     loads: Vec<Load>,
     gauges: Vec<GaugeBuilder>,
+    section_loads: Vec<SectionLoadBuilder>,
     closures: Vec<ClosureBuilder>,
     air: Option<AirBuilder>,
     surfaces: Vec<SurfaceBuilder>,
@@ -56,6 +57,7 @@ impl Machine {
             masses: Vec::new(),
             loads: Vec::new(),
             gauges: Vec::new(),
+            section_loads: Vec::new(),
             closures: Vec::new(),
             air: None,
             surfaces: Vec::new(),
@@ -99,6 +101,12 @@ impl MachineBuilder {
     /// Adds a strain gauge.
     pub fn gauge(mut self, gauge: GaugeBuilder) -> Self {
         self.gauges.push(gauge);
+        self
+    }
+
+    /// Makes the section loads at a place outputs.
+    pub fn section_load(mut self, section_load: SectionLoadBuilder) -> Self {
+        self.section_loads.push(section_load);
         self
     }
 
@@ -182,6 +190,7 @@ impl MachineBuilder {
             bodies,
             closures,
             gauges: Vec::new(),
+            section_loads: Vec::new(),
             air: None,
             gravity_m_s2: self.gravity_m_s2,
             solver: self.solver.clone(),
@@ -190,6 +199,11 @@ impl MachineBuilder {
         for gauge in &self.gauges {
             let index = self.index_of(&["gauge", &gauge.name, "body"], &gauge.body, &machine.bodies, checker);
             machine.gauges.extend(index.and_then(|index| gauge.build(index, &machine.bodies[index].section, checker)));
+        }
+        for section_load in &self.section_loads {
+            let place = ["section_load", section_load.name.as_str(), "body"];
+            let index = self.index_of(&place, &section_load.body, &machine.bodies, checker);
+            machine.section_loads.extend(index.map(|index| section_load.build(index)));
         }
         validate::structure(&machine, checker);
         // air is placed on bodies that stand

@@ -12,7 +12,20 @@ use std::f64::consts::TAU;
 
 /// Groups of the FMU's variables, which a joint's name would clash with.
 pub const RESERVED: &[&str] = &[
-    "load", "gravity", "root", "wind", "gauge", "loop", "tip", "station", "aero", "energy", "solver", "body", "time",
+    "load",
+    "gravity",
+    "root",
+    "wind",
+    "gauge",
+    "section_load",
+    "loop",
+    "tip",
+    "station",
+    "aero",
+    "energy",
+    "solver",
+    "body",
+    "time",
     "der",
 ];
 

@@ -67,6 +67,7 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     names("mass", machine.bodies.iter().flat_map(|body| &body.masses).map(|mass| mass.name.as_str()), checker);
     names("loop", machine.closures.iter().map(|closure| closure.name.as_str()), checker);
     names("gauge", machine.gauges.iter().map(|gauge| gauge.name.as_str()), checker);
+    names("section_load", machine.section_loads.iter().map(|place| place.name.as_str()), checker);
     let tree_holds = tree(&machine.bodies, checker);
     for body in &machine.bodies {
         joint::check(&body.joint, checker);
@@ -78,6 +79,9 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     sizes(&machine.bodies, checker);
     for gauge in &machine.gauges {
         attached::gauge(gauge, &machine.bodies, checker);
+    }
+    for section_load in &machine.section_loads {
+        attached::section_load(section_load, &machine.bodies, checker);
     }
     let mut closures_hold = true;
     for closure in &machine.closures {
@@ -177,7 +181,7 @@ fn sizes(bodies: &[Body], checker: &mut Checker) {
     let sum = |count: fn(&Body) -> usize| bodies.iter().map(count).fold(0, usize::saturating_add);
     let stations = sum(|body| body.station_positions_m.len());
     if stations > MOST_STATIONS {
-        let allowed = format!("at most {MOST_STATIONS} on all bodies together: each is 19 variables of the FMU");
+        let allowed = format!("at most {MOST_STATIONS} on all bodies together: each is 25 variables of the FMU");
         checker.refuse_state(&["body"], format!("{stations} load stations"), allowed);
     }
     let elements = sum(|body| body.elements);
