@@ -1,5 +1,7 @@
-//! The joints of the model file: shape and descriptions, as in [`crate::file`].
+//! The joints of the model file: shape and descriptions, as in [`crate::file`]. Keys of prismatic joints stand
+//! beside those of revolute ones; [`PAIRS`] says which is which.
 
+use foldwing_engine::machine::Travel;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -24,13 +26,14 @@ pub(super) struct JointFile {
     pub parent_offset_m: Option<[f64; 3]>,
     /// Position in the root frame if the parent is `root`; default: the origin.
     pub root_position_m: Option<[f64; 3]>,
-    /// Rotation vector of the body's first frame in the parent's frame: at angle zero of revolute joints, at the start
-    /// of universal, ball and free ones.
+    /// Rotation vector of the body's first frame in the parent's frame: at angle zero of revolute joints, at any position of
+    /// prismatic ones, at the start of universal, ball and free ones.
     #[serde(default)]
     #[schemars(inner(range(min = -360.0, max = 360.0)))]
     pub mount_rotation_deg: [f64; 3],
-    /// Hinge axis in the parent's section frame, of any length except zero. Positive angles follow the right-hand rule. Revolute and
-    /// universal joints need it.
+    /// Hinge axis in the parent's section frame, of any length except zero. Positive angles follow the right-hand rule. The axis
+    /// along which a prismatic joint slides; positive positions lie the way that it points. Revolute, prismatic and universal
+    /// joints need it.
     pub axis: Option<[f64; 3]>,
     /// Second axis of a universal joint in the body's section frame, not parallel to `axis` at the start.
     pub body_axis: Option<[f64; 3]>,
@@ -44,10 +47,14 @@ pub(super) struct JointFile {
     pub start_angle_deg: Option<f64>,
     /// Fold rate of a revolute joint at the start, default 0.
     pub start_rate_deg_s: Option<f64>,
-    /// Start value of a revolute joint's release input: false holds it where it is, at the start at its start angle.
-    /// Default true.
+    /// Position of a prismatic joint at the start, default 0.
+    pub start_position_m: Option<f64>,
+    /// Velocity of a prismatic joint along its axis at the start, default 0.
+    pub start_rate_m_s: Option<f64>,
+    /// Start value of a revolute or prismatic joint's release input: false holds it where it is, at the start at its start
+    /// angle or position. Default true.
     pub release: Option<bool>,
-    /// How the angle of a revolute joint moves, default `free`.
+    /// How the angle of a revolute joint, or the position of a prismatic one, moves, default `free`.
     pub motion: Option<MotionType>,
     /// Prescribed angle as a polynomial of absolute time: coefficients of 1, t, t², …
     #[schemars(length(min = 1, max = 100))]
@@ -59,13 +66,22 @@ pub(super) struct JointFile {
         extend("x-allowed" = "at least 2 pairs [time in s, angle in deg] of finite numbers")
     )]
     pub table_s_deg: Option<Vec<[f64; 2]>>,
-    /// How the curve through `table_s_deg` starts and ends, default `rest`.
+    /// Prescribed position as a polynomial of absolute time: coefficients of 1, t, t², …
+    #[schemars(length(min = 1, max = 100))]
+    pub polynomial_m: Option<Vec<f64>>,
+    /// Prescribed position as a smooth curve through `[time_s, position_m]`, as `table_s_deg`.
+    #[schemars(
+        length(min = 2),
+        extend("x-allowed" = "at least 2 pairs [time in s, position in m] of finite numbers")
+    )]
+    pub table_s_m: Option<Vec<[f64; 2]>>,
+    /// How the curve through `table_s_deg` or `table_s_m` starts and ends, default `rest`.
     pub table_ends: Option<TableEnds>,
-    /// Motor of a revolute joint; spring towards the start attitude and damper of a universal or ball joint.
+    /// Motor of a revolute or prismatic joint; spring towards the start attitude and damper of a universal or ball joint.
     pub drive: Option<DriveFile>,
-    /// Spring and damper of a revolute joint itself, in addition to its motor.
+    /// Spring and damper of a revolute or prismatic joint itself, in addition to its motor.
     pub spring: Option<SpringFile>,
-    /// Latch of a revolute joint.
+    /// Latch of a revolute or prismatic joint.
     pub latch: Option<LatchFile>,
 }
 
@@ -77,6 +93,8 @@ pub(super) enum JointType {
     Clamped,
     /// Rotation about one axis.
     Revolute,
+    /// Translation along one axis.
+    Prismatic,
     /// Rotation about two axes, one fixed to each side.
     Universal,
     /// All rotations.
@@ -85,12 +103,29 @@ pub(super) enum JointType {
     Free,
 }
 
+impl JointFile {
+    /// Whether the keys that turn or those that slide are the joint's.
+    pub fn travel(&self) -> Travel {
+        self.kind.travel().unwrap_or(Travel::Rotation)
+    }
+}
+
 impl JointType {
+    /// Of joints with one freedom.
+    pub fn travel(self) -> Option<Travel> {
+        match self {
+            Self::Revolute => Some(Travel::Rotation),
+            Self::Prismatic => Some(Travel::Translation),
+            Self::Clamped | Self::Universal | Self::Ball | Self::Free => None,
+        }
+    }
+
     /// Name as the file writes it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Clamped => "clamped",
-            Self::Revolute => "revolute",
+            Self::Revolute => Travel::Rotation.joint_type(),
+            Self::Prismatic => Travel::Translation.joint_type(),
             Self::Universal => "universal",
             Self::Ball => "ball",
             Self::Free => "free",
@@ -98,19 +133,19 @@ impl JointType {
     }
 }
 
-/// How a fold angle moves.
+/// How a fold angle or a position moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum MotionType {
-    /// By its torques.
+    /// By its torques or forces.
     Free,
-    /// Not at all: held at the start angle.
+    /// Not at all: held where it starts.
     Locked,
-    /// By `polynomial_deg` or `table_s_deg`.
+    /// By `polynomial_deg` or `table_s_deg`, or `polynomial_m` or `table_s_m`.
     Prescribed,
 }
 
-/// How a table of angles begins and ends.
+/// How a table of angles or positions begins and ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum TableEnds {
@@ -120,8 +155,9 @@ pub(super) enum TableEnds {
     Onward,
 }
 
-/// Motor: its torque on the outer body about the hinge is `−(k (θ − θ_cmd) + c θ̇ + T)`, limited. Universal and ball
-/// joints have `k` and `c` only: per axis, or about the rotation vector from the start attitude.
+/// Motor: its torque on the outer body about the hinge is `−(k (θ − θ_cmd) + c θ̇ + T)`, limited; the force of a prismatic
+/// joint's motor likewise, by the keys in m and N. Universal and ball joints have `k` and `c` only: per axis, or about the
+/// rotation vector from the start attitude.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DriveFile {
@@ -153,10 +189,36 @@ pub(super) struct DriveFile {
     #[serde(default)]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub command_deg: f64,
+    /// Stiffness `k` of a prismatic joint's motor.
+    #[serde(default, rename = "stiffness_N_m")]
+    #[schemars(range(min = 0.0))]
+    pub stiffness_n_m: f64,
+    /// Damping `c` of a prismatic joint's motor.
+    #[serde(default, rename = "damping_N_s_m")]
+    #[schemars(range(min = 0.0))]
+    pub damping_n_s_m: f64,
+    /// Constant force of a prismatic joint's motor, towards negative positions.
+    #[serde(default, rename = "constant_force_N")]
+    pub constant_force_n: f64,
+    /// Maximum magnitude of the motor force of a prismatic joint, default unlimited; see `torque_limit_N_m`.
+    #[serde(rename = "force_limit_N")]
+    #[schemars(range(min = 0.0))]
+    pub force_limit_n: Option<f64>,
+    /// Maximum slew rate of the commanded position, default unlimited.
+    #[schemars(range(min = 0.0))]
+    pub rate_limit_m_s: Option<f64>,
+    /// Mass that moves with a prismatic joint's position only: for a spindle, the rotor's inertia times the square of its
+    /// turn per way. It has no weight. Default 0.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub mass_kg: f64,
+    /// Start value of the commanded (neutral) position.
+    #[serde(default)]
+    pub command_m: f64,
 }
 
 /// Spring and damper of a revolute joint itself: their torque on the outer body about the hinge is
-/// `−(k (θ − θ_0) + c θ̇)`. It is not limited.
+/// `−(k (θ − θ_0) + c θ̇)`; of a prismatic joint their force, by the keys in m and N. It is not limited.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SpringFile {
@@ -172,21 +234,32 @@ pub(super) struct SpringFile {
     #[serde(default)]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub rest_angle_deg: f64,
+    /// Stiffness `k` of a prismatic joint's spring.
+    #[serde(default, rename = "stiffness_N_m")]
+    #[schemars(range(min = 0.0))]
+    pub stiffness_n_m: f64,
+    /// Damping `c` of a prismatic joint's damper.
+    #[serde(default, rename = "damping_N_s_m")]
+    #[schemars(range(min = 0.0))]
+    pub damping_n_s_m: f64,
+    /// Position at which the spring of a prismatic joint is slack.
+    #[serde(default)]
+    pub rest_position_m: f64,
 }
 
 /// What a closed latch does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum LatchType {
-    /// A stiff spring about `angle_deg`.
+    /// A stiff spring about `angle_deg` or `position_m`.
     #[default]
     Elastic,
-    /// No spring: an impulse stops the joint, and a reaction holds it at the angle at which it was caught.
+    /// No spring: an impulse stops the joint, and a reaction holds it at the angle or position at which it was caught.
     Rigid,
 }
 
-/// Latch: closes as soon as it is enabled and the angle is within `capture_deg` of `angle_deg`, from either side, moving
-/// or at rest.
+/// Latch: closes as soon as it is enabled and the angle is within `capture_deg` of `angle_deg`, or the position within
+/// `capture_m` of `position_m`, from either side, moving or at rest.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LatchFile {
@@ -209,14 +282,41 @@ pub(super) struct LatchFile {
     /// its angle. An elastic latch then lets the wing swing about its angle, a rigid one holds it where it was caught.
     #[schemars(range(min = 0.0, max = 360.0))]
     pub capture_deg: Option<f64>,
+    /// Position at which the latch of a prismatic joint closes.
+    #[serde(default)]
+    pub position_m: f64,
+    /// Stiffness that the latch of a prismatic joint adds; instead of `stiffness_ratio`.
+    #[serde(rename = "stiffness_N_m")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub stiffness_n_m: Option<f64>,
+    /// Half-width of the window of a prismatic joint's latch, default 1e-6 m; see `capture_deg`.
+    #[schemars(range(min = 0.0))]
+    pub capture_m: Option<f64>,
     /// Closed at the start wherever the joint is. Of elastic latches: a rigid one is closed at the start where it is
-    /// enabled and `start_angle_deg` lies in its window.
+    /// enabled and `start_angle_deg` or `start_position_m` lies in its window.
     #[serde(default)]
     pub initially_closed: bool,
     /// Start value of the enable input.
     #[serde(default = "yes")]
     pub enable: bool,
 }
+
+/// Keys of a revolute joint's tables `drive`, `spring` and `latch`, and those that a prismatic joint has in their place.
+pub(super) const PAIRS: &[(&str, &str, &str)] = &[
+    ("drive", "stiffness_N_m_rad", "stiffness_N_m"),
+    ("drive", "damping_N_m_s_rad", "damping_N_s_m"),
+    ("drive", "constant_torque_N_m", "constant_force_N"),
+    ("drive", "torque_limit_N_m", "force_limit_N"),
+    ("drive", "rate_limit_deg_s", "rate_limit_m_s"),
+    ("drive", "inertia_kg_m2", "mass_kg"),
+    ("drive", "command_deg", "command_m"),
+    ("spring", "stiffness_N_m_rad", "stiffness_N_m"),
+    ("spring", "damping_N_m_s_rad", "damping_N_s_m"),
+    ("spring", "rest_angle_deg", "rest_position_m"),
+    ("latch", "angle_deg", "position_m"),
+    ("latch", "stiffness_N_m_rad", "stiffness_N_m"),
+    ("latch", "capture_deg", "capture_m"),
+];
 
 fn yes() -> bool {
     true

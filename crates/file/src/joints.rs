@@ -1,11 +1,13 @@
 //! Joints of the file told to a [`JointBuilder`]: where they hold, motion, latch.
 
 use crate::file::{FrameFile, ModelFile};
-use crate::joint_file::{DriveFile, JointFile, JointType, LatchFile, LatchType, MotionType, SpringFile, TableEnds};
+use crate::joint_file::{
+    DriveFile, JointFile, JointType, LatchFile, LatchType, MotionType, PAIRS, SpringFile, TableEnds,
+};
 use crate::validate::Checker;
 use foldwing_engine::machine::builder::{JointBuilder, LatchBuilder};
 use foldwing_engine::machine::units::quoted;
-use foldwing_engine::machine::{Drive, Joint, JointMotion, Latch, Motion, Spring};
+use foldwing_engine::machine::{Drive, Joint, JointMotion, Latch, LinearDrive, LinearSpring, Motion, Spring, Travel};
 use nalgebra::{Rotation3, Vector3};
 
 /// Name of the parent that is no body.
@@ -13,12 +15,14 @@ const ROOT: &str = "root";
 
 /// Keys that the machine does not know as such, and axes, with the types that have them.
 const KEYS: &[(&str, &[JointType])] = {
-    use JointType::{Revolute, Universal};
+    use JointType::{Prismatic, Revolute, Universal};
     &[
-        ("axis", &[Revolute, Universal]),
+        ("axis", &[Revolute, Prismatic, Universal]),
         ("body_axis", &[Universal]),
         ("polynomial_deg", &[Revolute]),
         ("table_s_deg", &[Revolute]),
+        ("polynomial_m", &[Prismatic]),
+        ("table_s_m", &[Prismatic]),
     ]
 };
 
@@ -108,6 +112,7 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
             checker.stands_in(&["joint", name, "drive", field]);
         }
     }
+    refuse_other_travel(name, joint, checker);
     let place = parent_frame(name, joint, file, checker);
     // of vectors in the frame that the joint holds on to
     let turned = |vector: Vector3<f64>| match place {
@@ -118,6 +123,7 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
     let mut built = match joint.kind {
         JointType::Clamped => Joint::clamped(name),
         JointType::Revolute => Joint::revolute(name, axis),
+        JointType::Prismatic => Joint::prismatic(name, axis),
         JointType::Universal => Joint::universal(name, axis, joint.body_axis.unwrap_or_default()),
         JointType::Ball => Joint::ball(name),
         JointType::Free => Joint::free(name),
@@ -142,6 +148,12 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
     if let Some(rate_deg_s) = joint.start_rate_deg_s {
         built = built.start_rate_rad_s(rate_deg_s.to_radians());
     }
+    if let Some(position_m) = joint.start_position_m {
+        built = built.start_position_m(position_m);
+    }
+    if let Some(rate_m_s) = joint.start_rate_m_s {
+        built = built.start_rate_m_s(rate_m_s);
+    }
     if let Some(release) = joint.release {
         built = built.release(release);
     }
@@ -151,23 +163,40 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
             None => checker.stands_in(&["joint", name]),
         }
     }
-    if joint.motion != Some(MotionType::Prescribed) && joint.kind == JointType::Revolute {
-        for key in ["polynomial_deg", "table_s_deg", "table_ends"] {
+    if joint.motion != Some(MotionType::Prescribed) && joint.kind.travel().is_some() {
+        for key in ["polynomial_deg", "table_s_deg", "polynomial_m", "table_s_m", "table_ends"] {
             if checker.states(&["joint", name, key]) {
                 checker.refuse(&["joint", name, key], "this key only with motion = \"prescribed\"");
             }
         }
     }
     if let Some(drive) = &joint.drive {
-        built = built.drive(build_drive(drive));
+        built = built.drive(build_drive(drive, joint.travel()));
     }
     if let Some(spring) = &joint.spring {
-        built = built.spring(build_spring(spring));
+        built = built.spring(build_spring(spring, joint.travel()));
     }
-    if let Some(latch) = joint.latch.as_ref().and_then(|latch| build_latch(name, latch, checker)) {
+    if let Some(latch) = joint.latch.as_ref().and_then(|latch| build_latch(name, latch, joint.travel(), checker)) {
         built = built.latch(latch);
     }
     built
+}
+
+/// Refuses the keys of a joint that turns where it slides, and the other way round.
+fn refuse_other_travel(name: &str, joint: &JointFile, checker: &mut Checker) {
+    for (table, turns, slides) in PAIRS {
+        let (strange, allowed) = match joint.kind {
+            JointType::Prismatic => (turns, format!("{slides} in its place: a prismatic joint is in m and N")),
+            JointType::Revolute => (slides, format!("{turns} in its place: a revolute joint is in deg and N·m")),
+            _ => (slides, "this key only with type = \"prismatic\"".to_owned()),
+        };
+        if checker.states(&["joint", name, table, strange]) {
+            checker.refuse(&["joint", name, table, strange], allowed);
+            if *strange == "stiffness_N_m_rad" || *strange == "stiffness_N_m" {
+                checker.stands_in(&["joint", name, "latch"]); // whose ratio may refer to it
+            }
+        }
+    }
 }
 
 fn radians(degrees: [f64; 3]) -> Vector3<f64> {
@@ -217,44 +246,74 @@ fn on_parent(built: JointBuilder, name: &str, joint: &JointFile, checker: &mut C
     }
 }
 
-/// The motion that a hinge states; `None` where nothing can stand for it.
+/// The motion that a hinge or a slide states; `None` where nothing can stand for it.
 fn motion(name: &str, joint: &JointFile, kind: MotionType, checker: &mut Checker) -> Option<JointMotion> {
     match kind {
         MotionType::Free => return Some(JointMotion::Free),
         MotionType::Locked => return Some(JointMotion::Locked),
-        MotionType::Prescribed if joint.kind != JointType::Revolute => return Some(JointMotion::Locked), // refused
+        MotionType::Prescribed if joint.kind.travel().is_none() => return Some(JointMotion::Locked), // refused
         MotionType::Prescribed => {}
     }
-    if joint.table_ends.is_some() && joint.table_s_deg.is_none() {
-        checker.refuse(&["joint", name, "table_ends"], "this key only with table_s_deg");
+    let travel = joint.travel();
+    let (polynomial, table, [polynomial_key, table_key], pair, si): (_, _, _, _, fn(f64) -> f64) = match travel {
+        Travel::Rotation => (
+            &joint.polynomial_deg,
+            &joint.table_s_deg,
+            ["polynomial_deg", "table_s_deg"],
+            "pairs [time in s, angle in deg] with ascending times",
+            f64::to_radians,
+        ),
+        Travel::Translation => (
+            &joint.polynomial_m,
+            &joint.table_s_m,
+            ["polynomial_m", "table_s_m"],
+            "pairs [time in s, position in m] with ascending times",
+            |position_m| position_m,
+        ),
+    };
+    if joint.table_ends.is_some() && table.is_none() {
+        checker.refuse(&["joint", name, "table_ends"], format!("this key only with {table_key}"));
     }
-    match (&joint.polynomial_deg, &joint.table_s_deg) {
+    match (polynomial, table) {
         (Some(coefficients), None) => {
-            let coefficients = coefficients.iter().copied().map(f64::to_radians).collect();
+            let coefficients = coefficients.iter().copied().map(si).collect();
             Some(JointMotion::Prescribed(Motion::Polynomial(coefficients)))
         }
         (None, Some(table)) => {
             if !table.windows(2).all(|pair| pair[0][0] < pair[1][0]) {
-                checker.refuse(&["joint", name, "table_s_deg"], "pairs [time in s, angle in deg] with ascending times");
+                checker.refuse(&["joint", name, table_key], pair);
                 return None;
             }
-            let points = table.iter().map(|[time_s, angle_deg]| (*time_s, angle_deg.to_radians())).collect();
+            let points = table.iter().map(|[time_s, value]| (*time_s, si(*value))).collect();
             let onward = joint.table_ends == Some(TableEnds::Onward);
             Some(JointMotion::Prescribed(if onward { Motion::Onward(points) } else { Motion::Table(points) }))
         }
         (Some(_), Some(_)) => {
-            checker.refuse(&["joint", name, "table_s_deg"], "either polynomial_deg or table_s_deg, not both");
+            checker.refuse(&["joint", name, table_key], format!("either {polynomial_key} or {table_key}, not both"));
             None
         }
         (None, None) => {
-            checker.refuse(&["joint", name, "motion"], "this motion with polynomial_deg or table_s_deg");
+            let allowed = format!("this motion with {polynomial_key} or {table_key}");
+            checker.refuse(&["joint", name, "motion"], allowed);
             None
         }
     }
 }
 
-fn build_drive(drive: &DriveFile) -> Drive {
+fn build_drive(drive: &DriveFile, travel: Travel) -> Drive {
     let none = Drive::default();
+    if travel == Travel::Translation {
+        let none = LinearDrive::default();
+        return Drive::from(LinearDrive {
+            stiffness_n_m: drive.stiffness_n_m,
+            damping_n_s_m: drive.damping_n_s_m,
+            constant_force_n: drive.constant_force_n,
+            force_limit_n: drive.force_limit_n.unwrap_or(none.force_limit_n),
+            rate_limit_m_s: drive.rate_limit_m_s.unwrap_or(none.rate_limit_m_s),
+            mass_kg: drive.mass_kg,
+            command_m: drive.command_m,
+        });
+    }
     Drive {
         stiffness_n_m_rad: drive.stiffness_n_m_rad,
         damping_n_m_s_rad: drive.damping_n_m_s_rad,
@@ -266,20 +325,36 @@ fn build_drive(drive: &DriveFile) -> Drive {
     }
 }
 
-fn build_spring(spring: &SpringFile) -> Spring {
-    Spring {
-        stiffness_n_m_rad: spring.stiffness_n_m_rad,
-        damping_n_m_s_rad: spring.damping_n_m_s_rad,
-        rest_angle_rad: spring.rest_angle_deg.to_radians(),
+fn build_spring(spring: &SpringFile, travel: Travel) -> Spring {
+    match travel {
+        Travel::Rotation => Spring {
+            stiffness_n_m_rad: spring.stiffness_n_m_rad,
+            damping_n_m_s_rad: spring.damping_n_m_s_rad,
+            rest_angle_rad: spring.rest_angle_deg.to_radians(),
+        },
+        Travel::Translation => Spring::from(LinearSpring {
+            stiffness_n_m: spring.stiffness_n_m,
+            damping_n_s_m: spring.damping_n_s_m,
+            rest_position_m: spring.rest_position_m,
+        }),
     }
 }
 
 /// `None` where a problem was found.
-fn build_latch(name: &str, latch: &LatchFile, checker: &mut Checker) -> Option<LatchBuilder> {
+fn build_latch(name: &str, latch: &LatchFile, travel: Travel, checker: &mut Checker) -> Option<LatchBuilder> {
     let path = ["joint", name, "latch", "stiffness_ratio"];
-    let mut built = match (latch.kind, latch.stiffness_ratio, latch.stiffness_n_m_rad) {
+    let (key, stiffness, stand, capture) = match travel {
+        Travel::Rotation => (
+            "stiffness_N_m_rad",
+            latch.stiffness_n_m_rad,
+            latch.angle_deg.to_radians(),
+            latch.capture_deg.map(f64::to_radians),
+        ),
+        Travel::Translation => ("stiffness_N_m", latch.stiffness_n_m, latch.position_m, latch.capture_m),
+    };
+    let mut built = match (latch.kind, latch.stiffness_ratio, stiffness) {
         (LatchType::Rigid, ..) => {
-            for key in ["stiffness_ratio", "stiffness_N_m_rad"] {
+            for key in ["stiffness_ratio", key] {
                 if checker.states(&["joint", name, "latch", key]) {
                     let allowed = "this key only with kind = \"elastic\": a rigid latch has no spring";
                     checker.refuse(&["joint", name, "latch", key], allowed);
@@ -290,17 +365,17 @@ fn build_latch(name: &str, latch: &LatchFile, checker: &mut Checker) -> Option<L
         (LatchType::Elastic, Some(ratio), None) => Latch::with_ratio(ratio),
         (LatchType::Elastic, None, Some(stiffness_n_m_rad)) => Latch::with_stiffness_n_m_rad(stiffness_n_m_rad),
         (LatchType::Elastic, Some(_), Some(_)) => {
-            checker.refuse(&path, "either stiffness_ratio or stiffness_N_m_rad, not both");
+            checker.refuse(&path, format!("either stiffness_ratio or {key}, not both"));
             return None;
         }
         (LatchType::Elastic, None, None) => {
-            checker.refuse(&path, "a finite number > 1, or stiffness_N_m_rad instead, or kind = \"rigid\"");
+            checker.refuse(&path, format!("a finite number > 1, or {key} instead, or kind = \"rigid\""));
             return None;
         }
     };
-    built = built.angle_rad(latch.angle_deg.to_radians());
-    if let Some(capture_deg) = latch.capture_deg {
-        built = built.capture_rad(capture_deg.to_radians());
+    built = built.angle_rad(stand);
+    if let Some(capture) = capture {
+        built = built.capture_rad(capture);
     }
     Some(built.initially_closed(latch.initially_closed).enable(latch.enable))
 }

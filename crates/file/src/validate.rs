@@ -155,6 +155,8 @@ const KEYS: &[(&str, &str)] = &[
     ("damping_n_m_s_rad", "damping_N_m_s_rad"),
     ("constant_torque_n_m", "constant_torque_N_m"),
     ("torque_limit_n_m", "torque_limit_N_m"),
+    ("constant_force_n", "constant_force_N"),
+    ("force_limit_n", "force_limit_N"),
     ("stiffness_n_m", "stiffness_N_m"),
     ("damping_n_s_m", "damping_N_s_m"),
     ("station_positions_m", "load_station_positions_m"),
@@ -166,7 +168,9 @@ const WORDS: &[(&str, &str)] = &[
     ("rad/s", "deg/s"),
     ("mount_rotation ", "mount_rotation_deg "),
     ("stiffness_n_m_rad", "stiffness_N_m_rad"),
+    ("write stiffness_n_m ", "write stiffness_N_m "),
     ("start_angle lies within capture of angle", "start_angle_deg lies within capture_deg of angle_deg"),
+    ("start_position lies within capture of position", "start_position_m lies within capture_m of position_m"),
     ("at least one surface", "at least one table [surface.<name>]"),
 ];
 

@@ -24,6 +24,7 @@ mod rigid_bodies;
 mod rigid_latch;
 mod rod;
 mod section_loads;
+mod slides;
 mod snapshot;
 mod statics;
 mod steps;

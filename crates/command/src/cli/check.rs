@@ -9,11 +9,13 @@ use crate::packaging::drawing;
 use crate::packaging::sketch::sketch;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{
-    Body, Closure, ElementKind, JointKind, JointMotion, LatchKind, Parent, SpatialFreedom, UNLIMITED,
+    Body, Closure, ElementKind, JointKind, JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel,
+    UNLIMITED,
 };
 use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::{Causality, Interface, Value};
 use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -84,18 +86,9 @@ struct JointSummary {
     name: String,
     body: String,
     parent: String,
-    kind: &'static str,
-    start_angle_deg: Option<f64>,
-    stiffness_n_m_rad: Option<f64>,
-    damping_n_m_s_rad: Option<f64>,
-    constant_torque_n_m: Option<f64>,
-    torque_limit_n_m: Option<f64>,
-    spring_stiffness_n_m_rad: Option<f64>,
-    spring_damping_n_m_s_rad: Option<f64>,
-    rest_angle_deg: Option<f64>,
-    latch_kind: Option<&'static str>,
-    latch_angle_deg: Option<f64>,
-    latch_stiffness_n_m_rad: Option<f64>,
+    kind: String,
+    #[serde(flatten)]
+    figures: Figures,
     size: JointSize,
 }
 
@@ -193,7 +186,7 @@ impl Summary {
         text.push_str("\njoints\n");
         self.joints.iter().for_each(|joint| text.push_str(&joint.text()));
         text.push_str(JointSize::TITLE);
-        self.joints.iter().for_each(|joint| text.push_str(&joint.size.text(&joint.name, joint.kind)));
+        self.joints.iter().for_each(|joint| text.push_str(&joint.size.text(&joint.name, &joint.kind)));
         if !self.loops.is_empty() {
             text.push_str("\nclosed loops\n");
             self.loops.iter().for_each(|closure| text.push_str(&closure.text()));
@@ -231,7 +224,7 @@ impl Summary {
 fn joint_freedoms(body: &Body) -> usize {
     match &body.joint.kind {
         JointKind::Clamped => 0,
-        JointKind::Revolute(joint) => usize::from(joint.motion == JointMotion::Free),
+        JointKind::Revolute(joint) | JointKind::Prismatic(joint) => usize::from(joint.motion == JointMotion::Free),
         JointKind::Spatial(joint) => match joint.freedom {
             SpatialFreedom::Universal { .. } => 2,
             SpatialFreedom::Ball => 3,
@@ -266,82 +259,130 @@ impl JointSummary {
             Parent::Root { .. } => "root".to_owned(),
             Parent::Body { index, position_m } => format!("{} at {position_m} m", machine.bodies[index].name),
         };
-        let mut summary = Self {
-            name: body.joint.name.clone(),
-            body: body.name.clone(),
-            parent,
-            kind: "clamped",
-            start_angle_deg: None,
-            stiffness_n_m_rad: None,
-            damping_n_m_s_rad: None,
-            constant_torque_n_m: None,
-            torque_limit_n_m: None,
-            spring_stiffness_n_m_rad: None,
-            spring_damping_n_m_s_rad: None,
-            rest_angle_deg: None,
-            latch_kind: None,
-            latch_angle_deg: None,
-            latch_stiffness_n_m_rad: None,
-            size: JointSize::new(&body.joint.kind, variables, multipliers),
+        let (kind, figures) = match &body.joint.kind {
+            JointKind::Spatial(joint) => (spatial_kind(joint), Figures::of_spatial(joint)),
+            kind => match kind.one_freedom() {
+                Some((travel, joint)) => (motion(travel, joint), Figures::of_one_freedom(travel, joint)),
+                None => ("clamped".to_owned(), Figures::none()),
+            },
         };
-        if let JointKind::Spatial(joint) = &body.joint.kind {
-            summary.kind = match joint.freedom {
-                SpatialFreedom::Universal { .. } => "universal",
-                SpatialFreedom::Ball => "ball",
-                SpatialFreedom::Free => "free",
-            };
-            if joint.freedom != SpatialFreedom::Free {
-                summary.stiffness_n_m_rad = Some(joint.stiffness_n_m_rad);
-                summary.damping_n_m_s_rad = Some(joint.damping_n_m_s_rad);
-            }
-        }
-        if let JointKind::Revolute(joint) = &body.joint.kind {
-            summary.kind = match joint.motion {
-                JointMotion::Free => "revolute",
-                JointMotion::Locked => "revolute, locked",
-                JointMotion::Prescribed(_) => "revolute, prescribed",
-            };
-            summary.start_angle_deg = Some(joint.start_angle_rad.to_degrees());
-            summary.stiffness_n_m_rad = Some(joint.drive.stiffness_n_m_rad);
-            summary.damping_n_m_s_rad = Some(joint.drive.damping_n_m_s_rad);
-            summary.constant_torque_n_m = Some(joint.drive.constant_torque_n_m);
-            summary.torque_limit_n_m = Some(joint.drive.torque_limit_n_m).filter(|limit| *limit < UNLIMITED);
-            let spring = joint.spring.as_ref();
-            summary.spring_stiffness_n_m_rad = spring.map(|spring| spring.stiffness_n_m_rad);
-            summary.spring_damping_n_m_s_rad = spring.map(|spring| spring.damping_n_m_s_rad);
-            summary.rest_angle_deg = spring.map(|spring| spring.rest_angle_rad.to_degrees());
-            if let Some(latch) = &joint.latch {
-                let (kind, stiffness_n_m_rad) = match latch.kind {
-                    LatchKind::Elastic => ("elastic", Some(latch.stiffness_n_m_rad)),
-                    LatchKind::Rigid => ("rigid", None),
-                };
-                summary.latch_kind = Some(kind);
-                summary.latch_angle_deg = Some(latch.angle_rad.to_degrees());
-                summary.latch_stiffness_n_m_rad = stiffness_n_m_rad;
-            }
-        }
-        summary
+        let size = JointSize::new(&body.joint.kind, variables, multipliers);
+        Self { name: body.joint.name.clone(), body: body.name.clone(), parent, kind, figures, size }
     }
 
     fn text(&self) -> String {
         let mut text = format!("  {}: {} on {}, {}", self.name, self.body, self.parent, self.kind);
-        for (name, value, unit) in [
-            ("start", self.start_angle_deg, "deg"),
-            ("k", self.stiffness_n_m_rad, "N.m/rad"),
-            ("c", self.damping_n_m_s_rad, "N.m.s/rad"),
-            ("T", self.constant_torque_n_m, "N.m"),
-            ("motor torque limit", self.torque_limit_n_m, "N.m"),
-            ("spring", self.spring_stiffness_n_m_rad, "N.m/rad"),
-            ("spring damping", self.spring_damping_n_m_s_rad, "N.m.s/rad"),
-            ("spring slack at", self.rest_angle_deg, "deg"),
-            (if self.latch_kind == Some("rigid") { "rigid latch at" } else { "latch at" }, self.latch_angle_deg, "deg"),
-            ("latch stiffness", self.latch_stiffness_n_m_rad, "N.m/rad"),
-        ] {
+        for (_, name, value, unit) in &self.figures.numbers {
             if let Some(value) = value {
-                let _ = write!(text, ", {name} {} {unit}", (value * 1e9).round() / 1e9);
+                let name = if self.figures.latch_kind == Some("rigid") && *name == "latch at" {
+                    "rigid latch at".to_owned()
+                } else {
+                    self.figures.travel.words(name)
+                };
+                let _ = write!(text, ", {name} {} {}", (value * 1e9).round() / 1e9, self.figures.unit(unit));
             }
         }
         text + "\n"
+    }
+}
+
+fn spatial_kind(joint: &Spatial) -> String {
+    let kind = match joint.freedom {
+        SpatialFreedom::Universal { .. } => "universal",
+        SpatialFreedom::Ball => "ball",
+        SpatialFreedom::Free => "free",
+    };
+    kind.to_owned()
+}
+
+fn motion(travel: Travel, joint: &OneFreedom) -> String {
+    travel.words(match joint.motion {
+        JointMotion::Free => "revolute",
+        JointMotion::Locked => "revolute, locked",
+        JointMotion::Prescribed(_) => "revolute, prescribed",
+    })
+}
+
+/// Key in JSON, name, value and unit of a joint's number, as those of a revolute one.
+type Number = (&'static str, &'static str, Option<f64>, &'static str);
+
+/// Numbers of a joint; in JSON with the kind of its latch among them.
+struct Figures {
+    travel: Travel,
+    numbers: [Number; 10],
+    latch_kind: Option<&'static str>,
+}
+
+impl Figures {
+    fn none() -> Self {
+        Self {
+            travel: Travel::Rotation,
+            numbers: [
+                ("start_angle_deg", "start", None, "deg"),
+                ("stiffness_n_m_rad", "k", None, "N.m/rad"),
+                ("damping_n_m_s_rad", "c", None, "N.m.s/rad"),
+                ("constant_torque_n_m", "T", None, "N.m"),
+                ("torque_limit_n_m", "motor torque limit", None, "N.m"),
+                ("spring_stiffness_n_m_rad", "spring", None, "N.m/rad"),
+                ("spring_damping_n_m_s_rad", "spring damping", None, "N.m.s/rad"),
+                ("rest_angle_deg", "spring slack at", None, "deg"),
+                ("latch_angle_deg", "latch at", None, "deg"),
+                ("latch_stiffness_n_m_rad", "latch stiffness", None, "N.m/rad"),
+            ],
+            latch_kind: None,
+        }
+    }
+
+    fn of_spatial(joint: &Spatial) -> Self {
+        let mut figures = Self::none();
+        if joint.freedom != SpatialFreedom::Free {
+            figures.numbers[1].2 = Some(joint.stiffness_n_m_rad);
+            figures.numbers[2].2 = Some(joint.damping_n_m_s_rad);
+        }
+        figures
+    }
+
+    fn of_one_freedom(travel: Travel, joint: &OneFreedom) -> Self {
+        let (drive, spring, latch) = (&joint.drive, joint.spring.as_ref(), joint.latch.as_ref());
+        let values = [
+            Some(travel.shown(joint.start_angle_rad)),
+            Some(drive.stiffness_n_m_rad),
+            Some(drive.damping_n_m_s_rad),
+            Some(drive.constant_torque_n_m),
+            Some(drive.torque_limit_n_m).filter(|limit| *limit < UNLIMITED),
+            spring.map(|spring| spring.stiffness_n_m_rad),
+            spring.map(|spring| spring.damping_n_m_s_rad),
+            spring.map(|spring| travel.shown(spring.rest_angle_rad)),
+            latch.map(|latch| travel.shown(latch.angle_rad)),
+            latch.filter(|latch| latch.kind == LatchKind::Elastic).map(|latch| latch.stiffness_n_m_rad),
+        ];
+        let mut figures = Self { travel, ..Self::none() };
+        figures.numbers.iter_mut().zip(values).for_each(|(number, value)| number.2 = value);
+        figures.latch_kind = latch.map(|latch| match latch.kind {
+            LatchKind::Elastic => "elastic",
+            LatchKind::Rigid => "rigid",
+        });
+        figures
+    }
+
+    fn unit(&self, of_rotation: &str) -> String {
+        match of_rotation {
+            "deg" => self.travel.shown_unit().to_owned(),
+            unit => self.travel.words(unit),
+        }
+    }
+}
+
+impl Serialize for Figures {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        for (key, _, value, _) in &self.numbers {
+            if *key == "latch_angle_deg" {
+                map.serialize_entry("latch_kind", &self.latch_kind)?;
+            }
+            map.serialize_entry(&self.travel.words(key), value)?;
+        }
+        map.end()
     }
 }
 

@@ -34,7 +34,7 @@ impl JointSize {
         let conventional_multipliers = NODE - (variables - multipliers);
         let (ours, conventional) = (variables + multipliers, NODE + conventional_multipliers);
         let in_table_2 = match kind {
-            JointKind::Clamped => false,
+            JointKind::Clamped | JointKind::Prismatic(_) => false,
             JointKind::Revolute(_) => true,
             JointKind::Spatial(joint) => joint.freedom != foldwing_engine::machine::SpatialFreedom::Free,
         };

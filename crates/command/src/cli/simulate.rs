@@ -13,7 +13,7 @@ use crate::cli::{Failure, read_model};
 use crate::report::inputs::unknown_name;
 use crate::report::{Channel, InputTable, InputsError, Recorder};
 use clap::builder::NonEmptyStringValueParser;
-use foldwing_engine::machine::JointKind;
+use foldwing_engine::machine::Travel;
 use foldwing_engine::plant::{OutputSet, Plant};
 use foldwing_fmi::interface::{Causality, Interface, Variable};
 use std::fs::File;
@@ -287,10 +287,8 @@ fn summary(plant: &Plant, grid: &Grid, elapsed: Duration) -> String {
     for (joint, body) in plant.outputs().joints.iter().zip(plant.revolute_joints()) {
         let holder = &machine.bodies[*body].joint;
         let name = &holder.name;
-        let latch = match &holder.kind {
-            JointKind::Revolute(revolute) => revolute.latch.as_ref(),
-            JointKind::Clamped | JointKind::Spatial(_) => None,
-        };
+        let Some((travel, own)) = holder.kind.one_freedom() else { continue };
+        let latch = own.latch.as_ref();
         let latch = match (latch, joint.latch_count) {
             (None, _) => "has no latch".to_owned(),
             (Some(_), 0) if joint.latched => "latched from the start".to_owned(),
@@ -298,7 +296,11 @@ fn summary(plant: &Plant, grid: &Grid, elapsed: Duration) -> String {
             (Some(_), 0) => "did not latch".to_owned(),
             (Some(_), count) => format!("latched at {:.6} s ({count} in all)", joint.latch_time_s),
         };
-        text += &format!("{name}: {latch}, angle {:.3} deg at the end\n", joint.angle_rad.to_degrees());
+        let end = match travel {
+            Travel::Rotation => format!("angle {:.3} deg", joint.angle_rad.to_degrees()),
+            Travel::Translation => format!("position {:.6} m", joint.angle_rad),
+        };
+        text += &format!("{name}: {latch}, {end} at the end\n");
     }
     let statistics = plant.statistics();
     let advice = machine.air.as_ref().and_then(|air| statistics.advice_on_rows(air.step_s));

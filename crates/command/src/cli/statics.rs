@@ -3,7 +3,7 @@
 use crate::cli::settings::read_plant;
 use crate::cli::{Failure, print, stability};
 use clap::builder::NonEmptyStringValueParser;
-use foldwing_engine::machine::Machine;
+use foldwing_engine::machine::{Machine, Travel};
 use foldwing_engine::plant::{Branch, Holding, LoadPath, Plant, PlantError, Search, SectionShape, StaticEffort};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
@@ -114,12 +114,12 @@ fn as_json(plant: &Plant, effort: StaticEffort) -> Value {
         .map(|(body, sections)| json!({ "name": body.name, "sections": sections.iter().map(section).collect::<Vec<_>>() }))
         .collect();
     let joints: Vec<Value> = joints(plant)
-        .map(|(name, joint)| {
+        .map(|(travel, name, joint)| {
             json!({
                 "name": name,
-                "angle_rad": joint.angle_rad,
-                "torque_applied_N_m": joint.torque_applied_n_m,
-                "latch_torque_N_m": joint.latch_torque_n_m,
+                (travel.words("angle_rad")): joint.angle_rad,
+                (travel.words("torque_applied_N_m")): joint.torque_applied_n_m,
+                (travel.words("latch_torque_N_m")): joint.latch_torque_n_m,
                 "latched": joint.latched,
             })
         })
@@ -164,9 +164,12 @@ fn as_json(plant: &Plant, effort: StaticEffort) -> Value {
     })
 }
 
-fn joints(plant: &Plant) -> impl Iterator<Item = (&str, &foldwing_engine::plant::JointOutputs)> {
-    let name = |&body: &usize| plant.machine().bodies[body].joint.name.as_str();
-    plant.revolute_joints().iter().map(name).zip(&plant.outputs().joints)
+fn joints(plant: &Plant) -> impl Iterator<Item = (Travel, &str, &foldwing_engine::plant::JointOutputs)> {
+    let described = plant.machine().bodies.iter().filter_map(|body| {
+        let (travel, _) = body.joint.kind.one_freedom()?;
+        Some((travel, body.joint.name.as_str()))
+    });
+    described.zip(&plant.outputs().joints).map(|((travel, name), outputs)| (travel, name, outputs))
 }
 
 fn tips<'a>(machine: &'a Machine, plant: &'a Plant) -> impl Iterator<Item = (&'a str, Vector3<f64>)> {
@@ -215,11 +218,12 @@ fn as_text(plant: &Plant, effort: StaticEffort) -> String {
         }
     }
     text.push('\n');
-    for (name, joint) in joints(plant) {
+    for (travel, name, joint) in joints(plant) {
+        let (coordinate, shown_unit, unit) = (travel.coordinate(), travel.shown_unit(), travel.effort_unit());
         let _ = writeln!(
             text,
-            "{name}: angle {:.6} deg, drive {:.6e} N.m, latch {:.6e} N.m{}",
-            joint.angle_rad.to_degrees(),
+            "{name}: {coordinate} {:.6} {shown_unit}, drive {:.6e} {unit}, latch {:.6e} {unit}{}",
+            travel.shown(joint.angle_rad),
             joint.torque_applied_n_m + 0.0,
             joint.latch_torque_n_m + 0.0,
             if joint.latched { ", latched" } else { "" }

@@ -5,7 +5,8 @@ use crate::packaging::{VERSION, air_section, drawing, palette, use_section};
 use foldwing_engine::beam::section::Section;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{
-    Body, ElementKind, JointKind, JointMotion, LatchKind, Parent, Revolute, Spatial, SpatialFreedom, UNLIMITED,
+    Body, ElementKind, JointKind, JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel,
+    UNLIMITED,
 };
 use foldwing_fmi::interface::{Causality, TYPES, UNITS, Value, Variability, Variable};
 use nalgebra::{Matrix3, Rotation3};
@@ -62,7 +63,7 @@ pub fn page(machine: &Machine, variables: &[Variable], extras: &Extras) -> Strin
 }
 
 fn drawing_section(html: &mut String, machine: &Machine) {
-    let folds = machine.bodies.iter().any(|body| matches!(body.joint.kind, JointKind::Revolute(_)));
+    let folds = machine.bodies.iter().any(|body| body.joint.kind.one_freedom().is_some());
     let turns = machine.bodies.iter().any(|body| matches!(body.joint.kind, JointKind::Spatial(_)));
     let shown = match (folds, turns) {
         _ if !machine.closures.is_empty() => "at its start angles, where its closed loops close",
@@ -78,7 +79,10 @@ fn drawing_section(html: &mut String, machine: &Machine) {
     let keys: Vec<String> = drawing::KEYS
         .iter()
         .filter(|(role, _)| drawing.shows(*role))
-        .map(|(role, name)| format!("<span class=\"key {}\"></span> {name}", palette::ink(*role).class))
+        .map(|(role, name)| {
+            let name = if *role == palette::Role::Hinge { drawing::axes(machine) } else { name };
+            format!("<span class=\"key {}\"></span> {name}", palette::ink(*role).class)
+        })
         .collect();
     let _ = write!(
         html,
@@ -168,7 +172,8 @@ fn joints_section(html: &mut String, machine: &Machine) {
             let mut row = vec![escape(&body.joint.name).into_owned(), escape(&body.name).into_owned(), on];
             match &body.joint.kind {
                 JointKind::Clamped => row.extend(["clamped", "", "", "", "", "", ""].map(str::to_owned)),
-                JointKind::Revolute(joint) => row.extend(revolute(joint)),
+                JointKind::Revolute(joint) => row.extend(one_freedom(Travel::Rotation, joint)),
+                JointKind::Prismatic(joint) => row.extend(one_freedom(Travel::Translation, joint)),
                 JointKind::Spatial(joint) => row.extend(spatial(joint, &body.joint.mount)),
             }
             row
@@ -217,31 +222,47 @@ fn spatial(joint: &Spatial, mount: &Matrix3<f64>) -> Vec<String> {
     row
 }
 
-fn revolute(joint: &Revolute) -> Vec<String> {
-    let motion = match joint.motion {
+/// The columns are in the units of a revolute joint; numbers of a prismatic one have their own.
+fn one_freedom(travel: Travel, joint: &OneFreedom) -> Vec<String> {
+    let motion = travel.words(match joint.motion {
         JointMotion::Free => "revolute",
         JointMotion::Locked => "revolute, locked",
         JointMotion::Prescribed(_) => "revolute, prescribed",
-    };
+    });
+    let unit = travel.units()[0];
     let drive = &joint.drive;
     let latch = joint.latch.as_ref().map_or("none".to_owned(), |latch| match latch.kind {
         LatchKind::Elastic => {
-            format!("at {} rad, {} N·m/rad", number(latch.angle_rad), number(latch.stiffness_n_m_rad))
+            let stiffness = travel.words("N·m/rad");
+            format!("at {} {unit}, {} {stiffness}", number(latch.angle_rad), number(latch.stiffness_n_m_rad))
         }
-        LatchKind::Rigid => format!("rigid, at {} rad", number(latch.angle_rad)),
+        LatchKind::Rigid => format!("rigid, at {} {unit}", number(latch.angle_rad)),
     });
     let spring = joint.spring.as_ref().map_or(String::new(), |spring| {
         let [stiffness, damping] = [spring.stiffness_n_m_rad, spring.damping_n_m_s_rad].map(number);
         format!(
-            ", own spring {stiffness} N·m/rad and {damping} N·m·s/rad, slack at {} rad",
+            ", own spring {stiffness} {} and {damping} {}, slack at {} {unit}",
+            travel.words("N·m/rad"),
+            travel.words("N·m·s/rad"),
             number(spring.rest_angle_rad)
         )
     });
-    let kind = format!("{motion} about {}{spring}", vector(joint.axis.as_slice()));
-    let mut row = vec![kind, number(joint.start_angle_rad)];
-    row.extend([drive.stiffness_n_m_rad, drive.damping_n_m_s_rad, drive.constant_torque_n_m].map(number));
-    row.extend([number(drive.torque_limit_n_m), latch]);
-    row
+    let about = if travel == Travel::Rotation { "about" } else { "along" };
+    let kind = format!("{motion} {about} {}{spring}", vector(joint.axis.as_slice()));
+    let numbers = [
+        (joint.start_angle_rad, "rad"),
+        (drive.stiffness_n_m_rad, "N·m/rad"),
+        (drive.damping_n_m_s_rad, "N·m·s/rad"),
+        (drive.constant_torque_n_m, "N·m"),
+        (drive.torque_limit_n_m, "N·m"),
+    ];
+    let numbers = numbers.map(|(value, unit)| match travel {
+        Travel::Rotation => number(value),
+        Travel::Translation => {
+            format!("{} {}", number(value), if unit == "rad" { "m".into() } else { travel.words(unit) })
+        }
+    });
+    [kind].into_iter().chain(numbers).chain([latch]).collect()
 }
 
 fn experiment_section(html: &mut String, machine: &Machine) {

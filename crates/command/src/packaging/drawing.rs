@@ -4,7 +4,7 @@
 use crate::packaging::palette::{self, Role, ink};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::pose::{self, Frame};
-use foldwing_engine::machine::{Body, JointKind, LiftingSurface, Parent, Revolute};
+use foldwing_engine::machine::{Body, LiftingSurface, OneFreedom, Parent, Travel};
 use nalgebra::Vector3;
 use quick_xml::escape::escape;
 use std::fmt::Write;
@@ -65,14 +65,14 @@ impl Drawing {
 
 /// Frames along every body at equal arc lengths, `POINTS + 1` each, natural strains only.
 ///
-/// Fold angles lie at `fraction` of the way from deployed (latch angle, else 0) to the start angle; universal, ball and
+/// Fold angles and positions of slides lie at `fraction` of the way from deployed (that of the latch, else 0) to the start; universal, ball and
 /// free joints stand in their start attitude, which is their mount.
 pub fn undeformed(machine: &Machine, fraction: f64) -> Vec<Vec<Frame>> {
-    let angle_rad = |joint: &Revolute| {
+    let stand = |joint: &OneFreedom| {
         let deployed = joint.latch.as_ref().map_or(0.0, |latch| latch.angle_rad);
         deployed + fraction * (joint.start_angle_rad - deployed)
     };
-    let firsts = pose::first_frames(&machine.bodies, angle_rad);
+    let firsts = pose::first_frames(&machine.bodies, stand);
     machine
         .bodies
         .iter()
@@ -123,7 +123,7 @@ pub(super) fn outline(body: &Body, frames: &[Frame]) -> Vec<Vector3<f64>> {
 pub fn drawing(machine: &Machine) -> Drawing {
     let looped = !machine.closures.is_empty();
     let deployed = undeformed(machine, if looped { 1.0 } else { 0.0 });
-    let folds = !looped && machine.bodies.iter().any(|body| matches!(body.joint.kind, JointKind::Revolute(_)));
+    let folds = !looped && machine.bodies.iter().any(|body| body.joint.kind.one_freedom().is_some());
     let mut wings: Vec<(Role, Vec<Vec<Frame>>)> = Vec::new();
     if folds {
         wings.extend([0.25, 0.5, 0.75].map(|fraction| (Role::Ghost, undeformed(machine, fraction))));
@@ -177,11 +177,23 @@ pub(super) fn planforms(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<(Role, Ve
 /// Half width at which the fold axis of a rigid body, which has no section, is drawn, in m.
 const RIGID_HALF_WIDTH_M: f64 = 0.02;
 
-/// Fold axes, each from end to end of a line that is a little longer than the section of the joint's body is wide.
+/// What the lines through the joints are: axes of folds, of slides, or both.
+pub(super) fn axes(machine: &Machine) -> &'static str {
+    let has =
+        |wanted| machine.bodies.iter().any(|body| body.joint.kind.one_freedom().is_some_and(|own| own.0 == wanted));
+    match (has(Travel::Rotation), has(Travel::Translation)) {
+        (_, false) => "fold axis",
+        (false, true) => "sliding axis",
+        (true, true) => "fold or sliding axis",
+    }
+}
+
+/// Fold and sliding axes, each from end to end of a line that is a little longer than the section of the joint's body is
+/// wide.
 pub(super) fn hinges(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<[Vector3<f64>; 2]> {
     let line = |(body, frames): (&Body, &Vec<Frame>)| {
-        let JointKind::Revolute(joint) = &body.joint.kind else { return None };
-        // the fold leaves its own axis where it is, so the body's first frame tells it without the parent's
+        let (_, joint) = body.joint.kind.one_freedom()?;
+        // the joint leaves its own axis where it is, so the body's first frame tells it without the parent's
         let axis = frames[0].attitude * body.joint.mount.transpose() * joint.axis;
         let half_m = match body.is_rigid() {
             true => RIGID_HALF_WIDTH_M,

@@ -4,8 +4,8 @@ use super::*;
 use foldwing_engine::beam::section::{Material, Section};
 use foldwing_engine::load::LoadFrame;
 use foldwing_engine::machine::{
-    Drive, ElementKind, Experiment, Joint, JointMotion, Latch, LatchKind, Method, Parent, Revolute, Solver, Spatial,
-    SpatialFreedom, StartState, UNLIMITED,
+    Drive, ElementKind, Experiment, Joint, JointKind, JointMotion, Latch, LatchKind, Method, Parent, Revolute, Solver,
+    Spatial, SpatialFreedom, StartState, UNLIMITED,
 };
 use nalgebra::{Matrix3, Rotation3};
 use std::f64::consts::{FRAC_PI_2, PI};

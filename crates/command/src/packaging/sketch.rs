@@ -2,7 +2,7 @@
 //!
 //! ASCII only, so that no terminal, log or continuous integration garbles it; 80 columns.
 
-use crate::packaging::drawing::{hinges, outline, places, planforms, undeformed};
+use crate::packaging::drawing::{axes, hinges, outline, places, planforms, undeformed};
 use crate::packaging::palette::Role;
 use foldwing_engine::machine::JointKind;
 use foldwing_engine::machine::Machine;
@@ -28,11 +28,15 @@ const SIGNS: [(Role, char, &str); 4] = [
     (Role::Loop, 'L', "closed loop"),
     (Role::Gauge, 'G', "strain gauge"),
 ];
-/// Hinge of a fold joint without and with a latch, other joints.
-const JOINTS: [(char, &str); 4] =
-    [('O', "fold joint"), ('@', "fold joint with latch"), ('X', "clamp"), ('*', "joint of several freedoms")];
-/// What the lines through fold joints are.
-const HINGE: &str = "/ | \\ - fold axis";
+/// Fold joint without and with a latch, other joints.
+const JOINTS: [(char, &str); 6] = [
+    ('O', "fold joint"),
+    ('@', "fold joint with latch"),
+    ('X', "clamp"),
+    ('*', "joint of several freedoms"),
+    ('S', "sliding joint"),
+    ('$', "sliding joint with latch"),
+];
 
 /// The undeformed machine at its start angles, in two views of the same scale with a legend. Every line is ASCII and at
 /// most 80 characters long.
@@ -98,6 +102,7 @@ impl Painter {
             let sign = match &body.joint.kind {
                 JointKind::Clamped => 2,
                 JointKind::Revolute(joint) => usize::from(joint.latch.is_some()),
+                JointKind::Prismatic(joint) => 4 + usize::from(joint.latch.is_some()),
                 JointKind::Spatial(_) => 3,
             };
             marks.push(Mark::Sign(JOINTS[sign].0, frames[0].position_m));
@@ -186,7 +191,7 @@ impl Painter {
         JOINTS.iter().for_each(|(letter, word)| sign(*letter, word));
         SIGNS.iter().for_each(|(_, letter, word)| sign(*letter, word));
         if self.marks.iter().any(|mark| matches!(mark, Mark::Line(_))) {
-            words.push(HINGE.to_owned());
+            words.push(format!("/ | \\ - {}", axes(machine)));
         }
         words.push(format!("one column is {} m", significant(self.scale_m)));
         wrap(&words)

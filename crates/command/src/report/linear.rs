@@ -37,7 +37,10 @@ pub fn linear_json(model: &LinearModel) -> Value {
 
 /// The operating point as JSON.
 fn state(point: &OperatingPoint) -> Value {
-    let joint = |joint: &JointPoint| json!({ "name": joint.name, "angle_rad": joint.angle_rad, "motion": joint.motion, "latch": joint.latch });
+    let joint = |joint: &JointPoint| {
+        let coordinate = joint.travel.words("angle_rad");
+        json!({ "name": joint.name, coordinate: joint.angle_rad, "motion": joint.motion, "latch": joint.latch })
+    };
     let acting = |acting: &Acting| {
         let value = match acting.value {
             interface::Value::Boolean(value) => json!(value),
@@ -57,7 +60,7 @@ fn state(point: &OperatingPoint) -> Value {
 
 /// Writes a linear model for `numpy.load`: `A`, `B`, `C`, `D`, `x0`, `u0`, `y0`, `time_s`, `without_air` (1 or 0), and the
 /// names and units `state_names`, `state_units`, … as arrays of text; of the operating point `equilibrium` (0 or 1), `joint_names`,
-/// `joint_angles_rad`, `joint_motions`, `joint_latches`, `acting_names`, `acting_values`, `acting_units`, and `growing_1_s`, a row of
+/// `joint_angles_rad` (in m of prismatic joints), `joint_motions`, `joint_latches`, `acting_names`, `acting_values`, `acting_units`, and `growing_1_s`, a row of
 /// real and imaginary part for each eigenvalue that grows (NaN where nobody has looked). Equal models give equal bytes.
 pub fn write_npz<W: Write + Seek>(model: &LinearModel, target: W) -> io::Result<()> {
     let mut archive = ZipWriter::new(target);

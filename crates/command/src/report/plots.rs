@@ -2,6 +2,7 @@
 
 use crate::report::figure::{Curve, Figure, PALETTE};
 use crate::report::recording::{Frame, MOST_POINTS, Recording, Thinning};
+use foldwing_engine::machine::Travel;
 use foldwing_engine::plant::EnergyOutputs;
 use nalgebra::Vector3;
 
@@ -18,7 +19,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 pub type Named = (&'static str, Figure);
 
 /// Names of the figures of [`figures`].
-pub const NAMES: [&str; 5] = ["fold_angles", "strains", "energies", "tip_path", "shapes"];
+pub const NAMES: [&str; 6] = ["fold_angles", "strains", "energies", "tip_path", "shapes", "positions"];
 
 /// All figures that the recording has something for.
 pub fn figures(recording: &Recording) -> Vec<Named> {
@@ -35,19 +36,23 @@ pub fn figures(recording: &Recording) -> Vec<Named> {
         marks: marks(recording),
         equal: false,
     };
-    let joints = scene.joints.iter().zip(&history.angles_rad).enumerate();
-    let angles = joints.map(|(n, ((name, _), angle))| Curve::nth(n, name, over_time(angle, 1f64.to_degrees())));
+    let coordinates = |travel: Travel| -> Vec<Curve> {
+        let joints = scene.joints.iter().zip(&scene.travels).zip(&history.angles_rad);
+        let own = joints.filter(|((_, other), _)| **other == travel).enumerate();
+        own.map(|(n, (((name, _), _), values))| Curve::nth(n, name, over_time(values, travel.shown(1.0)))).collect()
+    };
     let gauges = scene.gauges.iter().zip(&history.gauges).enumerate();
     let strains = gauges.map(|(n, (gauge, strain))| Curve::nth(n, &gauge.name, over_time(strain, 1e3)));
     let energies = ENERGIES.iter().enumerate().map(|(n, (name, value))| {
         Curve::nth(n, *name, over_time(&history.energies.iter().map(value).collect::<Vec<_>>(), 1.0))
     });
     let plots = [
-        named(("fold angles", "fold angle (°)"), angles.collect()),
+        named(("fold angles", "fold angle (°)"), coordinates(Travel::Rotation)),
         named(("strains of the gauges", "strain (10⁻³)"), strains.collect()),
         named(("energies", "energy (J)"), energies.collect()),
         tip_path(recording),
         shapes(recording),
+        named(("positions of slides", "position (m)"), coordinates(Travel::Translation)),
     ];
     NAMES.into_iter().zip(plots).filter(|(_, figure)| !figure.curves.is_empty()).collect()
 }

@@ -1,8 +1,8 @@
 //! What a run leaves for pictures: histories of scalars, and frames with the whole wing.
 
 use foldwing_engine::beam::section::Outline;
-use foldwing_engine::machine::JointKind;
 use foldwing_engine::machine::Machine;
+use foldwing_engine::machine::{JointKind, Travel};
 use foldwing_engine::plant::{EnergyOutputs, Plant, SectionState, SurfaceLattice};
 use nalgebra::Vector3;
 
@@ -75,8 +75,11 @@ pub struct Scene {
     pub description: String,
     /// Bodies, in the machine's order.
     pub bodies: Vec<BodyScene>,
-    /// Names of the fold joints, in the order of [`Plant::revolute_joints`], each with the index of its outer body.
+    /// Names of the fold and prismatic joints, in the order of [`Plant::revolute_joints`], each with the index of its outer
+    /// body.
     pub joints: Vec<(String, usize)>,
+    /// Whether each of them turns or slides.
+    pub travels: Vec<Travel>,
     /// Names of the free ends' bodies.
     pub tips: Vec<String>,
     /// Gauges.
@@ -88,7 +91,7 @@ pub struct Scene {
 pub struct History {
     /// Times in s.
     pub time_s: Vec<f64>,
-    /// Angles in rad per fold joint.
+    /// Angles in rad per fold joint, positions in m per prismatic one.
     pub angles_rad: Vec<Vec<f64>>,
     /// Times in s at which a latch closed, per fold joint.
     pub latches_s: Vec<Vec<f64>>,
@@ -111,7 +114,7 @@ pub struct Frame {
     pub edges_m: Vec<Vec<[Vector3<f64>; 2]>>,
     /// Places of the gauges in m.
     pub gauges_m: Vec<Vector3<f64>>,
-    /// Angles in rad per fold joint.
+    /// Angles in rad per fold joint, positions in m per prismatic one.
     pub angles_rad: Vec<f64>,
     /// Strains per gauge.
     pub strains: Vec<f64>,
@@ -224,6 +227,7 @@ impl Scene {
             description: machine.description.clone(),
             bodies: (0..machine.bodies.len()).map(|body| body_scene(plant, machine, body)).collect(),
             joints: plant.revolute_joints().iter().map(|&i| (machine.bodies[i].joint.name.clone(), i)).collect(),
+            travels: machine.bodies.iter().filter_map(|body| Some(body.joint.kind.one_freedom()?.0)).collect(),
             tips: plant.tip_bodies().iter().map(name).collect(),
             gauges: machine
                 .gauges
@@ -260,7 +264,7 @@ fn body_scene(plant: &Plant, machine: &Machine, index: usize) -> BodyScene {
     let rims_m = places_m.iter().map(rim).collect();
     let joint = match &body.joint.kind {
         JointKind::Clamped => String::new(),
-        JointKind::Revolute(_) | JointKind::Spatial(_) => body.joint.name.clone(),
+        JointKind::Revolute(_) | JointKind::Prismatic(_) | JointKind::Spatial(_) => body.joint.name.clone(),
     };
     BodyScene { name: body.name.clone(), joint, places_m, rims_m }
 }

@@ -3,8 +3,8 @@
 use crate::actuation::prescribed::Law;
 use crate::aero::surface::ChordLine;
 use crate::machine::pose::{along, first_frames};
-use crate::machine::{Body, JointKind, JointMotion, LiftingSurface, Parent, SpatialFreedom};
-use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use crate::machine::{Body, JointKind, JointMotion, LiftingSurface, Parent, SpatialFreedom, Travel};
+use nalgebra::{Matrix3, Vector3};
 
 /// Distance over a body's length, or over a chord, below which two places are the same.
 const NEAR: f64 = 1e-9;
@@ -25,17 +25,20 @@ pub(crate) struct RootEdge {
 /// It goes on where a child with a surface hangs on its outer end, or where its inner end hangs on such an end itself.
 /// Surfaces whose inner ends hang on one place (two halves of a wing on the root or on a keel) go on in one another where
 /// their edges coincide at the start: what hangs on one place stays together. A mirror plane through the inner end holds
-/// it as well. Edges that happen to meet at the start, as those of a wing folded flat, end freely.
+/// it as well. Edges that happen to meet at the start, as those of a wing folded flat, end freely, and so do those at a
+/// prismatic joint, which lets its surface slide away.
 pub(crate) fn free_edges(body: usize, edges: &[RootEdge], bodies: &[Body], mirror: Option<Vector3<f64>>) -> [bool; 2] {
     let has_surface = |body: usize| edges.iter().any(|edge| edge.body == body);
     let at_end = |parent: usize, position_m: f64| position_m >= bodies[parent].length_m * (1.0 - NEAR);
     let goes_on = bodies.iter().enumerate().any(|(child, described)| match described.joint.parent {
-        Parent::Body { index, position_m } => index == body && at_end(index, position_m) && has_surface(child),
+        Parent::Body { index, position_m } => {
+            index == body && at_end(index, position_m) && has_surface(child) && !slides(child, bodies)
+        }
         Parent::Root { .. } => false,
     });
     let hangs_on_end = match bodies[body].joint.parent {
         Parent::Root { .. } => false,
-        Parent::Body { index, position_m } => has_surface(index) && at_end(index, position_m),
+        Parent::Body { index, position_m } => has_surface(index) && at_end(index, position_m) && !slides(body, bodies),
     };
     let held = hangs_on_end
         || mirror.is_some_and(|normal| stands_on(&normal, body, bodies))
@@ -52,9 +55,12 @@ pub(crate) fn other_half(body: usize, edges: &[RootEdge], bodies: &[Body]) -> Op
 fn stands_on(normal: &Vector3<f64>, body: usize, bodies: &[Body]) -> bool {
     let rests = |joint: &JointKind| match joint {
         JointKind::Clamped => true,
-        JointKind::Revolute(revolute) => revolute.motion == JointMotion::Locked,
+        JointKind::Revolute(own) | JointKind::Prismatic(own) => own.motion == JointMotion::Locked,
         JointKind::Spatial(_) => false,
     };
+    if slides(body, bodies) {
+        return false;
+    }
     let mut holder = &bodies[body].joint.parent;
     while let Parent::Body { index, .. } = holder {
         if !rests(&bodies[*index].joint.kind) {
@@ -75,6 +81,9 @@ fn stands_on(normal: &Vector3<f64>, body: usize, bodies: &[Body]) -> bool {
 /// Whether the inner edges of two surfaces hang on one place and coincide at the start.
 fn coincide(body: usize, other: &RootEdge, edges: &[RootEdge], bodies: &[Body]) -> bool {
     let Some(own) = edges.iter().find(|edge| edge.body == body) else { return false };
+    if slides(body, bodies) || slides(other.body, bodies) {
+        return false;
+    }
     let ((place, attitude), (other_place, other_attitude)) = (hold(body, bodies), hold(other.body, bodies));
     let same_place = match (&place, &other_place) {
         (Parent::Root { position_m: a }, Parent::Root { position_m: b }) => {
@@ -96,13 +105,8 @@ fn coincide(body: usize, other: &RootEdge, edges: &[RootEdge], bodies: &[Body]) 
 /// is held at that very end, its own holder is the place.
 fn hold(body: usize, bodies: &[Body]) -> (Parent, Matrix3<f64>) {
     let joint = &bodies[body].joint;
-    let fold = match &joint.kind {
-        JointKind::Clamped | JointKind::Spatial(_) => Matrix3::identity(),
-        JointKind::Revolute(revolute) => {
-            Rotation3::from_axis_angle(&Unit::new_normalize(revolute.axis), revolute.start_angle_rad).into_inner()
-        }
-    };
-    let attitude = fold * joint.mount;
+    let fold = joint.kind.one_freedom().map(|(travel, own)| travel.moved(&own.axis, own.start_angle_rad).1);
+    let attitude = fold.unwrap_or_else(Matrix3::identity) * joint.mount;
     match &joint.parent {
         Parent::Body { index, position_m }
             if *position_m <= NEAR * bodies[*index].length_m && stays(*index, bodies) =>
@@ -114,9 +118,16 @@ fn hold(body: usize, bodies: &[Body]) -> (Parent, Matrix3<f64>) {
     }
 }
 
-/// Whether the inner end of a body stays where its joint holds it: all joints but the free one see to that.
+/// Whether a body slides along its joint's axis.
+fn slides(body: usize, bodies: &[Body]) -> bool {
+    matches!(bodies[body].joint.kind, JointKind::Prismatic(_))
+}
+
+/// Whether the inner end of a body stays where its joint holds it: all joints but the free and the prismatic one see to
+/// that.
 fn stays(body: usize, bodies: &[Body]) -> bool {
-    !matches!(&bodies[body].joint.kind, JointKind::Spatial(spatial) if spatial.freedom == SpatialFreedom::Free)
+    !slides(body, bodies)
+        && !matches!(&bodies[body].joint.kind, JointKind::Spatial(spatial) if spatial.freedom == SpatialFreedom::Free)
 }
 
 /// Speed in m/s of the trailing edge's fastest point against the air at the start, the root frame at rest; `None` where
@@ -137,20 +148,20 @@ pub(crate) fn fastest_m_s(
             velocity_m_s = inner_m_s + inner_rad_s.cross(&(first.position_m - firsts[index].position_m));
             (spin_rad_s, attitude) = (inner_rad_s, along(&bodies[index], &firsts[index], position_m).attitude);
         }
-        match &body.joint.kind {
-            JointKind::Clamped => (),
-            JointKind::Revolute(joint) => {
-                let rate_rad_s = match &joint.motion {
-                    JointMotion::Free if joint.release => joint.start_rate_rad_s,
-                    JointMotion::Free | JointMotion::Locked => 0.0,
-                    JointMotion::Prescribed(motion) => Law::new(motion).at(start_s)[1],
-                };
-                spin_rad_s += attitude * joint.axis * rate_rad_s;
+        if let Some((travel, joint)) = body.joint.kind.one_freedom() {
+            let rate = match &joint.motion {
+                JointMotion::Free if joint.release => joint.start_rate_rad_s,
+                JointMotion::Free | JointMotion::Locked => 0.0,
+                JointMotion::Prescribed(motion) => Law::new(motion).at(start_s)[1],
+            };
+            match travel {
+                Travel::Rotation => spin_rad_s += attitude * joint.axis * rate,
+                Travel::Translation => velocity_m_s += attitude * joint.axis * rate,
             }
-            JointKind::Spatial(joint) => {
-                velocity_m_s += joint.start_velocity_m_s;
-                spin_rad_s += attitude * joint.start_angular_velocity_rad_s;
-            }
+        }
+        if let JointKind::Spatial(joint) = &body.joint.kind {
+            velocity_m_s += joint.start_velocity_m_s;
+            spin_rad_s += attitude * joint.start_angular_velocity_rad_s;
         }
         motions.push([velocity_m_s, spin_rad_s]);
     }

@@ -7,6 +7,7 @@ pub mod builder;
 pub(crate) mod edges;
 pub mod fault;
 pub mod pose;
+pub mod travel;
 pub mod units;
 pub mod validate;
 
@@ -24,6 +25,7 @@ pub use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::recovery::{axial_row, gauge_row};
 use crate::load::{LoadFrame, Wrench};
 use nalgebra::{Matrix3, Vector3, Vector4};
+pub use travel::{LinearDrive, LinearSpring, Travel};
 
 /// A whole machine as validated. Bodies are in topological order: a parent stands before its children.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,7 +116,7 @@ pub struct Joint {
     pub parent: Parent,
     /// From the place on the parent body to the body's first frame, parent's section frame there, in m; zero on the root.
     pub offset_m: Vector3<f64>,
-    /// Orientation of the body's first frame in the parent's frame at angle zero: parent ← body.
+    /// Orientation of the body's first frame in the parent's frame at angle zero of a revolute joint: parent ← body.
     pub mount: Matrix3<f64>,
     /// What the joint allows.
     pub kind: JointKind,
@@ -143,7 +145,9 @@ pub enum JointKind {
     /// Nothing.
     Clamped,
     /// Rotation about one axis: `R_body = R_parent · Rot(axis, θ) · mount`.
-    Revolute(Box<Revolute>),
+    Revolute(Box<OneFreedom>),
+    /// Translation along one axis: `r_body = r_parent + s · axis`, `R_body = R_parent · mount`.
+    Prismatic(Box<OneFreedom>),
     /// Several freedoms, described by the paper's redundant parameters; `mount` is the attitude at the start.
     Spatial(Box<Spatial>),
 }
@@ -179,16 +183,20 @@ pub enum SpatialFreedom {
     Free,
 }
 
-/// A fold joint.
+/// A joint with one freedom, which either turns about its axis or slides along it: [`Travel`].
+///
+/// Fields here, in [`Drive`], [`Spring`] and [`Latch`], and the joint's inputs, parameters and outputs in
+/// [`crate::plant`], are named for a joint that turns. Of one that slides, read m for rad, N for N·m and kg for kg·m²;
+/// [`LinearDrive`], [`LinearSpring`] and [`builder::JointBuilder`] name its quantities by their own units.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Revolute {
-    /// Unit hinge axis in the parent's section frame.
+pub struct OneFreedom {
+    /// Unit axis in the parent's section frame.
     pub axis: Vector3<f64>,
-    /// Fold angle at the start in rad.
+    /// Fold angle at the start in rad, or position in m.
     pub start_angle_rad: f64,
-    /// Fold rate at the start in rad/s (joints that are free at the start).
+    /// Fold rate at the start in rad/s, or velocity in m/s (joints that are free at the start).
     pub start_rate_rad_s: f64,
-    /// How the angle moves.
+    /// How the coordinate moves.
     pub motion: JointMotion,
     /// Start value of the release input.
     pub release: bool,
@@ -200,7 +208,10 @@ pub struct Revolute {
     pub latch: Option<Latch>,
 }
 
-impl Revolute {
+/// A fold joint: the one freedom of [`JointKind::Revolute`].
+pub type Revolute = OneFreedom;
+
+impl OneFreedom {
     /// A hinge about an axis in the parent's section frame: free, released, at rest at angle 0, without motor, spring or latch.
     pub fn about(axis: impl Into<Vector3<f64>>) -> Self {
         Self {
@@ -214,14 +225,19 @@ impl Revolute {
             latch: None,
         }
     }
+
+    /// A slide along an axis in the parent's section frame: as [`Self::about`], at position 0.
+    pub fn along(axis: impl Into<Vector3<f64>>) -> Self {
+        Self::about(axis)
+    }
 }
 
-/// How a fold angle moves.
+/// How a fold angle or a position moves.
 #[derive(Debug, Clone, PartialEq)]
 pub enum JointMotion {
-    /// By its torques.
+    /// By its torques or forces.
     Free,
-    /// Not at all: held at the start angle.
+    /// Not at all: held where it starts.
     Locked,
     /// As a function of absolute time.
     Prescribed(Motion),

@@ -1,7 +1,7 @@
-//! Where the unstrained machine stands: frames of its sections at given fold angles.
+//! Where the unstrained machine stands: frames of its sections at given fold angles and positions of slides.
 
-use crate::machine::{Body, JointKind, Parent, Revolute};
-use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use crate::machine::{Body, OneFreedom, Parent};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// A section of the unstrained machine in the root frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,10 +12,11 @@ pub struct Frame {
     pub attitude: Matrix3<f64>,
 }
 
-/// Frames of the bodies' inner ends, natural strains only, at the fold angles (rad) that `angle_rad` gives.
+/// Frames of the bodies' inner ends, natural strains only, at the fold angles (rad) and positions of slides (m) that `stand`
+/// gives.
 ///
 /// Universal, ball and free joints stand in their start attitude, which is their mount.
-pub fn first_frames(bodies: &[Body], angle_rad: impl Fn(&Revolute) -> f64) -> Vec<Frame> {
+pub fn first_frames(bodies: &[Body], stand: impl Fn(&OneFreedom) -> f64) -> Vec<Frame> {
     let mut frames: Vec<Frame> = Vec::with_capacity(bodies.len());
     for body in bodies {
         let origin = match body.joint.parent {
@@ -25,13 +26,15 @@ pub fn first_frames(bodies: &[Body], angle_rad: impl Fn(&Revolute) -> f64) -> Ve
                 Frame { position_m: place.position_m + place.attitude * body.joint.offset_m, ..place }
             }
         };
-        let fold = match &body.joint.kind {
-            JointKind::Clamped | JointKind::Spatial(_) => Matrix3::identity(),
-            JointKind::Revolute(joint) => {
-                Rotation3::from_axis_angle(&Unit::new_normalize(joint.axis), angle_rad(joint)).into_inner()
-            }
-        };
-        frames.push(Frame { attitude: origin.attitude * fold * body.joint.mount, ..origin });
+        let (way_m, fold) = body.joint.kind.one_freedom().map_or_else(
+            || (Vector3::zeros(), Matrix3::identity()),
+            |(travel, joint)| travel.moved(&joint.axis, stand(joint)),
+        );
+        let mut first = Frame { attitude: origin.attitude * fold * body.joint.mount, ..origin };
+        if way_m != Vector3::zeros() {
+            first.position_m += origin.attitude * way_m;
+        }
+        frames.push(first);
     }
     frames
 }

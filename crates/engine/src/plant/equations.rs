@@ -69,7 +69,8 @@ impl Equations {
                 joint: match &body.joint.kind {
                     JointKind::Clamped => joint::JointKind::Clamped,
                     JointKind::Spatial(spatial) => SpatialEquations::describe(spatial),
-                    JointKind::Revolute(revolute) => joint::JointKind::Revolute { axis: revolute.axis },
+                    JointKind::Revolute(own) => joint::JointKind::Revolute { axis: own.axis },
+                    JointKind::Prismatic(own) => joint::JointKind::Prismatic { axis: own.axis },
                 },
                 masses: body
                     .masses

@@ -1,10 +1,11 @@
-//! A revolute joint in the plant: the torques about its hinge, and what they mean for energies and Newton's matrix.
+//! A joint with one freedom in the plant: the torques about its hinge, or the forces along its slide, and what they mean
+//! for energies and Newton's matrix. Names are those of a hinge; of a slide read m for rad and N for N·m.
 
 use crate::actuation::drive::{Drive, DriveTorque, Piece, Slew};
 use crate::actuation::latch::Latch;
 use crate::actuation::prescribed::Law;
 use crate::actuation::spring::Spring;
-use crate::machine::{JointMotion, Revolute, UNLIMITED};
+use crate::machine::{JointMotion, OneFreedom, UNLIMITED};
 use crate::multibody::factor::FreedomTangent;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::{Model, Workspace};
@@ -12,7 +13,7 @@ use crate::plant::state::JointState;
 use crate::solve::Powers;
 use nalgebra::Vector3;
 
-/// A revolute joint as the equations see it.
+/// A revolute or prismatic joint as the equations see it.
 #[derive(Debug, Clone)]
 pub(super) struct JointEquations {
     /// Body that it holds.
@@ -47,13 +48,13 @@ pub(super) struct JointEquations {
 
 impl JointEquations {
     /// A joint of body `body`, held; what inputs and parameters decide comes later.
-    pub fn new(body: usize, coordinate: usize, revolute: &Revolute) -> Self {
+    pub fn new(body: usize, coordinate: usize, own: &OneFreedom) -> Self {
         Self {
             body,
             coordinate,
             held: true,
-            driven: revolute.motion == JointMotion::Free,
-            law: match &revolute.motion {
+            driven: own.motion == JointMotion::Free,
+            law: match &own.motion {
                 JointMotion::Prescribed(motion) => Some(Law::new(motion)),
                 _ => None,
             },
@@ -63,7 +64,7 @@ impl JointEquations {
             external_n_m: 0.0,
             pinned_n_m: None,
             piece: None,
-            latch: revolute.latch.as_ref().map(|latch| Latch {
+            latch: own.latch.as_ref().map(|latch| Latch {
                 kind: latch.kind,
                 angle_rad: latch.angle_rad,
                 stiffness_n_m_rad: latch.stiffness_n_m_rad,

@@ -6,6 +6,7 @@
 //! quadratic in the rates. NOTATION eqs. (L10)–(L12).
 
 use crate::load::{RootMotion, Wrench};
+use crate::machine::Travel;
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::tangent::Tangent;
@@ -72,7 +73,8 @@ impl Plant {
                     add(first + k, format!("{joint}.turn[{}]", k - shifts + 1), ["rad", "rad/s"], STEP_RAD);
                 }
             } else if kind.freedoms() == 1 && !held {
-                add(first, format!("{joint}.angle"), ["rad", "rad/s"], STEP_RAD);
+                let travel = described.joint.kind.one_freedom().map_or(Travel::Rotation, |(travel, _)| travel);
+                add(first, format!("{joint}.{}", travel.coordinate()), travel.units(), STEP_RAD);
             }
             for i in 0..body.elements {
                 let element = &equations.model.elements[body.first_element + i];

@@ -281,7 +281,10 @@ impl Plant {
         }
         let State { start, ahead, .. } = &self.state;
         let turn_rad = |coordinate: usize| (ahead.q[coordinate] - start.q[coordinate]).abs();
-        let far = |joint: &&JointEquations| joint.law.is_none() && turn_rad(joint.coordinate) > LOST_TURN_RAD;
+        let turns = |body: usize| self.equations.model.bodies[body].joint.kind.translations() == 0;
+        let far = |joint: &&JointEquations| {
+            joint.law.is_none() && turns(joint.body) && turn_rad(joint.coordinate) > LOST_TURN_RAD
+        };
         match self.equations.joints.iter().find(far) {
             Some(joint) => {
                 let (coordinate, turn_rad) = (joint.coordinate, turn_rad(joint.coordinate));

@@ -52,7 +52,7 @@ pub use strains::SectionStrain;
 
 use crate::beam::element::ElementKind;
 use crate::machine::Machine;
-use crate::machine::{Gauge, JointKind, Method, Parent, Revolute, Spatial};
+use crate::machine::{Gauge, JointKind, Method, OneFreedom, Parent, Spatial};
 use crate::multibody::gauge::GaugePoint;
 use crate::solve::stepper::{self, Stepper};
 use air::AirCoupling;
@@ -162,7 +162,7 @@ impl Plant {
         &self.machine
     }
 
-    /// Indices into [`Machine::bodies`] of the bodies whose joint is revolute, in order.
+    /// Indices into [`Machine::bodies`] of the bodies whose joint is revolute or prismatic, in order.
     pub fn revolute_joints(&self) -> &[usize] {
         &self.revolute_joints
     }
@@ -229,7 +229,7 @@ impl Plant {
         &self.outputs
     }
 
-    /// Stopper and latch of each revolute joint, in the order of [`Plant::revolute_joints`]; nothing before
+    /// Stopper and latch of each revolute or prismatic joint, in the order of [`Plant::revolute_joints`]; nothing before
     /// [`Plant::initialize`].
     pub fn joint_statuses(&self) -> impl Iterator<Item = JointStatus> {
         let driven = self.equations.joints.iter().map(|joint| joint.driven);
@@ -299,18 +299,16 @@ impl Plant {
     }
 }
 
-/// Bodies whose joint is revolute, with that joint.
-fn revolutes(machine: &Machine) -> impl Iterator<Item = (usize, &Revolute)> {
-    machine.bodies.iter().enumerate().filter_map(|(index, body)| match &body.joint.kind {
-        JointKind::Revolute(revolute) => Some((index, revolute.as_ref())),
-        JointKind::Clamped | JointKind::Spatial(_) => None,
-    })
+/// Bodies whose joint is revolute or prismatic, with that joint.
+fn revolutes(machine: &Machine) -> impl Iterator<Item = (usize, &OneFreedom)> {
+    let bodies = machine.bodies.iter().enumerate();
+    bodies.filter_map(|(index, body)| body.joint.kind.one_freedom().map(|(_, joint)| (index, joint)))
 }
 
 /// Bodies whose joint has several freedoms, with that joint.
 fn spatials(machine: &Machine) -> impl Iterator<Item = (usize, &Spatial)> {
     machine.bodies.iter().enumerate().filter_map(|(index, body)| match &body.joint.kind {
         JointKind::Spatial(spatial) => Some((index, spatial.as_ref())),
-        JointKind::Clamped | JointKind::Revolute(_) => None,
+        JointKind::Clamped | JointKind::Revolute(_) | JointKind::Prismatic(_) => None,
     })
 }

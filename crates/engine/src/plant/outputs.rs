@@ -12,6 +12,7 @@ use crate::multibody::{energy, station};
 use crate::plant::Plant;
 use crate::plant::equations::Equations;
 use crate::plant::face::{AirOutputs, EnergyOutputs, JointOutputs, LoopOutputs, Outputs, PointOutputs, SpatialOutputs};
+use crate::plant::hinge::JointEquations;
 use crate::plant::output_set::{OutputSet, Sweep};
 use crate::plant::spatial::SpatialEquations;
 use crate::plant::state::State;
@@ -270,7 +271,8 @@ const FAR_TURN_RAD: f64 = 1.0;
 /// all joints and elements.
 fn turn_between(equations: &Equations, from: &[f64], to: &[f64]) -> f64 {
     let change = |c: usize| to[c] - from[c];
-    let hinges: f64 = equations.joints.iter().map(|joint| change(joint.coordinate).abs()).sum();
+    let turns = |joint: &&JointEquations| equations.model.bodies[joint.body].joint.kind.translations() == 0;
+    let hinges: f64 = equations.joints.iter().filter(turns).map(|joint| change(joint.coordinate).abs()).sum();
     let spatial: f64 = equations.spatial.iter().flat_map(SpatialEquations::range).map(|c| 2.0 * change(c).abs()).sum();
     let bend = |element: &Element| {
         let c = element.coordinate;

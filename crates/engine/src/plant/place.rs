@@ -1,6 +1,7 @@
 //! Where something went wrong: coordinates by the names of the model file.
 
 use crate::beam::element::ElementKind;
+use crate::machine::Travel;
 use crate::multibody::model::Element;
 use crate::multibody::norm;
 use crate::plant::Plant;
@@ -127,9 +128,11 @@ impl Plant {
             }
         }
         for (joint, &body) in inputs.joints.iter().zip(&self.revolute_joints) {
-            let name = &self.machine.bodies[body].joint.name;
-            offer(joint.torque_n_m, "N.m", &|| format!("{name}.torque"));
-            offer(joint.command_rad, "rad", &|| format!("{name}.command"));
+            let described = &self.machine.bodies[body].joint;
+            let (name, travel) = (&described.name, described.kind.one_freedom().map(|(travel, _)| travel));
+            let travel = travel.unwrap_or(Travel::Rotation);
+            offer(joint.torque_n_m, travel.effort_unit(), &|| format!("{name}.{}", travel.words("torque")));
+            offer(joint.command_rad, travel.units()[0], &|| format!("{name}.command"));
         }
         let stations =
             self.machine.bodies.iter().flat_map(|body| (0..body.station_positions_m.len()).map(move |i| (body, i)));

@@ -244,8 +244,9 @@ fn point_initially(topology: &Topology, body: usize, field: PointOutput, known: 
     let path = &topology.path[body];
     let turns = |joints: &[Turning]| joints.iter().any(|&joint| topology.starts_turning(joint));
     match field {
-        PointOutput::Position(_) | PointOutput::Rotation(_) => {
-            topology.folds(body).any(|joint| starts(topology, joint, known))
+        PointOutput::Position(_) => topology.folds(body).any(|joint| starts(topology, joint, known)),
+        PointOutput::Rotation(_) => {
+            topology.folds(body).any(|joint| topology.turns(joint) && starts(topology, joint, known))
         }
         PointOutput::Velocity(_) => {
             let changes = |joint| starts(topology, joint, known) || start_rate(topology, joint, known);
@@ -254,7 +255,8 @@ fn point_initially(topology: &Topology, body: usize, field: PointOutput, known: 
         // An angle turns the hinges behind it, not its own.
         PointOutput::AngularVelocity(_) => path.iter().enumerate().any(|(i, &joint)| {
             let Turning::Revolute(joint) = joint else { return false };
-            start_rate(topology, joint, known) || (starts(topology, joint, known) && turns(&path[i + 1..]))
+            topology.turns(joint)
+                && (start_rate(topology, joint, known) || (starts(topology, joint, known) && turns(&path[i + 1..])))
         }),
         PointOutput::Acceleration(_) | PointOutput::AngularAcceleration(_) => false,
     }

@@ -4,7 +4,7 @@ use crate::interface::Variability;
 use crate::interface::binding::{JointOutput, JointParameter, Output, Parameter, SpatialOutput, SpatialParameter};
 use crate::interface::table::{AXES, NON_NEGATIVE, ParameterRow, QUATERNION, TURN, Table};
 use crate::interface::topology::Topology;
-use foldwing_engine::machine::JointKind;
+use foldwing_engine::machine::{JointKind, Travel};
 
 const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
     use JointParameter as P;
@@ -85,7 +85,7 @@ const SPATIAL_PARAMETERS: &[ParameterRow<SpatialParameter>] = {
 /// Tunable and fixed parameters of all joints.
 pub(super) fn parameters(table: &mut Table, topology: &Topology) {
     for joint in 0..topology.revolutes.len() {
-        let name = topology.joint_name(joint);
+        let (name, travel) = (topology.joint_name(joint), topology.travel(joint));
         for &(key, field, variability, declared, range, meaning) in JOINT_PARAMETERS {
             let acts = match field {
                 JointParameter::StartAngle => !topology.is_prescribed(joint),
@@ -96,7 +96,11 @@ pub(super) fn parameters(table: &mut Table, topology: &Topology) {
                 _ => topology.is_free(joint),
             };
             if acts {
-                let text = (format!("{name}.{key}"), Some(declared), range, format!("joint {name}: {meaning}"));
+                // a slide may start anywhere
+                let range = range.filter(|_| travel == Travel::Rotation || field != JointParameter::StartAngle);
+                let (key, meaning) = (travel.words(key), travel.words(meaning));
+                let declared = Some(travel.declared(declared));
+                let text = (format!("{name}.{key}"), declared, range, format!("joint {name}: {meaning}"));
                 table.parameter(Parameter::Joint(joint, field), variability, text);
             }
         }
@@ -110,19 +114,20 @@ pub(super) fn parameters(table: &mut Table, topology: &Topology) {
     }
 }
 
-/// Outputs of a revolute joint.
+/// Outputs of a revolute or prismatic joint.
 pub(super) fn revolute_outputs(table: &mut Table, topology: &Topology, joint: usize) {
-    let name = topology.joint_name(joint);
-    let mut add = |field, key: &str, declared, meaning: &str| {
+    let (name, travel) = (topology.joint_name(joint), topology.travel(joint));
+    let mut add = |field, key: &str, declared: Option<&'static str>, meaning: &str| {
         table.output(
             Output::Joint(joint, field),
-            format!("{name}.{key}"),
-            declared,
-            format!("joint {name}: {meaning}"),
+            format!("{name}.{}", travel.words(key)),
+            declared.map(|declared| travel.declared(declared)),
+            format!("joint {name}: {}", travel.words(meaning)),
         );
     };
     add(JointOutput::Angle, "angle", Some("Angle"), "fold angle, by the right-hand rule about the hinge axis");
-    add(JointOutput::Rate, "rate", Some("AngularVelocity"), "fold rate");
+    let rate_key = if travel == Travel::Rotation { "rate" } else { "velocity" };
+    add(JointOutput::Rate, rate_key, Some("AngularVelocity"), "fold rate");
     let holding = "torque on the outer body of the stopper, lock or prescribed motion that holds the joint";
     add(JointOutput::HoldingTorque, "holding_torque", Some("Moment"), holding);
     if topology.is_free(joint) {

@@ -1,7 +1,7 @@
 //! At which state a linear model is: time, joints, latches, and what acts.
 
 use crate::interface::{Causality, Interface, Value};
-use foldwing_engine::machine::{JointKind, JointMotion, LatchKind};
+use foldwing_engine::machine::{JointMotion, LatchKind, Travel};
 use foldwing_engine::plant::{Plant, PlantError};
 use nalgebra::Complex;
 use std::fmt;
@@ -16,7 +16,7 @@ pub struct OperatingPoint {
     pub time_s: f64,
     /// Nothing moves and nothing begins to; false at a start from which the machine sets out, and in the middle of a run.
     pub equilibrium: bool,
-    /// Revolute joints, in the order of the model.
+    /// Revolute and prismatic joints, in the order of the model.
     pub joints: Vec<JointPoint>,
     /// Inputs that act: Booleans as they are, Reals that are not 0.
     pub acting: Vec<Acting>,
@@ -25,14 +25,16 @@ pub struct OperatingPoint {
     pub growing_1_s: Option<Vec<Complex<f64>>>,
 }
 
-/// A revolute joint at the operating point.
+/// A revolute or prismatic joint at the operating point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointPoint {
     /// Its name.
     pub name: String,
-    /// Fold angle in rad.
+    /// Whether it turns or slides.
+    pub travel: Travel,
+    /// Fold angle in rad, or position in m.
     pub angle_rad: f64,
-    /// `free`, `held` by its stopper or a closed rigid latch, `locked` or `prescribed`: the angle is a state of the linear
+    /// `free`, `held` by its stopper or a closed rigid latch, `locked` or `prescribed`: the coordinate is a state of the linear
     /// model where it is free.
     pub motion: &'static str,
     /// `closed` (a stiff spring of the linear model; a rigid one holds), `open`, or `none`.
@@ -61,10 +63,8 @@ impl Interface {
         let statuses = plant.joint_statuses().zip(&plant.outputs().joints).zip(plant.revolute_joints());
         let joints = statuses.map(|((status, outputs), body)| {
             let joint = &machine.bodies[*body].joint;
-            let (motion, latch) = match &joint.kind {
-                JointKind::Revolute(revolute) => (Some(&revolute.motion), revolute.latch.as_ref()),
-                JointKind::Clamped | JointKind::Spatial(_) => (None, None),
-            };
+            let own = joint.kind.one_freedom();
+            let (motion, latch) = (own.map(|(_, own)| &own.motion), own.and_then(|(_, own)| own.latch.as_ref()));
             let latched_rigidly = status.latched && latch.is_some_and(|latch| latch.kind == LatchKind::Rigid);
             let motion = match motion {
                 Some(JointMotion::Locked) => "locked",
@@ -77,7 +77,8 @@ impl Interface {
                 (true, true) => "closed",
                 (true, false) => "open",
             };
-            JointPoint { name: joint.name.clone(), angle_rad: outputs.angle_rad, motion, latch }
+            let travel = own.map_or(Travel::Rotation, |(travel, _)| travel);
+            JointPoint { name: joint.name.clone(), travel, angle_rad: outputs.angle_rad, motion, latch }
         });
         let inputs = self.variables().iter().filter(|row| row.causality == Causality::Input);
         let acting = inputs.filter_map(|row| {
@@ -99,8 +100,8 @@ impl fmt::Display for OperatingPoint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let state = if self.equilibrium { "an equilibrium" } else { "a state that is not an equilibrium" };
         write!(f, "about {state} at t = {} s", self.time_s)?;
-        for JointPoint { name, angle_rad, motion, latch } in &self.joints {
-            write!(f, "; {name} at {:.4} deg, {motion}", angle_rad.to_degrees())?;
+        for JointPoint { name, travel, angle_rad, motion, latch } in &self.joints {
+            write!(f, "; {name} at {:.4} {}, {motion}", travel.shown(*angle_rad), travel.shown_unit())?;
             if *latch != "none" {
                 write!(f, ", latch {latch}")?;
             }

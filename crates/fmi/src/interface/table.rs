@@ -122,13 +122,13 @@ pub(super) fn build(machine: &Machine) -> (Vec<Variable>, Vec<Binding>) {
 
 fn inputs(table: &mut Table, topology: &Topology) {
     for joint in (0..topology.revolutes.len()).filter(|&joint| topology.is_free(joint)) {
-        let name = topology.joint_name(joint);
-        let mut add = |field, key: &str, declared, meaning: &str| {
+        let (name, travel) = (topology.joint_name(joint), topology.travel(joint));
+        let mut add = |field, key: &str, declared: Option<&'static str>, meaning: &str| {
             table.input(
                 Input::Joint(joint, field),
-                format!("{name}.{key}"),
-                declared,
-                format!("joint {name}: {meaning}"),
+                format!("{name}.{}", travel.words(key)),
+                declared.map(|declared| travel.declared(declared)),
+                format!("joint {name}: {}", travel.words(meaning)),
             );
         };
         add(JointInput::Command, "command", Some("Angle"), "commanded neutral angle of the motor");

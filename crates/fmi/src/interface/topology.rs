@@ -1,12 +1,14 @@
 //! Who is connected to whom: what the table needs to know of the tree of bodies.
 
 use foldwing_engine::machine::Machine;
-use foldwing_engine::machine::{JointKind, JointMotion, LatchKind, Parent, Revolute, Spatial, SpatialFreedom};
+use foldwing_engine::machine::{
+    JointKind, JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel,
+};
 
-/// A joint that a body can turn about, by its place in [`Topology::revolutes`] or [`Topology::spatials`].
+/// A joint that a body can move at, by its place in [`Topology::revolutes`] or [`Topology::spatials`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Turning {
-    /// A fold joint.
+    /// A fold joint or a prismatic one.
     Revolute(usize),
     /// A universal, ball or free joint.
     Spatial(usize),
@@ -16,7 +18,7 @@ pub(super) enum Turning {
 pub(super) struct Topology<'a> {
     /// The model.
     pub machine: &'a Machine,
-    /// Bodies whose joint is revolute.
+    /// Bodies whose joint is revolute or prismatic.
     pub revolutes: Vec<usize>,
     /// Bodies whose joint is universal, ball or free.
     pub spatials: Vec<usize>,
@@ -74,9 +76,19 @@ impl<'a> Topology<'a> {
         }
     }
 
-    /// The fold joint of an index into `revolutes`.
-    pub fn revolute(&self, joint: usize) -> &'a Revolute {
-        revolute(self.machine, self.revolutes[joint]).expect("listed because it is revolute")
+    /// The joint of an index into `revolutes`.
+    pub fn revolute(&self, joint: usize) -> &'a OneFreedom {
+        revolute(self.machine, self.revolutes[joint]).expect("listed because it has one freedom").1
+    }
+
+    /// Whether the joint of an index into `revolutes` turns or slides.
+    pub fn travel(&self, joint: usize) -> Travel {
+        revolute(self.machine, self.revolutes[joint]).expect("listed because it has one freedom").0
+    }
+
+    /// Whether the joint of an index into `revolutes` turns its body.
+    pub fn turns(&self, joint: usize) -> bool {
+        self.travel(joint) == Travel::Rotation
     }
 
     /// Name of a joint by index into `revolutes`.
@@ -190,18 +202,15 @@ fn groups(machine: &Machine, branch: &[usize]) -> Vec<usize> {
     group
 }
 
-/// The fold joint that holds a body, if it is one.
-fn revolute(machine: &Machine, body: usize) -> Option<&Revolute> {
-    match &machine.bodies[body].joint.kind {
-        JointKind::Revolute(revolute) => Some(revolute),
-        JointKind::Clamped | JointKind::Spatial(_) => None,
-    }
+/// The revolute or prismatic joint that holds a body, if it is one.
+fn revolute(machine: &Machine, body: usize) -> Option<(Travel, &OneFreedom)> {
+    machine.bodies[body].joint.kind.one_freedom()
 }
 
 /// The universal, ball or free joint that holds a body, if it is one.
 fn spatial(machine: &Machine, body: usize) -> Option<&Spatial> {
     match &machine.bodies[body].joint.kind {
         JointKind::Spatial(spatial) => Some(spatial),
-        JointKind::Clamped | JointKind::Revolute(_) => None,
+        JointKind::Clamped | JointKind::Revolute(_) | JointKind::Prismatic(_) => None,
     }
 }

@@ -6,7 +6,6 @@ use crate::cli::settings::{apply_setting, plant_with};
 use crate::cli::simulate::feed;
 use crate::cli::sweep::plan::{Plan, file_path};
 use crate::report::{InputTable, cell};
-use foldwing_engine::machine::JointKind;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{OutputSet, Plant};
 use foldwing_file as config;
@@ -56,11 +55,11 @@ pub(super) fn columns(plan: &Plan, outputs: &[String], machine: &Machine) -> Res
     }
 }
 
-/// Joints that have a latch: their place among the revolute joints, and name.
+/// Joints that have a latch: their place among the revolute and prismatic joints, and name.
 fn latches(machine: &Machine) -> impl Iterator<Item = (usize, &str)> {
-    let revolutes = machine.bodies.iter().filter_map(|body| match &body.joint.kind {
-        JointKind::Revolute(revolute) => Some((revolute.latch.is_some(), body.joint.name.as_str())),
-        JointKind::Clamped | JointKind::Spatial(_) => None,
+    let revolutes = machine.bodies.iter().filter_map(|body| {
+        let (_, own) = body.joint.kind.one_freedom()?;
+        Some((own.latch.is_some(), body.joint.name.as_str()))
     });
     revolutes.enumerate().filter(|(_, (latched, _))| *latched).map(|(place, (_, name))| (place, name))
 }

@@ -3,6 +3,7 @@
 use crate::report::recording::{BodyScene, Frame, GaugeScene, Recording};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use foldwing_engine::machine::Travel;
 use foldwing_engine::plant::SurfaceLattice;
 use serde_json::{Value, json};
 
@@ -17,14 +18,14 @@ const MOST_NUMBERS: usize = 1_500_000;
 /// The page as HTML. Of recordings that would make it too large, frames are left out at equal intervals, never the first
 /// nor the last.
 pub fn page(recording: &Recording) -> String {
-    let chosen = chosen(&recording.frames);
+    let chosen = chosen(&recording.frames, &recording.scene.travels);
     let mut numbers: Vec<f32> = Vec::new();
     let mut begins = Vec::new();
     let mut rows = Vec::new();
     for frame in &chosen {
         begins.push(numbers.len());
         rows.push(frame.lattice.iter().map(|surface| surface.wake_circulation_m2_s.len()).collect::<Vec<_>>());
-        numbers.extend(fixed_part(frame));
+        numbers.extend(fixed_part(frame, &recording.scene.travels));
         numbers.extend(frame.lattice.iter().flat_map(wake_part));
     }
     let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
@@ -44,18 +45,20 @@ fn in_script(value: &Value) -> String {
 }
 
 /// As many frames as the page has room for, at equal intervals.
-fn chosen(frames: &[Frame]) -> Vec<&Frame> {
-    let size =
-        |frame: &Frame| fixed_part(frame).len() + frame.lattice.iter().map(|s| wake_part(s).len()).sum::<usize>();
+fn chosen<'f>(frames: &'f [Frame], travels: &[Travel]) -> Vec<&'f Frame> {
+    let size = |frame: &Frame| {
+        fixed_part(frame, travels).len() + frame.lattice.iter().map(|s| wake_part(s).len()).sum::<usize>()
+    };
     let largest = frames.iter().map(size).max().unwrap_or(0).max(1);
     let count = frames.len().min((MOST_NUMBERS / largest).max(2));
     (0..count).map(|i| &frames[(frames.len() - 1) * i / (count - 1).max(1)]).collect()
 }
 
 /// Scalars, then what is drawn, in the order that `scene.js` reads.
-fn fixed_part(frame: &Frame) -> Vec<f32> {
+fn fixed_part(frame: &Frame, travels: &[Travel]) -> Vec<f32> {
     let energy = &frame.energy;
-    let scalars = [frame.time_s].into_iter().chain(frame.angles_rad.iter().map(|angle| angle.to_degrees()));
+    let coordinates = travels.iter().zip(&frame.angles_rad).map(|(travel, coordinate)| travel.shown(*coordinate));
+    let scalars = [frame.time_s].into_iter().chain(coordinates);
     let scalars = scalars.chain(frame.strains.iter().copied());
     let energies =
         [energy.kinetic, energy.elastic, energy.gravity, energy.drive, energy.work, energy.dissipated, energy.total];
@@ -87,11 +90,14 @@ fn description(recording: &Recording, frames: &[&Frame], begins: &[usize], rows:
     let surfaces = frames.first().map_or_else(Vec::new, |frame| frame.edges_m.iter().map(Vec::len).collect());
     let columns = |surface: &SurfaceLattice| surface.wake_node_m.first().map_or(0, Vec::len);
     let wakes = frames.first().map_or_else(Vec::new, |frame| frame.lattice.iter().map(columns).collect::<Vec<_>>());
+    let unit = |travel: &Travel| if *travel == Travel::Rotation { "°" } else { " m" };
     json!({
         "name": scene.name,
         "description": scene.description,
         "bodies": scene.bodies.iter().map(body).collect::<Vec<_>>(),
         "joints": scene.joints.iter().map(|(name, _)| name).collect::<Vec<_>>(),
+        "units": scene.travels.iter().map(unit).collect::<Vec<_>>(),
+        "coordinates": scene.travels.iter().map(|travel| travel.coordinate()).collect::<Vec<_>>(),
         "latches": history.latches_s,
         "gauges": scene.gauges.iter().map(gauge).collect::<Vec<_>>(),
         "energies": ["kinetic", "elastic", "gravity", "drive", "work of inputs", "dissipated", "total"],
@@ -136,12 +142,12 @@ mod tests {
     #[test]
     fn pages_are_bounded() {
         let short = recorded(shipped("folding_wing"), 2);
-        let one = fixed_part(&short.frames[0]).len();
+        let one = fixed_part(&short.frames[0], &short.scene.travels).len();
         let count = 3 * MOST_NUMBERS / one;
         let mut frames = vec![short.frames[1].clone(); count];
         frames[0] = short.frames[0].clone();
         frames[count - 1] = short.frames[2].clone();
-        let kept = chosen(&frames);
+        let kept = chosen(&frames, &short.scene.travels);
         assert!(kept.len() * one <= MOST_NUMBERS && (kept.len() + 1) * one > MOST_NUMBERS, "{} frames", kept.len());
         assert_eq!((kept[0].time_s, kept[kept.len() - 1].time_s), (short.frames[0].time_s, short.frames[2].time_s));
     }

@@ -41,10 +41,11 @@ function addRow(heading, name, text, swatch) {
   rows.push({ cell: row.insertCell(), text, swatch, mark });
 }
 function buildTable() {
-  if (about.joints.length) addRow(true, "fold angles");
+  if (about.joints.length) addRow(true, about.units.every(unit => unit === "°") ? "fold angles" : "joints");
   about.joints.forEach((name, i) => addRow(false, name, () => {
     const latched = about.latches[i].some(time => time <= timeAt(state.position) + 1e-12);
-    return `${compact(present[layout.angles + i], 2)}°${latched ? " latched" : ""}`;
+    const turns = about.units[i] === "°";
+    return `${compact(present[layout.angles + i], turns ? 2 : 4)}${about.units[i]}${latched ? " latched" : ""}`;
   }));
   if (about.gauges.length) addRow(true, "strains");
   about.gauges.forEach(({ name }, i) => addRow(false, name, () => `${microstrain(present[layout.strains + i])} µm/m`,
@@ -71,7 +72,7 @@ function addScale(title, map, most, text) {
 
 // History of one scalar: a strip that also sets the time.
 const quantities = [
-  ...about.joints.map((name, i) => [`angle of ${name} (°)`, layout.angles + i]),
+  ...about.joints.map((name, i) => [`${about.coordinates[i]} of ${name} (${about.units[i].trim()})`, layout.angles + i]),
   ...about.gauges.map(({ name }, i) => [`strain of ${name}`, layout.strains + i]),
   ...about.energies.map((name, i) => [`${name} energy (J)`, layout.energies + i]),
 ];

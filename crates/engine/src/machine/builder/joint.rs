@@ -5,8 +5,8 @@ use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::{quoted, shortest};
 use crate::machine::validate::joint::{ACROSS, check_motion, latch_stiffness_n_m_rad};
 use crate::machine::{
-    DEFAULT_CAPTURE_RAD, Drive, Joint, JointKind, JointMotion, Latch, LatchKind, Motion, Parent, Revolute, Spatial,
-    SpatialFreedom, Spring,
+    DEFAULT_CAPTURE_RAD, Drive, Joint, JointKind, JointMotion, Latch, LatchKind, Motion, OneFreedom, Parent, Spatial,
+    SpatialFreedom, Spring, Travel,
 };
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -15,6 +15,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 pub(super) enum Type {
     Clamped,
     Revolute,
+    Prismatic,
     Universal,
     Ball,
     Free,
@@ -24,7 +25,8 @@ impl Type {
     fn name(self) -> &'static str {
         match self {
             Self::Clamped => "clamped",
-            Self::Revolute => "revolute",
+            Self::Revolute => Travel::Rotation.joint_type(),
+            Self::Prismatic => Travel::Translation.joint_type(),
             Self::Universal => "universal",
             Self::Ball => "ball",
             Self::Free => "free",
@@ -41,8 +43,8 @@ pub(super) enum Holder {
     Body(String, Option<f64>),
 }
 
-/// A joint under construction: [`Joint::clamped`], [`Joint::revolute`], [`Joint::universal`], [`Joint::ball`],
-/// [`Joint::free`]. It holds on to the root's origin unless told otherwise.
+/// A joint under construction: [`Joint::clamped`], [`Joint::revolute`], [`Joint::prismatic`],
+/// [`Joint::universal`], [`Joint::ball`], [`Joint::free`]. It holds on to the root's origin unless told otherwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointBuilder {
     pub(super) name: String,
@@ -56,6 +58,8 @@ pub struct JointBuilder {
     start_velocity_m_s: Option<Vector3<f64>>,
     start_angle_rad: Option<f64>,
     start_rate_rad_s: Option<f64>,
+    start_position_m: Option<f64>,
+    start_rate_m_s: Option<f64>,
     release: Option<bool>,
     motion: Option<JointMotion>,
     drive: Option<Drive>,
@@ -77,6 +81,8 @@ impl Joint {
             start_velocity_m_s: None,
             start_angle_rad: None,
             start_rate_rad_s: None,
+            start_position_m: None,
+            start_rate_m_s: None,
             release: None,
             motion: None,
             drive: None,
@@ -95,20 +101,37 @@ impl Joint {
         JointBuilder { axis: axis.into(), ..Self::builder(name, Type::Revolute) }
     }
 
+    /// A slide along `axis` in the parent's section frame, of any length but zero; positive the way that it points.
+    pub fn prismatic(name: impl Into<String>, axis: impl Into<Vector3<f64>>) -> JointBuilder {
+        JointBuilder { axis: axis.into(), ..Self::builder(name, Type::Prismatic) }
+    }
+
     /// A hinge all of whose fields are set already.
-    pub fn hinge(name: impl Into<String>, hinge: Revolute) -> JointBuilder {
-        let Revolute { axis, start_angle_rad, start_rate_rad_s, motion, release, drive, spring, latch } = hinge;
-        let prescribed = matches!(motion, JointMotion::Prescribed(_)); // by a law, which gives the start angle
-        JointBuilder {
-            start_angle_rad: Some(start_angle_rad).filter(|_| !prescribed),
-            start_rate_rad_s: Some(start_rate_rad_s),
+    pub fn hinge(name: impl Into<String>, hinge: OneFreedom) -> JointBuilder {
+        let (start, rate, builder) = Self::one_freedom(name, Type::Revolute, hinge);
+        JointBuilder { start_angle_rad: start, start_rate_rad_s: rate, ..builder }
+    }
+
+    /// A slide all of whose fields are set already.
+    pub fn slide(name: impl Into<String>, slide: OneFreedom) -> JointBuilder {
+        let (start, rate, builder) = Self::one_freedom(name, Type::Prismatic, slide);
+        JointBuilder { start_position_m: start, start_rate_m_s: rate, ..builder }
+    }
+
+    /// Start, start rate and all the rest.
+    fn one_freedom(name: impl Into<String>, kind: Type, joint: OneFreedom) -> (Option<f64>, Option<f64>, JointBuilder) {
+        let OneFreedom { axis, start_angle_rad, start_rate_rad_s, motion, release, drive, spring, latch } = joint;
+        let prescribed = matches!(motion, JointMotion::Prescribed(_)); // by a law, which gives the start
+        let builder = JointBuilder {
+            axis,
             motion: Some(motion),
             release: Some(release),
             drive: Some(drive),
             spring,
             latch: latch.map(LatchBuilder::from),
-            ..Self::revolute(name, axis)
-        }
+            ..Self::builder(name, kind)
+        };
+        (Some(start_angle_rad).filter(|_| !prescribed), Some(start_rate_rad_s), builder)
     }
 
     /// A universal joint: rotation about `axis` in the parent's section frame and `body_axis` in the body's.
@@ -187,37 +210,50 @@ impl JointBuilder {
         Self { start_rate_rad_s: Some(rate_rad_s), ..self }
     }
 
-    /// Start value of a hinge's release input; false holds it at its start angle. Default true.
+    /// Position of a slide at the start in m. Default 0.
+    pub fn start_position_m(self, position_m: f64) -> Self {
+        Self { start_position_m: Some(position_m), ..self }
+    }
+
+    /// Velocity of a slide at the start in m/s. Default 0.
+    pub fn start_rate_m_s(self, rate_m_s: f64) -> Self {
+        Self { start_rate_m_s: Some(rate_m_s), ..self }
+    }
+
+    /// Start value of a hinge's or slide's release input; false holds it where it starts. Default true.
     pub fn release(self, release: bool) -> Self {
         Self { release: Some(release), ..self }
     }
 
-    /// How the angle of a hinge moves. Default [`JointMotion::Free`].
+    /// How a hinge or a slide moves. Default [`JointMotion::Free`].
     pub fn motion(self, motion: JointMotion) -> Self {
         Self { motion: Some(motion), ..self }
     }
 
-    /// Holds a hinge at its start angle.
+    /// Holds a hinge or a slide where it starts.
     pub fn locked(self) -> Self {
         self.motion(JointMotion::Locked)
     }
 
-    /// Prescribes the angle of a hinge over absolute time, which gives the start angle too.
+    /// Prescribes the angle of a hinge, or the position of a slide, over absolute time, which gives the start too.
     pub fn prescribed(self, motion: Motion) -> Self {
         self.motion(JointMotion::Prescribed(motion))
     }
 
-    /// Motor of a hinge; spring towards the start attitude and damper of a universal or ball joint.
-    pub fn drive(self, drive: Drive) -> Self {
-        Self { drive: Some(drive), ..self }
+    /// Motor of a hinge ([`Drive`]) or slide ([`LinearDrive`](crate::machine::LinearDrive)); spring towards the start
+    /// attitude and damper of a universal or ball joint.
+    pub fn drive(self, drive: impl Into<Drive>) -> Self {
+        Self { drive: Some(drive.into()), ..self }
     }
 
-    /// Spring and damper of a hinge itself, beside its motor.
-    pub fn spring(self, spring: Spring) -> Self {
-        Self { spring: Some(spring), ..self }
+    /// Spring and damper of a hinge ([`Spring`]) or slide ([`LinearSpring`](crate::machine::LinearSpring)) itself, beside
+    /// its motor.
+    pub fn spring(self, spring: impl Into<Spring>) -> Self {
+        Self { spring: Some(spring.into()), ..self }
     }
 
-    /// Latch of a hinge: [`Latch::with_ratio`] or [`Latch::with_stiffness_n_m_rad`].
+    /// Latch of a hinge or slide: [`Latch::with_ratio`], [`Latch::with_stiffness_n_m_rad`], [`Latch::with_stiffness_n_m`]
+    /// or [`Latch::rigid`].
     pub fn latch(self, latch: impl Into<LatchBuilder>) -> Self {
         Self { latch: Some(latch.into()), ..self }
     }
@@ -227,7 +263,19 @@ impl JointBuilder {
         self.refuse_strangers(checker);
         let kind = match self.kind {
             Type::Clamped => JointKind::Clamped,
-            Type::Revolute => JointKind::Revolute(Box::new(self.build_revolute(start_time_s, checker))),
+            Type::Revolute => {
+                let start = (self.start_angle_rad, self.start_rate_rad_s);
+                JointKind::Revolute(Box::new(self.build_one_freedom(Travel::Rotation, start, start_time_s, checker)))
+            }
+            Type::Prismatic => {
+                let start = (self.start_position_m, self.start_rate_m_s);
+                JointKind::Prismatic(Box::new(self.build_one_freedom(
+                    Travel::Translation,
+                    start,
+                    start_time_s,
+                    checker,
+                )))
+            }
             Type::Universal | Type::Ball | Type::Free => JointKind::Spatial(Box::new(self.build_spatial(checker))),
         };
         Joint { name: self.name.clone(), parent, offset_m: self.offset_m, mount: self.mount, kind }
@@ -235,8 +283,8 @@ impl JointBuilder {
 
     /// Refuses what this type of joint does not have.
     fn refuse_strangers(&self, checker: &mut Checker) {
-        use Type::{Ball, Free, Revolute, Universal};
-        let stated: [(&str, &[Type], Option<String>); 8] = [
+        use Type::{Ball, Free, Prismatic, Revolute, Universal};
+        let stated: [(&str, &[Type], Option<String>); 10] = [
             (
                 "start_angular_velocity_rad_s",
                 &[Universal, Ball, Free],
@@ -245,13 +293,15 @@ impl JointBuilder {
             ("start_velocity_m_s", &[Free], self.start_velocity_m_s.map(|v| array_text(v.as_slice()))),
             ("start_angle_rad", &[Revolute], self.start_angle_rad.map(shortest)),
             ("start_rate_rad_s", &[Revolute], self.start_rate_rad_s.map(shortest)),
-            ("release", &[Revolute], self.release.map(|release| release.to_string())),
-            ("motion", &[Revolute], self.motion.as_ref().map(|motion| format!("{motion:?}"))),
-            ("drive", &[Revolute, Universal, Ball], self.drive.as_ref().map(|_| "a drive".to_owned())),
-            ("spring", &[Revolute], self.spring.map(|_| "a spring".to_owned())),
+            ("start_position_m", &[Prismatic], self.start_position_m.map(shortest)),
+            ("start_rate_m_s", &[Prismatic], self.start_rate_m_s.map(shortest)),
+            ("release", &[Revolute, Prismatic], self.release.map(|release| release.to_string())),
+            ("motion", &[Revolute, Prismatic], self.motion.as_ref().map(|motion| format!("{motion:?}"))),
+            ("drive", &[Revolute, Prismatic, Universal, Ball], self.drive.as_ref().map(|_| "a drive".to_owned())),
+            ("spring", &[Revolute, Prismatic], self.spring.map(|_| "a spring".to_owned())),
         ];
         let latch = self.latch.as_ref().map(|_| "a latch".to_owned());
-        for (key, types, found) in stated.into_iter().chain([("latch", &[Revolute] as &[Type], latch)]) {
+        for (key, types, found) in stated.into_iter().chain([("latch", &[Revolute, Prismatic] as &[Type], latch)]) {
             if let (Some(found), false) = (found, types.contains(&self.kind)) {
                 let names: Vec<&str> = types.iter().copied().map(Type::name).collect();
                 checker.refuse(
@@ -263,7 +313,13 @@ impl JointBuilder {
         }
     }
 
-    fn build_revolute(&self, start_time_s: f64, checker: &mut Checker) -> Revolute {
+    fn build_one_freedom(
+        &self,
+        travel: Travel,
+        (start, rate): (Option<f64>, Option<f64>),
+        start_time_s: f64,
+        checker: &mut Checker,
+    ) -> OneFreedom {
         let name = self.name.as_str();
         let motion = self.motion.clone().unwrap_or(JointMotion::Free);
         let drive = self.drive.clone().unwrap_or_default();
@@ -271,25 +327,25 @@ impl JointBuilder {
         let own_n_m_rad = drive.stiffness_n_m_rad + spring.map_or(0.0, |spring| spring.stiffness_n_m_rad);
         let start_angle_rad = match &motion {
             JointMotion::Prescribed(law) => {
-                if let Some(angle_rad) = self.start_angle_rad {
-                    let allowed = "no start angle with motion = \"prescribed\", which determines it";
-                    checker.refuse(&["joint", name, "start_angle_rad"], shortest(angle_rad), allowed);
+                if let Some(start) = start {
+                    let allowed = travel.words("no start angle with motion = \"prescribed\", which determines it");
+                    checker.refuse(&["joint", name, &travel.words("start_angle_rad")], shortest(start), allowed);
                 }
                 // what cannot be evaluated is refused with the machine
-                let sound = check_motion(&["joint", name, "motion"], law, &mut Checker::default());
+                let sound = check_motion(&["joint", name, "motion"], travel, law, &mut Checker::default());
                 if sound { law_start_rad(law, start_time_s) } else { 0.0 }
             }
-            _ => self.start_angle_rad.unwrap_or(0.0),
+            _ => start.unwrap_or(0.0),
         };
-        Revolute {
+        OneFreedom {
             axis: self.unit_axis("axis", &self.axis, checker).unwrap_or(Vector3::x()),
             start_angle_rad,
-            start_rate_rad_s: self.start_rate_rad_s.unwrap_or(0.0),
+            start_rate_rad_s: rate.unwrap_or(0.0),
             motion,
             release: self.release.unwrap_or(true),
             drive,
             spring,
-            latch: self.latch.as_ref().map(|latch| latch.build(name, own_n_m_rad, checker)),
+            latch: self.latch.as_ref().map(|latch| latch.build(name, travel, own_n_m_rad, checker)),
         }
     }
 
@@ -325,7 +381,7 @@ impl JointBuilder {
         let (freedom, spin) = match self.kind {
             Type::Universal => self.universal(spin, checker),
             Type::Free => (SpatialFreedom::Free, spin),
-            Type::Ball | Type::Clamped | Type::Revolute => (SpatialFreedom::Ball, spin),
+            Type::Ball | Type::Clamped | Type::Revolute | Type::Prismatic => (SpatialFreedom::Ball, spin),
         };
         let free = self.kind == Type::Free;
         let drive = self.drive.clone().filter(|_| !free).unwrap_or_default(); // that of a free joint is refused
@@ -357,7 +413,7 @@ impl JointBuilder {
     }
 }
 
-/// Angle of a law at a time in rad; between the points of a table only nearly (straight lines).
+/// Angle (rad) or position (m) of a law at a time; between the points of a table only nearly (straight lines).
 fn law_start_rad(law: &Motion, time_s: f64) -> f64 {
     match law {
         Motion::Polynomial(coefficients) => coefficients.iter().rev().fold(0.0, |sum, c| sum * time_s + c),
@@ -427,6 +483,11 @@ impl Latch {
         }
     }
 
+    /// A latch of a slide at position 0, open and enabled, that adds a stiffness in N/m when it is closed.
+    pub fn with_stiffness_n_m(stiffness_n_m: f64) -> LatchBuilder {
+        Self::with_stiffness_n_m_rad(stiffness_n_m)
+    }
+
     /// A latch at angle 0, open and enabled, that holds the joint where it catches it, without a spring: an impulse stops
     /// the joint, NOTATION eq. (A7).
     pub fn rigid() -> LatchBuilder {
@@ -445,6 +506,16 @@ impl LatchBuilder {
         Self { capture_rad, ..self }
     }
 
+    /// Position at which the latch of a slide closes in m. Default 0.
+    pub fn position_m(self, position_m: f64) -> Self {
+        self.angle_rad(position_m)
+    }
+
+    /// Half-width in m of the window that catches a slide. Default 1e-6 m.
+    pub fn capture_m(self, capture_m: f64) -> Self {
+        self.capture_rad(capture_m)
+    }
+
     /// Closed at the start. Default false.
     pub fn initially_closed(self, initially_closed: bool) -> Self {
         Self { initially_closed, ..self }
@@ -455,12 +526,14 @@ impl LatchBuilder {
         Self { enable, ..self }
     }
 
-    fn build(&self, joint: &str, own_n_m_rad: f64, checker: &mut Checker) -> Latch {
+    fn build(&self, joint: &str, travel: Travel, own_n_m_rad: f64, checker: &mut Checker) -> Latch {
         let stiffness_n_m_rad = match self.stiffening {
             Stiffening::Added(stiffness_n_m_rad) => stiffness_n_m_rad,
             Stiffening::Rigid => 0.0,
             // the stand-in is a stiffness that nothing refuses
-            Stiffening::Ratio(ratio) => latch_stiffness_n_m_rad(joint, ratio, own_n_m_rad, checker).unwrap_or(1.0),
+            Stiffening::Ratio(ratio) => {
+                latch_stiffness_n_m_rad(joint, travel, ratio, own_n_m_rad, checker).unwrap_or(1.0)
+            }
         };
         Latch {
             kind: if self.stiffening == Stiffening::Rigid { LatchKind::Rigid } else { LatchKind::Elastic },

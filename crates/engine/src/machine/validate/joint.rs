@@ -4,9 +4,9 @@ use crate::machine::fault::{Checker, Range, array_text, is_finite};
 use crate::machine::units::shortest;
 use crate::machine::validate::unit_vector;
 use crate::machine::{
-    Drive, Joint, JointKind, JointMotion, Latch, LatchKind, Motion, Parent, Revolute, Spatial, SpatialFreedom,
+    Drive, Joint, JointKind, JointMotion, Latch, LatchKind, Motion, OneFreedom, Parent, Spatial, SpatialFreedom,
+    Spring, Travel, UNLIMITED,
 };
-use crate::machine::{Spring, UNLIMITED};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
 
@@ -52,42 +52,55 @@ pub(super) fn check(joint: &Joint, checker: &mut Checker) {
         checker.refuse_state(&["joint", name, "mount"], "a matrix that turns nothing", "a rotation matrix");
         return;
     }
-    match &joint.kind {
-        JointKind::Clamped => {}
-        JointKind::Revolute(revolute) => check_revolute(name, revolute, checker),
-        JointKind::Spatial(spatial) => check_spatial(name, joint, spatial, checker),
+    if let Some((travel, own)) = joint.kind.one_freedom() {
+        check_one_freedom(name, travel, own, checker);
+    }
+    if let JointKind::Spatial(spatial) = &joint.kind {
+        check_spatial(name, joint, spatial, checker);
     }
 }
 
-fn check_revolute(name: &str, joint: &Revolute, checker: &mut Checker) {
+/// Where a joint may stand: within a turn either way, or anywhere.
+fn stand(travel: Travel) -> Range {
+    match travel {
+        Travel::Rotation => Range::Within(-TAU, TAU),
+        Travel::Translation => Range::Finite,
+    }
+}
+
+fn check_one_freedom(name: &str, travel: Travel, joint: &OneFreedom, checker: &mut Checker) {
     unit_vector(&["joint", name, "axis"], &joint.axis, checker);
-    let turn = match joint.motion {
+    let start = match joint.motion {
         JointMotion::Prescribed(_) => Range::Finite, // as the law begins
-        _ => Range::Within(-TAU, TAU),
+        _ => stand(travel),
     };
-    checker.number(&["joint", name, "start_angle_rad"], joint.start_angle_rad, turn);
-    let rate = checker.number(&["joint", name, "start_rate_rad_s"], joint.start_rate_rad_s, Range::Finite);
+    checker.number(&["joint", name, &travel.words("start_angle_rad")], joint.start_angle_rad, start);
+    let rate_key = travel.words("start_rate_rad_s");
+    let rate = checker.number(&["joint", name, &rate_key], joint.start_rate_rad_s, Range::Finite);
     if rate && joint.start_rate_rad_s != 0.0 && (joint.motion != JointMotion::Free || !joint.release) {
         let allowed = "a rate of 0 rad/s where the joint is locked, prescribed or not released at the start";
-        checker.refuse(&["joint", name, "start_rate_rad_s"], shortest(joint.start_rate_rad_s), allowed);
+        checker.refuse(&["joint", name, &rate_key], shortest(joint.start_rate_rad_s), travel.words(allowed));
     }
     if let JointMotion::Prescribed(motion) = &joint.motion {
-        check_motion(&["joint", name, "motion"], motion, checker);
+        check_motion(&["joint", name, "motion"], travel, motion, checker);
     }
-    check_drive(name, &joint.drive, checker);
+    check_drive(name, travel, &joint.drive, checker);
     if let Some(Spring { stiffness_n_m_rad, damping_n_m_s_rad, rest_angle_rad }) = joint.spring {
-        let place = |key| ["joint", name, "spring", key];
-        checker.number(&place("stiffness_n_m_rad"), stiffness_n_m_rad, Range::AtLeast(0.0));
-        checker.number(&place("damping_n_m_s_rad"), damping_n_m_s_rad, Range::AtLeast(0.0));
-        checker.number(&place("rest_angle_rad"), rest_angle_rad, Range::Within(-TAU, TAU));
+        for (key, value, range) in [
+            ("stiffness_n_m_rad", stiffness_n_m_rad, Range::AtLeast(0.0)),
+            ("damping_n_m_s_rad", damping_n_m_s_rad, Range::AtLeast(0.0)),
+            ("rest_angle_rad", rest_angle_rad, stand(travel)),
+        ] {
+            checker.number(&["joint", name, "spring", &travel.words(key)], value, range);
+        }
     }
     if let Some(latch) = &joint.latch {
-        check_latch(name, joint, latch, checker);
+        check_latch(name, travel, joint, latch, checker);
     }
 }
 
 /// A prescribed motion that can be evaluated.
-pub(crate) fn check_motion(place: &[&str], motion: &Motion, checker: &mut Checker) -> bool {
+pub(crate) fn check_motion(place: &[&str], travel: Travel, motion: &Motion, checker: &mut Checker) -> bool {
     let (fits, allowed) = match motion {
         Motion::Polynomial(coefficients) => {
             let fits = (1..=100).contains(&coefficients.len()) && coefficients.iter().copied().all(is_finite);
@@ -100,27 +113,27 @@ pub(crate) fn check_motion(place: &[&str], motion: &Motion, checker: &mut Checke
         }
     };
     if !fits {
-        checker.refuse(place, format!("{motion:?}"), allowed);
+        checker.refuse(place, format!("{motion:?}"), travel.words(allowed));
     }
     fits
 }
 
-fn check_drive(name: &str, drive: &Drive, checker: &mut Checker) {
-    let place = |key| ["joint", name, "drive", key];
-    for (key, value) in [
-        ("stiffness_n_m_rad", drive.stiffness_n_m_rad),
-        ("damping_n_m_s_rad", drive.damping_n_m_s_rad),
-        ("torque_limit_n_m", drive.torque_limit_n_m),
-        ("rate_limit_rad_s", drive.rate_limit_rad_s),
-        ("inertia_kg_m2", drive.inertia_kg_m2),
+fn check_drive(name: &str, travel: Travel, drive: &Drive, checker: &mut Checker) {
+    for (key, value, range) in [
+        ("stiffness_n_m_rad", drive.stiffness_n_m_rad, Range::AtLeast(0.0)),
+        ("damping_n_m_s_rad", drive.damping_n_m_s_rad, Range::AtLeast(0.0)),
+        ("torque_limit_n_m", drive.torque_limit_n_m, Range::AtLeast(0.0)),
+        ("rate_limit_rad_s", drive.rate_limit_rad_s, Range::AtLeast(0.0)),
+        ("inertia_kg_m2", drive.inertia_kg_m2, Range::AtLeast(0.0)),
+        ("constant_torque_n_m", drive.constant_torque_n_m, Range::Finite),
+        ("command_rad", drive.command_rad, stand(travel)),
     ] {
-        checker.number(&place(key), value, Range::AtLeast(0.0));
+        checker.number(&["joint", name, "drive", &travel.words(key)], value, range);
     }
-    checker.number(&place("constant_torque_n_m"), drive.constant_torque_n_m, Range::Finite);
-    checker.number(&place("command_rad"), drive.command_rad, Range::Within(-TAU, TAU));
 }
 
-fn check_latch(name: &str, joint: &Revolute, latch: &Latch, checker: &mut Checker) {
+fn check_latch(name: &str, travel: Travel, joint: &OneFreedom, latch: &Latch, checker: &mut Checker) {
+    let keys = ["angle_rad", "capture_rad", "stiffness_n_m_rad"].map(|key| travel.words(key));
     let place = |key| ["joint", name, "latch", key];
     if joint.motion != JointMotion::Free {
         let allowed = "a latch only with motion = \"free\"";
@@ -129,7 +142,7 @@ fn check_latch(name: &str, joint: &Revolute, latch: &Latch, checker: &mut Checke
     if latch.kind == LatchKind::Rigid && latch.initially_closed {
         let allowed = "true only with kind = \"elastic\": a rigid latch is closed at the start where it is enabled and \
              start_angle lies within capture of angle";
-        checker.refuse(&place("initially_closed"), "true", allowed);
+        checker.refuse(&place("initially_closed"), "true", travel.words(allowed));
     } else if latch.initially_closed && !latch.enable {
         let allowed = "true only with enable = true: a latch that is not enabled is open";
         checker.refuse(&place("initially_closed"), "true", allowed);
@@ -138,15 +151,20 @@ fn check_latch(name: &str, joint: &Revolute, latch: &Latch, checker: &mut Checke
     if latch.kind == LatchKind::Rigid && caught && joint.start_rate_rad_s != 0.0 {
         let allowed = "a rate of 0 rad/s where a rigid latch is closed at the start; start outside its window, or write \
              enable = false";
-        checker.refuse(&["joint", name, "start_rate_rad_s"], shortest(joint.start_rate_rad_s), allowed);
+        let rate_key = travel.words("start_rate_rad_s");
+        checker.refuse(&["joint", name, &rate_key], shortest(joint.start_rate_rad_s), travel.words(allowed));
     }
-    checker.number(&place("angle_rad"), latch.angle_rad, Range::Within(-TAU, TAU));
-    checker.number(&place("capture_rad"), latch.capture_rad, Range::Within(0.0, TAU));
+    let window = match travel {
+        Travel::Rotation => Range::Within(0.0, TAU),
+        Travel::Translation => Range::AtLeast(0.0),
+    };
+    checker.number(&place(&keys[0]), latch.angle_rad, stand(travel));
+    checker.number(&place(&keys[1]), latch.capture_rad, window);
     if latch.kind == LatchKind::Elastic {
-        checker.number(&place("stiffness_n_m_rad"), latch.stiffness_n_m_rad, Range::Above(0.0));
+        checker.number(&place(&keys[2]), latch.stiffness_n_m_rad, Range::Above(0.0));
     } else if latch.stiffness_n_m_rad != 0.0 {
         let found = shortest(latch.stiffness_n_m_rad);
-        checker.refuse(&place("stiffness_n_m_rad"), found, "0: a rigid latch has no spring");
+        checker.refuse(&place(&keys[2]), found, "0: a rigid latch has no spring");
     }
 }
 
@@ -194,7 +212,13 @@ fn check_spatial(name: &str, joint: &Joint, spatial: &Spatial, checker: &mut Che
 
 /// Stiffness in N·m/rad that a latch adds where its joint is `ratio` times as stiff when it is closed; `None` where it is
 /// refused.
-pub(crate) fn latch_stiffness_n_m_rad(name: &str, ratio: f64, own_n_m_rad: f64, checker: &mut Checker) -> Option<f64> {
+pub(crate) fn latch_stiffness_n_m_rad(
+    name: &str,
+    travel: Travel,
+    ratio: f64,
+    own_n_m_rad: f64,
+    checker: &mut Checker,
+) -> Option<f64> {
     let place = ["joint", name, "latch", "stiffness_ratio"];
     if !checker.number(&place, ratio, Range::Above(1.0)) {
         return None;
@@ -203,11 +227,11 @@ pub(crate) fn latch_stiffness_n_m_rad(name: &str, ratio: f64, own_n_m_rad: f64, 
     if own_n_m_rad == 0.0 {
         let allowed =
             "a ratio where the stiffness of drive and spring is > 0; write stiffness_n_m_rad (N·m/rad) instead";
-        checker.refuse(&place, shortest(ratio), allowed);
+        checker.refuse(&place, shortest(ratio), travel.words(allowed));
         return None;
     }
     if !(stiffness > 0.0 && stiffness <= UNLIMITED) {
-        checker.refuse(&place, shortest(ratio), "a ratio that gives a finite stiffness > 0 N·m/rad");
+        checker.refuse(&place, shortest(ratio), travel.words("a ratio that gives a finite stiffness > 0 N·m/rad"));
         return None;
     }
     Some(stiffness)

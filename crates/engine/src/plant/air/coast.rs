@@ -4,6 +4,7 @@
 //! spring does not settle under held loads. Here its angle is an outer unknown instead: at each angle it is held, air and
 //! structure come to rest together, and what torque remains on the hinge is driven to zero, NOTATION eq. (Q6).
 
+use crate::machine::JointKind;
 use crate::plant::Plant;
 use crate::plant::face::PlantError;
 use crate::plant::statics::Holding;
@@ -11,11 +12,11 @@ use crate::solve::EquationsOfMotion;
 use crate::solve::equilibrium::Effort;
 use nalgebra::{DMatrix, DVector};
 
-/// Turn of a hinge in rad that one difference step makes.
+/// Turn of a hinge in rad that one difference step makes; of a slide, way over the machine's length.
 const STEP_RAD: f64 = 1e-3;
-/// Longest turn of a hinge in one iteration in rad: loads of the air change their sign within a few tenths.
+/// Longest turn of a hinge in one iteration in rad, or way of a slide over the machine's length: loads of the air change their sign within a few tenths.
 const LONGEST_RAD: f64 = 0.2;
-/// Correction in rad at which the angles are found.
+/// Correction in rad, or way over the machine's length, at which the angles and positions are found.
 const TOLERANCE_RAD: f64 = 1e-8;
 /// Most iterations: at the longest turn, two revolutions.
 const MOST_ITERATIONS: usize = 60;
@@ -38,7 +39,7 @@ impl Plant {
             plant.state.joints.copy_from_slice(&joints);
             plant.configure();
             for (angle, &hinge) in angles.iter().zip(hinges) {
-                plant.state.now.q[plant.equations.joints[hinge].coordinate] = *angle;
+                plant.state.now.q[plant.equations.joints[hinge].coordinate] = *angle * plant.scale(hinge);
             }
             plant.settle_with_air(time_s, Holding::Stopped)
         };
@@ -74,15 +75,22 @@ impl Plant {
     }
 
     fn angles(&self, hinges: &[usize]) -> DVector<f64> {
-        let angle = |hinge: &usize| self.state.now.q[self.equations.joints[*hinge].coordinate];
+        let angle = |hinge: &usize| self.state.now.q[self.equations.joints[*hinge].coordinate] / self.scale(*hinge);
         DVector::from_iterator(hinges.len(), hinges.iter().map(angle))
     }
 
-    /// Torques in N·m that would have to hold free hinges at rest, less those that their drives give.
+    /// What one of the unknown angle stands for: 1 rad, or the machine's length in m of a joint that slides.
+    fn scale(&self, hinge: usize) -> f64 {
+        let slides = self.equations.model.bodies[self.equations.joints[hinge].body].joint.kind.translations() > 0;
+        if slides { self.equations.model.reference_length_m } else { 1.0 }
+    }
+
+    /// Torques in N·m that would have to hold free hinges at rest, less those that their drives give; of slides the work on
+    /// the machine's length.
     fn hinge_torques(&mut self, time_s: f64, hinges: &[usize]) -> DVector<f64> {
         let zero = vec![0.0; self.state.now.q.len()];
         self.equations.residual(time_s, &self.state.now.q, &zero, &zero, &mut self.scratch[0]);
-        let torque = |hinge: &usize| self.scratch[0][self.equations.joints[*hinge].coordinate];
+        let torque = |hinge: &usize| self.scratch[0][self.equations.joints[*hinge].coordinate] * self.scale(*hinge);
         DVector::from_iterator(hinges.len(), hinges.iter().map(torque))
     }
 
@@ -91,7 +99,7 @@ impl Plant {
         let mut any = false;
         for (&hinge, to) in hinges.iter().zip(to) {
             let c = self.equations.joints[hinge].coordinate;
-            any |= self.catch(hinge, &mut start[c], *to);
+            any |= self.catch(hinge, &mut start[c], *to * self.scale(hinge));
         }
         any
     }
@@ -101,8 +109,11 @@ impl Plant {
             .iter()
             .zip(angles)
             .map(|(&hinge, angle)| {
-                let name = &self.machine.bodies[self.equations.joints[hinge].body].joint.name;
-                format!("{name} at {:.1} deg", angle.to_degrees())
+                let joint = &self.machine.bodies[self.equations.joints[hinge].body].joint;
+                match joint.kind {
+                    JointKind::Prismatic(_) => format!("{} at {:.4} m", joint.name, angle * self.scale(hinge)),
+                    _ => format!("{} at {:.1} deg", joint.name, angle.to_degrees()),
+                }
             })
             .collect();
         let cause = format!(

@@ -1,0 +1,225 @@
+//! What the one freedom of a joint is: a turn or a way. Everything that tells a revolute joint from a prismatic one by
+//! words, units and names stands here; the numbers go one way for both.
+
+use crate::actuation::spring::Spring;
+use crate::machine::{Drive, JointKind, OneFreedom, UNLIMITED};
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+
+/// What the coordinate of a joint with one freedom is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Travel {
+    /// An angle in rad about the axis; efforts are torques in N·m.
+    Rotation,
+    /// A way in m along the axis; efforts are forces in N.
+    Translation,
+}
+
+/// Words of a rotation and what stands for them where the joint slides, applied one after the other: what contains another
+/// stands before it.
+const WORDS: &[(&str, &str)] = &[
+    // fields and keys
+    ("start_angle_rad", "start_position_m"),
+    ("start_angle_deg", "start_position_m"),
+    ("rest_angle_rad", "rest_position_m"),
+    ("rest_angle_deg", "rest_position_m"),
+    ("latch_angle_deg", "latch_position_m"),
+    ("angle_rad", "position_m"),
+    ("start_rate_rad_s", "start_rate_m_s"),
+    ("rate_limit_rad_s", "rate_limit_m_s"),
+    ("stiffness_n_m_rad", "stiffness_n_m"),
+    ("damping_n_m_s_rad", "damping_n_s_m"),
+    ("torque_limit_n_m", "force_limit_n"),
+    ("inertia_kg_m2", "mass_kg"),
+    ("command_rad", "command_m"),
+    ("capture_rad", "capture_m"),
+    ("capture_deg", "capture_m"),
+    ("torque_n_m", "force_n"),
+    ("torque_applied_N_m", "force_applied_N"),
+    ("torque_N_m", "force_N"),
+    // units
+    ("N·m·s/rad", "N·s/m"),
+    ("N.m.s/rad", "N.s/m"),
+    ("N·m/rad", "N/m"),
+    ("N.m/rad", "N/m"),
+    ("N·m", "N"),
+    ("N.m", "N"),
+    ("rad/s", "m/s"),
+    ("[time in s, angle in rad]", "[time in s, position in m]"),
+    ("coefficients in rad and s", "coefficients in m and s"),
+    // what is said of them
+    (", by the right-hand rule about the hinge axis", " along the joint's axis"),
+    ("about the hinge axis", "along the joint's axis"),
+    ("on the outer body", "on the joint's body"),
+    ("fold angle", "position"),
+    ("fold rate", "velocity"),
+    ("smaller angles", "smaller positions"),
+    ("angle", "position"),
+    ("torque", "force"),
+    ("joint may turn", "joint may slide"),
+    ("revolute", "prismatic"),
+];
+
+impl Travel {
+    /// Type of the joint as files and messages name it.
+    pub fn joint_type(self) -> &'static str {
+        match self {
+            Self::Rotation => "revolute",
+            Self::Translation => "prismatic",
+        }
+    }
+
+    /// Name of the coordinate: `angle` or `position`.
+    pub fn coordinate(self) -> &'static str {
+        match self {
+            Self::Rotation => "angle",
+            Self::Translation => "position",
+        }
+    }
+
+    /// Units of the coordinate and its rate.
+    pub fn units(self) -> [&'static str; 2] {
+        match self {
+            Self::Rotation => ["rad", "rad/s"],
+            Self::Translation => ["m", "m/s"],
+        }
+    }
+
+    /// Unit of efforts.
+    pub fn effort_unit(self) -> &'static str {
+        match self {
+            Self::Rotation => "N.m",
+            Self::Translation => "N",
+        }
+    }
+
+    /// The coordinate as people read it: in degrees, or in m.
+    pub fn shown(self, coordinate: f64) -> f64 {
+        match self {
+            Self::Rotation => coordinate.to_degrees(),
+            Self::Translation => coordinate,
+        }
+    }
+
+    /// Unit of [`Self::shown`].
+    pub fn shown_unit(self) -> &'static str {
+        match self {
+            Self::Rotation => "deg",
+            Self::Translation => "m",
+        }
+    }
+
+    /// A name or a sentence about a revolute joint, told of this one.
+    pub fn words(self, of_rotation: &str) -> String {
+        match self {
+            Self::Rotation => of_rotation.to_owned(),
+            Self::Translation => {
+                WORDS.iter().fold(of_rotation.to_owned(), |text, (turns, slides)| text.replace(turns, slides))
+            }
+        }
+    }
+
+    /// Declared real type of a variable that is `of_rotation` of a revolute joint.
+    pub fn declared(self, of_rotation: &'static str) -> &'static str {
+        match (self, of_rotation) {
+            (Self::Rotation, _) => of_rotation,
+            (_, "Angle") => "Position",
+            (_, "AngularVelocity") => "Velocity",
+            (_, "Moment") => "Force",
+            (_, "AngularImpulse") => "Impulse",
+            (_, "RotationalStiffness") => "TranslationalStiffness",
+            (_, "RotationalDamping") => "TranslationalDamping",
+            _ => of_rotation,
+        }
+    }
+
+    /// Way in m and turn that the joint gives its body, in the frame of its parent.
+    pub fn moved(self, axis: &Vector3<f64>, coordinate: f64) -> (Vector3<f64>, Matrix3<f64>) {
+        match self {
+            Self::Rotation => {
+                let turn = Rotation3::from_axis_angle(&Unit::new_normalize(*axis), coordinate);
+                (Vector3::zeros(), turn.into_inner())
+            }
+            Self::Translation => (axis * coordinate, Matrix3::identity()),
+        }
+    }
+}
+
+impl JointKind {
+    /// Travel and machinery of a revolute or prismatic joint; `None` of all others.
+    pub fn one_freedom(&self) -> Option<(Travel, &OneFreedom)> {
+        match self {
+            Self::Revolute(joint) => Some((Travel::Rotation, joint)),
+            Self::Prismatic(joint) => Some((Travel::Translation, joint)),
+            Self::Clamped | Self::Spatial(_) => None,
+        }
+    }
+}
+
+/// Motor of a prismatic joint, as [`Drive`] is that of a revolute one: force on the joint's body along the axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearDrive {
+    /// Spring stiffness `k` in N/m.
+    pub stiffness_n_m: f64,
+    /// Damping `c` in N·s/m.
+    pub damping_n_s_m: f64,
+    /// Constant force in N, towards smaller positions.
+    pub constant_force_n: f64,
+    /// Largest magnitude of the motor's force in N; [`UNLIMITED`] where there is none.
+    pub force_limit_n: f64,
+    /// Largest slew of the neutral position in m/s; [`UNLIMITED`] where there is none.
+    pub rate_limit_m_s: f64,
+    /// Mass that moves with the position only, in kg.
+    pub mass_kg: f64,
+    /// Start value of the command input in m.
+    pub command_m: f64,
+}
+
+impl Default for LinearDrive {
+    /// No motor: no force, no limits, no mass.
+    fn default() -> Self {
+        Self {
+            stiffness_n_m: 0.0,
+            damping_n_s_m: 0.0,
+            constant_force_n: 0.0,
+            force_limit_n: UNLIMITED,
+            rate_limit_m_s: UNLIMITED,
+            mass_kg: 0.0,
+            command_m: 0.0,
+        }
+    }
+}
+
+impl From<LinearDrive> for Drive {
+    fn from(drive: LinearDrive) -> Self {
+        Self {
+            stiffness_n_m_rad: drive.stiffness_n_m,
+            damping_n_m_s_rad: drive.damping_n_s_m,
+            constant_torque_n_m: drive.constant_force_n,
+            torque_limit_n_m: drive.force_limit_n,
+            rate_limit_rad_s: drive.rate_limit_m_s,
+            inertia_kg_m2: drive.mass_kg,
+            command_rad: drive.command_m,
+        }
+    }
+}
+
+/// Spring and damper of a prismatic joint itself, as [`Spring`] are those of a revolute one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LinearSpring {
+    /// Stiffness in N/m.
+    pub stiffness_n_m: f64,
+    /// Damping in N·s/m.
+    pub damping_n_s_m: f64,
+    /// Position at which the spring is slack in m.
+    pub rest_position_m: f64,
+}
+
+impl From<LinearSpring> for Spring {
+    fn from(spring: LinearSpring) -> Self {
+        Self {
+            stiffness_n_m_rad: spring.stiffness_n_m,
+            damping_n_m_s_rad: spring.damping_n_s_m,
+            rest_angle_rad: spring.rest_position_m,
+        }
+    }
+}
