@@ -9,7 +9,7 @@ rate does the rest. Stiffness and damping of the feedback are those of a set of 
 open wing best, over several fold angles, and that are stable with the wing 10 % softer and stiffer. A hinge of the right
 impedance soaks up the bending of the inner wing; a stiff one would leave it to ring.
 
-Measured are `fold.angle` and `fold.rate`, and the latch's contact `fold.latched`; the strain gauge only judges.
+Measured are `fold.angle` and `fold.angular_velocity`, and the latch's contact `fold.latched`; the strain gauge only judges.
 """
 
 import argparse
@@ -23,7 +23,7 @@ from damp_latched_wing import MODEL, flap_modes, sampled
 from deploy import ACCENT, INK, LATCH, STYLE, latch_time, peak, save
 from fmpy import read_model_description, simulate_fmu
 
-ANGLE, RATE, GAUGE = "fold.angle", "fold.rate", "gauge.root.strain"
+ANGLE, RATE, GAUGE = "fold.angle", "fold.angular_velocity", "gauge.root.strain"
 PERIOD_S = 1e-3  # sampling, and communication step
 RATE_FILTER_HZ = 20.0  # of the measured rate; without it the feedback would excite modes above 100 Hz
 
@@ -153,7 +153,7 @@ def fly(fmu, gains=None, move_s=0.5, fold_at_s=None, stop_s=1.0, **start):
         wing.setReal(reference["fold.torque"], [torque])
         return True
 
-    outputs = [ANGLE, RATE, GAUGE, "fold.latched", "fold.latch_time", "fold.latch_count", "fold.torque_applied"]
+    outputs = [ANGLE, RATE, GAUGE, "fold.latched", "fold.latch_time", "fold.latch_count", "fold.applied_torque"]
     return simulate_fmu(str(fmu), stop_time=stop_s, output_interval=PERIOD_S, output=outputs, start_values=values,
                         step_finished=control if controller else None)
 
@@ -186,7 +186,7 @@ def draw(free, soft, others, trade, path):
     angle.set_title("Unfolding, latching (dashed), folding", loc="left", fontsize=11, color=INK)
     angle.legend(loc="upper center")
     strain.set(xlabel="time (s)", ylabel="strain at the root (10⁻³)")
-    torque.plot(soft["time"], 1e3 * soft["fold.torque_applied"], color=INK, linewidth=1.2)
+    torque.plot(soft["time"], 1e3 * soft["fold.applied_torque"], color=INK, linewidth=1.2)
     torque.set(xlabel="time (s)", ylabel="torque of the drive (mN·m)")
     for axes in (angle, strain, torque):
         axes.set_xlim(0.0, soft["time"][-1])
@@ -216,7 +216,7 @@ def main():
         print(f"{name:21} latches at {latch_time(run):.4f} s, peak strain {largest(run):.3e}")
     print(f"{'folding again':21} peak strain {largest(soft[soft['time'] >= 1.2]):.3e}, "
           f"{np.degrees(soft[ANGLE][-1]):.1f} deg at the end")
-    print(f"{'largest torque, rate':21} {np.abs(soft['fold.torque_applied']).max():.4f} N.m of {TORQUE_LIMIT_N_M}, "
+    print(f"{'largest torque, rate':21} {np.abs(soft['fold.applied_torque']).max():.4f} N.m of {TORQUE_LIMIT_N_M}, "
           f"{np.abs(soft[RATE]).max():.1f} rad/s")
     others = [fly(arguments.fmu, gains, fold_at_s=1.2, stop_s=2.2, body__inner__stiffness_factor=factor,
                   body__outer__stiffness_factor=factor) for factor in STIFFNESS_FACTORS[1:]]

@@ -135,7 +135,7 @@ def test_f188_run_draws_what_simulate_draws(runner, foldwing, fmus, tmp_path):
     """F-188. `foldwing run --plot` of the FMU draws the variables of `--output` as `foldwing simulate --plot` does, byte for
     byte, and needs no CSV.
     """
-    names = [f"--output={name}" for name in ("fold.angle", "gauge.root.strain", "fold.rate")]
+    names = [f"--output={name}" for name in ("fold.angle", "gauge.root.strain", "fold.angular_velocity")]
     for folder, command in [("model", [foldwing, "simulate", ROOT / "examples/models/folding_wing.toml"]), ("fmu", [runner, "run", fmus["folding_wing"].path])]:
         subprocess.run([*map(str, command), "--quiet", "--plot", tmp_path / folder, *names], check=True)
     drawn = sorted(path.name for path in (tmp_path / "fmu").iterdir())

@@ -96,7 +96,7 @@ def test_f182_pixels_show_the_same(still_air):
 
 def test_f183_chosen_outputs_are_drawn_by_unit(foldwing, tmp_path):
     """F-183. Variables of `--output` share a figure if they share a unit; figures alone need no CSV and are the same twice."""
-    names = ["fold.angle", "gauge.root.strain", "fold.rate"]
+    names = ["fold.angle", "gauge.root.strain", "fold.angular_velocity"]
     for folder in "ab":
         command = [foldwing, "simulate", MODEL, "--quiet", "--plot", tmp_path / folder]
         subprocess.run([*command, *(f"--output={name}" for name in names)], check=True)

@@ -82,7 +82,7 @@ def test_f92_soft_fold_halves_the_peak_strain(soft_gains, wing):
     result = soft_fold.fly(wing.path, gains, fold_at_s=1.2, stop_s=2.2)
     unfolding = result["time"] < 1.2
     peaks = [soft_fold.largest(part) for part in (result[unfolding], result[~unfolding])]
-    torque = np.abs(result["fold.torque_applied"]).max()
+    torque = np.abs(result["fold.applied_torque"]).max()
     print(f"F-92 feedback {gains}, damping {ratio:.2f}; latch at {result['fold.latch_time'][-1]:.4f} s; peak strains "
           f"{peaks[0]:.3e}, {peaks[1]:.3e}; torque {torque:.4f} N.m")
     assert ratio > 0.3
@@ -91,7 +91,7 @@ def test_f92_soft_fold_halves_the_peak_strain(soft_gains, wing):
     assert result["fold.latched"][unfolding][-1] and not result["fold.latched"][-1]
     assert np.degrees(result["fold.angle"][-1]) == pytest.approx(170.0, abs=0.5)
     assert torque < soft_fold.TORQUE_LIMIT_N_M
-    assert np.abs(result["fold.rate"]).max() < soft_fold.RATE_LIMIT_RAD_S
+    assert np.abs(result["fold.angular_velocity"]).max() < soft_fold.RATE_LIMIT_RAD_S
 
 
 @pytest.mark.parametrize("change", ["stiffness", "mass"])

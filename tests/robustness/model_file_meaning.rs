@@ -24,14 +24,30 @@ fn joint_names_that_clash() {
     assert_eq!(
         message("[joint.mount]", "[joint.load]"),
         "wing.toml:24: key 'joint.load': the name \"load\" is not allowed; allowed: a name that does not start \
-         with tip_ and is not one of load, gravity, root, wind, gauge, loop, tip, station, aero, energy, solver, body, \
-         time, der"
+         with tip_ and is not one of load, gravity, root, wind, gauge, section_load, loop, tip, station, aero, energy, \
+         solver, body, time, der"
     );
     assert_eq!(
         message("[joint.mount]", "[joint.tip_inner]"),
         "wing.toml:24: key 'joint.tip_inner': the name \"tip_inner\" is not allowed; allowed: a name that does \
-         not start with tip_ and is not one of load, gravity, root, wind, gauge, loop, tip, station, aero, energy, solver, \
-         body, time, der"
+         not start with tip_ and is not one of load, gravity, root, wind, gauge, section_load, loop, tip, station, aero, \
+         energy, solver, body, time, der"
+    );
+}
+
+/// Places of section loads: on a body that has sections, with a body on the side that is asked for.
+#[test]
+fn section_loads() {
+    let cut = |table: &str| message_of(&format!("{}\n[section_load.cut]\n{table}\n", with("", "")));
+    assert_eq!(
+        cut("body = \"outer\"\nposition_m = 0.1\nside = \"outboard\""),
+        "wing.toml:60: key 'section_load.cut.side': \"outboard\" is not allowed; allowed: \"inboard\" at the outer end of the body: outboard of it there is nothing"
+    );
+    let stone = "[rigid_body.stone]\nmass_kg = 1.0\ninertia_kg_m2 = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]\n\
+                 [joint.held]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"stone\"\n";
+    assert_eq!(
+        message_of(&format!("{}\n{stone}[section_load.cut]\nbody = \"stone\"\nposition_m = 0.0\n", with("", ""))),
+        "wing.toml:65: key 'section_load.cut.body': \"stone\" is not allowed; allowed: a body that bends; this one is rigid and has no sections: the force and moment of its joint are outputs"
     );
 }
 

@@ -171,7 +171,7 @@ fn e08_limits_of_the_drive() {
         bench.plant.initialize(0.0).expect("a start");
         bench.step(0.01);
         compare_at_state("limits", &mut bench);
-        let (torque, command) = (bench.reference("fold.torque_applied"), bench.reference("fold.command"));
+        let (torque, command) = (bench.reference("fold.applied_torque"), bench.reference("fold.command"));
         column(&mut bench, Stage::Running, &[torque], command)[0]
     };
     let free = by_command(&|_| ());
@@ -272,7 +272,7 @@ fn e10_seeds_add_up_and_other_rows_are_refused() {
     use AccessError as E;
     assert!(matches!(refuse(Stage::Running, "fold.angle", "fold.stiffness", 1.0), E::NotAKnown { .. }));
     assert!(matches!(refuse(Stage::Starting, "fold.angle", "time", 1.0), E::NotAKnown { .. }));
-    assert!(matches!(refuse(Stage::Running, "fold.angle", "fold.rate", 1.0), E::NotAKnown { .. }));
+    assert!(matches!(refuse(Stage::Running, "fold.angle", "fold.angular_velocity", 1.0), E::NotAKnown { .. }));
     assert!(matches!(refuse(Stage::Running, "fold.torque", "fold.torque", 1.0), E::NotAnUnknown { .. }));
     assert!(matches!(refuse(Stage::Running, "fold.latched", "fold.torque", 1.0), E::WrongType { .. }));
     assert!(matches!(refuse(Stage::Running, "fold.angle", "fold.release", 1.0), E::WrongType { .. }));

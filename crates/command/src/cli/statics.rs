@@ -118,7 +118,7 @@ fn as_json(plant: &Plant, effort: StaticEffort) -> Value {
             json!({
                 "name": name,
                 (travel.words("angle_rad")): joint.angle_rad,
-                (travel.words("torque_applied_N_m")): joint.torque_applied_n_m,
+                (travel.words("applied_torque_N_m")): joint.torque_applied_n_m,
                 (travel.words("latch_torque_N_m")): joint.latch_torque_n_m,
                 "latched": joint.latched,
             })

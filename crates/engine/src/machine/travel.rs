@@ -34,7 +34,7 @@ const WORDS: &[(&str, &str)] = &[
     ("capture_rad", "capture_m"),
     ("capture_deg", "capture_m"),
     ("torque_n_m", "force_n"),
-    ("torque_applied_N_m", "force_applied_N"),
+    ("applied_torque_N_m", "applied_force_N"),
     ("torque_N_m", "force_N"),
     // units
     ("N·m·s/rad", "N·s/m"),

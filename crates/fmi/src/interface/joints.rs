@@ -126,7 +126,7 @@ pub(super) fn revolute_outputs(table: &mut Table, topology: &Topology, joint: us
         );
     };
     add(JointOutput::Angle, "angle", Some("Angle"), "fold angle, by the right-hand rule about the hinge axis");
-    let rate_key = if travel == Travel::Rotation { "rate" } else { "velocity" };
+    let rate_key = if travel == Travel::Rotation { "angular_velocity" } else { "velocity" };
     add(JointOutput::Rate, rate_key, Some("AngularVelocity"), "fold rate");
     let holding = "torque on the outer body of the stopper, lock or prescribed motion that holds the joint";
     add(JointOutput::HoldingTorque, "holding_torque", Some("Moment"), holding);
@@ -143,7 +143,7 @@ fn torque_outputs(
     add: &mut impl FnMut(JointOutput, &str, Option<&'static str>, &str),
 ) {
     let applied = "sum of motor, spring and external torque on the outer body about the hinge axis";
-    add(JointOutput::TorqueApplied, "torque_applied", Some("Moment"), applied);
+    add(JointOutput::TorqueApplied, "applied_torque", Some("Moment"), applied);
     let motor = "motor torque within its limit, on the outer body about the hinge axis";
     add(JointOutput::MotorTorque, "motor_torque", Some("Moment"), motor);
     if topology.revolute(joint).spring.is_some() {
@@ -200,12 +200,12 @@ fn reaction_outputs(table: &mut Table, topology: &Topology, body: usize) {
     for (i, axis) in AXES.iter().enumerate() {
         let force =
             format!("joint {name}: force of the joint on the inner end of body {body_name}, root frame, {axis}");
-        table.output(Output::JointForce(body, i), format!("{name}.force.{axis}"), Some("Force"), force);
+        table.output(Output::JointForce(body, i), format!("{name}.reaction_force.{axis}"), Some("Force"), force);
     }
     for (i, axis) in AXES.iter().enumerate() {
         let moment = format!(
             "joint {name}: moment of the joint on the inner end of body {body_name}, at that end, root frame, {axis}"
         );
-        table.output(Output::JointMoment(body, i), format!("{name}.moment.{axis}"), Some("Moment"), moment);
+        table.output(Output::JointMoment(body, i), format!("{name}.reaction_moment.{axis}"), Some("Moment"), moment);
     }
 }

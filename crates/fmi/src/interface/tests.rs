@@ -102,7 +102,7 @@ fn the_shipped_model_has_the_promised_names() {
     let interface = Interface::new(&machine(WING));
     let names = "time fold.command fold.torque fold.release fold.latch_enable load.inner[1].force.x \
         load.outer[4].moment.z gravity.x root.acceleration.y root.angular_velocity.z root.angular_acceleration.x \
-        fold.angle fold.rate fold.holding_torque fold.torque_applied fold.motor_torque fold.external_torque \
+        fold.angle fold.angular_velocity fold.holding_torque fold.applied_torque fold.motor_torque fold.external_torque \
         fold.latch_torque fold.latched fold.latch_time fold.latch_count \
         gauge.root.strain root.force.x root.moment.z tip.position.x tip.velocity.y tip.acceleration.z tip.rotation.w \
         station.inner[1].position.x station.outer[4].velocity.y station.outer[4].angular_velocity.z \
