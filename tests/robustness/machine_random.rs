@@ -114,7 +114,7 @@ impl Dice {
             damping_n_m_s_rad: self.number(0.0, 0.01),
             ..Drive::default()
         };
-        let joint = match self.random.usize(..6) {
+        let joint = match self.random.usize(..7) {
             0 => Joint::clamped(name),
             1 => Joint::universal(name, axis, [1.0, 0.0, 0.0]).drive(drive),
             2 => Joint::ball(name).drive(drive),
@@ -122,6 +122,14 @@ impl Dice {
             4 => {
                 let points = vec![(0.0, 0.0), (self.number(0.1, 1.0), self.number(-1.0, 1.0))];
                 Joint::revolute(name, axis).prescribed(Motion::Table(points))
+            }
+            5 => {
+                let slide = Joint::prismatic(name, axis).drive(drive).start_position_m(self.number(-0.1, 0.1));
+                match self.random.usize(..3) {
+                    0 => slide.latch(Latch::with_ratio(self.number(2.0, 1e4)).capture_m(self.number(0.0, 0.01))),
+                    1 => slide.prescribed(Motion::Polynomial(vec![self.number(-0.1, 0.1), self.number(-1.0, 1.0)])),
+                    _ => slide.start_rate_m_s(self.number(-1.0, 1.0)),
+                }
             }
             _ => {
                 let fold = Joint::revolute(name, axis).drive(drive).start_angle_rad(self.number(-2.0, 2.0));

@@ -134,17 +134,24 @@ fn foreign_keys() {
     ] {
         for (joint, line) in [(format!("{UNIVERSAL}\nbody_axis = [0, 0, 1]"), 33), (BALL.into(), 31), (FREE.into(), 31)]
         {
-            assert_eq!(message(&format!("{joint}\n{key} = {value}")), refusal(line, key, value, "\"revolute\""));
+            let types = match key {
+                "release" | "motion" => "\"revolute\" or \"prismatic\"",
+                _ => "\"revolute\"",
+            };
+            assert_eq!(message(&format!("{joint}\n{key} = {value}")), refusal(line, key, value, types));
         }
     }
     for (joint, line) in [(format!("{UNIVERSAL}\nbody_axis = [0, 0, 1]"), 33), (BALL.into(), 31), (FREE.into(), 31)] {
         let latch = "latch = { stiffness_N_m_rad = 200 }";
-        assert_eq!(message(&format!("{joint}\n{latch}")), refusal(line, "latch", "a table", "\"revolute\""));
+        assert_eq!(
+            message(&format!("{joint}\n{latch}")),
+            refusal(line, "latch", "a table", "\"revolute\" or \"prismatic\"")
+        );
     }
     for joint in [BALL, FREE] {
         assert_eq!(
             message(&format!("{joint}\naxis = [0, 1, 0]")),
-            refusal(31, "axis", "[0, 1, 0]", "\"revolute\" or \"universal\"")
+            refusal(31, "axis", "[0, 1, 0]", "\"revolute\" or \"prismatic\" or \"universal\"")
         );
         assert_eq!(
             message(&format!("{joint}\nbody_axis = [0, 1, 0]")),
@@ -157,12 +164,55 @@ fn foreign_keys() {
     );
     assert_eq!(
         message(&format!("{FREE}\ndrive = {{ stiffness_N_m_rad = 1 }}")),
-        refusal(31, "drive", "a table", "\"revolute\" or \"universal\" or \"ball\"")
+        refusal(31, "drive", "a table", "\"revolute\" or \"prismatic\" or \"universal\" or \"ball\"")
     );
     assert_eq!(
         message("type = \"revolute\"\nparent = \"inner\"\naxis = [0, 1, 0]\nstart_angular_velocity_deg_s = [0, 1, 0]"),
         refusal(32, "start_angular_velocity_deg_s", "[0, 1, 0]", "\"universal\" or \"ball\" or \"free\"")
     );
+}
+
+/// Keys in m and N on a joint that turns, in deg and N·m on one that slides: refused, with the key that is meant.
+#[test]
+fn keys_of_the_other_travel() {
+    let slide = |keys: &str| message(&format!("type = \"prismatic\"\nparent = \"inner\"\naxis = [0, 1, 0]\n{keys}"));
+    let hinge = |keys: &str| message(&format!("type = \"revolute\"\nparent = \"inner\"\naxis = [0, 1, 0]\n{keys}"));
+    assert_eq!(slide("start_position_m = 0.1\ndrive.stiffness_N_m = 1\nlatch.stiffness_ratio = 10"), "accepted");
+    for (found, key, value, allowed) in [
+        (slide("start_angle_deg = 5"), "start_angle_deg", "5", "this key only with type = \"revolute\""),
+        (hinge("start_position_m = 5"), "start_position_m", "5", "this key only with type = \"prismatic\""),
+        (slide("polynomial_deg = [1]"), "polynomial_deg", "[1]", "this key only with type = \"revolute\""),
+        (
+            slide("drive.stiffness_N_m_rad = 5"),
+            "drive.stiffness_N_m_rad",
+            "5",
+            "stiffness_N_m in its place: a prismatic joint is in m and N",
+        ),
+        (
+            hinge("spring.rest_position_m = 5"),
+            "spring.rest_position_m",
+            "5",
+            "rest_angle_deg in its place: a revolute joint is in deg and N·m",
+        ),
+        (slide("drive.force_limit_N = -1"), "drive.force_limit_N", "-1", "a finite force >= 0 N"),
+        (slide("drive.mass_kg = -1"), "drive.mass_kg", "-1", "a finite mass >= 0 kg"),
+        (slide("start_position_m = inf"), "start_position_m", "inf", "a finite length in m"),
+        (
+            slide("latch = { stiffness_ratio = 10 }"),
+            "latch.stiffness_ratio",
+            "10",
+            "a ratio where the stiffness of drive and spring is > 0; write stiffness_N_m (N/m) instead",
+        ),
+        (
+            slide("release = false\nstart_rate_m_s = 1"),
+            "start_rate_m_s",
+            "1",
+            "a rate of 0 m/s where the joint is locked, prescribed or not released at the start",
+        ),
+    ] {
+        let expected = format!("key 'joint.fold.{key}': {value} is not allowed; allowed: {allowed}");
+        assert!(found.ends_with(&expected), "{found}\nexpected {expected}");
+    }
 }
 
 /// The motor of a revolute joint is no part of the others.

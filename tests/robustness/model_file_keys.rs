@@ -155,7 +155,7 @@ fn choices() {
     assert_eq!(
         message("\"clamped\"", "\"welded\""),
         "wing.toml:25: key 'joint.mount.type': \"welded\" is not allowed; allowed: \"clamped\" or \"revolute\" or \
-         \"universal\" or \"ball\" or \"free\""
+         \"prismatic\" or \"universal\" or \"ball\" or \"free\""
     );
     assert_eq!(
         message("[solver]", "[solver]\nmethod = \"euler\""),

@@ -41,7 +41,8 @@ fn misplaced_keys() {
         "wing.toml:34: key 'joint.fold.stiffness_N_m_rad' is unknown; it belongs to [joint.<name>.drive] or \
          [joint.<name>.spring] or [joint.<name>.latch]; allowed keys: type, parent, child, parent_position_m, parent_frame, parent_offset_m, root_position_m, \
          mount_rotation_deg, axis, body_axis, start_angular_velocity_deg_s, start_velocity_m_s, start_angle_deg, \
-         start_rate_deg_s, release, motion, polynomial_deg, table_s_deg, table_ends, drive, spring, latch"
+         start_rate_deg_s, start_position_m, start_rate_m_s, release, motion, polynomial_deg, table_s_deg, \
+         polynomial_m, table_s_m, table_ends, drive, spring, latch"
     );
     assert_eq!(
         message("load_stations = 4", "gravity_m_s2 = [0, 0, 0]"),
@@ -79,13 +80,13 @@ fn choices() {
             "\"clamped\"",
             "\"clamp\"",
             "wing.toml:25: key 'joint.mount.type': \"clamp\" is not allowed; allowed: \"clamped\" or \"revolute\" or \
-             \"universal\" or \"ball\" or \"free\" (did you mean \"clamped\"?)",
+             \"prismatic\" or \"universal\" or \"ball\" or \"free\" (did you mean \"clamped\"?)",
         ),
         (
             "\"revolute\"",
             "\"Revolut\"",
             "wing.toml:29: key 'joint.fold.type': \"Revolut\" is not allowed; allowed: \"clamped\" or \"revolute\" or \
-             \"universal\" or \"ball\" or \"free\" (did you mean \"revolute\"?)",
+             \"prismatic\" or \"universal\" or \"ball\" or \"free\" (did you mean \"revolute\"?)",
         ),
         (
             "\"explicit\"",

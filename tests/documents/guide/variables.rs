@@ -82,6 +82,18 @@ and `documentation/index.html` inside the FMU shows them as a table.
 - **fixed** parameters can be set before the end of the initialisation, **tunable** ones at any time.
 ";
 
+/// One of each prismatic joint: with everything, and with a rigid latch.
+const SLIDES: &str = r#"
+[joint.jointname]
+type = "prismatic"
+parent = "root"
+child = "bodyname"
+axis = [0, 1, 0]
+drive = { stiffness_N_m = 1.0 }
+spring = { stiffness_N_m = 0.1 }
+latch = { stiffness_ratio = 1e4 }
+"#;
+
 /// Where the rows whose name begins so exist.
 const WHERE: &[(&str, &str)] = &[
     ("<joint>.latch_impulse", "revolute joints with a rigid latch"),
@@ -122,15 +134,21 @@ const BOUND: &str = "all joints except free ones";
 const NOT_PRESCRIBED: &str = "revolute joints except prescribed ones";
 
 /// Where a row exists.
-fn place(variable: &Variable, pattern: &str) -> &'static str {
+fn place(variable: &Variable, pattern: &str, slides: bool) -> String {
     let name = format!("{pattern}.");
+    let name = if slides {
+        name.replace("position", "angle").replace("force", "torque").replace("velocity", "rate")
+    } else {
+        name
+    };
     match WHERE.iter().find(|(beginning, _)| name.starts_with(beginning)) {
         // what only the ball joint has
         Some((_, place)) if variable.name.starts_with("jointnamea.") && place.starts_with("revolute") => {
-            "universal and ball joints"
+            "universal and ball joints".to_owned()
         }
-        Some((_, place)) => place,
-        None => "always",
+        Some((_, place)) if slides => place.replace("revolute", "prismatic"),
+        Some((_, place)) => (*place).to_owned(),
+        None => "always".to_owned(),
     }
 }
 
@@ -143,6 +161,14 @@ pub fn everything() -> Interface {
 pub fn in_real_time() -> Interface {
     let (still, _) = EVERYTHING.split_once("[aerodynamics]").unwrap();
     table(&format!("{still}[solver]\nmode = \"real_time\"\n"))
+}
+
+/// The table of [`EVERYTHING`] with a prismatic joint in the place of the revolute one, whose latch is rigid or not.
+pub fn sliding(rigid: bool) -> Interface {
+    let (begin, rest) = EVERYTHING.split_once("[joint.jointname]").unwrap();
+    let (_, end) = rest.split_once("[joint.jointnamea]").unwrap();
+    let slides = if rigid { SLIDES.replace("stiffness_ratio = 1e4", "kind = \"rigid\"") } else { SLIDES.to_owned() };
+    table(&format!("{begin}{slides}[joint.jointnamea]{end}"))
 }
 
 /// The table of [`EVERYTHING`] with a rigid latch.
@@ -200,18 +226,23 @@ fn shortest(value: f64) -> String {
 }
 
 /// The rows of one causality; each pattern once.
-fn rows([ordinary, in_real_time, rigid]: &[Interface; 3], causality: Causality) -> String {
+fn rows(interfaces: &[Interface; 5], causality: Causality) -> String {
+    let [ordinary, in_real_time, rigid, sliding, sliding_rigid] = interfaces;
     let mut seen = BTreeSet::new();
     let mut text = String::new();
-    let all = [ordinary, in_real_time, rigid].into_iter().flat_map(Interface::variables);
-    for variable in all.filter(|variable| variable.causality == causality) {
+    let all = [(ordinary, false), (in_real_time, false), (rigid, false), (sliding, true), (sliding_rigid, true)];
+    let all =
+        all.into_iter().flat_map(|(interface, slides)| interface.variables().iter().map(move |row| (row, slides)));
+    for (variable, slides) in all.filter(|(variable, _)| variable.causality == causality) {
         let (name, component) = pattern(&variable.name);
-        let only_in_real_time = [ordinary, rigid].iter().all(|interface| interface.find(&variable.name).is_none());
-        let (place, meaning) = (place(variable, &name), meaning(variable, component).replace('<', "\\<"));
+        let slides = slides && variable.name.starts_with("jointname.");
+        let elsewhere = [ordinary, rigid, sliding, sliding_rigid];
+        let only_in_real_time = elsewhere.iter().all(|interface| interface.find(&variable.name).is_none());
+        let (place, meaning) = (place(variable, &name, slides), meaning(variable, component).replace('<', "\\<"));
         if !seen.insert((name.clone(), meaning.clone())) {
             continue;
         }
-        let place = if only_in_real_time { "in real-time mode" } else { place };
+        let place = if only_in_real_time { "in real-time mode".to_owned() } else { place };
         let kind = match (variable.value, variable.variability) {
             (Value::Boolean(_), _) => "Boolean",
             (Value::Integer(_), _) => "Integer",
@@ -228,7 +259,7 @@ fn rows([ordinary, in_real_time, rigid]: &[Interface; 3], causality: Causality) 
 
 /// The page.
 fn page() -> String {
-    let interfaces = [everything(), in_real_time(), with_rigid_latch()];
+    let interfaces = [everything(), in_real_time(), with_rigid_latch(), sliding(false), sliding(true)];
     let parts = [
         (
             Causality::Input,

@@ -228,8 +228,9 @@ impl Grid {
 /// Outputs that tell most of a wing in few columns: folds and latches, strains, the first tip, what the root bears.
 pub(super) fn recorded(variables: &[Variable]) -> Vec<&Variable> {
     let is = |row: &&Variable, prefix: &str, suffix: &str| row.name.starts_with(prefix) && row.name.ends_with(suffix);
-    let kinds: [(&str, &str, usize); 9] = [
+    let kinds: [(&str, &str, usize); 10] = [
         ("", ".angle", 2),
+        ("", ".position", 2),
         ("", ".latch_time", 1),
         ("gauge.", ".strain", 2),
         ("tip", ".position.x", 1),

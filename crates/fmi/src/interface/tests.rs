@@ -31,6 +31,20 @@ fn with_joints(text: &str, change: impl Fn(usize, &mut Revolute)) -> Machine {
     machine
 }
 
+/// Three bodies whose last joint slides instead, from a rate in m/s, with a spring of its own.
+fn with_slides(rate_m_s: f64) -> Machine {
+    let mut machine = with_joints(THREE, |_, revolute| {
+        revolute.start_rate_rad_s = rate_m_s;
+        let spring = Spring { stiffness_n_m_rad: 0.1, damping_n_m_s_rad: 0.01, rest_angle_rad: 0.3 };
+        revolute.spring = Some(spring);
+    });
+    let joint = &mut machine.bodies[2].joint.kind;
+    if let JointKind::Revolute(own) = joint {
+        *joint = JointKind::Prismatic(own.clone());
+    }
+    machine
+}
+
 /// Shipped models and variants that reach every branch; two pairs, for four hide the root's jolt from the tip.
 fn machines() -> Vec<(&'static str, Machine)> {
     let last_prescribed = |index: usize, revolute: &mut Revolute| {
@@ -68,6 +82,8 @@ fn machines() -> Vec<(&'static str, Machine)> {
             }),
         ),
         ("prescribed", with_joints(THREE, last_prescribed)),
+        ("sliding", with_slides(0.0)),
+        ("sliding at the start", with_slides(0.7)),
         ("locked", with_joints(BRANCHED, |_, revolute| revolute.motion = JointMotion::Locked)),
         ("spatial", machine(SPATIAL)),
         ("spatial, spinning", with_spins(&["cross", "ball", "flight"])),
@@ -216,7 +232,9 @@ fn generic(machine: &Machine, interface: &Interface) -> Plant {
     for row in interface.variables() {
         let value = match (row.causality, row.value) {
             (Causality::Input, Value::Real(value)) => value + random(),
-            (Causality::Parameter, Value::Real(value)) if row.name.ends_with(".start_angle") => {
+            (Causality::Parameter, Value::Real(value))
+                if row.name.ends_with(".start_angle") || row.name.ends_with(".start_position") =>
+            {
                 0.8 * value + 0.1 * random()
             }
             (Causality::Parameter, Value::Real(value)) if row.name.ends_with("damping") => value + 0.1,
@@ -304,7 +322,7 @@ fn compare(label: &str, declared: &Pairs, seen: &Seen) -> Vec<String> {
     // what holds a joint carries nothing while it turns freely, as it does in most of the machines
     let idle = declared
         .difference(&seen)
-        .filter(|(output, _)| !output.ends_with(".holding_torque"))
+        .filter(|(output, _)| !output.ends_with(".holding_torque") && !output.ends_with(".holding_force"))
         .map(|(output, known)| format!("{label}: {output} does not depend on {known}"));
     missing.chain(idle).collect()
 }
