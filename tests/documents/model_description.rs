@@ -37,7 +37,8 @@ fn committed_descriptions_are_what_is_generated() {
         let machine = foldwing::config::parse(&text, &stem.to_string_lossy()).unwrap_or_else(|error| panic!("{error}"));
         let interface = Interface::new(&machine);
         let variables = interface.variables();
-        let generated = model_description(&machine, variables, &guid(&text, variables));
+        let generated =
+            model_description(&machine, variables, &interface.dependencies(&machine), &guid(&text, variables));
         let file = committed.join(&stem).with_extension("xml");
         if bless {
             std::fs::write(&file, &generated).unwrap();

@@ -15,6 +15,7 @@ mod file;
 mod function;
 mod joint_file;
 mod joints;
+mod json;
 mod letters;
 mod loops;
 mod meant;

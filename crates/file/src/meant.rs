@@ -41,7 +41,7 @@ pub(super) fn homes(top: Node, key: &str) -> Vec<String> {
     look("the top of the file, before the first table".to_owned(), top);
     for (name, property) in properties(top) {
         match property.child("additionalProperties").resolve() {
-            inner if inner.is_object() => visit(&format!("[{name}.<name>]"), inner, &mut look),
+            inner if inner.is_table() => visit(&format!("[{name}.<name>]"), inner, &mut look),
             _ => visit(&format!("[{name}]"), property.resolve(), &mut look),
         }
     }

@@ -1,8 +1,8 @@
 //! `docs/MODEL_FILE.md`: the reference of all keys, written from the schema.
 
+use crate::json::Json;
 use crate::schema::{Node, allowed, is_required, properties, shortest, tagged, tree};
 use foldwing_engine::machine::validate::joint::RESERVED;
-use serde_json::Value;
 use std::fmt::Write;
 
 const HEAD: &str = "\
@@ -84,7 +84,7 @@ pub fn reference() -> String {
     table(&mut page, "Top level", top);
     for (key, property) in properties(top) {
         let items = property.child("additionalProperties");
-        if items.is_object() {
+        if items.is_table() {
             group(&mut page, &format!("[{key}.<name>]"), items.resolve());
         } else if property.resolve()["type"] == "object" {
             group(&mut page, &format!("[{key}]"), property.resolve());
@@ -132,21 +132,22 @@ fn table(page: &mut String, title: &str, schema: Node) {
 fn allowed_words(key: &str, property: Node) -> String {
     match property["const"].as_str() {
         Some(constant) => format!("{constant:?}"),
-        None if property["additionalProperties"].is_object() => format!("tables `[{key}.<name>]`"),
+        None if property["additionalProperties"].is_table() => format!("tables `[{key}.<name>]`"),
         None => allowed(key, property),
     }
 }
 
-fn default_words(schema: &Value, key: &str, property: &Value) -> String {
+fn default_words(schema: &Json, key: &str, property: &Json) -> String {
     match &property["default"] {
         _ if is_required(schema, key) => "required".to_owned(),
-        Value::Object(_) | Value::Null => "–".to_owned(),
-        Value::Number(number) => format!("`{}`", number.as_f64().map_or(number.to_string(), shortest)),
-        Value::Array(items) => {
-            let items: Vec<String> = items.iter().filter_map(Value::as_f64).map(shortest).collect();
+        Json::Table(_) | Json::Null => "–".to_owned(),
+        Json::Number(number) => format!("`{}`", shortest(*number)),
+        Json::List(items) => {
+            let items: Vec<String> = items.iter().filter_map(Json::as_f64).map(shortest).collect();
             format!("`[{}]`", items.join(", "))
         }
-        other => format!("`{other}`"),
+        Json::Text(text) => format!("`{text:?}`"),
+        Json::Flag(flag) => format!("`{flag}`"),
     }
 }
 

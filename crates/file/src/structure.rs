@@ -101,7 +101,7 @@ impl<'a> Check<'_, 'a> {
             self.path.push(name.to_string());
             match properties(schema).find(|(known, _)| known == name) {
                 Some((known, schema)) => self.value(known, schema, value, key.span().start),
-                None if schema["additionalProperties"].is_object() => {
+                None if schema["additionalProperties"].is_table() => {
                     self.named(schema.child("additionalProperties"), name, value, key.span().start);
                 }
                 None => {
@@ -166,7 +166,7 @@ impl<'a> Check<'_, 'a> {
         let schema = alternative(property.resolve(), value.get_ref());
         let fits = match (value.get_ref(), schema["type"].as_str()) {
             (DeValue::Table(table), _) if is_table(schema) => {
-                let too_few = schema["minProperties"].as_u64().is_some_and(|least| (table.len() as u64) < least);
+                let too_few = schema["minProperties"].as_count().is_some_and(|least| table.len() < least);
                 if !too_few {
                     return self.table(schema, table, offset);
                 }
@@ -210,7 +210,7 @@ fn hint(value: &DeValue, schema: Node) -> String {
     match (value.as_str(), options(schema).or(tags)) {
         (Some(word), Some(options)) => did_you_mean(word, options),
         (Some(word), None) if schema["pattern"] == IDENTIFIER => as_identifier(word),
-        (Some(word), None) if schema["maxItems"] == 3 => as_direction(word),
+        (Some(word), None) if schema["maxItems"].as_count() == Some(3) => as_direction(word),
         _ => String::new(),
     }
 }
@@ -247,9 +247,9 @@ fn first_misfit(value: &Spanned<DeValue>, schema: Node) -> Option<usize> {
     let DeValue::Array(items) = value.get_ref() else {
         return (!fits(value.get_ref(), schema)).then(|| value.span().start);
     };
-    let length = items.len() as u64;
-    let length_fits = schema["minItems"].as_u64().is_none_or(|least| length >= least)
-        && schema["maxItems"].as_u64().is_none_or(|most| length <= most);
+    let length = items.len();
+    let length_fits = schema["minItems"].as_count().is_none_or(|least| length >= least)
+        && schema["maxItems"].as_count().is_none_or(|most| length <= most);
     if schema["type"] != "array" || !length_fits {
         return Some(value.span().start);
     }

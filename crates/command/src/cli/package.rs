@@ -46,7 +46,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Some(output) = &arguments.output else {
         let interface = Interface::new(&machine);
         let variables = interface.variables();
-        return print(&packaging::model_description(&machine, variables, &guid(&text, variables)));
+        let dependencies = interface.dependencies(&machine);
+        return print(&packaging::model_description(&machine, variables, &dependencies, &guid(&text, variables)));
     };
     if !output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu")) {
         let shown = output.display();

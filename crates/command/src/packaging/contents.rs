@@ -21,10 +21,14 @@ pub struct Extras {
 pub fn contents(machine: &Machine, model_text: &str, extras: &Extras) -> BTreeMap<String, Vec<u8>> {
     let interface = Interface::new(machine);
     let variables = interface.variables();
+    let guid = guid(model_text, variables);
     let mut files = BTreeMap::from([
         ("documentation/index.html".to_owned(), documentation::page(machine, variables, extras).into_bytes()),
         ("model.png".to_owned(), icon::png(machine)),
-        ("modelDescription.xml".to_owned(), model_description(machine, variables, &guid(model_text, variables)).into()),
+        (
+            "modelDescription.xml".to_owned(),
+            model_description(machine, variables, &interface.dependencies(machine), &guid).into(),
+        ),
         (format!("resources/{MODEL_FILE}"), model_text.into()),
     ]);
     files.extend(licenses::FILES.map(|(name, text)| (format!("{}/{name}", licenses::FOLDER), text.into())));

@@ -8,7 +8,7 @@ use crate::packaging::{MODEL_IDENTIFIER, VERSION};
 use foldwing_engine::machine::Machine;
 use foldwing_fmi::fmi2::LOG_CATEGORIES;
 use foldwing_fmi::interface::{
-    Causality, DependencyKind, Initial, RealType, TYPES, UNITS, Unit, Value, Variability, Variable,
+    Causality, Dependencies, DependencyKind, Initial, RealType, TYPES, UNITS, Unit, Value, Variability, Variable,
 };
 use std::io;
 
@@ -29,12 +29,23 @@ const CAPABILITIES: [(&str, &str); 9] = [
 
 /// The complete text of `modelDescription.xml`, ending in a line feed.
 ///
-/// `variables` is the table of `machine`, in order; `guid` is the hash that the library checks on instantiation.
-pub fn model_description(machine: &Machine, variables: &[Variable], guid: &str) -> String {
-    xml::document(|xml| write_root(xml, machine, variables, guid))
+/// `variables` is the table of `machine`, in order, with what each row depends on; `guid` is the hash that the library
+/// checks on instantiation.
+pub fn model_description(
+    machine: &Machine,
+    variables: &[Variable],
+    dependencies: &[Dependencies],
+    guid: &str,
+) -> String {
+    xml::document(|xml| write_root(xml, machine, (variables, dependencies), guid))
 }
 
-fn write_root(xml: &mut Xml, machine: &Machine, variables: &[Variable], guid: &str) -> io::Result<()> {
+fn write_root(
+    xml: &mut Xml,
+    machine: &Machine,
+    (variables, dependencies): (&[Variable], &[Dependencies]),
+    guid: &str,
+) -> io::Result<()> {
     let attributes: Attributes = vec![
         ("fmiVersion", "2.0".to_owned()),
         ("modelName", machine.name.clone()),
@@ -60,7 +71,7 @@ fn write_root(xml: &mut Xml, machine: &Machine, variables: &[Variable], guid: &s
         })?;
         write_experiment(xml, machine)?;
         nest(xml, "ModelVariables", &vec![], |xml| variables.iter().try_for_each(|v| write_variable(xml, v)))?;
-        write_structure(xml, variables)
+        write_structure(xml, variables, dependencies)
     })
 }
 
@@ -167,18 +178,19 @@ fn write_type(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
 }
 
 /// `ModelStructure`: every output, and every unknown of Initialization Mode, with what it depends on.
-fn write_structure(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
+fn write_structure(xml: &mut Xml, variables: &[Variable], dependencies: &[Dependencies]) -> io::Result<()> {
+    let of = |index: usize| &dependencies[index - 1];
     nest(xml, "ModelStructure", &vec![], |xml| {
         let outputs: Vec<_> = rows(variables).filter(|(_, v)| v.causality == Causality::Output).collect();
         if !outputs.is_empty() {
             nest(xml, "Outputs", &vec![], |xml| {
-                outputs.iter().try_for_each(|(index, v)| unknown(xml, *index, v, &v.dependencies))
+                outputs.iter().try_for_each(|(index, _)| unknown(xml, *index, of(*index).on_all, &of(*index).running))
             })?;
         }
         let unknowns: Vec<_> = rows(variables).filter(|(_, v)| is_initial_unknown(v)).collect();
         if !unknowns.is_empty() {
             nest(xml, "InitialUnknowns", &vec![], |xml| {
-                unknowns.iter().try_for_each(|(index, v)| unknown(xml, *index, v, &v.initial_dependencies))
+                unknowns.iter().try_for_each(|(index, _)| unknown(xml, *index, of(*index).on_all, &of(*index).initial))
             })?;
         }
         Ok(())
@@ -197,8 +209,8 @@ fn rows(variables: &[Variable]) -> impl Iterator<Item = (usize, &Variable)> {
 }
 
 /// One `Unknown`; an empty list of dependencies means "none" and must be written, no list means "all".
-fn unknown(xml: &mut Xml, index: usize, variable: &Variable, dependencies: &[(u32, DependencyKind)]) -> io::Result<()> {
-    if variable.depends_on_all {
+fn unknown(xml: &mut Xml, index: usize, on_all: bool, dependencies: &[(u32, DependencyKind)]) -> io::Result<()> {
+    if on_all {
         return leaf(xml, "Unknown", &vec![("index", index.to_string())]);
     }
     let mut sorted = dependencies.to_vec();

@@ -19,9 +19,6 @@ fn row(row: u32, name: &str, causality: Causality, value: Value) -> Variable {
         declared_type: None,
         range: None,
         description: format!("{name} < & \" of the wing"),
-        dependencies: vec![],
-        initial_dependencies: vec![],
-        depends_on_all: false,
     }
 }
 
@@ -37,13 +34,18 @@ fn table() -> Vec<Variable> {
     rows[2].variability = Variability::Discrete;
     rows[5].variability = Variability::Discrete;
     rows[3].range = Some((0.0, 1e30));
-    rows[4].dependencies = vec![(2, DependencyKind::Dependent), (1, DependencyKind::Constant)];
-    rows[4].initial_dependencies = vec![(3, DependencyKind::Dependent)];
     rows
 }
 
+fn dependencies() -> Vec<Dependencies> {
+    let mut all = vec![Dependencies::default(); table().len()];
+    all[4].running = vec![(2, DependencyKind::Dependent), (1, DependencyKind::Constant)];
+    all[4].initial = vec![(3, DependencyKind::Dependent)];
+    all
+}
+
 fn text() -> String {
-    model_description(&two_body_machine(), &table(), "{guid}")
+    model_description(&two_body_machine(), &table(), &dependencies(), "{guid}")
 }
 
 /// Elements stand in the order of the schema's sequence.

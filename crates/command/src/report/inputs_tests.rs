@@ -14,9 +14,6 @@ fn variable(row: u32, name: &str, causality: Causality, value: Value) -> Variabl
         declared_type: None,
         range: Some((-10.0, 10.0)),
         description: String::new(),
-        dependencies: vec![],
-        initial_dependencies: vec![],
-        depends_on_all: false,
     }
 }
 

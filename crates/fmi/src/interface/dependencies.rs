@@ -17,34 +17,59 @@ use crate::interface::hinge_dependencies::{
     start_rate, starts, starts_closed, turns_joint,
 };
 use crate::interface::topology::{Topology, Turning};
-use crate::interface::{DependencyKind, MOST_LISTED, Variable};
-use foldwing_engine::machine::StartState;
+use crate::interface::{Dependencies, DependencyKind, MOST_LISTED, Stage};
+use foldwing_engine::machine::{Machine, StartState};
 
-/// Fills the dependencies of every output.
-pub(super) fn add_dependencies(topology: &Topology, variables: &mut [Variable], bindings: &[Binding]) {
-    for (variable, binding) in variables.iter_mut().zip(bindings) {
-        let Binding::Output(output) = *binding else { continue };
-        let knowns = || (0..).zip(bindings.iter().copied());
-        variable.dependencies = knowns()
-            .filter(|&(_, known)| depends(topology, output, known))
-            .map(|(reference, _)| (reference, DependencyKind::Dependent))
-            .take(MOST_LISTED + 1)
-            .collect();
-        if variable.dependencies.len() > MOST_LISTED {
-            (variable.dependencies, variable.depends_on_all) = (Vec::new(), true);
-            continue;
+/// The dependencies of every row of a machine's table; `bindings` are those of all rows.
+pub(super) fn find(machine: &Machine, bindings: &[Binding]) -> Vec<Dependencies> {
+    let topology = Topology::new(machine);
+    let knowns: Vec<(u32, Binding)> =
+        (0..).zip(bindings.iter().copied()).filter(|(_, known)| !known.is_computed()).collect();
+    let of = |output: Output| {
+        let initial = |known: Binding| match settles(&topology, output) {
+            true => DependencyKind::Dependent,
+            false => initial_kind(output, known),
+        };
+        let running = knowns
+            .iter()
+            .filter(|(_, known)| depends(&topology, output, *known))
+            .map(|(reference, _)| (*reference, DependencyKind::Dependent));
+        let initial = knowns
+            .iter()
+            .filter(|(_, known)| depends_initially(&topology, output, *known))
+            .map(|&(reference, known)| (reference, initial(known)));
+        // one more than allowed tells that there are more
+        let (running, initial): (Vec<_>, Vec<_>) =
+            (running.take(MOST_LISTED + 1).collect(), initial.take(MOST_LISTED + 1).collect());
+        if running.len().max(initial.len()) > MOST_LISTED {
+            return Dependencies { on_all: true, ..Dependencies::default() };
         }
-        variable.initial_dependencies = knowns()
-            .filter(|&(_, known)| depends_initially(topology, output, known))
-            .map(|(reference, known)| {
-                let settles = settles(topology, output);
-                (reference, if settles { DependencyKind::Dependent } else { initial_kind(output, known) })
-            })
-            .take(MOST_LISTED + 1)
-            .collect();
-        if variable.initial_dependencies.len() > MOST_LISTED {
-            variable.depends_on_all = true;
-            (variable.dependencies, variable.initial_dependencies) = (Vec::new(), Vec::new());
+        Dependencies { running, initial, on_all: false }
+    };
+    let row = |binding: &Binding| match *binding {
+        Binding::Output(output) => of(output),
+        _ => Dependencies::default(),
+    };
+    bindings.iter().map(row).collect()
+}
+
+/// Pairs of outputs and knowns of which one depends on the other: at a communication point, or in initialisation.
+pub(super) struct Dependence<'a> {
+    topology: Topology<'a>,
+    stage: Stage,
+}
+
+impl<'a> Dependence<'a> {
+    /// Of a machine.
+    pub fn new(machine: &'a Machine, stage: Stage) -> Self {
+        Self { topology: Topology::new(machine), stage }
+    }
+
+    /// Whether the output depends on the known.
+    pub fn holds(&self, output: Output, known: Binding) -> bool {
+        match self.stage {
+            Stage::Starting => depends_initially(&self.topology, output, known),
+            Stage::Running => depends(&self.topology, output, known),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::interface::access::{Kind, Stage};
 use crate::interface::binding::{Binding, Input, Output, Parameter};
+use crate::interface::dependencies::Dependence;
 use crate::interface::{AccessError, Interface, Scalar, Value, Variable};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::StartState;
@@ -112,19 +113,15 @@ impl Interface {
                 return Err(AccessError::NotFinite { name, value }.into());
             }
         }
+        let concerned = self.concerned(plant.machine(), stage, &outputs, knowns);
         let mut sums = vec![0.0; unknowns.len()];
-        for (&known, &seed) in knowns.iter().zip(seeds) {
-            let concerned = |unknown: u32| {
-                let row = &self.variables()[unknown as usize];
-                let declared = if stage == Stage::Starting { &row.initial_dependencies } else { &row.dependencies };
-                row.depends_on_all || declared.iter().any(|&(reference, _)| reference == known)
-            };
-            if seed == 0.0 || !unknowns.iter().any(|&unknown| concerned(unknown)) {
+        for ((&known, &seed), concerned) in knowns.iter().zip(seeds).zip(concerned) {
+            if seed == 0.0 || !concerned.contains(&true) {
                 continue;
             }
             let add = |sums: &mut [f64], outputs_there: &Outputs, weight: f64| {
-                for ((sum, &output), &unknown) in sums.iter_mut().zip(&outputs).zip(unknowns) {
-                    if concerned(unknown) {
+                for ((sum, &output), &concerned) in sums.iter_mut().zip(&outputs).zip(&concerned) {
+                    if concerned {
                         *sum += weight * real(output, outputs_there);
                     }
                 }
@@ -149,6 +146,16 @@ impl Interface {
         }
         values.copy_from_slice(&sums);
         Ok(())
+    }
+
+    /// Per known, which of the outputs depend on it.
+    fn concerned(&self, machine: &Machine, stage: Stage, outputs: &[Output], knowns: &[u32]) -> Vec<Vec<bool>> {
+        let dependence = Dependence::new(machine, stage);
+        let of = |&known: &u32| {
+            let known = self.binding(known);
+            outputs.iter().map(|&output| known.is_some_and(|known| dependence.holds(output, known))).collect()
+        };
+        knowns.iter().map(of).collect()
     }
 
     /// The Real output of a row.

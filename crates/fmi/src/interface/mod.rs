@@ -116,12 +116,17 @@ pub struct Variable {
     pub range: Option<(f64, f64)>,
     /// One sentence: meaning, frame, sign.
     pub description: String,
-    /// Rows that the value depends on at a communication point (outputs; state frozen).
-    pub dependencies: Vec<(u32, DependencyKind)>,
-    /// Rows that the initial value depends on (outputs, in Initialization Mode).
-    pub initial_dependencies: Vec<(u32, DependencyKind)>,
+}
+
+/// What the value of a row depends on; nothing where the row is no output.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Dependencies {
+    /// Rows that the value depends on at a communication point, state frozen.
+    pub running: Vec<(u32, DependencyKind)>,
+    /// Rows that the initial value depends on, in Initialization Mode.
+    pub initial: Vec<(u32, DependencyKind)>,
     /// Of an output whose lists would be too long ([`MOST_LISTED`]): both are empty, and it counts as dependent on all knowns.
-    pub depends_on_all: bool,
+    pub on_all: bool,
 }
 
 /// Longest list of dependencies of a row. With thousands of inputs, accelerations and section loads at thousands of places
@@ -147,6 +152,14 @@ impl Interface {
     /// All rows; a row's position is its value reference.
     pub fn variables(&self) -> &[Variable] {
         &self.variables
+    }
+
+    /// What each row depends on, in the order of the rows. `machine` is that of the table.
+    ///
+    /// Every output is compared with every input and parameter, which takes longer than the rest of a start without
+    /// air: an instance does not need it, the model description does.
+    pub fn dependencies(&self, machine: &Machine) -> Vec<Dependencies> {
+        dependencies::find(machine, &self.slots.iter().map(|slot| slot.binding).collect::<Vec<_>>())
     }
 
     /// Row of a name.

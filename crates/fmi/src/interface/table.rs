@@ -6,7 +6,6 @@ use crate::interface::binding::{
     SolverParameter,
 };
 use crate::interface::counters;
-use crate::interface::dependencies::add_dependencies;
 use crate::interface::joints;
 use crate::interface::topology::Topology;
 use crate::interface::{Causality, Initial, Value, Variability, Variable};
@@ -116,7 +115,6 @@ pub(super) fn build(machine: &Machine) -> (Vec<Variable>, Vec<Binding>) {
     outputs(&mut table, &topology);
     parameters(&mut table, &topology);
     counters::locals(&mut table, machine);
-    add_dependencies(&topology, &mut table.variables, &table.bindings);
     (table.variables, table.bindings)
 }
 
@@ -388,9 +386,6 @@ impl Table {
             declared_type,
             range,
             description,
-            dependencies: Vec::new(),
-            initial_dependencies: Vec::new(),
-            depends_on_all: false,
         });
     }
 }

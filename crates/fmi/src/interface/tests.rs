@@ -138,6 +138,7 @@ fn the_shipped_model_has_the_promised_names() {
 fn rows_are_well_formed() {
     for (label, machine) in machines() {
         let interface = Interface::new(&machine);
+        let dependencies = interface.dependencies(&machine);
         let mut names = BTreeSet::new();
         for (position, row) in interface.variables().iter().enumerate() {
             let name = &row.name;
@@ -166,7 +167,8 @@ fn rows_are_well_formed() {
                 );
             }
             if row.causality != Causality::Output {
-                assert!(row.dependencies.is_empty() && row.initial_dependencies.is_empty(), "{label}: {name}");
+                let none = Dependencies::default();
+                assert_eq!(dependencies[row.value_reference as usize], none, "{label}: {name}");
             }
         }
     }
@@ -329,13 +331,14 @@ fn compare(label: &str, declared: &Pairs, seen: &Seen) -> Vec<String> {
 
 /// Declared pairs, of knowns that the test varies.
 fn declared(
-    interface: &Interface,
-    of: impl Fn(&Variable) -> &[(u32, DependencyKind)],
+    (machine, interface): (&Machine, &Interface),
+    of: impl Fn(&Dependencies) -> &[(u32, DependencyKind)],
     varied: impl Fn(&Variable) -> bool,
 ) -> Pairs {
-    let rows = interface.variables();
+    let (rows, dependencies) = (interface.variables(), interface.dependencies(machine));
     rows.iter()
-        .flat_map(|row| of(row).iter().map(move |(known, _)| (row, &rows[*known as usize])))
+        .zip(&dependencies)
+        .flat_map(|(row, dependencies)| of(dependencies).iter().map(move |(known, _)| (row, &rows[*known as usize])))
         .filter(|(_, known)| varied(known))
         .map(|(row, known)| (row.name.clone(), known.name.clone()))
         .collect()
@@ -365,7 +368,7 @@ fn initial_dependencies_are_what_the_plant_shows() {
             plant.initialize(start_s).expect("start values");
             seen.add(&interface, known, &before, &outputs(&interface, &plant));
         }
-        let declared = declared(&interface, |row| &row.initial_dependencies, |_| true);
+        let declared = declared((&machine, &interface), |of| &of.initial, |_| true);
         wrong.extend(compare(label, &declared, &seen));
     }
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
@@ -384,7 +387,7 @@ fn initial_dependencies_of_an_equilibrium_are_declared() {
     let mut plant = generic(&machine, &interface);
     plant.initialize(0.2).expect("an equilibrium");
     let before = outputs(&interface, &plant);
-    let declared = declared(&interface, |row| &row.initial_dependencies, |_| true);
+    let declared = declared((&machine, &interface), |of| &of.initial, |_| true);
     let mut seen = Seen::beyond(1e-9);
     for known in interface.variables() {
         if !matches!(known.causality, Causality::Input | Causality::Parameter) {
@@ -437,7 +440,7 @@ fn dependencies_at_a_communication_point_are_what_the_plant_shows() {
         for known in interface.variables().iter().filter(|row| varied(row)) {
             seen.add(&interface, known, &before, &run(Some(known)));
         }
-        wrong.extend(compare(label, &declared(&interface, |row| &row.dependencies, varied), &seen));
+        wrong.extend(compare(label, &declared((&machine, &interface), |of| &of.running, varied), &seen));
     }
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
 }

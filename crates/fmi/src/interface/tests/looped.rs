@@ -134,7 +134,8 @@ fn loops_join_branches() {
     let says = |machine: &Machine, output: &str, input: &str| {
         let interface = Interface::new(machine);
         let known = interface.find(input).unwrap().value_reference;
-        interface.find(output).unwrap().dependencies.iter().any(|(row, _)| *row == known)
+        let output = interface.find(output).unwrap().value_reference;
+        interface.dependencies(machine)[output as usize].running.iter().any(|(row, _)| *row == known)
     };
     let with = |inertia_kg: f64| joined(vec![closure("pin", [1, 2], [inertia_kg, 1.0])], |_, _| ());
     let (springs, looped) = (with(0.0), with(0.01));
