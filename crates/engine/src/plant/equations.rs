@@ -41,6 +41,8 @@ pub(super) struct Equations {
     pub spatial: Vec<SpatialEquations>,
     /// Time whose branch of slews and prescribed motions holds, in s: the middle of a step, or the present.
     pub branch_s: f64,
+    /// Energies are booked; trial marches are undone, and their accounts with them.
+    pub booked: bool,
     pub tangents: Vec<FreedomTangent>,
     /// Places whose section loads are outputs.
     pub sections: Vec<SectionPlace>,
@@ -131,6 +133,7 @@ impl Equations {
             spatial: SpatialEquations::of_machine(machine, &model),
             tangents,
             branch_s: 0.0,
+            booked: true,
             scratch: vec![0.0; model.coordinates],
             model,
         }
@@ -312,6 +315,9 @@ impl EquationsOfMotion for Equations {
             self.scratch = residual;
         }
         let mut powers = Powers::default();
+        if !self.booked {
+            return powers;
+        }
         let damping = &self.damping;
         if damping.iter().any(|damping| damping.stiffness_s != 0.0) {
             powers.dissipated += energy::stiffness_damping_power(&self.model, v, damping);

@@ -242,7 +242,9 @@ impl Plant {
                 _ => f64::INFINITY,
             };
             self.state.air = Some(history);
+            self.equations.booked = false;
             let marched = self.march_on_trial(end_s, trial == 0);
+            self.equations.booked = true;
             let (wanted_s, next_s) = (self.smallest_step_s, self.state.step_s);
             let halved = self.state.statistics.failures > air.trial.statistics.failures;
             let ahead = &self.state.ahead;
