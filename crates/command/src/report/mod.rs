@@ -18,6 +18,7 @@ pub use recorder::Recorder;
 pub use recording::Recording;
 
 use foldwing_fmi::interface::Value;
+use std::fmt::Write;
 
 /// A value as a number: Booleans are 0 and 1.
 pub fn number(value: &Value) -> f64 {
@@ -30,9 +31,17 @@ pub fn number(value: &Value) -> f64 {
 
 /// A value as a CSV cell: reals with the shortest text that reads back to the same bits, Booleans as 0 and 1.
 pub fn cell(value: &Value) -> String {
-    match value {
-        Value::Real(value) => format!("{value:?}"), // 1e-9 and 1e30, not strings of zeros
-        Value::Integer(value) => value.to_string(),
-        Value::Boolean(value) => u8::from(*value).to_string(),
-    }
+    let mut text = String::new();
+    write_cell(value, &mut text);
+    text
+}
+
+/// Adds a value to a text as [`cell`] has it.
+fn write_cell(value: &Value, text: &mut String) {
+    let written = match value {
+        Value::Real(value) => write!(text, "{value:?}"), // 1e-9 and 1e30, not strings of zeros
+        Value::Integer(value) => write!(text, "{value}"),
+        Value::Boolean(value) => write!(text, "{}", u8::from(*value)),
+    };
+    debug_assert!(written.is_ok(), "writing to a String cannot fail");
 }

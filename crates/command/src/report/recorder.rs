@@ -1,12 +1,14 @@
 //! Chosen variables over time, written row by row as CSV.
 
-use crate::report::cell;
 use foldwing_fmi::interface::Value;
+use crate::report::{cell, write_cell};
 use std::io::{self, Write};
 
 /// Writes a header of variable names, then one row per time.
 pub struct Recorder<W: Write> {
     writer: csv::Writer<W>,
+    /// Text of one cell, kept for its memory.
+    text: String,
 }
 
 impl<W: Write> Recorder<W> {
@@ -22,12 +24,17 @@ impl<W: Write> Recorder<W> {
 
     fn start<'a>(mut writer: csv::Writer<W>, names: impl IntoIterator<Item = &'a str>) -> io::Result<Self> {
         writer.write_record(std::iter::once("time").chain(names))?;
-        Ok(Self { writer })
+        Ok(Self { writer, text: String::new() })
     }
 
     /// Writes one row.
     pub fn record(&mut self, time_s: f64, values: impl IntoIterator<Item = Value>) -> io::Result<()> {
-        self.record_cells(time_s, values.into_iter().map(|value| cell(&value)))
+        for value in std::iter::once(Value::Real(time_s)).chain(values) {
+            self.text.clear();
+            write_cell(&value, &mut self.text);
+            self.writer.write_field(&self.text)?;
+        }
+        Ok(self.writer.write_record(None::<&[u8]>)?)
     }
 
     /// Writes one row of texts.
