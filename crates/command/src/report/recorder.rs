@@ -1,7 +1,7 @@
 //! Chosen variables over time, written row by row as CSV.
 
-use foldwing_fmi::interface::Value;
 use crate::report::{cell, write_cell};
+use foldwing_fmi::interface::Value;
 use std::io::{self, Write};
 
 /// Writes a header of variable names, then one row per time.

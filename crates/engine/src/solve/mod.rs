@@ -3,6 +3,7 @@
 
 pub mod acceleration;
 pub mod arc_length;
+mod complex_factors;
 pub mod continuation;
 pub mod control;
 pub mod equilibrium;

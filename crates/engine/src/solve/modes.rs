@@ -3,6 +3,7 @@
 //! Stiff motions (stretch) reach frequencies 1e5 times those of interest, so the inverse problem is solved: what is
 //! largest there, the low frequencies, is what comes out to the last digits.
 
+use crate::solve::complex_factors::ComplexFactors;
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
 /// One mode `x(t) = shape · exp(λt)`; of a complex pair the one with positive imaginary part.
@@ -174,9 +175,9 @@ impl Pencil {
         Ok(values.iter().filter(|nu| nu.norm() > 0.0).map(|nu| nu.inv() + shift).collect())
     }
 
-    fn at(&self, eigenvalue: Complex<f64>) -> DMatrix<Complex<f64>> {
+    fn factors_at(&self, eigenvalue: Complex<f64>) -> ComplexFactors {
         let square = eigenvalue * eigenvalue;
-        DMatrix::from_fn(self.mass.nrows(), self.mass.nrows(), |i, j| {
+        ComplexFactors::new(self.mass.nrows(), |i, j| {
             square * self.mass[(i, j)] + eigenvalue * self.damping[(i, j)] + self.stiffness[(i, j)]
         })
     }
@@ -193,17 +194,9 @@ impl Pencil {
         for _ in 0..8 {
             // off the eigenvalue by a little: the matrix must have an inverse
             let near = eigenvalue * (1.0 + 1e-9) + Complex::new(1e-12, 0.0);
-            let factors = self.at(near).lu();
-            let (lower, upper) = (factors.l(), factors.u());
-            // QᴴP = (LU)ᴴ: the same factors serve the left vector
-            let adjoint = |b: &DVector<Complex<f64>>| {
-                let half = upper.ad_solve_upper_triangular(b)?;
-                let mut y = lower.ad_solve_lower_triangular(&half)?;
-                factors.p().inv_permute_rows(&mut y);
-                Some(y)
-            };
+            let factors = self.factors_at(near);
             for _ in 0..2 {
-                let (Some(x), Some(y)) = (factors.solve(&right), adjoint(&left)) else { break };
+                let (x, y) = (factors.solve(&right), factors.solve_adjoint(&left));
                 let (x_size, y_size) = (x.norm(), y.norm());
                 if !(x_size.is_finite() && y_size.is_finite()) {
                     break;
