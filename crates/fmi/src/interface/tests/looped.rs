@@ -22,7 +22,13 @@ a = { length_m = 0.2, section = "plate", elements = 1, load_stations = 1 }
 b = { length_m = 0.15, section = "plate", elements = 1, load_stations = 1 }
 c = { length_m = 0.25, section = "plate", elements = 1, load_stations = 1 }
 d = { length_m = 0.2, section = "plate", elements = 1, load_stations = 1 }
-e = { length_m = 0.2, section = "plate", elements = 1, load_stations = 1 }
+e = { length_m = 0.2, section = "plate", elements = 1, load_station_positions_m = [0.07] }
+[section_load.cut]
+body = "a"
+position_m = 0.03
+[section_load.flying]
+body = "e"
+position_m = 0.06
 [joint.left]
 type = "revolute"
 parent = "root"
