@@ -120,7 +120,7 @@ fn the_shipped_model_has_the_promised_names() {
         load.outer[4].moment.z gravity.x root.acceleration.y root.angular_velocity.z root.angular_acceleration.x \
         fold.angle fold.angular_velocity fold.holding_torque fold.applied_torque fold.motor_torque fold.external_torque \
         fold.latch_torque fold.latched fold.latch_time fold.latch_count \
-        mount.force.x fold.force.y fold.moment.z tip.angular_velocity.x tip.angular_acceleration.y \
+        mount.reaction_force.x fold.reaction_force.y fold.reaction_moment.z tip.angular_velocity.x tip.angular_acceleration.y \
         station.inner[1].acceleration.x station.outer[4].angular_acceleration.z \
         gauge.root.strain root.force.x root.moment.z tip.position.x tip.velocity.y tip.acceleration.z tip.rotation.w \
         station.inner[1].position.x station.outer[4].velocity.y station.outer[4].angular_velocity.z \
