@@ -41,12 +41,12 @@ fn cantilever(kind: ElementKind, count: usize, places_m: &[f64]) -> Machine {
 /// Places on mesh boundaries, inside elements, and where something is attached.
 const PLACES_M: [f64; 9] = [0.0, 0.017, 0.1, 0.2499, 0.25, 0.31, 0.45, 0.52, 0.6];
 
-/// P-120. A cantilever under its weight, loads at stations inside elements, and masses aside of its axis: shear, axial
+/// P-140. A cantilever under its weight, loads at stations inside elements, and masses aside of its axis: shear, axial
 /// force, bending and torsion of nine sections are those of statics, for both kinds of elements, whatever the mesh.
 ///
 /// The beam bends by less than 1e-6: what is left of the closed form is of that order.
 #[test]
-fn p120_section_loads_of_a_cantilever_are_those_of_statics() {
+fn p140_section_loads_of_a_cantilever_are_those_of_statics() {
     let gravity = Vector3::new(1.0, -2.0, -9.8);
     let loads = [
         (0.25, Wrench { force_n: Vector3::new(0.3, 0.7, -1.1), moment_n_m: Vector3::new(0.05, -0.02, 0.01) }),
@@ -91,14 +91,14 @@ fn p120_section_loads_of_a_cantilever_are_those_of_statics() {
                 expected.moment_n_m
             );
         }
-        println!("P-120 {kind:?}, {count}: {worst:.1e} of 4 N and 1 N·m");
+        println!("P-140 {kind:?}, {count}: {worst:.1e} of 4 N and 1 N·m");
     }
 }
 
-/// P-121. A beam that turns steadily about its root: `N(s) = ∫ ρA Ω² r dr` and the tip mass's share, at any place, with one
+/// P-141. A beam that turns steadily about its root: `N(s) = ∫ ρA Ω² r dr` and the tip mass's share, at any place, with one
 /// linear element already. The cubic of the axis carries the linear acceleration exactly; stretch is 1e-8.
 #[test]
-fn p121_axial_force_of_a_turning_beam() {
+fn p141_axial_force_of_a_turning_beam() {
     let rate_rad_s = 20.0;
     for (kind, count) in [(ElementKind::Linear, 1), (ElementKind::Linear, 3), (ElementKind::Constant, 5)] {
         let mut machine = cantilever(kind, count, &PLACES_M);
@@ -116,7 +116,7 @@ fn p121_axial_force_of_a_turning_beam() {
             assert!(error < 1e-6, "{kind:?} {count} at {position_m} m: {} N, right is {expected_n}", found.force_n);
             assert!(found.moment_n_m.norm() < 1e-9, "{kind:?} {count} at {position_m} m: {} N·m", found.moment_n_m);
         }
-        println!("P-121 {kind:?}, {count}: {worst:.1e}");
+        println!("P-141 {kind:?}, {count}: {worst:.1e}");
     }
 }
 
@@ -160,11 +160,11 @@ fn rotation(point: &PointOutputs) -> Matrix3<f64> {
     point.rotation.to_rotation_matrix().into_inner()
 }
 
-/// P-122. Section loads jump by exactly what is attached: the load of a station inside an element (root frame on the inner
+/// P-142. Section loads jump by exactly what is attached: the load of a station inside an element (root frame on the inner
 /// body, section frame on the outer), and a child's joint. At the root of a body they are its joint's reaction in the frame
 /// of the section, with the opposite sign; at the free end they are zero. A wing in motion, in a moving root.
 #[test]
-fn p122_section_loads_jump_by_what_is_attached() {
+fn p142_section_loads_jump_by_what_is_attached() {
     use SectionSide::{Inboard, Outboard};
     for (kind, count) in [(ElementKind::Linear, 2), (ElementKind::Constant, 4)] {
         let mut cuts = Vec::new();
@@ -200,18 +200,18 @@ fn p122_section_loads_jump_by_what_is_attached() {
         let tip = outputs.section_loads[11];
         worst = worst.max(tip.force_n.norm()).max(tip.moment_n_m.norm());
         let largest = root.force_n.norm();
-        println!("P-122 {kind:?}: {worst:.1e} of {largest:.2} N");
+        println!("P-142 {kind:?}: {worst:.1e} of {largest:.2} N");
         assert!(largest > 0.1 && worst < 1e-12, "{kind:?}: off by {worst:.1e}, root carries {largest} N");
     }
 }
 
-/// P-123. Section loads run through the nodes without a step, and between two places they change by weight, load and rate of
+/// P-143. Section loads run through the nodes without a step, and between two places they change by weight, load and rate of
 /// momentum of the piece between, by Simpson's rule over the accelerations of stations: nothing of the engine's inertia.
 ///
 /// Eight pieces between the ends of one pair of the outer body; the rule's own error is 1e-6 there. What is left is that the
 /// acceleration inside an element is the elements' own on one side and a cubic on the other: it falls with the mesh.
 #[test]
-fn p123_section_loads_balance_the_piece_between() {
+fn p143_section_loads_balance_the_piece_between() {
     let mut errors = Vec::new();
     for count in [2, 4, 8] {
         let near = 1e-9;
@@ -269,7 +269,7 @@ fn p123_section_loads_balance_the_piece_between() {
         let moment = near_n.moment_n_m - far_n.moment_n_m - arm.cross(&far_n.force_n) - inert.moment_n_m;
         let moment = moment.norm() / inert.moment_n_m.norm();
         println!(
-            "P-123 {count} pairs: {force:.1e} of {:.2e} N, {moment:.1e} of {:.2e} N·m",
+            "P-143 {count} pairs: {force:.1e} of {:.2e} N, {moment:.1e} of {:.2e} N·m",
             inert.force_n.norm(),
             inert.moment_n_m.norm()
         );
@@ -292,11 +292,11 @@ fn inertial(point: &PointOutputs, rates: [Vector3<f64>; 2]) -> [Vector3<f64>; 2]
     ]
 }
 
-/// P-124. Accelerations and angular accelerations of tip and stations are the rates of their velocities and angular
+/// P-144. Accelerations and angular accelerations of tip and stations are the rates of their velocities and angular
 /// velocities: central differences over ±0.4, 0.2 and 0.1 ms close in with the second order, in a root that moves. At a tolerance of
 /// 1e-9 what lies between the ends of steps is smooth enough for that.
 #[test]
-fn p124_accelerations_are_rates_of_velocities() {
+fn p144_accelerations_are_rates_of_velocities() {
     let mut machine = moving_wing(ElementKind::Linear, 2, Vec::new());
     machine.solver.tolerance = 1e-9;
     // calm enough that differences over 0.1 ms follow it
@@ -322,7 +322,7 @@ fn p124_accelerations_are_rates_of_velocities() {
                 largest[k] = largest[k].max(found[k].norm());
             }
         }
-        println!("P-124 ±{side_s:.0e} s: {:.1e}, {:.1e} of {largest:?}", worst[0] / largest[0], worst[1] / largest[1]);
+        println!("P-144 ±{side_s:.0e} s: {:.1e}, {:.1e} of {largest:?}", worst[0] / largest[0], worst[1] / largest[1]);
         errors.push([worst[0] / largest[0], worst[1] / largest[1]]);
     }
     for k in [0, 1] {
@@ -332,10 +332,10 @@ fn p124_accelerations_are_rates_of_velocities() {
     }
 }
 
-/// P-125. A free beam with a child on a clamp falls: its stations accelerate by gravity, nothing is carried anywhere, and
+/// P-145. A free beam with a child on a clamp falls: its stations accelerate by gravity, nothing is carried anywhere, and
 /// nothing turns faster.
 #[test]
-fn p125_a_falling_machine_carries_nothing() {
+fn p145_a_falling_machine_carries_nothing() {
     let beam = body("keel", 0.4, &wing_section(), ElementKind::Linear, 2).load_stations(2);
     let fin = body("fin", 0.2, &wing_section(), ElementKind::Constant, 2).load_stations(1);
     let mut machine = machine([
@@ -354,15 +354,15 @@ fn p125_a_falling_machine_carries_nothing() {
     }
     let carried = outputs.section_loads.iter().chain(&outputs.joint_reactions[1..]);
     let largest = carried.map(|wrench| wrench.force_n.norm() + wrench.moment_n_m.norm()).fold(0.0, f64::max);
-    println!("P-125: carries {largest:.1e} N");
+    println!("P-145: carries {largest:.1e} N");
     assert!(largest < 1e-9, "carries {largest:.1e} N of a weight of {} N", plant.mass_kg() * 9.8);
 }
 
-/// P-126. Rigid pendulum with a point mass: the hinge pulls with `m (g cos θ + L ω²)` along the rod and `m (g sin θ + L θ̈)`
+/// P-146. Rigid pendulum with a point mass: the hinge pulls with `m (g cos θ + L ω²)` along the rod and `m (g sin θ + L θ̈)`
 /// across it, `θ̈ = −(g/L) sin θ`, through two swings from 120°; no moment about the hinge. Exact at every communication
 /// point, for angle and rate as they are read there; the rate of the motion itself is P-67's and RB-01's.
 #[test]
-fn p126_hinge_force_of_a_rigid_pendulum() {
+fn p146_hinge_force_of_a_rigid_pendulum() {
     let (mass_kg, length_m, gravity_m_s2) = (0.7, 0.9, 9.8);
     let bob = Body::rigid("bob").inertia(mass_kg, [length_m, 0.0, 0.0], Matrix3::zeros());
     // `x` turns towards `−z`: hanging down is 90° of the hinge
@@ -392,7 +392,7 @@ fn p126_hinge_force_of_a_rigid_pendulum() {
             largest = largest.max(joint.force_n.norm());
         },
     );
-    println!("P-126: {worst:.1e} of {largest:.1} N");
+    println!("P-146: {worst:.1e} of {largest:.1} N");
     assert!(worst < 1e-6 * largest, "off by {worst:.1e} of {largest:.1} N");
 }
 
@@ -404,7 +404,7 @@ fn link(name: &str, mass_kg: f64) -> builder::BodyBuilder {
 
 const CENTRE_M: [f64; 3] = [0.1, 0.05, -0.04];
 
-/// P-127. Newton and Euler for every body of a mechanism of rigid bodies, none of which has an element: forces and moments of
+/// P-147. Newton and Euler for every body of a mechanism of rigid bodies, none of which has an element: forces and moments of
 /// the joints on it and of those it carries (revolute with drive and spring, universal, ball, clamped, locked, prescribed, in
 /// a closed loop) with gravity are `m a` and `J α + ω × J ω` of its centre of mass, found from the accelerations of its load
 /// station alone, in a root that moves. Moments about hinges are the torques that the joint shows.
@@ -412,7 +412,7 @@ const CENTRE_M: [f64; 3] = [0.1, 0.05, -0.04];
 /// Forces follow from the accelerations, to round-off; what a joint passes on about its freedoms follows from its torques, to
 /// the error of the values between steps, at a tolerance of 1e-9.
 #[test]
-fn p127_newton_and_euler_for_every_rigid_body() {
+fn p147_newton_and_euler_for_every_rigid_body() {
     let drive = Drive { stiffness_n_m_rad: 0.4, damping_n_m_s_rad: 0.02, inertia_kg_m2: 0.003, ..Drive::default() };
     let hinge = |axis: [f64; 3], rate: f64| Revolute {
         start_rate_rad_s: rate,
@@ -506,17 +506,17 @@ fn p127_newton_and_euler_for_every_rigid_body() {
         },
     );
     println!(
-        "P-127: {force_error:.1e} N, {moment_error:.1e} N·m, about hinges {along_error:.1e} N·m, joints carry {largest:.1} N"
+        "P-147: {force_error:.1e} N, {moment_error:.1e} N·m, about hinges {along_error:.1e} N·m, joints carry {largest:.1} N"
     );
     assert!(force_error < 1e-12 * largest && largest > 5.0, "forces off by {force_error:.1e} N of {largest} N");
     assert!(moment_error < 1e-5, "moments off by {moment_error:.1e} N·m");
     assert!(along_error < 1e-12, "about hinges off by {along_error:.1e} N·m");
 }
 
-/// P-128. Section loads and accelerations between the ends of steps close in on those at a tolerance of 1e-10 as the
+/// P-148. Section loads and accelerations between the ends of steps close in on those at a tolerance of 1e-10 as the
 /// tolerance falls, and at 1e-8 they have the digits that a calm wing lets them have.
 #[test]
-fn p128_section_loads_converge_with_the_tolerance() {
+fn p148_section_loads_converge_with_the_tolerance() {
     let at = |tolerance: f64| {
         let cuts = vec![inboard(0, 0.05), inboard(1, 0.0), inboard(1, 0.063)];
         let mut machine = moving_wing(ElementKind::Linear, 2, cuts);
@@ -545,6 +545,6 @@ fn p128_section_loads_converge_with_the_tolerance() {
         let pairs = course.iter().flatten().zip(exact.iter().flatten());
         pairs.map(|(found, right)| (found - right).norm()).fold(0.0, f64::max)
     });
-    println!("P-128: {errors:?}");
+    println!("P-148: {errors:?}");
     assert!(errors[1] < 0.3 * errors[0] && errors[2] < 0.3 * errors[1] && errors[2] < 1e-3, "{errors:?}");
 }
