@@ -164,7 +164,11 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
         }
     }
     if joint.motion != Some(MotionType::Prescribed) && joint.kind.travel().is_some() {
-        for key in ["polynomial_deg", "table_s_deg", "polynomial_m", "table_s_m", "table_ends"] {
+        let keys = match joint.travel() {
+            Travel::Rotation => ["polynomial_deg", "table_s_deg", "table_ends"],
+            Travel::Translation => ["polynomial_m", "table_s_m", "table_ends"],
+        };
+        for key in keys {
             if checker.states(&["joint", name, key]) {
                 checker.refuse(&["joint", name, key], "this key only with motion = \"prescribed\"");
             }
