@@ -124,11 +124,14 @@ impl Dice {
                 Joint::revolute(name, axis).prescribed(Motion::Table(points))
             }
             5 => {
-                let slide = Joint::prismatic(name, axis).drive(drive).start_position_m(self.number(-0.1, 0.1));
+                let (slide, start_m) = (Joint::prismatic(name, axis), self.number(-0.1, 0.1));
                 match self.random.usize(..3) {
-                    0 => slide.latch(Latch::with_ratio(self.number(2.0, 1e4)).capture_m(self.number(0.0, 0.01))),
-                    1 => slide.prescribed(Motion::Polynomial(vec![self.number(-0.1, 0.1), self.number(-1.0, 1.0)])),
-                    _ => slide.start_rate_m_s(self.number(-1.0, 1.0)),
+                    0 => {
+                        let latch = Latch::with_ratio(self.number(2.0, 1e4)).capture_m(self.number(0.0, 0.01));
+                        slide.drive(drive).start_position_m(start_m).latch(latch)
+                    }
+                    1 => slide.prescribed(Motion::Polynomial(vec![start_m, self.number(-1.0, 1.0)])),
+                    _ => slide.drive(drive).start_position_m(start_m).start_rate_m_s(self.number(-1.0, 1.0)),
                 }
             }
             _ => {
