@@ -1,7 +1,7 @@
 //! What the pages quote exists: variables, keys of the model file, sections that links lead to.
 
 use crate::guide::command_lines::pages;
-use crate::guide::variables::{everything, in_real_time, named, pattern, with_rigid_latch};
+use crate::guide::variables::{everything, in_real_time, named, pattern, sliding, with_rigid_latch};
 use foldwing::config;
 use foldwing::interface::Interface;
 use std::collections::BTreeSet;
@@ -43,7 +43,7 @@ fn words_of_the_schema() -> BTreeSet<String> {
 
 /// Names of variables: patterns, and those of the shipped wing with and without air.
 fn variables() -> BTreeSet<String> {
-    let tables = [everything(), in_real_time(), with_rigid_latch()];
+    let tables = [everything(), in_real_time(), with_rigid_latch(), sliding(false), sliding(true)];
     let mut names: BTreeSet<String> =
         tables.iter().flat_map(Interface::variables).map(|row| pattern(&row.name).0).collect();
     for model in ["folding_wing.toml", "folding_wing_in_tunnel.toml", "four_bar.toml"] {

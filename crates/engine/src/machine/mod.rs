@@ -186,7 +186,7 @@ pub enum SpatialFreedom {
 /// A joint with one freedom, which either turns about its axis or slides along it: [`Travel`].
 ///
 /// Fields here, in [`Drive`], [`Spring`] and [`Latch`], and the joint's inputs, parameters and outputs in
-/// [`crate::plant`], are named for a joint that turns. Of one that slides, read m for rad, N for N·m and kg for kg·m²;
+/// `plant`, are named for a joint that turns. Of one that slides, read m for rad, N for N·m and kg for kg·m²;
 /// [`LinearDrive`], [`LinearSpring`] and [`builder::JointBuilder`] name its quantities by their own units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OneFreedom {

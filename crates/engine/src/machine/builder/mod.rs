@@ -3,12 +3,14 @@
 mod air;
 mod body;
 mod joint;
+mod latch;
 mod surfaces;
 mod tree;
 
 pub use air::{AirBuilder, GustBuilder};
 pub use body::{BodyBuilder, ClosureBuilder, GaugeBuilder, SectionLoadBuilder};
-pub use joint::{JointBuilder, LatchBuilder};
+pub use joint::JointBuilder;
+pub use latch::LatchBuilder;
 pub use surfaces::SurfaceBuilder;
 
 use crate::load::Wrench;
