@@ -200,9 +200,9 @@ fn run(machine: Machine) -> Result<(), String> {
     plant.step(0.01).map_err(|error| error.to_string())
 }
 
-/// Machines of [`ordinary_machines_are_taken_and_run`] that do not run: 7, a flying tree with ball joints and a lattice, ends
-/// with the error that its iteration does not converge.
-const DO_NOT_RUN: &[u64] = &[7];
+/// Machines of [`ordinary_machines_are_taken_and_run`] that do not run: the air of 9, three bodies behind a slide, accelerates a
+/// part of it by 450 times the wing's length within the default aerodynamic step; it is refused with that figure.
+const DO_NOT_RUN: &[u64] = &[9];
 
 /// M-06: machines of ordinary numbers are taken, all of them, and run for 10 ms.
 #[test]

@@ -6,7 +6,7 @@ use foldwing::plant::{OutputSet, Outputs, Plant};
 use nalgebra::Vector3;
 
 /// Every group on its own.
-const GROUPS: [OutputSet; 13] = [
+const GROUPS: [OutputSet; 16] = [
     OutputSet::JOINTS,
     OutputSet::ACCOUNTS,
     OutputSet::GAUGES,
@@ -20,6 +20,9 @@ const GROUPS: [OutputSet; 13] = [
     OutputSet::LOOPS,
     OutputSet::ROOT,
     OutputSet::AIR,
+    OutputSet::HOLDING,
+    OutputSet::STATION_ACCELERATIONS,
+    OutputSet::SECTION_LOADS,
 ];
 
 /// Shipped models with every kind of joint, closed loops and air.

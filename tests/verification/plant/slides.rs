@@ -486,3 +486,38 @@ fn pj14_the_file_says_what_the_builder_says() {
     let mut plant = start(told);
     coast(&mut plant, 0.3);
 }
+
+/// PJ-15. One flow in two descriptions: a wing that a slide carries upstream at 1 m/s in a wind of 10 m/s, and the same wing
+/// on a slide at rest in 11 m/s, unfold alike, with strips and with a lattice. Without mass damping, which acts
+/// relative to the root.
+#[test]
+fn pj15_a_slide_through_the_air_is_wind() {
+    let shipped = include_str!("../../../examples/models/folding_wing_in_tunnel.toml");
+    let (head, surfaces) = shipped.split_once("[aerodynamics]").expect("a table");
+    let (_, surfaces) = surfaces.split_once("[surface.inner]").expect("a table");
+    let text = |air: &str, wind_m_s: f64, speed_m_s: f64| {
+        let surfaces =
+            if air.contains("strip") { surfaces.replace("chord_panels", "# chord_panels") } else { surfaces.into() };
+        let slide = format!(
+            "[joint.mount]\ntype = \"prismatic\"\naxis = [0.0, 1.0, 0.0]\nmotion = \"prescribed\"\npolynomial_m = [0.0, {speed_m_s}]"
+        );
+        format!(
+            "{head}[aerodynamics]\n{air}\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, {}, 0.0]\nstep_s = 1.25e-3\n[surface.inner]{surfaces}",
+            -wind_m_s
+        )
+        .replace("mass_damping_1_s = 2.5", "mass_damping_1_s = 0.0")
+        .replace("[joint.mount]\ntype = \"clamped\"", &slide)
+    };
+    for air in ["model = \"strip\"", "model = \"uvlm\"\nwake_rows = 10\nmirror_normal = [1.0, 0.0, 0.0]"] {
+        let [carried, blown] = [(10.0, 1.0), (11.0, 0.0)].map(|(wind_m_s, speed_m_s)| {
+            let machine = foldwing::config::parse(&text(air, wind_m_s, speed_m_s), "slide.toml")
+                .unwrap_or_else(|error| panic!("{error}"));
+            let mut plant = start(machine);
+            plant.step(0.01).expect("a step");
+            (plant.outputs().joints[1].angle_rad, plant.outputs().air.total.force_n)
+        });
+        println!("PJ-15 {air:?}: {:.1e} rad, {:.1e} N apart", carried.0 - blown.0, (carried.1 - blown.1).norm());
+        assert!((carried.0 - blown.0).abs() < 1e-10 && (carried.1 - blown.1).norm() < 1e-10, "{carried:?} {blown:?}");
+        assert!(carried.1.norm() > 0.05, "the air acts: {carried:?}");
+    }
+}

@@ -6,12 +6,14 @@
 pub mod builder;
 pub(crate) mod edges;
 pub mod fault;
+mod one_freedom;
 pub mod pose;
 pub mod travel;
 pub mod units;
 pub mod validate;
 
 pub use fault::{Fault, Refused};
+pub use one_freedom::{OneFreedom, Revolute};
 
 pub use crate::actuation::latch::LatchKind;
 pub use crate::actuation::prescribed::Motion;
@@ -181,55 +183,6 @@ pub enum SpatialFreedom {
     Ball,
     /// Everything; only on the root.
     Free,
-}
-
-/// A joint with one freedom, which either turns about its axis or slides along it: [`Travel`].
-///
-/// Fields here, in [`Drive`], [`Spring`] and [`Latch`], and the joint's inputs, parameters and outputs in
-/// `plant`, are named for a joint that turns. Of one that slides, read m for rad, N for N·m and kg for kg·m²;
-/// [`LinearDrive`], [`LinearSpring`] and [`builder::JointBuilder`] name its quantities by their own units.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OneFreedom {
-    /// Unit axis in the parent's section frame.
-    pub axis: Vector3<f64>,
-    /// Fold angle at the start in rad, or position in m.
-    pub start_angle_rad: f64,
-    /// Fold rate at the start in rad/s, or velocity in m/s (joints that are free at the start).
-    pub start_rate_rad_s: f64,
-    /// How the coordinate moves.
-    pub motion: JointMotion,
-    /// Start value of the release input.
-    pub release: bool,
-    /// Motor.
-    pub drive: Drive,
-    /// Spring and damper of the joint itself, if the file states them.
-    pub spring: Option<Spring>,
-    /// Latch, if the joint has one.
-    pub latch: Option<Latch>,
-}
-
-/// A fold joint: the one freedom of [`JointKind::Revolute`].
-pub type Revolute = OneFreedom;
-
-impl OneFreedom {
-    /// A hinge about an axis in the parent's section frame: free, released, at rest at angle 0, without motor, spring or latch.
-    pub fn about(axis: impl Into<Vector3<f64>>) -> Self {
-        Self {
-            axis: axis.into(),
-            start_angle_rad: 0.0,
-            start_rate_rad_s: 0.0,
-            motion: JointMotion::Free,
-            release: true,
-            drive: Drive::default(),
-            spring: None,
-            latch: None,
-        }
-    }
-
-    /// A slide along an axis in the parent's section frame: as [`Self::about`], at position 0.
-    pub fn along(axis: impl Into<Vector3<f64>>) -> Self {
-        Self::about(axis)
-    }
 }
 
 /// How a fold angle or a position moves.

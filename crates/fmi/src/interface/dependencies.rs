@@ -277,11 +277,14 @@ fn point_initially(topology: &Topology, body: usize, field: PointOutput, known: 
             let changes = |joint| starts(topology, joint, known) || start_rate(topology, joint, known);
             turns(path) && topology.folds(body).any(changes)
         }
-        // An angle turns the hinges behind it, not its own.
+        // An angle turns the hinges behind it, not its own; what only slides has no angular velocity.
         PointOutput::AngularVelocity(_) => path.iter().enumerate().any(|(i, &joint)| {
+            let slides = |joint: Turning| matches!(joint, Turning::Revolute(joint) if !topology.turns(joint));
+            let spins = |joint: &Turning| topology.starts_turning(*joint) && !slides(*joint);
             let Turning::Revolute(joint) = joint else { return false };
             topology.turns(joint)
-                && (start_rate(topology, joint, known) || (starts(topology, joint, known) && turns(&path[i + 1..])))
+                && (start_rate(topology, joint, known)
+                    || (starts(topology, joint, known) && path[i + 1..].iter().any(spins)))
         }),
         PointOutput::Acceleration(_) | PointOutput::AngularAcceleration(_) => false,
     }

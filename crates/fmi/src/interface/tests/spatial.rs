@@ -99,7 +99,7 @@ fn joints_of_several_freedoms_have_the_promised_names() {
             assert!(interface.find(&format!("{joint}.{name}")).is_some(), "{joint}.{name} is missing");
         }
         // what is free has no spring, and nothing holds it
-        for name in "force.x force.z moment.y stiffness damping".split(' ') {
+        for name in "reaction_force.x reaction_force.z reaction_moment.y stiffness damping".split(' ') {
             assert_eq!(interface.find(&format!("{joint}.{name}")).is_none(), free, "{joint}.{name}");
         }
     }
