@@ -15,6 +15,7 @@ mod hinge_dependencies;
 mod joints;
 mod linear;
 mod operating_point;
+mod point_dependencies;
 mod table;
 mod topology;
 mod units;
