@@ -24,7 +24,7 @@ PARTS = {
     "factorisation": r"multibody::factor::factorize$",
     "solution": r"multibody::factor::solve$",
     "error norm": r"multibody::norm::kinematic_norm$",
-    "powers of the energy account": r"Equations as foldwing::solve::EquationsOfMotion>::powers$",
+    "powers of the energy account": r"Equations as foldwing_engine::solve::EquationsOfMotion>::powers$",
     "outputs beside sweep and forces": r"Plant>::evaluate_some$",
     "dense output": r"solve::continuation::Taken::fill$",
     "attitudes": r"remember_attitudes$",

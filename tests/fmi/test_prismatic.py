@@ -33,12 +33,14 @@ tolerance = 1e-8
 """
 
 UNITS = {
-    "slide.position": "m", "slide.velocity": "m/s", "slide.holding_force": "N", "slide.force_applied": "N",
+    "slide.position": "m", "slide.velocity": "m/s", "slide.holding_force": "N", "slide.applied_force": "N",
     "slide.motor_force": "N", "slide.spring_force": "N", "slide.external_force": "N", "slide.latch_force": "N",
     "slide.latch_impulse": "N.s", "slide.force": "N", "slide.command": "m", "slide.start_position": "m",
     "slide.stiffness": "N/m", "slide.damping": "N.s/m", "slide.constant_force": "N", "slide.force_limit": "N",
     "slide.rate_limit": "m/s", "slide.spring_stiffness": "N/m", "slide.spring_damping": "N.s/m",
     "slide.rest_position": "m",
+    **{f"slide.reaction_force.{axis}": "N" for axis in "xyz"},
+    **{f"slide.reaction_moment.{axis}": "N.m" for axis in "xyz"},
 }
 
 
