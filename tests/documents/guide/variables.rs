@@ -200,9 +200,10 @@ pub fn pattern(name: &str) -> (String, Option<&str>) {
 
 /// The sentence of a row, of no particular component, station or place.
 fn meaning(variable: &Variable, component: Option<&str>) -> String {
+    // the component is a part of its own between commas, not the beginning of a word
+    let parts = variable.description.split(", ").filter(|part| Some(*part) != component);
     let text =
-        component.map_or(variable.description.clone(), |c| variable.description.replacen(&format!(", {c}"), "", 1));
-    let text = generic(&text).replace("station 1", "station i").replace("strip 1", "strip i");
+        generic(&parts.collect::<Vec<_>>().join(", ")).replace("station 1", "station i").replace("strip 1", "strip i");
     match variable.name.split_once('.') {
         Some(("gauge", _)) => "strain at the gauge's point, along the axis or its `direction`".to_owned(),
         Some(("section_load", _)) => text.replace(" at 0.05 m", " at the place"),
