@@ -521,3 +521,22 @@ fn pj15_a_slide_through_the_air_is_wind() {
         assert!(carried.1.norm() > 0.05, "the air acts: {carried:?}");
     }
 }
+
+/// PJ-16. What a free slide carries along itself is what pushes on it, at every communication point of long internal steps, as
+/// about a hinge; across it, the rail carries the rest.
+#[test]
+fn pj16_a_slide_carries_along_itself_what_pushes_on_it() {
+    let mut machine = on_rail(|slide| slide.spring(spring(50.0, 0.3)).start_position_m(0.1));
+    machine.solver.tolerance = 1e-3;
+    machine.gravity_m_s2 = Vector3::new(0.0, 0.0, -GRAVITY_M_S2);
+    let mut plant = start(machine);
+    plant.inputs_mut().joints[0].torque_n_m = 1.5;
+    for step in 1..=200 {
+        plant.step(2e-3 * f64::from(step)).expect("a step");
+        let outputs = plant.outputs();
+        let (pushes_n, carried_n) = (outputs.joints[0].torque_applied_n_m, outputs.joint_reactions[0].force_n);
+        assert!((carried_n.x - pushes_n).abs() < 1e-12, "{carried_n:?}, {pushes_n} N");
+        assert!((carried_n.z - MASS_KG * GRAVITY_M_S2).abs() < 1e-12, "{carried_n:?}");
+    }
+    assert!(plant.statistics().steps < 100, "communication points lie inside of steps: {:?}", plant.statistics());
+}

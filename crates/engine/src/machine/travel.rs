@@ -34,7 +34,6 @@ const WORDS: &[(&str, &str)] = &[
     ("capture_rad", "capture_m"),
     ("capture_deg", "capture_m"),
     ("torque_n_m", "force_n"),
-    ("applied_torque_N_m", "applied_force_N"),
     ("torque_N_m", "force_N"),
     // units
     ("N·m·s/rad", "N·s/m"),

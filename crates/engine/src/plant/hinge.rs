@@ -5,6 +5,7 @@ use crate::actuation::drive::{Drive, DriveTorque, Piece, Slew};
 use crate::actuation::latch::Latch;
 use crate::actuation::prescribed::Law;
 use crate::actuation::spring::Spring;
+use crate::load::Wrench;
 use crate::machine::{JointMotion, OneFreedom, UNLIMITED};
 use crate::multibody::factor::FreedomTangent;
 use crate::multibody::kinematics::Motion;
@@ -141,23 +142,21 @@ impl JointEquations {
         (sum_n_m, tangent)
     }
 
-    /// What the joint's moment on its body lacks along the hinge, root frame, N·m: a joint that turns freely passes on its
-    /// torques, less what its drive's inertia takes, whatever the last residual left there. Zero for a joint that is held.
-    pub fn moment_correction_n_m(
-        &self,
-        model: &Model,
-        work: &Workspace,
-        motion: Motion,
-        time_s: f64,
-        moment_n_m: &Vector3<f64>,
-    ) -> Vector3<f64> {
+    /// Completes the joint's wrench on its body, root frame, along its freedom: a joint that moves freely passes on its
+    /// torques or forces, less what its drive's inertia takes, whatever the last residual left there. A joint that is held
+    /// keeps its wrench.
+    pub fn complete_reaction(&self, model: &Model, work: &Workspace, motion: Motion, time_s: f64, on: &mut Wrench) {
         if self.held {
-            return Vector3::zeros();
+            return;
         }
         let (c, joint) = (self.coordinate, &model.bodies[self.body].joint);
-        let axis = joint.freedom_twists(&work.joints[self.body]).fixed_view::<3, 1>(3, 0).into_owned();
-        let along_n_m = self.torque(time_s, motion.q[c], motion.v[c]).0 - joint.drive_inertia * motion.a[c];
-        axis * (along_n_m - axis.dot(moment_n_m))
+        let twists = joint.freedom_twists(&work.joints[self.body]);
+        let axis = |row: usize| -> Vector3<f64> { twists.fixed_view::<3, 1>(row, 0).into_owned() };
+        // unit axes of a slide and of a hinge; the other one is zero
+        let (slide, hinge) = (axis(0), axis(3));
+        let along = self.torque(time_s, motion.q[c], motion.v[c]).0 - joint.drive_inertia * motion.a[c];
+        on.force_n += slide * (along * slide.norm_squared() - slide.dot(&on.force_n));
+        on.moment_n_m += hinge * (along * hinge.norm_squared() - hinge.dot(&on.moment_n_m));
     }
 
     /// Energy that spring and closed latch store in J.

@@ -171,8 +171,7 @@ impl Plant {
                 *reaction = Wrench { force_n: node.force, moment_n_m: node.moment };
             }
             for joint in &equations.joints {
-                let moment_n_m = &mut outputs.joint_reactions[joint.body].moment_n_m;
-                *moment_n_m += joint.moment_correction_n_m(model, work, motion, time_s, moment_n_m);
+                joint.complete_reaction(model, work, motion, time_s, &mut outputs.joint_reactions[joint.body]);
             }
             for joint in &equations.spatial {
                 if let Some(moment_n_m) = joint.ball_moment_n_m(work, &now.v) {

@@ -1,5 +1,5 @@
-//! Factors of a complex matrix, real and imaginary parts apart: the compiler makes vectors of the inner loop, a twelfth of
-//! the instructions of a generic factorisation.
+//! Factors of a complex matrix, real and imaginary parts apart: the compiler makes vectors of the inner loop, which it does not
+//! in a generic factorisation.
 
 use nalgebra::{Complex, DVector};
 
