@@ -522,21 +522,24 @@ fn pj15_a_slide_through_the_air_is_wind() {
     }
 }
 
-/// PJ-16. What a free slide carries along itself is what pushes on it, at every communication point of long internal steps, as
-/// about a hinge; across it, the rail carries the rest.
+/// PJ-16. What a free slide carries along itself is what pushes on it, at every communication point inside of long internal
+/// steps: a beam across its rail, on a spring and under an external force.
 #[test]
 fn pj16_a_slide_carries_along_itself_what_pushes_on_it() {
-    let mut machine = on_rail(|slide| slide.spring(spring(50.0, 0.3)).start_position_m(0.1));
+    let joint = Joint::prismatic("slide", Vector3::z()).spring(spring(50.0, 0.3)).start_position_m(0.1);
+    let mut machine = machine([(body("beam", 0.5, &wing_section(), ElementKind::Linear, 2), joint)]);
     machine.solver.tolerance = 1e-3;
-    machine.gravity_m_s2 = Vector3::new(0.0, 0.0, -GRAVITY_M_S2);
     let mut plant = start(machine);
     plant.inputs_mut().joints[0].torque_n_m = 1.5;
-    for step in 1..=200 {
-        plant.step(2e-3 * f64::from(step)).expect("a step");
+    let (mut apart_n, mut largest_n) = (0f64, 0f64);
+    for step in 1..=400 {
+        plant.step(1e-3 * f64::from(step)).expect("a step");
         let outputs = plant.outputs();
-        let (pushes_n, carried_n) = (outputs.joints[0].torque_applied_n_m, outputs.joint_reactions[0].force_n);
-        assert!((carried_n.x - pushes_n).abs() < 1e-12, "{carried_n:?}, {pushes_n} N");
-        assert!((carried_n.z - MASS_KG * GRAVITY_M_S2).abs() < 1e-12, "{carried_n:?}");
+        let (pushes_n, carried_n) = (outputs.joints[0].torque_applied_n_m, outputs.joint_reactions[0].force_n.z);
+        apart_n = apart_n.max((carried_n - pushes_n).abs());
+        largest_n = largest_n.max(pushes_n.abs());
     }
-    assert!(plant.statistics().steps < 100, "communication points lie inside of steps: {:?}", plant.statistics());
+    println!("PJ-16 {apart_n:.1e} N of {largest_n:.1} N in {} steps", plant.statistics().steps);
+    assert!(apart_n < 1e-12 * largest_n && largest_n > 1.0, "{apart_n} N of {largest_n} N");
+    assert!(plant.statistics().steps < 200, "communication points lie inside of steps: {:?}", plant.statistics());
 }
