@@ -115,7 +115,7 @@ fn plant_alone(text: &str) -> (f64, f64) {
         plant.step(time_s).expect("it steps");
     }
     let us = watch.us();
-    (us, plant.outputs().joints[0].angle_rad)
+    (us, plant.outputs().joints()[0].angle_rad)
 }
 
 /// Overhead of a step beyond the solver, in turn with the solver alone.

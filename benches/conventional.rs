@@ -61,7 +61,7 @@ fn beams(kind: ElementKind, count: usize) -> Vec<Vector2<f64>> {
         5.0,
         500,
         |_| {},
-        |outputs| path.push(Vector2::new(outputs.tips[0].position_m.x, outputs.tips[0].position_m.z)),
+        |outputs| path.push(Vector2::new(outputs.tips()[0].position_m.x, outputs.tips()[0].position_m.z)),
     );
     path
 }

@@ -165,7 +165,7 @@ fn statics(criterion: &mut Criterion) {
              elements = {pairs}\n[joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"beam\"\n"
         );
         let mut plant = Plant::new(Arc::new(config::parse(&text, "beam.toml").expect("valid")));
-        plant.inputs_mut().root.gravity_m_s2 = Vector3::new(0.0, 0.0, -100.0);
+        plant.inputs_mut().root_mut().gravity_m_s2 = Vector3::new(0.0, 0.0, -100.0);
         let effort = plant.equilibrium(0.0, Holding::AsReleased).expect("rests");
         group.throughput(Throughput::Elements(pairs * effort.iterations as u64));
         group.bench_function(BenchmarkId::new("equilibrium", pairs), |b| {

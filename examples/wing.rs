@@ -38,8 +38,8 @@ pub fn unfold(machine: Arc<Machine>) -> Result<f64, Box<dyn Error>> {
     plant.initialize(0.0)?;
     for millisecond in 1..=400 {
         plant.step(f64::from(millisecond) * 1e-3)?;
-        if plant.outputs().joints[0].latched {
-            return Ok(plant.outputs().joints[0].latch_time_s);
+        if plant.outputs().latches()[0].closed.is_on() {
+            return Ok(plant.outputs().latches()[0].time_s);
         }
     }
     Err("the latch did not close within 0.4 s".into())

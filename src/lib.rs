@@ -24,7 +24,7 @@
 //! let mut plant = Plant::new(std::sync::Arc::new(wing));
 //! plant.initialize(0.0)?;
 //! plant.step(0.2)?;
-//! assert!(plant.outputs().joints[0].latched);
+//! assert!(plant.outputs().latches()[0].closed.is_on());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -19,7 +19,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("beam", &["math"]),
     ("multibody", &["math", "load", "beam"]),
     ("machine", &["load", "actuation", "aero", "beam"]),
-    ("plant", &["math", "load", "actuation", "solve", "aero", "beam", "multibody", "machine"]),
+    ("signal", &["load", "machine"]),
+    ("plant", &["math", "load", "actuation", "solve", "aero", "beam", "multibody", "machine", "signal"]),
     ("config", &["load", "aero", "beam", "machine"]),
     ("interface", &["load", "machine", "plant"]),
     ("fmi2", &["machine", "plant", "config", "interface"]),
@@ -40,7 +41,8 @@ const OPEN_TO_UNIT_TESTS: &str = "config";
 const INLINE_TESTS: &[&str] = &["#[cfg(test)]\nmod tests {", "#[cfg(test)]\npub(super) mod tests {"];
 
 /// Modules that compute: no files, no output, no clock, no environment, no threads, no order left to chance.
-const PHYSICS: &[&str] = &["math", "load", "actuation", "solve", "aero", "beam", "multibody", "machine", "plant"];
+const PHYSICS: &[&str] =
+    &["math", "load", "actuation", "solve", "aero", "beam", "multibody", "machine", "signal", "plant"];
 
 /// What must not stand in them.
 const NOT_IN_PHYSICS: &[&str] = &[

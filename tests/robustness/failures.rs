@@ -512,7 +512,7 @@ fn x09_states() {
     );
     refused(
         &changed(8, 1),
-        "fmi2DeSerializeFMUstate: the serialised FMU state has version 1; this library reads version 4: serialise it again \
+        "fmi2DeSerializeFMUstate: the serialised FMU state has version 1; this library reads version 5: serialise it again \
          with this one",
     );
     refused(

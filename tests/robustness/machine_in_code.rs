@@ -50,7 +50,7 @@ fn folding_wing_in_code_is_that_of_the_file() {
         // the text of a number is that of its bits, −0 and 0 told apart
         assert_eq!(format!("{:?}", code.outputs()), format!("{:?}", file.outputs()), "at {end_s} s");
     }
-    assert!(code.outputs().joints[0].latched, "the wing has latched, so that the run saw the latch");
+    assert!(code.outputs().latches()[0].closed.is_on(), "the wing has latched, so that the run saw the latch");
 }
 
 /// Machines from files have passed the checks without a file; this tests that they pass them again.

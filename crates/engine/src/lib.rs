@@ -19,4 +19,6 @@ pub mod solve;
 
 pub mod machine;
 
+pub mod signal;
+
 pub mod plant;

@@ -83,13 +83,13 @@ fn e02_linear_inputs_are_exact_and_conserve_energy() {
                 bench.set_rate(name, *rate);
             }
             bench.step(at(i + 1));
-            let energy = bench.plant.outputs().energy;
+            let energy = bench.plant.outputs().energy();
             kinetic_j = kinetic_j.max(energy.kinetic);
             let balance = energy.total - energy.work + energy.dissipated;
             balance_j = (balance_j.0.min(balance), balance_j.1.max(balance));
         }
         let references: Vec<u32> = bench.reals(Causality::Output).iter().map(|row| row.value_reference).collect();
-        let tip: Vec<f64> = (0..3).map(|i| bench.plant.outputs().tips[0].position_m[i]).collect();
+        let tip: Vec<f64> = (0..3).map(|i| bench.plant.outputs().tips()[0].position_m[i]).collect();
         assert!(bench.values(&references).iter().all(|value| value.is_finite()));
         (tip, (balance_j.1 - balance_j.0) / kinetic_j)
     };

@@ -71,18 +71,18 @@ fn c40_product_follows_the_dense_model() {
         };
         // the universal joint's rotation keeps r_y^P and r_z^Q normal
         let cardan = match between {
-            Between::Universal => worst(&|_, b| (b.spatial[1].rotation * Vector3::z()).y.abs()),
+            Between::Universal => worst(&|_, b| (b.spatial()[1].rotation * Vector3::z()).y.abs()),
             _ => 0.0,
         };
-        let tip_m = worst(&|a, b| (a.tip_m - b.tips[0].position_m).norm());
-        let force_n = worst(&|a, b| (a.reaction[0] - b.joint_reactions[1].force_n).norm());
-        let moment_n_m = worst(&|a, b| (a.reaction[1] - b.joint_reactions[1].moment_n_m).norm());
+        let tip_m = worst(&|a, b| (a.tip_m - b.tips()[0].position_m).norm());
+        let force_n = worst(&|a, b| (a.reaction[0] - b.joint_reactions()[1].force_n).norm());
+        let moment_n_m = worst(&|a, b| (a.reaction[1] - b.joint_reactions()[1].moment_n_m).norm());
         let max_force_n = worst(&|a, _| a.reaction[0].norm());
         let max_moment_n_m = worst(&|a, _| a.reaction[1].norm());
-        let elastic_j = worst(&|a, b| (a.energy_j[1] - b.energy.elastic).abs());
+        let elastic_j = worst(&|a, b| (a.energy_j[1] - b.energy().elastic).abs());
         let max_elastic_j = worst(&|a, _| a.energy_j[1]);
         let kinetic_j = worst(&|a, _| a.energy_j[0]);
-        let energy = worst(&|_, b| b.energy.total.abs()) / kinetic_j;
+        let energy = worst(&|_, b| b.energy().total.abs()) / kinetic_j;
         println!(
             "{name}: tip {tip_m:.1e} m, elastic energy {elastic_j:.1e} J of {max_elastic_j:.1e} J, \
              joint force {force_n:.1e} N of {max_force_n:.0} N, moment {moment_n_m:.1e} N·m of {max_moment_n_m:.1e} N·m, energy {energy:.1e}, r_y^P·r_z^Q {cardan:.1e}"
@@ -104,10 +104,10 @@ fn c40_product_follows_the_dense_model() {
 fn write_product(name: &str, product: &[Outputs]) {
     let rows = product.iter().map(|outputs| {
         let mut row = vec![outputs.time_s];
-        row.extend(outputs.tips[0].position_m.iter());
-        row.extend([outputs.energy.kinetic, outputs.energy.elastic, outputs.energy.gravity]);
-        row.extend(outputs.joint_reactions[1].force_n.iter());
-        row.extend(outputs.joint_reactions[1].moment_n_m.iter());
+        row.extend(outputs.tips()[0].position_m.iter());
+        row.extend([outputs.energy().kinetic, outputs.energy().elastic, outputs.energy().gravity]);
+        row.extend(outputs.joint_reactions()[1].force_n.iter());
+        row.extend(outputs.joint_reactions()[1].moment_n_m.iter());
         row
     });
     let header = "t_s,tip_x_m,tip_y_m,tip_z_m,kinetic_j,elastic_j,gravity_j,fx_n,fy_n,fz_n,mx_n_m,my_n_m,mz_n_m";
@@ -124,7 +124,7 @@ fn c42_product_meets_the_reference_up_to_1_s() {
         let error_m = product
             .iter()
             .zip(&reference)
-            .map(|(outputs, row)| (outputs.tips[0].position_m - Vector3::new(row[4], row[5], -row[6])).norm());
+            .map(|(outputs, row)| (outputs.tips()[0].position_m - Vector3::new(row[4], row[5], -row[6])).norm());
         let error_m = error_m.fold(0.0, f64::max);
         println!("{count} {kind:?}: tip within {error_m:.2e} m up to 1 s");
         assert!(error_m < 1e-3, "{count} {kind:?}: tip {error_m:.2e} m off");
@@ -137,8 +137,8 @@ fn c43_product_conserves_energy() {
     for between in Between::ALL {
         let name = between.name();
         let product = outputs(machine(between, ElementKind::Constant, 2, fixed(5e-3)), 2.0);
-        let kinetic_j = product.iter().map(|outputs| outputs.energy.kinetic).fold(0.0, f64::max);
-        let energy = product.iter().map(|outputs| outputs.energy.total.abs()).fold(0.0, f64::max) / kinetic_j;
+        let kinetic_j = product.iter().map(|outputs| outputs.energy().kinetic).fold(0.0, f64::max);
+        let energy = product.iter().map(|outputs| outputs.energy().total.abs()).fold(0.0, f64::max) / kinetic_j;
         println!("{name}: energy {energy:.1e} of {kinetic_j:.0} J over 2 s at 5 ms");
         assert!(energy < 1e-6, "{name}: total energy reaches {energy:.1e} of the largest kinetic energy");
     }

@@ -49,7 +49,7 @@ pub fn path(machine: Machine) -> Vec<Vector2<f64>> {
         500,
         |_| {},
         |outputs| {
-            let tip = outputs.tips[0].position_m;
+            let tip = outputs.tips()[0].position_m;
             path.push(Vector2::new(tip.x, tip.z));
         },
     );

@@ -34,7 +34,7 @@ fn machine(tables: &[String], air: &str) -> Machine {
 }
 
 fn force_n(machine: Machine) -> Vector3<f64> {
-    start(machine).outputs().air.total.force_n
+    start(machine).outputs().air_total().force_n
 }
 
 const CLAMPED: &str = "type = \"clamped\"";

@@ -124,7 +124,7 @@ impl Goland {
         let heave_m: Vec<f64> = (0..samples)
             .map(|i| {
                 plant.step(FROM_S + f64::from(i) * INTERVAL_S).unwrap_or_else(|error| panic!("{error}"));
-                plant.outputs().tips[0].position_m.z
+                plant.outputs().tips()[0].position_m.z
             })
             .collect();
         least_damped(&heave_m, INTERVAL_S, BAND_RAD_S)

@@ -71,7 +71,7 @@ fn angle_deg(plant: &mut Plant, end_s: f64, step_s: f64) -> Result<f64, PlantErr
     for i in 1..=(end_s / step_s).round() as u32 {
         plant.step(f64::from(i) * step_s)?;
     }
-    Ok(plant.outputs().joints[0].angle_rad.to_degrees())
+    Ok(plant.outputs().joints()[0].angle_rad.to_degrees())
 }
 
 /// A tip lighter than its air: the iteration of air and structure ends in every step, whatever the step is. The trial
@@ -106,7 +106,7 @@ fn q41_a_staggered_coupling_that_diverges_stops_by_name() {
         error.contains("coupling = \"staggered\" diverges") && error.contains("write coupling = \"iterated\""),
         "{error}"
     );
-    let turned = light.outputs().joints[0].angle_rad.to_degrees();
+    let turned = light.outputs().joints()[0].angle_rad.to_degrees();
     assert!(turned.abs() < 10.0, "{turned} deg");
 }
 
@@ -122,11 +122,11 @@ fn q42_fixed_steps_in_air_do_not_depend_on_the_caller() {
             machine.solver.fixed_step_s = Some(1e-3);
             let mut wing = start(machine);
             let mut i = 0.0;
-            while wing.outputs().joints[0].latch_time_s < 0.0 && wing.time_s() < 0.3 {
+            while wing.outputs().latches()[0].time_s < 0.0 && wing.time_s() < 0.3 {
                 i += 1.0;
                 wing.step(i * step_s).unwrap_or_else(|error| panic!("{error}"));
             }
-            wing.outputs().joints[0].latch_time_s
+            wing.outputs().latches()[0].time_s
         })
         .collect();
     println!("Q-42 latch at {times:?} s");
@@ -151,7 +151,7 @@ fn q43_hinges_that_only_the_air_restores_come_to_rest() {
         let mut wing =
             plant(&flared_tip().replace("start_angle_deg = -6.5", &format!("start_angle_deg = {start_deg:?}")));
         wing.equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("from {start_deg}: {error}"));
-        let rest = wing.outputs().joints[0].angle_rad.to_degrees();
+        let rest = wing.outputs().joints()[0].angle_rad.to_degrees();
         println!("Q-43 from {start_deg}: at rest {rest:.4} deg, run {end:.4} deg");
         assert!((rest - end).abs() < 0.02, "{rest} {end}");
     }
@@ -172,7 +172,7 @@ fn q43_two_hinges_that_only_the_air_restores() {
     angle_deg(&mut run, 6.0, 0.1).unwrap_or_else(|error| panic!("{error}"));
     let mut wing = plant(&text);
     wing.equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
-    for (rest, end) in wing.outputs().joints.iter().zip(&run.outputs().joints) {
+    for (rest, end) in wing.outputs().joints().iter().zip(run.outputs().joints()) {
         let [rest, end] = [rest, end].map(|joint| joint.angle_rad.to_degrees());
         println!("Q-43 two hinges: at rest {rest:.4} deg, run {end:.4} deg");
         assert!((rest - end).abs() < 0.1, "{rest} {end}");

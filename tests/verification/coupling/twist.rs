@@ -53,7 +53,7 @@ fn q30_wing_twists_by_the_closed_form() {
                 rotation.scaled_axis().x / case(strips).incidence_deg.to_radians()
             };
             let places = [0.125, 0.375, 0.625, 0.875, 1.0];
-            let points = outputs.stations.iter().chain(&outputs.tips);
+            let points = outputs.stations().iter().chain(outputs.tips());
             let worst = points.zip(places).map(|(point, place)| twist(&point.rotation) - theory(place));
             worst.map(f64::abs).fold(0.0, f64::max) / theory(1.0)
         });
@@ -77,7 +77,7 @@ fn q31_wing_diverges_at_the_closed_form_speed() {
         let mut plant = start(machine(32, share * diverges_m_s));
         let twist = [1.2, 1.6, 2.0].map(|time_s| {
             plant.step(time_s).unwrap_or_else(|error| panic!("{error}"));
-            plant.outputs().tips[0].rotation.scaled_axis().x
+            plant.outputs().tips()[0].rotation.scaled_axis().x
         });
         println!("Q-31 {share}: {twist:?}");
         ((twist[2] - twist[1]) / (twist[1] - twist[0])).ln() / 0.4

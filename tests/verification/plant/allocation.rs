@@ -16,20 +16,20 @@ fn allocations_through_latches(machine: Machine) -> (u64, i32) {
         let share = f64::from(i) / 400.0;
         let inputs = plant.inputs_mut();
         if i % 3 == 0 {
-            for load in &mut inputs.stations {
+            for load in inputs.stations_mut() {
                 load.force_n = Vector3::new(0.01, 0.02, 0.03) * share;
                 load.moment_n_m = Vector3::new(1e-4, 0.0, 1e-4) * share;
             }
-            inputs.root.angular_velocity_rad_s = Vector3::new(0.1, 0.2, 0.3) * share;
+            inputs.root_mut().angular_velocity_rad_s = Vector3::new(0.1, 0.2, 0.3) * share;
         }
-        inputs.joints[0].latch_enable = !(200..250).contains(&i);
-        inputs.joints[0].command_rad = if (200..250).contains(&i) { 2.0 } else { -0.5 };
+        inputs.joints_mut()[0].latch_enable = (!(200..250).contains(&i)).into();
+        inputs.joints_mut()[0].command_rad = if (200..250).contains(&i) { 2.0 } else { -0.5 };
         if i == 100 {
-            plant.parameters_mut().joints[0].damping_n_m_s_rad *= 1.1;
+            plant.parameters_mut().joints_mut()[0].damping_n_m_s_rad *= 1.1;
         }
         coast(&mut plant, 1e-3 * f64::from(i));
     }
-    (allocations() - before, plant.outputs().joints[0].latch_count)
+    (allocations() - before, plant.outputs().latches()[0].count.get())
 }
 
 /// No method allocates in [`foldwing::plant::Plant::step`] after the first step; variable and fixed steps, real time, both
@@ -73,7 +73,7 @@ fn allocations_of(machine: Machine) -> u64 {
     coast(&mut plant, 1e-3);
     let before = allocations();
     for i in 2..=100 {
-        plant.inputs_mut().root.angular_velocity_rad_s = Vector3::new(0.0, 0.0, 1e-3 * f64::from(i));
+        plant.inputs_mut().root_mut().angular_velocity_rad_s = Vector3::new(0.0, 0.0, 1e-3 * f64::from(i));
         coast(&mut plant, 1e-3 * f64::from(i));
     }
     allocations() - before
@@ -151,7 +151,7 @@ fn a04_steps_in_air_allocate_nothing() {
         let before = allocations();
         for i in 1..=60 {
             if i % 10 == 0 {
-                plant.inputs_mut().wind_m_s = Vector3::new(0.0, -10.0, 0.01 * f64::from(i));
+                *plant.inputs_mut().wind_m_s_mut() = Vector3::new(0.0, -10.0, 0.01 * f64::from(i));
             }
             coast(&mut plant, 2e-2 + 1e-3 * f64::from(i));
         }

@@ -20,7 +20,7 @@ fn p126_a_damped_free_body_keeps_speed_and_spin() {
     let mut plant = start(machine([(plate, free(velocity_m_s, Vector3::new(0.0, 0.0, 2.0)))]));
     // a straight, nearly rigid plate: its middle is the centre of mass
     let momentum = |plant: &Plant| {
-        let (joint, tip) = (plant.outputs().spatial[0], plant.outputs().tips[0]);
+        let (joint, tip) = (plant.outputs().spatial()[0], plant.outputs().tips()[0]);
         let back = joint.rotation * Vector3::new(-0.15, 0.0, 0.0);
         (tip.velocity_m_s + joint.angular_velocity_rad_s.cross(&back), joint.angular_velocity_rad_s)
     };
@@ -87,7 +87,7 @@ fn p128_inertia_that_turns_with_the_angle_only() {
     let account = balance_j(plant.outputs());
     for (share, right) in [(0.25, 0.0), (0.5, -0.2)] {
         coast(&mut plant, share / right_hz);
-        let angle = plant.outputs().joints[0].angle_rad;
+        let angle = plant.outputs().joints()[0].angle_rad;
         assert!((angle - right).abs() < 1e-5, "after {share} periods at {angle} rad, right {right} rad");
         // what the tolerance of 1e-6 leaves; half of the energy is the drive's after a quarter of the period
         let drift = balance_j(plant.outputs()) / account - 1.0;
@@ -99,14 +99,14 @@ fn p128_inertia_that_turns_with_the_angle_only() {
 
     let mut plant = start(rod(&|hinge| hinge.drive.constant_torque_n_m = -0.5));
     coast(&mut plant, 0.2);
-    let turned = plant.outputs().joints[0].angle_rad - 0.2;
+    let turned = plant.outputs().joints()[0].angle_rad - 0.2;
     let right = 0.5 * 0.5 / (own + drive) * 0.04;
     assert!((turned / right - 1.0).abs() < 1e-5, "turned by {turned} rad, right {right} rad");
 
     let law = foldwing::actuation::prescribed::Motion::Polynomial(vec![0.0, 0.0, 1.5]);
     let mut plant = start(rod(&|hinge| hinge.motion = JointMotion::Prescribed(law.clone())));
     coast(&mut plant, 0.2);
-    let work = plant.outputs().energy.work;
+    let work = plant.outputs().energy().work;
     let right = 0.5 * (own + drive) * 0.6f64.powi(2);
     assert!((work / right - 1.0).abs() < 1e-4, "the motion takes {work} J, right {right} J");
 }
@@ -132,7 +132,7 @@ fn p129_attached_masses_are_damped_where_told() {
         let mut plant = start(machine);
         let account = balance_j(plant.outputs());
         coast(&mut plant, 0.4);
-        let rate = plant.outputs().joints[0].rate_rad_s;
+        let rate = plant.outputs().joints()[0].rate_rad_s;
         let right = 2.0 * (-3.0 * share * 0.4f64).exp();
         assert!((rate / right - 1.0).abs() < 1e-4, "damped masses {damps}: {rate} rad/s, right {right} rad/s");
         assert!((balance_j(plant.outputs()) - account).abs() < 1e-6 * account, "the account drifts");

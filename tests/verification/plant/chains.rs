@@ -193,10 +193,10 @@ fn p125_stiff_latches_carry_what_the_wing_asks_for() {
                 400,
                 |_| {},
                 |outputs| {
-                    torque_n_m = torque_n_m.max(outputs.joints[0].latch_torque_n_m.abs());
-                    let account_j = outputs.energy.total - outputs.energy.work + outputs.energy.dissipated;
+                    torque_n_m = torque_n_m.max(outputs.joints()[0].latch_torque_n_m.abs());
+                    let account_j = outputs.energy().total - outputs.energy().work + outputs.energy().dissipated;
                     (lowest_j, highest_j) = (lowest_j.min(account_j), highest_j.max(account_j));
-                    kinetic_j = kinetic_j.max(outputs.energy.kinetic);
+                    kinetic_j = kinetic_j.max(outputs.energy().kinetic);
                 },
             );
             let drift = (highest_j - lowest_j) / kinetic_j;

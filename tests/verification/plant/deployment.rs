@@ -13,12 +13,12 @@ fn deploy(machine: Machine) -> (f64, f64, f64) {
         800,
         |_| {},
         |outputs| {
-            if outputs.gauges[0].abs() > peak {
-                (peak, peak_s) = (outputs.gauges[0].abs(), outputs.time_s);
+            if outputs.gauges()[0].abs() > peak {
+                (peak, peak_s) = (outputs.gauges()[0].abs(), outputs.time_s);
             }
         },
     );
-    (plant.outputs().joints[0].latch_time_s, peak, peak_s)
+    (plant.outputs().latches()[0].time_s, peak, peak_s)
 }
 
 fn assert_relative(what: &str, unit: &str, value: f64, reference: f64, tolerance: f64) {
@@ -67,15 +67,15 @@ fn p03_histories_follow_the_reference() {
             coast(&mut plant, row[0]);
             let outputs = plant.outputs();
             if row[0] < 0.122 {
-                fold_deg = fold_deg.max((outputs.joints[0].angle_rad.to_degrees() - row[1]).abs());
+                fold_deg = fold_deg.max((outputs.joints()[0].angle_rad.to_degrees() - row[1]).abs());
             }
-            let difference = (outputs.gauges[0] - row[2]).abs() / 5.31e-3;
+            let difference = (outputs.gauges()[0] - row[2]).abs() / 5.31e-3;
             if row[0] < 5e-3 {
                 early = early.max(difference)
             } else {
                 strain = strain.max(difference)
             }
-            let tip = outputs.tips[0].position_m;
+            let tip = outputs.tips()[0].position_m;
             tip_m = tip_m.max((tip.x - row[3]).abs()).max((-tip.z - row[4]).abs());
         }
         println!(

@@ -16,19 +16,19 @@ fn p95_impossible_tolerance_is_an_error() {
     assert_eq!(*time_s, plant.time_s(), "the plant must stand at the last good time");
     assert_eq!(plant.outputs().time_s, plant.time_s());
     assert!(*step_s < 2e-3 && error.to_string().contains("exceeds tolerance"), "{error}");
-    assert!(plant.outputs().joints[0].angle_rad.is_finite());
+    assert!(plant.outputs().joints()[0].angle_rad.is_finite());
 }
 
 /// P-96. Limits of the step that contradict each other are refused at the start; they used to panic.
 #[test]
 fn p96_contradicting_step_limits_are_an_error() {
     let mut plant = Plant::new(Arc::new(default_wing(1e-4)));
-    plant.parameters_mut().min_step_s = 1e-2;
-    plant.parameters_mut().max_step_s = 1e-3;
+    plant.parameters_mut().solver_mut().min_step_s = 1e-2;
+    plant.parameters_mut().solver_mut().max_step_s = 1e-3;
     let error = plant.initialize(0.0).expect_err("1e-2 s is more than 1e-3 s");
     assert_eq!(error, PlantError::Steps { min_step_s: 1e-2, max_step_s: 1e-3 });
     assert_eq!(error.to_string(), "solver.min_step, 1e-2 s, is longer than solver.max_step, 1e-3 s; set one of them");
-    plant.parameters_mut().min_step_s = 1e-3;
+    plant.parameters_mut().solver_mut().min_step_s = 1e-3;
     plant.initialize(0.0).expect("equal limits are one step");
 }
 
@@ -39,12 +39,12 @@ fn p96_contradicting_step_limits_are_an_error() {
 fn p97_values_that_are_not_numbers_are_errors() {
     type Spoil = (&'static str, fn(&mut Inputs));
     let spoil: [Spoil; 6] = [
-        ("command", |inputs| inputs.joints[0].command_rad = f64::NAN),
-        ("torque", |inputs| inputs.joints[0].torque_n_m = f64::INFINITY),
-        ("force", |inputs| inputs.stations[0].force_n.y = f64::NAN),
-        ("moment", |inputs| inputs.stations[1].moment_n_m.x = f64::NEG_INFINITY),
-        ("gravity", |inputs| inputs.root.gravity_m_s2.z = f64::NAN),
-        ("angular velocity", |inputs| inputs.root.angular_velocity_rad_s.x = f64::NAN),
+        ("command", |inputs| inputs.joints_mut()[0].command_rad = f64::NAN),
+        ("torque", |inputs| inputs.joints_mut()[0].torque_n_m = f64::INFINITY),
+        ("force", |inputs| inputs.stations_mut()[0].force_n.y = f64::NAN),
+        ("moment", |inputs| inputs.stations_mut()[1].moment_n_m.x = f64::NEG_INFINITY),
+        ("gravity", |inputs| inputs.root_mut().gravity_m_s2.z = f64::NAN),
+        ("angular velocity", |inputs| inputs.root_mut().angular_velocity_rad_s.x = f64::NAN),
     ];
     for (name, spoil) in spoil {
         let mut machine = default_wing(1e-4);
@@ -59,7 +59,7 @@ fn p97_values_that_are_not_numbers_are_errors() {
         *plant.inputs_mut() = good;
         plant.restore(&snapshot).expect("own snapshot");
         coast(&mut plant, 0.06);
-        assert!(plant.outputs().tips[0].position_m.norm().is_finite(), "{name}: not finite after recovery");
+        assert!(plant.outputs().tips()[0].position_m.norm().is_finite(), "{name}: not finite after recovery");
     }
 }
 
@@ -69,14 +69,14 @@ fn p97_values_that_are_not_numbers_are_errors() {
 #[test]
 fn p98_spoilt_parameters_do_not_panic() {
     let spoil: [fn(&mut Parameters, f64); 8] = [
-        |parameters, value| parameters.joints[0].stiffness_n_m_rad = value,
-        |parameters, value| parameters.joints[0].damping_n_m_s_rad = value,
-        |parameters, value| parameters.joints[0].torque_limit_n_m = value,
-        |parameters, value| parameters.joints[0].rate_limit_rad_s = value,
-        |parameters, value| parameters.joints[0].latch_stiffness_n_m_rad = value,
-        |parameters, value| parameters.joints[0].constant_torque_n_m = value,
-        |parameters, value| parameters.bodies[0].mass_damping_1_s = value,
-        |parameters, value| parameters.bodies[0].stiffness_damping_s = value,
+        |parameters, value| parameters.joints_mut()[0].stiffness_n_m_rad = value,
+        |parameters, value| parameters.joints_mut()[0].damping_n_m_s_rad = value,
+        |parameters, value| parameters.joints_mut()[0].torque_limit_n_m = value,
+        |parameters, value| parameters.joints_mut()[0].rate_limit_rad_s = value,
+        |parameters, value| parameters.joints_mut()[0].latch_stiffness_n_m_rad = value,
+        |parameters, value| parameters.joints_mut()[0].constant_torque_n_m = value,
+        |parameters, value| parameters.bodies_mut()[0].mass_damping_1_s = value,
+        |parameters, value| parameters.bodies_mut()[0].stiffness_damping_s = value,
     ];
     for spoil in spoil {
         for value in [f64::NAN, f64::INFINITY, -1.0] {

@@ -24,12 +24,12 @@ fn hinge(axis: Vector3<f64>, start_rad: f64, rate_rad_s: f64) -> Revolute {
 /// Enables the latches of joints, which close at once.
 fn close(plant: &mut Plant, joints: &[usize]) {
     for &joint in joints {
-        plant.inputs_mut().joints[joint].latch_enable = true;
+        plant.inputs_mut().joints_mut()[joint].latch_enable = true.into();
     }
     let time_s = plant.time_s();
     coast(plant, time_s);
     for &joint in joints {
-        assert!(plant.outputs().joints[joint].latched && plant.outputs().joints[joint].rate_rad_s == 0.0);
+        assert!(plant.outputs().latches()[joint].closed.is_on() && plant.outputs().joints()[joint].rate_rad_s == 0.0);
     }
 }
 
@@ -43,7 +43,7 @@ fn rates(plant: &Plant) -> HashMap<String, f64> {
 /// Largest miss of rates, impulses and losses over their size.
 fn miss_of_dense_oracle(plant: &mut Plant, joints: &[usize]) -> f64 {
     let (before, kinetic_j, dissipated_j) =
-        (rates(plant), plant.outputs().energy.kinetic, plant.outputs().energy.dissipated);
+        (rates(plant), plant.outputs().energy().kinetic, plant.outputs().energy().dissipated);
     let names: Vec<String> = plant.freedoms().into_iter().map(|freedom| freedom.name).collect();
     let v = DVector::from_iterator(names.len(), names.iter().map(|name| before[name]));
     let mass = plant.second_order().expect("a mass matrix").mass;
@@ -56,7 +56,10 @@ fn miss_of_dense_oracle(plant: &mut Plant, joints: &[usize]) -> f64 {
         })
         .collect();
     let gaps = |outputs: &Outputs| {
-        DVector::from_iterator(3 * outputs.loops.len(), outputs.loops.iter().flat_map(|closed| closed.gap_m.data.0[0]))
+        DVector::from_iterator(
+            3 * outputs.loops().len(),
+            outputs.loops().iter().flat_map(|closed| closed.gap_m.data.0[0]),
+        )
     };
     let slopes: Vec<DVector<f64>> =
         plant.freedoms().iter().map(|freedom| plant.output_slope(Argument::Position, freedom, &gaps)).collect();
@@ -80,9 +83,9 @@ fn miss_of_dense_oracle(plant: &mut Plant, joints: &[usize]) -> f64 {
         miss = miss.max((after[name] - expected[i]).abs() / size);
     }
     for (k, &joint) in joints.iter().enumerate() {
-        miss = miss.max((plant.outputs().joints[joint].latch_impulse_n_m_s - p[k]).abs() / p.amax());
+        miss = miss.max((plant.outputs().latches()[joint].impulse_n_m_s - p[k]).abs() / p.amax());
     }
-    let energy = plant.outputs().energy;
+    let energy = plant.outputs().energy();
     miss = miss.max((energy.dissipated - dissipated_j - lost_j).abs() / lost_j);
     miss.max((kinetic_j - energy.kinetic - lost_j).abs() / kinetic_j)
 }
@@ -154,12 +157,12 @@ fn rl06_a_prescribed_joint_keeps_its_rate_by_work() {
     add_rod(&mut machine, hinge(Vector3::y(), 0.2, 5.0));
     let mut plant = start(machine);
     let before_j = balance_j(plant.outputs());
-    let (kinetic_j, work_j) = (plant.outputs().energy.kinetic, plant.outputs().energy.work);
+    let (kinetic_j, work_j) = (plant.outputs().energy().kinetic, plant.outputs().energy().work);
     close(&mut plant, &[1]);
     let drift_j = balance_j(plant.outputs()) - before_j;
-    let jump_j = plant.outputs().energy.work - work_j;
+    let jump_j = plant.outputs().energy().work - work_j;
     println!("RL-06 work {jump_j:.2e} J, account off by {drift_j:.1e} J");
-    assert!(plant.outputs().joints[0].rate_rad_s == 3.0 && jump_j.abs() > 1e-6 * kinetic_j, "work {jump_j:.1e} J");
+    assert!(plant.outputs().joints()[0].rate_rad_s == 3.0 && jump_j.abs() > 1e-6 * kinetic_j, "work {jump_j:.1e} J");
     assert!(drift_j.abs() < 1e-13 * kinetic_j, "account off by {drift_j:.1e} J");
 }
 
@@ -171,9 +174,9 @@ fn rl02_two_rods_turn_as_one() {
     add_rod(&mut machine, hinge(Vector3::y(), 0.0, 5.0));
     machine.solver.tolerance = 1e-9;
     let mut plant = start(machine);
-    let kinetic_j = plant.outputs().energy.kinetic;
+    let kinetic_j = plant.outputs().energy().kinetic;
     close(&mut plant, &[1]);
-    let booked_j = plant.outputs().energy.dissipated;
+    let booked_j = plant.outputs().energy().dissipated;
     assert!(booked_j > 0.0 && (balance_j(plant.outputs()) - kinetic_j).abs() < 1e-12 * kinetic_j);
     coast(&mut plant, 0.2);
     let (length_m, mass_kg) = (0.15, 1425.0 * 0.02 * 0.01 * 0.15);
@@ -183,9 +186,9 @@ fn rl02_two_rods_turn_as_one() {
         rod_inertia_kg_m2() * shoulder + mass_kg * 1.5 * length_m * middle_m_s + about_middle * (shoulder + elbow)
     };
     let expected_rad_s = momentum(2.0, 5.0) / momentum(1.0, 0.0);
-    let error_rad_s = plant.outputs().joints[0].rate_rad_s - expected_rad_s;
+    let error_rad_s = plant.outputs().joints()[0].rate_rad_s - expected_rad_s;
     let lost_j = kinetic_j - 0.5 * momentum(1.0, 0.0) * expected_rad_s.powi(2);
-    let error_j = kinetic_j - plant.outputs().energy.total - lost_j;
+    let error_j = kinetic_j - plant.outputs().energy().total - lost_j;
     let drift_j = balance_j(plant.outputs()) - kinetic_j;
     println!(
         "RL-02 rate off by {:.1e}, energy lost by {:.1e}, account by {:.1e} of itself; {:.0} % of the loss at once",
@@ -210,10 +213,10 @@ fn rl03_the_reaction_is_the_moment_of_the_centrifugal_forces() {
     add_rod(&mut machine, elbow);
     let mut plant = start(machine);
     coast(&mut plant, 0.3);
-    let joint = plant.outputs().joints[1];
-    assert!(joint.latched && joint.latch_count == 0 && joint.angle_rad == angle_rad);
+    let (joint, latch) = (plant.outputs().joints()[1], plant.outputs().latches()[1]);
+    assert!(latch.closed.is_on() && latch.count.get() == 0 && joint.angle_rad == angle_rad);
     let (length_m, mass_kg) = (0.15f64, 1425.0 * 0.02 * 0.01 * 0.15);
-    let rate_rad_s = plant.outputs().joints[0].rate_rad_s;
+    let rate_rad_s = plant.outputs().joints()[0].rate_rad_s;
     let expected_n_m = 0.5 * mass_kg * rate_rad_s.powi(2) * length_m.powi(2) * angle_rad.sin();
     let error_n_m = joint.latch_torque_n_m - expected_n_m;
     println!("RL-03 reaction {} N·m, off by {error_n_m:.1e} N·m", joint.latch_torque_n_m);
@@ -249,7 +252,7 @@ fn momentum(plant: &mut Plant) -> [f64; 6] {
     let freedoms = plant.freedoms();
     std::array::from_fn(|i| {
         assert!(freedoms[i].name.starts_with("mount."), "{}", freedoms[i].name);
-        let mut kinetic_j = |rate| plant.outputs_beside(Some((Argument::Rate, &freedoms[i], rate))).energy.kinetic;
+        let mut kinetic_j = |rate| plant.outputs_beside(Some((Argument::Rate, &freedoms[i], rate))).energy().kinetic;
         0.5 * (kinetic_j(1.0) - kinetic_j(-1.0))
     })
 }
@@ -261,16 +264,16 @@ fn rl04_a_free_aircraft_keeps_its_momentum() {
     for joints in [&[0][..], &[1], &[0, 1]] {
         let mut plant = start(aircraft());
         coast(&mut plant, 0.0071);
-        let (before, kinetic_j) = (momentum(&mut plant), plant.outputs().energy.kinetic);
+        let (before, kinetic_j) = (momentum(&mut plant), plant.outputs().energy().kinetic);
         close(&mut plant, joints);
         let after = momentum(&mut plant);
         let change = before.iter().zip(&after).map(|(before, after)| (after - before).abs()).fold(0.0, f64::max);
-        let impulses = joints.iter().map(|&joint| plant.outputs().joints[joint].latch_impulse_n_m_s.abs());
+        let impulses = joints.iter().map(|&joint| plant.outputs().latches()[joint].impulse_n_m_s.abs());
         let impulse_n_m_s = impulses.fold(f64::INFINITY, f64::min);
         println!("RL-04 {joints:?}: {before:.4?} changes by {change:.1e}, impulses from {impulse_n_m_s:.1e} N·m·s on");
         assert!(impulse_n_m_s > 1e-7, "the closing must matter: {impulse_n_m_s:.1e} N·m·s");
         assert!(change < 1e-13, "momentum changes by {change:.1e}");
-        let lost_j = kinetic_j - plant.outputs().energy.kinetic;
-        assert!((lost_j - plant.outputs().energy.dissipated).abs() < 1e-13 * kinetic_j);
+        let lost_j = kinetic_j - plant.outputs().energy().kinetic;
+        assert!((lost_j - plant.outputs().energy().dissipated).abs() < 1e-13 * kinetic_j);
     }
 }

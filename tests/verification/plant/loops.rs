@@ -55,7 +55,7 @@ fn four_bar(stiffness_n_m: f64, tolerance: f64) -> Plant {
     let mut machine = linkage(JointMotion::Prescribed(spin_up), stiffness_n_m);
     machine.solver.tolerance = tolerance;
     let mut plant = Plant::new(Arc::new(machine));
-    plant.parameters_mut().bodies.iter_mut().for_each(|body| body.stiffness_factor = 1e4);
+    plant.parameters_mut().bodies_mut().iter_mut().for_each(|body| body.stiffness_factor = 1e4);
     plant.initialize(0.0).expect("initial accelerations");
     plant
 }
@@ -74,9 +74,9 @@ fn p68_four_bar_linkage_follows_its_kinematics() {
             let time_s = 0.01 * f64::from(step);
             plant.step(time_s).expect("a step");
             let (_, _, end) = kinematics(START_RAD + SPIN_UP_RAD_S2 * time_s * time_s);
-            let tip = plant.outputs().tips[0].position_m;
+            let tip = plant.outputs().tips()[0].position_m;
             miss_m = miss_m.max((tip - Vector3::new(end.x, 0.0, end.y)).norm());
-            gap_m = gap_m.max(plant.outputs().loops[0].gap_m.norm());
+            gap_m = gap_m.max(plant.outputs().loops()[0].gap_m.norm());
         }
         println!("penalty {stiffness_n_m:.0e} N/m: gap {gap_m:.2e} m, end misses by {miss_m:.2e} m");
         assert!(gap_m < 400.0 / stiffness_n_m, "gap {gap_m:.1e} m at {stiffness_n_m:.0e} N/m");
@@ -98,7 +98,7 @@ fn p69_energy_accounts_close_around_a_loop() {
     for step in 1..=50 {
         plant.step(0.01 * f64::from(step)).expect("a step");
         drift_j = drift_j.max((balance_j(plant.outputs()) - start_j).abs());
-        kinetic_j = kinetic_j.max(plant.outputs().energy.kinetic);
+        kinetic_j = kinetic_j.max(plant.outputs().energy().kinetic);
     }
     let share = drift_j / kinetic_j;
     println!("drift {share:.1e} of the largest kinetic energy");
@@ -140,9 +140,9 @@ fn p73_equilibrium_of_a_linkage() {
     plant.equilibrium(0.0, Holding::AsReleased).expect("an equilibrium");
     let still = plant.outputs().clone();
     let expected = rigid_pin_force_n(plant.machine());
-    let own = Vector2::new(still.loops[0].force_n.x, still.loops[0].force_n.z);
+    let own = Vector2::new(still.loops()[0].force_n.x, still.loops()[0].force_n.z);
     let miss = (own - expected).norm() / expected.norm();
-    let gap_m = still.loops[0].gap_m.norm();
+    let gap_m = still.loops()[0].gap_m.norm();
     let weight_n = plant.mass_kg() * 9.8;
     println!("pin force {own:?} N, off by {miss:.1e} of itself; gap {gap_m:.3e} m");
     assert!(miss < 1e-5, "pin force {own:?} N, rigid linkage {expected:?} N");
@@ -151,17 +151,17 @@ fn p73_equilibrium_of_a_linkage() {
         "gap {gap_m:.3e} m under {:.3} N",
         own.norm()
     );
-    assert!((still.root.force_n + Vector3::z() * weight_n).norm() < 1e-9 * weight_n, "{:?} N", still.root.force_n);
+    assert!((still.root().force_n + Vector3::z() * weight_n).norm() < 1e-9 * weight_n, "{:?} N", still.root().force_n);
 
     plant.initialize(0.0).expect("initial accelerations");
     coast(&mut plant, 1.5);
     let settled = plant.outputs();
-    for (tip, other) in settled.tips.iter().zip(&still.tips) {
+    for (tip, other) in settled.tips().iter().zip(still.tips()) {
         let miss_m = (tip.position_m - other.position_m).norm();
         println!("tip {miss_m:.1e} m from the equilibrium");
         assert!(miss_m < 1e-10, "{miss_m:.1e} m from the equilibrium after 1.5 s");
     }
-    assert!((settled.loops[0].force_n - still.loops[0].force_n).norm() < 1e-6 * own.norm());
+    assert!((settled.loops()[0].force_n - still.loops()[0].force_n).norm() < 1e-6 * own.norm());
 }
 
 /// P-74. A linkage that starts from equilibrium with its hinges held stays where it is, its loop closed by its share of the
@@ -176,9 +176,9 @@ fn p74_linkage_that_starts_at_rest_stays() {
     let mut plant = Plant::new(Arc::new(machine));
     plant.initialize(0.0).expect("an equilibrium");
     let start = plant.outputs().clone();
-    assert!(start.loops[0].gap_m.norm() < 1e-6, "gap {:.1e} m", start.loops[0].gap_m.norm());
+    assert!(start.loops()[0].gap_m.norm() < 1e-6, "gap {:.1e} m", start.loops()[0].gap_m.norm());
     coast(&mut plant, 0.2);
-    for (tip, other) in plant.outputs().tips.iter().zip(&start.tips) {
+    for (tip, other) in plant.outputs().tips().iter().zip(start.tips()) {
         let moved_m = (tip.position_m - other.position_m).norm();
         assert!(moved_m < 1e-12, "moved by {moved_m:.1e} m");
     }

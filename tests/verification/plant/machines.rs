@@ -3,7 +3,7 @@
 use foldwing::beam::section::{Material, Section};
 use foldwing::machine::builder::{BodyBuilder, JointBuilder};
 use foldwing::machine::*;
-use foldwing::plant::{Outputs, Plant};
+use foldwing::plant::{LatchOutputs, Outputs, Plant};
 use nalgebra::Vector3;
 use std::path::Path;
 use std::sync::Arc;
@@ -156,5 +156,10 @@ pub fn expected(case: &str) -> serde_json::Value {
 
 /// What must stay constant: `total − work + dissipated` in J.
 pub fn balance_j(outputs: &Outputs) -> f64 {
-    outputs.energy.total - outputs.energy.work + outputs.energy.dissipated
+    outputs.energy().total - outputs.energy().work + outputs.energy().dissipated
+}
+
+/// The latch of the first revolute or prismatic joint.
+pub fn latch_of(plant: &Plant) -> LatchOutputs {
+    plant.outputs().latches()[0]
 }

@@ -19,16 +19,16 @@ fn p30_root_acceleration_is_changed_gravity() {
     let (mut accelerated, mut heavy) = (start(accelerated.clone()), start(accelerated));
     for i in 1..=150 {
         let share = f64::from(i / 50);
-        accelerated.inputs_mut().root.acceleration_m_s2 = acceleration * share;
-        heavy.inputs_mut().root.gravity_m_s2 = gravity - acceleration * share;
+        accelerated.inputs_mut().root_mut().acceleration_m_s2 = acceleration * share;
+        heavy.inputs_mut().root_mut().gravity_m_s2 = gravity - acceleration * share;
         coast(&mut accelerated, 1e-3 * f64::from(i));
         coast(&mut heavy, 1e-3 * f64::from(i));
         let (a, b) = (accelerated.outputs(), heavy.outputs());
-        assert_eq!(a.joints, b.joints, "t = {} s", a.time_s);
-        assert_eq!((&a.gauges, a.root, a.energy), (&b.gauges, b.root, b.energy), "t = {} s", a.time_s);
-        assert_eq!(a.tips[0].position_m, b.tips[0].position_m);
-        let difference = a.tips[0].acceleration_m_s2 - b.tips[0].acceleration_m_s2 - acceleration * share;
-        assert!(difference.norm() < 1e-11 * (1.0 + a.tips[0].acceleration_m_s2.norm()), "{difference} m/s²");
+        assert_eq!(a.joints(), b.joints(), "t = {} s", a.time_s);
+        assert_eq!((&a.gauges(), a.root(), a.energy()), (&b.gauges(), b.root(), b.energy()), "t = {} s", a.time_s);
+        assert_eq!(a.tips()[0].position_m, b.tips()[0].position_m);
+        let difference = a.tips()[0].acceleration_m_s2 - b.tips()[0].acceleration_m_s2 - acceleration * share;
+        assert!(difference.norm() < 1e-11 * (1.0 + a.tips()[0].acceleration_m_s2.norm()), "{difference} m/s²");
     }
 }
 
@@ -59,27 +59,27 @@ fn p31_turning_the_model_turns_the_answer() {
     let (mut plain, mut turned) = (start(plain), start(turned));
     let set = |plant: &mut Plant, turn: &Matrix3<f64>| {
         let inputs = plant.inputs_mut();
-        inputs.root.acceleration_m_s2 = turn * Vector3::new(3.0, 1.0, -2.0);
-        inputs.root.angular_velocity_rad_s = turn * Vector3::new(-2.0, 4.0, 3.0);
-        inputs.root.angular_acceleration_rad_s2 = turn * Vector3::new(10.0, -20.0, 5.0);
-        inputs.stations[1].force_n = turn * Vector3::new(0.1, 0.05, -0.1);
-        inputs.stations[3].moment_n_m = turn * Vector3::new(0.01, 0.005, -0.01);
+        inputs.root_mut().acceleration_m_s2 = turn * Vector3::new(3.0, 1.0, -2.0);
+        inputs.root_mut().angular_velocity_rad_s = turn * Vector3::new(-2.0, 4.0, 3.0);
+        inputs.root_mut().angular_acceleration_rad_s2 = turn * Vector3::new(10.0, -20.0, 5.0);
+        inputs.stations_mut()[1].force_n = turn * Vector3::new(0.1, 0.05, -0.1);
+        inputs.stations_mut()[3].moment_n_m = turn * Vector3::new(0.01, 0.005, -0.01);
     };
     set(&mut plain, &Matrix3::identity());
     set(&mut turned, &turn);
     coast(&mut plain, 0.1);
     coast(&mut turned, 0.1);
     let (a, b) = (plain.outputs(), turned.outputs());
-    let angle_rad = a.joints[0].angle_rad - b.joints[0].angle_rad;
+    let angle_rad = a.joints()[0].angle_rad - b.joints()[0].angle_rad;
     assert!(angle_rad.abs() < 1e-9, "fold angles differ by {angle_rad:.1e} rad");
-    let strain = (a.gauges[0] - b.gauges[0]).abs();
+    let strain = (a.gauges()[0] - b.gauges()[0]).abs();
     assert!(strain < 1e-9, "strains differ by {strain:.1e}");
     for (what, a, b, unit, limit) in [
-        ("tip", a.tips[0].position_m, b.tips[0].position_m, "m", 1e-9),
-        ("velocity", a.tips[0].velocity_m_s, b.tips[0].velocity_m_s, "m/s", 1e-7),
-        ("station", a.stations[2].position_m, b.stations[2].position_m, "m", 1e-9),
-        ("root force", a.root.force_n, b.root.force_n, "N", 1e-6),
-        ("root moment", a.root.moment_n_m, b.root.moment_n_m, "N·m", 1e-7),
+        ("tip", a.tips()[0].position_m, b.tips()[0].position_m, "m", 1e-9),
+        ("velocity", a.tips()[0].velocity_m_s, b.tips()[0].velocity_m_s, "m/s", 1e-7),
+        ("station", a.stations()[2].position_m, b.stations()[2].position_m, "m", 1e-9),
+        ("root force", a.root().force_n, b.root().force_n, "N", 1e-6),
+        ("root moment", a.root().moment_n_m, b.root().moment_n_m, "N·m", 1e-7),
     ] {
         let miss = (turn * a - b).norm();
         assert!(miss < limit, "{what} misses by {miss:.1e} {unit}");
@@ -106,16 +106,16 @@ fn spinning_pair(law: Vec<f64>) -> (Plant, Plant) {
 /// frames, which are turned by `angle_rad` and turn at `rate_rad_s`; and of the fold angle (rad).
 fn misses(on_root: &Outputs, on_joint: &Outputs, angle_rad: f64, rate_rad_s: f64) -> [f64; 6] {
     let turn = rotation_about(&spin_axis(), angle_rad);
-    let (a, b) = (&on_root.tips[0], &on_joint.tips[0]);
-    let Wrench { force_n, moment_n_m } = on_root.root;
+    let (a, b) = (&on_root.tips()[0], &on_joint.tips()[0]);
+    let Wrench { force_n, moment_n_m } = on_root.root();
     let spin = spin_axis().into_inner() * rate_rad_s;
     [
         (turn * a.position_m - b.position_m).norm(),
         (turn * (a.velocity_m_s + spin.cross(&a.position_m)) - b.velocity_m_s).norm(),
         (turn * a.acceleration_m_s2 - b.acceleration_m_s2).norm(),
-        (turn * force_n - on_joint.root.force_n).norm(),
-        (turn * moment_n_m - on_joint.root.moment_n_m).norm(),
-        (on_root.joints[0].angle_rad - on_joint.joints[1].angle_rad).abs(),
+        (turn * force_n - on_joint.root().force_n).norm(),
+        (turn * moment_n_m - on_joint.root().moment_n_m).norm(),
+        (on_root.joints()[0].angle_rad - on_joint.joints()[1].angle_rad).abs(),
     ]
 }
 
@@ -124,7 +124,7 @@ fn misses(on_root: &Outputs, on_joint: &Outputs, angle_rad: f64, rate_rad_s: f64
 #[test]
 fn p32_constant_spin_equals_a_turning_joint() {
     let (mut on_root, mut on_joint) = spinning_pair(vec![0.0, 6.0]);
-    on_root.inputs_mut().root.angular_velocity_rad_s = spin_axis().into_inner() * 6.0;
+    on_root.inputs_mut().root_mut().angular_velocity_rad_s = spin_axis().into_inner() * 6.0;
     for time_s in [0.02, 0.05, 0.1, 0.15] {
         coast(&mut on_root, time_s);
         coast(&mut on_joint, time_s);
@@ -146,7 +146,7 @@ fn p33_spinning_up_equals_an_accelerating_joint() {
         let (mut on_root, mut on_joint) = spinning_pair(vec![0.0, 0.0, 0.5 * ACCELERATION_RAD_S2]);
         let steps = (0.1 / step_s).round() as usize;
         for i in 0..steps {
-            let root = &mut on_root.inputs_mut().root;
+            let root = on_root.inputs_mut().root_mut();
             let middle_s = (i as f64 + 0.5) * step_s;
             root.angular_velocity_rad_s = spin_axis().into_inner() * (ACCELERATION_RAD_S2 * middle_s);
             root.angular_acceleration_rad_s2 = spin_axis().into_inner() * ACCELERATION_RAD_S2;

@@ -25,7 +25,7 @@ fn p60_reaction_of_a_wing_at_rest_is_its_weight() {
     assert!((plant.mass_kg() - beam_kg - 0.05).abs() < 1e-14, "mass {} kg", plant.mass_kg());
     let force_n = gravity * (beam_kg + 0.05);
     let moment_n_m = (Vector3::new(0.15, 0.0, 0.0) * beam_kg + Vector3::new(0.21, 0.04, -0.02) * 0.05).cross(&gravity);
-    let root = plant.outputs().root;
+    let root = plant.outputs().root();
     let (force_error_n, moment_error_n_m) = ((root.force_n - force_n).norm(), (root.moment_n_m - moment_n_m).norm());
     println!("force misses by {force_error_n:.1e} N, moment by {moment_error_n_m:.1e} N·m");
     assert!(force_error_n < 1e-9 * force_n.norm(), "force misses by {force_error_n:.1e} N");
@@ -60,7 +60,7 @@ struct Momentum {
 
 fn momentum(machine: &Machine, outputs: &Outputs, own: f64, spin: Vector3<f64>) -> Momentum {
     let section = wing_section();
-    let stations_per_body = outputs.stations.len() / 2;
+    let stations_per_body = outputs.stations().len() / 2;
     let spacing_m = 0.15 / (stations_per_body / 3) as f64;
     let [yy, _, zz] = section.second_moment_kg_m;
     let inertia = Matrix3::from_diagonal(&Vector3::new(yy + zz, zz, yy));
@@ -72,7 +72,7 @@ fn momentum(machine: &Machine, outputs: &Outputs, own: f64, spin: Vector3<f64>) 
         sum.angular += position.cross(&velocity) * mass_kg;
     };
     let mut rotary = zero;
-    for (i, point) in outputs.stations.iter().enumerate() {
+    for (i, point) in outputs.stations().iter().enumerate() {
         let length_m = GAUSS_3[i % 3].1 * spacing_m;
         let r = point.position_m;
         add(section.mass_kg_m * length_m, r, point.velocity_m_s * own + spin.cross(&r));
@@ -87,8 +87,8 @@ fn momentum(machine: &Machine, outputs: &Outputs, own: f64, spin: Vector3<f64>) 
     });
     let blend =
         |value: &dyn Fn(usize) -> Vector3<f64>| (0..3).map(|k| value(last[k]) * weights[k]).sum::<Vector3<f64>>();
-    let r = blend(&|i| outputs.stations[i].position_m);
-    let v = blend(&|i| outputs.stations[i].velocity_m_s);
+    let r = blend(&|i| outputs.stations()[i].position_m);
+    let v = blend(&|i| outputs.stations()[i].velocity_m_s);
     add(machine.bodies[0].masses[0].mass_kg, r, v * own + spin.cross(&r));
     sum.angular += rotary;
     sum
@@ -96,9 +96,9 @@ fn momentum(machine: &Machine, outputs: &Outputs, own: f64, spin: Vector3<f64>) 
 
 /// Force and moment that loads at the stations put on the wing, about the origin, root frame.
 fn loads(outputs: &Outputs, inputs: &Inputs) -> Wrench {
-    let inner = outputs.stations.len() / 2;
+    let inner = outputs.stations().len() / 2;
     let mut sum = Wrench::default();
-    for (i, (point, load)) in outputs.stations.iter().zip(&inputs.stations).enumerate() {
+    for (i, (point, load)) in outputs.stations().iter().zip(inputs.stations()).enumerate() {
         let turn = |vector: Vector3<f64>| if i < inner { vector } else { point.rotation * vector };
         sum.force_n += turn(load.force_n);
         sum.moment_n_m += turn(load.moment_n_m) + point.position_m.cross(&turn(load.force_n));
@@ -117,16 +117,16 @@ fn p61_reaction_balances_momentum() {
     let errors = [2, 4, 8].map(|pairs| {
         let machine = observed_wing(pairs);
         let mut plant = start(machine.clone());
-        let inner = plant.inputs().stations.len() / 2;
+        let inner = plant.inputs().stations().len() / 2;
         let inputs = plant.inputs_mut();
-        inputs.stations[2].force_n = Vector3::new(0.02, 0.03, -0.05);
-        inputs.stations[inner + 3].force_n = Vector3::new(0.0, 0.03, 0.05);
-        inputs.stations[inner + 4].moment_n_m = Vector3::new(0.002, 0.001, 0.0);
-        inputs.root.acceleration_m_s2 = Vector3::new(1.0, 2.0, -3.0);
-        inputs.root.angular_velocity_rad_s = Vector3::new(2.0, -3.0, 1.0);
-        inputs.root.angular_acceleration_rad_s2 = Vector3::new(-20.0, 10.0, 30.0);
+        inputs.stations_mut()[2].force_n = Vector3::new(0.02, 0.03, -0.05);
+        inputs.stations_mut()[inner + 3].force_n = Vector3::new(0.0, 0.03, 0.05);
+        inputs.stations_mut()[inner + 4].moment_n_m = Vector3::new(0.002, 0.001, 0.0);
+        inputs.root_mut().acceleration_m_s2 = Vector3::new(1.0, 2.0, -3.0);
+        inputs.root_mut().angular_velocity_rad_s = Vector3::new(2.0, -3.0, 1.0);
+        inputs.root_mut().angular_acceleration_rad_s2 = Vector3::new(-20.0, 10.0, 30.0);
         let inputs = plant.inputs().clone();
-        let root = inputs.root;
+        let root = inputs.root();
         let (spin, field) = (root.angular_velocity_rad_s, root.gravity_m_s2 - root.acceleration_m_s2);
         let (mut force_error, mut moment_error, mut force_scale, mut moment_scale) = (0f64, 0f64, 0f64, 0f64);
         const DIFFERENCE_S: f64 = 1e-5;
@@ -146,7 +146,7 @@ fn p61_reaction_balances_momentum() {
             let angular = rate(before.angular, now.angular, after.angular, euler.angular);
             let force_n = field * plant.mass_kg() + loads.force_n - linear;
             let moment_n_m = now.first_moment.cross(&field) + loads.moment_n_m - angular;
-            let own = outputs[1].root;
+            let own = outputs[1].root();
             force_error = force_error.max((own.force_n - force_n).norm());
             moment_error = moment_error.max((own.moment_n_m - moment_n_m).norm());
             force_scale = force_scale.max(linear.norm());

@@ -47,9 +47,9 @@ fn deployed(machine: Machine) -> (Vec<[f64; 2]>, f64, Plant) {
     for step in 1..=200 {
         plant.step(f64::from(step) * STEP_S).unwrap();
         let outputs = plant.outputs();
-        course.push([outputs.joints[0].angle_rad, outputs.tips[0].position_m.z]);
+        course.push([outputs.joints()[0].angle_rad, outputs.tips()[0].position_m.z]);
     }
-    let latch_time_s = plant.outputs().joints[0].latch_time_s;
+    let latch_time_s = plant.outputs().latches()[0].time_s;
     (course, latch_time_s, plant)
 }
 
@@ -100,7 +100,7 @@ fn p112_the_angle_converges_with_the_step() {
     let angle = |machine: Machine| {
         let mut plant = started(machine);
         (1..=100).for_each(|step| plant.step(f64::from(step) * STEP_S).unwrap());
-        plant.outputs().joints[0].angle_rad
+        plant.outputs().joints()[0].angle_rad
     };
     let exact = angle(accurate(1e-8));
     let errors = [1e-3, 5e-4, 2.5e-4, 1.25e-4].map(|step_s| (angle(wing(step_s, Some(MOST))) - exact).abs());
@@ -110,7 +110,7 @@ fn p112_the_angle_converges_with_the_step() {
 
 /// Shakes all stations with `force_n` of changing sign; a step's outcome.
 fn shake(plant: &mut Plant, step: u32, force_n: f64) -> Result<(), PlantError> {
-    for (place, station) in plant.inputs_mut().stations.iter_mut().enumerate() {
+    for (place, station) in plant.inputs_mut().stations_mut().iter_mut().enumerate() {
         station.force_n.z = if (step as usize + place).is_multiple_of(2) { force_n } else { -force_n };
     }
     plant.step(f64::from(step) * STEP_S)
@@ -143,7 +143,7 @@ fn p114_what_is_not_finite_is_an_error() {
     plant.step(STEP_S).unwrap();
     let error = (2..200).find_map(|step| shake(&mut plant, step, 1e30).err()).expect("1e30 N blow up");
     println!("P-114: {error}");
-    assert!(plant.time_s() < 0.2 && plant.outputs().tips[0].position_m.norm().is_finite());
+    assert!(plant.time_s() < 0.2 && plant.outputs().tips()[0].position_m.norm().is_finite());
 }
 
 /// P-115. A restored state repeats unconverged steps bit for bit.
@@ -174,7 +174,7 @@ fn p118_a_motion_that_is_lost_is_an_error() {
         let mut plant = started(machine);
         let outcome = (1..=1000).try_for_each(|step| {
             plant.step(f64::from(step) * STEP_S)?;
-            let angle_rad = plant.outputs().joints.iter().map(|joint| joint.angle_rad.abs()).fold(0.0, f64::max);
+            let angle_rad = plant.outputs().joints().iter().map(|joint| joint.angle_rad.abs()).fold(0.0, f64::max);
             assert!(angle_rad < 50.0, "chain {seed}, step {step}: {angle_rad:e} rad");
             Ok(())
         });
@@ -201,9 +201,9 @@ fn p116_turbulence_on_the_latched_wing() {
             .map(|step| {
                 let time_s = f64::from(step) * STEP_S;
                 let force_n = 0.05 * (40.0 * time_s).sin() + 0.03 * (97.0 * time_s + 1.0).sin();
-                plant.inputs_mut().stations.iter_mut().for_each(|station| station.force_n.z = force_n);
+                plant.inputs_mut().stations_mut().iter_mut().for_each(|station| station.force_n.z = force_n);
                 plant.step(time_s).unwrap();
-                plant.outputs().tips[0].position_m.z
+                plant.outputs().tips()[0].position_m.z
             })
             .skip(500)
             .collect::<Vec<f64>>()

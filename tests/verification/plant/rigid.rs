@@ -25,7 +25,7 @@ fn rods(angles_rad: &[f64], kind: ElementKind, count: usize, stiffness_factor: f
     machine.gravity_m_s2 = Vector3::new(0.0, 0.0, -9.8);
     machine.solver = solver(Method::Esdirk4, 1e-8);
     let mut plant = Plant::new(Arc::new(machine));
-    plant.parameters_mut().bodies.iter_mut().for_each(|body| body.stiffness_factor = stiffness_factor);
+    plant.parameters_mut().bodies_mut().iter_mut().for_each(|body| body.stiffness_factor = stiffness_factor);
     plant.initialize(0.0).expect("initial accelerations");
     plant
 }
@@ -44,7 +44,7 @@ pub fn worst_miss_m(mut plant: Plant, reference: &serde_json::Value, end_s: f64)
     let mut worst_m = 0f64;
     for (time_s, row) in times.iter().filter(|row| row.0 <= end_s) {
         coast(&mut plant, *time_s);
-        let tip = plant.outputs().tips[0].position_m;
+        let tip = plant.outputs().tips()[0].position_m;
         let miss_m = (tip - Vector3::new(row[row.len() - 2], 0.0, row[row.len() - 1])).norm();
         println!("t = {time_s} s: free end misses by {miss_m:.1e} m");
         worst_m = worst_m.max(miss_m);
@@ -74,7 +74,7 @@ fn p64_stiff_rod_swings_in_the_period_of_the_rigid_one() {
     let mut plant = rods(&[0.0], ElementKind::Linear, 1, 1e4);
     for share in [0.25, 0.75] {
         coast(&mut plant, share * period_s);
-        let tip = plant.outputs().tips[0];
+        let tip = plant.outputs().tips()[0];
         println!("P-64 after {share} periods: x = {:.1e} m at {:.2} m/s", tip.position_m.x, tip.velocity_m_s.x);
         assert!(tip.position_m.x.abs() < 1e-5, "{:.1e} m off the vertical", tip.position_m.x);
         assert!(tip.velocity_m_s.norm() > 7.0 && tip.position_m.z < 0.0);

@@ -59,7 +59,7 @@ fn p140_section_loads_of_a_cantilever_are_those_of_statics() {
         let plant = start(machine);
         let density_kg_m = wing_section().mass_kg_m;
         let mut worst = 0.0f64;
-        for (position_m, found) in PLACES_M.iter().zip(&plant.outputs().section_loads) {
+        for (position_m, found) in PLACES_M.iter().zip(plant.outputs().section_loads()) {
             let rest_m = BEAM_M - position_m;
             let mut expected = Wrench::default();
             let mut add = |at: Vector3<f64>, force_n: Vector3<f64>, moment_n_m: Vector3<f64>| {
@@ -104,11 +104,11 @@ fn p141_axial_force_of_a_turning_beam() {
         let mut machine = cantilever(kind, count, &PLACES_M);
         machine.bodies[0].masses.remove(0);
         let mut plant = Plant::new(std::sync::Arc::new(machine));
-        plant.inputs_mut().root.angular_velocity_rad_s = Vector3::z() * rate_rad_s;
+        plant.inputs_mut().root_mut().angular_velocity_rad_s = Vector3::z() * rate_rad_s;
         plant.initialize(0.0).expect("an equilibrium");
         let density_kg_m = wing_section().mass_kg_m;
         let mut worst = 0.0f64;
-        for (position_m, found) in PLACES_M.iter().zip(&plant.outputs().section_loads) {
+        for (position_m, found) in PLACES_M.iter().zip(plant.outputs().section_loads()) {
             let square = BEAM_M * BEAM_M - position_m * position_m;
             let expected_n = rate_rad_s * rate_rad_s * (0.5 * density_kg_m * square + 0.02 * BEAM_M);
             let error = (found.force_n - Vector3::x() * expected_n).norm() / expected_n;
@@ -146,8 +146,8 @@ const ROOT: RootMotion = RootMotion {
 fn moved(machine: Machine, end_s: f64) -> Plant {
     let mut plant = start(machine);
     let inputs = plant.inputs_mut();
-    inputs.root = ROOT;
-    for (i, load) in inputs.stations.iter_mut().enumerate() {
+    *inputs.root_mut() = ROOT;
+    for (i, load) in inputs.stations_mut().iter_mut().enumerate() {
         let i = i as f64;
         load.force_n = Vector3::new(0.02 * i - 0.03, 0.03, 0.05 - 0.02 * i);
         load.moment_n_m = Vector3::new(0.001, -0.002 * i, 0.002);
@@ -177,27 +177,28 @@ fn p142_section_loads_jump_by_what_is_attached() {
         let outputs = plant.outputs();
         let mut worst = 0.0f64;
         for body in [0, 1] {
-            let found = &outputs.section_loads[6 * body..6 * body + 6];
+            let found = &outputs.section_loads()[6 * body..6 * body + 6];
             for station in [0, 1] {
                 let index = 2 * body + station;
-                let load = plant.inputs().stations[index];
-                let turn = if body == 0 { rotation(&outputs.stations[index]).transpose() } else { Matrix3::identity() };
+                let load = plant.inputs().stations()[index];
+                let turn =
+                    if body == 0 { rotation(&outputs.stations()[index]).transpose() } else { Matrix3::identity() };
                 let jump = found[2 * station].force_n - found[2 * station + 1].force_n;
                 let turned = found[2 * station].moment_n_m - found[2 * station + 1].moment_n_m;
                 worst = worst.max((jump - turn * load.force_n).norm());
                 worst = worst.max((turned - turn * load.moment_n_m).norm());
             }
-            let joint = outputs.joint_reactions[body];
+            let joint = outputs.joint_reactions()[body];
             worst = worst.max((found[4].force_n.norm() - joint.force_n.norm()).abs());
             // about the hinge the joint shows its torque, the section what the accelerations between two steps leave
             let hinge = (found[4].moment_n_m.norm() - joint.moment_n_m.norm()).abs();
             assert!(hinge < 1e-9, "{kind:?}, body {body}: {hinge:.1e} N·m between joint and section");
         }
         // the inner body is clamped in the root's frame
-        let root = outputs.section_loads[4];
-        worst = worst.max((root.force_n - outputs.root.force_n).norm());
-        worst = worst.max((root.moment_n_m - outputs.root.moment_n_m).norm());
-        let tip = outputs.section_loads[11];
+        let root = outputs.section_loads()[4];
+        worst = worst.max((root.force_n - outputs.root().force_n).norm());
+        worst = worst.max((root.moment_n_m - outputs.root().moment_n_m).norm());
+        let tip = outputs.section_loads()[11];
         worst = worst.max(tip.force_n.norm()).max(tip.moment_n_m.norm());
         let largest = root.force_n.norm();
         println!("P-142 {kind:?}: {worst:.1e} of {largest:.2} N");
@@ -225,10 +226,10 @@ fn p143_section_loads_balance_the_piece_between() {
             (0..=pieces).map(|i| from_m + (to_m - from_m) * f64::from(i) / f64::from(pieces)).collect();
         machine.bodies[1].station_loads = vec![Wrench::default(); pieces as usize + 1];
         let mut plant = start(machine);
-        plant.inputs_mut().root = ROOT;
+        *plant.inputs_mut().root_mut() = ROOT;
         coast(&mut plant, 0.05);
         let outputs = plant.outputs();
-        let loads = &outputs.section_loads;
+        let loads = outputs.section_loads();
         let step = [0, 1]
             .map(|i| (loads[i].force_n - loads[4].force_n).norm() + (loads[i].moment_n_m - loads[4].moment_n_m).norm());
         assert!(step.iter().all(|step| *step < 1e-7), "a step of {step:?} at a node");
@@ -236,7 +237,7 @@ fn p143_section_loads_balance_the_piece_between() {
         let section = wing_section();
         let [yy, _, zz] = section.second_moment_kg_m;
         let inertia = Matrix3::from_diagonal(&Vector3::new(yy + zz, zz, yy));
-        let points = &outputs.stations[2..];
+        let points = &outputs.stations()[2..];
         let (first, last) = (&points[0], &points[pieces as usize]);
         let [near_n, far_n] = [(2, first), (3, last)].map(|(i, point)| Wrench {
             force_n: rotation(point) * loads[i].force_n,
@@ -302,7 +303,7 @@ fn p144_accelerations_are_rates_of_velocities() {
     // calm enough that differences over 0.1 ms follow it
     machine.bodies.iter_mut().for_each(|body| body.stiffness_damping_s = 5e-3);
     let time_s = 0.05;
-    let points = |outputs: &Outputs| [outputs.stations.clone(), outputs.tips.clone()].concat();
+    let points = |outputs: &Outputs| [outputs.stations(), outputs.tips()].concat();
     let mut errors = Vec::new();
     for side_s in [4e-4, 2e-4, 1e-4] {
         let mut plant = moved(machine.clone(), time_s - side_s);
@@ -347,12 +348,12 @@ fn p145_a_falling_machine_carries_nothing() {
     let mut plant = start(machine);
     coast(&mut plant, 0.3);
     let outputs = plant.outputs();
-    for point in outputs.stations.iter().chain(&outputs.tips) {
+    for point in outputs.stations().iter().chain(outputs.tips()) {
         let off = (point.acceleration_m_s2 - Vector3::new(1.0, -2.0, -9.8)).norm();
         let turning = point.angular_acceleration_rad_s2.norm();
         assert!(off < 1e-9 && turning < 1e-7, "off by {off:.1e} m/s², {turning:.1e} rad/s²");
     }
-    let carried = outputs.section_loads.iter().chain(&outputs.joint_reactions[1..]);
+    let carried = outputs.section_loads().iter().chain(&outputs.joint_reactions()[1..]);
     let largest = carried.map(|wrench| wrench.force_n.norm() + wrench.moment_n_m.norm()).fold(0.0, f64::max);
     println!("P-145: carries {largest:.1e} N");
     assert!(largest < 1e-9, "carries {largest:.1e} N of a weight of {} N", plant.mass_kg() * 9.8);
@@ -379,7 +380,7 @@ fn p146_hinge_force_of_a_rigid_pendulum() {
         400,
         |_| {},
         |outputs| {
-            let (angle, rate) = (outputs.joints[0].angle_rad, outputs.joints[0].rate_rad_s);
+            let (angle, rate) = (outputs.joints()[0].angle_rad, outputs.joints()[0].rate_rad_s);
             let theta = angle - down_rad;
             let along = Vector3::new(angle.cos(), 0.0, -angle.sin());
             let across = Vector3::new(-angle.sin(), 0.0, -angle.cos());
@@ -387,7 +388,7 @@ fn p146_hinge_force_of_a_rigid_pendulum() {
             let second_1_s2 = -gravity_m_s2 / length_m * theta.sin();
             let shear_n = mass_kg * (gravity_m_s2 * theta.sin() + length_m * second_1_s2);
             let expected = -along * pull_n + across * shear_n;
-            let joint = &outputs.joint_reactions[0];
+            let joint = &outputs.joint_reactions()[0];
             worst = worst.max((joint.force_n - expected).norm()).max(joint.moment_n_m.norm());
             largest = largest.max(joint.force_n.norm());
         },
@@ -445,7 +446,7 @@ fn p147_newton_and_euler_for_every_rigid_body() {
         .step_s(1e-3)
         .build();
     let mut plant = start(built.unwrap_or_else(|refused| panic!("{refused}")));
-    plant.inputs_mut().root = RootMotion { gravity_m_s2: Vector3::new(0.0, 0.0, -9.8), ..ROOT };
+    *plant.inputs_mut().root_mut() = RootMotion { gravity_m_s2: Vector3::new(0.0, 0.0, -9.8), ..ROOT };
     let machine = plant.machine().clone();
     let masses_kg = [0.4, 0.5, 0.2, 0.1, 0.3, 0.2];
     let (mut force_error, mut moment_error, mut along_error, mut largest) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
@@ -455,8 +456,8 @@ fn p147_newton_and_euler_for_every_rigid_body() {
         57,
         |_| {},
         |outputs| {
-            let spin_of = |i: usize| outputs.stations[i].angular_velocity_rad_s + ROOT.angular_velocity_rad_s;
-            for (i, point) in outputs.stations.iter().enumerate() {
+            let spin_of = |i: usize| outputs.stations()[i].angular_velocity_rad_s + ROOT.angular_velocity_rad_s;
+            for (i, point) in outputs.stations().iter().enumerate() {
                 let turn = rotation(point);
                 let centre = point.position_m + turn * Vector3::from(CENTRE_M);
                 let (alpha, omega) = (point.angular_acceleration_rad_s2, spin_of(i));
@@ -470,15 +471,15 @@ fn p147_newton_and_euler_for_every_rigid_body() {
                     force += force_n;
                     moment += moment_n_m + (at - centre).cross(&force_n);
                 };
-                let joint = outputs.joint_reactions[i];
+                let joint = outputs.joint_reactions()[i];
                 add(point.position_m, joint.force_n, joint.moment_n_m);
                 for (child, body) in machine.bodies.iter().enumerate() {
                     if matches!(body.joint.parent, Parent::Body { index, .. } if index == i) {
-                        let joint = outputs.joint_reactions[child];
-                        add(outputs.stations[child].position_m, -joint.force_n, -joint.moment_n_m);
+                        let joint = outputs.joint_reactions()[child];
+                        add(outputs.stations()[child].position_m, -joint.force_n, -joint.moment_n_m);
                     }
                 }
-                let pin = outputs.loops[0];
+                let pin = outputs.loops()[0];
                 match machine.bodies[i].name.as_str() {
                     "coupler" => {
                         add(point.position_m + turn * Vector3::new(0.2, 0.0, 0.0), pin.force_n, Vector3::zeros())
@@ -491,17 +492,17 @@ fn p147_newton_and_euler_for_every_rigid_body() {
                 largest = largest.max(joint.force_n.norm());
             }
             // the hinge of the coupler: its axis is fixed to the crank
-            let axis = rotation(&outputs.stations[0]) * Vector3::new(0.1, 1.0, 0.3).normalize();
-            let turning = axis.dot(&outputs.joint_reactions[1].moment_n_m);
-            let along = |i: usize| axis.dot(&(outputs.stations[i].angular_acceleration_rad_s2));
+            let axis = rotation(&outputs.stations()[0]) * Vector3::new(0.1, 1.0, 0.3).normalize();
+            let turning = axis.dot(&outputs.joint_reactions()[1].moment_n_m);
+            let along = |i: usize| axis.dot(&(outputs.stations()[i].angular_acceleration_rad_s2));
             // second rate of the angle: the turning of the axis itself carries what `ω × axis` makes
             let second = along(1) - along(0) - axis.dot(&spin_of(0).cross(&(spin_of(1) - spin_of(0))));
             let inert = 0.003 * second;
-            along_error = along_error.max((turning - outputs.joints[1].torque_applied_n_m + inert).abs());
+            along_error = along_error.max((turning - outputs.joints()[1].torque_applied_n_m + inert).abs());
             // what holds the lock and the crank is the moment about the hinge
-            let axis = rotation(&outputs.stations[2]) * Vector3::x();
-            let held = axis.dot(&outputs.joint_reactions[3].moment_n_m) - outputs.joints[2].holding_torque_n_m;
-            let driven = outputs.joint_reactions[0].moment_n_m.y - outputs.joints[0].holding_torque_n_m;
+            let axis = rotation(&outputs.stations()[2]) * Vector3::x();
+            let held = axis.dot(&outputs.joint_reactions()[3].moment_n_m) - outputs.joints()[2].holding_torque_n_m;
+            let driven = outputs.joint_reactions()[0].moment_n_m.y - outputs.joints()[0].holding_torque_n_m;
             along_error = along_error.max(held.abs()).max(driven.abs());
         },
     );
@@ -523,7 +524,7 @@ fn p148_section_loads_converge_with_the_tolerance() {
         machine.bodies.iter_mut().for_each(|body| body.stiffness_damping_s = 5e-3);
         machine.solver.tolerance = tolerance;
         let mut plant = start(machine);
-        plant.inputs_mut().root = ROOT;
+        *plant.inputs_mut().root_mut() = ROOT;
         let mut course = Vec::new();
         run(
             &mut plant,
@@ -531,8 +532,8 @@ fn p148_section_loads_converge_with_the_tolerance() {
             60,
             |_| {},
             |outputs| {
-                let loads = outputs.section_loads.iter().flat_map(|load| [load.force_n, load.moment_n_m * 10.0]);
-                let points = outputs.stations.iter();
+                let loads = outputs.section_loads().iter().flat_map(|load| [load.force_n, load.moment_n_m * 10.0]);
+                let points = outputs.stations().iter();
                 let accelerations = points.map(|point| point.acceleration_m_s2 * 0.01);
                 course.push(loads.chain(accelerations).collect::<Vec<_>>());
             },

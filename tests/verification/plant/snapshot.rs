@@ -4,7 +4,10 @@ use crate::plant::machines::*;
 use foldwing::config;
 use foldwing::interface::{Interface, Value};
 use foldwing::machine::{ElementKind, Method};
-use foldwing::plant::{Outputs, Plant, PlantError, Snapshot};
+use foldwing::plant::{
+    BodyParameters, JointInputs, Outputs, ParameterLayout, Plant, PlantError, Snapshot, SolverParameters,
+};
+use std::mem::offset_of;
 use std::sync::Arc;
 
 const METHODS: [Method; 5] =
@@ -15,7 +18,7 @@ fn steps(plant: &mut Plant, count: usize) -> Vec<Outputs> {
     let begin_s = plant.time_s();
     (1..=count)
         .map(|i| {
-            plant.inputs_mut().joints[0].torque_n_m = 1e-4 * (i / 3) as f64;
+            plant.inputs_mut().joints_mut()[0].torque_n_m = 1e-4 * (i / 3) as f64;
             coast(plant, begin_s + 1e-3 * i as f64);
             plant.outputs().clone()
         })
@@ -32,7 +35,10 @@ fn p90_restored_steps_repeat_to_the_bit() {
         coast(&mut plant, 0.1101);
         let (before, outputs) = (plant.snapshot(), plant.outputs().clone());
         let first = steps(&mut plant, 40);
-        assert!(first[39].joints[0].latched && !first[0].joints[0].latched, "{method:?}: must span the latch");
+        assert!(
+            first[39].latches()[0].closed.is_on() && !first[0].latches()[0].closed.is_on(),
+            "{method:?}: must span the latch"
+        );
         plant.restore(&before).expect("own snapshot");
         assert_eq!(plant.outputs(), &outputs, "{method:?}: outputs after restoring");
         assert!(steps(&mut plant, 40) == first, "{method:?}: repeated steps differ");
@@ -86,14 +92,20 @@ fn p99_parameters_that_cannot_be_set_are_refused_in_a_state() {
     coast(&mut plant, 0.01);
     let outputs = plant.outputs().clone();
     let good = serde_json::to_value(plant.snapshot()).expect("serialises");
-    for (path, value) in [
-        ("/parameters/bodies/0/stiffness_factor", -1.0),
-        ("/applied_parameters/bodies/1/stiffness_factor", 0.0),
-        ("/applied_parameters/bodies/0/mass_factor", 1e30),
-        ("/parameters/tolerance", 0.0),
+    let ParameterLayout { bodies, solver, .. } = *plant.parameters().layout();
+    let stiffness = |body| bodies.place(body, offset_of!(BodyParameters, stiffness_factor));
+    for (which, place, value) in [
+        ("parameters", stiffness(0), -1.0),
+        ("applied_parameters", stiffness(1), 0.0),
+        ("applied_parameters", bodies.place(0, offset_of!(BodyParameters, mass_factor)), 1e30),
+        ("parameters", solver.place(0, offset_of!(SolverParameters, tolerance)), 0.0),
+        // a switch is on or off, and has no rate
+        ("inputs", plant.inputs().layout().joints.place(0, offset_of!(JointInputs, release)), 0.5),
+        ("rates", plant.inputs().layout().joints.place(0, offset_of!(JointInputs, release)), 1.0),
     ] {
+        let path = format!("/{which}/values/{place}");
         let mut forged = good.clone();
-        *forged.pointer_mut(path).expect(path) = value.into();
+        *forged.pointer_mut(&path).expect("a number") = value.into();
         let forged: Snapshot = serde_json::from_value(forged).expect("a state in form");
         let refused = plant.restore(&forged);
         assert!(matches!(refused, Err(PlantError::Snapshot(_))), "{path} = {value}: {refused:?}");
@@ -108,7 +120,7 @@ fn p99_parameters_that_cannot_be_set_are_refused_in_a_state() {
 fn p93_runs_repeat_to_the_bit() {
     let mut alone = start(default_wing(1e-4));
     let expected = steps(&mut alone, 150);
-    alone.inputs_mut().joints[0].torque_n_m = 0.0;
+    alone.inputs_mut().joints_mut()[0].torque_n_m = 0.0;
     alone.initialize(0.0).expect("initialises again");
     assert!(steps(&mut alone, 150) == expected, "initialised again: differs");
 
@@ -117,7 +129,7 @@ fn p93_runs_repeat_to_the_bit() {
     let (mut first, mut other) = (start(default_wing(1e-4)), start(other_machine));
     let mut interleaved = Vec::new();
     for i in 1..=150 {
-        first.inputs_mut().joints[0].torque_n_m = 1e-4 * (i / 3) as f64;
+        first.inputs_mut().joints_mut()[0].torque_n_m = 1e-4 * (i / 3) as f64;
         coast(&mut first, 1e-3 * i as f64);
         coast(&mut other, 1.3e-3 * i as f64);
         interleaved.push(first.outputs().clone());
@@ -174,7 +186,7 @@ fn p94_forged_snapshots_give_no_nan() {
 #[test]
 fn p124_a_failed_step_with_input_rates_leaves_nothing_behind() {
     let ramp = |plant: &mut Plant, end_s: f64| {
-        plant.input_rates_mut().joints[0].torque_n_m = 0.05;
+        plant.input_rates_mut().joints_mut()[0].torque_n_m = 0.05;
         coast(plant, end_s);
     };
     let (mut smooth, mut disturbed) = (start(default_wing(1e-4)), start(default_wing(1e-4)));
@@ -182,10 +194,10 @@ fn p124_a_failed_step_with_input_rates_leaves_nothing_behind() {
         ramp(plant, 0.01);
         ramp(plant, 0.03);
     }
-    let led_n_m = smooth.inputs().joints[0].torque_n_m;
+    let led_n_m = smooth.inputs().joints()[0].torque_n_m;
     assert!((led_n_m - 0.05 * 0.03).abs() < 1e-15, "round-off: {led_n_m}");
-    disturbed.input_rates_mut().joints[0].torque_n_m = 0.05;
-    disturbed.inputs_mut().root.gravity_m_s2.z = f64::NAN;
+    disturbed.input_rates_mut().joints_mut()[0].torque_n_m = 0.05;
+    disturbed.inputs_mut().root_mut().gravity_m_s2.z = f64::NAN;
     disturbed.step(0.04).expect_err("gravity is not a number");
     assert_eq!(disturbed.inputs(), smooth.inputs(), "inputs after the failed step");
     for end_s in [0.04, 0.05, 0.13] {

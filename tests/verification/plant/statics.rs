@@ -20,10 +20,10 @@ fn bent(frame: LoadFrame, lambda: f64) -> [f64; 3] {
     let machine = blade(frame);
     let stiffness_n_m2 = machine.bodies[0].section.at(0.0).stiffness[(2, 2)];
     let mut plant = start(machine);
-    plant.inputs_mut().stations[0].force_n.z = lambda * stiffness_n_m2 / 0.09;
+    plant.inputs_mut().stations_mut()[0].force_n.z = lambda * stiffness_n_m2 / 0.09;
     coast(&mut plant, 1.2);
-    assert!(plant.outputs().energy.kinetic < 1e-18, "still moving: {:.1e} J", plant.outputs().energy.kinetic);
-    let tip = plant.outputs().tips[0];
+    assert!(plant.outputs().energy().kinetic < 1e-18, "still moving: {:.1e} J", plant.outputs().energy().kinetic);
+    let tip = plant.outputs().tips()[0];
     let axis = tip.rotation * Vector3::x();
     [tip.position_m.z / 0.3, 1.0 - tip.position_m.x / 0.3, axis.z.atan2(axis.x)]
 }
@@ -118,7 +118,7 @@ fn independent(machine: &Machine) -> Rod {
 
 fn at_rest(machine: Machine) -> Plant {
     let mut plant = start(machine);
-    for (i, load) in plant.inputs_mut().stations.iter_mut().enumerate() {
+    for (i, load) in plant.inputs_mut().stations_mut().iter_mut().enumerate() {
         *load = load_of(i);
     }
     coast(&mut plant, 1.5);
@@ -136,17 +136,17 @@ fn p72_station_loads_bend_the_latched_wing_to_the_static_answer() {
     let errors_m = [4, 8].map(|pairs| {
         let plant = at_rest(latched_wing(pairs));
         let outputs = plant.outputs();
-        assert!(outputs.energy.kinetic < 1e-18, "still moving: {:.1e} J", outputs.energy.kinetic);
-        let places = outputs.stations.iter().zip(&solution.stations);
+        assert!(outputs.energy().kinetic < 1e-18, "still moving: {:.1e} J", outputs.energy().kinetic);
+        let places = outputs.stations().iter().zip(&solution.stations);
         let station_m = places.map(|(own, other)| (own.position_m - other).norm()).fold(0.0, f64::max);
-        let force_n = (outputs.root.force_n - solution.root_force_n).norm();
-        let moment_n_m = (outputs.root.moment_n_m - solution.root_moment_n_m).norm();
-        let angle_rad = (outputs.joints[0].angle_rad - solution.angles_rad[0]).abs();
+        let force_n = (outputs.root().force_n - solution.root_force_n).norm();
+        let moment_n_m = (outputs.root().moment_n_m - solution.root_moment_n_m).norm();
+        let angle_rad = (outputs.joints()[0].angle_rad - solution.angles_rad[0]).abs();
         let strain_at_root = {
             let e = solution.root_strain;
             e[0] - 0.001 * e[2] - 0.02 * e[3]
         };
-        let strain = (outputs.gauges[1] / strain_at_root - 1.0).abs();
+        let strain = (outputs.gauges()[1] / strain_at_root - 1.0).abs();
         println!(
             "{pairs} pairs: stations {station_m:.1e} m, root {force_n:.1e} N of {:.2}, {moment_n_m:.1e} N·m of {:.3}, \
              angle {angle_rad:.1e} rad of {:.1e}, root strain {strain:.1e}",

@@ -9,7 +9,7 @@ fn latch_time_s(start_s: f64, step_s: f64, before: impl FnMut(&mut Plant)) -> f6
     let mut plant = start_at(default_wing(1e-5), start_s);
     let steps = (0.13 / step_s).ceil();
     run(&mut plant, start_s + steps * step_s, steps as usize, before, |_| {});
-    plant.outputs().joints[0].latch_time_s - start_s
+    plant.outputs().latches()[0].time_s - start_s
 }
 
 /// P-20. With constant inputs the communication step and the start time do not move the latch time.
@@ -37,7 +37,7 @@ fn p21_changing_inputs_leave_the_latch_time() {
         let mut sign = 1.0;
         let error_s = latch_time_s(0.0, step_s, |plant| {
             sign = -sign;
-            plant.inputs_mut().joints[0].torque_n_m = sign * 1e-12;
+            plant.inputs_mut().joints_mut()[0].torque_n_m = sign * 1e-12;
         }) - reference_s;
         println!("step {step_s} s: latch moves by {error_s:.1e} s");
         assert!(error_s.abs() < 2e-5, "step {step_s} s: latch moves by {error_s:.1e} s");
@@ -53,8 +53,8 @@ fn p22_latch_time_converges_with_tolerance() {
     let run = |method: Method, tolerance: f64| -> (f64, f64, Statistics) {
         let mut plant = start(wing(ElementKind::Linear, 2, method, tolerance));
         let mut peak = 0f64;
-        run(&mut plant, 0.4, 800, |_| {}, |outputs| peak = peak.max(outputs.gauges[0].abs()));
-        (plant.outputs().joints[0].latch_time_s, peak, plant.statistics())
+        run(&mut plant, 0.4, 800, |_| {}, |outputs| peak = peak.max(outputs.gauges()[0].abs()));
+        (plant.outputs().latches()[0].time_s, peak, plant.statistics())
     };
     let (reference_s, reference_peak, _) = run(Method::Esdirk4, 1e-9);
     println!("reference: latch {reference_s:.9} s, peak {reference_peak:.6e}");

@@ -34,7 +34,7 @@ fn rms_m(machine: Machine) -> (f64, Vec<Vector3<f64>>) {
         |_| {},
         |outputs| {
             step += 1;
-            let tip = outputs.tips[0].position_m;
+            let tip = outputs.tips()[0].position_m;
             sum += tip.z * tip.z;
             if step % 50 == 0 {
                 path.push(tip);
@@ -92,7 +92,7 @@ fn p82_two_body_history() {
     let mut worst = (0f64, 0.0);
     for row in reference_rows("two_body_exudyn_shear_rotary.csv").iter().skip(1) {
         coast(&mut plant, row[0]);
-        let miss_m = (plant.outputs().tips[0].position_m.z - row[2]).abs();
+        let miss_m = (plant.outputs().tips()[0].position_m.z - row[2]).abs();
         if miss_m > worst.0 {
             worst = (miss_m, row[0]);
         }

@@ -15,8 +15,8 @@ const FLOATING_RAD: f64 = -6.5 * PI / 180.0;
 fn histories(changes: &[(&str, &str)]) -> (Vec<f64>, Vec<f64>) {
     let (mut angles_rad, mut moments_n_m) = (Vec::new(), Vec::new());
     run(machine(MODEL, changes), |plant| {
-        angles_rad.push(plant.outputs().joints[0].angle_rad);
-        moments_n_m.push(-plant.outputs().root.moment_n_m.y);
+        angles_rad.push(plant.outputs().joints()[0].angle_rad);
+        moments_n_m.push(-plant.outputs().root().moment_n_m.y);
     });
     (angles_rad, moments_n_m)
 }
@@ -85,7 +85,7 @@ fn f221_flare_turns_the_nose_as_geometry_says() {
                 ("start = \"equilibrium\"", ""),
             ];
             let plant = start(machine(&tip_only, &changes));
-            let force_n = plant.outputs().air.total.force_n;
+            let force_n = plant.outputs().air_total().force_n;
             let turn = Rotation3::from_axis_angle(&Unit::new_normalize(axis), angle_deg.to_radians());
             let (aft, up) = (turn * -Vector3::y(), turn * Vector3::z());
             let expected_n = HALF_DENSITY_CHORD_SPAN * 2.0 * PI * wind.dot(&aft) * wind.dot(&up);

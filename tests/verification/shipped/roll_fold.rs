@@ -9,14 +9,14 @@ const MODEL: &str = include_str!("../../../examples/models/roll_fold.toml");
 fn latching(machine: Machine) -> ([f64; 2], f64) {
     let mut outer_deg = f64::NAN;
     let plant = run(machine, |plant| {
-        let joints = &plant.outputs().joints;
-        if joints[0].latch_count == 0 {
-            outer_deg = joints[1].angle_rad.to_degrees();
+        let outputs = plant.outputs();
+        if outputs.latches()[0].count.get() == 0 {
+            outer_deg = outputs.joints()[1].angle_rad.to_degrees();
         }
     });
-    let joints = &plant.outputs().joints;
-    assert!(joints.iter().all(|joint| joint.latched && joint.latch_count == 1), "{joints:?}");
-    ([joints[0].latch_time_s, joints[1].latch_time_s], outer_deg)
+    let latches = plant.outputs().latches();
+    assert!(latches.iter().all(|latch| latch.closed.is_on() && latch.count.get() == 1), "{latches:?}");
+    ([latches[0].time_s, latches[1].time_s], outer_deg)
 }
 
 /// F-210. The folds latch one after the other: when the inner one does, the outer one has four fifths of its way before it.

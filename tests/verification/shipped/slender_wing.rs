@@ -96,18 +96,18 @@ fn f230_static_deflection() {
         let mut plant = plant(changes);
         plant.equilibrium(0.0, Holding::Stopped).unwrap_or_else(|error| panic!("{error}"));
         let outputs = plant.outputs();
-        let place = outputs.tips[0].position_m;
+        let place = outputs.tips()[0].position_m;
         let off = (place.x - tip[0]).hypot(place.z - tip[1]) / LENGTH_M;
         println!(
             "F-230 tip ({:.4}, {:.4}) m, {:.1} % of the length above the unloaded one, off {off:.1e} of the length; root moment {:.2} N.m, off {:.1e}",
             place.x,
             place.z,
             100.0 * (place.z - unloaded_m) / LENGTH_M,
-            -outputs.root.moment_n_m.y,
-            -outputs.root.moment_n_m.y / moment - 1.0
+            -outputs.root().moment_n_m.y,
+            -outputs.root().moment_n_m.y / moment - 1.0
         );
         assert!(place.z - unloaded_m > 0.3 * LENGTH_M, "{}", place.z);
-        [off, (-outputs.root.moment_n_m.y / moment - 1.0).abs()]
+        [off, (-outputs.root().moment_n_m.y / moment - 1.0).abs()]
     };
     println!("F-230 planar beam: tip ({:.5}, {:.5}) m, {moment:.3} N.m", tip[0], tip[1]);
     let shipped = errors(&[]);

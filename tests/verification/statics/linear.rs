@@ -229,7 +229,7 @@ fn s43_signals_are_named_and_the_plant_stays() {
     assert!(names.contains(&"fold.angle") && names.contains(&"der(fold.angle)"));
     assert_eq!((names[0], names[n]), ("inner.element[1].epsilon_x", "der(inner.element[1].epsilon_x)"));
     let angle = names.iter().position(|name| *name == "fold.angle").unwrap();
-    assert_eq!(model.states[angle].value, outputs.joints[0].angle_rad);
+    assert_eq!(model.states[angle].value, outputs.joints()[0].angle_rad);
     assert_eq!((model.states[angle].unit.as_str(), model.states[angle + n].unit.as_str()), ("rad", "rad/s"));
     assert_eq!(model.matrices.d.shape(), (model.outputs.len(), model.inputs.len()));
 }

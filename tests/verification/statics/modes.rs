@@ -179,7 +179,7 @@ fn s35_spinning_beam_is_stiffened() {
         {
             let beam = Cantilever { stiffness, elements: 10, ..Default::default() };
             let mut plant = plant(&beam.text());
-            plant.inputs_mut().root.angular_velocity_rad_s = Vector3::new(0.0, 0.0, omega);
+            plant.inputs_mut().root_mut().angular_velocity_rad_s = Vector3::new(0.0, 0.0, omega);
             plant.equilibrium(0.0, Holding::AsReleased).unwrap();
             let list = plant.modes(3).unwrap_or_else(|error| panic!("{error}"));
             for (i, (mode, square)) in list.iter().zip(exact).enumerate() {

@@ -36,13 +36,13 @@ fn rod(start_deg: f64) -> String {
 fn s47_a_rod_on_a_free_hinge_hangs() {
     for start_deg in [0.0, -10.0, -30.0, -45.0, -80.0, 1.0, 90.0, 135.0] {
         let (mut plant, found) = rest(&rod(start_deg), LoadPath::Load, Branch::Stable);
-        let tip = plant.outputs().tips[0].position_m;
+        let tip = plant.outputs().tips()[0].position_m;
         assert!((tip.z + 0.3).abs() < 1e-4 && tip.x.abs() < 1e-6, "from {start_deg}° the tip rests at {tip:?}");
         assert!(plant.stability().expect("linear").is_stable());
         let (mut plant, kept) = rest(&rod(start_deg), LoadPath::Load, Branch::Path);
         assert_eq!(kept.departure, None);
         let stability = plant.stability().expect("linear");
-        if plant.outputs().tips[0].position_m.z > 0.0 {
+        if plant.outputs().tips()[0].position_m.z > 0.0 {
             assert_eq!(found.departure, Some(Departure::Unstable(1)), "from {start_deg}°");
             assert_eq!(stability.unstable_directions(), 1);
             let (rate, right) = (stability.growing[0].eigenvalue_1_s.re, (1.5 * 9.81f64 / 0.3).sqrt());
@@ -82,7 +82,7 @@ fn elliptic(alpha: f64) -> f64 {
 fn s48_a_column_beyond_eulers_load() {
     for (times, count) in [(0.98, 0), (1.02, 1), (4.0, 1), (8.9, 1), (9.1, 2), (24.0, 2), (26.0, 3)] {
         let (mut plant, _) = rest(&column(times), LoadPath::Load, Branch::Path);
-        assert!(plant.outputs().tips[0].position_m.z.abs() < 1e-3, "straight at {times} Euler loads");
+        assert!(plant.outputs().tips()[0].position_m.z.abs() < 1e-3, "straight at {times} Euler loads");
         let stability = plant.stability().expect("linear");
         assert!(stability.potential, "dead forces have a potential");
         assert_eq!((stability.negative_directions, dense_count(&mut plant)), (count, count), "{times} Euler loads");
@@ -98,7 +98,7 @@ fn s48_a_column_beyond_eulers_load() {
     assert!(plant.stability().expect("linear").is_stable());
     let turn = plant.shape()[0].last().expect("a tip").rotation_vector_rad().norm();
     assert!((turn - low).abs() < 1e-3, "the tip turns by {turn} rad, the elastica by {low} rad");
-    assert!(plant.outputs().tips[0].position_m.z > 0.0, "to the side of the force");
+    assert!(plant.outputs().tips()[0].position_m.z > 0.0, "to the side of the force");
 }
 
 /// Two hinged bars that meet at an apex `angle` above the line between their feet, 0.5 m each, loaded there by `force_n`.
@@ -149,10 +149,10 @@ fn s49_snap_through_by_arc_length() {
     }
     assert!((largest_n / limit_n - 1.0).abs() < 2e-3, "limit load {largest_n} N, right {limit_n} N");
     assert_eq!(found.path.last().expect("points").factor, 1.0);
-    let z = plant.outputs().tips[0].position_m.z;
+    let z = plant.outputs().tips()[0].position_m.z;
     assert!(z < -0.04, "ends at z = {z} m");
     let (snapped, _) = rest(&truss(angle, force_n), LoadPath::Load, Branch::Stable);
-    let other = snapped.outputs().tips[0].position_m.z;
+    let other = snapped.outputs().tips()[0].position_m.z;
     assert!((other - z).abs() < 1e-7, "the load at once leads to {other} m, the path to {z} m");
 }
 

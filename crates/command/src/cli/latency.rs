@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     plant.initialize(start_s).map_err(failed)?;
 
     let steps = arguments.steps as usize;
-    let mut turbulence = Turbulence::new(arguments, plant.inputs().stations.len());
+    let mut turbulence = Turbulence::new(arguments, plant.inputs().stations().len());
     let (mut wall, mut processor) = (Vec::with_capacity(steps), Vec::with_capacity(steps));
     let began = Instant::now();
     for step in 1..=steps {
@@ -116,7 +116,7 @@ impl Turbulence {
             let noise = self.normal();
             let force_n = self.kept * self.forces_n[station] + self.added_n * noise;
             self.forces_n[station] = force_n;
-            plant.inputs_mut().stations[station].force_n.z = force_n;
+            plant.inputs_mut().stations_mut()[station].force_n.z = force_n;
         }
     }
 

@@ -284,17 +284,18 @@ impl<W: Write> Run<'_, W> {
 fn summary(plant: &Plant, grid: &Grid, elapsed: Duration) -> String {
     let machine = plant.machine();
     let mut text = String::new();
-    for (joint, body) in plant.outputs().joints.iter().zip(plant.revolute_joints()) {
+    let outputs = plant.outputs().joints().iter().zip(plant.outputs().latches());
+    for ((joint, latched), body) in outputs.zip(plant.revolute_joints()) {
         let holder = &machine.bodies[*body].joint;
         let name = &holder.name;
         let Some((travel, own)) = holder.kind.one_freedom() else { continue };
         let latch = own.latch.as_ref();
-        let latch = match (latch, joint.latch_count) {
+        let latch = match (latch, latched.count.get()) {
             (None, _) => "has no latch".to_owned(),
-            (Some(_), 0) if joint.latched => "latched from the start".to_owned(),
+            (Some(_), 0) if latched.closed.is_on() => "latched from the start".to_owned(),
             (Some(latch), 0) if latch.initially_closed => "latch open at the end".to_owned(),
             (Some(_), 0) => "did not latch".to_owned(),
-            (Some(_), count) => format!("latched at {:.6} s ({count} in all)", joint.latch_time_s),
+            (Some(_), count) => format!("latched at {:.6} s ({count} in all)", latched.time_s),
         };
         let end = match travel {
             Travel::Rotation => format!("angle {:.3} deg", joint.angle_rad.to_degrees()),

@@ -4,7 +4,9 @@ use crate::cli::settings::read_plant;
 use crate::cli::{Failure, print, stability};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::machine::{Machine, Travel};
-use foldwing_engine::plant::{Branch, Holding, LoadPath, Plant, PlantError, Search, SectionShape, StaticEffort};
+use foldwing_engine::plant::{
+    Branch, Holding, JointOutputs, LoadPath, Plant, PlantError, Search, SectionShape, StaticEffort,
+};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -114,26 +116,26 @@ fn as_json(plant: &Plant, effort: StaticEffort) -> Value {
         .map(|(body, sections)| json!({ "name": body.name, "sections": sections.iter().map(section).collect::<Vec<_>>() }))
         .collect();
     let joints: Vec<Value> = joints(plant)
-        .map(|(travel, name, joint)| {
+        .map(|(travel, name, joint, latched)| {
             json!({
                 "name": name,
                 (travel.words("angle_rad")): joint.angle_rad,
                 (travel.words("applied_torque_N_m")): joint.torque_applied_n_m,
                 (travel.words("latch_torque_N_m")): joint.latch_torque_n_m,
-                "latched": joint.latched,
+                "latched": latched,
             })
         })
         .collect();
     let gauges: Vec<Value> = machine
         .gauges
         .iter()
-        .zip(&outputs.gauges)
+        .zip(outputs.gauges())
         .map(|(gauge, strain)| json!({ "name": gauge.name, "strain": strain }))
         .collect();
     let section_loads: Vec<Value> = machine
         .section_loads
         .iter()
-        .zip(&outputs.section_loads)
+        .zip(outputs.section_loads())
         .map(|(place, load)| {
             json!({ "name": place.name, "force_N": array(&load.force_n), "moment_N_m": array(&load.moment_n_m) })
         })
@@ -141,7 +143,7 @@ fn as_json(plant: &Plant, effort: StaticEffort) -> Value {
     let loops: Vec<Value> = machine
         .closures
         .iter()
-        .zip(&outputs.loops)
+        .zip(outputs.loops())
         .map(|(closure, output)| {
             json!({ "name": closure.name, "gap_m": array(&output.gap_m), "force_N": array(&output.force_n) })
         })
@@ -159,22 +161,24 @@ fn as_json(plant: &Plant, effort: StaticEffort) -> Value {
         "section_loads": section_loads,
         "loops": loops,
         "tips": tips,
-        "root": { "force_N": array(&outputs.root.force_n), "moment_N_m": array(&outputs.root.moment_n_m) },
-        "energy_J": { "elastic": outputs.energy.elastic, "gravity": outputs.energy.gravity, "drive": outputs.energy.drive },
+        "root": { "force_N": array(&outputs.root().force_n), "moment_N_m": array(&outputs.root().moment_n_m) },
+        "energy_J": { "elastic": outputs.energy().elastic, "gravity": outputs.energy().gravity, "drive": outputs.energy().drive },
     })
 }
 
-fn joints(plant: &Plant) -> impl Iterator<Item = (Travel, &str, &foldwing_engine::plant::JointOutputs)> {
+/// Revolute and prismatic joints: travel, name, outputs, whether latched.
+fn joints(plant: &Plant) -> impl Iterator<Item = (Travel, &str, &JointOutputs, bool)> {
     let described = plant.machine().bodies.iter().filter_map(|body| {
         let (travel, _) = body.joint.kind.one_freedom()?;
         Some((travel, body.joint.name.as_str()))
     });
-    described.zip(&plant.outputs().joints).map(|((travel, name), outputs)| (travel, name, outputs))
+    let outputs = plant.outputs().joints().iter().zip(plant.outputs().latches());
+    described.zip(outputs).map(|((travel, name), (joint, latch))| (travel, name, joint, latch.closed.is_on()))
 }
 
 fn tips<'a>(machine: &'a Machine, plant: &'a Plant) -> impl Iterator<Item = (&'a str, Vector3<f64>)> {
     let name = |&body: &usize| machine.bodies[body].name.as_str();
-    plant.tip_bodies().iter().map(name).zip(plant.outputs().tips.iter().map(|tip| tip.position_m))
+    plant.tip_bodies().iter().map(name).zip(plant.outputs().tips().iter().map(|tip| tip.position_m))
 }
 
 fn as_text(plant: &Plant, effort: StaticEffort) -> String {
@@ -218,7 +222,7 @@ fn as_text(plant: &Plant, effort: StaticEffort) -> String {
         }
     }
     text.push('\n');
-    for (travel, name, joint) in joints(plant) {
+    for (travel, name, joint, latched) in joints(plant) {
         let (coordinate, shown_unit, unit) = (travel.coordinate(), travel.shown_unit(), travel.effort_unit());
         let _ = writeln!(
             text,
@@ -226,13 +230,13 @@ fn as_text(plant: &Plant, effort: StaticEffort) -> String {
             travel.shown(joint.angle_rad),
             joint.torque_applied_n_m + 0.0,
             joint.latch_torque_n_m + 0.0,
-            if joint.latched { ", latched" } else { "" }
+            if latched { ", latched" } else { "" }
         );
     }
-    for (gauge, strain) in machine.gauges.iter().zip(&outputs.gauges) {
+    for (gauge, strain) in machine.gauges.iter().zip(outputs.gauges()) {
         let _ = writeln!(text, "gauge {}: {strain:.6e}", gauge.name);
     }
-    for (place, load) in machine.section_loads.iter().zip(&outputs.section_loads) {
+    for (place, load) in machine.section_loads.iter().zip(outputs.section_loads()) {
         let (force, moment) = (load.force_n, load.moment_n_m);
         let _ = writeln!(
             text,
@@ -240,7 +244,7 @@ fn as_text(plant: &Plant, effort: StaticEffort) -> String {
             place.name, force.x, force.y, force.z, moment.x, moment.y, moment.z
         );
     }
-    for (closure, output) in machine.closures.iter().zip(&outputs.loops) {
+    for (closure, output) in machine.closures.iter().zip(outputs.loops()) {
         let (gap, force) = (output.gap_m.add_scalar(0.0), output.force_n.add_scalar(0.0));
         let _ = writeln!(
             text,
@@ -252,7 +256,7 @@ fn as_text(plant: &Plant, effort: StaticEffort) -> String {
         let _ = writeln!(text, "tip of {name}: {:.6} {:.6} {:.6} m", tidy(tip.x), tidy(tip.y), tidy(tip.z));
     }
     // adding zero takes the sign from −0
-    let (force, moment) = (outputs.root.force_n.add_scalar(0.0), outputs.root.moment_n_m.add_scalar(0.0));
+    let (force, moment) = (outputs.root().force_n.add_scalar(0.0), outputs.root().moment_n_m.add_scalar(0.0));
     let _ = writeln!(
         text,
         "wing on root: force {:.6e} {:.6e} {:.6e} N, moment {:.6e} {:.6e} {:.6e} N.m",

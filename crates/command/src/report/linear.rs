@@ -1,7 +1,7 @@
 //! Linear models as files: JSON, and NumPy's `.npz`.
 
 use crate::report::number;
-use foldwing_fmi::interface::{self, Acting, JointPoint, LinearModel, OperatingPoint, Signal};
+use foldwing_fmi::interface::{self, Acting, JointPoint, LinearModel, LinearSignal, OperatingPoint};
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
 use std::io::{self, Seek, Write};
@@ -12,8 +12,8 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 /// an equilibrium, joints, inputs that act, `growing_1_s`), `states`, `inputs`, `outputs` (name, unit, value about which it is linear) and
 /// the matrices `A`, `B`, `C`, `D` row by row.
 pub fn linear_json(model: &LinearModel) -> Value {
-    let signals = |list: &[Signal]| -> Vec<Value> {
-        let entry = |signal: &Signal| json!({ "name": signal.name, "unit": signal.unit, "value": signal.value });
+    let signals = |list: &[LinearSignal]| -> Vec<Value> {
+        let entry = |signal: &LinearSignal| json!({ "name": signal.name, "unit": signal.unit, "value": signal.value });
         list.iter().map(entry).collect()
     };
     let rows = |matrix: &DMatrix<f64>| -> Vec<Vec<f64>> {

@@ -5,7 +5,7 @@
 
 use crate::report::linear::{growing, point_texts};
 use crate::report::number;
-use foldwing_fmi::interface::{LinearModel, OperatingPoint, Signal};
+use foldwing_fmi::interface::{LinearModel, LinearSignal, OperatingPoint};
 use nalgebra::DMatrix;
 use std::io::{self, Write};
 
@@ -40,7 +40,7 @@ pub fn write_mat<W: Write>(model: &LinearModel, mut target: W) -> io::Result<()>
     {
         let values = DMatrix::from_iterator(signals.len(), 1, signals.iter().map(|signal| signal.value));
         target.write_all(&numbers(short, &values))?;
-        let column = |text: fn(&Signal) -> &str| signals.iter().map(text).collect::<Vec<_>>();
+        let column = |text: fn(&LinearSignal) -> &str| signals.iter().map(text).collect::<Vec<_>>();
         target.write_all(&cells(&format!("{what}_names"), &column(|signal| &signal.name)))?;
         target.write_all(&cells(&format!("{what}_units"), &column(|signal| &signal.unit)))?;
     }

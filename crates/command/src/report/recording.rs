@@ -171,9 +171,9 @@ impl Recording {
     }
 
     fn include_latches(&mut self, plant: &Plant) {
-        for (times, joint) in self.history.latches_s.iter_mut().zip(&plant.outputs().joints) {
-            if joint.latch_count > 0 && times.last() != Some(&joint.latch_time_s) {
-                times.push(joint.latch_time_s);
+        for (times, latch) in self.history.latches_s.iter_mut().zip(plant.outputs().latches()) {
+            if latch.count.get() > 0 && times.last() != Some(&latch.time_s) {
+                times.push(latch.time_s);
             }
         }
     }
@@ -181,10 +181,10 @@ impl Recording {
     fn include_point(&mut self, plant: &Plant) {
         let (history, outputs) = (&mut self.history, plant.outputs());
         history.time_s.push(outputs.time_s);
-        history.angles_rad.iter_mut().zip(&outputs.joints).for_each(|(curve, joint)| curve.push(joint.angle_rad));
-        history.gauges.iter_mut().zip(&outputs.gauges).for_each(|(curve, strain)| curve.push(*strain));
-        history.tips_m.iter_mut().zip(&outputs.tips).for_each(|(curve, tip)| curve.push(tip.position_m));
-        history.energies.push(outputs.energy);
+        history.angles_rad.iter_mut().zip(outputs.joints()).for_each(|(curve, joint)| curve.push(joint.angle_rad));
+        history.gauges.iter_mut().zip(outputs.gauges()).for_each(|(curve, strain)| curve.push(*strain));
+        history.tips_m.iter_mut().zip(outputs.tips()).for_each(|(curve, tip)| curve.push(tip.position_m));
+        history.energies.push(*outputs.energy());
     }
 
     fn frame(&self, plant: &Plant) -> Frame {
@@ -196,9 +196,9 @@ impl Recording {
             sections,
             edges_m: edges_m(plant),
             gauges_m: scene.gauges.iter().map(gauge).collect(),
-            angles_rad: outputs.joints.iter().map(|joint| joint.angle_rad).collect(),
-            strains: outputs.gauges.clone(),
-            energy: outputs.energy,
+            angles_rad: outputs.joints().iter().map(|joint| joint.angle_rad).collect(),
+            strains: outputs.gauges().to_vec(),
+            energy: *outputs.energy(),
             lattice: plant.lattice().map_or_else(Vec::new, |(_, surfaces)| surfaces),
         }
     }
@@ -346,7 +346,7 @@ pub(super) mod tests {
             let bodies = plant.machine().bodies.iter().enumerate();
             let places =
                 bodies.flat_map(|(body, with)| with.station_positions_m.iter().map(move |place_m| (body, *place_m)));
-            for ((body, place_m), station) in places.zip(&plant.outputs().stations) {
+            for ((body, place_m), station) in places.zip(plant.outputs().stations()) {
                 let section = plant.sections(body, &[place_m])[0];
                 assert!((section.position_m - station.position_m).norm() < 1e-12, "{name}: station at {place_m} m");
                 assert!((section.velocity_m_s - station.velocity_m_s).norm() < 1e-12, "{name}: station at {place_m} m");
@@ -362,7 +362,7 @@ pub(super) mod tests {
         let mut plant = started(shipped("folding_wing"));
         plant.step(0.04).unwrap();
         let section = plant.sections(gauge.body, &[gauge.place_m])[0];
-        let (read, found) = (plant.outputs().gauges[0], section.axial_strain(gauge.point_m));
+        let (read, found) = (plant.outputs().gauges()[0], section.axial_strain(gauge.point_m));
         assert!(read.abs() > 1e-5 && (read - found).abs() < 1e-15, "{read} and {found}");
     }
 }

@@ -1,5 +1,6 @@
 //! Loads as plain data: the moving root with gravity, moving sections, and wrenches at stations.
 
+use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +15,8 @@ pub enum LoadFrame {
 }
 
 /// Force and moment at a point; resolved in the frame that its owner states.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, Serialize, Deserialize)]
+#[repr(C)]
 pub struct Wrench {
     /// Force in N.
     pub force_n: Vector3<f64>,
@@ -64,7 +66,8 @@ impl SectionMotion {
 ///
 /// Only `gravity − acceleration` acts on the wing; Coriolis, centrifugal and Euler terms follow from the
 /// angular velocity and acceleration (NOTATION eq. (D5)).
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, Serialize, Deserialize)]
+#[repr(C)]
 pub struct RootMotion {
     /// Gravity in m/s².
     pub gravity_m_s2: Vector3<f64>,

@@ -2,7 +2,7 @@
 //! words, units and names stands here; the numbers go one way for both.
 
 use crate::actuation::spring::Spring;
-use crate::machine::{Drive, JointKind, OneFreedom, UNLIMITED};
+use crate::machine::{Drive, JointKind, OneFreedom, Spatial, UNLIMITED};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 /// What the coordinate of a joint with one freedom is.
@@ -150,6 +150,14 @@ impl JointKind {
             Self::Revolute(joint) => Some((Travel::Rotation, joint)),
             Self::Prismatic(joint) => Some((Travel::Translation, joint)),
             Self::Clamped | Self::Spatial(_) => None,
+        }
+    }
+
+    /// What a universal, ball or free joint has; `None` of all others.
+    pub fn spatial(&self) -> Option<&Spatial> {
+        match self {
+            Self::Spatial(joint) => Some(joint),
+            Self::Clamped | Self::Revolute(_) | Self::Prismatic(_) => None,
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Inputs within a communication step: held, or `u + u̇ (t − t_c)`, NOTATION eq. (A4).
 
 use crate::load::{RootMotion, Wrench};
-use crate::plant::face::{Inputs, JointInputs};
 use crate::plant::state::State;
+use crate::signal::Inputs;
 use nalgebra::Vector3;
 
 impl RootMotion {
@@ -15,71 +15,16 @@ impl RootMotion {
     }
 }
 
-impl Inputs {
-    /// No rates: inputs of the same sizes, all zero.
-    pub fn no_rates(&self) -> Self {
-        let joint = JointInputs { command_rad: 0.0, torque_n_m: 0.0, release: false, latch_enable: false };
-        Self {
-            joints: vec![joint; self.joints.len()],
-            stations: vec![Wrench::default(); self.stations.len()],
-            root: RootMotion::default(),
-            wind_m_s: Vector3::zeros(),
-        }
-    }
-
-    /// Whether these, taken as rates, are all zero.
-    pub fn is_still(&self) -> bool {
-        self.joints.iter().all(|joint| joint.command_rad == 0.0 && joint.torque_n_m == 0.0)
-            && self.stations.iter().all(Wrench::is_zero)
-            && self.root == RootMotion::default()
-            && self.wind_m_s == Vector3::zeros()
-    }
-
-    /// Whether all real inputs are finite.
-    pub(super) fn are_finite(&self) -> bool {
-        let RootMotion { gravity_m_s2, acceleration_m_s2, angular_velocity_rad_s, angular_acceleration_rad_s2 } =
-            &self.root;
-        let motions = [gravity_m_s2, acceleration_m_s2, angular_velocity_rad_s, angular_acceleration_rad_s2];
-        let loads = self.stations.iter().flat_map(|load| [&load.force_n, &load.moment_n_m]);
-        motions.into_iter().chain([&self.wind_m_s]).chain(loads).flatten().all(|value| value.is_finite())
-            && self.joints.iter().all(|joint| joint.command_rad.is_finite() && joint.torque_n_m.is_finite())
-    }
-
-    /// Sets all real inputs to zero, as rates that nobody has set. Allocates nothing.
-    pub(super) fn clear(&mut self) {
-        for joint in &mut self.joints {
-            (joint.command_rad, joint.torque_n_m) = (0.0, 0.0);
-        }
-        self.stations.fill(Wrench::default());
-        self.root = RootMotion::default();
-        self.wind_m_s = Vector3::zeros();
-    }
-
-    /// Adds `elapsed_s` times `rates` (of the real inputs, per second), NOTATION eq. (A4). Allocates nothing.
-    pub(super) fn run_on(&mut self, rates: &Self, elapsed_s: f64) {
-        for (joint, rate) in self.joints.iter_mut().zip(&rates.joints) {
-            joint.command_rad += rate.command_rad * elapsed_s;
-            joint.torque_n_m += rate.torque_n_m * elapsed_s;
-        }
-        for (load, rate) in self.stations.iter_mut().zip(&rates.stations) {
-            load.force_n += rate.force_n * elapsed_s;
-            load.moment_n_m += rate.moment_n_m * elapsed_s;
-        }
-        self.root.run_on(&rates.root, elapsed_s);
-        self.wind_m_s += rates.wind_m_s * elapsed_s;
-    }
-}
-
 impl State {
     /// Wind at a time of the present communication step in m/s.
     pub fn wind_at_m_s(&self, time_s: f64) -> Vector3<f64> {
-        self.applied_inputs.wind_m_s + self.applied_rates.wind_m_s * (time_s - self.applied_from_s)
+        self.applied_inputs.wind_m_s() + self.applied_rates.wind_m_s() * (time_s - self.applied_from_s)
     }
 
     /// Angular velocity of the root frame at a time of the present communication step in rad/s.
     pub fn spin_at_rad_s(&self, time_s: f64) -> Vector3<f64> {
-        self.applied_inputs.root.angular_velocity_rad_s
-            + self.applied_rates.root.angular_velocity_rad_s * (time_s - self.applied_from_s)
+        self.applied_inputs.root().angular_velocity_rad_s
+            + self.applied_rates.root().angular_velocity_rad_s * (time_s - self.applied_from_s)
     }
 
     /// Ends a communication step: rates hold for one step only, and the inputs stay where they have led.
@@ -121,15 +66,15 @@ impl Course {
 
     /// Root motion at a time.
     pub fn root(&self, time_s: f64) -> RootMotion {
-        let mut root = self.base.root;
-        root.run_on(&self.rates.root, time_s - self.from_s);
+        let mut root = *self.base.root();
+        root.run_on(self.rates.root(), time_s - self.from_s);
         root
     }
 
     /// Loads of the stations at a time.
     pub fn write_stations(&self, time_s: f64, loads: &mut [Wrench]) {
         let elapsed_s = time_s - self.from_s;
-        for ((load, base), rate) in loads.iter_mut().zip(&self.base.stations).zip(&self.rates.stations) {
+        for ((load, base), rate) in loads.iter_mut().zip(self.base.stations()).zip(self.rates.stations()) {
             load.force_n = base.force_n + rate.force_n * elapsed_s;
             load.moment_n_m = base.moment_n_m + rate.moment_n_m * elapsed_s;
         }
@@ -137,6 +82,6 @@ impl Course {
 
     /// External torque of a revolute joint at a time in N·m.
     pub fn torque_n_m(&self, joint: usize, time_s: f64) -> f64 {
-        self.base.joints[joint].torque_n_m + self.rates.joints[joint].torque_n_m * (time_s - self.from_s)
+        self.base.joints()[joint].torque_n_m + self.rates.joints()[joint].torque_n_m * (time_s - self.from_s)
     }
 }

@@ -1,16 +1,16 @@
 //! Derivatives of the outputs: in time, and by inputs with the state frozen.
 
 use crate::actuation::drive::Slew;
-use crate::load::Wrench;
 use crate::machine::UNLIMITED;
 use crate::plant::Plant;
-use crate::plant::face::{Inputs, Outputs, PlantError};
+use crate::plant::face::PlantError;
 use crate::plant::hinge::JointEquations;
+use crate::plant::outputs::Outputs;
 use crate::plant::state::State;
+use crate::signal::Inputs;
 use crate::solve::EquationsOfMotion;
 use crate::solve::continuation::Taken;
 use crate::solve::point::Point;
-use nalgebra::{Quaternion, UnitQuaternion};
 
 /// Turn in rad, or displacement over the machine's length, that one difference step along the motion makes.
 const STEP: f64 = 2e-3;
@@ -20,73 +20,6 @@ const SIXTH_ORDER: [f64; 3] = [45.0, -9.0, 1.0];
 const SLOPE_SPACING: f64 = 1.0 / 64.0;
 /// Step in s of differences in the time that loads and inputs depend on linearly: any serves.
 const TIME_STEP_S: f64 = 1e-3;
-
-impl Outputs {
-    /// Zero derivatives of the same sizes. Attitudes then hold the derivatives of their four components.
-    fn no_change(&self) -> Self {
-        let mut zero = self.clone();
-        zero.add(self, -1.0);
-        zero.time_s = 0.0;
-        for joint in &mut zero.joints {
-            (joint.latched, joint.latch_time_s, joint.latch_count, joint.latch_impulse_n_m_s) = (false, 0.0, 0, 0.0);
-        }
-        zero
-    }
-
-    /// Adds a multiple of other outputs; latches and the time stay.
-    fn add(&mut self, other: &Self, weight: f64) {
-        let wrench = |sum: &mut Wrench, term: &Wrench| {
-            sum.force_n += term.force_n * weight;
-            sum.moment_n_m += term.moment_n_m * weight;
-        };
-        let turn = |sum: &mut UnitQuaternion<f64>, term: &UnitQuaternion<f64>| {
-            *sum = UnitQuaternion::new_unchecked(Quaternion::from(sum.coords + term.coords * weight));
-        };
-        for (sum, term) in self.joints.iter_mut().zip(&other.joints) {
-            sum.angle_rad += term.angle_rad * weight;
-            sum.rate_rad_s += term.rate_rad_s * weight;
-            sum.torque_applied_n_m += term.torque_applied_n_m * weight;
-            sum.motor_torque_n_m += term.motor_torque_n_m * weight;
-            sum.spring_torque_n_m += term.spring_torque_n_m * weight;
-            sum.external_torque_n_m += term.external_torque_n_m * weight;
-            sum.holding_torque_n_m += term.holding_torque_n_m * weight;
-            sum.latch_torque_n_m += term.latch_torque_n_m * weight;
-        }
-        for (sum, term) in self.spatial.iter_mut().zip(&other.spatial) {
-            turn(&mut sum.rotation, &term.rotation);
-            sum.angular_velocity_rad_s += term.angular_velocity_rad_s * weight;
-        }
-        self.joint_reactions.iter_mut().zip(&other.joint_reactions).for_each(|(sum, term)| wrench(sum, term));
-        self.gauges.iter_mut().zip(&other.gauges).for_each(|(sum, term)| *sum += term * weight);
-        self.section_loads.iter_mut().zip(&other.section_loads).for_each(|(sum, term)| wrench(sum, term));
-        for (sum, term) in self.loops.iter_mut().zip(&other.loops) {
-            sum.gap_m += term.gap_m * weight;
-            sum.force_n += term.force_n * weight;
-        }
-        wrench(&mut self.root, &other.root);
-        let points = self.tips.iter_mut().zip(&other.tips).chain(self.stations.iter_mut().zip(&other.stations));
-        for (sum, term) in points {
-            sum.position_m += term.position_m * weight;
-            sum.velocity_m_s += term.velocity_m_s * weight;
-            sum.angular_velocity_rad_s += term.angular_velocity_rad_s * weight;
-            sum.acceleration_m_s2 += term.acceleration_m_s2 * weight;
-            sum.angular_acceleration_rad_s2 += term.angular_acceleration_rad_s2 * weight;
-            turn(&mut sum.rotation, &term.rotation);
-        }
-        let (sum, term) = (&mut self.energy, &other.energy);
-        sum.kinetic += term.kinetic * weight;
-        sum.elastic += term.elastic * weight;
-        sum.gravity += term.gravity * weight;
-        sum.drive += term.drive * weight;
-        sum.work += term.work * weight;
-        sum.dissipated += term.dissipated * weight;
-        sum.total += term.total * weight;
-        wrench(&mut self.air.total, &other.air.total);
-        self.air.stations.iter_mut().zip(&other.air.stations).for_each(|(sum, term)| wrench(sum, term));
-        let circulation = self.air.circulation_m2_s.iter_mut().zip(&other.air.circulation_m2_s);
-        circulation.for_each(|(sum, term)| *sum += term * weight);
-    }
-}
 
 impl Plant {
     /// Rates of all outputs per second at the present time, NOTATION eq. (L13); attitudes hold the rates of their four
@@ -175,22 +108,15 @@ impl Plant {
             let (angle, rate, acceleration) =
                 (now.q[joint.coordinate], now.v[joint.coordinate], now.a[joint.coordinate]);
             let (neutral, slew_rate) = joint.slew.at(now.time_s);
-            let (drive, spring) = (&joint.drive, &joint.spring);
-            let output = &mut sum.joints[i];
-            output.motor_torque_n_m = if joint.motor_torque(now.time_s, angle, rate).saturated {
-                0.0
-            } else {
-                -drive.stiffness_n_m_rad * (rate - slew_rate) - drive.damping_n_m_s_rad * acceleration
-            };
-            output.spring_torque_n_m = -spring.stiffness_n_m_rad * rate - spring.damping_n_m_s_rad * acceleration;
-            output.external_torque_n_m = self.equations.course.rates.joints[i].torque_n_m;
-            output.torque_applied_n_m = output.motor_torque_n_m + output.spring_torque_n_m + output.external_torque_n_m;
-            let power_w = drive.slew_power_w(angle, neutral, slew_rate);
-            sum.energy.drive += power_w;
-            sum.energy.total += power_w;
+            let external_n_m_s = self.equations.course.rates.joints()[i].torque_n_m;
+            sum.joints_mut()[i].add_drive(joint, now.time_s, [angle, rate, acceleration], external_n_m_s);
+            let power_w = joint.drive.slew_power_w(angle, neutral, slew_rate);
+            sum.energy_mut().drive += power_w;
+            sum.energy_mut().total += power_w;
         }
         let powers = self.equations.powers(now.time_s, &now.q, &now.v, &now.a);
-        (sum.energy.work, sum.energy.dissipated) = (powers.work, powers.dissipated);
+        let energy = sum.energy_mut();
+        (energy.work, energy.dissipated) = (powers.work, powers.dissipated);
     }
 
     /// Outputs beside the present; the state comes back, the outputs do not.
@@ -243,10 +169,11 @@ impl Plant {
             }
             let bend_j = self.bend_of_potentials_j(time_s, &q, &slopes);
             let mut beside = self.beside(|state| move_along(&mut state.now.a, &jump, -1.0));
-            beside.energy.drive += bend_j;
-            beside.energy.total += bend_j;
+            let energy = beside.energy_mut();
+            energy.drive += bend_j;
+            energy.total += bend_j;
             // a jump of a potential is booked as work of the input
-            beside.energy.work += beside.energy.gravity + beside.energy.drive;
+            energy.work += energy.gravity + energy.drive;
             slope.add(&beside, sign * 0.5);
         }
         self.configure();
@@ -286,8 +213,8 @@ impl Plant {
         self.state.applied_from_s = time_s;
         self.configure();
         (self.state.applied_inputs, self.state.applied_parameters, self.state.applied_from_s) = kept;
-        let limits = self.state.parameters.joints.iter().map(|joint| joint.rate_limit_rad_s);
-        for ((joint, inputs), rate_limit_rad_s) in self.equations.joints.iter_mut().zip(&inputs.joints).zip(limits) {
+        let limits = self.state.parameters.joints().iter().map(|joint| joint.rate_limit_rad_s);
+        for ((joint, inputs), rate_limit_rad_s) in self.equations.joints.iter_mut().zip(inputs.joints()).zip(limits) {
             joint.slew.redirect(time_s, inputs.command_rad, 0.0, rate_limit_rad_s);
             if joint.slew.follows_at_once() {
                 joint.slew.from_rad = inputs.command_rad;

@@ -14,10 +14,10 @@ use crate::multibody::section_load::SectionPlace;
 use crate::multibody::{Model, Workspace, energy, joint, norm, station};
 use crate::plant::air::{AirCoupling, StepLoads};
 use crate::plant::course::Course;
-use crate::plant::face::{Inputs, Parameters};
 use crate::plant::hinge::JointEquations;
 use crate::plant::spatial::SpatialEquations;
 use crate::plant::{revolutes, spatials};
+use crate::signal::{Inputs, Parameters};
 use crate::solve::{EquationsOfMotion, Powers, Singular};
 
 /// Equations of motion with their scratch.
@@ -55,7 +55,7 @@ impl Equations {
         let descriptions: Vec<BodyDescription> = machine
             .bodies
             .iter()
-            .zip(&parameters.bodies)
+            .zip(parameters.bodies())
             .map(|(body, factors)| BodyDescription {
                 length_m: body.length_m,
                 section: body.section.scaled(factors.mass_factor, factors.stiffness_factor),
@@ -341,7 +341,7 @@ impl EquationsOfMotion for Equations {
         }
         if self.course.moves {
             // a field that changes in time does work on the potential, eq. (A4)
-            let field = self.course.rates.root.apparent_gravity_m_s2();
+            let field = self.course.rates.root().apparent_gravity_m_s2();
             powers.work -= field.dot(&energy::first_moment_kg_m(&self.model, &self.work));
         }
         if self.root.rotates() {

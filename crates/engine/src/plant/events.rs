@@ -5,11 +5,12 @@ use crate::actuation::latch::LatchState;
 use crate::machine::StartState;
 use crate::multibody::dynamics::Damping;
 use crate::plant::equations::Equations;
-use crate::plant::face::{Parameters, PlantError};
+use crate::plant::face::PlantError;
 use crate::plant::march::CROSSING_S;
 use crate::plant::state::{JointState, State};
 use crate::plant::statics::Holding;
 use crate::plant::{Plant, revolutes, spatials};
+use crate::signal::SolverParameters;
 use crate::solve::point::Point;
 use crate::solve::{EquationsOfMotion, Singular, control};
 
@@ -38,7 +39,7 @@ impl Plant {
     }
 
     fn find_start(&mut self, time_s: f64) -> Result<(), PlantError> {
-        let Parameters { min_step_s, max_step_s, .. } = self.state.parameters;
+        let SolverParameters { min_step_s, max_step_s, .. } = *self.state.parameters.solver();
         if min_step_s > max_step_s {
             return Err(PlantError::Steps { min_step_s, max_step_s });
         }
@@ -57,18 +58,24 @@ impl Plant {
         let mut joints = Vec::new();
         let inputs = &self.state.inputs;
         for (((_, revolute), inputs), (parameters, equations)) in revolutes(&self.machine)
-            .zip(&inputs.joints)
-            .zip(self.state.parameters.joints.iter().zip(&self.equations.joints))
+            .zip(inputs.joints())
+            .zip(self.state.parameters.joints().iter().zip(&self.equations.joints))
         {
             let c = equations.coordinate;
             q[c] = parameters.start_angle_rad;
             let caught = equations.latch.is_some_and(|latch| latch.catches(q[c]));
             let told = revolute.latch.as_ref().is_some_and(|latch| latch.initially_closed);
-            let closed = inputs.latch_enable && (caught || told && !equations.has_rigid_latch());
+            let closed = inputs.latch_enable.is_on() && (caught || told && !equations.has_rigid_latch());
             let state = JointState {
-                released: inputs.release,
+                released: inputs.release.is_on(),
                 closing: false,
-                latch: LatchState { closed, enabled: inputs.latch_enable, time_s: -1.0, count: 0, impulse_n_m_s: 0.0 },
+                latch: LatchState {
+                    closed,
+                    enabled: inputs.latch_enable.is_on(),
+                    time_s: -1.0,
+                    count: 0,
+                    impulse_n_m_s: 0.0,
+                },
                 slew: Slew {
                     from_rad: inputs.command_rad,
                     target_rad: inputs.command_rad,
@@ -99,7 +106,7 @@ impl Plant {
         state.air = None;
         let coordinates = q.len();
         state.now = Point { time_s, q, v, ..Point::zeros(coordinates) };
-        state.step_s = state.parameters.max_step_s;
+        state.step_s = state.parameters.solver().max_step_s;
         self.configure();
     }
 
@@ -135,21 +142,21 @@ impl Plant {
         let State { applied_inputs: inputs, applied_parameters: parameters, joints, air, .. } = &self.state;
         let equations = &mut self.equations;
         equations.course.follow(&self.state);
-        equations.root = inputs.root;
-        equations.stations[..equations.load_stations].copy_from_slice(&inputs.stations);
+        equations.root = *inputs.root();
+        equations.stations[..equations.load_stations].copy_from_slice(inputs.stations());
         if let Some(loads) = &mut equations.air {
             match air {
                 Some(history) => loads.copy_from(&history.loads),
                 None => loads.clear(),
             }
         }
-        let loads = inputs.stations.iter().chain(&self.state.applied_rates.stations);
+        let loads = inputs.stations().iter().chain(self.state.applied_rates.stations());
         equations.loaded = equations.air.is_some() || loads.into_iter().any(|load| !load.is_zero());
-        for (damping, body) in equations.damping.iter_mut().zip(&parameters.bodies) {
+        for (damping, body) in equations.damping.iter_mut().zip(parameters.bodies()) {
             *damping = Damping { mass_1_s: body.mass_damping_1_s, stiffness_s: body.stiffness_damping_s };
         }
         for (i, joint) in equations.joints.iter_mut().enumerate() {
-            let (state, parameters) = (&joints[i], &parameters.joints[i]);
+            let (state, parameters) = (&joints[i], &parameters.joints()[i]);
             joint.held = joint.is_held_in(state);
             joint.drive.stiffness_n_m_rad = parameters.stiffness_n_m_rad;
             joint.drive.damping_n_m_s_rad = parameters.damping_n_m_s_rad;
@@ -159,14 +166,14 @@ impl Plant {
             joint.spring.damping_n_m_s_rad = parameters.spring_damping_n_m_s_rad;
             joint.spring.rest_angle_rad = parameters.rest_angle_rad;
             joint.slew = state.slew;
-            joint.external_n_m = inputs.joints[i].torque_n_m;
+            joint.external_n_m = inputs.joints()[i].torque_n_m;
             joint.latched = state.latch.closed;
             joint.pinned_n_m = None;
             if let Some(latch) = &mut joint.latch {
                 latch.stiffness_n_m_rad = parameters.latch_stiffness_n_m_rad;
             }
         }
-        for (joint, parameters) in equations.spatial.iter_mut().zip(&parameters.spatial) {
+        for (joint, parameters) in equations.spatial.iter_mut().zip(parameters.spatial()) {
             joint.stiffness_n_m_rad = parameters.stiffness_n_m_rad;
             joint.damping_n_m_s_rad = parameters.damping_n_m_s_rad;
         }
@@ -195,23 +202,23 @@ impl Plant {
             state.applied_parameters.clone_from(&state.parameters);
             let mut released_energy = 0.0;
             for (i, joint) in state.joints.iter_mut().enumerate() {
-                let inputs = &state.inputs.joints[i];
+                let inputs = &state.inputs.joints()[i];
                 let c = equations.joints[i].coordinate;
                 let (angle, rate) = (state.start.q[c], state.start.v[c]);
                 let closing = std::mem::take(&mut joint.closing);
-                if inputs.release != joint.released {
-                    joint.released = inputs.release;
+                if inputs.release != joint.released.into() {
+                    joint.released = inputs.release.is_on();
                     state.statistics.events += u64::from(equations.joints[i].driven);
                 }
                 let (rate_rad_s, limit_rad_s) =
-                    (state.rates.joints[i].command_rad, state.parameters.joints[i].rate_limit_rad_s);
+                    (state.rates.joints()[i].command_rad, state.parameters.joints()[i].rate_limit_rad_s);
                 joint.slew.redirect(time_s, inputs.command_rad, rate_rad_s, limit_rad_s);
                 let Some(latch) = &equations.joints[i].latch else { continue };
-                if joint.latch.closed && !inputs.latch_enable {
+                if joint.latch.closed && !inputs.latch_enable.is_on() {
                     joint.latch.closed = false;
                     released_energy += latch.energy_j(angle);
                     state.statistics.events += 1;
-                } else if !joint.latch.closed && inputs.latch_enable && {
+                } else if !joint.latch.closed && inputs.latch_enable.is_on() && {
                     // the inputs may change at the crossing itself
                     let arrived = at_end || latch.beyond_rad(angle) <= CROSSING_S * rate.abs();
                     closing && arrived || latch.catches(angle)
@@ -219,7 +226,7 @@ impl Plant {
                     close(&mut joint.latch, time_s);
                     state.statistics.events += 1;
                 }
-                joint.latch.enabled = inputs.latch_enable;
+                joint.latch.enabled = inputs.latch_enable.is_on();
             }
             released_energy
         })
@@ -318,8 +325,9 @@ impl Plant {
     /// Shortens the next step where the accelerations have jumped.
     fn restrain_step(&mut self, jump_norm_1_s2: f64) {
         let parameters = &self.state.applied_parameters;
-        let short = control::after_jump(jump_norm_1_s2, parameters.tolerance);
-        self.state.step_s = self.state.step_s.min(short).max(parameters.min_step_s).min(parameters.max_step_s);
+        let short = control::after_jump(jump_norm_1_s2, parameters.solver().tolerance);
+        self.state.step_s =
+            self.state.step_s.min(short).max(parameters.solver().min_step_s).min(parameters.solver().max_step_s);
     }
 }
 

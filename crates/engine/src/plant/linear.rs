@@ -280,7 +280,7 @@ impl Plant {
         (self.state.applied_inputs, self.state.applied_from_s) = (old.clone(), from_s);
         old.run_on(&self.state.applied_rates, now_s - from_s);
         for (joint, (new, old)) in
-            self.equations.joints.iter_mut().zip(self.state.inputs.joints.iter().zip(&old.joints))
+            self.equations.joints.iter_mut().zip(self.state.inputs.joints().iter().zip(old.joints()))
         {
             let change = new.command_rad - old.command_rad;
             joint.slew.from_rad += change;

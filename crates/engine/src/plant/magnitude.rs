@@ -3,8 +3,7 @@
 use crate::multibody::Model;
 use crate::multibody::gauge::GaugePoint;
 use crate::plant::Plant;
-use crate::plant::face::{Inputs, Parameters};
-use nalgebra::Vector3;
+use crate::signal::{Inputs, JointParameters, Parameters};
 
 /// Largest magnitude in SI units of coordinates, their derivatives, inputs and parameters with which no output
 /// overflows, where the model's own numbers are moderate: outputs are products of at most ten of them.
@@ -41,26 +40,17 @@ impl Plant {
 
 /// Whether inputs are so small that no output overflows for them.
 pub(super) fn inputs_are_moderate(inputs: &Inputs) -> bool {
-    let vector = |vector: &Vector3<f64>| vector.iter().all(|&value| within(value, LARGEST));
-    let root = &inputs.root;
-    [&root.gravity_m_s2, &root.acceleration_m_s2, &root.angular_velocity_rad_s, &root.angular_acceleration_rad_s2]
-        .into_iter()
-        .all(vector)
-        && inputs.joints.iter().all(|joint| within(joint.command_rad, LARGEST) && within(joint.torque_n_m, LARGEST))
-        && inputs.stations.iter().all(|load| vector(&load.force_n) && vector(&load.moment_n_m))
+    inputs.values().iter().all(|&value| within(value, LARGEST))
 }
 
 fn parameters_are_moderate(parameters: &Parameters) -> bool {
-    let Parameters { joints, spatial, bodies, .. } = parameters;
-    joints.iter().all(|joint| {
-        let own = [joint.stiffness_n_m_rad, joint.damping_n_m_s_rad, joint.constant_torque_n_m];
-        // limits may be infinite: they only make the torque smaller
-        let spring = [joint.spring_stiffness_n_m_rad, joint.spring_damping_n_m_s_rad, joint.rest_angle_rad];
-        own.into_iter().chain(spring).chain([joint.latch_stiffness_n_m_rad]).all(|value| within(value, LARGEST))
-    }) && spatial
-        .iter()
-        .all(|joint| within(joint.stiffness_n_m_rad, LARGEST) && within(joint.damping_n_m_s_rad, LARGEST))
-        && bodies.iter().all(|body| within(body.mass_damping_1_s, LARGEST) && within(body.stiffness_damping_s, LARGEST))
+    // limits may be infinite: they only make the torque smaller
+    let unlimited =
+        |joint: &JointParameters| JointParameters { torque_limit_n_m: 0.0, rate_limit_rad_s: 0.0, ..*joint };
+    let numbers = |joint: &JointParameters| bytemuck::cast::<_, [f64; 10]>(unlimited(joint));
+    let others = (bytemuck::cast_slice::<_, f64>(parameters.spatial()).iter())
+        .chain(bytemuck::cast_slice::<_, f64>(parameters.bodies()));
+    parameters.joints().iter().flat_map(numbers).chain(others.copied()).all(|value| within(value, LARGEST))
 }
 
 /// Whether a model's own numbers are moderate.

@@ -144,8 +144,8 @@ impl Plant {
 
     /// Longest communication step in s that the bounds on internal and aerodynamic steps leave possible.
     pub fn longest_step_s(&self) -> f64 {
-        let structure_s =
-            self.machine.solver.fixed_step_s.unwrap_or(self.state.parameters.max_step_s) * f64::from(MOST_STEPS);
+        let structure_s = self.machine.solver.fixed_step_s.unwrap_or(self.state.parameters.solver().max_step_s)
+            * f64::from(MOST_STEPS);
         self.machine.air.as_ref().map_or(structure_s, |air| structure_s.min(air.step_s * f64::from(MOST_AIR_STEPS)))
     }
 
@@ -178,9 +178,9 @@ impl Plant {
 
     /// One accepted step of variable length from `start` to `ahead`, at most to `limit_s`.
     pub(super) fn advance(&mut self, limit_s: f64) -> Result<(), PlantError> {
-        let tolerance = self.state.applied_parameters.tolerance;
+        let tolerance = self.state.applied_parameters.solver().tolerance;
         let (min_step_s, max_step_s) =
-            (self.state.applied_parameters.min_step_s, self.state.applied_parameters.max_step_s);
+            (self.state.applied_parameters.solver().min_step_s, self.state.applied_parameters.solver().max_step_s);
         let time_s = self.state.start.time_s;
         let stop_s = limit_s.min(self.equations.next_kink_s(time_s));
         let order = self.stepper.error_order();
@@ -218,7 +218,7 @@ impl Plant {
     fn give_up(&mut self, shorter_s: f64, failure: Failure) -> Result<(), PlantError> {
         self.state.statistics.failures += 1;
         self.state.step_s = shorter_s;
-        self.refuse_small_step(self.state.applied_parameters.min_step_s, failure)
+        self.refuse_small_step(self.state.applied_parameters.solver().min_step_s, failure)
     }
 
     fn refuse_small_step(&mut self, min_step_s: f64, failure: Failure) -> Result<(), PlantError> {
@@ -258,7 +258,7 @@ impl Plant {
         self.state.statistics.steps += 1;
         if self.machine.solver.most_iterations.is_some() {
             // what the last jump has asked for ends with the step after it
-            self.state.step_s = self.state.applied_parameters.max_step_s;
+            self.state.step_s = self.state.applied_parameters.solver().max_step_s;
         }
         Ok(())
     }
@@ -315,7 +315,7 @@ impl Plant {
         let ceiling = if length == Length::Given { NEWTON_CEILING_EXACT } else { NEWTON_CEILING };
         let unnoticed = self.state.air.as_ref().map_or(f64::INFINITY, |history| history.motion_tolerance);
         Accuracy {
-            tolerance: (NEWTON_SHARE * self.state.applied_parameters.tolerance).min(ceiling).min(unnoticed),
+            tolerance: (NEWTON_SHARE * self.state.applied_parameters.solver().tolerance).min(ceiling).min(unnoticed),
             most_iterations: self.machine.solver.most_iterations,
             persistent: length == Length::Given,
             jumped: self.machine.solver.most_iterations.is_some() && self.state.step_s < step_s,

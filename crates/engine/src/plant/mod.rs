@@ -17,32 +17,33 @@ mod latency;
 mod linear;
 mod magnitude;
 mod march;
-mod output_set;
 mod outputs;
 mod place;
 mod rest;
 mod shape;
 mod spatial;
 mod stability;
-mod start;
 mod state;
 mod state_space;
 mod statics;
 mod strains;
 mod wake_rows;
 
+pub use crate::signal::{
+    BodyParameters, Count, FACTOR_RANGE, InputLayout, Inputs, JointInputs, JointParameters, ParameterLayout,
+    Parameters, SolverParameters, SpatialParameters, Switch,
+};
 pub use crate::solve::arc_length::PathPoint;
 pub use crate::solve::equilibrium::Effort as StaticEffort;
 pub use crate::solve::linearize::{SecondOrder, StateSpace};
 pub use air::{CLOSED_PANELS, SurfaceGap, SurfaceLattice};
-pub use face::{
-    AirOutputs, BodyParameters, EnergyOutputs, FACTOR_RANGE, Inputs, JointInputs, JointOutputs, JointParameters,
-    JointStatus, LoopOutputs, Outputs, Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters,
-    Statistics,
-};
+pub use face::{JointStatus, PlantError, Statistics};
 pub use latency::Latency;
 pub use linear::{Argument, Freedom};
-pub use output_set::OutputSet;
+pub use outputs::{
+    EnergyOutputs, JointOutputs, LatchOutputs, LoopOutputs, OutputLayout, OutputSet, Outputs, PointOutputs,
+    SpatialOutputs,
+};
 pub use shape::{ModeShape, NodeMotion, SectionShape, SectionState};
 pub use stability::{Coarseness, Growth, Stability};
 pub use state::Snapshot;
@@ -52,7 +53,7 @@ pub use strains::SectionStrain;
 
 use crate::beam::element::ElementKind;
 use crate::machine::Machine;
-use crate::machine::{Gauge, JointKind, Method, OneFreedom, Parent, Spatial};
+use crate::machine::{Gauge, Method, OneFreedom, Spatial};
 use crate::multibody::gauge::GaugePoint;
 use crate::solve::stepper::{self, Stepper};
 use air::AirCoupling;
@@ -102,16 +103,7 @@ impl Plant {
     pub fn new(machine: Arc<Machine>) -> Self {
         let revolute_joints: Vec<usize> = revolutes(&machine).map(|(body, _)| body).collect();
         let spatial_joints: Vec<usize> = spatials(&machine).map(|(body, _)| body).collect();
-        let tip_bodies: Vec<usize> = (0..machine.bodies.len())
-            .filter(|&body| {
-                !machine.bodies.iter().any(|child| match child.joint.parent {
-                    Parent::Body { index, position_m } => {
-                        index == body && position_m >= machine.bodies[body].length_m * (1.0 - 1e-9)
-                    }
-                    Parent::Root { .. } => false,
-                })
-            })
-            .collect();
+        let tip_bodies: Vec<usize> = machine.tip_bodies().collect();
         let state = State::of_model(&machine);
         let equations = Equations::new(&machine, &state.parameters);
         let coordinates = equations.model.coordinates;
@@ -124,10 +116,7 @@ impl Plant {
             Method::Rk4 => stepper::Method::Rk4,
         };
         let air = AirCoupling::new(&machine, coordinates).map(Box::new);
-        let mut outputs = outputs::blank(&machine, revolute_joints.len(), spatial_joints.len(), tip_bodies.len());
-        if let Some(air) = &air {
-            outputs.air = air.blank_outputs(equations.load_stations);
-        }
+        let outputs = Outputs::blank(&machine);
         let recovered = |gauge: &Gauge| machine.bodies[gauge.body].element == ElementKind::Linear;
         let gauges = outputs::gauge_points(&machine);
         Self {
@@ -301,14 +290,10 @@ impl Plant {
 
 /// Bodies whose joint is revolute or prismatic, with that joint.
 fn revolutes(machine: &Machine) -> impl Iterator<Item = (usize, &OneFreedom)> {
-    let bodies = machine.bodies.iter().enumerate();
-    bodies.filter_map(|(index, body)| body.joint.kind.one_freedom().map(|(_, joint)| (index, joint)))
+    machine.one_freedoms()
 }
 
 /// Bodies whose joint has several freedoms, with that joint.
 fn spatials(machine: &Machine) -> impl Iterator<Item = (usize, &Spatial)> {
-    machine.bodies.iter().enumerate().filter_map(|(index, body)| match &body.joint.kind {
-        JointKind::Spatial(spatial) => Some((index, spatial.as_ref())),
-        JointKind::Clamped | JointKind::Revolute(_) | JointKind::Prismatic(_) => None,
-    })
+    machine.spatials()
 }

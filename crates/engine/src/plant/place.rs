@@ -114,20 +114,20 @@ impl Plant {
                 largest = (value.abs(), format!("the largest input is {} = {value:e} {unit}", name()));
             }
         };
-        let root = &inputs.root;
+        let root = &inputs.root();
         let vectors = [
             (&root.gravity_m_s2, "m/s2", "gravity"),
             (&root.acceleration_m_s2, "m/s2", ROOT_ACCELERATION),
             (&root.angular_velocity_rad_s, "rad/s", "root.angular_velocity"),
             (&root.angular_acceleration_rad_s2, "rad/s2", ROOT_ANGULAR_ACCELERATION),
-            (&inputs.wind_m_s, "m/s", "wind.velocity"),
+            (inputs.wind_m_s(), "m/s", "wind.velocity"),
         ];
         for (vector, unit, name) in vectors {
             for (value, axis) in vector.iter().zip(["x", "y", "z"]) {
                 offer(*value, unit, &|| format!("{name}.{axis}"));
             }
         }
-        for (joint, &body) in inputs.joints.iter().zip(&self.revolute_joints) {
+        for (joint, &body) in inputs.joints().iter().zip(&self.revolute_joints) {
             let described = &self.machine.bodies[body].joint;
             let (name, travel) = (&described.name, described.kind.one_freedom().map(|(travel, _)| travel));
             let travel = travel.unwrap_or(Travel::Rotation);
@@ -136,7 +136,7 @@ impl Plant {
         }
         let stations =
             self.machine.bodies.iter().flat_map(|body| (0..body.station_positions_m.len()).map(move |i| (body, i)));
-        for (load, (body, station)) in inputs.stations.iter().zip(stations) {
+        for (load, (body, station)) in inputs.stations().iter().zip(stations) {
             for (vector, unit, what) in [(&load.force_n, "N", "force"), (&load.moment_n_m, "N.m", "moment")] {
                 for (value, axis) in vector.iter().zip(["x", "y", "z"]) {
                     offer(*value, unit, &|| format!("load.{}[{}].{what}.{axis}", body.name, station + 1));

@@ -4,9 +4,8 @@ use crate::actuation::drive::Slew;
 use crate::actuation::latch::LatchState;
 use crate::machine::Machine;
 use crate::plant::air::AirHistory;
-use crate::plant::face::{
-    BodyParameters, FACTOR_RANGE, Inputs, JointParameters, Parameters, PlantError, SpatialParameters, Statistics,
-};
+use crate::plant::face::{PlantError, Statistics};
+use crate::signal::{Inputs, Parameters};
 use crate::solve::point::Point;
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
@@ -152,25 +151,11 @@ impl Snapshot {
         air: Option<&AirHistory>,
     ) -> Result<(), PlantError> {
         let theirs = &*self.0;
-        let lengths = |state: &State| {
-            [
-                state.inputs.joints.len(),
-                state.inputs.stations.len(),
-                state.parameters.joints.len(),
-                state.parameters.bodies.len(),
-                state.parameters.spatial.len(),
-                state.rates.joints.len(),
-                state.rates.stations.len(),
-                state.applied_inputs.joints.len(),
-                state.applied_inputs.stations.len(),
-                state.applied_rates.joints.len(),
-                state.applied_rates.stations.len(),
-                state.applied_parameters.joints.len(),
-                state.applied_parameters.bodies.len(),
-                state.applied_parameters.spatial.len(),
-            ]
-        };
-        if lengths(theirs) != lengths(own) {
+        let inputs = [&theirs.inputs, &theirs.rates, &theirs.applied_inputs, &theirs.applied_rates];
+        let parameters = [&theirs.parameters, &theirs.applied_parameters];
+        if !(inputs.into_iter().all(|inputs| inputs.fit(own.inputs.layout()))
+            && parameters.into_iter().all(|parameters| parameters.fit(own.parameters.layout())))
+        {
             return Err(PlantError::Snapshot("numbers of joints, bodies or stations differ".into()));
         }
         let fits = |point: &Point| {
@@ -186,8 +171,8 @@ impl Snapshot {
             return Err(PlantError::Snapshot("numbers of coordinates differ".into()));
         }
         let rotations = [&theirs.spatial_rotations, &theirs.tip_rotations, &theirs.station_rotations].map(Vec::len);
-        let rotations_fit = rotations == [own.parameters.spatial.len(), tips, own.inputs.stations.len()];
-        if theirs.initialized && !(rotations_fit && theirs.joints.len() == own.inputs.joints.len()) {
+        let rotations_fit = rotations == [own.parameters.spatial().len(), tips, own.inputs.stations().len()];
+        if theirs.initialized && !(rotations_fit && theirs.joints.len() == own.inputs.joints().len()) {
             return Err(PlantError::Snapshot("numbers of free ends or joint states differ".into()));
         }
         let air_fits = match (air, &theirs.air) {
@@ -223,48 +208,15 @@ impl State {
         {
             return refuse("an order of times or an internal step");
         }
-        let steps = |parameters: &Parameters| {
-            parameters.tolerance > 0.0
-                && parameters.min_step_s > 0.0
-                && [parameters.tolerance, parameters.min_step_s, parameters.max_step_s].iter().all(|v| v.is_finite())
-        };
-        if !(steps(&self.parameters) && steps(&self.applied_parameters)) {
-            return refuse("solver parameters");
-        }
-        let factor = |value: f64| (FACTOR_RANGE.0..=FACTOR_RANGE.1).contains(&value);
-        let bodies = |parameters: &Parameters| {
-            let body = |body: &BodyParameters| {
-                factor(body.mass_factor)
-                    && factor(body.stiffness_factor)
-                    && finite(&[body.mass_damping_1_s, body.stiffness_damping_s])
-            };
-            parameters.bodies.iter().all(body)
-        };
-        if !(bodies(&self.parameters) && bodies(&self.applied_parameters)) {
-            return refuse("factors or damping of a body");
-        }
-        let joints = |parameters: &Parameters| {
-            let joint = |joint: &JointParameters| {
-                finite(&[joint.start_angle_rad, joint.stiffness_n_m_rad, joint.damping_n_m_s_rad])
-                    && finite(&[joint.constant_torque_n_m, joint.torque_limit_n_m, joint.rate_limit_rad_s])
-                    && finite(&[joint.spring_stiffness_n_m_rad, joint.spring_damping_n_m_s_rad, joint.rest_angle_rad])
-                    && joint.latch_stiffness_n_m_rad.is_finite()
-            };
-            parameters.joints.iter().all(joint)
-        };
-        if !(joints(&self.parameters) && joints(&self.applied_parameters)) {
-            return refuse("parameters of a joint");
+        if let Err(what) = self.parameters.check().and_then(|()| self.applied_parameters.check()) {
+            return refuse(what);
         }
         self.check_inputs_and_events()
     }
 
-    /// Refuses inputs, joints of several freedoms, latches, neutral angles and attitudes that are not finite.
+    /// Refuses inputs, latches, neutral angles and attitudes that are not finite.
     fn check_inputs_and_events(&self) -> Result<(), PlantError> {
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
-        let spatial = |parameters: &Parameters| {
-            let joint = |joint: &SpatialParameters| finite(&[joint.stiffness_n_m_rad, joint.damping_n_m_s_rad]);
-            parameters.spatial.iter().all(joint) && parameters.air_density_kg_m3.is_finite()
-        };
         let inputs = [&self.inputs, &self.rates, &self.applied_inputs, &self.applied_rates];
         let joint = |JointState { latch, slew, .. }: &JointState| {
             finite(&[
@@ -277,9 +229,8 @@ impl State {
             ]) && slew.rate_limit_rad_s.is_finite()
         };
         let rotations = [&self.spatial_rotations, &self.tip_rotations, &self.station_rotations];
-        let what = if !(spatial(&self.parameters) && spatial(&self.applied_parameters)) {
-            "parameters of a joint of several freedoms, or a density of the air,"
-        } else if !inputs.into_iter().all(Inputs::are_finite) {
+        let rates = [&self.rates, &self.applied_rates];
+        let what = if !(inputs.into_iter().all(Inputs::can_be) && rates.into_iter().all(Inputs::can_be_rates)) {
             "inputs"
         } else if !self.joints.iter().all(joint) {
             "latches or neutral angles"

@@ -1,8 +1,9 @@
 //! The linear model between chosen inputs and outputs, NOTATION eq. (L12).
 
-use crate::plant::face::{Inputs, PlantError};
+use crate::plant::face::PlantError;
 use crate::plant::linear::Argument;
 use crate::plant::{Outputs, Plant};
+use crate::signal::Inputs;
 use crate::solve::linearize::{OutputSlopes, StateSpace, state_space};
 use nalgebra::{DMatrix, DVector};
 

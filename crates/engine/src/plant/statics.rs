@@ -327,9 +327,9 @@ impl Plant {
     /// Initialises at `time_s` without loads, gravity and root motion, which are set to zero, and stands still at the
     /// start angles: the state about which the modes of the bare structure are meant.
     pub fn undeformed(&mut self, time_s: f64) -> Result<(), PlantError> {
-        self.state.inputs.root = RootMotion::default();
-        self.state.inputs.stations.fill(Wrench::default());
-        self.state.inputs.wind_m_s.fill(0.0);
+        *self.state.inputs.root_mut() = RootMotion::default();
+        self.state.inputs.stations_mut().fill(Wrench::default());
+        self.state.inputs.wind_m_s_mut().fill(0.0);
         self.start(time_s);
         self.state.now.v.fill(0.0);
         self.conclude_start(time_s)?;

@@ -1,9 +1,8 @@
 //! Reading and writing rows: what is legal, and the message where it is not.
 
-use crate::interface::binding::Binding;
-use crate::interface::table::NON_NEGATIVE;
+use crate::interface::table::{Bound, NON_NEGATIVE, Place};
 use crate::interface::{Causality, Interface, Value, Variability, Variable};
-use foldwing_engine::plant::OutputSet;
+use foldwing_engine::plant::{OutputSet, Outputs, Plant};
 
 /// Why a row cannot be read or written.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -204,8 +203,9 @@ enum Settable {
 
 /// What reading and writing need of a row, packed for speed.
 pub(super) struct Slot {
-    pub(super) binding: Binding,
-    /// [`Binding::needs`].
+    /// Where its value stands.
+    pub(super) place: Place,
+    /// Outputs that the plant must have found before it is read.
     pub(super) needs: OutputSet,
     kind: Kind,
     settable: Settable,
@@ -214,14 +214,52 @@ pub(super) struct Slot {
 }
 
 impl Slot {
-    pub(super) fn new(variable: &Variable, binding: Binding) -> Self {
+    pub(super) fn new(variable: &Variable, bound: &Bound) -> Self {
         let (min, max) = variable.range.unwrap_or((f64::MIN, f64::MAX));
         let settable = match (variable.causality, variable.variability) {
             (Causality::Input, _) | (Causality::Parameter, Variability::Tunable) => Settable::Always,
             (Causality::Parameter, _) => Settable::Starting,
             (Causality::Output | Causality::Local | Causality::Independent, _) => Settable::Never,
         };
-        Self { binding, needs: binding.needs(), kind: variable.value.kind(), settable, min, max }
+        Self { place: bound.place, needs: bound.needs, kind: variable.value.kind(), settable, min, max }
+    }
+
+    /// Present value: inputs and parameters as the plant holds them.
+    #[inline]
+    pub(super) fn read(&self, plant: &Plant, outputs: &Outputs) -> Value {
+        let number = match self.place {
+            Place::Time => outputs.time_s,
+            Place::Input(place) => plant.inputs().values()[place],
+            Place::Parameter(place) => plant.parameters().values()[place],
+            Place::Output(place) => outputs.values()[place],
+            Place::Local(counter) => return Value::Integer(counter.read(&plant.statistics())),
+            Place::Duration(duration) => duration.read_s(plant.latency()),
+        };
+        match self.kind {
+            Kind::Real | Kind::String => Value::Real(number),
+            Kind::Integer => Value::Integer(number as i32),
+            Kind::Boolean => Value::Boolean(number != 0.0),
+        }
+    }
+
+    /// Sets an input or parameter; the caller has checked that the row is one and that the types agree.
+    #[inline]
+    pub(super) fn write(&self, plant: &mut Plant, value: Value) {
+        let number = match value {
+            Value::Real(value) => value,
+            Value::Integer(value) => f64::from(value),
+            Value::Boolean(value) => f64::from(u8::from(value)),
+        };
+        match self.place {
+            Place::Input(place) => plant.inputs_mut().values_mut()[place] = number,
+            Place::Parameter(place) => plant.parameters_mut().values_mut()[place] = number,
+            _ => debug_assert!(false, "{:?} cannot be set to {value:?}", self.place),
+        }
+    }
+
+    /// Whether the value comes from the last evaluation rather than from the importer.
+    pub(super) fn is_computed(&self) -> bool {
+        matches!(self.place, Place::Output(_) | Place::Local(_) | Place::Duration(_))
     }
 }
 

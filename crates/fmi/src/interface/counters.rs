@@ -1,9 +1,40 @@
 //! Locals: counters of the time integration and, in real-time mode, durations of its steps.
 
-use crate::interface::binding::{Binding, Counter, Duration};
-use crate::interface::table::Table;
-use crate::interface::{Causality, Value, Variability};
+use crate::interface::table::{Place, Table, Text, Type};
 use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::{Latency, Statistics};
+
+/// A counter of the time integration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Counter {
+    /// Accepted steps.
+    Steps,
+    /// Rejected steps.
+    Rejections,
+    /// Steps given up by Newton.
+    Failures,
+    /// Newton iterations.
+    Iterations,
+    /// Factorisations.
+    Factorizations,
+    /// Events.
+    Events,
+    /// Stages accepted without convergence.
+    Unconverged,
+    /// Most iterations of one stage.
+    LargestIterations,
+}
+
+/// A duration of communication steps in real-time mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Duration {
+    /// Of the last one.
+    Last,
+    /// That half of them do not exceed.
+    Median,
+    /// Of the slowest.
+    Slowest,
+}
 
 /// Name, counter and meaning.
 const COUNTERS: &[(&str, Counter, &str)] = &[
@@ -37,11 +68,39 @@ pub(super) fn locals(table: &mut Table, machine: &Machine) {
     let in_real_time = machine.solver.most_iterations.is_some();
     let counters = if in_real_time { REAL_TIME_COUNTERS } else { &[] };
     for &(name, counter, meaning) in COUNTERS.iter().chain(counters) {
-        let text = (format!("solver.{name}"), None, None, format!("{meaning} since initialisation"));
-        table.push(Binding::Local(counter), Causality::Local, Variability::Discrete, Value::Integer(0), text);
+        let text = Text::new(format!("solver.{name}"), format!("{meaning} since initialisation"));
+        table.local(Place::Local(counter), Type::Integer, text);
     }
     for &(name, duration, meaning) in if in_real_time { DURATIONS } else { &[] } {
-        let text = (format!("solver.{name}"), Some("Time"), None, meaning.to_owned());
-        table.push(Binding::Duration(duration), Causality::Local, Variability::Discrete, Value::Real(0.0), text);
+        let text = Text::new(format!("solver.{name}"), meaning);
+        table.local(Place::Duration(duration), Type::Real("Time"), text);
+    }
+}
+
+impl Duration {
+    /// Present value in s.
+    pub(super) fn read_s(self, latency: &Latency) -> f64 {
+        match self {
+            Self::Last => latency.last_s(),
+            Self::Median => latency.quantile_s(0.5),
+            Self::Slowest => latency.slowest_s(),
+        }
+    }
+}
+
+impl Counter {
+    /// Present count; stays at the largest Integer instead of wrapping.
+    pub(super) fn read(self, statistics: &Statistics) -> i32 {
+        let count = match self {
+            Self::Steps => statistics.steps,
+            Self::Rejections => statistics.rejections,
+            Self::Failures => statistics.failures,
+            Self::Iterations => statistics.iterations,
+            Self::Factorizations => statistics.factorizations,
+            Self::Events => statistics.events,
+            Self::Unconverged => statistics.unconverged,
+            Self::LargestIterations => statistics.largest_iterations,
+        };
+        i32::try_from(count).unwrap_or(i32::MAX)
     }
 }

@@ -1,9 +1,10 @@
 //! Derivatives of rows: in time, and with respect to each other.
 
 use crate::interface::access::{Kind, Stage};
-use crate::interface::binding::{Binding, Input, Output, Parameter};
 use crate::interface::dependencies::Dependence;
-use crate::interface::{AccessError, Interface, Scalar, Value, Variable};
+use crate::interface::known::{Input, Known};
+use crate::interface::table::Place;
+use crate::interface::{AccessError, Interface, Scalar, Variable};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::StartState;
 use foldwing_engine::plant::{Inputs, Outputs, Plant, PlantError};
@@ -27,13 +28,6 @@ pub enum DerivativeError {
     Plant(#[from] PlantError),
 }
 
-/// A row that others are differentiated by.
-#[derive(Clone, Copy)]
-enum Known {
-    Input(Input),
-    Parameter(Parameter),
-}
-
 impl Interface {
     /// Sets the time derivatives of continuous inputs for the next [`Plant::step`]: all of them or, if one is refused,
     /// none. Only order 1 is known. The slices are equally long. Allocates nothing unless it fails.
@@ -47,7 +41,7 @@ impl Interface {
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
             self.check_kind(&[reference], Kind::Real)?;
             let refuse = || self.variables()[reference as usize].name.clone();
-            if !matches!(self.binding(reference), Some(Binding::Input(_))) {
+            if !matches!(self.known(reference), Some(Known::Input(_))) {
                 return Err(AccessError::NotAnInput { name: refuse() });
             }
             if order != 1 {
@@ -58,10 +52,8 @@ impl Interface {
             }
         }
         for (&reference, &value) in references.iter().zip(values) {
-            if let Some(Binding::Input(input)) = self.binding(reference)
-                && let Some(slot) = input.real_mut(plant.input_rates_mut())
-            {
-                *slot = value;
+            if let Place::Input(place) = self.slots[reference as usize].place {
+                plant.input_rates_mut().values_mut()[place] = value;
             }
         }
         Ok(())
@@ -87,7 +79,7 @@ impl Interface {
         }
         let rates = plant.output_rates();
         for ((&reference, &order), value) in references.iter().zip(orders).zip(values) {
-            *value = if order == 1 { real(self.output(reference)?, &rates) } else { 0.0 };
+            *value = if order == 1 { rates.values()[self.output(reference)?] } else { 0.0 };
         }
         Ok(())
     }
@@ -107,13 +99,13 @@ impl Interface {
     ) -> Result<(), DerivativeError> {
         let outputs = unknowns.iter().map(|&unknown| self.output(unknown)).collect::<Result<Vec<_>, _>>()?;
         for (&known, &value) in knowns.iter().zip(seeds) {
-            self.known(known, stage)?;
+            self.differentiable(known, stage)?;
             if !value.is_finite() {
                 let name = format!("d({})", self.variables()[known as usize].name);
                 return Err(AccessError::NotFinite { name, value }.into());
             }
         }
-        let concerned = self.concerned(plant.machine(), stage, &outputs, knowns);
+        let concerned = self.concerned(plant.machine(), stage, unknowns, knowns);
         let mut sums = vec![0.0; unknowns.len()];
         for ((&known, &seed), concerned) in knowns.iter().zip(seeds).zip(concerned) {
             if seed == 0.0 || !concerned.contains(&true) {
@@ -122,22 +114,20 @@ impl Interface {
             let add = |sums: &mut [f64], outputs_there: &Outputs, weight: f64| {
                 for ((sum, &output), &concerned) in sums.iter_mut().zip(&outputs).zip(&concerned) {
                     if concerned {
-                        *sum += weight * real(output, outputs_there);
+                        *sum += weight * outputs_there.values()[output];
                     }
                 }
             };
-            match (stage, self.known(known, stage)?) {
-                (Stage::Running, Known::Input(input)) => {
-                    let slope = plant.output_response(&|inputs: &mut Inputs, amount| {
-                        if let Some(slot) = input.real_mut(inputs) {
-                            *slot += amount;
-                        }
-                    })?;
+            self.differentiable(known, stage)?;
+            match (stage, self.slots[known as usize].place) {
+                (Stage::Running, Place::Input(place)) => {
+                    let slope =
+                        plant.output_response(&|inputs: &mut Inputs, amount| inputs.values_mut()[place] += amount)?;
                     add(&mut sums, &slope, seed);
                 }
-                (_, known) => {
+                _ => {
                     let mut column = vec![0.0; unknowns.len()];
-                    let step = initial_differences(plant, start_s, known, &mut |outputs_there, weight| {
+                    let step = self.initial_differences(plant, start_s, known, &mut |outputs_there, weight| {
                         add(&mut column, outputs_there, weight);
                     })?;
                     sums.iter_mut().zip(column).for_each(|(sum, entry)| *sum += seed * entry / (60.0 * step));
@@ -148,73 +138,76 @@ impl Interface {
         Ok(())
     }
 
-    /// Per known, which of the outputs depend on it.
-    fn concerned(&self, machine: &Machine, stage: Stage, outputs: &[Output], knowns: &[u32]) -> Vec<Vec<bool>> {
+    /// Per known, which of the unknowns depend on it.
+    fn concerned(&self, machine: &Machine, stage: Stage, unknowns: &[u32], knowns: &[u32]) -> Vec<Vec<bool>> {
         let dependence = Dependence::new(machine, stage);
-        let of = |&known: &u32| {
-            let known = self.binding(known);
-            outputs.iter().map(|&output| known.is_some_and(|known| dependence.holds(output, known))).collect()
+        let holds = |unknown: u32, known: u32| {
+            let depends = self.bounds[unknown as usize].depends.map(|depends| &self.depends[depends]);
+            depends.zip(self.known(known)).is_some_and(|(depends, known)| dependence.holds(depends, known))
         };
-        knowns.iter().map(of).collect()
+        knowns.iter().map(|&known| unknowns.iter().map(|&unknown| holds(unknown, known)).collect()).collect()
     }
 
-    /// The Real output of a row.
-    fn output(&self, reference: u32) -> Result<Output, AccessError> {
+    /// Place of the Real output of a row.
+    fn output(&self, reference: u32) -> Result<usize, AccessError> {
         self.check_kind(&[reference], f64::KIND)?;
-        match self.binding(reference) {
-            Some(Binding::Output(output)) => Ok(output),
+        match self.slots[reference as usize].place {
+            Place::Output(place) => Ok(place),
             _ => Err(AccessError::NotAnUnknown { name: self.variables()[reference as usize].name.clone() }),
         }
     }
 
-    /// What a row is differentiated by, if it may be.
-    fn known(&self, reference: u32, stage: Stage) -> Result<Known, AccessError> {
+    /// Refuses rows that nothing is differentiated by.
+    fn differentiable(&self, reference: u32, stage: Stage) -> Result<(), AccessError> {
         self.check_kind(&[reference], f64::KIND)?;
-        match (self.binding(reference), stage) {
-            (Some(Binding::Input(input)), _) => Ok(Known::Input(input)),
-            (Some(Binding::Parameter(parameter)), Stage::Starting) => Ok(Known::Parameter(parameter)),
+        match (self.slots[reference as usize].place, stage) {
+            (Place::Input(_), _) | (Place::Parameter(_), Stage::Starting) => Ok(()),
             _ => {
                 let Variable { name, .. } = &self.variables()[reference as usize];
                 Err(AccessError::NotAKnown { name: name.clone() })
             }
         }
     }
-}
 
-/// Evaluates the initialisation beside the present value of a known and hands every result on with its weight; returns
-/// the step. The plant is initialised with the present value afterwards.
-fn initial_differences(
-    plant: &mut Plant,
-    start_s: f64,
-    known: Known,
-    add: &mut dyn FnMut(&Outputs, f64),
-) -> Result<f64, PlantError> {
-    let value = match known {
-        Known::Input(input) => *input.real_mut(plant.inputs_mut()).expect("a Real input"),
-        Known::Parameter(parameter) => *parameter.slot(plant.parameters_mut()),
-    };
-    let floor = if value == 0.0 || matches!(known, Known::Input(_)) { 1.0 } else { 0.0 };
-    let step =
-        if is_polynomial(plant.machine(), known) { POLYNOMIAL_STEP } else { INITIAL_STEP * value.abs().max(floor) };
-    let start_at = |plant: &mut Plant, value: f64| {
-        match known {
-            Known::Input(input) => *input.real_mut(plant.inputs_mut()).expect("a Real input") = value,
-            Known::Parameter(parameter) => *parameter.slot(plant.parameters_mut()) = value,
-        }
-        plant.initialize(start_s)
-    };
-    let mut outcome = Ok(step);
-    for (steps, weight) in SIXTH_ORDER {
-        match start_at(plant, value + steps * step) {
-            Ok(()) => add(plant.outputs(), weight),
-            Err(error) => {
-                outcome = Err(error);
-                break;
+    /// Evaluates the initialisation beside the present value of a known and hands every result on with its weight; returns
+    /// the step. The plant is initialised with the present value afterwards.
+    fn initial_differences(
+        &self,
+        plant: &mut Plant,
+        start_s: f64,
+        known: u32,
+        add: &mut dyn FnMut(&Outputs, f64),
+    ) -> Result<f64, PlantError> {
+        let place = self.slots[known as usize].place;
+        let slot = |plant: &mut Plant, change: &mut dyn FnMut(&mut f64)| match place {
+            Place::Input(place) => change(&mut plant.inputs_mut().values_mut()[place]),
+            Place::Parameter(place) => change(&mut plant.parameters_mut().values_mut()[place]),
+            _ => {}
+        };
+        let mut value = 0.0;
+        slot(plant, &mut |present| value = *present);
+        let floor = if value == 0.0 || matches!(place, Place::Input(_)) { 1.0 } else { 0.0 };
+        let step = match self.known(known) {
+            Some(known) if is_polynomial(plant.machine(), known) => POLYNOMIAL_STEP,
+            _ => INITIAL_STEP * value.abs().max(floor),
+        };
+        let start_at = |plant: &mut Plant, value: f64| {
+            slot(plant, &mut |present| *present = value);
+            plant.initialize(start_s)
+        };
+        let mut outcome = Ok(step);
+        for (steps, weight) in SIXTH_ORDER {
+            match start_at(plant, value + steps * step) {
+                Ok(()) => add(plant.outputs(), weight),
+                Err(error) => {
+                    outcome = Err(error);
+                    break;
+                }
             }
         }
+        start_at(plant, value)?;
+        outcome
     }
-    start_at(plant, value)?;
-    outcome
 }
 
 /// Whether the initial values are polynomials of an input: loads and motion of the root on a machine whose coordinates at
@@ -223,21 +216,9 @@ fn is_polynomial(machine: &Machine, known: Known) -> bool {
     machine.experiment.start == StartState::Unstrained
         && match known {
             Known::Input(
-                Input::StationForce(..)
-                | Input::StationMoment(..)
-                | Input::Gravity(_)
-                | Input::RootAcceleration(_)
-                | Input::RootAngularAcceleration(_),
+                Input::Load(_) | Input::Gravity | Input::RootAcceleration | Input::RootAngularAcceleration,
             ) => true,
-            Known::Input(Input::RootAngularVelocity(_)) => machine.air.is_none(),
-            Known::Input(Input::Joint(..) | Input::Wind(_)) | Known::Parameter(_) => false,
+            Known::Input(Input::RootAngularVelocity) => machine.air.is_none(),
+            Known::Input(Input::Joint(..) | Input::Wind) | Known::Parameter(_) | Known::Time => false,
         }
-}
-
-/// A Real output's value.
-fn real(output: Output, outputs: &Outputs) -> f64 {
-    match output.read(outputs) {
-        Value::Real(value) => value,
-        Value::Integer(_) | Value::Boolean(_) => 0.0,
-    }
 }

@@ -1,22 +1,22 @@
 //! What the torques about a hinge depend on: motor, spring, external torque, latch, start angle and rate.
 
-use crate::interface::binding::{Binding, Input, JointInput, JointParameter, Parameter};
+use crate::interface::known::{Input, JointInput, JointParameter, Known, Parameter};
 use crate::interface::topology::Topology;
 
 /// Command of one joint.
-pub(super) fn commands_joint(joint: usize, known: Binding) -> bool {
-    known == Binding::Input(Input::Joint(joint, JointInput::Command))
+pub(super) fn commands_joint(joint: usize, known: Known) -> bool {
+    known == Known::Input(Input::Joint(joint, JointInput::Command))
 }
 
 /// External torque of one joint.
-pub(super) fn turns_joint(joint: usize, known: Binding) -> bool {
-    known == Binding::Input(Input::Joint(joint, JointInput::Torque))
+pub(super) fn turns_joint(joint: usize, known: Known) -> bool {
+    known == Known::Input(Input::Joint(joint, JointInput::Torque))
 }
 
 /// Initial torque of a motor.
-pub(super) fn motor_pulls_initially(topology: &Topology, joint: usize, known: Binding) -> bool {
+pub(super) fn motor_pulls_initially(topology: &Topology, joint: usize, known: Known) -> bool {
     let parameters = match known {
-        Binding::Parameter(Parameter::Joint(other, field)) => {
+        Known::Parameter(Parameter::Joint(other, field)) => {
             other == joint
                 && match field {
                     JointParameter::StartAngle
@@ -32,20 +32,32 @@ pub(super) fn motor_pulls_initially(topology: &Topology, joint: usize, known: Bi
     parameters || commands_joint(joint, known) || start_rate(topology, joint, known)
 }
 
+/// Initial potential of all motors.
+pub(super) fn motor_stores(topology: &Topology, known: Known) -> bool {
+    use JointParameter::{ConstantTorque, StartAngle, Stiffness, TorqueLimit};
+    match known {
+        Known::Input(Input::Joint(_, JointInput::Command)) => true,
+        Known::Parameter(Parameter::Joint(joint, StartAngle | Stiffness | ConstantTorque | TorqueLimit)) => {
+            topology.is_free(joint)
+        }
+        _ => false,
+    }
+}
+
 /// Initial energy of a joint's own spring.
-pub(super) fn spring_stores_initially(topology: &Topology, joint: usize, known: Binding) -> bool {
+pub(super) fn spring_stores_initially(topology: &Topology, joint: usize, known: Known) -> bool {
     use JointParameter::{RestAngle, SpringStiffness, StartAngle};
     topology.revolute(joint).spring.is_some()
-        && matches!(known, Binding::Parameter(Parameter::Joint(other, StartAngle | SpringStiffness | RestAngle)) if other == joint)
+        && matches!(known, Known::Parameter(Parameter::Joint(other, StartAngle | SpringStiffness | RestAngle)) if other == joint)
 }
 
 /// Initial torque of a joint's own spring and damper.
-pub(super) fn spring_pulls_initially(topology: &Topology, joint: usize, known: Binding) -> bool {
+pub(super) fn spring_pulls_initially(topology: &Topology, joint: usize, known: Known) -> bool {
     if topology.revolute(joint).spring.is_none() {
         return false;
     }
     let parameters = match known {
-        Binding::Parameter(Parameter::Joint(other, field)) => {
+        Known::Parameter(Parameter::Joint(other, field)) => {
             other == joint
                 && match field {
                     JointParameter::StartAngle | JointParameter::SpringStiffness | JointParameter::RestAngle => true,
@@ -59,39 +71,39 @@ pub(super) fn spring_pulls_initially(topology: &Topology, joint: usize, known: B
 }
 
 /// Start angle of a joint, or time where the angle is prescribed.
-pub(super) fn starts(topology: &Topology, joint: usize, known: Binding) -> bool {
+pub(super) fn starts(topology: &Topology, joint: usize, known: Known) -> bool {
     if topology.is_prescribed(joint) {
-        return known == Binding::Time;
+        return known == Known::Time;
     }
-    known == Binding::Parameter(Parameter::Joint(joint, JointParameter::StartAngle))
+    known == Known::Parameter(Parameter::Joint(joint, JointParameter::StartAngle))
 }
 
 /// The start rate is the model's, unless the stopper or a rigid latch holds the joint.
-pub(super) fn start_rate(topology: &Topology, joint: usize, known: Binding) -> bool {
+pub(super) fn start_rate(topology: &Topology, joint: usize, known: Known) -> bool {
     if topology.is_prescribed(joint) {
-        return known == Binding::Time;
+        return known == Known::Time;
     }
     topology.turns_at_start(joint)
-        && (known == Binding::Input(Input::Joint(joint, JointInput::Release))
+        && (known == Known::Input(Input::Joint(joint, JointInput::Release))
             || topology.has_rigid_latch(joint) && catches_at_start(joint, known))
 }
 
 /// What decides whether an enabled rigid latch catches a joint at the start, wherever the model starts it.
-fn catches_at_start(joint: usize, known: Binding) -> bool {
-    known == Binding::Input(Input::Joint(joint, JointInput::LatchEnable))
-        || known == Binding::Parameter(Parameter::Joint(joint, JointParameter::StartAngle))
+fn catches_at_start(joint: usize, known: Known) -> bool {
+    known == Known::Input(Input::Joint(joint, JointInput::LatchEnable))
+        || known == Known::Parameter(Parameter::Joint(joint, JointParameter::StartAngle))
 }
 
 /// What decides whether a latch is closed at the start: only one that the model closes there.
-pub(super) fn latches(topology: &Topology, joint: usize, known: Binding) -> bool {
+pub(super) fn latches(topology: &Topology, joint: usize, known: Known) -> bool {
     starts_closed(topology, joint)
-        && (known == Binding::Input(Input::Joint(joint, JointInput::LatchEnable))
+        && (known == Known::Input(Input::Joint(joint, JointInput::LatchEnable))
             || starts_caught(topology, joint) && starts(topology, joint, known))
 }
 
 /// What decides about the torque of an elastic latch at the start.
-pub(super) fn latch_pulls(topology: &Topology, joint: usize, known: Binding) -> bool {
-    let stiffness = Binding::Parameter(Parameter::Joint(joint, JointParameter::LatchStiffness));
+pub(super) fn latch_pulls(topology: &Topology, joint: usize, known: Known) -> bool {
+    let stiffness = Known::Parameter(Parameter::Joint(joint, JointParameter::LatchStiffness));
     topology.has_elastic_latch(joint)
         && starts_closed(topology, joint)
         && (latches(topology, joint, known) || starts(topology, joint, known) || known == stiffness)

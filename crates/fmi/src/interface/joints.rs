@@ -1,10 +1,19 @@
 //! Rows of the joints: parameters and outputs.
 
+use crate::interface::DependencyKind;
 use crate::interface::Variability;
-use crate::interface::binding::{JointOutput, JointParameter, Output, Parameter, SpatialOutput, SpatialParameter};
-use crate::interface::table::{AXES, NON_NEGATIVE, ParameterRow, QUATERNION, TURN, Table};
+use crate::interface::cause::{Cause, Depends};
+use crate::interface::hinge_dependencies::starts_closed;
+use crate::interface::known::{JointParameter, Parameter, SpatialParameter};
+use crate::interface::rows::ParameterRow;
+use crate::interface::table::{NON_NEGATIVE, Shape, TURN, Table, Text, Type, place};
 use crate::interface::topology::Topology;
+use foldwing_engine::load::Wrench;
 use foldwing_engine::machine::{JointKind, Travel};
+use foldwing_engine::plant::{
+    JointOutputs, JointParameters, LatchOutputs, OutputSet, SpatialOutputs, SpatialParameters,
+};
+use std::mem::offset_of;
 
 const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
     use JointParameter as P;
@@ -13,16 +22,34 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
         (
             "start_angle",
             P::StartAngle,
+            offset_of!(JointParameters, start_angle_rad),
             Fixed,
             "Angle",
             TURN,
             "fold angle at the start, by the right-hand rule about the hinge axis",
         ),
-        ("stiffness", P::Stiffness, Tunable, "RotationalStiffness", NON_NEGATIVE, "motor stiffness k"),
-        ("damping", P::Damping, Tunable, "RotationalDamping", NON_NEGATIVE, "motor damping c"),
+        (
+            "stiffness",
+            P::Stiffness,
+            offset_of!(JointParameters, stiffness_n_m_rad),
+            Tunable,
+            "RotationalStiffness",
+            NON_NEGATIVE,
+            "motor stiffness k",
+        ),
+        (
+            "damping",
+            P::Damping,
+            offset_of!(JointParameters, damping_n_m_s_rad),
+            Tunable,
+            "RotationalDamping",
+            NON_NEGATIVE,
+            "motor damping c",
+        ),
         (
             "constant_torque",
             P::ConstantTorque,
+            offset_of!(JointParameters, constant_torque_n_m),
             Tunable,
             "Moment",
             None,
@@ -31,6 +58,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
         (
             "torque_limit",
             P::TorqueLimit,
+            offset_of!(JointParameters, torque_limit_n_m),
             Tunable,
             "Moment",
             NON_NEGATIVE,
@@ -39,6 +67,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
         (
             "rate_limit",
             P::RateLimit,
+            offset_of!(JointParameters, rate_limit_rad_s),
             Tunable,
             "AngularVelocity",
             NON_NEGATIVE,
@@ -47,6 +76,7 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
         (
             "spring_stiffness",
             P::SpringStiffness,
+            offset_of!(JointParameters, spring_stiffness_n_m_rad),
             Tunable,
             "RotationalStiffness",
             NON_NEGATIVE,
@@ -55,15 +85,25 @@ const JOINT_PARAMETERS: &[ParameterRow<JointParameter>] = {
         (
             "spring_damping",
             P::SpringDamping,
+            offset_of!(JointParameters, spring_damping_n_m_s_rad),
             Tunable,
             "RotationalDamping",
             NON_NEGATIVE,
             "damping parallel to the joint's own spring",
         ),
-        ("rest_angle", P::RestAngle, Tunable, "Angle", None, "angle at which the joint's own spring is slack"),
+        (
+            "rest_angle",
+            P::RestAngle,
+            offset_of!(JointParameters, rest_angle_rad),
+            Tunable,
+            "Angle",
+            None,
+            "angle at which the joint's own spring is slack",
+        ),
         (
             "latch_stiffness",
             P::LatchStiffness,
+            offset_of!(JointParameters, latch_stiffness_n_m_rad),
             Tunable,
             "RotationalStiffness",
             NON_NEGATIVE,
@@ -77,16 +117,33 @@ const SPATIAL_PARAMETERS: &[ParameterRow<SpatialParameter>] = {
     use Variability::Tunable;
     let stiffness = "stiffness of the spring towards the start attitude";
     &[
-        ("stiffness", P::Stiffness, Tunable, "RotationalStiffness", NON_NEGATIVE, stiffness),
-        ("damping", P::Damping, Tunable, "RotationalDamping", NON_NEGATIVE, "damping"),
+        (
+            "stiffness",
+            P::Stiffness,
+            offset_of!(SpatialParameters, stiffness_n_m_rad),
+            Tunable,
+            "RotationalStiffness",
+            NON_NEGATIVE,
+            stiffness,
+        ),
+        (
+            "damping",
+            P::Damping,
+            offset_of!(SpatialParameters, damping_n_m_s_rad),
+            Tunable,
+            "RotationalDamping",
+            NON_NEGATIVE,
+            "damping",
+        ),
     ]
 };
 
 /// Tunable and fixed parameters of all joints.
 pub(super) fn parameters(table: &mut Table, topology: &Topology) {
+    let layout = *table.parameters.layout();
     for joint in 0..topology.revolutes.len() {
         let (name, travel) = (topology.joint_name(joint), topology.travel(joint));
-        for &(key, field, variability, declared, range, meaning) in JOINT_PARAMETERS {
+        for &(key, field, offset, variability, declared, range, meaning) in JOINT_PARAMETERS {
             let acts = match field {
                 JointParameter::StartAngle => !topology.is_prescribed(joint),
                 JointParameter::LatchStiffness => topology.is_free(joint) && topology.has_elastic_latch(joint),
@@ -99,90 +156,138 @@ pub(super) fn parameters(table: &mut Table, topology: &Topology) {
                 // a slide may start anywhere
                 let range = range.filter(|_| travel == Travel::Rotation || field != JointParameter::StartAngle);
                 let (key, meaning) = (travel.words(key), travel.words(meaning));
-                let declared = Some(travel.declared(declared));
-                let text = (format!("{name}.{key}"), declared, range, format!("joint {name}: {meaning}"));
-                table.parameter(Parameter::Joint(joint, field), variability, text);
+                let text = Text::new(format!("{name}.{key}"), format!("joint {name}: {meaning}"));
+                let (known, at) = (Parameter::Joint(joint, field), layout.joints.place(joint, offset));
+                table.parameter(known, at, variability, travel.declared(declared), range, text);
             }
         }
     }
     for joint in (0..topology.spatials.len()).filter(|&joint| !topology.is_unbound(joint)) {
         let name = &topology.machine.bodies[topology.spatials[joint]].joint.name;
-        for &(key, field, variability, declared, range, meaning) in SPATIAL_PARAMETERS {
-            let text = (format!("{name}.{key}"), Some(declared), range, format!("joint {name}: {meaning}"));
-            table.parameter(Parameter::Spatial(joint, field), variability, text);
+        for &(key, field, offset, variability, declared, range, meaning) in SPATIAL_PARAMETERS {
+            let text = Text::new(format!("{name}.{key}"), format!("joint {name}: {meaning}"));
+            let (known, at) = (Parameter::Spatial(joint, field), layout.spatial.place(joint, offset));
+            table.parameter(known, at, variability, declared, range, text);
         }
     }
 }
 
 /// Outputs of a revolute or prismatic joint.
 pub(super) fn revolute_outputs(table: &mut Table, topology: &Topology, joint: usize) {
-    let (name, travel) = (topology.joint_name(joint), topology.travel(joint));
-    let mut add = |field, key: &str, declared: Option<&'static str>, meaning: &str| {
-        table.output(
-            Output::Joint(joint, field),
-            format!("{name}.{}", travel.words(key)),
-            declared.map(|declared| travel.declared(declared)),
-            format!("joint {name}: {}", travel.words(meaning)),
-        );
-    };
-    add(JointOutput::Angle, "angle", Some("Angle"), "fold angle, by the right-hand rule about the hinge axis");
+    let (travel, now) = (topology.travel(joint), OutputSet::JOINTS);
+    let mut add = JointRows { table, topology, joint };
+    // stoppers hold the angles of joints that are not latched
+    let settles = topology.has_elastic_latch(joint) && starts_closed(topology, joint);
+    let depends = Depends::new([Cause::Prescribed(joint)], [Cause::Start(joint)]).settling(settles);
+    let depends = Depends { factor: DependencyKind::Constant, ..depends };
+    let meaning = "fold angle, by the right-hand rule about the hinge axis";
+    add.real("angle", (offset_of!(JointOutputs, angle_rad), now), "Angle", depends, meaning);
     let rate_key = if travel == Travel::Rotation { "angular_velocity" } else { "velocity" };
-    add(JointOutput::Rate, rate_key, Some("AngularVelocity"), "fold rate");
+    let depends = Depends::new([Cause::Prescribed(joint)], [Cause::StartRate(joint)]).settling(false);
+    add.real(rate_key, (offset_of!(JointOutputs, rate_rad_s), now), "AngularVelocity", depends, "fold rate");
+    // where something holds the joint; zero otherwise
+    let depends = Depends::on_group(topology, topology.revolutes[joint]);
     let holding = "torque on the outer body of the stopper, lock or prescribed motion that holds the joint";
-    add(JointOutput::HoldingTorque, "holding_torque", Some("Moment"), holding);
+    let at = (offset_of!(JointOutputs, holding_torque_n_m), OutputSet::HOLDING);
+    add.real("holding_torque", at, "Moment", depends, holding);
     if topology.is_free(joint) {
-        torque_outputs(topology, joint, &mut add);
+        torque_outputs(&mut add);
     }
     reaction_outputs(table, topology, topology.revolutes[joint]);
 }
 
-/// Torques about the hinge of a joint that may turn, and its latch.
-fn torque_outputs(
-    topology: &Topology,
+/// Rows of one revolute or prismatic joint.
+struct JointRows<'t, 'a> {
+    table: &'t mut Table,
+    topology: &'t Topology<'a>,
     joint: usize,
-    add: &mut impl FnMut(JointOutput, &str, Option<&'static str>, &str),
-) {
+}
+
+impl JointRows<'_, '_> {
+    fn text(&self, key: &str, meaning: &str) -> Text {
+        let (name, travel) = (self.topology.joint_name(self.joint), self.topology.travel(self.joint));
+        Text::new(format!("{name}.{}", travel.words(key)), format!("joint {name}: {}", travel.words(meaning)))
+    }
+
+    /// A field of [`JointOutputs`].
+    fn real(
+        &mut self,
+        key: &str,
+        (offset, needs): (usize, OutputSet),
+        declared: &'static str,
+        depends: Depends,
+        meaning: &str,
+    ) {
+        let (text, declared) = (self.text(key, meaning), self.topology.travel(self.joint).declared(declared));
+        let place = self.table.outputs.joints.place(self.joint, offset);
+        self.table.output((place, needs), Shape::Scalar, declared, depends, text);
+    }
+
+    /// A field of [`LatchOutputs`].
+    fn event(&mut self, key: &str, offset: usize, of: Type, depends: Depends, meaning: &str) {
+        let (text, place) = (self.text(key, meaning), self.table.outputs.latches.place(self.joint, offset));
+        self.table.event_output(place, of, depends.settling(false), text);
+    }
+}
+
+/// Torques about the hinge of a joint that may turn, and its latch.
+fn torque_outputs(add: &mut JointRows) {
+    let (topology, joint, now) = (add.topology, add.joint, OutputSet::JOINTS);
+    let (command, torque) = (Cause::Command(joint), Cause::Torque(joint));
+    let (motor_start, spring_start) = (Cause::MotorStart(joint), Cause::SpringStart(joint));
     let applied = "sum of motor, spring and external torque on the outer body about the hinge axis";
-    add(JointOutput::TorqueApplied, "applied_torque", Some("Moment"), applied);
+    let depends = Depends::new([command, torque], [motor_start, spring_start, torque]);
+    add.real("applied_torque", (offset_of!(JointOutputs, torque_applied_n_m), now), "Moment", depends, applied);
     let motor = "motor torque within its limit, on the outer body about the hinge axis";
-    add(JointOutput::MotorTorque, "motor_torque", Some("Moment"), motor);
+    let depends = Depends::new([command], [motor_start]);
+    add.real("motor_torque", (offset_of!(JointOutputs, motor_torque_n_m), now), "Moment", depends, motor);
     if topology.revolute(joint).spring.is_some() {
         let spring = "torque of the joint's own spring and damper, on the outer body about the hinge axis";
-        add(JointOutput::SpringTorque, "spring_torque", Some("Moment"), spring);
+        let depends = Depends::new([], [spring_start]);
+        add.real("spring_torque", (offset_of!(JointOutputs, spring_torque_n_m), now), "Moment", depends, spring);
     }
     let external = "external torque that acts on the outer body about the hinge axis";
-    add(JointOutput::ExternalTorque, "external_torque", Some("Moment"), external);
+    let depends = Depends::new([torque], [torque]).settling(false);
+    add.real("external_torque", (offset_of!(JointOutputs, external_torque_n_m), now), "Moment", depends, external);
     if topology.revolute(joint).latch.is_some() {
-        let torque = "latch torque on the outer body about the hinge axis";
         let rigid = topology.has_rigid_latch(joint);
-        let field = if rigid { JointOutput::LatchReaction } else { JointOutput::LatchTorque };
-        add(field, "latch_torque", Some("Moment"), torque);
-        add(JointOutput::Latched, "latched", None, "latch is closed");
+        let (depends, needs) = match rigid {
+            true => (Depends::on_group(topology, topology.revolutes[joint]), OutputSet::HOLDING),
+            false => (Depends::new([], [Cause::LatchPull(joint)]), now),
+        };
+        let meaning = "latch torque on the outer body about the hinge axis";
+        add.real("latch_torque", (offset_of!(JointOutputs, latch_torque_n_m), needs), "Moment", depends, meaning);
+        // A latch that is closed at the start has not closed: the first closing is the first event.
+        let never = || Depends::new([], []);
+        let depends = Depends::new([], [Cause::LatchStart(joint)]);
+        add.event("latched", offset_of!(LatchOutputs, closed), Type::Boolean, depends, "latch is closed");
         let time = "time at which the latch last closed, -1 before the first closing";
-        add(JointOutput::LatchTime, "latch_time", Some("Time"), time);
-        add(JointOutput::LatchCount, "latch_count", None, "number of times the latch has closed");
+        add.event("latch_time", offset_of!(LatchOutputs, time_s), Type::Real("Time"), never(), time);
+        let count = "number of times the latch has closed";
+        add.event("latch_count", offset_of!(LatchOutputs, count), Type::Integer, never(), count);
         if rigid {
+            let declared = Type::Real(topology.travel(joint).declared("AngularImpulse"));
             let impulse = "impulse of the latch's last closing on the outer body about the hinge axis";
-            add(JointOutput::LatchImpulse, "latch_impulse", Some("AngularImpulse"), impulse);
+            add.event("latch_impulse", offset_of!(LatchOutputs, impulse_n_m_s), declared, never(), impulse);
         }
     }
 }
 
-/// Outputs of a universal, ball or free joint.
+/// Outputs of a universal, ball or free joint. They are relative to the parent: nothing moves them at once.
 pub(super) fn spatial_outputs(table: &mut Table, topology: &Topology, joint: usize) {
+    let layout = table.outputs;
     let body = topology.spatials[joint];
     let name = &topology.machine.bodies[body].joint.name;
-    let mut add = |bind: &dyn Fn(usize) -> Output, key: &str, components: &[&str], declared, meaning: &str| {
-        for (i, component) in components.iter().enumerate() {
-            let meaning = format!("joint {name}: {meaning}, {component}");
-            table.output(bind(i), format!("{name}.{key}.{component}"), Some(declared), meaning);
-        }
+    let mut add = |key: &str, place, shape, declared, meaning: &str| {
+        let text = Text::new(format!("{name}.{key}"), format!("joint {name}: {meaning}, {{}}"));
+        table.output((place, OutputSet::SPATIAL), shape, declared, Depends::new([], []), text);
     };
-    let bind = |field: fn(usize) -> SpatialOutput| move |i| Output::Spatial(joint, field(i));
     let rotation = "quaternion from the body to its parent, with continuous sign";
-    add(&bind(SpatialOutput::Rotation), "rotation", &QUATERNION, "Ratio", rotation);
+    let at = place!(layout.spatial, joint, SpatialOutputs, rotation);
+    add("rotation", at, Shape::Quaternion, "Ratio", rotation);
     let rate = "angular velocity of the body relative to its parent, in the parent's frame";
-    add(&bind(SpatialOutput::AngularVelocity), "angular_velocity", &AXES, "AngularVelocity", rate);
+    let at = place!(layout.spatial, joint, SpatialOutputs, angular_velocity_rad_s);
+    add("angular_velocity", at, Shape::Vector, "AngularVelocity", rate);
     if !topology.is_unbound(joint) {
         reaction_outputs(table, topology, body);
     }
@@ -197,15 +302,19 @@ pub(super) fn clamped_outputs(table: &mut Table, topology: &Topology) {
 /// Force and moment of the joint that holds a body.
 fn reaction_outputs(table: &mut Table, topology: &Topology, body: usize) {
     let (body_name, name) = (&topology.machine.bodies[body].name, &topology.machine.bodies[body].joint.name);
-    for (i, axis) in AXES.iter().enumerate() {
-        let force =
-            format!("joint {name}: force of the joint on the inner end of body {body_name}, root frame, {axis}");
-        table.output(Output::JointForce(body, i), format!("{name}.reaction_force.{axis}"), Some("Force"), force);
-    }
-    for (i, axis) in AXES.iter().enumerate() {
-        let moment = format!(
-            "joint {name}: moment of the joint on the inner end of body {body_name}, at that end, root frame, {axis}"
-        );
-        table.output(Output::JointMoment(body, i), format!("{name}.reaction_moment.{axis}"), Some("Moment"), moment);
-    }
+    let force = format!("joint {name}: force of the joint on the inner end of body {body_name}, root frame, {{}}");
+    let moment = format!(
+        "joint {name}: moment of the joint on the inner end of body {body_name}, at that end, root frame, {{}}"
+    );
+    let depends = Depends::on_group(topology, body);
+    let at = |offset| (table.outputs.joint_reactions.place(body, offset), OutputSet::REACTIONS);
+    let (force_at, moment_at) = (at(offset_of!(Wrench, force_n)), at(offset_of!(Wrench, moment_n_m)));
+    let text = Text::new(format!("{name}.reaction_force"), force);
+    table.output(force_at, Shape::Vector, "Force", depends.clone(), text);
+    // a ball joint passes on the moment of its spring and damper only
+    let depends = match topology.is_ball(body) {
+        true => Depends::new([Cause::Travel(body)], [Cause::BallStart(body)]),
+        false => depends,
+    };
+    table.output(moment_at, Shape::Vector, "Moment", depends, Text::new(format!("{name}.reaction_moment"), moment));
 }

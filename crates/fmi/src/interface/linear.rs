@@ -1,14 +1,15 @@
 //! The linear model with the names and units of the variable table.
 
-use crate::interface::binding::{Binding, Input, JointInput};
+use crate::interface::known::{Input, JointInput, Known};
 use crate::interface::operating_point::OperatingPoint;
+use crate::interface::table::Place;
 use crate::interface::{Causality, Interface, Value, Variable};
 use foldwing_engine::plant::{InputSlope, Inputs, Outputs, Plant, PlantError, StateSpace};
 use nalgebra::DVector;
 
 /// A signal of a linear model.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Signal {
+pub struct LinearSignal {
     /// Name; of an input or output that of the table, of a state the free coordinate's or `der(…)` of it.
     pub name: String,
     /// Unit.
@@ -25,11 +26,11 @@ pub struct LinearModel {
     /// The machine is in air, whose loads the model holds: it says nothing of wind, aerodynamic damping and flutter.
     pub without_air: bool,
     /// States: free coordinates, then their rates.
-    pub states: Vec<Signal>,
+    pub states: Vec<LinearSignal>,
     /// Inputs.
-    pub inputs: Vec<Signal>,
+    pub inputs: Vec<LinearSignal>,
     /// Outputs.
-    pub outputs: Vec<Signal>,
+    pub outputs: Vec<LinearSignal>,
     /// The four matrices.
     pub matrices: StateSpace,
 }
@@ -40,7 +41,7 @@ const DRIVE_STEP: f64 = 1e-4;
 impl Interface {
     /// Real inputs of the table, which a linear model may have: all but wind, which acts through loads that it holds.
     pub fn real_inputs(&self) -> impl Iterator<Item = &Variable> {
-        let wind = |row: &&Variable| matches!(self.binding(row.value_reference), Some(Binding::Input(Input::Wind(_))));
+        let wind = |row: &&Variable| self.known(row.value_reference) == Some(Known::Input(Input::Wind));
         self.reals(Causality::Input).filter(move |row| !wind(row))
     }
 
@@ -62,47 +63,44 @@ impl Interface {
         inputs: &[&Variable],
         outputs: &[&Variable],
     ) -> Result<LinearModel, PlantError> {
-        let real_inputs: Vec<Input> = inputs
+        let place = |row: &&&Variable| self.slots[row.value_reference as usize].place;
+        let real_inputs: Vec<(usize, bool)> = inputs
             .iter()
-            .filter_map(|row| match self.binding(row.value_reference) {
-                Some(Binding::Input(input)) => Some(input),
+            .filter_map(|row| match place(&row) {
+                Place::Input(place) => {
+                    let drive = matches!(
+                        self.known(row.value_reference),
+                        Some(Known::Input(Input::Joint(_, JointInput::Command | JointInput::Torque)))
+                    );
+                    Some((place, drive))
+                }
                 _ => None,
             })
             .collect();
         let adders: Vec<_> = real_inputs
             .iter()
-            .map(|&input| {
-                move |inputs: &mut Inputs, amount: f64| {
-                    if let Some(slot) = input.real_mut(inputs) {
-                        *slot += amount;
-                    }
-                }
-            })
+            .map(|&(place, _)| move |inputs: &mut Inputs, amount: f64| inputs.values_mut()[place] += amount)
             .collect();
         let slopes: Vec<InputSlope> = adders
             .iter()
             .zip(&real_inputs)
-            .map(|(add, input)| {
-                let drive = matches!(input, Input::Joint(_, JointInput::Command | JointInput::Torque));
-                InputSlope { add, step: if drive { DRIVE_STEP } else { 1.0 } }
+            .map(|(add, &(_, drive))| InputSlope { add, step: if drive { DRIVE_STEP } else { 1.0 } })
+            .collect();
+        let rows: Vec<usize> = outputs
+            .iter()
+            .filter_map(|row| match place(&row) {
+                Place::Output(place) => Some(place),
+                _ => None,
             })
             .collect();
-        let rows: Vec<Binding> = outputs.iter().filter_map(|row| self.binding(row.value_reference)).collect();
-        let read = |values: &Outputs| {
-            let value = |row: &Binding| match row {
-                Binding::Output(output) => match output.read(values) {
-                    Value::Real(value) => value,
-                    _ => 0.0,
-                },
-                _ => 0.0,
-            };
-            DVector::from_iterator(rows.len(), rows.iter().map(value))
-        };
+        let read =
+            |values: &Outputs| DVector::from_iterator(rows.len(), rows.iter().map(|&place| values.values()[place]));
         let matrices = plant.state_space(&slopes, &read)?;
         let point = self.operating_point(plant)?;
 
         let values = read(plant.outputs());
-        let signal = |row: &Variable, value: f64| Signal { name: row.name.clone(), unit: row.unit().to_owned(), value };
+        let signal =
+            |row: &Variable, value: f64| LinearSignal { name: row.name.clone(), unit: row.unit().to_owned(), value };
         let present = |row: &&&Variable| match self.get(plant, plant.outputs(), row.value_reference) {
             Some(Value::Real(value)) => value,
             _ => 0.0,
@@ -112,8 +110,8 @@ impl Interface {
         let states = freedoms
             .iter()
             .zip(&positions)
-            .map(|(freedom, &value)| Signal { name: freedom.name.clone(), unit: freedom.unit.to_owned(), value })
-            .chain(freedoms.iter().zip(&rates).map(|(freedom, &value)| Signal {
+            .map(|(freedom, &value)| LinearSignal { name: freedom.name.clone(), unit: freedom.unit.to_owned(), value })
+            .chain(freedoms.iter().zip(&rates).map(|(freedom, &value)| LinearSignal {
                 name: format!("der({})", freedom.name),
                 unit: freedom.rate_unit.to_owned(),
                 value,

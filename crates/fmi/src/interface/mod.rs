@@ -5,17 +5,18 @@
 
 mod access;
 mod air;
-mod binding;
+mod cause;
 mod counters;
 mod dependencies;
 mod derivatives;
-mod fields;
 mod guid;
 mod hinge_dependencies;
 mod joints;
+mod known;
 mod linear;
 mod operating_point;
 mod point_dependencies;
+mod rows;
 mod table;
 mod topology;
 mod units;
@@ -23,15 +24,18 @@ mod units;
 pub use access::{AccessError, Kind, Scalar, Stage};
 pub use derivatives::DerivativeError;
 pub use guid::guid;
-pub use linear::{LinearModel, Signal};
+pub use linear::{LinearModel, LinearSignal};
 pub use operating_point::{Acting, JointPoint, OperatingPoint};
+pub use table::{Shape, Signal};
 pub use units::{RealType, TYPES, UNITS, Unit};
 
 use access::Slot;
-use binding::Source;
+use cause::Depends;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{OutputSet, Outputs, Plant};
+use known::Known;
 use std::collections::HashMap;
+use table::Bound;
 
 /// FMI 2.0 causality.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -138,16 +142,24 @@ pub const MOST_LISTED: usize = 1_000;
 pub struct Interface {
     variables: Vec<Variable>,
     slots: Vec<Slot>,
+    bounds: Vec<Bound>,
+    depends: Vec<Depends>,
+    signals: Vec<Signal>,
     references: HashMap<String, u32>,
 }
 
 impl Interface {
     /// The table of a machine. Row 0 is `time`.
     pub fn new(machine: &Machine) -> Self {
-        let (variables, bindings) = table::build(machine);
-        let slots = variables.iter().zip(bindings).map(|(variable, binding)| Slot::new(variable, binding)).collect();
+        let table::Table { variables, bounds, signals, depends, .. } = rows::build(machine);
+        let slots = variables.iter().zip(&bounds).map(|(variable, bound)| Slot::new(variable, bound)).collect();
         let references = variables.iter().map(|row| (row.name.clone(), row.value_reference)).collect();
-        Self { variables, slots, references }
+        Self { variables, slots, bounds, depends, signals, references }
+    }
+
+    /// All signals in the order of their rows: what FMI 2.0 flattens into [`Self::variables`].
+    pub fn signals(&self) -> &[Signal] {
+        &self.signals
     }
 
     /// All rows; a row's position is its value reference.
@@ -160,7 +172,9 @@ impl Interface {
     /// Every output is compared with every input and parameter, which takes longer than the rest of a start without
     /// air: an instance does not need it, the model description does.
     pub fn dependencies(&self, machine: &Machine) -> Vec<Dependencies> {
-        dependencies::find(machine, &self.slots.iter().map(|slot| slot.binding).collect::<Vec<_>>())
+        let knowns = (0..).zip(&self.bounds).filter_map(|(reference, bound)| Some((reference, bound.known?)));
+        let rows = self.bounds.iter().map(|bound| bound.depends.map(|depends| &self.depends[depends]));
+        dependencies::find(machine, &knowns.collect::<Vec<_>>(), rows)
     }
 
     /// Row of a name.
@@ -170,14 +184,14 @@ impl Interface {
 
     /// Present value: inputs and parameters as the plant holds them, outputs from `outputs`.
     pub fn get(&self, plant: &Plant, outputs: &Outputs, value_reference: u32) -> Option<Value> {
-        self.slots.get(value_reference as usize).map(|slot| slot.binding.read(&Source::new(plant, outputs)))
+        self.slots.get(value_reference as usize).map(|slot| slot.read(plant, outputs))
     }
 
     /// Sets an input or parameter, fixed ones included (they act at the next [`Plant::initialize`]); the row's
     /// type must match and the value lie within its range.
     pub fn set(&self, plant: &mut Plant, value_reference: u32, value: Value) -> Result<(), AccessError> {
         let slot = self.check(value_reference, value, Stage::Starting)?;
-        slot.binding.write(plant, value);
+        slot.write(plant, value);
         Ok(())
     }
 
@@ -194,9 +208,9 @@ impl Interface {
     pub fn get_all<T: Scalar>(&self, plant: &Plant, references: &[u32], values: &mut [T]) -> Result<(), AccessError> {
         self.check_kind(references, T::KIND)?;
         debug_assert!(plant.provides(self.needs(references)), "outputs of an earlier time");
-        let source = Source::new(plant, plant.outputs());
+        let outputs = plant.outputs();
         for (&reference, value) in references.iter().zip(values) {
-            if let Some(read) = T::from_value(self.slots[reference as usize].binding.read(&source)) {
+            if let Some(read) = T::from_value(self.slots[reference as usize].read(plant, outputs)) {
                 *value = read;
             }
         }
@@ -217,19 +231,19 @@ impl Interface {
             self.check(reference, value.into_value(), stage)?;
         }
         for (&reference, &value) in references.iter().zip(values) {
-            self.slots[reference as usize].binding.write(plant, value.into_value());
+            self.slots[reference as usize].write(plant, value.into_value());
         }
         Ok(())
     }
 
-    /// What a row is bound to.
-    fn binding(&self, value_reference: u32) -> Option<binding::Binding> {
-        self.slots.get(value_reference as usize).map(|slot| slot.binding)
+    /// What others may depend on of a row.
+    fn known(&self, value_reference: u32) -> Option<Known> {
+        self.bounds.get(value_reference as usize).and_then(|bound| bound.known)
     }
 
     /// Whether a row's value comes from the last evaluation (outputs and locals).
     pub fn is_computed(&self, value_reference: u32) -> bool {
-        self.slots.get(value_reference as usize).is_some_and(|slot| slot.binding.is_computed())
+        self.slots.get(value_reference as usize).is_some_and(|slot| slot.is_computed())
     }
 }
 

@@ -60,7 +60,7 @@ impl Interface {
     pub fn operating_point(&self, plant: &mut Plant) -> Result<OperatingPoint, PlantError> {
         let growing_1_s = plant.growing_1_s()?;
         let machine = plant.machine();
-        let statuses = plant.joint_statuses().zip(&plant.outputs().joints).zip(plant.revolute_joints());
+        let statuses = plant.joint_statuses().zip(plant.outputs().joints()).zip(plant.revolute_joints());
         let joints = statuses.map(|((status, outputs), body)| {
             let joint = &machine.bodies[*body].joint;
             let own = joint.kind.one_freedom();

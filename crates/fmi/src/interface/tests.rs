@@ -422,7 +422,7 @@ fn dependencies_at_a_communication_point_are_what_the_plant_shows() {
         start.initialize(0.2).expect("start values");
         start.step(0.21).expect("a step");
         // A changed input cuts the integrator's step: what follows starts from the state itself, not from between.
-        start.inputs_mut().root.gravity_m_s2.x += 1e-3;
+        start.inputs_mut().root_mut().gravity_m_s2.x += 1e-3;
         start.step(CUT_S).expect("a step");
         let begin = start.snapshot();
         let mut run = |known: Option<&Variable>| {
@@ -445,4 +445,40 @@ fn dependencies_at_a_communication_point_are_what_the_plant_shows() {
         wrong.extend(compare(label, &declared((&machine, &interface), |of| &of.running, varied), &seen));
     }
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// Every row belongs to one signal, in order, and reads the component that its name says.
+#[test]
+fn signals_cover_all_rows_with_their_components() {
+    for (name, machine) in machines() {
+        let interface = Interface::new(&machine);
+        let mut next = 0;
+        for signal in interface.signals() {
+            assert_eq!(signal.first_reference, next, "{name}: {}", signal.name);
+            for (i, component) in signal.shape.components().iter().enumerate() {
+                let row = &interface.variables()[next as usize + i];
+                let expected = match signal.shape {
+                    Shape::Scalar => signal.name.clone(),
+                    _ => format!("{}.{component}", signal.name),
+                };
+                assert_eq!((&row.name, row.causality), (&expected, signal.causality), "{name}");
+            }
+            next += u32::try_from(signal.shape.components().len()).expect("few");
+        }
+        assert_eq!(next as usize, interface.variables().len(), "{name}");
+        // no number of the flat inputs is read by two rows, and no row reads beyond them
+        let mut plant = Plant::new(Arc::new(machine));
+        let inputs = interface.variables().iter().filter(|row| row.causality == Causality::Input);
+        for (i, row) in inputs.enumerate() {
+            let value = match row.value {
+                Value::Boolean(on) => Value::Boolean(!on),
+                _ => Value::Real(1e3 + i as f64),
+            };
+            let before = plant.inputs().values().to_vec();
+            interface.set(&mut plant, row.value_reference, value).expect("an input");
+            let changed = plant.inputs().values().iter().zip(&before).filter(|(new, old)| new != old).count();
+            assert_eq!(changed, 1, "{name}: {}", row.name);
+            assert_eq!(interface.get(&plant, plant.outputs(), row.value_reference), Some(value), "{}", row.name);
+        }
+    }
 }

@@ -72,7 +72,7 @@ struct Measures {
 
 impl Measures {
     fn include(&mut self, plant: &Plant) {
-        for (peak, strain) in self.peaks.iter_mut().zip(&plant.outputs().gauges) {
+        for (peak, strain) in self.peaks.iter_mut().zip(plant.outputs().gauges()) {
             *peak = peak.max(strain.abs());
         }
         for (first, joint) in self.first_latch_time_s.iter_mut().zip(plant.joint_statuses()) {

@@ -43,7 +43,7 @@ const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges: in 4 aerody
 fn flow<'a>(settings: &'a machine::Air, state: &State, time_s: f64) -> Flow<'a> {
     Flow {
         time_s,
-        density_kg_m3: state.applied_parameters.air_density_kg_m3,
+        density_kg_m3: state.applied_parameters.air_density_kg_m3(),
         wind_m_s: state.wind_at_m_s(time_s),
         spin_rad_s: state.spin_at_rad_s(time_s),
         gusts: &settings.gusts,
@@ -134,7 +134,7 @@ impl Plant {
             let (change_n, size_n) = air.compare();
             change = change_n / size_n;
             let agreed_n = STATIC_TOLERANCE * size_n;
-            let round_off_n = air.round_off_n(self.state.applied_parameters.air_density_kg_m3);
+            let round_off_n = air.round_off_n(self.state.applied_parameters.air_density_kg_m3());
             if !change_n.is_finite() || change_n <= agreed_n.max(round_off_n) {
                 return Ok(effort);
             }
@@ -178,11 +178,11 @@ impl Plant {
         let Some(begin_s) = self.state.air.as_ref().map(|history| history.loads.begin_s) else { return };
         // exact for a wind that runs linearly
         let wind_m_s = self.state.wind_at_m_s(0.5 * (begin_s + time_s));
-        let rate_m_s2 = self.state.applied_rates.wind_m_s;
+        let rate_m_s2 = self.state.applied_rates.wind_m_s();
         let Some(AirHistory { loads, carried_m, gain, .. }) = &mut self.state.air else { return };
         if time_s > loads.begin_s && time_s < loads.end_s {
             *carried_m += wind_m_s * (time_s - loads.begin_s);
-            *gain = gain.after(time_s - loads.begin_s, &rate_m_s2);
+            *gain = gain.after(time_s - loads.begin_s, rate_m_s2);
             loads.begin_s = time_s;
         }
     }
@@ -219,7 +219,7 @@ impl Plant {
         let way_m = history.carried_m + self.state.wind_at_m_s(middle_s) * (end_s - begin_s);
         let spin_rad_s = self.state.spin_at_rad_s(middle_s);
         let carrying = Flow { wind_m_s: way_m / step_s, spin_rad_s, ..flow(&air.settings, &self.state, end_s) };
-        let gain = history.gain.after(end_s - begin_s, &self.state.applied_rates.wind_m_s);
+        let gain = history.gain.after(end_s - begin_s, self.state.applied_rates.wind_m_s());
         let path = AirPath::new(&carrying, step_s);
         air.model.convect(&history.before, &carrying, step_s, &mut history.after);
         air.read(&history.loads);
@@ -235,7 +235,7 @@ impl Plant {
         for trial in 0..most {
             history.motion_tolerance = match air.settings.coupling {
                 Coupling::Iterated { tolerance, .. } if history.scale_n > 0.0 => {
-                    let density_kg_m3 = self.state.applied_parameters.air_density_kg_m3;
+                    let density_kg_m3 = self.state.applied_parameters.air_density_kg_m3();
                     let way_m = air.unnoticed_m(MOTION_SHARE * tolerance * history.scale_n, density_kg_m3);
                     (way_m / self.equations.model.reference_length_m).max(LEAST_MOTION_TOLERANCE)
                 }
@@ -294,7 +294,7 @@ impl Plant {
                     return Err(refusal(begin_s, STAGGERED_DIVERGES));
                 }
             }
-            let round_off_n = air.round_off_n(self.state.applied_parameters.air_density_kg_m3);
+            let round_off_n = air.round_off_n(self.state.applied_parameters.air_density_kg_m3());
             if change_n <= (tolerance * history.scale_n).max(round_off_n) {
                 air.accept();
                 outcome = Ok(());

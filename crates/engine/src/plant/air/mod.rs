@@ -17,7 +17,8 @@ use crate::math::so3::rotation_vector;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::{Model, station};
 use crate::plant::equations::Equations;
-use crate::plant::face::{AirOutputs, Outputs, Statistics};
+use crate::plant::face::Statistics;
+use crate::plant::outputs::Outputs;
 use crate::plant::state::JointState;
 use crate::solve::acceleration::Anderson;
 use crate::solve::point::Point;
@@ -320,30 +321,21 @@ impl AirCoupling {
         })
     }
 
-    /// Outputs of the right sizes.
-    pub fn blank_outputs(&self, load_stations: usize) -> AirOutputs {
-        let strips = self.settings.surfaces.iter().map(|surface| surface.positions_m.len() - 1).sum();
-        AirOutputs {
-            total: Wrench::default(),
-            stations: vec![Wrench::default(); load_stations],
-            circulation_m2_s: vec![0.0; strips],
-        }
-    }
-
     /// Fills the outputs; the nodes of the equations and the poses of the load stations in `outputs` must be current.
     pub fn report(&mut self, equations: &Equations, history: &AirHistory, now: &Point, outputs: &mut Outputs) {
         self.observe(equations, now);
-        outputs.air.total = Wrench::default();
+        let total = outputs.air_total_mut();
+        *total = Wrench::default();
         let loads = &equations.stations[equations.load_stations..];
         for (motion, load) in self.motions.iter().zip(loads) {
-            outputs.air.total.add_force_at(&motion.position_m, &(motion.rotation * load.force_n));
-            outputs.air.total.moment_n_m += motion.rotation * load.moment_n_m;
+            total.add_force_at(&motion.position_m, &(motion.rotation * load.force_n));
+            total.moment_n_m += motion.rotation * load.moment_n_m;
         }
-        outputs.air.stations.fill(Wrench::default());
+        outputs.air_stations_mut().fill(Wrench::default());
         for &(station, section, share) in &self.shares {
             let (motion, load) = (&self.motions[section], &loads[section]);
-            let arm_m = motion.position_m - outputs.stations[station].position_m;
-            let sum = &mut outputs.air.stations[station];
+            let arm_m = motion.position_m - outputs.stations()[station].position_m;
+            let sum = &mut outputs.air_stations_mut()[station];
             sum.add_force_at(&arm_m, &(motion.rotation * load.force_n * share));
             sum.moment_n_m += motion.rotation * load.moment_n_m * share;
         }
@@ -355,7 +347,7 @@ impl AirCoupling {
         let strips = self.settings.surfaces.iter().enumerate();
         let strips =
             strips.flat_map(|(index, surface)| (0..surface.positions_m.len() - 1).map(move |strip| (index, strip)));
-        for (circulation, (surface, strip)) in outputs.air.circulation_m2_s.iter_mut().zip(strips) {
+        for (circulation, (surface, strip)) in outputs.circulation_m2_s_mut().iter_mut().zip(strips) {
             let [before, after] =
                 [&history.before, &history.after].map(|air| self.model.strip_circulation_m2_s(air, surface, strip));
             *circulation = before + (after - before) * share;

@@ -1,0 +1,196 @@
+//! Inputs.
+
+use crate::load::{RootMotion, Wrench};
+use crate::machine::Machine;
+use crate::signal::{Segment, Switch, are_finite};
+use bytemuck::{Pod, Zeroable};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Inputs of one revolute or prismatic joint.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct JointInputs {
+    /// Neutral angle `θ_cmd` in rad.
+    pub command_rad: f64,
+    /// External torque `τ_ext` on the outer body about `+θ` in N·m.
+    pub torque_n_m: f64,
+    /// Release of the stopper; off holds the joint where it is.
+    pub release: Switch,
+    /// Latch may close; ignored by joints without a latch.
+    pub latch_enable: Switch,
+}
+
+/// Where the inputs of a machine stand in [`Inputs::values`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct InputLayout {
+    /// See [`Inputs::joints`].
+    pub joints: Segment<JointInputs>,
+    /// See [`Inputs::stations`].
+    pub stations: Segment<Wrench>,
+    /// See [`Inputs::root`].
+    pub root: Segment<RootMotion>,
+    /// See [`Inputs::wind_m_s`].
+    pub wind_m_s: Segment<Vector3<f64>>,
+    /// Length of the vector.
+    end: usize,
+}
+
+impl InputLayout {
+    /// Of a machine.
+    pub fn new(machine: &Machine) -> Self {
+        let mut end = 0;
+        let stations = machine.bodies.iter().map(|body| body.station_positions_m.len()).sum();
+        Self {
+            joints: Segment::append(&mut end, machine.one_freedoms().count()),
+            stations: Segment::append(&mut end, stations),
+            root: Segment::append(&mut end, 1),
+            wind_m_s: Segment::append(&mut end, 1),
+            end,
+        }
+    }
+}
+
+/// All inputs, held during a step, or their rates per second (switches then are off).
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub struct Inputs {
+    layout: InputLayout,
+    values: Vec<f64>,
+}
+
+/// By hand, because a derived `clone_from` allocates and inputs are copied whenever they change.
+impl Clone for Inputs {
+    fn clone(&self) -> Self {
+        Self { layout: self.layout, values: self.values.clone() }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.layout = source.layout;
+        self.values.clone_from(&source.values);
+    }
+}
+
+impl Inputs {
+    /// Start values of a model's inputs.
+    pub fn of(machine: &Machine) -> Self {
+        let layout = InputLayout::new(machine);
+        let mut inputs = Self { layout, values: vec![0.0; layout.end] };
+        for (own, (_, joint)) in inputs.joints_mut().iter_mut().zip(machine.one_freedoms()) {
+            *own = JointInputs {
+                command_rad: joint.drive.command_rad,
+                torque_n_m: 0.0,
+                release: joint.release.into(),
+                latch_enable: joint.latch.as_ref().is_some_and(|latch| latch.enable).into(),
+            };
+        }
+        let loads = machine.bodies.iter().flat_map(|body| {
+            let load = |i: usize| body.station_loads.get(i).copied().unwrap_or_default();
+            (0..body.station_positions_m.len()).map(load)
+        });
+        inputs.stations_mut().iter_mut().zip(loads).for_each(|(own, load)| *own = load);
+        inputs.root_mut().gravity_m_s2 = machine.gravity_m_s2;
+        *inputs.wind_m_s_mut() = machine.air.as_ref().map_or(Vector3::zeros(), |air| air.wind_m_s);
+        inputs
+    }
+
+    /// Where which input stands in [`Self::values`].
+    pub fn layout(&self) -> &InputLayout {
+        &self.layout
+    }
+
+    /// All of them, SI units; switches are 1 or 0.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// All of them, to be changed.
+    pub fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
+    /// Per revolute or prismatic joint, in the order of `Plant::revolute_joints`.
+    #[inline]
+    pub fn joints(&self) -> &[JointInputs] {
+        self.layout.joints.view(&self.values)
+    }
+
+    /// [`Self::joints`], to be changed.
+    #[inline]
+    pub fn joints_mut(&mut self) -> &mut [JointInputs] {
+        self.layout.joints.view_mut(&mut self.values)
+    }
+
+    /// Total force and moment per station, bodies in model order, stations from the inner end outward,
+    /// each in its body's `load_frame`.
+    #[inline]
+    pub fn stations(&self) -> &[Wrench] {
+        self.layout.stations.view(&self.values)
+    }
+
+    /// [`Self::stations`], to be changed.
+    #[inline]
+    pub fn stations_mut(&mut self) -> &mut [Wrench] {
+        self.layout.stations.view_mut(&mut self.values)
+    }
+
+    /// Gravity and motion of the root.
+    #[inline]
+    pub fn root(&self) -> &RootMotion {
+        &self.layout.root.view(&self.values)[0]
+    }
+
+    /// [`Self::root`], to be changed.
+    #[inline]
+    pub fn root_mut(&mut self) -> &mut RootMotion {
+        &mut self.layout.root.view_mut(&mut self.values)[0]
+    }
+
+    /// Velocity of the air relative to the root's origin, root frame, m/s; ignored by machines without air.
+    #[inline]
+    pub fn wind_m_s(&self) -> &Vector3<f64> {
+        &self.layout.wind_m_s.view(&self.values)[0]
+    }
+
+    /// [`Self::wind_m_s`], to be changed.
+    #[inline]
+    pub fn wind_m_s_mut(&mut self) -> &mut Vector3<f64> {
+        &mut self.layout.wind_m_s.view_mut(&mut self.values)[0]
+    }
+
+    /// No rates: inputs of the same sizes, all zero.
+    pub fn no_rates(&self) -> Self {
+        Self { layout: self.layout, values: vec![0.0; self.values.len()] }
+    }
+
+    /// Whether these, taken as rates, are all zero.
+    pub fn is_still(&self) -> bool {
+        self.values.iter().all(|&value| value == 0.0)
+    }
+
+    /// Sets all to zero, as rates that nobody has set. Allocates nothing.
+    pub(crate) fn clear(&mut self) {
+        self.values.fill(0.0);
+    }
+
+    /// Adds `elapsed_s` times `rates` (per second), NOTATION eq. (A4). Allocates nothing.
+    pub(crate) fn run_on(&mut self, rates: &Self, elapsed_s: f64) {
+        self.values.iter_mut().zip(&rates.values).for_each(|(value, rate)| *value += rate * elapsed_s);
+    }
+
+    /// Whether these could be those of a machine of this layout.
+    pub(crate) fn fit(&self, layout: &InputLayout) -> bool {
+        self.layout == *layout && self.values.len() == layout.end
+    }
+
+    /// Whether a run can have them: finite, switches on or off.
+    pub(crate) fn can_be(&self) -> bool {
+        let valid = |joint: &JointInputs| joint.release.is_valid() && joint.latch_enable.is_valid();
+        are_finite(&self.values) && self.joints().iter().all(valid)
+    }
+
+    /// Whether a run can have them as rates: switches have none.
+    pub(crate) fn can_be_rates(&self) -> bool {
+        let still = |joint: &JointInputs| [joint.release, joint.latch_enable] == [Switch::OFF; 2];
+        self.joints().iter().all(still)
+    }
+}

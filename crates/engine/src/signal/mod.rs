@@ -1,0 +1,150 @@
+//! What goes in and out as flat vectors of numbers, with typed views of them.
+//!
+//! All inputs, all parameters and all outputs are one `Vec<f64>` each: what sums, compares, saves or differentiates them is a
+//! loop over numbers. A [`Segment`] says where values of one type stand, and reads them as a slice of that type without a
+//! copy. Names, units, sentences and dependencies belong to the table of whoever offers the values to others.
+
+mod inputs;
+mod parameters;
+
+pub use inputs::{InputLayout, Inputs, JointInputs};
+pub use parameters::{
+    BodyParameters, FACTOR_RANGE, JointParameters, ParameterLayout, Parameters, SolverParameters, SpatialParameters,
+};
+
+use bytemuck::{Pod, Zeroable};
+use serde::{Deserialize, Serialize};
+use std::marker::PhantomData;
+
+/// Where values of type `T` stand in a flat vector, one after the other.
+///
+/// `T` consists of nothing but `f64`; its fields stand in the order in which it declares them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub struct Segment<T> {
+    start: usize,
+    count: usize,
+    #[serde(skip)]
+    of: PhantomData<fn() -> T>,
+}
+
+impl<T: Pod> Segment<T> {
+    /// Numbers in one value.
+    const WIDTH: usize = size_of::<T>() / size_of::<f64>();
+
+    /// A segment of `count` values from `end` on; moves `end` behind it.
+    pub fn append(end: &mut usize, count: usize) -> Self {
+        let start = *end;
+        *end += count * Self::WIDTH;
+        Self { start, count, of: PhantomData }
+    }
+
+    /// Number of values.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The values.
+    #[inline]
+    pub fn view<'a>(&self, vector: &'a [f64]) -> &'a [T] {
+        bytemuck::cast_slice(&vector[self.start..self.start + self.count * Self::WIDTH])
+    }
+
+    /// The values, to be changed.
+    #[inline]
+    pub fn view_mut<'a>(&self, vector: &'a mut [f64]) -> &'a mut [T] {
+        bytemuck::cast_slice_mut(&mut vector[self.start..self.start + self.count * Self::WIDTH])
+    }
+
+    /// Place in the vector of the number at `offset_bytes` (see [`std::mem::offset_of!`]) in value `index`.
+    ///
+    /// # Panics
+    /// Where there are fewer values.
+    pub fn place(&self, index: usize, offset_bytes: usize) -> usize {
+        assert!(index < self.count, "value {index} of {}", self.count);
+        self.start + index * Self::WIDTH + offset_bytes / size_of::<f64>()
+    }
+}
+
+/// Yes or no as a number: 1 or 0.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, Serialize, Deserialize)]
+#[repr(transparent)]
+pub struct Switch(f64);
+
+impl Switch {
+    /// Yes.
+    pub const ON: Self = Self(1.0);
+    /// No.
+    pub const OFF: Self = Self(0.0);
+
+    /// Whether it is one of the two.
+    pub(crate) fn is_valid(self) -> bool {
+        self == Self::ON || self == Self::OFF
+    }
+
+    /// Whether it is yes.
+    #[inline]
+    pub fn is_on(self) -> bool {
+        self.0 != 0.0
+    }
+}
+
+impl From<bool> for Switch {
+    fn from(on: bool) -> Self {
+        if on { Self::ON } else { Self::OFF }
+    }
+}
+
+/// A whole number among numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Count(f64);
+
+impl Count {
+    /// Zero.
+    pub const NONE: Self = Self(0.0);
+
+    /// The number.
+    pub fn get(self) -> i32 {
+        self.0 as i32
+    }
+}
+
+impl From<i32> for Count {
+    fn from(count: i32) -> Self {
+        Self(f64::from(count))
+    }
+}
+
+/// Whether all numbers are finite.
+pub(crate) fn are_finite(values: &[f64]) -> bool {
+    values.iter().all(|value| value.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::load::Wrench;
+    use std::mem::offset_of;
+
+    #[test]
+    fn segments_follow_each_other_and_read_what_was_written() {
+        let mut end = 0;
+        let first: Segment<Wrench> = Segment::append(&mut end, 2);
+        let second: Segment<Switch> = Segment::append(&mut end, 3);
+        assert_eq!(end, 2 * 6 + 3);
+        let mut vector: Vec<f64> = (0..end).map(|i| i as f64).collect();
+        assert_eq!(first.view(&vector)[1].moment_n_m.as_slice(), [9.0, 10.0, 11.0]);
+        assert_eq!(first.place(1, offset_of!(Wrench, moment_n_m)), 9);
+        second.view_mut(&mut vector)[2] = true.into();
+        assert_eq!((vector[14], second.place(2, 0)), (1.0, 14));
+        assert_eq!([0, -3, i32::MAX].map(|count| Count::from(count).get()), [0, -3, i32::MAX]);
+    }
+
+    #[test]
+    #[should_panic(expected = "value 2 of 2")]
+    fn a_place_beyond_a_segment_is_refused() {
+        let segment: Segment<f64> = Segment::append(&mut 5, 2);
+        segment.place(2, 0);
+    }
+}

@@ -1,0 +1,416 @@
+//! All rows of a machine but those of joints and air: names, types, sentences, dependencies.
+
+use crate::interface::cause::{Cause, Depends, Reach};
+use crate::interface::dependencies::loop_reach;
+use crate::interface::known::{BodyParameter, Input, JointInput, Parameter};
+use crate::interface::table::{FACTOR, NON_NEGATIVE, POSITIVE, Range, Shape, TOLERANCE, Table, Text, Type, place};
+use crate::interface::topology::Topology;
+use crate::interface::{Variability, air, counters, joints};
+use foldwing_engine::load::{LoadFrame, RootMotion, Wrench};
+use foldwing_engine::machine::{Machine, SectionSide};
+use foldwing_engine::plant::{
+    BodyParameters, EnergyOutputs, JointInputs, LoopOutputs, OutputSet, PointOutputs, SolverParameters,
+};
+use std::mem::offset_of;
+
+/// The table of a machine, rows in the order of their value references.
+pub(super) fn build(machine: &Machine) -> Table {
+    let topology = Topology::new(machine);
+    let mut table = Table::new(machine);
+    inputs(&mut table, &topology);
+    outputs(&mut table, &topology);
+    parameters(&mut table, &topology);
+    counters::locals(&mut table, machine);
+    table
+}
+
+fn inputs(table: &mut Table, topology: &Topology) {
+    let layout = *table.inputs.layout();
+    for joint in (0..topology.revolutes.len()).filter(|&joint| topology.is_free(joint)) {
+        let (name, travel) = (topology.joint_name(joint), topology.travel(joint));
+        let mut add = |known, offset, key: &str, of, meaning: &str| {
+            let text =
+                Text::new(format!("{name}.{}", travel.words(key)), format!("joint {name}: {}", travel.words(meaning)));
+            table.input(Input::Joint(joint, known), layout.joints.place(joint, offset), Shape::Scalar, of, text);
+        };
+        let real = |declared| Type::Real(travel.declared(declared));
+        let command = offset_of!(JointInputs, command_rad);
+        add(JointInput::Command, command, "command", real("Angle"), "commanded neutral angle of the motor");
+        let torque = offset_of!(JointInputs, torque_n_m);
+        let meaning = "external torque on the outer body about the hinge axis";
+        add(JointInput::Torque, torque, "torque", real("Moment"), meaning);
+        let release = offset_of!(JointInputs, release);
+        add(JointInput::Release, release, "release", Type::Boolean, "joint may turn (false holds it where it is)");
+        if topology.revolute(joint).latch.is_some() {
+            let enable = offset_of!(JointInputs, latch_enable);
+            add(JointInput::LatchEnable, enable, "latch_enable", Type::Boolean, "latch may close (false opens it)");
+        }
+    }
+    for (station, &(body, number)) in topology.stations.iter().enumerate() {
+        let body = &topology.machine.bodies[body];
+        let frame = match body.load_frame {
+            LoadFrame::Root => "root frame",
+            LoadFrame::Section => "section frame",
+        };
+        let mut vector = |offset, key: &str, declared| {
+            let name = format!("load.{}[{number}].{key}", body.name);
+            let text = Text::new(name, format!("{key} on station {number} of body {}, {{}}, {frame}", body.name));
+            let place = layout.stations.place(station, offset);
+            table.input(Input::Load(station), place, Shape::Vector, Type::Real(declared), text);
+        };
+        vector(offset_of!(Wrench, force_n), "force", "Force");
+        vector(offset_of!(Wrench, moment_n_m), "moment", "Moment");
+    }
+    let mut root = |known, offset, name: &str, declared, meaning: &str| {
+        let text = Text::new(name, format!("{meaning}, {{}}, root frame"));
+        table.input(known, layout.root.place(0, offset), Shape::Vector, Type::Real(declared), text);
+    };
+    root(Input::Gravity, offset_of!(RootMotion, gravity_m_s2), "gravity", "Acceleration", "gravity");
+    let acceleration = "inertial acceleration of the root's origin, without gravity";
+    let at = offset_of!(RootMotion, acceleration_m_s2);
+    root(Input::RootAcceleration, at, "root.acceleration", "Acceleration", acceleration);
+    let at = offset_of!(RootMotion, angular_velocity_rad_s);
+    let spin = "angular velocity of the root frame";
+    root(Input::RootAngularVelocity, at, "root.angular_velocity", "AngularVelocity", spin);
+    let at = offset_of!(RootMotion, angular_acceleration_rad_s2);
+    let spin_up = "angular acceleration of the root frame";
+    root(Input::RootAngularAcceleration, at, "root.angular_acceleration", "AngularAcceleration", spin_up);
+    air::inputs(table, topology);
+}
+
+fn outputs(table: &mut Table, topology: &Topology) {
+    let layout = table.outputs;
+    for joint in 0..topology.revolutes.len() {
+        joints::revolute_outputs(table, topology, joint);
+    }
+    for joint in 0..topology.spatials.len() {
+        joints::spatial_outputs(table, topology, joint);
+    }
+    joints::clamped_outputs(table, topology);
+    for (index, gauge) in topology.machine.gauges.iter().enumerate() {
+        let body = &topology.machine.bodies[gauge.body].name;
+        let [x, y, z] = gauge.direction.into();
+        let what = match (y, z) {
+            (0.0, 0.0) => "axial strain".to_owned(),
+            _ => format!("strain along ({x:.4}, {y:.4}, {z:.4}) of the section frame"),
+        };
+        let (at, [y, z]) = (gauge.position_m, [gauge.y_m, gauge.z_m]);
+        let meaning = format!("{what} on body {body} at {at} m, y = {y} m, z = {z} m");
+        let mut depends = Depends::on_group(topology, gauge.body);
+        depends.initial.push(Cause::Stiffness(gauge.body));
+        let text = Text::new(format!("gauge.{}.strain", gauge.name), meaning);
+        table.output((layout.gauges.place(index, 0), OutputSet::GAUGES), Shape::Scalar, "Strain", depends, text);
+    }
+    for (index, place) in topology.machine.section_loads.iter().enumerate() {
+        let body = &topology.machine.bodies[place.body].name;
+        let at = place.position_m;
+        let side = match place.side {
+            SectionSide::Inboard => "",
+            SectionSide::Outboard => ", outboard of what is attached there",
+        };
+        let of =
+            format!("of the outboard part of body {body} on the inboard part at {at} m{side}, {{}}, section frame");
+        let depends = Depends::on_group(topology, place.body);
+        let (name, first) = (format!("section_load.{}", place.name), layout.section_loads.place(index, 0));
+        wrench(
+            table,
+            (first, OutputSet::SECTION_LOADS),
+            &name,
+            &depends,
+            [&format!("force {of}"), &format!("moment {of}")],
+        );
+    }
+    for (index, closure) in topology.machine.closures.iter().enumerate() {
+        loop_outputs(table, topology, index, &closure.name);
+    }
+    let [force, moment] = [
+        "force of the wing on the aircraft, {}, root frame",
+        "moment of the wing on the aircraft at the origin, {}, root frame",
+    ];
+    let root = (layout.root.place(0, 0), OutputSet::ROOT);
+    wrench(table, root, "root", &Depends::on_push(Reach::Root), [force, moment]);
+    for (tip, &body) in topology.tips.iter().enumerate() {
+        let name = &topology.machine.bodies[body].name;
+        let group = if topology.tips.len() == 1 { "tip".to_owned() } else { format!("tip_{name}") };
+        let of = format!("of the free end of body {name}");
+        let fields = [POSITION, VELOCITY, ACCELERATION, ANGULAR_VELOCITY, ANGULAR_ACCELERATION, ROTATION];
+        for field in fields {
+            let needs = match field.motion {
+                Motion::Place | Motion::Attitude => OutputSet::TIP_PLACES,
+                _ => OutputSet::TIP_MOTIONS,
+            };
+            field.add(table, topology, (layout.tips.place(tip, field.offset), needs), body, &group, &of);
+        }
+    }
+    for (station, &(body, number)) in topology.stations.iter().enumerate() {
+        let name = &topology.machine.bodies[body].name;
+        let (group, of) = (format!("station.{name}[{number}]"), format!("of station {number} of body {name}"));
+        let fields = [POSITION, VELOCITY, ANGULAR_VELOCITY, ACCELERATION, ANGULAR_ACCELERATION, ROTATION];
+        for field in fields {
+            let needs = match field.motion {
+                Motion::Place | Motion::Attitude => OutputSet::STATION_PLACES,
+                Motion::Acceleration | Motion::AngularAcceleration => OutputSet::STATION_ACCELERATIONS,
+                Motion::Velocity | Motion::AngularVelocity => OutputSet::STATION_MOTIONS,
+            };
+            field.add(table, topology, (layout.stations.place(station, field.offset), needs), body, &group, &of);
+        }
+    }
+    energies(table, topology);
+    air::outputs(table, topology);
+}
+
+/// Rows of a force and a moment that stand one after the other.
+pub(super) fn wrench(
+    table: &mut Table,
+    (first, needs): (usize, OutputSet),
+    name: &str,
+    depends: &Depends,
+    [force, moment]: [&str; 2],
+) {
+    let at = |offset: usize| (first + offset / size_of::<f64>(), needs);
+    let text = Text::new(format!("{name}.force"), force);
+    table.output(at(offset_of!(Wrench, force_n)), Shape::Vector, "Force", depends.clone(), text);
+    let text = Text::new(format!("{name}.moment"), moment);
+    table.output(at(offset_of!(Wrench, moment_n_m)), Shape::Vector, "Moment", depends.clone(), text);
+}
+
+fn loop_outputs(table: &mut Table, topology: &Topology, closure: usize, name: &str) {
+    let layout = table.outputs;
+    let [first, second] = topology.joined(closure).map(|body| topology.machine.bodies[body].name.as_str());
+    let text = Text::new(
+        format!("loop.{name}.gap"),
+        format!("gap of loop {name}, from its point on {first} to its point on {second}, {{}}, root frame"),
+    );
+    let gap = Depends::new([Cause::LoopTravel(closure)], topology.joined(closure).map(Cause::Folds));
+    let at = place!(layout.loops, closure, LoopOutputs, gap_m);
+    table.output((at, OutputSet::LOOPS), Shape::Vector, "Position", gap, text);
+    let text = Text::new(
+        format!("loop.{name}.force"),
+        format!("force of loop {name} on body {first}; the opposite force acts on {second}, {{}}, root frame"),
+    );
+    // without inertia a penalty force follows from the state alone
+    let running = match topology.machine.closures[closure].inertia_kg == 0.0 {
+        true => vec![Cause::LoopTravel(closure)],
+        false => vec![Cause::Push(loop_reach(topology, closure)), Cause::Air],
+    };
+    let force = Depends::new(running, [Cause::LoopPull(closure)]);
+    let at = place!(layout.loops, closure, LoopOutputs, force_n);
+    table.output((at, OutputSet::LOOPS), Shape::Vector, "Force", force, text);
+}
+
+/// What of a point's motion a row tells.
+#[derive(Clone, Copy, PartialEq)]
+enum Motion {
+    Place,
+    Velocity,
+    AngularVelocity,
+    Acceleration,
+    AngularAcceleration,
+    Attitude,
+}
+
+/// A row of a point.
+#[derive(Clone, Copy)]
+struct PointRow {
+    key: &'static str,
+    offset: usize,
+    shape: Shape,
+    declared: &'static str,
+    meaning: &'static str,
+    motion: Motion,
+}
+
+const POSITION: PointRow = PointRow {
+    key: "position",
+    offset: offset_of!(PointOutputs, position_m),
+    shape: Shape::Vector,
+    declared: "Position",
+    meaning: "position",
+    motion: Motion::Place,
+};
+const VELOCITY: PointRow = PointRow {
+    key: "velocity",
+    offset: offset_of!(PointOutputs, velocity_m_s),
+    shape: Shape::Vector,
+    declared: "Velocity",
+    meaning: "velocity relative to the root frame",
+    motion: Motion::Velocity,
+};
+const ANGULAR_VELOCITY: PointRow = PointRow {
+    key: "angular_velocity",
+    offset: offset_of!(PointOutputs, angular_velocity_rad_s),
+    shape: Shape::Vector,
+    declared: "AngularVelocity",
+    meaning: "angular velocity relative to the root frame",
+    motion: Motion::AngularVelocity,
+};
+const ACCELERATION: PointRow = PointRow {
+    key: "acceleration",
+    offset: offset_of!(PointOutputs, acceleration_m_s2),
+    shape: Shape::Vector,
+    declared: "Acceleration",
+    meaning: "inertial acceleration, without gravity,",
+    motion: Motion::Acceleration,
+};
+const ANGULAR_ACCELERATION: PointRow = PointRow {
+    key: "angular_acceleration",
+    offset: offset_of!(PointOutputs, angular_acceleration_rad_s2),
+    shape: Shape::Vector,
+    declared: "AngularAcceleration",
+    meaning: "inertial angular acceleration",
+    motion: Motion::AngularAcceleration,
+};
+const ROTATION: PointRow = PointRow {
+    key: "rotation",
+    offset: offset_of!(PointOutputs, rotation),
+    shape: Shape::Quaternion,
+    declared: "Ratio",
+    meaning: "quaternion from section to root, with continuous sign,",
+    motion: Motion::Attitude,
+};
+
+impl PointRow {
+    fn add(&self, table: &mut Table, topology: &Topology, at: (usize, OutputSet), body: usize, group: &str, of: &str) {
+        let by_state = |initial| Depends::new([Cause::Travel(body)], [initial]);
+        let depends = match self.motion {
+            Motion::Place => by_state(Cause::Folds(body)),
+            Motion::Velocity => by_state(Cause::VelocityStart(body)),
+            Motion::AngularVelocity => by_state(Cause::AngularVelocityStart(body)),
+            Motion::Attitude => by_state(Cause::AttitudeStart(body)),
+            Motion::Acceleration if topology.floats(body) => Depends::on_push(Reach::Flight(topology.group[body])),
+            Motion::Acceleration | Motion::AngularAcceleration => Depends::on_group(topology, body),
+        };
+        let meaning = format!("{} {of}, {{}}, root frame", self.meaning);
+        table.output(at, self.shape, self.declared, depends, Text::new(format!("{group}.{}", self.key), meaning));
+    }
+}
+
+fn energies(table: &mut Table, topology: &Topology) {
+    let layout = table.outputs;
+    let joints = || 0..topology.revolutes.len();
+    let closures = || 0..topology.machine.closures.len();
+    let kinetic = Depends::new([Cause::AnyTravel], [Cause::KineticStart]);
+    let springs = joints().filter(|&joint| topology.is_free(joint));
+    let springs = springs.flat_map(|joint| [Cause::LatchPull(joint), Cause::SpringStore(joint)]);
+    let opened = closures().flat_map(|closure| topology.opens(closure)).map(Cause::Start);
+    let elastic =
+        Depends::new(closures().map(Cause::LoopTravel).collect::<Vec<_>>(), springs.chain(opened).collect::<Vec<_>>());
+    let heights = [Cause::Weight, Cause::AnyMassFactor].into_iter().chain(joints().map(Cause::Start));
+    let gravity = Depends::new([Cause::Weight, Cause::AnyTravel], heights.collect::<Vec<_>>());
+    let drive = Depends::new([Cause::AnyCommand], [Cause::DriveStart]);
+    let parts = [&kinetic, &elastic, &gravity, &drive];
+    let total = Depends::new(
+        parts.iter().flat_map(|part| part.running.clone()).collect::<Vec<_>>(),
+        parts.iter().flat_map(|part| part.initial.clone()).collect::<Vec<_>>(),
+    );
+    // a jump of an input moves a potential at once; the jump is booked as its work
+    let work = Depends::new([Cause::Weight, Cause::AnyCommand], []);
+    let mut add = |name: &str, offset, needs, depends, meaning: &str| {
+        let (at, text) = (layout.energy.place(0, offset), Text::new(format!("energy.{name}"), meaning));
+        table.output((at, needs), Shape::Scalar, "Energy", depends, text);
+    };
+    let (now, booked) = (OutputSet::ENERGIES, OutputSet::ACCOUNTS);
+    let meaning = "kinetic energy relative to the root frame";
+    add("kinetic", offset_of!(EnergyOutputs, kinetic), now, kinetic, meaning);
+    let meaning = "strain energy of beams, springs of fold joints and closed latches";
+    add("elastic", offset_of!(EnergyOutputs, elastic), now, elastic, meaning);
+    let meaning = "potential of gravity minus root acceleration, zero at the origin";
+    add("gravity", offset_of!(EnergyOutputs, gravity), now, gravity, meaning);
+    let meaning = "potential of the motors' stiffness and constant torques within their limits";
+    add("drive", offset_of!(EnergyOutputs, drive), now, drive, meaning);
+    add("work", offset_of!(EnergyOutputs, work), booked, work, "work done by the inputs since the start");
+    let meaning = "energy dissipated by damping, opening latches and stopping joints since the start";
+    add("dissipated", offset_of!(EnergyOutputs, dissipated), booked, Depends::new([], []), meaning);
+    let meaning = "kinetic + elastic + gravity + drive; total - work + dissipated is constant";
+    add("total", offset_of!(EnergyOutputs, total), now, total, meaning);
+}
+
+/// Key, what it is, place, variability, declared type, range, meaning.
+pub(super) type ParameterRow<Field> = (&'static str, Field, usize, Variability, &'static str, Range, &'static str);
+
+const BODY_PARAMETERS: &[ParameterRow<BodyParameter>] = {
+    use BodyParameter as P;
+    use Variability::{Fixed, Tunable};
+    &[
+        (
+            "mass_factor",
+            P::MassFactor,
+            offset_of!(BodyParameters, mass_factor),
+            Fixed,
+            "Ratio",
+            FACTOR,
+            "factor on the beam's inertia, attached masses excepted",
+        ),
+        (
+            "stiffness_factor",
+            P::StiffnessFactor,
+            offset_of!(BodyParameters, stiffness_factor),
+            Fixed,
+            "Ratio",
+            FACTOR,
+            "factor on the section stiffness",
+        ),
+        (
+            "mass_damping",
+            P::MassDamping,
+            offset_of!(BodyParameters, mass_damping_1_s),
+            Tunable,
+            "DampingRate",
+            NON_NEGATIVE,
+            "mass-proportional damping alpha",
+        ),
+        (
+            "stiffness_damping",
+            P::StiffnessDamping,
+            offset_of!(BodyParameters, stiffness_damping_s),
+            Tunable,
+            "Time",
+            NON_NEGATIVE,
+            "stiffness-proportional damping beta",
+        ),
+    ]
+};
+
+const SOLVER_PARAMETERS: &[ParameterRow<()>] = {
+    use Variability::Fixed;
+    &[
+        (
+            "tolerance",
+            (),
+            offset_of!(SolverParameters, tolerance),
+            Fixed,
+            "Ratio",
+            TOLERANCE,
+            "error per step: displacement over wing length, rotation in rad",
+        ),
+        ("max_step", (), offset_of!(SolverParameters, max_step_s), Fixed, "Time", POSITIVE, "largest internal step"),
+        (
+            "min_step",
+            (),
+            offset_of!(SolverParameters, min_step_s),
+            Fixed,
+            "Time",
+            POSITIVE,
+            "smallest internal step; below it non-convergence is an error",
+        ),
+    ]
+};
+
+fn parameters(table: &mut Table, topology: &Topology) {
+    let layout = *table.parameters.layout();
+    joints::parameters(table, topology);
+    let beams = topology.machine.bodies.iter().enumerate().filter(|(_, body)| !body.is_rigid());
+    for (index, body) in beams {
+        for &(key, field, offset, variability, declared, range, meaning) in BODY_PARAMETERS {
+            let name = &body.name;
+            let text = Text::new(format!("body.{name}.{key}"), format!("{meaning}, body {name}"));
+            let (known, at) = (Parameter::Body(index, field), layout.bodies.place(index, offset));
+            table.parameter(known, at, variability, declared, range, text);
+        }
+    }
+    air::parameters(table, topology);
+    for &(key, (), offset, variability, declared, range, meaning) in SOLVER_PARAMETERS {
+        let (at, text) = (layout.solver.place(0, offset), Text::new(format!("solver.{key}"), meaning));
+        table.parameter(Parameter::Solver, at, variability, declared, range, text);
+    }
+}
