@@ -105,6 +105,25 @@ fn p43_slew_limits_the_neutral_angle() {
         let expected_n_m = -0.2 * (only(&plant).angle_rad - neutral_rad);
         let error_n_m = only(&plant).torque_applied_n_m - expected_n_m;
         assert!(error_n_m.abs() < 1e-12, "t = {time_s} s: torque misses {expected_n_m} by {error_n_m:.1e} N·m");
+        let shown_rad = only(&plant).neutral_angle_rad;
+        assert!((shown_rad - neutral_rad).abs() < 1e-14, "t = {time_s} s: neutral angle {shown_rad} rad");
+    }
+}
+
+/// P-149. The neutral angle and its rate as outputs: at the start, on the way at the rate limit, at the end of the way.
+#[test]
+fn p149_the_neutral_angle_has_the_rate_of_its_slew() {
+    let mut revolute = free_hinge(0.0);
+    revolute.drive = Drive { stiffness_n_m_rad: 0.2, rate_limit_rad_s: 3.0, ..Drive::default() };
+    let mut plant = start(rod(revolute));
+    let rate = |plant: &mut Plant| plant.output_rates().joints()[0].neutral_angle_rad;
+    assert_eq!((only(&plant).neutral_angle_rad, rate(&mut plant)), (0.0, 0.0));
+    plant.inputs_mut().joints_mut()[0].command_rad = 0.9;
+    for (time_s, expected_rad_s) in [(0.1, 3.0), (0.25, 3.0), (0.5, 0.0)] {
+        coast(&mut plant, time_s);
+        let rate_rad_s = rate(&mut plant);
+        println!("P-149 at {time_s} s off by {:.1e} rad/s", rate_rad_s - expected_rad_s);
+        assert!((rate_rad_s - expected_rad_s).abs() < 1e-9, "t = {time_s} s: {rate_rad_s} rad/s");
     }
 }
 

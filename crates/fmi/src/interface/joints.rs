@@ -238,6 +238,9 @@ fn torque_outputs(add: &mut JointRows) {
     let applied = "sum of motor, spring and external torque on the outer body about the hinge axis";
     let depends = Depends::new([command, torque], [motor_start, spring_start, torque]);
     add.real("applied_torque", (offset_of!(JointOutputs, torque_applied_n_m), now), "Moment", depends, applied);
+    let neutral = "neutral angle that the motor follows, behind its rate limit";
+    let depends = Depends::new([command], [command]).settling(false);
+    add.real("neutral_angle", (offset_of!(JointOutputs, neutral_angle_rad), now), "Angle", depends, neutral);
     let motor = "motor torque within its limit, on the outer body about the hinge axis";
     let depends = Depends::new([command], [motor_start]);
     add.real("motor_torque", (offset_of!(JointOutputs, motor_torque_n_m), now), "Moment", depends, motor);

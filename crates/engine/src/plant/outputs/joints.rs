@@ -12,6 +12,8 @@ pub struct JointOutputs {
     pub angle_rad: f64,
     /// Fold rate in rad/s.
     pub rate_rad_s: f64,
+    /// Neutral angle that the motor follows, behind its rate limit, in rad; 0 of joints without one.
+    pub neutral_angle_rad: f64,
     /// Torque of motor, spring and external torque together on the outer body about `+θ`, in N·m.
     pub torque_applied_n_m: f64,
     /// Torque of the motor, limited, in N·m.
@@ -38,6 +40,7 @@ impl JointOutputs {
         external_n_m_s: f64,
     ) {
         let (drive, spring, slew_rate) = (&joint.drive, &joint.spring, joint.slew.at(time_s).1);
+        self.neutral_angle_rad = slew_rate;
         self.motor_torque_n_m = if joint.motor_torque(time_s, angle, rate).saturated {
             0.0
         } else {
@@ -59,6 +62,7 @@ pub(super) fn fill(outputs: &mut [JointOutputs], present: &Present) {
         *output = JointOutputs {
             angle_rad: angle,
             rate_rad_s: rate,
+            neutral_angle_rad: if joint.driven { joint.slew.at(time_s).0 } else { 0.0 },
             torque_applied_n_m: motor + spring + external,
             motor_torque_n_m: motor,
             spring_torque_n_m: spring,
