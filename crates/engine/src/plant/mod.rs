@@ -12,7 +12,8 @@ mod derivatives;
 mod equations;
 mod events;
 mod face;
-mod hinge;
+mod hybrid;
+mod joint_forces;
 mod latency;
 mod linear;
 mod magnitude;
@@ -40,6 +41,7 @@ pub use face::{
     JointStatus, LoopOutputs, Outputs, Parameters, PlantError, PointOutputs, SpatialOutputs, SpatialParameters,
     Statistics,
 };
+pub use hybrid::{AccountRates, Hybrid, Jump, NotHybrid};
 pub use latency::Latency;
 pub use linear::{Argument, Freedom};
 pub use output_set::OutputSet;
@@ -232,7 +234,7 @@ impl Plant {
     /// Stopper and latch of each revolute or prismatic joint, in the order of [`Plant::revolute_joints`]; nothing before
     /// [`Plant::initialize`].
     pub fn joint_statuses(&self) -> impl Iterator<Item = JointStatus> {
-        let driven = self.equations.joints.iter().map(|joint| joint.driven);
+        let driven = self.equations.forces.joints().iter().map(|joint| joint.driven);
         self.state.joints.iter().zip(driven).map(|(joint, driven)| JointStatus {
             released: driven && joint.released,
             latched: joint.latch.closed,

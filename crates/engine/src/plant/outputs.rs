@@ -1,6 +1,7 @@
 //! Outputs at the present time.
 
 use crate::beam::recovery::axial_row;
+use crate::force::joint::JointForces;
 use crate::load::{SectionMotion, Wrench};
 use crate::machine::Gauge;
 use crate::machine::Machine;
@@ -12,9 +13,8 @@ use crate::multibody::{energy, station};
 use crate::plant::Plant;
 use crate::plant::equations::Equations;
 use crate::plant::face::{AirOutputs, EnergyOutputs, JointOutputs, LoopOutputs, Outputs, PointOutputs, SpatialOutputs};
-use crate::plant::hinge::JointEquations;
 use crate::plant::output_set::{OutputSet, Sweep};
-use crate::plant::spatial::SpatialEquations;
+use crate::plant::spatial::SpatialJoint;
 use crate::plant::state::State;
 use crate::solve::EquationsOfMotion;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -124,7 +124,7 @@ impl Plant {
         let (model, work) = (&equations.model, &equations.work);
 
         if wanted.meets(OutputSet::JOINTS) {
-            for (i, (joint, state)) in equations.joints.iter().zip(&state.joints).enumerate() {
+            for (i, (joint, state)) in equations.forces.joints().iter().zip(&state.joints).enumerate() {
                 let (angle, rate) = (now.q[joint.coordinate], now.v[joint.coordinate]);
                 let motor = joint.motor_torque(time_s, angle, rate).applied_n_m;
                 let (spring, external) = (joint.spring_torque_n_m(angle, rate), joint.external_torque_n_m());
@@ -141,18 +141,18 @@ impl Plant {
                         false => joint.latch_torque_n_m(angle),
                     },
                     latch_impulse_n_m_s: state.latch.impulse_n_m_s,
-                    latched: joint.latched,
+                    latched: joint.is_latched(),
                     latch_time_s: state.latch.time_s,
                     latch_count: state.latch.count,
                 };
             }
         }
         if wanted.meets(OutputSet::HOLDING) {
-            for (output, joint) in outputs.joints.iter_mut().zip(&equations.joints) {
+            for (output, joint) in outputs.joints.iter_mut().zip(equations.forces.joints()) {
                 output.holding_torque_n_m = joint.holding_n_m;
                 if joint.has_rigid_latch() {
                     // closed, it bears all, whatever else holds the joint, eq. (A7)
-                    let borne_n_m = if joint.latched { joint.holding_n_m } else { 0.0 };
+                    let borne_n_m = if joint.is_latched() { joint.holding_n_m } else { 0.0 };
                     output.latch_torque_n_m = borne_n_m;
                     output.holding_torque_n_m -= borne_n_m;
                 }
@@ -170,11 +170,11 @@ impl Plant {
                 let node = &work.nodes[body.first_node];
                 *reaction = Wrench { force_n: node.force, moment_n_m: node.moment };
             }
-            for joint in &equations.joints {
+            for joint in equations.forces.joints() {
                 joint.complete_reaction(model, work, motion, time_s, &mut outputs.joint_reactions[joint.body]);
             }
-            for joint in &equations.spatial {
-                if let Some(moment_n_m) = joint.ball_moment_n_m(work, &now.v) {
+            for joint in equations.forces.spatial() {
+                if let Some(moment_n_m) = joint.attitude().and_then(|spring| spring.ball_moment_n_m(work, &now.v)) {
                     outputs.joint_reactions[joint.body].moment_n_m = moment_n_m;
                 }
             }
@@ -270,9 +270,9 @@ const FAR_TURN_RAD: f64 = 1.0;
 /// all joints and elements.
 fn turn_between(equations: &Equations, from: &[f64], to: &[f64]) -> f64 {
     let change = |c: usize| to[c] - from[c];
-    let turns = |joint: &&JointEquations| equations.model.bodies[joint.body].joint.kind.translations() == 0;
-    let hinges: f64 = equations.joints.iter().filter(turns).map(|joint| change(joint.coordinate).abs()).sum();
-    let spatial: f64 = equations.spatial.iter().flat_map(SpatialEquations::range).map(|c| 2.0 * change(c).abs()).sum();
+    let turns = |joint: &&JointForces| equations.model.bodies[joint.body].joint.kind.translations() == 0;
+    let hinges: f64 = equations.forces.joints().iter().filter(turns).map(|joint| change(joint.coordinate).abs()).sum();
+    let spatial: f64 = equations.spatial.iter().flat_map(SpatialJoint::range).map(|c| 2.0 * change(c).abs()).sum();
     let bend = |element: &Element| {
         let c = element.coordinate;
         element.length_m * Vector3::new(change(c + 1), change(c + 2), change(c + 3)).norm()

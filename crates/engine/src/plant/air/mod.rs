@@ -18,7 +18,7 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::{Model, station};
 use crate::plant::equations::Equations;
 use crate::plant::face::{AirOutputs, Outputs, Statistics};
-use crate::plant::state::JointState;
+use crate::force::memory::JointMemory;
 use crate::solve::acceleration::Anderson;
 use crate::solve::point::Point;
 use nalgebra::Vector3;
@@ -244,7 +244,7 @@ pub(super) struct AirCoupling {
 struct Trial {
     start: Point,
     step_s: f64,
-    joints: Vec<JointState>,
+    joints: Vec<JointMemory>,
     statistics: Statistics,
     loads: StepLoads,
 }
