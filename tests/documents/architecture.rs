@@ -13,14 +13,14 @@ use std::path::{Path, PathBuf};
 const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("load", &[]),
-    ("actuation", &[]),
     ("solve", &[]),
     ("aero", &["load"]),
     ("beam", &["math"]),
     ("multibody", &["math", "load", "beam"]),
-    ("machine", &["load", "actuation", "aero", "beam"]),
+    ("force", &["math", "load", "solve", "multibody"]),
+    ("machine", &["load", "aero", "beam", "force"]),
     ("signal", &["load", "machine"]),
-    ("plant", &["math", "load", "actuation", "solve", "aero", "beam", "multibody", "machine", "signal"]),
+    ("plant", &["math", "load", "solve", "aero", "beam", "multibody", "force", "machine", "signal"]),
     ("config", &["load", "aero", "beam", "machine"]),
     ("interface", &["load", "machine", "plant"]),
     ("fmi2", &["machine", "plant", "config", "interface"]),
@@ -41,8 +41,7 @@ const OPEN_TO_UNIT_TESTS: &str = "config";
 const INLINE_TESTS: &[&str] = &["#[cfg(test)]\nmod tests {", "#[cfg(test)]\npub(super) mod tests {"];
 
 /// Modules that compute: no files, no output, no clock, no environment, no threads, no order left to chance.
-const PHYSICS: &[&str] =
-    &["math", "load", "actuation", "solve", "aero", "beam", "multibody", "machine", "signal", "plant"];
+const PHYSICS: &[&str] = &["math", "load", "solve", "aero", "beam", "multibody", "force", "machine", "signal", "plant"];
 
 /// What must not stand in them.
 const NOT_IN_PHYSICS: &[&str] = &[

@@ -1,7 +1,7 @@
 //! Degrees: every key that ends in `_deg` or `_deg_s`, read from one file and compared with radians.
 
-use foldwing::actuation::prescribed::Motion;
 use foldwing::config::{parse, schema};
+use foldwing::force::prescribed::Motion;
 use foldwing::machine::{JointKind, JointMotion, Machine};
 use std::collections::BTreeSet;
 

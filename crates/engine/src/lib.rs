@@ -11,7 +11,7 @@ pub mod load;
 
 pub mod multibody;
 
-pub mod actuation;
+pub mod force;
 
 pub mod aero;
 

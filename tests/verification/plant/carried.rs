@@ -103,7 +103,7 @@ fn p128_inertia_that_turns_with_the_angle_only() {
     let right = 0.5 * 0.5 / (own + drive) * 0.04;
     assert!((turned / right - 1.0).abs() < 1e-5, "turned by {turned} rad, right {right} rad");
 
-    let law = foldwing::actuation::prescribed::Motion::Polynomial(vec![0.0, 0.0, 1.5]);
+    let law = foldwing::force::prescribed::Motion::Polynomial(vec![0.0, 0.0, 1.5]);
     let mut plant = start(rod(&|hinge| hinge.motion = JointMotion::Prescribed(law.clone())));
     coast(&mut plant, 0.2);
     let work = plant.outputs().energy().work;

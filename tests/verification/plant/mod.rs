@@ -13,6 +13,7 @@ mod double_pendulum;
 mod energy;
 mod failures;
 mod hinges;
+mod hybrid;
 mod latch_impulse;
 mod loops;
 mod moving_root;

@@ -1,7 +1,7 @@
 //! Edges of lifting surfaces: which end freely, which go on in another surface or in the mirror, how fast they start.
 
-use crate::actuation::prescribed::Law;
 use crate::aero::surface::ChordLine;
+use crate::force::prescribed::Law;
 use crate::machine::pose::{along, first_frames};
 use crate::machine::{Body, JointKind, JointMotion, LiftingSurface, Parent, SpatialFreedom, Travel};
 use nalgebra::{Matrix3, Vector3};

@@ -1,7 +1,7 @@
 //! What the one freedom of a joint is: a turn or a way. Everything that tells a revolute joint from a prismatic one by
 //! words, units and names stands here; the numbers go one way for both.
 
-use crate::actuation::spring::Spring;
+use crate::force::spring::Spring;
 use crate::machine::{Drive, JointKind, OneFreedom, Spatial, UNLIMITED};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 

@@ -1,8 +1,8 @@
 //! What stops a joint at once: stopper, brake, rigid latch. One impulse, one account of the energy, NOTATION eq. (A6).
 
+use crate::force::joint::JointForces;
 use crate::plant::Plant;
 use crate::plant::equations::Equations;
-use crate::plant::hinge::JointEquations;
 use crate::plant::state::State;
 use crate::solve::point::Point;
 use crate::solve::{EquationsOfMotion, Singular};
@@ -37,8 +37,8 @@ impl Plant {
     /// Overwrites `before` and `scratch[1]`. Allocates nothing.
     pub(super) fn stop_held_joints(&mut self) -> Result<Stopped, Singular> {
         let stops = |plant: &Self, i: usize| {
-            let equations = &plant.equations.joints[i];
-            equations.is_held_in(&plant.state.joints[i]) && !equations.held
+            let forces = &plant.equations.forces.joints()[i];
+            forces.is_held_in(&plant.state.joints[i]) && !forces.held
         };
         let joints = 0..self.state.joints.len();
         if !joints.clone().any(|i| stops(self, i)) {
@@ -56,13 +56,13 @@ impl Plant {
             }
         }
         let jumps = matches!(outcome, Ok(lost_j) if lost_j > 0.0);
-        if jumps && self.equations.joints.iter().any(JointEquations::has_rigid_latch) {
-            self.find_latch_impulses();
+        if jumps && self.equations.forces.joints().iter().any(JointForces::keeps_impulses) {
+            self.find_impulses();
         }
         self.part_loops();
         // without loops and prescribed joints the losses of the single stops add up to the whole
-        let others =
-            !self.equations.model.closures.is_empty() || self.equations.joints.iter().any(|joint| joint.law.is_some());
+        let others = !self.equations.model.closures.is_empty()
+            || self.equations.forces.joints().iter().any(|joint| joint.law().is_some());
         if jumps && others {
             return Ok(self.account_for_jump());
         }
@@ -86,15 +86,15 @@ impl Plant {
         }
     }
 
-    /// Impulses of the rigid latches that close now, their rows of `M Δv`, NOTATION eq. (A7). Latches that close at one
-    /// instant share them, so those of single stops are not theirs.
-    fn find_latch_impulses(&mut self) {
+    /// Impulses of the forces that keep theirs (rigid latches that close now), their rows of `M Δv`, NOTATION eq. (A7).
+    /// Latches that close at one instant share them, so those of single stops are not theirs.
+    fn find_impulses(&mut self) {
         for sign in [-1.0, 1.0] {
             self.residual_of_jump(sign > 0.0);
             let State { start, joints, .. } = &mut self.state;
-            for (equations, joint) in self.equations.joints.iter().zip(joints) {
-                if joint.latch.closed && joint.latch.time_s == start.time_s && equations.has_rigid_latch() {
-                    joint.latch.impulse_n_m_s += sign / JUMP_1_S * equations.holding_n_m;
+            for (forces, memory) in self.equations.forces.joints().iter().zip(joints) {
+                if let Some(impulse_n_m_s) = forces.impulse_n_m_s(start.time_s, memory) {
+                    *impulse_n_m_s += sign / JUMP_1_S * forces.holding_n_m;
                 }
             }
         }
@@ -108,12 +108,12 @@ impl Plant {
             self.residual_of_jump(sign > 0.0);
             let (before, start) = (&self.state.before, &self.state.start);
             let share_s = sign / JUMP_1_S;
-            for joint in self.equations.joints.iter().filter(|joint| joint.held) {
+            for joint in self.equations.forces.joints().iter().filter(|joint| joint.held) {
                 let c = joint.coordinate;
-                if joint.law.is_some() {
+                if joint.law().is_some() {
                     stopped.work_j += share_s * joint.holding_n_m * start.v[c];
                 }
-                self.scratch[1][c] = if joint.law.is_some() { 0.0 } else { joint.holding_n_m };
+                self.scratch[1][c] = if joint.law().is_some() { 0.0 } else { joint.holding_n_m };
             }
             let mean = before.v.iter().zip(&start.v).map(|(from, to)| 0.5 * (from + to));
             stopped.lost_j -= share_s * self.scratch[1].iter().zip(mean).map(|(row, rate)| row * rate).sum::<f64>();
@@ -139,7 +139,7 @@ impl Equations {
     /// Joints that are held already stay at rest, so joints stopped one after the other end as if stopped together.
     /// `scratch` has one entry per coordinate. Allocates nothing.
     pub fn stop(&mut self, joint: usize, point: &mut Point, scratch: &mut [f64]) -> Result<Stop, Singular> {
-        let (c, body) = (self.joints[joint].coordinate, self.joints[joint].body);
+        let JointForces { coordinate: c, body, .. } = self.forces.joints()[joint];
         let rate_rad_s = point.v[c];
         let mut stop = Stop::default();
         if rate_rad_s != 0.0 {
@@ -154,7 +154,7 @@ impl Equations {
             }
             point.v[c] = 0.0;
         }
-        self.joints[joint].held = true;
+        self.forces.joints_mut()[joint].held = true;
         self.tangents[body].free = false;
         Ok(stop)
     }

@@ -1,10 +1,10 @@
 //! Derivatives of the outputs: in time, and by inputs with the state frozen.
 
-use crate::actuation::drive::Slew;
+use crate::force::drive::Slew;
+use crate::force::joint::JointForces;
 use crate::machine::UNLIMITED;
 use crate::plant::Plant;
 use crate::plant::face::PlantError;
-use crate::plant::hinge::JointEquations;
 use crate::plant::outputs::Outputs;
 use crate::plant::state::State;
 use crate::signal::Inputs;
@@ -89,9 +89,9 @@ impl Plant {
     /// Change with the time itself: loads of the air and inputs that run. Drives are left to [`Self::add_drives`].
     fn add_time(&mut self, sum: &mut Outputs) {
         let now_s = self.state.now.time_s;
-        for joint in &mut self.equations.joints {
-            let (neutral_rad, before_s) = (joint.slew.at(now_s).0, now_s - 2.0 * TIME_STEP_S);
-            joint.slew = Slew { from_rad: neutral_rad, target_rad: neutral_rad, start_s: before_s, ..Slew::default() };
+        for motor in self.equations.forces.joints_mut().iter_mut().filter_map(JointForces::motor_mut) {
+            let (neutral_rad, before_s) = (motor.slew.at(now_s).0, now_s - 2.0 * TIME_STEP_S);
+            motor.slew = Slew { from_rad: neutral_rad, target_rad: neutral_rad, start_s: before_s, ..Slew::default() };
         }
         for sign in [1.0, -1.0] {
             let beside = self.beside(|state| state.now.time_s += sign * TIME_STEP_S);
@@ -104,15 +104,17 @@ impl Plant {
     /// What has kinks at limits and at the ends of slews, on the branch of the present; and the energy accounts.
     fn add_drives(&mut self, sum: &mut Outputs) {
         let now = &self.state.now;
-        for (i, joint) in self.equations.joints.iter().enumerate().filter(|(_, joint)| joint.driven) {
+        for (i, joint) in self.equations.forces.joints().iter().enumerate() {
+            let Some(motor) = joint.motor() else { continue };
             let (angle, rate, acceleration) =
                 (now.q[joint.coordinate], now.v[joint.coordinate], now.a[joint.coordinate]);
-            let (neutral, slew_rate) = joint.slew.at(now.time_s);
+            let (neutral, slew_rate) = motor.slew.at(now.time_s);
             let external_n_m_s = self.equations.course.rates.joints()[i].torque_n_m;
             sum.joints_mut()[i].add_drive(joint, now.time_s, [angle, rate, acceleration], external_n_m_s);
-            let power_w = joint.drive.slew_power_w(angle, neutral, slew_rate);
-            sum.energy_mut().drive += power_w;
-            sum.energy_mut().total += power_w;
+            let power_w = motor.drive.slew_power_w(angle, neutral, slew_rate);
+            let energy = sum.energy_mut();
+            energy.drive += power_w;
+            energy.total += power_w;
         }
         let powers = self.equations.powers(now.time_s, &now.q, &now.v, &now.a);
         let energy = sum.energy_mut();
@@ -144,18 +146,24 @@ impl Plant {
         for sign in [1.0, -1.0] {
             let set = self.state.inputs.clone();
             self.impose(&set);
-            for joint in &mut self.equations.joints {
-                let torque = joint.motor_torque(time_s, q[joint.coordinate], v[joint.coordinate]);
-                joint.pinned_n_m = Some(torque.applied_n_m).filter(|_| torque.saturated);
+            for joint in self.equations.forces.joints_mut() {
+                let c = joint.coordinate;
+                if let Some(motor) = joint.motor_mut() {
+                    let torque = motor.torque(time_s, q[c], v[c]);
+                    motor.pinned_n_m = Some(torque.applied_n_m).filter(|_| torque.saturated);
+                }
             }
-            let pins: Vec<Option<f64>> = self.equations.joints.iter().map(|joint| joint.pinned_n_m).collect();
+            let pin = |joint: &JointForces| joint.motor().and_then(|motor| motor.pinned_n_m);
+            let pins: Vec<Option<f64>> = self.equations.forces.joints().iter().map(pin).collect();
             let slopes = self.potential_slopes(time_s, &q);
             let mut varied = set;
             add(&mut varied, sign);
             self.impose(&varied);
-            for (joint, pin) in self.equations.joints.iter_mut().zip(pins) {
-                joint.pinned_n_m = pin;
-                joint.drive.torque_limit_n_m = f64::INFINITY;
+            for (joint, pin) in self.equations.forces.joints_mut().iter_mut().zip(pins) {
+                if let Some(motor) = joint.motor_mut() {
+                    motor.pinned_n_m = pin;
+                    motor.drive.torque_limit_n_m = f64::INFINITY;
+                }
             }
             let mut jump = vec![0.0; q.len()];
             self.equations.residual(time_s, &q, &v, &a, &mut jump);
@@ -183,23 +191,23 @@ impl Plant {
 
     /// Of motors with a limit: neutral angle in rad and change of the potential with it in N·m.
     fn potential_slopes(&self, time_s: f64, q: &[f64]) -> Vec<Option<(f64, f64)>> {
-        let slope = |joint: &JointEquations| {
-            let neutral_rad = joint.slew.at(time_s).0;
-            (joint.driven && joint.drive.torque_limit_n_m < UNLIMITED)
-                .then(|| (neutral_rad, joint.drive.slew_power_w(q[joint.coordinate], neutral_rad, 1.0)))
+        let slope = |joint: &JointForces| {
+            let motor = joint.motor().filter(|motor| motor.drive.torque_limit_n_m < UNLIMITED)?;
+            let neutral_rad = motor.slew.at(time_s).0;
+            Some((neutral_rad, motor.drive.slew_power_w(q[joint.coordinate], neutral_rad, 1.0)))
         };
-        self.equations.joints.iter().map(slope).collect()
+        self.equations.forces.joints().iter().map(slope).collect()
     }
 
     /// What the potentials along their slopes have more than those without limit, in J, for neutral angles that have moved.
     fn bend_of_potentials_j(&self, time_s: f64, q: &[f64], slopes: &[Option<(f64, f64)>]) -> f64 {
-        let bend_j = |(joint, slope): (&JointEquations, &Option<(f64, f64)>)| {
-            let (before_rad, slope_n_m) = (*slope)?;
-            let (angle_rad, after_rad) = (q[joint.coordinate], joint.slew.at(time_s).0);
-            let free_j = |neutral_rad: f64| joint.drive.potential_j(angle_rad, neutral_rad);
+        let bend_j = |(joint, slope): (&JointForces, &Option<(f64, f64)>)| {
+            let ((before_rad, slope_n_m), motor) = ((*slope)?, joint.motor()?);
+            let (angle_rad, after_rad) = (q[joint.coordinate], motor.slew.at(time_s).0);
+            let free_j = |neutral_rad: f64| motor.drive.potential_j(angle_rad, neutral_rad);
             Some(slope_n_m * (after_rad - before_rad) - (free_j(after_rad) - free_j(before_rad)))
         };
-        self.equations.joints.iter().zip(slopes).filter_map(bend_j).sum()
+        self.equations.forces.joints().iter().zip(slopes).filter_map(bend_j).sum()
     }
 
     /// The equations at the present time with other inputs and the parameters as set; neutral angles jump with their
@@ -214,12 +222,15 @@ impl Plant {
         self.configure();
         (self.state.applied_inputs, self.state.applied_parameters, self.state.applied_from_s) = kept;
         let limits = self.state.parameters.joints().iter().map(|joint| joint.rate_limit_rad_s);
-        for ((joint, inputs), rate_limit_rad_s) in self.equations.joints.iter_mut().zip(inputs.joints()).zip(limits) {
-            joint.slew.redirect(time_s, inputs.command_rad, 0.0, rate_limit_rad_s);
-            if joint.slew.follows_at_once() {
-                joint.slew.from_rad = inputs.command_rad;
+        for ((joint, inputs), rate_limit_rad_s) in
+            self.equations.forces.joints_mut().iter_mut().zip(inputs.joints()).zip(limits)
+        {
+            let Some(motor) = joint.motor_mut() else { continue };
+            motor.slew.redirect(time_s, inputs.command_rad, 0.0, rate_limit_rad_s);
+            if motor.slew.follows_at_once() {
+                motor.slew.from_rad = inputs.command_rad;
             } else {
-                joint.slew.target_rad = joint.slew.from_rad;
+                motor.slew.target_rad = motor.slew.from_rad;
             }
         }
     }

@@ -1,6 +1,8 @@
 //! The equations of motion of the whole machine: the tree, its drives and latches, its loads.
 
 use crate::beam::element::rigid_body_mass;
+use crate::force::Stored;
+use crate::force::set::Forces;
 use crate::load::{RootMotion, Wrench};
 use crate::machine::Machine;
 use crate::machine::{JointKind, Parent, SectionLoad, SectionSide};
@@ -14,8 +16,8 @@ use crate::multibody::section_load::SectionPlace;
 use crate::multibody::{Model, Workspace, energy, joint, norm, station};
 use crate::plant::air::{AirCoupling, StepLoads};
 use crate::plant::course::Course;
-use crate::plant::hinge::JointEquations;
-use crate::plant::spatial::SpatialEquations;
+use crate::plant::joint_forces;
+use crate::plant::spatial::SpatialJoint;
 use crate::plant::{revolutes, spatials};
 use crate::signal::{Inputs, Parameters};
 use crate::solve::{EquationsOfMotion, Powers, Singular};
@@ -37,8 +39,10 @@ pub(super) struct Equations {
     pub air: Option<StepLoads>,
     /// Some station carries a load.
     pub loaded: bool,
-    pub joints: Vec<JointEquations>,
-    pub spatial: Vec<SpatialEquations>,
+    /// Forces on the joints.
+    pub forces: Forces,
+    /// Joints with several freedoms.
+    pub spatial: Vec<SpatialJoint>,
     /// Time whose branch of slews and prescribed motions holds, in s: the middle of a step, or the present.
     pub branch_s: f64,
     /// Energies are booked; trial marches are undone, and their accounts with them.
@@ -70,7 +74,7 @@ impl Equations {
                 mount: body.joint.mount,
                 joint: match &body.joint.kind {
                     JointKind::Clamped => joint::JointKind::Clamped,
-                    JointKind::Spatial(spatial) => SpatialEquations::describe(spatial),
+                    JointKind::Spatial(spatial) => SpatialJoint::describe(spatial),
                     JointKind::Revolute(own) => joint::JointKind::Revolute { axis: own.axis },
                     JointKind::Prismatic(own) => joint::JointKind::Prismatic { axis: own.axis },
                 },
@@ -105,9 +109,6 @@ impl Equations {
         }
         let load_stations = model.stations.len();
         AirCoupling::add_sections(machine, &mut model);
-        let joints = revolutes(machine)
-            .map(|(body, revolute)| JointEquations::new(body, model.bodies[body].joint.coordinate, revolute))
-            .collect();
         let mut tangents = vec![FreedomTangent::HELD; model.bodies.len()];
         for (body, _) in spatials(machine) {
             tangents[body].free = true;
@@ -129,8 +130,8 @@ impl Equations {
             load_stations,
             air: machine.air.as_ref().map(|_| StepLoads::none(model.stations.len() - load_stations)),
             loaded: false,
-            joints,
-            spatial: SpatialEquations::of_machine(machine, &model),
+            forces: joint_forces::of_machine(machine, &model),
+            spatial: SpatialJoint::of_machine(machine, &model),
             tangents,
             branch_s: 0.0,
             booked: true,
@@ -147,8 +148,10 @@ impl Equations {
         if self.course.moves {
             self.root = self.course.root(time_s);
             self.course.write_stations(time_s, &mut self.stations[..self.load_stations]);
-            for (i, joint) in self.joints.iter_mut().enumerate() {
-                joint.external_n_m = self.course.torque_n_m(i, time_s);
+            for (i, joint) in self.forces.joints_mut().iter_mut().enumerate() {
+                if let Some(external) = joint.external_mut() {
+                    external.torque_n_m = self.course.torque_n_m(i, time_s);
+                }
             }
         }
     }
@@ -166,46 +169,24 @@ impl Equations {
 
     /// Gravity, drive and elastic potentials in J at the configuration of the last residual.
     pub fn potentials(&self, time_s: f64, q: &[f64]) -> Potentials {
-        let mut potentials = Potentials {
-            elastic: energy::elastic(&self.model, q),
-            gravity: -self.root.apparent_gravity_m_s2().dot(&energy::first_moment_kg_m(&self.model, &self.work)),
-            drive: 0.0,
-        };
-        for joint in &self.joints {
-            let angle = q[joint.coordinate];
-            if joint.driven {
-                potentials.drive += joint.drive.potential_j(angle, joint.slew.at(time_s).0);
-            }
-            potentials.elastic += joint.stored_j(angle);
-        }
-        for joint in &self.spatial {
-            potentials.drive += joint.potential_j(&self.work);
-        }
+        let mut stored = Stored { elastic: energy::elastic(&self.model, q), drive: 0.0 };
+        self.forces.add_stored(time_s, q, &self.work, &mut stored);
         for closure in &self.model.closures {
-            potentials.elastic += closure.energy_j(&self.work).1;
+            stored.elastic += closure.energy_j(&self.work).1;
         }
-        potentials
+        let gravity = -self.root.apparent_gravity_m_s2().dot(&energy::first_moment_kg_m(&self.model, &self.work));
+        Potentials { elastic: stored.elastic, gravity, drive: stored.drive }
     }
 
     /// Whether a known kink lies exactly at `time_s`: rates or accelerations that are given may jump.
     pub fn kink_at(&self, time_s: f64) -> bool {
-        self.joints.iter().any(|joint| match &joint.law {
-            Some(law) => law.has_knot_at(time_s),
-            None => joint.driven && joint.slew.from_rad != joint.slew.target_rad && joint.slew.end_s() == time_s,
-        })
+        self.forces.kink_at(time_s)
     }
 
     /// Next time after `time_s` at which a known kink lies: end of a slew, knot of a prescribed motion, end of an
     /// aerodynamic step.
     pub fn next_kink_s(&self, time_s: f64) -> f64 {
-        let mut next = f64::INFINITY;
-        for joint in &self.joints {
-            if let Some(law) = &joint.law {
-                next = next.min(law.next_knot_s(time_s));
-            } else if joint.driven && joint.slew.end_s() > time_s {
-                next = next.min(joint.slew.end_s());
-            }
-        }
+        let mut next = self.forces.next_kink_s(time_s);
         if let Some(air) = self.air.as_ref().filter(|air| air.end_s > time_s) {
             next = next.min(air.end_s);
         }
@@ -237,10 +218,7 @@ impl EquationsOfMotion for Equations {
     }
 
     fn prescribe(&self, time_s: f64, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
-        for joint in self.joints.iter().filter(|joint| joint.held) {
-            let c = joint.coordinate;
-            [q[c], v[c], a[c]] = joint.law.as_ref().map_or([q[c], 0.0, 0.0], |law| law.at_on(time_s, self.branch_s));
-        }
+        self.forces.prescribe([time_s, self.branch_s], q, v, a);
     }
 
     fn project(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
@@ -257,40 +235,20 @@ impl EquationsOfMotion for Equations {
             stations: if self.loaded { &self.stations } else { &[] },
         };
         dynamics::residual(&self.model, &mut self.work, Motion { q, v, a }, environment, residual);
-        for joint in &mut self.joints {
-            let c = joint.coordinate;
-            let tangent = &mut self.tangents[joint.body];
-            let (torque, own) = joint.torque(time_s, q[c], v[c]);
-            joint.holding_n_m = if joint.held { residual[c] - torque } else { 0.0 };
-            residual[c] = if joint.held { 0.0 } else { residual[c] - torque };
-            *tangent = FreedomTangent { free: !joint.held, ..own };
-        }
-        for joint in &self.spatial {
-            joint.add_torque(&self.work, v, residual);
-            self.tangents[joint.body] = joint.tangent();
-        }
+        self.forces.apply(time_s, [q, v], &self.work, residual, &mut self.tangents);
     }
 
     fn take_pieces(&mut self, time_s: f64, q: &[f64], v: &[f64]) {
         self.drop_pieces();
-        for joint in &mut self.joints {
-            joint.move_piece(time_s, q[joint.coordinate], v[joint.coordinate]);
-        }
+        self.forces.move_pieces(time_s, q, v, false);
     }
 
     fn move_pieces(&mut self, time_s: f64, q: &[f64], v: &[f64], only_first: bool) -> bool {
-        let mut moved = false;
-        for joint in &mut self.joints {
-            moved |= joint.move_piece(time_s, q[joint.coordinate], v[joint.coordinate]);
-            if moved && only_first {
-                break;
-            }
-        }
-        moved
+        self.forces.move_pieces(time_s, q, v, only_first)
     }
 
     fn drop_pieces(&mut self) {
-        self.joints.iter_mut().for_each(|joint| joint.piece = None);
+        self.forces.drop_pieces();
     }
 
     fn factorize(&mut self, mass: f64, damping: f64, stiffness: f64) -> Result<(), Singular> {
@@ -308,7 +266,7 @@ impl EquationsOfMotion for Equations {
     }
 
     fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64]) -> Powers {
-        if self.joints.iter().any(|joint| joint.law.is_some()) {
+        if self.forces.joints().iter().any(|joint| joint.law().is_some()) {
             // the torque that holds a prescribed joint belongs to these accelerations, not to the last iterate's
             let mut residual = std::mem::take(&mut self.scratch);
             self.residual(time_s, q, v, a, &mut residual);
@@ -325,17 +283,7 @@ impl EquationsOfMotion for Equations {
         if damping.iter().any(|damping| damping.mass_1_s != 0.0) {
             energy::mass_damping_power(&self.model, &self.work, damping, |beam| powers.dissipated += beam);
         }
-        for joint in &self.joints {
-            let (angle, rate) = (q[joint.coordinate], v[joint.coordinate]);
-            if joint.driven {
-                joint.add_powers(time_s, self.branch_s, angle, rate, &mut powers);
-            } else {
-                powers.work += joint.holding_n_m * rate;
-            }
-        }
-        for joint in &self.spatial {
-            powers.dissipated += joint.dissipation_w(&self.work, v);
-        }
+        self.forces.add_powers([time_s, self.branch_s], [q, v], &self.work, &mut powers);
         for closure in &self.model.closures {
             powers.dissipated += closure.dissipation_w(&self.work);
         }

@@ -1,21 +1,23 @@
-//! Discontinuities: initialisation, changed inputs, releases, latches.
+//! Discontinuities: initialisation, changed inputs, transitions of forces.
 
-use crate::actuation::drive::Slew;
-use crate::actuation::latch::LatchState;
+use crate::force::Outcome;
+use crate::force::drive::Slew;
+use crate::force::latch::LatchState;
+use crate::force::memory::{JointMemory, Told};
 use crate::machine::StartState;
 use crate::multibody::dynamics::Damping;
 use crate::plant::equations::Equations;
 use crate::plant::face::PlantError;
-use crate::plant::march::CROSSING_S;
-use crate::plant::state::{JointState, State};
+use crate::plant::joint_forces;
+use crate::plant::state::State;
 use crate::plant::statics::Holding;
 use crate::plant::{Plant, revolutes, spatials};
 use crate::signal::SolverParameters;
 use crate::solve::point::Point;
 use crate::solve::{EquationsOfMotion, Singular, control};
 
-/// Share of the step before a latch closes that the first step after it may have.
-const STEP_SHARE_AFTER_LATCH: f64 = 0.1;
+/// Share of the step before a crossing that the first step after it may have.
+const STEP_SHARE_AFTER_CROSSING: f64 = 0.1;
 /// Way over the machine's length, or turn of a section in rad, that a jump of the accelerations may make within an
 /// aerodynamic step: light wings in a wind that is suddenly there make 1, by the twist of their sections.
 const MOST_LENGTHS: f64 = 100.0;
@@ -59,16 +61,16 @@ impl Plant {
         let inputs = &self.state.inputs;
         for (((_, revolute), inputs), (parameters, equations)) in revolutes(&self.machine)
             .zip(inputs.joints())
-            .zip(self.state.parameters.joints().iter().zip(&self.equations.joints))
+            .zip(self.state.parameters.joints().iter().zip(self.equations.forces.joints()))
         {
             let c = equations.coordinate;
             q[c] = parameters.start_angle_rad;
-            let caught = equations.latch.is_some_and(|latch| latch.catches(q[c]));
+            let caught = equations.latch().is_some_and(|latch| latch.latch.catches(q[c]));
             let told = revolute.latch.as_ref().is_some_and(|latch| latch.initially_closed);
             let closed = inputs.latch_enable.is_on() && (caught || told && !equations.has_rigid_latch());
-            let state = JointState {
+            let state = JointMemory {
                 released: inputs.release.is_on(),
-                closing: false,
+                crossed: 0,
                 latch: LatchState {
                     closed,
                     enabled: inputs.latch_enable.is_on(),
@@ -155,27 +157,9 @@ impl Plant {
         for (damping, body) in equations.damping.iter_mut().zip(parameters.bodies()) {
             *damping = Damping { mass_1_s: body.mass_damping_1_s, stiffness_s: body.stiffness_damping_s };
         }
-        for (i, joint) in equations.joints.iter_mut().enumerate() {
-            let (state, parameters) = (&joints[i], &parameters.joints()[i]);
-            joint.held = joint.is_held_in(state);
-            joint.drive.stiffness_n_m_rad = parameters.stiffness_n_m_rad;
-            joint.drive.damping_n_m_s_rad = parameters.damping_n_m_s_rad;
-            joint.drive.constant_torque_n_m = parameters.constant_torque_n_m;
-            joint.drive.torque_limit_n_m = parameters.torque_limit_n_m;
-            joint.spring.stiffness_n_m_rad = parameters.spring_stiffness_n_m_rad;
-            joint.spring.damping_n_m_s_rad = parameters.spring_damping_n_m_s_rad;
-            joint.spring.rest_angle_rad = parameters.rest_angle_rad;
-            joint.slew = state.slew;
-            joint.external_n_m = inputs.joints()[i].torque_n_m;
-            joint.latched = state.latch.closed;
-            joint.pinned_n_m = None;
-            if let Some(latch) = &mut joint.latch {
-                latch.stiffness_n_m_rad = parameters.latch_stiffness_n_m_rad;
-            }
-        }
-        for (joint, parameters) in equations.spatial.iter_mut().zip(parameters.spatial()) {
-            joint.stiffness_n_m_rad = parameters.stiffness_n_m_rad;
-            joint.damping_n_m_s_rad = parameters.damping_n_m_s_rad;
+        joint_forces::set(&mut equations.forces, inputs, parameters);
+        for (joint, memory) in equations.forces.joints_mut().iter_mut().zip(joints) {
+            joint.recall(memory);
         }
     }
 
@@ -200,58 +184,43 @@ impl Plant {
             state.applied_rates.clone_from(&state.rates);
             state.applied_from_s = time_s;
             state.applied_parameters.clone_from(&state.parameters);
-            let mut released_energy = 0.0;
-            for (i, joint) in state.joints.iter_mut().enumerate() {
-                let inputs = &state.inputs.joints()[i];
-                let c = equations.joints[i].coordinate;
-                let (angle, rate) = (state.start.q[c], state.start.v[c]);
-                let closing = std::mem::take(&mut joint.closing);
-                if inputs.release != joint.released.into() {
-                    joint.released = inputs.release.is_on();
-                    state.statistics.events += u64::from(equations.joints[i].driven);
-                }
-                let (rate_rad_s, limit_rad_s) =
-                    (state.rates.joints()[i].command_rad, state.parameters.joints()[i].rate_limit_rad_s);
-                joint.slew.redirect(time_s, inputs.command_rad, rate_rad_s, limit_rad_s);
-                let Some(latch) = &equations.joints[i].latch else { continue };
-                if joint.latch.closed && !inputs.latch_enable.is_on() {
-                    joint.latch.closed = false;
-                    released_energy += latch.energy_j(angle);
-                    state.statistics.events += 1;
-                } else if !joint.latch.closed && inputs.latch_enable.is_on() && {
-                    // the inputs may change at the crossing itself
-                    let arrived = at_end || latch.beyond_rad(angle) <= CROSSING_S * rate.abs();
-                    closing && arrived || latch.catches(angle)
-                } {
-                    close(&mut joint.latch, time_s);
-                    state.statistics.events += 1;
-                }
-                joint.latch.enabled = inputs.latch_enable.is_on();
+            let mut outcome = Outcome::default();
+            let State { start, joints, inputs, rates, parameters, .. } = state;
+            for (i, (forces, memory)) in equations.forces.joints().iter().zip(joints).enumerate() {
+                let told = Told {
+                    time_s,
+                    at_end,
+                    release: inputs.joints()[i].release.is_on(),
+                    latch_enable: inputs.joints()[i].latch_enable.is_on(),
+                    command_rad: inputs.joints()[i].command_rad,
+                    command_rate_rad_s: rates.joints()[i].command_rad,
+                    rate_limit_rad_s: parameters.joints()[i].rate_limit_rad_s,
+                };
+                outcome.add(forces.take_inputs(&told, start, memory));
             }
-            released_energy
+            outcome
         })
     }
 
-    /// What happens at the end of a step: closes the latches that it has led to, passes the kink that it ends at.
+    /// What happens at the end of a step: the transitions of the forces whose indicators it has crossed, and the kink that it
+    /// ends at.
     pub(super) fn apply_events(&mut self) -> Result<(), PlantError> {
-        let closing = self.state.joints.iter().any(|joint| joint.closing);
-        if closing {
-            self.state.step_s *= STEP_SHARE_AFTER_LATCH;
+        if self.state.joints.iter().any(|joint| joint.crossed != 0) {
+            self.state.step_s *= STEP_SHARE_AFTER_CROSSING;
         } else if !self.equations.kink_at(self.state.start.time_s) {
             return Ok(());
         }
-        self.event(|state, _| {
-            for joint in state.joints.iter_mut().filter(|joint| joint.closing) {
-                joint.closing = false;
-                close(&mut joint.latch, state.start.time_s);
-                state.statistics.events += 1;
+        self.event(|state, equations| {
+            let mut outcome = Outcome::default();
+            for (forces, memory) in equations.forces.joints().iter().zip(&mut state.joints) {
+                outcome.add(forces.make_transitions(&state.start, memory));
             }
-            0.0
+            outcome
         })
     }
 
     /// Changes the equations at `start` as [`Plant::discontinuity`] does, and shortens the next step by the jump.
-    fn event(&mut self, change: impl FnOnce(&mut State, &Equations) -> f64) -> Result<(), PlantError> {
+    fn event(&mut self, change: impl FnOnce(&mut State, &Equations) -> Outcome) -> Result<(), PlantError> {
         let jump = self.discontinuity(change)?;
         self.refuse_leap(self.state.start.time_s, jump)?;
         self.restrain_step(jump);
@@ -272,20 +241,21 @@ impl Plant {
     /// Changes the equations at `start` and re-solves the accelerations; the present step then has no length. Returns
     /// the kinematic norm of their jump in 1/s².
     ///
-    /// `change` returns the energy that it dissipates; the rest of the jump of the potentials is booked as work.
+    /// `change` returns the energy that it dissipates and counts its events; the rest of the jump of the potentials is booked as work.
     /// Joints that the change holds stop at once, eq. (A6), and what that costs is booked as dissipated.
     /// The accelerations move by what the change of the residual asks for, so that errors of the interpolation in
     /// stiff modes are not multiplied by the stiffness.
     pub(super) fn discontinuity(
         &mut self,
-        change: impl FnOnce(&mut State, &Equations) -> f64,
+        change: impl FnOnce(&mut State, &Equations) -> Outcome,
     ) -> Result<f64, PlantError> {
         let old = &mut self.scratch[0];
         let start = &self.state.start;
         let time_s = start.time_s;
         self.equations.residual(time_s, &start.q, &start.v, &start.a, old);
         let before = self.equations.potentials(time_s, &start.q).total();
-        let dissipated = change(&mut self.state, &self.equations);
+        let Outcome { dissipated_j, events } = change(&mut self.state, &self.equations);
+        self.state.statistics.events += events;
         let stopped = self.stop_held_joints().map_err(|singular| self.no_accelerations(time_s, singular))?;
         self.configure();
         self.equations.branch_s = time_s;
@@ -299,8 +269,8 @@ impl Plant {
         let jump = settle(&mut self.equations, new_residual, start);
         let jump = self.accelerations(time_s, jump)?;
         let start = &mut self.state.start;
-        start.dissipated += dissipated + stopped.lost_j;
-        start.work += after - before + dissipated + stopped.work_j;
+        start.dissipated += dissipated_j + stopped.lost_j;
+        start.work += after - before + dissipated_j + stopped.work_j;
         let State { before, start, ahead, .. } = &mut self.state;
         ahead.copy_from(start);
         before.copy_from(start);
@@ -308,7 +278,7 @@ impl Plant {
     }
 
     /// The jump of accelerations just solved for, refused where there are none.
-    fn accelerations(&self, time_s: f64, jump: Result<f64, Singular>) -> Result<f64, PlantError> {
+    pub(super) fn accelerations(&self, time_s: f64, jump: Result<f64, Singular>) -> Result<f64, PlantError> {
         let cause = match jump {
             Ok(jump) if jump.is_finite() => return Ok(jump),
             Ok(_) => format!("they are not finite; {}", self.largest_input()),
@@ -331,17 +301,9 @@ impl Plant {
     }
 }
 
-/// The impulse of a rigid one follows when the joint has been stopped.
-fn close(latch: &mut LatchState, time_s: f64) {
-    latch.closed = true;
-    latch.impulse_n_m_s = 0.0;
-    latch.time_s = time_s;
-    latch.count += 1;
-}
-
 /// Takes `residual` away from the accelerations of `point` by the mass matrix; returns the kinematic norm of the
 /// jump in 1/s². Leaves `point` alone where it is not finite.
-fn settle(equations: &mut Equations, residual: &mut [f64], point: &mut Point) -> Result<f64, Singular> {
+pub(super) fn settle(equations: &mut Equations, residual: &mut [f64], point: &mut Point) -> Result<f64, Singular> {
     equations.factorize(1.0, 0.0, 0.0)?;
     let jump = equations.solve(residual);
     if !jump.is_finite() {
@@ -351,7 +313,7 @@ fn settle(equations: &mut Equations, residual: &mut [f64], point: &mut Point) ->
         point.a[i] -= step;
         point.auxiliary[i] -= step;
     }
-    for joint in equations.joints.iter().filter(|joint| joint.held) {
+    for joint in equations.forces.joints().iter().filter(|joint| joint.held) {
         point.auxiliary[joint.coordinate] = point.a[joint.coordinate];
     }
     point.powers = equations.powers(point.time_s, &point.q, &point.v, &point.a);

@@ -62,7 +62,7 @@ impl Plant {
             let mut add = |index: usize, name: String, [unit, rate_unit]: [&'static str; 2], step: f64| {
                 list.push(Freedom { index, name, unit, rate_unit, step });
             };
-            let held = equations.joints.iter().any(|joint| joint.body == index && joint.held);
+            let held = equations.forces.joints().iter().any(|joint| joint.body == index && joint.held);
             let (kind, first) = (body.joint.kind, body.joint.coordinate);
             if kind.is_redundant() {
                 let shifts = kind.translations();
@@ -170,11 +170,13 @@ impl Plant {
         let mut matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
         let mut diagonal = DMatrix::zeros(now.q.len(), now.q.len());
         add_elastic(&mut diagonal, &self.equations.model, |body| self.equations.damping[body].stiffness_s);
-        for joint in self.equations.joints.iter().filter(|joint| !joint.held) {
+        for joint in self.equations.forces.joints().iter().filter(|joint| !joint.held) {
             diagonal[(joint.coordinate, joint.coordinate)] += self.equations.tangents[joint.body].damping;
         }
-        for joint in &self.equations.spatial {
-            joint.add_damping(&mut diagonal);
+        for joint in self.equations.forces.spatial() {
+            for c in joint.rows() {
+                diagonal[(c, c)] += self.equations.tangents[joint.body].damping;
+            }
         }
         matrix += select(&diagonal, freedoms);
         matrix
@@ -195,7 +197,7 @@ impl Plant {
         let mut matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
         let mut springs = DMatrix::zeros(now.q.len(), now.q.len());
         add_elastic(&mut springs, &self.equations.model, |_| 1.0);
-        for joint in self.equations.joints.iter().filter(|joint| !joint.held) {
+        for joint in self.equations.forces.joints().iter().filter(|joint| !joint.held) {
             springs[(joint.coordinate, joint.coordinate)] += self.equations.tangents[joint.body].stiffness;
         }
         matrix += select(&springs, freedoms);
@@ -280,11 +282,12 @@ impl Plant {
         (self.state.applied_inputs, self.state.applied_from_s) = (old.clone(), from_s);
         old.run_on(&self.state.applied_rates, now_s - from_s);
         for (joint, (new, old)) in
-            self.equations.joints.iter_mut().zip(self.state.inputs.joints().iter().zip(old.joints()))
+            self.equations.forces.joints_mut().iter_mut().zip(self.state.inputs.joints().iter().zip(old.joints()))
         {
+            let Some(motor) = joint.motor_mut() else { continue };
             let change = new.command_rad - old.command_rad;
-            joint.slew.from_rad += change;
-            joint.slew.target_rad += change;
+            motor.slew.from_rad += change;
+            motor.slew.target_rad += change;
         }
     }
 
@@ -342,7 +345,7 @@ impl Plant {
                     shares[k] += strain[k] * force[k];
                 }
             }
-            for joint in self.equations.joints.iter().filter(|joint| !joint.held) {
+            for joint in self.equations.forces.joints().iter().filter(|joint| !joint.held) {
                 let stiffness = self.equations.tangents[joint.body].stiffness;
                 shares[4] += stiffness * x[joint.coordinate].powi(2);
             }

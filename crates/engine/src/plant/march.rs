@@ -1,21 +1,22 @@
-//! Marching in time: variable steps that run ahead of the caller, latch crossings located inside them.
+//! Marching in time: variable steps that run ahead of the caller, crossings of forces' indicators located inside them.
 
+use crate::force::joint::JointForces;
+use crate::force::latch::CROSSING_S;
+use crate::force::set::Indicator;
 use crate::plant::Plant;
 use crate::plant::face::PlantError;
-use crate::plant::hinge::JointEquations;
 use crate::plant::place::Failure;
 use crate::plant::state::State;
 use crate::solve::EquationsOfMotion;
 use crate::solve::continuation::Taken;
 use crate::solve::control;
 use crate::solve::newton::{Accuracy, Effort, NewtonError};
-use crate::solve::point::Point;
 
 /// Displacement error that Newton's iteration may leave, as a share of the step's tolerance.
 const NEWTON_SHARE: f64 = 1e-2;
 /// Largest displacement error that Newton's iteration may leave at any tolerance.
 const NEWTON_CEILING: f64 = 1e-6;
-/// The same for steps of given length, whose error nothing else bounds: those that end at a latch's crossing (located
+/// The same for steps of given length, whose error nothing else bounds: those that end at a crossing (located
 /// to 1e-9 s, at some 10 rad/s) and fixed ones.
 const NEWTON_CEILING_EXACT: f64 = 1e-8;
 /// Cut of the step after Newton's iteration has failed.
@@ -29,8 +30,6 @@ const MOST_ITERATIONS: u64 = 200_000;
 const MOST_ITERATIONS_1_S: f64 = 5e7;
 /// Most aerodynamic steps of one communication step: each costs many internal ones.
 const MOST_AIR_STEPS: u32 = 100_000;
-/// Accuracy of a located latch crossing in s.
-pub(super) const CROSSING_S: f64 = 1e-10;
 /// Most steps spent on locating one crossing.
 const MAX_LOCATING_STEPS: usize = 40;
 /// Most steps spent on locating one crossing in real time: the tangent at the end of the first trial leaves the latch a
@@ -41,8 +40,6 @@ const MAX_LOCATING_STEPS_REAL_TIME: usize = 2;
 const LOST_REST: f64 = 1.0;
 /// Largest turn of a joint in a step of real-time mode, in rad: beyond half a turn its ends do not tell which way it went.
 const LOST_TURN_RAD: f64 = std::f64::consts::PI;
-/// Interior places at which a step is searched for a crossing and return.
-const CROSSING_SAMPLES: u32 = 8;
 
 /// Who decides on the length of a step.
 #[derive(Clone, Copy, PartialEq)]
@@ -263,7 +260,7 @@ impl Plant {
         Ok(())
     }
 
-    /// One step of given length, or to the first latch that closes within it.
+    /// One step of given length, or to the first crossing within it.
     fn take_fixed(&mut self, step_s: f64, end_s: f64) -> Result<(), Untaken> {
         self.attempt_given(step_s)?;
         self.state.ahead.time_s = end_s;
@@ -282,10 +279,10 @@ impl Plant {
         let State { start, ahead, .. } = &self.state;
         let turn_rad = |coordinate: usize| (ahead.q[coordinate] - start.q[coordinate]).abs();
         let turns = |body: usize| self.equations.model.bodies[body].joint.kind.translations() == 0;
-        let far = |joint: &&JointEquations| {
-            joint.law.is_none() && turns(joint.body) && turn_rad(joint.coordinate) > LOST_TURN_RAD
+        let far = |joint: &&JointForces| {
+            joint.law().is_none() && turns(joint.body) && turn_rad(joint.coordinate) > LOST_TURN_RAD
         };
-        match self.equations.joints.iter().find(far) {
+        match self.equations.forces.joints().iter().find(far) {
             Some(joint) => {
                 let (coordinate, turn_rad) = (joint.coordinate, turn_rad(joint.coordinate));
                 Err(Untaken { step_s, failure: Failure::Turned { coordinate, turn_rad } })
@@ -323,44 +320,67 @@ impl Plant {
         }
     }
 
-    /// Where latches close inside the step, repeats the step so that it ends at the first closing.
+    /// Where indicators of forces are crossed inside the step, repeats the step so that it ends at the first crossing.
     ///
-    /// Several may close at the same instant (mirrored wings): all that are within the accuracy of location close.
+    /// Several may be crossed at the same instant (mirrored wings): all that are within the accuracy of location are.
     fn locate_crossing(&mut self) -> Result<(), Untaken> {
-        let Some((mut joint, mut fraction)) = self.first_crossing() else { return Ok(()) };
-        for _ in 0..self.state.joints.len() {
-            self.end_step_at_crossing(joint, fraction)?;
+        let Some((mut crossed, mut fraction)) = self.first_crossing() else { return Ok(()) };
+        let most = self.state.joints.len().max(self.equations.forces.indicators().count());
+        for _ in 0..most {
+            self.end_step_at_crossing(crossed, fraction)?;
             // the estimates may have named the wrong one of two that are close together
             match self.first_crossing() {
-                Some((other, at)) if other != joint && !self.has_arrived(other, true) => {
-                    (joint, fraction) = (other, at)
+                Some((other, at)) if other != crossed && !self.has_arrived(other, true) => {
+                    (crossed, fraction) = (other, at)
                 }
                 _ => break,
             }
         }
-        for i in 0..self.state.joints.len() {
-            self.state.joints[i].closing = i == joint || self.waits(i) && self.has_arrived(i, false);
+        self.state.joints.iter_mut().for_each(|joint| joint.crossed = 0);
+        let State { start, ahead, joints, .. } = &mut self.state;
+        for indicator in self.equations.forces.indicators() {
+            let forces = &self.equations.forces;
+            let arrived = || {
+                forces.is_armed(indicator, start, joints) && {
+                    let (distance, closing) = forces.distance(indicator, start, ahead, joints);
+                    distance <= CROSSING_S * closing
+                }
+            };
+            if indicator == crossed || arrived() {
+                joints[indicator.joint].crossed |= 1 << indicator.number;
+            }
         }
         Ok(())
     }
 
-    /// Whether a joint stands at the edge of its latch's window at `ahead` to the accuracy of location; `only_just`: and not beyond.
-    fn has_arrived(&self, joint: usize, only_just: bool) -> bool {
-        let rate_rad_s = self.state.ahead.v[self.equations.joints[joint].coordinate].abs();
-        let gap_rad = self.gap_rad(joint, &self.state.ahead);
-        gap_rad <= CROSSING_S * rate_rad_s && (!only_just || gap_rad >= -CROSSING_S * rate_rad_s)
+    /// The armed indicator that is crossed first inside the step, and an estimate of the fraction of the step at which.
+    fn first_crossing(&self) -> Option<(Indicator, f64)> {
+        let State { start, stages, ahead, joints, .. } = &self.state;
+        let taken = Taken { start, stages, end: ahead, continuation: self.stepper.continuation() };
+        self.equations.forces.first_crossing(&taken, joints)
     }
 
-    /// Repeats the step so that it ends where a joint reaches the window of its latch.
+    /// Signed distance of an indicator at `ahead` and how fast it falls there, in rad and rad/s.
+    fn distance(&self, indicator: Indicator) -> (f64, f64) {
+        let State { start, ahead, joints, .. } = &self.state;
+        self.equations.forces.distance(indicator, start, ahead, joints)
+    }
+
+    /// Whether an indicator is at zero at `ahead` to the accuracy of location; `only_just`: and not beyond.
+    fn has_arrived(&self, indicator: Indicator, only_just: bool) -> bool {
+        let (distance_rad, closing_rad_s) = self.distance(indicator);
+        distance_rad <= CROSSING_S * closing_rad_s && (!only_just || distance_rad >= -CROSSING_S * closing_rad_s)
+    }
+
+    /// Repeats the step so that it ends where an indicator falls through zero.
     ///
     /// Regula falsi (Illinois) on the step's length: each trial is a full step, so the state at the crossing is as
     /// good as at any step's end.
-    fn end_step_at_crossing(&mut self, joint: usize, fraction: f64) -> Result<(), Untaken> {
-        let start_s = self.state.start.time_s;
-        let step_s = self.state.ahead.time_s - start_s;
-        let gap = |plant: &Self| plant.gap_rad(joint, &plant.state.ahead);
-        let (mut low, mut low_gap) = (0.0, self.gap_rad(joint, &self.state.start));
-        let (mut high, mut high_gap) = (step_s, gap(self));
+    fn end_step_at_crossing(&mut self, indicator: Indicator, fraction: f64) -> Result<(), Untaken> {
+        let State { start, ahead, joints, .. } = &self.state;
+        let step_s = ahead.time_s - start.time_s;
+        let (mut low, mut low_gap) = (0.0, self.equations.forces.distance(indicator, start, start, joints).0);
+        let (mut high, mut high_gap) = (step_s, self.distance(indicator).0);
         let mut trial_s = fraction * step_s;
         if high_gap > 0.0 {
             // crossing and return within the step: the sample inside brackets it
@@ -368,14 +388,13 @@ impl Plant {
             high_gap = -f64::MIN_POSITIVE;
         }
         let real_time = self.machine.solver.most_iterations.is_some();
-        // a rigid latch keeps the joint where it catches it: in the window, not beside it
-        let share = if self.equations.joints[joint].has_rigid_latch() { 0.5 } else { 1.0 };
+        // what keeps the joint where it catches it must catch it inside, not beside
+        let share = if self.equations.forces.lands_beyond(indicator) { 0.5 } else { 1.0 };
         for _ in 0..if real_time { MAX_LOCATING_STEPS_REAL_TIME } else { MAX_LOCATING_STEPS } {
             self.attempt_given(trial_s)?;
-            let coordinate = self.equations.joints[joint].coordinate;
-            let rate = self.state.ahead.v[coordinate].abs();
-            let here = gap(self) + (1.0 - share) * CROSSING_S * rate;
-            if here.abs() <= share * CROSSING_S * rate || high - low <= CROSSING_S {
+            let (distance, closing) = self.distance(indicator);
+            let here = distance + (1.0 - share) * CROSSING_S * closing;
+            if here.abs() <= share * CROSSING_S * closing || high - low <= CROSSING_S {
                 break;
             }
             if here > 0.0 {
@@ -384,54 +403,11 @@ impl Plant {
                 (high, high_gap, low_gap) = (trial_s, here, 0.5 * low_gap);
             }
             // the tangent is best near the crossing; the secant keeps the bracket
-            let newton_s = trial_s + here / rate;
+            let newton_s = trial_s + here / closing;
             let inside = newton_s > low && newton_s < high;
             trial_s = if inside { newton_s } else { low + (high - low) * low_gap / (low_gap - high_gap) };
         }
         Ok(())
-    }
-
-    /// Joint whose enabled, open latch is reached first inside the step, and an estimate of the
-    /// fraction of the step at which.
-    fn first_crossing(&self) -> Option<(usize, f64)> {
-        let State { start, stages, ahead, .. } = &self.state;
-        let taken = Taken { start, stages, end: ahead, continuation: self.stepper.continuation() };
-        let mut first: Option<(usize, f64)> = None;
-        for (i, joint) in self.equations.joints.iter().enumerate() {
-            let Some(latch) = &joint.latch else { continue };
-            if !self.waits(i) {
-                continue;
-            }
-            let c = joint.coordinate;
-            let gap = |fraction: f64| latch.gap_rad(start.q[c], taken.coordinate(fraction, c));
-            let sample = |k: u32| f64::from(k) / f64::from(CROSSING_SAMPLES);
-            let Some(k) = (1..=CROSSING_SAMPLES).find(|&k| gap(sample(k)) <= 0.0) else { continue };
-            let (mut low, mut high) = (sample(k - 1), sample(k));
-            for _ in 0..40 {
-                let middle = 0.5 * (low + high);
-                if gap(middle) > 0.0 { low = middle } else { high = middle }
-            }
-            if first.is_none_or(|(_, earliest)| high < earliest) {
-                first = Some((i, high));
-            }
-        }
-        first
-    }
-
-    /// Whether a joint's latch is enabled and open and the present step starts outside its window.
-    fn waits(&self, joint: usize) -> bool {
-        let latch = &self.state.joints[joint].latch;
-        latch.enabled
-            && !latch.closed
-            && !self.equations.joints[joint].held
-            && self.gap_rad(joint, &self.state.start) > 0.0
-    }
-
-    /// Way of a joint from where the step started to the window of its latch in rad; negative beyond its near edge.
-    fn gap_rad(&self, joint: usize, point: &Point) -> f64 {
-        let joint = &self.equations.joints[joint];
-        let (from_rad, angle_rad) = (self.state.start.q[joint.coordinate], point.q[joint.coordinate]);
-        joint.latch.as_ref().map_or(f64::INFINITY, |latch| latch.gap_rad(from_rad, angle_rad))
     }
 
     /// Adopts `time_s` as the present time: for callers whose clock carries round-off.

@@ -12,7 +12,8 @@ mod derivatives;
 mod equations;
 mod events;
 mod face;
-mod hinge;
+mod hybrid;
+mod joint_forces;
 mod latency;
 mod linear;
 mod magnitude;
@@ -38,6 +39,7 @@ pub use crate::solve::equilibrium::Effort as StaticEffort;
 pub use crate::solve::linearize::{SecondOrder, StateSpace};
 pub use air::{CLOSED_PANELS, SurfaceGap, SurfaceLattice};
 pub use face::{JointStatus, PlantError, Statistics};
+pub use hybrid::{AccountRates, Hybrid, Jump, NotHybrid};
 pub use latency::Latency;
 pub use linear::{Argument, Freedom};
 pub use outputs::{
@@ -221,7 +223,7 @@ impl Plant {
     /// Stopper and latch of each revolute or prismatic joint, in the order of [`Plant::revolute_joints`]; nothing before
     /// [`Plant::initialize`].
     pub fn joint_statuses(&self) -> impl Iterator<Item = JointStatus> {
-        let driven = self.equations.joints.iter().map(|joint| joint.driven);
+        let driven = self.equations.forces.joints().iter().map(|joint| joint.driven);
         self.state.joints.iter().zip(driven).map(|(joint, driven)| JointStatus {
             released: driven && joint.released,
             latched: joint.latch.closed,

@@ -1,7 +1,6 @@
 //! The plant's state: small, clonable, and all that an FMU state needs.
 
-use crate::actuation::drive::Slew;
-use crate::actuation::latch::LatchState;
+use crate::force::memory::JointMemory;
 use crate::machine::Machine;
 use crate::plant::air::AirHistory;
 use crate::plant::face::{PlantError, Statistics};
@@ -9,19 +8,6 @@ use crate::signal::{Inputs, Parameters};
 use crate::solve::point::Point;
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
-
-/// State of one revolute joint beyond its angle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct JointState {
-    /// The stopper has let go; otherwise it holds the joint where it is.
-    pub released: bool,
-    /// Latch, of joints that have one.
-    pub latch: LatchState,
-    /// The latch closes at the end of the integrator's present step.
-    pub closing: bool,
-    /// Neutral angle of the drive.
-    pub slew: Slew,
-}
 
 /// Everything that changes in time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -55,7 +41,7 @@ pub(super) struct State {
     /// Next step to try in s.
     pub step_s: f64,
     /// Per revolute joint.
-    pub joints: Vec<JointState>,
+    pub joints: Vec<JointMemory>,
     /// Last quaternions of universal, ball and free joints.
     pub spatial_rotations: Vec<UnitQuaternion<f64>>,
     /// Last quaternions of the tips, for a continuous sign.
@@ -218,7 +204,7 @@ impl State {
     fn check_inputs_and_events(&self) -> Result<(), PlantError> {
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         let inputs = [&self.inputs, &self.rates, &self.applied_inputs, &self.applied_rates];
-        let joint = |JointState { latch, slew, .. }: &JointState| {
+        let joint = |JointMemory { latch, slew, .. }: &JointMemory| {
             finite(&[
                 latch.time_s,
                 latch.impulse_n_m_s,

@@ -1,6 +1,6 @@
 //! Equilibrium of the machine at rest: what the loads do without time.
 
-use crate::actuation::latch::Latch;
+use crate::force::set::Forces;
 use crate::load::{RootMotion, Wrench};
 use crate::multibody::Model;
 use crate::multibody::norm::kinematic_norm;
@@ -8,12 +8,12 @@ use crate::multibody::tangent::{JointTangent, SingularTangent, Surroundings, Tan
 use crate::plant::Plant;
 use crate::plant::equations::Equations;
 use crate::plant::face::PlantError;
-use crate::plant::hinge::JointEquations;
 use crate::plant::stability::SYMMETRIC;
 use crate::solve::arc_length::{self, PathPoint};
 use crate::solve::equilibrium::{self, Cause, Effort, NoEquilibrium, Settings, StaticEquations};
 use crate::solve::settle;
 use crate::solve::{EquationsOfMotion, Singular};
+use nalgebra::Matrix3;
 
 /// Gap of a closed loop at rest over the machine's length beyond which it is no loop any more.
 const TORN: f64 = 0.01;
@@ -90,35 +90,19 @@ struct Target {
     root: RootMotion,
     stations: Vec<Wrench>,
     air: Vec<Wrench>,
-    joints: Vec<JointTarget>,
-}
-
-/// One revolute joint of the case asked for.
-struct JointTarget {
-    start_rad: f64,
-    neutral_rad: f64,
-    rest_rad: f64,
-    constant_n_m: f64,
-    external_n_m: f64,
-    latch: Option<Latch>,
+    forces: Forces,
+    start: Vec<f64>,
 }
 
 impl Target {
     /// The case that the equations stand for, from the coordinates `start`.
-    fn of(equations: &Equations, time_s: f64, start: &[f64]) -> Self {
-        let joint = |joint: &JointEquations| JointTarget {
-            start_rad: start[joint.coordinate],
-            neutral_rad: joint.slew.at(time_s).0,
-            rest_rad: joint.spring.rest_angle_rad,
-            constant_n_m: joint.drive.constant_torque_n_m,
-            external_n_m: joint.external_n_m,
-            latch: joint.latch,
-        };
+    fn of(equations: &Equations, start: &[f64]) -> Self {
         Self {
             root: equations.root,
             stations: equations.stations[..equations.load_stations].to_vec(),
             air: equations.air.as_ref().map_or(Vec::new(), |air| air.to.clone()),
-            joints: equations.joints.iter().map(joint).collect(),
+            forces: equations.forces.clone(),
+            start: start.to_vec(),
         }
     }
 }
@@ -136,7 +120,7 @@ struct AtRest<'a> {
 
 impl<'a> AtRest<'a> {
     fn new(equations: &'a mut Equations, time_s: f64, start: &[f64]) -> Self {
-        let target = Target::of(equations, time_s, start);
+        let target = Target::of(equations, start);
         let weights = path_weights(&equations.model);
         Self {
             tangent: Tangent::new(&equations.model),
@@ -208,7 +192,7 @@ impl StaticEquations for AtRest<'_> {
     }
 
     fn load(&mut self, factor: f64) {
-        let Target { root, stations, air, joints } = &self.target;
+        let Target { root, stations, air, forces, start } = &self.target;
         self.equations.root = RootMotion {
             gravity_m_s2: root.gravity_m_s2 * factor,
             acceleration_m_s2: root.acceleration_m_s2 * factor,
@@ -221,16 +205,8 @@ impl StaticEquations for AtRest<'_> {
         if let Some(loads) = &mut self.equations.air {
             loads.scale(air, factor);
         }
-        for (joint, target) in self.equations.joints.iter_mut().zip(joints) {
-            let between = |end: f64| target.start_rad + factor * (end - target.start_rad);
-            joint.slew.from_rad = between(target.neutral_rad);
-            joint.slew.target_rad = joint.slew.from_rad;
-            joint.spring.rest_angle_rad = between(target.rest_rad);
-            joint.drive.constant_torque_n_m = factor * target.constant_n_m;
-            joint.external_n_m = factor * target.external_n_m;
-            if let (Some(latch), Some(target)) = (&mut joint.latch, &target.latch) {
-                latch.angle_rad = between(target.angle_rad);
-            }
+        for (joint, whole) in self.equations.forces.joints_mut().iter_mut().zip(forces.joints()) {
+            joint.scale(whole, start[joint.coordinate], factor, self.time_s);
         }
     }
 
@@ -282,11 +258,12 @@ impl Equations {
     /// Springs of the joints at the last residual, per body.
     pub(super) fn joint_tangents(&self) -> Vec<JointTangent> {
         let mut joints = vec![JointTangent::HELD; self.model.bodies.len()];
-        for joint in self.joints.iter().filter(|joint| !joint.held) {
+        for joint in self.forces.joints().iter().filter(|joint| !joint.held) {
             joints[joint.body] = JointTangent::one_freedom(self.tangents[joint.body].stiffness);
         }
-        for joint in &self.spatial {
-            joints[joint.body] = JointTangent { free: true, stiffness: joint.stiffness(&self.work) };
+        for joint in self.forces.spatial() {
+            let spring = joint.attitude().map_or_else(Matrix3::zeros, |spring| spring.stiffness(&self.work));
+            joints[joint.body] = JointTangent { free: true, stiffness: spring };
         }
         joints
     }
@@ -356,31 +333,15 @@ impl Plant {
             self.state.now.q.copy_from_slice(&start);
             let effort = self.search(time_s, holding)?;
             let mut caught = false;
-            for joint in 0..self.equations.joints.len() {
-                let c = self.equations.joints[joint].coordinate;
-                caught |= self.catch(joint, &mut start[c], self.state.now.q[c]);
+            for (joint, memory) in self.equations.forces.joints().iter().zip(&mut self.state.joints) {
+                let c = joint.coordinate;
+                caught |= joint.stops_at_rest(&mut start[c], self.state.now.q[c], memory);
             }
             if !caught {
                 return Ok(effort);
             }
             self.configure();
         }
-    }
-
-    /// Closes the enabled latch of a joint that has come from one angle to rest at another if it lies between them, and
-    /// brings the angle from which the search begins anew to where a rigid one holds it. Whether there is one.
-    pub(super) fn catch(&mut self, joint: usize, from_rad: &mut f64, to_rad: f64) -> bool {
-        let (Some(latch), state) = (&self.equations.joints[joint].latch, &mut self.state.joints[joint].latch) else {
-            return false;
-        };
-        let caught = state.enabled && !state.closed && latch.gap_rad(*from_rad, to_rad) <= 0.0;
-        if caught {
-            state.closed = true;
-            if latch.is_rigid() {
-                *from_rad = latch.edge_rad(*from_rad);
-            }
-        }
-        caught
     }
 
     /// The equilibrium on the path from the start coordinates, with the latches as they are.
@@ -390,7 +351,7 @@ impl Plant {
         equations.branch_s = time_s;
         equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
         if holding == Holding::Stopped {
-            for joint in equations.joints.iter_mut().filter(|joint| !joint.latched) {
+            for joint in equations.forces.joints_mut().iter_mut().filter(|joint| !joint.is_latched()) {
                 joint.held = true;
             }
         }
@@ -408,10 +369,8 @@ impl Plant {
         if quest.search.branch == Branch::Stable {
             (found, quest.departure) = at_rest.stabilise(&mut now.q, found);
         }
-        let latches: Vec<Option<Latch>> = at_rest.target.joints.iter().map(|joint| joint.latch).collect();
-        for (joint, latch) in self.equations.joints.iter_mut().zip(latches) {
-            joint.latch = latch;
-        }
+        let Target { forces, .. } = at_rest.target;
+        self.equations.forces = forces;
         self.configure();
         let effort = found.map_err(|error| self.no_equilibrium(time_s, &error))?;
         self.check_loops(time_s)?;

@@ -127,6 +127,15 @@ impl Taken<'_> {
         let begin = self.start.q[index];
         begin + self.points().zip(weights).map(|(point, weight)| weight * (point.q[index] - begin)).sum::<f64>()
     }
+
+    /// The rate of one coordinate there, by the same combination.
+    pub fn rate(&self, fraction: f64, index: usize) -> f64 {
+        if self.continuation.0.is_empty() {
+            return Quintic::rate_between(self.start, self.end, fraction, index);
+        }
+        let weights = self.continuation.weights_at(fraction);
+        self.points().zip(weights).map(|(point, weight)| weight * point.v[index]).sum()
+    }
 }
 
 /// `sum += factor · values`.

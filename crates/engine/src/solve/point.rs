@@ -98,6 +98,15 @@ pub(super) struct Quintic([[f64; 5]; 3]);
 impl Quintic {
     /// One coordinate at `start + fraction·h`, by the same polynomial.
     pub fn coordinate_between(start: &Point, end: &Point, fraction: f64, index: usize) -> f64 {
+        start.q[index] + Self::between(start, end, fraction, index)[0]
+    }
+
+    /// Its rate there.
+    pub fn rate_between(start: &Point, end: &Point, fraction: f64, index: usize) -> f64 {
+        Self::between(start, end, fraction, index)[1] / (end.time_s - start.time_s)
+    }
+
+    fn between(start: &Point, end: &Point, fraction: f64, index: usize) -> [f64; 3] {
         let h = end.time_s - start.time_s;
         let ends = [
             end.q[index] - start.q[index],
@@ -106,7 +115,7 @@ impl Quintic {
             h * h * start.a[index],
             h * h * end.a[index],
         ];
-        start.q[index] + Quintic::at(fraction).apply(&ends)[0]
+        Quintic::at(fraction).apply(&ends)
     }
 
     fn at(s: f64) -> Self {

@@ -1,6 +1,6 @@
 //! Joints in code: what a table `[joint.<name>]` of the model file can say.
 
-use crate::actuation::prescribed::Law;
+use crate::force::prescribed::Law;
 use crate::machine::builder::latch::LatchBuilder;
 use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::{quoted, shortest};

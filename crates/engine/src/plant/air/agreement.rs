@@ -7,6 +7,7 @@
 //! them: the air sees velocities that belong to the displacements over the steps, eq. (Q4), not those of the instants.
 
 use crate::aero::flow::{AirPath, Flow};
+use crate::force::Outcome;
 use crate::machine::{self, Coupling};
 use crate::plant::Plant;
 use crate::plant::air::{AirCoupling, AirHistory, Gain, Sample, StepLoads, Trial, gaps};
@@ -326,13 +327,13 @@ impl Plant {
         if let Some(error) = gaps::crossing(&self.machine, &air.settings, &air.model, end_s) {
             return Err(error);
         }
-        self.discontinuity(|_, _| 0.0).map(|_| ())
+        self.discontinuity(|_, _| Outcome::default()).map(|_| ())
     }
 
     /// Marches the structure to the end of the aerodynamic step under the present guess of the loads; `first`: with steps
     /// by the error estimate.
     fn march_on_trial(&mut self, end_s: f64, first: bool) -> Result<(), PlantError> {
-        self.discontinuity(|_, _| 0.0)?;
+        self.discontinuity(|_, _| Outcome::default())?;
         self.smallest_step_s = f64::INFINITY;
         while self.state.ahead.time_s < end_s {
             let State { start, ahead, .. } = &mut self.state;

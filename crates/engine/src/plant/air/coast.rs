@@ -24,8 +24,8 @@ const MOST_ITERATIONS: usize = 60;
 impl Plant {
     /// Hinges that turn freely at the present state, by their place in the equations.
     pub(super) fn free_hinges(&self) -> Vec<usize> {
-        let joints = self.equations.joints.iter().enumerate();
-        joints.filter(|(_, joint)| !joint.held && !joint.latched).map(|(i, _)| i).collect()
+        let joints = self.equations.forces.joints().iter().enumerate();
+        joints.filter(|(_, joint)| !joint.held && !joint.is_latched()).map(|(i, _)| i).collect()
     }
 
     /// Brings the machine to rest in air with the angles of `hinges` as outer unknowns, NOTATION eq. (Q6). A joint that
@@ -39,7 +39,7 @@ impl Plant {
             plant.state.joints.copy_from_slice(&joints);
             plant.configure();
             for (angle, &hinge) in angles.iter().zip(hinges) {
-                plant.state.now.q[plant.equations.joints[hinge].coordinate] = *angle * plant.scale(hinge);
+                plant.state.now.q[plant.equations.forces.joints()[hinge].coordinate] = *angle * plant.scale(hinge);
             }
             plant.settle_with_air(time_s, Holding::Stopped)
         };
@@ -75,13 +75,15 @@ impl Plant {
     }
 
     fn angles(&self, hinges: &[usize]) -> DVector<f64> {
-        let angle = |hinge: &usize| self.state.now.q[self.equations.joints[*hinge].coordinate] / self.scale(*hinge);
+        let angle =
+            |hinge: &usize| self.state.now.q[self.equations.forces.joints()[*hinge].coordinate] / self.scale(*hinge);
         DVector::from_iterator(hinges.len(), hinges.iter().map(angle))
     }
 
     /// What one of the unknown angle stands for: 1 rad, or the machine's length in m of a joint that slides.
     fn scale(&self, hinge: usize) -> f64 {
-        let slides = self.equations.model.bodies[self.equations.joints[hinge].body].joint.kind.translations() > 0;
+        let slides =
+            self.equations.model.bodies[self.equations.forces.joints()[hinge].body].joint.kind.translations() > 0;
         if slides { self.equations.model.reference_length_m } else { 1.0 }
     }
 
@@ -90,16 +92,18 @@ impl Plant {
     fn hinge_torques(&mut self, time_s: f64, hinges: &[usize]) -> DVector<f64> {
         let zero = vec![0.0; self.state.now.q.len()];
         self.equations.residual(time_s, &self.state.now.q, &zero, &zero, &mut self.scratch[0]);
-        let torque = |hinge: &usize| self.scratch[0][self.equations.joints[*hinge].coordinate] * self.scale(*hinge);
+        let torque =
+            |hinge: &usize| self.scratch[0][self.equations.forces.joints()[*hinge].coordinate] * self.scale(*hinge);
         DVector::from_iterator(hinges.len(), hinges.iter().map(torque))
     }
 
-    /// Closes the enabled latches between the angles of `start` and those of rest; whether there are any.
+    /// Has forces stop the joints between the angles of `start` and those of rest; whether any does.
     fn caught(&mut self, hinges: &[usize], start: &mut [f64], to: &DVector<f64>) -> bool {
         let mut any = false;
         for (&hinge, to) in hinges.iter().zip(to) {
-            let c = self.equations.joints[hinge].coordinate;
-            any |= self.catch(hinge, &mut start[c], *to * self.scale(hinge));
+            let to_rad = *to * self.scale(hinge);
+            let joint = &self.equations.forces.joints()[hinge];
+            any |= joint.stops_at_rest(&mut start[joint.coordinate], to_rad, &mut self.state.joints[hinge]);
         }
         any
     }
@@ -109,7 +113,7 @@ impl Plant {
             .iter()
             .zip(angles)
             .map(|(&hinge, angle)| {
-                let joint = &self.machine.bodies[self.equations.joints[hinge].body].joint;
+                let joint = &self.machine.bodies[self.equations.forces.joints()[hinge].body].joint;
                 match joint.kind {
                     JointKind::Prismatic(_) => format!("{} at {:.4} m", joint.name, angle * self.scale(hinge)),
                     _ => format!("{} at {:.1} deg", joint.name, angle.to_degrees()),

@@ -11,6 +11,7 @@ pub use view::SurfaceLattice;
 use crate::aero::joined_edges::Edge;
 use crate::aero::surface::Surface;
 use crate::aero::{AirLoads, AirModel, AirState};
+use crate::force::memory::JointMemory;
 use crate::load::{LoadFrame, SectionMotion, Wrench};
 use crate::machine::{self, Parent};
 use crate::math::so3::rotation_vector;
@@ -19,7 +20,6 @@ use crate::multibody::{Model, station};
 use crate::plant::equations::Equations;
 use crate::plant::face::Statistics;
 use crate::plant::outputs::Outputs;
-use crate::plant::state::JointState;
 use crate::solve::acceleration::Anderson;
 use crate::solve::point::Point;
 use nalgebra::Vector3;
@@ -245,7 +245,7 @@ pub(super) struct AirCoupling {
 struct Trial {
     start: Point,
     step_s: f64,
-    joints: Vec<JointState>,
+    joints: Vec<JointMemory>,
     statistics: Statistics,
     loads: StepLoads,
 }

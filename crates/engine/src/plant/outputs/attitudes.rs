@@ -1,13 +1,13 @@
 //! Last attitudes, for continuous signs of quaternions.
 
+use crate::force::joint::JointForces;
 use crate::math::so3::quaternion_near;
 use crate::multibody::kinematics::sweep_poses;
 use crate::multibody::model::Element;
 use crate::multibody::station;
 use crate::plant::Plant;
 use crate::plant::equations::Equations;
-use crate::plant::hinge::JointEquations;
-use crate::plant::spatial::SpatialEquations;
+use crate::plant::spatial::SpatialJoint;
 use crate::plant::state::State;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -59,9 +59,9 @@ const FAR_TURN_RAD: f64 = 1.0;
 /// all joints and elements.
 fn turn_between(equations: &Equations, from: &[f64], to: &[f64]) -> f64 {
     let change = |c: usize| to[c] - from[c];
-    let turns = |joint: &&JointEquations| equations.model.bodies[joint.body].joint.kind.translations() == 0;
-    let hinges: f64 = equations.joints.iter().filter(turns).map(|joint| change(joint.coordinate).abs()).sum();
-    let spatial: f64 = equations.spatial.iter().flat_map(SpatialEquations::range).map(|c| 2.0 * change(c).abs()).sum();
+    let turns = |joint: &&JointForces| equations.model.bodies[joint.body].joint.kind.translations() == 0;
+    let hinges: f64 = equations.forces.joints().iter().filter(turns).map(|joint| change(joint.coordinate).abs()).sum();
+    let spatial: f64 = equations.spatial.iter().flat_map(SpatialJoint::range).map(|c| 2.0 * change(c).abs()).sum();
     let bend = |element: &Element| {
         let c = element.coordinate;
         element.length_m * Vector3::new(change(c + 1), change(c + 2), change(c + 3)).norm()

@@ -1,6 +1,6 @@
 //! Revolute and prismatic joints: angles, rates and torques.
 
-use crate::plant::hinge::JointEquations;
+use crate::force::joint::JointForces;
 use crate::plant::outputs::Present;
 use bytemuck::{Pod, Zeroable};
 
@@ -34,12 +34,14 @@ impl JointOutputs {
     /// branch of the present: `motion` is angle, rate and acceleration, `external_n_m_s` the rate of the external torque.
     pub(in crate::plant) fn add_drive(
         &mut self,
-        joint: &JointEquations,
+        joint: &JointForces,
         time_s: f64,
         [angle, rate, acceleration]: [f64; 3],
         external_n_m_s: f64,
     ) {
-        let (drive, spring, slew_rate) = (&joint.drive, &joint.spring, joint.slew.at(time_s).1);
+        let Some(motor) = joint.motor() else { return };
+        let (drive, slew_rate) = (&motor.drive, motor.slew.at(time_s).1);
+        let spring = joint.spring().copied().unwrap_or_default();
         self.neutral_angle_rad = slew_rate;
         self.motor_torque_n_m = if joint.motor_torque(time_s, angle, rate).saturated {
             0.0
@@ -55,14 +57,14 @@ impl JointOutputs {
 /// All but what the residual alone tells.
 pub(super) fn fill(outputs: &mut [JointOutputs], present: &Present) {
     let time_s = present.time_s();
-    for (output, joint) in outputs.iter_mut().zip(&present.equations.joints) {
+    for (output, joint) in outputs.iter_mut().zip(present.equations.forces.joints()) {
         let (angle, rate) = (present.motion.q[joint.coordinate], present.motion.v[joint.coordinate]);
         let motor = joint.motor_torque(time_s, angle, rate).applied_n_m;
         let (spring, external) = (joint.spring_torque_n_m(angle, rate), joint.external_torque_n_m());
         *output = JointOutputs {
             angle_rad: angle,
             rate_rad_s: rate,
-            neutral_angle_rad: if joint.driven { joint.slew.at(time_s).0 } else { 0.0 },
+            neutral_angle_rad: joint.motor().map_or(0.0, |motor| motor.slew.at(time_s).0),
             torque_applied_n_m: motor + spring + external,
             motor_torque_n_m: motor,
             spring_torque_n_m: spring,
@@ -78,11 +80,11 @@ pub(super) fn fill(outputs: &mut [JointOutputs], present: &Present) {
 
 /// What holds the joints, of the last residual.
 pub(super) fn fill_holding(outputs: &mut [JointOutputs], present: &Present) {
-    for (output, joint) in outputs.iter_mut().zip(&present.equations.joints) {
+    for (output, joint) in outputs.iter_mut().zip(present.equations.forces.joints()) {
         output.holding_torque_n_m = joint.holding_n_m;
         if joint.has_rigid_latch() {
             // closed, it bears all, whatever else holds the joint, eq. (A7)
-            let borne_n_m = if joint.latched { joint.holding_n_m } else { 0.0 };
+            let borne_n_m = if joint.is_latched() { joint.holding_n_m } else { 0.0 };
             output.latch_torque_n_m = borne_n_m;
             output.holding_torque_n_m -= borne_n_m;
         }

@@ -25,10 +25,11 @@ impl LatchOutputs {
 
 /// States of the latches.
 pub(super) fn fill(outputs: &mut [LatchOutputs], present: &Present) {
-    for ((output, joint), state) in outputs.iter_mut().zip(&present.equations.joints).zip(&present.state.joints) {
+    for ((output, joint), state) in outputs.iter_mut().zip(present.equations.forces.joints()).zip(&present.state.joints)
+    {
         let latch = &state.latch;
         *output = LatchOutputs {
-            closed: joint.latched.into(),
+            closed: joint.is_latched().into(),
             time_s: latch.time_s,
             count: latch.count.into(),
             impulse_n_m_s: latch.impulse_n_m_s,

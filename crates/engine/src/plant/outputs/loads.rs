@@ -36,11 +36,11 @@ pub(super) fn fill_reactions(outputs: &mut [Wrench], present: &Present) {
         let node = &work.nodes[body.first_node];
         *reaction = Wrench { force_n: node.force, moment_n_m: node.moment };
     }
-    for joint in &equations.joints {
+    for joint in equations.forces.joints() {
         joint.complete_reaction(model, work, motion, present.time_s(), &mut outputs[joint.body]);
     }
-    for joint in &equations.spatial {
-        if let Some(moment_n_m) = joint.ball_moment_n_m(work, motion.v) {
+    for joint in equations.forces.spatial() {
+        if let Some(moment_n_m) = joint.attitude().and_then(|spring| spring.ball_moment_n_m(work, motion.v)) {
             outputs[joint.body].moment_n_m = moment_n_m;
         }
     }

@@ -1,5 +1,7 @@
 //! Spring and damper of a fold joint itself, beside its drive.
 
+use crate::force::{Here, Push};
+
 /// Parameters of a joint's own spring and damper, NOTATION eq. (A1). No limit acts on them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Spring {
@@ -20,5 +22,16 @@ impl Spring {
     /// Energy stored in J: `½ k (θ − θ_0)²`.
     pub fn energy_j(&self, angle_rad: f64) -> f64 {
         0.5 * self.stiffness_n_m_rad * (angle_rad - self.rest_angle_rad).powi(2)
+    }
+    /// Adds its torque and tangent.
+    pub fn push(&self, here: &Here, sum: &mut Push) {
+        sum.torque_n_m += self.torque_n_m(here.angle_rad, here.rate_rad_s);
+        sum.tangent.stiffness += self.stiffness_n_m_rad;
+        sum.tangent.damping += self.damping_n_m_s_rad;
+    }
+
+    /// Power of the damper in W.
+    pub fn dissipation_w(&self, rate_rad_s: f64) -> f64 {
+        self.damping_n_m_s_rad * rate_rad_s * rate_rad_s
     }
 }

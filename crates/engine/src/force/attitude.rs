@@ -1,0 +1,125 @@
+//! Spring and damper of a universal or ball joint.
+
+use crate::force::{Here, Push};
+use crate::math::so3::hat;
+use crate::multibody::Workspace;
+use crate::multibody::joint::{Joint, JointKind, RedundantWork};
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+/// Spring and damper on the freedoms of a universal or ball joint.
+#[derive(Debug, Clone)]
+pub struct AttitudeSpring {
+    body: usize,
+    /// Its parameters.
+    joint: Joint,
+    /// Attitude at which the spring is slack, parent ← body.
+    neutral: Matrix3<f64>,
+    /// Spring stiffness in N·m/rad.
+    pub stiffness_n_m_rad: f64,
+    /// Damping in N·m·s/rad.
+    pub damping_n_m_s_rad: f64,
+}
+
+impl AttitudeSpring {
+    /// None yet on a joint; `neutral`: attitude at which it will be slack, parent ← body.
+    pub fn new(body: usize, joint: Joint, neutral: Matrix3<f64>) -> Self {
+        Self { body, joint, neutral, stiffness_n_m_rad: 0.0, damping_n_m_s_rad: 0.0 }
+    }
+
+    /// Takes its torques out of the residual of the freedoms, and adds its tangent.
+    pub fn push(&self, here: &Here, sum: &mut Push) {
+        sum.tangent.stiffness += self.stiffness_n_m_rad;
+        sum.tangent.damping += self.damping_n_m_s_rad;
+        let Some(parameters) = here.work.joints[self.body].redundant() else { return };
+        let (angles, rates) = self.deflection(parameters, here.v);
+        let torque = angles * self.stiffness_n_m_rad + rates * self.damping_n_m_s_rad;
+        sum.rows.iter_mut().zip(&torque).for_each(|(row, torque)| *row += torque);
+    }
+
+    /// Moment of a ball joint on its body, root frame, in N·m: its spring and damper are all that passes one on.
+    pub fn ball_moment_n_m(&self, work: &Workspace, v: &[f64]) -> Option<Vector3<f64>> {
+        let parameters = work.joints[self.body].redundant().filter(|_| self.joint.kind == JointKind::Ball)?;
+        let (angles, rates) = self.deflection(parameters, v);
+        Some(-(parameters.parent * (angles * self.stiffness_n_m_rad + rates * self.damping_n_m_s_rad)))
+    }
+
+    /// Energy of the spring in J.
+    pub fn potential_j(&self, work: &Workspace) -> f64 {
+        let Some(parameters) = work.joints[self.body].redundant() else { return 0.0 };
+        0.5 * self.stiffness_n_m_rad * self.angles(parameters).norm_squared()
+    }
+
+    /// Power of the damper in W.
+    pub fn dissipation_w(&self, work: &Workspace, v: &[f64]) -> f64 {
+        let Some(parameters) = work.joints[self.body].redundant() else { return 0.0 };
+        self.damping_n_m_s_rad * self.deflection(parameters, v).1.norm_squared()
+    }
+
+    /// Exact change of the spring's torques with the freedoms, N·m/rad: for a ball joint the inverse left tangent map of
+    /// its rotation vector `φ`, `k (I − [φ]/2 + γ[φ]²)`, `γ = (1 − |φ|/2 cot(|φ|/2))/φ·φ`, NOTATION eq. (L7).
+    pub fn stiffness(&self, work: &Workspace) -> Matrix3<f64> {
+        let identity = Matrix3::identity() * self.stiffness_n_m_rad;
+        let (JointKind::Ball, Some(parameters)) = (self.joint.kind, work.joints[self.body].redundant()) else {
+            return identity;
+        };
+        let angles = self.angles(parameters);
+        let square = angles.norm_squared();
+        let half = 0.5 * square.sqrt();
+        let gamma = if square < 1e-4 { 1.0 / 12.0 + square / 720.0 } else { (1.0 - half / half.tan()) / square };
+        let turn = hat(&angles);
+        identity + (turn * turn * gamma - turn * 0.5) * self.stiffness_n_m_rad
+    }
+
+    fn spin(&self, parameters: &RedundantWork, v: &[f64]) -> Vector3<f64> {
+        let rates = &v[self.joint.range()];
+        parameters.pose.spin(&self.joint.kind, rates, rates).0
+    }
+
+    /// Spring angles and their rates along the freedoms: rotation vector in the parent's frame for a ball joint, the two
+    /// angles of a universal joint (third entry zero).
+    fn deflection(&self, parameters: &RedundantWork, v: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+        let spin = self.spin(parameters, v);
+        let rates = match self.joint.kind {
+            JointKind::Universal { .. } => {
+                // ω = n₁ θ̇₁ + n₂ θ̇₂
+                let (first, second) = (parameters.pose.axes.column(0), parameters.pose.axes.column(1));
+                let cosine = first.dot(&second);
+                let (a, b) = (first.dot(&spin), second.dot(&spin));
+                let scale = 1.0 / (1.0 - cosine * cosine);
+                Vector3::new((a - cosine * b) * scale, (b - cosine * a) * scale, 0.0)
+            }
+            _ => spin,
+        };
+        (self.angles(parameters), rates)
+    }
+
+    fn angles(&self, parameters: &RedundantWork) -> Vector3<f64> {
+        let rotation = &parameters.pose.rotation;
+        match self.joint.kind {
+            JointKind::Universal { parent_axis, body_axis, .. } => {
+                let first = turn_about(&parent_axis, &(self.neutral * body_axis), &(rotation * body_axis));
+                let before = crate::math::so3::rotation_about(&parent_axis, first) * self.neutral;
+                let relative = before.transpose() * rotation;
+                let across = perpendicular(&body_axis);
+                Vector3::new(first, turn_about(&body_axis, &across, &(relative * across)), 0.0)
+            }
+            _ => {
+                let relative = rotation * self.neutral.transpose();
+                Rotation3::from_matrix_unchecked(relative).scaled_axis()
+            }
+        }
+    }
+}
+
+/// Angle about `axis` that brings `from` to `to`, in (−π, π].
+fn turn_about(axis: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
+    let flat = |vector: &Vector3<f64>| vector - axis * axis.dot(vector);
+    let (from, to) = (flat(from), flat(to));
+    axis.dot(&from.cross(&to)).atan2(from.dot(&to))
+}
+
+/// Some vector across `axis`.
+fn perpendicular(axis: &Vector3<f64>) -> Vector3<f64> {
+    let other = if axis.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
+    axis.cross(&other).normalize()
+}

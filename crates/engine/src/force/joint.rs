@@ -1,0 +1,354 @@
+//! The forces on one joint, and what they add up to.
+
+use crate::force::attitude::AttitudeSpring;
+use crate::force::drive::DriveTorque;
+use crate::force::external::External;
+use crate::force::latch::{CatchingLatch, Latch};
+use crate::force::memory::{JointMemory, Told};
+use crate::force::motor::Motor;
+use crate::force::prescribed::Law;
+use crate::force::spring::Spring;
+use crate::force::{Force, Here, Moving, Outcome, Place, Push, Stored};
+use crate::load::Wrench;
+use crate::multibody::factor::FreedomTangent;
+use crate::multibody::joint::Joint;
+use crate::multibody::kinematics::Motion;
+use crate::multibody::{Model, Workspace};
+use crate::solve::Powers;
+use crate::solve::point::Point;
+use nalgebra::Vector3;
+use std::ops::Range;
+
+/// Forces on the freedoms of a joint.
+#[derive(Debug, Clone)]
+pub struct JointForces {
+    /// Body that the joint holds.
+    pub body: usize,
+    /// Index of its angle in `q`, or of the first of its parameters.
+    pub coordinate: usize,
+    /// Freedoms.
+    freedoms: usize,
+    /// Some force holds it: its angle does not follow from torques.
+    pub held: bool,
+    /// Motor, spring and damper act: joints that are neither locked nor prescribed.
+    pub driven: bool,
+    /// Torque of what holds it, of the last residual, in N·m; 0 where it is free.
+    pub holding_n_m: f64,
+    /// In the order in which they add up.
+    forces: Vec<Force>,
+}
+
+impl JointForces {
+    /// Forces on a joint; one with one freedom is held until [`JointForces::recall`] says otherwise.
+    pub fn new(body: usize, joint: &Joint, forces: Vec<Force>) -> Self {
+        Self {
+            body,
+            coordinate: joint.coordinate,
+            freedoms: joint.kind.freedoms(),
+            held: !joint.kind.is_redundant(),
+            driven: forces.iter().any(|force| matches!(force, Force::Motor(_))),
+            holding_n_m: 0.0,
+            forces,
+        }
+    }
+
+    /// Takes over what is remembered, and with it whether the joint is held.
+    pub fn recall(&mut self, memory: &JointMemory) {
+        self.held = self.is_held_in(memory);
+        self.forces.iter_mut().for_each(|force| force.recall(memory));
+    }
+
+    /// Whether some force holds the joint in the state that it remembers.
+    pub fn is_held_in(&self, memory: &JointMemory) -> bool {
+        self.forces.iter().any(|force| force.holds(memory))
+    }
+
+    fn here<'a>(&self, time_s: f64, branch_s: f64, q: &[f64], v: &'a [f64], work: &'a Workspace) -> Here<'a> {
+        let c = self.coordinate;
+        Here { time_s, branch_s, angle_rad: q[c], rate_rad_s: v[c], v, work }
+    }
+
+    /// Takes the forces out of the residual of the joint's freedoms, and what holds the joint with them; tells the tangent.
+    pub fn apply(
+        &mut self,
+        time_s: f64,
+        q: &[f64],
+        v: &[f64],
+        work: &Workspace,
+        residual: &mut [f64],
+    ) -> FreedomTangent {
+        let rows = &mut residual[self.rows()];
+        let here = self.here(time_s, time_s, q, v, work);
+        let tangent = FreedomTangent { free: !self.held, stiffness: 0.0, damping: 0.0 };
+        let mut push = Push { torque_n_m: 0.0, tangent, rows };
+        self.forces.iter().for_each(|force| force.push(&here, &mut push));
+        if self.freedoms == 1 {
+            let left_n_m = push.rows[0] - push.torque_n_m;
+            (push.rows[0], self.holding_n_m) = if self.held { (0.0, left_n_m) } else { (left_n_m, 0.0) };
+        }
+        push.tangent
+    }
+
+    /// Places of the joint's freedoms in a residual.
+    pub fn rows(&self) -> Range<usize> {
+        self.coordinate..self.coordinate + self.freedoms
+    }
+
+    /// Sum of all torques on the outer body about `+θ` in N·m, NOTATION eqs. (A1) and (A3).
+    fn torque_n_m(&self, time_s: f64, motion: Motion, work: &Workspace) -> f64 {
+        let mut push = Push { torque_n_m: 0.0, tangent: FreedomTangent::HELD, rows: &mut [] };
+        let here = self.here(time_s, time_s, motion.q, motion.v, work);
+        self.forces.iter().for_each(|force| force.push(&here, &mut push));
+        push.torque_n_m
+    }
+
+    /// Adds what its forces do and dissipate, NOTATION eq. (A5).
+    pub fn add_powers(
+        &self,
+        [time_s, branch_s]: [f64; 2],
+        q: &[f64],
+        v: &[f64],
+        work: &Workspace,
+        powers: &mut Powers,
+    ) {
+        let here = self.here(time_s, branch_s, q, v, work);
+        let mut own = Powers::default();
+        self.forces.iter().for_each(|force| force.add_powers(&here, self.holding_n_m, &mut own));
+        powers.work += own.work;
+        powers.dissipated += own.dissipated;
+    }
+
+    /// Energy that its forces store.
+    pub fn stored(&self, time_s: f64, q: &[f64], work: &Workspace) -> Stored {
+        let c = self.coordinate;
+        let here = Here { time_s, branch_s: time_s, angle_rad: q[c], rate_rad_s: 0.0, v: &[], work };
+        let mut stored = Stored::default();
+        self.forces.iter().for_each(|force| force.add_stored(&here, &mut stored));
+        stored
+    }
+
+    /// Next kink after `time_s` at a time that is known before, in s.
+    pub fn next_kink_s(&self, time_s: f64) -> f64 {
+        self.forces.iter().map(|force| force.next_kink_s(time_s)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether such a kink lies exactly at `time_s`.
+    pub fn kink_at(&self, time_s: f64) -> bool {
+        self.forces.iter().any(|force| force.kink_at(time_s))
+    }
+
+    /// Moves forces with kinks to the pieces on which a state lies, eq. (T12); says whether any of them is another one.
+    pub fn move_pieces(&mut self, time_s: f64, q: &[f64], v: &[f64]) -> bool {
+        if self.held {
+            return false;
+        }
+        let (angle_rad, rate_rad_s) = (q[self.coordinate], v[self.coordinate]);
+        self.forces.iter_mut().fold(false, |moved, force| force.move_piece(time_s, angle_rad, rate_rad_s) || moved)
+    }
+
+    /// Has forces with kinks follow from the state again.
+    pub fn drop_pieces(&mut self) {
+        self.forces.iter_mut().for_each(Force::drop_piece);
+    }
+
+    /// Motion of a joint with one freedom at a point.
+    pub fn moving(&self, at: &Point) -> Moving {
+        let c = self.coordinate;
+        Moving { angle_rad: at.q[c], rate_rad_s: at.v[c], acceleration_rad_s2: at.a[c] }
+    }
+
+    /// Number of indicators of its forces.
+    pub fn indicators(&self) -> usize {
+        self.forces.iter().map(Force::indicators).sum()
+    }
+
+    /// Forces with the numbers of their indicators in the joint.
+    fn numbered(&self) -> impl Iterator<Item = (&Force, Range<usize>)> {
+        self.forces.iter().scan(0, |first, force| {
+            let numbers = *first..*first + force.indicators();
+            *first = numbers.end;
+            Some((force, numbers))
+        })
+    }
+
+    /// Force of an indicator, and the indicator's number in it.
+    fn indicating(&self, indicator: usize) -> Option<(&Force, usize)> {
+        self.numbered()
+            .find(|(_, numbers)| numbers.contains(&indicator))
+            .map(|(force, at)| (force, indicator - at.start))
+    }
+
+    /// Whether an indicator may be crossed by a motion that starts so.
+    pub fn is_armed(&self, indicator: usize, start: &Moving, memory: &JointMemory) -> bool {
+        !self.held && self.indicating(indicator).is_some_and(|(force, i)| force.is_armed(i, start, memory))
+    }
+
+    /// Signed distance of an indicator for a motion from `start_rad`: an event where it falls through zero. In rad.
+    pub fn distance_rad(&self, indicator: usize, start_rad: f64, place: &impl Place, memory: &JointMemory) -> f64 {
+        self.indicating(indicator).map_or(f64::INFINITY, |(force, i)| force.distance_rad(i, start_rad, place, memory))
+    }
+
+    /// How fast an indicator falls, in rad/s; never negative.
+    pub fn closing_rad_s(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> f64 {
+        self.indicating(indicator).map_or(0.0, |(force, i)| force.closing_rad_s(i, at, memory))
+    }
+
+    /// Whether a crossing is to be located on its far side.
+    pub fn lands_beyond(&self, indicator: usize) -> bool {
+        self.indicating(indicator).is_some_and(|(force, _)| force.lands_beyond())
+    }
+
+    /// Makes the transitions of the indicators that the step has crossed.
+    pub fn make_transitions(&self, at: &Point, memory: &mut JointMemory) -> Outcome {
+        let crossed = std::mem::take(&mut memory.crossed);
+        let mut sum = Outcome::default();
+        for (force, numbers) in self.numbered() {
+            for number in numbers.clone().filter(|number| crossed & (1 << number) != 0) {
+                sum.add(force.transition(number - numbers.start, at.time_s, &self.moving(at), memory));
+            }
+        }
+        sum
+    }
+
+    /// Follows inputs that have changed, crossings at the present included.
+    pub fn take_inputs(&self, told: &Told, now: &Point, memory: &mut JointMemory) -> Outcome {
+        let crossed = std::mem::take(&mut memory.crossed);
+        let mut sum = Outcome::default();
+        for (force, numbers) in self.numbered() {
+            let crossed = numbers.into_iter().any(|number| crossed & (1 << number) != 0);
+            sum.add(force.take_inputs(told, &self.moving(now), crossed, memory));
+        }
+        sum
+    }
+
+    /// Whether a force keeps the impulse that stops the joint.
+    pub fn keeps_impulses(&self) -> bool {
+        self.forces.iter().any(Force::keeps_impulses)
+    }
+
+    /// Where the impulse is kept that stops the joint at `time_s`, if one of its forces gives it.
+    pub fn impulse_n_m_s<'a>(&self, time_s: f64, memory: &'a mut JointMemory) -> Option<&'a mut f64> {
+        let giver = self.forces.iter().find(|force| force.impulse_n_m_s(time_s, memory).is_some())?;
+        giver.impulse_n_m_s(time_s, memory)
+    }
+
+    /// Whether a force stops the joint on its way from rest at `from_rad` to rest at `to_rad`.
+    pub fn stops_at_rest(&self, from_rad: &mut f64, to_rad: f64, memory: &mut JointMemory) -> bool {
+        self.forces.iter().fold(false, |stopped, force| force.stops_at_rest(from_rad, to_rad, memory) || stopped)
+    }
+
+    /// Brings its forces to a share of their load, that of `whole`, eq. (L8).
+    pub fn scale(&mut self, whole: &Self, start_rad: f64, factor: f64, time_s: f64) {
+        let pairs = self.forces.iter_mut().zip(&whole.forces);
+        pairs.for_each(|(force, whole)| force.scale(whole, start_rad, factor, time_s));
+    }
+
+    /// Completes the joint's wrench on its body, root frame, along its freedom: a joint that moves freely passes on its
+    /// torques or forces, less what its drive's inertia takes, whatever the last residual left there. A joint that is held
+    /// keeps its wrench.
+    pub fn complete_reaction(&self, model: &Model, work: &Workspace, motion: Motion, time_s: f64, on: &mut Wrench) {
+        if self.held {
+            return;
+        }
+        let (c, joint) = (self.coordinate, &model.bodies[self.body].joint);
+        let twists = joint.freedom_twists(&work.joints[self.body]);
+        let axis = |row: usize| -> Vector3<f64> { twists.fixed_view::<3, 1>(row, 0).into_owned() };
+        // unit axes of a slide and of a hinge; the other one is zero
+        let (slide, hinge) = (axis(0), axis(3));
+        let along = self.torque_n_m(time_s, motion, work) - joint.drive_inertia * motion.a[c];
+        on.force_n += slide * (along * slide.norm_squared() - slide.dot(&on.force_n));
+        on.moment_n_m += hinge * (along * hinge.norm_squared() - hinge.dot(&on.moment_n_m));
+    }
+}
+
+/// Views of single forces, for their parameters and outputs.
+impl JointForces {
+    fn find<T>(&self, view: impl Fn(&Force) -> Option<&T>) -> Option<&T> {
+        self.forces.iter().find_map(view)
+    }
+
+    fn find_mut<T>(&mut self, view: impl Fn(&mut Force) -> Option<&mut T>) -> Option<&mut T> {
+        self.forces.iter_mut().find_map(view)
+    }
+
+    /// Motor.
+    pub fn motor(&self) -> Option<&Motor> {
+        self.find(|force| if let Force::Motor(motor) = force { Some(motor) } else { None })
+    }
+
+    /// Motor, to be changed.
+    pub fn motor_mut(&mut self) -> Option<&mut Motor> {
+        self.find_mut(|force| if let Force::Motor(motor) = force { Some(motor) } else { None })
+    }
+
+    /// Spring and damper of a joint with one freedom.
+    pub fn spring(&self) -> Option<&Spring> {
+        self.find(|force| if let Force::Spring(spring) = force { Some(spring) } else { None })
+    }
+
+    /// Spring and damper, to be changed.
+    pub fn spring_mut(&mut self) -> Option<&mut Spring> {
+        self.find_mut(|force| if let Force::Spring(spring) = force { Some(spring) } else { None })
+    }
+
+    /// External torque.
+    pub fn external_mut(&mut self) -> Option<&mut External> {
+        self.find_mut(|force| if let Force::External(external) = force { Some(external) } else { None })
+    }
+
+    /// Latch.
+    pub fn latch(&self) -> Option<&CatchingLatch> {
+        self.find(|force| if let Force::Latch(latch) = force { Some(latch) } else { None })
+    }
+
+    /// Latch, to be changed.
+    pub fn latch_mut(&mut self) -> Option<&mut Latch> {
+        self.find_mut(|force| if let Force::Latch(latch) = force { Some(&mut latch.latch) } else { None })
+    }
+
+    /// Prescribed motion.
+    pub fn law(&self) -> Option<&Law> {
+        self.find(|force| if let Force::Prescribed(law) = force { Some(law) } else { None })
+    }
+
+    /// Spring and damper of a universal or ball joint.
+    pub fn attitude(&self) -> Option<&AttitudeSpring> {
+        self.find(|force| if let Force::Attitude(spring) = force { Some(spring) } else { None })
+    }
+
+    /// Spring and damper of a universal or ball joint, to be changed.
+    pub fn attitude_mut(&mut self) -> Option<&mut AttitudeSpring> {
+        self.find_mut(|force| if let Force::Attitude(spring) = force { Some(spring) } else { None })
+    }
+
+    /// Torque of the motor at a state; nothing where none acts.
+    pub fn motor_torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> DriveTorque {
+        self.motor().map_or(DriveTorque::default(), |motor| motor.torque(time_s, angle_rad, rate_rad_s))
+    }
+
+    /// Torque of the joint's own spring and damper at a state in N·m.
+    pub fn spring_torque_n_m(&self, angle_rad: f64, rate_rad_s: f64) -> f64 {
+        self.spring().map_or(0.0, |spring| spring.torque_n_m(angle_rad, rate_rad_s))
+    }
+
+    /// External torque in N·m, of joints that take one.
+    pub fn external_torque_n_m(&self) -> f64 {
+        self.find(|force| if let Force::External(external) = force { Some(external) } else { None })
+            .map_or(0.0, |external| external.torque_n_m)
+    }
+
+    /// Torque of the closed elastic latch in N·m.
+    pub fn latch_torque_n_m(&self, angle_rad: f64) -> f64 {
+        self.latch().filter(|latch| latch.closed).map_or(0.0, |latch| latch.latch.torque_n_m(angle_rad))
+    }
+
+    /// Whether its latch is a rigid one.
+    pub fn has_rigid_latch(&self) -> bool {
+        self.latch().is_some_and(|latch| latch.latch.is_rigid())
+    }
+
+    /// Whether its latch is closed.
+    pub fn is_latched(&self) -> bool {
+        self.latch().is_some_and(|latch| latch.closed)
+    }
+}

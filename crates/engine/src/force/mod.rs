@@ -1,0 +1,316 @@
+//! What pushes on the freedoms of joints: motors, springs, latches, stoppers, prescribed motions, NOTATION eqs. (A1)–(A7).
+//! A force may have indicators whose crossing is an event, transitions that dissipate energy, and kinks at known times.
+//!
+//! A force is one file and its arms in [`Force`]. The loop in time knows none of them by name: it asks for signed distances,
+//! finds where the first falls through zero, and has the force make its transition there. Names are those of a hinge; of
+//! a slide read m for rad and N for N·m.
+
+pub mod attitude;
+pub mod brake;
+pub mod drive;
+pub mod external;
+pub mod joint;
+pub mod latch;
+pub mod memory;
+pub mod motor;
+pub mod prescribed;
+pub mod set;
+pub mod spring;
+
+use crate::multibody::Workspace;
+use crate::multibody::factor::FreedomTangent;
+use crate::solve::Powers;
+use attitude::AttitudeSpring;
+use brake::Brake;
+use external::External;
+use latch::CatchingLatch;
+use memory::{JointMemory, Told};
+use motor::Motor;
+use prescribed::Law;
+use spring::Spring;
+
+/// A force on the freedoms of one joint, by kind.
+#[derive(Debug, Clone)]
+pub enum Force {
+    /// Motor with limit and slew, eqs. (A1), (A2).
+    Motor(Motor),
+    /// Spring and damper of a joint with one freedom, eq. (A1).
+    Spring(Spring),
+    /// Torque that the caller gives.
+    External(External),
+    /// Latch, eqs. (A3), (A7).
+    Latch(CatchingLatch),
+    /// Stopper: holds the joint until it is released, eq. (A6).
+    Brake(Brake),
+    /// Angle given as a function of time.
+    Prescribed(Law),
+    /// Held where it starts.
+    Lock,
+    /// Spring and damper of a universal or ball joint.
+    Attitude(AttitudeSpring),
+}
+
+/// Where a force acts: a joint at an instant.
+#[derive(Debug, Clone, Copy)]
+pub struct Here<'a> {
+    /// Time in s.
+    pub time_s: f64,
+    /// Time whose branch of slews and prescribed motions holds, in s.
+    pub branch_s: f64,
+    /// First coordinate of the joint: the angle in rad of one with one freedom.
+    pub angle_rad: f64,
+    /// Its rate in rad/s.
+    pub rate_rad_s: f64,
+    /// Rates of all coordinates.
+    pub v: &'a [f64],
+    /// What the last sweep has left.
+    pub work: &'a Workspace,
+}
+
+/// What the forces on a joint add up to.
+#[derive(Debug)]
+pub struct Push<'a> {
+    /// Torque on the outer body about `+θ` in N·m, of a joint with one freedom.
+    pub torque_n_m: f64,
+    /// `−∂τ/∂θ` and `−∂τ/∂θ̇`.
+    pub tangent: FreedomTangent,
+    /// Rows of the joint's freedoms in the residual, for forces on joints with several.
+    pub rows: &'a mut [f64],
+}
+
+/// Energy stored in forces, J.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Stored {
+    /// In motors, and in springs of universal and ball joints.
+    pub drive: f64,
+    /// In springs of joints with one freedom, and in closed latches.
+    pub elastic: f64,
+}
+
+/// Motion of a joint with one freedom as an indicator sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moving {
+    /// Angle in rad.
+    pub angle_rad: f64,
+    /// Rate in rad/s.
+    pub rate_rad_s: f64,
+    /// Acceleration in rad/s².
+    pub acceleration_rad_s2: f64,
+}
+
+/// What a change by inputs or a crossing has done.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Outcome {
+    /// Energy dissipated in J; the rest of what the potentials jump by is work of the inputs.
+    pub dissipated_j: f64,
+    /// Events that have happened.
+    pub events: u64,
+}
+
+impl Outcome {
+    /// Adds another.
+    pub fn add(&mut self, other: Self) {
+        self.dissipated_j += other.dissipated_j;
+        self.events += other.events;
+    }
+}
+
+impl Force {
+    /// Adds torque and tangent. Residuals stand on the pieces that [`Force::move_piece`] has chosen.
+    pub fn push(&self, here: &Here, sum: &mut Push) {
+        match self {
+            Self::Motor(motor) => motor.push(here, sum),
+            Self::Spring(spring) => spring.push(here, sum),
+            Self::External(external) => sum.torque_n_m += external.torque_n_m,
+            Self::Latch(latch) => latch.push(here, sum),
+            Self::Attitude(spring) => spring.push(here, sum),
+            Self::Brake(_) | Self::Prescribed(_) | Self::Lock => {}
+        }
+    }
+
+    /// Adds the power of inputs and of dissipation, NOTATION eq. (A5). `holding_n_m`: torque that holds the joint.
+    pub fn add_powers(&self, here: &Here, holding_n_m: f64, powers: &mut Powers) {
+        match self {
+            Self::Motor(motor) => motor.add_powers(here, powers),
+            Self::Spring(spring) => powers.dissipated += spring.dissipation_w(here.rate_rad_s),
+            Self::External(external) => powers.work += external.torque_n_m * here.rate_rad_s,
+            Self::Prescribed(_) | Self::Lock => powers.work += holding_n_m * here.rate_rad_s,
+            Self::Attitude(spring) => powers.dissipated += spring.dissipation_w(here.work, here.v),
+            Self::Latch(_) | Self::Brake(_) => {}
+        }
+    }
+
+    /// Adds the energy that it stores.
+    pub fn add_stored(&self, here: &Here, stored: &mut Stored) {
+        match self {
+            Self::Motor(motor) => stored.drive += motor.potential_j(here),
+            Self::Spring(spring) => stored.elastic += spring.energy_j(here.angle_rad),
+            Self::Latch(latch) => stored.elastic += latch.stored_j(here.angle_rad),
+            Self::Attitude(spring) => stored.drive += spring.potential_j(here.work),
+            Self::External(_) | Self::Brake(_) | Self::Prescribed(_) | Self::Lock => {}
+        }
+    }
+
+    /// Whether it holds the joint, in the state that it remembers.
+    pub fn holds(&self, memory: &JointMemory) -> bool {
+        match self {
+            Self::Brake(brake) => brake.holds(memory),
+            Self::Latch(latch) => latch.holds(memory),
+            Self::Prescribed(_) | Self::Lock => true,
+            Self::Motor(_) | Self::Spring(_) | Self::External(_) | Self::Attitude(_) => false,
+        }
+    }
+
+    /// Takes over what is remembered of it.
+    pub fn recall(&mut self, memory: &JointMemory) {
+        match self {
+            Self::Motor(motor) => motor.recall(memory),
+            Self::Latch(latch) => latch.closed = memory.latch.closed,
+            _ => {}
+        }
+    }
+
+    /// Follows inputs that have changed. `crossed`: the present step crosses one of its indicators at its end.
+    pub fn take_inputs(&self, told: &Told, now: &Moving, crossed: bool, memory: &mut JointMemory) -> Outcome {
+        match self {
+            Self::Motor(_) => Motor::take_inputs(told, memory),
+            Self::Latch(latch) => latch.take_inputs(told, now, crossed, memory),
+            Self::Brake(brake) => brake.take_inputs(told, memory),
+            _ => Outcome::default(),
+        }
+    }
+
+    /// Next kink after `time_s` at a time that is known before, in s.
+    pub fn next_kink_s(&self, time_s: f64) -> f64 {
+        match self {
+            Self::Motor(motor) => motor.next_kink_s(time_s),
+            Self::Prescribed(law) => law.next_knot_s(time_s),
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Whether such a kink lies exactly at `time_s`: what it gives may jump.
+    pub fn kink_at(&self, time_s: f64) -> bool {
+        match self {
+            Self::Motor(motor) => motor.kink_at(time_s),
+            Self::Prescribed(law) => law.has_knot_at(time_s),
+            _ => false,
+        }
+    }
+
+    /// Moves a force with kinks in the state to the piece on which a state lies, eq. (T12); says whether that is another.
+    pub fn move_piece(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> bool {
+        match self {
+            Self::Motor(motor) => motor.move_piece(time_s, angle_rad, rate_rad_s),
+            _ => false,
+        }
+    }
+
+    /// Has a force with kinks follow from the state again.
+    pub fn drop_piece(&mut self) {
+        if let Self::Motor(motor) = self {
+            motor.piece = None;
+        }
+    }
+
+    /// Number of its indicators: signed distances in rad whose fall through zero is an event.
+    pub fn indicators(&self) -> usize {
+        match self {
+            Self::Latch(_) => 1,
+            _ => 0,
+        }
+    }
+
+    /// Whether an indicator may be crossed in the state that it remembers, by a motion from `start_rad`.
+    pub fn is_armed(&self, indicator: usize, start: &Moving, memory: &JointMemory) -> bool {
+        match (self, indicator) {
+            (Self::Latch(latch), 0) => latch.is_armed(start, memory),
+            _ => false,
+        }
+    }
+
+    /// An indicator for a motion that has come from `start_rad`.
+    pub fn distance_rad(&self, indicator: usize, start_rad: f64, place: &impl Place, memory: &JointMemory) -> f64 {
+        match (self, indicator) {
+            (Self::Latch(latch), 0) => latch.latch.gap_rad(start_rad, place.angle_rad()),
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// How fast an indicator falls, in rad/s; never negative.
+    pub fn closing_rad_s(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> f64 {
+        match (self, indicator) {
+            (Self::Latch(_), 0) => at.rate_rad_s.abs(),
+            _ => 0.0,
+        }
+    }
+
+    /// Whether a crossing is to be located on its far side.
+    pub fn lands_beyond(&self) -> bool {
+        matches!(self, Self::Latch(latch) if latch.latch.is_rigid())
+    }
+
+    /// What the crossing of an indicator does.
+    pub fn transition(&self, indicator: usize, time_s: f64, _at: &Moving, memory: &mut JointMemory) -> Outcome {
+        match (self, indicator) {
+            (Self::Latch(_), 0) => CatchingLatch::transition(time_s, memory),
+            _ => Outcome::default(),
+        }
+    }
+
+    /// Whether it keeps the impulse with which it stops the joint.
+    pub fn keeps_impulses(&self) -> bool {
+        matches!(self, Self::Latch(latch) if latch.latch.is_rigid())
+    }
+
+    /// Place in which the impulse that stops the joint at `time_s` is kept, of a force that gives it.
+    pub fn impulse_n_m_s<'a>(&self, time_s: f64, memory: &'a mut JointMemory) -> Option<&'a mut f64> {
+        match self {
+            Self::Latch(latch) => latch.impulse_n_m_s(time_s, memory),
+            _ => None,
+        }
+    }
+
+    /// Whether it stops a joint that comes to rest at `to_rad` from `from_rad` before it gets there; moves `from_rad` to where
+    /// the search for rest begins anew.
+    pub fn stops_at_rest(&self, from_rad: &mut f64, to_rad: f64, memory: &mut JointMemory) -> bool {
+        match self {
+            Self::Latch(latch) => latch.stops_at_rest(from_rad, to_rad, memory),
+            _ => false,
+        }
+    }
+
+    /// Brings what it pushes with to a share of its load, that of `whole`, for a joint that starts at `start_rad`, eq. (L8).
+    pub fn scale(&mut self, whole: &Self, start_rad: f64, factor: f64, time_s: f64) {
+        let between = |end: f64| start_rad + factor * (end - start_rad);
+        match (self, whole) {
+            (Self::Motor(motor), Self::Motor(whole)) => {
+                motor.slew.from_rad = between(whole.slew.at(time_s).0);
+                motor.slew.target_rad = motor.slew.from_rad;
+                motor.drive.constant_torque_n_m = factor * whole.drive.constant_torque_n_m;
+            }
+            (Self::Spring(spring), Self::Spring(whole)) => spring.rest_angle_rad = between(whole.rest_angle_rad),
+            (Self::External(external), Self::External(whole)) => external.torque_n_m = factor * whole.torque_n_m,
+            (Self::Latch(latch), Self::Latch(whole)) => latch.latch.angle_rad = between(whole.latch.angle_rad),
+            _ => {}
+        }
+    }
+}
+
+/// Where an indicator is asked for: an end of a step, or a place within it, where each value costs a combination of stages.
+pub trait Place {
+    /// Angle in rad.
+    fn angle_rad(&self) -> f64;
+    /// Rate in rad/s.
+    fn rate_rad_s(&self) -> f64;
+}
+
+impl Place for Moving {
+    fn angle_rad(&self) -> f64 {
+        self.angle_rad
+    }
+
+    fn rate_rad_s(&self) -> f64 {
+        self.rate_rad_s
+    }
+}

@@ -1,0 +1,97 @@
+//! The motor of a joint: its drive, the way of its neutral angle, and the piece of its limits on which residuals stand.
+
+use crate::force::drive::{Drive, DriveTorque, Piece, Slew};
+use crate::force::memory::{JointMemory, Told};
+use crate::force::{Here, Outcome, Push};
+use crate::solve::Powers;
+
+/// Limit in N·m from which on there is none.
+const UNLIMITED: f64 = 1e30;
+
+/// A motor at work.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Motor {
+    /// Stiffness, damping, constant torque, limit.
+    pub drive: Drive,
+    /// Its neutral angle.
+    pub slew: Slew,
+    /// Torque at which a limit holds it whatever the inputs are, in N·m: only while derivatives by inputs are taken.
+    pub pinned_n_m: Option<f64>,
+    /// Piece of its limits that residuals stand on, eq. (T12); `None` where they follow from the state.
+    pub piece: Option<Piece>,
+}
+
+impl Motor {
+    /// Torque at a state.
+    pub fn torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> DriveTorque {
+        if let Some(applied_n_m) = self.pinned_n_m {
+            return DriveTorque { applied_n_m, saturated: true };
+        }
+        self.drive.torque(angle_rad, rate_rad_s, self.slew.at(time_s).0)
+    }
+
+    /// Torque in N·m without limit.
+    fn wanted_n_m(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> f64 {
+        self.drive.wanted_n_m(angle_rad, rate_rad_s, self.slew.at(time_s).0)
+    }
+
+    /// Adds its torque and tangent.
+    pub fn push(&self, here: &Here, sum: &mut Push) {
+        let Here { time_s, angle_rad, rate_rad_s, .. } = *here;
+        let torque = match self.piece {
+            Some(piece) => self.drive.torque_on(piece, self.wanted_n_m(time_s, angle_rad, rate_rad_s)),
+            None => self.torque(time_s, angle_rad, rate_rad_s),
+        };
+        sum.torque_n_m += torque.applied_n_m;
+        if !torque.saturated {
+            sum.tangent.stiffness += self.drive.stiffness_n_m_rad;
+            sum.tangent.damping += self.drive.damping_n_m_s_rad;
+        }
+    }
+
+    /// Adds what it does and what it dissipates, NOTATION eq. (A5).
+    pub fn add_powers(&self, here: &Here, powers: &mut Powers) {
+        let Here { time_s, branch_s, angle_rad, rate_rad_s, .. } = *here;
+        let (neutral_rad, slew_rate_rad_s) = self.slew.at_on(time_s, branch_s);
+        let torque = self.torque(time_s, angle_rad, rate_rad_s);
+        powers.work += self.drive.slew_power_w(angle_rad, neutral_rad, slew_rate_rad_s);
+        powers.dissipated += self.drive.dissipation_w(torque, angle_rad, rate_rad_s, neutral_rad);
+    }
+
+    /// Energy stored in J.
+    pub fn potential_j(&self, here: &Here) -> f64 {
+        self.drive.potential_j(here.angle_rad, self.slew.at(here.time_s).0)
+    }
+
+    /// Moves to the piece of the limits on which a state lies; says whether that is another one.
+    pub fn move_piece(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> bool {
+        if self.pinned_n_m.is_some() || self.drive.torque_limit_n_m >= UNLIMITED {
+            return false;
+        }
+        let piece = self.drive.piece(self.wanted_n_m(time_s, angle_rad, rate_rad_s), self.piece);
+        self.piece.replace(piece) != Some(piece)
+    }
+
+    /// Takes over the way of its neutral angle.
+    pub fn recall(&mut self, memory: &JointMemory) {
+        self.slew = memory.slew;
+        self.pinned_n_m = None;
+    }
+
+    /// Turns towards a new command.
+    pub fn take_inputs(told: &Told, memory: &mut JointMemory) -> Outcome {
+        memory.slew.redirect(told.time_s, told.command_rad, told.command_rate_rad_s, told.rate_limit_rad_s);
+        Outcome::default()
+    }
+
+    /// End of the slew after `time_s`, in s.
+    pub fn next_kink_s(&self, time_s: f64) -> f64 {
+        let end_s = self.slew.end_s();
+        if end_s > time_s { end_s } else { f64::INFINITY }
+    }
+
+    /// Whether a slew ends at `time_s`.
+    pub fn kink_at(&self, time_s: f64) -> bool {
+        self.slew.from_rad != self.slew.target_rad && self.slew.end_s() == time_s
+    }
+}

@@ -1,0 +1,196 @@
+//! All forces on the joints of a machine.
+
+use crate::force::joint::JointForces;
+use crate::force::memory::JointMemory;
+use crate::force::{Place, Stored};
+use crate::multibody::Workspace;
+use crate::multibody::factor::FreedomTangent;
+use crate::solve::Powers;
+use crate::solve::continuation::Taken;
+use crate::solve::point::Point;
+
+/// Interior places at which a step is searched for a crossing and return.
+const CROSSING_SAMPLES: u32 = 8;
+
+/// Forces joint by joint: first of the joints with one freedom, then of those with several.
+#[derive(Debug, Clone)]
+pub struct Forces {
+    list: Vec<JointForces>,
+    with_one_freedom: usize,
+}
+
+/// An indicator of the forces on a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Indicator {
+    /// Place of the joint among those with one freedom.
+    pub joint: usize,
+    /// Its number among the indicators of the joint.
+    pub number: usize,
+}
+
+impl Forces {
+    /// Forces on joints with one freedom and on those with several.
+    pub fn new(one_freedom: Vec<JointForces>, several: Vec<JointForces>) -> Self {
+        let with_one_freedom = one_freedom.len();
+        let list = one_freedom.into_iter().chain(several).collect();
+        Self { list, with_one_freedom }
+    }
+
+    /// Forces on joints with one freedom, in the order of the bodies.
+    pub fn joints(&self) -> &[JointForces] {
+        &self.list[..self.with_one_freedom]
+    }
+
+    /// The same, to be changed.
+    pub fn joints_mut(&mut self) -> &mut [JointForces] {
+        &mut self.list[..self.with_one_freedom]
+    }
+
+    /// Forces on joints with several freedoms, in the order of the bodies.
+    pub fn spatial(&self) -> &[JointForces] {
+        &self.list[self.with_one_freedom..]
+    }
+
+    /// The same, to be changed.
+    pub fn spatial_mut(&mut self) -> &mut [JointForces] {
+        &mut self.list[self.with_one_freedom..]
+    }
+
+    /// Overwrites the coordinates of the joints that are held.
+    pub fn prescribe(&self, [time_s, branch_s]: [f64; 2], q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
+        for joint in self.list.iter().filter(|joint| joint.held) {
+            let c = joint.coordinate;
+            [q[c], v[c], a[c]] = joint.law().map_or([q[c], 0.0, 0.0], |law| law.at_on(time_s, branch_s));
+        }
+    }
+
+    /// Takes all forces out of a residual, and tells their tangents by body.
+    pub fn apply(
+        &mut self,
+        time_s: f64,
+        [q, v]: [&[f64]; 2],
+        work: &Workspace,
+        residual: &mut [f64],
+        tangents: &mut [FreedomTangent],
+    ) {
+        for joint in &mut self.list {
+            tangents[joint.body] = joint.apply(time_s, q, v, work, residual);
+        }
+    }
+
+    /// Adds what all forces do and dissipate, NOTATION eq. (A5).
+    pub fn add_powers(&self, times_s: [f64; 2], [q, v]: [&[f64]; 2], work: &Workspace, powers: &mut Powers) {
+        self.list.iter().for_each(|joint| joint.add_powers(times_s, q, v, work, powers));
+    }
+
+    /// Adds what all forces store.
+    pub fn add_stored(&self, time_s: f64, q: &[f64], work: &Workspace, sum: &mut Stored) {
+        for joint in &self.list {
+            let stored = joint.stored(time_s, q, work);
+            sum.drive += stored.drive;
+            sum.elastic += stored.elastic;
+        }
+    }
+
+    /// Next kink after `time_s` at a time that is known before, in s: end of a slew, knot of a prescribed motion.
+    pub fn next_kink_s(&self, time_s: f64) -> f64 {
+        self.list.iter().map(|joint| joint.next_kink_s(time_s)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether such a kink lies exactly at `time_s`: rates or accelerations that are given may jump.
+    pub fn kink_at(&self, time_s: f64) -> bool {
+        self.list.iter().any(|joint| joint.kink_at(time_s))
+    }
+
+    /// Moves all forces with kinks, or only the first of them, to the pieces on which a state lies, eq. (T12).
+    pub fn move_pieces(&mut self, time_s: f64, q: &[f64], v: &[f64], only_first: bool) -> bool {
+        let mut moved = false;
+        for joint in &mut self.list {
+            moved |= joint.move_pieces(time_s, q, v);
+            if moved && only_first {
+                break;
+            }
+        }
+        moved
+    }
+
+    /// Has forces with kinks follow from the state again.
+    pub fn drop_pieces(&mut self) {
+        self.list.iter_mut().for_each(JointForces::drop_pieces);
+    }
+
+    /// All indicators.
+    pub fn indicators(&self) -> impl Iterator<Item = Indicator> {
+        let of_joint = |(joint, forces): (usize, &JointForces)| {
+            (0..forces.indicators()).map(move |number| Indicator { joint, number })
+        };
+        self.joints().iter().enumerate().flat_map(of_joint)
+    }
+
+    /// Whether an indicator may be crossed by a motion that begins at `start`.
+    pub fn is_armed(&self, indicator: Indicator, start: &Point, memories: &[JointMemory]) -> bool {
+        let joint = &self.list[indicator.joint];
+        joint.is_armed(indicator.number, &joint.moving(start), &memories[indicator.joint])
+    }
+
+    /// Signed distance of an indicator at a point that a motion from `start` has led to, and how fast it falls there; in rad
+    /// and rad/s.
+    pub fn distance(&self, indicator: Indicator, start: &Point, at: &Point, memories: &[JointMemory]) -> (f64, f64) {
+        let joint = &self.list[indicator.joint];
+        let (moving, start_rad) = (joint.moving(at), start.q[joint.coordinate]);
+        let memory = &memories[indicator.joint];
+        (
+            joint.distance_rad(indicator.number, start_rad, &moving, memory),
+            joint.closing_rad_s(indicator.number, &moving, memory),
+        )
+    }
+
+    /// Whether a crossing is to be located on its far side.
+    pub fn lands_beyond(&self, indicator: Indicator) -> bool {
+        self.list[indicator.joint].lands_beyond(indicator.number)
+    }
+
+    /// The armed indicator that falls through zero first inside a step, and an estimate of the fraction of the step at which.
+    pub fn first_crossing(&self, taken: &Taken, memories: &[JointMemory]) -> Option<(Indicator, f64)> {
+        let mut first: Option<(Indicator, f64)> = None;
+        for indicator in self.indicators() {
+            if !self.is_armed(indicator, taken.start, memories) {
+                continue;
+            }
+            let joint = &self.list[indicator.joint];
+            let start_rad = taken.start.q[joint.coordinate];
+            let distance = |fraction: f64| {
+                let place = Within { taken, fraction, coordinate: joint.coordinate };
+                joint.distance_rad(indicator.number, start_rad, &place, &memories[indicator.joint])
+            };
+            let sample = |k: u32| f64::from(k) / f64::from(CROSSING_SAMPLES);
+            let Some(k) = (1..=CROSSING_SAMPLES).find(|&k| distance(sample(k)) <= 0.0) else { continue };
+            let (mut low, mut high) = (sample(k - 1), sample(k));
+            for _ in 0..40 {
+                let middle = 0.5 * (low + high);
+                if distance(middle) > 0.0 { low = middle } else { high = middle }
+            }
+            if first.is_none_or(|(_, earliest)| high < earliest) {
+                first = Some((indicator, high));
+            }
+        }
+        first
+    }
+}
+
+/// A place within a step.
+struct Within<'a> {
+    taken: &'a Taken<'a>,
+    fraction: f64,
+    coordinate: usize,
+}
+
+impl Place for Within<'_> {
+    fn angle_rad(&self) -> f64 {
+        self.taken.coordinate(self.fraction, self.coordinate)
+    }
+
+    fn rate_rad_s(&self) -> f64 {
+        self.taken.rate(self.fraction, self.coordinate)
+    }
+}
