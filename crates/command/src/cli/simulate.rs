@@ -115,7 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     pictures.write(&mut outlets)?;
     outcome?;
     if !arguments.quiet {
-        notes(plant.machine()).iter().for_each(|note| eprintln!("note: {note}"));
+        notes(plant.machine(), grid.stop_s).iter().for_each(|note| eprintln!("note: {note}"));
         eprint!("{}", summary(&plant, &grid, elapsed));
     }
     Ok(())
