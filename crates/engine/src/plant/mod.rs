@@ -12,6 +12,7 @@ mod derivatives;
 mod equations;
 mod events;
 mod face;
+mod failed_steps;
 mod hinge;
 mod latency;
 mod linear;
