@@ -80,6 +80,11 @@ def lattice(chord, span):
     return of_bodies("surface", chord_panels=chord, strips=span)
 
 
+def strips(**keys):
+    """Strips instead of the lattice, without its keys."""
+    return air(model='"strip"', mirror_normal=WITHOUT, wake_rows=WITHOUT, **keys) + of_bodies("surface", chord_panels=WITHOUT)
+
+
 def solver(**keys):
     """Settings of the structure's integrator."""
     return "\n[solver]\n" + "".join(f"{key} = {value}\n" for key, value in keys.items())
@@ -153,16 +158,10 @@ PHYSICS = [
     Variant("actuator as a stub, α not on it (check of the next row)", added=STUB.format(damping=0.0), without=("mass.actuator",), tip="tip_outer"),
     Variant("actuator as a stub, α = 2.5 1/s on it too", added=STUB.format(damping=2.5), without=("mass.actuator",), tip="tip_outer"),
     Variant("density 1.225 kg/m³", air(density_kg_m3=1.225)),
-    Variant("strips instead of the lattice", air(model='"strip"', mirror_normal=WITHOUT, wake_rows=WITHOUT)),
-    Variant("strips without apparent mass", air(model='"strip"', mirror_normal=WITHOUT, wake_rows=WITHOUT, apparent_mass="false")),
-    Variant(
-        "strips without apparent mass and lag",
-        air(model='"strip"', mirror_normal=WITHOUT, wake_rows=WITHOUT, apparent_mass="false", quasi_steady="true"),
-    ),
-    Variant(
-        "strips with a lift slope of 4.7 1/rad",
-        air(model='"strip"', mirror_normal=WITHOUT, wake_rows=WITHOUT) + of_bodies("surface", lift_slope_1_rad=4.7),
-    ),
+    Variant("strips instead of the lattice", strips()),
+    Variant("strips without apparent mass", strips(apparent_mass="false")),
+    Variant("strips without apparent mass and lag", strips(apparent_mass="false", quasi_steady="true")),
+    Variant("strips with a lift slope of 4.7 1/rad", strips() + of_bodies("surface", lift_slope_1_rad=4.7)),
 ]
 
 SHIPPED = Variant("shipped model")

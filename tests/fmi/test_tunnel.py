@@ -12,7 +12,8 @@ from test_state import continue_elsewhere
 
 sys.path.insert(0, str(ROOT / "studies"))
 
-from tunnel_study import AIR, MODEL, PAPER_LATCH_S, PAPER_TIP_M, TIP_TIME_S, WITHOUT, change  # noqa: E402
+from tunnel_study import MODEL, PAPER_LATCH_S, PAPER_TIP_M, TIP_TIME_S, air, change  # noqa: E402
+from tunnel_study import strips as of_strips  # noqa: E402
 
 BEFORE_LATCH = 164, 1e-3  # steps and their size in s; at 10 m/s the latch closes at 0.166 s
 SPANNING_STEP_S = 2e-3  # that of `continue_elsewhere`: neither it nor the aerodynamic step divides the other
@@ -20,11 +21,11 @@ STEPS_BEYOND = 8
 LATER_SPEED_M_S = 20.0
 
 
-def packaged(foldwing, folder, name, *changes):
-    """FMU of the tunnel's model with keys of its air changed."""
+def packaged(foldwing, folder, name, changes):
+    """FMU of the tunnel's model with keys changed."""
     text = MODEL.read_text()
-    for key, value in changes:
-        text = change(text, AIR, key, value)
+    for table, key, value in changes:
+        text = change(text, table, key, value)
     model, archive = folder / f"{name}.toml", folder / f"{name}.fmu"
     model.write_text(text)
     subprocess.run([str(foldwing), "package", str(model), "-o", str(archive)], check=True, capture_output=True)
@@ -40,14 +41,13 @@ def tunnel(fmus):
 @pytest.fixture(scope="module")
 def strips(foldwing, tmp_path_factory):
     """The same wing with strips."""
-    changes = [("model", '"strip"'), ("mirror_normal", WITHOUT), ("wake_rows", WITHOUT)]
-    return packaged(foldwing, tmp_path_factory.mktemp("strips"), "strips", *changes)
+    return packaged(foldwing, tmp_path_factory.mktemp("strips"), "strips", of_strips())
 
 
 @pytest.fixture(scope="module")
 def free_wake(foldwing, tmp_path_factory):
     """The same wing with a short free wake."""
-    return packaged(foldwing, tmp_path_factory.mktemp("free"), "free", ("free_wake", "true"), ("wake_rows", "8"))
+    return packaged(foldwing, tmp_path_factory.mktemp("free"), "free", air(free_wake="true", wake_rows="8"))
 
 
 @pytest.fixture(scope="module")

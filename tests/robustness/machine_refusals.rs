@@ -779,6 +779,10 @@ fn parts_by_name() {
             inner().air(Air::lattice().mirror_normal([0.0; 3])).surface(LiftingSurface::on("inner", 4)),
             "air, mirror_normal: [0, 0, 0]",
         ),
+        (
+            inner().air(Air::strips().mirror_normal([1.0, 0.0, 0.0])).surface(LiftingSurface::on("inner", 4)),
+            "air, mirror_normal: a mirror plane with strips is not allowed; allowed: a mirror plane with a lattice",
+        ),
     ];
     for (builder, expected) in cases {
         let refused = match builder.build() {

@@ -171,3 +171,43 @@ fn places_of_surfaces() {
     // with the model `none` surfaces may stay in the file: loads come from outside
     assert!(machine(&format!("{}{SURFACE}", AIR.replace("uvlm", "none"))).air.is_none());
 }
+
+/// A key that the model of the air does not read is refused: a mirror plane with strips was left out without a word, and the
+/// drag of a profile with a lattice. Without air all may stay in the file.
+#[test]
+fn keys_that_the_model_of_the_air_does_not_read() {
+    let lattice =
+        ["mirror_normal = [1, 0, 0]", "free_wake = true", "wake_rows = 30", "core_radius_m = 1e-4", "threads = 2"];
+    let strips = ["quasi_steady = true", "apparent_mass = false", "indicial = \"fine\""];
+    let profile =
+        ["lift_slope_1_rad = 6", "zero_lift_angle_deg = -2", "moment_coefficient = 0", "drag_coefficient = 0.01"];
+    let profile = profile.into_iter().chain(["polar = [[0, 0, 0, 0], [10, 1, 0, 0]]"]);
+    let air = |model: &str, key: &str| {
+        format!("[aerodynamics]\nmodel = \"{model}\"\nwind_m_s = [0, -10, 0]\n{key}\n{SURFACE}")
+    };
+    let surface = |model: &str, key: &str| air(model, "") + key + "\n";
+    let cases = lattice
+        .map(|key| (air("strip", key), "uvlm", air("uvlm", key), air("none", key)))
+        .into_iter()
+        .chain(strips.map(|key| (air("uvlm", key), "strip", air("strip", key), air("none", key))))
+        .chain(profile.map(|key| (surface("uvlm", key), "strip", surface("strip", key), surface("none", key))))
+        .chain(
+            ["chord_panels = 6"].map(|key| (surface("strip", key), "uvlm", surface("uvlm", key), surface("none", key))),
+        );
+    for (refused, model, accepted, without) in cases {
+        let said = message(&refused);
+        let allowed = format!("allowed: this key only with model = {model:?}");
+        assert!(said.ends_with(&allowed) && said.lines().count() == 1, "{said}");
+        machine(&accepted);
+        assert!(machine(&without).air.is_none());
+    }
+    assert_eq!(
+        message(&air("strip", "mirror_normal = [1, 0, 0]")),
+        "wing.toml:59: key 'aerodynamics.mirror_normal': [1, 0, 0] is not allowed; allowed: this key only with model = \"uvlm\""
+    );
+    for key in ["coupling_tolerance = 1e-5", "coupling_iterations = 9"] {
+        let said = message(&air("uvlm", &format!("coupling = \"staggered\"\n{key}")));
+        assert!(said.ends_with("allowed: this key only with coupling = \"iterated\""), "{said}");
+        machine(&air("uvlm", key));
+    }
+}

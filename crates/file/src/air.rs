@@ -22,7 +22,10 @@ pub(super) fn add(
     checker: &mut Checker,
 ) -> MachineBuilder {
     match &file.aerodynamics {
-        Some(air) => machine = machine.air(build(air)),
+        Some(air) => {
+            refuse_keys_without_effect(air, file, checker);
+            machine = machine.air(build(air));
+        }
         None => {
             let stray = file.surface.keys().next().map(|name| ["surface", name]);
             let stray = stray.or(file.gust.keys().next().map(|name| ["gust", name]));
@@ -55,6 +58,39 @@ pub(super) fn add(
     }
     machine
 }
+
+/// Refuses keys that the model of the air does not read. Without air every key may stay: the model is then put aside.
+fn refuse_keys_without_effect(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
+    let (keys, surface_keys, model) = match air.model {
+        AirModelFile::None => return,
+        AirModelFile::Uvlm => (STRIP_KEYS, STRIP_SURFACE_KEYS, "strip"),
+        AirModelFile::Strip => (LATTICE_KEYS, LATTICE_SURFACE_KEYS, "uvlm"),
+    };
+    let allowed = format!("this key only with model = {model:?}");
+    for key in keys.iter().filter(|key| checker.states(&["aerodynamics", key])).collect::<Vec<_>>() {
+        checker.refuse(&["aerodynamics", key], allowed.as_str());
+        checker.stands_in(&["air", key]);
+    }
+    for path in file.surface.keys().flat_map(|name| surface_keys.iter().map(move |key| ["surface", name, key])) {
+        if checker.states(&path) {
+            checker.refuse(&path, allowed.as_str());
+        }
+    }
+    if air.coupling == CouplingFile::Staggered {
+        for key in ["coupling_tolerance", "coupling_iterations"] {
+            if checker.states(&["aerodynamics", key]) {
+                checker.refuse(&["aerodynamics", key], "this key only with coupling = \"iterated\"");
+            }
+        }
+    }
+}
+
+/// Keys of `[aerodynamics]` and of `[surface.<name>]` that only the lattice reads, and those that only strips read.
+const LATTICE_KEYS: &[&str] = &["mirror_normal", "free_wake", "wake_rows", "core_radius_m", "threads"];
+const LATTICE_SURFACE_KEYS: &[&str] = &["chord_panels"];
+const STRIP_KEYS: &[&str] = &["quasi_steady", "apparent_mass", "indicial"];
+const STRIP_SURFACE_KEYS: &[&str] =
+    &["lift_slope_1_rad", "zero_lift_angle_deg", "moment_coefficient", "drag_coefficient", "polar"];
 
 fn build(air: &AirFile) -> AirBuilder {
     let mut built = match air.model {

@@ -17,7 +17,7 @@ pub(super) struct AirFile {
     /// Velocity of the air relative to the root, root frame: start value of the input `wind.velocity`.
     pub wind_m_s: [f64; 3],
     /// Aerodynamic step; default: the time in which the fastest point of the trailing edge moves by one panel at the
-    /// start, due to wind, flight and joints together.
+    /// start, due to wind, flight and joints together; with strips, by a quarter of the chord.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub step_s: Option<f64>,
     /// Whether the initial flow is fully established, with a straight wake along the relative flow at the trailing
@@ -27,10 +27,10 @@ pub(super) struct AirFile {
     /// How air and structure agree: `staggered` corrects the loads once per aerodynamic step, for wings much heavier
     /// than the air that they move; if it diverges, the run stops.
     pub coupling: CouplingFile,
-    /// Change of the loads, relative to the largest so far, at which the iteration ends.
+    /// Change of the loads, relative to the largest so far, at which the iteration ends; not with `staggered`.
     #[schemars(range(min = 1e-12, max = 1e-1))]
     pub coupling_tolerance: f64,
-    /// Maximum number of iterations per aerodynamic step; beyond it the run stops with an error.
+    /// Maximum number of iterations per aerodynamic step; beyond it the run stops with an error. Not with `staggered`.
     #[schemars(range(min = 1, max = 1000))]
     pub coupling_iterations: usize,
     /// Strips without memory, instead of Wagner's and Küssner's functions.
@@ -137,7 +137,7 @@ pub(super) struct SurfaceFile {
     /// Strips along the span; panels of the lattice along the span.
     #[schemars(range(min = 1, max = 1000))]
     pub strips: usize,
-    /// Panels of the lattice along the chord.
+    /// Panels of the lattice along the chord; lattice only.
     #[serde(default = "four")]
     #[schemars(range(min = 1, max = 1000))]
     pub chord_panels: usize,

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 /// A stiff wing so heavy that the air does not move it, at 5 degrees of incidence.
 fn heavy_wing(joint: &str, gravity_m_s2: [f64; 3], wind_m_s: [f64; 3], air: &str) -> Plant {
+    let panels = if air.contains("strip") { "" } else { "chord_panels = 3\n" };
     let text = format!(
         "name = \"Wing\"\ngravity_m_s2 = {gravity_m_s2:?}\n\
          [section.plate]\nshape = \"explicit\"\naxial_stiffness_N = 1e9\ntorsional_rigidity_N_m2 = 1e6\n\
@@ -16,7 +17,7 @@ fn heavy_wing(joint: &str, gravity_m_s2: [f64; 3], wind_m_s: [f64; 3], air: &str
          [joint.mount]\nparent = \"root\"\nchild = \"wing\"\n{joint}\n\
          [aerodynamics]\nwind_m_s = {wind_m_s:?}\nstep_s = 5e-3\n{air}\n\
          [surface.wing]\nbody = \"wing\"\nchord_m = 0.2\naxis_fraction = 0.25\nincidence_deg = 5.0\nstrips = 6\n\
-         chord_panels = 3\n"
+         {panels}"
     );
     start(config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}")))
 }

@@ -95,19 +95,16 @@ impl Goland {
         let (structure, _) = shipped.split_once("\n[aerodynamics]").expect("air after the structure");
         let structure = change(structure.replace("\nelements = 4\n", &format!("\nelements = {}\n", self.pairs)));
         let step_s = self.step_chords * Self::CHORD_M / speed_m_s;
+        let [wake_rows, chord_panels] = match self.air {
+            STRIPS => [String::new(), String::new()],
+            _ => [format!("wake_rows = {}\n", self.wake_rows), format!("chord_panels = {}\n", self.chord_panels)],
+        };
         let mut text = format!(
             "{structure}\n[aerodynamics]\n{}\ndensity_kg_m3 = {:?}\nwind_m_s = [0.0, {:?}, 0.0]\nstep_s = {step_s:?}\n\
-             wake_rows = {}\ncoupling_tolerance = 1e-7\n\
+             {wake_rows}coupling_tolerance = 1e-7\n\
              [surface.wing]\nbody = \"wing\"\nchord_m = 1.8288\naxis_fraction = {:?}\nincidence_deg = {:?}\n\
-             strips = {}\nchord_panels = {}\n[solver]\nmax_step_s = {step_s:?}\n",
-            self.air,
-            self.density_kg_m3,
-            -speed_m_s,
-            self.wake_rows,
-            self.axis_fraction,
-            self.incidence_deg,
-            self.strips,
-            self.chord_panels
+             strips = {}\n{chord_panels}[solver]\nmax_step_s = {step_s:?}\n",
+            self.air, self.density_kg_m3, -speed_m_s, self.axis_fraction, self.incidence_deg, self.strips
         );
         if self.gust_m_s > 0.0 {
             let gust =

@@ -3,6 +3,7 @@
 //! Cases are numbered Q-xx.
 
 mod agreement;
+mod clock;
 mod edges;
 mod flutter;
 mod frames;

@@ -6,7 +6,8 @@ use foldwing::plant::Plant;
 use std::fmt::Write;
 use std::sync::Arc;
 
-/// The shipped folding wing in air: `air` are the lines of `[aerodynamics]`, `strips` those of each body.
+/// The shipped folding wing in air: `air` are the lines of `[aerodynamics]`, `strips` those of each body; strips have no
+/// panels along the chord.
 pub fn folding_wing(air: &str, strips: usize, chord_panels: usize) -> Machine {
     with(include_str!("../../../examples/models/folding_wing.toml"), air, strips, chord_panels)
 }
@@ -35,9 +36,9 @@ pub fn light_wing(divisor: f64, air: &str, strips: usize) -> Machine {
 
 fn with(model: &str, air: &str, strips: usize, chord_panels: usize) -> Machine {
     let mut text = format!("{model}\n[aerodynamics]\n{air}\n");
+    let panels = if air.contains("\"strip\"") { String::new() } else { format!("chord_panels = {chord_panels}\n") };
     for body in ["inner", "outer"] {
-        write!(text, "[surface.{body}]\nbody = \"{body}\"\nstrips = {strips}\nchord_panels = {chord_panels}\n")
-            .expect("a String takes all");
+        write!(text, "[surface.{body}]\nbody = \"{body}\"\nstrips = {strips}\n{panels}").expect("a String takes all");
     }
     config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}"))
 }

@@ -77,3 +77,32 @@ fn p22_latch_time_converges_with_tolerance() {
         }
     }
 }
+
+/// P-131. Where Newton's iteration decides on the length of the steps, the run says so with what cures it: a thin, stiff rod
+/// with a bob on a ball joint. Before, a thousand failed steps were a number in the summary. The shipped wing is told
+/// nothing.
+#[test]
+fn p131_steps_that_newton_decides_on_are_told() {
+    let statistics = |text: &str| {
+        let machine = foldwing::config::parse(text, "rod.toml").unwrap_or_else(|error| panic!("{error}"));
+        let mut plant = start(machine);
+        plant.step(0.5).unwrap_or_else(|error| panic!("{error}"));
+        plant.statistics()
+    };
+    let rod = "name = \"Rod\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[section.rod]\nshape = \"explicit\"\n\
+               axial_stiffness_N = 1.2e4\ntorsional_rigidity_N_m2 = 1.26e-3\nflap_stiffness_N_m2 = 1.57e-3\n\
+               lag_stiffness_N_m2 = 1.57e-3\nmass_kg_m = 0.458\nsecond_moments_kg_m = [5.97e-8, 0.0, 5.97e-8]\n\
+               half_width_m = 0.001\nhalf_height_m = 0.001\n[body.rod]\nlength_m = 1.0\nsection = \"rod\"\nelements = 2\n\
+               [joint.hinge]\ntype = \"ball\"\nparent = \"root\"\nchild = \"rod\"\n\
+               start_angular_velocity_deg_s = [0.0, 100.0, 30.0]\n[mass.bob]\nbody = \"rod\"\nposition_m = 1.0\n\
+               mass_kg = 4.55\ninertia_kg_m2 = [7.3e-4, 7.3e-4, 7.3e-4, 0.0, 0.0, 0.0]\n[solver]\ntolerance = 1e-8\n";
+    let before = statistics(rod);
+    let cured = statistics(&rod.replace("[solver]", "[solver]\nmethod = \"generalized_alpha\""));
+    let advice = before.advice_on_failures().expect("most steps fail");
+    println!("P-131 {advice}; {} failures by generalised-α", cured.failures);
+    assert!(advice.contains("solver.method = \"generalized_alpha\""), "{advice}");
+    assert!(before.failures > before.steps / 2 && cured.failures == 0, "{before:?}, {cured:?}");
+    assert!(cured.iterations < before.iterations / 2, "{} of {} iterations", cured.iterations, before.iterations);
+    let wing = statistics(include_str!("../../../examples/models/folding_wing.toml"));
+    assert_eq!((wing.advice_on_failures(), wing.failures), (None, 0));
+}

@@ -160,7 +160,7 @@ impl Summary {
             loops: machine.closures.iter().map(|closure| LoopSummary::new(closure, machine)).collect(),
             air: AirSummary::new(machine, &gaps),
             gauges: machine.gauges.iter().map(|gauge| gauge.name.clone()).collect(),
-            notes: notes(machine),
+            notes: notes(machine, machine.experiment.stop_time_s),
             variables: interface.variables().iter().map(VariableSummary::new).collect(),
         }
     }

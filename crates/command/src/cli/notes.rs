@@ -1,15 +1,22 @@
 //! What a user should know of a model although it is valid.
 
-use foldwing_engine::machine::Machine;
-use foldwing_engine::machine::{DEFAULT_CAPTURE_RAD, Latch, LatchKind, OneFreedom};
+use foldwing_engine::machine::{
+    DEFAULT_CAPTURE_RAD, JointMotion, Latch, LatchKind, Machine, Motion, OneFreedom, Travel,
+};
 
-/// Notes on a model, a sentence each.
-pub fn notes(machine: &Machine) -> Vec<String> {
+/// Share of a table's fastest interval above which its last one is not meant to slow down.
+const GOES_ON: f64 = 0.5;
+
+/// Notes on a model that runs to `stop_s`, a sentence each.
+pub fn notes(machine: &Machine, stop_s: f64) -> Vec<String> {
     let mut notes = Vec::new();
     for body in &machine.bodies {
         let Some((travel, revolute)) = body.joint.kind.one_freedom() else { continue };
-        let Some(latch) = &revolute.latch else { continue };
         let name = &body.joint.name;
+        if let JointMotion::Prescribed(Motion::Table(points)) = &revolute.motion {
+            notes.extend(braking(name, travel, points, stop_s));
+        }
+        let Some(latch) = &revolute.latch else { continue };
         let rigid = latch.kind == LatchKind::Rigid;
         if starts_closed(revolute, latch) {
             let holds = if rigid {
@@ -39,8 +46,74 @@ pub fn notes(machine: &Machine) -> Vec<String> {
     notes
 }
 
+/// What to know of a table of times in s and angles in rad (or positions in m) that comes to rest where the run ends,
+/// although its rows go on: a spin, sampled as far as the run.
+fn braking(name: &str, travel: Travel, points: &[(f64, f64)], stop_s: f64) -> Option<String> {
+    let rate = |pair: &[(f64, f64)]| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0);
+    let last = points.windows(2).last()?;
+    let ends_with_run = last[0].0 < stop_s && stop_s <= last[1].0 * (1.0 + 1e-9);
+    let fastest = points.windows(2).map(|pair| rate(pair).abs()).fold(0.0, f64::max);
+    if !ends_with_run || rate(last).abs() <= GOES_ON * fastest {
+        return None;
+    }
+    let (shown, unit) = (travel.shown(rate(last)), travel.shown_unit());
+    Some(format!(
+        "joint {name}: in its last interval, from {} s to {} s, the table brakes from about {} {unit}/s to rest; write \
+         table_ends = \"onward\" to keep the rate, or a row more with the same {} if rest is meant",
+        last[0].0,
+        last[1].0,
+        rounded(shown),
+        travel.coordinate()
+    ))
+}
+
+/// A number to four digits, as short as that allows.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().expect("a number")
+}
+
 /// Whether a latch is closed at the start: told so, or caught there.
 fn starts_closed(revolute: &OneFreedom, latch: &Latch) -> bool {
     let caught = (revolute.start_angle_rad - latch.angle_rad).abs() <= latch.capture_rad;
     latch.enable && (latch.initially_closed || caught)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sampled spin that ends with the run is told of its brake; a fold that its rows slow down, a spin that ends earlier
+    /// or later, or with a repeated row, or runs onward, is not.
+    #[test]
+    fn a_table_that_brakes_at_the_end_of_the_run_is_told() {
+        let said = |table: &str, stop_s: f64| {
+            let text = format!(
+                "name = \"Spin\"\n[section.rod]\nshape = \"circle\"\nradius_m = 0.01\ndensity_kg_m3 = 1e3\nyoung_Pa = 1e9\n\
+                 poisson_ratio = 0.3\n[body.rod]\nlength_m = 1.0\nsection = \"rod\"\nelements = 1\n[joint.spin]\n\
+                 type = \"revolute\"\nparent = \"root\"\nchild = \"rod\"\naxis = [0, 0, 1]\nmotion = \"prescribed\"\n{table}\n\
+                 [experiment]\nstop_time_s = {stop_s:?}\nstep_s = 0.1\n"
+            );
+            let machine = foldwing_file::parse(&text, "spin.toml").unwrap_or_else(|error| panic!("{error}"));
+            notes(&machine, machine.experiment.stop_time_s)
+        };
+        let spin = "table_s_deg = [[0, 0], [0.5, 150], [0.9, 300], [1, 330]]";
+        assert_eq!(
+            said(spin, 1.0),
+            [
+                "joint spin: in its last interval, from 0.9 s to 1 s, the table brakes from about 300 deg/s to rest; write \
+              table_ends = \"onward\" to keep the rate, or a row more with the same angle if rest is meant"
+            ]
+        );
+        assert_eq!(said(spin, 0.95).len(), 1, "inside the last interval");
+        for (table, stop_s) in [
+            (spin.to_owned(), 0.9),
+            (spin.to_owned(), 2.0),
+            (format!("{spin}\ntable_ends = \"onward\""), 1.0),
+            (spin.replace("[1, 330]", "[1, 330], [1.1, 330]"), 1.1),
+            ("table_s_deg = [[0, 0], [0.5, 45], [0.8, 60], [1, 63]]".to_owned(), 1.0),
+            ("polynomial_deg = [0, 300]".to_owned(), 1.0),
+        ] {
+            assert_eq!(said(&table, stop_s), [""; 0], "{table} to {stop_s} s");
+        }
+    }
 }

@@ -115,7 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     pictures.write(&mut outlets)?;
     outcome?;
     if !arguments.quiet {
-        notes(plant.machine()).iter().for_each(|note| eprintln!("note: {note}"));
+        notes(plant.machine(), grid.stop_s).iter().for_each(|note| eprintln!("note: {note}"));
         eprint!("{}", summary(&plant, &grid, elapsed));
     }
     Ok(())
@@ -304,8 +304,8 @@ fn summary(plant: &Plant, grid: &Grid, elapsed: Duration) -> String {
         text += &format!("{name}: {latch}, {end} at the end\n");
     }
     let statistics = plant.statistics();
-    let advice = machine.air.as_ref().and_then(|air| statistics.advice_on_rows(air.step_s));
-    if let Some(advice) = advice {
+    let on_rows = machine.air.as_ref().and_then(|air| statistics.advice_on_rows(air.step_s));
+    for advice in [on_rows, statistics.advice_on_failures()].into_iter().flatten() {
         text += &format!("warning: {advice}\n");
     }
     text + &format!(

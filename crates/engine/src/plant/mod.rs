@@ -12,6 +12,7 @@ mod derivatives;
 mod equations;
 mod events;
 mod face;
+mod failed_steps;
 mod hybrid;
 mod joint_forces;
 mod latency;

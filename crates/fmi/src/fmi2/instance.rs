@@ -282,6 +282,7 @@ impl Instance {
         let started = self.machine.solver.most_iterations.map(|_| Instant::now());
         self.read_before = std::mem::take(&mut self.read);
         let advised = self.advice_on_rows().is_some();
+        let failing = self.plant.statistics().newton_decides();
         let outcome = self.plant.step(end_s);
         if let Some(started) = started {
             self.plant.latency_mut().record(started.elapsed().as_secs_f64());
@@ -290,6 +291,9 @@ impl Instance {
             self.tell_events(time_s, &before);
         }
         if let Some(advice) = self.advice_on_rows().filter(|_| !advised) {
+            self.log.write(Status::Warning, LogCategory::Warning, &format!("fmi2DoStep: {advice}"));
+        }
+        if !failing && let Some(advice) = self.plant.statistics().advice_on_failures() {
             self.log.write(Status::Warning, LogCategory::Warning, &format!("fmi2DoStep: {advice}"));
         }
         if let Err(error) = outcome {

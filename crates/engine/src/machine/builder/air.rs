@@ -269,6 +269,14 @@ pub(super) fn build(
     }
     let mirror = match air.mirror_normal {
         None => None,
+        Some(_) if air.model == Model::Strips => {
+            checker.refuse_state(
+                &["air", "mirror_normal"],
+                "a mirror plane with strips",
+                "a mirror plane with a lattice",
+            );
+            return None;
+        }
         Some(normal) => match normal.try_normalize(0.0).filter(|unit| unit.norm() > 0.5) {
             Some(unit) => Some(unit),
             None => {

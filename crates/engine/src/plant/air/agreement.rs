@@ -19,8 +19,10 @@ use crate::solve::EquationsOfMotion;
 use crate::solve::equilibrium::Effort;
 use nalgebra::Vector3;
 
-/// Share of an aerodynamic step below which the rest of it is round-off of the caller's clock.
+/// Share of an aerodynamic step below which the rest of it is round-off.
 const SLIVER: f64 = 1e-9;
+/// Round-off of the caller's clock, relative to its time: that of 10⁵ steps summed up.
+const CLOCK_ROUND_OFF: f64 = 1e-11;
 /// Most iterations between air and structure at rest.
 const MOST_STATIC_ITERATIONS: usize = 100;
 /// Change of the loads at rest, relative to the largest, at which they agree: far above the statics' own error.
@@ -49,6 +51,11 @@ fn flow<'a>(settings: &'a machine::Air, state: &State, time_s: f64) -> Flow<'a> 
         spin_rad_s: state.spin_at_rad_s(time_s),
         gusts: &settings.gusts,
     }
+}
+
+/// Time in s by which the caller's clock may be off an aerodynamic step's end that it means.
+fn round_off_s(time_s: f64, step_s: f64) -> f64 {
+    SLIVER * step_s + CLOCK_ROUND_OFF * time_s.abs()
 }
 
 /// The air has no solution.
@@ -148,11 +155,21 @@ impl Plant {
         Err(refusal(time_s, cause))
     }
 
+    /// Whether `start` stands at the end of an aerodynamic step and `time_s` is that end but for the caller's clock: what
+    /// is read then belongs to the step that ends, whatever the last bits of the clock say.
+    pub(in crate::plant) fn stands_at_end_of_air_step(&self, time_s: f64) -> bool {
+        let (Some(history), Some(air)) = (&self.state.air, &self.air) else { return false };
+        let round_off_s = round_off_s(time_s, air.settings.step_s);
+        history.steps > 0
+            && self.state.start.time_s >= history.loads.end_s - round_off_s
+            && time_s <= history.loads.end_s + round_off_s
+    }
+
     /// Begins the next aerodynamic step where the present one is over.
     pub(in crate::plant) fn begin_air_step(&mut self) -> Result<(), PlantError> {
         let (Some(history), Some(air)) = (&mut self.state.air, &self.air) else { return Ok(()) };
-        let step_s = air.settings.step_s;
-        if self.state.start.time_s < history.loads.end_s - SLIVER * step_s {
+        let (step_s, time_s) = (air.settings.step_s, self.state.start.time_s);
+        if time_s < history.loads.end_s - round_off_s(time_s, step_s) {
             return Ok(());
         }
         history.before.copy_from(&history.after);
@@ -191,10 +208,10 @@ impl Plant {
     /// Finds the loads for the rest of the present step anew, after the inputs have changed inside it.
     pub(in crate::plant) fn renew_air(&mut self) -> Result<(), PlantError> {
         match (&self.state.air, &self.air) {
-            (Some(history), Some(air))
-                if self.state.start.time_s < history.loads.end_s - SLIVER * air.settings.step_s =>
-            {
-                self.agree_on_loads()
+            (Some(history), Some(air)) => {
+                let time_s = self.state.start.time_s;
+                let is_over = time_s >= history.loads.end_s - round_off_s(time_s, air.settings.step_s);
+                if is_over { Ok(()) } else { self.agree_on_loads() }
             }
             _ => Ok(()),
         }
