@@ -4,6 +4,7 @@
 //! Cases are numbered E-xx.
 
 mod course;
+mod feedthrough;
 mod rates;
 mod response;
 

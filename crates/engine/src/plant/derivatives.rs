@@ -4,10 +4,11 @@ use crate::force::drive::Slew;
 use crate::force::joint::JointForces;
 use crate::machine::UNLIMITED;
 use crate::plant::Plant;
+use crate::plant::equations::Equations;
 use crate::plant::face::PlantError;
 use crate::plant::outputs::Outputs;
 use crate::plant::state::State;
-use crate::signal::Inputs;
+use crate::signal::{Inputs, Parameters};
 use crate::solve::EquationsOfMotion;
 use crate::solve::continuation::Taken;
 use crate::solve::point::Point;
@@ -221,9 +222,15 @@ impl Plant {
         self.state.applied_from_s = time_s;
         self.configure();
         (self.state.applied_inputs, self.state.applied_parameters, self.state.applied_from_s) = kept;
-        let limits = self.state.parameters.joints().iter().map(|joint| joint.rate_limit_rad_s);
-        for ((joint, inputs), rate_limit_rad_s) in
-            self.equations.forces.joints_mut().iter_mut().zip(inputs.joints()).zip(limits)
+        self.equations.command(time_s, inputs, &self.state.parameters);
+    }
+}
+
+impl Equations {
+    /// Neutral angles jump with their commands where no rate limit binds.
+    pub(super) fn command(&mut self, time_s: f64, inputs: &Inputs, parameters: &Parameters) {
+        let limits = parameters.joints().iter().map(|joint| joint.rate_limit_rad_s);
+        for ((joint, inputs), rate_limit_rad_s) in self.forces.joints_mut().iter_mut().zip(inputs.joints()).zip(limits)
         {
             let Some(motor) = joint.motor_mut() else { continue };
             motor.slew.redirect(time_s, inputs.command_rad, 0.0, rate_limit_rad_s);

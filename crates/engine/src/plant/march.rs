@@ -63,6 +63,7 @@ impl Plant {
     /// internal step has succeeded, they are those of before, bit for bit. Allocates nothing.
     pub fn step(&mut self, end_s: f64) -> Result<(), PlantError> {
         let changed = self.inputs_changed();
+        self.inputs_may_differ = false;
         let marches = changed || self.state.ahead.time_s <= end_s;
         if marches {
             self.begin.copy_from(&self.state);
@@ -73,8 +74,13 @@ impl Plant {
         let applied = if changed { self.apply_inputs().and_then(|()| self.renew_air()) } else { Ok(()) };
         let outcome = applied.and_then(|()| self.march(end_s, changed));
         let State { start, ahead, now, .. } = &mut self.state;
+        let reached_s = ahead.time_s.min(end_s);
         match &outcome {
-            Ok(()) => self.arrive_at(end_s),
+            Ok(()) => {
+                self.arrive_at(reached_s);
+                // an aerodynamic step ended there but for the caller's clock
+                self.adopt_time(end_s);
+            }
             Err(_) if start.time_s <= now.time_s => self.go_back_to_begin(),
             Err(_) => {
                 now.copy_from(start);
@@ -417,10 +423,11 @@ impl Plant {
         let shift_s = time_s - self.state.now.time_s;
         if shift_s != 0.0 {
             let State { before, start, stages, ahead, now, .. } = &mut self.state;
+            let now_s = now.time_s;
             for point in [before, start, ahead, now].into_iter().chain(stages) {
-                point.time_s += shift_s;
+                // round-off must not part what belongs together
+                point.time_s = if point.time_s == now_s { time_s } else { point.time_s + shift_s };
             }
-            self.state.now.time_s = time_s;
             self.state.applied_from_s += shift_s;
             if let Some(air) = &mut self.state.air {
                 air.shift(shift_s);

@@ -93,6 +93,8 @@ pub struct Plant {
     watched: OutputSet,
     /// Outputs found at the present time.
     found: OutputSet,
+    /// Inputs may have been set since the last step, so that they differ from those of the present.
+    inputs_may_differ: bool,
     /// The search for a state of rest that is under way.
     quest: statics::Quest,
     /// Some gauge reads a strain that is recovered from forces.
@@ -127,6 +129,7 @@ impl Plant {
             model_is_moderate: magnitude::model_is_moderate(&equations.model, &gauges),
             watched: OutputSet::ALL,
             found: OutputSet::NONE,
+            inputs_may_differ: false,
             gauges,
             revolute_joints,
             spatial_joints,
@@ -190,8 +193,11 @@ impl Plant {
         &self.state.inputs
     }
 
-    /// Inputs of the coming step, to be changed. A change takes effect at the next [`Plant::step`].
+    /// Inputs of the coming step, to be changed. The motion follows from the next [`Plant::step`] on; outputs that feel an
+    /// input at once do so when [`Plant::provide`] finds them.
     pub fn inputs_mut(&mut self) -> &mut Inputs {
+        self.found = OutputSet::NONE;
+        self.inputs_may_differ = true;
         &mut self.state.inputs
     }
 
@@ -260,6 +266,7 @@ impl Plant {
         let stages = self.stepper.continuation().inner_stages();
         snapshot.check(&self.state, self.coordinates(), self.tip_bodies.len(), stages, air)?;
         let own = std::mem::replace(&mut self.state, snapshot.state().clone());
+        self.inputs_may_differ = true;
         self.adopt_state();
         if self.state.initialized && !self.is_moderate() {
             self.evaluate();

@@ -2,6 +2,7 @@
 
 mod attitudes;
 mod energies;
+mod feedthrough;
 mod joints;
 mod latches;
 mod loads;
@@ -253,10 +254,14 @@ impl Plant {
         }
     }
 
-    /// Finds those of `wanted` that have not been found at the present time. Allocates nothing.
+    /// Finds those of `wanted` that have not been found at the present time, with the inputs as they are set: forces and
+    /// accelerations follow an input at once. Allocates nothing.
     pub fn provide(&mut self, wanted: OutputSet) {
         if self.state.initialized && !self.found.contains(wanted) {
-            self.evaluate_some(wanted.without(self.found));
+            let missing = wanted.without(self.found);
+            if !(self.inputs_may_differ && self.evaluate_with_set_inputs(missing)) {
+                self.evaluate_some(missing);
+            }
         }
     }
 
