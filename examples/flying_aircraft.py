@@ -23,7 +23,8 @@ they think that the wings' loads change with them, which is the wings' apparent 
 
 Body axes: x right, y forward, z up, origin in the fuselage's centre of mass. The FMU's x runs along its span, so the
 left wing is the right one turned by 180 degrees about z. That is its mirror image where section and hinge are symmetric
-fore and aft, as they are here; a swept wing needs a model file of its own for the other side.
+fore and aft, as they are here; a swept wing needs a model file of its own for the other side. `Mount` places each wing
+anywhere on the fuselage: the lever arms of its root enter motion and moments.
 """
 
 import argparse
@@ -40,8 +41,7 @@ from fmpy.fmi2 import FMU2Slave
 AXES = "xyz"
 GRAVITY_M_S2 = np.array([0.0, 0.0, -9.81])
 WING_KG = 0.06305  # `foldwing check examples/models/folding_wing.toml`
-ROOT_M = np.array([0.0, -0.02, 0.03])  # where both wings are fixed, from the fuselage's centre of mass
-MOUNTS = {"right": np.diag([1.0, 1.0, 1.0]), "left": np.diag([-1.0, -1.0, 1.0])}  # body axes <- root frame
+ROOT_M = np.array([0.0, -0.02, 0.03])  # the fuselage's origin, where both wings are fixed, from its centre of mass
 RELEASE_S = {"right": 0.0, "left": 0.05}
 START_M_S, START_RAD_S = np.array([0.0, 12.0, 0.0]), np.radians([10.0, 40.0, -20.0])  # of the wings' root, body axes
 GUST_S = (0.02, 0.08)  # swells and fades as 1 - cos
@@ -58,6 +58,17 @@ SOLVERS = ("held", "fixed-point", "newton", "quasi-newton")
 ARM_M = 0.15  # weighs moments against forces, and angular accelerations against others
 HALVINGS = 12  # of the first step after a jump
 TINY_N = 1e-12  # no loads at all: nothing to divide by
+
+
+@dataclass(frozen=True)
+class Mount:
+    """How a wing is fixed to the fuselage: its root's place from the centre of mass in body axes, body axes <- root frame."""
+
+    root_m: np.ndarray
+    rotation: np.ndarray
+
+
+MOUNTS = {"right": Mount(ROOT_M, np.diag([1.0, 1.0, 1.0])), "left": Mount(ROOT_M, np.diag([-1.0, -1.0, 1.0]))}
 
 
 @dataclass
@@ -107,12 +118,12 @@ class Fuselage:
 
 
 class Wing:
-    """An instance of the FMU on the fuselage, in Initialization Mode; `mount` turns its root frame into body axes."""
+    """An instance of the FMU on the fuselage, in Initialization Mode."""
 
-    def __init__(self, path, folder, side, solver_tolerance):
+    def __init__(self, path, folder, side, solver_tolerance, mount):
         description = read_model_description(str(path))
         self.reference = {variable.name: variable.valueReference for variable in description.modelVariables}
-        self.side, self.mount = side, MOUNTS[side]
+        self.side, self.root_m, self.mount = side, mount.root_m, mount.rotation
         self.accelerations = self.vector("root.acceleration") + self.vector("root.angular_acceleration")
         self.motion = self.accelerations + self.vector("root.angular_velocity") + self.vector("gravity")
         self.reaction = self.vector("root.force") + self.vector("root.moment")
@@ -143,13 +154,13 @@ class Wing:
 
     def root_accelerations(self, accelerations):
         """Accelerations of the root, root frame, by those of the fuselage, without what its spin adds."""
-        root_m_s2 = accelerations[:3] + np.cross(accelerations[3:], ROOT_M)
+        root_m_s2 = accelerations[:3] + np.cross(accelerations[3:], self.root_m)
         return np.concatenate([root_m_s2 @ self.mount, accelerations[3:] @ self.mount])
 
     def root_motion(self, motion):
         """The FMU's inputs under a motion of the fuselage."""
         spin = motion.spin_rad_s
-        centripetal = np.concatenate([np.cross(spin, np.cross(spin, ROOT_M)), np.zeros(3)])
+        centripetal = np.concatenate([np.cross(spin, np.cross(spin, self.root_m)), np.zeros(3)])
         rest = [spin @ self.mount, motion.to_body(GRAVITY_M_S2) @ self.mount]
         return np.concatenate([self.root_accelerations(motion.accelerations + centripetal), *rest])
 
@@ -171,7 +182,7 @@ class Wing:
     def about_centre(self, reaction):
         """What a reaction at the root is about the fuselage's centre of mass, in body axes."""
         force_n, moment_n_m = np.reshape(reaction, (2, 3)) @ self.mount.T
-        return np.concatenate([force_n, moment_n_m + np.cross(ROOT_M, force_n)])
+        return np.concatenate([force_n, moment_n_m + np.cross(self.root_m, force_n)])
 
     def apparent_mass(self):
         """By how much the load falls with the fuselage's accelerations while positions and velocities stay, 6x6."""
@@ -302,7 +313,7 @@ class Aircraft:
     def centre_of_mass(self):
         """Centre of mass of fuselage and wings, inertial axes, m."""
         mass_kg = self.fuselage.mass_kg + WING_KG * len(self.wings)
-        moment_kg_m = sum(WING_KG * ROOT_M + wing.first_moment_kg_m() for wing in self.wings)
+        moment_kg_m = sum(WING_KG * wing.root_m + wing.first_moment_kg_m() for wing in self.wings)
         return self.motion.position_m + rotation(self.motion.attitude) @ moment_kg_m / mass_kg
 
 
@@ -372,12 +383,12 @@ def record(aircraft):
 
 
 @contextmanager
-def opened(fmu, coupling=None, fuselage=None, gust=True, solver_tolerance=1e-9):
+def opened(fmu, coupling=None, fuselage=None, gust=True, solver_tolerance=1e-9, mounts=MOUNTS):
     """The aircraft at the start, its FMU unpacked into a folder that goes when it goes."""
     folder, wings = extract(str(fmu)), []
     try:
-        for side in MOUNTS:
-            wings.append(Wing(fmu, folder, side, solver_tolerance))
+        for side, mount in mounts.items():
+            wings.append(Wing(fmu, folder, side, solver_tolerance, mount))
         yield Aircraft(fuselage or Fuselage(), wings, coupling or Coupling(), gust)
     finally:
         for wing in wings:

@@ -106,8 +106,11 @@ def packaged(foldwing, model, archive):
     return archive
 
 
-def fly_whole(fmu, stop_s, solver_tolerance=1e-10, gust=True):
-    """The aircraft in one piece: columns by name as the coupling's `record` gives them, as far as they are compared."""
+def fly_whole(fmu, stop_s, solver_tolerance=1e-10, gust=True, root_m=ROOT_M):
+    """The aircraft in one piece: columns by name as the coupling's `record` gives them, as far as they are compared.
+
+    `root_m` is the place of the right wing's root from the fuselage's centre of mass in body axes.
+    """
     description = read_model_description(str(fmu))
     reference = {variable.name: variable.valueReference for variable in description.modelVariables}
 
@@ -131,8 +134,8 @@ def fly_whole(fmu, stop_s, solver_tolerance=1e-10, gust=True):
         slave.exitInitializationMode()
         for index in range(round(stop_s / WHOLE_STEP_S) + 1):
             time_s = index * WHOLE_STEP_S
-            root_m, attitude, angles = (np.array(slave.getReal(group)) for group in outputs)
-            rows.append([time_s, *(root_m - rotation(attitude) @ ROOT_M), *attitude, *angles])
+            station_m, attitude, angles = (np.array(slave.getReal(group)) for group in outputs)
+            rows.append([time_s, *(station_m - rotation(attitude) @ root_m), *attitude, *angles])
             if index == round(RELEASE_S["left"] / WHOLE_STEP_S):
                 slave.setBoolean([reference["fold_left.release"]], [True])
             first, last = (
@@ -227,7 +230,7 @@ class Balance:
         """Masses' places and velocities in inertial axes, and the sections' own angular momenta."""
         values, count = np.array(wing.slave.getReal(self.references)), len(self.mass_kg)
         place, velocity, spin = values[: 9 * count].reshape(3, count, 3) @ wing.mount.T
-        place = place + ROOT_M
+        place = place + wing.root_m
         velocity = velocity + np.cross(motion.spin_rad_s, place)
         spin = spin + motion.spin_rad_s
         attitudes = [wing.mount @ rotation(quaternion) for quaternion in values[9 * count :].reshape(count, 4)]
@@ -336,7 +339,7 @@ def shape_m(aircraft):
         )
         hinge = inner[3] + 0.5 * (inner[3] - inner[2])  # half a strip beyond the last station
         tip = wing.slave.getReal(wing.vector("tip.position"))
-        halves.append(ROOT_M + np.vstack([np.zeros(3), inner, hinge, outer, tip]) @ wing.mount.T)
+        halves.append(wing.root_m + np.vstack([np.zeros(3), inner, hinge, outer, tip]) @ wing.mount.T)
     right, left = halves
     return np.vstack([left[::-1], right[1:]]) @ rotation(aircraft.motion.attitude).T
 

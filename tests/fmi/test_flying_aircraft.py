@@ -12,7 +12,7 @@ sys.path.insert(0, str(ROOT / "studies"))
 
 import aircraft_study as study  # noqa: E402
 import flying_aircraft  # noqa: E402
-from flying_aircraft import Aircraft, Coupling, Fuselage, fly, opened  # noqa: E402
+from flying_aircraft import ROOT_M, Aircraft, Coupling, Fuselage, Mount, fly, opened, rotation, turn  # noqa: E402
 
 STOP_S = 0.09  # before the first latch closes
 STEPS_S = (5e-4, 2.5e-4)
@@ -69,6 +69,36 @@ def test_f81_agrees_with_the_aircraft_in_one_piece(wing, whole):
     assert (off[-1] < [5e-6, 1e-5, 2e-5]).all()
     assert (orders["quasi-newton"] > 1.7).all()
     assert (orders["held"] < 1.3).all()
+
+
+def test_f292_roots_aside_and_turned(wing, foldwing, tmp_path):
+    """F-292. Wings whose roots stand aside of the fuselage's origin, the right one turned: the lever arms in Python meet the
+    offsets in the model file. Bounds and order as in F-81; with the roots at the origin the runs part by more than 1e-4 m.
+    """
+    offsets_m, turned_deg = {"right": [0.03, 0.01, 0.02], "left": [-0.02, 0.0, 0.01]}, [5.0, 3.0, -7.0]
+    text = study.WHOLE.read_text()
+    for side, offset_m in offsets_m.items():
+        keys = f'parent_offset_m = {offset_m}\nchild = "{side}_inner"'
+        keys += f"\nmount_rotation_deg = {turned_deg}" if side == "right" else ""
+        text = text.replace(f'child = "{side}_inner"', keys, 1)
+    model = tmp_path / "aside.toml"
+    model.write_text(text)
+    roots_m = {side: ROOT_M + offset_m for side, offset_m in offsets_m.items()}
+    archive = study.packaged(foldwing, model, tmp_path / "aside.fmu")
+    whole = study.fly_whole(archive, STOP_S, gust=False, root_m=roots_m["right"])
+    mounts = {
+        "right": Mount(roots_m["right"], rotation(turn(np.radians(turned_deg)))),
+        "left": Mount(roots_m["left"], np.diag([-1.0, -1.0, 1.0])),
+    }
+    off = []
+    for step_s in STEPS_S:
+        with opened(wing.path, Coupling(step_s), gust=False, mounts=mounts) as aircraft:
+            off.append(study.distance(fly(aircraft, STOP_S), whole, STOP_S))
+        print(f"F-292 {1e3 * step_s:g} ms: {off[-1][0]:.2e} m, {off[-1][1]:.2e} rad, {off[-1][2]:.2e} rad")
+    assert (off[-1] < [5e-6, 1e-5, 2e-5]).all()
+    assert (np.log2(off[-2] / off[-1]) > 1.7).all()
+    with opened(wing.path, Coupling(5e-4), gust=False) as aircraft:
+        assert study.distance(fly(aircraft, STOP_S), whole, STOP_S)[0] > 1e-4
 
 
 def test_f82_momentum_is_conserved_to_step_and_tolerance(weighed):
