@@ -18,7 +18,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("beam", &["math"]),
     ("multibody", &["math", "load", "beam"]),
     ("force", &["math", "load", "solve", "multibody"]),
-    ("machine", &["load", "aero", "beam", "force"]),
+    ("machine", &["load", "aero", "beam", "multibody", "force"]),
     ("signal", &["load", "machine"]),
     ("plant", &["math", "load", "solve", "aero", "beam", "multibody", "force", "machine", "signal"]),
     ("config", &["load", "aero", "beam", "machine"]),

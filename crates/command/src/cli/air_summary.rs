@@ -1,7 +1,7 @@
 //! Air in the summary of `foldwing check`.
 
 use foldwing_engine::machine::Machine;
-use foldwing_engine::machine::{AirOptions, Coupling, JointKind, LoadRule, Parent, WakeModel};
+use foldwing_engine::machine::{AirOptions, Coupling, LoadRule, Parent, WakeModel};
 use foldwing_engine::plant::{CLOSED_PANELS, SurfaceGap};
 use serde::Serialize;
 use std::fmt::Write;
@@ -97,14 +97,11 @@ impl AirSummary {
 
 impl GapSummary {
     fn new(machine: &Machine, gap: &SurfaceGap) -> Self {
-        let joins = |child: usize, parent: usize| match (
-            &machine.bodies[child].joint.parent,
-            &machine.bodies[child].joint.kind,
-        ) {
-            (Parent::Body { index, .. }, JointKind::Revolute(joint)) if *index == parent => {
-                Some(joint.start_angle_rad.to_degrees())
-            }
-            _ => None,
+        let joins = |child: usize, parent: usize| {
+            let joint = &machine.bodies[child].joint;
+            let hangs = matches!(joint.parent, Parent::Body { index, .. } if index == parent);
+            let (_, own) = joint.kind.one_freedom().filter(|_| hangs && !joint.kind.slides())?;
+            Some(own.start_angle_rad.to_degrees())
         };
         let [one, two] = gap.bodies;
         Self {

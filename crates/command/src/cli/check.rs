@@ -9,8 +9,7 @@ use crate::packaging::drawing;
 use crate::packaging::sketch::sketch;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{
-    Body, Closure, ElementKind, JointKind, JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel,
-    UNLIMITED,
+    Body, Closure, ElementKind, JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel, UNLIMITED,
 };
 use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::{Causality, Interface, Value};
@@ -153,7 +152,7 @@ impl Summary {
             description: machine.description.clone(),
             mass_kg: bodies.iter().map(|body| body.mass_kg + body.attached_mass_kg).sum(),
             degrees_of_freedom: bodies.iter().map(|body| body.degrees_of_freedom).sum::<usize>()
-                + machine.bodies.iter().map(joint_freedoms).sum::<usize>(),
+                + machine.bodies.iter().map(|body| body.joint.kind.freedoms()).sum::<usize>(),
             stations: bodies.iter().map(|body| body.stations_m.len()).sum(),
             bodies,
             joints: machine.bodies.iter().enumerate().map(joint).collect(),
@@ -220,19 +219,6 @@ impl Summary {
     }
 }
 
-/// Degrees of freedom that the joint adds.
-fn joint_freedoms(body: &Body) -> usize {
-    match &body.joint.kind {
-        JointKind::Clamped => 0,
-        JointKind::Revolute(joint) | JointKind::Prismatic(joint) => usize::from(joint.motion == JointMotion::Free),
-        JointKind::Spatial(joint) => match joint.freedom {
-            SpatialFreedom::Universal { .. } => 2,
-            SpatialFreedom::Ball => 3,
-            SpatialFreedom::Free => 6,
-        },
-    }
-}
-
 impl BodySummary {
     fn new(body: &Body) -> Self {
         // A linear element is a pair of constant halves; each of those has four strains.
@@ -259,12 +245,10 @@ impl JointSummary {
             Parent::Root { .. } => "root".to_owned(),
             Parent::Body { index, position_m } => format!("{} at {position_m} m", machine.bodies[index].name),
         };
-        let (kind, figures) = match &body.joint.kind {
-            JointKind::Spatial(joint) => (spatial_kind(joint), Figures::of_spatial(joint)),
-            kind => match kind.one_freedom() {
-                Some((travel, joint)) => (motion(travel, joint), Figures::of_one_freedom(travel, joint)),
-                None => ("clamped".to_owned(), Figures::none()),
-            },
+        let (kind, figures) = match (body.joint.kind.one_freedom(), body.joint.kind.spatial()) {
+            (Some((travel, joint)), _) => (motion(travel, joint), Figures::of_one_freedom(travel, joint)),
+            (_, Some(joint)) => (spatial_kind(joint), Figures::of_spatial(joint)),
+            (None, None) => ("clamped".to_owned(), Figures::none()),
         };
         let size = JointSize::new(&body.joint.kind, variables, multipliers);
         Self { name: body.joint.name.clone(), body: body.name.clone(), parent, kind, figures, size }

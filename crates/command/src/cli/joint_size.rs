@@ -33,11 +33,8 @@ impl JointSize {
         // both forms leave the same freedoms
         let conventional_multipliers = NODE - (variables - multipliers);
         let (ours, conventional) = (variables + multipliers, NODE + conventional_multipliers);
-        let in_table_2 = match kind {
-            JointKind::Clamped | JointKind::Prismatic(_) => false,
-            JointKind::Revolute(_) => true,
-            JointKind::Spatial(joint) => joint.freedom != foldwing_engine::machine::SpatialFreedom::Free,
-        };
+        // revolute, universal and ball joints
+        let in_table_2 = kind.holds_place() && !kind.is_clamped();
         Self {
             variables,
             multipliers,

@@ -13,7 +13,6 @@ use crate::cli::{Failure, read_model};
 use crate::report::inputs::unknown_name;
 use crate::report::{Channel, InputTable, InputsError, Recorder};
 use clap::builder::NonEmptyStringValueParser;
-use foldwing_engine::machine::Travel;
 use foldwing_engine::plant::{OutputSet, Plant};
 use foldwing_fmi::interface::{Causality, Interface, Variable};
 use std::fs::File;
@@ -297,10 +296,7 @@ fn summary(plant: &Plant, grid: &Grid, elapsed: Duration) -> String {
             (Some(_), 0) => "did not latch".to_owned(),
             (Some(_), count) => format!("latched at {:.6} s ({count} in all)", latched.time_s),
         };
-        let end = match travel {
-            Travel::Rotation => format!("angle {:.3} deg", joint.angle_rad.to_degrees()),
-            Travel::Translation => format!("position {:.6} m", joint.angle_rad),
-        };
+        let end = travel.told(joint.angle_rad);
         text += &format!("{name}: {latch}, {end} at the end\n");
     }
     let statistics = plant.statistics();

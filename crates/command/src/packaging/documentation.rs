@@ -5,8 +5,7 @@ use crate::packaging::{VERSION, air_section, drawing, palette, use_section};
 use foldwing_engine::beam::section::Section;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{
-    Body, ElementKind, JointKind, JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel,
-    UNLIMITED,
+    Body, ElementKind, JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel, UNLIMITED,
 };
 use foldwing_fmi::interface::{Causality, TYPES, UNITS, Value, Variability, Variable};
 use nalgebra::{Matrix3, Rotation3};
@@ -64,7 +63,7 @@ pub fn page(machine: &Machine, variables: &[Variable], extras: &Extras) -> Strin
 
 fn drawing_section(html: &mut String, machine: &Machine) {
     let folds = machine.bodies.iter().any(|body| body.joint.kind.one_freedom().is_some());
-    let turns = machine.bodies.iter().any(|body| matches!(body.joint.kind, JointKind::Spatial(_)));
+    let turns = machine.bodies.iter().any(|body| body.joint.kind.spatial().is_some());
     let shown = match (folds, turns) {
         _ if !machine.closures.is_empty() => "at its start angles, where its closed loops close",
         (true, false) => "deployed (filled), at its start angles (outlined) and between",
@@ -170,11 +169,10 @@ fn joints_section(html: &mut String, machine: &Machine) {
                 }
             };
             let mut row = vec![escape(&body.joint.name).into_owned(), escape(&body.name).into_owned(), on];
-            match &body.joint.kind {
-                JointKind::Clamped => row.extend(["clamped", "", "", "", "", "", ""].map(str::to_owned)),
-                JointKind::Revolute(joint) => row.extend(one_freedom(Travel::Rotation, joint)),
-                JointKind::Prismatic(joint) => row.extend(one_freedom(Travel::Translation, joint)),
-                JointKind::Spatial(joint) => row.extend(spatial(joint, &body.joint.mount)),
+            match (body.joint.kind.one_freedom(), body.joint.kind.spatial()) {
+                (Some((travel, joint)), _) => row.extend(one_freedom(travel, joint)),
+                (_, Some(joint)) => row.extend(spatial(joint, &body.joint.mount)),
+                (None, None) => row.extend(["clamped", "", "", "", "", "", ""].map(str::to_owned)),
             }
             row
         }),
@@ -386,6 +384,7 @@ pub(super) fn table(html: &mut String, head: &[&str], rows: impl Iterator<Item =
 #[cfg(test)]
 mod tests {
     use super::*;
+    use foldwing_engine::machine::JointKind;
     use crate::packaging::drawing::tests::two_body_machine;
     use foldwing_engine::machine::Closure;
 

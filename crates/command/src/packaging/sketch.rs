@@ -4,7 +4,6 @@
 
 use crate::packaging::drawing::{axes, hinges, outline, places, planforms, undeformed};
 use crate::packaging::palette::Role;
-use foldwing_engine::machine::JointKind;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::pose::Frame;
 use nalgebra::Vector3;
@@ -99,11 +98,11 @@ impl Painter {
             marks.extend(places.iter().filter(|place| place.0 == role).map(|place| Mark::Sign(sign, place.1)));
         }
         for (body, frames) in machine.bodies.iter().zip(wing) {
-            let sign = match &body.joint.kind {
-                JointKind::Clamped => 2,
-                JointKind::Revolute(joint) => usize::from(joint.latch.is_some()),
-                JointKind::Prismatic(joint) => 4 + usize::from(joint.latch.is_some()),
-                JointKind::Spatial(_) => 3,
+            let kind = &body.joint.kind;
+            let sign = match kind.one_freedom() {
+                Some((_, joint)) => 4 * usize::from(kind.slides()) + usize::from(joint.latch.is_some()),
+                None if kind.is_clamped() => 2,
+                None => 3,
             };
             marks.push(Mark::Sign(JOINTS[sign].0, frames[0].position_m));
         }

@@ -2,7 +2,7 @@
 
 use foldwing_engine::beam::section::Outline;
 use foldwing_engine::machine::Machine;
-use foldwing_engine::machine::{JointKind, Travel};
+use foldwing_engine::machine::Travel;
 use foldwing_engine::plant::{EnergyOutputs, Plant, SectionState, SurfaceLattice};
 use nalgebra::Vector3;
 
@@ -262,10 +262,7 @@ fn body_scene(plant: &Plant, machine: &Machine, index: usize) -> BodyScene {
         rim(outline, half(section.half_width_m), half(section.half_height_m))
     };
     let rims_m = places_m.iter().map(rim).collect();
-    let joint = match &body.joint.kind {
-        JointKind::Clamped => String::new(),
-        JointKind::Revolute(_) | JointKind::Prismatic(_) | JointKind::Spatial(_) => body.joint.name.clone(),
-    };
+    let joint = if body.joint.kind.is_clamped() { String::new() } else { body.joint.name.clone() };
     BodyScene { name: body.name.clone(), joint, places_m, rims_m }
 }
 

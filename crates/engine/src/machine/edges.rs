@@ -3,7 +3,7 @@
 use crate::aero::surface::ChordLine;
 use crate::force::prescribed::Law;
 use crate::machine::pose::{along, first_frames};
-use crate::machine::{Body, JointKind, JointMotion, LiftingSurface, Parent, SpatialFreedom, Travel};
+use crate::machine::{Body, JointMotion, LiftingSurface, Parent};
 use nalgebra::{Matrix3, Vector3};
 
 /// Distance over a body's length, or over a chord, below which two places are the same.
@@ -53,17 +53,12 @@ pub(crate) fn other_half(body: usize, edges: &[RootEdge], bodies: &[Body]) -> Op
 
 /// Whether the inner end of a body stands on a plane through the origin and stays there.
 fn stands_on(normal: &Vector3<f64>, body: usize, bodies: &[Body]) -> bool {
-    let rests = |joint: &JointKind| match joint {
-        JointKind::Clamped => true,
-        JointKind::Revolute(own) | JointKind::Prismatic(own) => own.motion == JointMotion::Locked,
-        JointKind::Spatial(_) => false,
-    };
     if slides(body, bodies) {
         return false;
     }
     let mut holder = &bodies[body].joint.parent;
     while let Parent::Body { index, .. } = holder {
-        if !rests(&bodies[*index].joint.kind) {
+        if !bodies[*index].joint.kind.is_rigid() {
             return false;
         }
         holder = &bodies[*index].joint.parent;
@@ -120,14 +115,13 @@ fn hold(body: usize, bodies: &[Body]) -> (Parent, Matrix3<f64>) {
 
 /// Whether a body slides along its joint's axis.
 fn slides(body: usize, bodies: &[Body]) -> bool {
-    matches!(bodies[body].joint.kind, JointKind::Prismatic(_))
+    bodies[body].joint.kind.slides()
 }
 
 /// Whether the inner end of a body stays where its joint holds it: all joints but the free and the prismatic one see to
 /// that.
 fn stays(body: usize, bodies: &[Body]) -> bool {
-    !slides(body, bodies)
-        && !matches!(&bodies[body].joint.kind, JointKind::Spatial(spatial) if spatial.freedom == SpatialFreedom::Free)
+    bodies[body].joint.kind.holds_place()
 }
 
 /// Speed in m/s of the trailing edge's fastest point against the air at the start, the root frame at rest; `None` where
@@ -154,12 +148,11 @@ pub(crate) fn fastest_m_s(
                 JointMotion::Free | JointMotion::Locked => 0.0,
                 JointMotion::Prescribed(motion) => Law::new(motion).at(start_s)[1],
             };
-            match travel {
-                Travel::Rotation => spin_rad_s += attitude * joint.axis * rate,
-                Travel::Translation => velocity_m_s += attitude * joint.axis * rate,
-            }
+            let [along_m_s, about_rad_s] = travel.moving(&(attitude * joint.axis), rate);
+            velocity_m_s += along_m_s;
+            spin_rad_s += about_rad_s;
         }
-        if let JointKind::Spatial(joint) = &body.joint.kind {
+        if let Some(joint) = body.joint.kind.spatial() {
             velocity_m_s += joint.start_velocity_m_s;
             spin_rad_s += attitude * joint.start_angular_velocity_rad_s;
         }

@@ -6,6 +6,7 @@
 pub mod builder;
 pub(crate) mod edges;
 pub mod fault;
+mod joint_kind;
 mod one_freedom;
 pub mod pose;
 pub mod travel;

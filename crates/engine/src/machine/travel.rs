@@ -2,7 +2,7 @@
 //! words, units and names stands here; the numbers go one way for both.
 
 use crate::force::spring::Spring;
-use crate::machine::{Drive, JointKind, OneFreedom, Spatial, UNLIMITED};
+use crate::machine::{Drive, UNLIMITED};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 /// What the coordinate of a joint with one freedom is.
@@ -107,6 +107,20 @@ impl Travel {
         }
     }
 
+    /// Name, value and unit of the coordinate as people read them: `angle 3.000 deg`, `position 0.100000 m`.
+    pub fn told(self, coordinate: f64) -> String {
+        let digits = if self == Self::Rotation { 3 } else { 6 };
+        format!("{} {:.digits$} {}", self.coordinate(), self.shown(coordinate), self.shown_unit())
+    }
+
+    /// Velocity in m/s and angular velocity in rad/s that a rate of the coordinate gives the body, in the frame of its parent.
+    pub fn moving(self, axis: &Vector3<f64>, rate: f64) -> [Vector3<f64>; 2] {
+        match self {
+            Self::Rotation => [Vector3::zeros(), axis * rate],
+            Self::Translation => [axis * rate, Vector3::zeros()],
+        }
+    }
+
     /// A name or a sentence about a revolute joint, told of this one.
     pub fn words(self, of_rotation: &str) -> String {
         match self {
@@ -139,25 +153,6 @@ impl Travel {
                 (Vector3::zeros(), turn.into_inner())
             }
             Self::Translation => (axis * coordinate, Matrix3::identity()),
-        }
-    }
-}
-
-impl JointKind {
-    /// Travel and machinery of a revolute or prismatic joint; `None` of all others.
-    pub fn one_freedom(&self) -> Option<(Travel, &OneFreedom)> {
-        match self {
-            Self::Revolute(joint) => Some((Travel::Rotation, joint)),
-            Self::Prismatic(joint) => Some((Travel::Translation, joint)),
-            Self::Clamped | Self::Spatial(_) => None,
-        }
-    }
-
-    /// What a universal, ball or free joint has; `None` of all others.
-    pub fn spatial(&self) -> Option<&Spatial> {
-        match self {
-            Self::Spatial(joint) => Some(joint),
-            Self::Clamped | Self::Revolute(_) | Self::Prismatic(_) => None,
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::force::Stored;
 use crate::force::set::Forces;
 use crate::load::{RootMotion, Wrench};
 use crate::machine::Machine;
-use crate::machine::{JointKind, Parent, SectionLoad, SectionSide};
+use crate::machine::{Parent, SectionLoad, SectionSide};
 use crate::multibody::closure::{ClosureDescription, Penalty};
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::factor::{self, FreedomTangent, Weights};
@@ -13,7 +13,7 @@ use crate::multibody::gauge::Side;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Attachment, BodyDescription};
 use crate::multibody::section_load::SectionPlace;
-use crate::multibody::{Model, Workspace, energy, joint, norm, station};
+use crate::multibody::{Model, Workspace, energy, norm, station};
 use crate::plant::air::{AirCoupling, StepLoads};
 use crate::plant::course::Course;
 use crate::plant::joint_forces;
@@ -72,12 +72,7 @@ impl Equations {
                 },
                 offset_m: body.joint.offset_m,
                 mount: body.joint.mount,
-                joint: match &body.joint.kind {
-                    JointKind::Clamped => joint::JointKind::Clamped,
-                    JointKind::Spatial(spatial) => SpatialJoint::describe(spatial),
-                    JointKind::Revolute(own) => joint::JointKind::Revolute { axis: own.axis },
-                    JointKind::Prismatic(own) => joint::JointKind::Prismatic { axis: own.axis },
-                },
+                joint: body.joint.kind.in_tree(),
                 masses: body
                     .masses
                     .iter()

@@ -1,7 +1,7 @@
 //! Universal, ball and free joints in the plant: start, attitude, projection.
 
 use crate::machine::Machine;
-use crate::machine::{Spatial, SpatialFreedom};
+use crate::machine::Spatial;
 use crate::multibody::joint::{Joint, JointKind, RedundantWork};
 use crate::multibody::{Model, Workspace};
 use crate::plant::spatials;
@@ -20,15 +20,6 @@ impl SpatialJoint {
     /// The joints of a machine.
     pub fn of_machine(machine: &Machine, model: &Model) -> Vec<Self> {
         spatials(machine).map(|(body, _)| Self { body, joint: model.bodies[body].joint }).collect()
-    }
-
-    /// The joint as the mesh maker needs it.
-    pub fn describe(spatial: &Spatial) -> JointKind {
-        match spatial.freedom {
-            SpatialFreedom::Universal { parent_axis, body_axis } => JointKind::universal(parent_axis, body_axis),
-            SpatialFreedom::Ball => JointKind::Ball,
-            SpatialFreedom::Free => JointKind::Free,
-        }
     }
 
     /// Start rates of the parameters that agree with the start velocities; `q` holds the start attitude.

@@ -9,7 +9,7 @@ use crate::interface::rows::ParameterRow;
 use crate::interface::table::{NON_NEGATIVE, Shape, TURN, Table, Text, Type, place};
 use crate::interface::topology::Topology;
 use foldwing_engine::load::Wrench;
-use foldwing_engine::machine::{JointKind, Travel};
+use foldwing_engine::machine::Travel;
 use foldwing_engine::plant::{
     JointOutputs, JointParameters, LatchOutputs, OutputSet, SpatialOutputs, SpatialParameters,
 };
@@ -298,7 +298,7 @@ pub(super) fn spatial_outputs(table: &mut Table, topology: &Topology, joint: usi
 
 /// Outputs of all clamped joints.
 pub(super) fn clamped_outputs(table: &mut Table, topology: &Topology) {
-    let clamped = |body: &usize| topology.machine.bodies[*body].joint.kind == JointKind::Clamped;
+    let clamped = |body: &usize| topology.machine.bodies[*body].joint.kind.is_clamped();
     (0..topology.machine.bodies.len()).filter(clamped).for_each(|body| reaction_outputs(table, topology, body));
 }
 

@@ -1,9 +1,7 @@
 //! Who is connected to whom: what the table needs to know of the tree of bodies.
 
 use foldwing_engine::machine::Machine;
-use foldwing_engine::machine::{
-    JointKind, JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel,
-};
+use foldwing_engine::machine::{JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel};
 
 /// A joint that a body can move at, by its place in [`Topology::revolutes`] or [`Topology::spatials`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -209,8 +207,5 @@ fn revolute(machine: &Machine, body: usize) -> Option<(Travel, &OneFreedom)> {
 
 /// The universal, ball or free joint that holds a body, if it is one.
 fn spatial(machine: &Machine, body: usize) -> Option<&Spatial> {
-    match &machine.bodies[body].joint.kind {
-        JointKind::Spatial(spatial) => Some(spatial),
-        JointKind::Clamped | JointKind::Revolute(_) | JointKind::Prismatic(_) => None,
-    }
+    machine.bodies[body].joint.kind.spatial()
 }

@@ -8,7 +8,7 @@ pub mod section;
 
 use crate::machine::fault::{Checker, Fault, Range, array_text};
 use crate::machine::units::shortest;
-use crate::machine::{Body, Experiment, JointKind, Machine, Method, Parent, Solver};
+use crate::machine::{Body, Experiment, Machine, Method, Parent, Solver};
 use std::collections::BTreeSet;
 
 /// What names must look like.
@@ -173,7 +173,7 @@ fn inertia(bodies: &[Body], checker: &mut Checker) {
 }
 
 fn is_clamped(body: &Body) -> bool {
-    matches!(body.joint.kind, JointKind::Clamped)
+    body.joint.kind.is_clamped()
 }
 
 /// Sizes that time and memory hold.

@@ -1,0 +1,72 @@
+//! What a kind of joint leaves free, asked by everything that knows no kind by name.
+
+use crate::machine::{JointKind, JointMotion, OneFreedom, Spatial, SpatialFreedom, Travel};
+use crate::multibody::joint;
+
+impl JointKind {
+    /// The joint as the recursions over the tree know it.
+    pub(crate) fn in_tree(&self) -> joint::JointKind {
+        match self {
+            Self::Clamped => joint::JointKind::Clamped,
+            Self::Revolute(own) => joint::JointKind::Revolute { axis: own.axis },
+            Self::Prismatic(own) => joint::JointKind::Prismatic { axis: own.axis },
+            Self::Spatial(own) => match own.freedom {
+                SpatialFreedom::Universal { parent_axis, body_axis } => {
+                    joint::JointKind::universal(parent_axis, body_axis)
+                }
+                SpatialFreedom::Ball => joint::JointKind::Ball,
+                SpatialFreedom::Free => joint::JointKind::Free,
+            },
+        }
+    }
+
+    /// Travel and machinery of a joint with one freedom; `None` of all others.
+    pub fn one_freedom(&self) -> Option<(Travel, &OneFreedom)> {
+        match self {
+            Self::Revolute(joint) => Some((Travel::Rotation, joint)),
+            Self::Prismatic(joint) => Some((Travel::Translation, joint)),
+            Self::Clamped | Self::Spatial(_) => None,
+        }
+    }
+
+    /// What a universal, ball or free joint has; `None` of all others.
+    pub fn spatial(&self) -> Option<&Spatial> {
+        match self {
+            Self::Spatial(joint) => Some(joint),
+            Self::Clamped | Self::Revolute(_) | Self::Prismatic(_) => None,
+        }
+    }
+
+    /// Whether it has no freedom.
+    pub fn is_clamped(&self) -> bool {
+        self.one_freedom().is_none() && self.spatial().is_none()
+    }
+
+    /// Freedoms that forces may move: none of a joint that is locked or prescribed.
+    pub fn freedoms(&self) -> usize {
+        match (self.one_freedom(), self.spatial()) {
+            (Some((_, joint)), _) => usize::from(joint.motion == JointMotion::Free),
+            (_, Some(joint)) => match joint.freedom {
+                SpatialFreedom::Universal { .. } => 2,
+                SpatialFreedom::Ball => 3,
+                SpatialFreedom::Free => 6,
+            },
+            (None, None) => 0,
+        }
+    }
+
+    /// Whether body and parent never move against each other.
+    pub fn is_rigid(&self) -> bool {
+        self.spatial().is_none() && self.one_freedom().is_none_or(|(_, own)| own.motion == JointMotion::Locked)
+    }
+
+    /// Whether the body slides along an axis.
+    pub fn slides(&self) -> bool {
+        self.one_freedom().is_some_and(|(travel, _)| travel == Travel::Translation)
+    }
+
+    /// Whether the body's inner end stays where the joint holds it.
+    pub fn holds_place(&self) -> bool {
+        !self.slides() && self.spatial().is_none_or(|joint| joint.freedom != SpatialFreedom::Free)
+    }
+}
