@@ -83,6 +83,8 @@ pub(super) struct JointFile {
     pub spring: Option<SpringFile>,
     /// Latch of a revolute or prismatic joint.
     pub latch: Option<LatchFile>,
+    /// Stops of a revolute or prismatic joint.
+    pub stops: Option<StopsFile>,
 }
 
 /// What a joint allows.
@@ -301,7 +303,40 @@ pub(super) struct LatchFile {
     pub enable: bool,
 }
 
-/// Keys of a revolute joint's tables `drive`, `spring` and `latch`, and those that a prismatic joint has in their place.
+/// Stops at the ends of a joint's way: a stiff spring and a damper that act beyond either end, push the joint back and never
+/// pull it. At least one end is needed.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StopsFile {
+    /// Lower end, none by default.
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub lower_deg: Option<f64>,
+    /// Upper end, none by default; above `lower_deg`.
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub upper_deg: Option<f64>,
+    /// Stiffness beyond an end.
+    #[serde(rename = "stiffness_N_m_rad")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub stiffness_n_m_rad: Option<f64>,
+    /// Damping beyond an end. Default 0: the joint rebounds with the speed with which it has come.
+    #[serde(default, rename = "damping_N_m_s_rad")]
+    #[schemars(range(min = 0.0))]
+    pub damping_n_m_s_rad: f64,
+    /// Lower end of a prismatic joint's way, none by default.
+    pub lower_m: Option<f64>,
+    /// Upper end of a prismatic joint's way, none by default; above `lower_m`.
+    pub upper_m: Option<f64>,
+    /// Stiffness beyond an end of a prismatic joint's way.
+    #[serde(rename = "stiffness_N_m")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub stiffness_n_m: Option<f64>,
+    /// Damping beyond an end of a prismatic joint's way; see `damping_N_m_s_rad`.
+    #[serde(default, rename = "damping_N_s_m")]
+    #[schemars(range(min = 0.0))]
+    pub damping_n_s_m: f64,
+}
+
+/// Keys of a revolute joint's tables `drive`, `spring`, `latch` and `stops`, and those that a prismatic joint has in their place.
 pub(super) const PAIRS: &[(&str, &str, &str)] = &[
     ("drive", "stiffness_N_m_rad", "stiffness_N_m"),
     ("drive", "damping_N_m_s_rad", "damping_N_s_m"),
@@ -316,6 +351,10 @@ pub(super) const PAIRS: &[(&str, &str, &str)] = &[
     ("latch", "angle_deg", "position_m"),
     ("latch", "stiffness_N_m_rad", "stiffness_N_m"),
     ("latch", "capture_deg", "capture_m"),
+    ("stops", "lower_deg", "lower_m"),
+    ("stops", "upper_deg", "upper_m"),
+    ("stops", "stiffness_N_m_rad", "stiffness_N_m"),
+    ("stops", "damping_N_m_s_rad", "damping_N_s_m"),
 ];
 
 fn yes() -> bool {

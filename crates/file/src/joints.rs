@@ -1,13 +1,15 @@
-//! Joints of the file told to a [`JointBuilder`]: where they hold, motion, latch.
+//! Joints of the file told to a [`JointBuilder`]: where they hold, motion, latch, stops.
 
 use crate::file::{FrameFile, ModelFile};
 use crate::joint_file::{
-    DriveFile, JointFile, JointType, LatchFile, LatchType, MotionType, PAIRS, SpringFile, TableEnds,
+    DriveFile, JointFile, JointType, LatchFile, LatchType, MotionType, PAIRS, SpringFile, StopsFile, TableEnds,
 };
 use crate::validate::Checker;
 use foldwing_engine::machine::builder::{JointBuilder, LatchBuilder};
 use foldwing_engine::machine::units::quoted;
-use foldwing_engine::machine::{Drive, Joint, JointMotion, Latch, LinearDrive, LinearSpring, Motion, Spring, Travel};
+use foldwing_engine::machine::{
+    Drive, Joint, JointMotion, Latch, LinearDrive, LinearSpring, Motion, Spring, Stops, Travel,
+};
 use nalgebra::{Rotation3, Vector3};
 
 /// Name of the parent that is no body.
@@ -182,6 +184,9 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
     }
     if let Some(latch) = joint.latch.as_ref().and_then(|latch| build_latch(name, latch, joint.travel(), checker)) {
         built = built.latch(latch);
+    }
+    if let Some(stops) = joint.stops.as_ref().and_then(|stops| build_stops(name, stops, joint.travel(), checker)) {
+        built = built.stops(stops);
     }
     built
 }
@@ -382,4 +387,24 @@ fn build_latch(name: &str, latch: &LatchFile, travel: Travel, checker: &mut Chec
         built = built.capture_rad(capture);
     }
     Some(built.initially_closed(latch.initially_closed).enable(latch.enable))
+}
+
+/// `None` where a problem was found.
+fn build_stops(name: &str, stops: &StopsFile, travel: Travel, checker: &mut Checker) -> Option<Stops> {
+    let (key, stiffness, damping_n_m_s_rad, [lower_rad, upper_rad]) = match travel {
+        Travel::Rotation => (
+            "stiffness_N_m_rad",
+            stops.stiffness_n_m_rad,
+            stops.damping_n_m_s_rad,
+            [stops.lower_deg, stops.upper_deg].map(|end| end.map(f64::to_radians)),
+        ),
+        Travel::Translation => {
+            ("stiffness_N_m", stops.stiffness_n_m, stops.damping_n_s_m, [stops.lower_m, stops.upper_m])
+        }
+    };
+    let Some(stiffness_n_m_rad) = stiffness else {
+        checker.refuse(&["joint", name, "stops", key], "a finite number > 0");
+        return None;
+    };
+    Some(Stops { lower_rad, upper_rad, stiffness_n_m_rad, damping_n_m_s_rad })
 }

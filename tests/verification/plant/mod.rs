@@ -29,4 +29,5 @@ mod slides;
 mod snapshot;
 mod statics;
 mod steps;
+mod stops;
 mod two_body;

@@ -198,6 +198,22 @@ impl JointForces {
         self.indicating(indicator).is_some_and(|(force, _)| force.lands_beyond())
     }
 
+    /// Remembers what belongs to the start of a run.
+    pub fn begin(&self, start: &Point, memory: &mut JointMemory) {
+        self.forces.iter().for_each(|force| force.begin(&self.moving(start), memory));
+    }
+
+    /// Marks the indicators as crossed that have been so at the start of a step already.
+    pub fn mark_overdue(&self, at: &Point, memory: &mut JointMemory) {
+        for (force, numbers) in self.numbered() {
+            for number in numbers.clone().filter(|_| !self.held) {
+                if force.is_overdue(number - numbers.start, &self.moving(at), memory) {
+                    memory.crossed |= 1 << number;
+                }
+            }
+        }
+    }
+
     /// Makes the transitions of the indicators that the step has crossed.
     pub fn make_transitions(&self, at: &Point, memory: &mut JointMemory) -> Outcome {
         let crossed = std::mem::take(&mut memory.crossed);
@@ -215,8 +231,8 @@ impl JointForces {
         let crossed = std::mem::take(&mut memory.crossed);
         let mut sum = Outcome::default();
         for (force, numbers) in self.numbered() {
-            let crossed = numbers.into_iter().any(|number| crossed & (1 << number) != 0);
-            sum.add(force.take_inputs(told, &self.moving(now), crossed, memory));
+            let own = (crossed >> numbers.start) & ((1 << numbers.len()) - 1);
+            sum.add(force.take_inputs(told, &self.moving(now), own, memory));
         }
         sum
     }
@@ -232,7 +248,7 @@ impl JointForces {
         giver.impulse_n_m_s(time_s, memory)
     }
 
-    /// Whether a force stops the joint on its way from rest at `from_rad` to rest at `to_rad`.
+    /// Whether a force acts otherwise on a joint on its way from rest at `from_rad` to rest at `to_rad` than was assumed.
     pub fn stops_at_rest(&self, from_rad: &mut f64, to_rad: f64, memory: &mut JointMemory) -> bool {
         self.forces.iter().fold(false, |stopped, force| force.stops_at_rest(from_rad, to_rad, memory) || stopped)
     }

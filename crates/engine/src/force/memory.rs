@@ -2,6 +2,7 @@
 
 use crate::force::drive::Slew;
 use crate::force::latch::LatchState;
+use crate::force::stops::Contact;
 use serde::{Deserialize, Serialize};
 
 /// State of the forces on a joint with one freedom.
@@ -13,6 +14,8 @@ pub struct JointMemory {
     pub latch: LatchState,
     /// Indicators that the integrator's present step crosses at its end, a bit each.
     pub crossed: u32,
+    /// Contact with stops, of joints that have some.
+    pub contact: Contact,
     /// Neutral angle of the drive.
     pub slew: Slew,
 }

@@ -1,4 +1,4 @@
-//! What pushes on the freedoms of joints: motors, springs, latches, stoppers, prescribed motions, NOTATION eqs. (A1)–(A7).
+//! What pushes on the freedoms of joints: motors, springs, latches, stoppers, prescribed motions, NOTATION eqs. (A1)–(A8).
 //! A force may have indicators whose crossing is an event, transitions that dissipate energy, and kinks at known times.
 //!
 //! A force is one file and its arms in [`Force`]. The loop in time knows none of them by name: it asks for signed distances,
@@ -16,6 +16,7 @@ pub mod motor;
 pub mod prescribed;
 pub mod set;
 pub mod spring;
+pub mod stops;
 
 use crate::multibody::Workspace;
 use crate::multibody::factor::FreedomTangent;
@@ -28,6 +29,7 @@ use memory::{JointMemory, Told};
 use motor::Motor;
 use prescribed::Law;
 use spring::Spring;
+use stops::TwoSidedStops;
 
 /// A force on the freedoms of one joint, by kind.
 #[derive(Debug, Clone)]
@@ -40,6 +42,8 @@ pub enum Force {
     External(External),
     /// Latch, eqs. (A3), (A7).
     Latch(CatchingLatch),
+    /// Stops at either end of its way, eq. (A8).
+    Stops(TwoSidedStops),
     /// Stopper: holds the joint until it is released, eq. (A6).
     Brake(Brake),
     /// Angle given as a function of time.
@@ -123,6 +127,7 @@ impl Force {
             Self::Spring(spring) => spring.push(here, sum),
             Self::External(external) => sum.torque_n_m += external.torque_n_m,
             Self::Latch(latch) => latch.push(here, sum),
+            Self::Stops(stops) => stops.push(here, sum),
             Self::Attitude(spring) => spring.push(here, sum),
             Self::Brake(_) | Self::Prescribed(_) | Self::Lock => {}
         }
@@ -136,6 +141,7 @@ impl Force {
             Self::External(external) => powers.work += external.torque_n_m * here.rate_rad_s,
             Self::Prescribed(_) | Self::Lock => powers.work += holding_n_m * here.rate_rad_s,
             Self::Attitude(spring) => powers.dissipated += spring.dissipation_w(here.work, here.v),
+            Self::Stops(stops) => stops.add_powers(here, powers),
             Self::Latch(_) | Self::Brake(_) => {}
         }
     }
@@ -146,6 +152,7 @@ impl Force {
             Self::Motor(motor) => stored.drive += motor.potential_j(here),
             Self::Spring(spring) => stored.elastic += spring.energy_j(here.angle_rad),
             Self::Latch(latch) => stored.elastic += latch.stored_j(here.angle_rad),
+            Self::Stops(stops) => stored.elastic += stops.stored_j(here.angle_rad),
             Self::Attitude(spring) => stored.drive += spring.potential_j(here.work),
             Self::External(_) | Self::Brake(_) | Self::Prescribed(_) | Self::Lock => {}
         }
@@ -157,7 +164,7 @@ impl Force {
             Self::Brake(brake) => brake.holds(memory),
             Self::Latch(latch) => latch.holds(memory),
             Self::Prescribed(_) | Self::Lock => true,
-            Self::Motor(_) | Self::Spring(_) | Self::External(_) | Self::Attitude(_) => false,
+            Self::Motor(_) | Self::Spring(_) | Self::External(_) | Self::Stops(_) | Self::Attitude(_) => false,
         }
     }
 
@@ -166,15 +173,18 @@ impl Force {
         match self {
             Self::Motor(motor) => motor.recall(memory),
             Self::Latch(latch) => latch.closed = memory.latch.closed,
+            Self::Stops(stops) => stops.contact = memory.contact,
             _ => {}
         }
     }
 
-    /// Follows inputs that have changed. `crossed`: the present step crosses one of its indicators at its end.
-    pub fn take_inputs(&self, told: &Told, now: &Moving, crossed: bool, memory: &mut JointMemory) -> Outcome {
+    /// Follows inputs that have changed. `crossed`: its indicators that the present step crosses at its end, a
+    /// bit each.
+    pub fn take_inputs(&self, told: &Told, now: &Moving, crossed: u32, memory: &mut JointMemory) -> Outcome {
         match self {
             Self::Motor(_) => Motor::take_inputs(told, memory),
-            Self::Latch(latch) => latch.take_inputs(told, now, crossed, memory),
+            Self::Latch(latch) => latch.take_inputs(told, now, crossed != 0, memory),
+            Self::Stops(stops) => stops.take_inputs(told, now, crossed, memory),
             Self::Brake(brake) => brake.take_inputs(told, memory),
             _ => Outcome::default(),
         }
@@ -217,6 +227,7 @@ impl Force {
     pub fn indicators(&self) -> usize {
         match self {
             Self::Latch(_) => 1,
+            Self::Stops(_) => 2,
             _ => 0,
         }
     }
@@ -225,6 +236,7 @@ impl Force {
     pub fn is_armed(&self, indicator: usize, start: &Moving, memory: &JointMemory) -> bool {
         match (self, indicator) {
             (Self::Latch(latch), 0) => latch.is_armed(start, memory),
+            (Self::Stops(stops), 0 | 1) => stops.distance_rad(indicator, start, memory) > 0.0,
             _ => false,
         }
     }
@@ -233,6 +245,7 @@ impl Force {
     pub fn distance_rad(&self, indicator: usize, start_rad: f64, place: &impl Place, memory: &JointMemory) -> f64 {
         match (self, indicator) {
             (Self::Latch(latch), 0) => latch.latch.gap_rad(start_rad, place.angle_rad()),
+            (Self::Stops(stops), 0 | 1) => stops.distance_rad(indicator, place, memory),
             _ => f64::INFINITY,
         }
     }
@@ -241,19 +254,41 @@ impl Force {
     pub fn closing_rad_s(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> f64 {
         match (self, indicator) {
             (Self::Latch(_), 0) => at.rate_rad_s.abs(),
+            (Self::Stops(stops), 0 | 1) => stops.closing_rad_s(indicator, at, memory),
             _ => 0.0,
         }
     }
 
     /// Whether a crossing is to be located on its far side.
     pub fn lands_beyond(&self) -> bool {
-        matches!(self, Self::Latch(latch) if latch.latch.is_rigid())
+        match self {
+            Self::Latch(latch) => latch.latch.is_rigid(),
+            Self::Stops(_) => true,
+            _ => false,
+        }
+    }
+
+    /// Whether an indicator has been crossed already at the start of a step, in the state that it remembers: what changes there
+    /// at once.
+    pub fn is_overdue(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> bool {
+        match self {
+            Self::Stops(stops) => stops.is_overdue(indicator, at, memory),
+            _ => false,
+        }
+    }
+
+    /// Remembers what belongs to the start of a run.
+    pub fn begin(&self, start: &Moving, memory: &mut JointMemory) {
+        if let Self::Stops(stops) = self {
+            stops.begin(start, memory);
+        }
     }
 
     /// What the crossing of an indicator does.
-    pub fn transition(&self, indicator: usize, time_s: f64, _at: &Moving, memory: &mut JointMemory) -> Outcome {
+    pub fn transition(&self, indicator: usize, time_s: f64, at: &Moving, memory: &mut JointMemory) -> Outcome {
         match (self, indicator) {
             (Self::Latch(_), 0) => CatchingLatch::transition(time_s, memory),
+            (Self::Stops(stops), 0 | 1) => stops.transition(indicator, at, memory),
             _ => Outcome::default(),
         }
     }
@@ -271,11 +306,12 @@ impl Force {
         }
     }
 
-    /// Whether it stops a joint that comes to rest at `to_rad` from `from_rad` before it gets there; moves `from_rad` to where
-    /// the search for rest begins anew.
+    /// Whether it acts otherwise on a joint that comes to rest at `to_rad` from `from_rad` than the search for rest assumed,
+    /// which begins anew then, from `from_rad`.
     pub fn stops_at_rest(&self, from_rad: &mut f64, to_rad: f64, memory: &mut JointMemory) -> bool {
         match self {
             Self::Latch(latch) => latch.stops_at_rest(from_rad, to_rad, memory),
+            Self::Stops(stops) => stops.stops_at_rest(to_rad, memory),
             _ => false,
         }
     }
@@ -292,6 +328,10 @@ impl Force {
             (Self::Spring(spring), Self::Spring(whole)) => spring.rest_angle_rad = between(whole.rest_angle_rad),
             (Self::External(external), Self::External(whole)) => external.torque_n_m = factor * whole.torque_n_m,
             (Self::Latch(latch), Self::Latch(whole)) => latch.latch.angle_rad = between(whole.latch.angle_rad),
+            (Self::Stops(stops), Self::Stops(whole)) => {
+                stops.stops.lower_rad = whole.stops.lower_rad.map(between);
+                stops.stops.upper_rad = whole.stops.upper_rad.map(between);
+            }
             _ => {}
         }
     }

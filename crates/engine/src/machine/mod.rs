@@ -26,6 +26,7 @@ use crate::beam::recovery::{axial_row, gauge_row};
 pub use crate::force::latch::LatchKind;
 pub use crate::force::prescribed::Motion;
 pub use crate::force::spring::Spring;
+pub use crate::force::stops::Stops;
 use crate::load::{LoadFrame, Wrench};
 use nalgebra::{Matrix3, Vector3, Vector4};
 pub use travel::{LinearDrive, LinearSpring, Travel};

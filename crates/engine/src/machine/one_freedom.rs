@@ -1,11 +1,11 @@
 //! Joints that turn about an axis or slide along it.
 
-use crate::machine::{Drive, JointMotion, Latch, Spring};
+use crate::machine::{Drive, JointMotion, Latch, Spring, Stops};
 use nalgebra::Vector3;
 
 /// A joint with one freedom, which either turns about its axis or slides along it: [`Travel`](crate::machine::Travel).
 ///
-/// Fields here, in [`Drive`], [`Spring`] and [`Latch`], and the joint's inputs, parameters and outputs in
+/// Fields here, in [`Drive`], [`Spring`], [`Latch`] and [`Stops`], and the joint's inputs, parameters and outputs in
 /// `plant`, are named for a joint that turns. Of one that slides, read m for rad, N for N·m and kg for kg·m²;
 /// [`LinearDrive`](crate::machine::LinearDrive), [`LinearSpring`](crate::machine::LinearSpring) and
 /// [`JointBuilder`](crate::machine::builder::JointBuilder) name its quantities by their own units.
@@ -27,6 +27,8 @@ pub struct OneFreedom {
     pub spring: Option<Spring>,
     /// Latch, if the joint has one.
     pub latch: Option<Latch>,
+    /// Stops at the ends of its way, if the joint has some.
+    pub stops: Option<Stops>,
 }
 
 /// A fold joint: the one freedom of [`JointKind::Revolute`](crate::machine::JointKind::Revolute).
@@ -44,6 +46,7 @@ impl OneFreedom {
             drive: Drive::default(),
             spring: None,
             latch: None,
+            stops: None,
         }
     }
 

@@ -33,6 +33,10 @@ const WORDS: &[(&str, &str)] = &[
     ("command_rad", "command_m"),
     ("capture_rad", "capture_m"),
     ("capture_deg", "capture_m"),
+    ("lower_rad", "lower_m"),
+    ("lower_deg", "lower_m"),
+    ("upper_rad", "upper_m"),
+    ("upper_deg", "upper_m"),
     ("torque_n_m", "force_n"),
     ("torque_N_m", "force_N"),
     // units

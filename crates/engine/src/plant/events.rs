@@ -4,6 +4,7 @@ use crate::force::Outcome;
 use crate::force::drive::Slew;
 use crate::force::latch::LatchState;
 use crate::force::memory::{JointMemory, Told};
+use crate::force::stops::Contact;
 use crate::machine::StartState;
 use crate::multibody::dynamics::Damping;
 use crate::plant::equations::Equations;
@@ -71,6 +72,7 @@ impl Plant {
             let state = JointMemory {
                 released: inputs.release.is_on(),
                 crossed: 0,
+                contact: Contact::default(),
                 latch: LatchState {
                     closed,
                     enabled: inputs.latch_enable.is_on(),
@@ -109,6 +111,9 @@ impl Plant {
         let coordinates = q.len();
         state.now = Point { time_s, q, v, ..Point::zeros(coordinates) };
         state.step_s = state.parameters.solver().max_step_s;
+        for (forces, memory) in self.equations.forces.joints().iter().zip(&mut state.joints) {
+            forces.begin(&state.now, memory);
+        }
         self.configure();
     }
 
@@ -205,6 +210,9 @@ impl Plant {
     /// What happens at the end of a step: the transitions of the forces whose indicators it has crossed, and the kink that it
     /// ends at.
     pub(super) fn apply_events(&mut self) -> Result<(), PlantError> {
+        for (forces, memory) in self.equations.forces.joints().iter().zip(&mut self.state.joints) {
+            forces.mark_overdue(&self.state.start, memory);
+        }
         if self.state.joints.iter().any(|joint| joint.crossed != 0) {
             self.state.step_s *= STEP_SHARE_AFTER_CROSSING;
         } else if !self.equations.kink_at(self.state.start.time_s) {

@@ -10,6 +10,7 @@ use crate::force::motor::Motor;
 use crate::force::prescribed::Law;
 use crate::force::set::Forces;
 use crate::force::spring::Spring;
+use crate::force::stops::{Contact, TwoSidedStops};
 use crate::machine::{JointMotion, Machine, OneFreedom};
 use crate::multibody::Model;
 use crate::multibody::joint::JointKind;
@@ -48,6 +49,9 @@ fn of_joint(own: &OneFreedom) -> Vec<Force> {
             capture_rad: own.capture_rad,
         };
         forces.push(Force::Latch(CatchingLatch { latch, closed: false }));
+    }
+    if let Some(stops) = own.stops {
+        forces.push(Force::Stops(TwoSidedStops { stops, contact: Contact::default() }));
     }
     forces
 }

@@ -15,6 +15,8 @@ use crate::solve::settle;
 use crate::solve::{EquationsOfMotion, Singular};
 use nalgebra::Matrix3;
 
+/// Searches for rest before contacts that come and go are given up on.
+const MOST_SEARCHES: usize = 100;
 /// Gap of a closed loop at rest over the machine's length beyond which it is no loop any more.
 const TORN: f64 = 0.01;
 
@@ -329,7 +331,7 @@ impl Plant {
     /// and the search begins anew with it. A rigid one then holds the joint at the edge of its window.
     pub(super) fn settle_at_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let mut start = self.state.now.q.clone();
-        loop {
+        for _ in 0..MOST_SEARCHES {
             self.state.now.q.copy_from_slice(&start);
             let effort = self.search(time_s, holding)?;
             let mut caught = false;
@@ -342,6 +344,8 @@ impl Plant {
             }
             self.configure();
         }
+        let cause = format!("latches and stops change their state in each of {MOST_SEARCHES} searches for rest");
+        Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause })
     }
 
     /// The equilibrium on the path from the start coordinates, with the latches as they are.

@@ -6,7 +6,7 @@ use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::{quoted, shortest};
 use crate::machine::validate::joint::{ACROSS, check_motion};
 use crate::machine::{
-    Drive, Joint, JointKind, JointMotion, Motion, OneFreedom, Parent, Spatial, SpatialFreedom, Spring, Travel,
+    Drive, Joint, JointKind, JointMotion, Motion, OneFreedom, Parent, Spatial, SpatialFreedom, Spring, Stops, Travel,
 };
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -65,6 +65,7 @@ pub struct JointBuilder {
     drive: Option<Drive>,
     spring: Option<Spring>,
     latch: Option<LatchBuilder>,
+    stops: Option<Stops>,
 }
 
 impl Joint {
@@ -88,6 +89,7 @@ impl Joint {
             drive: None,
             spring: None,
             latch: None,
+            stops: None,
         }
     }
 
@@ -120,7 +122,8 @@ impl Joint {
 
     /// Start, start rate and all the rest.
     fn one_freedom(name: impl Into<String>, kind: Type, joint: OneFreedom) -> (Option<f64>, Option<f64>, JointBuilder) {
-        let OneFreedom { axis, start_angle_rad, start_rate_rad_s, motion, release, drive, spring, latch } = joint;
+        let OneFreedom { axis, start_angle_rad, start_rate_rad_s, motion, release, drive, spring, latch, stops } =
+            joint;
         let prescribed = matches!(motion, JointMotion::Prescribed(_)); // by a law, which gives the start
         let builder = JointBuilder {
             axis,
@@ -129,6 +132,7 @@ impl Joint {
             drive: Some(drive),
             spring,
             latch: latch.map(LatchBuilder::from),
+            stops,
             ..Self::builder(name, kind)
         };
         (Some(start_angle_rad).filter(|_| !prescribed), Some(start_rate_rad_s), builder)
@@ -257,6 +261,11 @@ impl JointBuilder {
         Self { latch: Some(latch.into()), ..self }
     }
 
+    /// Stops of a hinge or slide: a spring and a damper beyond either end of its way.
+    pub fn stops(self, stops: Stops) -> Self {
+        Self { stops: Some(stops), ..self }
+    }
+
     /// The joint on a parent that is known; what is refused leaves a stand-in.
     pub(super) fn build(&self, parent: Parent, start_time_s: f64, checker: &mut Checker) -> Joint {
         self.refuse_strangers(checker);
@@ -300,7 +309,10 @@ impl JointBuilder {
             ("spring", &[Revolute, Prismatic], self.spring.map(|_| "a spring".to_owned())),
         ];
         let latch = self.latch.as_ref().map(|_| "a latch".to_owned());
-        for (key, types, found) in stated.into_iter().chain([("latch", &[Revolute, Prismatic] as &[Type], latch)]) {
+        let stops = self.stops.map(|_| "stops".to_owned());
+        let machinery: [(&str, &[Type], Option<String>); 2] =
+            [("latch", &[Revolute, Prismatic], latch), ("stops", &[Revolute, Prismatic], stops)];
+        for (key, types, found) in stated.into_iter().chain(machinery) {
             if let (Some(found), false) = (found, types.contains(&self.kind)) {
                 let names: Vec<&str> = types.iter().copied().map(Type::name).collect();
                 checker.refuse(
@@ -345,6 +357,7 @@ impl JointBuilder {
             drive,
             spring,
             latch: self.latch.as_ref().map(|latch| latch.build(name, travel, own_n_m_rad, checker)),
+            stops: self.stops,
         }
     }
 

@@ -5,7 +5,7 @@ use crate::machine::units::shortest;
 use crate::machine::validate::unit_vector;
 use crate::machine::{
     Drive, Joint, JointKind, JointMotion, Latch, LatchKind, Motion, OneFreedom, Parent, Spatial, SpatialFreedom,
-    Spring, Travel, UNLIMITED,
+    Spring, Stops, Travel, UNLIMITED,
 };
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
@@ -97,6 +97,9 @@ fn check_one_freedom(name: &str, travel: Travel, joint: &OneFreedom, checker: &m
     if let Some(latch) = &joint.latch {
         check_latch(name, travel, joint, latch, checker);
     }
+    if let Some(stops) = &joint.stops {
+        check_stops(name, travel, joint, stops, checker);
+    }
 }
 
 /// A prescribed motion that can be evaluated.
@@ -166,6 +169,33 @@ fn check_latch(name: &str, travel: Travel, joint: &OneFreedom, latch: &Latch, ch
         let found = shortest(latch.stiffness_n_m_rad);
         checker.refuse(&place(&keys[2]), found, "0: a rigid latch has no spring");
     }
+}
+
+fn check_stops(name: &str, travel: Travel, joint: &OneFreedom, stops: &Stops, checker: &mut Checker) {
+    let keys = ["lower_rad", "upper_rad", "stiffness_n_m_rad", "damping_n_m_s_rad"].map(|key| travel.words(key));
+    let place = |key| ["joint", name, "stops", key];
+    if joint.motion != JointMotion::Free {
+        let allowed = "stops only with motion = \"free\"";
+        checker.refuse_state(&["joint", name, "stops"], "stops of a joint that does not move freely", allowed);
+    }
+    let ends = [stops.lower_rad, stops.upper_rad];
+    let mut sound = true;
+    for (key, end) in keys.iter().zip(ends) {
+        sound &= end.is_none_or(|end| checker.number(&place(key), end, stand(travel)));
+    }
+    match ends {
+        [None, None] => {
+            let allowed = travel.words("lower_rad or upper_rad, or both");
+            checker.refuse_state(&["joint", name, "stops"], "stops without an end", allowed);
+        }
+        [Some(lower), Some(upper)] if sound && lower >= upper => {
+            let allowed = travel.words("an angle above lower_rad");
+            checker.refuse(&place(&keys[1]), shortest(upper), allowed);
+        }
+        _ => {}
+    }
+    checker.number(&place(&keys[2]), stops.stiffness_n_m_rad, Range::Above(0.0));
+    checker.number(&place(&keys[3]), stops.damping_n_m_s_rad, Range::AtLeast(0.0));
 }
 
 /// Universal, ball and free joints.

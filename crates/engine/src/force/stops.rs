@@ -1,0 +1,264 @@
+//! Two-sided stops of a joint: a stiff spring and damper beyond either end, which pushes and never pulls.
+
+use crate::force::latch::CROSSING_S;
+use crate::force::memory::{JointMemory, Told};
+use crate::force::{Here, Moving, Outcome, Place, Push};
+use crate::solve::Powers;
+use serde::{Deserialize, Serialize};
+
+/// Parameters of stops, NOTATION eq. (A8).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stops {
+    /// Lower end in rad; `None` where there is none.
+    pub lower_rad: Option<f64>,
+    /// Upper end in rad; `None` where there is none.
+    pub upper_rad: Option<f64>,
+    /// Stiffness beyond an end in N·m/rad.
+    pub stiffness_n_m_rad: f64,
+    /// Damping beyond an end in N·m·s/rad.
+    pub damping_n_m_s_rad: f64,
+}
+
+/// An end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Side {
+    /// That of smaller angles.
+    Lower,
+    /// That of larger angles.
+    Upper,
+}
+
+/// What a joint does with its stops.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Contact {
+    /// It lies between them.
+    #[default]
+    Apart,
+    /// It presses on one.
+    Pressed(Side),
+    /// It lies beyond one and leaves faster than the stop follows: no torque acts.
+    Leaving(Side),
+}
+
+/// Way and speed beyond an end.
+#[derive(Debug, Clone, Copy)]
+struct Beyond {
+    depth_rad: f64,
+    rate_rad_s: f64,
+}
+
+impl Side {
+    /// Ends by the numbers of their indicators.
+    const ALL: [Self; 2] = [Self::Lower, Self::Upper];
+
+    /// Direction in which angles lie beyond it.
+    fn sign(self) -> f64 {
+        match self {
+            Self::Lower => -1.0,
+            Self::Upper => 1.0,
+        }
+    }
+}
+
+impl Contact {
+    fn side(self) -> Option<Side> {
+        match self {
+            Self::Apart => None,
+            Self::Pressed(side) | Self::Leaving(side) => Some(side),
+        }
+    }
+}
+
+impl Stops {
+    /// Way and speed beyond an end; `None` where there is none.
+    fn beyond(&self, side: Side, angle_rad: f64, rate_rad_s: f64) -> Option<Beyond> {
+        let end_rad = match side {
+            Side::Lower => self.lower_rad,
+            Side::Upper => self.upper_rad,
+        }?;
+        Some(Beyond { depth_rad: side.sign() * (angle_rad - end_rad), rate_rad_s: side.sign() * rate_rad_s })
+    }
+
+    /// Torque of spring and damper over the stiffness, rad: positive where they push back.
+    fn pressure_rad(&self, beyond: &Beyond) -> f64 {
+        beyond.depth_rad + self.damping_n_m_s_rad / self.stiffness_n_m_rad * beyond.rate_rad_s
+    }
+
+    /// Contact that belongs to a state of motion.
+    fn contact_at(&self, angle_rad: f64, rate_rad_s: f64) -> Contact {
+        for side in Side::ALL {
+            if let Some(beyond) = self.beyond(side, angle_rad, rate_rad_s).filter(|beyond| beyond.depth_rad > 0.0) {
+                let pressed = self.pressure_rad(&beyond) > 0.0;
+                return if pressed { Contact::Pressed(side) } else { Contact::Leaving(side) };
+            }
+        }
+        Contact::Apart
+    }
+}
+
+/// Stops at work.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TwoSidedStops {
+    /// Their parameters.
+    pub stops: Stops,
+    /// What the joint does with them.
+    pub contact: Contact,
+}
+
+impl TwoSidedStops {
+    /// Adds torque and tangent of the stop that the joint presses on.
+    pub fn push(&self, here: &Here, sum: &mut Push) {
+        let Contact::Pressed(side) = self.contact else { return };
+        let Some(beyond) = self.stops.beyond(side, here.angle_rad, here.rate_rad_s) else { return };
+        let Stops { stiffness_n_m_rad, damping_n_m_s_rad, .. } = self.stops;
+        sum.torque_n_m -= side.sign() * (stiffness_n_m_rad * beyond.depth_rad + damping_n_m_s_rad * beyond.rate_rad_s);
+        sum.tangent.stiffness += stiffness_n_m_rad;
+        sum.tangent.damping += damping_n_m_s_rad;
+    }
+
+    /// Energy in J that the stop stores on which the joint is.
+    pub fn stored_j(&self, angle_rad: f64) -> f64 {
+        let beyond = self.contact.side().and_then(|side| self.stops.beyond(side, angle_rad, 0.0));
+        beyond.map_or(0.0, |beyond| 0.5 * self.stops.stiffness_n_m_rad * beyond.depth_rad * beyond.depth_rad)
+    }
+
+    /// Adds what the damper takes, and what the spring loses to it where the joint leaves faster than the stop follows.
+    pub fn add_powers(&self, here: &Here, powers: &mut Powers) {
+        let beyond = self.contact.side().and_then(|side| self.stops.beyond(side, here.angle_rad, here.rate_rad_s));
+        let Some(Beyond { depth_rad, rate_rad_s }) = beyond else { return };
+        powers.dissipated += match self.contact {
+            Contact::Pressed(_) => self.stops.damping_n_m_s_rad * rate_rad_s * rate_rad_s,
+            _ => -self.stops.stiffness_n_m_rad * depth_rad * rate_rad_s,
+        };
+    }
+
+    /// Contact at the start.
+    pub fn begin(&self, start: &Moving, memory: &mut JointMemory) {
+        memory.contact = self.stops.contact_at(start.angle_rad, start.rate_rad_s);
+    }
+
+    /// Way left to a change of the contact with an end, in rad: to the end for a joint apart, to a torque of zero for one that
+    /// presses, to either for one that leaves.
+    pub fn distance_rad(&self, indicator: usize, place: &impl Place, memory: &JointMemory) -> f64 {
+        let side = Side::ALL[indicator];
+        let rate_rad_s = if memory.contact.side() == Some(side) { place.rate_rad_s() } else { 0.0 };
+        let Some(beyond) = self.stops.beyond(side, place.angle_rad(), rate_rad_s) else { return f64::INFINITY };
+        match memory.contact {
+            Contact::Pressed(on) if on == side => self.stops.pressure_rad(&beyond),
+            Contact::Leaving(from) if from == side => beyond.depth_rad.min(-self.stops.pressure_rad(&beyond)),
+            _ => -beyond.depth_rad,
+        }
+    }
+
+    /// How fast that way falls, in rad/s.
+    pub fn closing_rad_s(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> f64 {
+        let side = Side::ALL[indicator];
+        let Some(beyond) = self.stops.beyond(side, at.angle_rad, at.rate_rad_s) else { return 0.0 };
+        let of_pressure = Beyond { depth_rad: at.rate_rad_s, rate_rad_s: at.acceleration_rad_s2 };
+        let by_pressure = match memory.contact {
+            Contact::Pressed(on) => on == side,
+            Contact::Leaving(from) => from == side && -self.stops.pressure_rad(&beyond) < beyond.depth_rad,
+            Contact::Apart => false,
+        };
+        if by_pressure { self.stops.pressure_rad(&of_pressure).abs() } else { at.rate_rad_s.abs() }
+    }
+
+    /// Whether the contact no longer belongs to the motion, by more than crossings are located.
+    pub fn is_overdue(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> bool {
+        let closing_rad_s = self.closing_rad_s(indicator, at, memory);
+        self.distance_rad(indicator, at, memory) < -2.0 * CROSSING_S * closing_rad_s
+    }
+
+    /// Changes the contact with an end.
+    pub fn transition(&self, indicator: usize, at: &Moving, memory: &mut JointMemory) -> Outcome {
+        let side = Side::ALL[indicator];
+        let Some(beyond) = self.stops.beyond(side, at.angle_rad, at.rate_rad_s) else { return Outcome::default() };
+        let pressure_rad = self.stops.pressure_rad(&beyond);
+        let located_rad = 2.0 * CROSSING_S * beyond.rate_rad_s.abs();
+        memory.contact = match memory.contact {
+            Contact::Pressed(on) if on == side => {
+                if beyond.depth_rad > located_rad {
+                    Contact::Leaving(side)
+                } else {
+                    Contact::Apart
+                }
+            }
+            Contact::Leaving(from) if from == side => {
+                if beyond.depth_rad < -pressure_rad {
+                    Contact::Apart
+                } else {
+                    Contact::Pressed(side)
+                }
+            }
+            _ if beyond.depth_rad > located_rad && pressure_rad <= 0.0 => Contact::Leaving(side),
+            _ => Contact::Pressed(side),
+        };
+        Outcome { events: 1, ..Outcome::default() }
+    }
+
+    /// Makes the transitions to which the present step leads, where it ends now.
+    pub fn take_inputs(&self, told: &Told, now: &Moving, crossed: u32, memory: &mut JointMemory) -> Outcome {
+        let mut outcome = Outcome::default();
+        for indicator in (0..2).filter(|i| told.at_end && crossed & (1 << i) != 0) {
+            outcome.add(self.transition(indicator, now, memory));
+        }
+        outcome
+    }
+
+    /// Whether a joint at rest at `to_rad` calls for another contact than the one with which it was found.
+    pub fn stops_at_rest(&self, to_rad: f64, memory: &mut JointMemory) -> bool {
+        let contact = self.stops.contact_at(to_rad, 0.0);
+        std::mem::replace(&mut memory.contact, contact) != contact
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::drive::Slew;
+    use crate::force::latch::LatchState;
+
+    const STOPS: Stops =
+        Stops { lower_rad: Some(-1.0), upper_rad: Some(2.0), stiffness_n_m_rad: 50.0, damping_n_m_s_rad: 5.0 };
+
+    fn memory(contact: Contact) -> JointMemory {
+        let latch = LatchState { closed: false, enabled: false, time_s: -1.0, count: 0, impulse_n_m_s: 0.0 };
+        JointMemory { released: true, latch, crossed: 0, slew: Slew::default(), contact }
+    }
+
+    fn moving(angle_rad: f64, rate_rad_s: f64) -> Moving {
+        Moving { angle_rad, rate_rad_s, acceleration_rad_s2: 0.0 }
+    }
+
+    #[test]
+    fn indicators_are_positive_where_the_contact_belongs_to_the_motion() {
+        for (angle, rate) in [(0.0, 3.0), (2.1, 1.0), (2.1, -0.5), (2.1, -3.0), (-1.2, -1.0), (-1.2, 1.0), (-1.2, 4.0)]
+        {
+            let contact = STOPS.contact_at(angle, rate);
+            let stops = TwoSidedStops { stops: STOPS, contact };
+            for indicator in 0..2 {
+                let distance = stops.distance_rad(indicator, &moving(angle, rate), &memory(contact));
+                assert!(distance > 0.0, "{contact:?} at {angle} rad, {rate} rad/s: {distance}");
+                assert!(!stops.is_overdue(indicator, &moving(angle, rate), &memory(contact)));
+            }
+        }
+    }
+
+    #[test]
+    fn contact_follows_the_motion() {
+        let stops = TwoSidedStops { stops: STOPS, contact: Contact::Apart };
+        let passes = |from: Contact, indicator, at| {
+            let mut memory = memory(from);
+            assert_eq!(stops.transition(indicator, &at, &mut memory).events, 1);
+            memory.contact
+        };
+        use Side::{Lower, Upper};
+        assert_eq!(passes(Contact::Apart, 1, moving(2.0, 3.0)), Contact::Pressed(Upper));
+        assert_eq!(passes(Contact::Apart, 0, moving(-1.0, -3.0)), Contact::Pressed(Lower));
+        assert_eq!(passes(Contact::Pressed(Upper), 1, moving(2.1, -1.0)), Contact::Leaving(Upper));
+        assert_eq!(passes(Contact::Leaving(Upper), 1, moving(2.0, -1.0)), Contact::Apart);
+        assert_eq!(passes(Contact::Leaving(Upper), 1, moving(2.1, -1.0)), Contact::Pressed(Upper));
+        assert_eq!(passes(Contact::Pressed(Lower), 0, moving(-1.0, 1.0)), Contact::Apart);
+        assert_eq!(passes(Contact::Apart, 1, moving(2.1, -9.0)), Contact::Leaving(Upper));
+    }
+}

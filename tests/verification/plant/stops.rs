@@ -1,0 +1,180 @@
+//! Stops at the ends of a joint's way: impacts in closed form, energies, rest, refusals.
+
+use crate::plant::machines::*;
+use foldwing::machine::builder::JointBuilder;
+use foldwing::machine::*;
+use foldwing::plant::{Holding, Plant};
+use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::PI;
+
+const INERTIA_KG_M2: f64 = 0.02;
+/// Half-period of a contact without damper: 10 ms.
+const FREQUENCY_RAD_S: f64 = 100.0 * PI;
+const LOWER_RAD: f64 = -0.4;
+const UPPER_RAD: f64 = 0.7;
+const RATE_RAD_S: f64 = 3.0;
+
+/// Stops with a share of critical damping.
+fn stops(ratio: f64) -> Stops {
+    Stops {
+        lower_rad: Some(LOWER_RAD),
+        upper_rad: Some(UPPER_RAD),
+        stiffness_n_m_rad: INERTIA_KG_M2 * FREQUENCY_RAD_S.powi(2),
+        damping_n_m_s_rad: 2.0 * ratio * INERTIA_KG_M2 * FREQUENCY_RAD_S,
+    }
+}
+
+/// A rotor on a hinge without gravity.
+fn rotor(change: impl Fn(JointBuilder) -> JointBuilder) -> Machine {
+    let body = Body::rigid("rotor").inertia(1.0, [0.0; 3], Matrix3::identity() * INERTIA_KG_M2);
+    let mut machine = machine([(body, change(Joint::revolute("hinge", Vector3::y())))]);
+    machine.solver.tolerance = 1e-9;
+    machine
+}
+
+/// Angle and rate after `time_s` of flights and contacts from angle 0, in closed form: a contact ends where spring and damper
+/// together stop pushing, at `ω_d t = π − 2 asin ζ`, with `exp(−ζ/√(1 − ζ²) (π − 2 asin ζ))` of the speed.
+fn bounced(ratio: f64, mut time_s: f64) -> (f64, f64, usize) {
+    let (mut angle_rad, mut rate_rad_s, mut impacts) = (0.0, RATE_RAD_S, 0);
+    let damped_rad_s = FREQUENCY_RAD_S * (1.0 - ratio * ratio).sqrt();
+    let contact_s = (PI - 2.0 * ratio.asin()) / damped_rad_s;
+    loop {
+        let end_rad = if rate_rad_s > 0.0 { UPPER_RAD } else { LOWER_RAD };
+        let flight_s = (end_rad - angle_rad) / rate_rad_s;
+        if time_s <= flight_s {
+            return (angle_rad + rate_rad_s * time_s, rate_rad_s, impacts);
+        }
+        time_s -= flight_s;
+        impacts += 1;
+        let beyond = |t: f64| {
+            let (decay, (sin, cos)) = ((-ratio * FREQUENCY_RAD_S * t).exp(), (damped_rad_s * t).sin_cos());
+            let depth = rate_rad_s / damped_rad_s * decay * sin;
+            (depth, decay * rate_rad_s * (cos - ratio * FREQUENCY_RAD_S / damped_rad_s * sin))
+        };
+        let (depth, rate) = beyond(time_s.min(contact_s));
+        (angle_rad, rate_rad_s) = (end_rad + depth, rate);
+        if time_s <= contact_s {
+            return (angle_rad, rate_rad_s, impacts);
+        }
+        time_s -= contact_s;
+    }
+}
+
+/// ST-01. A rotor flies to and fro between its stops: angle and rate after up to eight impacts on either side, with dampers of
+/// 0, 5, 40 % of critical damping, through communication steps of any length; the energy account closes.
+#[test]
+fn st01_impacts_follow_the_closed_form() {
+    let mut worst = [0.0f64; 3];
+    for (ratio, end_s) in [(0.0, 3.0), (0.05, 3.0), (0.4, 4.0)] {
+        let machine = rotor(|joint| joint.stops(stops(ratio)).start_rate_rad_s(RATE_RAD_S).start_angle_rad(0.0));
+        for steps in [3000, 37] {
+            let mut plant = start(machine.clone());
+            let before_j = balance_j(plant.outputs());
+            let mut most = 0;
+            for i in 1..=steps {
+                let time_s = end_s * f64::from(i) / f64::from(steps);
+                coast(&mut plant, time_s);
+                let (angle_rad, rate_rad_s, impacts) = bounced(ratio, time_s);
+                let found = &plant.outputs().joints()[0];
+                worst[0] = worst[0].max((found.angle_rad - angle_rad).abs());
+                worst[1] = worst[1].max((found.rate_rad_s - rate_rad_s).abs());
+                worst[2] = worst[2].max((balance_j(plant.outputs()) - before_j).abs());
+                most = most.max(impacts);
+            }
+            assert!(most >= if ratio < 0.1 { 5 } else { 2 }, "{most} impacts");
+            assert!(plant.statistics().events >= 2 * (most as u64 - 1), "{:?}", plant.statistics());
+        }
+    }
+    println!(
+        "ST-01: {:.1e} rad, {:.1e} rad/s, {:.1e} J of {:.2} J",
+        worst[0],
+        worst[1],
+        worst[2],
+        0.5 * INERTIA_KG_M2 * RATE_RAD_S.powi(2)
+    );
+    // tolerance of the steps over some hundred of them; the rate in contact is faster by the frequency
+    assert!(worst[0] < 1e-6 && worst[1] < 3e-4 && worst[2] < 1e-6, "{worst:?}");
+}
+
+/// ST-02. Pressed on its stop from the start, a rotor is pushed out with the energy stored; moving out fast it is not pulled
+/// back, and what the stop stored is dissipated.
+#[test]
+fn st02_starts_beyond_an_end() {
+    let depth_rad = 0.01;
+    let stored_j = 0.5 * stops(0.0).stiffness_n_m_rad * depth_rad * depth_rad;
+    for (angle_rad, sign) in [(UPPER_RAD + depth_rad, -1.0), (LOWER_RAD - depth_rad, 1.0)] {
+        let mut plant = start(rotor(|joint| joint.stops(stops(0.0)).start_angle_rad(angle_rad)));
+        assert!((plant.outputs().energy().elastic - stored_j).abs() < 1e-12);
+        coast(&mut plant, 0.05);
+        let found = plant.outputs();
+        assert!((found.joints()[0].rate_rad_s - sign * FREQUENCY_RAD_S * depth_rad).abs() < 1e-5, "{found:?}");
+        assert!((found.energy().kinetic - stored_j).abs() < 1e-6 && found.energy().elastic == 0.0);
+
+        let leaving = rotor(|joint| {
+            joint
+                .stops(stops(0.5))
+                .start_angle_rad(angle_rad)
+                .start_rate_rad_s(sign * FREQUENCY_RAD_S * 3.0 * depth_rad)
+        });
+        let mut plant = start(leaving);
+        coast(&mut plant, 0.02);
+        let found = plant.outputs();
+        let rate_rad_s = sign * FREQUENCY_RAD_S * 3.0 * depth_rad;
+        assert!((found.joints()[0].rate_rad_s - rate_rad_s).abs() < 1e-12, "nothing pulls: {found:?}");
+        assert!(
+            (found.energy().dissipated - stored_j).abs() < 1e-6 * stored_j,
+            "{} of {stored_j} J",
+            found.energy().dissipated
+        );
+    }
+}
+
+/// ST-03. A motor whose command lies beyond an end rests on the stop, in statics and in time, either way; the mode about it knows
+/// the stop.
+#[test]
+fn st03_rests_on_a_stop() {
+    for (command_rad, end_rad) in [(-1.5, LOWER_RAD), (1.5, UPPER_RAD)] {
+        let (motor, stop) = (2.0, stops(0.0).stiffness_n_m_rad);
+        let drive = Drive { stiffness_n_m_rad: motor, command_rad, ..Drive::default() };
+        let machine = rotor(|joint| joint.stops(stops(0.7)).drive(drive.clone()));
+        let rest_rad = (motor * command_rad + stop * end_rad) / (motor + stop);
+        let frequency_hz = ((motor + stop) / INERTIA_KG_M2).sqrt() / (2.0 * PI);
+        let mut plant = Plant::new(std::sync::Arc::new(machine.clone()));
+        plant.equilibrium(0.0, Holding::AsReleased).expect("rests on the stop");
+        assert!((plant.outputs().joints()[0].angle_rad - rest_rad).abs() < 1e-9);
+        let mode = &plant.modes(1).expect("a mode")[0];
+        assert!((mode.frequency_hz / frequency_hz - 1.0).abs() < 1e-9, "{} Hz", mode.frequency_hz);
+        let mut plant = start(machine);
+        coast(&mut plant, 3.0);
+        assert!((plant.outputs().joints()[0].angle_rad - rest_rad).abs() < 1e-6, "{:?}", plant.outputs().joints()[0]);
+    }
+}
+
+/// ST-04. A snapshot in contact brings back the run to the bit.
+#[test]
+fn st04_contact_survives_a_rollback() {
+    let mut plant = start(rotor(|joint| joint.stops(stops(0.05)).start_rate_rad_s(RATE_RAD_S)));
+    coast(&mut plant, UPPER_RAD / RATE_RAD_S + 0.003);
+    let saved = plant.snapshot();
+    coast(&mut plant, 1.0);
+    let first = plant.outputs().clone();
+    plant.restore(&saved).expect("the same model");
+    coast(&mut plant, 1.0);
+    assert_eq!(&first, plant.outputs());
+}
+
+#[test]
+fn stops_that_cannot_be_are_refused() {
+    let refused = |change: fn(&mut Stops)| {
+        let mut stops = stops(0.1);
+        change(&mut stops);
+        let body = Body::rigid("rotor").inertia(1.0, [0.0; 3], Matrix3::identity());
+        let built = Machine::builder("test").body(body, Joint::revolute("hinge", Vector3::y()).stops(stops)).build();
+        built.map(|_| ()).expect_err("refused").to_string()
+    };
+    assert!(refused(|stops| (stops.lower_rad, stops.upper_rad) = (None, None)).contains("lower_rad or upper_rad"));
+    assert!(refused(|stops| stops.lower_rad = Some(1.0)).contains("above lower_rad"));
+    assert!(refused(|stops| stops.stiffness_n_m_rad = 0.0).contains("stiffness_n_m_rad"));
+    assert!(refused(|stops| stops.damping_n_m_s_rad = -1.0).contains("damping_n_m_s_rad"));
+    assert!(refused(|stops| stops.upper_rad = Some(f64::NAN)).contains("upper_rad"));
+}
