@@ -143,7 +143,11 @@ impl JointForces {
             return false;
         }
         let (angle_rad, rate_rad_s) = (q[self.coordinate], v[self.coordinate]);
-        self.forces.iter_mut().fold(false, |moved, force| force.move_piece(time_s, angle_rad, rate_rad_s) || moved)
+        let mut moved = false;
+        for force in &mut self.forces {
+            moved |= force.move_piece(time_s, angle_rad, rate_rad_s);
+        }
+        moved
     }
 
     /// Has forces with kinks follow from the state again.
@@ -250,7 +254,11 @@ impl JointForces {
 
     /// Whether a force acts otherwise on a joint on its way from rest at `from_rad` to rest at `to_rad` than was assumed.
     pub fn stops_at_rest(&self, from_rad: &mut f64, to_rad: f64, memory: &mut JointMemory) -> bool {
-        self.forces.iter().fold(false, |stopped, force| force.stops_at_rest(from_rad, to_rad, memory) || stopped)
+        let mut stopped = false;
+        for force in &self.forces {
+            stopped |= force.stops_at_rest(from_rad, to_rad, memory);
+        }
+        stopped
     }
 
     /// Brings its forces to a share of their load, that of `whole`, eq. (L8).
