@@ -384,9 +384,9 @@ pub(super) fn table(html: &mut String, head: &[&str], rows: impl Iterator<Item =
 #[cfg(test)]
 mod tests {
     use super::*;
-    use foldwing_engine::machine::JointKind;
     use crate::packaging::drawing::tests::two_body_machine;
     use foldwing_engine::machine::Closure;
+    use foldwing_engine::machine::JointKind;
 
     /// The page names what the model has, escapes its text, refers to nothing outside itself and closes its tags.
     #[test]

@@ -55,6 +55,7 @@ pub(crate) fn two_body_machine() -> Machine {
             command_rad: 0.0,
         },
         spring: None,
+        stops: None,
         latch: Some(Latch {
             kind: LatchKind::Elastic,
             angle_rad: 0.0,
