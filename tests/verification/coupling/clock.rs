@@ -18,6 +18,8 @@ fn read(time_s: impl Fn(u32) -> f64, sways: bool) -> Vec<(Vector3<f64>, f64)> {
             plant.inputs_mut().wind_m_s_mut().z = 0.1 * f64::from(step % 3);
         }
         plant.step(time_s(step)).unwrap_or_else(|error| panic!("{error}"));
+        let state = plant.snapshot();
+        plant.restore(&state).unwrap_or_else(|error| panic!("{error}"));
         (plant.outputs().air_total().force_n, plant.outputs().gauges()[0])
     });
     points.collect()
@@ -47,8 +49,8 @@ fn q60_loads_do_not_depend_on_the_last_bits_of_the_clock() {
             let force = pairs().map(|(a, b)| (a.0 - b.0).norm()).fold(0.0, f64::max) / largest_n;
             let strain = pairs().map(|(a, b)| (a.1 - b.1).abs()).fold(0.0, f64::max) / largest_strain;
             println!("Q-60 {name}, wind sways {sways}: force {force:.1e}, strain {strain:.1e} of the largest");
-            // the coupling agrees to 1e-4 of the largest load
-            assert!(force < 1e-5 && strain < 1e-6, "{name}: {force:e}, {strain:e}");
+            // loads change by their own size in some milliseconds: 1e-13 s are 1e-10 of it
+            assert!(force < 1e-8 && strain < 1e-8, "{name}: {force:e}, {strain:e}");
         }
     }
 }

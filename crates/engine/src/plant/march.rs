@@ -166,7 +166,7 @@ impl Plant {
             }
             start.copy_from(ahead);
             self.apply_events()?;
-            if self.state.start.time_s >= end_s || self.stands_at_end_of_air_step(end_s) {
+            if self.state.start.time_s >= end_s || self.adopt_end_of_air_step(end_s) {
                 break;
             }
             self.begin_air_step()?;

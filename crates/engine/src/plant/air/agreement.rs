@@ -155,14 +155,17 @@ impl Plant {
         Err(refusal(time_s, cause))
     }
 
-    /// Whether `start` stands at the end of an aerodynamic step and `time_s` is that end but for the caller's clock: what
-    /// is read then belongs to the step that ends, whatever the last bits of the clock say.
-    pub(in crate::plant) fn stands_at_end_of_air_step(&self, time_s: f64) -> bool {
+    /// Whether `start` stands at the end of an aerodynamic step and `time_s` is that end but for the caller's clock; it
+    /// then is `time_s`. What is read there belongs to the step that ends, whatever the last bits of the clock say.
+    pub(in crate::plant) fn adopt_end_of_air_step(&mut self, time_s: f64) -> bool {
         let (Some(history), Some(air)) = (&self.state.air, &self.air) else { return false };
-        let round_off_s = round_off_s(time_s, air.settings.step_s);
-        history.steps > 0
-            && self.state.start.time_s >= history.loads.end_s - round_off_s
-            && time_s <= history.loads.end_s + round_off_s
+        let (end_s, round_off_s) = (history.loads.end_s, round_off_s(time_s, air.settings.step_s));
+        let is_end =
+            history.steps > 0 && self.state.start.time_s >= end_s - round_off_s && time_s <= end_s + round_off_s;
+        if is_end {
+            (self.state.start.time_s, self.state.ahead.time_s) = (time_s, time_s);
+        }
+        is_end
     }
 
     /// Begins the next aerodynamic step where the present one is over.
