@@ -140,7 +140,7 @@ fn numbers_of_air() {
          numbers, not all 0"
     );
     assert_eq!(
-        air("strips = 4", "strips = 4\npolar = [[10, 1, 0, 0], [0, 0, 0, 0]]"),
+        message(&format!("{AIR}{SURFACE}polar = [[10, 1, 0, 0], [0, 0, 0, 0]]\n").replace("\"uvlm\"", "\"strip\"")),
         "wing.toml:62: key 'surface.in.polar': [[10, 1, 0, 0], [0, 0, 0, 0]] is not allowed; allowed: rows [angle of \
          attack in deg, lift, drag, moment coefficient] with angles ascending from -180 to 180"
     );

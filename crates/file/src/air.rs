@@ -35,6 +35,8 @@ pub(super) fn add(
             machine = machine.air(Air::none()); // what the tables say is looked at all the same
         }
     }
+    // elsewhere a polar is refused as it is
+    let reads_polars = !file.aerodynamics.as_ref().is_some_and(|air| air.model == AirModelFile::Uvlm);
     for (index, (name, surface)) in file.surface.iter().enumerate() {
         let path = ["surface", name, "body"];
         let earlier = file.surface.iter().take(index).find(|(_, other)| other.body == surface.body);
@@ -44,7 +46,7 @@ pub(super) fn add(
                 None
             }
             None if lawless.contains(&surface.body.as_str()) => None,
-            None => build_surface(name, surface, checker),
+            None => build_surface(name, surface, reads_polars, checker),
         };
         match built {
             Some(built) => machine = machine.surface(built),
@@ -134,10 +136,15 @@ fn build(air: &AirFile) -> AirBuilder {
 }
 
 /// `None` where a problem was found.
-fn build_surface(name: &str, surface: &SurfaceFile, checker: &mut Checker) -> Option<SurfaceBuilder> {
+fn build_surface(
+    name: &str,
+    surface: &SurfaceFile,
+    reads_polars: bool,
+    checker: &mut Checker,
+) -> Option<SurfaceBuilder> {
     let polar = match &surface.polar {
-        None => None,
-        Some(rows) => Some(polar(name, rows, checker)?),
+        Some(rows) if reads_polars => Some(polar(name, rows, checker)?),
+        _ => None,
     };
     let mut built = LiftingSurface::on(&surface.body, surface.strips)
         .chord_panels(surface.chord_panels)
