@@ -6,6 +6,8 @@ half wings against a mirror and against one body; aerodynamic steps that are too
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 from machine import CHECKOUT, Run, run
 
@@ -31,12 +33,13 @@ def fail(result: Run) -> str:
 
 def wing(joint: str, wind_m_s: list[float], air: str) -> str:
     """A heavy wing of aspect ratio 6 at 5 degrees."""
+    panels = "" if "strip" in air else "chord_panels = 4\n"
     return (
         f'name = "Wing"\n{STIFF}[body.wing]\nlength_m = 1.2\nsection = "plate"\nelements = 1\n'
         f'[joint.mount]\nparent = "root"\nchild = "wing"\n{joint}\n'
         f"[aerodynamics]\ndensity_kg_m3 = 1.2\nwind_m_s = {wind_m_s}\nstep_s = 5e-3\n{air}\n"
         '[surface.wing]\nbody = "wing"\nchord_m = 0.2\naxis_fraction = 0.25\nincidence_deg = 5.0\nstrips = 12\n'
-        "chord_panels = 4\n[experiment]\nstop_time_s = 0.3\nstep_s = 0.03\n"
+        f"{panels}[experiment]\nstop_time_s = 0.3\nstep_s = 0.03\n"
     )
 
 
@@ -131,8 +134,38 @@ def steps() -> None:
         print(f"  {step or 'default':18s} latch {latch:.5f} s; {told[0] if told else 'no warning'}")
 
 
+def slow() -> None:
+    """Whether what slow wind does is wind or mesh: panels, aerodynamic step, rows of the wake, tolerances, strips."""
+    print("the shipped wing in slow wind that sets in at the start: latch at rest, later at 0.01 and 0.1 m/s, s")
+    whole = "coupling_tolerance = 1e-7\n"
+    for chord, span, step, rows, more, tolerance in (
+        (4, 10, 1.25e-3, 30, "", 1e-4),
+        (4, 10, 1.25e-3, 120, "", 1e-4),
+        (4, 10, 1.25e-3, 120, whole, 1e-6),
+        (4, 10, 6.25e-4, 240, "", 1e-4),
+        (6, 15, 8.3333e-4, 180, "", 1e-4),
+        (8, 20, 6.25e-4, 240, "", 1e-4),
+        (0, 10, 1.25e-3, 0, "", 1e-4),
+        (0, 20, 6.25e-4, 0, "", 1e-4),
+        (0, 10, 1.25e-3, 0, "quasi_steady = true\n", 1e-4),
+    ):
+        text = TUNNEL.replace("[aerodynamics]\n", f"[aerodynamics]\nestablished = false\n{more}")
+        text = text.replace("step_s = 1.25e-3", f"step_s = {step}").replace("strips = 10", f"strips = {span}")
+        text = text.replace("wake_rows = 30", f"wake_rows = {rows}").replace("chord_panels = 4", f"chord_panels = {chord}")
+        if not chord:
+            text = text.replace('"uvlm"', '"strip"')
+            text = re.sub(r"(?m)^(mirror_normal|wake_rows|chord_panels) = .*\n", "", text)
+        text += f"\n[solver]\ntolerance = {tolerance}\n"
+        runs = [run(wind(text, speed), "--stop", "0.14", outputs=["fold.latch_time"]) for speed in (0.0, 0.01, 0.1)]
+        latch = [result.columns["fold.latch_time"][-1] if result.ended else np.nan for result in runs]
+        name = f"{chord} x {span}, {rows} rows" if chord else f"{span} strips"
+        name += f", {1e3 * step:.3g} ms, tolerance {tolerance:g} {more.strip()}"
+        print(f"  {name:70s} {latch[0]:.6f} {latch[1] - latch[0]:.2e} {latch[2] - latch[0]:.2e}")
+
+
 if __name__ == "__main__":
     flight()
     still()
+    slow()
     slit()
     steps()
