@@ -205,6 +205,10 @@ fn keys_that_the_model_of_the_air_does_not_read() {
         message(&air("strip", "mirror_normal = [1, 0, 0]")),
         "wing.toml:59: key 'aerodynamics.mirror_normal': [1, 0, 0] is not allowed; allowed: this key only with model = \"uvlm\""
     );
+    assert_eq!(
+        message(&air("uvlm", "coupling = \"staggered\"\ncoupling_iterations = 9")),
+        "wing.toml:60: key 'aerodynamics.coupling_iterations': 9 is not allowed; allowed: this key only with coupling = \"iterated\""
+    );
     for key in ["coupling_tolerance = 1e-5", "coupling_iterations = 9"] {
         let said = message(&air("uvlm", &format!("coupling = \"staggered\"\n{key}")));
         assert!(said.ends_with("allowed: this key only with coupling = \"iterated\""), "{said}");

@@ -335,6 +335,21 @@ fn latches() {
         "wing.toml:37: key 'joint.fold.latch.stiffness_ratio': 1e4 is not allowed; allowed: either \
          stiffness_ratio or stiffness_N_m_rad, not both"
     );
+    let stops = |keys: &str| message("[joint.fold.latch]", &format!("[joint.fold.stops]\n{keys}\n[joint.fold.latch]"));
+    assert_eq!(
+        stops("stiffness_N_m_rad = 3"),
+        "wing.toml:36: key 'joint.fold.stops': stops without an end is not allowed; allowed: lower_deg or upper_deg, or both"
+    );
+    assert_eq!(
+        stops("stiffness_N_m_rad = 3\nlower_deg = 20\nupper_deg = 10"),
+        "wing.toml:39: key 'joint.fold.stops.upper_deg': 10 is not allowed; allowed: an angle above lower_deg"
+    );
+    assert_eq!(
+        message("start_angle_deg = 170", "motion = \"locked\"\nstops = { upper_deg = 9, stiffness_N_m_rad = 3 }"),
+        "wing.toml:34: key 'joint.fold.stops': stops of a joint that does not move freely is not allowed; allowed: stops \
+         only with motion = \"free\"\nwing.toml:37: key 'joint.fold.latch': a latch on a joint that does not move freely is \
+         not allowed; allowed: a latch only with motion = \"free\""
+    );
     assert_eq!(
         message("start_angle_deg = 170", "motion = \"locked\""),
         "wing.toml:36: key 'joint.fold.latch': a latch on a joint that does not move freely is not allowed; \

@@ -39,10 +39,10 @@ fn misplaced_keys() {
     assert_eq!(
         message("[joint.fold.drive]\n", ""),
         "wing.toml:34: key 'joint.fold.stiffness_N_m_rad' is unknown; it belongs to [joint.<name>.drive] or \
-         [joint.<name>.spring] or [joint.<name>.latch]; allowed keys: type, parent, child, parent_position_m, parent_frame, parent_offset_m, root_position_m, \
+         [joint.<name>.spring] or [joint.<name>.latch] or [joint.<name>.stops]; allowed keys: type, parent, child, parent_position_m, parent_frame, parent_offset_m, root_position_m, \
          mount_rotation_deg, axis, body_axis, start_angular_velocity_deg_s, start_velocity_m_s, start_angle_deg, \
          start_rate_deg_s, start_position_m, start_rate_m_s, release, motion, polynomial_deg, table_s_deg, \
-         polynomial_m, table_s_m, table_ends, drive, spring, latch"
+         polynomial_m, table_s_m, table_ends, drive, spring, latch, stops"
     );
     assert_eq!(
         message("load_stations = 4", "gravity_m_s2 = [0, 0, 0]"),

@@ -42,6 +42,10 @@ rest_angle_deg = 25
 angle_deg = -20
 capture_deg = 2
 stiffness_N_m_rad = 10
+[joint.fold.stops]
+lower_deg = -25
+upper_deg = 65
+stiffness_N_m_rad = 5
 [joint.turn]
 type = "revolute"
 parent = "b"
@@ -140,6 +144,9 @@ fn angles_are_read_in_radians() {
     let latch = fold.latch.as_ref().expect("a latch");
     close("angle_deg", latch.angle_rad, -20.0);
     close("capture_deg", latch.capture_rad, 2.0);
+    let stops = fold.stops.as_ref().expect("stops");
+    close("lower_deg", stops.lower_rad.expect("an end"), -25.0);
+    close("upper_deg", stops.upper_rad.expect("an end"), 65.0);
     let motion = |name: &str| match &body(name).joint.kind {
         JointKind::Revolute(revolute) => match &revolute.motion {
             JointMotion::Prescribed(motion) => motion.clone(),
