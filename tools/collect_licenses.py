@@ -2,7 +2,8 @@
 
 `collect_licenses.py` rewrites the file, `collect_licenses.py --check` says whether it is up to date (exit code 1 if not).
 The packages are those that `cargo metadata` resolves for the library on the platforms below: normal dependencies of
-default features, neither those of builds and tests nor procedural macros, which leave no code of their own behind.
+default features, neither those of builds and tests nor procedural macros, which leave no code of their own behind. The two
+libraries of the page that plays a run (tools/vendor_viewer.py) stand among them.
 Where a package leaves the choice, the shortest licence is taken (MIT before the others). The texts come from the
 packages themselves, with their copyright notices.
 """
@@ -17,6 +18,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 TARGET = ROOT / "licenses/THIRD_PARTY.txt"
+# JavaScript in the page of `foldwing simulate --view`: `versions.txt` and a text per library.
+VENDORED = ROOT / "crates/command/src/report/viewer/vendor"
 PLATFORMS = ["x86_64-unknown-linux-gnu", "x86_64-pc-windows-gnu", "x86_64-pc-windows-msvc", "x86_64-apple-darwin",
              "aarch64-apple-darwin"]
 
@@ -51,9 +54,10 @@ WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEM
 COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR
 OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE."""
 
-HEADER = """Licences of what is linked into the library of this FMU
+HEADER = """Licences of what is linked into the library of this FMU and into the command `foldwing`
 
-Made by tools/collect_licenses.py from Cargo.lock; `make licenses` renews it.
+Made by tools/collect_licenses.py from Cargo.lock; `make licenses` renews it. The libraries three and uplot are in the command, and
+in the pages that it writes, alone.
 
 """
 
@@ -136,6 +140,10 @@ def compose(packages):
         lines.append(f"{title}: {' AND '.join(licences)}")
         for licence in licences:
             owners.setdefault(tidy(text_of(package, licence)), []).append(title)
+    for line in (VENDORED / "versions.txt").read_text(encoding="utf-8").splitlines():
+        title = line.split(":")[0]
+        lines.append(line)
+        owners.setdefault(tidy((VENDORED / f"{title.split()[0]}.LICENSE.txt").read_text(encoding="utf-8")), []).append(title)
     rust = f"Copyright (c) The Rust Project Contributors\n\n{MIT_TEXT}"
     owners.setdefault(tidy(rust), []).append("rust-std")
     parts = [HEADER + "\n".join([*lines, STANDARD_LIBRARY])]
