@@ -27,8 +27,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder, Browser() as browser:
         page = Path(folder) / "tunnel.html"
         subprocess.run([arguments.foldwing, "simulate", MODEL, "--quiet", "--view", page], check=True)
-        browser.open(page, 1100, 720)
-        browser.value(f"seek(positionAt({TIME_S})), turn(-0.4, 0.05), zoom(1.5), true")
+        browser.open(page, 1400, 860)
+        browser.value(f"seek(main.positionAt({TIME_S})), turn(-0.4, 0.05), zoom(1.25), true")
         browser.call("Runtime.evaluate", awaitPromise=True,
                      expression="new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
         browser.screenshot(arguments.output / "viewer.png")

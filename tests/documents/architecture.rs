@@ -25,7 +25,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("interface", &["load", "machine", "plant"]),
     ("fmi2", &["machine", "plant", "config", "interface"]),
     ("fmu", &["interface", "fmi2"]),
-    ("report", &["beam", "machine", "plant", "interface"]),
+    ("report", &["load", "beam", "machine", "plant", "interface"]),
     ("packaging", &["load", "beam", "machine", "plant", "interface", "fmi2", "report"]),
     ("import", &["interface", "report"]),
     ("cli", &["machine", "plant", "config", "interface", "report", "packaging", "import"]),

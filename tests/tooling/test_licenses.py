@@ -41,3 +41,23 @@ def test_every_linked_package_has_a_notice():
         owned.update(titles.strip().split(", "))
         assert ("opyright" in notice or "(C)" in notice) and len(notice) > 500, titles
     assert owned == listed | {"rust-std"}
+
+
+def test_vendored_libraries_have_their_notices():
+    """The JavaScript in the page that plays a run: name, version and licence stand in the notices and, as a comment, in the page;
+    the page uses what was bundled and nothing else.
+    """
+    folder = ROOT / "crates/command/src/report/viewer"
+    notices = NOTICES.read_text(encoding="utf-8")
+    lines = (folder / "vendor/versions.txt").read_text(encoding="utf-8").splitlines()
+    assert [line.split()[0] for line in lines] == ["three", "uplot"]
+    for line in lines:
+        assert line in notices.splitlines()
+        name, version = line.split(":")[0].split()
+        notice = (folder / f"vendor/{name}.LICENSE.txt").read_text(encoding="utf-8").strip()
+        script = (folder / f"vendor/{name}.js").read_text(encoding="utf-8")
+        assert script.startswith(f"/*! {name} {version}, ") and "opyright" in notice and notice in script.split("*/")[0]
+        assert f'"{version}"' in (ROOT / "tools/vendor_viewer.py").read_text(encoding="utf-8")
+    used = {word for script in folder.glob("*.js") for word in re.findall(r"THREE\.([A-Z]\w+)", script.read_text(encoding="utf-8"))}
+    tool = (ROOT / "tools/vendor_viewer.py").read_text(encoding="utf-8")
+    assert used == set(re.search(r'USED = """(.*?)"""', tool, re.DOTALL)[1].split())

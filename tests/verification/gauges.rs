@@ -9,7 +9,7 @@ use foldwing::beam::element::ElementKind::{self, Constant, Linear};
 use foldwing::beam::recovery::axial_row;
 use foldwing::load::{LoadFrame, RootMotion, Wrench};
 use foldwing::multibody::dynamics::{Damping, Environment, residual};
-use foldwing::multibody::gauge::{GaugePoint, Side, section_strain, section_wrench};
+use foldwing::multibody::gauge::{GaugePoint, Side, element_measures, section_strain, section_wrench};
 use foldwing::multibody::kinematics::Motion;
 use foldwing::multibody::model::Attachment;
 use foldwing::multibody::{Model, Workspace};
@@ -24,8 +24,27 @@ fn recovered(model: &Model, work: &Workspace, q: &[f64], position_m: f64) -> Vec
 /// Axial stiffness soft enough that `εx` reaches a few per cent.
 const SOFT: [f64; 4] = [40.0, 1.2, 1.0, 2.5];
 
-/// Worst of the four strains' errors, each over its largest value, at places along a rod, each mesh in turn; `spread` loads sit on two Gauss stations per element.
+/// What the elements have, with the natural strain.
+fn painted(model: &Model, _: &Workspace, q: &[f64], position_m: f64) -> Vector4<f64> {
+    element_measures(model, q, 0, position_m) + model.bodies[0].natural_strain.at(position_m)
+}
+
+/// How a section's strain is found.
+type Reader = fn(&Model, &Workspace, &[f64], f64) -> Vector4<f64>;
+
+/// Errors of the recovered strain.
 fn rod_errors(kind: ElementKind, mesh: &[usize], rod: &Rod, places: &[usize], count: usize) -> Vec<Vec<f64>> {
+    errors_of(recovered, kind, mesh, rod, (places, count))
+}
+
+/// Worst of the four strains' errors, each over its largest value, at places along a rod, each mesh in turn; `spread` loads sit on two Gauss stations per element.
+fn errors_of(
+    read: Reader,
+    kind: ElementKind,
+    mesh: &[usize],
+    rod: &Rod,
+    (places, count): (&[usize], usize),
+) -> Vec<Vec<f64>> {
     let (exact, ..) = rod.solve(count);
     let largest: [f64; 4] =
         std::array::from_fn(|i| exact.iter().map(|section| section.strain[i].abs()).fold(0.0, f64::max));
@@ -48,7 +67,7 @@ fn rod_errors(kind: ElementKind, mesh: &[usize], rod: &Rod, places: &[usize], co
         let mut work = Workspace::new(&model);
         let q = equilibrium(&model, &mut work, &model.natural_coordinates(), &Loading::stations(loads), 5);
         for (errors, &place) in errors.iter_mut().zip(places) {
-            let strain = recovered(&model, &work, &q, place as f64 / count as f64);
+            let strain = read(&model, &work, &q, place as f64 / count as f64);
             let error = strain - exact[place].strain;
             errors.push((0..4).map(|i| error[i].abs() / largest[i]).fold(0.0, f64::max));
         }
@@ -107,6 +126,33 @@ fn v31_recovered_strain_under_distributed_loads() {
     rod.spread = |s| [Vector3::new(1.0, 0.8 - 0.5 * s, 1.5 + s * s), Vector3::new(0.4 * s, -0.2, 0.1)];
     rod.tip = [Vector3::zeros(); 2];
     assert_recovery("V-31", &rod, [5e-7, 5e-5]);
+}
+
+/// V-45. What pictures show of pairs, eq. (G7): second order at the root, at pair boundaries and inside. Bounds on the errors
+/// of 16 pairs of about twice what was measured.
+#[test]
+fn v45_painted_strain_is_second_order() {
+    for (errors, place) in
+        errors_of(painted, Linear, &[4, 8, 16], &tip_loaded(), (&[0, 12, 24, 16], 48)).iter().zip([0, 12, 24, 16])
+    {
+        println!("V-45 at {place}/48 L: {:.2e} {:.2e} {:.2e}", errors[0], errors[1], errors[2]);
+        let observed = order(errors[0], errors[2], 4.0);
+        assert!(observed > 1.8, "V-45 at {place}/48 L: order {observed:.2}");
+        assert!(errors[2] < 4e-3, "V-45 at {place}/48 L: strain off by {:.1e} of the largest", errors[2]);
+    }
+}
+
+/// V-46. A beam that is not strained has none in pictures, whatever acts on it at this instant; the recovered strain of (G2)
+/// then alternates in sign from pair to pair: a torque at the tip of a beam at rest in its natural shape.
+#[test]
+fn v46_nothing_is_painted_where_nothing_is_strained() {
+    let mut body = cantilever(1.0, plain_section(SOFT), Linear, 6, LoadFrame::Root);
+    body.natural_strain = Vector4::new(0.0, 0.4, -0.3, 0.2).into();
+    let model = Model::new(&[body]);
+    let q = model.natural_coordinates();
+    for position_m in (0..=48).map(|i| f64::from(i) / 48.0) {
+        assert_eq!(element_measures(&model, &q, 0, position_m), Vector4::zeros(), "at {position_m} m");
+    }
 }
 
 /// V-32. Constant elements interpolate between their centres: second order inside and at the root.

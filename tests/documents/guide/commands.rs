@@ -70,10 +70,11 @@ fn can_run(call: &CommandLine) -> bool {
 fn f246_the_lines_of_the_guide_run() {
     let folder = tempfile::tempdir().unwrap();
     let model = std::fs::read_to_string(in_package("examples/models/folding_wing.toml")).unwrap();
-    for name in ["wing.toml", "my_wing.toml", "mywing.toml"] {
+    for name in ["wing.toml", "my_wing.toml", "mywing.toml", "stiffer.toml"] {
         std::fs::write(folder.path().join(name), &model).unwrap();
     }
     std::fs::write(folder.path().join("commands.csv"), "time, fold.command\n0, 0\n0.1, 0.1\n").unwrap();
+    std::fs::write(folder.path().join("measured.csv"), "time,fold.angle\n0,2.9\n0.1,0.8\n").unwrap();
     std::fs::write(folder.path().join("samples.csv"), "fold.start_angle\n1.0\n2.0\n").unwrap();
     let mut ran = BTreeSet::new();
     for call in command_lines::pages().iter().flat_map(|page| command_lines::of_page(page)) {

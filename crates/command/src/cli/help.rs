@@ -64,6 +64,7 @@ Examples:
   foldwing simulate wing.toml --csv wing.csv --set fold.start_angle=1.5 --set fold.latch_enable=0
   foldwing simulate wing.toml --csv wing.csv --inputs commands.csv
   foldwing simulate wing.toml --plot figures --view wing.html --vtk vtk
+  foldwing simulate wing.toml --view wing.html --beside measured.csv --beside stiffer.toml
   foldwing simulate wing.toml --csv wing.csv --strains strains.csv --timing cost.json
 
 A file of inputs has a column `time` (s, ascending) and columns named after inputs; lines that

@@ -1,6 +1,7 @@
 //! The command line: arguments, exit codes, and one module per command.
 
 mod air_summary;
+mod beside;
 mod check;
 mod grid;
 mod help;

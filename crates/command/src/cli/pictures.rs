@@ -1,11 +1,15 @@
 //! `--plot`, `--view` and `--vtk`: pictures of a run.
 
 use crate::cli::Failure;
+use crate::cli::beside;
+use crate::cli::grid::Grid;
 use crate::cli::outlets::{Mark, Outlets, Place};
 use crate::report::Recording;
 use crate::report::figure::{Figure, FigureError};
 use crate::report::plots::{self, Series};
 use crate::report::recording::FRAMES;
+use crate::report::signals::Signals;
+use crate::report::viewer::{Companion, PackedRun};
 use crate::report::{number, viewer, vtk};
 use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::{Value, Variable};
@@ -20,10 +24,16 @@ pub struct PictureArguments {
     /// Page that plays the motion in a browser: one file, no network needed
     #[arg(long, value_name = "OUT.html")]
     pub view: Option<PathBuf>,
+    /// What the page of `--view` compares with the run; may be repeated: a table over time (.csv with a column `time`) as
+    /// dots over the curves of the same names; another model (.toml), which is simulated at the same points, or another
+    /// page of `--view` (.html) as a second machine
+    #[arg(long, value_name = "FILE", requires = "view")]
+    pub beside: Vec<PathBuf>,
     /// Folder for VTK files of wing and wake over time, for ParaView
     #[arg(long, value_name = "DIR")]
     pub vtk: Option<PathBuf>,
-    /// Maximum number of frames of `--view` and `--vtk` after the first; a page of more than 8 MB has fewer
+    /// Maximum number of frames of `--view` and `--vtk` after the first; a page that would exceed 10 MB has
+    /// fewer, and says so
     #[arg(long, value_name = "N", default_value_t = FRAMES, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub frames: u64,
 }
@@ -40,20 +50,25 @@ pub struct Pictures<'a> {
     wanted: &'a PictureArguments,
     /// Variables that were named.
     series: Option<Series>,
+    /// All variables that are recorded, for the page.
+    signals: Option<Signals>,
+    companions: Vec<Companion>,
     recording: Option<Recording>,
     steps: u64,
     view: Place,
 }
 
 impl<'a> Pictures<'a> {
-    /// Pictures of a run of so many steps; `named` are the variables that the caller chose. Makes the folders and looks
-    /// what is in them, so that a bad place is refused before the run.
+    /// Pictures of a run; `recorded` are the variables that it records, `named` those that the caller chose. Makes the
+    /// folders, looks what is in them and reads what is to be compared, so that a bad place is refused before the run.
     pub fn new(
         wanted: &'a PictureArguments,
-        steps: u64,
+        grid: &Grid,
+        recorded: &[&Variable],
         named: &[&Variable],
         outlets: &mut Outlets,
     ) -> Result<Self, Failure> {
+        let steps = grid.steps;
         if let Some(folder) = &wanted.plot {
             check_figures(folder, outlets)?;
         }
@@ -67,7 +82,9 @@ impl<'a> Pictures<'a> {
         let view = outlets.place_if(wanted.view.as_deref(), Mark::PAGE)?;
         let named = named.iter().map(|variable| (variable.name.as_str(), variable.unit()));
         let series = wanted.plot.as_ref().map(|_| Series::new(named, steps));
-        Ok(Self { wanted, series, recording: None, steps, view })
+        let signals = wanted.view.as_ref().map(|_| Signals::new(beside::columns(recorded), steps));
+        let companions = beside::companions(&wanted.beside, grid, wanted.frames)?;
+        Ok(Self { wanted, series, signals, companions, recording: None, steps, view })
     }
 
     /// Takes the plant at one of the `steps + 1` points of the run, with the values of the variables that were named.
@@ -76,8 +93,12 @@ impl<'a> Pictures<'a> {
             return;
         }
         self.recording.get_or_insert_with(|| Recording::new(plant, self.steps, self.wanted.frames)).include(plant);
+        let values: Vec<f64> = values.map(|value| number(&value)).collect();
+        if let Some(signals) = &mut self.signals {
+            signals.include(plant.time_s(), values.iter().copied());
+        }
         if let Some(series) = &mut self.series {
-            series.include(plant.time_s(), values.map(|value| number(&value)));
+            series.include(plant.time_s(), values);
         }
     }
 
@@ -92,8 +113,10 @@ impl<'a> Pictures<'a> {
         if let (Some(folder), Some(series)) = (&self.wanted.plot, &self.series) {
             write_series(folder, &recording.scene.name, series, outlets)?;
         }
-        if self.wanted.view.is_some() {
-            self.view.fill(viewer::page(recording).as_bytes())?;
+        if let Some(signals) = &self.signals {
+            let runs = beside::runs(&self.wanted.beside)?;
+            let run = PackedRun::new(recording, signals, runs);
+            self.view.fill(viewer::page(&recording.scene.name, &run, &self.companions).as_bytes())?;
         }
         if let Some(folder) = &self.wanted.vtk {
             vtk::files(recording, |name, text| outlets.place(&folder.join(name), Mark::VTK)?.fill(text.as_bytes()))?;

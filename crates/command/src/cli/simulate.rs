@@ -77,13 +77,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         plant.watch(interface.needs(&rows) | OutputSet::JOINTS); // the summary tells of joints
     }
 
-    let read = [Some(arguments.model.as_path()), arguments.inputs.as_deref()];
-    let mut outlets = Outlets::new(arguments.force.force, read.into_iter().flatten());
+    let read = [Some(arguments.model.as_path()), arguments.inputs.as_deref()].into_iter().flatten();
+    let read = read.chain(arguments.pictures.beside.iter().map(PathBuf::as_path));
+    let mut outlets = Outlets::new(arguments.force.force, read);
     let names = || recorded.iter().map(|variable| variable.name.as_str());
     let csv = outlets.place_if(arguments.csv.as_deref(), table(&recorded))?;
     let reports = Reports::new(arguments, &mut outlets)?;
     let named = if arguments.outputs.is_empty() { &[] } else { recorded.as_slice() };
-    let pictures = Pictures::new(&arguments.pictures, grid.steps, named, &mut outlets)?;
+    let pictures = Pictures::new(&arguments.pictures, &grid, &recorded, named, &mut outlets)?;
     let csv = csv.open()?;
     let target = csv.name().to_owned();
     let writing = |error: io::Error| Failure::writing(&target, &error);

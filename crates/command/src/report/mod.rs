@@ -1,6 +1,7 @@
 //! Results as CSV, inputs over time from CSV, linear models as files; recordings of a run, their figures, the page that
 //! plays them, VTK files.
 
+pub mod acting;
 pub mod figure;
 pub mod inputs;
 pub mod linear;
@@ -8,6 +9,7 @@ pub mod mat;
 pub mod plots;
 pub mod recorder;
 pub mod recording;
+pub mod signals;
 pub mod viewer;
 pub mod vtk;
 

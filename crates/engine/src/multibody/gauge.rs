@@ -4,6 +4,10 @@
 //! The raw strain of a pair is second order pointwise; at its ends the wrench of all that lies outboard gives a
 //! fourth-order value, `ε − ε₀ = −K_s⁻¹ Rᵀ (F, M) − β ε̇`, NOTATION eq. (G2). Inside, a cubic joins both ends and the
 //! raw values at the two Gauss points, eq. (G3). Stiffness and natural strain are those of the section itself.
+//!
+//! The wrench knows every force at once, the elements do not: for as long as waves are not resolved by the mesh (a torque
+//! that jumps, the first instants after a release or a latch) the recovered end values alternate in sign from pair to
+//! pair and are not zero while nothing is strained yet. [`element_measures`] has what the elements have.
 
 use crate::beam::element::ElementKind;
 use crate::multibody::dynamics::{Damping, multiply, wrench_of};
@@ -78,15 +82,52 @@ fn between_centres(model: &Model, q: &[f64], body: usize, position_m: f64) -> Ve
 /// Abscissae of the two Gauss points of `[0, 1]`.
 const GAUSS_2: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
+/// Strain measures `(γ₁, k₁, k₂, k₃)` of a section as the elements themselves have them, eq. (G7): no wrench enters, so
+/// they vanish where no element is strained. For pictures of whole bodies; gauges read [`strain_measures`].
+pub fn element_measures(model: &Model, q: &[f64], body: usize, position_m: f64) -> Vector4<f64> {
+    if model.bodies[body].elements == 0 {
+        return Vector4::zeros(); // a rigid body
+    }
+    if model.bodies[body].kind == ElementKind::Constant {
+        return between_centres(model, q, body, position_m);
+    }
+    let (inner, offset_m) = model.locate(body, position_m);
+    let strain = |half: &Element| Vector4::from(strains(q, half.coordinate)) - half.natural_strain;
+    let line = |first: usize, sigma: f64| on_line(&model.elements[first..first + 2], &strain, sigma);
+    let (begin, end) =
+        (model.bodies[body].first_element, model.bodies[body].first_element + model.bodies[body].elements);
+    let mut values = [0.0, GAUSS_2[0], GAUSS_2[1], 1.0].map(|sigma| line(inner, sigma));
+    if inner > begin {
+        values[0] = (values[0] + line(inner - 2, 1.0)) * 0.5;
+    }
+    if inner + 2 < end {
+        values[3] = (values[3] + line(inner + 2, 0.0)) * 0.5;
+    }
+    cubic(&values, offset_m / (2.0 * model.elements[inner].length_m))
+}
+
+/// What a pair's halves have, at `sigma` from 0 to 1 along it: `(A+B)/2 + 3/2 (B−A)(σ − 1/2)`, eq. (D8).
+fn on_line(halves: &[Element], of: &dyn Fn(&Element) -> Vector4<f64>, sigma: f64) -> Vector4<f64> {
+    let (a, b) = (of(&halves[0]), of(&halves[1]));
+    (a + b) * 0.5 + (b - a) * (1.5 * (sigma - 0.5))
+}
+
+/// The cubic through values at both ends of a pair and at its Gauss points, eq. (G3).
+fn cubic(values: &[Vector4<f64>; 4], sigma: f64) -> Vector4<f64> {
+    let places = [0.0, GAUSS_2[0], GAUSS_2[1], 1.0];
+    let mut strain = Vector4::zeros();
+    for (i, value) in values.iter().enumerate() {
+        let weight: f64 = (0..4).filter(|&j| j != i).map(|j| (sigma - places[j]) / (places[i] - places[j])).product();
+        strain += value * weight;
+    }
+    strain
+}
+
 fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: usize, position_m: f64) -> Vector4<f64> {
     let (inner, offset_m) = model.locate(body, position_m);
     let first_node = model.bodies[body].first_node + inner - model.bodies[body].first_element;
     let halves = &model.elements[inner..inner + 2];
-    let raw = |of: &dyn Fn(&Element) -> Vector4<f64>, sigma: f64| {
-        // ε(σ) = (A+B)/2 + 3/2 (B−A)(σ − 1/2), eq. (D8)
-        let (a, b) = (of(&halves[0]), of(&halves[1]));
-        (a + b) * 0.5 + (b - a) * (1.5 * (sigma - 0.5))
-    };
+    let raw = |of: &dyn Fn(&Element) -> Vector4<f64>, sigma: f64| on_line(halves, of, sigma);
     let strain = |half: &Element| Vector4::from(strains(motion.q, half.coordinate)) - half.natural_strain;
     let rate = |half: &Element| Vector4::from(strains(motion.v, half.coordinate));
     let sigma = offset_m / (2.0 * halves[0].length_m);
@@ -97,13 +138,7 @@ fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: u
         raw(&strain, GAUSS_2[1]),
         end_strain(model, work, body, (first_node + 2, Side::Inboard), &at_outer) - raw(&rate, 1.0) * beta,
     ];
-    let places = [0.0, GAUSS_2[0], GAUSS_2[1], 1.0];
-    let mut strain = Vector4::zeros();
-    for (i, value) in values.iter().enumerate() {
-        let weight: f64 = (0..4).filter(|&j| j != i).map(|j| (sigma - places[j]) / (places[i] - places[j])).product();
-        strain += value * weight;
-    }
-    strain
+    cubic(&values, sigma)
 }
 
 /// Strain measures that balance the wrench of all that lies outboard of a node (damping not yet taken off), eq. (G2).

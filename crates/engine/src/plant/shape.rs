@@ -84,7 +84,8 @@ pub struct SectionState {
     pub angular_velocity_rad_s: Vector3<f64>,
     /// Root ← section.
     pub rotation: Matrix3<f64>,
-    /// Strain measures `(γ₁, k₁, k₂, k₃)`: strains less the natural ones; –, 1/m.
+    /// Strain measures `(γ₁, k₁, k₂, k₃)`: strains less the natural ones, as the elements have them, NOTATION eq. (G7);
+    /// –, 1/m.
     pub measures: Vector4<f64>,
 }
 
@@ -95,7 +96,7 @@ impl SectionState {
         (self.position_m + arm_m, self.velocity_m_s + self.angular_velocity_rad_s.cross(&arm_m))
     }
 
-    /// Longitudinal strain at the point `[y, z]` (m) of the section, NOTATION eq. (R1).
+    /// Longitudinal strain at the point `[y, z]` (m) of the section, NOTATION eqs. (R1), (G7).
     pub fn axial_strain(&self, [y_m, z_m]: [f64; 2]) -> f64 {
         axial_row(y_m, z_m).dot(&self.measures)
     }
@@ -128,7 +129,7 @@ impl Plant {
                 velocity_m_s: point.velocity_m_s,
                 angular_velocity_rad_s: point.spin_rad_s,
                 rotation: point.rotation,
-                measures: gauge::strain_measures(model, work, motion, &self.equations.damping, body, place_m),
+                measures: gauge::element_measures(model, &now.q, body, place_m),
             }
         };
         places_m.iter().map(section).collect()

@@ -1,79 +1,131 @@
 
 // ---- camera: turns about a target; the root frame's z points up ------------------------------------------------------
 
-const VIEWS = { oblique: [-1.05, 0.42], x: [0, 0], y: [-Math.PI / 2, 0], z: [-Math.PI / 2, Math.PI / 2] };
-const camera = { azimuth: 0, elevation: 0, target: [0, 0, 0], distance: 1, eye: [0, 0, 0], axes: [] };
+// Azimuth of the eye from x towards y, elevation.
+const VIEWS = {
+  iso: [-1.05, 0.42], front: [-Math.PI / 2, 0], side: [0, 0], top: [-Math.PI / 2, Math.PI / 2],
+};
+const HALF_VIEW = Math.tan(15 * Math.PI / 180); // of the shorter side, perspective
+const camera = { azimuth: 0, elevation: 0, target: [0, 0, 0], distance: 1, axes: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], flat: false };
+const lenses = { deep: new THREE.PerspectiveCamera(30, 1, 0.01, 100), flat: new THREE.OrthographicCamera(-1, 1, 1, -1, 0.01, 100) };
+const lens = () => (camera.flat ? lenses.flat : lenses.deep);
 
-// The camera stands in the direction (azimuth from x towards y, elevation) from its target.
 function look(name) {
   [camera.azimuth, camera.elevation] = VIEWS[name];
-  camera.target = [...extents.middle];
-  camera.distance = 1.6 * (follows() ? extents.wing : extents.size);
-  aim();
+  frameAll(extents.points);
 }
 
 function aim() {
   camera.elevation = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, camera.elevation));
   const [ca, sa, ce, se] = [Math.cos(camera.azimuth), Math.sin(camera.azimuth), Math.cos(camera.elevation), Math.sin(camera.elevation)];
-  const outward = [ca * ce, sa * ce, se];
-  const right = [-sa, ca, 0];
+  const outward = [ca * ce, sa * ce, se], right = [-sa, ca, 0];
   camera.axes = [right, cross(outward, right), outward];
-  camera.eye = plus(camera.target, outward, camera.distance);
+  const basis = new THREE.Matrix4().makeBasis(...camera.axes.map(axis => new THREE.Vector3(...axis)));
+  const aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight) || 1;
+  const half = camera.distance * HALF_VIEW, wide = half * Math.max(aspect, 1), high = half * Math.max(1 / aspect, 1);
+  const far = camera.distance + 4 * extents.size + wakeReach, eye = lens();
+  const back = camera.flat ? camera.distance + 2 * extents.size + wakeReach : camera.distance;
+  eye.position.set(...plus(camera.target, outward, back));
+  eye.quaternion.setFromRotationMatrix(basis);
+  if (camera.flat) Object.assign(eye, { left: -wide, right: wide, top: high, bottom: -high, near: 0, far: back + far });
+  else Object.assign(eye, { fov: 2 * Math.atan(HALF_VIEW * Math.max(1 / aspect, 1)) * 180 / Math.PI, aspect, near: Math.max(1e-3 * camera.distance, 1e-6), far });
+  eye.updateProjectionMatrix();
+  eye.updateMatrixWorld();
 }
+let wakeReach = 0;
 
-// A wing that flies far is followed; moving the target by hand goes on from there.
-const follows = () => document.getElementById("follow").checked;
-let followed = [0, 0, 0];
-function follow(restart) {
-  const now = centroid();
-  if (restart) camera.target = now;
-  else camera.target = plus(camera.target, plus(now, followed, -1));
-  followed = now;
+// Places the target and the distance so that all points just fit, seen from where the eye is.
+function frameAll(points) {
+  aim();
+  const [right, up, outward] = camera.axes;
+  const seen = points.map(point => [dot(point, right), dot(point, up), dot(point, outward)]);
+  const ends = [0, 1, 2].map(i => [Math.min(...seen.map(p => p[i])), Math.max(...seen.map(p => p[i]))]);
+  const middle = ends.map(([a, b]) => (a + b) / 2);
+  const aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight) || 1;
+  const half = [HALF_VIEW * Math.max(aspect, 1) * 0.86, HALF_VIEW * Math.max(1 / aspect, 1) * 0.8];
+  let distance = 0.02 * extents.size;
+  for (const p of seen) for (let i = 0; i < 2; i++) {
+    distance = Math.max(distance, Math.abs(p[i] - middle[i]) / half[i] + (camera.flat ? 0 : p[2] - middle[2]));
+  }
+  camera.target = [0, 1, 2].map(i => right[i] * middle[0] + up[i] * middle[1] + outward[i] * middle[2]);
+  camera.distance = distance;
+  followed = followPoint();
   aim();
 }
 
-// Place on the canvas in pixels, and the distance from the eye; null behind it.
-function project(point) {
-  const away = plus(point, camera.eye, -1);
-  const depth = -dot(away, camera.axes[2]);
-  if (depth < 0.02 * camera.distance) return null;
-  const scale = 1.75 * Math.min(canvas.width, canvas.height) / depth;
-  return [canvas.width / 2 + scale * dot(away, camera.axes[0]), canvas.height / 2 - scale * dot(away, camera.axes[1]), depth];
+// Points of the machine now, with the wake where it is shown.
+function presentPoints() {
+  const points = [];
+  about.bodies.forEach((body, b) => body.rims.forEach((rim, i) => rim.forEach(p => points.push(pointOf(main.section(b, i), p)))));
+  about.surfaces.forEach((surface, i) => {
+    for (let c = 0; c < 2 * surface.columns; c++) points.push(vector(main.present, main.layout.surfaces[i] + 3 * c));
+  });
+  for (const mass of about.masses) points.push(massPlace(main, mass));
+  if (get("wake").checked) for (const wake of main.wakes(Math.floor(main.position))) {
+    for (let i = 0; i < (wake.rows + 1) * wake.columns; i++) points.push(vector(main.numbers, wake.nodes + 3 * i));
+  }
+  return points;
 }
+
+// A machine that flies far is followed, or a tip, or what was picked; moving the target by hand goes on from there.
+let followed = null;
+function followPoint() {
+  const name = get("follow").value;
+  if (name === "nothing") return null;
+  if (name === "picked") return picked ? picked.place() : null;
+  if (name === "machine") {
+    let sum = [0, 0, 0], count = 0;
+    about.bodies.forEach((body, b) => body.rims.forEach((_, i) => { sum = plus(sum, main.section(b, i).at); count++; }));
+    return sum.map(c => c / count);
+  }
+  const body = about.bodies.findIndex(other => other.name === name);
+  return body < 0 ? null : main.section(body, about.bodies[body].rims.length - 1).at;
+}
+function follow() {
+  const now = followPoint();
+  if (now && followed) camera.target = plus(camera.target, plus(now, followed, -1));
+  followed = now;
+}
+
+// Pixels of the page per metre at the target.
+const pixelsPerMetre = () => Math.min(canvas.clientWidth, canvas.clientHeight) / (2 * HALF_VIEW * camera.distance);
 
 function turn(dx, dy) {
   camera.azimuth -= dx;
   camera.elevation += dy;
   aim();
 }
-
 // Moves the target by pixels of the page.
 function move(dx, dy) {
-  const step = camera.distance / (1.75 * Math.min(canvas.clientWidth, canvas.clientHeight));
+  const step = 1 / pixelsPerMetre();
   camera.target = plus(plus(camera.target, camera.axes[0], -dx * step), camera.axes[1], dy * step);
   aim();
 }
-
 function zoom(factor) {
-  camera.distance = Math.max(0.02 * extents.size, Math.min(60 * extents.size, camera.distance * factor));
+  camera.distance = Math.max(0.005 * extents.wing, Math.min(60 * extents.size, camera.distance * factor));
   aim();
 }
 
-// Mouse: drag turns, with Shift or another button it moves; wheel zooms. Touch: one finger turns, two move and zoom.
-function listenToPointers(changed) {
+// Mouse: drag turns, with Shift or another button it moves; wheel zooms. Touch: one finger turns, two move and zoom. A click or
+// tap without a drag picks.
+function listenToPointers(changed, hover, pick) {
   const held = new Map();
+  let moved = 0;
   canvas.addEventListener("pointerdown", event => {
     canvas.setPointerCapture(event.pointerId);
+    if (!held.size) moved = 0;
     held.set(event.pointerId, [event.clientX, event.clientY]);
   });
-  const release = event => held.delete(event.pointerId);
-  canvas.addEventListener("pointerup", release);
-  canvas.addEventListener("pointercancel", release);
+  canvas.addEventListener("pointerup", event => {
+    if (held.delete(event.pointerId) && moved < 4 && event.button === 0) pick(event.clientX, event.clientY);
+  });
+  canvas.addEventListener("pointercancel", event => held.delete(event.pointerId));
+  canvas.addEventListener("pointerleave", () => hover(null));
   canvas.addEventListener("pointermove", event => {
     const before = held.get(event.pointerId);
-    if (!before) return;
-    const now = [event.clientX, event.clientY];
-    const [dx, dy] = [now[0] - before[0], now[1] - before[1]];
+    if (!before) { if (event.pointerType === "mouse" && !event.buttons) hover(event.clientX, event.clientY); return; }
+    const now = [event.clientX, event.clientY], [dx, dy] = [now[0] - before[0], now[1] - before[1]];
+    moved += Math.abs(dx) + Math.abs(dy);
     if (held.size > 1) {
       const other = [...held].find(([id]) => id !== event.pointerId)[1];
       const gap = place => Math.hypot(place[0] - other[0], place[1] - other[1]) || 1;

@@ -1,31 +1,9 @@
 
-// ---- controls -------------------------------------------------------------------------------------------------------
+// ---- controls --------------------------------------------------------------------------------------------------------
 
-const get = id => document.getElementById(id);
 const SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20];
-const state = { position: 0, playing: false, last: 0, view: "oblique" };
-const duration = timeOf(frameCount - 1) - timeOf(0);
-// A number with a true minus sign, and none before a zero.
-const compact = (value, digits) => value.toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
-// So many digits that the largest value has as many as asked for.
-const digitsFor = (largest, wanted) => Math.max(0, Math.min(6, wanted - 1 - Math.floor(Math.log10(largest))));
-const microstrain = strain => compact(strain * 1e6, digitsFor(extents.strain * 1e6, 2));
-
-// Position (frames) at a time, and time at a position; times ascend.
-function timeAt(position) {
-  const before = Math.min(Math.floor(position), frameCount - 1), after = Math.min(before + 1, frameCount - 1);
-  return timeOf(before) + (position - before) * (timeOf(after) - timeOf(before));
-}
-function positionAt(time) {
-  let low = 0, high = frameCount - 1;
-  if (time <= timeOf(low)) return low;
-  if (time >= timeOf(high)) return high;
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (timeOf(middle) <= time) low = middle; else high = middle;
-  }
-  return low + (time - timeOf(low)) / (timeOf(high) - timeOf(low));
-}
+const state = { playing: false, last: 0, slow: 0, economy: 0 };
+const shapes = []; // of bodies and surfaces, of all runs
 
 // Rows of the table: heading, or name with a text of the present numbers.
 const rows = [];
@@ -41,86 +19,109 @@ function addRow(heading, name, text, swatch) {
   rows.push({ cell: row.insertCell(), text, swatch, mark });
 }
 function buildTable() {
+  const { present, layout } = main;
   if (about.joints.length) addRow(true, about.units.every(unit => unit === "°") ? "fold angles" : "joints");
   about.joints.forEach((name, i) => addRow(false, name, () => {
-    const latched = about.latches[i].some(time => time <= timeAt(state.position) + 1e-12);
     const turns = about.units[i] === "°";
-    return `${compact(present[layout.angles + i], turns ? 2 : 4)}${about.units[i]}${latched ? " latched" : ""}`;
+    return `${compact(present[layout.angles + i], turns ? 2 : 4)}${about.units[i]}${present[layout.latched + i] ? " latched" : ""}`;
   }));
   if (about.gauges.length) addRow(true, "strains");
-  about.gauges.forEach(({ name }, i) => addRow(false, name, () => `${microstrain(present[layout.strains + i])} µm/m`,
-    () => css(colour(STRAIN_MAP, present[layout.strains + i], extents.strain))));
+  about.gauges.forEach(({ name }, i) => addRow(false, name, () => `${compact(1e6 * present[layout.strains + i], digitsFor(1e6 * largest(FIELDS.strain), 3))} µm/m`,
+    () => cssOf(DIVERGING, share(present[layout.strains + i], largest(FIELDS.strain)))));
   addRow(true, "energies");
-  about.energies.forEach((name, i) => addRow(false, name, () => `${compact(present[layout.energies + i], digitsFor(extents.energy, 4))} J`));
+  const energy = Math.max(1e-9, ...about.energies.map((_, i) => Math.max(...Array.from({ length: main.count }, (_, f) => Math.abs(main.valueAt(f, layout.energies + i))))));
+  about.energies.forEach((name, i) => addRow(false, name, () => `${compact(present[layout.energies + i], digitsFor(energy, 4))} J`));
 }
 
-function addScale(title, map, most, text) {
+// The scales of what is painted.
+function addScale(id) {
   const box = document.createElement("div");
   box.className = "scale";
-  const bar = document.createElement("i");
-  bar.style.background = `linear-gradient(to right, ${map.map(c => css(c)).join(", ")})`;
-  const ends = document.createElement("div");
-  for (const value of [-most, 0, most]) {
-    const label = document.createElement("span");
-    label.textContent = text(value);
-    ends.append(label);
-  }
-  box.append(title, bar, ends);
+  box.id = id;
+  box.append(document.createElement("b"), document.createElement("i"), document.createElement("div"));
+  for (let i = 0; i < 3; i++) box.lastChild.append(document.createElement("span"));
   get("scales").append(box);
   return box;
 }
-
-// History of one scalar: a strip that also sets the time.
-const quantities = [
-  ...about.joints.map((name, i) => [`${about.coordinates[i]} of ${name} (${about.units[i].trim()})`, layout.angles + i]),
-  ...about.gauges.map(({ name }, i) => [`strain of ${name}`, layout.strains + i]),
-  ...about.energies.map((name, i) => [`${name} energy (J)`, layout.energies + i]),
-];
-const strip = get("history");
-const stripPen = strip.getContext("2d");
-function paintStrip() {
-  const ratio = pixelRatio();
-  const [width, height] = [strip.clientWidth, strip.clientHeight].map(length => Math.max(1, Math.round(length * ratio)));
-  if (strip.width !== width || strip.height !== height) { strip.width = width; strip.height = height; }
-  stripPen.clearRect(0, 0, width, height);
-  const place = quantities[get("quantity").selectedIndex][1];
-  const values = Array.from({ length: frameCount }, (_, frame) => valueAt(frame, place));
-  const [least, most] = [Math.min(...values), Math.max(...values)];
-  const x = frame => (duration > 0 ? (timeOf(frame) - timeOf(0)) / duration : 0) * (width - 2) + 1;
-  const y = value => height - 4 - (most > least ? (value - least) / (most - least) : 0.5) * (height - 8);
-  stripPen.beginPath();
-  values.forEach((value, frame) => (frame ? stripPen.lineTo(x(frame), y(value)) : stripPen.moveTo(x(frame), y(value))));
-  stripPen.strokeStyle = inks.accent;
-  stripPen.lineWidth = 1.5 * ratio;
-  stripPen.stroke();
-  const now = (duration > 0 ? (timeAt(state.position) - timeOf(0)) / duration : 0) * (width - 2) + 1;
-  stripPen.fillStyle = inks.text;
-  stripPen.fillRect(now - 0.75 * ratio, 0, 1.5 * ratio, height);
+function setScale(box, title, map, ends, text) {
+  box.map = map;
+  box.firstChild.textContent = title;
+  box.children[1].style.background = `linear-gradient(to right, ${[0, 0.25, 0.5, 0.75, 1].map(at => cssOf(map, at)).join(", ")})`;
+  ends.forEach((value, i) => { box.lastChild.children[i].textContent = text(value); });
 }
-strip.addEventListener("pointerdown", event => {
-  strip.setPointerCapture(event.pointerId);
-  seekStrip(event);
-});
-strip.addEventListener("pointermove", event => { if (event.buttons) seekStrip(event); });
-function seekStrip(event) {
-  const box = strip.getBoundingClientRect();
-  seek(positionAt(timeOf(0) + duration * (event.clientX - box.left) / box.width));
+function setScales() {
+  const factor = field.factor || 1, most = bodyRange() * factor, body = get("body-scale");
+  body.hidden = !field.value || about.bodies.every(one => one.rigid);
+  const text = value => (Math.abs(most) < 1e-2 ? figures(value, 2) : compact(value, digitsFor(most, 3)));
+  setScale(body, field.title, field.rising ? RISING : DIVERGING, field.rising ? [0, most / 2, most] : [-most, 0, most], text);
+  const air = get("air-scale"), range = circulationRange();
+  air.hidden = !(colouredStrips() || (about.wakes.length && get("wake").checked));
+  setScale(air, "circulation (m²/s)", WAKE_MAP, [-range, 0, range], value => compact(value, digitsFor(range, 2)));
 }
 
+// A round length near a sixth of the stage.
+function showRuler() {
+  const per = pixelsPerMetre(), raw = canvas.clientWidth / 6 / per, power = 10 ** Math.floor(Math.log10(raw));
+  const length = power * [5, 2, 1].find(step => step * power <= raw), ruler = get("ruler");
+  ruler.firstElementChild.style.width = `${length * per}px`;
+  const [size, name] = length >= 1 ? [length, "m"] : length >= 0.01 ? [length * 100, "cm"] : [length * 1000, "mm"];
+  ruler.lastElementChild.textContent = `${+size.toPrecision(3)} ${name}`;
+}
+
+function render() {
+  if (!renderer) return;
+  follow();
+  const [width, height] = [canvas.clientWidth, canvas.clientHeight].map(length => Math.max(1, length));
+  // where frames take long, a film of fewer pixels and without shadow is better than one that jumps
+  const economy = state.playing && !filming ? state.economy : 0;
+  const ratio = Math.min(window.devicePixelRatio || 1, 2) * (economy > 1 ? 0.6 : 1);
+  if (canvas.width !== Math.floor(width * ratio) || canvas.height !== Math.floor(height * ratio)) {
+    renderer.setPixelRatio(ratio);
+    renderer.setSize(width, height, false);
+  }
+  updateWake();
+  aim();
+  const middle = followed || extents.least.map((c, i) => (c + extents.most[i]) / 2);
+  aimSun(middle, (followed ? 0.7 * extents.wing : 0.6 * extents.size) || 1);
+  for (const label of signs) {
+    const away = camera.flat ? camera.distance : Math.max(1e-9, dot(plus(lens().position.toArray(), label.position.toArray(), -1), camera.axes[2]));
+    const metres = label.userData.pixels * away / (camera.distance * pixelsPerMetre());
+    label.scale.set(metres * label.userData.aspect, metres, 1);
+  }
+  for (const shape of shapes) {
+    const { mesh, lattice, run } = shape;
+    mesh.visible = run.shown;
+    if (lattice) lattice.visible = run.shown;
+    if (run.shown) shape.update();
+  }
+  updateMarks();
+  updateArrows();
+  placePickMark();
+  marks.visible = links.visible = main.shown;
+  ground.visible = axes.visible = get("ground").checked;
+  sun.castShadow = get("shadow").checked && ground.visible && economy === 0;
+  renderer.render(scene, lens());
+}
+
+// Brings everything to the position; once per frame of the browser at most.
 function show() {
-  paint(state.position, { wake: get("wake").checked, trace: get("trace").checked });
-  paintStrip();
+  const time = main.timeAt(main.position);
+  for (const run of runs) if (run !== main) run.goTo(run.positionAt(time));
+  const clock = `t = ${compact(time, 4)} s`;
+  get("clock").textContent = clock;
+  get("time").value = Math.round(main.position);
+  get("time").setAttribute("aria-valuetext", clock);
+  if (filming) filming(); else render();
+  showRuler();
   for (const { cell, text, swatch, mark } of rows) {
     cell.textContent = text();
     if (mark) mark.style.background = swatch();
   }
-  const clock = `t = ${timeAt(state.position).toFixed(4)} s`;
-  get("clock").textContent = clock;
-  get("time").value = Math.round(state.position);
-  get("time").setAttribute("aria-valuetext", clock);
+  for (const chart of charts) chart.keep();
+  showPicked();
+  showHover();
 }
 
-// At most one picture per frame of the browser.
 let waiting = false;
 function changed() {
   if (waiting) return;
@@ -129,81 +130,100 @@ function changed() {
 }
 
 function seek(position) {
-  state.position = Math.max(0, Math.min(frameCount - 1, position));
+  main.goTo(Math.max(0, Math.min(main.last, position)));
   changed();
 }
 
 function play(on) {
-  if (on && state.position >= frameCount - 1) state.position = 0;
-  state.playing = on && frameCount > 1;
+  if (on && main.position >= main.last) main.goTo(0);
+  state.playing = on && main.count > 1;
   get("play").setAttribute("aria-pressed", String(state.playing));
   get("play").textContent = state.playing ? "❚❚ pause" : "▶ play";
-  state.last = 0;
-  if (state.playing) requestAnimationFrame(tick);
+  Object.assign(state, { last: 0, slow: 0, economy: 0 });
+  if (state.playing) requestAnimationFrame(tick); else changed();
 }
-
 function tick(now) {
   if (!state.playing) return;
   if (state.last) {
-    let time = timeAt(state.position) + SPEEDS[get("speed").selectedIndex] * (now - state.last) / 1000;
-    if (time >= timeOf(frameCount - 1)) {
-      if (get("repeat").checked) time = timeOf(0); else play(false);
+    let time = main.timeAt(main.position) + SPEEDS[get("speed").selectedIndex] * (now - state.last) / 1000;
+    if (time >= main.timeOf(main.last)) {
+      if (get("repeat").checked) time = main.timeOf(0); else { time = main.timeOf(main.last); play(false); }
     }
-    state.position = positionAt(time);
+    main.goTo(main.positionAt(time));
     show();
+    state.slow = now - state.last > 90 ? state.slow + 1 : 0;
+    if (state.slow > 3) { state.economy = Math.min(2, state.economy + 1); state.slow = 0; }
   }
   state.last = now;
   if (state.playing) requestAnimationFrame(tick);
 }
 
-function setView(name) {
-  restarts = true;
-  look(name);
-  changed();
-}
-
+function setView(name) { look(name); changed(); }
 function stepBy(frames) {
   play(false);
-  seek((frames > 0 ? Math.floor(state.position) : Math.ceil(state.position)) + frames);
+  seek((frames > 0 ? Math.floor(main.position) : Math.ceil(main.position)) + frames);
 }
-
 function setSpeed(steps) {
   const list = get("speed");
   list.selectedIndex = Math.max(0, Math.min(SPEEDS.length - 1, list.selectedIndex + steps));
 }
-
-function toggleTheme() {
-  const root = document.documentElement;
-  const dark = root.dataset.theme ? root.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
-  root.dataset.theme = dark ? "light" : "dark";
+const systemDark = matchMedia("(prefers-color-scheme: dark)");
+let chosenDark = null;
+function setTheme() {
+  document.documentElement.dataset.dark = String(chosenDark === null ? systemDark.matches : chosenDark);
   readInks();
+  charts.forEach(chart => chart.build());
   changed();
 }
-
+function toggleTheme() {
+  chosenDark = document.documentElement.dataset.dark !== "true";
+  setTheme();
+}
 function reset() {
   play(false);
-  state.position = 0;
-  setView("oblique");
+  main.goTo(0);
+  if (camera.flat) toggleFlat();
+  setView("iso");
 }
-
 function toggle(id) {
   get(id).checked = !get(id).checked;
   changed();
 }
+function toggleFlat() {
+  camera.flat = !camera.flat;
+  get("flat").setAttribute("aria-pressed", String(camera.flat));
+  changed();
+}
+function setFollow(name) {
+  get("follow").value = name;
+  followed = followPoint();
+  if (followed) { const shift = plus(followed, camera.target, -1); camera.target = plus(camera.target, shift); }
+  changed();
+}
+function frameNow() { frameAll(presentPoints()); changed(); }
+const savePicture = async () => save(await pictureBlob(), ".png");
+async function saveFilm() {
+  say("filming: the run plays once");
+  save(await filmBlob(), ".webm");
+  say("");
+}
+function say(text) { get("said").textContent = text; }
 
 const KEYS = {
   " ": () => play(!state.playing), ArrowLeft: () => stepBy(-1), ArrowRight: () => stepBy(1),
-  ArrowUp: () => setSpeed(1), ArrowDown: () => setSpeed(-1), Home: () => seek(0), End: () => seek(frameCount - 1),
-  1: () => setView("x"), 2: () => setView("y"), 3: () => setView("z"), 4: () => setView("oblique"),
-  r: reset, t: toggleTheme, w: () => toggle("wake"), f: () => { get("follow").checked = !follows(); setView("oblique"); }, "+": () => { zoom(0.85); changed(); }, "-": () => { zoom(1 / 0.85); changed(); },
+  ArrowUp: () => setSpeed(1), ArrowDown: () => setSpeed(-1), Home: () => seek(0), End: () => seek(main.last),
+  1: () => setView("front"), 2: () => setView("side"), 3: () => setView("top"), 4: () => setView("iso"), a: frameNow, o: toggleFlat,
+  r: reset, t: toggleTheme, w: () => toggle("wake"), f: () => setFollow(get("follow").value === "nothing" ? "machine" : "nothing"),
+  p: savePicture, "+": () => { zoom(0.85); changed(); }, "-": () => { zoom(1 / 0.85); changed(); },
 };
 const TURNS = { ArrowLeft: [-0.12, 0], ArrowRight: [0.12, 0], ArrowUp: [0, -0.12], ArrowDown: [0, 0.12] };
 document.addEventListener("keydown", event => {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
-  const tag = event.target.tagName;
-  // lists and the slider have their own use for arrows, buttons and boxes for the space bar
-  if (tag === "SELECT" || (tag === "INPUT" && event.target.type === "range" && event.key !== " " && event.key.length > 1)) return;
-  if ((tag === "BUTTON" || tag === "INPUT") && event.key === " " && event.target.type !== "range") return;
+  const { tagName: tag, type } = event.target;
+  // lists, texts and the slider have their own use for keys, buttons and boxes for the space bar
+  if (tag === "SELECT" || (tag === "INPUT" && !["range", "checkbox", "file"].includes(type))) return;
+  if (tag === "INPUT" && type === "range" && event.key !== " " && event.key.length > 1) return;
+  if (["BUTTON", "INPUT", "SUMMARY"].includes(tag) && event.key === " " && type !== "range") return;
   const turning = event.shiftKey && TURNS[event.key];
   const action = turning ? () => { turn(...turning); changed(); } : KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
   if (!action) return;
@@ -212,42 +232,134 @@ document.addEventListener("keydown", event => {
 });
 
 function listen() {
-  get("play").addEventListener("click", () => play(!state.playing));
-  get("back").addEventListener("click", () => stepBy(-1));
-  get("forth").addEventListener("click", () => stepBy(1));
-  get("reset").addEventListener("click", reset);
-  get("theme").addEventListener("click", toggleTheme);
+  const click = (id, action) => get(id).addEventListener("click", action);
+  click("play", () => play(!state.playing));
+  click("back", () => stepBy(-1));
+  click("forth", () => stepBy(1));
+  click("reset", reset);
+  click("theme", toggleTheme);
+  click("flat", toggleFlat);
+  click("frame", frameNow);
+  click("save-picture", savePicture);
+  click("save-film", saveFilm);
+  click("save-table", () => save(new Blob([tableText()], { type: "text/csv" }), ".csv"));
   get("time").addEventListener("input", event => { play(false); seek(Number(event.target.value)); });
-  for (const id of ["wake", "trace", "quantity"]) get(id).addEventListener("change", changed);
-  get("follow").addEventListener("change", () => setView("oblique"));
+  for (const id of ["wake", "trace", "joints", "gauges", "lattice", "glass", "ground", "shadow"]) get(id).addEventListener("change", () => { setScales(); changed(); });
+  get("circulation").addEventListener("change", () => { setScales(); changed(); });
+  get("follow").addEventListener("change", event => setFollow(event.target.value));
+  get("field").addEventListener("change", event => { field = FIELDS[event.target.value]; ranges.body = null; get("range").value = ""; setScales(); changed(); });
+  const number = (id, key) => get(id).addEventListener("input", event => {
+    const value = Number(event.target.value);
+    ranges[key] = value > 0 ? value : null;
+    setScales();
+    changed();
+  });
+  number("range", "body");
+  number("circulation-range", "circulation");
   for (const button of document.querySelectorAll("[data-view]")) button.addEventListener("click", () => setView(button.dataset.view));
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { readInks(); changed(); });
+  get("open").addEventListener("change", event => { if (event.target.files[0]) openTable(event.target.files[0]); event.target.value = ""; });
+  document.addEventListener("dragover", event => event.preventDefault());
+  document.addEventListener("drop", event => { event.preventDefault(); if (event.dataTransfer.files[0]) openTable(event.dataTransfer.files[0]); });
+  systemDark.addEventListener("change", setTheme);
   new ResizeObserver(changed).observe(canvas);
-  listenToPointers(changed);
+  listenToPointers(changed, hover, pick);
+}
+
+// Boxes of runs and tables that can be hidden.
+function listRuns() {
+  const all = [...runs, ...tables];
+  get("runs").hidden = all.length < 2;
+  get("runs").replaceChildren(...all.map(one => {
+    const label = document.createElement("label"), box = document.createElement("input"), mark = document.createElement("span");
+    Object.assign(box, { type: "checkbox", checked: one.shown });
+    box.addEventListener("change", () => { one.shown = box.checked; charts.forEach(chart => chart.build()); changed(); });
+    mark.className = "swatch";
+    mark.style.background = one instanceof Run ? (one === main ? inks.body : RUN_INKS[one.index % RUN_INKS.length]) : "none";
+    label.append(box, mark, one instanceof Run ? `${one.label}${one === main ? "" : " – – –"}` : `${one.label} · · ·`);
+    return label;
+  }));
+}
+
+function buildControls() {
+  get("name").textContent = about.name;
+  get("about").textContent = about.description;
+  get("time").max = main.last;
+  for (const speed of SPEEDS) get("speed").add(new Option(`${speed} ×`));
+  // the whole run within about eight seconds
+  const wanted = main.duration / 8;
+  get("speed").selectedIndex = SPEEDS.reduce((best, speed, i) =>
+    Math.abs(Math.log(speed / wanted)) < Math.abs(Math.log(SPEEDS[best] / wanted)) ? i : best, 0);
+  for (const [name, { title }] of Object.entries(FIELDS)) get("field").add(new Option(title, name));
+  for (const name of ["nothing", "machine", ...about.tips, "picked"]) {
+    get("follow").add(new Option({ nothing: "nothing", machine: "the machine", picked: "what is picked" }[name] || `end of ${name}`, name));
+  }
+  get("follow").querySelector("[value=picked]").disabled = true;
+  for (const set of arrowSets) {
+    const label = document.createElement("label"), box = document.createElement("input"), mark = document.createElement("span");
+    Object.assign(box, { type: "checkbox", id: `arrow-${set.name}`, checked: Boolean(set.shown) });
+    box.addEventListener("change", changed);
+    mark.className = "swatch";
+    mark.style.background = set.ink;
+    label.append(box, mark, `${set.title}, longest ${figures(set.most, 3)} ${set.unit}`);
+    get("arrows").append(label);
+  }
+  const hasAir = about.surfaces.length > 0;
+  for (const element of document.querySelectorAll(".airy")) element.hidden = !hasAir;
+  for (const id of ["circulation", "circulation-range"]) get(id).parentElement.hidden = !about.strips;
+  get("wake-label").hidden = !about.wakes.length;
+  if (!filmType) Object.assign(get("save-film"), { disabled: true, title: "This browser records no WebM" });
+  const left = [];
+  if (main.count < about.recorded) left.push(`${main.count} of ${about.recorded} points in time are drawn`);
+  if (about.signalRows < about.points) left.push(`plots have ${about.signalRows} of ${about.points} points`);
+  for (const table of tables) if (table.rows < table.recorded) left.push(`${table.label} has ${table.rows} of ${table.recorded} rows`);
+  get("thinned").hidden = !left.length;
+  get("thinned").textContent = `${left.join("; ")}, at equal intervals: peaks between them do not show.`;
+  get("events").replaceChildren(...eventsSeen().map(event => {
+    const mark = document.createElement("button");
+    Object.assign(mark, { type: "button", title: `${event.text}, ${compact(event.t, 4)} s` });
+    mark.setAttribute("aria-label", `Go to ${event.t.toFixed(4)} s: ${event.text}`);
+    mark.style.left = `${100 * (main.positionAt(event.t) / Math.max(1, main.last))}%`;
+    mark.style.background = EVENT_INKS[event.kind];
+    mark.addEventListener("click", () => { play(false); seek(main.positionAt(event.t)); });
+    return mark;
+  }));
+}
+
+function buildScene() {
+  buildLights();
+  buildGround();
+  buildAxes();
+  for (const run of runs) {
+    run.about.bodies.forEach((body, b) => { if (!body.rigid) shapes.push(new BodyShape(run, b)); });
+    run.about.surfaces.forEach((_, i) => shapes.push(new SurfaceShape(run, i)));
+  }
+  for (const { mesh, lattice } of shapes) { scene.add(mesh); if (lattice) scene.add(lattice); }
+  if (wakeMesh) scene.add(wakeMesh);
+  for (const object of [links, traces, pickMark]) { object.frustumCulled = false; scene.add(object); }
+  pickMark.renderOrder = 9;
+  scene.add(marks);
+  pickables.push(...shapes.map(({ mesh }) => mesh), ...marks.children);
+  buildArrows();
 }
 
 function begin() {
-  get("name").textContent = about.name;
-  get("about").textContent = about.description;
-  get("time").max = frameCount - 1;
-  for (const speed of SPEEDS) get("speed").add(new Option(`${speed} ×`));
-  // the whole run within about eight seconds
-  const wanted = duration / 8;
-  get("speed").selectedIndex = SPEEDS.reduce((best, speed, i) =>
-    Math.abs(Math.log(speed / wanted)) < Math.abs(Math.log(SPEEDS[best] / wanted)) ? i : best, 0);
-  for (const [name] of quantities) get("quantity").add(new Option(name));
-  buildTable();
-  addScale("strain (µm/m)", STRAIN_MAP, extents.strain, microstrain);
-  const hasWake = about.wakes.length > 0;
-  get("wake-label").hidden = !hasWake;
-  if (hasWake) {
-    const digits = digitsFor(extents.circulation, 2);
-    addScale("circulation of the wake (m²/s)", WAKE_MAP, extents.circulation, value => compact(value, digits));
-  }
-  get("follow").checked = extents.size > 4 * extents.wing;
+  document.documentElement.dataset.dark = String(systemDark.matches);
   readInks();
+  buildScene();
+  readInks();
+  buildControls();
+  addScale("body-scale");
+  addScale("air-scale");
+  buildTable();
+  buildPlots();
+  listRuns();
   listen();
-  look("oblique");
+  setScales();
+  get("missing").hidden = renderer !== null;
+  get("stage").classList.toggle("without", renderer === null);
+  if (extents.size > 4 * extents.wing) setFollow("machine");
+  look("iso");
+  if (get("follow").value === "machine") { camera.distance = 2.4 * extents.wing / (2 * HALF_VIEW) * 0.5; camera.target = followPoint(); }
   show();
 }
 begin();

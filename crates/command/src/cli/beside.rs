@@ -1,0 +1,93 @@
+//! `--beside`: other runs and measurements that the page of `--view` lays over the run.
+
+use crate::cli::grid::Grid;
+use crate::cli::settings::plant_with;
+use crate::cli::{Failure, read_model};
+use crate::report::Recording;
+use crate::report::number;
+use crate::report::signals::Signals;
+use crate::report::viewer::{Companion, PackedRun, Table, run_of_page};
+use foldwing_fmi::interface::{Causality, Interface, Variable};
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+/// What a file is, by its extension.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Model,
+    Page,
+    Table,
+}
+
+fn kind(path: &Path) -> Result<Kind, Failure> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    match extension.as_str() {
+        "toml" => Ok(Kind::Model),
+        "html" | "htm" => Ok(Kind::Page),
+        "csv" => Ok(Kind::Table),
+        _ => Err(Failure::Usage(format!(
+            "--beside {}: must be a model file (.toml), a page of --view (.html) or a table over time (.csv)",
+            path.display()
+        ))),
+    }
+}
+
+/// Number of runs in the page: the own one, and those of models and pages.
+pub(super) fn runs(paths: &[PathBuf]) -> Result<usize, Failure> {
+    paths.iter().try_fold(1, |runs, path| Ok(runs + usize::from(kind(path)? != Kind::Table)))
+}
+
+/// Reads, or for models simulates at the same communication points, what is to be laid beside.
+pub(super) fn companions(paths: &[PathBuf], grid: &Grid, frames: u64) -> Result<Vec<Companion>, Failure> {
+    let runs = runs(paths)?;
+    paths.iter().map(|path| companion(path, grid, frames, runs)).collect()
+}
+
+fn companion(path: &Path, grid: &Grid, frames: u64, runs: usize) -> Result<Companion, Failure> {
+    let name = path.display().to_string();
+    let unreadable = |error: std::io::Error| Failure::Files(format!("{name}: cannot be read: {error}"));
+    let refused = |cause: String| Failure::Refused(format!("{name}: {cause}"));
+    let label = path.file_name().map_or_else(|| name.clone(), |file| file.to_string_lossy().into_owned());
+    Ok(match kind(path)? {
+        Kind::Table => {
+            let file = File::open(path).map_err(unreadable)?;
+            Companion::Table { label, table: Table::read(file).map_err(refused)? }
+        }
+        Kind::Page => {
+            let text = std::fs::read_to_string(path).map_err(unreadable)?;
+            Companion::Run { label, run: run_of_page(&text).map_err(refused)? }
+        }
+        Kind::Model => Companion::Run { label, run: simulated(path, grid, frames, runs)? },
+    })
+}
+
+/// A model's run with its own start values and no inputs over time.
+fn simulated(path: &Path, grid: &Grid, frames: u64, runs: usize) -> Result<PackedRun, Failure> {
+    let (machine, _) = read_model(path)?;
+    let interface = Interface::new(&machine);
+    let outputs: Vec<&Variable> =
+        interface.variables().iter().filter(|variable| variable.causality == Causality::Output).collect();
+    let mut signals = Signals::new(columns(&outputs), grid.steps);
+    let mut plant = plant_with(machine, &interface, &[])?;
+    let failed = |error: foldwing_engine::plant::PlantError| {
+        Failure::Simulation(format!("--beside {}: {error}", path.display()))
+    };
+    plant.initialize(grid.start_s).map_err(failed)?;
+    let mut recording = Recording::new(&plant, grid.steps, frames);
+    for point in 0..=grid.steps {
+        if point > 0 {
+            plant.step(grid.time_s(point)).map_err(failed)?;
+        }
+        recording.include(&plant);
+        let value = |variable: &&Variable| {
+            interface.get(&plant, plant.outputs(), variable.value_reference).expect("rows come from the same table")
+        };
+        signals.include(plant.time_s(), outputs.iter().map(value).map(|value| number(&value)));
+    }
+    Ok(PackedRun::new(&recording, &signals, runs))
+}
+
+/// Names and units of variables.
+pub(super) fn columns(variables: &[&Variable]) -> Vec<(String, String)> {
+    variables.iter().map(|variable| (variable.name.clone(), variable.unit().to_owned())).collect()
+}

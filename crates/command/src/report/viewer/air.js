@@ -1,0 +1,115 @@
+
+// ---- lifting surfaces with their lattice, and the wake ---------------------------------------------------------------
+
+const colouredStrips = () => get("circulation").checked && about.strips > 0;
+
+// Quadrilaterals with corners of their own, so that each has its colour.
+function quads(count, material) {
+  const geometry = new THREE.BufferGeometry(), faces = [];
+  for (const name of ["position", "normal", "color"]) geometry.setAttribute(name, new THREE.BufferAttribute(new Float32Array(12 * count), 3));
+  for (let q = 0; q < count; q++) faces.push(4 * q, 4 * q + 1, 4 * q + 2, 4 * q, 4 * q + 2, 4 * q + 3);
+  geometry.setIndex(faces);
+  const mesh = new THREE.Mesh(geometry, material);
+  mesh.frustumCulled = false;
+  return mesh;
+}
+function setQuad(geometry, q, corners, rgb) {
+  const [position, normal, colour] = ["position", "normal", "color"].map(name => geometry.getAttribute(name).array);
+  const across = unit(cross(plus(corners[2], corners[0], -1), plus(corners[3], corners[1], -1)));
+  corners.forEach((corner, k) => {
+    for (let c = 0; c < 3; c++) {
+      position[12 * q + 3 * k + c] = corner[c];
+      normal[12 * q + 3 * k + c] = across[c];
+      colour[12 * q + 3 * k + c] = rgb[c];
+    }
+  });
+}
+function sendQuads(geometry, count) {
+  for (const name of ["position", "normal", "color"]) geometry.getAttribute(name).needsUpdate = true;
+  geometry.setDrawRange(0, 6 * count);
+  geometry.boundingSphere = null;
+}
+
+class SurfaceShape {
+  constructor(run, index) {
+    this.run = run;
+    this.index = index;
+    this.surface = run.about.surfaces[index];
+    this.firstStrip = run.about.surfaces.slice(0, index).reduce((sum, surface) => sum + surface.columns - 1, 0);
+    const ghost = { color: RUN_INKS[run.index % RUN_INKS.length], transparent: true, opacity: 0.3, depthWrite: false, side: THREE.DoubleSide };
+    const own = { vertexColors: true, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
+    this.mesh = quads(this.surface.columns - 1, new THREE.MeshLambertMaterial(run === main ? own : ghost));
+    this.mesh.castShadow = run === main;
+    this.mesh.userData.describe = hit => this.describe(hit);
+    this.lattice = lines(new THREE.LineBasicMaterial({ transparent: true, opacity: run === main ? 0.55 : 0.25 }));
+  }
+
+  corner(column, edge) { return vector(this.run.present, this.run.layout.surfaces[this.index] + 6 * column + 3 * edge); }
+  circulation(strip) { return this.run.present[this.run.layout.strips + this.firstStrip + strip]; }
+
+  update() {
+    const { surface, run } = this, plain = new THREE.Color(inks.surface).toArray(), rgb = [0, 0, 0];
+    for (let c = 0; c + 1 < surface.columns; c++) {
+      if (run === main && colouredStrips()) tint(WAKE_MAP, share(this.circulation(c), circulationRange()), rgb, 0);
+      const corners = [this.corner(c, 0), this.corner(c + 1, 0), this.corner(c + 1, 1), this.corner(c, 1)];
+      setQuad(this.mesh.geometry, c, corners, run === main && colouredStrips() ? rgb : plain);
+    }
+    sendQuads(this.mesh.geometry, surface.columns - 1);
+    if (run === main) {
+      const glass = get("glass").checked, { material } = this.mesh;
+      if (material.transparent !== glass) {
+        Object.assign(material, { transparent: glass, opacity: glass ? 0.35 : 1, depthWrite: !glass, needsUpdate: true });
+      }
+    }
+    const points = [], chordwise = get("lattice").checked ? Math.max(1, surface.panels) : 1;
+    for (let c = 0; c < surface.columns; c++) {
+      if (get("lattice").checked || c === 0 || c === surface.columns - 1) points.push(this.corner(c, 0), this.corner(c, 1));
+      if (c) for (let k = 0; k <= chordwise; k++) {
+        points.push(mix(this.corner(c - 1, 0), this.corner(c - 1, 1), k / chordwise), mix(this.corner(c, 0), this.corner(c, 1), k / chordwise));
+      }
+    }
+    setPoints(this.lattice, points);
+    this.lattice.material.color.set(run === main ? inks.edge : RUN_INKS[run.index % RUN_INKS.length]);
+  }
+
+  describe(hit) {
+    const strip = Math.floor(hit.faceIndex / 2), at = [hit.point.x, hit.point.y, hit.point.z];
+    const { run, surface } = this, body = run.about.bodies[surface.body].name;
+    const [inner, outer] = [0, 1].map(i => mix(this.corner(strip + i, 0), this.corner(strip + i, 1), 0.5)), way = plus(outer, inner, -1);
+    const along = Math.max(0, Math.min(1, dot(plus(at, inner, -1), way) / Math.max(dot(way, way), 1e-30)));
+    const edge = e => mix(this.corner(strip, e), this.corner(strip + 1, e), along), chord = plus(edge(1), edge(0), -1);
+    const across = Math.max(0, Math.min(1, dot(plus(at, edge(0), -1), chord) / Math.max(dot(chord, chord), 1e-30)));
+    const place = () => mix(edge(0), edge(1), across);
+    const rows = () => {
+      const found = [
+        ["strip", `${strip + 1} of ${surface.columns - 1}, at ${compact(100 * across, 0)} % of the chord`],
+        ["point at", `${place().map(c => compact(c, digitsFor(extents.size, 5))).join(", ")} m`],
+        ["chord there", `${figures(Math.hypot(...plus(edge(1), edge(0), -1)))} m`],
+      ];
+      if (run.about.strips) found.push(["circulation", `${figures(this.circulation(strip))} m²/s`]);
+      return found;
+    };
+    return { title: `surface of ${body}`, rows, place };
+  }
+}
+
+const mostRings = Math.max(0, ...about.rows.map((rows, frame) => rows.reduce((sum, count, i) => sum + count * (about.wakes[i] - 1), 0)));
+const wakeMesh = mostRings ? quads(mostRings, new THREE.MeshBasicMaterial({
+  vertexColors: true, transparent: true, opacity: 0.62, depthWrite: false, side: THREE.DoubleSide })) : null;
+function updateWake() {
+  if (!wakeMesh) return;
+  wakeMesh.visible = get("wake").checked && main.shown;
+  wakeReach = 0;
+  if (!wakeMesh.visible) return;
+  const rgb = [0, 0, 0];
+  let count = 0;
+  for (const { nodes, rings, rows, columns } of main.wakes(Math.floor(main.position))) {
+    const node = (row, column) => vector(main.numbers, nodes + 3 * (row * columns + column));
+    for (let r = 0; r < rows; r++) for (let c = 0; c + 1 < columns; c++) {
+      tint(WAKE_MAP, share(main.numbers[rings + r * (columns - 1) + c], circulationRange()), rgb, 0);
+      setQuad(wakeMesh.geometry, count++, [node(r, c), node(r, c + 1), node(r + 1, c + 1), node(r + 1, c)], rgb);
+    }
+    wakeReach = Math.max(wakeReach, Math.hypot(...plus(node(rows, 0), node(0, 0), -1)));
+  }
+  sendQuads(wakeMesh.geometry, count);
+}

@@ -1,0 +1,166 @@
+//! What is laid beside a run: tables (CSV) of measurements or of another run, and pages of other runs.
+
+use crate::report::viewer::packed::{FORMAT, PackedRun, encoded};
+use std::io::Read;
+
+/// Something to compare a run with.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Companion {
+    /// Another run.
+    Run {
+        /// What the page calls it.
+        label: String,
+        /// The run.
+        run: PackedRun,
+    },
+    /// Values over time.
+    Table {
+        /// What the page calls it.
+        label: String,
+        /// Its columns, the first of which is the time in s.
+        table: Table,
+    },
+}
+
+/// Values over time; cells that are empty are not a number.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// Names of the columns without the time.
+    pub names: Vec<String>,
+    /// Rows: time in s, then the values.
+    pub rows: Vec<f32>,
+    /// Rows of the file.
+    pub count: usize,
+}
+
+/// Numbers that a table may have in a page; of longer ones rows are left out at equal intervals.
+const MOST_NUMBERS: usize = 300_000;
+
+impl Table {
+    /// Reads CSV with a column `time` in s that ascends; lines that start with `#` are comments.
+    ///
+    /// # Errors
+    /// What is wrong and where: line and column.
+    pub fn read(source: impl Read) -> Result<Self, String> {
+        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(source);
+        let header = reader.headers().map_err(|error| error.to_string())?.clone();
+        let header: Vec<&str> = header.iter().map(|name| name.trim_start_matches('\u{feff}')).collect();
+        let Some(time) = header.iter().position(|name| *name == "time") else {
+            return Err(format!(
+                "line 1: there is no column `time` (s); the columns are {}",
+                header.iter().take(6).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+            ));
+        };
+        let names: Vec<String> =
+            header.iter().enumerate().filter(|(i, _)| *i != time).map(|(_, name)| (*name).to_owned()).collect();
+        if names.is_empty() {
+            return Err("line 1: there is only the column `time`; a column per variable is needed".to_owned());
+        }
+        if let Some(twice) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
+            return Err(format!("line 1: there are two columns `{}`", twice.1));
+        }
+        let (mut rows, mut last) = (Vec::new(), f64::NEG_INFINITY);
+        for record in reader.records() {
+            let record = record.map_err(|error| error.to_string())?;
+            let line = record.position().map_or(0, csv::Position::line);
+            let number = |column: usize| -> Result<f64, String> {
+                let text = &record[column];
+                if text.is_empty() && column != time {
+                    return Ok(f64::NAN);
+                }
+                text.parse().map_err(|_| {
+                    let comma = if text.contains(',') { "; decimals are written with a point" } else { "" };
+                    format!("line {line}, column `{}`: `{text}` is not a number{comma}", header[column])
+                })
+            };
+            let time_s = number(time)?;
+            if !time_s.is_finite() || time_s < last {
+                return Err(format!("line {line}, column `time`: {time_s} after {last}; times must ascend"));
+            }
+            last = time_s;
+            rows.push(time_s as f32);
+            for column in (0..header.len()).filter(|column| *column != time) {
+                rows.push(number(column)? as f32);
+            }
+        }
+        let (width, count) = (names.len() + 1, rows.len() / (names.len() + 1));
+        if count == 0 {
+            return Err("there are no rows below the header".to_owned());
+        }
+        let keep = count.min((MOST_NUMBERS / width).max(2));
+        if keep < count {
+            let row = |i: usize| (count - 1) * i / (keep - 1);
+            rows = (0..keep).flat_map(|i| rows[width * row(i)..width * (row(i) + 1)].to_vec()).collect();
+        }
+        Ok(Self { names, rows, count })
+    }
+
+    /// Rows that are kept.
+    pub fn kept(&self) -> usize {
+        self.rows.len() / (self.names.len() + 1)
+    }
+
+    /// The rows as text.
+    pub(super) fn numbers(&self) -> String {
+        encoded(&self.rows)
+    }
+}
+
+/// The run in the text of a page that [`super::page`] wrote: the first, if it has several.
+///
+/// # Errors
+/// Why it is none.
+pub fn run_of_page(text: &str) -> Result<PackedRun, String> {
+    let between = |begin: &str| -> Option<&str> {
+        let rest = &text[text.find(begin)? + begin.len()..];
+        Some(&rest[..rest.find("</script>")?])
+    };
+    let generated = text.contains("<meta name=\"generator\" content=\"foldwing\">");
+    let found = between(super::RUN_BEGINS).zip(between(super::NUMBERS_BEGIN));
+    let Some((description, numbers)) = found.filter(|_| generated) else {
+        return Err("is not a page that foldwing simulate --view of this version wrote; write it anew".to_owned());
+    };
+    let format = serde_json::from_str::<serde_json::Value>(description).ok().and_then(|read| read["format"].as_u64());
+    if format != Some(FORMAT) {
+        return Err("was written by another version of foldwing; write the page anew".to_owned());
+    }
+    Ok(PackedRun { description: description.to_owned(), numbers: numbers.to_owned() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_are_read_or_refused_with_line_and_column() {
+        let read = |text: &str| Table::read(text.as_bytes());
+        let table = read("# measured\nforce, time ,a\n1,0,2\n,0.5,4\n").unwrap();
+        assert_eq!(
+            (table.names.as_slice(), table.count, table.kept()),
+            (&["force".to_owned(), "a".to_owned()][..], 2, 2)
+        );
+        assert_eq!((table.rows[..4].to_vec(), table.rows[4].is_nan()), (vec![0.0, 1.0, 2.0, 0.5], true));
+        for (text, needed) in [
+            ("t,a\n0,1\n", "there is no column `time` (s); the columns are `t`, `a`"),
+            ("time\n0\n", "only the column `time`"),
+            ("time,a,a\n0,1,2\n", "two columns `a`"),
+            ("time,a\n0,1\n0.1,x\n", "line 3, column `a`: `x` is not a number"),
+            ("time,a\n0,\"1,5\"\n", "decimals are written with a point"),
+            ("time,a\n1,1\n0,1\n", "line 3, column `time`: 0 after 1; times must ascend"),
+            ("time,a\n0,1,2\n", "found record with 3 fields"),
+            ("time,a\n", "no rows"),
+        ] {
+            let message = read(text).unwrap_err();
+            assert!(message.contains(needed), "{text:?}: {message}");
+        }
+    }
+
+    /// A long table keeps both ends within the bound.
+    #[test]
+    fn long_tables_are_thinned() {
+        let text: String = (0..400_000).fold("time,a\n".to_owned(), |text, i| text + &format!("{i},1\n"));
+        let table = Table::read(text.as_bytes()).unwrap();
+        assert_eq!((table.count, table.kept()), (400_000, MOST_NUMBERS / 2));
+        assert_eq!((table.rows[0], table.rows[table.rows.len() - 2]), (0.0, 399_999.0));
+    }
+}

@@ -1,0 +1,121 @@
+
+// ---- bodies: closed surfaces around the recorded sections, coloured by a field ---------------------------------------
+
+// Points around a section with their outward directions: corners of a rectangle stand twice, an ellipse is round.
+function ringOf(rim) {
+  if (rim.length === 4) return rim.flatMap((p, j) => {
+    const q = rim[(j + 1) % 4], normal = unit([q[1] - p[1], p[0] - q[0], 0]);
+    return [[...p, normal[0], normal[1]], [...q, normal[0], normal[1]]];
+  });
+  const [a, b] = [0, 1].map(i => Math.max(...rim.map(p => Math.abs(p[i]))));
+  return Array.from({ length: 24 }, (_, j) => {
+    const angle = j * Math.PI / 12, [c, s] = [Math.cos(angle), Math.sin(angle)], normal = unit([c * b, s * a, 0]);
+    return [a * c, b * s, normal[0], normal[1]];
+  });
+}
+
+class BodyShape {
+  constructor(run, index) {
+    this.run = run;
+    this.index = index;
+    const body = run.about.bodies[index];
+    this.rings = body.rims.map(ringOf);
+    const around = this.around = this.rings[0].length, sections = this.rings.length;
+    const count = (sections + 2) * around;
+    const faces = [], step = body.rims[0].length === 4 ? 2 : 1;
+    for (let i = 0; i + 1 < sections; i++) for (let j = 0; j < around; j += step) {
+      const k = (j + 1) % around, [a, b, c, d] = [i * around + j, i * around + k, (i + 1) * around + k, (i + 1) * around + j];
+      faces.push(a, b, c, a, c, d);
+    }
+    for (const [end, begin] of [[0, sections * around], [1, (sections + 1) * around]]) for (let j = 1; j + 1 < around; j++) {
+      faces.push(...(end ? [begin, begin + j, begin + j + 1] : [begin, begin + j + 1, begin + j]));
+    }
+    const geometry = new THREE.BufferGeometry();
+    for (const name of ["position", "normal", "color"]) geometry.setAttribute(name, new THREE.BufferAttribute(new Float32Array(3 * count), 3));
+    geometry.setIndex(faces);
+    const ghost = { color: RUN_INKS[run.index % RUN_INKS.length], transparent: true, opacity: 0.5 };
+    const material = new THREE.MeshLambertMaterial(run === main ? { vertexColors: true } : ghost);
+    this.mesh = new THREE.Mesh(geometry, material);
+    this.mesh.frustumCulled = false;
+    this.mesh.castShadow = run === main;
+    this.mesh.receiveShadow = run === main;
+    this.mesh.userData.describe = hit => this.describe(hit);
+  }
+
+  update() {
+    const { run, index, rings, around } = this, { geometry } = this.mesh;
+    const [position, normal, colour] = ["position", "normal", "color"].map(name => geometry.getAttribute(name));
+    const last = rings.length - 1, plain = new THREE.Color(inks.body);
+    let next = 0;
+    const add = (s, i, ring, outward) => {
+      for (const [y, z, ny, nz] of ring) {
+        for (let c = 0; c < 3; c++) {
+          position.array[next + c] = s.at[c] + y * s.y[c] + z * s.z[c];
+          normal.array[next + c] = outward ? outward[c] : ny * s.y[c] + nz * s.z[c];
+        }
+        if (run === main) {
+          if (field.value) tintBody(field.value(run, index, i, s, [y, z]), colour.array, next);
+          else plain.toArray(colour.array, next);
+        }
+        next += 3;
+      }
+    };
+    const sections = rings.map((_, i) => run.section(index, i));
+    sections.forEach((s, i) => add(s, i, rings[i]));
+    const along = s => cross(s.y, s.z);
+    add(sections[0], 0, rings[0], along(sections[0]).map(c => -c));
+    add(sections[last], last, rings[last], along(sections[last]));
+    position.needsUpdate = normal.needsUpdate = colour.needsUpdate = true;
+    geometry.boundingSphere = null;
+  }
+
+  // What lies under the eye: the place along the body, and the point of its section.
+  describe(hit) {
+    const { run, index, around, rings } = this;
+    const perInterval = rings[0].length === 8 ? 8 : 2 * around;
+    const interval = Math.floor(hit.faceIndex / perInterval), at = [hit.point.x, hit.point.y, hit.point.z];
+    let [i, part] = [interval, 0];
+    if (interval >= rings.length - 1) {
+      const outer = hit.faceIndex - perInterval * (rings.length - 1) >= around - 2;
+      [i, part] = outer ? [rings.length - 2, 1] : [0, 0];
+    } else {
+      const [a, b] = [run.section(index, i), run.section(index, i + 1)], way = plus(b.at, a.at, -1);
+      part = Math.max(0, Math.min(1, dot(plus(at, a.at, -1), way) / Math.max(dot(way, way), 1e-30)));
+      // the ends of a body are what one wants to read there
+      if (i === rings.length - 2 && part > 0.6) part = 1;
+      if (i === 0 && part < 0.4) part = 0;
+    }
+    const s = between(run, index, i, part), offset = plus(at, s.at, -1);
+    return bodyPlace(run, index, i, part, [dot(offset, s.y), dot(offset, s.z)]);
+  }
+}
+
+const three = vector => vector.map(value => figures(value, 4)).join(", ");
+
+// A place on a body as people read it; found anew at every time.
+function bodyPlace(run, body, index, part, point) {
+  const about = run.about.bodies[body];
+  const now = () => between(run, body, index, part);
+  const rows = () => {
+    const s = now(), load = elasticLoad(run, body, Math.round(index + part), s.measures);
+    const found = [
+      ["place", `${figures(about.places[index] + part * (about.places[index + 1] - about.places[index]))} m from the inner end`],
+      ["axis at", `${s.at.map(c => compact(c, digitsFor(extents.size, 6))).join(", ")} m`],
+      ["velocity", `${three(s.v)} m/s`],
+      ["strain", `${compact(1e6 * strainAt(s.measures, point), digitsFor(1e6 * largest(FIELDS.strain), 4))} µm/m`],
+      ["curvature", `${three(s.measures.slice(2))} 1/m (κy, κz)`],
+      ["elastic moment", `${three(load.slice(1))} N·m (Mx, My, Mz)`],
+    ];
+    const loads = run.about.stations.map((station, i) => [i, station]).filter(([, station]) => station.body === body);
+    if (loads.length) {
+      const away = i => Math.hypot(...plus(vector(run.present, run.layout.stations + PER_STATION * i), s.at, -1));
+      const [nearest, station] = loads.reduce((best, other) => (away(other[0]) < away(best[0]) ? other : best));
+      const place = run.layout.stations + PER_STATION * nearest;
+      found.push([station.name, `${three(vector(run.present, place + 3))} N`]);
+      if (run.about.winds) found.push(["air there", `${three(vector(run.present, place + 9))} N`]);
+    }
+    return found;
+  };
+  const title = run === main ? about.name : `${about.name} (${run.label})`;
+  return { title, rows, place: () => pointOf(now(), point) };
+}

@@ -1,0 +1,214 @@
+//! A run as a page holds it: a description as JSON, and single-precision numbers in base64.
+
+use crate::report::recording::{BodyScene, Frame, Recording};
+use crate::report::signals::Signals;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use foldwing_engine::machine::Travel;
+use foldwing_engine::plant::SurfaceLattice;
+use nalgebra::Vector3;
+use serde_json::{Value, json};
+
+/// Numbers that the frames of all runs of a page hold at most: with signals and libraries a page of one run stays below 10 MB.
+pub(super) const MOST_NUMBERS: usize = 1_200_000;
+
+/// Version of what `run.js` reads; a page of another version cannot be laid beside.
+pub(super) const FORMAT: u64 = 2;
+
+/// A run as text.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PackedRun {
+    /// JSON, safe inside its element of a page.
+    pub description: String,
+    /// Little-endian single-precision numbers, base64.
+    pub numbers: String,
+}
+
+impl PackedRun {
+    /// A recording with its signals; frames are left out at equal intervals, never the first nor the last, until it is
+    /// one of `runs` that share a page.
+    pub fn new(recording: &Recording, signals: &Signals, runs: usize) -> Self {
+        let chosen = chosen(&recording.frames, &recording.scene.travels, MOST_NUMBERS / runs.max(1));
+        let mut numbers: Vec<f32> = signals.rows.clone();
+        let mut begins = Vec::new();
+        let mut rows = Vec::new();
+        for frame in &chosen {
+            begins.push(numbers.len());
+            rows.push(frame.lattice.iter().map(|surface| surface.wake_circulation_m2_s.len()).collect::<Vec<_>>());
+            numbers.extend(fixed_part(frame, &recording.scene.travels));
+            numbers.extend(frame.lattice.iter().flat_map(wake_part));
+        }
+        let description = in_script(&description(recording, signals, &chosen, &begins, &rows));
+        Self { description, numbers: encoded(&numbers) }
+    }
+}
+
+/// Numbers as text.
+pub(super) fn encoded(numbers: &[f32]) -> String {
+    STANDARD.encode(numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>())
+}
+
+/// JSON that stays within its element of the page, and that holds none of the page's own placeholders.
+pub(super) fn in_script(value: &Value) -> String {
+    // both stand in texts only, where the escapes mean the same
+    value.to_string().replace('<', "\\u003c").replace("{{", "{\\u007b")
+}
+
+/// As many frames as there is room for, at equal intervals.
+fn chosen<'f>(frames: &'f [Frame], travels: &[Travel], most: usize) -> Vec<&'f Frame> {
+    let size = |frame: &Frame| {
+        fixed_part(frame, travels).len() + frame.lattice.iter().map(|s| wake_part(s).len()).sum::<usize>()
+    };
+    let largest = frames.iter().map(size).max().unwrap_or(0).max(1);
+    let count = frames.len().min((most / largest).max(2));
+    (0..count).map(|i| &frames[(frames.len() - 1) * i / (count - 1).max(1)]).collect()
+}
+
+/// Scalars, then what is drawn, in the order that `run.js` reads.
+fn fixed_part(frame: &Frame, travels: &[Travel]) -> Vec<f32> {
+    let (energy, acting) = (&frame.energy, &frame.acting);
+    let coordinates = travels.iter().zip(&frame.angles_rad).map(|(travel, coordinate)| travel.shown(*coordinate));
+    let latched = frame.latched.iter().map(|latched| f64::from(u8::from(*latched)));
+    let scalars = [frame.time_s].into_iter().chain(coordinates).chain(latched).chain(frame.strains.iter().copied());
+    let energies =
+        [energy.kinetic, energy.elastic, energy.gravity, energy.drive, energy.work, energy.dissipated, energy.total];
+    let sections = frame.sections.iter().flatten().flat_map(|section| {
+        let axes: [Vector3<f64>; 4] = [
+            section.position_m,
+            section.rotation.column(1).into(),
+            section.rotation.column(2).into(),
+            section.velocity_m_s,
+        ];
+        axes.into_iter().flat_map(components).chain(section.measures.iter().copied().collect::<Vec<_>>())
+    });
+    let edges = frame.edges_m.iter().flatten().flatten().copied().flat_map(components);
+    let stations = (0..acting.stations_m.len()).flat_map(|i| {
+        let of_one = [acting.stations_m[i], acting.forces_n[i], acting.moments_n_m[i], acting.air_n[i]];
+        of_one.into_iter().flat_map(components)
+    });
+    let reactions = acting.reactions.iter().flatten().copied().flat_map(components);
+    let wind = acting.wind_m_s.iter().copied().flat_map(components);
+    scalars
+        .chain(energies)
+        .chain(frame.gauges_m.iter().copied().flat_map(components))
+        .chain(sections)
+        .chain(edges)
+        .chain(stations)
+        .chain(reactions)
+        .chain(components(acting.gravity_m_s2))
+        .chain(wind)
+        .chain(acting.circulation_m2_s.iter().copied())
+        .map(|number| number as f32)
+        .collect()
+}
+
+fn components(vector: Vector3<f64>) -> [f64; 3] {
+    [vector.x, vector.y, vector.z]
+}
+
+/// Nodes of the wake, then circulations of its rings.
+fn wake_part(surface: &SurfaceLattice) -> Vec<f32> {
+    let nodes = surface.wake_node_m.iter().flatten().flat_map(|node| node.iter());
+    nodes.chain(surface.wake_circulation_m2_s.iter().flatten()).map(|number| *number as f32).collect()
+}
+
+/// What `run.js` must know to read the numbers, and the words of the page.
+fn description(
+    recording: &Recording,
+    signals: &Signals,
+    frames: &[&Frame],
+    begins: &[usize],
+    rows: &[Vec<usize>],
+) -> Value {
+    let scene = &recording.scene;
+    let body = |body: &BodyScene| {
+        json!({
+            "name": body.name, "joint": body.joint, "rims": body.rims_m, "places": body.places_m,
+            "stiffness": body.stiffness, "rigid": body.is_rigid, "outlined": body.has_outline,
+        })
+    };
+    let first = frames.first();
+    let columns = first.map_or_else(Vec::new, |frame| frame.edges_m.iter().map(Vec::len).collect());
+    let surfaces: Vec<_> = scene
+        .surfaces
+        .iter()
+        .zip(&columns)
+        .map(|(surface, columns)| json!({ "body": surface.body, "columns": columns, "panels": surface.chord_panels }))
+        .collect();
+    let wake_columns = |surface: &SurfaceLattice| surface.wake_node_m.first().map_or(0, Vec::len);
+    let wakes = first.map_or_else(Vec::new, |frame| frame.lattice.iter().map(wake_columns).collect::<Vec<_>>());
+    let acting = first.map(|frame| &frame.acting);
+    let hinges: Vec<_> = scene
+        .hinges
+        .iter()
+        .map(|hinge| {
+            json!({
+                "name": hinge.name, "body": hinge.body, "kind": hinge.kind, "axis": components(hinge.axis),
+                "freedom": hinge.freedom, "latch": hinge.has_latch,
+            })
+        })
+        .collect();
+    let masses: Vec<_> = scene
+        .masses
+        .iter()
+        .map(|mass| {
+            json!({
+                "name": mass.name, "body": mass.body, "place": mass.place_m, "offset": components(mass.offset_m),
+                "kg": mass.mass_kg,
+            })
+        })
+        .collect();
+    let stations: Vec<_> =
+        scene.stations.iter().map(|station| json!({ "name": station.name, "body": station.body })).collect();
+    let mut events: Vec<_> = recording.watch.events.iter().collect();
+    events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    let events: Vec<_> =
+        events.iter().map(|event| json!({ "t": event.time_s, "text": event.text, "kind": event.kind })).collect();
+    json!({
+        "format": FORMAT,
+        "name": scene.name,
+        "description": scene.description,
+        "bodies": scene.bodies.iter().map(body).collect::<Vec<_>>(),
+        "joints": scene.joints.iter().map(|(name, _)| name).collect::<Vec<_>>(),
+        "units": scene.travels.iter().map(|travel| if *travel == Travel::Rotation { "°" } else { " m" }).collect::<Vec<_>>(),
+        "coordinates": scene.travels.iter().map(|travel| travel.coordinate()).collect::<Vec<_>>(),
+        "gauges": scene.gauges.iter().map(|gauge| json!({ "name": gauge.name, "body": gauge.body, "place": gauge.place_m })).collect::<Vec<_>>(),
+        "tips": scene.tips,
+        "hinges": hinges,
+        "masses": masses,
+        "stations": stations,
+        "energies": ["kinetic", "elastic", "gravity", "drive", "work of inputs", "dissipated", "total"],
+        "surfaces": surfaces,
+        "winds": acting.map_or(0, |acting| acting.wind_m_s.len()),
+        "strips": acting.map_or(0, |acting| acting.circulation_m2_s.len()),
+        "wakes": wakes,
+        "events": events,
+        "begins": begins,
+        "rows": rows,
+        "signals": signals.columns.iter().map(|(name, unit)| json!([name, unit])).collect::<Vec<_>>(),
+        "signalRows": signals.kept(),
+        "points": signals.points,
+        "recorded": recording.seen,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::recording::tests::{recorded, shipped};
+
+    /// Frames are left out before a page becomes too large, and the first and the last stay.
+    #[test]
+    fn pages_are_bounded() {
+        let short = recorded(shipped("folding_wing"), 2);
+        let one = fixed_part(&short.frames[0], &short.scene.travels).len();
+        let count = 3 * MOST_NUMBERS / one;
+        let mut frames = vec![short.frames[1].clone(); count];
+        frames[0] = short.frames[0].clone();
+        frames[count - 1] = short.frames[2].clone();
+        let kept = chosen(&frames, &short.scene.travels, MOST_NUMBERS);
+        assert!(kept.len() * one <= MOST_NUMBERS && (kept.len() + 1) * one > MOST_NUMBERS, "{} frames", kept.len());
+        assert_eq!((kept[0].time_s, kept[kept.len() - 1].time_s), (short.frames[0].time_s, short.frames[2].time_s));
+        assert!(chosen(&frames, &short.scene.travels, MOST_NUMBERS / 2).len() <= kept.len().div_ceil(2));
+    }
+}

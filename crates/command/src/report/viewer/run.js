@@ -1,0 +1,185 @@
+"use strict";
+
+// ---- runs: numbers of every frame, and what they mean ---------------------------------------------------------------
+
+const get = id => document.getElementById(id);
+
+// Little-endian single precision, whatever the machine is.
+function numbersOf(text) {
+  const bytes = Uint8Array.from(atob(text.trim()), letter => letter.charCodeAt(0));
+  if (new Uint8Array(new Uint16Array([1]).buffer)[0] === 1) return new Float32Array(bytes.buffer);
+  const view = new DataView(bytes.buffer);
+  return Float32Array.from({ length: bytes.length / 4 }, (_, i) => view.getFloat32(4 * i, true));
+}
+
+const PER_SECTION = 16, PER_STATION = 12;
+
+// Where things stand in the part of a frame that has the same length in all frames.
+function layoutOf(about) {
+  let next = 0;
+  const take = count => { const begin = next; next += count; return begin; };
+  const found = {
+    time: take(1), angles: take(about.joints.length), latched: take(about.joints.length), strains: take(about.gauges.length),
+    energies: take(about.energies.length), gauges: take(3 * about.gauges.length),
+  };
+  found.bodies = about.bodies.map(body => take(PER_SECTION * body.rims.length));
+  found.surfaces = about.surfaces.map(surface => take(6 * surface.columns));
+  found.stations = take(PER_STATION * about.stations.length);
+  found.reactions = take(6 * about.bodies.length);
+  found.gravity = take(3);
+  found.winds = take(3 * about.winds);
+  found.strips = take(about.strips);
+  found.length = next;
+  return found;
+}
+
+class Run {
+  constructor(aboutText, numbersText, label, index) {
+    this.about = JSON.parse(aboutText);
+    this.numbers = numbersOf(numbersText);
+    this.layout = layoutOf(this.about);
+    this.count = this.about.begins.length;
+    this.label = label;
+    this.index = index;
+    this.shown = true;
+    this.position = 0;
+    this.present = new Float32Array(this.layout.length);
+    this.columns = new Map();
+    this.goTo(0);
+  }
+
+  valueAt(frame, place) { return this.numbers[this.about.begins[frame] + place]; }
+  timeOf(frame) { return this.valueAt(frame, this.layout.time); }
+  get last() { return this.count - 1; }
+  get duration() { return this.timeOf(this.last) - this.timeOf(0); }
+
+  // Time at a position (frames), and position at a time; times ascend.
+  timeAt(position) {
+    const before = Math.min(Math.floor(position), this.last), after = Math.min(before + 1, this.last);
+    return this.timeOf(before) + (position - before) * (this.timeOf(after) - this.timeOf(before));
+  }
+  positionAt(time) {
+    let low = 0, high = this.last;
+    if (time <= this.timeOf(low)) return low;
+    if (time >= this.timeOf(high)) return high;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (this.timeOf(middle) <= time) low = middle; else high = middle;
+    }
+    return low + (time - this.timeOf(low)) / (this.timeOf(high) - this.timeOf(low));
+  }
+
+  // The fixed part between two frames; lengths of axes are put right again by `section`.
+  goTo(position) {
+    this.position = position;
+    const before = Math.min(Math.floor(position), this.last), after = Math.min(before + 1, this.last);
+    const share = position - before, { numbers, present } = this;
+    const [a, b] = [this.about.begins[before], this.about.begins[after]];
+    for (let i = 0; i < present.length; i++) present[i] = numbers[a + i] + share * (numbers[b + i] - numbers[a + i]);
+    for (let i = 0; i < this.about.joints.length; i++) present[this.layout.latched + i] = numbers[a + this.layout.latched + i];
+  }
+
+  // Section of a body now, or at a frame: position, axes y and z, velocity of the axis, measures (γ, k₁, k₂, k₃).
+  section(body, index, frame) {
+    const list = frame === undefined ? this.present : this.numbers;
+    const place = (frame === undefined ? 0 : this.about.begins[frame]) + this.layout.bodies[body] + PER_SECTION * index;
+    return {
+      at: vector(list, place), y: unit(vector(list, place + 3)), z: unit(vector(list, place + 6)), v: vector(list, place + 9),
+      measures: [list[place + 12], list[place + 13], list[place + 14], list[place + 15]],
+    };
+  }
+
+  // Wake of a frame: places of the first node and the first circulation in `numbers`, rows and columns, per surface.
+  wakes(frame) {
+    let place = this.about.begins[frame] + this.layout.length;
+    return this.about.wakes.map((columns, surface) => {
+      const rows = this.about.rows[frame][surface], nodes = place, rings = place + 3 * (rows + 1) * columns;
+      place = rings + rows * (columns - 1);
+      return { nodes, rings, rows, columns };
+    });
+  }
+
+  // Values of one recorded signal; column 0 is the time.
+  signal(column) {
+    if (!this.columns.has(column)) {
+      const width = this.about.signals.length + 1;
+      this.columns.set(column, Array.from({ length: this.about.signalRows }, (_, row) => this.numbers[row * width + column]));
+    }
+    return this.columns.get(column);
+  }
+}
+
+const vector = (list, place) => [list[place], list[place + 1], list[place + 2]];
+const plus = (a, b, factor = 1) => [a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = a => { const length = Math.hypot(...a) || 1; return a.map(c => c / length); };
+const mix = (a, b, share) => a.map((c, i) => c + share * (b[i] - c));
+const pointOf = (s, [y, z]) => plus(plus(s.at, s.y, y), s.z, z);
+
+const besides = JSON.parse(get("beside").textContent);
+const runs = [...document.querySelectorAll("script.run")].map((element, i) =>
+  new Run(element.textContent, element.nextElementSibling.textContent, i ? besides.runs[i - 1] : "this run", i));
+const main = runs[0], about = main.about;
+
+// Tables over time: measurements, or runs as CSV.
+const tables = [];
+function addTable(label, names, rows, numbers, recorded) {
+  const width = names.length + 1;
+  const column = c => Array.from({ length: rows }, (_, row) => { const value = numbers[row * width + c]; return Number.isNaN(value) ? null : value; });
+  tables.push({ label, names, rows, recorded, time: column(0), column: name => column(names.indexOf(name) + 1), shown: true });
+}
+[...document.querySelectorAll("script.table")].forEach((element, i) => {
+  const { label, names, rows, recorded } = besides.tables[i];
+  addTable(label, names, rows, numbersOf(element.textContent), recorded);
+});
+
+// Extents over a run: of the machine at the start, of all that it reaches, of what is painted.
+function extentsOf(run) {
+  const least = [Infinity, Infinity, Infinity], most = [-Infinity, -Infinity, -Infinity], points = [];
+  const { about, layout, numbers } = run;
+  let wing = 0;
+  const stride = Math.max(1, Math.floor(run.count / 60));
+  const include = (point, kept) => {
+    point.forEach((c, i) => { least[i] = Math.min(least[i], c); most[i] = Math.max(most[i], c); });
+    if (kept) points.push(point);
+  };
+  for (let frame = 0; frame < run.count; frame++) {
+    const kept = frame % stride === 0 || frame === run.last;
+    about.bodies.forEach((body, b) => body.rims.forEach((rim, i) => {
+      const s = run.section(b, i, frame);
+      if (kept) for (const point of rim) include(pointOf(s, point), true); else include(s.at, false);
+    }));
+    about.surfaces.forEach((surface, i) => {
+      for (let c = 0; c < 2 * surface.columns; c++) include(vector(numbers, about.begins[frame] + layout.surfaces[i] + 3 * c), kept);
+    });
+    for (const mass of about.masses) include(massPlace(run, mass, frame), kept);
+    if (frame === 0) wing = Math.hypot(...most.map((c, i) => c - least[i]));
+  }
+  const size = Math.max(Math.hypot(...most.map((c, i) => c - least[i])), 1e-6);
+  return { least, most, points, size, wing: Math.max(wing, 1e-6) };
+}
+
+// Place of a mass now or at a frame.
+function massPlace(run, mass, frame) {
+  const s = sectionAt(run, mass.body, mass.place, frame);
+  return [0, 1, 2].map(i => s.at[i] + mass.offset[0] * cross(s.y, s.z)[i] + mass.offset[1] * s.y[i] + mass.offset[2] * s.z[i]);
+}
+
+// Section anywhere on a body, between those that are recorded.
+function sectionAt(run, body, place, frame) {
+  const places = run.about.bodies[body].places;
+  let i = 0;
+  while (i + 2 < places.length && places[i + 1] < place) i++;
+  if (places.length === 1) return { ...run.section(body, 0, frame), index: 0, share: 0 };
+  return between(run, body, i, Math.max(0, Math.min(1, (place - places[i]) / (places[i + 1] - places[i]))), frame);
+}
+function between(run, body, index, share, frame) {
+  const [a, b] = [run.section(body, index, frame), run.section(body, index + 1, frame)];
+  return {
+    at: mix(a.at, b.at, share), y: unit(mix(a.y, b.y, share)), z: unit(mix(a.z, b.z, share)), v: mix(a.v, b.v, share),
+    measures: mix(a.measures, b.measures, share), index, share,
+  };
+}
+
+const extents = extentsOf(main);

@@ -1,0 +1,154 @@
+
+// ---- the stage: renderer, light and soft shadow, ground with its scale, axes -----------------------------------------
+
+const canvas = get("view");
+const styleOf = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+const WIDTH = Math.max(extents.wing, 1e-6);
+
+// Asked for before the library is: it writes to the console where there is no WebGL.
+const hasWebGL = (() => {
+  const probe = document.createElement("canvas").getContext("webgl2");
+  probe?.getExtension("WEBGL_lose_context")?.loseContext();
+  return probe !== null;
+})();
+
+const scene = new THREE.Scene();
+const sun = new THREE.DirectionalLight(0xffffff, 1.5);
+const renderer = hasWebGL ? makeRenderer() : null;
+
+function makeRenderer() {
+  THREE.ColorManagement.enabled = false; // colours are those of the scales
+  const made = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
+  made.outputColorSpace = THREE.LinearSRGBColorSpace;
+  made.shadowMap.enabled = true;
+  made.shadowMap.type = THREE.PCFShadowMap;
+  return made;
+}
+
+const ground = new THREE.Group();
+const floorZ = extents.least[2] - 0.06 * extents.size;
+const gridLines = lines(new THREE.LineBasicMaterial({ transparent: true, opacity: 0.9 }));
+const shade = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), new THREE.ShadowMaterial({ depthWrite: false }));
+const gridLabels = [];
+
+// Line segments whose points are set later.
+function lines(material) {
+  const found = new THREE.LineSegments(new THREE.BufferGeometry(), material);
+  found.frustumCulled = false;
+  return found;
+}
+function setPoints(object, points) {
+  const flat = new Float32Array(points.flat());
+  const old = object.geometry.getAttribute("position");
+  if (old && old.array.length >= flat.length) { old.array.set(flat); old.needsUpdate = true; } else {
+    object.geometry.dispose();
+    object.geometry.setAttribute("position", new THREE.BufferAttribute(flat, 3));
+  }
+  object.geometry.setDrawRange(0, points.length);
+}
+
+// A text that faces the eye, of a height in pixels of the page.
+function sign(text, pixels = 13) {
+  const drawn = document.createElement("canvas"), pen = drawn.getContext("2d");
+  const font = `${3 * pixels}px system-ui, "DejaVu Sans", sans-serif`;
+  pen.font = font;
+  drawn.width = Math.ceil(pen.measureText(text).width) + 8;
+  drawn.height = Math.ceil(3.9 * pixels);
+  pen.font = font;
+  pen.fillStyle = "#fff";
+  pen.textBaseline = "middle";
+  pen.fillText(text, 4, drawn.height / 2);
+  const map = new THREE.CanvasTexture(drawn);
+  Object.assign(map, { generateMipmaps: false, minFilter: THREE.LinearFilter });
+  const material = new THREE.SpriteMaterial({ map, transparent: true, depthTest: true, depthWrite: false });
+  const found = new THREE.Sprite(material);
+  found.userData = { aspect: drawn.width / drawn.height, pixels: 1.3 * pixels };
+  found.frustumCulled = false;
+  return found;
+}
+const signs = [];
+
+// A grid below the machine with a round spacing, numbered in metres.
+function buildGround() {
+  const raw = extents.size / 7, power = 10 ** Math.floor(Math.log10(raw));
+  const spacing = power * [1, 2, 5, 10].find(step => step * power >= raw * 0.999);
+  const [from, to] = [0, 1].map(end => [0, 1].map(i => {
+    const reach = (end ? extents.most[i] : extents.least[i]) + (end ? 0.04 : -0.04) * extents.size;
+    return (end ? Math.ceil : Math.floor)(reach / spacing - 1e-9) * spacing;
+  }));
+  const points = [], digits = Math.max(0, -Math.floor(Math.log10(spacing) + 1e-9));
+  const label = (value, at, last) => {
+    const made = sign(compact(value, digits) + (last ? " m" : ""), 11);
+    made.position.set(...at);
+    gridLabels.push(made);
+    ground.add(made);
+  };
+  for (let x = from[0]; x <= to[0] + spacing / 2; x += spacing) {
+    points.push([x, from[1], floorZ], [x, to[1], floorZ]);
+    label(x, [x, from[1] - 0.3 * spacing, floorZ], x > to[0] - spacing / 2);
+  }
+  for (let y = from[1]; y <= to[1] + spacing / 2; y += spacing) {
+    points.push([from[0], y, floorZ], [to[0], y, floorZ]);
+    label(y, [to[0] + 0.3 * spacing, y, floorZ], y > to[1] - spacing / 2);
+  }
+  setPoints(gridLines, points);
+  signs.push(...gridLabels);
+  shade.position.set((from[0] + to[0]) / 2, (from[1] + to[1]) / 2, floorZ - 1e-4 * extents.size);
+  shade.scale.set(to[0] - from[0], to[1] - from[1], 1);
+  shade.receiveShadow = true;
+  ground.add(gridLines, shade);
+  scene.add(ground);
+}
+
+// The axes of the root frame.
+const axes = new THREE.Group();
+const axisLines = lines(new THREE.LineBasicMaterial({ vertexColors: true }));
+const AXIS_INKS = [[0.84, 0.24, 0.18], [0.16, 0.6, 0.24], [0.16, 0.4, 0.85]];
+function buildAxes() {
+  const length = 0.14 * WIDTH, points = [], colours = [];
+  ["x", "y", "z"].forEach((name, i) => {
+    const end = [0, 1, 2].map(j => (i === j ? length : 0));
+    points.push([0, 0, 0], end);
+    colours.push(...AXIS_INKS[i], ...AXIS_INKS[i]);
+    const label = sign(name, 14);
+    label.material.color.setRGB(...AXIS_INKS[i]);
+    label.position.set(...end.map(c => 1.15 * c));
+    label.userData.own = true;
+    label.material.depthTest = false;
+    signs.push(label);
+    axes.add(label);
+  });
+  setPoints(axisLines, points);
+  axisLines.geometry.setAttribute("color", new THREE.BufferAttribute(new Float32Array(colours), 3));
+  axes.add(axisLines);
+  scene.add(axes);
+}
+
+function buildLights() {
+  sun.castShadow = true;
+  sun.shadow.mapSize.set(1024, 1024);
+  sun.shadow.radius = 3;
+  sun.shadow.bias = -4e-4;
+  scene.add(sun, sun.target, new THREE.HemisphereLight(0xffffff, 0xb8c0c8, 1.75));
+}
+
+// The sun goes with the machine, so that the shadow's grain stays the same wherever it flies.
+function aimSun(middle, radius) {
+  const [x, y, z] = middle;
+  sun.target.position.set(x, y, z);
+  sun.position.set(x + 0.5 * radius, y - 0.9 * radius, z + 2.2 * radius);
+  const eye = sun.shadow.camera, depth = Math.max(z - floorZ, 0) + 2 * radius;
+  Object.assign(eye, { left: -1.3 * radius, right: 1.3 * radius, top: 1.3 * radius, bottom: -1.3 * radius, near: 0.05 * radius, far: 2.6 * radius + depth });
+  sun.shadow.normalBias = 0.004 * radius;
+  eye.updateProjectionMatrix();
+}
+
+// Colours of the page's theme.
+let inks = {};
+function readInks() {
+  for (const name of ["panel", "grid", "edge", "surface", "text", "faint", "accent", "body"]) inks[name] = styleOf(name);
+  scene.background = new THREE.Color(inks.panel);
+  gridLines.material.color.set(inks.grid);
+  shade.material.opacity = document.documentElement.dataset.dark === "true" ? 0.5 : 0.22;
+  for (const label of signs) if (!label.userData.own) label.material.color.set(inks.faint);
+}
