@@ -303,7 +303,7 @@ pub(super) struct LatchFile {
     pub enable: bool,
 }
 
-/// Stops at the ends of a joint's way: a stiff spring and a damper that act beyond either end, push the joint back and never
+/// Stops at the ends of a joint's travel: a stiff spring and a damper that act beyond either end, push the joint back and never
 /// pull it. At least one end is needed.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -322,15 +322,15 @@ pub(super) struct StopsFile {
     #[serde(default, rename = "damping_N_m_s_rad")]
     #[schemars(range(min = 0.0))]
     pub damping_n_m_s_rad: f64,
-    /// Lower end of a prismatic joint's way, none by default.
+    /// Lower end of a prismatic joint's travel, none by default.
     pub lower_m: Option<f64>,
-    /// Upper end of a prismatic joint's way, none by default; above `lower_m`.
+    /// Upper end of a prismatic joint's travel, none by default; above `lower_m`.
     pub upper_m: Option<f64>,
-    /// Stiffness beyond an end of a prismatic joint's way.
+    /// Stiffness beyond an end of a prismatic joint's travel.
     #[serde(rename = "stiffness_N_m")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness_n_m: Option<f64>,
-    /// Damping beyond an end of a prismatic joint's way; see `damping_N_m_s_rad`.
+    /// Damping beyond an end of a prismatic joint's travel; see `damping_N_m_s_rad`.
     #[serde(default, rename = "damping_N_s_m")]
     #[schemars(range(min = 0.0))]
     pub damping_n_s_m: f64,

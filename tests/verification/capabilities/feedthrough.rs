@@ -137,3 +137,29 @@ fn e12_looking_changes_nothing() {
     bench.plant.provide(OutputSet::ALL);
     assert_eq!(bench.plant.outputs(), &before);
 }
+
+/// E-13. Asking for rates and derivatives, and saving and restoring, leave what an input that is set shows.
+#[test]
+fn e13_other_calls_leave_what_is_shown() {
+    let strips = "model = \"strip\"\nstep_s = 1e-3\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 1.0]";
+    for mut bench in [Bench::shipped("folding_wing"), Bench::of(wings::folding_wing(strips, 3, 1))] {
+        bench.march(0.0307, 20);
+        let outputs: Vec<u32> = rows(&bench, Causality::Output).iter().map(|(_, reference)| *reference).collect();
+        let before = shown(&mut bench, &outputs);
+        bench.set("fold.torque", 0.01);
+        let now = shown(&mut bench, &outputs);
+        assert_ne!(now, before);
+        bench.plant.output_rates();
+        assert_eq!(shown(&mut bench, &outputs), now, "after rates");
+        let torque = bench.reference("fold.torque");
+        let mut values = vec![0.0; outputs.len()];
+        let unknowns = (&*outputs, &mut *values);
+        let stage = (Stage::Running, 0.0);
+        bench.table.directional_derivative(&mut bench.plant, stage, unknowns, (&[torque], &[1.0])).expect("one");
+        assert_eq!(shown(&mut bench, &outputs), now, "after derivatives");
+        let saved = bench.plant.snapshot();
+        bench.step(0.04);
+        bench.plant.restore(&saved).expect("own snapshot");
+        assert_eq!(shown(&mut bench, &outputs), now, "after a rollback");
+    }
+}

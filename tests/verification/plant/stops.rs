@@ -164,6 +164,33 @@ fn st04_contact_survives_a_rollback() {
     assert_eq!(&first, plant.outputs());
 }
 
+/// ST-06. A start exactly at an end, on its way out, is in contact from the first instant: a half swing of `(π − 2 asin ζ)/ω_d`,
+/// and back with the share of the speed that (A8) says, nothing booked as work.
+#[test]
+fn st06_a_start_at_an_end_moves_into_the_stop() {
+    for ratio in [0.0f64, 0.4] {
+        let stops = stops(ratio);
+        let mut machine = rotor(|joint| joint.stops(stops).start_angle_rad(UPPER_RAD).start_rate_rad_s(RATE_RAD_S));
+        machine.solver.tolerance = 1e-10;
+        let mut plant = start(machine);
+        let damped_rad_s = FREQUENCY_RAD_S * (1.0 - ratio * ratio).sqrt();
+        let contact_s = (PI - 2.0 * ratio.asin()) / damped_rad_s;
+        let rate_rad_s = -RATE_RAD_S * (-ratio * FREQUENCY_RAD_S * contact_s).exp();
+        let time_s = contact_s + 0.02;
+        coast(&mut plant, time_s);
+        let (joint, energy) = (plant.outputs().joints()[0], plant.outputs().energy());
+        let depth_rad = match ratio == 0.0 {
+            true => 0.0,
+            // where spring and damper together stop pushing
+            false => -2.0 * ratio / FREQUENCY_RAD_S * rate_rad_s,
+        };
+        let angle_rad = UPPER_RAD + depth_rad + 0.02 * rate_rad_s;
+        let errors = [joint.angle_rad - angle_rad, joint.rate_rad_s - rate_rad_s, energy.work];
+        println!("ST-06 ζ = {ratio}: {errors:?}");
+        assert!(errors[0].abs() < 1e-5 && errors[1].abs() < 1e-3 && errors[2].abs() < 1e-7, "{errors:?}");
+    }
+}
+
 #[test]
 fn stops_that_cannot_be_are_refused() {
     let refused = |change: fn(&mut Stops)| {

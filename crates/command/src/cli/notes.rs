@@ -59,7 +59,7 @@ fn braking(name: &str, travel: Travel, points: &[(f64, f64)], stop_s: f64) -> Op
     let (shown, unit) = (travel.shown(rate(last)), travel.shown_unit());
     Some(format!(
         "joint {name}: in its last interval, from {} s to {} s, the table brakes from about {} {unit}/s to rest; write \
-         table_ends = \"onward\" to keep the rate, or a row more with the same {} if rest is meant",
+         table_ends = \"onward\" to keep the rate, or add a row with the same {} if rest is meant",
         last[0].0,
         last[1].0,
         rounded(shown),
@@ -101,7 +101,7 @@ mod tests {
             said(spin, 1.0),
             [
                 "joint spin: in its last interval, from 0.9 s to 1 s, the table brakes from about 300 deg/s to rest; write \
-              table_ends = \"onward\" to keep the rate, or a row more with the same angle if rest is meant"
+              table_ends = \"onward\" to keep the rate, or add a row with the same angle if rest is meant"
             ]
         );
         assert_eq!(said(spin, 0.95).len(), 1, "inside the last interval");

@@ -254,11 +254,17 @@ impl JointForces {
 
     /// Whether a force acts otherwise on a joint on its way from rest at `from_rad` to rest at `to_rad` than was assumed.
     pub fn stops_at_rest(&self, from_rad: &mut f64, to_rad: f64, memory: &mut JointMemory) -> bool {
-        let mut stopped = false;
-        for force in &self.forces {
-            stopped |= force.stops_at_rest(from_rad, to_rad, memory);
+        // stops first: a latch beyond one is judged on a way that ends there
+        for of_stops in [true, false] {
+            let mut stopped = false;
+            for force in self.forces.iter().filter(|force| matches!(force, Force::Stops(_)) == of_stops) {
+                stopped |= force.stops_at_rest(from_rad, to_rad, memory);
+            }
+            if stopped {
+                return true;
+            }
         }
-        stopped
+        false
     }
 
     /// Brings its forces to a share of their load, that of `whole`, eq. (L8).

@@ -87,9 +87,13 @@ impl Stops {
     /// Contact that belongs to a state of motion.
     fn contact_at(&self, angle_rad: f64, rate_rad_s: f64) -> Contact {
         for side in Side::ALL {
-            if let Some(beyond) = self.beyond(side, angle_rad, rate_rad_s).filter(|beyond| beyond.depth_rad > 0.0) {
+            let Some(beyond) = self.beyond(side, angle_rad, rate_rad_s) else { continue };
+            if beyond.depth_rad > 0.0 {
                 let pressed = self.pressure_rad(&beyond) > 0.0;
                 return if pressed { Contact::Pressed(side) } else { Contact::Leaving(side) };
+            }
+            if beyond.depth_rad == 0.0 && beyond.rate_rad_s > 0.0 {
+                return Contact::Pressed(side);
             }
         }
         Contact::Apart

@@ -31,13 +31,16 @@ impl Plant {
     /// side. At the start of the simulation no step has led anywhere: there they follow from rates and accelerations, to
     /// the 1e-12 of their scale that sixth-order differences along the motion leave, and accelerations stay.
     pub fn output_rates(&mut self) -> Outputs {
-        if self.state.ahead.time_s > self.state.start.time_s {
-            return self.slopes();
-        }
-        let mut rates = self.outputs.no_change();
-        self.add_motion(&mut rates);
-        self.add_time(&mut rates);
-        self.add_drives(&mut rates);
+        let rates = if self.state.ahead.time_s > self.state.start.time_s {
+            self.slopes()
+        } else {
+            let mut rates = self.outputs.no_change();
+            self.add_motion(&mut rates);
+            self.add_time(&mut rates);
+            self.add_drives(&mut rates);
+            rates
+        };
+        self.show_set_inputs();
         rates
     }
 
@@ -187,6 +190,7 @@ impl Plant {
         }
         self.configure();
         self.evaluate();
+        self.show_set_inputs();
         outcome.map(|()| slope)
     }
 

@@ -122,6 +122,16 @@ impl Plant {
         let now = &mut self.state.now;
         self.equations.branch_s = time_s;
         self.equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
+        let mut changed = false;
+        for (forces, memory) in self.equations.forces.joints().iter().zip(&mut self.state.joints) {
+            // the rates may be others than when the start was made
+            let contact = memory.contact;
+            forces.begin(&self.state.now, memory);
+            changed |= memory.contact != contact;
+        }
+        if changed {
+            self.configure();
+        }
         self.start_air(time_s)?;
         let now = &mut self.state.now;
         self.equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
@@ -136,6 +146,8 @@ impl Plant {
         self.state.stages = vec![stage; self.stepper.continuation().inner_stages()];
         self.state.initialized = true;
         self.remember_attitudes();
+        // room for what steps and readings keep
+        self.begin.clone_from(&self.state);
         self.evaluate();
         if self.outputs.are_finite() {
             Ok(())
@@ -218,6 +230,15 @@ impl Plant {
         } else if !self.equations.kink_at(self.state.start.time_s) {
             return Ok(());
         }
+        self.make_transitions()?;
+        // an impulse changes the rates of joints elsewhere, and with them what their forces are
+        for (forces, memory) in self.equations.forces.joints().iter().zip(&mut self.state.joints) {
+            forces.mark_overdue(&self.state.start, memory);
+        }
+        if self.state.joints.iter().any(|joint| joint.crossed != 0) { self.make_transitions() } else { Ok(()) }
+    }
+
+    fn make_transitions(&mut self) -> Result<(), PlantError> {
         self.event(|state, equations| {
             let mut outcome = Outcome::default();
             for (forces, memory) in equations.forces.joints().iter().zip(&mut state.joints) {

@@ -30,7 +30,7 @@ pub struct Statistics {
     pub trial_iterations: u64,
     /// Factorisations.
     pub factorizations: u64,
-    /// Events: releases, holds, closings, openings.
+    /// Events: releases, holds, closings and openings of latches, changes of contact with stops.
     pub events: u64,
     /// Solutions of the air.
     pub air_solutions: u64,

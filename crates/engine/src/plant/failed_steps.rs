@@ -20,7 +20,7 @@ impl Statistics {
         self.newton_decides().then(|| {
             format!(
                 "Newton's iteration gave up {failures} steps beside {steps} that were taken: it decides on their length, not the \
-                 tolerance. The result holds it all the same, at many times the cost. Thin, stiff bodies do that; \
+                 tolerance. The result meets the tolerance, but at many times the cost. Thin, stiff bodies cause this; \
                  solver.method = \"generalized_alpha\" mostly cures it, stiffness_damping_s on these bodies helps"
             )
         })

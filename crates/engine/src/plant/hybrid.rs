@@ -12,7 +12,8 @@ use crate::solve::EquationsOfMotion;
 ///
 /// Its states are the coordinates that forces may move, then their rates; their number stays the same, whatever is held
 /// meanwhile. Coordinates of universal, ball and free joints are redundant parameters: [`Hybrid::complete`] brings them back
-/// to their constraints. Between events derivatives are smooth in states and time.
+/// to their constraints. Between events derivatives are smooth in states and time, but for the limits of motors, which have no
+/// indicator.
 pub struct Hybrid<'a> {
     plant: &'a mut Plant,
 }
@@ -58,6 +59,8 @@ impl Plant {
         if self.air.is_some() {
             return Err(NotHybrid::Air);
         }
+        // crossings that the machine's own steps have found ahead are not the integrator's
+        self.state.joints.iter_mut().for_each(|joint| joint.crossed = 0);
         let mut hybrid = Hybrid { plant: self };
         hybrid.complete();
         Ok(hybrid)
@@ -158,6 +161,9 @@ impl Hybrid<'_> {
     /// and follows inputs and parameters that have changed. The states may jump: read them again.
     pub fn transition(&mut self, crossed: &[usize]) -> Result<Jump, PlantError> {
         let plant = &mut *self.plant;
+        for joint in &mut plant.state.joints {
+            joint.crossed = 0;
+        }
         for &number in crossed {
             if let Some(indicator) = plant.equations.forces.indicators().nth(number) {
                 plant.state.joints[indicator.joint].crossed |= 1 << indicator.number;
@@ -166,8 +172,13 @@ impl Hybrid<'_> {
         let before = (plant.state.now.dissipated, plant.state.now.work);
         self.complete();
         let plant = &mut *self.plant;
+        plant.begin.copy_from(&plant.state);
         let changed = plant.inputs_changed();
-        if changed { plant.apply_inputs() } else { plant.apply_events() }?;
+        let outcome = if changed { plant.apply_inputs() } else { Ok(()) }.and_then(|()| plant.apply_events());
+        if let Err(error) = outcome {
+            plant.go_back_to_begin();
+            return Err(error);
+        }
         let State { start, now, .. } = &mut plant.state;
         now.copy_from(start);
         let jump = Jump { dissipated_j: now.dissipated - before.0, work_j: now.work - before.1 };

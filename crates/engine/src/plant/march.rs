@@ -138,7 +138,7 @@ impl Plant {
     }
 
     /// Undoes what a step has begun, but for the inputs and parameters as the caller has set them.
-    fn go_back_to_begin(&mut self) {
+    pub(super) fn go_back_to_begin(&mut self) {
         self.begin.inputs.clone_from(&self.state.inputs);
         self.begin.parameters.clone_from(&self.state.parameters);
         self.state.copy_from(&self.begin);

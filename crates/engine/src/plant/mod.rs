@@ -276,6 +276,7 @@ impl Plant {
                 return Err(PlantError::Snapshot("its outputs are not finite".into()));
             }
         }
+        self.show_set_inputs();
         Ok(())
     }
 

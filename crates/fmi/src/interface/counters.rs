@@ -43,7 +43,7 @@ const COUNTERS: &[(&str, Counter, &str)] = &[
     ("failures", Counter::Failures, "internal steps abandoned by the Newton iteration"),
     ("iterations", Counter::Iterations, "Newton iterations"),
     ("factorizations", Counter::Factorizations, "factorisations of the equations of motion"),
-    ("events", Counter::Events, "events: releases, latch closings and openings"),
+    ("events", Counter::Events, "events: releases, closings and openings of latches, contacts of stops"),
 ];
 
 /// Those that only real-time mode has.

@@ -292,6 +292,8 @@ fn energies(table: &mut Table, topology: &Topology) {
     let kinetic = Depends::new([Cause::AnyTravel], [Cause::KineticStart]);
     let springs = joints().filter(|&joint| topology.is_free(joint));
     let springs = springs.flat_map(|joint| [Cause::LatchPull(joint), Cause::SpringStore(joint)]);
+    let stops = joints().filter(|&joint| topology.is_free(joint) && topology.revolute(joint).stops.is_some());
+    let springs = springs.chain(stops.map(Cause::Start));
     let opened = closures().flat_map(|closure| topology.opens(closure)).map(Cause::Start);
     let elastic =
         Depends::new(closures().map(Cause::LoopTravel).collect::<Vec<_>>(), springs.chain(opened).collect::<Vec<_>>());
@@ -312,7 +314,7 @@ fn energies(table: &mut Table, topology: &Topology) {
     let (now, booked) = (OutputSet::ENERGIES, OutputSet::ACCOUNTS);
     let meaning = "kinetic energy relative to the root frame";
     add("kinetic", offset_of!(EnergyOutputs, kinetic), now, kinetic, meaning);
-    let meaning = "strain energy of beams, springs of fold joints and closed latches";
+    let meaning = "strain energy of beams, springs and stops of fold joints, and closed latches";
     add("elastic", offset_of!(EnergyOutputs, elastic), now, elastic, meaning);
     let meaning = "potential of gravity minus root acceleration, zero at the origin";
     add("gravity", offset_of!(EnergyOutputs, gravity), now, gravity, meaning);

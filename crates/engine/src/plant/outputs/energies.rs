@@ -10,7 +10,7 @@ use bytemuck::{Pod, Zeroable};
 pub struct EnergyOutputs {
     /// Kinetic energy relative to the root frame.
     pub kinetic: f64,
-    /// Strain energy of beams, springs of fold joints, closed latches and closed loops.
+    /// Strain energy of beams, springs and stops of fold joints, closed latches and closed loops.
     pub elastic: f64,
     /// Potential of `gravity − root acceleration`, zero at the root's origin.
     pub gravity: f64,

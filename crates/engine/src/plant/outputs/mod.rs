@@ -265,6 +265,15 @@ impl Plant {
         }
     }
 
+    /// Finds all outputs anew where inputs have been set since the last step: for those that leave the outputs of the applied
+    /// ones behind.
+    pub(in crate::plant) fn show_set_inputs(&mut self) {
+        if self.inputs_may_differ && self.state.initialized {
+            self.forget_outputs();
+            self.provide(OutputSet::ALL);
+        }
+    }
+
     /// Whether these outputs belong to the present time.
     pub fn provides(&self, wanted: OutputSet) -> bool {
         !self.state.initialized || self.found.contains(wanted)
