@@ -33,7 +33,7 @@ tolerance = 1e-8
 """
 
 UNITS = {
-    "slide.position": "m", "slide.velocity": "m/s", "slide.holding_force": "N", "slide.applied_force": "N",
+    "slide.neutral_position": "m", "slide.position": "m", "slide.velocity": "m/s", "slide.holding_force": "N", "slide.applied_force": "N",
     "slide.motor_force": "N", "slide.spring_force": "N", "slide.external_force": "N", "slide.latch_force": "N",
     "slide.latch_impulse": "N.s", "slide.force": "N", "slide.command": "m", "slide.start_position": "m",
     "slide.stiffness": "N/m", "slide.damping": "N.s/m", "slide.constant_force": "N", "slide.force_limit": "N",
