@@ -31,7 +31,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-pub use foldwing_engine::{aero, beam, force, load, machine, math, multibody, plant, solve};
+pub use foldwing_engine::{aero, beam, force, load, machine, math, multibody, plant, signal, solve};
 pub use foldwing_file as config;
 
 #[cfg(feature = "import")]

@@ -252,19 +252,10 @@ impl JointForces {
         giver.impulse_n_m_s(time_s, memory)
     }
 
-    /// Whether a force acts otherwise on a joint on its way from rest at `from_rad` to rest at `to_rad` than was assumed.
+    /// Whether a force acts otherwise on a joint on its way from rest at `from_rad` to rest at `to_rad` than was assumed: the first
+    /// that does, for those behind it are judged on a way that knows of it.
     pub fn stops_at_rest(&self, from_rad: &mut f64, to_rad: f64, memory: &mut JointMemory) -> bool {
-        // stops first: a latch beyond one is judged on a way that ends there
-        for of_stops in [true, false] {
-            let mut stopped = false;
-            for force in self.forces.iter().filter(|force| matches!(force, Force::Stops(_)) == of_stops) {
-                stopped |= force.stops_at_rest(from_rad, to_rad, memory);
-            }
-            if stopped {
-                return true;
-            }
-        }
-        false
+        self.forces.iter().any(|force| force.stops_at_rest(from_rad, to_rad, memory))
     }
 
     /// Brings its forces to a share of their load, that of `whole`, eq. (L8).

@@ -5,8 +5,8 @@ use crate::force::memory::{JointMemory, Told};
 use crate::force::{Here, Outcome, Push};
 use crate::solve::Powers;
 
-/// Limit in N·m from which on there is none.
-const UNLIMITED: f64 = 1e30;
+/// Stands for "no limit" in limits that must stay finite numbers (FMI forbids infinity in the description).
+pub const UNLIMITED: f64 = 1e30;
 
 /// A motor at work.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -24,6 +24,7 @@ pub use crate::beam::element::ElementKind;
 pub use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::recovery::{axial_row, gauge_row};
 pub use crate::force::latch::LatchKind;
+pub use crate::force::motor::UNLIMITED;
 pub use crate::force::prescribed::Motion;
 pub use crate::force::spring::Spring;
 pub use crate::force::stops::Stops;
@@ -258,9 +259,6 @@ impl Default for Drive {
         }
     }
 }
-
-/// Stands for "no limit" in limits that must stay finite numbers (FMI forbids infinity in the description).
-pub const UNLIMITED: f64 = 1e30;
 
 /// Half-width of a latch's window by default, rad: it catches a joint that rests or creeps at its angle, and closes a
 /// joint that passes it earlier by no more than the time of so small a way.

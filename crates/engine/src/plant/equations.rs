@@ -18,7 +18,6 @@ use crate::plant::air::{AirCoupling, StepLoads};
 use crate::plant::course::Course;
 use crate::plant::joint_forces;
 use crate::plant::spatial::SpatialJoint;
-use crate::plant::{revolutes, spatials};
 use crate::signal::{Inputs, Parameters};
 use crate::solve::{EquationsOfMotion, Powers, Singular};
 
@@ -99,13 +98,13 @@ impl Equations {
         for (index, body) in machine.bodies.iter().enumerate() {
             model.bodies[index].damps_attached = body.damp_attached_masses;
         }
-        for (index, revolute) in revolutes(machine) {
+        for (index, revolute) in machine.one_freedoms() {
             model.bodies[index].joint.drive_inertia = revolute.drive.inertia_kg_m2;
         }
         let load_stations = model.stations.len();
         AirCoupling::add_sections(machine, &mut model);
         let mut tangents = vec![FreedomTangent::HELD; model.bodies.len()];
-        for (body, _) in spatials(machine) {
+        for (body, _) in machine.spatials() {
             tangents[body].free = true;
         }
         let section = |place: &SectionLoad| {

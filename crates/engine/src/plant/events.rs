@@ -7,12 +7,12 @@ use crate::force::memory::{JointMemory, Told};
 use crate::force::stops::Contact;
 use crate::machine::StartState;
 use crate::multibody::dynamics::Damping;
+use crate::plant::Plant;
 use crate::plant::equations::Equations;
 use crate::plant::face::PlantError;
 use crate::plant::joint_forces;
 use crate::plant::state::State;
 use crate::plant::statics::Holding;
-use crate::plant::{Plant, revolutes, spatials};
 use crate::signal::SolverParameters;
 use crate::solve::point::Point;
 use crate::solve::{EquationsOfMotion, Singular, control};
@@ -60,7 +60,9 @@ impl Plant {
         let mut v = vec![0.0; q.len()];
         let mut joints = Vec::new();
         let inputs = &self.state.inputs;
-        for (((_, revolute), inputs), (parameters, equations)) in revolutes(&self.machine)
+        for (((_, revolute), inputs), (parameters, equations)) in self
+            .machine
+            .one_freedoms()
             .zip(inputs.joints())
             .zip(self.state.parameters.joints().iter().zip(self.equations.forces.joints()))
         {
@@ -94,7 +96,7 @@ impl Plant {
             joints.push(state);
         }
 
-        for ((_, spatial), equations) in spatials(&self.machine).zip(&self.equations.spatial) {
+        for ((_, spatial), equations) in self.machine.spatials().zip(&self.equations.spatial) {
             equations.start(spatial, &q, &mut v);
         }
         let state = &mut self.state;

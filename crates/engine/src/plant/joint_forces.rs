@@ -14,13 +14,13 @@ use crate::force::stops::{Contact, TwoSidedStops};
 use crate::machine::{JointMotion, Machine, OneFreedom};
 use crate::multibody::Model;
 use crate::multibody::joint::JointKind;
-use crate::plant::{revolutes, spatials};
 use crate::signal::{Inputs, Parameters};
 
 /// Forces on all joints of a machine; inputs and parameters come later.
 pub(super) fn of_machine(machine: &Machine, model: &Model) -> Forces {
-    let joints = revolutes(machine).map(|(body, own)| JointForces::new(body, &model.bodies[body].joint, of_joint(own)));
-    let spatial = spatials(machine).map(|(body, _)| {
+    let joints =
+        machine.one_freedoms().map(|(body, own)| JointForces::new(body, &model.bodies[body].joint, of_joint(own)));
+    let spatial = machine.spatials().map(|(body, _)| {
         let described = &model.bodies[body];
         let spring = AttitudeSpring::new(body, described.joint, described.mount);
         let forces = if described.joint.kind == JointKind::Free { vec![] } else { vec![Force::Attitude(spring)] };
@@ -41,6 +41,10 @@ fn of_joint(own: &OneFreedom) -> Vec<Force> {
         JointMotion::Prescribed(motion) => vec![Force::Prescribed(Law::new(motion))],
         JointMotion::Locked => vec![Force::Lock],
     };
+    // before the latch, which a joint at rest on a stop may not reach
+    if let Some(stops) = own.stops {
+        forces.push(Force::Stops(TwoSidedStops { stops, contact: Contact::default() }));
+    }
     if let Some(own) = &own.latch {
         let latch = Latch {
             kind: own.kind,
@@ -49,9 +53,6 @@ fn of_joint(own: &OneFreedom) -> Vec<Force> {
             capture_rad: own.capture_rad,
         };
         forces.push(Force::Latch(CatchingLatch { latch, closed: false }));
-    }
-    if let Some(stops) = own.stops {
-        forces.push(Force::Stops(TwoSidedStops { stops, contact: Contact::default() }));
     }
     forces
 }

@@ -18,6 +18,10 @@ fn within(value: f64, limit: f64) -> bool {
     value.abs() <= limit
 }
 
+fn all_within(values: &[f64], limit: f64) -> bool {
+    values.iter().all(|&value| within(value, limit))
+}
+
 impl Plant {
     /// Whether all outputs must be finite, judged by what they are made of; never for machines with air.
     pub(super) fn is_moderate(&self) -> bool {
@@ -40,22 +44,23 @@ impl Plant {
 
 /// Whether inputs are so small that no output overflows for them.
 pub(super) fn inputs_are_moderate(inputs: &Inputs) -> bool {
-    inputs.values().iter().all(|&value| within(value, LARGEST))
+    all_within(inputs.values(), LARGEST)
 }
 
 fn parameters_are_moderate(parameters: &Parameters) -> bool {
     // limits may be infinite: they only make the torque smaller
-    let unlimited =
-        |joint: &JointParameters| JointParameters { torque_limit_n_m: 0.0, rate_limit_rad_s: 0.0, ..*joint };
-    let numbers = |joint: &JointParameters| bytemuck::cast::<_, [f64; 10]>(unlimited(joint));
-    let others = (bytemuck::cast_slice::<_, f64>(parameters.spatial()).iter())
-        .chain(bytemuck::cast_slice::<_, f64>(parameters.bodies()));
-    parameters.joints().iter().flat_map(numbers).chain(others.copied()).all(|value| within(value, LARGEST))
+    let joint = |joint: &JointParameters| {
+        let others = [JointParameters { torque_limit_n_m: 0.0, rate_limit_rad_s: 0.0, ..*joint }];
+        all_within(bytemuck::cast_slice(&others), LARGEST)
+    };
+    parameters.joints().iter().all(joint)
+        && all_within(bytemuck::cast_slice(parameters.spatial()), LARGEST)
+        && all_within(bytemuck::cast_slice(parameters.bodies()), LARGEST)
 }
 
 /// Whether a model's own numbers are moderate.
 pub(super) fn model_is_moderate(model: &Model, gauges: &[GaugePoint]) -> bool {
-    let all = |values: &[f64]| values.iter().all(|&value| within(value, LARGEST_OF_MODEL));
+    let all = |values: &[f64]| all_within(values, LARGEST_OF_MODEL);
     let element = |element: &crate::multibody::model::Element| {
         let stiffness = |k: usize| 1.0 / element.section_stiffness[0][(k, k)];
         let section = element.section_stiffness.iter().all(|stiffness| all(stiffness.as_slice()));

@@ -74,13 +74,8 @@ impl Plant {
         let applied = if changed { self.apply_inputs().and_then(|()| self.renew_air()) } else { Ok(()) };
         let outcome = applied.and_then(|()| self.march(end_s, changed));
         let State { start, ahead, now, .. } = &mut self.state;
-        let reached_s = ahead.time_s.min(end_s);
         match &outcome {
-            Ok(()) => {
-                self.arrive_at(reached_s);
-                // an aerodynamic step ended there but for the caller's clock
-                self.adopt_time(end_s);
-            }
+            Ok(()) => self.arrive_at(end_s),
             Err(_) if start.time_s <= now.time_s => self.go_back_to_begin(),
             Err(_) => {
                 now.copy_from(start);
@@ -423,11 +418,10 @@ impl Plant {
         let shift_s = time_s - self.state.now.time_s;
         if shift_s != 0.0 {
             let State { before, start, stages, ahead, now, .. } = &mut self.state;
-            let now_s = now.time_s;
             for point in [before, start, ahead, now].into_iter().chain(stages) {
-                // round-off must not part what belongs together
-                point.time_s = if point.time_s == now_s { time_s } else { point.time_s + shift_s };
+                point.time_s += shift_s;
             }
+            self.state.now.time_s = time_s;
             self.state.applied_from_s += shift_s;
             if let Some(air) = &mut self.state.air {
                 air.shift(shift_s);

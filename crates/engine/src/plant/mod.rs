@@ -56,7 +56,7 @@ pub use strains::SectionStrain;
 
 use crate::beam::element::ElementKind;
 use crate::machine::Machine;
-use crate::machine::{Gauge, Method, OneFreedom, Spatial};
+use crate::machine::{Gauge, Method};
 use crate::multibody::gauge::GaugePoint;
 use crate::solve::stepper::{self, Stepper};
 use air::AirCoupling;
@@ -106,8 +106,8 @@ pub struct Plant {
 impl Plant {
     /// A plant of a validated model, with the inputs and parameters that the model states; not yet initialised.
     pub fn new(machine: Arc<Machine>) -> Self {
-        let revolute_joints: Vec<usize> = revolutes(&machine).map(|(body, _)| body).collect();
-        let spatial_joints: Vec<usize> = spatials(&machine).map(|(body, _)| body).collect();
+        let revolute_joints: Vec<usize> = machine.one_freedoms().map(|(body, _)| body).collect();
+        let spatial_joints: Vec<usize> = machine.spatials().map(|(body, _)| body).collect();
         let tip_bodies: Vec<usize> = machine.tip_bodies().collect();
         let state = State::of_model(&machine);
         let equations = Equations::new(&machine, &state.parameters);
@@ -297,14 +297,4 @@ impl Plant {
             self.built_with.clone_from(&self.state.parameters);
         }
     }
-}
-
-/// Bodies whose joint is revolute or prismatic, with that joint.
-fn revolutes(machine: &Machine) -> impl Iterator<Item = (usize, &OneFreedom)> {
-    machine.one_freedoms()
-}
-
-/// Bodies whose joint has several freedoms, with that joint.
-fn spatials(machine: &Machine) -> impl Iterator<Item = (usize, &Spatial)> {
-    machine.spatials()
 }

@@ -4,7 +4,6 @@ use crate::machine::Machine;
 use crate::machine::Spatial;
 use crate::multibody::joint::{Joint, JointKind, RedundantWork};
 use crate::multibody::{Model, Workspace};
-use crate::plant::spatials;
 use nalgebra::{Matrix3, Vector3};
 
 /// A universal, ball or free joint as the equations see it.
@@ -19,7 +18,7 @@ pub(super) struct SpatialJoint {
 impl SpatialJoint {
     /// The joints of a machine.
     pub fn of_machine(machine: &Machine, model: &Model) -> Vec<Self> {
-        spatials(machine).map(|(body, _)| Self { body, joint: model.bodies[body].joint }).collect()
+        machine.spatials().map(|(body, _)| Self { body, joint: model.bodies[body].joint }).collect()
     }
 
     /// Start rates of the parameters that agree with the start velocities; `q` holds the start attitude.

@@ -2,7 +2,7 @@
 
 use crate::load::{RootMotion, Wrench};
 use crate::machine::Machine;
-use crate::signal::{Segment, Switch, are_finite};
+use crate::signal::{Segment, Switch, are_finite, views};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -108,53 +108,17 @@ impl Inputs {
         &mut self.values
     }
 
-    /// Per revolute or prismatic joint, in the order of `Plant::revolute_joints`.
-    #[inline]
-    pub fn joints(&self) -> &[JointInputs] {
-        self.layout.joints.view(&self.values)
-    }
-
-    /// [`Self::joints`], to be changed.
-    #[inline]
-    pub fn joints_mut(&mut self) -> &mut [JointInputs] {
-        self.layout.joints.view_mut(&mut self.values)
-    }
-
-    /// Total force and moment per station, bodies in model order, stations from the inner end outward,
-    /// each in its body's `load_frame`.
-    #[inline]
-    pub fn stations(&self) -> &[Wrench] {
-        self.layout.stations.view(&self.values)
-    }
-
-    /// [`Self::stations`], to be changed.
-    #[inline]
-    pub fn stations_mut(&mut self) -> &mut [Wrench] {
-        self.layout.stations.view_mut(&mut self.values)
-    }
-
-    /// Gravity and motion of the root.
-    #[inline]
-    pub fn root(&self) -> &RootMotion {
-        &self.layout.root.view(&self.values)[0]
-    }
-
-    /// [`Self::root`], to be changed.
-    #[inline]
-    pub fn root_mut(&mut self) -> &mut RootMotion {
-        &mut self.layout.root.view_mut(&mut self.values)[0]
-    }
-
-    /// Velocity of the air relative to the root's origin, root frame, m/s; ignored by machines without air.
-    #[inline]
-    pub fn wind_m_s(&self) -> &Vector3<f64> {
-        &self.layout.wind_m_s.view(&self.values)[0]
-    }
-
-    /// [`Self::wind_m_s`], to be changed.
-    #[inline]
-    pub fn wind_m_s_mut(&mut self) -> &mut Vector3<f64> {
-        &mut self.layout.wind_m_s.view_mut(&mut self.values)[0]
+    views! { (pub)
+        /// Per revolute or prismatic joint, in the order of `Plant::revolute_joints`.
+        joints, joints_mut: [JointInputs];
+        /// Total force and moment per station, bodies in model order, stations from the inner end outward,
+        /// each in its body's `load_frame`.
+        stations, stations_mut: [Wrench];
+        ;
+        /// Gravity and motion of the root.
+        root, root_mut: RootMotion;
+        /// Velocity of the air relative to the root's origin, root frame, m/s; ignored by machines without air.
+        wind_m_s, wind_m_s_mut: Vector3<f64>;
     }
 
     /// No rates: inputs of the same sizes, all zero.

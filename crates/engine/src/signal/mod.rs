@@ -66,6 +66,43 @@ impl<T: Pod> Segment<T> {
     }
 }
 
+/// Views of the segments of a vector, each with one to be changed: first those of many values, then, behind `;`, those of one.
+macro_rules! views {
+    (
+        ($visibility:vis)
+        $($(#[$doc:meta])* $name:ident, $name_mut:ident: [$type:ty];)* ;
+        $($(#[$one_doc:meta])* $one:ident, $one_mut:ident: $one_type:ty;)*
+    ) => {
+        $(
+            $(#[$doc])*
+            #[inline]
+            pub fn $name(&self) -> &[$type] {
+                self.layout.$name.view(&self.values)
+            }
+
+            #[doc = concat!("[`Self::", stringify!($name), "`], to be changed.")]
+            #[inline]
+            $visibility fn $name_mut(&mut self) -> &mut [$type] {
+                self.layout.$name.view_mut(&mut self.values)
+            }
+        )*
+        $(
+            $(#[$one_doc])*
+            #[inline]
+            pub fn $one(&self) -> &$one_type {
+                &self.layout.$one.view(&self.values)[0]
+            }
+
+            #[doc = concat!("[`Self::", stringify!($one), "`], to be changed.")]
+            #[inline]
+            $visibility fn $one_mut(&mut self) -> &mut $one_type {
+                &mut self.layout.$one.view_mut(&mut self.values)[0]
+            }
+        )*
+    };
+}
+pub(crate) use views;
+
 /// Yes or no as a number: 1 or 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(transparent)]

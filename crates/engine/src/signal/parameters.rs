@@ -1,7 +1,7 @@
 //! Parameters.
 
 use crate::machine::Machine;
-use crate::signal::{Segment, are_finite};
+use crate::signal::{Segment, are_finite, views};
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 
@@ -177,40 +177,16 @@ impl Parameters {
         &mut self.values
     }
 
-    /// Per revolute or prismatic joint, in the order of `Plant::revolute_joints`.
-    #[inline]
-    pub fn joints(&self) -> &[JointParameters] {
-        self.layout.joints.view(&self.values)
-    }
-
-    /// [`Self::joints`], to be changed.
-    #[inline]
-    pub fn joints_mut(&mut self) -> &mut [JointParameters] {
-        self.layout.joints.view_mut(&mut self.values)
-    }
-
-    /// Per universal, ball or free joint, in the order of `Plant::spatial_joints`.
-    #[inline]
-    pub fn spatial(&self) -> &[SpatialParameters] {
-        self.layout.spatial.view(&self.values)
-    }
-
-    /// [`Self::spatial`], to be changed.
-    #[inline]
-    pub fn spatial_mut(&mut self) -> &mut [SpatialParameters] {
-        self.layout.spatial.view_mut(&mut self.values)
-    }
-
-    /// Per body.
-    #[inline]
-    pub fn bodies(&self) -> &[BodyParameters] {
-        self.layout.bodies.view(&self.values)
-    }
-
-    /// [`Self::bodies`], to be changed.
-    #[inline]
-    pub fn bodies_mut(&mut self) -> &mut [BodyParameters] {
-        self.layout.bodies.view_mut(&mut self.values)
+    views! { (pub)
+        /// Per revolute or prismatic joint, in the order of `Plant::revolute_joints`.
+        joints, joints_mut: [JointParameters];
+        /// Per universal, ball or free joint, in the order of `Plant::spatial_joints`.
+        spatial, spatial_mut: [SpatialParameters];
+        /// Per body.
+        bodies, bodies_mut: [BodyParameters];
+        ;
+        /// Of the time integration.
+        solver, solver_mut: SolverParameters;
     }
 
     /// Density of the air in kg/m³; tunable; ignored by machines without air.
@@ -222,18 +198,6 @@ impl Parameters {
     /// [`Self::air_density_kg_m3`], to be changed.
     pub fn air_density_kg_m3_mut(&mut self) -> &mut f64 {
         &mut self.layout.air_density_kg_m3.view_mut(&mut self.values)[0]
-    }
-
-    /// Of the time integration.
-    #[inline]
-    pub fn solver(&self) -> &SolverParameters {
-        &self.layout.solver.view(&self.values)[0]
-    }
-
-    /// [`Self::solver`], to be changed.
-    #[inline]
-    pub fn solver_mut(&mut self) -> &mut SolverParameters {
-        &mut self.layout.solver.view_mut(&mut self.values)[0]
     }
 
     /// Whether these could be those of a machine of this layout.

@@ -220,56 +220,58 @@ struct PointRow {
     motion: Motion,
 }
 
-const POSITION: PointRow = PointRow {
-    key: "position",
-    offset: offset_of!(PointOutputs, position_m),
-    shape: Shape::Vector,
-    declared: "Position",
-    meaning: "position",
-    motion: Motion::Place,
-};
-const VELOCITY: PointRow = PointRow {
-    key: "velocity",
-    offset: offset_of!(PointOutputs, velocity_m_s),
-    shape: Shape::Vector,
-    declared: "Velocity",
-    meaning: "velocity relative to the root frame",
-    motion: Motion::Velocity,
-};
-const ANGULAR_VELOCITY: PointRow = PointRow {
-    key: "angular_velocity",
-    offset: offset_of!(PointOutputs, angular_velocity_rad_s),
-    shape: Shape::Vector,
-    declared: "AngularVelocity",
-    meaning: "angular velocity relative to the root frame",
-    motion: Motion::AngularVelocity,
-};
-const ACCELERATION: PointRow = PointRow {
-    key: "acceleration",
-    offset: offset_of!(PointOutputs, acceleration_m_s2),
-    shape: Shape::Vector,
-    declared: "Acceleration",
-    meaning: "inertial acceleration, without gravity,",
-    motion: Motion::Acceleration,
-};
-const ANGULAR_ACCELERATION: PointRow = PointRow {
-    key: "angular_acceleration",
-    offset: offset_of!(PointOutputs, angular_acceleration_rad_s2),
-    shape: Shape::Vector,
-    declared: "AngularAcceleration",
-    meaning: "inertial angular acceleration",
-    motion: Motion::AngularAcceleration,
-};
+const POSITION: PointRow =
+    PointRow::vector("position", offset_of!(PointOutputs, position_m), "Position", "position", Motion::Place);
+const VELOCITY: PointRow = PointRow::vector(
+    "velocity",
+    offset_of!(PointOutputs, velocity_m_s),
+    "Velocity",
+    "velocity relative to the root frame",
+    Motion::Velocity,
+);
+const ANGULAR_VELOCITY: PointRow = PointRow::vector(
+    "angular_velocity",
+    offset_of!(PointOutputs, angular_velocity_rad_s),
+    "AngularVelocity",
+    "angular velocity relative to the root frame",
+    Motion::AngularVelocity,
+);
+const ACCELERATION: PointRow = PointRow::vector(
+    "acceleration",
+    offset_of!(PointOutputs, acceleration_m_s2),
+    "Acceleration",
+    "inertial acceleration, without gravity,",
+    Motion::Acceleration,
+);
+const ANGULAR_ACCELERATION: PointRow = PointRow::vector(
+    "angular_acceleration",
+    offset_of!(PointOutputs, angular_acceleration_rad_s2),
+    "AngularAcceleration",
+    "inertial angular acceleration",
+    Motion::AngularAcceleration,
+);
 const ROTATION: PointRow = PointRow {
-    key: "rotation",
-    offset: offset_of!(PointOutputs, rotation),
     shape: Shape::Quaternion,
-    declared: "Ratio",
-    meaning: "quaternion from section to root, with continuous sign,",
-    motion: Motion::Attitude,
+    ..PointRow::vector(
+        "rotation",
+        offset_of!(PointOutputs, rotation),
+        "Ratio",
+        "quaternion from section to root, with continuous sign,",
+        Motion::Attitude,
+    )
 };
 
 impl PointRow {
+    const fn vector(
+        key: &'static str,
+        offset: usize,
+        declared: &'static str,
+        meaning: &'static str,
+        motion: Motion,
+    ) -> Self {
+        Self { key, offset, shape: Shape::Vector, declared, meaning, motion }
+    }
+
     fn add(&self, table: &mut Table, topology: &Topology, at: (usize, OutputSet), body: usize, group: &str, of: &str) {
         let by_state = |initial| Depends::new([Cause::Travel(body)], [initial]);
         let depends = match self.motion {

@@ -4,7 +4,6 @@
 //! spring does not settle under held loads. Here its angle is an outer unknown instead: at each angle it is held, air and
 //! structure come to rest together, and what torque remains on the hinge is driven to zero, NOTATION eq. (Q6).
 
-use crate::machine::JointKind;
 use crate::plant::Plant;
 use crate::plant::face::PlantError;
 use crate::plant::statics::Holding;
@@ -114,9 +113,9 @@ impl Plant {
             .zip(angles)
             .map(|(&hinge, angle)| {
                 let joint = &self.machine.bodies[self.equations.forces.joints()[hinge].body].joint;
-                match joint.kind {
-                    JointKind::Prismatic(_) => format!("{} at {:.4} m", joint.name, angle * self.scale(hinge)),
-                    _ => format!("{} at {:.1} deg", joint.name, angle.to_degrees()),
+                match joint.kind.slides() {
+                    true => format!("{} at {:.4} m", joint.name, angle * self.scale(hinge)),
+                    false => format!("{} at {:.1} deg", joint.name, angle.to_degrees()),
                 }
             })
             .collect();

@@ -25,7 +25,7 @@ use crate::multibody::kinematics::{Motion, sweep_motion, sweep_poses};
 use crate::plant::Plant;
 use crate::plant::equations::Equations;
 use crate::plant::state::State;
-use crate::signal::{Segment, are_finite};
+use crate::signal::{Segment, are_finite, views};
 use crate::solve::EquationsOfMotion;
 use nalgebra::Vector3;
 use output_set::Sweep;
@@ -71,71 +71,28 @@ impl OutputLayout {
     /// Of a machine.
     pub fn new(machine: &Machine) -> Self {
         let mut end = 0;
-        let end = &mut end;
         let (one_freedoms, bodies) = (machine.one_freedoms().count(), machine.bodies.len());
         let stations = machine.bodies.iter().map(|body| body.station_positions_m.len()).sum();
         let surfaces = machine.air.iter().flat_map(|air| &air.surfaces);
-        let strips = surfaces.map(|surface| surface.positions_m.len() - 1).sum();
-        let (joints, spatial) = (Segment::append(end, one_freedoms), Segment::append(end, machine.spatials().count()));
-        let (joint_reactions, gauges) = (Segment::append(end, bodies), Segment::append(end, machine.gauges.len()));
-        let section_loads = Segment::append(end, machine.section_loads.len());
-        let (loops, root) = (Segment::append(end, machine.closures.len()), Segment::append(end, 1));
-        let (tips, station_points) =
-            (Segment::append(end, machine.tip_bodies().count()), Segment::append(end, stations));
-        let (energy, air_total) = (Segment::append(end, 1), Segment::append(end, 1));
-        let air_stations = Segment::append(end, if machine.air.is_some() { stations } else { 0 });
-        let circulation_m2_s = Segment::append(end, strips);
-        let continuous = *end;
-        let latches = Segment::append(end, one_freedoms);
         Self {
-            joints,
-            spatial,
-            joint_reactions,
-            gauges,
-            section_loads,
-            loops,
-            root,
-            tips,
-            stations: station_points,
-            energy,
-            air_total,
-            air_stations,
-            circulation_m2_s,
-            latches,
-            continuous,
-            end: *end,
+            joints: Segment::append(&mut end, one_freedoms),
+            spatial: Segment::append(&mut end, machine.spatials().count()),
+            joint_reactions: Segment::append(&mut end, bodies),
+            gauges: Segment::append(&mut end, machine.gauges.len()),
+            section_loads: Segment::append(&mut end, machine.section_loads.len()),
+            loops: Segment::append(&mut end, machine.closures.len()),
+            root: Segment::append(&mut end, 1),
+            tips: Segment::append(&mut end, machine.tip_bodies().count()),
+            stations: Segment::append(&mut end, stations),
+            energy: Segment::append(&mut end, 1),
+            air_total: Segment::append(&mut end, 1),
+            air_stations: Segment::append(&mut end, if machine.air.is_some() { stations } else { 0 }),
+            circulation_m2_s: Segment::append(&mut end, surfaces.map(|surface| surface.positions_m.len() - 1).sum()),
+            continuous: end,
+            latches: Segment::append(&mut end, one_freedoms),
+            end,
         }
     }
-}
-
-/// Accessors of the segments.
-macro_rules! views {
-    ($($(#[$doc:meta])* $name:ident, $name_mut:ident: [$type:ty];)* ; $($(#[$one_doc:meta])* $one:ident, $one_mut:ident: $one_type:ty;)*) => {
-        $(
-            $(#[$doc])*
-            #[inline]
-            pub fn $name(&self) -> &[$type] {
-                self.layout.$name.view(&self.values)
-            }
-
-            #[inline]
-            pub(super) fn $name_mut(&mut self) -> &mut [$type] {
-                self.layout.$name.view_mut(&mut self.values)
-            }
-        )*
-        $(
-            $(#[$one_doc])*
-            #[inline]
-            pub fn $one(&self) -> &$one_type {
-                &self.layout.$one.view(&self.values)[0]
-            }
-
-            #[inline]
-            pub(super) fn $one_mut(&mut self) -> &mut $one_type {
-                &mut self.layout.$one.view_mut(&mut self.values)[0]
-            }
-        )*
-    };
 }
 
 /// Everything the interface reports, at one time.
@@ -148,7 +105,7 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    views! {
+    views! { (pub(in crate::plant))
         /// Per revolute or prismatic joint, in the order of [`Plant::revolute_joints`].
         joints, joints_mut: [JointOutputs];
         /// Per revolute or prismatic joint: its latch.
