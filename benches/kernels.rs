@@ -166,10 +166,10 @@ fn statics(criterion: &mut Criterion) {
         );
         let mut plant = Plant::new(Arc::new(config::parse(&text, "beam.toml").expect("valid")));
         plant.inputs_mut().root_mut().gravity_m_s2 = Vector3::new(0.0, 0.0, -100.0);
-        let effort = plant.equilibrium(0.0, Holding::AsReleased).expect("rests");
+        let effort = plant.study().equilibrium(0.0, Holding::AsReleased).expect("rests");
         group.throughput(Throughput::Elements(pairs * effort.iterations as u64));
         group.bench_function(BenchmarkId::new("equilibrium", pairs), |b| {
-            b.iter(|| black_box(plant.equilibrium(0.0, Holding::AsReleased)));
+            b.iter(|| black_box(plant.study().equilibrium(0.0, Holding::AsReleased)));
         });
     }
     group.finish();

@@ -20,7 +20,10 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("force", &["math", "load", "solve", "multibody"]),
     ("machine", &["load", "aero", "beam", "multibody", "force"]),
     ("signal", &["load", "machine"]),
-    ("plant", &["math", "load", "solve", "aero", "beam", "multibody", "force", "machine", "signal"]),
+    ("system", &["math", "load", "solve", "aero", "beam", "multibody", "force", "machine", "signal"]),
+    ("study", &["load", "solve", "multibody", "force", "machine", "signal", "system"]),
+    ("run", &["solve", "aero", "force", "machine", "signal", "system", "study"]),
+    ("plant", &["signal", "system", "study", "run"]),
     ("config", &["load", "aero", "beam", "machine"]),
     ("interface", &["load", "machine", "plant"]),
     ("fmi2", &["machine", "plant", "config", "interface"]),
@@ -41,7 +44,21 @@ const OPEN_TO_UNIT_TESTS: &str = "config";
 const INLINE_TESTS: &[&str] = &["#[cfg(test)]\nmod tests {", "#[cfg(test)]\npub(super) mod tests {"];
 
 /// Modules that compute: no files, no output, no clock, no environment, no threads, no order left to chance.
-const PHYSICS: &[&str] = &["math", "load", "solve", "aero", "beam", "multibody", "force", "machine", "signal", "plant"];
+const PHYSICS: &[&str] = &[
+    "math",
+    "load",
+    "solve",
+    "aero",
+    "beam",
+    "multibody",
+    "force",
+    "machine",
+    "signal",
+    "system",
+    "study",
+    "run",
+    "plant",
+];
 
 /// What must not stand in them.
 const NOT_IN_PHYSICS: &[&str] = &[

@@ -21,4 +21,10 @@ pub mod machine;
 
 pub mod signal;
 
+pub mod system;
+
+pub mod study;
+
+pub mod run;
+
 pub mod plant;

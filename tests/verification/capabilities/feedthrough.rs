@@ -149,7 +149,7 @@ fn e13_other_calls_leave_what_is_shown() {
         bench.set("fold.torque", 0.01);
         let now = shown(&mut bench, &outputs);
         assert_ne!(now, before);
-        bench.plant.output_rates();
+        bench.plant.study().output_rates();
         assert_eq!(shown(&mut bench, &outputs), now, "after rates");
         let torque = bench.reference("fold.torque");
         let mut values = vec![0.0; outputs.len()];

@@ -285,7 +285,7 @@ pub fn fall(segments: &mut impl PlanarChain, method: Method, step_s: f64) -> Vec
     let n = segments.coordinates();
     let mut stepper = Stepper::new(method, n);
     let (mut start, mut end) = (Point::zeros(n), Point::zeros(n));
-    let mut stages = vec![Point::zeros(n); stepper.continuation().inner_stages()];
+    let mut stages = vec![Point::zeros(n); method.continuation().inner_stages()];
     let zeros = vec![0.0; n];
     segments.residual(0.0, &zeros, &zeros, &zeros, &mut start.a);
     segments.factorize(1.0, 0.0, 0.0).expect("a positive mass matrix");

@@ -150,7 +150,7 @@ fn q43_hinges_that_only_the_air_restores_come_to_rest() {
     for start_deg in [-6.5, 0.0, 20.0, -30.0] {
         let mut wing =
             plant(&flared_tip().replace("start_angle_deg = -6.5", &format!("start_angle_deg = {start_deg:?}")));
-        wing.equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("from {start_deg}: {error}"));
+        wing.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("from {start_deg}: {error}"));
         let rest = wing.outputs().joints()[0].angle_rad.to_degrees();
         println!("Q-43 from {start_deg}: at rest {rest:.4} deg, run {end:.4} deg");
         assert!((rest - end).abs() < 0.02, "{rest} {end}");
@@ -171,7 +171,7 @@ fn q43_two_hinges_that_only_the_air_restores() {
     let mut run = plant(&text);
     angle_deg(&mut run, 6.0, 0.1).unwrap_or_else(|error| panic!("{error}"));
     let mut wing = plant(&text);
-    wing.equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
+    wing.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
     for (rest, end) in wing.outputs().joints().iter().zip(run.outputs().joints()) {
         let [rest, end] = [rest, end].map(|joint| joint.angle_rad.to_degrees());
         println!("Q-43 two hinges: at rest {rest:.4} deg, run {end:.4} deg");
@@ -184,7 +184,7 @@ fn q43_two_hinges_that_only_the_air_restores() {
 fn q43_a_hinge_that_nothing_restores_is_told() {
     let text =
         flared_tip().replace("wind_m_s = [0.0, -20.0, 0.0]", "wind_m_s = [0.0, 0.0, 0.0]").replace("-9.81]", "0.0]");
-    let error = plant(&text).equilibrium(0.0, Holding::AsReleased).expect_err("no place of rest").to_string();
+    let error = plant(&text).study().equilibrium(0.0, Holding::AsReleased).expect_err("no place of rest").to_string();
     println!("Q-43 {error}");
     assert!(error.contains("fold") && error.contains("spring"), "{error}");
 }

@@ -116,7 +116,7 @@ fn p149_the_neutral_angle_has_the_rate_of_its_slew() {
     let mut revolute = free_hinge(0.0);
     revolute.drive = Drive { stiffness_n_m_rad: 0.2, rate_limit_rad_s: 3.0, ..Drive::default() };
     let mut plant = start(rod(revolute));
-    let rate = |plant: &mut Plant| plant.output_rates().joints()[0].neutral_angle_rad;
+    let rate = |plant: &mut Plant| plant.study().output_rates().joints()[0].neutral_angle_rad;
     assert_eq!((only(&plant).neutral_angle_rad, rate(&mut plant)), (0.0, 0.0));
     plant.inputs_mut().joints_mut()[0].command_rad = 0.9;
     for (time_s, expected_rad_s) in [(0.1, 3.0), (0.25, 3.0), (0.5, 0.0)] {

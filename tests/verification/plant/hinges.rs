@@ -58,10 +58,10 @@ fn at02_a_spring_of_the_joint_itself() {
 
     let mut still = Plant::new(std::sync::Arc::new(rod(revolute)));
     still.inputs_mut().joints_mut()[0].torque_n_m = 0.1;
-    still.equilibrium(0.0, Holding::AsReleased).expect("an equilibrium");
+    still.study().equilibrium(0.0, Holding::AsReleased).expect("an equilibrium");
     let error_rad = only(&still).angle_rad - 0.4;
     assert!(error_rad.abs() < 1e-9, "rests {error_rad:.1e} rad off 0.4 rad");
-    let frequency_hz = still.modes(1).expect("modes")[0].frequency_hz;
+    let frequency_hz = still.study().modes(1).expect("modes")[0].frequency_hz;
     let expected_hz = 0.5 / half_s;
     assert!((frequency_hz / expected_hz - 1.0).abs() < 1e-4, "{frequency_hz} Hz, expected {expected_hz} Hz");
 }

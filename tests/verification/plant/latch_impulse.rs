@@ -46,7 +46,7 @@ fn miss_of_dense_oracle(plant: &mut Plant, joints: &[usize]) -> f64 {
         (rates(plant), plant.outputs().energy().kinetic, plant.outputs().energy().dissipated);
     let names: Vec<String> = plant.freedoms().into_iter().map(|freedom| freedom.name).collect();
     let v = DVector::from_iterator(names.len(), names.iter().map(|name| before[name]));
-    let mass = plant.second_order().expect("a mass matrix").mass;
+    let mass = plant.study().second_order().expect("a mass matrix").mass;
     let rows: Vec<usize> = joints
         .iter()
         .map(|&joint| {
@@ -62,7 +62,7 @@ fn miss_of_dense_oracle(plant: &mut Plant, joints: &[usize]) -> f64 {
         )
     };
     let slopes: Vec<DVector<f64>> =
-        plant.freedoms().iter().map(|freedom| plant.output_slope(Argument::Position, freedom, &gaps)).collect();
+        plant.freedoms().iter().map(|freedom| plant.study().output_slope(Argument::Position, freedom, &gaps)).collect();
     let gap_rows = slopes[0].len();
     let c = DMatrix::from_fn(rows.len() + gap_rows, names.len(), |i, j| match i.checked_sub(rows.len()) {
         Some(row) => slopes[j][row],
@@ -252,7 +252,8 @@ fn momentum(plant: &mut Plant) -> [f64; 6] {
     let freedoms = plant.freedoms();
     std::array::from_fn(|i| {
         assert!(freedoms[i].name.starts_with("mount."), "{}", freedoms[i].name);
-        let mut kinetic_j = |rate| plant.outputs_beside(Some((Argument::Rate, &freedoms[i], rate))).energy().kinetic;
+        let mut kinetic_j =
+            |rate| plant.study().outputs_beside(Some((Argument::Rate, &freedoms[i], rate))).energy().kinetic;
         0.5 * (kinetic_j(1.0) - kinetic_j(-1.0))
     })
 }

@@ -137,7 +137,7 @@ fn rigid_pin_force_n(machine: &Machine) -> Vector2<f64> {
 #[test]
 fn p73_equilibrium_of_a_linkage() {
     let mut plant = Plant::new(Arc::new(held_linkage()));
-    plant.equilibrium(0.0, Holding::AsReleased).expect("an equilibrium");
+    plant.study().equilibrium(0.0, Holding::AsReleased).expect("an equilibrium");
     let still = plant.outputs().clone();
     let expected = rigid_pin_force_n(plant.machine());
     let own = Vector2::new(still.loops()[0].force_n.x, still.loops()[0].force_n.z);

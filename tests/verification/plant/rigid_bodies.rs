@@ -133,16 +133,16 @@ fn rb03_offset_roots_are_places_on_the_root() {
 #[test]
 fn rb04_statics_and_modes_know_rigid_bodies() {
     let mut plant = rods(&[1.2]);
-    plant.equilibrium(0.0, Holding::AsReleased).expect("it hangs");
+    plant.study().equilibrium(0.0, Holding::AsReleased).expect("it hangs");
     let end = plant.outputs().tips()[0].position_m;
     assert!((end - Vector3::new(0.0, 0.0, -LENGTH_M)).norm() < 1e-9, "{end}");
-    let modes = plant.modes(1).expect("a mode");
+    let modes = plant.study().modes(1).expect("a mode");
     let per_mass = (LENGTH_M.powi(2) + 0.02f64.powi(2)) / 12.0 + 0.25 * LENGTH_M.powi(2);
     let expected_hz = (GRAVITY_M_S2 * 0.5 * LENGTH_M / per_mass).sqrt() / std::f64::consts::TAU;
     let error = modes[0].frequency_hz / expected_hz - 1.0;
     println!("RB-04 {expected_hz} Hz, off by {error:.1e}");
     assert!(error.abs() < 1e-9, "{} Hz, expected {expected_hz} Hz", modes[0].frequency_hz);
-    assert_eq!(plant.second_order().expect("a linear model").mass.nrows(), 1);
+    assert_eq!(plant.study().second_order().expect("a linear model").mass.nrows(), 1);
 }
 
 /// RB-05. A machine of rigid bodies and beams written as a file and in code is one machine: frames, offsets, inertia; and

@@ -236,7 +236,7 @@ fn rl15_a_closed_latch_is_a_lock_at_rest() {
         change(hinge);
         machine.gravity_m_s2 = Vector3::new(0.0, 0.0, -9.8);
         let mut plant = Plant::new(Arc::new(machine));
-        plant.equilibrium(0.0, Holding::AsReleased).expect("an equilibrium");
+        plant.study().equilibrium(0.0, Holding::AsReleased).expect("an equilibrium");
         plant
     };
     let mut latched = with(&|_| ());
@@ -245,7 +245,7 @@ fn rl15_a_closed_latch_is_a_lock_at_rest() {
     let names = |plant: &Plant| plant.freedoms().into_iter().map(|freedom| freedom.name).collect::<Vec<_>>();
     assert_eq!(names(&latched), names(&locked));
     let frequencies = |plant: &mut Plant| -> Vec<f64> {
-        plant.modes(6).expect("modes").iter().map(|mode| mode.frequency_hz).collect()
+        plant.study().modes(6).expect("modes").iter().map(|mode| mode.frequency_hz).collect()
     };
     assert_eq!(frequencies(&mut latched), frequencies(&mut locked));
     let torques =
@@ -277,6 +277,7 @@ fn rl18_a_linkage_rests_in_a_latch_on_its_way() {
             let start_rad = hinge_of(&mut machine, 2).start_angle_rad;
             let mut plant = Plant::new(Arc::new(machine));
             plant
+                .study()
                 .equilibrium(0.0, Holding::AsReleased)
                 .unwrap_or_else(|error| panic!("{turn_rad} rad, {latched}: {error}"));
             (start_rad, plant)

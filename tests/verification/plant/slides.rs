@@ -106,7 +106,7 @@ fn pj02_a_block_on_a_spring_swings() {
         assert!((found - order).abs() < 0.25, "{method:?}: order {found:.2}");
     }
     let mut plant = start(on_rail(|joint| joint.spring(spring(stiffness_n_m, 0.0))));
-    let frequency_hz = plant.modes(1).expect("modes")[0].frequency_hz;
+    let frequency_hz = plant.study().modes(1).expect("modes")[0].frequency_hz;
     assert!((frequency_hz * period_s - 1.0).abs() < 1e-9, "{frequency_hz} Hz");
     let freedoms = plant.freedoms();
     let names: Vec<_> =
@@ -172,7 +172,7 @@ fn pj04_a_beam_swings_on_its_spring() {
         }
         beta += 0.05;
     }
-    let found: Vec<f64> = plant.modes(12).expect("modes").iter().map(|mode| mode.frequency_hz).collect();
+    let found: Vec<f64> = plant.study().modes(12).expect("modes").iter().map(|mode| mode.frequency_hz).collect();
     for exact in exact_hz {
         let miss = found.iter().map(|hz| (hz / exact - 1.0).abs()).fold(f64::INFINITY, f64::min);
         println!("PJ-04 {exact:.4} Hz: {miss:.1e}");
@@ -357,7 +357,7 @@ fn pj11_a_pendulum_on_a_trolley() {
     };
     let mut plant = start(pendulum(0.0));
     let exact_hz = ((1.0 + bob_kg / MASS_KG) * GRAVITY_M_S2 / length_m).sqrt() / std::f64::consts::TAU;
-    let found: Vec<f64> = plant.modes(2).expect("modes").iter().map(|mode| mode.frequency_hz).collect();
+    let found: Vec<f64> = plant.study().modes(2).expect("modes").iter().map(|mode| mode.frequency_hz).collect();
     assert!(found.iter().any(|hz| (hz / exact_hz - 1.0).abs() < 1e-9), "{found:?}, {exact_hz} Hz");
 
     let mut plant = start(pendulum(2.0));
@@ -430,19 +430,19 @@ fn pj13_a_block_comes_to_rest_on_its_spring() {
     };
     let sprung = Joint::prismatic("slide", down()).spring(spring(200.0, 0.0));
     let mut plant = Plant::new(std::sync::Arc::new(build(sprung.clone())));
-    plant.equilibrium(0.0, Holding::AsReleased).expect("a state of rest");
+    plant.study().equilibrium(0.0, Holding::AsReleased).expect("a state of rest");
     let sag_m = MASS_KG * GRAVITY_M_S2 * SLOPE_RAD.sin() / 200.0;
     assert!((plant.outputs().joints()[0].angle_rad / sag_m - 1.0).abs() < 1e-9, "{:?}", plant.outputs().joints()[0]);
 
     let mut plant = Plant::new(std::sync::Arc::new(build(sprung.latch(Latch::rigid().position_m(0.5 * sag_m)))));
-    plant.equilibrium(0.0, Holding::AsReleased).expect("a state of rest");
+    plant.study().equilibrium(0.0, Holding::AsReleased).expect("a state of rest");
     let joint = plant.outputs().joints()[0];
     let latch = latch_of(&plant);
     assert!(latch.closed.is_on() && (joint.angle_rad - 0.5 * sag_m).abs() < 1.1e-6, "{joint:?}");
     assert!((joint.latch_torque_n_m + 0.5 * 200.0 * sag_m).abs() < 1e-3, "{joint:?}");
 
     let mut plant = Plant::new(std::sync::Arc::new(build(Joint::prismatic("slide", down()))));
-    let refused = plant.equilibrium(0.0, Holding::AsReleased).expect_err("nothing holds it").to_string();
+    let refused = plant.study().equilibrium(0.0, Holding::AsReleased).expect_err("nothing holds it").to_string();
     assert!(refused.contains("slide"), "{refused}");
 }
 

@@ -141,9 +141,9 @@ fn st03_rests_on_a_stop() {
         let rest_rad = (motor * command_rad + stop * end_rad) / (motor + stop);
         let frequency_hz = ((motor + stop) / INERTIA_KG_M2).sqrt() / (2.0 * PI);
         let mut plant = Plant::new(std::sync::Arc::new(machine.clone()));
-        plant.equilibrium(0.0, Holding::AsReleased).expect("rests on the stop");
+        plant.study().equilibrium(0.0, Holding::AsReleased).expect("rests on the stop");
         assert!((plant.outputs().joints()[0].angle_rad - rest_rad).abs() < 1e-9);
-        let mode = &plant.modes(1).expect("a mode")[0];
+        let mode = &plant.study().modes(1).expect("a mode")[0];
         assert!((mode.frequency_hz / frequency_hz - 1.0).abs() < 1e-9, "{} Hz", mode.frequency_hz);
         let mut plant = start(machine);
         coast(&mut plant, 3.0);

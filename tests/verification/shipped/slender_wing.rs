@@ -94,7 +94,7 @@ fn f230_static_deflection() {
     let unloaded_m = (1.0 - (CURVATURE_1_M * LENGTH_M).cos()) / CURVATURE_1_M;
     let errors = |changes: &[(&str, &str)]| {
         let mut plant = plant(changes);
-        plant.equilibrium(0.0, Holding::Stopped).unwrap_or_else(|error| panic!("{error}"));
+        plant.study().equilibrium(0.0, Holding::Stopped).unwrap_or_else(|error| panic!("{error}"));
         let outputs = plant.outputs();
         let place = outputs.tips()[0].position_m;
         let off = (place.x - tip[0]).hypot(place.z - tip[1]) / LENGTH_M;
@@ -165,8 +165,8 @@ fn f231_natural_frequencies() {
     let reference: Vec<f64> = coarse.iter().zip(&fine).map(|(coarse, fine)| fine + (fine - coarse) / 3.0).collect();
     let errors = |elements: &str| {
         let mut plant = plant(&[("elements = 6", elements)]);
-        plant.undeformed(0.0).unwrap_or_else(|error| panic!("{error}"));
-        let modes = plant.modes(10).unwrap_or_else(|error| panic!("{error}"));
+        plant.study().undeformed(0.0).unwrap_or_else(|error| panic!("{error}"));
+        let modes = plant.study().modes(10).unwrap_or_else(|error| panic!("{error}"));
         // the others bend and twist out of the plane
         let flap = |mode: &&ModeShape| mode.shares[2] > 0.9;
         let found: Vec<f64> = modes.iter().filter(flap).take(4).map(|mode| mode.frequency_hz).collect();

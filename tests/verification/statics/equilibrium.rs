@@ -284,7 +284,7 @@ fn s16_hinge_with_spring_stopper_and_latch() {
 #[test]
 fn s17_free_hinge_is_refused() {
     let text = bars("", "").replace("-10.0", "0.0");
-    let error = plant(&text).equilibrium(0.0, Holding::AsReleased).unwrap_err();
+    let error = plant(&text).study().equilibrium(0.0, Holding::AsReleased).unwrap_err();
     assert!(matches!(error, PlantError::Equilibrium { reached: 0.0, .. }), "{error:?}");
     let message = error.to_string();
     assert!(message.contains("joint \"fold\"") && message.contains("release = false"), "{message}");
@@ -301,7 +301,7 @@ fn s18_spinning_root_stretches_the_beam() {
     let beam = Cantilever { stiffness: [1e9, 1e3, 1e3, 1e3], elements: 4, ..Default::default() };
     let mut plant = plant(&beam.text());
     plant.inputs_mut().root_mut().angular_velocity_rad_s = Vector3::new(0.0, 0.0, 20.0);
-    plant.equilibrium(0.0, Holding::AsReleased).unwrap();
+    plant.study().equilibrium(0.0, Holding::AsReleased).unwrap();
     let strain = plant.shape()[0][0].strain[0];
     let exact = 0.5 * 400.0 / 1e9;
     assert!((strain / exact - 1.0).abs() < 1e-6, "{strain:.9e} instead of {exact:.9e}");
@@ -316,7 +316,7 @@ fn s18_spinning_root_stretches_the_beam() {
 fn s19_cost_is_linear() {
     let effort = |elements: usize| {
         let beam = Cantilever { elements, tip: [[0.0, 0.0, 3.0], [0.0; 3]], ..Default::default() };
-        plant(&beam.text()).equilibrium(0.0, Holding::AsReleased).unwrap()
+        plant(&beam.text()).study().equilibrium(0.0, Holding::AsReleased).unwrap()
     };
     let (few, many) = (effort(16), effort(1000));
     println!("S-19 {few:?} with 16 pairs, {many:?} with 1000");
@@ -352,14 +352,14 @@ fn s20_turned_machines_bend_alike() {
     let (text, _) = ball_wing(Vector3::zeros());
     let (mut straight, _) = at_rest(&text);
     let tip = straight.outputs().tips()[0].position_m;
-    let before = straight.modes(4).unwrap();
+    let before = straight.study().modes(4).unwrap();
     for turn_deg in [Vector3::new(0.0, 0.0, 90.0), Vector3::new(50.0, -120.0, 70.0)] {
         let (text, rotation) = ball_wing(turn_deg);
         let (mut turned, effort) = at_rest(&text);
         let gap = (turned.outputs().tips()[0].position_m - rotation * tip).norm();
         println!("S-20 {turn_deg:?}: {gap:.1e} m, {effort:?}");
         assert!(gap < 1e-12, "{turn_deg:?}: tip off by {gap:.1e} m");
-        for (mode, reference) in turned.modes(4).unwrap().iter().zip(&before) {
+        for (mode, reference) in turned.study().modes(4).unwrap().iter().zip(&before) {
             let error = (mode.frequency_hz / reference.frequency_hz - 1.0).abs();
             assert!(error < 1e-9, "{} Hz against {} Hz", mode.frequency_hz, reference.frequency_hz);
         }

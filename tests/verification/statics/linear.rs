@@ -88,7 +88,7 @@ fn s40_step_responses_are_those_of_the_simulation() {
 }
 
 fn compare_step_responses(case: &str, setup: &mut Setup, stepped: &[&str]) {
-    setup.plant.equilibrium(0.0, Holding::AsReleased).unwrap();
+    setup.plant.study().equilibrium(0.0, Holding::AsReleased).unwrap();
     let model = setup.model();
     let rest = setup.plant.snapshot();
     let energies = |name: &str| name.starts_with("energy.work") || name.starts_with("energy.dissipated");
@@ -196,9 +196,9 @@ fn s42_eigenvalues_of_the_linear_model_are_the_modes() {
 }
 
 fn compare_eigenvalues(case: &str, setup: &mut Setup) {
-    setup.plant.equilibrium(0.0, Holding::AsReleased).unwrap();
+    setup.plant.study().equilibrium(0.0, Holding::AsReleased).unwrap();
     let model = setup.model();
-    let modes = setup.plant.modes(6).unwrap();
+    let modes = setup.plant.study().modes(6).unwrap();
     let eigenvalues: Vec<Complex<f64>> = model.matrices.a.complex_eigenvalues().iter().copied().collect();
     for mode in &modes {
         let gap = eigenvalues.iter().map(|value| (value - mode.eigenvalue_1_s).norm()).fold(f64::INFINITY, f64::min);

@@ -18,7 +18,7 @@ pub fn plant(text: &str) -> Plant {
 /// A plant of a model text at rest under its loads.
 pub fn at_rest(text: &str) -> (Plant, StaticEffort) {
     let mut plant = plant(text);
-    let effort = plant.equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
+    let effort = plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
     (plant, effort)
 }
 

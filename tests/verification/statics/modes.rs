@@ -16,8 +16,8 @@ fn flap(element: &'static str, elements: usize) -> Cantilever {
 
 fn bare_modes(text: &str, count: usize) -> Vec<ModeShape> {
     let mut plant = plant(text);
-    plant.undeformed(0.0).unwrap_or_else(|error| panic!("{error}"));
-    plant.modes(count).unwrap_or_else(|error| panic!("{error}"))
+    plant.study().undeformed(0.0).unwrap_or_else(|error| panic!("{error}"));
+    plant.study().modes(count).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn betas(key: &str) -> Vec<f64> {
@@ -115,8 +115,8 @@ fn s33_free_free() {
             start_velocity_m_s: Vector3::zeros(),
         }));
         let mut plant = Plant::new(Arc::new(machine));
-        plant.undeformed(0.0).unwrap();
-        let mut list = plant.modes(8).unwrap_or_else(|error| panic!("{error}"));
+        plant.study().undeformed(0.0).unwrap();
+        let mut list = plant.study().modes(8).unwrap_or_else(|error| panic!("{error}"));
         for mode in &list[..6] {
             assert!(mode.frequency_hz * TAU < 0.1, "{}", mode.frequency_hz);
         }
@@ -180,8 +180,8 @@ fn s35_spinning_beam_is_stiffened() {
             let beam = Cantilever { stiffness, elements: 10, ..Default::default() };
             let mut plant = plant(&beam.text());
             plant.inputs_mut().root_mut().angular_velocity_rad_s = Vector3::new(0.0, 0.0, omega);
-            plant.equilibrium(0.0, Holding::AsReleased).unwrap();
-            let list = plant.modes(3).unwrap_or_else(|error| panic!("{error}"));
+            plant.study().equilibrium(0.0, Holding::AsReleased).unwrap();
+            let list = plant.study().modes(3).unwrap_or_else(|error| panic!("{error}"));
             for (i, (mode, square)) in list.iter().zip(exact).enumerate() {
                 // lag is the small difference of two large terms: measured by the larger
                 let softening = if share == 3 { omega * omega } else { 0.0 };
@@ -205,8 +205,8 @@ fn s36_hanging_and_standing_beam() {
     let modes_under = |gravity: f64| {
         let beam = Cantilever { gravity: [gravity, 0.0, 0.0], ..flap("linear", 10) };
         let mut plant = plant(&beam.text());
-        plant.equilibrium(0.0, Holding::AsReleased).unwrap();
-        plant.modes(3).unwrap_or_else(|error| panic!("{error}"))
+        plant.study().equilibrium(0.0, Holding::AsReleased).unwrap();
+        plant.study().modes(3).unwrap_or_else(|error| panic!("{error}"))
     };
     for gravity in [5.0, -5.0] {
         let exact = frequencies(|s| gravity * (1.0 - s), 0.0);

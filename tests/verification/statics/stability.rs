@@ -7,13 +7,13 @@ use std::f64::consts::PI;
 fn rest(text: &str, path: LoadPath, branch: Branch) -> (Plant, Rest) {
     let mut plant = plant(text);
     let search = Search { path, branch };
-    let rest = plant.rest(0.0, Holding::AsReleased, search).unwrap_or_else(|error| panic!("{error}"));
+    let rest = plant.study().rest(0.0, Holding::AsReleased, search).unwrap_or_else(|error| panic!("{error}"));
     (plant, rest)
 }
 
 /// Negative eigenvalues of the dense stiffness over the free coordinates.
 fn dense_count(plant: &mut Plant) -> usize {
-    let stiffness = plant.second_order().expect("linear").stiffness;
+    let stiffness = plant.study().second_order().expect("linear").stiffness;
     let symmetric = (&stiffness + stiffness.transpose()) * 0.5;
     symmetric.symmetric_eigenvalues().iter().filter(|value| **value < 0.0).count()
 }
@@ -38,10 +38,10 @@ fn s47_a_rod_on_a_free_hinge_hangs() {
         let (mut plant, found) = rest(&rod(start_deg), LoadPath::Load, Branch::Stable);
         let tip = plant.outputs().tips()[0].position_m;
         assert!((tip.z + 0.3).abs() < 1e-4 && tip.x.abs() < 1e-6, "from {start_deg}° the tip rests at {tip:?}");
-        assert!(plant.stability().expect("linear").is_stable());
+        assert!(plant.study().stability().expect("linear").is_stable());
         let (mut plant, kept) = rest(&rod(start_deg), LoadPath::Load, Branch::Path);
         assert_eq!(kept.departure, None);
-        let stability = plant.stability().expect("linear");
+        let stability = plant.study().stability().expect("linear");
         if plant.outputs().tips()[0].position_m.z > 0.0 {
             assert_eq!(found.departure, Some(Departure::Unstable(1)), "from {start_deg}°");
             assert_eq!(stability.unstable_directions(), 1);
@@ -83,7 +83,7 @@ fn s48_a_column_beyond_eulers_load() {
     for (times, count) in [(0.98, 0), (1.02, 1), (4.0, 1), (8.9, 1), (9.1, 2), (24.0, 2), (26.0, 3)] {
         let (mut plant, _) = rest(&column(times), LoadPath::Load, Branch::Path);
         assert!(plant.outputs().tips()[0].position_m.z.abs() < 1e-3, "straight at {times} Euler loads");
-        let stability = plant.stability().expect("linear");
+        let stability = plant.study().stability().expect("linear");
         assert!(stability.potential, "dead forces have a potential");
         assert_eq!((stability.negative_directions, dense_count(&mut plant)), (count, count), "{times} Euler loads");
         assert_eq!(stability.growing.len(), count, "as many modes grow");
@@ -95,7 +95,7 @@ fn s48_a_column_beyond_eulers_load() {
     }
     let (mut plant, found) = rest(&column(4.0), LoadPath::Load, Branch::Stable);
     assert_eq!(found.departure, Some(Departure::Unstable(1)));
-    assert!(plant.stability().expect("linear").is_stable());
+    assert!(plant.study().stability().expect("linear").is_stable());
     let turn = plant.shape()[0].last().expect("a tip").rotation_vector_rad().norm();
     assert!((turn - low).abs() < 1e-3, "the tip turns by {turn} rad, the elastica by {low} rad");
     assert!(plant.outputs().tips()[0].position_m.z > 0.0, "to the side of the force");
@@ -136,7 +136,7 @@ fn s49_snap_through_by_arc_length() {
     let (mut plant, found) = rest(&truss(angle, force_n), LoadPath::ArcLength, Branch::Path);
     let mut largest_n = 0.0f64;
     for point in &found.path {
-        let z = plant.tips_at(point)[0].z;
+        let z = plant.study().tips_at(point)[0].z;
         let (here_n, right_n) = (point.factor * force_n, -load_n(z));
         assert!((here_n - right_n).abs() < 1e-5 * limit_n, "z = {z} m: {here_n} N, right {right_n} N");
         let slope = load_n(z + 1e-6) - load_n(z - 1e-6);
@@ -170,7 +170,7 @@ fn s50_becks_column_flutters() {
         }
         .text();
         let (mut plant, found) = rest(&text, LoadPath::Load, Branch::Stable);
-        let stability = plant.stability().expect("linear");
+        let stability = plant.study().stability().expect("linear");
         assert!(!stability.potential && found.departure.is_none());
         assert_eq!(stability.is_stable(), stable, "P = {load}: {stability:?}");
         assert!(stability.growing.iter().all(|growth| growth.eigenvalue_1_s.im > 1.0), "it oscillates");
@@ -183,7 +183,7 @@ fn s50_becks_column_flutters() {
 fn s51_a_coarse_mesh_is_told() {
     let bent = |tip: [[f64; 3]; 2], elements| {
         let text = Cantilever { tip, elements, stiffness: [1e9, 1.0, 1.0, 1e4], ..Cantilever::default() }.text();
-        rest(&text, LoadPath::Load, Branch::Path).0.coarseness()
+        rest(&text, LoadPath::Load, Branch::Path).0.study().coarseness()
     };
     let steep = bent([[0.0, 0.0, 1e5], [0.0; 3]], 16);
     assert!(steep.is_coarse(), "{steep:?}");

@@ -107,7 +107,7 @@ pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Fai
     let statics = |error: PlantError| Failure::Statics(error.to_string());
     match at {
         "start" => plant.initialize(start_s).map_err(statics),
-        "equilibrium" => plant.equilibrium(start_s, Holding::AsReleased).map(|_| ()).map_err(statics),
+        "equilibrium" => plant.study().equilibrium(start_s, Holding::AsReleased).map(|_| ()).map_err(statics),
         time => {
             let time_s: f64 = time
                 .parse()

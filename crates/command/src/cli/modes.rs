@@ -49,17 +49,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let failed = |error: foldwing_engine::plant::PlantError| Failure::Statics(error.to_string());
     let mut departure = None;
     match arguments.about {
-        About::Undeformed => plant.undeformed(time_s).map_err(failed)?,
+        About::Undeformed => plant.study().undeformed(time_s).map_err(failed)?,
         About::Equilibrium => {
             let search = Search { branch: arguments.branch.choice(), ..Search::default() };
-            departure = plant.rest(time_s, Holding::AsReleased, search).map_err(failed)?.departure;
+            departure = plant.study().rest(time_s, Holding::AsReleased, search).map_err(failed)?.departure;
         }
     }
     let stability = match arguments.about {
         About::Undeformed => None,
-        About::Equilibrium => Some(plant.stability().map_err(failed)?),
+        About::Equilibrium => Some(plant.study().stability().map_err(failed)?),
     };
-    let modes = plant.modes(arguments.count).map_err(failed)?;
+    let modes = plant.study().modes(arguments.count).map_err(failed)?;
     if arguments.json {
         let mut value = as_json(&plant, &modes);
         if let Some(stability) = &stability {

@@ -110,7 +110,7 @@ pub fn path_text(plant: &mut Plant, rest: &Rest) -> String {
     text.push('\n');
     for point in &rest.path {
         let _ = write!(text, "{:12.6} {:8}", point.factor, point.negative_directions);
-        for tip in plant.tips_at(point) {
+        for tip in plant.study().tips_at(point) {
             let _ = write!(text, "  {:11.6} {:11.6} {:11.6}", tip.x, tip.y, tip.z);
         }
         text.push('\n');
@@ -125,7 +125,7 @@ pub fn path_json(plant: &mut Plant, rest: &Rest) -> Vec<Value> {
     for point in &rest.path {
         let tips: Vec<Value> = names
             .iter()
-            .zip(plant.tips_at(point))
+            .zip(plant.study().tips_at(point))
             .map(|(name, tip)| json!({ "body": name, "position_m": tip.as_slice() }))
             .collect();
         list.push(json!({

@@ -69,9 +69,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let search = Search { path, branch: arguments.branch.choice() };
     let failed = |error: PlantError| Failure::Statics(error.to_string());
-    let rest = plant.rest(time_s, Holding::AsReleased, search).map_err(failed)?;
-    let stability = plant.stability().map_err(failed)?;
-    let coarseness = plant.coarseness();
+    let rest = plant.study().rest(time_s, Holding::AsReleased, search).map_err(failed)?;
+    let stability = plant.study().stability().map_err(failed)?;
+    let coarseness = plant.study().coarseness();
     if arguments.json {
         let mut value = as_json(&plant, rest.effort);
         value["stability"] = stability::as_json(&plant, &stability, rest.departure);

@@ -189,11 +189,12 @@ mod tests {
         let mut start = Point::zeros(1);
         (start.q[0], start.a[0]) = (1.0, -omega_1_s.powi(2));
         let mut end = Point::zeros(1);
-        let mut stages = vec![Point::zeros(1); stepper.continuation().inner_stages()];
+        let continuation = method.continuation();
+        let mut stages = vec![Point::zeros(1); continuation.inner_stages()];
         let mut equations = Oscillator { omega_1_s, factor: 1.0 };
         let (accuracy, mut effort) = (Accuracy::within(1e-14), Effort::default());
         stepper.step(&mut equations, &start, 1.0, (&mut end, &mut stages), accuracy, &mut effort).unwrap();
-        let taken = Taken { start: &start, stages: &stages, end: &end, continuation: stepper.continuation() };
+        let taken = Taken { start: &start, stages: &stages, end: &end, continuation: &continuation };
         let mut now = Point::zeros(1);
         let mut largest = [0f64; 3];
         for i in 0..=100 {

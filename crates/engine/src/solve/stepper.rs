@@ -36,28 +36,34 @@ pub struct Stepper {
     esdirk: Esdirk,
     generalized_alpha: GeneralizedAlpha,
     rk4: Rk4,
-    continuation: Continuation,
+}
+
+impl Method {
+    /// How states between the ends of a step follow from its stages.
+    pub fn continuation(self) -> Continuation {
+        self.tableau().map_or_else(Continuation::default, Continuation::of)
+    }
+
+    fn tableau(self) -> Option<&'static Tableau<'static>> {
+        match self {
+            Method::GeneralizedAlpha { .. } | Method::Rk4 => None,
+            Method::TrBdf2 => Some(&TR_BDF2),
+            Method::Esdirk3 => Some(&ESDIRK3),
+            Method::Sdirk2 => Some(&SDIRK2),
+            Method::Esdirk4 => Some(&ESDIRK4),
+        }
+    }
 }
 
 impl Stepper {
     /// A method for `coordinates` unknowns.
     pub fn new(method: Method, coordinates: usize) -> Self {
-        let mut stepper = Self {
+        Self {
             method,
             esdirk: Esdirk::new(coordinates),
             generalized_alpha: GeneralizedAlpha::new(coordinates),
             rk4: Rk4::new(coordinates),
-            continuation: Continuation::default(),
-        };
-        if let Some(tableau) = stepper.tableau() {
-            stepper.continuation = Continuation::of(tableau);
         }
-        stepper
-    }
-
-    /// How states between the ends of a step follow from its stages.
-    pub fn continuation(&self) -> &Continuation {
-        &self.continuation
     }
 
     /// Whether states between the ends of a step take a step of their own: implicit methods without stages.
@@ -67,17 +73,7 @@ impl Stepper {
 
     /// Power of the step with which the error estimate falls.
     pub fn error_order(&self) -> u32 {
-        self.tableau().map_or(3, |tableau| tableau.error_order)
-    }
-
-    fn tableau(&self) -> Option<&'static Tableau<'static>> {
-        match self.method {
-            Method::GeneralizedAlpha { .. } | Method::Rk4 => None,
-            Method::TrBdf2 => Some(&TR_BDF2),
-            Method::Esdirk3 => Some(&ESDIRK3),
-            Method::Sdirk2 => Some(&SDIRK2),
-            Method::Esdirk4 => Some(&ESDIRK4),
-        }
+        self.method.tableau().map_or(3, |tableau| tableau.error_order)
     }
 
     /// What the last attempt left: the error estimate of a step, or the last correction of an iteration that gave up.
@@ -107,7 +103,7 @@ impl Stepper {
             return self.rk4.step(equations, start, h_s, end, effort).map(|()| 0.0);
         }
         equations.take_pieces(start.time_s, &start.q, &start.v);
-        let outcome = match (self.tableau(), self.method) {
+        let outcome = match (self.method.tableau(), self.method) {
             (None, Method::GeneralizedAlpha { rho_infinity }) => {
                 let parameters = Parameters::new(rho_infinity);
                 self.generalized_alpha.step(&parameters, equations, start, h_s, end, accuracy, effort)

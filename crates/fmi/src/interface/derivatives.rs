@@ -77,7 +77,7 @@ impl Interface {
         if references.is_empty() {
             return Ok(());
         }
-        let rates = plant.output_rates();
+        let rates = plant.study().output_rates();
         for ((&reference, &order), value) in references.iter().zip(orders).zip(values) {
             *value = if order == 1 { rates.values()[self.output(reference)?] } else { 0.0 };
         }
@@ -121,8 +121,9 @@ impl Interface {
             self.differentiable(known, stage)?;
             match (stage, self.slots[known as usize].place) {
                 (Stage::Running, Place::Input(place)) => {
-                    let slope =
-                        plant.output_response(&|inputs: &mut Inputs, amount| inputs.values_mut()[place] += amount)?;
+                    let slope = plant
+                        .study()
+                        .output_response(&|inputs: &mut Inputs, amount| inputs.values_mut()[place] += amount)?;
                     add(&mut sums, &slope, seed);
                 }
                 _ => {

@@ -95,7 +95,7 @@ impl Interface {
             .collect();
         let read =
             |values: &Outputs| DVector::from_iterator(rows.len(), rows.iter().map(|&place| values.values()[place]));
-        let matrices = plant.state_space(&slopes, &read)?;
+        let matrices = plant.study().state_space(&slopes, &read)?;
         let point = self.operating_point(plant)?;
 
         let values = read(plant.outputs());

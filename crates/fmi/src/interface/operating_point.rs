@@ -58,7 +58,7 @@ impl Interface {
     /// # Errors
     /// [`PlantError::Linearization`] where its modes cannot be found.
     pub fn operating_point(&self, plant: &mut Plant) -> Result<OperatingPoint, PlantError> {
-        let growing_1_s = plant.growing_1_s()?;
+        let growing_1_s = plant.study().growing_1_s()?;
         let machine = plant.machine();
         let statuses = plant.joint_statuses().zip(plant.outputs().joints()).zip(plant.revolute_joints());
         let joints = statuses.map(|((status, outputs), body)| {

@@ -1,0 +1,335 @@
+//! Air and structure: loads that agree with the motion at the end of every aerodynamic step.
+//!
+//! Aerodynamic steps have a fixed length from the start on, whatever the caller's steps are. Within one the loads are
+//! constant and turn with the sections, NOTATION eq. (Q1): the mean of the circulatory ones at its ends, and the mean rate
+//! of the fluid's impulse. Those at the end follow from trial marches of the structure to it, eq. (Q2), after which the
+//! structure goes back and marches for good. What vibrates faster than the steps can follow must not gain energy from
+//! them: the air sees velocities that belong to the displacements over the steps, eq. (Q4), not those of the instants.
+
+use crate::aero::flow::{AirPath, Flow};
+use crate::force::Outcome;
+use crate::force::memory::JointMemory;
+use crate::machine::Coupling;
+use crate::run::Plant;
+use crate::run::march::even_step;
+use crate::solve::EquationsOfMotion;
+use crate::solve::point::Point;
+use crate::system::air::start::{flow, refusal};
+use crate::system::air::{AirCoupling, AirHistory, Gain, StepLoads, gaps};
+use crate::system::state::State;
+use crate::system::{PlantError, Statistics, System};
+use nalgebra::Vector3;
+
+/// Share of an aerodynamic step below which the rest of it is round-off.
+const SLIVER: f64 = 1e-9;
+/// Round-off of the caller's clock, relative to its time: that of 10⁵ steps summed up.
+const CLOCK_ROUND_OFF: f64 = 1e-11;
+/// Share of the coupling's tolerance that the loads may move by what Newton's iteration leaves in a trial march.
+const MOTION_SHARE: f64 = 0.1;
+/// Smallest displacement error in the kinematic norm that Newton's iteration is asked for: a thousand times the round-off
+/// of angles, since its last corrections are a hundred times what they leave.
+const LEAST_MOTION_TOLERANCE: f64 = 1e-12;
+
+/// Aerodynamic steps in a row in which the prediction of the staggered coupling may miss the loads by more than the largest
+/// of the run: where it does so on and on, no prediction at all would be nearer, and each step makes it worse. A start
+/// against small loads takes two or three such steps.
+const MOST_STRAYED: u32 = 4;
+/// What is said then.
+const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges: in 4 aerodynamic steps in a row the loads missed their \
+     prediction by more than the largest of the run: the air is too heavy for one correction, write coupling = \"iterated\"";
+
+/// Time in s by which the caller's clock may be off an aerodynamic step's end that it means.
+fn round_off_s(time_s: f64, step_s: f64) -> f64 {
+    SLIVER * step_s + CLOCK_ROUND_OFF * time_s.abs()
+}
+
+impl Plant {
+    /// Whether `start` stands at the end of an aerodynamic step and `time_s` is that end but for the caller's clock; it
+    /// then is `time_s`. What is read there belongs to the step that ends, whatever the last bits of the clock say.
+    pub(crate) fn adopt_end_of_air_step(&mut self, time_s: f64) -> bool {
+        let (Some(history), Some(air)) = (&self.system.state.air, &self.system.air) else { return false };
+        let (end_s, round_off_s) = (history.loads.end_s, round_off_s(time_s, air.settings.step_s));
+        let is_end =
+            history.steps > 0 && self.system.state.start.time_s >= end_s - round_off_s && time_s <= end_s + round_off_s;
+        if is_end {
+            (self.system.state.start.time_s, self.system.state.ahead.time_s) = (time_s, time_s);
+        }
+        is_end
+    }
+
+    /// Begins the next aerodynamic step where the present one is over.
+    pub(crate) fn begin_air_step(&mut self) -> Result<(), PlantError> {
+        let (Some(history), Some(air)) = (&mut self.system.state.air, &self.system.air) else { return Ok(()) };
+        let (step_s, time_s) = (air.settings.step_s, self.system.state.start.time_s);
+        if time_s < history.loads.end_s - round_off_s(time_s, step_s) {
+            return Ok(());
+        }
+        history.before.copy_from(&history.after);
+        history.begin.copy_from_slice(&history.end);
+        let AirHistory { loads, at_begin, .. } = history;
+        for (earlier, (from, to)) in at_begin.iter_mut().zip(loads.from.iter_mut().zip(&mut loads.to)) {
+            *from = *to;
+            if history.steps > 0 {
+                to.force_n += to.force_n - earlier.force_n;
+                to.moment_n_m += to.moment_n_m - earlier.moment_n_m;
+            }
+            *earlier = *from;
+        }
+        history.steps += 1;
+        (history.carried_m, history.gain) = (Vector3::zeros(), Gain::default());
+        loads.begin_s = self.system.state.start.time_s;
+        loads.end_s = history.start_s + history.steps as f64 * step_s;
+        self.agree_on_loads()
+    }
+
+    /// Finds the loads for the rest of the present step anew, after the inputs have changed inside it.
+    pub(crate) fn renew_air(&mut self) -> Result<(), PlantError> {
+        match (&self.system.state.air, &self.system.air) {
+            (Some(history), Some(air)) => {
+                let time_s = self.system.state.start.time_s;
+                let is_over = time_s >= history.loads.end_s - round_off_s(time_s, air.settings.step_s);
+                if is_over { Ok(()) } else { self.agree_on_loads() }
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Loads at the end of the present aerodynamic step that agree with the motion there, NOTATION eq. (Q2).
+    /// Leaves the structure at `start`, with accelerations under these loads.
+    fn agree_on_loads(&mut self) -> Result<(), PlantError> {
+        let Some(rest) = self.begin_agreement() else { return Ok(()) };
+        let mut change = Some(0.0);
+        for trial in 0..rest.most_trials {
+            change = self.try_loads(&rest, trial == 0)?;
+            if change.is_none() {
+                break;
+            }
+        }
+        let System { air: Some(air), state, machine, .. } = &mut self.system else { return Ok(()) };
+        if let Some(history) = &state.air {
+            let row_panels = air.model.row_panels(&history.before, &history.after, &rest.path);
+            let longest = &mut state.statistics.longest_row_panels;
+            *longest = longest.max(row_panels);
+        }
+        let RestOfStep { begin_s, end_s, most_trials, .. } = rest;
+        if let Some(change) = change {
+            let mut cause =
+                format!("the loads still change by {change:.1e} of the largest after {most_trials} iterations");
+            if let Some(surface) =
+                gaps::blown_from_behind(&air.settings, &air.motions, &flow(&air.settings, state, end_s))
+            {
+                let body = &machine.bodies[air.settings.surfaces[surface].body].name;
+                cause +=
+                    &format!("; the air meets the trailing edge of {body} first, and the wake must leave behind it");
+            }
+            return Err(refusal(begin_s, cause));
+        }
+        if let Some(error) = gaps::crossing(machine, &air.settings, &air.model, end_s) {
+            return Err(error);
+        }
+        self.system.discontinuity(|_, _| Outcome::default()).map(|_| ())
+    }
+
+    /// Carries the wake to the end of the present aerodynamic step and remembers where its trial marches start; `None`
+    /// without air.
+    fn begin_agreement(&mut self) -> Option<RestOfStep> {
+        let System { air: Some(air), state, equations, machine, .. } = &mut self.system else { return None };
+        let air = &mut **air;
+        let history = state.air.as_ref()?;
+        self.trial.save(state, equations.air.as_ref());
+        let step_s = air.settings.step_s;
+        let (begin_s, end_s) = (history.loads.begin_s, history.loads.end_s);
+        // way of the wind over the whole step, and the turning of the root frame in the middle of what is left of it:
+        // exact for inputs that run linearly from the step's start
+        let middle_s = 0.5 * (begin_s + end_s);
+        let way_m = history.carried_m + state.wind_at_m_s(middle_s) * (end_s - begin_s);
+        let spin_rad_s = state.spin_at_rad_s(middle_s);
+        let gain = history.gain.after(end_s - begin_s, state.applied_rates.wind_m_s());
+        let carrying = Flow { wind_m_s: way_m / step_s, spin_rad_s, ..flow(&air.settings, state, end_s) };
+        let path = AirPath::new(&carrying, step_s);
+        let history = state.air.as_mut()?;
+        air.model.convect(&history.before, &carrying, step_s, &mut history.after);
+        air.read(&history.loads);
+        air.acceleration.restart();
+        let (tolerance, most_trials) = match air.settings.coupling {
+            Coupling::Staggered => (f64::INFINITY, 1),
+            Coupling::Iterated { tolerance, most_iterations } => (tolerance, most_iterations),
+        };
+        if let Some(fixed_s) = machine.solver.fixed_step_s {
+            history.structure_step_s = even_step(end_s - begin_s, fixed_s);
+        }
+        Some(RestOfStep { begin_s, end_s, gain, path, tolerance, most_trials })
+    }
+
+    /// Marches the structure to the end of the step under the present guess of the loads, takes it back, and solves for the
+    /// loads of the motion that it made; `None` where they agree with the guess, else their change over the largest so far
+    /// and the next guess. `first`: the trial march finds the structure's steps.
+    fn try_loads(&mut self, rest: &RestOfStep, first: bool) -> Result<Option<f64>, PlantError> {
+        let &RestOfStep { begin_s, end_s, ref gain, tolerance, .. } = rest;
+        self.limit_newton();
+        self.system.equations.booked = false;
+        let marched = self.march_on_trial(end_s, first);
+        self.system.equations.booked = true;
+        let (wanted_s, next_s) = (self.smallest_step_s, self.system.state.step_s);
+        let halved = self.system.state.statistics.failures > self.trial.statistics.failures;
+        if marched.is_ok() {
+            let System { air, state, equations, scratch, .. } = &mut self.system;
+            let ahead = &state.ahead;
+            equations.residual(end_s, &ahead.q, &ahead.v, &ahead.a, &mut scratch[0]);
+            if let Some(air) = air {
+                air.observe(equations, ahead);
+            }
+        }
+        self.go_back();
+        let System { air: Some(air), state, machine, .. } = &mut self.system else { return Ok(None) };
+        let air = &mut **air;
+        let Some(history) = &mut state.air else { return Ok(None) };
+        let step_s = air.settings.step_s;
+        for (motion, (begin, end)) in air.motions.iter_mut().zip(history.begin.iter().zip(&mut history.end)) {
+            *end = begin.next(motion, step_s, gain);
+            *motion = end.motion;
+        }
+        if first && machine.solver.fixed_step_s.is_none() {
+            history.structure_step_s = even_step(end_s - begin_s, wanted_s);
+        } else if halved {
+            // Newton's iteration has failed on the agreed steps: from now on all march with shorter ones, else the loads
+            // at the end jump from one trial to the next
+            history.structure_step_s *= 0.5;
+            air.acceleration.restart();
+        }
+        if first {
+            self.trial.step_s = next_s;
+        }
+        state.step_s = self.trial.step_s;
+        marched?;
+        state.statistics.air_solutions += 1;
+        let density_kg_m3 = state.applied_parameters.air_density_kg_m3();
+        let AirCoupling { model, settings, motions, loads, .. } = &mut *air;
+        let flow = flow(settings, state, end_s);
+        let Some(history) = &mut state.air else { return Ok(None) };
+        model
+            .solve(&history.before, motions, &flow, step_s, &mut history.after, loads)
+            .map_err(|error| gaps::failure(machine, settings, begin_s, error))?;
+        let (change_n, size_n) = air.compare();
+        if !change_n.is_finite() {
+            return Err(refusal(begin_s, "its loads are not finite"));
+        }
+        history.scale_n = history.scale_n.max(size_n);
+        if air.settings.coupling == Coupling::Staggered {
+            history.strayed = if change_n > history.scale_n { history.strayed + 1 } else { 0 };
+            if history.strayed >= MOST_STRAYED {
+                return Err(refusal(begin_s, STAGGERED_DIVERGES));
+            }
+        }
+        let agreed = change_n <= (tolerance * history.scale_n).max(air.round_off_n(density_kg_m3));
+        if agreed {
+            air.accept();
+        } else {
+            let AirCoupling { acceleration, guess, residual, .. } = &mut *air;
+            acceleration.next(guess, residual);
+        }
+        air.write(&mut history.loads);
+        Ok(if agreed { None } else { Some(change_n / history.scale_n) })
+    }
+
+    /// Bounds what Newton's iteration may leave in the trial marches by what the loads would notice, eq. (Q2).
+    fn limit_newton(&mut self) {
+        let System { air: Some(air), state, equations, .. } = &mut self.system else { return };
+        let density_kg_m3 = state.applied_parameters.air_density_kg_m3();
+        let Some(history) = &mut state.air else { return };
+        history.motion_tolerance = match air.settings.coupling {
+            Coupling::Iterated { tolerance, .. } if history.scale_n > 0.0 => {
+                let way_m = air.unnoticed_m(MOTION_SHARE * tolerance * history.scale_n, density_kg_m3);
+                (way_m / equations.model.reference_length_m).max(LEAST_MOTION_TOLERANCE)
+            }
+            _ => f64::INFINITY,
+        };
+    }
+
+    /// Marches the structure to the end of the aerodynamic step under the present guess of the loads; `first`: with steps
+    /// by the error estimate.
+    fn march_on_trial(&mut self, end_s: f64, first: bool) -> Result<(), PlantError> {
+        self.system.discontinuity(|_, _| Outcome::default())?;
+        self.smallest_step_s = f64::INFINITY;
+        while self.system.state.ahead.time_s < end_s {
+            let State { start, ahead, .. } = &mut self.system.state;
+            start.copy_from(ahead);
+            self.system.apply_events()?;
+            match self.structure_step_s().filter(|_| !first || self.system.machine.solver.fixed_step_s.is_some()) {
+                Some(step_s) => self.advance_fixed(step_s, end_s)?,
+                None => self.advance(end_s)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Step of the structure that the present aerodynamic step is marched with, in s; `None` without air.
+    pub(crate) fn structure_step_s(&self) -> Option<f64> {
+        self.system.state.air.as_ref().map(|history| history.structure_step_s)
+    }
+
+    /// Undoes a trial march, but for what it has told about the air.
+    fn go_back(&mut self) {
+        let (trial, system) = (&self.trial, &mut self.system);
+        let Statistics { air_solutions, iterations, trial_iterations, .. } = system.state.statistics;
+        let State { start, ahead, joints, statistics, .. } = &mut system.state;
+        start.copy_from(&trial.start);
+        ahead.copy_from(&trial.start);
+        joints.copy_from_slice(&trial.joints);
+        *statistics = Statistics {
+            air_solutions,
+            trial_iterations: trial_iterations + iterations - trial.statistics.iterations,
+            ..trial.statistics
+        };
+        system.configure();
+        if let Some(loads) = &mut system.equations.air {
+            loads.copy_from(&trial.loads);
+        }
+    }
+}
+
+/// What is left of an aerodynamic step.
+struct RestOfStep {
+    begin_s: f64,
+    end_s: f64,
+    /// Gain of the wind since the start of the step.
+    gain: Gain,
+    /// Way of the air over the whole step.
+    path: AirPath,
+    /// Change of the loads over the largest at which they agree.
+    tolerance: f64,
+    most_trials: usize,
+}
+
+/// Where the trial marches of an aerodynamic step start, to go back to.
+pub(super) struct Trial {
+    start: Point,
+    step_s: f64,
+    joints: Vec<JointMemory>,
+    statistics: Statistics,
+    loads: StepLoads,
+}
+
+impl Trial {
+    /// Room for the trial marches of a system.
+    pub fn new(system: &System) -> Self {
+        let sections = system.equations.stations.len() - system.equations.load_stations;
+        Self {
+            start: Point::zeros(system.coordinates()),
+            step_s: 0.0,
+            joints: Vec::with_capacity(system.machine.bodies.len()),
+            statistics: Statistics::default(),
+            loads: StepLoads::none(sections),
+        }
+    }
+
+    /// Remembers where a trial march starts. `loads`: those that its accelerations belong to.
+    fn save(&mut self, state: &State, loads: Option<&StepLoads>) {
+        self.start.copy_from(&state.start);
+        self.joints.clone_from(&state.joints);
+        (self.step_s, self.statistics) = (state.step_s, state.statistics);
+        if let Some(loads) = loads {
+            self.loads.copy_from(loads);
+        }
+    }
+}

@@ -1,0 +1,463 @@
+//! Marching in time: variable steps that run ahead of the caller, crossings of forces' indicators located inside them.
+
+use crate::force::joint::JointForces;
+use crate::force::latch::CROSSING_S;
+use crate::force::set::Indicator;
+use crate::run::Plant;
+use crate::solve::EquationsOfMotion;
+use crate::solve::continuation::Taken;
+use crate::solve::control;
+use crate::solve::newton::{Accuracy, Effort, NewtonError};
+use crate::system::PlantError;
+use crate::system::place::Failure;
+use crate::system::state::State;
+
+/// Displacement error that Newton's iteration may leave, as a share of the step's tolerance.
+const NEWTON_SHARE: f64 = 1e-2;
+/// Largest displacement error that Newton's iteration may leave at any tolerance.
+const NEWTON_CEILING: f64 = 1e-6;
+/// The same for steps of given length, whose error nothing else bounds: those that end at a crossing (located
+/// to 1e-9 s, at some 10 rad/s) and fixed ones.
+const NEWTON_CEILING_EXACT: f64 = 1e-8;
+/// Cut of the step after Newton's iteration has failed.
+const FAILURE_CUT: f64 = 0.25;
+/// Internal steps after which the longest communication step ends, were each as long as it may be.
+const MOST_STEPS: u32 = 1_000_000;
+/// Newton iterations that a communication step may cost, however short it is: five times what the trial marches of one
+/// aerodynamic step of the shipped tunnel take at a tolerance of 1e-8, and some seconds of the processor.
+const MOST_ITERATIONS: u64 = 200_000;
+/// The same for each second that it goes on.
+const MOST_ITERATIONS_1_S: f64 = 5e7;
+/// Most aerodynamic steps of one communication step: each costs many internal ones.
+const MOST_AIR_STEPS: u32 = 100_000;
+/// Most steps spent on locating one crossing.
+const MAX_LOCATING_STEPS: usize = 40;
+/// Most steps spent on locating one crossing in real time: the tangent at the end of the first trial leaves the latch a
+/// share of a step off that falls with the square of the step.
+const MAX_LOCATING_STEPS_REAL_TIME: usize = 2;
+/// Last correction, as a rotation in rad or a displacement over the machine's length, at which a stage of real-time mode is
+/// not solved at all: the next correction could turn any part anywhere.
+const LOST_REST: f64 = 1.0;
+/// Largest turn of a joint in a step of real-time mode, in rad: beyond half a turn its ends do not tell which way it went.
+const LOST_TURN_RAD: f64 = std::f64::consts::PI;
+
+/// Who decides on the length of a step.
+#[derive(Clone, Copy, PartialEq)]
+enum Length {
+    /// The error estimate, which bounds what Newton's iteration leaves too.
+    Chosen,
+    /// The place of a crossing or the caller.
+    Given,
+}
+
+/// A step of given length that was not solved. `ahead` is undefined, `start` as it was.
+struct Untaken {
+    step_s: f64,
+    failure: Failure,
+}
+
+impl Plant {
+    /// Goes on to `end_s` with the present inputs and their rates; the outputs then belong to `end_s`.
+    ///
+    /// On an error the plant stands at the last good time, [`crate::system::System::time_s`], and its outputs belong to it; where no
+    /// internal step has succeeded, they are those of before, bit for bit. Allocates nothing.
+    pub fn step(&mut self, end_s: f64) -> Result<(), PlantError> {
+        let changed = self.system.inputs_changed();
+        self.system.inputs_may_differ = false;
+        let marches = changed || self.system.state.ahead.time_s <= end_s;
+        if marches {
+            self.system.begin.copy_from(&self.system.state);
+        }
+        let span_s = (end_s - self.system.state.now.time_s).max(0.0);
+        self.most_work = MOST_ITERATIONS.saturating_add((MOST_ITERATIONS_1_S * span_s).round() as u64);
+        self.work_left = self.most_work;
+        let applied = if changed { self.system.apply_inputs().and_then(|()| self.renew_air()) } else { Ok(()) };
+        let outcome = applied.and_then(|()| self.march(end_s, changed));
+        let State { start, ahead, now, .. } = &mut self.system.state;
+        match &outcome {
+            Ok(()) => self.arrive_at(end_s),
+            Err(_) if start.time_s <= now.time_s => self.system.go_back_to_begin(),
+            Err(_) => {
+                now.copy_from(start);
+                ahead.copy_from(start);
+            }
+        }
+        self.system.state.arrive();
+        self.system.remember_far_turns();
+        self.system.forget_outputs();
+        if marches && outcome.is_ok() && !self.system.is_moderate() {
+            self.system.evaluate();
+            if !self.system.outputs.are_finite() {
+                let cause = self.system.largest_input();
+                self.system.go_back_to_begin();
+                self.system.state.arrive();
+                self.system.evaluate();
+                return Err(PlantError::NotFinite { time_s: end_s, cause });
+            }
+        }
+        self.system.provide(self.system.watched);
+        outcome
+    }
+
+    /// Brings the present to a time within the integrator's step.
+    fn arrive_at(&mut self, time_s: f64) {
+        if self.stepper.lands() && self.land(time_s) {
+            return;
+        }
+        let State { start, stages, ahead, now, .. } = &mut self.system.state;
+        let taken = Taken { start, stages, end: ahead, continuation: &self.system.continuation };
+        if taken.fill(now, time_s) {
+            // combinations meet given motions and constraints of joint parameters only to their own error
+            self.system.equations.branch_s = 0.5 * (start.time_s + ahead.time_s);
+            self.system.equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
+            self.system.equations.project(&mut now.q, &mut now.v, &mut now.a);
+        }
+    }
+
+    /// A step of its own from the begin of the integrator's step to a time within it, for methods without stages, whose
+    /// polynomial of the ends would draw fast modes larger than they are. False at the ends, and where it has no solution.
+    fn land(&mut self, time_s: f64) -> bool {
+        let step_s = time_s - self.system.state.start.time_s;
+        if step_s <= 0.0 || time_s >= self.system.state.ahead.time_s {
+            return false;
+        }
+        let accuracy = self.accuracy(step_s, Length::Given);
+        let mut effort = Effort::default();
+        let State { start, now, statistics, .. } = &mut self.system.state;
+        self.system.equations.branch_s = start.time_s + 0.5 * step_s;
+        let landed =
+            self.stepper.step(&mut self.system.equations, start, step_s, (now, &mut []), accuracy, &mut effort);
+        statistics.iterations += effort.iterations;
+        statistics.factorizations += effort.factorizations;
+        now.time_s = time_s;
+        landed.is_ok()
+    }
+
+    /// Longest communication step in s that the bounds on internal and aerodynamic steps leave possible.
+    pub fn longest_step_s(&self) -> f64 {
+        let structure_s =
+            self.system.machine.solver.fixed_step_s.unwrap_or(self.system.state.parameters.solver().max_step_s)
+                * f64::from(MOST_STEPS);
+        self.system
+            .machine
+            .air
+            .as_ref()
+            .map_or(structure_s, |air| structure_s.min(air.step_s * f64::from(MOST_AIR_STEPS)))
+    }
+
+    /// Takes steps until one reaches `end_s`. Runs ahead of `end_s` only while the inputs stay as they are. Fixed steps
+    /// divide the caller's span, and never run ahead; in air they divide the aerodynamic step, whatever the caller's is:
+    /// the loads are agreed on for these steps.
+    fn march(&mut self, end_s: f64, changed: bool) -> Result<(), PlantError> {
+        let fixed = self
+            .system
+            .machine
+            .solver
+            .fixed_step_s
+            .map(|step_s| even_step(end_s - self.system.state.now.time_s, step_s));
+        let runs_ahead = !changed && (fixed.is_none() || self.system.state.air.is_some());
+        let limit_s = if runs_ahead { f64::INFINITY } else { end_s };
+        while self.system.state.ahead.time_s <= end_s {
+            let State { before, start, ahead, .. } = &mut self.system.state;
+            if ahead.time_s > start.time_s {
+                before.copy_from(start);
+            }
+            start.copy_from(ahead);
+            self.system.apply_events()?;
+            if self.system.state.start.time_s >= end_s || self.adopt_end_of_air_step(end_s) {
+                break;
+            }
+            self.begin_air_step()?;
+            match self.structure_step_s().or(fixed) {
+                Some(step_s) => self.advance_fixed(step_s, limit_s)?,
+                None => self.advance(limit_s)?,
+            }
+            self.system.remember_attitudes();
+        }
+        Ok(())
+    }
+
+    /// One accepted step of variable length from `start` to `ahead`, at most to `limit_s`.
+    pub(crate) fn advance(&mut self, limit_s: f64) -> Result<(), PlantError> {
+        let tolerance = self.system.state.applied_parameters.solver().tolerance;
+        let (min_step_s, max_step_s) = (
+            self.system.state.applied_parameters.solver().min_step_s,
+            self.system.state.applied_parameters.solver().max_step_s,
+        );
+        let time_s = self.system.state.start.time_s;
+        let stop_s = limit_s.min(self.system.equations.next_kink_s(time_s));
+        let order = self.stepper.error_order();
+        loop {
+            let wanted_s = self.system.state.step_s.min(max_step_s);
+            let (step_s, end_s) = fit_step(time_s, wanted_s, stop_s);
+            self.count_step(step_s, end_s)?;
+            match self.attempt(step_s, Length::Chosen) {
+                Ok(error) if error <= tolerance => {
+                    self.system.state.ahead.time_s = end_s;
+                    if let Err(Untaken { step_s, failure }) = self.locate_crossing() {
+                        // a part of the way to the crossing as an ordinary step, then on from there
+                        self.give_up(step_s * FAILURE_CUT, failure)?;
+                        continue;
+                    }
+                    self.smallest_step_s = self.smallest_step_s.min(wanted_s);
+                    let grown_s = step_s * control::factor(error / tolerance, order);
+                    // a step cut short by `stop_s` says nothing against the longer one
+                    self.system.state.step_s =
+                        if step_s < wanted_s { grown_s.max(wanted_s) } else { grown_s }.min(max_step_s);
+                    break;
+                }
+                Ok(error) => {
+                    self.system.state.statistics.rejections += 1;
+                    self.system.state.step_s = step_s * control::factor(error / tolerance, order).min(0.9);
+                    self.refuse_small_step(min_step_s, Failure::Estimate { error, tolerance })?;
+                }
+                Err(error) => self.give_up(step_s * FAILURE_CUT, Failure::Newton(error))?,
+            }
+        }
+        self.system.state.statistics.steps += 1;
+        Ok(())
+    }
+
+    /// Goes on with a shorter step after Newton's iteration has failed, as long as steps may be so short.
+    fn give_up(&mut self, shorter_s: f64, failure: Failure) -> Result<(), PlantError> {
+        self.system.state.statistics.failures += 1;
+        self.system.state.step_s = shorter_s;
+        self.refuse_small_step(self.system.state.applied_parameters.solver().min_step_s, failure)
+    }
+
+    fn refuse_small_step(&mut self, min_step_s: f64, failure: Failure) -> Result<(), PlantError> {
+        if self.system.state.step_s >= min_step_s {
+            Ok(())
+        } else {
+            Err(self.system.no_convergence(self.system.state.step_s, failure, self.stepper.remainder()))
+        }
+    }
+
+    /// Whether an internal step to `end_s` moves the time, and the communication step's work is not used up.
+    fn count_step(&mut self, step_s: f64, end_s: f64) -> Result<(), PlantError> {
+        let time_s = self.system.state.start.time_s;
+        if end_s.partial_cmp(&time_s) != Some(std::cmp::Ordering::Greater) {
+            return Err(PlantError::Clock { time_s, step_s });
+        }
+        if self.work_left == 0 {
+            let (most, cause) = (self.most_work, self.system.largest_input());
+            return Err(PlantError::TooMuchWork { time_s, most, step_s, cause });
+        }
+        Ok(())
+    }
+
+    /// One step of given length; halved where Newton's iteration fails.
+    pub(crate) fn advance_fixed(&mut self, step_s: f64, end_s: f64) -> Result<(), PlantError> {
+        let time_s = self.system.state.start.time_s;
+        let stop_s = end_s.min(self.system.equations.next_kink_s(time_s));
+        let (mut step_s, mut target_s) = fit_step(time_s, step_s, stop_s);
+        self.count_step(step_s, target_s)?;
+        while let Err(Untaken { step_s: failed_s, failure }) = self.take_fixed(step_s, target_s) {
+            if self.system.machine.solver.most_iterations.is_some() {
+                // in real time nothing is repeated: what fails here is not finite, singular or lost
+                self.system.state.statistics.failures += 1;
+                return Err(self.system.no_convergence(failed_s, failure, self.stepper.remainder()));
+            }
+            step_s = 0.5 * failed_s;
+            target_s = time_s + step_s;
+            self.give_up(step_s, failure)?;
+            self.count_step(step_s, target_s)?;
+        }
+        self.system.state.statistics.steps += 1;
+        if self.system.machine.solver.most_iterations.is_some() {
+            // what the last jump has asked for ends with the step after it
+            self.system.state.step_s = self.system.state.applied_parameters.solver().max_step_s;
+        }
+        Ok(())
+    }
+
+    /// One step of given length, or to the first crossing within it.
+    fn take_fixed(&mut self, step_s: f64, end_s: f64) -> Result<(), Untaken> {
+        self.attempt_given(step_s)?;
+        self.system.state.ahead.time_s = end_s;
+        self.locate_crossing()
+    }
+
+    /// One step of given length; in real time refused where it has lost the motion.
+    fn attempt_given(&mut self, step_s: f64) -> Result<(), Untaken> {
+        self.attempt(step_s, Length::Given).map_err(|error| Untaken { step_s, failure: Failure::Newton(error) })?;
+        if self.system.machine.solver.most_iterations.is_none() {
+            return Ok(());
+        }
+        if self.rest > LOST_REST {
+            return Err(Untaken { step_s, failure: Failure::Unsolved { rest: self.rest } });
+        }
+        let State { start, ahead, .. } = &self.system.state;
+        let turn_rad = |coordinate: usize| (ahead.q[coordinate] - start.q[coordinate]).abs();
+        let turns = |body: usize| self.system.equations.model.bodies[body].joint.kind.translations() == 0;
+        let far = |joint: &&JointForces| {
+            joint.law().is_none() && turns(joint.body) && turn_rad(joint.coordinate) > LOST_TURN_RAD
+        };
+        match self.system.equations.forces.joints().iter().find(far) {
+            Some(joint) => {
+                let (coordinate, turn_rad) = (joint.coordinate, turn_rad(joint.coordinate));
+                Err(Untaken { step_s, failure: Failure::Turned { coordinate, turn_rad } })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// One step from `start` into `ahead`; returns the error estimate.
+    fn attempt(&mut self, step_s: f64, length: Length) -> Result<f64, NewtonError> {
+        let accuracy = self.accuracy(step_s, length);
+        let mut effort = Effort::default();
+        let State { start, stages, ahead, statistics, .. } = &mut self.system.state;
+        self.system.equations.branch_s = start.time_s + 0.5 * step_s;
+        let outcome =
+            self.stepper.step(&mut self.system.equations, start, step_s, (ahead, stages), accuracy, &mut effort);
+        self.work_left = self.work_left.saturating_sub(effort.iterations.max(1));
+        statistics.iterations += effort.iterations;
+        statistics.factorizations += effort.factorizations;
+        statistics.unconverged += effort.unconverged;
+        self.rest = effort.rest;
+        statistics.largest_iterations = statistics.largest_iterations.max(effort.largest);
+        outcome
+    }
+
+    /// What a step asks of Newton's iteration.
+    fn accuracy(&self, step_s: f64, length: Length) -> Accuracy {
+        let ceiling = if length == Length::Given { NEWTON_CEILING_EXACT } else { NEWTON_CEILING };
+        let unnoticed = self.system.state.air.as_ref().map_or(f64::INFINITY, |history| history.motion_tolerance);
+        Accuracy {
+            tolerance: (NEWTON_SHARE * self.system.state.applied_parameters.solver().tolerance)
+                .min(ceiling)
+                .min(unnoticed),
+            most_iterations: self.system.machine.solver.most_iterations,
+            persistent: length == Length::Given,
+            jumped: self.system.machine.solver.most_iterations.is_some() && self.system.state.step_s < step_s,
+            cautious: self.system.state.air.is_some(),
+        }
+    }
+
+    /// Where indicators of forces are crossed inside the step, repeats the step so that it ends at the first crossing.
+    ///
+    /// Several may be crossed at the same instant (mirrored wings): all that are within the accuracy of location are.
+    fn locate_crossing(&mut self) -> Result<(), Untaken> {
+        let Some((mut crossed, mut fraction)) = self.first_crossing() else { return Ok(()) };
+        let most = self.system.state.joints.len().max(self.system.equations.forces.indicators().count());
+        for _ in 0..most {
+            self.end_step_at_crossing(crossed, fraction)?;
+            // the estimates may have named the wrong one of two that are close together
+            match self.first_crossing() {
+                Some((other, at)) if other != crossed && !self.has_arrived(other, true) => {
+                    (crossed, fraction) = (other, at)
+                }
+                _ => break,
+            }
+        }
+        self.system.state.joints.iter_mut().for_each(|joint| joint.crossed = 0);
+        let State { start, ahead, joints, .. } = &mut self.system.state;
+        for indicator in self.system.equations.forces.indicators() {
+            let forces = &self.system.equations.forces;
+            let arrived = || {
+                forces.is_armed(indicator, start, joints) && {
+                    let (distance, closing) = forces.distance(indicator, start, ahead, joints);
+                    distance <= CROSSING_S * closing
+                }
+            };
+            if indicator == crossed || arrived() {
+                joints[indicator.joint].crossed |= 1 << indicator.number;
+            }
+        }
+        Ok(())
+    }
+
+    /// The armed indicator that is crossed first inside the step, and an estimate of the fraction of the step at which.
+    fn first_crossing(&self) -> Option<(Indicator, f64)> {
+        let State { start, stages, ahead, joints, .. } = &self.system.state;
+        let taken = Taken { start, stages, end: ahead, continuation: &self.system.continuation };
+        self.system.equations.forces.first_crossing(&taken, joints)
+    }
+
+    /// Signed distance of an indicator at `ahead` and how fast it falls there, in rad and rad/s.
+    fn distance(&self, indicator: Indicator) -> (f64, f64) {
+        let State { start, ahead, joints, .. } = &self.system.state;
+        self.system.equations.forces.distance(indicator, start, ahead, joints)
+    }
+
+    /// Whether an indicator is at zero at `ahead` to the accuracy of location; `only_just`: and not beyond.
+    fn has_arrived(&self, indicator: Indicator, only_just: bool) -> bool {
+        let (distance_rad, closing_rad_s) = self.distance(indicator);
+        distance_rad <= CROSSING_S * closing_rad_s && (!only_just || distance_rad >= -CROSSING_S * closing_rad_s)
+    }
+
+    /// Repeats the step so that it ends where an indicator falls through zero.
+    ///
+    /// Regula falsi (Illinois) on the step's length: each trial is a full step, so the state at the crossing is as
+    /// good as at any step's end.
+    fn end_step_at_crossing(&mut self, indicator: Indicator, fraction: f64) -> Result<(), Untaken> {
+        let State { start, ahead, joints, .. } = &self.system.state;
+        let step_s = ahead.time_s - start.time_s;
+        let (mut low, mut low_gap) = (0.0, self.system.equations.forces.distance(indicator, start, start, joints).0);
+        let (mut high, mut high_gap) = (step_s, self.distance(indicator).0);
+        let mut trial_s = fraction * step_s;
+        if high_gap > 0.0 {
+            // crossing and return within the step: the sample inside brackets it
+            high = trial_s;
+            high_gap = -f64::MIN_POSITIVE;
+        }
+        let real_time = self.system.machine.solver.most_iterations.is_some();
+        // what keeps the joint where it catches it must catch it inside, not beside
+        let share = if self.system.equations.forces.lands_beyond(indicator) { 0.5 } else { 1.0 };
+        for _ in 0..if real_time { MAX_LOCATING_STEPS_REAL_TIME } else { MAX_LOCATING_STEPS } {
+            self.attempt_given(trial_s)?;
+            let (distance, closing) = self.distance(indicator);
+            let here = distance + (1.0 - share) * CROSSING_S * closing;
+            if here.abs() <= share * CROSSING_S * closing || high - low <= CROSSING_S {
+                break;
+            }
+            if here > 0.0 {
+                (low, low_gap, high_gap) = (trial_s, here, 0.5 * high_gap);
+            } else {
+                (high, high_gap, low_gap) = (trial_s, here, 0.5 * low_gap);
+            }
+            // the tangent is best near the crossing; the secant keeps the bracket
+            let newton_s = trial_s + here / closing;
+            let inside = newton_s > low && newton_s < high;
+            trial_s = if inside { newton_s } else { low + (high - low) * low_gap / (low_gap - high_gap) };
+        }
+        Ok(())
+    }
+
+    /// Adopts `time_s` as the present time: for callers whose clock carries round-off.
+    ///
+    /// Shifts the present by at most what the caller has checked; the state itself stays.
+    pub fn adopt_time(&mut self, time_s: f64) {
+        let shift_s = time_s - self.system.state.now.time_s;
+        if shift_s != 0.0 {
+            let State { before, start, stages, ahead, now, .. } = &mut self.system.state;
+            for point in [before, start, ahead, now].into_iter().chain(stages) {
+                point.time_s += shift_s;
+            }
+            self.system.state.now.time_s = time_s;
+            self.system.state.applied_from_s += shift_s;
+            if let Some(air) = &mut self.system.state.air {
+                air.shift(shift_s);
+            }
+            self.system.configure();
+            self.system.outputs.time_s = time_s;
+        }
+    }
+}
+
+/// Longest step of at most `step_s` that divides `span_s` evenly.
+pub(crate) fn even_step(span_s: f64, step_s: f64) -> f64 {
+    span_s / (span_s / step_s * (1.0 - 1e-9)).ceil().max(1.0)
+}
+
+/// Length of the next step and its end: as wanted, but never beyond `stop_s` and never leaving a sliver before it.
+fn fit_step(time_s: f64, wanted_s: f64, stop_s: f64) -> (f64, f64) {
+    let room_s = stop_s - time_s;
+    if wanted_s >= room_s * (1.0 - 1e-9) {
+        (room_s, stop_s)
+    } else if 2.0 * wanted_s > room_s {
+        (0.5 * room_s, time_s + 0.5 * room_s)
+    } else {
+        (wanted_s, time_s + wanted_s)
+    }
+}

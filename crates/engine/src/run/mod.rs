@@ -1,0 +1,154 @@
+//! A run of a machine: its system in time.
+//!
+//! The integrator takes its own steps and runs ahead of the caller as long as the inputs stay as they are; values
+//! in between come from the stages of its steps. A changed input cuts the step at the present time. So the
+//! answer does not depend on the communication step, and small communication steps cost little
+//! (`docs/decisions/0002-running-ahead.md`).
+
+mod agreement;
+mod latency;
+mod march;
+
+pub use latency::Latency;
+
+use crate::machine::{Machine, Method, StartState};
+use crate::signal::{Inputs, Parameters, SolverParameters};
+use crate::solve::stepper::{self, Stepper};
+use crate::study::{Holding, Study};
+use crate::system::{Hybrid, NotHybrid, OutputSet, PlantError, Snapshot, SurfaceGap, System};
+use agreement::Trial;
+use std::ops::Deref;
+use std::sync::Arc;
+
+/// A machine in time: its [`System`], which it dereferences to, and what steps it.
+pub struct Plant {
+    system: System,
+    stepper: Stepper,
+    /// Newton iterations that the present communication step may cost, and those of them that are left.
+    most_work: u64,
+    work_left: u64,
+    /// Smallest step that the error estimate has asked for since the present trial march began, in s.
+    smallest_step_s: f64,
+    /// What the iterations of the last step in real time left, in the kinematic norm.
+    rest: f64,
+    trial: Trial,
+    latency: Latency,
+}
+
+impl Deref for Plant {
+    type Target = System;
+
+    fn deref(&self) -> &System {
+        &self.system
+    }
+}
+
+impl Plant {
+    /// A plant of a validated model, with the inputs and parameters that the model states; not yet initialised.
+    pub fn new(machine: Arc<Machine>) -> Self {
+        let method = match machine.solver.method {
+            Method::GeneralizedAlpha => stepper::Method::GeneralizedAlpha { rho_infinity: machine.solver.rho_infinity },
+            Method::TrBdf2 => stepper::Method::TrBdf2,
+            Method::Esdirk3 => stepper::Method::Esdirk3,
+            Method::Sdirk2 => stepper::Method::Sdirk2,
+            Method::Esdirk4 => stepper::Method::Esdirk4,
+            Method::Rk4 => stepper::Method::Rk4,
+        };
+        let system = System::new(machine, method.continuation());
+        Self {
+            stepper: Stepper::new(method, system.coordinates()),
+            trial: Trial::new(&system),
+            system,
+            most_work: 0,
+            work_left: 0,
+            smallest_step_s: f64::INFINITY,
+            rest: 0.0,
+            latency: Latency::default(),
+        }
+    }
+
+    /// Questions about the present state: equilibria, modes, linear models, derivatives.
+    pub fn study(&mut self) -> Study<'_> {
+        Study::new(&mut self.system)
+    }
+
+    /// Builds the equations, sets the start state, finds the accelerations and the outputs at `time_s`.
+    ///
+    /// May be called again (an FMU re-evaluates in Initialization Mode). On an error the state stays as it was.
+    pub fn initialize(&mut self, time_s: f64) -> Result<(), PlantError> {
+        self.latency.clear();
+        let before = self.system.state.clone();
+        let outcome = self.find_start(time_s);
+        if outcome.is_err() {
+            self.system.state = before;
+            if self.system.state.initialized {
+                self.system.configure();
+                self.system.evaluate();
+            }
+        }
+        outcome
+    }
+
+    fn find_start(&mut self, time_s: f64) -> Result<(), PlantError> {
+        let SolverParameters { min_step_s, max_step_s, .. } = *self.parameters().solver();
+        if min_step_s > max_step_s {
+            return Err(PlantError::Steps { min_step_s, max_step_s });
+        }
+        self.system.start(time_s);
+        if self.machine().experiment.start == StartState::Equilibrium {
+            self.study().settle_in_air(time_s, Holding::Stopped)?;
+        }
+        self.system.conclude_start(time_s)
+    }
+
+    /// See [`System::inputs_mut`].
+    pub fn inputs_mut(&mut self) -> &mut Inputs {
+        self.system.inputs_mut()
+    }
+
+    /// See [`System::input_rates_mut`].
+    pub fn input_rates_mut(&mut self) -> &mut Inputs {
+        self.system.input_rates_mut()
+    }
+
+    /// See [`System::parameters_mut`].
+    pub fn parameters_mut(&mut self) -> &mut Parameters {
+        self.system.parameters_mut()
+    }
+
+    /// See [`System::watch`].
+    pub fn watch(&mut self, wanted: OutputSet) {
+        self.system.watch(wanted);
+    }
+
+    /// See [`System::provide`].
+    pub fn provide(&mut self, wanted: OutputSet) {
+        self.system.provide(wanted);
+    }
+
+    /// See [`System::restore`].
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), PlantError> {
+        self.system.restore(snapshot)
+    }
+
+    /// See [`System::hybrid`].
+    pub fn hybrid(&mut self) -> Result<Hybrid<'_>, NotHybrid> {
+        self.system.hybrid()
+    }
+
+    /// See [`System::surface_gaps`].
+    pub fn surface_gaps(&mut self) -> Vec<SurfaceGap> {
+        self.system.surface_gaps()
+    }
+
+    /// Durations of the communication steps since initialisation, as far as the caller records them. Saved states do
+    /// not contain them.
+    pub fn latency(&self) -> &Latency {
+        &self.latency
+    }
+
+    /// Durations, to be recorded.
+    pub fn latency_mut(&mut self) -> &mut Latency {
+        &mut self.latency
+    }
+}

@@ -1,0 +1,69 @@
+//! States of rest in air: structure and established flow that agree.
+
+use crate::solve::equilibrium::Effort;
+use crate::study::{Holding, Study};
+use crate::system::PlantError;
+use crate::system::air::AirCoupling;
+use crate::system::air::start::refusal;
+
+/// Most iterations between air and structure at rest.
+const MOST_STATIC_ITERATIONS: usize = 100;
+/// Change of the loads at rest, relative to the largest, at which they agree: far above the statics' own error.
+const STATIC_TOLERANCE: f64 = 1e-9;
+
+impl Study<'_> {
+    /// Brings the machine to rest under the loads of an established flow, eq. (Q5), and hinges that only the air restores
+    /// by eq. (Q6); without air as [`crate::system::System::settle_at_rest`] does.
+    pub(crate) fn settle_in_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
+        if self.system.air.is_none() {
+            return self.settle_at_rest(time_s, holding);
+        }
+        let (start, joints) = (self.system.state.now.q.clone(), self.system.state.joints.clone());
+        let settled = self.settle_with_air(time_s, holding);
+        if settled.is_ok() || holding == Holding::Stopped {
+            return settled;
+        }
+        self.system.state.now.q.copy_from_slice(&start);
+        self.system.state.joints.copy_from_slice(&joints);
+        self.system.configure();
+        let hinges = self.free_hinges();
+        if hinges.is_empty() { settled } else { self.coast(time_s, &hinges) }
+    }
+
+    /// Structure under held loads and air about it in turn, until they agree: eq. (Q5).
+    pub(crate) fn settle_with_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
+        let start = self.system.state.now.q.clone();
+        let joints = self.system.state.joints.clone();
+        self.system.start_air(time_s)?;
+        let mut change = f64::NAN;
+        if let Some(air) = &mut self.system.air {
+            air.acceleration.restart();
+        }
+        for _ in 0..MOST_STATIC_ITERATIONS {
+            self.system.state.now.q.copy_from_slice(&start);
+            self.system.state.joints.copy_from_slice(&joints);
+            self.system.configure();
+            let guess = self.system.state.air.as_ref().map(|history| history.loads.clone());
+            let effort = self.settle_at_rest(time_s, holding)?;
+            self.system.start_air(time_s)?;
+            let (Some(air), Some(history), Some(guess)) = (&mut self.system.air, &mut self.system.state.air, guess)
+            else {
+                return Ok(effort);
+            };
+            air.read(&guess);
+            let (change_n, size_n) = air.compare();
+            change = change_n / size_n;
+            let agreed_n = STATIC_TOLERANCE * size_n;
+            let round_off_n = air.round_off_n(self.system.state.applied_parameters.air_density_kg_m3());
+            if !change_n.is_finite() || change_n <= agreed_n.max(round_off_n) {
+                return Ok(effort);
+            }
+            let AirCoupling { acceleration, guess, residual, .. } = &mut **air;
+            acceleration.next(guess, residual);
+            air.write(&mut history.loads);
+            history.loads.from.clone_from(&history.loads.to);
+        }
+        let cause = format!("the loads at rest still change by {change:.1e} after {MOST_STATIC_ITERATIONS} iterations");
+        Err(refusal(time_s, cause))
+    }
+}

@@ -1,0 +1,149 @@
+//! States of rest of hinges that only the air restores: a fold that coasts where lift and weight balance about it.
+//!
+//! [`crate::system::System::settle_in_air`] iterates between a structure that settles under held loads and the air about it. A hinge without
+//! spring does not settle under held loads. Here its angle is an outer unknown instead: at each angle it is held, air and
+//! structure come to rest together, and what torque remains on the hinge is driven to zero, NOTATION eq. (Q6).
+
+use crate::solve::EquationsOfMotion;
+use crate::solve::equilibrium::Effort;
+use crate::study::Study;
+use crate::study::statics::Holding;
+use crate::system::PlantError;
+use nalgebra::{DMatrix, DVector};
+
+/// Turn of a hinge in rad that one difference step makes; of a slide, way over the machine's length.
+const STEP_RAD: f64 = 1e-3;
+/// Longest turn of a hinge in one iteration in rad, or way of a slide over the machine's length: loads of the air change their sign within a few tenths.
+const LONGEST_RAD: f64 = 0.2;
+/// Correction in rad, or way over the machine's length, at which the angles and positions are found.
+const TOLERANCE_RAD: f64 = 1e-8;
+/// Most iterations: at the longest turn, two revolutions.
+const MOST_ITERATIONS: usize = 60;
+
+impl Study<'_> {
+    /// Hinges that turn freely at the present state, by their place in the equations.
+    pub(crate) fn free_hinges(&self) -> Vec<usize> {
+        let joints = self.system.equations.forces.joints().iter().enumerate();
+        joints.filter(|(_, joint)| !joint.held && !joint.is_latched()).map(|(i, _)| i).collect()
+    }
+
+    /// Brings the machine to rest in air with the angles of `hinges` as outer unknowns, NOTATION eq. (Q6). A joint that
+    /// comes to rest beyond its enabled latch is caught by it, as [`crate::system::System::settle_at_rest`] does.
+    pub(crate) fn coast(&mut self, time_s: f64, hinges: &[usize]) -> Result<Effort, PlantError> {
+        let mut start = self.system.state.now.q.clone();
+        let joints = self.system.state.joints.clone();
+        let mut angles = self.angles(hinges);
+        let at = |study: &mut Self, start: &[f64], angles: &DVector<f64>| {
+            study.system.state.now.q.copy_from_slice(start);
+            study.system.state.joints.copy_from_slice(&joints);
+            study.system.configure();
+            for (angle, &hinge) in angles.iter().zip(hinges) {
+                study.system.state.now.q[study.system.equations.forces.joints()[hinge].coordinate] =
+                    *angle * study.scale(hinge);
+            }
+            study.settle_with_air(time_s, Holding::Stopped)
+        };
+        let mut largest_n_m = f64::NAN;
+        for _ in 0..MOST_ITERATIONS {
+            let effort = at(self, &start, &angles)?;
+            let torque = self.hinge_torques(time_s, hinges);
+            largest_n_m = torque.amax();
+            let mut slopes = DMatrix::zeros(hinges.len(), hinges.len());
+            for column in 0..hinges.len() {
+                let mut beside = angles.clone();
+                beside[column] += STEP_RAD;
+                at(self, &start, &beside)?;
+                slopes.set_column(column, &((self.hinge_torques(time_s, hinges) - &torque) / STEP_RAD));
+            }
+            let Some(change) = downhill(&slopes, &torque) else { break };
+            if change.amax() <= TOLERANCE_RAD {
+                at(self, &start, &angles)?;
+                return if self.caught(hinges, &mut start, &angles) {
+                    let caught = self.system.state.joints.clone();
+                    self.system.state.now.q.copy_from_slice(&start);
+                    self.system.state.joints.copy_from_slice(&caught);
+                    self.system.configure();
+                    self.settle_in_air(time_s, Holding::AsReleased)
+                } else {
+                    Ok(effort)
+                };
+            }
+            let share = (LONGEST_RAD / change.amax()).min(1.0);
+            angles += change * share;
+        }
+        Err(self.no_coasting(time_s, hinges, &angles, largest_n_m))
+    }
+
+    fn angles(&self, hinges: &[usize]) -> DVector<f64> {
+        let angle = |hinge: &usize| {
+            self.system.state.now.q[self.system.equations.forces.joints()[*hinge].coordinate] / self.scale(*hinge)
+        };
+        DVector::from_iterator(hinges.len(), hinges.iter().map(angle))
+    }
+
+    /// What one of the unknown angle stands for: 1 rad, or the machine's length in m of a joint that slides.
+    fn scale(&self, hinge: usize) -> f64 {
+        let slides = self.system.equations.model.bodies[self.system.equations.forces.joints()[hinge].body]
+            .joint
+            .kind
+            .translations()
+            > 0;
+        if slides { self.system.equations.model.reference_length_m } else { 1.0 }
+    }
+
+    /// Torques in N·m that would have to hold free hinges at rest, less those that their drives give; of slides the work on
+    /// the machine's length.
+    fn hinge_torques(&mut self, time_s: f64, hinges: &[usize]) -> DVector<f64> {
+        let zero = vec![0.0; self.system.state.now.q.len()];
+        self.system.equations.residual(time_s, &self.system.state.now.q, &zero, &zero, &mut self.system.scratch[0]);
+        let torque = |hinge: &usize| {
+            self.system.scratch[0][self.system.equations.forces.joints()[*hinge].coordinate] * self.scale(*hinge)
+        };
+        DVector::from_iterator(hinges.len(), hinges.iter().map(torque))
+    }
+
+    /// Has forces stop the joints between the angles of `start` and those of rest; whether any does.
+    fn caught(&mut self, hinges: &[usize], start: &mut [f64], to: &DVector<f64>) -> bool {
+        let mut any = false;
+        for (&hinge, to) in hinges.iter().zip(to) {
+            let to_rad = *to * self.scale(hinge);
+            let joint = &self.system.equations.forces.joints()[hinge];
+            any |= joint.stops_at_rest(&mut start[joint.coordinate], to_rad, &mut self.system.state.joints[hinge]);
+        }
+        any
+    }
+
+    fn no_coasting(&self, time_s: f64, hinges: &[usize], angles: &DVector<f64>, torque_n_m: f64) -> PlantError {
+        let list: Vec<String> = hinges
+            .iter()
+            .zip(angles)
+            .map(|(&hinge, angle)| {
+                let joint = &self.system.machine.bodies[self.system.equations.forces.joints()[hinge].body].joint;
+                match joint.kind.slides() {
+                    true => format!("{} at {:.4} m", joint.name, angle * self.scale(hinge)),
+                    false => format!("{} at {:.1} deg", joint.name, angle.to_degrees()),
+                }
+            })
+            .collect();
+        let cause = format!(
+            "the free hinges ({}) do not come to rest, a torque of {torque_n_m:.1e} N m is left on them: the air does not \
+             hold them; give them a spring, or hold them (release = false)",
+            list.join(", ")
+        );
+        PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause }
+    }
+}
+
+/// Newton's step towards zero torque where that is stable; where it is not, a step of the same size that goes the way in
+/// which the torques push: by `|S|` of the polar decomposition in the place of the slopes `S`. `None` without slope.
+fn downhill(slopes: &DMatrix<f64>, torque: &DVector<f64>) -> Option<DVector<f64>> {
+    let stable = (slopes + slopes.transpose()).symmetric_eigenvalues().min() > 0.0;
+    if stable {
+        return slopes.clone().lu().solve(&-torque);
+    }
+    let parts = slopes.clone().svd(false, true);
+    let turn = parts.v_t?;
+    let scale = parts.singular_values.map(|value| 1.0 / value);
+    let change = -(turn.transpose() * DMatrix::from_diagonal(&scale) * turn * torque);
+    change.iter().all(|entry| entry.is_finite()).then_some(change)
+}

@@ -1,0 +1,264 @@
+//! Derivatives of the outputs: in time, and by inputs with the state frozen.
+
+use crate::force::drive::Slew;
+use crate::force::joint::JointForces;
+use crate::machine::UNLIMITED;
+use crate::signal::{Inputs, Parameters};
+use crate::solve::EquationsOfMotion;
+use crate::solve::continuation::Taken;
+use crate::solve::point::Point;
+use crate::study::Study;
+use crate::system::PlantError;
+use crate::system::equations::Equations;
+use crate::system::outputs::Outputs;
+use crate::system::state::State;
+
+/// Turn in rad, or displacement over the machine's length, that one difference step along the motion makes.
+const STEP: f64 = 2e-3;
+/// Sixth-order central difference: weights of the steps ±1, ±2, ±3, over 60 steps.
+const SIXTH_ORDER: [f64; 3] = [45.0, -9.0, 1.0];
+/// Distance of the five places between which outputs are read for their slopes, over the internal step.
+const SLOPE_SPACING: f64 = 1.0 / 64.0;
+/// Step in s of differences in the time that loads and inputs depend on linearly: any serves.
+const TIME_STEP_S: f64 = 1e-3;
+
+impl Study<'_> {
+    /// Rates of all outputs per second at the present time, NOTATION eq. (L13); attitudes hold the rates of their four
+    /// components.
+    ///
+    /// They are the slopes of what is read along the present internal step, (T6): with the inputs, limits, latches and loads
+    /// of the air of the step that has led here. At its end, where a latch closes or inputs jump, they are those of the left
+    /// side. At the start of the simulation no step has led anywhere: there they follow from rates and accelerations, to
+    /// the 1e-12 of their scale that sixth-order differences along the motion leave, and accelerations stay.
+    pub fn output_rates(&mut self) -> Outputs {
+        let rates = if self.system.state.ahead.time_s > self.system.state.start.time_s {
+            self.slopes()
+        } else {
+            let mut rates = self.system.outputs.no_change();
+            self.add_motion(&mut rates);
+            self.add_time(&mut rates);
+            self.add_drives(&mut rates);
+            rates
+        };
+        self.system.show_set_inputs();
+        rates
+    }
+
+    /// Slopes of the outputs along the present internal step, NOTATION eq. (T6): of the quartics through five places of the
+    /// step around the present.
+    fn slopes(&mut self) -> Outputs {
+        let State { start, ahead, now, .. } = &self.system.state;
+        let spacing_s = SLOPE_SPACING * (ahead.time_s - start.time_s);
+        let first_s = (now.time_s - 2.0 * spacing_s).clamp(start.time_s, ahead.time_s - 4.0 * spacing_s);
+        let place = (now.time_s - first_s) / spacing_s;
+        let mut sum = self.system.outputs.no_change();
+        let mut there = now.clone();
+        for (i, weight) in slopes_of_quartic(place).into_iter().enumerate() {
+            let State { start, stages, ahead, .. } = &self.system.state;
+            let taken = Taken { start, stages, end: ahead, continuation: &self.system.continuation };
+            taken.fill(&mut there, first_s + i as f64 * spacing_s);
+            let beside = self.beside(|state| state.now.copy_from(&there));
+            sum.add(&beside, weight / spacing_s);
+        }
+        self.system.evaluate();
+        sum
+    }
+
+    /// Change with coordinates along their rates, with rates along the accelerations.
+    fn add_motion(&mut self, sum: &mut Outputs) {
+        let Point { time_s, q, v, a, .. } = self.system.state.now.clone();
+        self.system.equations.residual(time_s, &q, &v, &a, &mut self.system.scratch[0]);
+        let (speed_1_s, pull_1_s2) = (self.system.equations.norm(&v), self.system.equations.norm(&a));
+        if speed_1_s > 0.0 {
+            let step_s = STEP / speed_1_s;
+            for (i, weight) in (1..).zip(SIXTH_ORDER) {
+                for sign in [1.0, -1.0] {
+                    let shift_s = sign * f64::from(i) * step_s;
+                    let beside = self.beside(|state| move_along(&mut state.now.q, &v, shift_s));
+                    sum.add(&beside, sign * weight / (60.0 * step_s));
+                }
+            }
+        }
+        if pull_1_s2 > 0.0 {
+            // outputs are quadratic in the rates: any step is exact
+            let step_s = speed_1_s.max(1.0) / pull_1_s2;
+            for sign in [1.0, -1.0] {
+                let beside = self.beside(|state| move_along(&mut state.now.v, &a, sign * step_s));
+                sum.add(&beside, sign * 0.5 / step_s);
+            }
+        }
+        self.system.evaluate();
+    }
+
+    /// Change with the time itself: loads of the air and inputs that run. Drives are left to [`Self::add_drives`].
+    fn add_time(&mut self, sum: &mut Outputs) {
+        let now_s = self.system.state.now.time_s;
+        for motor in self.system.equations.forces.joints_mut().iter_mut().filter_map(JointForces::motor_mut) {
+            let (neutral_rad, before_s) = (motor.slew.at(now_s).0, now_s - 2.0 * TIME_STEP_S);
+            motor.slew = Slew { from_rad: neutral_rad, target_rad: neutral_rad, start_s: before_s, ..Slew::default() };
+        }
+        for sign in [1.0, -1.0] {
+            let beside = self.beside(|state| state.now.time_s += sign * TIME_STEP_S);
+            sum.add(&beside, sign * 0.5 / TIME_STEP_S);
+        }
+        self.system.configure();
+        self.system.evaluate();
+    }
+
+    /// What has kinks at limits and at the ends of slews, on the branch of the present; and the energy accounts.
+    fn add_drives(&mut self, sum: &mut Outputs) {
+        let now = &self.system.state.now;
+        for (i, joint) in self.system.equations.forces.joints().iter().enumerate() {
+            let Some(motor) = joint.motor() else { continue };
+            let (angle, rate, acceleration) =
+                (now.q[joint.coordinate], now.v[joint.coordinate], now.a[joint.coordinate]);
+            let (neutral, slew_rate) = motor.slew.at(now.time_s);
+            let external_n_m_s = self.system.equations.course.rates.joints()[i].torque_n_m;
+            sum.joints_mut()[i].add_drive(joint, now.time_s, [angle, rate, acceleration], external_n_m_s);
+            let power_w = motor.drive.slew_power_w(angle, neutral, slew_rate);
+            let energy = sum.energy_mut();
+            energy.drive += power_w;
+            energy.total += power_w;
+        }
+        let powers = self.system.equations.powers(now.time_s, &now.q, &now.v, &now.a);
+        let energy = sum.energy_mut();
+        (energy.work, energy.dissipated) = (powers.work, powers.dissipated);
+    }
+
+    /// Outputs beside the present; the state comes back, the outputs do not.
+    fn beside(&mut self, change: impl FnOnce(&mut State)) -> Outputs {
+        let kept = self.system.state.now.clone();
+        change(&mut self.system.state);
+        self.system.evaluate();
+        self.system.state.now = kept;
+        self.system.outputs.clone()
+    }
+
+    /// Derivatives of all outputs by an input at the communication point, NOTATION eq. (L14), about the inputs and
+    /// parameters as they are set. `add` adds an amount to the input.
+    ///
+    /// Coordinates, rates, stoppers, latches, neutral angles behind a rate limit, and the loads of the air stay; the
+    /// accelerations follow. Exact: with the state frozen all outputs are polynomials of second degree in the inputs, for
+    /// which central differences have no error beside round-off. A drive at its limit stays there.
+    pub fn output_response(&mut self, add: &dyn Fn(&mut Inputs, f64)) -> Result<Outputs, PlantError> {
+        let Point { time_s, q, v, a, .. } = self.system.state.now.clone();
+        let mut present = vec![0.0; q.len()];
+        self.system.equations.branch_s = time_s;
+        self.system.equations.residual(time_s, &q, &v, &a, &mut present);
+        let mut slope = self.system.outputs.no_change();
+        let mut outcome = Ok(());
+        for sign in [1.0, -1.0] {
+            let set = self.system.state.inputs.clone();
+            self.impose(&set);
+            for joint in self.system.equations.forces.joints_mut() {
+                let c = joint.coordinate;
+                if let Some(motor) = joint.motor_mut() {
+                    let torque = motor.torque(time_s, q[c], v[c]);
+                    motor.pinned_n_m = Some(torque.applied_n_m).filter(|_| torque.saturated);
+                }
+            }
+            let pin = |joint: &JointForces| joint.motor().and_then(|motor| motor.pinned_n_m);
+            let pins: Vec<Option<f64>> = self.system.equations.forces.joints().iter().map(pin).collect();
+            let slopes = self.potential_slopes(time_s, &q);
+            let mut varied = set;
+            add(&mut varied, sign);
+            self.impose(&varied);
+            for (joint, pin) in self.system.equations.forces.joints_mut().iter_mut().zip(pins) {
+                if let Some(motor) = joint.motor_mut() {
+                    motor.pinned_n_m = pin;
+                    motor.drive.torque_limit_n_m = f64::INFINITY;
+                }
+            }
+            let mut jump = vec![0.0; q.len()];
+            self.system.equations.residual(time_s, &q, &v, &a, &mut jump);
+            jump.iter_mut().zip(&present).for_each(|(jump, present)| *jump -= present);
+            match self.system.equations.factorize(1.0, 0.0, 0.0) {
+                Ok(()) => _ = self.system.equations.solve(&mut jump),
+                Err(singular) => {
+                    outcome = Err(PlantError::Linearization { time_s, cause: singular.to_string() });
+                    break;
+                }
+            }
+            let bend_j = self.bend_of_potentials_j(time_s, &q, &slopes);
+            let mut beside = self.beside(|state| move_along(&mut state.now.a, &jump, -1.0));
+            let energy = beside.energy_mut();
+            energy.drive += bend_j;
+            energy.total += bend_j;
+            // a jump of a potential is booked as work of the input
+            energy.work += energy.gravity + energy.drive;
+            slope.add(&beside, sign * 0.5);
+        }
+        self.system.configure();
+        self.system.evaluate();
+        self.system.show_set_inputs();
+        outcome.map(|()| slope)
+    }
+
+    /// Of motors with a limit: neutral angle in rad and change of the potential with it in N·m.
+    fn potential_slopes(&self, time_s: f64, q: &[f64]) -> Vec<Option<(f64, f64)>> {
+        let slope = |joint: &JointForces| {
+            let motor = joint.motor().filter(|motor| motor.drive.torque_limit_n_m < UNLIMITED)?;
+            let neutral_rad = motor.slew.at(time_s).0;
+            Some((neutral_rad, motor.drive.slew_power_w(q[joint.coordinate], neutral_rad, 1.0)))
+        };
+        self.system.equations.forces.joints().iter().map(slope).collect()
+    }
+
+    /// What the potentials along their slopes have more than those without limit, in J, for neutral angles that have moved.
+    fn bend_of_potentials_j(&self, time_s: f64, q: &[f64], slopes: &[Option<(f64, f64)>]) -> f64 {
+        let bend_j = |(joint, slope): (&JointForces, &Option<(f64, f64)>)| {
+            let ((before_rad, slope_n_m), motor) = ((*slope)?, joint.motor()?);
+            let (angle_rad, after_rad) = (q[joint.coordinate], motor.slew.at(time_s).0);
+            let free_j = |neutral_rad: f64| motor.drive.potential_j(angle_rad, neutral_rad);
+            Some(slope_n_m * (after_rad - before_rad) - (free_j(after_rad) - free_j(before_rad)))
+        };
+        self.system.equations.forces.joints().iter().zip(slopes).filter_map(bend_j).sum()
+    }
+
+    /// The equations at the present time with other inputs and the parameters as set; neutral angles jump with their
+    /// commands where no rate limit binds.
+    fn impose(&mut self, inputs: &Inputs) {
+        let State { applied_inputs, applied_parameters, applied_from_s, now, .. } = &self.system.state;
+        let kept = (applied_inputs.clone(), applied_parameters.clone(), *applied_from_s);
+        let time_s = now.time_s;
+        self.system.state.applied_inputs.clone_from(inputs);
+        self.system.state.applied_parameters.clone_from(&self.system.state.parameters);
+        self.system.state.applied_from_s = time_s;
+        self.system.configure();
+        (self.system.state.applied_inputs, self.system.state.applied_parameters, self.system.state.applied_from_s) =
+            kept;
+        self.system.equations.command(time_s, inputs, &self.system.state.parameters);
+    }
+}
+
+impl Equations {
+    /// Neutral angles jump with their commands where no rate limit binds.
+    pub(crate) fn command(&mut self, time_s: f64, inputs: &Inputs, parameters: &Parameters) {
+        let limits = parameters.joints().iter().map(|joint| joint.rate_limit_rad_s);
+        for ((joint, inputs), rate_limit_rad_s) in self.forces.joints_mut().iter_mut().zip(inputs.joints()).zip(limits)
+        {
+            let Some(motor) = joint.motor_mut() else { continue };
+            motor.slew.redirect(time_s, inputs.command_rad, 0.0, rate_limit_rad_s);
+            if motor.slew.follows_at_once() {
+                motor.slew.from_rad = inputs.command_rad;
+            } else {
+                motor.slew.target_rad = motor.slew.from_rad;
+            }
+        }
+    }
+}
+
+/// Weights of the values at 0, 1, 2, 3, 4 for the slope at `x` of the quartic through them.
+fn slopes_of_quartic(x: f64) -> [f64; 5] {
+    std::array::from_fn(|i| {
+        let others = || (0..5).filter(move |&j| j != i);
+        let scale: f64 = others().map(|j| i as f64 - j as f64).product();
+        let slope = |left: usize| -> f64 { others().filter(|&j| j != left).map(|j| x - j as f64).product() };
+        others().map(slope).sum::<f64>() / scale
+    })
+}
+
+/// `x += amount · direction`.
+fn move_along(x: &mut [f64], direction: &[f64], amount: f64) {
+    x.iter_mut().zip(direction).for_each(|(x, direction)| *x += amount * direction);
+}

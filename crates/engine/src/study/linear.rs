@@ -1,0 +1,351 @@
+//! The machine's linear behaviour about its present state: matrices, modes, derivatives of outputs.
+//!
+//! The stiffness is the exact tangent wherever the state is one of rest. About a moving state, forces of inertia change
+//! with the pose: there the derivative comes from sixth-order differences of the residual without its elastic part,
+//! good to 1e-11 of its terms. Mass and damping are exact everywhere: the residual is linear in the accelerations and
+//! quadratic in the rates. NOTATION eqs. (L10)–(L12).
+
+use crate::load::{RootMotion, Wrench};
+use crate::multibody::dynamics::{self, Damping, Environment};
+use crate::multibody::kinematics::Motion;
+use crate::multibody::tangent::Tangent;
+use crate::multibody::{Model, Workspace};
+use crate::solve::EquationsOfMotion;
+use crate::solve::linearize::SecondOrder;
+use crate::solve::modes::{Mode, modes};
+use crate::study::Study;
+use crate::system::Outputs;
+use crate::system::PlantError;
+use crate::system::System;
+use crate::system::freedoms::Freedom;
+use crate::system::shape::{ModeShape, NodeMotion};
+use nalgebra::{Complex, DMatrix, DVector, Matrix4, Vector3};
+
+/// Sixth-order central difference: weights of the steps 1, 2, 3 over 60 steps.
+const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
+
+/// Which argument of the outputs changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Argument {
+    /// The coordinates.
+    Position,
+    /// Their rates.
+    Rate,
+    /// Their accelerations.
+    Acceleration,
+}
+
+impl Study<'_> {
+    /// Mass, damping and stiffness about the present state, over [`System::freedoms`].
+    pub fn second_order(&mut self) -> Result<SecondOrder, PlantError> {
+        let freedoms = self.system.freedoms();
+        let mut unused = vec![0.0; self.system.coordinates()];
+        let now = &self.system.state.now;
+        self.system.equations.residual(now.time_s, &now.q, &now.v, &now.a, &mut unused);
+        let rest = now.v.iter().chain(&now.a).all(|rate| *rate == 0.0);
+        if !rest && !self.system.equations.spatial.is_empty() {
+            return Err(PlantError::Linearization {
+                time_s: now.time_s,
+                cause: "machines with universal, ball or free joints are linearised at rest only".into(),
+            });
+        }
+        let mut tangent = Tangent::new(&self.system.equations.model);
+        let stiffness = if rest {
+            self.system.equations.linearize_at_rest(&mut tangent, &now.q);
+            select(&tangent.dense(&self.system.equations.model), &freedoms)
+        } else {
+            self.moving_stiffness(&freedoms)
+        };
+        Ok(SecondOrder { mass: self.mass_matrix(&freedoms), damping: self.damping_matrix(&freedoms), stiffness })
+    }
+
+    /// `BᵀMB`: residual of unit accelerations, nothing else acting.
+    fn mass_matrix(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
+        let mut bare = Bare::new(self.system);
+        for closure in &mut bare.model.closures {
+            closure.penalty.stiffness_n_m = 0.0;
+        }
+        let n = self.system.coordinates();
+        let zero = vec![0.0; n];
+        let columns = freedoms.iter().map(|freedom| {
+            let unit = self.direction(freedom);
+            let still = vec![Damping::default(); self.system.equations.damping.len()];
+            let environment = Environment { root: &RootMotion::default(), damping: &still, stations: &[] };
+            let motion = Motion { q: &self.system.state.now.q, v: &zero, a: &unit };
+            pick(&bare.residual(motion, environment), freedoms)
+        });
+        let matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
+        (&matrix + matrix.transpose()) * 0.5
+    }
+
+    /// Change of the residual with the rates: central differences are exact for what is quadratic in them.
+    fn damping_matrix(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
+        let mut bare = Bare::new(self.system);
+        let now = &self.system.state.now;
+        let zero = vec![0.0; now.q.len()];
+        let field = RootMotion {
+            gravity_m_s2: Vector3::zeros(),
+            acceleration_m_s2: Vector3::zeros(),
+            angular_acceleration_rad_s2: Vector3::zeros(),
+            ..self.system.equations.root
+        };
+        let environment = Environment { root: &field, damping: &self.system.equations.damping, stations: &[] };
+        let columns = freedoms.iter().map(|freedom| {
+            let unit = self.direction(freedom);
+            let mut at = |shift: f64| {
+                let v: Vec<f64> = now.v.iter().zip(&unit).map(|(v, unit)| v + shift * unit).collect();
+                pick(&bare.residual(Motion { q: &now.q, v: &v, a: &zero }, environment), freedoms)
+            };
+            (at(1.0) - at(-1.0)) * 0.5
+        });
+        let mut matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
+        let mut diagonal = DMatrix::zeros(now.q.len(), now.q.len());
+        add_elastic(&mut diagonal, &self.system.equations.model, |body| {
+            self.system.equations.damping[body].stiffness_s
+        });
+        for joint in self.system.equations.forces.joints().iter().filter(|joint| !joint.held) {
+            diagonal[(joint.coordinate, joint.coordinate)] += self.system.equations.tangents[joint.body].damping;
+        }
+        for joint in self.system.equations.forces.spatial() {
+            for c in joint.rows() {
+                diagonal[(c, c)] += self.system.equations.tangents[joint.body].damping;
+            }
+        }
+        matrix += select(&diagonal, freedoms);
+        matrix
+    }
+
+    fn moving_stiffness(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
+        let mut bare = Bare::new(self.system);
+        let now = &self.system.state.now;
+        let stations: &[Wrench] = if self.system.equations.loaded { &self.system.equations.stations } else { &[] };
+        let environment =
+            Environment { root: &self.system.equations.root, damping: &self.system.equations.damping, stations };
+        let columns = freedoms.iter().map(|freedom| {
+            let mut at = |steps: f64| {
+                let q = self.displaced(freedom, steps * freedom.step);
+                pick(&bare.residual(Motion { q: &q, v: &now.v, a: &now.a }, environment), freedoms)
+            };
+            sixth_order(&mut at, freedom.step)
+        });
+        let mut matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
+        let mut springs = DMatrix::zeros(now.q.len(), now.q.len());
+        add_elastic(&mut springs, &self.system.equations.model, |_| 1.0);
+        for joint in self.system.equations.forces.joints().iter().filter(|joint| !joint.held) {
+            springs[(joint.coordinate, joint.coordinate)] += self.system.equations.tangents[joint.body].stiffness;
+        }
+        matrix += select(&springs, freedoms);
+        matrix
+    }
+
+    /// Change of the coordinates that a unit of a freedom makes.
+    fn direction(&self, freedom: &Freedom) -> Vec<f64> {
+        let mut unit = vec![0.0; self.system.coordinates()];
+        unit[freedom.index] = 1.0;
+        Tangent::to_coordinates(&self.system.equations.model, &self.system.equations.work, &mut unit);
+        unit
+    }
+
+    fn displaced(&self, freedom: &Freedom, amount: f64) -> Vec<f64> {
+        let mut q = self.system.state.now.q.clone();
+        q.iter_mut().zip(self.direction(freedom)).for_each(|(q, unit)| *q += amount * unit);
+        let (mut v, mut a) = (vec![0.0; q.len()], vec![0.0; q.len()]);
+        self.system.equations.project(&mut q, &mut v, &mut a);
+        q
+    }
+
+    /// Residual over [`System::freedoms`] at the present state with the present inputs. A change of a command moves the
+    /// drive's neutral angle at once: rate limits do not bind small changes.
+    pub fn residual_of_inputs(&mut self) -> DVector<f64> {
+        self.with_present_inputs();
+        let mut residual = vec![0.0; self.system.coordinates()];
+        let now = &self.system.state.now;
+        self.system.equations.residual(now.time_s, &now.q, &now.v, &now.a, &mut residual);
+        let freedoms = self.system.freedoms();
+        self.system.configure();
+        pick(&residual, &freedoms)
+    }
+
+    /// Outputs at the present state with one argument changed by `amount` along a freedom, and with the present inputs.
+    /// The plant's state afterwards is the one before.
+    pub fn outputs_beside(&mut self, change: Option<(Argument, &Freedom, f64)>) -> Outputs {
+        let kept = self.system.state.now.clone();
+        match change {
+            None => {}
+            Some((Argument::Position, freedom, amount)) => self.system.state.now.q = self.displaced(freedom, amount),
+            Some((argument, freedom, amount)) => {
+                let unit = self.direction(freedom);
+                let now = &mut self.system.state.now;
+                let vector = if argument == Argument::Rate { &mut now.v } else { &mut now.a };
+                vector.iter_mut().zip(unit).for_each(|(x, unit)| *x += amount * unit);
+            }
+        }
+        self.with_present_inputs();
+        self.system.evaluate();
+        let beside = self.system.outputs.clone();
+        self.system.state.now = kept;
+        self.system.configure();
+        self.system.evaluate();
+        beside
+    }
+
+    /// Derivative of a function of the outputs with an argument along a freedom: sixth-order differences in the
+    /// coordinates (error 1e-12 of the outputs' scale), exact ones in rates and accelerations, of which the outputs are
+    /// polynomials of second and first degree.
+    pub fn output_slope(
+        &mut self,
+        argument: Argument,
+        freedom: &Freedom,
+        read: &dyn Fn(&Outputs) -> DVector<f64>,
+    ) -> DVector<f64> {
+        if argument == Argument::Position {
+            let mut at = |steps: f64| read(&self.outputs_beside(Some((argument, freedom, steps * freedom.step))));
+            return sixth_order(&mut at, freedom.step);
+        }
+        let mut at = |amount: f64| read(&self.outputs_beside(Some((argument, freedom, amount))));
+        (at(1.0) - at(-1.0)) * 0.5
+    }
+
+    /// The equations with inputs that have been set but not stepped with.
+    fn with_present_inputs(&mut self) {
+        let (mut old, from_s) = (self.system.state.applied_inputs.clone(), self.system.state.applied_from_s);
+        let now_s = self.system.state.now.time_s;
+        self.system.state.applied_inputs.clone_from(&self.system.state.inputs);
+        self.system.state.applied_from_s = now_s;
+        self.system.configure();
+        (self.system.state.applied_inputs, self.system.state.applied_from_s) = (old.clone(), from_s);
+        old.run_on(&self.system.state.applied_rates, now_s - from_s);
+        for (joint, (new, old)) in self
+            .system
+            .equations
+            .forces
+            .joints_mut()
+            .iter_mut()
+            .zip(self.system.state.inputs.joints().iter().zip(old.joints()))
+        {
+            let Some(motor) = joint.motor_mut() else { continue };
+            let change = new.command_rad - old.command_rad;
+            motor.slew.from_rad += change;
+            motor.slew.target_rad += change;
+        }
+    }
+
+    /// Modes of lowest frequency about the present state, with shapes.
+    pub fn modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
+        let system = self.second_order()?;
+        let list = modes(&system.mass, &system.damping, &system.stiffness, count).map_err(|error| {
+            PlantError::Linearization { time_s: self.system.state.now.time_s, cause: error.to_string() }
+        })?;
+        let freedoms = self.system.freedoms();
+        Ok(list.into_iter().map(|mode| self.mode_shape(mode, &freedoms)).collect())
+    }
+
+    fn mode_shape(&self, mode: Mode, freedoms: &[Freedom]) -> ModeShape {
+        let model = &self.system.equations.model;
+        let mut tangent = Tangent::new(model);
+        self.system.equations.linearize_at_rest(&mut tangent, &self.system.state.now.q);
+        let mut part = |read: fn(&Complex<f64>) -> f64| {
+            let mut x = vec![0.0; model.coordinates];
+            freedoms.iter().zip(mode.shape.iter()).for_each(|(freedom, value)| x[freedom.index] = read(value));
+            let moved = tangent.node_displacements(model, &x);
+            (x, moved)
+        };
+        let (real, imaginary) = (part(|x| x.re), part(|x| x.im));
+        let size = real.1.iter().zip(&imaginary.1).fold(0.0f64, |size, (re, im)| {
+            let linear = (re.0.norm_squared() + im.0.norm_squared()).sqrt() / model.reference_length_m;
+            size.max(linear).max((re.1.norm_squared() + im.1.norm_squared()).sqrt())
+        });
+        let scale = if size > 0.0 { 1.0 / size } else { 1.0 };
+        let nodes = |part: &[(Vector3<f64>, Vector3<f64>)]| -> Vec<Vec<NodeMotion>> {
+            let motion =
+                |node: usize| NodeMotion { displacement_m: part[node].0 * scale, rotation_rad: part[node].1 * scale };
+            model.bodies.iter().map(|body| body.frames().map(motion).collect()).collect()
+        };
+        ModeShape {
+            frequency_hz: mode.frequency_hz(),
+            damping_ratio: mode.damping_ratio(),
+            eigenvalue_1_s: mode.eigenvalue_1_s,
+            shares: match mode.frequency_hz() {
+                0.0 => [0.0; 5],
+                _ => self.energy_shares(&[&real.0, &imaginary.0]),
+            },
+            real: nodes(&real.1),
+            imaginary: nodes(&imaginary.1),
+        }
+    }
+
+    /// Shares of stretch, twist, flap, lag and joints in the elastic energy of a motion.
+    fn energy_shares(&self, parts: &[&Vec<f64>; 2]) -> [f64; 5] {
+        let mut shares = [0.0; 5];
+        for x in parts {
+            for element in &self.system.equations.model.elements {
+                let strain = nalgebra::Vector4::from_column_slice(&x[element.coordinate..element.coordinate + 4]);
+                let force = element.stiffness * strain;
+                for k in 0..4 {
+                    shares[k] += strain[k] * force[k];
+                }
+            }
+            for joint in self.system.equations.forces.joints().iter().filter(|joint| !joint.held) {
+                let stiffness = self.system.equations.tangents[joint.body].stiffness;
+                shares[4] += stiffness * x[joint.coordinate].powi(2);
+            }
+        }
+        let sum: f64 = shares.iter().sum();
+        if sum > 0.0 { shares.map(|share| share / sum) } else { [0.0, 0.0, 0.0, 0.0, 1.0] }
+    }
+}
+
+/// The tree without its elastic forces: what is left is smooth in all arguments and of one scale.
+struct Bare {
+    model: Model,
+    work: Workspace,
+}
+
+impl Bare {
+    fn new(system: &System) -> Self {
+        let mut model = system.equations.model.clone();
+        for element in &mut model.elements {
+            element.stiffness = Matrix4::zeros();
+            element.coupling = Matrix4::zeros();
+        }
+        Self { work: system.equations.work.clone(), model }
+    }
+
+    fn residual(&mut self, motion: Motion, environment: Environment) -> Vec<f64> {
+        let mut residual = vec![0.0; self.model.coordinates];
+        dynamics::residual(&self.model, &mut self.work, motion, environment, &mut residual);
+        residual
+    }
+}
+
+/// Adds the elastic stiffness of all elements, weighted per body.
+fn add_elastic(matrix: &mut DMatrix<f64>, model: &Model, weight: impl Fn(usize) -> f64) {
+    for (index, body) in model.bodies.iter().enumerate() {
+        for i in 0..body.elements {
+            let element = &model.elements[body.first_element + i];
+            let mut add = |column: usize, block: &Matrix4<f64>| {
+                let mut view = matrix.view_mut((element.coordinate, column), (4, 4));
+                view += block * weight(index);
+            };
+            add(element.coordinate, &element.stiffness);
+            if element.coupling != Matrix4::zeros() {
+                add(model.elements[body.first_element + (i ^ 1)].coordinate, &element.coupling);
+            }
+        }
+    }
+}
+
+fn sixth_order(at: &mut dyn FnMut(f64) -> DVector<f64>, step: f64) -> DVector<f64> {
+    let mut slope = (at(1.0) - at(-1.0)) * WEIGHTS[0];
+    slope += (at(2.0) - at(-2.0)) * WEIGHTS[1];
+    slope += (at(3.0) - at(-3.0)) * WEIGHTS[2];
+    slope / (60.0 * step)
+}
+
+fn pick(vector: &[f64], freedoms: &[Freedom]) -> DVector<f64> {
+    DVector::from_iterator(freedoms.len(), freedoms.iter().map(|freedom| vector[freedom.index]))
+}
+
+fn select(matrix: &DMatrix<f64>, freedoms: &[Freedom]) -> DMatrix<f64> {
+    DMatrix::from_fn(freedoms.len(), freedoms.len(), |i, j| matrix[(freedoms[i].index, freedoms[j].index)])
+}

@@ -1,0 +1,33 @@
+//! Questions about one state of a machine: equilibria and their stability, modes, linear models, derivatives of outputs.
+
+mod at_rest_in_air;
+mod coast;
+mod derivatives;
+mod linear;
+mod stability;
+mod state_space;
+mod statics;
+
+pub use crate::solve::arc_length::PathPoint;
+pub use crate::solve::equilibrium::Effort as StaticEffort;
+pub use crate::solve::linearize::{SecondOrder, StateSpace};
+pub use linear::Argument;
+pub use stability::{Coarseness, Growth, Stability};
+pub use state_space::InputSlope;
+pub use statics::{Branch, Departure, Holding, LoadPath, Rest, Search};
+
+use crate::system::System;
+use statics::Quest;
+
+/// Questions about the present state of a system. Equilibria replace the state; all else leaves it as it was.
+pub struct Study<'a> {
+    system: &'a mut System,
+    /// The search for a state of rest that is under way.
+    quest: Quest,
+}
+
+impl<'a> Study<'a> {
+    pub(crate) fn new(system: &'a mut System) -> Self {
+        Self { system, quest: Quest::default() }
+    }
+}

@@ -1,0 +1,161 @@
+//! What a state of rest is worth: whether it is stable, where it would leave, and whether the mesh resolves it.
+
+use crate::multibody::kinematics::sweep_poses;
+use crate::multibody::tangent::Tangent;
+use crate::solve::EquationsOfMotion;
+use crate::study::{PathPoint, Study};
+use crate::system::PlantError;
+use crate::system::shape::ModeShape;
+use nalgebra::{Complex, Vector3};
+
+/// Asymmetry of a tangent that is taken for round-off: its loads have a potential.
+pub(crate) const SYMMETRIC: f64 = 1e-8;
+
+/// Modes that are looked at.
+const MODES: usize = 10;
+
+/// Coordinates beyond which motions are not looked at: the matrices are dense.
+const MOST_COORDINATES: usize = 1200;
+
+/// Change of a beam's turn from element to element, in rad, beyond which the mesh is called coarse.
+const COARSE_RAD: f64 = 0.5;
+
+/// Stability of a state of rest under the present inputs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stability {
+    /// Negative pivots of the static tangent: directions in which the forces push away, eq. (L16). What they say is
+    /// exact where the loads have a potential.
+    pub negative_directions: usize,
+    /// The loads have a potential: the tangent is symmetric. Loads that follow their sections have none, nor has air.
+    pub potential: bool,
+    /// Something moves without resistance: the tangent is singular, and the modes alone tell.
+    pub neutral: bool,
+    /// Motions that grow, fastest first, of the modes of lowest frequency, the loads of the air held as they are.
+    pub growing: Vec<Growth>,
+}
+
+impl Stability {
+    /// Directions in which the machine leaves the state by itself: negative pivots, or without a potential motions that
+    /// grow.
+    pub fn unstable_directions(&self) -> usize {
+        if self.potential && !self.neutral { self.negative_directions } else { self.growing.len() }
+    }
+
+    /// None of them.
+    pub fn is_stable(&self) -> bool {
+        self.unstable_directions() == 0
+    }
+}
+
+/// A motion that grows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Growth {
+    /// Eigenvalue in 1/s; real where the motion does not oscillate.
+    pub eigenvalue_1_s: Complex<f64>,
+    /// Body with the largest motion.
+    pub body: usize,
+    /// Its section with the largest motion: distance from the body's inner end in m.
+    pub place_m: f64,
+    /// Direction of that motion, root frame, of length 1; zero for a pure rotation.
+    pub direction: Vector3<f64>,
+}
+
+/// The place where a beam's curvature changes the most from one element, or half of a pair, to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coarseness {
+    /// Body.
+    pub body: usize,
+    /// Distance from its inner end in m.
+    pub place_m: f64,
+    /// Change of the turn there in rad.
+    pub turn_rad: f64,
+}
+
+impl Coarseness {
+    /// The mesh is too coarse for the answer to be trusted.
+    pub fn is_coarse(&self) -> bool {
+        self.turn_rad > COARSE_RAD
+    }
+}
+
+impl Study<'_> {
+    /// Stability of the present state, which must be one of rest, under the present inputs.
+    pub fn stability(&mut self) -> Result<Stability, PlantError> {
+        let now = &self.system.state.now;
+        let mut unused = vec![0.0; self.system.coordinates()];
+        self.system.equations.residual(now.time_s, &now.q, &now.v, &now.a, &mut unused);
+        let mut tangent = Tangent::new(&self.system.equations.model);
+        self.system.equations.linearize_at_rest(&mut tangent, &now.q);
+        let model = &self.system.equations.model;
+        let neutral = tangent.factorize(model).is_err();
+        let negative_directions = if neutral { 0 } else { tangent.negative_directions() };
+        let potential = tangent.asymmetry(model) < SYMMETRIC;
+        let quiet = potential && !neutral && negative_directions == 0 || self.system.coordinates() > MOST_COORDINATES;
+        let growing = if quiet { Vec::new() } else { self.growing()? };
+        Ok(Stability { negative_directions, potential, neutral, growing })
+    }
+
+    /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first: of the modes of lowest frequency,
+    /// one of each pair, the loads of the air held as they are. `None` for machines with too many coordinates to look.
+    pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
+        if self.system.coordinates() > MOST_COORDINATES {
+            return Ok(None);
+        }
+        Ok(Some(self.growing()?.iter().map(|growth| growth.eigenvalue_1_s).collect()))
+    }
+
+    fn growing(&mut self) -> Result<Vec<Growth>, PlantError> {
+        let mut list: Vec<Growth> =
+            self.modes(MODES)?.iter().filter(|mode| mode.grows()).map(|mode| self.growth(mode)).collect();
+        list.sort_by(|a, b| b.eigenvalue_1_s.re.total_cmp(&a.eigenvalue_1_s.re));
+        Ok(list)
+    }
+
+    /// Where a mode moves most.
+    fn growth(&self, mode: &ModeShape) -> Growth {
+        let mut growth =
+            Growth { eigenvalue_1_s: mode.eigenvalue_1_s, body: 0, place_m: 0.0, direction: Vector3::zeros() };
+        let mut largest_m = 0.0;
+        for (body, (sections, places)) in mode.real.iter().zip(self.system.shape()).enumerate() {
+            for (section, place) in sections.iter().zip(places) {
+                let size_m = section.displacement_m.norm();
+                if size_m > largest_m * (1.0 + 1e-9) {
+                    largest_m = size_m;
+                    (growth.body, growth.place_m) = (body, place.place_m);
+                    growth.direction = section.displacement_m / size_m;
+                }
+            }
+        }
+        growth
+    }
+
+    /// Where the present shape strains the mesh the most.
+    pub fn coarseness(&self) -> Coarseness {
+        let (q, model) = (&self.system.state.now.q, &self.system.equations.model);
+        let mut worst = Coarseness { body: 0, place_m: 0.0, turn_rad: 0.0 };
+        for (index, body) in model.bodies.iter().enumerate() {
+            let elements = &model.elements[body.first_element..body.first_element + body.elements];
+            for pair in elements.windows(2) {
+                let turn = |k: usize| {
+                    let excess = |i: usize| q[pair[i].coordinate + k] - pair[i].natural_strain[k];
+                    0.5 * (pair[0].length_m + pair[1].length_m) * (excess(1) - excess(0))
+                };
+                let turn_rad = Vector3::new(turn(1), turn(2), turn(3)).norm();
+                if turn_rad > worst.turn_rad {
+                    worst = Coarseness { body: index, place_m: pair[1].start_m, turn_rad };
+                }
+            }
+        }
+        worst
+    }
+
+    /// Positions in m, root frame, of the free ends of [`crate::system::System::tip_bodies`] at a point of a path.
+    pub fn tips_at(&mut self, point: &PathPoint) -> Vec<Vector3<f64>> {
+        sweep_poses(&self.system.equations.model, &mut self.system.equations.work, &point.q);
+        let tip = |&body: &usize| {
+            let model = &self.system.equations.model;
+            self.system.equations.work.nodes[model.bodies[body].last_node()].position
+        };
+        self.system.tip_bodies.iter().map(tip).collect()
+    }
+}

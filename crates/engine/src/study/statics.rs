@@ -1,0 +1,432 @@
+//! Equilibrium of the machine at rest: what the loads do without time.
+
+use crate::force::set::Forces;
+use crate::load::{RootMotion, Wrench};
+use crate::multibody::Model;
+use crate::multibody::norm::kinematic_norm;
+use crate::multibody::tangent::{JointTangent, SingularTangent, Surroundings, Tangent};
+use crate::solve::arc_length::{self, PathPoint};
+use crate::solve::equilibrium::{self, Cause, Effort, NoEquilibrium, Settings, StaticEquations};
+use crate::solve::settle;
+use crate::solve::{EquationsOfMotion, Singular};
+use crate::study::Study;
+use crate::study::stability::SYMMETRIC;
+use crate::system::PlantError;
+use crate::system::equations::Equations;
+use nalgebra::Matrix3;
+
+/// Searches for rest before contacts that come and go are given up on.
+const MOST_SEARCHES: usize = 100;
+/// Gap of a closed loop at rest over the machine's length beyond which it is no loop any more.
+const TORN: f64 = 0.01;
+
+/// What holds the fold joints while the machine settles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Holding {
+    /// Their release inputs: a released joint turns until its drive and latch balance the loads. If its enabled latch lies
+    /// on the way, it closes.
+    AsReleased,
+    /// Stoppers hold all joints at their start angles, but those whose latch is closed.
+    Stopped,
+}
+
+/// How the loads are brought on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LoadPath {
+    /// The whole load at once, in steps where that fails, eq. (L9).
+    #[default]
+    Load,
+    /// Along the path of equilibria, through its limit points, eq. (L17).
+    ArcLength,
+}
+
+/// Which equilibrium is the answer where the one on the path is unstable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Branch {
+    /// The one on the path.
+    #[default]
+    Path,
+    /// A stable one downhill from it, eq. (L15).
+    Stable,
+}
+
+/// How an equilibrium is looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Search {
+    /// How the loads are brought on.
+    pub path: LoadPath,
+    /// What an unstable equilibrium is worth.
+    pub branch: Branch,
+}
+
+/// Why the answer does not lie on the path of equilibria.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Departure {
+    /// The equilibrium under the whole load is unstable in so many directions.
+    Unstable(usize),
+    /// The path ends, or turns back, at this load factor.
+    PathEnds(f64),
+}
+
+/// A state of rest and how it was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rest {
+    /// Load steps and iterations.
+    pub effort: Effort,
+    /// What made the search leave the path.
+    pub departure: Option<Departure>,
+    /// The path by arc length, point by point; empty otherwise.
+    pub path: Vec<PathPoint>,
+}
+
+/// The search under way and what it has met.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Quest {
+    search: Search,
+    departure: Option<Departure>,
+    path: Vec<PathPoint>,
+}
+
+/// Loads and joints of the case asked for; the search scales them.
+struct Target {
+    root: RootMotion,
+    stations: Vec<Wrench>,
+    air: Vec<Wrench>,
+    forces: Forces,
+    start: Vec<f64>,
+}
+
+impl Target {
+    /// The case that the equations stand for, from the coordinates `start`.
+    fn of(equations: &Equations, start: &[f64]) -> Self {
+        Self {
+            root: equations.root,
+            stations: equations.stations[..equations.load_stations].to_vec(),
+            air: equations.air.as_ref().map_or(Vec::new(), |air| air.to.clone()),
+            forces: equations.forces.clone(),
+            start: start.to_vec(),
+        }
+    }
+}
+
+/// The equations of motion at rest, eq. (L1), with loads that can be scaled, eq. (L8).
+struct AtRest<'a> {
+    equations: &'a mut Equations,
+    tangent: Tangent,
+    target: Target,
+    time_s: f64,
+    zero: Vec<f64>,
+    /// Weight of each coordinate in the length of a path.
+    weights: Vec<f64>,
+}
+
+impl<'a> AtRest<'a> {
+    fn new(equations: &'a mut Equations, time_s: f64, start: &[f64]) -> Self {
+        let target = Target::of(equations, start);
+        let weights = path_weights(&equations.model);
+        Self {
+            tangent: Tangent::new(&equations.model),
+            zero: vec![0.0; start.len()],
+            target,
+            time_s,
+            equations,
+            weights,
+        }
+    }
+
+    /// Goes on from what the search on the path has found to a stable state, if `q` is none and there is one.
+    fn stabilise(
+        &mut self,
+        q: &mut [f64],
+        found: Result<Effort, NoEquilibrium>,
+    ) -> (Result<Effort, NoEquilibrium>, Option<Departure>) {
+        let settings = Settings::default();
+        let kept = q.to_vec();
+        let (mut effort, departure) = match &found {
+            Ok(effort) => match self.unstable_directions(q) {
+                0 => return (found, None),
+                directions => (*effort, Departure::Unstable(directions)),
+            },
+            Err(error) => (Effort::default(), Departure::PathEnds(error.reached)),
+        };
+        self.load(1.0);
+        let left = match departure {
+            Departure::Unstable(_) => settle::leave(self, q),
+            Departure::PathEnds(_) => Ok(()),
+        };
+        match left.and_then(|()| settle::descend(self, q, settings, &mut effort)) {
+            Ok(()) => (Ok(effort), Some(departure)),
+            Err(_) => {
+                q.copy_from_slice(&kept);
+                self.residual(q, &mut vec![0.0; kept.len()]);
+                (found, None)
+            }
+        }
+    }
+
+    /// Directions in which the loads push away from the equilibrium `q`; none where the loads have no potential, as the
+    /// pivots say nothing then.
+    fn unstable_directions(&mut self, q: &[f64]) -> usize {
+        let directions = self.factorize(q, 0.0).unwrap_or(0);
+        if directions > 0 && self.tangent.asymmetry(&self.equations.model) < SYMMETRIC { directions } else { 0 }
+    }
+}
+
+/// Weights of the coordinates in the length of a path: `∫κ² ds` times the length of the machine, strains over the
+/// element's share of it, angles in rad, offsets over its length.
+fn path_weights(model: &Model) -> Vec<f64> {
+    let length_m = model.reference_length_m;
+    let mut weights = vec![1.0; model.coordinates];
+    for body in &model.bodies {
+        let first = body.joint.coordinate;
+        weights[first..first + body.joint.kind.translations()].fill(length_m.powi(-2));
+    }
+    for element in &model.elements {
+        weights[element.coordinate] = element.length_m / length_m;
+        weights[element.coordinate + 1..element.coordinate + 4].fill(element.length_m * length_m);
+    }
+    weights
+}
+
+impl StaticEquations for AtRest<'_> {
+    fn coordinates(&self) -> usize {
+        self.zero.len()
+    }
+
+    fn load(&mut self, factor: f64) {
+        let Target { root, stations, air, forces, start } = &self.target;
+        self.equations.root = RootMotion {
+            gravity_m_s2: root.gravity_m_s2 * factor,
+            acceleration_m_s2: root.acceleration_m_s2 * factor,
+            angular_velocity_rad_s: root.angular_velocity_rad_s * factor.max(0.0).sqrt(),
+            angular_acceleration_rad_s2: root.angular_acceleration_rad_s2 * factor,
+        };
+        for (scaled, load) in self.equations.stations.iter_mut().zip(stations) {
+            *scaled = Wrench { force_n: load.force_n * factor, moment_n_m: load.moment_n_m * factor };
+        }
+        if let Some(loads) = &mut self.equations.air {
+            loads.scale(air, factor);
+        }
+        for (joint, whole) in self.equations.forces.joints_mut().iter_mut().zip(forces.joints()) {
+            joint.scale(whole, start[joint.coordinate], factor, self.time_s);
+        }
+    }
+
+    fn residual(&mut self, q: &[f64], residual: &mut [f64]) {
+        self.equations.residual(self.time_s, q, &self.zero, &self.zero, residual);
+    }
+
+    fn factorize(&mut self, q: &[f64], shift_1_s2: f64) -> Result<usize, Singular> {
+        self.equations.linearize_shifted(&mut self.tangent, q, shift_1_s2);
+        let singular = |singular: SingularTangent| Singular { coordinate: singular.coordinate };
+        self.tangent.factorize(&self.equations.model).map_err(singular)?;
+        Ok(self.tangent.negative_directions())
+    }
+
+    fn solve(&mut self, x: &mut [f64]) {
+        self.tangent.solve(&self.equations.model, x);
+        Tangent::to_coordinates(&self.equations.model, &self.equations.work, x);
+    }
+
+    fn norm(&mut self, change: &[f64]) -> f64 {
+        kinematic_norm(&self.equations.model, &mut self.equations.work, change)
+    }
+
+    fn product(&self, a: &[f64], b: &[f64]) -> f64 {
+        self.weights.iter().zip(a.iter().zip(b)).map(|(weight, (a, b))| weight * a * b).sum()
+    }
+
+    fn project(&mut self, q: &mut [f64]) {
+        let mut rates = vec![0.0; q.len()];
+        let mut second = rates.clone();
+        EquationsOfMotion::project(self.equations, q, &mut rates, &mut second);
+    }
+}
+
+impl Equations {
+    /// Exact tangent at rest about `q`, the configuration of the last residual.
+    pub(crate) fn linearize_at_rest(&self, tangent: &mut Tangent, q: &[f64]) {
+        self.linearize_shifted(tangent, q, 0.0);
+    }
+
+    /// The same with a multiple of the mass added, eq. (L15).
+    fn linearize_shifted(&self, tangent: &mut Tangent, q: &[f64], shift_1_s2: f64) {
+        let joints = self.joint_tangents();
+        let stations: &[Wrench] = if self.loaded { &self.stations } else { &[] };
+        let surroundings = Surroundings { root: &self.root, stations, joints: &joints };
+        tangent.linearize_shifted(&self.model, &self.work, q, surroundings, shift_1_s2);
+    }
+
+    /// Springs of the joints at the last residual, per body.
+    pub(crate) fn joint_tangents(&self) -> Vec<JointTangent> {
+        let mut joints = vec![JointTangent::HELD; self.model.bodies.len()];
+        for joint in self.forces.joints().iter().filter(|joint| !joint.held) {
+            joints[joint.body] = JointTangent::one_freedom(self.tangents[joint.body].stiffness);
+        }
+        for joint in self.forces.spatial() {
+            let spring = joint.attitude().map_or_else(Matrix3::zeros, |spring| spring.stiffness(&self.work));
+            joints[joint.body] = JointTangent { free: true, stiffness: spring };
+        }
+        joints
+    }
+}
+
+impl Study<'_> {
+    /// Initialises at `time_s` and brings the machine to rest under the present inputs: gravity, root motion, station
+    /// loads, drives and latches. Rates and accelerations are zero afterwards, and the outputs belong to the
+    /// equilibrium.
+    ///
+    /// Starts from the unstrained machine at its start angles; prescribed joints keep their angle of `time_s`. A root
+    /// that turns loads the wing by its centrifugal and Euler forces.
+    ///
+    /// The equilibrium is the one that the load path leads to, stable or not: [`Study::stability`] tells.
+    pub fn equilibrium(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
+        self.rest(time_s, holding, Search::default()).map(|rest| rest.effort)
+    }
+
+    /// [`Study::equilibrium`] with a choice of the path and of what to do where it leads to an unstable state.
+    pub fn rest(&mut self, time_s: f64, holding: Holding, search: Search) -> Result<Rest, PlantError> {
+        self.quest = Quest { search, ..Quest::default() };
+        let effort = self.come_to_rest(time_s, holding);
+        let Quest { departure, path, .. } = std::mem::take(&mut self.quest);
+        Ok(Rest { effort: effort?, departure, path })
+    }
+
+    fn come_to_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
+        self.system.start(time_s);
+        let effort = self.settle_in_air(time_s, holding)?;
+        self.system.state.now.v.fill(0.0);
+        self.system.state.now.a.fill(0.0);
+        self.system.conclude_start(time_s)?;
+        // what is left of the accelerations is round-off times stiffness
+        self.stand_still();
+        Ok(effort)
+    }
+
+    /// Initialises at `time_s` without loads, gravity and root motion, which are set to zero, and stands still at the
+    /// start angles: the state about which the modes of the bare structure are meant.
+    pub fn undeformed(&mut self, time_s: f64) -> Result<(), PlantError> {
+        *self.system.state.inputs.root_mut() = RootMotion::default();
+        self.system.state.inputs.stations_mut().fill(Wrench::default());
+        self.system.state.inputs.wind_m_s_mut().fill(0.0);
+        self.system.start(time_s);
+        self.system.state.now.v.fill(0.0);
+        self.system.conclude_start(time_s)?;
+        self.stand_still();
+        Ok(())
+    }
+
+    /// Takes away the accelerations, with the outputs.
+    fn stand_still(&mut self) {
+        for point in [&mut self.system.state.now, &mut self.system.state.start, &mut self.system.state.ahead] {
+            point.a.fill(0.0);
+            point.auxiliary.fill(0.0);
+        }
+        self.system.evaluate();
+    }
+
+    /// Replaces the start coordinates by those of the equilibrium.
+    ///
+    /// A joint that would come to rest at the angle of its enabled latch or beyond cannot get there: the latch closes,
+    /// and the search begins anew with it. A rigid one then holds the joint at the edge of its window.
+    pub(crate) fn settle_at_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
+        let mut start = self.system.state.now.q.clone();
+        for _ in 0..MOST_SEARCHES {
+            self.system.state.now.q.copy_from_slice(&start);
+            let effort = self.search(time_s, holding)?;
+            let mut caught = false;
+            for (joint, memory) in self.system.equations.forces.joints().iter().zip(&mut self.system.state.joints) {
+                let c = joint.coordinate;
+                caught |= joint.stops_at_rest(&mut start[c], self.system.state.now.q[c], memory);
+            }
+            if !caught {
+                return Ok(effort);
+            }
+            self.system.configure();
+        }
+        let cause = format!("latches and stops change their state in each of {MOST_SEARCHES} searches for rest");
+        Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause })
+    }
+
+    /// The equilibrium on the path from the start coordinates, with the latches as they are.
+    fn search(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
+        let now = &mut self.system.state.now;
+        let equations = &mut self.system.equations;
+        equations.branch_s = time_s;
+        equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
+        if holding == Holding::Stopped {
+            for joint in equations.forces.joints_mut().iter_mut().filter(|joint| !joint.is_latched()) {
+                joint.held = true;
+            }
+        }
+        let mut at_rest = AtRest::new(equations, time_s, &now.q);
+        let quest = &mut self.quest;
+        let settings = Settings::default();
+        quest.path.clear();
+        let mut found = match quest.search.path {
+            LoadPath::Load => equilibrium::find(&mut at_rest, &mut now.q, settings),
+            LoadPath::ArcLength => arc_length::trace(&mut at_rest, &mut now.q, settings).map(|(effort, path)| {
+                quest.path = path;
+                effort
+            }),
+        };
+        if quest.search.branch == Branch::Stable {
+            (found, quest.departure) = at_rest.stabilise(&mut now.q, found);
+        }
+        let Target { forces, .. } = at_rest.target;
+        self.system.equations.forces = forces;
+        self.system.configure();
+        let effort = found.map_err(|error| self.no_equilibrium(time_s, &error))?;
+        self.check_loops(time_s)?;
+        Ok(effort)
+    }
+
+    /// Refuses a state of rest that only the stretched penalties of closed loops hold, as the search finds it for a
+    /// linkage that nothing keeps from turning.
+    fn check_loops(&self, time_s: f64) -> Result<(), PlantError> {
+        let limit_m = TORN * self.system.equations.model.reference_length_m;
+        for (closure, described) in self.system.equations.model.closures.iter().zip(&self.system.machine.closures) {
+            let gap_m = closure.gap(&self.system.equations.work).position_m.norm();
+            if gap_m > limit_m {
+                let cause = format!(
+                    "loop {:?} is torn open by {gap_m:.3e} m; hold the linkage (release = false, a spring, a latch) or \
+                     give the loop more stiffness",
+                    described.name
+                );
+                return Err(PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause });
+            }
+        }
+        Ok(())
+    }
+
+    fn no_equilibrium(&self, time_s: f64, error: &NoEquilibrium) -> PlantError {
+        let cause = match error.cause {
+            Cause::Singular(coordinate) => format!("nothing resists a motion of {}", self.coordinate_name(coordinate)),
+            other => other.to_string(),
+        };
+        PlantError::Equilibrium { time_s, reached: error.reached, tried: error.tried, cause }
+    }
+
+    /// Joint or body that a coordinate belongs to, in words.
+    fn coordinate_name(&self, coordinate: usize) -> String {
+        let bodies = &self.system.equations.model.bodies;
+        for (body, described) in bodies.iter().zip(&self.system.machine.bodies) {
+            if body.joint.range().contains(&coordinate) {
+                let remedy = match body.joint.kind.freedoms() {
+                    1 => "give it a spring, close its latch, or hold it (release = false)",
+                    6 => "a free body has no equilibrium",
+                    _ => "give it a spring",
+                };
+                return format!("joint {:?}: {remedy}", described.joint.name);
+            }
+            let elements =
+                &self.system.equations.model.elements[body.first_element..body.first_element + body.elements];
+            if let Some(i) =
+                elements.iter().position(|element| (element.coordinate..element.coordinate + 4).contains(&coordinate))
+            {
+                return format!("body {:?} in element {}", described.name, i + 1);
+            }
+        }
+        format!("coordinate {coordinate}")
+    }
+}

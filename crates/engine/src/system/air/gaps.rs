@@ -1,0 +1,96 @@
+//! Lifting surfaces that lie close to each other: what `foldwing check` says of them, and why a run stops there.
+
+pub use crate::aero::near_sheets::CLOSED_PANELS;
+
+use crate::aero::AirModel;
+use crate::aero::flow::Flow;
+use crate::aero::near_sheets::NoCirculation;
+use crate::load::SectionMotion;
+use crate::machine::{self, Machine};
+use crate::solve::EquationsOfMotion;
+use crate::system::PlantError;
+use crate::system::System;
+
+/// Two lattices that lie above each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceGap {
+    /// Indices into the machine's bodies.
+    pub bodies: [usize; 2],
+    /// Smallest distance of a control point of one to the sheet of the other, over the size of a panel there.
+    pub least_panels: f64,
+    /// Largest one among those that come within about a panel.
+    pub widest_panels: f64,
+    /// Whether the lattice cannot tell the sheets apart, so that a run is refused.
+    pub closed: bool,
+}
+
+/// A failure of the model of the air by the names of the bodies.
+pub(crate) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failure: NoCirculation) -> PlantError {
+    match failure {
+        NoCirculation::Singular(_) => PlantError::Air { time_s, cause: failure.to_string() },
+        NoCirculation::Closed(closed) => PlantError::ClosedSheets {
+            time_s,
+            bodies: closed.surfaces.map(|surface| machine.bodies[air.surfaces[surface].body].name.clone()),
+            gap_m: closed.gap_m,
+            gap_panels: closed.gap_panels,
+        },
+    }
+}
+
+/// Why a run stops where one sheet of a lattice passes through another.
+pub(crate) fn crossing(machine: &Machine, air: &machine::Air, model: &AirModel, time_s: f64) -> Option<PlantError> {
+    let AirModel::Lattice(lattice) = model else { return None };
+    lattice.crossed_sheets().map(|crossed| PlantError::CrossedSheets {
+        time_s,
+        bodies: crossed.surfaces.map(|surface| machine.bodies[air.surfaces[surface].body].name.clone()),
+        depth_m: crossed.depth_m,
+    })
+}
+
+/// Index of the first surface that the air mostly meets at its trailing edge.
+pub(crate) fn blown_from_behind(air: &machine::Air, motions: &[SectionMotion], flow: &Flow) -> Option<usize> {
+    let mut first = 0;
+    air.surfaces.iter().position(|surface| {
+        let sections = &motions[first..first + surface.chords.len()];
+        first += surface.chords.len();
+        let from_behind = sections.iter().zip(&surface.chords).filter(|(motion, chord)| {
+            let backwards = motion.rotation * (chord.trailing_m - chord.leading_m);
+            (flow.velocity_m_s(&motion.position_m) - motion.velocity_m_s).dot(&backwards) < 0.0
+        });
+        2 * from_behind.count() > surface.chords.len()
+    })
+}
+
+impl System {
+    /// Pairs of lattices that lie above each other in the unstrained start pose within about a panel; none without a
+    /// lattice. Leaves the plant at this pose, to be initialised.
+    pub fn surface_gaps(&mut self) -> Vec<SurfaceGap> {
+        if self.air.is_none() {
+            return Vec::new();
+        }
+        self.start(0.0);
+        let now = &mut self.state.now;
+        self.equations.prescribe(0.0, &mut now.q, &mut now.v, &mut now.a);
+        self.equations.residual(0.0, &now.q, &now.v, &now.a, &mut self.scratch[0]);
+        let Some(air) = &mut self.air else { return Vec::new() };
+        air.observe(&self.equations, &self.state.now);
+        let AirModel::Lattice(lattice) = &mut air.model else { return Vec::new() };
+        let (mut state, mut pairs) = (lattice.blank_state(), Vec::new());
+        lattice.measure_gaps(&air.motions, &mut state);
+        for other in 0..air.settings.surfaces.len() {
+            for own in 0..other {
+                let (one, two) = (lattice.gap(own, other), lattice.gap(other, own));
+                let least_panels = one.panels[0].min(two.panels[0]);
+                if least_panels < 1.0 {
+                    pairs.push(SurfaceGap {
+                        bodies: [own, other].map(|surface| air.settings.surfaces[surface].body),
+                        least_panels,
+                        widest_panels: one.panels[1].max(two.panels[1]),
+                        closed: one.is_closed() || two.is_closed(),
+                    });
+                }
+            }
+        }
+        pairs
+    }
+}

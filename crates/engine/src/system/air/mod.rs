@@ -1,0 +1,465 @@
+//! Air around the machine: its loads over time, what the state remembers of it, what is reported of it.
+
+pub(crate) mod gaps;
+pub(crate) mod start;
+mod view;
+
+pub use gaps::{CLOSED_PANELS, SurfaceGap};
+pub use view::SurfaceLattice;
+
+use crate::aero::joined_edges::Edge;
+use crate::aero::surface::Surface;
+use crate::aero::{AirLoads, AirModel, AirState};
+use crate::load::{LoadFrame, SectionMotion, Wrench};
+use crate::machine::{self, Parent};
+use crate::math::so3::rotation_vector;
+use crate::multibody::kinematics::Motion;
+use crate::multibody::{Model, station};
+use crate::solve::acceleration::Anderson;
+use crate::solve::point::Point;
+use crate::system::equations::Equations;
+use crate::system::outputs::Outputs;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Entries of a wrench in a vector of unknown loads.
+const ENTRIES: usize = 6;
+/// Difference of two places over the body's length below which they are the same.
+const NEAR: f64 = 1e-9;
+/// Round-off of a section's motion within a step, in chords: some fifty units in the last place.
+const ROUND_OFF: f64 = 1e-14;
+
+/// Weights of eq. (Q4): of the mean velocity over the step, of that over the step before, and of the velocity that the
+/// air saw at its start. Second order; jumps die out by half per step.
+const VELOCITY_WEIGHTS: [f64; 3] = [1.75, -0.25, -0.5];
+
+/// Loads of the air in an aerodynamic step, per section and in its frame.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct StepLoads {
+    /// Time of `from` in s.
+    pub begin_s: f64,
+    /// Time of `to` in s.
+    pub end_s: f64,
+    /// Circulatory loads at the start.
+    pub from: Vec<Wrench>,
+    /// Circulatory loads at the end.
+    pub to: Vec<Wrench>,
+    /// Impulsive loads, mean over the step.
+    pub impulsive: Vec<Wrench>,
+}
+
+impl StepLoads {
+    /// No loads on `sections` sections.
+    pub fn none(sections: usize) -> Self {
+        let none = vec![Wrench::default(); sections];
+        Self { begin_s: 0.0, end_s: 0.0, from: none.clone(), to: none.clone(), impulsive: none }
+    }
+
+    /// Copies without allocating.
+    pub fn copy_from(&mut self, other: &Self) {
+        (self.begin_s, self.end_s) = (other.begin_s, other.end_s);
+        self.from.copy_from_slice(&other.from);
+        self.to.copy_from_slice(&other.to);
+        self.impulsive.copy_from_slice(&other.impulsive);
+    }
+
+    /// Takes all loads away.
+    pub fn clear(&mut self) {
+        self.scale(&[], 0.0);
+    }
+
+    /// Constant loads: the circulatory ones of `target`'s end times a factor.
+    pub fn scale(&mut self, target: &[Wrench], factor: f64) {
+        (self.begin_s, self.end_s) = (0.0, 0.0);
+        self.impulsive.fill(Wrench::default());
+        for (i, load) in self.from.iter_mut().enumerate() {
+            let target = target.get(i).copied().unwrap_or_default();
+            *load = Wrench { force_n: target.force_n * factor, moment_n_m: target.moment_n_m * factor };
+        }
+        self.to.copy_from_slice(&self.from);
+    }
+
+    /// Writes the loads that act, NOTATION eq. (Q1).
+    pub fn write(&self, loads: &mut [Wrench]) {
+        let ends = self.from.iter().zip(&self.to);
+        for ((load, (from, to)), impulsive) in loads.iter_mut().zip(ends).zip(&self.impulsive) {
+            load.force_n = (from.force_n + to.force_n) * 0.5 + impulsive.force_n;
+            load.moment_n_m = (from.moment_n_m + to.moment_n_m) * 0.5 + impulsive.moment_n_m;
+        }
+    }
+}
+
+/// Motion of a section at the end of an aerodynamic step, as the air sees it: place and attitude as they are, velocities
+/// by eq. (Q4).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Sample {
+    /// Place, attitude and velocities.
+    pub motion: SectionMotion,
+    /// Mean velocity over the step in m/s.
+    mean_m_s: Vector3<f64>,
+    /// Mean angular velocity over the step in rad/s.
+    mean_rad_s: Vector3<f64>,
+}
+
+impl Sample {
+    /// Of a motion that has gone on for long.
+    pub fn steady(motion: &SectionMotion) -> Self {
+        Self { motion: *motion, mean_m_s: motion.velocity_m_s, mean_rad_s: motion.spin_rad_s }
+    }
+
+    /// The sample a step after this one, where the section has come to `motion` and the wind has gained `gain`;
+    /// NOTATION eq. (Q4).
+    pub fn next(&self, motion: &SectionMotion, step_s: f64, gain: &Gain) -> Self {
+        let mean_m_s = (motion.position_m - self.motion.position_m - gain.way_m) / step_s;
+        let mean_rad_s = rotation_vector(&(motion.rotation * self.motion.rotation.transpose())) / step_s;
+        let [own, earlier, last] = VELOCITY_WEIGHTS;
+        Self {
+            motion: SectionMotion {
+                velocity_m_s: mean_m_s * own
+                    + self.mean_m_s * earlier
+                    + self.motion.velocity_m_s * last
+                    + gain.velocity_m_s,
+                spin_rad_s: mean_rad_s * own + self.mean_rad_s * earlier + self.motion.spin_rad_s * last,
+                ..*motion
+            },
+            mean_m_s: mean_m_s + gain.velocity_m_s,
+            mean_rad_s,
+        }
+    }
+}
+
+/// What the rates of the input have added to the wind since the start of an aerodynamic step; jumps are not in it.
+/// Velocities are averaged relative to air that gains the same: a root that accelerates in air and a wing that does so
+/// are one flow.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct Gain {
+    /// Velocity in m/s.
+    velocity_m_s: Vector3<f64>,
+    /// Way that it has made in m.
+    way_m: Vector3<f64>,
+}
+
+impl Gain {
+    /// The same a time later, with a constant rate of the wind.
+    pub fn after(&self, time_s: f64, rate_m_s2: &Vector3<f64>) -> Self {
+        Self {
+            velocity_m_s: self.velocity_m_s + rate_m_s2 * time_s,
+            way_m: self.way_m + (self.velocity_m_s + rate_m_s2 * (0.5 * time_s)) * time_s,
+        }
+    }
+}
+
+/// What the plant's state remembers of the air.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct AirHistory {
+    /// Time at which the steps began, in s.
+    pub start_s: f64,
+    /// Aerodynamic steps begun since.
+    pub steps: u64,
+    /// Air at the start of the present step.
+    pub before: AirState,
+    /// Air at its end.
+    pub after: AirState,
+    /// Sections at the start of the present step, as the air saw them.
+    pub begin: Vec<Sample>,
+    /// Sections at its end.
+    pub end: Vec<Sample>,
+    /// Loads of the present step.
+    pub loads: StepLoads,
+    /// Circulatory loads at the start of the present step; `loads` may begin later.
+    pub at_begin: Vec<Wrench>,
+    /// Way of the wind from the start of the step to that of `loads`, in m.
+    pub carried_m: Vector3<f64>,
+    /// Gain of the wind in that time.
+    pub gain: Gain,
+    /// Largest force so far, in N.
+    pub scale_n: f64,
+    /// Displacement error in the kinematic norm that Newton's iteration may leave in the present aerodynamic step, so that
+    /// the loads do not notice; eq. (Q2).
+    pub motion_tolerance: f64,
+    /// Step of the structure within the present aerodynamic step in s: the smallest that the error estimate asked for in
+    /// the first trial march. With steps that changed from one trial to the next, the loads at the end would jump with
+    /// them by the error that the tolerance allows, and no iteration would end.
+    pub structure_step_s: f64,
+    /// Aerodynamic steps in a row in which the staggered coupling's prediction missed the loads by more than `scale_n`.
+    pub strayed: u32,
+}
+
+impl AirHistory {
+    /// Moves everything in time by the round-off of the caller's clock.
+    pub fn shift(&mut self, shift_s: f64) {
+        self.start_s += shift_s;
+        self.loads.begin_s += shift_s;
+        self.loads.end_s += shift_s;
+    }
+
+    /// Copies a history of the same sizes without allocating.
+    pub fn copy_from(&mut self, other: &Self) {
+        (self.start_s, self.steps) = (other.start_s, other.steps);
+        self.before.copy_from(&other.before);
+        self.after.copy_from(&other.after);
+        self.begin.copy_from_slice(&other.begin);
+        self.end.copy_from_slice(&other.end);
+        self.loads.copy_from(&other.loads);
+        self.at_begin.copy_from_slice(&other.at_begin);
+        (self.carried_m, self.gain, self.scale_n) = (other.carried_m, other.gain, other.scale_n);
+        (self.structure_step_s, self.strayed) = (other.structure_step_s, other.strayed);
+        self.motion_tolerance = other.motion_tolerance;
+    }
+
+    /// Whether a history has the sizes of this one.
+    pub fn fits(&self, other: &Self) -> bool {
+        let sections = self.at_begin.len();
+        self.before.fits(&other.before)
+            && self.before.fits(&other.after)
+            && [other.begin.len(), other.end.len()] == [sections; 2]
+            && [&other.at_begin, &other.loads.from, &other.loads.to, &other.loads.impulsive]
+                .iter()
+                .all(|loads| loads.len() == sections)
+    }
+}
+
+/// The model of the air with what couples it to the structure; scratch, but for the model's settings.
+pub(crate) struct AirCoupling {
+    pub model: AirModel,
+    pub settings: machine::Air,
+    pub motions: Vec<SectionMotion>,
+    pub loads: AirLoads,
+    pub guess: Vec<f64>,
+    pub residual: Vec<f64>,
+    pub acceleration: Anderson,
+    /// Longest chord in m.
+    pub length_m: f64,
+    /// Widest strip in m.
+    pub strip_m: f64,
+    /// Load station, section and share: how the sections' loads are reported at the load stations.
+    pub shares: Vec<(usize, usize, f64)>,
+    /// A history of the right sizes.
+    pub blank: AirHistory,
+}
+
+impl AirCoupling {
+    /// Air of a machine, if it has any.
+    pub fn new(machine: &machine::Machine) -> Option<Self> {
+        let settings = machine.air.clone()?;
+        let mut sections = 0;
+        let surfaces: Vec<Surface> = settings
+            .surfaces
+            .iter()
+            .map(|surface| {
+                let first = sections;
+                sections += surface.positions_m.len();
+                Surface {
+                    sections: first..sections,
+                    chords: surface.chords.clone(),
+                    chord_panels: surface.chord_panels,
+                    profile: surface.profile.clone(),
+                }
+            })
+            .collect();
+        let chords = surfaces.iter().flat_map(|surface| &surface.chords);
+        let length_m = chords.map(|chord| chord.length_m()).fold(0.0, f64::max);
+        let strips = settings.surfaces.iter().flat_map(|surface| surface.positions_m.windows(2));
+        let strip_m = strips.map(|edges| edges[1] - edges[0]).fold(0.0, f64::max);
+        let still = SectionMotion {
+            rotation: nalgebra::Matrix3::identity(),
+            position_m: Vector3::zeros(),
+            velocity_m_s: Vector3::zeros(),
+            spin_rad_s: Vector3::zeros(),
+        };
+        let unknowns = 2 * ENTRIES * sections;
+        let mut model = AirModel::new(surfaces, &settings.options);
+        joined_edges(machine, &settings.surfaces).into_iter().for_each(|edges| model.join(edges));
+        let none = vec![Wrench::default(); sections];
+        let blank = AirHistory {
+            start_s: 0.0,
+            steps: 0,
+            before: model.blank_state(),
+            after: model.blank_state(),
+            begin: vec![Sample::steady(&still); sections],
+            end: vec![Sample::steady(&still); sections],
+            loads: StepLoads::none(sections),
+            at_begin: none,
+            carried_m: Vector3::zeros(),
+            gain: Gain::default(),
+            scale_n: 0.0,
+            motion_tolerance: f64::INFINITY,
+            structure_step_s: 0.0,
+            strayed: 0,
+        };
+        Some(Self {
+            model,
+            shares: shares(machine, &settings.surfaces),
+            blank,
+            settings,
+            motions: vec![still; sections],
+            loads: AirLoads::still(sections),
+            guess: vec![0.0; unknowns],
+            residual: vec![0.0; unknowns],
+            acceleration: Anderson::new(unknowns),
+            length_m,
+            strip_m,
+        })
+    }
+
+    /// Fills the outputs; the nodes of the equations and the poses of the load stations in `outputs` must be current.
+    pub fn report(&mut self, equations: &Equations, history: &AirHistory, now: &Point, outputs: &mut Outputs) {
+        self.observe(equations, now);
+        let total = outputs.air_total_mut();
+        *total = Wrench::default();
+        let loads = &equations.stations[equations.load_stations..];
+        for (motion, load) in self.motions.iter().zip(loads) {
+            total.add_force_at(&motion.position_m, &(motion.rotation * load.force_n));
+            total.moment_n_m += motion.rotation * load.moment_n_m;
+        }
+        outputs.air_stations_mut().fill(Wrench::default());
+        for &(station, section, share) in &self.shares {
+            let (motion, load) = (&self.motions[section], &loads[section]);
+            let arm_m = motion.position_m - outputs.stations()[station].position_m;
+            let sum = &mut outputs.air_stations_mut()[station];
+            sum.add_force_at(&arm_m, &(motion.rotation * load.force_n * share));
+            sum.moment_n_m += motion.rotation * load.moment_n_m * share;
+        }
+        let step_s = self.settings.step_s;
+        let share = match history.steps {
+            0 => 1.0,
+            _ => 1.0 - (history.loads.end_s - now.time_s) / step_s,
+        };
+        let strips = self.settings.surfaces.iter().enumerate();
+        let strips =
+            strips.flat_map(|(index, surface)| (0..surface.positions_m.len() - 1).map(move |strip| (index, strip)));
+        for (circulation, (surface, strip)) in outputs.circulation_m2_s_mut().iter_mut().zip(strips) {
+            let [before, after] =
+                [&history.before, &history.after].map(|air| self.model.strip_circulation_m2_s(air, surface, strip));
+            *circulation = before + (after - before) * share;
+        }
+    }
+
+    /// Adds the sections of the surfaces behind the load stations of a model.
+    pub fn add_sections(machine: &machine::Machine, model: &mut Model) {
+        for surface in machine.air.iter().flat_map(|air| &air.surfaces) {
+            model.add_stations(surface.body, &surface.positions_m, LoadFrame::Section);
+        }
+    }
+
+    /// Takes the motion of the sections from the equations, whose nodes must be current.
+    pub fn observe(&mut self, equations: &Equations, point: &Point) {
+        let motion = Motion { q: &point.q, v: &point.v, a: &point.a };
+        let places = &equations.model.stations[equations.load_stations..];
+        for (observed, place) in self.motions.iter_mut().zip(places) {
+            *observed = station::motion(&equations.model, &equations.work, motion, place);
+        }
+    }
+
+    /// Puts the loads just computed into the residual of the guess: `new − guess`, in section frames.
+    ///
+    /// Returns the size of the change and of the loads in N; moments count by the longest chord.
+    pub fn compare(&mut self) -> (f64, f64) {
+        let (mut change_n, mut size_n) = (0.0_f64, 0.0_f64);
+        let sections = self.motions.len();
+        for (section, motion) in self.motions.iter().enumerate() {
+            let turned = motion.rotation.transpose();
+            for (part, loads) in [&self.loads.circulatory, &self.loads.impulsive].into_iter().enumerate() {
+                let (force_n, moment_n_m) = (turned * loads[section].force_n, turned * loads[section].moment_n_m);
+                let first = ENTRIES * (part * sections + section);
+                for i in 0..3 {
+                    self.residual[first + i] = force_n[i] - self.guess[first + i];
+                    self.residual[first + 3 + i] = moment_n_m[i] - self.guess[first + 3 + i];
+                    size_n = size_n.max(force_n[i].abs()).max(moment_n_m[i].abs() / self.length_m);
+                    change_n = change_n
+                        .max(self.residual[first + i].abs())
+                        .max(self.residual[first + 3 + i].abs() / self.length_m);
+                }
+            }
+        }
+        // `max` drops NaN: return it explicitly
+        let sound = self.residual.iter().all(|entry| entry.is_finite());
+        (if sound { change_n } else { f64::NAN }, size_n)
+    }
+
+    /// Loads in N that are nothing but round-off: those of motions by [`ROUND_OFF`] of a chord within a step. A wing that
+    /// the wind does not bend has no others, and no share of them to agree on.
+    pub fn round_off_n(&self, density_kg_m3: f64) -> f64 {
+        let velocity_m_s = self.length_m / self.settings.step_s;
+        ROUND_OFF * density_kg_m3 * (velocity_m_s * self.length_m).powi(2)
+    }
+
+    /// Way in m of a section within an aerodynamic step that changes its load by `change_n`: the air of a strip, as thick as
+    /// its chord, gains within the step the velocity of that way over the step.
+    pub fn unnoticed_m(&self, change_n: f64, density_kg_m3: f64) -> f64 {
+        change_n * self.settings.step_s.powi(2) / (density_kg_m3 * self.length_m.powi(2) * self.strip_m)
+    }
+
+    /// Adds the residual to the guess.
+    pub fn accept(&mut self) {
+        self.guess.iter_mut().zip(&self.residual).for_each(|(guess, residual)| *guess += residual);
+    }
+
+    /// Reads the guess from the loads of a step.
+    pub fn read(&mut self, loads: &StepLoads) {
+        let entries =
+            loads.to.iter().chain(&loads.impulsive).flat_map(|load| load.force_n.iter().chain(load.moment_n_m.iter()));
+        self.guess.iter_mut().zip(entries).for_each(|(guess, entry)| *guess = *entry);
+    }
+
+    /// Writes the guess to the loads of a step.
+    pub fn write(&self, loads: &mut StepLoads) {
+        let loads = loads.to.iter_mut().chain(&mut loads.impulsive);
+        for (load, entries) in loads.zip(self.guess.chunks_exact(ENTRIES)) {
+            load.force_n.copy_from_slice(&entries[..3]);
+            load.moment_n_m.copy_from_slice(&entries[3..]);
+        }
+    }
+}
+
+/// Edges of surfaces that their bodies share: the outer edge of one and the inner edge of a body on its end, or the inner
+/// edges of two halves.
+fn joined_edges(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> Vec<[Edge; 2]> {
+    let mut pairs = Vec::new();
+    for (inner, parent) in surfaces.iter().enumerate() {
+        let length_m = machine.bodies[parent.body].length_m;
+        let follows = |child: &machine::LiftingSurface| match machine.bodies[child.body].joint.parent {
+            Parent::Body { index, position_m } => index == parent.body && position_m >= length_m * (1.0 - NEAR),
+            Parent::Root { .. } => false,
+        };
+        // with several bodies on one end the first goes on with its edge
+        if let Some(outer) = surfaces.iter().position(follows) {
+            pairs.push([Edge { surface: inner, outer: true }, Edge { surface: outer, outer: false }]);
+        }
+        let half = |other: &machine::LiftingSurface| Some(other.body) == parent.other_half;
+        if let Some(other) = surfaces.iter().position(half).filter(|&other| other > inner) {
+            pairs.push([inner, other].map(|surface| Edge { surface, outer: false }));
+        }
+    }
+    pairs
+}
+
+/// Which load station reports how much of each section's load: strips go to the station nearest to their middle.
+fn shares(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> Vec<(usize, usize, f64)> {
+    let mut shares = Vec::new();
+    let mut first_section = 0;
+    for surface in surfaces {
+        let bodies = &machine.bodies[..surface.body];
+        let first_station: usize = bodies.iter().map(|body| body.station_positions_m.len()).sum();
+        let stations = &machine.bodies[surface.body].station_positions_m;
+        let edges = &surface.positions_m;
+        for strip in 0..edges.len() - 1 {
+            let middle_m = 0.5 * (edges[strip] + edges[strip + 1]);
+            let distance_m = |station: &f64| (station - middle_m).abs();
+            let Some(nearest_m) = stations.iter().map(distance_m).min_by(f64::total_cmp) else { break };
+            // a strip half way between two stations belongs to both
+            let near = NEAR * edges[edges.len() - 1];
+            let takers: Vec<usize> =
+                (0..stations.len()).filter(|&i| distance_m(&stations[i]) <= nearest_m + near).collect();
+            for section in [strip, strip + 1] {
+                let neighbours = if section == 0 || section == edges.len() - 1 { 1.0 } else { 2.0 };
+                for &station in &takers {
+                    let share = 1.0 / (neighbours * takers.len() as f64);
+                    shares.push((first_station + station, first_section + section, share));
+                }
+            }
+        }
+        first_section += edges.len();
+    }
+    shares
+}

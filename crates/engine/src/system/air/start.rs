@@ -1,0 +1,78 @@
+//! Air at the start of a run and at a cut of its step.
+
+use crate::aero::flow::Flow;
+use crate::machine;
+use crate::solve::EquationsOfMotion;
+use crate::system::air::{AirCoupling, AirHistory, Sample, gaps};
+use crate::system::state::State;
+use crate::system::{PlantError, System};
+
+/// The flow at a time, with the wind and the turning of the root frame at that time.
+pub(crate) fn flow<'a>(settings: &'a machine::Air, state: &State, time_s: f64) -> Flow<'a> {
+    Flow {
+        time_s,
+        density_kg_m3: state.applied_parameters.air_density_kg_m3(),
+        wind_m_s: state.wind_at_m_s(time_s),
+        spin_rad_s: state.spin_at_rad_s(time_s),
+        gusts: &settings.gusts,
+    }
+}
+
+/// The air has no solution.
+pub(crate) fn refusal(time_s: f64, cause: impl std::fmt::Display) -> PlantError {
+    PlantError::Air { time_s, cause: cause.to_string() }
+}
+
+impl System {
+    /// Air at the start of the run, with its loads on the present motion.
+    pub(crate) fn start_air(&mut self, time_s: f64) -> Result<(), PlantError> {
+        let Some(air) = &mut self.air else { return Ok(()) };
+        let now = &self.state.now;
+        self.equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
+        air.observe(&self.equations, now);
+        let mut history = air.blank.clone();
+        let AirCoupling { model, settings, motions, loads, .. } = &mut **air;
+        let flow = flow(settings, &self.state, time_s);
+        model
+            .start(motions, &flow, settings.established, &mut history.after, loads)
+            .map_err(|error| gaps::failure(&self.machine, settings, time_s, error))?;
+        if let Some(error) = gaps::crossing(&self.machine, settings, model, time_s) {
+            return Err(error);
+        }
+        air.read(&history.loads);
+        let (change_n, size_n) = air.compare();
+        if !change_n.is_finite() {
+            return Err(refusal(time_s, "its loads are not finite"));
+        }
+        air.accept();
+        history.start_s = time_s;
+        history.scale_n = size_n;
+        (history.loads.begin_s, history.loads.end_s) = (time_s, time_s);
+        air.write(&mut history.loads);
+        history.loads.from.clone_from(&history.loads.to);
+        history.at_begin.clone_from(&history.loads.to);
+        history.before.copy_from(&history.after);
+        for (end, motion) in history.end.iter_mut().zip(&air.motions) {
+            *end = Sample::steady(motion);
+        }
+        history.begin.copy_from_slice(&history.end);
+        self.state.air = Some(history);
+        self.configure();
+        Ok(())
+    }
+
+    /// Ends at the present time what the inputs so far have to say in the present step: they change now.
+    pub(crate) fn cut_step(&mut self) {
+        let time_s = self.state.now.time_s;
+        let Some(begin_s) = self.state.air.as_ref().map(|history| history.loads.begin_s) else { return };
+        // exact for a wind that runs linearly
+        let wind_m_s = self.state.wind_at_m_s(0.5 * (begin_s + time_s));
+        let rate_m_s2 = self.state.applied_rates.wind_m_s();
+        let Some(AirHistory { loads, carried_m, gain, .. }) = &mut self.state.air else { return };
+        if time_s > loads.begin_s && time_s < loads.end_s {
+            *carried_m += wind_m_s * (time_s - loads.begin_s);
+            *gain = gain.after(time_s - loads.begin_s, rate_m_s2);
+            loads.begin_s = time_s;
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Lattice and wake as they stand: for reports, not for the step.
+
+use crate::aero::{AirModel, AirState};
+use crate::system::System;
+use nalgebra::Vector3;
+
+/// Lattice and wake of one surface, root frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceLattice {
+    /// Index into the machine's bodies.
+    pub body: usize,
+    /// Corners of the bound rings in m: rows from the leading edge, columns from the inner section.
+    pub corner_m: Vec<Vec<Vector3<f64>>>,
+    /// Circulation of the strips at the trailing edge in m²/s, about the span from the inner to the outer end.
+    pub circulation_m2_s: Vec<f64>,
+    /// Nodes of the wake in m: rows from the trailing edge, columns from the inner section; one row where nothing was
+    /// shed yet.
+    pub wake_node_m: Vec<Vec<Vector3<f64>>>,
+    /// Circulation of the wake's rings in m²/s: rows from the trailing edge.
+    pub wake_circulation_m2_s: Vec<Vec<f64>>,
+}
+
+impl System {
+    /// End of the aerodynamic step in which the present time lies, in s, with the vortex lattice there, surface by surface;
+    /// `None` without a lattice or before initialisation.
+    pub fn lattice(&self) -> Option<(f64, Vec<SurfaceLattice>)> {
+        let (air, history) = (self.air.as_ref()?, self.state.air.as_ref()?);
+        let (AirModel::Lattice(lattice), AirState::Lattice(state)) = (&air.model, &history.after) else { return None };
+        let view = |(index, surface): (usize, &crate::machine::LiftingSurface)| {
+            let columns = surface.positions_m.len();
+            SurfaceLattice {
+                body: surface.body,
+                corner_m: (0..=surface.chord_panels)
+                    .map(|row| (0..columns).map(|column| lattice.corner_m(state, index, row, column)).collect())
+                    .collect(),
+                circulation_m2_s: (0..columns - 1)
+                    .map(|strip| lattice.strip_circulation(state, index, strip))
+                    .collect(),
+                wake_node_m: (0..=state.wake_rows)
+                    .map(|row| (0..columns).map(|column| lattice.wake_node_m(state, index, row, column)).collect())
+                    .collect(),
+                wake_circulation_m2_s: (0..state.wake_rows)
+                    .map(|row| {
+                        let ring = |strip| lattice.wake_circulation_m2_s(state, index, row, strip);
+                        (0..columns - 1).map(ring).collect()
+                    })
+                    .collect(),
+            }
+        };
+        let surfaces = air.settings.surfaces.iter().enumerate().map(view).collect();
+        Some((history.loads.end_s, surfaces))
+    }
+}

@@ -1,0 +1,303 @@
+//! The equations of motion of the whole machine: the tree, its drives and latches, its loads.
+
+use crate::beam::element::rigid_body_mass;
+use crate::force::Stored;
+use crate::force::set::Forces;
+use crate::load::{RootMotion, Wrench};
+use crate::machine::Machine;
+use crate::machine::{Parent, SectionLoad, SectionSide};
+use crate::multibody::closure::{ClosureDescription, Penalty};
+use crate::multibody::dynamics::{self, Damping, Environment};
+use crate::multibody::factor::{self, FreedomTangent, Weights};
+use crate::multibody::gauge::Side;
+use crate::multibody::kinematics::Motion;
+use crate::multibody::model::{Attachment, BodyDescription};
+use crate::multibody::section_load::SectionPlace;
+use crate::multibody::{Model, Workspace, energy, norm, station};
+use crate::signal::{Inputs, Parameters};
+use crate::solve::{EquationsOfMotion, Powers, Singular};
+use crate::system::air::{AirCoupling, StepLoads};
+use crate::system::course::Course;
+use crate::system::joint_forces;
+use crate::system::spatial::SpatialJoint;
+
+/// Equations of motion with their scratch.
+pub(crate) struct Equations {
+    pub model: Model,
+    pub work: Workspace,
+    /// Inputs of the communication step; where they run in time, the residual brings `root`, `stations` and the external
+    /// torques to its own.
+    pub course: Course,
+    pub root: RootMotion,
+    pub damping: Vec<Damping>,
+    /// Loads at the stations of the model: the caller's first, then those of the air on its sections.
+    pub stations: Vec<Wrench>,
+    /// Number of stations whose loads are the caller's.
+    pub load_stations: usize,
+    /// Loads of the air, of machines that have any.
+    pub air: Option<StepLoads>,
+    /// Some station carries a load.
+    pub loaded: bool,
+    /// Forces on the joints.
+    pub forces: Forces,
+    /// Joints with several freedoms.
+    pub spatial: Vec<SpatialJoint>,
+    /// Time whose branch of slews and prescribed motions holds, in s: the middle of a step, or the present.
+    pub branch_s: f64,
+    /// Energies are booked; trial marches are undone, and their accounts with them.
+    pub booked: bool,
+    pub tangents: Vec<FreedomTangent>,
+    /// Places whose section loads are outputs.
+    pub sections: Vec<SectionPlace>,
+    scratch: Vec<f64>,
+}
+
+impl Equations {
+    /// Equations of a machine with the fixed factors of `parameters`; inputs and tunable parameters come later.
+    pub fn new(machine: &Machine, parameters: &Parameters) -> Self {
+        let descriptions: Vec<BodyDescription> = machine
+            .bodies
+            .iter()
+            .zip(parameters.bodies())
+            .map(|(body, factors)| BodyDescription {
+                length_m: body.length_m,
+                section: body.section.scaled(factors.mass_factor, factors.stiffness_factor),
+                kind: body.element,
+                elements: body.elements,
+                natural_strain: body.natural_strain.clone(),
+                parent: match body.joint.parent {
+                    Parent::Root { position_m } => Attachment::Root(position_m),
+                    Parent::Body { index, position_m } => Attachment::Body { index, position_m },
+                },
+                offset_m: body.joint.offset_m,
+                mount: body.joint.mount,
+                joint: body.joint.kind.in_tree(),
+                masses: body
+                    .masses
+                    .iter()
+                    .map(|mass| (mass.position_m, rigid_body_mass(mass.mass_kg, &mass.offset_m, &mass.inertia_kg_m2)))
+                    .collect(),
+                stations_m: body.station_positions_m.clone(),
+                load_frame: body.load_frame,
+            })
+            .collect();
+        let closures: Vec<ClosureDescription> = machine
+            .closures
+            .iter()
+            .map(|closure| ClosureDescription {
+                places: closure.places,
+                offsets_m: closure.offsets_m,
+                penalty: Penalty {
+                    inertia_kg: closure.inertia_kg,
+                    damping_n_s_m: closure.damping_n_s_m,
+                    stiffness_n_m: closure.stiffness_n_m,
+                },
+            })
+            .collect();
+        let mut model = Model::with_closures(&descriptions, &closures);
+        for (index, body) in machine.bodies.iter().enumerate() {
+            model.bodies[index].damps_attached = body.damp_attached_masses;
+        }
+        for (index, revolute) in machine.one_freedoms() {
+            model.bodies[index].joint.drive_inertia = revolute.drive.inertia_kg_m2;
+        }
+        let load_stations = model.stations.len();
+        AirCoupling::add_sections(machine, &mut model);
+        let mut tangents = vec![FreedomTangent::HELD; model.bodies.len()];
+        for (body, _) in machine.spatials() {
+            tangents[body].free = true;
+        }
+        let section = |place: &SectionLoad| {
+            let side = match place.side {
+                SectionSide::Inboard => Side::Inboard,
+                SectionSide::Outboard => Side::Outboard,
+            };
+            SectionPlace::new(&model, &descriptions[place.body].section, place.body, place.position_m, side)
+        };
+        Self {
+            sections: machine.section_loads.iter().map(section).collect(),
+            work: Workspace::new(&model),
+            course: Course::held(&Inputs::of(machine)),
+            root: RootMotion::default(),
+            damping: vec![Damping::default(); model.bodies.len()],
+            stations: vec![Wrench::default(); model.stations.len()],
+            load_stations,
+            air: machine.air.as_ref().map(|_| StepLoads::none(model.stations.len() - load_stations)),
+            loaded: false,
+            forces: joint_forces::of_machine(machine, &model),
+            spatial: SpatialJoint::of_machine(machine, &model),
+            tangents,
+            branch_s: 0.0,
+            booked: true,
+            scratch: vec![0.0; model.coordinates],
+            model,
+        }
+    }
+
+    /// Loads of the air, and inputs that run, at a time.
+    fn bring_loads_to(&mut self, time_s: f64) {
+        if let Some(air) = &self.air {
+            air.write(&mut self.stations[self.load_stations..]);
+        }
+        if self.course.moves {
+            self.root = self.course.root(time_s);
+            self.course.write_stations(time_s, &mut self.stations[..self.load_stations]);
+            for (i, joint) in self.forces.joints_mut().iter_mut().enumerate() {
+                if let Some(external) = joint.external_mut() {
+                    external.torque_n_m = self.course.torque_n_m(i, time_s);
+                }
+            }
+        }
+    }
+
+    /// Motion and wrenches of all nodes, as a residual leaves them.
+    pub fn wrenches(&mut self, time_s: f64, motion: Motion, scratch: &mut [f64]) {
+        self.bring_loads_to(time_s);
+        let environment = Environment {
+            root: &self.root,
+            damping: &self.damping,
+            stations: if self.loaded { &self.stations } else { &[] },
+        };
+        dynamics::wrenches(&self.model, &mut self.work, motion, environment, scratch);
+    }
+
+    /// Gravity, drive and elastic potentials in J at the configuration of the last residual.
+    pub fn potentials(&self, time_s: f64, q: &[f64]) -> Potentials {
+        let mut stored = Stored { elastic: energy::elastic(&self.model, q), drive: 0.0 };
+        self.forces.add_stored(time_s, q, &self.work, &mut stored);
+        for closure in &self.model.closures {
+            stored.elastic += closure.energy_j(&self.work).1;
+        }
+        let gravity = -self.root.apparent_gravity_m_s2().dot(&energy::first_moment_kg_m(&self.model, &self.work));
+        Potentials { elastic: stored.elastic, gravity, drive: stored.drive }
+    }
+
+    /// Whether a known kink lies exactly at `time_s`: rates or accelerations that are given may jump.
+    pub fn kink_at(&self, time_s: f64) -> bool {
+        self.forces.kink_at(time_s)
+    }
+
+    /// Next time after `time_s` at which a known kink lies: end of a slew, knot of a prescribed motion, end of an
+    /// aerodynamic step.
+    pub fn next_kink_s(&self, time_s: f64) -> f64 {
+        let mut next = self.forces.next_kink_s(time_s);
+        if let Some(air) = self.air.as_ref().filter(|air| air.end_s > time_s) {
+            next = next.min(air.end_s);
+        }
+        next
+    }
+}
+
+/// Potential energies in J.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Potentials {
+    /// Beams, springs of fold joints, closed latches and closed loops.
+    pub elastic: f64,
+    /// Apparent gravity, zero at the origin.
+    pub gravity: f64,
+    /// Springs and constant torques of the drives.
+    pub drive: f64,
+}
+
+impl Potentials {
+    /// Sum in J.
+    pub fn total(&self) -> f64 {
+        self.elastic + self.gravity + self.drive
+    }
+}
+
+impl EquationsOfMotion for Equations {
+    fn coordinates(&self) -> usize {
+        self.model.coordinates
+    }
+
+    fn prescribe(&self, time_s: f64, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
+        self.forces.prescribe([time_s, self.branch_s], q, v, a);
+    }
+
+    fn project(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
+        for joint in &self.spatial {
+            joint.project(q, v, a);
+        }
+    }
+
+    fn residual(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]) {
+        self.bring_loads_to(time_s);
+        let environment = Environment {
+            root: &self.root,
+            damping: &self.damping,
+            stations: if self.loaded { &self.stations } else { &[] },
+        };
+        dynamics::residual(&self.model, &mut self.work, Motion { q, v, a }, environment, residual);
+        self.forces.apply(time_s, [q, v], &self.work, residual, &mut self.tangents);
+    }
+
+    fn take_pieces(&mut self, time_s: f64, q: &[f64], v: &[f64]) {
+        self.drop_pieces();
+        self.forces.move_pieces(time_s, q, v, false);
+    }
+
+    fn move_pieces(&mut self, time_s: f64, q: &[f64], v: &[f64], only_first: bool) -> bool {
+        self.forces.move_pieces(time_s, q, v, only_first)
+    }
+
+    fn drop_pieces(&mut self) {
+        self.forces.drop_pieces();
+    }
+
+    fn factorize(&mut self, mass: f64, damping: f64, stiffness: f64) -> Result<(), Singular> {
+        let weights = Weights { mass, damping, stiffness };
+        factor::factorize(&self.model, &mut self.work, weights, &self.damping, &self.tangents)
+            .map_err(|pivot| Singular { coordinate: pivot.coordinate })
+    }
+
+    fn solve(&mut self, x: &mut [f64]) -> f64 {
+        factor::solve(&self.model, &mut self.work, x)
+    }
+
+    fn norm(&mut self, change: &[f64]) -> f64 {
+        norm::kinematic_norm(&self.model, &mut self.work, change)
+    }
+
+    fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64]) -> Powers {
+        if self.forces.joints().iter().any(|joint| joint.law().is_some()) {
+            // the torque that holds a prescribed joint belongs to these accelerations, not to the last iterate's
+            let mut residual = std::mem::take(&mut self.scratch);
+            self.residual(time_s, q, v, a, &mut residual);
+            self.scratch = residual;
+        }
+        let mut powers = Powers::default();
+        if !self.booked {
+            return powers;
+        }
+        let damping = &self.damping;
+        if damping.iter().any(|damping| damping.stiffness_s != 0.0) {
+            powers.dissipated += energy::stiffness_damping_power(&self.model, v, damping);
+        }
+        if damping.iter().any(|damping| damping.mass_1_s != 0.0) {
+            energy::mass_damping_power(&self.model, &self.work, damping, |beam| powers.dissipated += beam);
+        }
+        self.forces.add_powers([time_s, self.branch_s], [q, v], &self.work, &mut powers);
+        for closure in &self.model.closures {
+            powers.dissipated += closure.dissipation_w(&self.work);
+        }
+        if self.course.moves {
+            // a field that changes in time does work on the potential, eq. (A4)
+            let field = self.course.rates.root().apparent_gravity_m_s2();
+            powers.work -= field.dot(&energy::first_moment_kg_m(&self.model, &self.work));
+        }
+        if self.root.rotates() {
+            powers.work += energy::frame_power(&self.model, &self.work, &self.root);
+        }
+        if self.loaded {
+            let motion = Motion { q, v, a: &[] };
+            for (place, load) in self.model.stations.iter().zip(&self.stations) {
+                if !load.is_zero() {
+                    let point = station::motion(&self.model, &self.work, motion, place);
+                    powers.work += station::power_w(&point, load, place.frame);
+                }
+            }
+        }
+        powers
+    }
+}

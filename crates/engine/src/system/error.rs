@@ -1,0 +1,148 @@
+//! Why a machine cannot go on.
+
+/// Why a plant cannot go on.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PlantError {
+    /// The time integration gave up.
+    #[error(
+        "no convergence at t = {time_s} s with internal steps down to {step_s:.1e} s, worst at {place}: {cause}; {advice}"
+    )]
+    NoConvergence {
+        /// Last good time in s.
+        time_s: f64,
+        /// Internal step given up, below the smallest allowed, in s.
+        step_s: f64,
+        /// Element or joint that moves most in what is left.
+        place: String,
+        /// What failed.
+        cause: String,
+        /// What to try.
+        advice: &'static str,
+    },
+    /// Numbers that grew too large.
+    #[error("outputs at t = {time_s} s are not finite; {cause}; look at the inputs and parameters that act until then")]
+    NotFinite {
+        /// End of the step in s.
+        time_s: f64,
+        /// The largest input.
+        cause: String,
+    },
+    /// More work than one communication step may cost.
+    #[error(
+        "reached only t = {time_s} s after {most} iterations, with a last internal step of {step_s:.1e} s; {cause}; take shorter communication steps, or allow a larger solver.tolerance"
+    )]
+    TooMuchWork {
+        /// Last good time in s.
+        time_s: f64,
+        /// Newton iterations of one communication step at most, trial marches with the air included.
+        most: u64,
+        /// Next internal step in s.
+        step_s: f64,
+        /// The largest input.
+        cause: String,
+    },
+    /// Accelerations that no aerodynamic step can follow.
+    #[error(
+        "the accelerations at t = {time_s} s carry the wing by {lengths:.1e} times its length within an aerodynamic step of {step_s} s; {cause}; reduce it, or take a smaller aerodynamics.step_s"
+    )]
+    Leap {
+        /// Time in s.
+        time_s: f64,
+        /// Way in an aerodynamic step over the machine's length.
+        lengths: f64,
+        /// Aerodynamic step in s.
+        step_s: f64,
+        /// The largest input.
+        cause: String,
+    },
+    /// The time is so large that a step is lost in its round-off.
+    #[error("a step of {step_s:.1e} s does not advance the time t = {time_s} s; start nearer to 0 s")]
+    Clock {
+        /// Last good time in s.
+        time_s: f64,
+        /// Internal step in s.
+        step_s: f64,
+    },
+    /// Parameters that contradict each other.
+    #[error("solver.min_step, {min_step_s:e} s, is longer than solver.max_step, {max_step_s:e} s; set one of them")]
+    Steps {
+        /// Smallest internal step in s.
+        min_step_s: f64,
+        /// Largest internal step in s.
+        max_step_s: f64,
+    },
+    /// The initial accelerations could not be found.
+    #[error("no accelerations at t = {time_s} s: {cause}; look at the inputs and parameters that act from then on")]
+    Initialization {
+        /// Start time in s.
+        time_s: f64,
+        /// What failed.
+        cause: String,
+    },
+    /// The air has no loads that agree with the motion.
+    #[error(
+        "no loads of the air at t = {time_s} s: {cause}; look at wind and density, or try another aerodynamics.step_s"
+    )]
+    Air {
+        /// Time in s.
+        time_s: f64,
+        /// What failed.
+        cause: String,
+    },
+    /// Two lattices lie on each other.
+    #[error(
+        "no loads of the air at t = {time_s} s: the lattices of {} and {} lie on each other, {gap_m:.1e} m or {gap_panels:.2} \
+         panels apart at the widest place; at least {} panels are needed: open their joint farther, use more strips, or strip \
+         theory",
+        .bodies[0], .bodies[1], crate::aero::near_sheets::CLOSED_PANELS
+    )]
+    ClosedSheets {
+        /// Time in s.
+        time_s: f64,
+        /// Bodies that carry them.
+        bodies: [String; 2],
+        /// Distance at the widest place in m.
+        gap_m: f64,
+        /// The same over the size of a panel.
+        gap_panels: f64,
+    },
+    /// One lattice passes through another.
+    #[error(
+        "no loads of the air at t = {time_s} s: the lattices of {} and {} pass through each other by {depth_m:.1e} m, and nothing \
+         holds them apart: more chord_panels resolve a narrower gap; else open their joint farther",
+        .bodies[0], .bodies[1]
+    )]
+    CrossedSheets {
+        /// Time in s.
+        time_s: f64,
+        /// Bodies that carry them.
+        bodies: [String; 2],
+        /// How far in m.
+        depth_m: f64,
+    },
+    /// No state of rest was found.
+    #[error(
+        "no equilibrium at t = {time_s} s beyond {reached:.4} of the load, last tried {tried:.4}: {cause}; reduce the load, or let the experiment start unstrained"
+    )]
+    Equilibrium {
+        /// Time in s.
+        time_s: f64,
+        /// Largest load factor with an equilibrium.
+        reached: f64,
+        /// Load factor that failed.
+        tried: f64,
+        /// Why.
+        cause: String,
+    },
+    /// No linear model of the present state.
+    #[error("no linearisation at t = {time_s} s: {cause}")]
+    Linearization {
+        /// Time in s.
+        time_s: f64,
+        /// Why.
+        cause: String,
+    },
+    /// A snapshot of another model.
+    #[error("the state does not fit this model: {0}; save one with this instance")]
+    Snapshot(String),
+}

@@ -1,0 +1,220 @@
+//! Discontinuities: initialisation, changed inputs, transitions of forces.
+
+use crate::force::Outcome;
+use crate::force::memory::Told;
+use crate::multibody::dynamics::Damping;
+use crate::solve::point::Point;
+use crate::solve::{EquationsOfMotion, Singular, control};
+use crate::system::PlantError;
+use crate::system::System;
+use crate::system::equations::Equations;
+use crate::system::joint_forces;
+use crate::system::state::State;
+
+/// Share of the step before a crossing that the first step after it may have.
+const STEP_SHARE_AFTER_CROSSING: f64 = 0.1;
+/// Way over the machine's length, or turn of a section in rad, that a jump of the accelerations may make within an
+/// aerodynamic step: light wings in a wind that is suddenly there make 1, by the twist of their sections.
+const MOST_LENGTHS: f64 = 100.0;
+
+impl System {
+    /// Undoes what a step has begun, but for the inputs and parameters as the caller has set them.
+    pub(crate) fn go_back_to_begin(&mut self) {
+        self.begin.inputs.clone_from(&self.state.inputs);
+        self.begin.parameters.clone_from(&self.state.parameters);
+        self.state.copy_from(&self.begin);
+        self.configure();
+    }
+
+    /// Brings the equations in line with the applied inputs and parameters and the joints' states.
+    pub(crate) fn configure(&mut self) {
+        let State { applied_inputs: inputs, applied_parameters: parameters, joints, air, .. } = &self.state;
+        let equations = &mut self.equations;
+        equations.course.follow(&self.state);
+        equations.root = *inputs.root();
+        equations.stations[..equations.load_stations].copy_from_slice(inputs.stations());
+        if let Some(loads) = &mut equations.air {
+            match air {
+                Some(history) => loads.copy_from(&history.loads),
+                None => loads.clear(),
+            }
+        }
+        let loads = inputs.stations().iter().chain(self.state.applied_rates.stations());
+        equations.loaded = equations.air.is_some() || loads.into_iter().any(|load| !load.is_zero());
+        for (damping, body) in equations.damping.iter_mut().zip(parameters.bodies()) {
+            *damping = Damping { mass_1_s: body.mass_damping_1_s, stiffness_s: body.stiffness_damping_s };
+        }
+        joint_forces::set(&mut equations.forces, inputs, parameters);
+        for (joint, memory) in equations.forces.joints_mut().iter_mut().zip(joints) {
+            joint.recall(memory);
+        }
+    }
+
+    /// Whether inputs or parameters differ from those that the present step runs with. Inputs that run in time always
+    /// do: their step ends at the communication point.
+    pub(crate) fn inputs_changed(&self) -> bool {
+        let State { inputs, rates, parameters, applied_inputs, applied_rates, applied_parameters, .. } = &self.state;
+        inputs != applied_inputs || parameters != applied_parameters || !rates.is_still() || !applied_rates.is_still()
+    }
+
+    /// Cuts the integrator's step at the present time and goes on with the new inputs and parameters.
+    pub(crate) fn apply_inputs(&mut self) -> Result<(), PlantError> {
+        let State { start, now, .. } = &mut self.state;
+        start.copy_from(now);
+        // interpolation leaves the constraints of joint parameters by its own error
+        self.equations.project(&mut start.q, &mut start.v, &mut start.a);
+        self.cut_step();
+        self.event(|state, equations| {
+            let time_s = state.start.time_s;
+            let at_end = time_s >= state.ahead.time_s;
+            state.applied_inputs.clone_from(&state.inputs);
+            state.applied_rates.clone_from(&state.rates);
+            state.applied_from_s = time_s;
+            state.applied_parameters.clone_from(&state.parameters);
+            let mut outcome = Outcome::default();
+            let State { start, joints, inputs, rates, parameters, .. } = state;
+            for (i, (forces, memory)) in equations.forces.joints().iter().zip(joints).enumerate() {
+                let told = Told {
+                    time_s,
+                    at_end,
+                    release: inputs.joints()[i].release.is_on(),
+                    latch_enable: inputs.joints()[i].latch_enable.is_on(),
+                    command_rad: inputs.joints()[i].command_rad,
+                    command_rate_rad_s: rates.joints()[i].command_rad,
+                    rate_limit_rad_s: parameters.joints()[i].rate_limit_rad_s,
+                };
+                outcome.add(forces.take_inputs(&told, start, memory));
+            }
+            outcome
+        })
+    }
+
+    /// What happens at the end of a step: the transitions of the forces whose indicators it has crossed, and the kink that it
+    /// ends at.
+    pub(crate) fn apply_events(&mut self) -> Result<(), PlantError> {
+        for (forces, memory) in self.equations.forces.joints().iter().zip(&mut self.state.joints) {
+            forces.mark_overdue(&self.state.start, memory);
+        }
+        if self.state.joints.iter().any(|joint| joint.crossed != 0) {
+            self.state.step_s *= STEP_SHARE_AFTER_CROSSING;
+        } else if !self.equations.kink_at(self.state.start.time_s) {
+            return Ok(());
+        }
+        self.make_transitions()?;
+        // an impulse changes the rates of joints elsewhere, and with them what their forces are
+        for (forces, memory) in self.equations.forces.joints().iter().zip(&mut self.state.joints) {
+            forces.mark_overdue(&self.state.start, memory);
+        }
+        if self.state.joints.iter().any(|joint| joint.crossed != 0) { self.make_transitions() } else { Ok(()) }
+    }
+
+    fn make_transitions(&mut self) -> Result<(), PlantError> {
+        self.event(|state, equations| {
+            let mut outcome = Outcome::default();
+            for (forces, memory) in equations.forces.joints().iter().zip(&mut state.joints) {
+                outcome.add(forces.make_transitions(&state.start, memory));
+            }
+            outcome
+        })
+    }
+
+    /// Changes the equations at `start` as [`System::discontinuity`] does, and shortens the next step by the jump.
+    fn event(&mut self, change: impl FnOnce(&mut State, &Equations) -> Outcome) -> Result<(), PlantError> {
+        let jump = self.discontinuity(change)?;
+        self.refuse_leap(self.state.start.time_s, jump)?;
+        self.restrain_step(jump);
+        Ok(())
+    }
+
+    /// Refuses accelerations that leave the air behind, by the input that is to blame: within an aerodynamic step they
+    /// would carry some of the wing by many times its length.
+    pub(crate) fn refuse_leap(&self, time_s: f64, jump_norm_1_s2: f64) -> Result<(), PlantError> {
+        let Some(air) = &self.machine.air else { return Ok(()) };
+        let (step_s, lengths) = (air.step_s, 0.5 * jump_norm_1_s2 * air.step_s * air.step_s);
+        if lengths <= MOST_LENGTHS {
+            return Ok(());
+        }
+        Err(PlantError::Leap { time_s, lengths, step_s, cause: self.largest_input() })
+    }
+
+    /// Changes the equations at `start` and re-solves the accelerations; the present step then has no length. Returns
+    /// the kinematic norm of their jump in 1/s².
+    ///
+    /// `change` returns the energy that it dissipates and counts its events; the rest of the jump of the potentials is booked as work.
+    /// Joints that the change holds stop at once, eq. (A6), and what that costs is booked as dissipated.
+    /// The accelerations move by what the change of the residual asks for, so that errors of the interpolation in
+    /// stiff modes are not multiplied by the stiffness.
+    pub(crate) fn discontinuity(
+        &mut self,
+        change: impl FnOnce(&mut State, &Equations) -> Outcome,
+    ) -> Result<f64, PlantError> {
+        let old = &mut self.scratch[0];
+        let start = &self.state.start;
+        let time_s = start.time_s;
+        self.equations.residual(time_s, &start.q, &start.v, &start.a, old);
+        let before = self.equations.potentials(time_s, &start.q).total();
+        let Outcome { dissipated_j, events } = change(&mut self.state, &self.equations);
+        self.state.statistics.events += events;
+        let stopped = self.stop_held_joints().map_err(|singular| self.no_accelerations(time_s, singular))?;
+        self.configure();
+        self.equations.branch_s = time_s;
+
+        let [old, new_residual] = &mut self.scratch;
+        let start = &mut self.state.start;
+        self.equations.prescribe(time_s, &mut start.q, &mut start.v, &mut start.a);
+        self.equations.residual(time_s, &start.q, &start.v, &start.a, new_residual);
+        let after = self.equations.potentials(time_s, &start.q).total();
+        new_residual.iter_mut().zip(old.iter()).for_each(|(new, old)| *new -= old);
+        let jump = settle(&mut self.equations, new_residual, start);
+        let jump = self.accelerations(time_s, jump)?;
+        let start = &mut self.state.start;
+        start.dissipated += dissipated_j + stopped.lost_j;
+        start.work += after - before + dissipated_j + stopped.work_j;
+        let State { before, start, ahead, .. } = &mut self.state;
+        ahead.copy_from(start);
+        before.copy_from(start);
+        Ok(jump)
+    }
+
+    /// The jump of accelerations just solved for, refused where there are none.
+    pub(crate) fn accelerations(&self, time_s: f64, jump: Result<f64, Singular>) -> Result<f64, PlantError> {
+        let cause = match jump {
+            Ok(jump) if jump.is_finite() => return Ok(jump),
+            Ok(_) => format!("they are not finite; {}", self.largest_input()),
+            Err(singular) => return Err(self.no_accelerations(time_s, singular)),
+        };
+        Err(PlantError::Initialization { time_s, cause })
+    }
+
+    fn no_accelerations(&self, time_s: f64, singular: Singular) -> PlantError {
+        let cause = format!("the mass matrix has no positive pivot at {}", self.place_of(singular.coordinate));
+        PlantError::Initialization { time_s, cause }
+    }
+
+    /// Shortens the next step where the accelerations have jumped.
+    pub(crate) fn restrain_step(&mut self, jump_norm_1_s2: f64) {
+        let parameters = &self.state.applied_parameters;
+        let short = control::after_jump(jump_norm_1_s2, parameters.solver().tolerance);
+        self.state.step_s =
+            self.state.step_s.min(short).max(parameters.solver().min_step_s).min(parameters.solver().max_step_s);
+    }
+}
+
+/// Takes `residual` away from the accelerations of `point` by the mass matrix; returns the kinematic norm of the
+/// jump in 1/s². Leaves `point` alone where it is not finite.
+pub(crate) fn settle(equations: &mut Equations, residual: &mut [f64], point: &mut Point) -> Result<f64, Singular> {
+    equations.factorize(1.0, 0.0, 0.0)?;
+    let jump = equations.solve(residual);
+    if !jump.is_finite() {
+        return Ok(jump);
+    }
+    for (i, step) in residual.iter().enumerate() {
+        point.a[i] -= step;
+        point.auxiliary[i] -= step;
+    }
+    for joint in equations.forces.joints().iter().filter(|joint| joint.held) {
+        point.auxiliary[joint.coordinate] = point.a[joint.coordinate];
+    }
+    point.powers = equations.powers(point.time_s, &point.q, &point.v, &point.a);
+    Ok(jump)
+}

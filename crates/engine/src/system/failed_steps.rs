@@ -1,0 +1,40 @@
+//! Advice where Newton's iteration, and not the tolerance, decides on the length of the steps.
+
+use crate::system::Statistics;
+
+/// Steps given up below which nothing is said: releases and latches cost some.
+const FEW: u64 = 100;
+/// The same per step taken. Where the iteration fails at every length that the tolerance allows, steps are cut to a quarter and
+/// grow by three: some 0.8 of them fail. A run whose steps the tolerance decides on loses one in a hundred.
+const SHARE: f64 = 0.2;
+
+impl Statistics {
+    /// Whether Newton's iteration has given up so many steps that it decides on their length.
+    pub fn newton_decides(&self) -> bool {
+        self.failures >= FEW && self.failures as f64 >= SHARE * self.steps as f64
+    }
+
+    /// What to do where [`Self::newton_decides`].
+    pub fn advice_on_failures(&self) -> Option<String> {
+        let Self { failures, steps, .. } = self;
+        self.newton_decides().then(|| {
+            format!(
+                "Newton's iteration gave up {failures} steps beside {steps} that were taken: it decides on their length, not the \
+                 tolerance. The result meets the tolerance, but at many times the cost. Thin, stiff bodies cause this; \
+                 solver.method = \"generalized_alpha\" mostly cures it, stiffness_damping_s on these bodies helps"
+            )
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn failures_are_told_where_they_decide() {
+        let told =
+            |failures, steps| Statistics { failures, steps, ..Statistics::default() }.advice_on_failures().is_some();
+        assert_eq!([told(99, 100), told(100, 500), told(100, 501), told(5000, 9000)], [false, true, false, true]);
+    }
+}

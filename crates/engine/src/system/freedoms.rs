@@ -1,0 +1,80 @@
+//! What can move freely at the present state.
+
+use crate::machine::Travel;
+use crate::system::System;
+
+/// Turn of a link or joint in rad that one difference step makes.
+const STEP_RAD: f64 = 2e-3;
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+const STRAINS: [&str; 4] = ["epsilon_x", "kappa_x", "kappa_y", "kappa_z"];
+
+/// Free coordinates, and how they are called.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Freedom {
+    /// Place in the vectors of the equations.
+    pub(crate) index: usize,
+    /// Name, e.g. `fold.angle` or `inner.element[2].kappa_y`.
+    pub name: String,
+    /// Unit of the coordinate, as the variable table writes units.
+    pub unit: &'static str,
+    /// Unit of its rate.
+    pub rate_unit: &'static str,
+    /// Step of a difference.
+    pub(crate) step: f64,
+}
+
+impl System {
+    /// Free coordinates at the present state: angles of joints that are not held, freedoms of universal, ball and free
+    /// joints, strains; body by body.
+    pub fn freedoms(&self) -> Vec<Freedom> {
+        let mut list = Vec::new();
+        let equations = &self.equations;
+        for (index, (body, described)) in equations.model.bodies.iter().zip(&self.machine.bodies).enumerate() {
+            let joint = &described.joint.name;
+            let mut add = |index: usize, name: String, [unit, rate_unit]: [&'static str; 2], step: f64| {
+                list.push(Freedom { index, name, unit, rate_unit, step });
+            };
+            let held = equations.forces.joints().iter().any(|joint| joint.body == index && joint.held);
+            let (kind, first) = (body.joint.kind, body.joint.coordinate);
+            if kind.is_redundant() {
+                let shifts = kind.translations();
+                for (k, axis) in AXES.iter().enumerate().take(shifts) {
+                    add(first + k, format!("{joint}.position.{axis}"), ["m", "m/s"], STEP_RAD);
+                }
+                for k in shifts..kind.freedoms() {
+                    add(first + k, format!("{joint}.turn[{}]", k - shifts + 1), ["rad", "rad/s"], STEP_RAD);
+                }
+            } else if kind.freedoms() == 1 && !held {
+                let travel = described.joint.kind.one_freedom().map_or(Travel::Rotation, |(travel, _)| travel);
+                add(first, format!("{joint}.{}", travel.coordinate()), travel.units(), STEP_RAD);
+            }
+            for i in 0..body.elements {
+                let element = &equations.model.elements[body.first_element + i];
+                for (k, strain) in STRAINS.iter().enumerate() {
+                    let (units, step) = if k == 0 {
+                        (["1", "1/s"], STEP_RAD)
+                    } else {
+                        (["1/m", "1/(m.s)"], STEP_RAD / element.length_m)
+                    };
+                    add(element.coordinate + k, format!("{}.element[{}].{strain}", described.name, i + 1), units, step);
+                }
+            }
+        }
+        list
+    }
+
+    /// Present values of [`System::freedoms`] and of their rates. Freedoms of universal, ball and free joints have no
+    /// values of their own: they count from the present attitude, and stand still where the machine is linearised.
+    pub fn free_state(&self) -> (Vec<f64>, Vec<f64>) {
+        let spatial = |index: usize| {
+            let mut joints = self.equations.model.bodies.iter().map(|body| body.joint);
+            joints.any(|joint| joint.kind.is_redundant() && joint.range().contains(&index))
+        };
+        let read = |vector: &[f64]| {
+            let value = |freedom: &Freedom| if spatial(freedom.index) { 0.0 } else { vector[freedom.index] };
+            self.freedoms().iter().map(value).collect()
+        };
+        (read(&self.state.now.q), read(&self.state.now.v))
+    }
+}

@@ -1,0 +1,87 @@
+//! The forces on the joints of a machine, as the machine describes them and as inputs and parameters set them.
+
+use crate::force::Force;
+use crate::force::attitude::AttitudeSpring;
+use crate::force::brake::Brake;
+use crate::force::external::External;
+use crate::force::joint::JointForces;
+use crate::force::latch::{CatchingLatch, Latch};
+use crate::force::motor::Motor;
+use crate::force::prescribed::Law;
+use crate::force::set::Forces;
+use crate::force::spring::Spring;
+use crate::force::stops::{Contact, TwoSidedStops};
+use crate::machine::{JointMotion, Machine, OneFreedom};
+use crate::multibody::Model;
+use crate::multibody::joint::JointKind;
+use crate::signal::{Inputs, Parameters};
+
+/// Forces on all joints of a machine; inputs and parameters come later.
+pub(crate) fn of_machine(machine: &Machine, model: &Model) -> Forces {
+    let joints =
+        machine.one_freedoms().map(|(body, own)| JointForces::new(body, &model.bodies[body].joint, of_joint(own)));
+    let spatial = machine.spatials().map(|(body, _)| {
+        let described = &model.bodies[body];
+        let spring = AttitudeSpring::new(body, described.joint, described.mount);
+        let forces = if described.joint.kind == JointKind::Free { vec![] } else { vec![Force::Attitude(spring)] };
+        JointForces::new(body, &described.joint, forces)
+    });
+    Forces::new(joints.collect(), spatial.collect())
+}
+
+/// In the order in which their torques add up.
+fn of_joint(own: &OneFreedom) -> Vec<Force> {
+    let mut forces = match &own.motion {
+        JointMotion::Free => vec![
+            Force::Motor(Motor::default()),
+            Force::Spring(Spring::default()),
+            Force::External(External::default()),
+            Force::Brake(Brake),
+        ],
+        JointMotion::Prescribed(motion) => vec![Force::Prescribed(Law::new(motion))],
+        JointMotion::Locked => vec![Force::Lock],
+    };
+    // before the latch, which a joint at rest on a stop may not reach
+    if let Some(stops) = own.stops {
+        forces.push(Force::Stops(TwoSidedStops { stops, contact: Contact::default() }));
+    }
+    if let Some(own) = &own.latch {
+        let latch = Latch {
+            kind: own.kind,
+            angle_rad: own.angle_rad,
+            stiffness_n_m_rad: own.stiffness_n_m_rad,
+            capture_rad: own.capture_rad,
+        };
+        forces.push(Force::Latch(CatchingLatch { latch, closed: false }));
+    }
+    forces
+}
+
+/// Sets what inputs and parameters say. Allocates nothing.
+pub(crate) fn set(forces: &mut Forces, inputs: &Inputs, parameters: &Parameters) {
+    for (joint, (inputs, own)) in forces.joints_mut().iter_mut().zip(inputs.joints().iter().zip(parameters.joints())) {
+        if let Some(motor) = joint.motor_mut() {
+            motor.drive.stiffness_n_m_rad = own.stiffness_n_m_rad;
+            motor.drive.damping_n_m_s_rad = own.damping_n_m_s_rad;
+            motor.drive.constant_torque_n_m = own.constant_torque_n_m;
+            motor.drive.torque_limit_n_m = own.torque_limit_n_m;
+        }
+        if let Some(spring) = joint.spring_mut() {
+            spring.stiffness_n_m_rad = own.spring_stiffness_n_m_rad;
+            spring.damping_n_m_s_rad = own.spring_damping_n_m_s_rad;
+            spring.rest_angle_rad = own.rest_angle_rad;
+        }
+        if let Some(external) = joint.external_mut() {
+            external.torque_n_m = inputs.torque_n_m;
+        }
+        if let Some(latch) = joint.latch_mut() {
+            latch.stiffness_n_m_rad = own.latch_stiffness_n_m_rad;
+        }
+    }
+    for (joint, own) in forces.spatial_mut().iter_mut().zip(parameters.spatial()) {
+        if let Some(spring) = joint.attitude_mut() {
+            spring.stiffness_n_m_rad = own.stiffness_n_m_rad;
+            spring.damping_n_m_s_rad = own.damping_n_m_s_rad;
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Whether numbers can have overflowed: a look at what goes in saves one at all that comes out.
+
+use crate::multibody::Model;
+use crate::multibody::gauge::GaugePoint;
+use crate::signal::{Inputs, JointParameters, Parameters};
+use crate::system::System;
+
+/// Largest magnitude in SI units of coordinates, their derivatives, inputs and parameters with which no output
+/// overflows, where the model's own numbers are moderate: outputs are products of at most ten of them.
+const LARGEST: f64 = 1e20;
+/// Largest magnitude of a moderate model's own numbers, and inverse of the smallest stiffness.
+const LARGEST_OF_MODEL: f64 = 1e30;
+/// Largest magnitude of the energy accounts.
+const LARGEST_ACCOUNT: f64 = 1e200;
+
+/// Not for NaN.
+fn within(value: f64, limit: f64) -> bool {
+    value.abs() <= limit
+}
+
+fn all_within(values: &[f64], limit: f64) -> bool {
+    values.iter().all(|&value| within(value, limit))
+}
+
+impl System {
+    /// Whether all outputs must be finite, judged by what they are made of; never for machines with air.
+    pub(crate) fn is_moderate(&self) -> bool {
+        let now = &self.state.now;
+        let coordinates = || now.q.iter().chain(&now.v).chain(&now.a);
+        self.air.is_none()
+            && self.model_is_moderate
+            && coordinates().all(|&value| within(value, LARGEST))
+            && self.state.joints.iter().all(|joint| {
+                let slew = &joint.slew;
+                [slew.from_rad, slew.target_rad, slew.target_rate_rad_s, slew.start_s]
+                    .into_iter()
+                    .all(|value| within(value, LARGEST))
+            })
+            && [now.work, now.dissipated].into_iter().all(|account| within(account, LARGEST_ACCOUNT))
+            && [&self.state.applied_inputs, &self.state.applied_rates].into_iter().all(inputs_are_moderate)
+            && parameters_are_moderate(&self.state.applied_parameters)
+    }
+}
+
+/// Whether inputs are so small that no output overflows for them.
+pub(crate) fn inputs_are_moderate(inputs: &Inputs) -> bool {
+    all_within(inputs.values(), LARGEST)
+}
+
+fn parameters_are_moderate(parameters: &Parameters) -> bool {
+    // limits may be infinite: they only make the torque smaller
+    let joint = |joint: &JointParameters| {
+        let others = [JointParameters { torque_limit_n_m: 0.0, rate_limit_rad_s: 0.0, ..*joint }];
+        all_within(bytemuck::cast_slice(&others), LARGEST)
+    };
+    parameters.joints().iter().all(joint)
+        && all_within(bytemuck::cast_slice(parameters.spatial()), LARGEST)
+        && all_within(bytemuck::cast_slice(parameters.bodies()), LARGEST)
+}
+
+/// Whether a model's own numbers are moderate.
+pub(crate) fn model_is_moderate(model: &Model, gauges: &[GaugePoint]) -> bool {
+    let all = |values: &[f64]| all_within(values, LARGEST_OF_MODEL);
+    let element = |element: &crate::multibody::model::Element| {
+        let stiffness = |k: usize| 1.0 / element.section_stiffness[0][(k, k)];
+        let section = element.section_stiffness.iter().all(|stiffness| all(stiffness.as_slice()));
+        all(&[0, 1, 2, 3].map(stiffness))
+            && section
+            && all(&[element.length_m, element.start_m])
+            && all(element.natural_strain.as_slice())
+            && all(element.stiffness.as_slice())
+            && all(element.coupling.as_slice())
+            && all(element.cross_mass.as_slice())
+    };
+    model.elements.iter().all(element)
+        && model.nodes.iter().all(|node| {
+            all(node.beam.as_slice()) && node.attached.as_ref().is_none_or(|attached| all(attached.as_slice()))
+        })
+        && model.closures.iter().all(|closure| {
+            let penalty = &closure.penalty;
+            all(&[penalty.inertia_kg, penalty.damping_n_s_m, penalty.stiffness_n_m])
+                && closure.offsets_m.iter().all(|offset| all(offset.as_slice()))
+        })
+        && gauges.iter().all(|gauge| all(gauge.row.as_slice()) && all(&[gauge.position_m]))
+        && within(model.reference_length_m, LARGEST_OF_MODEL)
+}

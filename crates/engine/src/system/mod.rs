@@ -1,0 +1,244 @@
+//! The machine as a hybrid system: a state, equations that give its derivatives, events that change both, and outputs.
+//!
+//! Time does not pass here: [`crate::run`] steps the system, [`crate::study`] asks it questions about one state.
+
+pub(crate) mod air;
+pub(crate) mod brake;
+pub(crate) mod course;
+pub(crate) mod equations;
+mod error;
+pub(crate) mod events;
+mod failed_steps;
+pub(crate) mod freedoms;
+mod hybrid;
+mod joint_forces;
+pub(crate) mod magnitude;
+pub(crate) mod outputs;
+pub(crate) mod place;
+mod rest;
+pub(crate) mod shape;
+pub(crate) mod spatial;
+pub(crate) mod start;
+pub(crate) mod state;
+mod statistics;
+mod strains;
+mod wake_rows;
+
+pub use air::{CLOSED_PANELS, SurfaceGap, SurfaceLattice};
+pub use error::PlantError;
+pub use freedoms::Freedom;
+pub use hybrid::{AccountRates, Hybrid, Jump, NotHybrid};
+pub use outputs::{
+    EnergyOutputs, JointOutputs, LatchOutputs, LoopOutputs, OutputLayout, OutputSet, Outputs, PointOutputs,
+    SpatialOutputs,
+};
+pub use shape::{ModeShape, NodeMotion, SectionShape, SectionState};
+pub use state::Snapshot;
+pub use statistics::{JointStatus, Statistics};
+pub use strains::SectionStrain;
+
+use crate::beam::element::ElementKind;
+use crate::machine::{Gauge, Machine};
+use crate::multibody::gauge::GaugePoint;
+use crate::signal::{Inputs, Parameters};
+use crate::solve::continuation::Continuation;
+use air::AirCoupling;
+use equations::Equations;
+use state::State;
+use std::sync::Arc;
+
+/// A machine with a state, at one time.
+pub struct System {
+    pub(crate) machine: Arc<Machine>,
+    revolute_joints: Vec<usize>,
+    spatial_joints: Vec<usize>,
+    pub(crate) tip_bodies: Vec<usize>,
+    gauges: Vec<GaugePoint>,
+    pub(crate) state: State,
+    /// The state before what is under way (a communication step, a transition), to go back to.
+    pub(crate) begin: State,
+    pub(crate) equations: Equations,
+    /// Fixed parameters that `equations` was built with.
+    built_with: Parameters,
+    /// How states within the integrator's step follow from its stages.
+    pub(crate) continuation: Continuation,
+    pub(crate) air: Option<Box<AirCoupling>>,
+    pub(crate) scratch: [Vec<f64>; 2],
+    pub(crate) outputs: Outputs,
+    /// Outputs that a step is to find.
+    pub(crate) watched: OutputSet,
+    /// Outputs found at the present time.
+    found: OutputSet,
+    /// Inputs may have been set since the last step, so that they differ from those of the present.
+    pub(crate) inputs_may_differ: bool,
+    /// Some gauge reads a strain that is recovered from forces.
+    gauges_need_forces: bool,
+    /// The model's own numbers are so moderate that outputs overflow only where states or inputs are not.
+    model_is_moderate: bool,
+}
+
+impl System {
+    /// A system of a validated machine, with the inputs and parameters that the machine states; not yet started.
+    pub(crate) fn new(machine: Arc<Machine>, continuation: Continuation) -> Self {
+        let state = State::of_model(&machine);
+        let equations = Equations::new(&machine, &state.parameters);
+        let coordinates = equations.model.coordinates;
+        let recovered = |gauge: &Gauge| machine.bodies[gauge.body].element == ElementKind::Linear;
+        let gauges = outputs::gauge_points(&machine);
+        Self {
+            revolute_joints: machine.one_freedoms().map(|(body, _)| body).collect(),
+            spatial_joints: machine.spatials().map(|(body, _)| body).collect(),
+            tip_bodies: machine.tip_bodies().collect(),
+            gauges_need_forces: machine.gauges.iter().any(recovered),
+            model_is_moderate: magnitude::model_is_moderate(&equations.model, &gauges),
+            gauges,
+            begin: state.clone(),
+            built_with: state.parameters.clone(),
+            state,
+            equations,
+            continuation,
+            air: AirCoupling::new(&machine).map(Box::new),
+            scratch: [vec![0.0; coordinates], vec![0.0; coordinates]],
+            outputs: Outputs::blank(&machine),
+            watched: OutputSet::ALL,
+            found: OutputSet::NONE,
+            inputs_may_differ: false,
+            machine,
+        }
+    }
+
+    /// The model.
+    pub fn machine(&self) -> &Machine {
+        &self.machine
+    }
+
+    /// Indices into [`Machine::bodies`] of the bodies whose joint is revolute or prismatic, in order.
+    pub fn revolute_joints(&self) -> &[usize] {
+        &self.revolute_joints
+    }
+
+    /// Indices into [`Machine::bodies`] of the bodies whose joint is universal, ball or free, in order.
+    pub fn spatial_joints(&self) -> &[usize] {
+        &self.spatial_joints
+    }
+
+    /// Indices into [`Machine::bodies`] of the bodies whose outer end is free, in order.
+    pub fn tip_bodies(&self) -> &[usize] {
+        &self.tip_bodies
+    }
+
+    /// Joint variables and Lagrange multipliers of a body's joint in our form: `N_J` and `N_L` of Otsuka et al., Table 2.
+    pub fn joint_size(&self, body: usize) -> (usize, usize) {
+        let kind = &self.equations.model.bodies[body].joint.kind;
+        (kind.coordinates(), kind.constraints())
+    }
+
+    /// Number of coordinates: joint angles, joint parameters and strains.
+    pub fn coordinates(&self) -> usize {
+        self.equations.model.coordinates
+    }
+
+    /// Mass of the wing in kg, with the mass factors of the last initialisation.
+    pub fn mass_kg(&self) -> f64 {
+        crate::multibody::energy::mass_kg(&self.equations.model)
+    }
+
+    /// Inputs of the coming step.
+    pub fn inputs(&self) -> &Inputs {
+        &self.state.inputs
+    }
+
+    /// Inputs of the coming step, to be changed. The motion follows from the next [`crate::run::Plant::step`] on; outputs that feel an
+    /// input at once do so when [`System::provide`] finds them.
+    pub fn inputs_mut(&mut self) -> &mut Inputs {
+        self.found = OutputSet::NONE;
+        self.inputs_may_differ = true;
+        &mut self.state.inputs
+    }
+
+    /// Rates of the real inputs per second in the coming step, to be changed: the inputs then run linearly from their
+    /// present values, NOTATION eq. (A4), and stay at its end where they have led. They hold for one step only.
+    pub fn input_rates_mut(&mut self) -> &mut Inputs {
+        &mut self.state.rates
+    }
+
+    /// Parameters.
+    pub fn parameters(&self) -> &Parameters {
+        &self.state.parameters
+    }
+
+    /// Parameters, to be changed: fixed ones before [`crate::run::Plant::initialize`], tunable ones at any time.
+    pub fn parameters_mut(&mut self) -> &mut Parameters {
+        &mut self.state.parameters
+    }
+
+    /// Present time in s.
+    pub fn time_s(&self) -> f64 {
+        self.state.now.time_s
+    }
+
+    /// Outputs at the present time, with the inputs of the step that led here: all, or those of [`System::watch`].
+    pub fn outputs(&self) -> &Outputs {
+        &self.outputs
+    }
+
+    /// Stopper and latch of each revolute or prismatic joint, in the order of [`System::revolute_joints`]; nothing before
+    /// [`crate::run::Plant::initialize`].
+    pub fn joint_statuses(&self) -> impl Iterator<Item = JointStatus> {
+        let driven = self.equations.forces.joints().iter().map(|joint| joint.driven);
+        self.state.joints.iter().zip(driven).map(|(joint, driven)| JointStatus {
+            released: driven && joint.released,
+            latched: joint.latch.closed,
+            latch_time_s: joint.latch.time_s,
+            latch_count: joint.latch.count,
+        })
+    }
+
+    /// Counters since initialisation.
+    pub fn statistics(&self) -> Statistics {
+        self.state.statistics
+    }
+
+    /// Copies everything that a rollback needs.
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot::of(&self.state)
+    }
+
+    /// Goes back to a snapshot of the same model; outputs included, bit for bit.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), PlantError> {
+        let air = self.air.as_ref().map(|air| &air.blank);
+        let stages = self.continuation.inner_stages();
+        snapshot.check(&self.state, self.coordinates(), self.tip_bodies.len(), stages, air)?;
+        let own = std::mem::replace(&mut self.state, snapshot.state().clone());
+        self.inputs_may_differ = true;
+        self.adopt_state();
+        if self.state.initialized && !self.is_moderate() {
+            self.evaluate();
+            if !self.outputs.are_finite() {
+                self.state = own;
+                self.adopt_state();
+                return Err(PlantError::Snapshot("its outputs are not finite".into()));
+            }
+        }
+        self.show_set_inputs();
+        Ok(())
+    }
+
+    /// Brings equations and outputs in line with a state that was set.
+    fn adopt_state(&mut self) {
+        self.rebuild();
+        if self.state.initialized {
+            self.configure();
+            self.forget_outputs();
+            self.provide(self.watched);
+        }
+    }
+
+    /// Makes the equations anew where a fixed parameter has changed since they were made.
+    pub(crate) fn rebuild(&mut self) {
+        if self.built_with != self.state.parameters {
+            self.equations = Equations::new(&self.machine, &self.state.parameters);
+            self.built_with.clone_from(&self.state.parameters);
+        }
+    }
+}

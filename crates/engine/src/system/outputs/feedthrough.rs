@@ -1,0 +1,66 @@
+//! Outputs between steps that feel an input at once.
+//!
+//! With the state frozen (coordinates, rates, stoppers, latches, loads of the air) an input that has been set since the last
+//! step changes accelerations, forces and potentials, NOTATION eq. (L14). Masters that solve algebraic loops read them.
+
+use crate::solve::EquationsOfMotion;
+use crate::system::System;
+use crate::system::events::settle;
+use crate::system::magnitude::inputs_are_moderate;
+use crate::system::outputs::OutputSet;
+use crate::system::state::State;
+
+impl System {
+    /// Finds outputs at the present with the inputs as they are set, where they differ from those that led here; false
+    /// where they do not, or where nothing finite follows from them. Allocates nothing.
+    pub(crate) fn evaluate_with_set_inputs(&mut self, wanted: OutputSet) -> bool {
+        let state = &self.state;
+        if state.has_arrived_inputs() || !inputs_are_moderate(&state.inputs) {
+            return false;
+        }
+        self.begin.now.clone_from(&self.state.now);
+        let now = &self.state.now;
+        let time_s = now.time_s;
+        self.equations.branch_s = time_s;
+        self.equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
+        let before = self.equations.potentials(time_s, &now.q);
+        self.impose_set_inputs();
+        let ([old, new], now) = (&mut self.scratch, &mut self.state.now);
+        self.equations.residual(time_s, &now.q, &now.v, &now.a, new);
+        let after = self.equations.potentials(time_s, &now.q);
+        new.iter_mut().zip(old.iter()).for_each(|(new, old)| *new -= old);
+        let settled = matches!(settle(&mut self.equations, new, now), Ok(jump) if jump.is_finite());
+        if settled {
+            // a jump of a potential is booked as work of the input
+            self.state.now.work += after.total() - before.total();
+            self.evaluate_some(wanted);
+        }
+        self.state.now.clone_from(&self.begin.now);
+        self.configure();
+        settled
+    }
+
+    /// The equations at the present time with the inputs as they are set, parameters and switches of the last step; neutral
+    /// angles jump with their commands where no rate limit binds.
+    fn impose_set_inputs(&mut self) {
+        let State { inputs, applied_inputs, applied_from_s, now, .. } = &mut self.state;
+        let from_s = std::mem::replace(applied_from_s, now.time_s);
+        std::mem::swap(inputs, applied_inputs);
+        self.configure();
+        let State { inputs, applied_inputs, applied_from_s, applied_parameters, now, .. } = &mut self.state;
+        std::mem::swap(inputs, applied_inputs);
+        *applied_from_s = from_s;
+        self.equations.command(now.time_s, inputs, applied_parameters);
+    }
+}
+
+impl State {
+    /// Whether the inputs are those to which the present step has led.
+    fn has_arrived_inputs(&self) -> bool {
+        let elapsed_s = self.now.time_s - self.applied_from_s;
+        let applied = self.applied_inputs.values().iter().zip(self.applied_rates.values());
+        let still = self.applied_rates.is_still();
+        let arrived = applied.map(|(value, rate)| if still { *value } else { value + rate * elapsed_s });
+        self.inputs.values().iter().copied().eq(arrived)
+    }
+}

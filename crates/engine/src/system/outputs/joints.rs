@@ -1,0 +1,92 @@
+//! Revolute and prismatic joints: angles, rates and torques.
+
+use crate::force::joint::JointForces;
+use crate::system::outputs::Present;
+use bytemuck::{Pod, Zeroable};
+
+/// Outputs of one revolute or prismatic joint. Names are those of a hinge; of a slide read m for rad and N for N·m.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+pub struct JointOutputs {
+    /// Fold angle in rad.
+    pub angle_rad: f64,
+    /// Fold rate in rad/s.
+    pub rate_rad_s: f64,
+    /// Neutral angle that the motor follows, behind its rate limit, in rad; 0 of joints without one.
+    pub neutral_angle_rad: f64,
+    /// Torque of motor, spring and external torque together on the outer body about `+θ`, in N·m.
+    pub torque_applied_n_m: f64,
+    /// Torque of the motor, limited, in N·m.
+    pub motor_torque_n_m: f64,
+    /// Torque of the joint's own spring and damper in N·m.
+    pub spring_torque_n_m: f64,
+    /// External torque `τ_ext` that acts, in N·m.
+    pub external_torque_n_m: f64,
+    /// Torque of what holds the joint (stopper, lock, prescribed motion) in N·m; 0 where it turns freely, and where a
+    /// closed rigid latch bears it all.
+    pub holding_torque_n_m: f64,
+    /// Latch torque on the outer body in N·m: of the spring, or the reaction of a rigid latch.
+    pub latch_torque_n_m: f64,
+}
+
+impl JointOutputs {
+    /// Completes the rates of the outputs per second by those of what has kinks at limits and at the ends of slews, on the
+    /// branch of the present: `motion` is angle, rate and acceleration, `external_n_m_s` the rate of the external torque.
+    pub(crate) fn add_drive(
+        &mut self,
+        joint: &JointForces,
+        time_s: f64,
+        [angle, rate, acceleration]: [f64; 3],
+        external_n_m_s: f64,
+    ) {
+        let Some(motor) = joint.motor() else { return };
+        let (drive, slew_rate) = (&motor.drive, motor.slew.at(time_s).1);
+        let spring = joint.spring().copied().unwrap_or_default();
+        self.neutral_angle_rad = slew_rate;
+        self.motor_torque_n_m = if joint.motor_torque(time_s, angle, rate).saturated {
+            0.0
+        } else {
+            -drive.stiffness_n_m_rad * (rate - slew_rate) - drive.damping_n_m_s_rad * acceleration
+        };
+        self.spring_torque_n_m = -spring.stiffness_n_m_rad * rate - spring.damping_n_m_s_rad * acceleration;
+        self.external_torque_n_m = external_n_m_s;
+        self.torque_applied_n_m = self.motor_torque_n_m + self.spring_torque_n_m + self.external_torque_n_m;
+    }
+}
+
+/// All but what the residual alone tells.
+pub(crate) fn fill(outputs: &mut [JointOutputs], present: &Present) {
+    let time_s = present.time_s();
+    for (output, joint) in outputs.iter_mut().zip(present.equations.forces.joints()) {
+        let (angle, rate) = (present.motion.q[joint.coordinate], present.motion.v[joint.coordinate]);
+        let motor = joint.motor_torque(time_s, angle, rate).applied_n_m;
+        let (spring, external) = (joint.spring_torque_n_m(angle, rate), joint.external_torque_n_m());
+        *output = JointOutputs {
+            angle_rad: angle,
+            rate_rad_s: rate,
+            neutral_angle_rad: joint.motor().map_or(0.0, |motor| motor.slew.at(time_s).0),
+            torque_applied_n_m: motor + spring + external,
+            motor_torque_n_m: motor,
+            spring_torque_n_m: spring,
+            external_torque_n_m: external,
+            holding_torque_n_m: output.holding_torque_n_m,
+            latch_torque_n_m: match joint.has_rigid_latch() {
+                true => output.latch_torque_n_m,
+                false => joint.latch_torque_n_m(angle),
+            },
+        };
+    }
+}
+
+/// What holds the joints, of the last residual.
+pub(crate) fn fill_holding(outputs: &mut [JointOutputs], present: &Present) {
+    for (output, joint) in outputs.iter_mut().zip(present.equations.forces.joints()) {
+        output.holding_torque_n_m = joint.holding_n_m;
+        if joint.has_rigid_latch() {
+            // closed, it bears all, whatever else holds the joint, eq. (A7)
+            let borne_n_m = if joint.is_latched() { joint.holding_n_m } else { 0.0 };
+            output.latch_torque_n_m = borne_n_m;
+            output.holding_torque_n_m -= borne_n_m;
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Forces and moments: of joints, at sections, of closed loops, on the aircraft; strains of gauges.
+
+use crate::beam::recovery::axial_row;
+use crate::load::Wrench;
+use crate::machine::{Gauge, Machine};
+use crate::multibody::gauge::GaugePoint;
+use crate::system::outputs::Present;
+use bytemuck::{Pod, Zeroable};
+use nalgebra::Vector3;
+
+/// Outputs of one closed loop, root frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+pub struct LoopOutputs {
+    /// Second point less first point in m, eq. (C1).
+    pub gap_m: Vector3<f64>,
+    /// Force on the first point in N, eq. (C2); its opposite acts on the second.
+    pub force_n: Vector3<f64>,
+}
+
+/// Where the gauges sit and what they read per strain measure; a fibre that the file would refuse is read as axial.
+pub(crate) fn gauge_points(machine: &Machine) -> Vec<GaugePoint> {
+    let point = |gauge: &Gauge| {
+        let row = gauge.row(&machine.bodies[gauge.body].section);
+        let row = row.unwrap_or_else(|| axial_row(gauge.y_m, gauge.z_m));
+        GaugePoint { body: gauge.body, position_m: gauge.position_m, row }
+    };
+    machine.gauges.iter().map(point).collect()
+}
+
+/// Forces and moments of the joints on their bodies.
+pub(crate) fn fill_reactions(outputs: &mut [Wrench], present: &Present) {
+    let (equations, motion) = (present.equations, present.motion);
+    let (model, work) = (&equations.model, &equations.work);
+    for (reaction, body) in outputs.iter_mut().zip(&model.bodies) {
+        let node = &work.nodes[body.first_node];
+        *reaction = Wrench { force_n: node.force, moment_n_m: node.moment };
+    }
+    for joint in equations.forces.joints() {
+        joint.complete_reaction(model, work, motion, present.time_s(), &mut outputs[joint.body]);
+    }
+    for joint in equations.forces.spatial() {
+        if let Some(moment_n_m) = joint.attitude().and_then(|spring| spring.ball_moment_n_m(work, motion.v)) {
+            outputs[joint.body].moment_n_m = moment_n_m;
+        }
+    }
+}
+
+/// Strains of the gauges.
+pub(crate) fn fill_gauges(outputs: &mut [f64], present: &Present, gauges: &[GaugePoint]) {
+    let equations = present.equations;
+    for (strain, gauge) in outputs.iter_mut().zip(gauges) {
+        *strain = gauge.strain(&equations.model, &equations.work, present.motion, &equations.damping);
+    }
+}
+
+/// Section loads.
+pub(crate) fn fill_sections(outputs: &mut [Wrench], present: &Present) {
+    let equations = present.equations;
+    let loads: &[Wrench] = if equations.loaded { &equations.stations } else { &[] };
+    for (load, section) in outputs.iter_mut().zip(&equations.sections) {
+        *load = section.load(&equations.model, &equations.work, present.motion, loads);
+    }
+}
+
+/// Closed loops.
+pub(crate) fn fill_loops(outputs: &mut [LoopOutputs], present: &Present) {
+    let (model, work) = (&present.equations.model, &present.equations.work);
+    for (output, closure) in outputs.iter_mut().zip(&model.closures) {
+        let gap = closure.gap(work);
+        *output = LoopOutputs { gap_m: gap.position_m, force_n: closure.force_n(&gap) };
+    }
+}
+
+/// Force and moment of the wing on the aircraft at the origin, root frame.
+pub(crate) fn fill_root(output: &mut Wrench, present: &Present) {
+    let work = &present.equations.work;
+    *output = Wrench { force_n: -work.root_force, moment_n_m: -work.root_moment };
+}

@@ -1,0 +1,320 @@
+//! Outputs: one flat vector, one file per group of them, and their values at the present time.
+
+mod attitudes;
+mod energies;
+mod feedthrough;
+mod joints;
+mod latches;
+mod loads;
+mod output_set;
+mod points;
+mod spatial;
+
+pub use energies::EnergyOutputs;
+pub use joints::JointOutputs;
+pub use latches::LatchOutputs;
+pub use loads::LoopOutputs;
+pub(crate) use loads::gauge_points;
+pub use output_set::OutputSet;
+pub use points::PointOutputs;
+pub use spatial::SpatialOutputs;
+
+use crate::load::Wrench;
+use crate::machine::Machine;
+use crate::multibody::kinematics::{Motion, sweep_motion, sweep_poses};
+use crate::signal::{Segment, are_finite, views};
+use crate::solve::EquationsOfMotion;
+use crate::system::System;
+use crate::system::equations::Equations;
+use crate::system::state::State;
+use nalgebra::Vector3;
+use output_set::Sweep;
+
+/// Where the outputs of a machine stand in [`Outputs::values`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OutputLayout {
+    /// See [`Outputs::joints`].
+    pub joints: Segment<JointOutputs>,
+    /// See [`Outputs::spatial`].
+    pub spatial: Segment<SpatialOutputs>,
+    /// See [`Outputs::joint_reactions`].
+    pub joint_reactions: Segment<Wrench>,
+    /// See [`Outputs::gauges`].
+    pub gauges: Segment<f64>,
+    /// See [`Outputs::section_loads`].
+    pub section_loads: Segment<Wrench>,
+    /// See [`Outputs::loops`].
+    pub loops: Segment<LoopOutputs>,
+    /// See [`Outputs::root`].
+    pub root: Segment<Wrench>,
+    /// See [`Outputs::tips`].
+    pub tips: Segment<PointOutputs>,
+    /// See [`Outputs::stations`].
+    pub stations: Segment<PointOutputs>,
+    /// See [`Outputs::energy`].
+    pub energy: Segment<EnergyOutputs>,
+    /// See [`Outputs::air_total`].
+    pub air_total: Segment<Wrench>,
+    /// See [`Outputs::air_stations`].
+    pub air_stations: Segment<Wrench>,
+    /// See [`Outputs::circulation_m2_s`].
+    pub circulation_m2_s: Segment<f64>,
+    /// See [`Outputs::latches`].
+    pub latches: Segment<LatchOutputs>,
+    /// Number of the values that move with time; those behind change at events.
+    continuous: usize,
+    /// Length of the vector.
+    end: usize,
+}
+
+impl OutputLayout {
+    /// Of a machine.
+    pub fn new(machine: &Machine) -> Self {
+        let mut end = 0;
+        let (one_freedoms, bodies) = (machine.one_freedoms().count(), machine.bodies.len());
+        let stations = machine.bodies.iter().map(|body| body.station_positions_m.len()).sum();
+        let surfaces = machine.air.iter().flat_map(|air| &air.surfaces);
+        Self {
+            joints: Segment::append(&mut end, one_freedoms),
+            spatial: Segment::append(&mut end, machine.spatials().count()),
+            joint_reactions: Segment::append(&mut end, bodies),
+            gauges: Segment::append(&mut end, machine.gauges.len()),
+            section_loads: Segment::append(&mut end, machine.section_loads.len()),
+            loops: Segment::append(&mut end, machine.closures.len()),
+            root: Segment::append(&mut end, 1),
+            tips: Segment::append(&mut end, machine.tip_bodies().count()),
+            stations: Segment::append(&mut end, stations),
+            energy: Segment::append(&mut end, 1),
+            air_total: Segment::append(&mut end, 1),
+            air_stations: Segment::append(&mut end, if machine.air.is_some() { stations } else { 0 }),
+            circulation_m2_s: Segment::append(&mut end, surfaces.map(|surface| surface.positions_m.len() - 1).sum()),
+            continuous: end,
+            latches: Segment::append(&mut end, one_freedoms),
+            end,
+        }
+    }
+}
+
+/// Everything the interface reports, at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outputs {
+    /// Time in s.
+    pub time_s: f64,
+    layout: OutputLayout,
+    values: Vec<f64>,
+}
+
+impl Outputs {
+    views! { (pub(crate))
+        /// Per revolute or prismatic joint, in the order of [`System::revolute_joints`].
+        joints, joints_mut: [JointOutputs];
+        /// Per revolute or prismatic joint: its latch.
+        latches, latches_mut: [LatchOutputs];
+        /// Per universal, ball or free joint, in the order of [`System::spatial_joints`].
+        spatial, spatial_mut: [SpatialOutputs];
+        /// Per body: force and moment of the joint on the body's inner end, root frame, at that end.
+        joint_reactions, joint_reactions_mut: [Wrench];
+        /// Axial strain per gauge.
+        gauges, gauges_mut: [f64];
+        /// Per place of [`Machine::section_loads`]: force and moment of the part outboard of the section on the part inboard
+        /// of it, section frame.
+        section_loads, section_loads_mut: [Wrench];
+        /// Per closed loop, in the order of [`Machine::closures`].
+        loops, loops_mut: [LoopOutputs];
+        /// Per free end, in the order of [`System::tip_bodies`].
+        tips, tips_mut: [PointOutputs];
+        /// Per station, in the order of [`crate::plant::Inputs::stations`].
+        stations, stations_mut: [PointOutputs];
+        /// Per load station of machines in air: force and moment of the air on the part of the body that is nearest to it, at
+        /// the station, root frame.
+        air_stations, air_stations_mut: [Wrench];
+        /// Per strip, surfaces in the order of their bodies: circulation in m²/s.
+        circulation_m2_s, circulation_m2_s_mut: [f64];
+        ;
+        /// Force and moment of the wing on the aircraft at the origin, root frame.
+        root, root_mut: Wrench;
+        /// Energies.
+        energy, energy_mut: EnergyOutputs;
+        /// Force and moment of the air at the origin, root frame; zero without air.
+        air_total, air_total_mut: Wrench;
+    }
+
+    /// Outputs of the right sizes, before initialisation.
+    pub(crate) fn blank(machine: &Machine) -> Self {
+        let layout = OutputLayout::new(machine);
+        let mut outputs = Self { time_s: 0.0, layout, values: vec![0.0; layout.end] };
+        outputs.latches_mut().fill(LatchOutputs::OPEN);
+        let upright = SpatialOutputs { rotation: points::UPRIGHT, angular_velocity_rad_s: Vector3::zeros() };
+        outputs.spatial_mut().fill(upright);
+        outputs.tips_mut().fill(PointOutputs::BLANK);
+        outputs.stations_mut().fill(PointOutputs::BLANK);
+        outputs
+    }
+
+    /// Where which output stands in [`Self::values`].
+    pub fn layout(&self) -> &OutputLayout {
+        &self.layout
+    }
+
+    /// All of them, SI units: first those that move with time, then those of [`Self::latches`]. Switches are 1 or 0,
+    /// quaternions stand as `x, y, z, w`.
+    #[inline]
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Whether all of them are finite.
+    pub(crate) fn are_finite(&self) -> bool {
+        are_finite(&self.values)
+    }
+
+    /// Zero derivatives of the same sizes. Attitudes then hold the derivatives of their four components.
+    pub(crate) fn no_change(&self) -> Self {
+        Self { time_s: 0.0, layout: self.layout, values: vec![0.0; self.values.len()] }
+    }
+
+    /// Adds a multiple of other outputs; latches and the time stay.
+    pub(crate) fn add(&mut self, other: &Self, weight: f64) {
+        let continuous = ..self.layout.continuous;
+        let terms = self.values[continuous].iter_mut().zip(&other.values[continuous]);
+        terms.for_each(|(sum, term)| *sum += term * weight);
+    }
+}
+
+/// The present as the files of this folder read it.
+pub(crate) struct Present<'a> {
+    /// State; its `now` is the present.
+    state: &'a State,
+    /// Equations, swept as far as is wanted.
+    equations: &'a Equations,
+    /// Coordinates, rates, accelerations.
+    motion: Motion<'a>,
+}
+
+impl Present<'_> {
+    /// Time in s.
+    fn time_s(&self) -> f64 {
+        self.state.now.time_s
+    }
+}
+
+impl System {
+    /// Says which outputs [`crate::run::Plant::step`] is to find; at first all. Those that are missing at present are found at once.
+    ///
+    /// What is left out keeps an old value in [`System::outputs`] until [`System::provide`] is called for it. What
+    /// describes the whole wing ([`System::sections`], [`System::shape`], [`System::section_strains`], linear models, modes)
+    /// needs [`OutputSet::ALL`]. Later steps do not depend on it.
+    pub fn watch(&mut self, wanted: OutputSet) {
+        self.watched = wanted;
+        if self.state.initialized {
+            self.provide(wanted);
+        }
+    }
+
+    /// Finds those of `wanted` that have not been found at the present time, with the inputs as they are set: forces and
+    /// accelerations follow an input at once. Allocates nothing.
+    pub fn provide(&mut self, wanted: OutputSet) {
+        if self.state.initialized && !self.found.contains(wanted) {
+            let missing = wanted.without(self.found);
+            if !(self.inputs_may_differ && self.evaluate_with_set_inputs(missing)) {
+                self.evaluate_some(missing);
+            }
+        }
+    }
+
+    /// Finds all outputs anew where inputs have been set since the last step: for those that leave the outputs of the applied
+    /// ones behind.
+    pub(crate) fn show_set_inputs(&mut self) {
+        if self.inputs_may_differ && self.state.initialized {
+            self.forget_outputs();
+            self.provide(OutputSet::ALL);
+        }
+    }
+
+    /// Whether these outputs belong to the present time.
+    pub fn provides(&self, wanted: OutputSet) -> bool {
+        !self.state.initialized || self.found.contains(wanted)
+    }
+
+    /// Fills all outputs from the present state and the inputs of the step that led to it. Allocates nothing.
+    pub(crate) fn evaluate(&mut self) {
+        self.found = OutputSet::NONE;
+        self.evaluate_some(OutputSet::ALL);
+    }
+
+    /// The present has changed: nothing has been found of it.
+    pub(crate) fn forget_outputs(&mut self) {
+        self.found = OutputSet::NONE;
+        self.outputs.time_s = self.state.now.time_s;
+        self.equations.branch_s = self.state.now.time_s;
+    }
+
+    fn evaluate_some(&mut self, wanted: OutputSet) {
+        // loads of the air are read at the load stations and along the surfaces
+        let wanted = if self.air.is_some() { OutputSet::ALL } else { wanted };
+        self.found = self.found | wanted;
+        self.sweep_for(wanted);
+        let (state, outputs) = (&self.state, &mut self.outputs);
+        let now = &state.now;
+        outputs.time_s = now.time_s;
+        let present = Present { state, equations: &self.equations, motion: Motion { q: &now.q, v: &now.v, a: &now.a } };
+        if wanted.meets(OutputSet::JOINTS) {
+            joints::fill(outputs.joints_mut(), &present);
+            latches::fill(outputs.latches_mut(), &present);
+        }
+        if wanted.meets(OutputSet::HOLDING) {
+            joints::fill_holding(outputs.joints_mut(), &present);
+        }
+        if wanted.meets(OutputSet::SPATIAL) {
+            spatial::fill(outputs.spatial_mut(), &present);
+        }
+        if wanted.meets(OutputSet::REACTIONS) {
+            loads::fill_reactions(outputs.joint_reactions_mut(), &present);
+        }
+        if wanted.meets(OutputSet::GAUGES) {
+            loads::fill_gauges(outputs.gauges_mut(), &present, &self.gauges);
+        }
+        if wanted.meets(OutputSet::SECTION_LOADS) {
+            loads::fill_sections(outputs.section_loads_mut(), &present);
+        }
+        if wanted.meets(OutputSet::LOOPS) {
+            loads::fill_loops(outputs.loops_mut(), &present);
+        }
+        if wanted.meets(OutputSet::ROOT) {
+            loads::fill_root(outputs.root_mut(), &present);
+        }
+        points::fill_tips(outputs.tips_mut(), &present, &self.tip_bodies, wanted);
+        points::fill_stations(outputs.stations_mut(), &present, wanted);
+        if wanted.meets(OutputSet::ENERGIES) {
+            energies::fill(outputs.energy_mut(), &present);
+        }
+        if wanted.meets(OutputSet::ACCOUNTS) {
+            energies::fill_accounts(outputs.energy_mut(), &present);
+        }
+        if let (Some(air), Some(history)) = (&mut self.air, &state.air) {
+            air.report(&self.equations, history, now, outputs);
+        }
+    }
+
+    /// Brings the equations to the present as far as some outputs need it.
+    fn sweep_for(&mut self, wanted: OutputSet) {
+        let (now, equations) = (&self.state.now, &mut self.equations);
+        let time_s = now.time_s;
+        equations.branch_s = time_s;
+        let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
+        let sweep = wanted.sweep(self.gauges_need_forces);
+        match sweep {
+            // linear models go on from a whole residual, and it alone has the torques of what holds joints
+            _ if wanted == OutputSet::ALL || wanted.meets(OutputSet::HOLDING) => {
+                equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
+            }
+            // where inputs run, it brings them to its time
+            _ if equations.course.moves || sweep == Sweep::Residual => {
+                equations.wrenches(time_s, motion, &mut self.scratch[0]);
+            }
+            Sweep::Nothing | Sweep::Residual => {}
+            Sweep::Poses => sweep_poses(&equations.model, &mut equations.work, motion.q),
+            Sweep::Motion => sweep_motion(&equations.model, &mut equations.work, motion),
+        }
+    }
+}

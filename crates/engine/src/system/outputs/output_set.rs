@@ -1,0 +1,105 @@
+//! Which outputs are wanted: groups that are found together, and what each needs.
+
+use std::ops::BitOr;
+
+/// A set of groups of [`crate::plant::Outputs`].
+///
+/// What nobody reads need not be found: angles follow from the coordinates alone, positions from a sweep of poses,
+/// velocities and energies from one of motions, forces from a whole residual.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct OutputSet(u32);
+
+impl OutputSet {
+    /// Nothing.
+    pub const NONE: Self = Self(0);
+    /// Revolute joints: angles, rates, torques, latches.
+    pub const JOINTS: Self = Self(1);
+    /// Work of the inputs and dissipated energy.
+    pub const ACCOUNTS: Self = Self(1 << 1);
+    /// Strains of gauges.
+    pub const GAUGES: Self = Self(1 << 2);
+    /// Positions and attitudes of free ends.
+    pub const TIP_PLACES: Self = Self(1 << 3);
+    /// Positions and attitudes of load stations.
+    pub const STATION_PLACES: Self = Self(1 << 4);
+    /// Universal, ball and free joints.
+    pub const SPATIAL: Self = Self(1 << 5);
+    /// Velocities and accelerations of free ends.
+    pub const TIP_MOTIONS: Self = Self(1 << 6);
+    /// Velocities and angular velocities of load stations.
+    pub const STATION_MOTIONS: Self = Self(1 << 7);
+    /// Kinetic and potential energies and their sum.
+    pub const ENERGIES: Self = Self(1 << 8);
+    /// Forces and moments of joints.
+    pub const REACTIONS: Self = Self(1 << 9);
+    /// Gaps and forces of closed loops.
+    pub const LOOPS: Self = Self(1 << 10);
+    /// Force and moment on the aircraft.
+    pub const ROOT: Self = Self(1 << 11);
+    /// Loads of the air.
+    pub const AIR: Self = Self(1 << 12);
+    /// Torques of what holds revolute joints.
+    pub const HOLDING: Self = Self(1 << 13);
+    /// Accelerations of load stations.
+    pub const STATION_ACCELERATIONS: Self = Self(1 << 14);
+    /// Section loads.
+    pub const SECTION_LOADS: Self = Self(1 << 15);
+    /// Everything; also the motion and the forces inside the wing that shapes, sections and strains are read from.
+    pub const ALL: Self = Self((1 << 16) - 1);
+
+    /// Whether all of `other` is in it.
+    #[inline]
+    pub fn contains(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// Whether some of `other` is in it.
+    #[inline]
+    pub fn meets(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// What is in it and not in `other`.
+    #[inline]
+    pub fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
+    /// What has to be swept for it, where strains of gauges follow from forces (`recovered`) or from coordinates.
+    pub(crate) fn sweep(self, recovered: bool) -> Sweep {
+        let forces = Self::REACTIONS | Self::SECTION_LOADS | Self::LOOPS | Self::ROOT | Self::AIR | Self::HOLDING;
+        let motions =
+            Self::SPATIAL | Self::TIP_MOTIONS | Self::STATION_MOTIONS | Self::STATION_ACCELERATIONS | Self::ENERGIES;
+        if self.meets(forces) || recovered && self.meets(Self::GAUGES) {
+            Sweep::Residual
+        } else if self.meets(motions) {
+            Sweep::Motion
+        } else if self.meets(Self::TIP_PLACES | Self::STATION_PLACES) {
+            Sweep::Poses
+        } else {
+            Sweep::Nothing
+        }
+    }
+}
+
+impl BitOr for OutputSet {
+    type Output = Self;
+
+    #[inline]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+/// How much of the equations must stand at the present time; each includes those before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Sweep {
+    /// Coordinates alone.
+    Nothing,
+    /// Poses of the nodes.
+    Poses,
+    /// Poses, velocities and accelerations.
+    Motion,
+    /// And the forces.
+    Residual,
+}

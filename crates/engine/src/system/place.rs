@@ -1,0 +1,156 @@
+//! Where something went wrong: coordinates by the names of the model file.
+
+use crate::beam::element::ElementKind;
+use crate::machine::Travel;
+use crate::multibody::model::Element;
+use crate::multibody::norm;
+use crate::solve::newton::NewtonError;
+use crate::system::PlantError;
+use crate::system::System;
+use crate::system::magnitude::inputs_are_moderate;
+
+/// Inputs by which a partner closes a loop over the root.
+const ROOT_ACCELERATION: &str = "root.acceleration";
+const ROOT_ANGULAR_ACCELERATION: &str = "root.angular_acceleration";
+/// What to try where real-time mode has lost the motion.
+const REAL_TIME_ADVICE: &str =
+    "shorten solver.fixed_step_s, allow more solver.max_iterations, or use mode = \"accurate\"";
+
+/// Why an internal step was given up.
+pub(crate) enum Failure {
+    /// The error estimate is too large.
+    Estimate {
+        /// Kinematic norm of the estimate.
+        error: f64,
+        /// What is allowed.
+        tolerance: f64,
+    },
+    /// The equations of a stage were not solved.
+    Newton(NewtonError),
+    /// Bounded iterations leave a stage so far from its solution that the motion is lost.
+    Unsolved {
+        /// Kinematic norm of the last correction: rotation in rad, or displacement over the machine's length.
+        rest: f64,
+    },
+    /// A joint turns so far within a step of given length that the step cannot tell which way.
+    Turned {
+        /// Coordinate of its angle.
+        coordinate: usize,
+        /// Turn in rad.
+        turn_rad: f64,
+    },
+}
+
+impl System {
+    /// The error of an internal step from `start` that was given up at `step_s`; `remainder` is what the step has left.
+    pub(crate) fn no_convergence(&self, step_s: f64, failure: Failure, remainder: &[f64]) -> PlantError {
+        let time_s = self.state.start.time_s;
+        let place = match &failure {
+            Failure::Newton(NewtonError::Singular(singular)) => self.place_of(singular.coordinate),
+            Failure::Turned { coordinate, .. } => self.place_of(*coordinate),
+            // what is left is no number anywhere: the accelerations that the step began with tell more
+            Failure::Newton(NewtonError::NotFinite { .. }) => self.place_of_largest(&self.state.start.a),
+            _ => self.place_of_largest(remainder),
+        };
+        let (cause, advice) = match failure {
+            Failure::Estimate { error, tolerance } => (
+                format!("error estimate {error:.1e} exceeds tolerance {tolerance:.1e}"),
+                "allow a larger solver.tolerance or a smaller solver.min_step",
+            ),
+            // whether the iteration overflows or only runs away is a matter of round-off
+            Failure::Newton(error) if !inputs_are_moderate(&self.state.applied_inputs) => (
+                format!("{error}; {}", self.largest_input()),
+                "look at inputs and parameters far beyond the structure's strength",
+            ),
+            Failure::Newton(error) if self.machine.solver.most_iterations.is_some() => {
+                (format!("in real time a stage has no solution: {error}; {}", self.largest_input()), REAL_TIME_ADVICE)
+            }
+            Failure::Unsolved { rest } => (
+                format!("in real time an iteration that was cut short still corrects by {rest:.1e} rad"),
+                REAL_TIME_ADVICE,
+            ),
+            Failure::Turned { turn_rad, .. } => (
+                format!("in real time it turns by {turn_rad:.1e} rad in one step, more than half a turn"),
+                REAL_TIME_ADVICE,
+            ),
+            Failure::Newton(error) => (
+                format!("{error}; {}", self.largest_input()),
+                "look at loads, drive and latch there, or allow a smaller solver.min_step",
+            ),
+        };
+        PlantError::NoConvergence { time_s, step_s, place, cause, advice }
+    }
+
+    /// Name of what moves most in a change of the coordinates.
+    fn place_of_largest(&self, change: &[f64]) -> String {
+        self.place_of(norm::largest_share(&self.equations.model, &self.equations.work, change))
+    }
+
+    /// Name of what a coordinate belongs to.
+    pub(crate) fn place_of(&self, coordinate: usize) -> String {
+        let model = &self.equations.model;
+        for (body, machine) in model.bodies.iter().zip(&self.machine.bodies) {
+            if body.joint.range().contains(&coordinate) {
+                return format!("joint {}", machine.joint.name);
+            }
+            let elements = &model.elements[body.first_element..body.first_element + body.elements];
+            let holds = |element: &Element| (element.coordinate..element.coordinate + 4).contains(&coordinate);
+            if let Some(place) = elements.iter().position(holds) {
+                let per_element = if body.kind == ElementKind::Linear { 2 } else { 1 };
+                let (element, count) = (place / per_element + 1, body.elements / per_element);
+                return format!("element {element} of {count} of body {}", machine.name);
+            }
+        }
+        "no joint and no element".to_owned()
+    }
+
+    /// The largest of the loads, torques, commands and motions that act, by the name of its variable, with what an
+    /// acceleration of the root as large as that mostly means.
+    pub(crate) fn largest_input(&self) -> String {
+        let inputs = &self.state.applied_inputs;
+        let mut largest = (0.0, "all inputs are 0".to_owned());
+        let mut offer = |value: f64, unit: &str, name: &dyn Fn() -> String| {
+            if value.is_nan() || value.abs() > largest.0 {
+                largest = (value.abs(), format!("the largest input is {} = {value:e} {unit}", name()));
+            }
+        };
+        let root = &inputs.root();
+        let vectors = [
+            (&root.gravity_m_s2, "m/s2", "gravity"),
+            (&root.acceleration_m_s2, "m/s2", ROOT_ACCELERATION),
+            (&root.angular_velocity_rad_s, "rad/s", "root.angular_velocity"),
+            (&root.angular_acceleration_rad_s2, "rad/s2", ROOT_ANGULAR_ACCELERATION),
+            (inputs.wind_m_s(), "m/s", "wind.velocity"),
+        ];
+        for (vector, unit, name) in vectors {
+            for (value, axis) in vector.iter().zip(["x", "y", "z"]) {
+                offer(*value, unit, &|| format!("{name}.{axis}"));
+            }
+        }
+        for (joint, &body) in inputs.joints().iter().zip(&self.revolute_joints) {
+            let described = &self.machine.bodies[body].joint;
+            let (name, travel) = (&described.name, described.kind.one_freedom().map(|(travel, _)| travel));
+            let travel = travel.unwrap_or(Travel::Rotation);
+            offer(joint.torque_n_m, travel.effort_unit(), &|| format!("{name}.{}", travel.words("torque")));
+            offer(joint.command_rad, travel.units()[0], &|| format!("{name}.command"));
+        }
+        let stations =
+            self.machine.bodies.iter().flat_map(|body| (0..body.station_positions_m.len()).map(move |i| (body, i)));
+        for (load, (body, station)) in inputs.stations().iter().zip(stations) {
+            for (vector, unit, what) in [(&load.force_n, "N", "force"), (&load.moment_n_m, "N.m", "moment")] {
+                for (value, axis) in vector.iter().zip(["x", "y", "z"]) {
+                    offer(*value, unit, &|| format!("load.{}[{}].{what}.{axis}", body.name, station + 1));
+                }
+            }
+        }
+        let largest = largest.1;
+        if [ROOT_ACCELERATION, ROOT_ANGULAR_ACCELERATION].iter().any(|name| largest.contains(&format!("{name}."))) {
+            let mass_kg = self.mass_kg();
+            format!(
+                "{largest}; if it responds to root.force, the carrier must be heavier than the wing ({mass_kg:.3} kg)"
+            )
+        } else {
+            largest
+        }
+    }
+}

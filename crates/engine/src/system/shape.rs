@@ -1,0 +1,170 @@
+//! Shapes along the bodies: of the present state and of modes.
+
+use crate::beam::element::ElementKind;
+use crate::beam::recovery::axial_row;
+use crate::load::LoadFrame;
+use crate::multibody::kinematics::Motion;
+use crate::multibody::model::Station;
+use crate::multibody::{gauge, station};
+use crate::system::System;
+use nalgebra::{Complex, Matrix3, Rotation3, Vector3, Vector4};
+
+/// Share of `|λ|` below which the real part of an eigenvalue is round-off.
+const GROWTH: f64 = 1e-6;
+
+/// A section of a body at a mesh boundary.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SectionShape {
+    /// Distance from the body's inner end along the undeformed axis in m.
+    pub place_m: f64,
+    /// Position in the root frame in m.
+    pub position_m: Vector3<f64>,
+    /// Root ← section.
+    pub rotation: Matrix3<f64>,
+    /// Strains `(εx, κx, κy, κz)`; –, 1/m.
+    pub strain: Vector4<f64>,
+}
+
+impl SectionShape {
+    /// Rotation vector of the section in rad, root frame.
+    pub fn rotation_vector_rad(&self) -> Vector3<f64> {
+        Rotation3::from_matrix_unchecked(self.rotation).scaled_axis()
+    }
+}
+
+/// Motion of a section in a mode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeMotion {
+    /// Displacement in m, root frame.
+    pub displacement_m: Vector3<f64>,
+    /// Rotation vector in rad, root frame.
+    pub rotation_rad: Vector3<f64>,
+}
+
+/// A mode with its shape: per body, the motion of the sections of [`System::shape`]. The largest rotation in rad, or
+/// displacement over the machine's length, is 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModeShape {
+    /// `|λ|/2π` in Hz.
+    pub frequency_hz: f64,
+    /// `−Re λ/|λ|`.
+    pub damping_ratio: f64,
+    /// `λ` in 1/s.
+    pub eigenvalue_1_s: Complex<f64>,
+    /// Shares of stretch, twist, flap, lag and joint springs in the elastic energy; zero for free motions.
+    pub shares: [f64; 5],
+    /// Real part of the shape.
+    pub real: Vec<Vec<NodeMotion>>,
+    /// Imaginary part; zero without damping and gyroscopic forces.
+    pub imaginary: Vec<Vec<NodeMotion>>,
+}
+
+impl ModeShape {
+    /// The pole is real: the motion does not oscillate.
+    pub fn is_real(&self) -> bool {
+        self.eigenvalue_1_s.im.abs() <= 1e-9 * self.eigenvalue_1_s.norm()
+    }
+
+    /// Nothing resists the motion.
+    pub fn is_free(&self) -> bool {
+        self.eigenvalue_1_s.norm() == 0.0
+    }
+
+    /// The motion grows.
+    pub fn grows(&self) -> bool {
+        self.eigenvalue_1_s.re > GROWTH * self.eigenvalue_1_s.norm()
+    }
+}
+
+/// Motion and strain of a section anywhere on a body, root frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SectionState {
+    /// Position in m.
+    pub position_m: Vector3<f64>,
+    /// Velocity in m/s.
+    pub velocity_m_s: Vector3<f64>,
+    /// Angular velocity in rad/s.
+    pub angular_velocity_rad_s: Vector3<f64>,
+    /// Root ← section.
+    pub rotation: Matrix3<f64>,
+    /// Strain measures `(γ₁, k₁, k₂, k₃)`: strains less the natural ones, as the elements have them, NOTATION eq. (G7);
+    /// –, 1/m.
+    pub measures: Vector4<f64>,
+}
+
+impl SectionState {
+    /// Position in m and velocity in m/s of the point `[y, z]` (m) of the section.
+    pub fn point(&self, [y_m, z_m]: [f64; 2]) -> (Vector3<f64>, Vector3<f64>) {
+        let arm_m = self.rotation * Vector3::new(0.0, y_m, z_m);
+        (self.position_m + arm_m, self.velocity_m_s + self.angular_velocity_rad_s.cross(&arm_m))
+    }
+
+    /// Longitudinal strain at the point `[y, z]` (m) of the section, NOTATION eqs. (R1), (G7).
+    pub fn axial_strain(&self, [y_m, z_m]: [f64; 2]) -> f64 {
+        axial_row(y_m, z_m).dot(&self.measures)
+    }
+}
+
+impl System {
+    /// Mesh boundaries of a body: distances from its inner end in m, ascending; 0 alone on a rigid body.
+    pub fn mesh_m(&self, body: usize) -> Vec<f64> {
+        let model = &self.equations.model;
+        let body = &model.bodies[body];
+        if body.elements == 0 {
+            return vec![0.0];
+        }
+        let elements = &model.elements[body.first_element..body.first_element + body.elements];
+        let stride = if body.kind == ElementKind::Linear { 2 } else { 1 };
+        let end = elements.last().map(|last| last.start_m + last.length_m);
+        elements.iter().step_by(stride).map(|element| element.start_m).chain(end).collect()
+    }
+
+    /// Sections of a body at distances in m from its inner end, at the present time.
+    pub fn sections(&self, body: usize, places_m: &[f64]) -> Vec<SectionState> {
+        let (model, work, now) = (&self.equations.model, &self.equations.work, &self.state.now);
+        let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
+        let section = |&place_m: &f64| {
+            let (element, offset_m) = model.locate(body, place_m);
+            let station = Station { body, element, offset_m, frame: LoadFrame::Root };
+            let point = station::motion(model, work, motion, &station);
+            SectionState {
+                position_m: point.position_m,
+                velocity_m_s: point.velocity_m_s,
+                angular_velocity_rad_s: point.spin_rad_s,
+                rotation: point.rotation,
+                measures: gauge::element_measures(model, &now.q, body, place_m),
+            }
+        };
+        places_m.iter().map(section).collect()
+    }
+
+    /// Sections at the mesh boundaries of every body, inner end first, at the present time.
+    pub fn shape(&self) -> Vec<Vec<SectionShape>> {
+        let (model, work, now) = (&self.equations.model, &self.equations.work, &self.state.now);
+        let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
+        let section = |index: usize, node: usize| {
+            let body = &model.bodies[index];
+            let next = body.first_element + node - body.first_node;
+            let place_m = if body.elements == 0 {
+                0.0
+            } else if node == body.last_node() {
+                let last = &model.elements[next - 1];
+                last.start_m + last.length_m
+            } else {
+                model.elements[next].start_m
+            };
+            SectionShape {
+                place_m,
+                position_m: work.nodes[node].position,
+                rotation: work.nodes[node].rotation,
+                strain: gauge::section_strain(model, work, motion, &self.equations.damping, index, place_m),
+            }
+        };
+        model
+            .bodies
+            .iter()
+            .enumerate()
+            .map(|(index, body)| body.frames().map(|node| section(index, node)).collect())
+            .collect()
+    }
+}

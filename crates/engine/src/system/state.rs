@@ -1,0 +1,230 @@
+//! The plant's state: small, clonable, and all that an FMU state needs.
+
+use crate::force::memory::JointMemory;
+use crate::machine::Machine;
+use crate::signal::{Inputs, Parameters};
+use crate::solve::point::Point;
+use crate::system::air::AirHistory;
+use crate::system::{PlantError, Statistics};
+use nalgebra::UnitQuaternion;
+use serde::{Deserialize, Serialize};
+
+/// Everything that changes in time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct State {
+    /// [`crate::plant::Plant::initialize`] has succeeded.
+    pub initialized: bool,
+    /// Inputs as the caller last set them.
+    pub inputs: Inputs,
+    /// Parameters as the caller last set them.
+    pub parameters: Parameters,
+    /// Rates of the real inputs in the coming step as the caller set them, per second.
+    pub rates: Inputs,
+    /// Inputs that the present step runs with, at `applied_from_s`.
+    pub applied_inputs: Inputs,
+    /// Rates of the real inputs that the present step runs with, per second.
+    pub applied_rates: Inputs,
+    /// Time of `applied_inputs` in s.
+    pub applied_from_s: f64,
+    /// Parameters that the present step runs with.
+    pub applied_parameters: Parameters,
+    /// Begin of the integrator's last step before the present one; the same as `start` after an event.
+    pub before: Point,
+    /// Begin of the integrator's present step.
+    pub start: Point,
+    /// End of the integrator's present step, at or ahead of the present time.
+    pub ahead: Point,
+    /// Stages of the integrator's present step between its ends; without meaning where it has no length.
+    pub stages: Vec<Point>,
+    /// The present.
+    pub now: Point,
+    /// Next step to try in s.
+    pub step_s: f64,
+    /// Per revolute joint.
+    pub joints: Vec<JointMemory>,
+    /// Last quaternions of universal, ball and free joints.
+    pub spatial_rotations: Vec<UnitQuaternion<f64>>,
+    /// Last quaternions of the tips, for a continuous sign.
+    pub tip_rotations: Vec<UnitQuaternion<f64>>,
+    /// Last quaternions of the stations.
+    pub station_rotations: Vec<UnitQuaternion<f64>>,
+    /// Air, of machines that have any, from initialisation on.
+    pub air: Option<AirHistory>,
+    /// Counters.
+    pub statistics: Statistics,
+}
+
+impl State {
+    /// Inputs and parameters that the model states; the rest is made by initialisation.
+    pub fn of_model(machine: &Machine) -> Self {
+        let (inputs, parameters) = (Inputs::of(machine), Parameters::of(machine));
+        Self {
+            initialized: false,
+            rates: inputs.no_rates(),
+            applied_rates: inputs.no_rates(),
+            applied_inputs: inputs.clone(),
+            applied_from_s: 0.0,
+            applied_parameters: parameters.clone(),
+            inputs,
+            parameters,
+            before: Point::default(),
+            start: Point::default(),
+            ahead: Point::default(),
+            stages: Vec::new(),
+            now: Point::default(),
+            step_s: 0.0,
+            joints: Vec::new(),
+            spatial_rotations: Vec::new(),
+            tip_rotations: Vec::new(),
+            station_rotations: Vec::new(),
+            air: None,
+            statistics: Statistics::default(),
+        }
+    }
+
+    /// Copies a state of the same plant; allocates nothing where the sizes agree.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.initialized = other.initialized;
+        let inputs = [&mut self.inputs, &mut self.rates, &mut self.applied_inputs, &mut self.applied_rates];
+        for (own, other) in
+            inputs.into_iter().zip([&other.inputs, &other.rates, &other.applied_inputs, &other.applied_rates])
+        {
+            own.clone_from(other);
+        }
+        self.parameters.clone_from(&other.parameters);
+        self.applied_parameters.clone_from(&other.applied_parameters);
+        self.applied_from_s = other.applied_from_s;
+        let points = [&mut self.before, &mut self.start, &mut self.ahead, &mut self.now];
+        for (own, other) in points.into_iter().zip([&other.before, &other.start, &other.ahead, &other.now]) {
+            own.clone_from(other);
+        }
+        self.stages.clone_from(&other.stages);
+        self.step_s = other.step_s;
+        self.joints.clone_from(&other.joints);
+        self.spatial_rotations.clone_from(&other.spatial_rotations);
+        self.tip_rotations.clone_from(&other.tip_rotations);
+        self.station_rotations.clone_from(&other.station_rotations);
+        match (&mut self.air, &other.air) {
+            (Some(own), Some(other)) => own.copy_from(other),
+            (own, other) => own.clone_from(other),
+        }
+        self.statistics = other.statistics;
+    }
+}
+
+/// Everything that must survive rollback: inputs, parameters, integrator history, events, energies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot(Box<State>);
+
+impl Snapshot {
+    pub(crate) fn of(state: &State) -> Self {
+        Self(Box::new(state.clone()))
+    }
+
+    pub(crate) fn state(&self) -> &State {
+        &self.0
+    }
+
+    /// Refuses a snapshot whose vectors do not have the lengths of this model's, which has `coordinates`, `tips`
+    /// and so many `stages` within a step.
+    /// `air` is a history of the air with the sizes of this model's.
+    pub(crate) fn check(
+        &self,
+        own: &State,
+        coordinates: usize,
+        tips: usize,
+        stages: usize,
+        air: Option<&AirHistory>,
+    ) -> Result<(), PlantError> {
+        let theirs = &*self.0;
+        let inputs = [&theirs.inputs, &theirs.rates, &theirs.applied_inputs, &theirs.applied_rates];
+        let parameters = [&theirs.parameters, &theirs.applied_parameters];
+        if !(inputs.into_iter().all(|inputs| inputs.fit(own.inputs.layout()))
+            && parameters.into_iter().all(|parameters| parameters.fit(own.parameters.layout())))
+        {
+            return Err(PlantError::Snapshot("numbers of joints, bodies or stations differ".into()));
+        }
+        let fits = |point: &Point| {
+            [&point.q, &point.v, &point.a, &point.auxiliary].iter().all(|vector| vector.len() == coordinates)
+        };
+        let points_fit = [&theirs.before, &theirs.start, &theirs.ahead, &theirs.now].into_iter().all(fits);
+        let stage_fits = |point: &Point| {
+            point.auxiliary.is_empty()
+                && [&point.q, &point.v, &point.a].iter().all(|vector| vector.len() == coordinates)
+        };
+        let stages_fit = theirs.stages.len() == stages && theirs.stages.iter().all(stage_fits);
+        if theirs.initialized && !(points_fit && stages_fit) {
+            return Err(PlantError::Snapshot("numbers of coordinates differ".into()));
+        }
+        let rotations = [&theirs.spatial_rotations, &theirs.tip_rotations, &theirs.station_rotations].map(Vec::len);
+        let rotations_fit = rotations == [own.parameters.spatial().len(), tips, own.inputs.stations().len()];
+        if theirs.initialized && !(rotations_fit && theirs.joints.len() == own.inputs.joints().len()) {
+            return Err(PlantError::Snapshot("numbers of free ends or joint states differ".into()));
+        }
+        let air_fits = match (air, &theirs.air) {
+            (Some(own), Some(theirs)) => own.fits(theirs),
+            (None, theirs) => theirs.is_none(),
+            (Some(_), None) => !theirs.initialized,
+        };
+        if !air_fits {
+            return Err(PlantError::Snapshot("numbers of panels, strips or rows of the wake differ".into()));
+        }
+        theirs.check_values()
+    }
+}
+
+impl State {
+    /// Refuses values that no run can reach: the bytes of a state can be anything.
+    fn check_values(&self) -> Result<(), PlantError> {
+        let refuse = |what: &str| Err(PlantError::Snapshot(format!("{what} that no run can reach")));
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let points = [&self.before, &self.start, &self.ahead, &self.now];
+        let sound = |point: &&Point| {
+            let Point { time_s, q, v, a, auxiliary, work, dissipated, powers } = point;
+            [q, v, a, auxiliary].into_iter().all(|values| finite(values))
+                && finite(&[*time_s, *work, *dissipated, powers.work, powers.dissipated])
+        };
+        let within = if self.start.time_s < self.ahead.time_s { &self.stages[..] } else { &[] };
+        if !points.into_iter().chain(within).all(|point| sound(&point)) {
+            return refuse("coordinates or times");
+        }
+        let in_order = self.start.time_s <= self.now.time_s && self.now.time_s <= self.ahead.time_s;
+        if self.initialized
+            && !(in_order && self.step_s > 0.0 && self.step_s.is_finite() && self.applied_from_s.is_finite())
+        {
+            return refuse("an order of times or an internal step");
+        }
+        if let Err(what) = self.parameters.check().and_then(|()| self.applied_parameters.check()) {
+            return refuse(what);
+        }
+        self.check_inputs_and_events()
+    }
+
+    /// Refuses inputs, latches, neutral angles and attitudes that are not finite.
+    fn check_inputs_and_events(&self) -> Result<(), PlantError> {
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let inputs = [&self.inputs, &self.rates, &self.applied_inputs, &self.applied_rates];
+        let joint = |JointMemory { latch, slew, .. }: &JointMemory| {
+            finite(&[
+                latch.time_s,
+                latch.impulse_n_m_s,
+                slew.from_rad,
+                slew.target_rad,
+                slew.target_rate_rad_s,
+                slew.start_s,
+            ]) && slew.rate_limit_rad_s.is_finite()
+        };
+        let rotations = [&self.spatial_rotations, &self.tip_rotations, &self.station_rotations];
+        let rates = [&self.rates, &self.applied_rates];
+        let what = if !(inputs.into_iter().all(Inputs::can_be) && rates.into_iter().all(Inputs::can_be_rates)) {
+            "inputs"
+        } else if !self.joints.iter().all(joint) {
+            "latches or neutral angles"
+        } else if !rotations.into_iter().flatten().all(|rotation| finite(rotation.coords.as_slice())) {
+            "attitudes"
+        } else {
+            return Ok(());
+        };
+        Err(PlantError::Snapshot(format!("{what} that no run can reach")))
+    }
+}

@@ -1,0 +1,43 @@
+//! What a run tells of itself.
+
+use serde::{Deserialize, Serialize};
+
+/// Stopper and latch of one revolute joint: what its events change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointStatus {
+    /// The stopper has let go.
+    pub released: bool,
+    /// Latch closed.
+    pub latched: bool,
+    /// Time of the last closing in s; −1 before the first.
+    pub latch_time_s: f64,
+    /// Number of closings.
+    pub latch_count: i32,
+}
+
+/// Counters of the time integration since initialisation.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Statistics {
+    /// Accepted steps.
+    pub steps: u64,
+    /// Steps rejected by the error estimate.
+    pub rejections: u64,
+    /// Steps given up by the Newton iteration.
+    pub failures: u64,
+    /// Newton iterations (residuals with a solve) of the motion that was taken.
+    pub iterations: u64,
+    /// Newton iterations of the trial marches in which air and structure agree, and which are taken back.
+    pub trial_iterations: u64,
+    /// Factorisations.
+    pub factorizations: u64,
+    /// Events: releases, holds, closings and openings of latches, changes of contact with stops.
+    pub events: u64,
+    /// Solutions of the air.
+    pub air_solutions: u64,
+    /// Stages that real-time mode accepted without convergence.
+    pub unconverged: u64,
+    /// Most Newton iterations of one stage.
+    pub largest_iterations: u64,
+    /// Longest row that a step of the air has given the wake, in panel chords; 0 without a lattice.
+    pub longest_row_panels: f64,
+}
