@@ -39,7 +39,7 @@ pub struct AccountRates {
 /// Why a machine cannot be integrated from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NotHybrid {
-    /// [`crate::run::Plant::initialize`] has not succeeded.
+    /// `Plant::initialize` has not succeeded.
     #[error("the machine is not initialised; initialise it first")]
     Uninitialized,
     /// Panels, strips and wake have states of their own.
@@ -50,7 +50,7 @@ pub enum NotHybrid {
 }
 
 impl System {
-    /// The machine as a hybrid system at the present time. Refused before [`crate::run::Plant::initialize`] and in air, whose state only
+    /// The machine as a hybrid system at the present time. Refused before `Plant::initialize` and in air, whose state only
     /// steps of the machine's own know.
     pub fn hybrid(&mut self) -> Result<Hybrid<'_>, NotHybrid> {
         if !self.state.initialized {

@@ -1,6 +1,6 @@
 //! The machine as a hybrid system: a state, equations that give its derivatives, events that change both, and outputs.
 //!
-//! Time does not pass here: [`crate::run`] steps the system, [`crate::study`] asks it questions about one state.
+//! Time does not pass here: a run steps the system, a study asks it questions about one state.
 
 pub(crate) mod air;
 pub(crate) mod brake;
@@ -148,7 +148,7 @@ impl System {
         &self.state.inputs
     }
 
-    /// Inputs of the coming step, to be changed. The motion follows from the next [`crate::run::Plant::step`] on; outputs that feel an
+    /// Inputs of the coming step, to be changed. The motion follows from the next `Plant::step` on; outputs that feel an
     /// input at once do so when [`System::provide`] finds them.
     pub fn inputs_mut(&mut self) -> &mut Inputs {
         self.found = OutputSet::NONE;
@@ -167,7 +167,7 @@ impl System {
         &self.state.parameters
     }
 
-    /// Parameters, to be changed: fixed ones before [`crate::run::Plant::initialize`], tunable ones at any time.
+    /// Parameters, to be changed: fixed ones before `Plant::initialize`, tunable ones at any time.
     pub fn parameters_mut(&mut self) -> &mut Parameters {
         &mut self.state.parameters
     }
@@ -183,7 +183,7 @@ impl System {
     }
 
     /// Stopper and latch of each revolute or prismatic joint, in the order of [`System::revolute_joints`]; nothing before
-    /// [`crate::run::Plant::initialize`].
+    /// `Plant::initialize`.
     pub fn joint_statuses(&self) -> impl Iterator<Item = JointStatus> {
         let driven = self.equations.forces.joints().iter().map(|joint| joint.driven);
         self.state.joints.iter().zip(driven).map(|(joint, driven)| JointStatus {

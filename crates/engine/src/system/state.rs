@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// Everything that changes in time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct State {
-    /// [`crate::plant::Plant::initialize`] has succeeded.
+    /// `Plant::initialize` has succeeded.
     pub initialized: bool,
     /// Inputs as the caller last set them.
     pub inputs: Inputs,

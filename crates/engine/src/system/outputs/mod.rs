@@ -123,7 +123,7 @@ impl Outputs {
         loops, loops_mut: [LoopOutputs];
         /// Per free end, in the order of [`System::tip_bodies`].
         tips, tips_mut: [PointOutputs];
-        /// Per station, in the order of [`crate::plant::Inputs::stations`].
+        /// Per station, in the order of [`crate::signal::Inputs::stations`].
         stations, stations_mut: [PointOutputs];
         /// Per load station of machines in air: force and moment of the air on the part of the body that is nearest to it, at
         /// the station, root frame.
@@ -199,7 +199,7 @@ impl Present<'_> {
 }
 
 impl System {
-    /// Says which outputs [`crate::run::Plant::step`] is to find; at first all. Those that are missing at present are found at once.
+    /// Says which outputs `Plant::step` is to find; at first all. Those that are missing at present are found at once.
     ///
     /// What is left out keeps an old value in [`System::outputs`] until [`System::provide`] is called for it. What
     /// describes the whole wing ([`System::sections`], [`System::shape`], [`System::section_strains`], linear models, modes)

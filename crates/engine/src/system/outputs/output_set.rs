@@ -2,7 +2,7 @@
 
 use std::ops::BitOr;
 
-/// A set of groups of [`crate::plant::Outputs`].
+/// A set of groups of [`crate::system::Outputs`].
 ///
 /// What nobody reads need not be found: angles follow from the coordinates alone, positions from a sweep of poses,
 /// velocities and energies from one of motions, forces from a whole residual.
