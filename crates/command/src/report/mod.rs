@@ -41,7 +41,11 @@ pub fn cell(value: &Value) -> String {
 /// Adds a value to a text as [`cell`] has it.
 fn write_cell(value: &Value, text: &mut String) {
     let written = match value {
-        Value::Real(value) => write!(text, "{value:?}"), // 1e-9 and 1e30, not strings of zeros
+        Value::Real(value) => {
+            // 1e-9 and 1e30, not strings of zeros
+            text.push_str(zmij::Buffer::new().format(*value));
+            Ok(())
+        }
         Value::Integer(value) => write!(text, "{value}"),
         Value::Boolean(value) => write!(text, "{}", u8::from(*value)),
     };

@@ -1,50 +1,60 @@
 //! Chosen variables over time, written row by row as CSV.
 
-use crate::report::{cell, write_cell};
+use crate::report::write_cell;
 use foldwing_fmi::interface::Value;
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 
 /// Writes a header of variable names, then one row per time.
 pub struct Recorder<W: Write> {
-    writer: csv::Writer<W>,
-    /// Text of one cell, kept for its memory.
-    text: String,
+    target: BufWriter<W>,
+    /// Text of one row, kept for its memory.
+    row: String,
 }
 
 impl<W: Write> Recorder<W> {
     /// Writes the header: `time` and the names of the variables, in their order.
     pub fn new<'a>(target: W, names: impl IntoIterator<Item = &'a str>) -> io::Result<Self> {
-        Self::start(csv::Writer::from_writer(target), names)
+        Self::start(target, csv::QuoteStyle::Necessary, names)
     }
 
     /// The same with names in quotes, as the rules of the FMI Cross-Check ask.
     pub fn quoted<'a>(target: W, names: impl IntoIterator<Item = &'a str>) -> io::Result<Self> {
-        Self::start(csv::WriterBuilder::new().quote_style(csv::QuoteStyle::NonNumeric).from_writer(target), names)
+        Self::start(target, csv::QuoteStyle::NonNumeric, names)
     }
 
-    fn start<'a>(mut writer: csv::Writer<W>, names: impl IntoIterator<Item = &'a str>) -> io::Result<Self> {
-        writer.write_record(std::iter::once("time").chain(names))?;
-        Ok(Self { writer, text: String::new() })
+    fn start<'a>(target: W, quotes: csv::QuoteStyle, names: impl IntoIterator<Item = &'a str>) -> io::Result<Self> {
+        let mut target = BufWriter::new(target);
+        let mut header = csv::WriterBuilder::new().quote_style(quotes).from_writer(&mut target);
+        header.write_record(std::iter::once("time").chain(names))?;
+        header.flush()?;
+        drop(header);
+        Ok(Self { target, row: String::new() })
     }
 
-    /// Writes one row.
+    /// Writes one row. Numbers need no quotes: a writer that looks for what does took longer than the run.
     pub fn record(&mut self, time_s: f64, values: impl IntoIterator<Item = Value>) -> io::Result<()> {
-        for value in std::iter::once(Value::Real(time_s)).chain(values) {
-            self.text.clear();
-            write_cell(&value, &mut self.text);
-            self.writer.write_field(&self.text)?;
+        self.row.clear();
+        write_cell(&Value::Real(time_s), &mut self.row);
+        for value in values {
+            self.row.push(',');
+            write_cell(&value, &mut self.row);
         }
-        Ok(self.writer.write_record(None::<&[u8]>)?)
+        self.row.push('\n');
+        self.target.write_all(self.row.as_bytes())
     }
 
     /// Writes one row of texts.
     pub fn record_cells(&mut self, time_s: f64, cells: impl IntoIterator<Item = String>) -> io::Result<()> {
-        Ok(self.writer.write_record(std::iter::once(cell(&Value::Real(time_s))).chain(cells))?)
+        self.row.clear();
+        write_cell(&Value::Real(time_s), &mut self.row);
+        let mut row = csv::Writer::from_writer(&mut self.target);
+        row.write_record(std::iter::once(std::mem::take(&mut self.row)).chain(cells))?;
+        row.flush()
     }
 
     /// Flushes, and hands the target back.
     pub fn finish(self) -> io::Result<W> {
-        self.writer.into_inner().map_err(|error| error.into_error())
+        self.target.into_inner().map_err(io::IntoInnerError::into_error)
     }
 }
 
@@ -63,5 +73,16 @@ mod tests {
         let cells: Vec<_> = text.lines().nth(1).unwrap().split(',').collect();
         assert_eq!(cells[1].parse::<f64>().unwrap().to_bits(), value.to_bits());
         assert_eq!(&cells[2..], ["1", "-1"]);
+        let extremes = [5e-324, -1.7e308, 1e-5, 12345.678e-9, 1e16, 1.5e17, 123_456_789.0, 0.0, f64::INFINITY];
+        let mut recorder = Recorder::new(Vec::new(), vec!["x"; extremes.len()]).unwrap();
+        recorder.record(-0.0, extremes.map(Value::Real)).unwrap();
+        recorder.record_cells(0.0, ["a,b", "plain"].map(str::to_owned)).unwrap();
+        let text = String::from_utf8(recorder.finish().unwrap()).unwrap();
+        let rows: Vec<&str> = text.lines().collect();
+        let read: Vec<u64> = rows[1].split(',').map(|cell| cell.parse::<f64>().unwrap().to_bits()).collect();
+        assert_eq!(read[0], (-0.0f64).to_bits());
+        assert_eq!(read[1..], extremes.map(f64::to_bits));
+        assert_eq!(rows[1].split(',').map(str::len).max(), Some("-1.7e308".len().max("0.000012345678".len())));
+        assert_eq!(rows[2], "0.0,\"a,b\",plain");
     }
 }

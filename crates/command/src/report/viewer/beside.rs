@@ -1,6 +1,6 @@
 //! What is laid beside a run: tables (CSV) of measurements or of another run, and pages of other runs.
 
-use crate::report::viewer::packed::{FORMAT, PackedRun, encoded, in_script};
+use crate::report::viewer::packed::{FORMAT, PackedRun, encoded, stays_in_script};
 use std::io::Read;
 
 /// Something to compare a run with.
@@ -121,15 +121,15 @@ pub fn run_of_page(text: &str) -> Result<PackedRun, String> {
         return Err("is not a page that foldwing simulate --view of this version wrote; write it anew".to_owned());
     };
     let read = serde_json::from_str::<serde_json::Value>(description).ok();
-    let Some(read) = read.filter(|read| read["format"].as_u64() == Some(FORMAT)) else {
+    if read.and_then(|read| read["format"].as_u64()) != Some(FORMAT) {
         return Err("was written by another version of foldwing; write the page anew".to_owned());
-    };
-    // what goes into another page is written by us, whatever the file holds
+    }
+    // what goes into another page holds nothing that could end its element or fill a place of the page
     let is_number = |c: char| c.is_ascii_alphanumeric() || matches!(c, '+' | '/' | '=');
-    if !numbers.chars().all(is_number) {
+    if !stays_in_script(description) || !numbers.chars().all(is_number) {
         return Err("is not a page that foldwing simulate --view of this version wrote; write it anew".to_owned());
     }
-    Ok(PackedRun { description: in_script(&read), numbers: numbers.to_owned() })
+    Ok(PackedRun { description: description.to_owned(), numbers: numbers.to_owned() })
 }
 
 #[cfg(test)]

@@ -113,5 +113,10 @@ mod tests {
         assert!(run_of_page("<!doctype html><html></html>").unwrap_err().contains("is not a page"));
         let older = written.replacen("\"format\":2", "\"format\":1", 1);
         assert!(run_of_page(&older).unwrap_err().contains("another version"));
+        // nothing is taken over that would not stay text in the page that shows both
+        for (from, to) in [("\"name\":\"inner\"", "\"name\":\"<b>\""), ("\"name\":\"inner\"", "\"name\":\"{{runs}}\"")]
+        {
+            assert!(run_of_page(&written.replacen(from, to, 1)).unwrap_err().contains("is not a page"), "{to}");
+        }
     }
 }

@@ -54,6 +54,11 @@ pub(super) fn in_script(value: &Value) -> String {
     value.to_string().replace('<', "\\u003c").replace("{{", "{\\u007b")
 }
 
+/// Whether a text could be what [`in_script`] has written.
+pub(super) fn stays_in_script(text: &str) -> bool {
+    !text.contains('<') && !text.contains("{{")
+}
+
 /// As many frames as there is room for, at equal intervals.
 fn chosen<'f>(frames: &'f [Frame], travels: &[Travel], most: usize) -> Vec<&'f Frame> {
     let size = |frame: &Frame| {
