@@ -8,6 +8,7 @@ TARGET  := $(or $(CARGO_TARGET_DIR),target)
 VENV    ?= $(TARGET)/venv
 PEERS   ?= $(TARGET)/venv-peers
 DASK    ?= $(TARGET)/venv-dask
+SITE    ?= $(TARGET)/venv-site
 MODELS  := $(wildcard examples/models/*.toml)
 
 MINIMUM_RUST   := $(shell sed -n 's/^rust-version *= *"\(.*\)"/\1/p' Cargo.toml)
@@ -31,7 +32,7 @@ PLATFORMS   := $(TARGET)/platforms
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers profile bless licenses msrv robust valgrind python-lock platforms fmu-all test-platforms clean help toolchain
+.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers profile bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -180,6 +181,10 @@ tunnel: package venv ## Change one choice of the wind tunnel at a time: docs/tab
 aircraft: package venv ## Couple two wings with an aircraft by several ways: docs/tables/aircraft.md, takes minutes
 	$(VENV_PYTHON) studies/aircraft_study.py --foldwing $(COMMAND) --fmu $(FMU) --table docs/tables/aircraft.md --pictures docs/pictures
 
+site: ## Build the documentation with typeset equations in $(TARGET)/site: it opens from the disk and loads nothing from a network
+	@$(PYTHON) tools/create_venv.py $(SITE) --requirements python/requirements-site.txt
+	@$(SITE)/bin/python tools/build_site.py --output $(TARGET)/site --rustdoc $(TARGET)/doc
+
 bless: toolchain ## Rewrite modelDescription/, the schema and the pages written from the program, after a deliberate change
 	FOLDWING_BLESS=1 $(CARGO) test --locked --test robustness --test documents --no-fail-fast -- model_file:: model_description:: guide::
 
@@ -192,6 +197,7 @@ python-lock: venv ## Renew the pinned requirements in python/ from the .in files
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-peers.in python/requirements-peers.txt 3.11
 	$(VENV_PYTHON) tools/lock_python.py python/platforms.in python/platforms.txt
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-dask.in python/requirements-dask.txt 3.10
+	$(VENV_PYTHON) tools/lock_python.py python/requirements-site.in python/requirements-site.txt 3.11
 
 clean: ## Remove everything that was built
 	$(CARGO) clean
