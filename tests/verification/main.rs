@@ -23,3 +23,4 @@ mod statics;
 mod strips;
 mod taylor;
 mod trees;
+mod whole;

@@ -5,6 +5,7 @@ use crate::conventional::pendulum::{
     Between, STEP_S, highest_frequency, joint_parameters, penalty_joint, rotation_angles, runge_kutta,
 };
 use crate::conventional::sample::{Sample, largest, run, run_as_printed};
+use crate::whole::is_whole;
 use nalgebra::{DVector, Matrix3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -89,12 +90,12 @@ fn c21_redundant_angles_need_tuning() {
     assert!(fine.0 < 0.3 * middle.0, "k = 1e5 with a quarter of the step: tip error {:.1e} m", fine.0);
 }
 
-/// C-22. Penalty joint: gap and error fall as `1/k`; the paper's step is unstable at the stiffness that would do.
+/// C-22. Penalty joint: gap and error fall as `1/k`; the paper's step is unstable at the stiffness that would do. Without the
+/// revolute joint where studies are short.
 #[test]
 fn c22_penalty_joint_needs_tuning() {
-    for (between, stiffness, unstable) in
-        [(Between::Ball, [1e6, 1e7, 1e8], 1e9), (Between::Revolute, [1e4, 1e5, 1e6], 1e7)]
-    {
+    let cases = [(Between::Ball, [1e6, 1e7, 1e8], 1e9), (Between::Revolute, [1e4, 1e5, 1e6], 1e7)];
+    for (between, stiffness, unstable) in cases.into_iter().take(if is_whole() { 2 } else { 1 }) {
         let name = between.name();
         let (system, start) = joint_parameters(between, 2);
         let ours = run_as_printed(&system, &start, 0.3, true);

@@ -4,14 +4,16 @@ use crate::conventional::link::Joint;
 use crate::conventional::pendulum::{Between, STEP_S, index_1_dae, joint_parameters};
 use crate::conventional::reference;
 use crate::conventional::sample::{Sample, largest, run, run_as_printed, write_motion};
+use crate::whole::is_whole;
 
-/// Two elements per body, Runge–Kutta at 1e-4 s, 2 s: as in the paper.
+/// Two elements per body, Runge–Kutta at 1e-4 s, 2 s: as in the paper; the first 0.4 s of them where studies are short.
 fn compare(between: Between) {
     let name = between.name();
     let (ours, start) = joint_parameters(between, 2);
-    let ours = run_as_printed(&ours, &start, 2.0, true);
+    let span_s = if is_whole() { 2.0 } else { 0.4 };
+    let ours = run_as_printed(&ours, &start, span_s, true);
     let (dae, start) = index_1_dae(between, 2);
-    let dae = run_as_printed(&dae, &start, 2.0, false);
+    let dae = run_as_printed(&dae, &start, span_s, false);
     write_motion(&format!("double_pendulum_{name}_joint_parameters"), &ours);
     write_motion(&format!("double_pendulum_{name}_dae"), &dae);
 
@@ -34,7 +36,9 @@ fn compare(between: Between) {
     assert!(strain < 1e-8, "{name}: root strains differ by {strain:.1e} (εx; 1/m)");
     assert!(force_n < 1e-7 * max_force_n, "{name}: joint forces differ by {force_n:.1e} N of {max_force_n:.0} N");
     assert!(moment_n_m < 1e-6, "{name}: joint moments differ by {moment_n_m:.1e} N·m");
-    assert!(max_force_n > 100.0, "{name}: the joint carries {max_force_n:.0} N only");
+    // in 0.4 s the bodies have only begun to fall
+    let least_n = if is_whole() { 100.0 } else { 20.0 };
+    assert!(max_force_n > least_n, "{name}: the joint carries {max_force_n:.0} N only");
 
     for (method, samples) in [("joint parameters", &ours), ("DAE", &dae)] {
         let drift = largest(samples, Sample::total_j) / max_kinetic_j;
@@ -62,7 +66,7 @@ fn compare(between: Between) {
     ] {
         assert!(
             !present || late[i] > 2.0 * early[i],
-            "{name}, DAE: {what} {:.1e} in 50 ms, {:.1e} in 2 s",
+            "{name}, DAE: {what} {:.1e} in 50 ms, {:.1e} in {span_s} s",
             early[i],
             late[i]
         );
@@ -103,11 +107,12 @@ fn c12_ball_and_revolute() {
 }
 
 /// C-13. Tip of the ball–ball pendulum within 1 mm of geometrically nonlinear cables (Exudyn) up to 1 s, closer with
-/// more elements. The reference has B along −Z and is mirrored; its own mesh error is 2e-5 m.
+/// more elements (in whole studies). The reference has B along −Z and is mirrored; its own mesh error is 2e-5 m.
 #[test]
 fn c13_tip_meets_the_reference_up_to_1_s() {
     let reference = reference::columns("double_pendulum_ball_ball_exudyn.csv");
-    for (elements, step_s, limit_m) in [(2, STEP_S, 1.5e-3), (4, 0.5 * STEP_S, 1e-3)] {
+    let meshes = [(2, STEP_S, 1.5e-3), (4, 0.5 * STEP_S, 1e-3)];
+    for (elements, step_s, limit_m) in meshes.into_iter().take(if is_whole() { 2 } else { 1 }) {
         let (system, start) = joint_parameters(Between::Ball, elements);
         let every = (0.01 / step_s).round() as usize;
         let samples = run(&system, &start, [1.0, step_s], every, true);

@@ -4,6 +4,7 @@ use crate::conventional::assembly::{Assembly, row};
 use crate::conventional::constraint::Constraint;
 use crate::conventional::link::{self, Node};
 use crate::conventional::pendulum::{STEP_S, runge_kutta};
+use crate::whole::is_whole;
 use nalgebra::{DVector, Vector3};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -129,8 +130,11 @@ pub fn largest(samples: &[Sample], quantity: impl Fn(&Sample) -> f64) -> f64 {
     samples.iter().map(quantity).fold(0.0, |m, x| if x.is_nan() { f64::NAN } else { m.max(x.abs()) })
 }
 
-/// Writes `target/verification/<name>.csv`.
+/// Writes `target/verification/<name>.csv`, if studies run whole.
 pub fn write_table(name: &str, header: &str, rows: impl Iterator<Item = Vec<f64>>) {
+    if !is_whole() {
+        return;
+    }
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).with_file_name("verification");
     std::fs::create_dir_all(&folder).expect("folder of the results");
     let mut text = format!("{header}\n");

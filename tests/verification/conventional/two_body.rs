@@ -5,6 +5,7 @@ use crate::conventional::reference;
 use crate::conventional::sample::write_table;
 use crate::conventional::segments::{Algebra, RootSpring, Segments, fall, table_4};
 use crate::plant::machines;
+use crate::whole::is_whole;
 use foldwing::beam::section::Section;
 use foldwing::machine::*;
 use foldwing::solve::{EquationsOfMotion, stepper};
@@ -285,7 +286,7 @@ fn c33_refined_path_meets_the_references() {
 
 /// C-34. Fig. 7: paths, and the error of RMS(Z) against the number of sections, 2 to 50, by eq. (23) as printed
 /// (reference: 50 sections of the same method) and against the converged value. Limits by eq. (23): 2.6e-3 with 6
-/// constant elements, 6e-4 with 12; 1e-4 with two linear ones.
+/// constant elements, 6e-4 with 12; 1e-4 with two linear ones. Only the converged value where studies are short.
 #[test]
 fn c34_error_against_sections() {
     let models = [
@@ -297,7 +298,7 @@ fn c34_error_against_sections() {
     let converged_m = rms_m(&path(machine(ElementKind::Linear, 20, AXIAL_N, 0.005)));
     println!("converged, EA = 1e7 N: {converged_m:.7} m");
     assert!((converged_m - EXTENSIBLE_RMS_M).abs() < 1e-6, "RMS(Z) = {converged_m:.7} m, not {EXTENSIBLE_RMS_M} m");
-    for model in models {
+    for model in models.into_iter().filter(|_| is_whole()) {
         let name = model.name();
         let fifty_m = model.rms_m(50);
         let row = |n: usize| {

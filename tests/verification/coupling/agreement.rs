@@ -2,6 +2,7 @@
 //! rollback, accounts.
 
 use crate::coupling::wings::{folding_wing, light_wing, march, start};
+use crate::whole::is_whole;
 use foldwing::machine::{JointKind, StartState};
 use foldwing::plant::{Plant, PlantError};
 use nalgebra::{Matrix4, Vector3, Vector4};
@@ -192,7 +193,7 @@ fn q06_energy_account_holds_with_air() {
         let first = balance(&plant);
         let mut largest = 0.0_f64;
         let mut drift = 0.0_f64;
-        for i in 1..=50 {
+        for i in 1..=if is_whole() { 50 } else { 20 } {
             plant.step(f64::from(i) * 2e-3).expect("steps");
             largest = largest.max(plant.outputs().energy().kinetic);
             drift = drift.max((balance(&plant) - first).abs());

@@ -1,6 +1,7 @@
 //! flutter of Goland's wing by time marching.
 
 use crate::coupling::goland::{Goland, LATTICE_WITH_SUCTION, reference};
+use crate::whole::is_whole;
 
 /// Flutter speed in m/s and frequency in rad/s with the strip model's fit to Wagner's function, of the continuous wing
 /// by transfer matrices: W-32 of the crate "strips", which shares nothing with the product but that fit.
@@ -15,12 +16,17 @@ fn off(ours: [f64; 2], reference: [f64; 2]) -> [f64; 2] {
 ///
 /// Loads run linearly over a step and along a strip: second order in both. Elements are fourth order; two pairs suffice.
 /// Carried on to strips and steps of no width the reference is left by what the orders leave, a tenth of a percent of
-/// which the finest runs still have half.
+/// which the finest runs still have half. Short: the wing as it is run.
 #[test]
 fn q22_strips_flutter_where_the_continuous_wing_does() {
     let base = Goland::strips();
     let run = |case: Goland| case.flutter(137.0, 0.036);
     let middle = run(base);
+    println!("Q-22 as run {:+.6?}", off(middle, FITTED));
+    assert!(off(middle, FITTED).iter().all(|off| off.abs() < 1e-3), "{middle:?}");
+    if !is_whole() {
+        return;
+    }
     let strips = [run(Goland { strips: 8, ..base }), middle, run(Goland { strips: 32, ..base })];
     let steps = [run(Goland { step_chords: 0.15, ..base }), middle, run(Goland { step_chords: 0.0375, ..base })];
     let pairs = run(Goland { pairs: 8, ..base });
@@ -32,8 +38,7 @@ fn q22_strips_flutter_where_the_continuous_wing_does() {
     assert!((order(strips) - 2.0).abs() < 0.3 && (order(steps) - 2.0).abs() < 0.3);
     let limit: [f64; 2] =
         std::array::from_fn(|i| middle[i] + (strips[2][i] - middle[i] + steps[2][i] - middle[i]) * 4.0 / 3.0);
-    println!("Q-22 as run {:+.6?}, carried on {limit:.3?}: {:+.6?}", off(middle, FITTED), off(limit, FITTED));
-    assert!(off(middle, FITTED).iter().all(|off| off.abs() < 1e-3), "{middle:?}");
+    println!("Q-22 carried on {limit:.3?}: {:+.6?}", off(limit, FITTED));
     assert!(off(limit, FITTED).iter().all(|off| off.abs() < 2e-4), "{limit:?}");
     assert!((pairs[0] / middle[0] - 1.0).abs() < 1e-4, "{pairs:?}");
 }
@@ -50,20 +55,24 @@ fn q23_thinner_air_lets_it_flutter_later() {
 }
 
 /// The lattice, coarse: later flutter than by strips, whose wing has no tip; the rule for the loads and all of the
-/// wake beyond ten chords do not matter; prints how far strips and panels do. Q-25 goes to the published lattice.
+/// wake beyond ten chords do not matter; prints how far strips and panels do. Q-25 goes to the published lattice. Short: without
+/// other wakes, other rules and finer strips.
 #[test]
 fn q24_lattice_flutters_later_than_strips() {
     let base = Goland::lattice(4, 8);
     let run = |case: Goland| case.flutter(176.0, 0.04);
     let coarse = run(base);
+    let by_strips = Goland { density_kg_m3: 1.02, ..Goland::strips() }.flutter(147.0, 0.036);
+    // at aspect ratio 6.67 the lift slope is 0.73 of strip theory's, and the speed goes with the root of the slope: 1.17
+    assert!(coarse[0] > 1.1 * by_strips[0], "{coarse:?}, {by_strips:?}");
+    if !is_whole() {
+        return;
+    }
     let suction = run(Goland { air: LATTICE_WITH_SUCTION, ..base });
     let [short, long] = [5, 20].map(|chords| run(Goland { wake_rows: chords * 4, ..base }));
     let strips = run(Goland::lattice(4, 16));
     println!("Q-24 4 x 8 panels: {coarse:.3?} (m/s, rad/s); 16 strips {strips:.3?}");
     println!("Q-24 wake of 5, 20 chords: {short:.3?}, {long:.3?}; Kutta-Joukowski: {suction:.3?}");
-    let by_strips = Goland { density_kg_m3: 1.02, ..Goland::strips() }.flutter(147.0, 0.036);
-    // at aspect ratio 6.67 the lift slope is 0.73 of strip theory's, and the speed goes with the root of the slope: 1.17
-    assert!(coarse[0] > 1.1 * by_strips[0], "{coarse:?}, {by_strips:?}");
     // loads of small motions are the same by both rules; squares of the motion are 1e-8 of it
     assert!((suction[0] / coarse[0] - 1.0).abs() < 1e-6, "{suction:?}");
     // a wave of the wake is 8.7 chords long: its vortices alternate; 5 and 10 chords leave 1.1 % and 0.34 % of the lift (U-16)
