@@ -190,7 +190,7 @@ def main():
     sections = navigation(pages(work))
     front = (ROOT / "README.md").read_text(encoding="utf-8")
     (work / "index.md").write_text(front + "\n" + "\n".join(trees(sections)), encoding="utf-8")
-    command = [sys.executable, "-m", "sphinx", "--quiet", "--fail-on-warning", "--keep-going", "-b", "html",
+    command = [sys.executable, "-m", "sphinx", "--quiet", "--fail-on-warning", "--keep-going", "-j", "auto", "-b", "html",
                "-c", ROOT / "tools/site", "-d", work / ".doctrees", work, output]
     done = subprocess.run(command)
     if done.returncode:
