@@ -139,7 +139,7 @@ bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/table
 validate: package venv ## Compare with the methods of the paper, sweep on Dask, flutter, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
 	FOLDWING_WHOLE=1 $(CARGO) test --locked --test verification -- --nocapture conventional::
 	FOLDWING_WHOLE=1 $(CARGO) test --locked --release --test verification -- --nocapture --include-ignored coupling::
-	$(CARGO) test --locked --release --test verification -- --ignored --nocapture plant::
+	FOLDWING_WHOLE=1 $(CARGO) test --locked --release --test verification -- --nocapture --include-ignored lattice:: plant::
 	$(VENV_PYTHON) studies/output_convergence.py --foldwing $(COMMAND) --table docs/tables/outputs.md --csv $(TARGET)/verification/outputs.csv
 	$(VENV_PYTHON) studies/plot_conventional.py $(TARGET)/verification docs/pictures
 	$(CARGO) test --locked --test verification -- --nocapture capabilities::

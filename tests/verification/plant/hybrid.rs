@@ -1,6 +1,7 @@
 //! The machine as a hybrid system under an integrator that is not ours: classical Runge–Kutta of fixed step, events located
 //! by the indicators, transitions made at them.
 
+use crate::whole::is_whole;
 use foldwing::machine::Machine;
 use foldwing::plant::{AccountRates, Hybrid, Jump, NotHybrid, Plant};
 use std::sync::Arc;
@@ -105,7 +106,7 @@ impl<'a> Outside<'a> {
 #[test]
 fn shipped_wing_unfolds_and_latches_under_an_integrator_from_outside() {
     let text = include_str!("../../../examples/models/folding_wing.toml");
-    let end_s = 0.37;
+    let end_s = if is_whole() { 0.37 } else { 0.14 }; // the latch closes at 0.122 s
     let mut own = Plant::new(Arc::new(machine(text)));
     own.parameters_mut().solver_mut().tolerance = 1e-9;
     own.initialize(0.0).expect("initialises");
