@@ -101,7 +101,7 @@ unit: test-venv
 
 pytest: package runner
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) FOLDWING_RUNNER=$(abspath $(RUNNER)) \
-	    FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) \
+	    FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) FOLDWING_SITE=$(abspath $(SITE)) \
 	    $(TEST_PYTHON) -m pytest -q -n $(PYTEST_WORKERS) tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
 
 bench: bench-own bench-sweep bench-latency bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
