@@ -26,9 +26,9 @@ html_css_files = ["foldwing.css"]
 html_static_path = [str(HERE / "foldwing.css")]
 html_copy_source = False
 html_show_sphinx = False
-# references to C++ and the like: none
 html_use_index = False
-math_number_all = False
+# summaries of results need requests, which browsers refuse to pages on the disk; results themselves do not
+html_show_search_summary = False
 
 
 def inline(translator, node):
