@@ -1,5 +1,6 @@
 """The documentation site: built from the documents as they are, complete, whole without a network."""
 
+import fcntl
 import importlib
 import os
 import re
@@ -39,13 +40,18 @@ class Page(HTMLParser):
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    """Folder of the site, built by the environment of `make site`."""
+    """Folder of the site, built once by the environment of `make site`."""
     python = Path(os.environ.get("FOLDWING_SITE", ROOT / "target/venv-site")) / "bin/python"
     if not python.exists():
         pytest.skip("no environment with Sphinx, MyST and Furo: `make site` creates it")
-    output = tmp_path_factory.mktemp("site") / "site"
-    done = subprocess.run([python, ROOT / "tools/build_site.py", "--output", output], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    base = tmp_path_factory.getbasetemp()
+    base = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+    output = base / "site"
+    with (base / "site.lock").open("w") as lock:  # the first worker builds, the others wait for it
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (output / "index.html").exists():
+            done = subprocess.run([python, ROOT / "tools/build_site.py", "--output", output], capture_output=True, text=True)
+            assert done.returncode == 0, done.stderr
     return output
 
 
