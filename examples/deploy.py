@@ -17,22 +17,9 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 from fmpy import read_model_description, simulate_fmu
+from house_style import BLACK, BLUE, FAINT, INK, SKY, SMALL, STYLE, VERMILION, label_ends, mark, number, save, use
 
-INK, LATCH, ACCENT = "#0f3557", "#b3541e", "#4d8fc4"
-STYLE = {
-    "figure.figsize": (7.2, 4.2),
-    "figure.dpi": 150,
-    "savefig.bbox": "tight",
-    "font.size": 10,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#dfe6ec",
-    "grid.linewidth": 0.7,
-    "axes.axisbelow": True,
-    "lines.linewidth": 1.6,
-    "legend.frameon": False,
-}
+LATCH, ACCENT = VERMILION, BLUE
 SHAPES = 12  # wing shapes drawn before the latch closes
 SPEEDS_M_S = (0, 10, 20)  # flow speeds in the wind tunnel, along the chord
 
@@ -48,7 +35,7 @@ def main():
     result = deploy(arguments.fmu)
     arguments.output.mkdir(parents=True, exist_ok=True)
     write_csv(result, arguments.output / "deployment.csv")
-    plt.rcParams.update(STYLE)
+    use()
     plot_fold_angle(result, arguments.output / "fold_angle.png")
     plot_root_strain(result, arguments.output / "root_strain.png")
     plot_tip_path(result, arguments.output / "tip_path.png")
@@ -98,94 +85,140 @@ def write_csv(result, path):
 
 def figure(xlabel, ylabel, title):
     """A figure with one labelled pair of axes."""
-    fig, axes = plt.subplots()
-    axes.set(xlabel=xlabel, ylabel=ylabel)
-    axes.set_title(title, loc="left", fontsize=11, color=INK)
+    fig, axes = plt.subplots(figsize=(7.2, 4.2), layout="constrained")
+    axes.set(xlabel=xlabel, ylabel=ylabel, title=title)
     return fig, axes
 
 
-def mark_latch(axes, result):
+def mark_latch(axes, result, at=1.0):
     """A dashed line where the latch closes."""
     latch_s = latch_time(result)
     if latch_s is not None:
-        axes.axvline(latch_s, color=LATCH, linestyle="--", linewidth=1.2, label=f"latch closes at {latch_s:.4f} s")
-
-
-def save(fig, path):
-    """Writes the figure; without the version text, so that equal results give equal files."""
-    fig.savefig(path, metadata={"Software": None})
-    plt.close(fig)
+        mark(axes, latch_s, f"latch closes, {latch_s:.4f} s", LATCH, at)
 
 
 def plot_fold_angle(result, path):
-    fig, axes = figure("time (s)", "fold angle (deg)", "Fold angle")
-    axes.plot(result["time"], np.degrees(result["fold.angle"]), color=INK)
+    fig, axes = figure("time (s)", "fold angle (°)", "Fold angle\n")
+    axes.plot(result["time"], np.degrees(result["fold.angle"]), color=BLUE)
     mark_latch(axes, result)
     axes.set_xlim(result["time"][0], result["time"][-1])
     axes.set_yticks(np.arange(0, 181, 30))
-    axes.legend()
     save(fig, path)
 
 
 def plot_root_strain(result, path):
-    fig, axes = figure("time (s)", "surface strain (10⁻³)", "Strain at the root gauge")
-    axes.plot(result["time"], 1e3 * result["gauge.root.strain"], color=INK, linewidth=1.2)
+    fig, axes = figure("time (s)", "surface strain (10⁻³)", "Strain at the root gauge\n")
+    axes.plot(result["time"], 1e3 * result["gauge.root.strain"], color=BLUE, linewidth=1.2)
     mark_latch(axes, result)
-    time_s, strain = peak(result)
-    axes.plot(time_s, 1e3 * strain, "o", color=ACCENT, label=f"peak {1e3 * strain:.2f}·10⁻³ at {time_s:.4f} s".replace("-", "−", 1))
+    name_peak(axes, result)
     axes.set_xlim(result["time"][0], result["time"][-1])
-    axes.legend()
     save(fig, path)
 
 
+def name_peak(axes, result):
+    """A dot at the strain of largest magnitude, with its value."""
+    time_s, strain = peak(result)
+    axes.plot(time_s, 1e3 * strain, "o", color=VERMILION, markersize=5)
+    axes.annotate(number(f"{1e3 * strain:.2f}·10⁻³ at {time_s:.4f} s"), (time_s, 1e3 * strain), xytext=(8, -1),
+                  textcoords="offset points", va="center", color=VERMILION, fontsize=SMALL)
+
+
 def plot_speeds(runs, path):
-    """Fold angle and strain of several runs, by what the legend calls them."""
-    fig, (upper, lower) = plt.subplots(2, 1, figsize=(7.2, 6.0), sharex=True)
-    for (label, result), colour in zip(runs.items(), ("#b9c4cc", "#7a8b99", ACCENT, INK)):
+    """Fold angle and strain of several runs, named at their ends."""
+    fig, (upper, lower) = plt.subplots(2, 1, figsize=(7.8, 6.4), sharex=True)
+    fig.subplots_adjust(left=0.09, right=0.76, top=0.93, bottom=0.09, hspace=0.12)
+    for (label, result), colour in zip(runs.items(), (BLACK, SKY, BLUE, VERMILION)):
         latch_s = latch_time(result)
-        latch = "" if latch_s is None else f", latch at {latch_s:.4f} s"
-        upper.plot(result["time"], np.degrees(result["fold.angle"]), color=colour, label=label + latch)
+        latch = "no latch" if latch_s is None else f"latch {latch_s:.4f} s"
+        upper.plot(result["time"], np.degrees(result["fold.angle"]), color=colour, label=f"{label}: {latch}")
         strain = 1e3 * result["gauge.root.strain"]
-        lower.plot(result["time"], strain, color=colour, linewidth=1.2, label=f"{label}, peak {np.abs(strain).max():.2f}·10⁻³")
-    upper.set(ylabel="fold angle (deg)", yticks=np.arange(0, 181, 30))
-    upper.set_title("Unfolding without air, in air at rest and in wind", loc="left", fontsize=11, color=INK)
+        lower.plot(result["time"], strain, color=colour, linewidth=1.2, label=f"{label}: peak {np.abs(strain).max():.2f}")
+    upper.set(ylabel="fold angle (°)", yticks=np.arange(0, 181, 30), title="Unfolding without air, in air at rest and in wind")
     lower.set(xlabel="time (s)", ylabel="strain at the root gauge (10⁻³)", xlim=(0.0, result["time"][-1]))
-    upper.legend()
-    lower.legend(fontsize=8, loc="lower right")
+    label_ends(upper)
+    label_ends(lower)
     save(fig, path)
 
 
 def plot_tip_path(result, path):
     fig, axes = figure("tip x (mm)", "tip z (mm)", "Path of the tip, root frame")
     x, z = (1e3 * result[f"tip.position.{axis}"] for axis in "xz")
-    axes.plot(x, z, color="#9fb0bf", linewidth=0.9)
+    axes.plot(x, z, color=FAINT, linewidth=0.9)
     points = axes.scatter(x, z, c=result["time"], s=7, cmap="viridis", zorder=3)
     fig.colorbar(points, ax=axes, label="time (s)", shrink=0.85)
     latch_s = latch_time(result)
     if latch_s is not None:
         at = [np.interp(latch_s, result["time"], axis) for axis in (x, z)]
-        axes.plot(*at, "D", color=LATCH, markersize=6, zorder=4, label=f"latch closes at {latch_s:.4f} s")
-        axes.legend()
+        axes.plot(*at, "D", color=LATCH, markersize=6, zorder=4)
+        axes.annotate(f"latch closes, {latch_s:.4f} s", at, xytext=(9, -3), textcoords="offset points", color=LATCH, fontsize=SMALL)
     axes.set_aspect("equal", adjustable="datalim")
     save(fig, path)
 
 
 def plot_shapes(result, path):
-    fig, axes = figure("x (mm)", "z (mm)", "Shape of the wing axis, root frame")
+    """The wing as a camera with a flash sees it, and beside it fold angle and strain over the same time."""
+    fig = plt.figure(figsize=(10.4, 5.2))
+    axes = fig.add_axes([0.0, 0.0, 0.64, 0.92])
+    upper, lower = fig.add_axes([0.69, 0.56, 0.29, 0.31]), fig.add_axes([0.69, 0.115, 0.29, 0.31])
     latch_s = latch_time(result) or float(result["time"][-1])
-    times = np.concatenate([np.linspace(result["time"][0], latch_s, SHAPES), [peak(result)[0]]])
-    colours = plt.get_cmap("viridis")(np.linspace(0.0, 0.92, SHAPES))
-    for time_s, colour in zip(times, colours):
-        x, z = 1e3 * shape(result, time_s)
-        last = time_s == times[SHAPES - 1]
-        axes.plot(x, z, color=LATCH if last else colour, linewidth=2.0 if last else 1.4,
-                  label=f"{time_s:.4f} s" + (" (latch closes)" if last else ""))
-    x, z = 1e3 * shape(result, times[-1])
-    axes.plot(x, z, color=INK, linestyle="--", label=f"{times[-1]:.4f} s (largest root strain)")
-    axes.plot(0, 0, "s", color=INK, markersize=7)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    peak_s = peak(result)[0]
+    times = np.linspace(result["time"][0], latch_s, SHAPES)
+    colours = plt.get_cmap("YlGnBu")(np.linspace(0.28, 0.95, SHAPES))
+    x, z = (1e3 * result[f"tip.position.{axis}"] for axis in "xz")
+    seen = result["time"] <= peak_s
+    axes.plot(x[seen], z[seen], color=FAINT, linewidth=0.8, linestyle=(0, (1, 2.5)), zorder=1)
+    for index, (time_s, colour) in enumerate(zip(times, colours)):
+        last = index == SHAPES - 1
+        draw_wing(axes, result, time_s, LATCH if last else colour, 4.0 if last else 2.8, 3 + index)
+        words = f"{1e3 * time_s:.1f} ms" + ("\nlatch closes" if last else "")
+        if index == 0:
+            words += "\nfolded by 170°"
+        if index != 1:  # it lies on the first
+            name_tip(axes, result, time_s, words, LATCH if last else FAINT if index < 3 else colour)
+    draw_wing(axes, result, peak_s, INK, 4.0, 2)
+    name_tip(axes, result, peak_s, f"{1e3 * peak_s:.1f} ms\nlargest strain", INK)
+    axes.add_patch(plt.Rectangle((-12, -17), 10, 34, facecolor="#d5dbe1", edgecolor="none", zorder=0))
+    axes.plot([-2, -2], [-17, 17], color=FAINT, linewidth=1.2)
+    axes.plot([-95, 5], [-182, -182], color=INK, linewidth=1.6, solid_capstyle="butt")
+    axes.text(-45, -179, "100 mm", ha="center", va="bottom", fontsize=SMALL)
+    axes.set(xlim=(-110, 360), ylim=(-195, 160))
+    axes.set_aspect("equal")
+    axes.set_anchor("W")
+    axes.set_axis_off()
+    fig.text(0.015, 0.945, "A wing that unfolds, latches and swings through", fontsize=13.5, color=INK, weight="bold")
+    fig.text(0.015, 0.905, "two flexible plates of 150 mm, one fold with motor and latch, in gravity; axis true to scale", fontsize=SMALL, color=FAINT)
+
+    upper.plot(result["time"], np.degrees(result["fold.angle"]), color=BLUE)
+    upper.set(title="fold angle (°)", yticks=(0, 90, 180), ylim=(-12, 185), xticklabels=[])
+    mark_latch(upper, result, 0.97)
+    lower.plot(result["time"], 1e3 * result["gauge.root.strain"], color=BLUE, linewidth=1.2)
+    lower.set(title="strain at the root (10⁻³)", xlabel="time (s)")
+    mark(lower, latch_s, "", LATCH)
+    name_peak(lower, result)
+    for chart in (upper, lower):
+        chart.set_xlim(result["time"][0], result["time"][-1])
+        chart.title.set_fontsize(10)
     save(fig, path)
+
+
+def draw_wing(axes, result, time_s, colour, width, order):
+    """The wing's axis with its fold."""
+    row = int(np.argmin(np.abs(result["time"] - time_s)))
+    pieces = [1e3 * body_curve(result, row, body, count) for body, count in station_counts(result)]
+    for x, z in pieces:
+        axes.plot(x, z, color=colour, linewidth=width, solid_capstyle="round", zorder=order)
+    for x, z in pieces[:-1]:
+        axes.plot(x[-1], z[-1], "o", color="white", markeredgecolor=colour, markersize=0.9 * width + 1.2, zorder=order)
+
+
+def name_tip(axes, result, time_s, words, colour):
+    """Words beyond the tip, in the direction in which the wing ends."""
+    x, z = 1e3 * shape(result, time_s)
+    along = np.array([x[-1] - x[-2], z[-1] - z[-2]])
+    along /= np.linalg.norm(along)
+    ha = "left" if along[0] > 0.25 else "right" if along[0] < -0.25 else "center"
+    va = "bottom" if along[1] > 0.6 else "top" if along[1] < -0.6 else "center"
+    axes.annotate(words, (x[-1], z[-1]), xytext=7 * along, textcoords="offset points", ha=ha, va=va, color=colour, fontsize=SMALL)
 
 
 def shape(result, time_s):

@@ -2,6 +2,7 @@
 """Figures 4 to 7 of Otsuka et al. from the tables that `cargo test --test verification conventional::` writes."""
 
 import argparse
+import sys
 from pathlib import Path
 
 import matplotlib
@@ -10,12 +11,24 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-BLUE, ORANGE, GREEN, RED, GREY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#b0b0b0"
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "examples"))
+
+from house_style import BLACK, BLUE, GREEN, INK, ORANGE, SMALL, VERMILION, label_ends, save, use  # noqa: E402
+
+FLOOR = 1e-18  # below round-off: what a logarithmic axis shows of zero
 CONSTRAINTS = {
-    "ball": ("gap_m", "|r_P − r_Q| (m)"),
-    "universal": ("cardan", "|r_y^P · r_z^Q|"),
-    "revolute": ("hinge", "|r_x^P + r_z^Q|"),
+    "ball": ("gap_m", "gap |r_P − r_Q| (m)"),
+    "universal": ("cardan", "|r_y^P · r_z^Q| (–)"),
+    "revolute": ("hinge", "|r_x^P + r_z^Q| (–)"),
 }
+# what is compared: columns, names, heading with unit, unit of the difference
+COMPARED = (
+    (("kx_1_m", "ky_1_m", "kz_1_m"), ("κx", "κy", "κz"), "curvature of A's first element (1/m)", "1/m"),
+    (("ex",), ("εx",), "extension of A's first element (10⁻⁶)", "–"),
+    (("tip_x_m", "tip_y_m", "tip_z_m"), ("X", "Y", "Z"), "position of the tip (m)", "m"),
+    (("fx_n", "fy_n", "fz_n"), ("X", "Y", "Z"), "joint force on B (N)", "N"),
+)
+COLOURS = (BLUE, VERMILION, GREEN)
 
 
 def table(path):
@@ -23,100 +36,92 @@ def table(path):
     return np.genfromtxt(path, delimiter=",", names=True)
 
 
-def draw(axes, pair, columns, labels):
-    """Both methods over each other: the DAE broad and pale, joint parameters thin."""
-    ours, dae = pair
-    for column, label, color in zip(columns, labels, (BLUE, ORANGE, GREEN, RED)):
-        axes.plot(dae["t_s"], dae[column], color=GREY, linewidth=4, solid_capstyle="round")
-        axes.plot(ours["t_s"], ours[column], color=color, linewidth=1.1, label=label)
-    axes.margins(y=0.2)
-    axes.legend(fontsize=7, frameon=False, ncols=2)
-
-
 def pendulum(results, joint, reference, output):
-    """Strains, tip, energies, constraint, joint force of one double pendulum."""
+    """One double pendulum: what moves above, how far the two methods differ below; energies and the constraint."""
     ours = table(results / f"double_pendulum_{joint}_joint_parameters.csv")
     dae = table(results / f"double_pendulum_{joint}_dae.csv")
     product = table(results / f"double_pendulum_{joint}_product.csv")
-    pair = (ours, dae)
-    figure, grid = plt.subplots(2, 3, figsize=(12, 6.2), layout="constrained")
-
-    draw(grid[0, 0], pair, ("kx_1_m", "ky_1_m", "kz_1_m"), ("κx", "κy", "κz"))
-    grid[0, 0].set(title="Curvatures of A's first element", ylabel="1/m")
-    draw(grid[0, 1], pair, ("ex",), ("εx",))
-    grid[0, 1].set(title="Extension of A's first element", ylabel="–")
-
-    draw(grid[0, 2], pair, ("tip_x_m", "tip_y_m", "tip_z_m"), ("X", "Y", "Z"))
+    figure, grid = plt.subplots(2, 5, figsize=(18.0, 6.6), sharex=True)
+    figure.subplots_adjust(left=0.038, right=0.955, top=0.84, bottom=0.085, wspace=0.42, hspace=0.22)
+    for (upper, lower), (columns, names, heading, unit) in zip(grid.T, COMPARED):
+        factor = 1e6 if columns == ("ex",) else 1.0
+        for column, name, colour in zip(columns, names, COLOURS):
+            upper.plot(ours["t_s"], factor * ours[column], color=colour, linewidth=1.2, label=name)
+            difference = np.maximum(np.abs(ours[column] - dae[column]), FLOOR)
+            lower.semilogy(ours["t_s"], difference, color=colour, linewidth=1.0, label=name)
+        upper.set_title(heading, fontsize=10)
+        lower.set_title(f"difference of the two methods ({unit})", fontsize=10)
+    tip, tip_error = grid[:, 2]
     for column in ("tip_x_m", "tip_y_m", "tip_z_m"):
-        grid[0, 2].plot(product["t_s"][::8], product[column][::8], "k.", markersize=3)
-    grid[0, 2].plot([], [], "k.", markersize=3, label="product, O(n)")
+        tip.plot(product["t_s"][::8], product[column][::8], ".", color=INK, markersize=3.5)
+    others = "dots: O(n) of the product"
     if joint == "ball":
         rows = table(reference)
         for column, sign in (("tip_X", 1), ("tip_Y", 1), ("tip_Z", -1)):
-            grid[0, 2].plot(rows["t_s"][::8], sign * rows[column][::8], "k+", markersize=5, markeredgewidth=0.6)
-        grid[0, 2].plot([], [], "k+", markersize=5, label="Exudyn")
-    grid[0, 2].legend(fontsize=7, frameon=False, ncols=2)
-    grid[0, 2].set(title="Tip", ylabel="m")
+            tip.plot(rows["t_s"][::8], sign * rows[column][::8], "+", color=INK, markersize=6, markeredgewidth=0.6)
+        others += "; +: Exudyn"
+    tip.set_ylim(bottom=-4.4)
+    tip.annotate(others, (0.03, 0.03), xycoords="axes fraction", fontsize=SMALL - 0.5, color=INK)
 
-    draw(grid[1, 0], pair, ("kinetic_j", "elastic_j", "gravity_j"), ("kinetic", "elastic", "gravity"))
+    energy, constraint = grid[:, 4]
+    for column, name, colour in (("kinetic_j", "kinetic", BLUE), ("elastic_j", "elastic", ORANGE), ("gravity_j", "gravity", GREEN)):
+        energy.plot(ours["t_s"], ours[column], color=colour, linewidth=1.2, label=name)
     total = ours["kinetic_j"] + ours["elastic_j"] + ours["gravity_j"]
-    grid[1, 0].plot(ours["t_s"], total, "k--", linewidth=0.8, label="total")
-    grid[1, 0].legend(fontsize=7, frameon=False, ncols=2)
-    grid[1, 0].set(title=f"Energies; total within {np.abs(total).max():.0e} J", ylabel="J", xlabel="time (s)")
-
+    energy.plot(ours["t_s"], total, color=BLACK, linestyle=(0, (4, 3)), linewidth=1.0, label="total")
+    energy.set_title(f"energy (J); total within {np.abs(total).max():.0e}".replace("-", "−"), fontsize=10)
     column, label = CONSTRAINTS[joint]
-    floor = 1e-18
-    grid[1, 1].semilogy(dae["t_s"], np.maximum(np.abs(dae[column]), floor), color=RED, linewidth=1, label="DAE")
-    grid[1, 1].semilogy(
-        ours["t_s"], np.maximum(np.abs(ours[column]), floor), color=BLUE, linewidth=1, label="joint parameters"
-    )
-    grid[1, 1].legend(fontsize=7, frameon=False)
-    grid[1, 1].set(title=f"Constraint {label}", xlabel="time (s)", ylim=(1e-18, 1e-10))
-
-    draw(grid[1, 2], pair, ("fx_n", "fy_n", "fz_n"), ("X", "Y", "Z"))
-    grid[1, 2].set(title="Joint force on B; multipliers (pale), inward sum", ylabel="N", xlabel="time (s)")
-    figure.suptitle(
-        f"Double pendulum, ball and {joint} joint: joint parameters (thin, coloured) over the index-1 DAE (pale)",
-        fontsize=11,
-    )
-    figure.savefig(output / f"double_pendulum_{joint}.png", dpi=100)
-    plt.close(figure)
+    constraint.semilogy(dae["t_s"], np.maximum(np.abs(dae[column]), FLOOR), color=VERMILION, linewidth=1, label="DAE")
+    constraint.semilogy(ours["t_s"], np.maximum(np.abs(ours[column]), FLOOR), color=BLUE, linewidth=1, label="joint\nparameters")
+    constraint.set_title(f"constraint {label}", fontsize=10)
+    constraint.set_ylim(FLOOR, 1e-10)
+    for axes in grid.flat:
+        axes.set_xlim(ours["t_s"][0], ours["t_s"][-1])
+    for axes in grid[1]:
+        axes.set_xlabel("time (s)")
+    for axes in grid.flat:
+        label_ends(axes)
+    figure.text(0.012, 0.955, f"Double pendulum, ball and {joint} joint", fontsize=13.5, weight="bold")
+    figure.text(0.012, 0.915, "above: joint parameters; below: their difference to the index-1 DAE of the conventional form", fontsize=SMALL + 1)
+    save(figure, output / f"double_pendulum_{joint}.png")
 
 
 def two_bodies(results, reference, output):
-    """Free end over time and the error of its RMS against the number of sections."""
-    figure, grid = plt.subplots(1, 3, figsize=(13, 4.2), layout="constrained")
+    """Free end over time, its difference to the reference, and the error of its RMS against the number of sections."""
+    figure, grid = plt.subplots(1, 3, figsize=(16.0, 4.9))
+    figure.subplots_adjust(left=0.045, right=0.87, top=0.80, bottom=0.12, wspace=0.62)
     rows = table(reference)
-    for axes, column, letter in ((grid[0], "tip_x_m", "X"), (grid[1], "tip_z_m", "Z")):
-        axes.plot(rows["t_s"], rows[f"tip_{letter}_m"], color=GREY, linewidth=5, label="Exudyn, 32 elements")
-        for name, sections, color, label in (
-            ("constant", 6, BLUE, "constant, 6 sections"),
-            ("linear", 6, GREEN, "linear, 6 sections"),
-            ("segments_half_root_spring", 6, ORANGE, "segments, 2EI/l at clamp, 6"),
-            ("segments_whole_root_spring", 6, RED, "segments, EI/l at clamp, 6"),
-        ):
-            path = table(results / f"two_body_path_{name}_{sections}.csv")
-            axes.plot(path["t_s"], path[column], color=color, linewidth=1, label=label)
-        path = table(results / "two_body_path_segments_whole_root_spring_30.csv")
-        axes.plot(path["t_s"], path[column], color=RED, linewidth=1, linestyle=":", label="segments, EI/l at clamp, 30")
-        axes.set(title=f"{letter} of the free end", xlabel="time (s)", ylabel="m")
-    grid[1].legend(fontsize=7, frameon=False)
-
-    for name, color, label in (
-        ("segments_whole_root_spring", RED, "segments, EI/l at clamp: order 1"),
-        ("segments_half_root_spring", ORANGE, "segments, 2EI/l at clamp: order 2"),
-        ("constant", BLUE, "constant elements: order 2"),
-        ("linear", GREEN, "linear elements: order 4"),
+    shown = (
+        ("constant", 6, BLUE, "constant, 6"),
+        ("linear", 6, GREEN, "linear, 6"),
+        ("segments_half_root_spring", 6, ORANGE, "segments,\n2EI/l at clamp, 6"),
+        ("segments_whole_root_spring", 6, VERMILION, "segments,\nEI/l at clamp, 6"),
+        ("segments_whole_root_spring", 30, BLACK, "segments,\nEI/l at clamp, 30"),
+    )
+    grid[0].plot(rows["t_s"], rows["tip_Z_m"], color=BLACK, linewidth=1.4, label="Exudyn,\n32 elements")
+    for name, sections, colour, label in shown:
+        path = table(results / f"two_body_path_{name}_{sections}.csv")
+        at = np.interp(rows["t_s"], path["t_s"], path["tip_z_m"])
+        if name == "segments_whole_root_spring" and sections == 6:
+            grid[0].plot(path["t_s"], path["tip_z_m"], color=colour, linewidth=1.1, label=label)
+        grid[1].semilogy(rows["t_s"], np.maximum(np.abs(at - rows["tip_Z_m"]), 1e-6), color=colour, linewidth=1.1, label=label)
+    grid[0].set(xlabel="time (s)", ylabel="Z of the free end (m)", title="The free end: reference and the coarsest")
+    grid[1].set(xlabel="time (s)", ylabel="difference in Z to Exudyn (m)", title="Difference; number: sections per body")
+    for name, colour, label in (
+        ("segments_whole_root_spring", VERMILION, "segments, EI/l\nat clamp: order 1"),
+        ("segments_half_root_spring", ORANGE, "segments, 2EI/l\nat clamp: order 2"),
+        ("constant", BLUE, "constant elements:\norder 2"),
+        ("linear", GREEN, "linear elements:\norder 4"),
     ):
         errors = table(results / f"two_body_error_{name}.csv")
-        grid[2].loglog(errors["sections"], errors["error_converged"], "o-", color=color, markersize=3, label=label)
-    grid[2].set(title="Error of RMS(Z) against the converged value", xlabel="sections per body", ylabel="–")
+        grid[2].loglog(errors["sections"], errors["error_converged"], "o-", color=colour, markersize=3.5, label=label)
+    grid[2].set(xlabel="sections per body", ylabel="relative error of RMS(Z) (–)", title="Error against the converged value")
     grid[2].set_xticks([2, 4, 6, 10, 20, 30, 50], ["2", "4", "6", "10", "20", "30", "50"])
     grid[2].minorticks_off()
-    grid[2].grid(True, linewidth=0.3)
-    grid[2].legend(fontsize=7, frameon=False)
-    figure.savefig(output / "two_body_convergence.png", dpi=100)
-    plt.close(figure)
+    for axes in grid:
+        axes.set_xlim(axes.get_xlim()[0] if axes is grid[2] else 0.0, axes.get_xlim()[1] if axes is grid[2] else rows["t_s"][-1])
+        label_ends(axes)
+    figure.text(0.012, 0.93, "Two bodies and a joint: elements of strain against rigid segments", fontsize=13.5, weight="bold")
+    save(figure, output / "two_body_convergence.png")
 
 
 def main():
@@ -126,7 +131,7 @@ def main():
     parser.add_argument("output", type=Path, help="folder of the pictures")
     parser.add_argument("--reference", type=Path, default=Path("tests/reference"), help="folder of the references")
     arguments = parser.parse_args()
-    plt.rcParams.update({"font.size": 8, "axes.titlesize": 9, "axes.spines.top": False, "axes.spines.right": False})
+    use()
     arguments.output.mkdir(parents=True, exist_ok=True)
     for joint in CONSTRAINTS:
         reference = arguments.reference / "double_pendulum_ball_ball_exudyn.csv"

@@ -8,6 +8,7 @@ import argparse
 import csv
 import re
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -17,8 +18,12 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-MODELS = Path(__file__).resolve().parents[1] / "examples/models"
-BLUE, ORANGE, GREEN, RED, GREY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#9a9a9a"
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "examples"))
+
+from house_style import BLUE, FAINT, GREEN, SMALL, VERMILION, label_ends, mark, save, use  # noqa: E402
+
+MODELS = ROOT / "examples/models"
 PLACES = 9  # points along a body
 
 
@@ -59,20 +64,24 @@ def row_at(columns, time_s):
 def roll_fold(foldwing, text):
     """Shapes as the panels unroll; fold angles with the instants of latching."""
     run = simulate(foldwing, text)
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(12, 4.6), gridspec_kw={"width_ratios": (1.25, 1)})
+    figure.subplots_adjust(left=0.06, right=0.9, top=0.86, bottom=0.12, wspace=0.22)
     times_s = [0.0, 0.06, 0.1, run["fold_inner.latch_time"][-1], 0.6, 1.0, 1.3, run["fold_outer.latch_time"][-1]]
-    for color, time_s in zip(plt.cm.viridis(np.linspace(0.0, 0.92, len(times_s))), times_s):
+    for color, time_s in zip(plt.cm.YlGnBu(np.linspace(0.3, 0.98, len(times_s))), times_s):
         x, z = shape(run, ("inner", "middle", "outer"), row_at(run, time_s))
-        left.plot(x, z, color=color, linewidth=2, label=f"{time_s:.2f} s")
-        left.plot(x[PLACES::PLACES], z[PLACES::PLACES], "o", color=color, markersize=4)
-    left.set(title="Shapes, from the side", xlabel="x (m)", ylabel="z (m)", aspect="equal", ylim=(-0.3, 0.06))
-    left.legend(fontsize=8, frameon=False, ncols=4, loc="lower center")
-    for joint, color in (("fold_inner", BLUE), ("fold_outer", ORANGE)):
+        left.plot(x, z, color=color, linewidth=2.2, solid_capstyle="round")
+        left.plot(x[PLACES::PLACES], z[PLACES::PLACES], "o", color="white", markeredgecolor=color, markersize=4.5)
+        along = np.array([x[-1] - x[-2], z[-1] - z[-2]])
+        left.annotate(f"{time_s:.2f} s", (x[-1], z[-1]), xytext=17 * along / np.linalg.norm(along), textcoords="offset points",
+                      ha="center", va="center", fontsize=SMALL)
+    left.set(title="Shapes from the side", xlabel="x (m)", ylabel="z (m)", aspect="equal")
+    left.margins(0.08)
+    for (joint, color), height in zip((("fold_inner", BLUE), ("fold_outer", VERMILION)), (0.97, 0.86)):
         latch_s = run[f"{joint}.latch_time"][-1]
-        right.plot(run["time"], np.degrees(run[f"{joint}.angle"]), color=color, label=f"{joint}, latched at {latch_s:.4f} s")
-        right.axvline(latch_s, color=color, linewidth=0.8, linestyle="--")
-    right.set(title="Fold angles", xlabel="time (s)", ylabel="degrees")
-    right.legend(fontsize=9, frameon=False)
+        right.plot(run["time"], np.degrees(run[f"{joint}.angle"]), color=color, label=joint)
+        mark(right, latch_s, f"latched, {latch_s:.4f} s", color, height)
+    right.set(title="Folds", xlabel="time (s)", ylabel="fold angle (°)", xlim=(0.0, run["time"][-1]))
+    label_ends(right)
     return figure
 
 
@@ -80,49 +89,53 @@ def flared_wing_tip(foldwing, text):
     """Shapes, fold angle and root moment in the gust, against a hinge that is locked."""
     start = re.search(r"^start_angle_deg = .*$", text, flags=re.MULTILINE)[0]
     runs = {
-        "free, flared hinge": (simulate(foldwing, text), BLUE, "-"),
-        "locked where it floats": (simulate(foldwing, text.replace(start, start + '\nmotion = "locked"')), GREEN, "--"),
-        "locked straight": (simulate(foldwing, text.replace(start, 'start_angle_deg = 0.0\nmotion = "locked"')), RED, "-."),
+        "free, flared": (simulate(foldwing, text), BLUE),
+        "locked where\nit floats": (simulate(foldwing, text.replace(start, start + '\nmotion = "locked"')), GREEN),
+        "locked straight": (simulate(foldwing, text.replace(start, 'start_angle_deg = 0.0\nmotion = "locked"')), VERMILION),
     }
-    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(13, 4.0), layout="constrained")
-    for name, (run, color, style) in runs.items():
+    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(16, 4.6))
+    figure.subplots_adjust(left=0.045, right=0.915, top=0.86, bottom=0.12, wspace=0.5)
+    for name, (run, color) in runs.items():
         moment = -run["root.moment.y"]
-        peak = int(moment.argmax())
-        middle.plot(run["time"], np.degrees(run["fold.angle"]), style, color=color, label=name)
-        right.plot(run["time"], moment, style, color=color, label=f"{name}: {moment[peak]:.1f} N·m")
+        middle.plot(run["time"], np.degrees(run["fold.angle"]), color=color, label=name)
+        right.plot(run["time"], moment, color=color, label=f"{name}:\npeak {moment.max():.1f}")
         highest = int(run["tip.position.z"].argmax())
-        left.plot(*shape(run, ("inner", "tip"), highest), style, color=color, label=f"{name}, highest")
-    left.plot(*shape(runs["free, flared hinge"][0], ("inner", "tip"), row_at(run, 0.29)), color=GREY, label="before the gust")
-    left.set(title="Shapes, from behind; z stretched", xlabel="x (m)", ylabel="z (m)")
-    middle.set(title="Fold angle; negative is up", xlabel="time (s)", ylabel="degrees")
-    right.set(title="Bending moment at the root", xlabel="time (s)", ylabel="N·m")
-    right.set_ylim(top=50.0)
+        left.plot(*shape(run, ("inner", "tip"), highest), color=color, linewidth=2, label=name)
+    run = runs["free, flared"][0]
+    left.plot(*shape(run, ("inner", "tip"), row_at(run, 0.29)), color=FAINT, label="free, before\nthe gust")
+    left.set(title="Highest shapes from behind; z stretched", xlabel="x (m)", ylabel="z (m)")
+    middle.set(title="Fold; negative is up", xlabel="time (s)", ylabel="fold angle (°)", ylim=(-21.0, 2.5))
+    right.set(title="Bending at the root", xlabel="time (s)", ylabel="moment (N·m)", ylim=(None, 50.0))
     for axes in (middle, right):
-        axes.axvspan(0.3, 0.3 + 5.0 / 20.0, color=GREY, alpha=0.2, linewidth=0, label="gust at the wing")
+        axes.axvspan(0.3, 0.3 + 5.0 / 20.0, color=FAINT, alpha=0.16, linewidth=0)
+        axes.annotate("gust at the wing", (0.425, 0.985), xycoords=("data", "axes fraction"), ha="center", va="top", fontsize=SMALL, color=FAINT)
+        axes.set_xlim(0.0, run["time"][-1])
+    left.set_xlim(0.0, 1.62)
     for axes in (left, middle, right):
-        axes.legend(fontsize=8, frameon=False)
+        label_ends(axes)
     return figure
 
 
 def slender_wing(foldwing, text):
-    """Shapes without loads, in flight and in the gust; tip and root moment over time."""
+    """Shapes without loads, in flight and in the gust; tip and root moment over time, each with axes of its own."""
     run = simulate(foldwing, text)
     bare = text.replace('model = "strip"', 'model = "none"').replace("gravity_m_s2 = [0.0, 0.0, -9.81]", "gravity_m_s2 = [0.0, 0.0, 0.0]")
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
+    figure = plt.figure(figsize=(12, 4.8))
+    left, upper, lower = (figure.add_axes(place) for place in ([0.055, 0.12, 0.4, 0.74], [0.6, 0.55, 0.385, 0.34], [0.6, 0.12, 0.385, 0.34]))
     highest = int(run["tip.position.z"].argmax())
-    for columns, row, color, label in ((simulate(foldwing, bare), 0, GREY, "without loads"), (run, 0, BLUE, "in flight"),
-                                       (run, highest, RED, f"in the gust, at {run['time'][highest]:.2f} s")):
-        left.plot(*shape(columns, ("wing",), row), color=color, linewidth=2, label=label)
-    left.set(title="Shapes, from behind", xlabel="x (m)", ylabel="z (m)", aspect="equal")
-    left.legend(fontsize=9, frameon=False)
-    right.plot(run["time"], run["tip.position.z"], color=BLUE, label="height of the tip (m)")
-    right.set(title="Height of the tip, bending moment at the root", xlabel="time (s)", ylabel="m")
-    twin = right.twinx()
-    twin.plot(run["time"], -1e-3 * run["root.moment.y"], color=ORANGE)
-    right.plot([], [], color=ORANGE, label="moment at the root (kN·m, right)")
-    twin.set_ylabel("kN·m")
-    right.axvspan(0.5, 1.0, color=GREY, alpha=0.2, linewidth=0, label="gust at the wing")
-    right.legend(fontsize=8, frameon=False)
+    for columns, row, color, label in ((simulate(foldwing, bare), 0, FAINT, "without loads"), (run, 0, BLUE, "in flight"),
+                                       (run, highest, VERMILION, f"in the gust,\n{run['time'][highest]:.2f} s")):
+        left.plot(*shape(columns, ("wing",), row), color=color, linewidth=2.2, label=label)
+    left.set(title="Shapes from behind", xlabel="x (m)", ylabel="z (m)", aspect="equal", ylim=(-0.8, None))
+    label_ends(left)
+    upper.plot(run["time"], run["tip.position.z"], color=BLUE)
+    upper.set(title="height of the tip (m)", xticklabels=[], ylim=(0.0, 8.0))
+    lower.plot(run["time"], -1e-3 * run["root.moment.y"], color=BLUE)
+    lower.set(title="bending moment at the root (kN·m)", xlabel="time (s)")
+    for axes in (upper, lower):
+        axes.axvspan(0.5, 1.0, color=FAINT, alpha=0.16, linewidth=0)
+        axes.set_xlim(0.0, run["time"][-1])
+    upper.annotate("gust at the wing", (0.75, 0.03), xycoords=("data", "axes fraction"), ha="center", va="bottom", fontsize=SMALL, color=FAINT)
     return figure
 
 
@@ -131,11 +144,11 @@ def main():
     parser.add_argument("--foldwing", type=Path, required=True)
     parser.add_argument("--output", type=Path, required=True)
     arguments = parser.parse_args()
+    use()
     for draw in (roll_fold, flared_wing_tip, slender_wing):
         text = (MODELS / f"{draw.__name__}.toml").read_text(encoding="utf-8")
         figure = draw(arguments.foldwing.resolve(), text)
-        figure.savefig(arguments.output / f"{draw.__name__}.png", dpi=100)
-        plt.close(figure)
+        save(figure, arguments.output / f"{draw.__name__}.png")
 
 
 if __name__ == "__main__":

@@ -27,14 +27,16 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "examples"))
 
-from deploy import ACCENT, INK, LATCH, STYLE, latch_time, peak, save, shape  # noqa: E402
+from deploy import latch_time, peak, shape  # noqa: E402
+from house_style import BLUE, GREEN, INK, SKY, SMALL, VERMILION, mark, number, save, use  # noqa: E402
 
 VIEW_TIMES_S = (0.0, 0.10, 0.15, 0.20)
 SPEEDS_M_S = (0, 5, 10, 15, 20)
 PAPER_LATCH_S = {0: 0.120, 10: 0.166, 20: 0.198}  # section 5 and Fig. 10
 PAPER_TIP_M, PAPER_TIP_TIME_S = 0.056, 0.2  # section 5, at 10 m/s
-STILL, SLOW, FAST = "#7a8b99", "#2f78b7", "#0f3557"
-COLOURS = {0: STILL, 10: SLOW, 20: FAST}
+COLOURS = {0: SKY, 10: BLUE, 20: GREEN}
+PAPER = VERMILION  # what the paper says, in all pictures
+WING = "#3b4754"  # a colour that no circulation has
 WAKE_SHOWN_M = 0.22  # behind the trailing edge
 VIEW_DEG = (42, -118)  # elevation and azimuth: from upstream, from the folded side
 
@@ -73,8 +75,8 @@ def draw_view(axes, lattice, norm, colours):
         rows = int(np.sum(wake[:, 0, 0] - wake[0, 0, 0] < WAKE_SHOWN_M))  # the last row of the start is very long
         strength = np.array(surface["wake_circulation_m2_s"])[: rows - 1].ravel()
         cells += [quads(wake[:rows]), quads(wing)]
-        faces += [colours(norm(strength)), np.tile(to_rgba(INK), (len(cells[-1]), 1))]
-        edges += [np.tile(to_rgba("#9fb2c3"), (len(strength), 1)), np.tile(to_rgba("#c9d6e2"), (len(cells[-1]), 1))]
+        faces += [colours(norm(strength)), np.tile(to_rgba(WING), (len(cells[-1]), 1))]
+        edges += [np.tile(to_rgba("#8d9aa6"), (len(strength), 1)), np.tile(to_rgba("#ffffff"), (len(cells[-1]), 1))]
     parts = (np.concatenate(part) for part in (cells, faces, edges))
     cells, faces, edges = parts
     net = Poly3DCollection(cells, facecolors=faces, edgecolors=edges, linewidths=0.25, clip_on=False, zorder=2)
@@ -95,28 +97,36 @@ def plot_views(result, lattices, path):
     norm, colours = TwoSlopeNorm(0.0, -strongest, strongest), plt.get_cmap("RdBu_r")
     figure = plt.figure(figsize=(12.0, 6.0))
     for index, lattice in enumerate(lattices):
-        place = [0.31 * (index % 2), 0.52 - 0.43 * (index // 2), 0.31, 0.46]
+        place = [0.31 * (index % 2), 0.50 - 0.41 * (index // 2), 0.31, 0.46]
         draw_view(figure.add_axes(place, projection="3d"), lattice, norm, colours)
-    bar = figure.add_axes([0.1, 0.035, 0.4, 0.016])
-    figure.colorbar(plt.cm.ScalarMappable(norm, colours), cax=bar, orientation="horizontal")
-    bar.set_title("circulation of the wake's rings (m²/s)", fontsize=8, loc="left")
-    bar.tick_params(labelsize=8)
+    bar = figure.add_axes([0.1, 0.055, 0.4, 0.016])
+    figure.colorbar(plt.cm.ScalarMappable(norm, colours), cax=bar, orientation="horizontal").outline.set_visible(False)
+    bar.set_title("circulation of the wake's rings (m²/s); the wing is grey", fontsize=SMALL, loc="left")
+    bar.tick_params(labelsize=SMALL)
 
-    axes = figure.add_axes([0.68, 0.08, 0.31, 0.82])
+    axes = figure.add_axes([0.70, 0.09, 0.285, 0.78])
     times = np.arange(0.0, PAPER_TIP_TIME_S + 1e-9, 0.02)
-    for time_s, colour in zip(times, plt.get_cmap("viridis")(np.linspace(0.0, 0.92, len(times)))):
+    shades = plt.get_cmap("YlGnBu")(np.linspace(0.3, 0.98, len(times)))
+    axes.axvline(1e3 * PAPER_TIP_M, color=PAPER, linestyle=(0, (4, 3)), linewidth=1.0)
+    for time_s, colour in zip(times, shades):
         x, z = 1e3 * shape(result, time_s)
-        axes.plot(z, x, color=colour, linewidth=1.5)
-        axes.annotate(f"{time_s:.2f}", (z[-1], x[-1]), fontsize=7, color=colour, xytext=(3, 3), textcoords="offset points")
+        axes.plot(z, x, color=colour, linewidth=2.0, solid_capstyle="round")
+        along = np.array([z[-1] - z[-2], x[-1] - x[-2]])
+        along /= np.linalg.norm(along)
+        if 0.01 < time_s < 0.19:  # the first two shapes end beside each other, and the last has words of its own
+            axes.annotate(f"{time_s:.2f}", (z[-1], x[-1]), fontsize=SMALL, color=INK, xytext=9 * along, textcoords="offset points",
+                          ha="center", va="center")
+    z, x = (1e3 * result[f"tip.position.{axis}"][0] for axis in "zx")
+    axes.annotate("0 s", (z, x), fontsize=SMALL, color=INK, xytext=(-3, -13), textcoords="offset points")
     z_mm, x_mm = (1e3 * value_at(result, f"tip.position.{axis}", PAPER_TIP_TIME_S) for axis in "zx")
-    axes.plot(z_mm, x_mm, "o", color=INK, label=f"tip at 0.2 s: {z_mm:.1f} mm")
-    axes.axvline(1e3 * PAPER_TIP_M, color=LATCH, linestyle="--", linewidth=1.1, label=f"the paper's text: {1e3 * PAPER_TIP_M:.0f} mm")
-    axes.set(xlabel="z (mm)", ylabel="x (mm)")
-    axes.set_title("Wing axis, every 0.02 s (label: s)", loc="left", fontsize=10, color=INK)
+    axes.plot(z_mm, x_mm, "o", color=INK, markersize=4.5, zorder=5)
+    axes.annotate(f"tip at 0.20 s:\n{z_mm:.1f} mm", (z_mm, x_mm), fontsize=SMALL, color=INK, xytext=(6, -24), textcoords="offset points")
+    axes.annotate(f"the paper's text:\n{1e3 * PAPER_TIP_M:.0f} mm", (1e3 * PAPER_TIP_M, 120), fontsize=SMALL, color=PAPER,
+                  xytext=(5, 0), textcoords="offset points")
+    axes.set(xlabel="z (mm)", ylabel="x (mm)", title="Wing axis, every 0.02 s")
     axes.set_aspect("equal")
-    axes.set(xlim=(-190, 80), ylim=(-45, 320))
-    axes.legend(fontsize=8, loc="lower left")
-    figure.suptitle("Deployment at 10 m/s with its wake", x=0.01, ha="left", fontsize=12, color=INK)
+    axes.set(xlim=(-195, 140), ylim=(-25, 330))
+    figure.text(0.015, 0.945, "Deployment in a wind of 10 m/s, with the wake", fontsize=13.5, color=INK, weight="bold")
     save(figure, path)
 
 
@@ -127,42 +137,46 @@ def value_at(result, name, time_s):
 
 def plot_histories(runs, path):
     """Figures 10 and 11: fold angle and strain over time at three speeds."""
-    figure, grid = plt.subplots(2, len(PAPER_LATCH_S), figsize=(11, 5.6), sharex=True, sharey="row", layout="constrained")
+    figure, grid = plt.subplots(2, len(PAPER_LATCH_S), figsize=(12, 5.8), sharex=True, sharey="row", layout="constrained")
     for (upper, lower), (speed_m_s, paper_s) in zip(grid.T, PAPER_LATCH_S.items()):
         result, colour = runs[speed_m_s][0], COLOURS[speed_m_s]
         latch_s = latch_time(result)
         upper.plot(result["time"], np.degrees(result["fold.angle"]), color=colour)
-        upper.plot(latch_s, 0.0, "o", color=colour, label=f"latch at {latch_s:.4f} s")
-        upper.axvline(paper_s, color=LATCH, linestyle="--", linewidth=1.1, label=f"paper: {paper_s:.3f} s")
-        upper.set_title(f"{speed_m_s} m/s", loc="left", fontsize=11, color=INK)
-        upper.legend(fontsize=8)
+        upper.plot(latch_s, 0.0, "o", color=colour, markersize=5)
+        upper.annotate(f"ours, {latch_s:.4f} s", (latch_s, 0.0), xytext=(8, 12), textcoords="offset points", color=colour, fontsize=SMALL)
+        mark(upper, paper_s, f"paper, {paper_s:.3f} s", PAPER, 0.97)
+        air = "in air at rest; README's 0.1222 s is without air" if speed_m_s == 0 else f"wind of {speed_m_s} m/s"
+        upper.set_title(air, fontsize=10.5)
         time_s, strain = peak(result)
         lower.plot(result["time"], 1e3 * result["gauge.root.strain"], color=colour, linewidth=1.1)
-        lower.plot(time_s, 1e3 * strain, "o", color=ACCENT, label=f"peak {1e3 * abs(strain):.2f}·10⁻³ at {time_s:.3f} s")
-        lower.axvline(latch_s, color=colour, linestyle=":", linewidth=1.0)
+        lower.plot(time_s, 1e3 * strain, "o", color=colour, markersize=5)
+        below = strain < 0
+        lower.annotate(number(f"peak {1e3 * strain:.2f}·10⁻³\nat {time_s:.3f} s"), (time_s, 1e3 * strain), xytext=(0, -7 if below else 6),
+                       textcoords="offset points", ha="center", va="top" if below else "bottom", color=colour, fontsize=SMALL)
+        mark(lower, latch_s, "latch" if speed_m_s == 0 else "", colour, 0.97)
         lower.set(xlabel="time (s)", xlim=(0.0, 0.4))
-        lower.legend(fontsize=8, loc="lower right")
-    grid[0, 0].set(ylabel="fold angle (deg)", yticks=np.arange(0, 181, 30))
-    # room for the legend below the deepest peak; the axes share it
-    grid[1, 0].set(ylabel="strain at the root gauge (10⁻³)", ylim=(-6.2, 4.8))
+    grid[0, 0].set(ylabel="fold angle (°)", yticks=np.arange(0, 181, 30))
+    grid[1, 0].set(ylabel="strain at the root gauge (10⁻³)", ylim=(-6.3, 4.8))  # room for the words at the deepest peak
     save(figure, path)
 
 
 def plot_speeds(runs, path):
     """Figure 12 and the latch times beside it."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.9), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10.4, 4.0), layout="constrained")
     speeds = list(runs)
-    left.plot(speeds, [latch_time(runs[speed][0]) for speed in speeds], "o-", color=SLOW, label="ours")
+    times_s = [latch_time(runs[speed][0]) for speed in speeds]
+    left.plot(speeds, times_s, "o-", color=BLUE, markersize=5)
+    left.annotate("ours", (speeds[1], times_s[1]), xytext=(6, -11), textcoords="offset points", color=BLUE, fontsize=SMALL)
     left.errorbar(list(PAPER_LATCH_S), list(PAPER_LATCH_S.values()), yerr=[0.03 * value for value in PAPER_LATCH_S.values()],
-                  fmt="D", color=LATCH, capsize=4, label="paper's simulation, ± 3 %")
-    left.set(xlabel="flow speed (m/s)", xticks=speeds, ylabel="latch time (s)", ylim=(0.1, 0.215))
-    left.legend()
+                  fmt="D", color=PAPER, capsize=4, markersize=5)
+    left.annotate("paper's simulation;\nbars: ± 3 %, what we allow", (10, PAPER_LATCH_S[10]), xytext=(-12, 22),
+                  textcoords="offset points", ha="right", color=PAPER, fontsize=SMALL)
+    left.set(xlabel="wind (m/s)", xticks=speeds, ylabel="time of latching (s)", ylim=(0.1, 0.215))
     peaks = [1e3 * abs(peak(runs[speed][0])[1]) for speed in speeds]
-    right.plot(speeds, peaks, "o-", color=SLOW, label="ours")
+    right.plot(speeds, peaks, "o-", color=BLUE, markersize=5)
     for speed, value in zip(speeds, peaks):
-        right.annotate(f"{value:.2f}", (speed, value), xytext=(4, 6), textcoords="offset points", fontsize=8, color=INK)
-    right.set(xlabel="flow speed (m/s)", xticks=speeds, ylabel="peak strain (10⁻³)", ylim=(0.0, 6.2))
-    right.legend()
+        right.annotate(f"{value:.2f}", (speed, value), xytext=(4, 6), textcoords="offset points", fontsize=SMALL, color=INK)
+    right.set(xlabel="wind (m/s)", xticks=speeds, ylabel="largest strain at the root (10⁻³)", ylim=(0.0, 6.2))
     save(figure, path)
 
 
@@ -174,7 +188,7 @@ def main():
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         runs = {speed: simulate(arguments.foldwing.resolve(), arguments.model, Path(folder), speed) for speed in SPEEDS_M_S}
-    plt.rcParams.update({**STYLE, "figure.dpi": 110})
+    use()
     arguments.output.mkdir(parents=True, exist_ok=True)
     plot_views(*runs[10], arguments.output / "tunnel_views.png")
     plot_histories(runs, arguments.output / "tunnel_histories.png")
