@@ -2,6 +2,7 @@
 
 mod command_line;
 mod files;
+mod mistakes;
 mod slips;
 mod starter;
 mod sweep;

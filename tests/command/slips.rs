@@ -121,9 +121,9 @@ fn descriptions_are_such_that_importers_can_read_them() {
         std::fs::write(folder.path().join("wing.toml"), line + &rest).unwrap();
         foldwing(folder.path(), &["package", "wing.toml", "--description-only"])
     };
-    let refused = "wing.toml:1: key 'description': a text with the control character U+0001 is not allowed; allowed: text \
-                   without control characters except line feeds and tabs";
+    let refused = "wing.toml:1: key 'description': a text with the control character U+0001 is not allowed";
     refuses(&describe("a\\u0001b"), 1, refused);
+    refuses(&describe("a\\u0001b"), 1, "^ allowed: text without control characters except line feeds and tabs");
     // a small generator of our own: the letters decide, not the order in which they are tried
     let mut state = 7_u64;
     let mut next = || {

@@ -15,7 +15,8 @@ from PIL import Image
 MODEL = ROOT / "examples/models/folding_wing.toml"
 TUNNEL = ROOT / "examples/models/folding_wing_in_tunnel.toml"
 SVG = "{http://www.w3.org/2000/svg}"
-FIGURES = {"fold_angles", "strains", "energies", "tip_path", "shapes"}
+OVER_TIME = {"fold_angles", "fold_torques", "tips", "root_moment", "strains", "energies"}
+FIGURES = OVER_TIME | {"tip_path", "shapes"}
 
 
 def simulate(foldwing, model, folder, *arguments):
@@ -54,7 +55,8 @@ def test_f180_figures_show_the_columns(still_air):
     """
     folder, columns = still_air
     time = columns["time"]
-    curves = {"fold_angles": ["fold.angle"], "strains": ["gauge.root.strain"], "energies": [
+    curves = {"fold_angles": ["fold.angle"], "fold_torques": ["fold.applied_torque"], "strains": ["gauge.root.strain"],
+              "tips": [f"tip.position.{axis}" for axis in "xyz"], "root_moment": [f"root.moment.{axis}" for axis in "xyz"], "energies": [
         f"energy.{name}" for name in ("kinetic", "elastic", "gravity", "drive", "work", "dissipated", "total")]}
     for stem, names in curves.items():
         lines = polylines(folder / f"plots/{stem}.svg")
@@ -68,14 +70,14 @@ def test_f180_figures_show_the_columns(still_air):
 
 
 def test_f181_figures_say_what_they_show(still_air):
-    """F-181. All five figures are there with unit at both axes and names; the latch instant is the CSV's."""
+    """F-181. All eight figures are there with unit at both axes and names; the latch instant is the CSV's."""
     folder, columns = still_air
     assert {path.stem for path in (folder / "plots").glob("*.svg")} == FIGURES
     latch_s = columns["fold.latch_time"][-1]
     for stem in FIGURES:
         texts = [text.text.strip() for text in etree.parse(folder / f"plots/{stem}.svg").getroot().iter(f"{SVG}text")]
-        assert sum(bool(re.search(r"\((s|m|J|°|10⁻³)\)", text)) for text in texts) == 2, (stem, texts)
-        assert (f"fold latched, {latch_s:.4f} s" in texts) == (stem in {"fold_angles", "strains", "energies"}), stem
+        assert sum(bool(re.search(r"\((s|m|J|°|10⁻³|N·m)\)", text)) for text in texts) == 2, (stem, texts)
+        assert (f"fold latched, {latch_s:.4f} s" in texts) == (stem in OVER_TIME), stem
 
 
 def test_f182_pixels_show_the_same(still_air):
@@ -103,7 +105,7 @@ def test_f183_chosen_outputs_are_drawn_by_unit(foldwing, tmp_path):
     stems = {path.stem for path in (tmp_path / "a").glob("*.svg")} - FIGURES
     assert stems == {"outputs_1", "outputs_2", "outputs_3"}
     texts = [text.text.strip() for text in etree.parse(tmp_path / "a/outputs_1.svg").getroot().iter(f"{SVG}text")]
-    assert "value (rad)" in texts and "fold.angle" in texts
+    assert "fold.angle (rad)" in texts and "fold.angle" in texts
     for path in (tmp_path / "a").iterdir():
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes(), path.name
 
@@ -165,6 +167,29 @@ def test_f186_vtk_holds_the_wake(foldwing, tmp_path):
     assert np.array_equal(np.concatenate(wake.cell_data["circulation_m2_s"]), rings)
     surface = series(tmp_path, "surfaces")[-1][1]
     assert len(surface.points) == 2 * sum(len(surface["corner_m"][0]) for surface in surfaces)
+
+
+def test_f265_one_series_has_all_parts(foldwing, tmp_path):
+    """F-265. `run.pvd` lists every part at every time. Gauges, loads and joints are where the CSV has them, with its values: to the
+    bit, but for round-off of the sums that place a gauge (1e-13 m)."""
+    columns = simulate(foldwing, MODEL, tmp_path, "--stop", 0.02, "--vtk", tmp_path / "vtk", "--set", "load.outer[4].force.z=0.05")
+    sets = list(etree.parse(tmp_path / "vtk/run.pvd").getroot().iter("DataSet"))
+    names = ["wing", "joints", "gauges", "loads"]
+    assert [entry.get("name") for entry in sets] == names * len(columns["time"])
+    assert [int(entry.get("part")) for entry in sets[:4]] == [0, 1, 2, 3]
+    for i, time in enumerate(columns["time"]):
+        parts = {entry.get("name"): meshio.read(tmp_path / "vtk" / entry.get("file")) for entry in sets[4 * i : 4 * i + 4]}
+        assert {float(entry.get("timestep")) for entry in sets[4 * i : 4 * i + 4]} == {time}
+        assert parts["gauges"].point_data["strain"][0] == columns["gauge.root.strain"][i]
+        joint = parts["joints"]
+        assert joint.point_data["angle_rad_or_position_m"][0] == columns["fold.angle"][i]
+        frame = np.array([joint.point_data[f"frame_{axis}"][0] for axis in "xyz"])
+        assert np.abs(frame @ frame.T - np.eye(3)).max() < 1e-12
+        assert np.abs(joint.point_data["axis"][0] - frame[1]).max() < 1e-12, "the fold's axis is the body's chord"
+        loads = parts["loads"]
+        station = np.array([columns[f"station.outer[4].position.{axis}"][i] for axis in "xyz"])
+        assert np.abs(loads.points[-1] - station).max() < 1e-13
+        assert list(loads.point_data["force_N"][-1]) == [0.0, 0.0, 0.05] and not loads.point_data["air_force_N"].any()
 
 
 def test_f187_bad_places_are_refused_before_the_run(foldwing, tmp_path):

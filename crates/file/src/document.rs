@@ -1,6 +1,7 @@
 //! The text as a tree in which every key and value knows its place.
 
 use crate::error::{Fault, Problem};
+use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -52,9 +53,23 @@ impl<'a> Document<'a> {
     /// The parser's error as a problem.
     pub fn syntax_problem(&self, error: &toml::de::Error) -> Problem {
         let mut message = error.message().lines().collect::<Vec<_>>().join(", ");
-        let line = error.span().map_or(1, |span| self.line(span.start));
-        message += &hint(self.text, line, &message);
-        Problem { line, key: String::new(), fault: Fault::Syntax { message } }
+        let mut span = error.span().unwrap_or(0..0);
+        let line = self.line(span.start);
+        let hint = hint(self.text, line, &message);
+        if hint.starts_with(COMMA) {
+            span = self.value_on(line).unwrap_or(span);
+        }
+        message += &hint;
+        Problem { line, span, key: String::new(), fault: Fault::Syntax { message } }
+    }
+
+    /// Bytes of what stands behind the `=` of a line.
+    fn value_on(&self, line: usize) -> Option<Range<usize>> {
+        let begin = *self.lines.get(line - 1)?;
+        let code = self.text[begin..].lines().next()?.split('#').next()?;
+        let value = code.split_once('=')?.1;
+        let start = begin + code.len() - value.trim_start().len();
+        Some(start..start + value.trim().len())
     }
 
     /// Key and value at a path.
@@ -86,13 +101,43 @@ impl<'a> Document<'a> {
 
     /// The problem that the value at `path` is refused, or that it is missing.
     pub fn refusal(&self, path: &[&str], allowed: String) -> Problem {
-        let fault = match self.find(path) {
-            Some(entry) => Fault::NotAllowed { value: self.value_text(entry.value), allowed },
-            None => Fault::MissingKey { allowed },
+        let (fault, span) = match self.find(path) {
+            Some(entry) => {
+                let fault = Fault::NotAllowed { value: self.value_text(entry.value), allowed };
+                (fault, self.value_span(entry.offset, entry.value))
+            }
+            None => (Fault::MissingKey { allowed }, self.span_of(path)),
         };
-        Problem { line: self.line_of(path), key: key_text(path), fault }
+        Problem { line: self.line_of(path), span, key: key_text(path), fault }
+    }
+
+    /// Bytes of a key, or of the nearest table around it that is written in the file.
+    pub fn span_of(&self, path: &[&str]) -> Range<usize> {
+        let entry = (1..=path.len()).rev().find_map(|n| self.find(&path[..n]));
+        entry.map_or(0..0, |entry| self.key_span(entry.offset))
+    }
+
+    /// Bytes of the key that begins at `offset`, with the quotes around it.
+    pub fn key_span(&self, offset: usize) -> Range<usize> {
+        let rest = self.text.get(offset..).unwrap_or_default();
+        let bare = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '-';
+        let length = match rest.chars().next() {
+            Some(quote @ ('"' | '\'')) => rest[1..].find([quote, '\n']).map_or(rest.len(), |end| end + 2),
+            Some(letter) if bare(letter) => rest.find(|letter| !bare(letter)).unwrap_or(rest.len()),
+            _ => 0,
+        };
+        offset..(offset + length).min(self.text.len())
+    }
+
+    /// Bytes of a value whose key begins at `offset`; of a table, which may have many lines, those of its key.
+    pub fn value_span(&self, offset: usize, value: &Spanned<DeValue<'a>>) -> Range<usize> {
+        let own = value.span();
+        if value.get_ref().is_table() || own.is_empty() { self.key_span(offset) } else { own }
     }
 }
+
+/// How the advice on decimal commas begins.
+const COMMA: &str = "; a decimal comma?";
 
 /// What a user may have meant on a line that is no TOML; empty where nothing comes to mind.
 fn hint(text: &str, line: usize, message: &str) -> String {
@@ -105,10 +150,21 @@ fn hint(text: &str, line: usize, message: &str) -> String {
     }
     match written.split_once('=').and_then(|(_, value)| value.trim().split_once(',')) {
         Some((whole, part)) if is_digits(whole.trim_start_matches(['+', '-'])) && is_digits(part) => {
-            format!("; a decimal comma? write {whole}.{part}")
+            format!("{COMMA} write {whole}.{part}")
         }
-        _ => String::new(),
+        _ if message.contains("quoted") => String::new(), // the parser says it
+        _ => match written.split_once('=').map(|(_, value)| value.trim()) {
+            Some(word) if is_word(word) => format!("; text stands in quotes: write {word:?}"),
+            _ => String::new(),
+        },
     }
+}
+
+/// A bare word that is none of TOML's own.
+fn is_word(text: &str) -> bool {
+    text.starts_with(char::is_alphabetic)
+        && text.chars().all(|letter| letter.is_alphanumeric() || letter == '_')
+        && !["true", "false", "inf", "nan"].contains(&text)
 }
 
 fn is_digits(text: &str) -> bool {

@@ -1,6 +1,7 @@
 //! What is wrong with a model file: file, line, key, value and what is allowed.
 
 use std::fmt;
+use std::ops::Range;
 
 /// Why a model file was refused.
 #[derive(Debug, thiserror::Error)]
@@ -42,6 +43,8 @@ fn lines(file: &str, problems: &[Problem]) -> String {
 pub struct Problem {
     /// Line of the key or value, from 1.
     pub line: usize,
+    /// Bytes of the text that a caret points at: the key, or its value where that is refused.
+    pub span: Range<usize>,
     /// Path of the key, e.g. `body.inner.length_m`; empty for the file as a whole and for syntax.
     pub key: String,
     /// What is wrong.
@@ -84,7 +87,7 @@ pub enum Fault {
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { line, key, fault } = self;
+        let Self { line, key, fault, .. } = self;
         write!(f, "{line}: ")?;
         match fault {
             Fault::Syntax { message } => write!(f, "not valid TOML: {message}"),

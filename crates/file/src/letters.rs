@@ -53,7 +53,8 @@ fn value(
             if let Some(letter) = text.chars().find(|letter| refused(*letter)) {
                 let value = format!("a text with the control character U+{:04X}", u32::from(letter));
                 let fault = Fault::NotAllowed { value, allowed: ALLOWED.to_owned() };
-                problems.push(Problem { line: document.line(offset), key: key_text(path), fault });
+                let span = document.value_span(offset, entry);
+                problems.push(Problem { line: document.line(offset), span, key: key_text(path), fault });
             }
         }
         _ => {}

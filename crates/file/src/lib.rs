@@ -10,6 +10,7 @@ mod air_file;
 mod attachments;
 mod body;
 mod document;
+mod doubts;
 mod error;
 mod file;
 mod function;
@@ -26,6 +27,7 @@ mod sections;
 mod structure;
 mod validate;
 
+pub use doubts::{Doubt, doubts};
 pub use error::{ConfigError, Fault, Problem};
 pub use reference::reference;
 pub use schema::schema;

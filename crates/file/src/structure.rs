@@ -7,6 +7,7 @@ use crate::schema::{IDENTIFIER, Node, allowed, in_range, is_required, options, p
 use foldwing_engine::machine::UNLIMITED;
 use foldwing_engine::machine::units::same_quantity;
 use foldwing_engine::machine::validate::{IDENTIFIER_ALLOWED, is_identifier};
+use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -27,7 +28,7 @@ pub(super) fn check(document: &Document) -> Result<(), Vec<Problem>> {
     let Check { mut problems, further: count, .. } = check;
     problems.sort_by_key(|problem| problem.line);
     if let Some(line) = problems.last().map(|problem| problem.line).filter(|_| count > 0) {
-        problems.push(Problem { line, key: String::new(), fault: Fault::Further { count } });
+        problems.push(Problem { line, span: 0..0, key: String::new(), fault: Fault::Further { count } });
     }
     if problems.is_empty() { Ok(()) } else { Err(problems) }
 }
@@ -47,16 +48,21 @@ impl<'a> Check<'_, 'a> {
     }
 
     fn problem(&mut self, offset: usize, key: String, fault: Fault) {
+        self.problem_at(offset, self.document.key_span(offset), key, fault);
+    }
+
+    fn problem_at(&mut self, offset: usize, span: Range<usize>, key: String, fault: Fault) {
         if self.is_full() {
             self.further += 1;
             return;
         }
-        self.problems.push(Problem { line: self.document.line(offset), key, fault });
+        self.problems.push(Problem { line: self.document.line(offset), span, key, fault });
     }
 
     fn refuse(&mut self, offset: usize, value: &Spanned<DeValue<'a>>, allowed: String) {
+        let span = self.document.value_span(offset, value);
         let value = self.document.value_text(value);
-        self.problem(offset, key_text(&self.path), Fault::NotAllowed { value, allowed });
+        self.problem_at(offset, span, key_text(&self.path), Fault::NotAllowed { value, allowed });
     }
 
     /// `offset` is where the table's own key stands, for keys that it lacks.

@@ -33,7 +33,11 @@ impl Checker<'_, '_> {
     /// Refuses what `value` describes, at `path`.
     pub fn refuse_as(&mut self, path: &[&str], value: impl Into<String>, allowed: impl Into<String>) {
         let fault = Fault::NotAllowed { value: value.into(), allowed: allowed.into() };
-        self.problems.push(Problem { line: self.document.line_of(path), key: key_text(path), fault });
+        let span = self
+            .document
+            .find(path)
+            .map_or_else(|| self.document.span_of(path), |entry| self.document.value_span(entry.offset, entry.value));
+        self.problems.push(Problem { line: self.document.line_of(path), span, key: key_text(path), fault });
     }
 
     /// True where the file states the key.

@@ -87,6 +87,9 @@ fn f246_the_lines_of_the_guide_run() {
         if words[0] == "new" {
             let _ = std::fs::remove_file(folder.path().join(&words[1])); // it overwrites nothing
         }
+        if words[0] == "view" {
+            words.push("--no-open".to_owned()); // nobody looks
+        }
         if words[0] == "package" && !words.iter().any(|word| word == "--description-only" || word == "--library") {
             words.extend(["--library".to_owned(), library().to_str().unwrap().to_owned()]);
         }

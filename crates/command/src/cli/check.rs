@@ -1,10 +1,11 @@
 //! `foldwing check`: what was understood of a model.
 
 use crate::cli::air_summary::AirSummary;
+use crate::cli::assessment::Assessment;
 use crate::cli::joint_size::JointSize;
 use crate::cli::notes::notes;
 use crate::cli::outlets::{Force, Mark, Outlets};
-use crate::cli::{Failure, print, read_model};
+use crate::cli::{Failure, print, read_model, tell};
 use crate::packaging::drawing;
 use crate::packaging::sketch::sketch;
 use foldwing_engine::machine::Machine;
@@ -30,6 +31,10 @@ pub struct Arguments {
     /// List every variable of the FMU
     #[arg(long)]
     variables: bool,
+    /// List the unknowns of each joint: variables and Lagrange multipliers, compared with the conventional form with 12
+    /// variables per node
+    #[arg(long)]
+    unknowns: bool,
     /// Also write a drawing of the wing, deployed and at its start angles
     #[arg(long, value_name = "FILE.svg")]
     draw: Option<PathBuf>,
@@ -45,10 +50,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         outlets.place(path, Mark::SVG)?.fill(drawing::file(&machine).as_bytes())?;
     }
     let summary = Summary::new(&machine);
+    summary.assessment.warnings.iter().for_each(|warning| tell::warning(warning));
     if arguments.json {
         return print(&serde_json::to_string_pretty(&summary).expect("names and finite numbers always serialise"));
     }
-    print(&format!("{}\n{}", summary.text(arguments.variables), sketch(&machine)))
+    print(&format!("{}\n{}", summary.text(arguments), sketch(&machine)))
 }
 
 /// A model in numbers.
@@ -59,6 +65,7 @@ struct Summary {
     mass_kg: f64,
     degrees_of_freedom: usize,
     stations: usize,
+    assessment: Assessment,
     bodies: Vec<BodySummary>,
     joints: Vec<JointSummary>,
     loops: Vec<LoopSummary>,
@@ -154,6 +161,7 @@ impl Summary {
             degrees_of_freedom: bodies.iter().map(|body| body.degrees_of_freedom).sum::<usize>()
                 + machine.bodies.iter().map(|body| body.joint.kind.freedoms()).sum::<usize>(),
             stations: bodies.iter().map(|body| body.stations_m.len()).sum(),
+            assessment: Assessment::new(machine),
             bodies,
             joints: machine.bodies.iter().enumerate().map(joint).collect(),
             loops: machine.closures.iter().map(|closure| LoopSummary::new(closure, machine)).collect(),
@@ -164,19 +172,24 @@ impl Summary {
         }
     }
 
-    fn text(&self, list_variables: bool) -> String {
+    fn text(&self, wanted: &Arguments) -> String {
         let mut text = format!(
-            "{}: {}\n{:.6} kg, {} degrees of freedom, {} load stations\n\nbodies\n",
+            "{}: {}\n{:.6} kg, {} degrees of freedom, {} load stations\n",
             self.name, self.description, self.mass_kg, self.degrees_of_freedom, self.stations
         );
+        text += &self.assessment.text();
+        text.push_str("\nbodies\n");
         for body in &self.bodies {
             let _ = writeln!(
                 text,
-                "  {}: {} m, {:.6} kg and {:.6} kg attached, {} {} elements, {} stations",
+                "  {}: {} m, {:.6} kg{}, {} {} elements, {} stations",
                 body.name,
                 body.length_m,
                 body.mass_kg,
-                body.attached_mass_kg,
+                match body.attached_mass_kg {
+                    0.0 => String::new(),
+                    mass_kg => format!(" and {mass_kg:.6} kg attached"),
+                },
                 body.elements,
                 body.element_kind,
                 body.stations_m.len()
@@ -184,8 +197,10 @@ impl Summary {
         }
         text.push_str("\njoints\n");
         self.joints.iter().for_each(|joint| text.push_str(&joint.text()));
-        text.push_str(JointSize::TITLE);
-        self.joints.iter().for_each(|joint| text.push_str(&joint.size.text(&joint.name, &joint.kind)));
+        if wanted.unknowns {
+            text.push_str(JointSize::TITLE);
+            self.joints.iter().for_each(|joint| text.push_str(&joint.size.text(&joint.name, &joint.kind)));
+        }
         if !self.loops.is_empty() {
             text.push_str("\nclosed loops\n");
             self.loops.iter().for_each(|closure| text.push_str(&closure.text()));
@@ -205,7 +220,7 @@ impl Summary {
             count("output"),
             count("parameter")
         );
-        if list_variables {
+        if wanted.variables {
             for variable in &self.variables {
                 let start = variable.start.as_ref().map(|start| format!(" = {}", start.text())).unwrap_or_default();
                 let unit = if variable.unit.is_empty() { String::new() } else { format!(" [{}]", variable.unit) };

@@ -2,7 +2,7 @@
 
 use crate::cli::Failure;
 
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub(super) struct GridArguments {
     /// Communication step in s [default: the model's]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]

@@ -10,7 +10,8 @@ Exit codes:
   2  the command line was refused, including unknown names in --output and --set
   3  the simulation failed (the CSV has the rows up to that time), or there is no equilibrium or
      linear model
-  4  a file could not be read or written"
+  4  a file could not be read or written
+  5  `compare`: the tables differ by more than is allowed"
     };
 }
 
@@ -23,8 +24,8 @@ pub(super) const ORDER_OF_WORK: &str = concat!(
 The usual order of work, from a model file to its FMU:
   foldwing new wing.toml                          a starter with two bodies, every key explained
   foldwing check wing.toml                        a check and a summary: masses, joints, variables
-  foldwing simulate wing.toml --csv wing.csv --view wing.html
-                                                  a run, and a page that plays it
+  foldwing simulate wing.toml --csv wing.csv      a run
+  foldwing view wing.toml                         the run in the browser
   foldwing static wing.toml                       its shape at rest under gravity and loads
   foldwing modes wing.toml                        natural frequencies about that state
   foldwing sweep wing.toml --vary fold.start_angle=0.5:2:16 --out sweep.csv
@@ -34,7 +35,7 @@ The usual order of work, from a model file to its FMU:
   foldwing package --help                         options and examples of a command
 
 Mistakes in a file or on the command line are reported with their location and the allowed values.
-Messages go to standard error, as does a progress bar for runs that last more than half a second
+Messages go to standard error, in colour if it is a terminal and NO_COLOR is not set, as does a progress bar for runs that last more than half a second
 if it is a terminal.
 
 ",
@@ -60,7 +61,8 @@ pub(super) const SIMULATE: &str = "\
 Examples:
   foldwing simulate wing.toml
   foldwing simulate wing.toml --csv wing.csv
-  foldwing simulate wing.toml --csv - --output fold.angle --output tip.position.z --stop 0.2
+  foldwing simulate wing.toml --csv - --output fold.angle,tip.position.z --stop 0.2
+  foldwing simulate wing.toml --csv wing.csv --output 'fold.*' --set fold.start_angle=\"90 deg\"
   foldwing simulate wing.toml --csv wing.csv --set fold.start_angle=1.5 --set fold.latch_enable=0
   foldwing simulate wing.toml --csv wing.csv --inputs commands.csv
   foldwing simulate wing.toml --plot figures --view wing.html --vtk vtk
@@ -92,11 +94,32 @@ Examples:
   foldwing run Wing.fmu --csv - --set \"fold.start_angle=90 deg\" --output fold.angle --stop 0.2
   foldwing run Wing.fmu --csv wing.csv --inputs commands.csv --plot figures --log";
 
+pub(super) const VIEW: &str = "\
+Examples:
+  foldwing view wing.toml
+  foldwing view wing.toml --set fold.start_angle=\"90 deg\" --output half.html
+  foldwing view wing.toml --beside stiffer.toml
+  foldwing view wing.html";
+
+pub(super) const COMPARE: &str = "\
+Examples:
+  foldwing compare wing.csv wing.csv
+  foldwing compare wing.csv measured.csv --output fold.angle --tolerance fold.angle=5
+  foldwing compare wing.csv measured.csv --output 'fold.*' --rtol 2 --json";
+
+pub(super) const COMPLETIONS: &str = "\
+Examples:
+  foldwing completions bash > ~/.local/share/bash-completion/completions/foldwing
+  foldwing completions zsh > ~/.zfunc/_foldwing
+  foldwing completions fish > ~/.config/fish/completions/foldwing.fish
+  foldwing completions powershell >> $PROFILE";
+
 pub(super) const CHECK: &str = "\
 Examples:
   foldwing check wing.toml
   foldwing check wing.toml --variables
   foldwing check wing.toml --draw wing.svg
+  foldwing check wing.toml --unknowns
   foldwing check wing.toml --json";
 
 pub(super) const STATIC: &str = "\

@@ -1,9 +1,9 @@
 //! `foldwing linearize`: `A`, `B`, `C`, `D` about a state.
 
+use crate::cli::choice;
 use crate::cli::outlets::{Force, Mark, Outlet, Outlets};
 use crate::cli::settings::plant_with;
-use crate::cli::simulate::unknown;
-use crate::cli::{Failure, print, read_model};
+use crate::cli::{Failure, print, read_model, tell};
 use crate::report::{linear_json, write_mat, write_npz};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::plant::{Holding, Plant, PlantError};
@@ -19,7 +19,7 @@ pub struct Arguments {
     /// State to linearise about: `start`, `equilibrium`, or a time in s up to which the model is simulated
     #[arg(long, value_name = "STATE", default_value = "equilibrium")]
     at: String,
-    /// Real inputs, separated by commas; `load.` selects every name with that prefix [default: all]
+    /// Real inputs, separated by commas; `load.` selects every name with that prefix, `load.*.z` a pattern [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     inputs: Vec<String>,
     /// Real outputs, selected in the same way [default: all]
@@ -80,25 +80,16 @@ fn chosen<'a>(
     if names.is_empty() {
         return Ok(rows);
     }
-    let mut list = Vec::new();
-    for name in names {
-        let found: Vec<&Variable> = rows
-            .iter()
-            .copied()
-            .filter(|row| row.name == *name || (name.ends_with('.') && row.name.starts_with(name.as_str())))
-            .collect();
-        if found.is_empty() && name.starts_with("wind.") {
+    if let Some(name) = names.iter().find(|name| name.starts_with("wind.")) {
+        let named = rows.iter().any(|row| row.name.starts_with(name.trim_end_matches(['*', '.'])));
+        if !named {
             return Err(Failure::Usage(format!(
                 "--inputs {name}: linear models are without air, they hold its loads; choose other inputs, or take the answer to \
                  wind from runs"
             )));
         }
-        if found.is_empty() {
-            return Err(unknown(name, what, rows.iter().copied()));
-        }
-        list.extend(found);
     }
-    Ok(list)
+    choice::chosen(names, &rows, what)
 }
 
 /// Brings the plant to the state asked for: `start`, `equilibrium` or a time in s.
@@ -119,9 +110,9 @@ pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Fai
                     ))
                 })?;
             if time_s > stop_s {
-                eprintln!(
-                    "note: {option} {time} lies beyond the end of the experiment, {stop_s} s; the run continues up to it"
-                );
+                tell::note(&format!(
+                    "{option} {time} lies beyond the end of the experiment, {stop_s} s; the run continues up to it"
+                ));
             }
             plant.initialize(start_s).map_err(statics)?;
             if time_s > start_s {

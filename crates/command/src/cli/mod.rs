@@ -1,8 +1,12 @@
 //! The command line: arguments, exit codes, and one module per command.
 
 mod air_summary;
+mod assessment;
 mod beside;
 mod check;
+mod choice;
+mod compare;
+mod completions;
 mod grid;
 mod help;
 #[cfg(test)]
@@ -31,12 +35,14 @@ mod stability;
 mod statics;
 mod strains;
 mod sweep;
+mod tell;
 mod timing;
+mod view;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use foldwing_engine::machine::Machine;
 use foldwing_file as config;
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -80,6 +86,15 @@ enum Command {
     /// experiment. Optional pictures: figures, a page that plays the motion, files for ParaView. A summary goes to standard
     /// error; without any file it is the only result. If the simulation fails, rows and pictures show the run up to that point.
     Simulate(simulate::Arguments),
+    /// Play a run in the browser
+    ///
+    /// Of a model, which is simulated into a page of its name in this folder, or of a page that `simulate --view` wrote.
+    View(view::Arguments),
+    /// Compare two tables over time within tolerances
+    ///
+    /// Results of two runs, or a run and a measurement: the largest difference of every column that both have, when, and
+    /// whether it is allowed. The exit code is 5 where one is not.
+    Compare(compare::Arguments),
     /// Simulate many variants of a model and write a row for each
     ///
     /// Variants run on several threads, whose number does not change a byte of the results. The same command resumes a sweep
@@ -97,8 +112,10 @@ enum Command {
     Run(run::Arguments),
     /// Check a model and summarise it
     ///
-    /// Draws the wing at its start angles in characters, from above and from the side. Lists bodies, masses, degrees of freedom, stations, joints, gauges, air and variables; for each joint the number of its
-    /// variables and Lagrange multipliers, compared with the conventional form with 12 variables per node.
+    /// Mass, centre of mass and inertia; how far the wing sags under gravity, its first frequencies; for each joint what gravity
+    /// asks and what motor and spring give, and whether it reaches its latch. Warns of what is probably not meant. Draws the
+    /// wing at its start angles in characters. Lists bodies, masses, degrees of freedom, stations, joints, gauges, air and
+    /// variables; with --unknowns the number of unknowns per joint, compared with the conventional form.
     Check(check::Arguments),
     /// Bring a model to rest under its loads and print its shape
     ///
@@ -118,6 +135,8 @@ enum Command {
     /// Print the JSON schema of model files, for autocompletion in editors
     #[command(after_long_help = help::SCHEMA)]
     Schema,
+    /// Print a script that completes commands and options in a shell
+    Completions(completions::Arguments),
 }
 
 /// Why a command stops; each kind has its exit code.
@@ -126,6 +145,14 @@ enum Failure {
     /// The content of a file was refused.
     #[error("{0}")]
     Refused(String),
+    /// A model file was refused.
+    #[error("{error}")]
+    Model {
+        /// The file's text.
+        text: String,
+        /// What is wrong with it.
+        error: config::ConfigError,
+    },
     /// The command line asks for something that does not exist.
     #[error("{0}")]
     Usage(String),
@@ -138,6 +165,9 @@ enum Failure {
     /// A file could not be read or written.
     #[error("{0}")]
     Files(String),
+    /// Two tables differ: columns that do, columns in all.
+    #[error("{0} of {1} columns differ by more than is allowed; --rtol, --atol and --tolerance NAME=X allow more")]
+    Differ(usize, usize),
     /// Standard output was closed, as `head` does: nothing is wrong.
     #[error("standard output was closed")]
     Closed,
@@ -147,10 +177,11 @@ impl Failure {
     fn exit_code(&self) -> u8 {
         match self {
             Self::Closed => 0,
-            Self::Refused(_) => 1,
+            Self::Refused(_) | Self::Model { .. } => 1,
             Self::Usage(_) => 2,
             Self::Simulation(_) | Self::Statics(_) => 3,
             Self::Files(_) => 4,
+            Self::Differ(..) => 5,
         }
     }
 
@@ -165,10 +196,19 @@ impl Failure {
 
 /// Runs the command that the arguments name.
 pub fn run() -> ExitCode {
-    let outcome = match Arguments::parse().command {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            tell::parse_error(&error);
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    let outcome = match arguments.command {
         Command::New(arguments) => new::run(&arguments),
         Command::Package(arguments) => package::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::View(arguments) => view::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Latency(arguments) => latency::run(&arguments),
         Command::Run(arguments) => run::run(&arguments),
@@ -177,13 +217,12 @@ pub fn run() -> ExitCode {
         Command::Modes(arguments) => modes::run(&arguments),
         Command::Linearize(arguments) => linearize::run(&arguments),
         Command::Schema => print(&config::schema()),
+        Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            if !matches!(failure, Failure::Closed) {
-                eprintln!("foldwing: {failure}");
-            }
+            tell::failure(&failure);
             ExitCode::from(failure.exit_code())
         }
     }
@@ -199,27 +238,44 @@ fn print(text: &str) -> Result<(), Failure> {
 
 /// A model and its text.
 fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
-    let bytes =
-        std::fs::read(path).map_err(|error| Failure::Files(format!("{}: cannot be read: {error}", path.display())))?;
+    let shown = shown(path);
+    let bytes = read_bytes(path)?;
     if bytes.starts_with(b"PK\x03\x04") {
         return Err(Failure::Refused(format!(
-            "{}: is an archive, as FMUs are, not a model file; `foldwing run` runs FMUs",
-            path.display()
+            "{shown}: is an archive, as FMUs are, not a model file; `foldwing run` runs FMUs"
         )));
     }
     let text = String::from_utf8(bytes).map_err(|error| {
         let line = error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
-        Failure::Refused(format!("{}:{}: a model file is UTF-8 text; this line is not", path.display(), line + 1))
+        Failure::Refused(format!("{shown}:{}: a model file is UTF-8 text; this line is not", line + 1))
     })?;
-    let machine =
-        config::parse(&text, &path.display().to_string()).map_err(|error| Failure::Refused(error.to_string()))?;
-    Ok((machine, text))
+    match config::parse(&text, &shown) {
+        Ok(machine) => {
+            config::doubts(&text).iter().for_each(|doubt| tell::doubt(&shown, &text, doubt));
+            Ok((machine, text))
+        }
+        Err(error) => Err(Failure::Model { text, error }),
+    }
+}
+
+/// A file's name in messages; `-` is standard input.
+fn shown(path: &Path) -> String {
+    if path == Path::new("-") { "<standard input>".to_owned() } else { path.display().to_string() }
+}
+
+/// All of a file, or of standard input where the path is `-`.
+fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+    let mut bytes = Vec::new();
+    let read = match path == Path::new("-") {
+        true => io::stdin().lock().read_to_end(&mut bytes).map(|_| bytes),
+        false => std::fs::read(path),
+    };
+    read.map_err(|error| Failure::Files(format!("{}: cannot be read: {error}", shown(path))))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     /// The argument definitions are consistent.
     #[test]

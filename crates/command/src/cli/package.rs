@@ -17,8 +17,8 @@ use std::sync::Arc;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// FMU to write
-    #[arg(short, long, value_name = "X.fmu", required_unless_present = "description_only")]
+    /// FMU to write [default: the model's name with .fmu, in this folder]
+    #[arg(short, long, value_name = "X.fmu")]
     output: Option<PathBuf>,
     /// Shared library to put into the FMU, once for each platform, as PATH or linux64=PATH; the library's own header
     /// tells the platform [default: the library next to this executable]
@@ -43,12 +43,13 @@ pub struct Arguments {
 /// Writes the FMU, or prints its description.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, text) = read_model(&arguments.model)?;
-    let Some(output) = &arguments.output else {
+    if arguments.description_only {
         let interface = Interface::new(&machine);
         let variables = interface.variables();
         let dependencies = interface.dependencies(&machine);
         return print(&packaging::model_description(&machine, variables, &dependencies, &guid(&text, variables)));
-    };
+    }
+    let output = &arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", machine.name)));
     if !output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu")) {
         let shown = output.display();
         return Err(Failure::Usage(format!("{shown}: an FMU ends in .fmu; write {shown}.fmu")));
@@ -74,6 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             submit(&folder.join(place), &files, &mut outlets)?;
         }
     }
+    outlets.report();
     Ok(())
 }
 

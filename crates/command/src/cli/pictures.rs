@@ -5,8 +5,8 @@ use crate::cli::beside;
 use crate::cli::grid::Grid;
 use crate::cli::outlets::{Mark, Outlets, Place};
 use crate::report::Recording;
-use crate::report::figure::{Figure, FigureError};
-use crate::report::plots::{self, Series};
+use crate::report::figure::{Figure, FigureError, SIZE, Sheet};
+use crate::report::plots::{self, Measured, Series};
 use crate::report::recording::FRAMES;
 use crate::report::signals::Signals;
 use crate::report::viewer::{Companion, PackedRun};
@@ -17,25 +17,68 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct PictureArguments {
-    /// Folder for figures (SVG and PNG): fold angles, strains, tip paths, shapes, energies, and the variables of
-    /// `--output`
+    /// Folder for figures: fold angles and torques, tips, moment on the root, strains, force of the air, energies, tip paths,
+    /// shapes, and the variables of `--output`
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
+    #[command(flatten)]
+    pub sheets: SheetArguments,
     /// Page that plays the motion in a browser: one file, no network needed
     #[arg(long, value_name = "OUT.html")]
     pub view: Option<PathBuf>,
-    /// What the page of `--view` compares with the run; may be repeated: a table over time (.csv with a column `time`) as
-    /// dots over the curves of the same names; another model (.toml), which is simulated at the same points, or another
-    /// page of `--view` (.html) as a second machine
-    #[arg(long, value_name = "FILE", requires = "view")]
+    /// What the page of `--view` and the figures of `--plot` compare with the run; may be repeated: a table over time (.csv
+    /// with a column `time`) as dots over the curves of the same names; for the page also another model (.toml), which is
+    /// simulated at the same points, or another page of `--view` (.html) as a second machine
+    #[arg(long, value_name = "FILE")]
     pub beside: Vec<PathBuf>,
-    /// Folder for VTK files of wing and wake over time, for ParaView
+    /// Folder for VTK files over time, for ParaView: open `run.pvd`, which has wing, joints, gauges, loads, surfaces and wake
     #[arg(long, value_name = "DIR")]
     pub vtk: Option<PathBuf>,
     /// Maximum number of frames of `--view` and `--vtk` after the first; a page that would exceed 10 MB has
     /// fewer, and says so
     #[arg(long, value_name = "N", default_value_t = FRAMES, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub frames: u64,
+}
+
+/// How figures are written, the same for `simulate` and `run`.
+#[derive(clap::Args, Clone)]
+pub struct SheetArguments {
+    /// Width and height of the figures of `--plot` in pixels of 1/96 inch
+    #[arg(long, value_name = "WxH", default_value = "960x600", value_parser = size)]
+    pub plot_size: [u32; 2],
+    /// Pixels per inch of the PNG files of `--plot`
+    #[arg(long, value_name = "N", default_value_t = 192, value_parser = clap::value_parser!(u16).range(24..=1200))]
+    pub plot_dpi: u16,
+    /// Formats of the figures of `--plot`, separated by commas
+    #[arg(long, value_name = "FORMATS", value_delimiter = ',', default_value = "svg,png")]
+    pub plot_format: Vec<Format>,
+}
+
+/// Format of a figure.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    /// Vectors for the web and for papers
+    Svg,
+    /// Pixels
+    Png,
+}
+
+impl SheetArguments {
+    /// By default.
+    pub const DEFAULT: Self = Self { plot_size: SIZE, plot_dpi: 192, plot_format: Vec::new() };
+
+    fn sheet(&self) -> Sheet {
+        Sheet { size: self.plot_size, scale: f32::from(self.plot_dpi) / 96.0 }
+    }
+}
+
+/// `WxH`.
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let parsed = text.split_once(['x', 'X']).and_then(|(width, height)| {
+        let [width, height]: [u32; 2] = [width.parse().ok()?, height.parse().ok()?];
+        ((480..=6000).contains(&width) && (240..=6000).contains(&height)).then_some([width, height])
+    });
+    parsed.ok_or_else(|| "must be WIDTHxHEIGHT, 480x240 to 6000x6000, such as 960x600".to_owned())
 }
 
 impl PictureArguments {
@@ -69,12 +112,26 @@ impl<'a> Pictures<'a> {
         outlets: &mut Outlets,
     ) -> Result<Self, Failure> {
         let steps = grid.steps;
+        if let Some(path) = wanted.beside.first() {
+            let shown = path.display();
+            if wanted.view.is_none() && wanted.plot.is_none() {
+                return Err(Failure::Usage(format!(
+                    "--beside {shown}: nothing to lay it beside; add --view or --plot"
+                )));
+            }
+            if wanted.view.is_none() && beside::runs(&wanted.beside)? > 1 {
+                return Err(Failure::Usage(format!(
+                    "--beside {shown}: figures take tables (.csv); add --view for other runs"
+                )));
+            }
+        }
         if let Some(folder) = &wanted.plot {
             check_figures(folder, outlets)?;
         }
         if let Some(folder) = &wanted.vtk {
             make_folder(folder)?;
-            for name in ["wing", "surfaces", "wake"] {
+            outlets.check(&folder.join("run.pvd"), &Mark::VTK)?;
+            for name in vtk::SERIES {
                 outlets.check(&folder.join(format!("{name}.pvd")), &Mark::VTK)?;
                 outlets.check(&folder.join(format!("{name}_0000.vtu")), &Mark::VTK)?;
             }
@@ -105,13 +162,15 @@ impl<'a> Pictures<'a> {
     /// Writes what was asked for, up to where the run has come.
     pub fn write(self, outlets: &mut Outlets) -> Result<(), Failure> {
         let Some(recording) = &self.recording else { return Ok(()) };
+        let measured: Vec<Measured> = self.companions.iter().filter_map(measured).collect();
         if let Some(folder) = &self.wanted.plot {
-            for (stem, figure) in plots::figures(recording) {
-                write_figure(folder, stem, &figure, outlets)?;
+            for (stem, figure) in plots::figures(recording, &measured) {
+                write_figure(folder, stem, &figure, &self.wanted.sheets, outlets)?;
             }
         }
         if let (Some(folder), Some(series)) = (&self.wanted.plot, &self.series) {
-            write_series(folder, &recording.scene.name, series, outlets)?;
+            let figures = series.figures(&recording.scene.name, &measured, &plots::marks(recording));
+            write_series(folder, figures, &self.wanted.sheets, outlets)?;
         }
         if let Some(signals) = &self.signals {
             let runs = beside::runs(&self.wanted.beside)?;
@@ -122,6 +181,16 @@ impl<'a> Pictures<'a> {
             vtk::files(recording, |name, text| outlets.place(&folder.join(name), Mark::VTK)?.fill(text.as_bytes()))?;
         }
         Ok(())
+    }
+}
+
+/// A table as figures take it.
+fn measured(companion: &Companion) -> Option<Measured> {
+    match companion {
+        Companion::Table { label, table } => {
+            Some(Measured { label: label.clone(), names: table.names.clone(), rows: table.rows.clone() })
+        }
+        Companion::Run { .. } => None,
     }
 }
 
@@ -141,15 +210,34 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
 }
 
 /// Writes the figures of variables as `outputs_1.svg`, `outputs_1.png` and so on.
-pub(super) fn write_series(folder: &Path, title: &str, series: &Series, outlets: &mut Outlets) -> Result<(), Failure> {
-    let mut figures = series.figures(title).into_iter().enumerate();
-    figures.try_for_each(|(i, figure)| write_figure(folder, &format!("outputs_{}", i + 1), &figure, outlets))
+pub(super) fn write_series(
+    folder: &Path,
+    figures: Vec<Figure>,
+    sheets: &SheetArguments,
+    outlets: &mut Outlets,
+) -> Result<(), Failure> {
+    let mut figures = figures.into_iter().enumerate();
+    figures.try_for_each(|(i, figure)| write_figure(folder, &format!("outputs_{}", i + 1), &figure, sheets, outlets))
 }
 
-/// Writes a figure as `stem.svg` and `stem.png`.
-fn write_figure(folder: &Path, stem: &str, figure: &Figure, outlets: &mut Outlets) -> Result<(), Failure> {
+/// Writes a figure as `stem.svg` and `stem.png`, or one of the two.
+fn write_figure(
+    folder: &Path,
+    stem: &str,
+    figure: &Figure,
+    sheets: &SheetArguments,
+    outlets: &mut Outlets,
+) -> Result<(), Failure> {
     let drawn = |error: FigureError| Failure::Files(format!("{}: {error}", folder.display()));
-    let (svg, png) = (figure.svg().map_err(drawn)?, figure.png().map_err(drawn)?);
-    outlets.place(&folder.join(format!("{stem}.svg")), Mark::SVG)?.fill(svg.as_bytes())?;
-    outlets.place(&folder.join(format!("{stem}.png")), Mark::PNG)?.fill(&png)
+    for (format, ending, mark) in [(Format::Svg, "svg", Mark::SVG), (Format::Png, "png", Mark::PNG)] {
+        if !sheets.plot_format.contains(&format) {
+            continue;
+        }
+        let bytes = match format {
+            Format::Svg => figure.svg(sheets.sheet()).map_err(drawn)?.into_bytes(),
+            Format::Png => figure.png(sheets.sheet()).map_err(drawn)?,
+        };
+        outlets.place(&folder.join(format!("{stem}.{ending}")), mark)?.fill(&bytes)?;
+    }
+    Ok(())
 }

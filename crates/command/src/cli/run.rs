@@ -1,5 +1,6 @@
 //! `foldwing run`: an FMU of any tool over time, as CSV.
 
+use crate::cli::choice::chosen;
 use crate::cli::grid::Grid;
 use crate::cli::outlets::{Leftover, Mark, Outlets};
 use crate::cli::pictures::{check_figures, write_series};
@@ -60,11 +61,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Run { slave, recorder, series, .. } = run;
     recorder.finish().map_err(writing)?.finish()?;
     if let (Some(folder), Some(series)) = (&arguments.plot, &series) {
-        write_series(folder, &description.model_name, series, &mut outlets)?;
+        let figures = series.figures(&description.model_name, &[], &[]);
+        write_series(folder, figures, &arguments.sheets, &mut outlets)?;
     }
     let end_s = outcome?;
     if !arguments.quiet {
         eprint!("{}", summary(&slave, description, end_s - grid.start_s, clock.elapsed()));
+        outlets.report();
     }
     Ok(())
 }
@@ -138,8 +141,7 @@ fn recorded<'a>(names: &[String], description: &'a Description) -> Result<Vec<&'
     if names.is_empty() {
         return Ok(variables.iter().filter(|variable| variable.causality == "output").collect());
     }
-    let find = |name: &String| description.find(name).ok_or_else(|| unknown(name, "variable", variables));
-    names.iter().map(find).collect()
+    chosen(names, &variables.iter().collect::<Vec<_>>(), "variable")
 }
 
 /// By what a CSV of these variables is known. A table of inputs alone may be what somebody wrote for a run.

@@ -2,6 +2,7 @@
 
 use crate::cli::grid::GridArguments;
 use crate::cli::outlets::Force;
+use crate::cli::pictures::SheetArguments;
 use clap::builder::NonEmptyStringValueParser;
 use std::path::PathBuf;
 
@@ -29,12 +30,14 @@ pub struct Arguments {
     /// Relative tolerance of the FMU's solver [default: the FMU's own]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
-    /// Variable to write; may be repeated [default: all outputs]
+    /// Variables to write: names or patterns (`fold.*`), separated by commas; may be repeated [default: all outputs]
     #[arg(long = "output", value_name = "NAME")]
     pub outputs: Vec<String>,
     /// Folder for figures (SVG and PNG) of the variables over time, one per unit
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
+    #[command(flatten)]
+    pub sheets: SheetArguments,
     #[command(flatten)]
     pub force: Force,
     /// Show all messages of the FMU; warnings and errors are always shown

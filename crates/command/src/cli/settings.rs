@@ -73,7 +73,9 @@ fn set_real(text: &str, variable: &Variable, interface: &Interface, plant: &mut 
     };
     let set = interface.set(plant, variable.value_reference, Value::Real(value / factor));
     set.map_err(|error| match shown {
-        Some((name, _)) if unit == own => format!("{error}; in degrees write \"{number} {name}\""),
+        Some((name, _)) if unit == own && error.is_bad_value() => {
+            format!("{error}; in degrees write \"{number} {name}\"")
+        }
         _ => error.to_string(),
     })
 }

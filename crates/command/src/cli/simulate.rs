@@ -1,22 +1,24 @@
 //! `foldwing simulate`: outputs over time as CSV.
 
+use crate::cli::choice::chosen;
 use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::lattice::LatticeRecord;
 use crate::cli::notes::notes;
 use crate::cli::outlets::{Force, Mark, Outlet, Outlets, Place};
-use crate::cli::pictures::{PictureArguments, Pictures};
+use crate::cli::pictures::{PictureArguments, Pictures, SheetArguments};
 use crate::cli::progress::Progress;
 use crate::cli::settings::plant_with;
 use crate::cli::strains::StrainPeaks;
 use crate::cli::timing::Timing;
-use crate::cli::{Failure, read_model};
+use crate::cli::{Failure, read_bytes, read_model, shown, tell};
 use crate::report::inputs::unknown_name;
+use crate::report::recording::FRAMES;
 use crate::report::{Channel, InputTable, InputsError, Recorder};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::plant::{OutputSet, Plant};
 use foldwing_fmi::interface::{Causality, Interface, Variable};
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -28,8 +30,8 @@ pub struct Arguments {
     /// CSV file to write; `-` is standard output
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
-    /// Inputs over time: CSV with a column `time` and columns named after inputs; taken at the start of each step,
-    /// reals interpolated linearly between rows, Booleans held
+    /// Inputs over time: CSV with a column `time` and columns named after inputs, `-` for standard input; taken at the
+    /// start of each step, reals interpolated linearly between rows, Booleans held
     #[arg(long, value_name = "IN.csv")]
     inputs: Option<PathBuf>,
     /// Start value of an input or parameter; may be repeated
@@ -47,7 +49,7 @@ pub struct Arguments {
     /// the aerodynamic step there
     #[arg(long, value_name = "S", requires = "lattice", allow_negative_numbers = true)]
     lattice_at: Vec<f64>,
-    /// Variable to write; may be repeated [default: all outputs]
+    /// Variables to write: names or patterns (`fold.*`), separated by commas; may be repeated [default: all outputs]
     #[arg(long = "output", value_name = "NAME")]
     outputs: Vec<String>,
     /// JSON file for the cost of the run: processor time, wall time of start, steps and rows, counts of steps,
@@ -63,8 +65,40 @@ pub struct Arguments {
     quiet: bool,
 }
 
+impl Arguments {
+    /// For a page alone.
+    pub(super) fn for_page(
+        model: PathBuf,
+        page: PathBuf,
+        inputs: Option<PathBuf>,
+        settings: Vec<String>,
+        grid: GridArguments,
+        beside: Vec<PathBuf>,
+        (force, quiet): (Force, bool),
+    ) -> Self {
+        let sheets = SheetArguments::DEFAULT;
+        let pictures = PictureArguments { plot: None, sheets, view: Some(page), beside, vtk: None, frames: FRAMES };
+        Self {
+            model,
+            csv: None,
+            inputs,
+            settings,
+            grid,
+            strains: None,
+            lattice: None,
+            lattice_at: Vec::new(),
+            outputs: Vec::new(),
+            timing: None,
+            pictures,
+            force,
+            quiet,
+        }
+    }
+}
+
 /// Simulates and writes the CSV; the rows up to a failure are kept.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    one_standard_input([Some(arguments.model.as_path()), arguments.inputs.as_deref()])?;
     let (machine, _) = read_model(&arguments.model)?;
     let experiment = &machine.experiment;
     let grid = Grid::new(&arguments.grid, experiment.start_time_s, experiment.stop_time_s, experiment.step_s)?;
@@ -115,8 +149,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     pictures.write(&mut outlets)?;
     outcome?;
     if !arguments.quiet {
-        notes(plant.machine(), grid.stop_s).iter().for_each(|note| eprintln!("note: {note}"));
+        notes(plant.machine(), grid.stop_s).iter().for_each(|note| tell::note(note));
+        advice(&plant).iter().for_each(|advice| tell::warning(advice));
         eprint!("{}", summary(&plant, &grid, elapsed));
+        outlets.report();
     }
     Ok(())
 }
@@ -174,14 +210,22 @@ fn written(place: Place, write: impl FnOnce(&mut Outlet) -> io::Result<()>) -> R
     outlet.finish()
 }
 
+/// Refuses to read two files from standard input.
+pub(super) fn one_standard_input<'a>(read: impl IntoIterator<Item = Option<&'a Path>>) -> Result<(), Failure> {
+    let count = read.into_iter().flatten().filter(|path| *path == Path::new("-")).count();
+    if count > 1 {
+        return Err(Failure::Usage("-: standard input can be one file only; name the other one".to_owned()));
+    }
+    Ok(())
+}
+
 /// Rows of the table to write: those named, else all outputs.
 fn recorded<'a>(names: &[String], interface: &'a Interface) -> Result<Vec<&'a Variable>, Failure> {
     let variables = interface.variables();
     if names.is_empty() {
         return Ok(variables.iter().filter(|variable| variable.causality == Causality::Output).collect());
     }
-    let find = |name: &String| interface.find(name).ok_or_else(|| unknown(name, "variable", variables));
-    names.iter().map(find).collect()
+    chosen(names, &variables.iter().collect::<Vec<_>>(), "variable")
 }
 
 /// A name that no row has.
@@ -191,9 +235,13 @@ pub(super) fn unknown<'a, C: Channel + 'a>(name: &str, what: &str, rows: impl In
 
 /// Inputs over time from a file.
 pub(super) fn read_inputs(path: &Path, variables: &[impl Channel]) -> Result<InputTable, Failure> {
-    let name = path.display().to_string();
-    let file = File::open(path).map_err(|error| Failure::Files(format!("{name}: cannot be read: {error}")))?;
-    InputTable::read(file, &name, variables).map_err(|error| match error {
+    let name = shown(path);
+    let unreadable = |error: io::Error| Failure::Files(format!("{name}: cannot be read: {error}"));
+    let source: Box<dyn Read> = match path == Path::new("-") {
+        true => Box::new(io::Cursor::new(read_bytes(path)?)),
+        false => Box::new(File::open(path).map_err(unreadable)?),
+    };
+    InputTable::read(source, &name, variables).map_err(|error| match error {
         InputsError::Unreadable { .. } => Failure::Files(error.to_string()),
         error => Failure::Refused(error.to_string()),
     })
@@ -280,6 +328,13 @@ impl<W: Write> Run<'_, W> {
     }
 }
 
+/// What a run would need to be better.
+fn advice(plant: &Plant) -> Vec<String> {
+    let statistics = plant.statistics();
+    let on_rows = plant.machine().air.as_ref().and_then(|air| statistics.advice_on_rows(air.step_s));
+    [on_rows, statistics.advice_on_failures()].into_iter().flatten().collect()
+}
+
 /// What happened, in a few lines.
 fn summary(plant: &Plant, grid: &Grid, elapsed: Duration) -> String {
     let machine = plant.machine();
@@ -301,10 +356,6 @@ fn summary(plant: &Plant, grid: &Grid, elapsed: Duration) -> String {
         text += &format!("{name}: {latch}, {end} at the end\n");
     }
     let statistics = plant.statistics();
-    let on_rows = machine.air.as_ref().and_then(|air| statistics.advice_on_rows(air.step_s));
-    for advice in [on_rows, statistics.advice_on_failures()].into_iter().flatten() {
-        text += &format!("warning: {advice}\n");
-    }
     text + &format!(
         "{:.6} s simulated in {:.4} s: {} steps, {} rejected, {} failed, {} iterations, {} events\n",
         grid.stop_s - grid.start_s,

@@ -1,6 +1,6 @@
 //! The figures of a run: fold angles, strains, tip paths, shapes over time, energies; and of any variables over time.
 
-use crate::report::figure::{Curve, Figure, PALETTE};
+use crate::report::figure::{Curve, Figure, Look, PALETTE};
 use crate::report::recording::{Frame, MOST_POINTS, Recording, Thinning};
 use foldwing_engine::machine::Travel;
 use foldwing_engine::plant::EnergyOutputs;
@@ -19,10 +19,52 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 pub type Named = (&'static str, Figure);
 
 /// Names of the figures of [`figures`].
-pub const NAMES: [&str; 6] = ["fold_angles", "strains", "energies", "tip_path", "shapes", "positions"];
+pub const NAMES: [&str; 11] = [
+    "fold_angles",
+    "fold_torques",
+    "tips",
+    "root_moment",
+    "strains",
+    "air_force",
+    "energies",
+    "tip_path",
+    "shapes",
+    "positions",
+    "slide_forces",
+];
 
-/// All figures that the recording has something for.
-pub fn figures(recording: &Recording) -> Vec<Named> {
+/// Values over time that were measured, or that another run gave, under the names of variables.
+pub struct Measured {
+    /// What the figures call them.
+    pub label: String,
+    /// Names of the variables.
+    pub names: Vec<String>,
+    /// Rows: time in s, then a value for each name; not a number where there is none.
+    pub rows: Vec<f32>,
+}
+
+impl Measured {
+    /// A variable's points, its values times a factor.
+    fn points(&self, name: &str, factor: f64) -> Option<Vec<[f64; 2]>> {
+        let column = self.names.iter().position(|own| own == name)? + 1;
+        let rows = self.rows.chunks_exact(self.names.len() + 1);
+        Some(rows.map(|row| [f64::from(row[0]), factor * f64::from(row[column])]).collect())
+    }
+}
+
+/// A curve of a variable, with what was measured of it as dots in its colour; `n` is its number in the figure.
+fn with_measured(curve: Curve, variable: &str, factor: f64, measured: &[Measured]) -> Vec<Curve> {
+    let dots = measured.iter().filter_map(|table| {
+        let points = table.points(variable, factor)?;
+        let name = format!("{}, {}", curve.name, table.label);
+        Some(Curve { name, colour: curve.colour, look: Look::Dots, points })
+    });
+    let dots: Vec<Curve> = dots.collect();
+    std::iter::once(curve).chain(dots).collect()
+}
+
+/// All figures that the recording has something for, those that are asked for first in front; measured values are dots.
+pub fn figures(recording: &Recording, measured: &[Measured]) -> Vec<Named> {
     let history = &recording.history;
     let over_time = |values: &[f64], factor: f64| -> Vec<[f64; 2]> {
         history.time_s.iter().zip(values).map(|(time_s, value)| [*time_s, factor * value]).collect()
@@ -36,23 +78,57 @@ pub fn figures(recording: &Recording) -> Vec<Named> {
         marks: marks(recording),
         equal: false,
     };
-    let coordinates = |travel: Travel| -> Vec<Curve> {
-        let joints = scene.joints.iter().zip(&scene.travels).zip(&history.angles_rad);
+    let of_joints = |travel: Travel, values: &[Vec<f64>], factor: f64, variable: &str| -> Vec<Curve> {
+        let joints = scene.joints.iter().zip(&scene.travels).zip(values);
         let own = joints.filter(|((_, other), _)| **other == travel).enumerate();
-        own.map(|(n, (((name, _), _), values))| Curve::nth(n, name, over_time(values, travel.shown(1.0)))).collect()
+        own.flat_map(|(n, (((name, _), _), values))| {
+            let curve = Curve::nth(n, name, over_time(values, factor));
+            with_measured(curve, &format!("{name}.{}", travel.words(variable)), factor, measured)
+        })
+        .collect()
     };
+    let coordinates = |travel: Travel| of_joints(travel, &history.angles_rad, travel.shown(1.0), "angle");
+    let efforts = |travel: Travel| of_joints(travel, &history.torques_n_m, 1.0, "applied_torque");
     let gauges = scene.gauges.iter().zip(&history.gauges).enumerate();
-    let strains = gauges.map(|(n, (gauge, strain))| Curve::nth(n, &gauge.name, over_time(strain, 1e3)));
+    let strains = gauges.flat_map(|(n, (gauge, strain))| {
+        let curve = Curve::nth(n, &gauge.name, over_time(strain, 1e3));
+        with_measured(curve, &format!("gauge.{}.strain", gauge.name), 1e3, measured)
+    });
+    let components = |what: &str, values: &[Vector3<f64>], variable: &str, from: usize| -> Vec<Curve> {
+        let component = |axis: usize| {
+            let values: Vec<f64> = values.iter().map(|value| value[axis]).collect();
+            let name = if what.is_empty() { AXES[axis].to_owned() } else { format!("{what} {}", AXES[axis]) };
+            with_measured(
+                Curve::nth(from + axis, name, over_time(&values, 1.0)),
+                &format!("{variable}.{}", AXES[axis]),
+                1.0,
+                measured,
+            )
+        };
+        (0..3).flat_map(component).collect()
+    };
+    let single = scene.tips.len() == 1;
+    let tips = scene.tips.iter().zip(&history.tips_m).enumerate().flat_map(|(n, (name, path))| {
+        let (what, variable) = if single { ("", "tip".to_owned()) } else { (name.as_str(), format!("tip_{name}")) };
+        components(what, path, &format!("{variable}.position"), 3 * n)
+    });
+    let air = if history.air_n.iter().all(|force| *force == Vector3::zeros()) { &[][..] } else { &history.air_n };
+    let air = if air.is_empty() { Vec::new() } else { components("", air, "air", 0) };
     let energies = ENERGIES.iter().enumerate().map(|(n, (name, value))| {
         Curve::nth(n, *name, over_time(&history.energies.iter().map(value).collect::<Vec<_>>(), 1.0))
     });
     let plots = [
         named(("fold angles", "fold angle (°)"), coordinates(Travel::Rotation)),
+        named(("torques of motors, springs and inputs", "torque on the outer body (N·m)"), efforts(Travel::Rotation)),
+        named(("tips", "position, root frame (m)"), tips.collect()),
+        named(("moment on the root", "moment, root frame (N·m)"), components("", &history.root_n_m, "root.moment", 0)),
         named(("strains of the gauges", "strain (10⁻³)"), strains.collect()),
+        named(("force of the air at all load stations together", "force, root frame (N)"), air),
         named(("energies", "energy (J)"), energies.collect()),
         tip_path(recording),
         shapes(recording),
         named(("positions of slides", "position (m)"), coordinates(Travel::Translation)),
+        named(("forces of motors, springs and inputs", "force on the joint's body (N)"), efforts(Travel::Translation)),
     ];
     NAMES.into_iter().zip(plots).filter(|(_, figure)| !figure.curves.is_empty()).collect()
 }
@@ -70,8 +146,8 @@ const ENERGIES: [(&str, Energy); 7] = [
     ("total", |energy| energy.total),
 ];
 
-/// Where latches closed.
-fn marks(recording: &Recording) -> Vec<(f64, String)> {
+/// Where latches closed: times in s with their words.
+pub fn marks(recording: &Recording) -> Vec<(f64, String)> {
     let joints = recording.scene.joints.iter().zip(&recording.history.latches_s);
     joints
         .flat_map(|((name, _), times)| {
@@ -132,7 +208,7 @@ fn shapes(recording: &Recording) -> Figure {
         let colour = hue(i as f64 / (count - 1).max(1) as f64);
         let body = move |(body, points): (usize, Vec<[f64; 2]>)| {
             let name = if body == 0 { format!("{:.4} s", frame.time_s) } else { String::new() };
-            Curve { name, colour, dashed: false, points }
+            Curve { name, colour, look: Look::Line, points }
         };
         axis_lines(frame, axes).into_iter().enumerate().map(body)
     });
@@ -194,7 +270,7 @@ impl Series {
     }
 
     /// Figures, one per unit in order of their first appearance, of at most as many curves as a figure tells apart.
-    pub fn figures(&self, title: &str) -> Vec<Figure> {
+    pub fn figures(&self, title: &str, measured: &[Measured], marks: &[(f64, String)]) -> Vec<Figure> {
         let drawn = self.columns.iter().filter(|column| column.values.iter().any(|value| value.is_finite()));
         let mut groups: Vec<(&str, Vec<&Column>)> = Vec::new();
         for column in drawn {
@@ -204,17 +280,38 @@ impl Series {
                 None => groups.push((&column.unit, vec![column])),
             }
         }
-        groups.into_iter().map(|(unit, group)| self.figure(title, unit, &group)).collect()
+        groups.into_iter().map(|(unit, group)| self.figure(title, unit, &group, measured, marks)).collect()
     }
 
-    fn figure(&self, title: &str, unit: &str, columns: &[&Column]) -> Figure {
+    fn figure(
+        &self,
+        title: &str,
+        unit: &str,
+        columns: &[&Column],
+        measured: &[Measured],
+        marks: &[(f64, String)],
+    ) -> Figure {
         let points = |values: &[f64]| self.time_s.iter().zip(values).map(|(time_s, value)| [*time_s, *value]).collect();
-        let curves = columns.iter().enumerate().map(|(n, column)| Curve::nth(n, &column.name, points(&column.values)));
+        let curves = columns.iter().enumerate().flat_map(|(n, column)| {
+            with_measured(Curve::nth(n, &column.name, points(&column.values)), &column.name, 1.0, measured)
+        });
+        // what all have in common is what the axis is of
+        let last = |name: &str| name.rsplit('.').next().unwrap_or(name).replace('_', " ");
+        let common = last(&columns[0].name);
+        let quantity = match columns {
+            [column] => column.name.clone(),
+            columns if columns.iter().all(|column| last(&column.name) == common) => common,
+            _ => "value".to_owned(),
+        };
         Figure {
             title: title.to_owned(),
             x_label: "time (s)".to_owned(),
-            y_label: if unit.is_empty() { "value".to_owned() } else { format!("value ({unit})") },
+            y_label: match unit {
+                "" => format!("{quantity} (–)"),
+                unit => format!("{quantity} ({})", unit.replace('.', "·")),
+            },
             curves: curves.collect(),
+            marks: marks.to_vec(),
             ..Figure::default()
         }
     }

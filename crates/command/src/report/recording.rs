@@ -117,12 +117,18 @@ pub struct History {
     pub time_s: Vec<f64>,
     /// Angles in rad per fold joint, positions in m per prismatic one.
     pub angles_rad: Vec<Vec<f64>>,
+    /// Torque of motor, spring and input in N·m per fold joint, force in N per prismatic one.
+    pub torques_n_m: Vec<Vec<f64>>,
     /// Times in s at which a latch closed, per fold joint.
     pub latches_s: Vec<Vec<f64>>,
     /// Strains per gauge.
     pub gauges: Vec<Vec<f64>>,
     /// Positions in m per free end, root frame.
     pub tips_m: Vec<Vec<Vector3<f64>>>,
+    /// Moment in N·m that the machine exerts on the root, about its origin, root frame.
+    pub root_n_m: Vec<Vector3<f64>>,
+    /// Force of the air in N at all load stations together, root frame; zero without air.
+    pub air_n: Vec<Vector3<f64>>,
     /// Energies.
     pub energies: Vec<EnergyOutputs>,
 }
@@ -177,6 +183,7 @@ impl Recording {
         let scene = Scene::of(plant);
         let history = History {
             angles_rad: vec![Vec::new(); scene.joints.len()],
+            torques_n_m: vec![Vec::new(); scene.joints.len()],
             latches_s: vec![Vec::new(); scene.joints.len()],
             gauges: vec![Vec::new(); scene.gauges.len()],
             tips_m: vec![Vec::new(); scene.tips.len()],
@@ -218,6 +225,10 @@ impl Recording {
         let (history, outputs) = (&mut self.history, plant.outputs());
         history.time_s.push(outputs.time_s);
         history.angles_rad.iter_mut().zip(outputs.joints()).for_each(|(curve, joint)| curve.push(joint.angle_rad));
+        let torques = outputs.joints().iter().map(|joint| joint.torque_applied_n_m);
+        history.torques_n_m.iter_mut().zip(torques).for_each(|(curve, torque)| curve.push(torque));
+        history.root_n_m.push(outputs.root().moment_n_m);
+        history.air_n.push(outputs.air_stations().iter().map(|wrench| wrench.force_n).sum());
         history.gauges.iter_mut().zip(outputs.gauges()).for_each(|(curve, strain)| curve.push(*strain));
         history.tips_m.iter_mut().zip(outputs.tips()).for_each(|(curve, tip)| curve.push(tip.position_m));
         history.energies.push(*outputs.energy());

@@ -1,5 +1,6 @@
 //! Frames as VTK files for ParaView: per body a closed surface with strain, displacement and velocity, the lifting
-//! surfaces, the wake with its circulation; one `.vtu` file per time and a `.pvd` file that lists the times.
+//! surfaces, the wake with its circulation, gauges, loads and joints; one `.vtu` file per part and time, a `.pvd` file per part
+//! that lists the times, and one, `run.pvd`, that has all parts as blocks.
 //!
 //! The format is VTK's XML, binary in base64: little-endian, each array after its length in bytes (UInt32).
 
@@ -10,6 +11,8 @@ use nalgebra::Vector3;
 
 /// How every file begins: with the declaration, and by whom it was written.
 const BEGIN: &str = "<?xml version=\"1.0\"?>\n<!-- written by foldwing -->\n";
+/// VTK's number of a vertex.
+const VERTEX: u8 = 1;
 /// VTK's number of a quadrilateral.
 const QUADRILATERAL: u8 = 9;
 /// VTK's number of a polygon.
@@ -30,21 +33,56 @@ struct Mesh {
     at_cells: Vec<(&'static str, Values)>,
 }
 
-/// Hands the files of the series `wing`, and where there is air `surfaces` and `wake`, to `write` with their names.
+/// Names of the series that a run may have, in the order of the blocks of `run.pvd`.
+pub const SERIES: [&str; 6] = ["wing", "joints", "gauges", "loads", "surfaces", "wake"];
+
+/// Hands the files of the series `wing`, of those that the machine has something for, and of `run.pvd`, to `write` with their
+/// names.
 ///
 /// # Errors
 /// What `write` answers.
 pub fn files<E>(recording: &Recording, mut write: impl FnMut(&str, String) -> Result<(), E>) -> Result<(), E> {
     let first = recording.frames.first();
-    let wing = |frame: &Frame| wing(&recording.scene, frame, first.unwrap_or(frame));
-    series("wing", recording, wing, &mut write)?;
-    if first.is_some_and(|frame| !frame.edges_m.is_empty()) {
-        series("surfaces", recording, surfaces, &mut write)?;
+    let scene = &recording.scene;
+    let mut blocks = Vec::new();
+    for name in SERIES {
+        let has = |frame: &Frame| match name {
+            "wing" => true,
+            "joints" => !scene.hinges.is_empty(),
+            "gauges" => !scene.gauges.is_empty(),
+            "loads" => !scene.stations.is_empty(),
+            "surfaces" => !frame.edges_m.is_empty(),
+            _ => !frame.lattice.is_empty(),
+        };
+        if !first.is_some_and(has) {
+            continue;
+        }
+        let mesh = |frame: &Frame| match name {
+            "wing" => wing(scene, frame, first.unwrap_or(frame)),
+            "joints" => joints(scene, frame),
+            "gauges" => gauges(frame),
+            "loads" => loads(frame),
+            "surfaces" => surfaces(frame),
+            _ => wake(frame),
+        };
+        series(name, recording, mesh, &mut write)?;
+        blocks.push(name);
     }
-    if first.is_some_and(|frame| !frame.lattice.is_empty()) {
-        series("wake", recording, wake, &mut write)?;
+    write("run.pvd", collection(recording, &blocks))
+}
+
+/// A `.pvd` file: of every time the files of the series, as parts.
+fn collection(recording: &Recording, names: &[&str]) -> String {
+    let mut list = format!("{BEGIN}<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");
+    for (i, frame) in recording.frames.iter().enumerate() {
+        for (part, name) in names.iter().enumerate() {
+            list += &format!(
+                "<DataSet timestep=\"{:?}\" group=\"\" part=\"{part}\" name=\"{name}\" file=\"{name}_{i:04}.vtu\"/>\n",
+                frame.time_s
+            );
+        }
     }
-    Ok(())
+    list + "</Collection>\n</VTKFile>\n"
 }
 
 fn series<E>(
@@ -53,14 +91,61 @@ fn series<E>(
     mesh: impl Fn(&Frame) -> Mesh,
     write: &mut impl FnMut(&str, String) -> Result<(), E>,
 ) -> Result<(), E> {
-    let mut list = format!("{BEGIN}<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");
     for (i, frame) in recording.frames.iter().enumerate() {
-        let name = format!("{stem}_{i:04}.vtu");
-        write(&name, mesh(frame).document())?;
-        list += &format!("<DataSet timestep=\"{:?}\" part=\"0\" file=\"{name}\"/>\n", frame.time_s);
+        write(&format!("{stem}_{i:04}.vtu"), mesh(frame).document())?;
     }
-    list += "</Collection>\n</VTKFile>\n";
-    write(&format!("{stem}.pvd"), list)
+    write(&format!("{stem}.pvd"), collection(recording, &[stem]))
+}
+
+/// A point at every joint that is not clamped: the frame of its body's first section, axis, coordinate, reaction.
+fn joints(scene: &Scene, frame: &Frame) -> Mesh {
+    let mut mesh = Mesh::default();
+    let (mut axes, mut frames) = (Vec::new(), [const { Vec::new() }; 3]);
+    let (mut coordinates, mut forces, mut moments, mut latched) = (vec![], vec![], vec![], vec![]);
+    for hinge in &scene.hinges {
+        let section = &frame.sections[hinge.body][0];
+        mesh.add_vertex(section.position_m);
+        axes.push(section.rotation * hinge.axis);
+        frames.iter_mut().enumerate().for_each(|(i, axis)| axis.push(section.rotation.column(i).into_owned()));
+        coordinates.push(hinge.freedom.map_or(f64::NAN, |freedom| frame.angles_rad[freedom]));
+        latched.push(hinge.freedom.map_or(0.0, |freedom| f64::from(u8::from(frame.latched[freedom]))));
+        let [force, moment] = frame.acting.reactions[hinge.body];
+        forces.push(force);
+        moments.push(moment);
+    }
+    let [x, y, z] = frames;
+    mesh.at_points = vec![
+        ("axis", Values::Vectors(axes)),
+        ("frame_x", Values::Vectors(x)),
+        ("frame_y", Values::Vectors(y)),
+        ("frame_z", Values::Vectors(z)),
+        ("angle_rad_or_position_m", Values::Scalars(coordinates)),
+        ("latched", Values::Scalars(latched)),
+        ("reaction_force_N", Values::Vectors(forces)),
+        ("reaction_moment_N_m", Values::Vectors(moments)),
+    ];
+    mesh
+}
+
+/// A point at every gauge with what it reads.
+fn gauges(frame: &Frame) -> Mesh {
+    let mut mesh = Mesh::default();
+    frame.gauges_m.iter().for_each(|place| mesh.add_vertex(*place));
+    mesh.at_points = vec![("strain", Values::Scalars(frame.strains.clone()))];
+    mesh
+}
+
+/// A point at every load station: the loads of the inputs and of the air, root frame.
+fn loads(frame: &Frame) -> Mesh {
+    let mut mesh = Mesh::default();
+    let acting = &frame.acting;
+    acting.stations_m.iter().for_each(|place| mesh.add_vertex(*place));
+    mesh.at_points = vec![
+        ("force_N", Values::Vectors(acting.forces_n.clone())),
+        ("moment_N_m", Values::Vectors(acting.moments_n_m.clone())),
+        ("air_force_N", Values::Vectors(acting.air_n.clone())),
+    ];
+    mesh
 }
 
 /// Closed surfaces of the bodies; displacements from the first frame.
@@ -129,6 +214,12 @@ fn wake(frame: &Frame) -> Mesh {
 }
 
 impl Mesh {
+    /// Adds a point that is a cell.
+    fn add_vertex(&mut self, place_m: Vector3<f64>) {
+        self.cells.push(vec![self.points_m.len()]);
+        self.points_m.push(place_m);
+    }
+
     /// Adds rows of points and the quadrilaterals between them, row by row.
     fn add_grid(&mut self, rows: impl Iterator<Item = Vec<Vector3<f64>>>) {
         let mut before: Option<usize> = None;
@@ -145,7 +236,11 @@ impl Mesh {
     }
 
     fn document(&self) -> String {
-        let kind = |cell: &Vec<usize>| if cell.len() == 4 { QUADRILATERAL } else { POLYGON };
+        let kind = |cell: &Vec<usize>| match cell.len() {
+            1 => VERTEX,
+            4 => QUADRILATERAL,
+            _ => POLYGON,
+        };
         let ends = self.cells.iter().scan(0, |end, cell| {
             *end += cell.len() as i64;
             Some(*end)

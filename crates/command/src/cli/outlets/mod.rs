@@ -11,16 +11,21 @@ pub(super) use mark::Mark;
 
 use crate::cli::Failure;
 use same::Identity;
+use std::cell::RefCell;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, StdoutLock, Write};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use tempfile::NamedTempFile;
 
 /// Beginning of the names of unfinished files.
 const UNFINISHED: &str = ".foldwing-";
 
+/// Files of one folder that are named one by one.
+const MOST_NAMED: usize = 4;
+
 /// `--force`, the same for every command that writes.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct Force {
     /// Replace files that something else wrote, but never what the command reads
     #[arg(long)]
@@ -32,6 +37,7 @@ pub(super) struct Outlets {
     force: bool,
     read: Vec<(PathBuf, Identity)>,
     written: Vec<PathBuf>,
+    finished: Rc<RefCell<Vec<PathBuf>>>,
 }
 
 /// A file that may be written, not opened yet.
@@ -41,6 +47,8 @@ pub(super) struct Place {
     target: Target,
     mark: Mark,
     force: bool,
+    /// Files in their places, as the user named them.
+    finished: Rc<RefCell<Vec<PathBuf>>>,
 }
 
 enum Target {
@@ -71,7 +79,7 @@ impl Outlets {
     /// For a command that reads `read`; what is no ordinary file there cannot be overwritten.
     pub fn new<'a>(force: bool, read: impl IntoIterator<Item = &'a Path>) -> Self {
         let known = |path: &Path| Some((path.to_owned(), Identity::of(path)?));
-        Self { force, read: read.into_iter().filter_map(known).collect(), written: Vec::new() }
+        Self { force, read: read.into_iter().filter_map(known).collect(), written: Vec::new(), finished: Rc::default() }
     }
 
     /// A place for a result that is known by `mark`; `-` is standard output. Makes the folders on the way.
@@ -84,12 +92,31 @@ impl Outlets {
         if let Target::File(file, _) = &target {
             self.written.push(file.clone());
         }
-        Ok(Place { shown, target, mark, force: self.force })
+        Ok(Place { shown, target, mark, force: self.force, finished: Rc::clone(&self.finished) })
+    }
+
+    /// Says on standard error which files were written, those of a folder with many in one line.
+    pub fn report(&self) {
+        let finished = self.finished.borrow();
+        let mut told: Vec<&Path> = Vec::new();
+        for file in finished.iter() {
+            let folder = file.parent().unwrap_or(Path::new(""));
+            let beside: Vec<&PathBuf> = finished.iter().filter(|other| other.parent() == Some(folder)).collect();
+            if beside.len() <= MOST_NAMED {
+                eprintln!("wrote {}", file.display());
+            } else if !told.contains(&folder) {
+                told.push(folder);
+                let shown = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+                eprintln!("wrote {} files in {}", beside.len(), shown.display());
+            }
+        }
     }
 
     /// The same for an option that may be missing; nothing is written then.
     pub fn place_if(&mut self, path: Option<&Path>, mark: Mark) -> Result<Place, Failure> {
-        let nowhere = Place { shown: String::new(), target: Target::Nothing, mark: Mark::Never, force: false };
+        let finished = Rc::default();
+        let nowhere =
+            Place { shown: String::new(), target: Target::Nothing, mark: Mark::Never, force: false, finished };
         path.map_or(Ok(nowhere), |path| self.place(path, mark))
     }
 
@@ -239,6 +266,7 @@ impl Outlet {
             file.as_file().set_permissions(permissions.clone()).map_err(|error| failed(&error))?;
         }
         file.persist(path).map_err(|error| failed(&error.error))?;
+        place.finished.borrow_mut().push(PathBuf::from(&place.shown));
         Ok(())
     }
 }

@@ -4,10 +4,11 @@ mod journal;
 mod plan;
 mod variant;
 
+use crate::cli::choice::chosen;
 use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::outlets::{Mark, Outlets};
 use crate::cli::progress::Progress;
-use crate::cli::simulate::{read_inputs, unknown};
+use crate::cli::simulate::read_inputs;
 use crate::cli::{Failure, read_model, version};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_fmi::interface::Interface;
@@ -37,7 +38,7 @@ pub struct Arguments {
     /// CSV file for the results, one row for each variant; `OUT.csv.sweep` next to it keeps finished rows
     #[arg(long, value_name = "OUT.csv")]
     out: PathBuf,
-    /// Variable whose final value is written; may be repeated
+    /// Variables whose final values are written: names or patterns (`fold.*`), separated by commas; may be repeated
     #[arg(long = "output", value_name = "NAME")]
     outputs: Vec<String>,
     /// Start value of an input or parameter in all variants; may be repeated
@@ -59,16 +60,23 @@ pub struct Arguments {
 /// Runs what is missing of the sweep, then writes all rows in the order of the variants.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let clock = Instant::now();
+    for (option, path) in [("--samples", &arguments.samples), ("--inputs", &arguments.inputs)] {
+        if path.as_deref() == Some(Path::new("-")) {
+            return Err(Failure::Usage(format!("{option} -: a sweep that continues reads it again; name a file")));
+        }
+    }
     let (machine, text) = read_model(&arguments.model)?;
     let interface = Interface::new(&machine);
     let plan = match &arguments.samples {
         Some(path) => Plan::samples(path, &interface)?,
         None => Plan::grid(&arguments.vary, &interface)?,
     };
-    for name in &arguments.outputs {
-        interface.find(name).ok_or_else(|| unknown(name, "variable", interface.variables()))?;
-    }
-    let columns = columns(&plan, &arguments.outputs, &machine)?;
+    let outputs: Vec<String> =
+        chosen(&arguments.outputs, &interface.variables().iter().collect::<Vec<_>>(), "variable")?
+            .iter()
+            .map(|variable| variable.name.clone())
+            .collect();
+    let columns = columns(&plan, &outputs, &machine)?;
     // a grid that the command line gives badly is refused before anything runs
     let (start_s, stop_s) = (machine.experiment.start_time_s, machine.experiment.stop_time_s);
     Grid::new(&arguments.grid, start_s, stop_s, machine.experiment.step_s)?;
@@ -82,7 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         settings: &arguments.settings,
         inputs,
         grid: &arguments.grid,
-        outputs: &arguments.outputs,
+        outputs: &outputs,
     };
     experiment.check_values()?;
 
@@ -92,7 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "keys": plan.keys(),
         "values of the keys": digest(plan.values_text().as_bytes()),
         "number of variants": plan.count(),
-        "--output": arguments.outputs,
+        "--output": outputs,
         "--set": arguments.settings,
         "--inputs": arguments.inputs.as_deref().map(file_digest).transpose()?,
         "--start, --stop, --step": arguments.grid.given(),

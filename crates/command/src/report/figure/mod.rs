@@ -3,8 +3,10 @@
 //!
 //! Both use tenths of a user unit as integers, because `plotters` draws on whole ones.
 
+mod ends;
 mod pixels;
 
+use ends::spread;
 use pixels::Pixels;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
@@ -28,7 +30,9 @@ const LABELS: [u32; 2] = [78, 56];
 const BORDER: u32 = 14;
 /// Height of the title's line in user units.
 const TITLE: u32 = 40;
-/// Names in the legend that are longer lose their middle.
+/// Height of a name's line at the end of a curve, in user units.
+const NAME_LINE: u32 = 17;
+/// Names that are longer lose their middle.
 const LONGEST_NAME: usize = 21;
 
 /// Font of labels; browsers that lack it take the one most like it.
@@ -48,15 +52,26 @@ const INK: RGBColor = RGBColor(27, 39, 51);
 const GRID: RGBColor = RGBColor(222, 227, 232);
 const FAINT: RGBColor = RGBColor(110, 122, 134);
 
-/// A curve, or a dot where it has one point.
+/// How a curve is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Look {
+    /// A line; a dot where it has one point.
+    Line,
+    /// Dashed, where colours are used up.
+    Dashed,
+    /// A dot at every point: what was measured.
+    Dots,
+}
+
+/// A curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// Name in the legend; empty for none.
+    /// Name at its end or in the legend; empty for none.
     pub name: String,
     /// Red, green, blue.
     pub colour: [u8; 3],
-    /// Dashed, where colours are used up.
-    pub dashed: bool,
+    /// How it is drawn.
+    pub look: Look,
     /// Points `[x, y]`; those that are not finite interrupt nothing and are left out.
     pub points: Vec<[f64; 2]>,
 }
@@ -64,8 +79,8 @@ pub struct Curve {
 impl Curve {
     /// The n-th curve of a figure, with a look of its own.
     pub fn nth(n: usize, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
-        let dashed = (n / PALETTE.len()) % 2 == 1;
-        Self { name: name.into(), colour: PALETTE[n % PALETTE.len()], dashed, points }
+        let look = if (n / PALETTE.len()) % 2 == 1 { Look::Dashed } else { Look::Line };
+        Self { name: name.into(), colour: PALETTE[n % PALETTE.len()], look, points }
     }
 }
 
@@ -82,8 +97,23 @@ pub struct Figure {
     pub curves: Vec<Curve>,
     /// Instants marked by a vertical line with a label above the chart.
     pub marks: Vec<(f64, String)>,
-    /// Equal scales on both axes.
+    /// Equal scales on both axes; names then stand in a legend, else at the ends of the curves.
     pub equal: bool,
+}
+
+/// Size and sharpness of the files of a figure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sheet {
+    /// Width and height in user units, of which an inch has 96.
+    pub size: [u32; 2],
+    /// Pixels per user unit of a PNG.
+    pub scale: f32,
+}
+
+impl Default for Sheet {
+    fn default() -> Self {
+        Self { size: SIZE, scale: 2.0 }
+    }
 }
 
 /// A figure that cannot be drawn.
@@ -99,38 +129,39 @@ impl Figure {
     ///
     /// # Errors
     /// Where `plotters` cannot draw it.
-    pub fn svg(&self) -> Result<String, FigureError> {
-        let size = SIZE.map(|length| length * UNIT);
+    pub fn svg(&self, sheet: Sheet) -> Result<String, FigureError> {
+        let size = sheet.size.map(|length| length * UNIT);
         let mut text = String::new();
-        self.draw(&SVGBackend::with_string(&mut text, (size[0], size[1])).into_drawing_area())?;
-        let [large, small] = [size, SIZE].map(|[width, height]| format!("width=\"{width}\" height=\"{height}\""));
+        self.draw(sheet, &SVGBackend::with_string(&mut text, (size[0], size[1])).into_drawing_area())?;
+        let [large, small] = [size, sheet.size].map(|[width, height]| format!("width=\"{width}\" height=\"{height}\""));
         // text stands in one line with its element, or viewers show its indentation
         let text = text.replacen(&large, &format!("{small} role=\"img\""), 1).replace(">\n</text>", "></text>");
         Ok(text.replacen('>', &format!(">\n{DRAWN_BY}"), 1))
     }
 
-    /// The figure as a PNG file, two pixels per user unit.
+    /// The figure as a PNG file.
     ///
     /// # Errors
     /// Where `plotters` cannot draw it.
-    pub fn png(&self) -> Result<Vec<u8>, FigureError> {
-        let mut pixels = Pixels::new(SIZE, UNIT, FONT_FILE);
-        self.draw(&pixels.backend().into_drawing_area())?;
+    pub fn png(&self, sheet: Sheet) -> Result<Vec<u8>, FigureError> {
+        let mut pixels = Pixels::new(sheet.size, UNIT, sheet.scale, FONT_FILE);
+        self.draw(sheet, &pixels.backend().into_drawing_area())?;
         Ok(pixels.png())
     }
 
-    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), FigureError> {
+    fn draw<B: DrawingBackend>(&self, sheet: Sheet, area: &DrawingArea<B, Shift>) -> Result<(), FigureError> {
         // `plotters` measures text by a font that it must be given
         let _ = plotters::style::register_font(FONT, FontStyle::Normal, FONT_FILE);
-        self.chart(area).map_err(|error| FigureError { title: self.title.clone(), cause: error.to_string() })
+        self.chart(sheet.size, area)
+            .map_err(|error| FigureError { title: self.title.clone(), cause: error.to_string() })
     }
 
-    fn chart<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Drawn<B> {
+    fn chart<B: DrawingBackend>(&self, size: [u32; 2], area: &DrawingArea<B, Shift>) -> Drawn<B> {
         area.fill(&WHITE)?;
         let title = style(17, &INK, HPos::Left, VPos::Center);
         area.draw_text(&self.title, &title, at(LABELS[0] + BORDER, BORDER + 10))?;
-        let (plot, legend) = area.split_horizontally((SIZE[0] - LEGEND) * UNIT);
-        let [x, y] = self.ranges();
+        let (plot, legend) = area.split_horizontally((size[0] - LEGEND) * UNIT);
+        let [x, y] = self.ranges(size);
         let mut chart = ChartBuilder::on(&plot)
             .margin(BORDER * UNIT)
             .margin_top((BORDER + TITLE) * UNIT)
@@ -157,7 +188,11 @@ impl Figure {
         for curve in &self.curves {
             draw_curve(&mut chart, curve, &x)?;
         }
-        self.draw_legend(&legend)?;
+        if self.equal {
+            self.draw_legend(size, &legend)?;
+        } else {
+            self.draw_names(size, area, &chart)?;
+        }
         area.present()
     }
 
@@ -178,21 +213,53 @@ impl Figure {
         Ok(())
     }
 
-    fn draw_legend<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Drawn<B> {
+    /// The name of every curve at its end, in its colour, apart from the others.
+    fn draw_names<B: DrawingBackend>(
+        &self,
+        size: [u32; 2],
+        area: &DrawingArea<B, Shift>,
+        chart: &Chart<'_, B>,
+    ) -> Drawn<B> {
+        let last = |curve: &&Curve| curve.points.iter().rfind(|point| point.iter().all(|c| c.is_finite())).copied();
+        let named = self.curves.iter().filter(|curve| !curve.name.is_empty());
+        let mut ends: Vec<(f64, i32, &Curve)> = named
+            .filter_map(|curve| {
+                let [x, y] = last(&curve)?;
+                let (_, pixel) = chart.backend_coord(&(x, y));
+                Some((f64::from(pixel), pixel, curve))
+            })
+            .collect();
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (top, bottom) = (f64::from((BORDER + TITLE) * UNIT), f64::from((size[1] - BORDER) * UNIT));
+        let apart = f64::from(NAME_LINE * UNIT).min((bottom - top) / ends.len().max(1) as f64);
+        spread(&mut ends, apart, [top, bottom]);
+        let left = (size[0] - LEGEND - BORDER) * UNIT;
+        for (y, end, curve) in &ends {
+            let (from, to) = ((left + 3 * UNIT) as i32, (left + 15 * UNIT) as i32);
+            area.draw(&PathElement::new(vec![(from, *end), (to, *y as i32)], line(colour(curve), 0.9)))?;
+            let ink = colour(curve);
+            let text = style(13, &INK, HPos::Left, VPos::Center).color(&ink);
+            area.draw_text(&short(&curve.name), &text, (to + (4 * UNIT) as i32, *y as i32))?;
+        }
+        Ok(())
+    }
+
+    fn draw_legend<B: DrawingBackend>(&self, size: [u32; 2], area: &DrawingArea<B, Shift>) -> Drawn<B> {
         let named = self.curves.iter().filter(|curve| !curve.name.is_empty());
         for (row, curve) in named.enumerate() {
             let y = BORDER + TITLE + 12 + 22 * row as u32;
-            if y + 22 > SIZE[1] {
+            if y + 22 > size[1] {
                 break; // a figure of so many curves is read from its file, not from its legend
             }
             let stroke = line(colour(curve), 2.2);
-            match curve.points.len() {
-                1 => area.draw(&Circle::new(at(14, y), 4 * UNIT, colour(curve).filled()))?,
-                _ if curve.dashed => {
+            match curve.look {
+                _ if curve.points.len() == 1 => area.draw(&Circle::new(at(14, y), 4 * UNIT, colour(curve).filled()))?,
+                Look::Dots => area.draw(&Circle::new(at(14, y), 3 * UNIT, colour(curve).filled()))?,
+                Look::Dashed => {
                     area.draw(&PathElement::new(vec![at(2, y), at(11, y)], stroke))?;
                     area.draw(&PathElement::new(vec![at(17, y), at(26, y)], stroke))?;
                 }
-                _ => area.draw(&PathElement::new(vec![at(2, y), at(26, y)], stroke))?,
+                Look::Line => area.draw(&PathElement::new(vec![at(2, y), at(26, y)], stroke))?,
             }
             let text = style(13, &INK, HPos::Left, VPos::Center);
             area.draw_text(&short(&curve.name), &text, at(34, y))?;
@@ -201,7 +268,7 @@ impl Figure {
     }
 
     /// What the axes show: all points with a little room, at least something, with equal scales where they are asked for.
-    fn ranges(&self) -> [Range<f64>; 2] {
+    fn ranges(&self, size: [u32; 2]) -> [Range<f64>; 2] {
         let points =
             self.curves.iter().flat_map(|curve| &curve.points).filter(|point| point.iter().all(|c| c.is_finite()));
         let mut least = [f64::INFINITY; 2];
@@ -226,8 +293,8 @@ impl Figure {
         });
         if self.equal {
             let sides = [
-                f64::from(SIZE[0] - LEGEND - LABELS[0] - 2 * BORDER),
-                f64::from(SIZE[1] - LABELS[1] - TITLE - 2 * BORDER),
+                f64::from(size[0] - LEGEND - LABELS[0] - 2 * BORDER),
+                f64::from(size[1] - LABELS[1] - TITLE - 2 * BORDER),
             ];
             let scale = (spans[0][1] / sides[0]).max(spans[1][1] / sides[1]);
             spans = [0, 1].map(|axis| [spans[axis][0], scale * sides[axis]]);
@@ -244,7 +311,10 @@ fn draw_curve<B: DrawingBackend>(chart: &mut Chart<'_, B>, curve: &Curve, x: &Ra
     let points: Vec<(f64, f64)> = thinned(&curve.points, x).into_iter().map(|[x, y]| (x, y)).collect();
     if let [point] = points[..] {
         chart.draw_series([Circle::new(point, 4 * UNIT, colour(curve).filled())])?;
-    } else if curve.dashed {
+    } else if curve.look == Look::Dots {
+        chart
+            .draw_series(points.into_iter().map(|point| Circle::new(point, (5 * UNIT) / 2, colour(curve).filled())))?;
+    } else if curve.look == Look::Dashed {
         chart.draw_series(DashedLineSeries::new(points, 7 * UNIT, 4 * UNIT, stroke))?;
     } else {
         chart.draw_series(LineSeries::new(points, stroke))?;
@@ -332,14 +402,17 @@ mod tests {
     #[test]
     fn svg_and_png_are_made_of_the_same_figure() {
         let figure = figure(vec![[0.0, 1.0], [1.0, 2.0], [2.0, 1.5]]);
-        let svg = figure.svg().unwrap();
+        let svg = figure.svg(Sheet::default()).unwrap();
         assert!(svg.starts_with("<svg width=\"960\" height=\"600\" role=\"img\" viewBox=\"0 0 9600 6000\""), "{svg}");
         assert!(svg.contains("a &lt; b") && svg.contains("wing &amp; tip"));
-        assert_eq!(svg, figure.svg().unwrap());
-        let png = figure.png().unwrap();
+        assert_eq!(svg, figure.svg(Sheet::default()).unwrap());
+        let png = figure.png(Sheet::default()).unwrap();
         let picture = tiny_skia::Pixmap::decode_png(&png).unwrap();
         assert_eq!([picture.width(), picture.height()], SIZE.map(|length| 2 * length));
-        assert_eq!(png, figure.png().unwrap());
+        assert_eq!(png, figure.png(Sheet::default()).unwrap());
+        let small = figure.png(Sheet { size: [480, 300], scale: 1.0 }).unwrap();
+        let picture = tiny_skia::Pixmap::decode_png(&small).unwrap();
+        assert_eq!([picture.width(), picture.height()], [480, 300]);
     }
 
     /// Figures of nothing, of one point, of a constant and of values that are not finite are drawn, not refused.
@@ -356,7 +429,8 @@ mod tests {
         for points in cases {
             for equal in [false, true] {
                 let figure = Figure { equal, ..figure(points.clone()) };
-                assert!(figure.svg().unwrap().ends_with("</svg>\n") && !figure.png().unwrap().is_empty(), "{points:?}");
+                let (svg, png) = (figure.svg(Sheet::default()).unwrap(), figure.png(Sheet::default()).unwrap());
+                assert!(svg.ends_with("</svg>\n") && !png.is_empty(), "{points:?}");
             }
         }
     }
@@ -364,7 +438,7 @@ mod tests {
     /// With equal scales a unit is as long across as it is up.
     #[test]
     fn equal_scales_are_equal() {
-        let [x, y] = Figure { equal: true, ..figure(vec![[0.0, 0.0], [1.0, 0.01]]) }.ranges();
+        let [x, y] = Figure { equal: true, ..figure(vec![[0.0, 0.0], [1.0, 0.01]]) }.ranges(SIZE);
         let sides =
             [SIZE[0] - LEGEND - LABELS[0] - 2 * BORDER, SIZE[1] - LABELS[1] - TITLE - 2 * BORDER].map(f64::from);
         let scales = [(x.end - x.start) / sides[0], (y.end - y.start) / sides[1]];

@@ -8,8 +8,6 @@ use plotters_backend::{
 use std::convert::Infallible;
 use tiny_skia::{Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};
 
-/// Pixels per user unit.
-const SCALE: f32 = 2.0;
 /// Height of small letters of the font, in em.
 const X_HEIGHT: f32 = 0.547;
 
@@ -36,15 +34,16 @@ pub struct Pixels {
 }
 
 impl Pixels {
-    /// A white picture of a size in user units, which `plotters` sees in `unit` parts each, with its font.
-    pub fn new(size: [u32; 2], unit: u32, font: &'static [u8]) -> Self {
-        let [width, height] = size.map(|length| (length as f32 * SCALE) as u32);
+    /// A white picture of a size in user units, which `plotters` sees in `unit` parts each, of `scale` pixels per user unit,
+    /// with its font.
+    pub fn new(size: [u32; 2], unit: u32, scale: f32, font: &'static [u8]) -> Self {
+        let [width, height] = size.map(|length| ((length as f32 * scale).round() as u32).max(1));
         let mut map = Pixmap::new(width, height).expect("the size is not zero");
         map.fill(Color::WHITE);
         Self {
             map,
             size: size.map(|length| length * unit),
-            place: Transform::from_scale(SCALE / unit as f32, SCALE / unit as f32),
+            place: Transform::from_scale(scale / unit as f32, scale / unit as f32),
             font: FontRef::try_from_slice(font).expect("the font beside this file is valid"),
         }
     }

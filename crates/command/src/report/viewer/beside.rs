@@ -1,5 +1,7 @@
 //! What is laid beside a run: tables (CSV) of measurements or of another run, and pages of other runs.
 
+use crate::report::inputs::Channel;
+use crate::report::table;
 use crate::report::viewer::packed::{FORMAT, PackedRun, encoded, stays_in_script};
 use std::io::Read;
 
@@ -42,51 +44,14 @@ impl Table {
     /// # Errors
     /// What is wrong and where: line and column.
     pub fn read(source: impl Read) -> Result<Self, String> {
-        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(source);
-        let header = reader.headers().map_err(|error| error.to_string())?.clone();
-        let header: Vec<&str> = header.iter().map(|name| name.trim_start_matches('\u{feff}')).collect();
-        let Some(time) = header.iter().position(|name| *name == "time") else {
-            return Err(format!(
-                "line 1: there is no column `time` (s); the columns are {}",
-                header.iter().take(6).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
-            ));
-        };
-        let names: Vec<String> =
-            header.iter().enumerate().filter(|(i, _)| *i != time).map(|(_, name)| (*name).to_owned()).collect();
-        if names.is_empty() {
-            return Err("line 1: there is only the column `time`; a column per variable is needed".to_owned());
-        }
-        if let Some(twice) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
-            return Err(format!("line 1: there are two columns `{}`", twice.1));
-        }
-        let (mut rows, mut last) = (Vec::new(), f64::NEG_INFINITY);
-        for record in reader.records() {
-            let record = record.map_err(|error| error.to_string())?;
-            let line = record.position().map_or(0, csv::Position::line);
-            let number = |column: usize| -> Result<f64, String> {
-                let text = &record[column];
-                if text.is_empty() && column != time {
-                    return Ok(f64::NAN);
-                }
-                text.parse().map_err(|_| {
-                    let comma = if text.contains(',') { "; decimals are written with a point" } else { "" };
-                    format!("line {line}, column `{}`: `{text}` is not a number{comma}", header[column])
-                })
-            };
-            let time_s = number(time)?;
-            if !time_s.is_finite() || time_s < last {
-                return Err(format!("line {line}, column `time`: {time_s} after {last}; times must ascend"));
-            }
-            last = time_s;
-            rows.push(time_s as f32);
-            for column in (0..header.len()).filter(|column| *column != time) {
-                rows.push(number(column)? as f32);
-            }
+        let table = table::Table::read(source)?;
+        let names: Vec<String> = table.columns.iter().map(|column| column.name().to_owned()).collect();
+        let mut rows = Vec::with_capacity(table.times_s.len() * (names.len() + 1));
+        for (row, time_s) in table.times_s.iter().enumerate() {
+            rows.push(*time_s as f32);
+            rows.extend(table.columns.iter().map(|column| column.values[row] as f32));
         }
         let (width, count) = (names.len() + 1, rows.len() / (names.len() + 1));
-        if count == 0 {
-            return Err("there are no rows below the header".to_owned());
-        }
         let keep = count.min((MOST_NUMBERS / width).max(2));
         if keep < count {
             let row = |i: usize| (count - 1) * i / (keep - 1);

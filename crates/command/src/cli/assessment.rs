@@ -1,0 +1,466 @@
+//! What an engineer asks first of a wing: where its mass is, how far it sags, how it swings, what its joints must bear, and
+//! whether they reach their latches. Without air and loads; joints held, so that the answers do not depend on a run.
+
+use foldwing_engine::machine::{JointKind, JointMotion, Machine, OneFreedom, Parent, Travel};
+use foldwing_engine::plant::{Holding, Plant, PlantError, Search};
+use nalgebra::{Matrix3, Vector3};
+use serde::Serialize;
+use std::fmt::Write;
+use std::sync::Arc;
+
+/// Points at which a joint's way to its latch is looked at.
+const POINTS: usize = 13;
+/// Modes that are named.
+const MODES: usize = 3;
+/// Rows that a swing should have to be recognised in them.
+const ROWS_PER_PERIOD: f64 = 4.0;
+/// Share of the wing's extent beyond which a sag is worth a warning.
+const MOST_SAG: f64 = 0.5;
+/// Effort over the largest on the way below which nothing drives a joint.
+const NO_EFFORT: f64 = 1e-6;
+/// Gauss points in an interval of the mesh, on (−1, 1), and their weights: exact to the ninth power.
+const GAUSS: [(f64, f64); 5] = [
+    (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
+    (-0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
+    (0.0, 0.568_888_888_888_888_9),
+    (0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
+    (0.906_179_845_938_664, 0.236_926_885_056_189_1),
+];
+
+/// A model's answers.
+#[derive(Serialize)]
+pub(super) struct Assessment {
+    /// In the root frame, unstrained at the start angles.
+    centre_of_mass_m: [f64; 3],
+    /// About the centre of mass along the axes of the root frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where `Ixy = −∫xy dm`.
+    inertia_kg_m2: [f64; 6],
+    /// Largest way of a tip from the unstrained place to rest under gravity.
+    sag: Option<Sag>,
+    /// Lowest natural frequencies about that state, joints held.
+    frequencies_hz: Vec<f64>,
+    joints: Vec<Effort>,
+    /// Why sag and frequencies are missing.
+    unknown: Option<String>,
+    /// What is probably not meant.
+    pub warnings: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Sag {
+    body: String,
+    way_m: f64,
+    /// Longest way from the root to a tip along the bodies.
+    extent_m: f64,
+}
+
+/// A joint's way from its start to its latch, or to its neutral angle; N·m and degrees, or N and m where it slides.
+#[derive(Serialize)]
+struct Effort {
+    name: String,
+    #[serde(skip)]
+    travel: Travel,
+    /// Largest effort of gravity about the joint on the way.
+    gravity: f64,
+    gravity_at: f64,
+    /// Least and largest effort of motor and spring towards the end of the way.
+    drive: [f64; 2],
+    end: f64,
+    has_latch: bool,
+    reaches: Reach,
+}
+
+/// How far the joint comes, moving slowly.
+#[derive(Serialize, Clone, Copy, PartialEq)]
+#[serde(rename_all = "snake_case")]
+enum Reach {
+    /// Everywhere on the way it is driven on.
+    Arrives,
+    /// It stands there already.
+    Stands,
+    /// Driven on to this place only.
+    StallsAt(f64),
+    /// Driven the other way from the start.
+    TurnsAway,
+}
+
+impl Assessment {
+    /// Of a machine with the start values of its inputs.
+    pub fn new(machine: &Machine) -> Self {
+        let mut bare = machine.clone();
+        bare.air = None;
+        bare.bodies.iter_mut().for_each(|body| body.station_loads.clear());
+        each_joint(&mut bare, |joint| joint.release = false);
+        let mut plant = Plant::new(Arc::new(bare.clone()));
+        let start_s = machine.experiment.start_time_s;
+        let mut answer = Self {
+            centre_of_mass_m: [0.0; 3],
+            inertia_kg_m2: [0.0; 6],
+            sag: None,
+            frequencies_hz: Vec::new(),
+            joints: Vec::new(),
+            unknown: None,
+            warnings: Vec::new(),
+        };
+        if let Err(error) = plant.study().undeformed(start_s) {
+            answer.unknown = Some(error.to_string());
+            return answer;
+        }
+        (answer.centre_of_mass_m, answer.inertia_kg_m2) = mass_properties(&plant);
+        let unstrained: Vec<Vector3<f64>> = plant.outputs().tips().iter().map(|tip| tip.position_m).collect();
+        // a new plant: the bare one has lost its gravity
+        match at_rest(&bare, &unstrained) {
+            Ok((sag, frequencies_hz)) => (answer.sag, answer.frequencies_hz) = (sag, frequencies_hz),
+            Err(cause) => answer.unknown = Some(cause),
+        }
+        each_joint(&mut bare, |joint| {
+            joint.latch.iter_mut().for_each(|latch| {
+                latch.enable = false;
+                latch.initially_closed = false;
+            })
+        });
+        answer.joints = machine.one_freedoms().filter_map(|(body, joint)| effort(&bare, body, joint).ok()?).collect();
+        answer.warnings = answer.warnings(machine);
+        answer
+    }
+
+    fn warnings(&self, machine: &Machine) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if let Some(sag) = self.sag.as_ref().filter(|sag| sag.way_m > MOST_SAG * sag.extent_m) {
+            warnings.push(format!(
+                "the tip of {} sags by {:.4} m of {:.4} m under gravity: are moduli (Pa), lengths (m) and masses (kg) meant so?",
+                sag.body, sag.way_m, sag.extent_m
+            ));
+        }
+        // air may carry a joint on where nothing else does
+        for joint in self.joints.iter().filter(|joint| joint.has_latch && machine.air.is_none()) {
+            let (end, unit, name) = (short(joint.end), joint.travel.shown_unit(), &joint.name);
+            match joint.reaches {
+                Reach::TurnsAway => warnings.push(format!(
+                    "joint {name}: the latch at {end} {unit} never closes by itself: motor, spring and gravity drive the joint \
+                     the other way from its start; move the latch to the other side of the start, or command it there"
+                )),
+                Reach::StallsAt(place) => warnings.push(format!(
+                    "joint {name}: moving slowly it stalls at {} {unit}, before the latch at {end} {unit}: only momentum carries \
+                     it on",
+                    short(place)
+                )),
+                Reach::Arrives | Reach::Stands => {}
+            }
+        }
+        let (run, slowest_hz) = (&machine.experiment, self.frequencies_hz.iter().copied().find(|hz| *hz > 0.0));
+        if let Some(hz) = slowest_hz {
+            if run.step_s * hz * ROWS_PER_PERIOD > 1.0 {
+                warnings.push(format!(
+                    "[experiment] step_s = {} s is long for a wing that swings with {} Hz: a swing has {:.1} rows; write {:.1e} or \
+                     less to see it",
+                    run.step_s,
+                    short(hz),
+                    1.0 / (run.step_s * hz),
+                    0.05 / hz
+                ));
+            }
+            if (run.stop_time_s - run.start_time_s) * hz < 0.01 {
+                warnings.push(format!(
+                    "[experiment] lasts {} s, a hundredth of the slowest swing ({} Hz) or less: nothing moves in it; seconds are \
+                     meant",
+                    run.stop_time_s - run.start_time_s,
+                    short(hz)
+                ));
+            }
+        }
+        warnings
+    }
+
+    /// For people.
+    pub fn text(&self) -> String {
+        let ([x, y, z], [xx, yy, zz, ..]) = (self.centre_of_mass_m.map(tidy), self.inertia_kg_m2);
+        let mut text = format!(
+            "centre of mass ({x:.4}, {y:.4}, {z:.4}) m; inertia about it Ixx {xx:.3e}, Iyy {yy:.3e}, Izz {zz:.3e} kg.m2\n"
+        );
+        if let Some(sag) = &self.sag {
+            let share = 100.0 * sag.way_m / sag.extent_m.max(f64::MIN_POSITIVE);
+            let way_mm = 1e3 * sag.way_m;
+            let _ = writeln!(
+                text,
+                "sags {} mm under gravity at the tip of {} ({share:.1} % of {:.3} m), joints held at their start",
+                short(way_mm),
+                sag.body,
+                sag.extent_m
+            );
+        }
+        if !self.frequencies_hz.is_empty() {
+            let list: Vec<String> = self.frequencies_hz.iter().map(|hz| short(*hz).to_string()).collect();
+            let _ = writeln!(text, "first modes {} Hz, held so", list.join(", "));
+        }
+        if let Some(cause) = &self.unknown {
+            let _ = writeln!(text, "no state of rest to tell sag and frequencies of: {cause}");
+        }
+        self.joints.iter().for_each(|joint| text.push_str(&joint.text()));
+        text
+    }
+}
+
+impl Effort {
+    fn text(&self) -> String {
+        let (shown, unit) = (self.travel.shown_unit(), self.travel.effort_unit());
+        let end = if self.has_latch { "the latch" } else { "its neutral place" };
+        let reach = match self.reaches {
+            Reach::Arrives => format!("{end} at {} {shown} is reached", short(self.end)),
+            Reach::Stands => format!("it starts at {end}"),
+            Reach::StallsAt(place) => format!("moving slowly it stalls at {} {shown}", short(place)),
+            Reach::TurnsAway => format!("it moves away from {end} at {} {shown}", short(self.end)),
+        };
+        let asked = format!(
+            "{}: gravity asks for up to {} {unit} (at {} {shown})",
+            self.name,
+            short(self.gravity),
+            short(self.gravity_at)
+        );
+        if self.drive == [0.0; 2] {
+            return format!("{asked}, motor and spring give nothing\n");
+        }
+        format!(
+            "{asked}, motor and spring give {} to {} {unit} towards {end}; {reach}\n",
+            short(self.drive[0]),
+            short(self.drive[1])
+        )
+    }
+}
+
+/// Four digits.
+fn short(value: f64) -> f64 {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    if rounded.abs() < 1e-12 { 0.0 } else { rounded }
+}
+
+/// Without the sign of zeros and of what rounds to them.
+fn tidy(value: f64) -> f64 {
+    if value.abs() < 5e-5 { 0.0 } else { value }
+}
+
+fn each_joint(machine: &mut Machine, change: impl Fn(&mut OneFreedom)) {
+    for body in &mut machine.bodies {
+        if let JointKind::Revolute(joint) | JointKind::Prismatic(joint) = &mut body.joint.kind {
+            change(joint);
+        }
+    }
+}
+
+/// Sag and frequencies of a machine whose joints are held.
+fn at_rest(machine: &Machine, unstrained: &[Vector3<f64>]) -> Result<(Option<Sag>, Vec<f64>), String> {
+    if machine.spatials().next().is_some() {
+        return Err(
+            "joints with several freedoms cannot be held; `foldwing static` and `foldwing modes` let them swing"
+                .to_owned(),
+        );
+    }
+    let mut plant = Plant::new(Arc::new(machine.clone()));
+    let failed = |error: PlantError| error.to_string();
+    plant.study().rest(machine.experiment.start_time_s, Holding::AsReleased, Search::default()).map_err(failed)?;
+    let extent_m = plant.tip_bodies().iter().map(|body| way_to_tip_m(machine, *body)).fold(0.0, f64::max);
+    let ways = plant.outputs().tips().iter().zip(unstrained).map(|(tip, place)| (tip.position_m - place).norm());
+    let pulled = machine.gravity_m_s2.norm() > 0.0;
+    let sag = ways
+        .zip(plant.tip_bodies())
+        .filter(|_| pulled)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(way_m, body)| Sag { body: machine.bodies[*body].name.clone(), way_m, extent_m });
+    let flexible = machine.bodies.iter().any(|body| !body.is_rigid());
+    let modes = if flexible { plant.study().modes(MODES).map_err(failed)? } else { Vec::new() };
+    Ok((sag, modes.iter().map(|mode| mode.frequency_hz).collect()))
+}
+
+/// Way from the root to a body's outer end along the bodies in m.
+fn way_to_tip_m(machine: &Machine, body: usize) -> f64 {
+    let (mut way_m, mut at) = (machine.bodies[body].length_m, body);
+    while let Parent::Body { index, position_m } = machine.bodies[at].joint.parent {
+        way_m += position_m;
+        at = index;
+    }
+    way_m
+}
+
+/// What a joint must bear between its start and the end of its way; nothing where it does not turn freely or cannot be held.
+fn effort(held: &Machine, body: usize, joint: &OneFreedom) -> Result<Option<Effort>, PlantError> {
+    let Some((travel, _)) = held.bodies[body].joint.kind.one_freedom() else { return Ok(None) };
+    if joint.motion != JointMotion::Free || held.spatials().next().is_some() || !held.closures.is_empty() {
+        return Ok(None);
+    }
+    let (start, end) = (joint.start_angle_rad, joint.latch.as_ref().map_or(0.0, |latch| latch.angle_rad));
+    let towards = if end < start { -1.0 } else { 1.0 };
+    let row = held.one_freedoms().position(|(other, _)| other == body).unwrap_or_default();
+    let mut machine = held.clone();
+    let mut points = Vec::with_capacity(POINTS);
+    for point in 0..POINTS {
+        let place = start + (end - start) * point as f64 / (POINTS - 1) as f64;
+        if let JointKind::Revolute(own) | JointKind::Prismatic(own) = &mut machine.bodies[body].joint.kind {
+            own.start_angle_rad = place;
+        }
+        let mut plant = Plant::new(Arc::new(machine.clone()));
+        plant.study().rest(machine.experiment.start_time_s, Holding::AsReleased, Search::default())?;
+        let outputs = &plant.outputs().joints()[row];
+        // at rest drive, stopper and gravity balance
+        let drive = outputs.torque_applied_n_m;
+        points.push((place, drive, -drive - outputs.holding_torque_n_m));
+    }
+    let largest = points.iter().map(|(_, drive, gravity)| drive.abs().max(gravity.abs())).fold(0.0, f64::max);
+    let driven_on = |(_, drive, gravity): &&(f64, f64, f64)| towards * (drive + gravity) > NO_EFFORT * largest;
+    let stands = (end - start).abs() <= joint.latch.as_ref().map_or(1e-6, |latch| latch.capture_rad.max(1e-6));
+    let reaches = if stands {
+        Reach::Stands
+    } else if largest == 0.0 || !points.iter().take(1).all(|point| driven_on(&point)) {
+        Reach::TurnsAway
+    } else {
+        // the end itself may be where springs are slack
+        match points[..POINTS - 1].iter().find(|point| !driven_on(point)) {
+            Some((place, ..)) => Reach::StallsAt(travel.shown(*place)),
+            None => Reach::Arrives,
+        }
+    };
+    let worst = points.iter().max_by(|a, b| a.2.abs().total_cmp(&b.2.abs())).copied().unwrap_or_default();
+    let along = points.iter().map(|(_, drive, _)| towards * drive);
+    Ok(Some(Effort {
+        name: held.bodies[body].joint.name.clone(),
+        travel,
+        gravity: worst.2.abs(),
+        gravity_at: travel.shown(worst.0),
+        drive: [along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max)],
+        end: travel.shown(end),
+        has_latch: joint.latch.as_ref().is_some_and(|latch| latch.enable),
+        reaches,
+    }))
+}
+
+/// Centre of mass, and inertia about it, of the machine as it stands.
+fn mass_properties(plant: &Plant) -> ([f64; 3], [f64; 6]) {
+    let (mut mass_kg, mut first, mut second, mut own) =
+        (0.0, Vector3::zeros(), Matrix3::zeros(), Matrix3::<f64>::zeros());
+    let shape = plant.shape();
+    for (index, body) in plant.machine().bodies.iter().enumerate() {
+        let mesh_m = plant.mesh_m(index);
+        for ends in mesh_m.windows(2) {
+            let half_m = 0.5 * (ends[1] - ends[0]);
+            let places_m = GAUSS.map(|(at, _)| ends[0] + half_m * (1.0 + at));
+            for ((section, place_m), (_, weight)) in plant.sections(index, &places_m).iter().zip(places_m).zip(GAUSS) {
+                let law = body.section.at(place_m);
+                let (length_m, position) = (weight * half_m, section.position_m);
+                let [y, z] = law.first_moment_kg;
+                let [yy, yz, zz] = law.second_moment_kg_m;
+                let off_axis = section.rotation * Vector3::new(0.0, y, z);
+                let spread = Matrix3::new(0.0, 0.0, 0.0, 0.0, yy, yz, 0.0, yz, zz);
+                mass_kg += length_m * law.mass_kg_m;
+                first += length_m * (law.mass_kg_m * position + off_axis);
+                second += length_m
+                    * (law.mass_kg_m * position * position.transpose()
+                        + position * off_axis.transpose()
+                        + off_axis * position.transpose()
+                        + section.rotation * spread * section.rotation.transpose());
+            }
+        }
+        for mass in &body.masses {
+            let (position, rotation) = if body.is_rigid() {
+                (shape[index][0].position_m, shape[index][0].rotation)
+            } else {
+                let section = &plant.sections(index, &[mass.position_m])[0];
+                (section.position_m, section.rotation)
+            };
+            let place = position + rotation * mass.offset_m;
+            mass_kg += mass.mass_kg;
+            first += mass.mass_kg * place;
+            second += mass.mass_kg * place * place.transpose();
+            own += rotation * mass.inertia_kg_m2 * rotation.transpose();
+        }
+    }
+    let centre = if mass_kg > 0.0 { first / mass_kg } else { first };
+    let about_centre = second - mass_kg * centre * centre.transpose();
+    let inertia = Matrix3::identity() * about_centre.trace() - about_centre + own;
+    let six = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|place| inertia[place]);
+    (centre.into(), six)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn assessed(text: &str) -> Assessment {
+        Assessment::new(&foldwing_file::parse(text, "rod.toml").unwrap_or_else(|error| panic!("{error}")))
+    }
+
+    /// A clamped rod with a point mass at its tip, against closed forms: mass, centre, inertia to 1e-12 of themselves; the sag
+    /// `q L⁴/8EI + P L³/3EI` to 1e-4 (it is small: a twentieth of the length would show the stretch of large rotations); the
+    /// first frequency against the root 1.87510 of a bare rod to 1e-5.
+    #[test]
+    fn a_clamped_rod_has_what_textbooks_say() {
+        let rod = |mass_kg: f64| {
+            let mass = if mass_kg > 0.0 {
+                format!(
+                    "[mass.tip]\nbody = \"rod\"\nposition_m = 0.5\nmass_kg = {mass_kg:?}\noffset_m = [0.0, 0.1, 0.0]\n"
+                )
+            } else {
+                String::new()
+            };
+            format!(
+                "name = \"Rod\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[section.s]\nshape = \"rectangle\"\nwidth_m = 0.02\n\
+                 height_m = 0.01\ndensity_kg_m3 = 2700.0\nyoung_Pa = 7.0e10\npoisson_ratio = 0.3\n[body.rod]\nlength_m = 0.5\n\
+                 section = \"s\"\nelements = 8\n[joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"rod\"\n{mass}"
+            )
+        };
+        let (length, per_length, stiffness) = (0.5f64, 2700.0 * 0.02 * 0.01, 7.0e10 * 0.02 * 0.01f64.powi(3) / 12.0);
+        let near = |found: f64, expected: f64, share: f64| {
+            assert!((found - expected).abs() <= share * expected.abs(), "{found} is not {expected}");
+        };
+        let (own, tip) = (per_length * length, 0.3);
+        let total = own + tip;
+        let answer = assessed(&rod(tip));
+        let [x, y, z] = answer.centre_of_mass_m;
+        near(x, (own * 0.25 + tip * 0.5) / total, 1e-12);
+        near(y, tip * 0.1 / total, 1e-12);
+        assert!(z.abs() < 1e-15);
+        let [xx, yy, zz, xy, ..] = answer.inertia_kg_m2;
+        let reduced = own * tip / total; // two bodies about their common centre
+        let (across, thick) = (own * 0.02f64.powi(2) / 12.0, own * 0.01f64.powi(2) / 12.0);
+        let along = own * length * length / 12.0;
+        near(xx, across + thick + reduced * 0.01, 1e-12);
+        near(yy, along + thick + reduced * 0.0625, 1e-12);
+        near(zz, along + across + reduced * 0.0725, 1e-12);
+        near(xy, -reduced * 0.25 * 0.1, 1e-12);
+
+        let bare = assessed(&rod(0.0));
+        let sag = bare.sag.expect("a clamped rod sags");
+        near(sag.way_m, per_length * 9.81 * length.powi(4) / (8.0 * stiffness), 1e-4);
+        let first_hz =
+            1.875_104f64.powi(2) / std::f64::consts::TAU * (stiffness / (per_length * length.powi(4))).sqrt();
+        near(bare.frequencies_hz[0], first_hz, 1e-3); // rotary inertia lowers it by about 5e-4
+        assert!(bare.warnings.is_empty(), "{:?}", bare.warnings);
+    }
+
+    /// What gravity asks of a horizontal hinge is weight times arm; a motor that cannot lift it stalls where the two are equal,
+    /// one that can arrives; a latch on the other side is never reached.
+    #[test]
+    fn a_hinge_must_bear_weight_times_arm() {
+        let arm = |limit: f64, latch: f64| {
+            format!(
+                "name = \"Arm\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[section.s]\nshape = \"rectangle\"\nwidth_m = 0.02\n\
+                 height_m = 0.02\ndensity_kg_m3 = 2700.0\nyoung_Pa = 2.0e12\npoisson_ratio = 0.3\n[body.rod]\nlength_m = 0.5\n\
+                 section = \"s\"\nelements = 2\n[joint.h]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"rod\"\n\
+                 axis = [0.0, 1.0, 0.0]\nstart_angle_deg = 90.0\n[joint.h.drive]\nstiffness_N_m_rad = 100.0\n\
+                 torque_limit_N_m = {limit:?}\n[joint.h.latch]\nangle_deg = {latch:?}\nstiffness_ratio = 1e3\n"
+            )
+        };
+        let weight = 2700.0 * 4e-4 * 0.5 * 9.81;
+        let answer = assessed(&arm(5.0, 0.0));
+        let joint = &answer.joints[0];
+        assert!((joint.gravity - weight * 0.25).abs() < 1e-4 * weight, "{} at {}", joint.gravity, joint.gravity_at);
+        assert!(joint.gravity_at.abs() < 1e-9 && joint.reaches == Reach::Arrives, "{}", joint.text());
+        // the arm hangs down at 90 deg; 1 N·m lifts it to where weight · arm · cos θ = 1
+        let stall_deg = (1.0 / (weight * 0.25)).acos().to_degrees();
+        let Reach::StallsAt(place) = assessed(&arm(1.0, 0.0)).joints[0].reaches else { panic!("{}", answer.text()) };
+        assert!(place <= stall_deg && place > stall_deg - 8.0, "{place} of {stall_deg}");
+        let away = assessed(&arm(5.0, 130.0));
+        assert!(
+            away.warnings[0].contains("joint h: the latch at 130 deg never closes by itself"),
+            "{:?}",
+            away.warnings
+        );
+    }
+}

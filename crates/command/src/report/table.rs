@@ -1,0 +1,121 @@
+//! Tables over time as they are read to be compared: CSV with a column `time`.
+
+use crate::report::inputs::Channel;
+use foldwing_fmi::interface::Value;
+use std::io::Read;
+
+/// Values over time in full precision; cells that are empty are not a number.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// Times in s, ascending.
+    pub times_s: Vec<f64>,
+    /// The other columns, in the order of the file.
+    pub columns: Vec<Column>,
+}
+
+/// One column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    name: String,
+    /// A value for each time.
+    pub values: Vec<f64>,
+}
+
+impl Channel for Column {
+    const LISTED_BY: &'static str = "the first line of the tables";
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn is_input(&self) -> bool {
+        false
+    }
+
+    fn kind(&self) -> Option<Value> {
+        None
+    }
+
+    fn range(&self) -> Option<(f64, f64)> {
+        None
+    }
+}
+
+impl Table {
+    /// Reads CSV with a column `time` in s that ascends; lines that start with `#` are comments; Booleans are 0 and 1.
+    ///
+    /// # Errors
+    /// What is wrong and where: line and column.
+    pub fn read(source: impl Read) -> Result<Self, String> {
+        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(source);
+        let header = reader.headers().map_err(|error| error.to_string())?.clone();
+        let header: Vec<&str> = header.iter().map(|name| name.trim_start_matches('\u{feff}')).collect();
+        let Some(time) = header.iter().position(|name| *name == "time") else {
+            let semicolon = header.len() == 1 && header[0].contains(';');
+            let cure = if semicolon { "; columns are separated by commas here, not by `;`" } else { "" };
+            return Err(format!(
+                "line 1: there is no column `time` (s); the columns are {}{cure}",
+                header.iter().take(6).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+            ));
+        };
+        let names: Vec<&str> = header.iter().enumerate().filter(|(i, _)| *i != time).map(|(_, name)| *name).collect();
+        if names.is_empty() {
+            return Err("line 1: there is only the column `time`; a column per variable is needed".to_owned());
+        }
+        if let Some(twice) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
+            return Err(format!("line 1: there are two columns `{}`", twice.1));
+        }
+        let column = |name: &&str| Column { name: (*name).to_owned(), values: Vec::new() };
+        let mut table = Self { times_s: Vec::new(), columns: names.iter().map(column).collect() };
+        for record in reader.records() {
+            let record = record.map_err(|error| error.to_string())?;
+            let line = record.position().map_or(0, csv::Position::line);
+            let number = |column: usize| -> Result<f64, String> {
+                let text = &record[column];
+                match text {
+                    "" if column != time => return Ok(f64::NAN),
+                    "true" => return Ok(1.0),
+                    "false" => return Ok(0.0),
+                    _ => {}
+                }
+                text.parse().map_err(|_| {
+                    let comma = if text.contains(',') { "; decimals are written with a point" } else { "" };
+                    format!("line {line}, column `{}`: `{text}` is not a number{comma}", header[column])
+                })
+            };
+            let time_s = number(time)?;
+            let last = table.times_s.last().copied().unwrap_or(f64::NEG_INFINITY);
+            if !time_s.is_finite() || time_s < last {
+                return Err(format!("line {line}, column `time`: {time_s} after {last}; times must ascend"));
+            }
+            table.times_s.push(time_s);
+            let others = (0..header.len()).filter(|column| *column != time);
+            for (place, column) in others.zip(&mut table.columns) {
+                column.values.push(number(place)?);
+            }
+        }
+        if table.times_s.is_empty() {
+            return Err("there are no rows below the header".to_owned());
+        }
+        Ok(table)
+    }
+
+    /// The column of a name.
+    pub fn column(&self, name: &str) -> Option<&Column> {
+        self.columns.iter().find(|column| column.name == name)
+    }
+
+    /// A column's value at a time, by a straight line between rows; of several rows of the same time the first. `None`
+    /// outside the table and beside empty cells.
+    pub fn at(&self, column: &Column, time_s: f64) -> Option<f64> {
+        let next = self.times_s.partition_point(|row_s| *row_s < time_s);
+        let value = |row: usize| column.values.get(row).copied().filter(|value| !value.is_nan());
+        if *self.times_s.get(next)? == time_s {
+            return value(next);
+        }
+        let before = next.checked_sub(1)?;
+        let share = (time_s - self.times_s[before]) / (self.times_s[next] - self.times_s[before]);
+        let (from, to) = (value(before)?, value(next)?);
+        Some(from + share * (to - from))
+    }
+}

@@ -1,0 +1,251 @@
+//! What a valid model file probably does not mean: slips of units, and bodies that are no beams. Nothing is refused here.
+//!
+//! The bounds are those of things that exist, with room to spare.
+
+use crate::document::{Document, key_text};
+use crate::file::{ModelFile, SectionFile};
+use std::ops::Range;
+
+/// Young's and shear moduli of solids in Pa: from soft gels to beyond diamond (1.2e12 Pa).
+const MODULUS_PA: Range<f64> = 1e5..3e12;
+/// The same in GPa, by which a slip is known: from soft foam (1e-4 GPa) on.
+const MODULUS_GPA: Range<f64> = 1e-4..3e3;
+/// The same in MPa, above what may be GPa: plastics, metals, composites.
+const MODULUS_MPA: Range<f64> = 3e3..1e6;
+/// Densities of solids in kg/m³: light foams to osmium (22 590).
+const DENSITY_KG_M3: Range<f64> = 5.0..25e3;
+/// Speed of sound along a bar in m/s, `√(EA/m)`: rubber (30) to diamond (18 000); sections by their properties may be
+/// softer along the axis than any material.
+const BAR_SPEED_M_S: Range<f64> = 10.0..5e4;
+/// Length over thickness that beams without shear deformation need: `docs/guide/theory.md`.
+const LEAST_SLENDERNESS: f64 = 10.0;
+/// Length over width and over thickness beyond which nobody builds wings: one of the lengths is in another unit.
+const MOST_SLENDERNESS: f64 = 1000.0;
+/// Width or thickness over length beyond which one of them is in another unit.
+const MOST_WIDTH: f64 = 3.0;
+/// Masses on a body over the mass of that body.
+const MOST_ATTACHED: f64 = 1000.0;
+/// Magnitudes of gravity in m/s² that planets and tests have; 0 is one too.
+const GRAVITY_M_S2: Range<f64> = 1.5..100.0;
+/// Speed of wind in m/s above which the air's compressibility rules (a Mach number of 0.5).
+const WIND_M_S: f64 = 170.0;
+/// Rows over the default experiment.
+const ROWS: Range<f64> = 10.0..1e7;
+/// An angle that is a multiple of this in degrees, to [`ROUND_DEG`], if its number is taken for rad.
+const MULTIPLE_DEG: f64 = 5.0;
+/// Four digits of an angle in rad.
+const ROUND_DEG: f64 = 6e-3;
+
+/// Something valid that is probably not meant.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Doubt {
+    /// Line of the key, from 1.
+    pub line: usize,
+    /// Bytes of the text that a caret points at.
+    pub span: Range<usize>,
+    /// Path of the key, e.g. `section.spar.young_Pa`.
+    pub key: String,
+    /// What makes it implausible.
+    pub reason: String,
+    /// What to write if it is a slip, or where to read on.
+    pub advice: String,
+}
+
+/// What is implausible in the text of a model file that [`crate::parse`] takes, in the order of the file; empty for a text
+/// that it refuses.
+pub fn doubts(text: &str) -> Vec<Doubt> {
+    let (Ok(document), Ok(file)) = (Document::parse(text), toml::from_str::<ModelFile>(text)) else {
+        return Vec::new();
+    };
+    let mut look = Look { document: &document, found: Vec::new() };
+    look.sections(&file);
+    look.bodies(&file);
+    look.angles(&file);
+    look.surroundings(&file);
+    look.found.sort_by_key(|doubt| doubt.span.start);
+    look.found
+}
+
+struct Look<'d, 'a> {
+    document: &'d Document<'a>,
+    found: Vec<Doubt>,
+}
+
+impl Look<'_, '_> {
+    fn doubt(&mut self, path: &[&str], reason: String, advice: impl Into<String>) {
+        let entry = self.document.find(path);
+        let span = entry
+            .map_or_else(|| self.document.span_of(path), |entry| self.document.value_span(entry.offset, entry.value));
+        let line = self.document.line_of(path);
+        self.found.push(Doubt { line, span, key: key_text(path), reason, advice: advice.into() });
+    }
+
+    fn sections(&mut self, file: &ModelFile) {
+        for (name, section) in &file.section {
+            match section {
+                SectionFile::Rectangle(solid) | SectionFile::Ellipse(solid) => {
+                    self.modulus(&["section", name, "young_Pa"], Some(solid.young_pa));
+                    self.modulus(&["section", name, "shear_Pa"], solid.shear_pa);
+                    let density = solid.density_kg_m3;
+                    if !DENSITY_KG_M3.contains(&density) {
+                        let advice = if density < DENSITY_KG_M3.start && density > 0.01 {
+                            format!("g/cm3? write {}", number(1e3 * density))
+                        } else {
+                            "solids have 5 to 25000 kg/m3".to_owned()
+                        };
+                        let reason = format!("no solid has {} kg/m3", number(density));
+                        self.doubt(&["section", name, "density_kg_m3"], reason, advice);
+                    }
+                }
+                SectionFile::Explicit(section) => {
+                    let axial_n = section.axial_stiffness_n.or(section.stiffness_si.map(|matrix| matrix[0][0]));
+                    let Some(axial_n) = axial_n else { continue };
+                    let speed_m_s = (axial_n / section.mass_kg_m).sqrt();
+                    if !BAR_SPEED_M_S.contains(&speed_m_s) {
+                        let key = if section.stiffness_si.is_some() { "stiffness_SI" } else { "axial_stiffness_N" };
+                        let reason = format!(
+                            "with mass_kg_m = {} sound would run along the bar at {} m/s",
+                            number(section.mass_kg_m),
+                            number(speed_m_s)
+                        );
+                        self.doubt(
+                            &["section", name, key],
+                            reason,
+                            "metals and composites have 3000 to 12000 m/s: EA in N, mass in kg/m",
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    fn modulus(&mut self, path: &[&str], modulus_pa: Option<f64>) {
+        let Some(modulus) = modulus_pa.filter(|modulus| !MODULUS_PA.contains(modulus)) else { return };
+        let advice = if MODULUS_GPA.contains(&modulus) {
+            format!("GPa? write {:e}", modulus * 1e9)
+        } else if MODULUS_MPA.contains(&modulus) {
+            format!("MPa? write {:e}", modulus * 1e6)
+        } else {
+            "solids have 1e5 to 1.2e12 Pa".to_owned()
+        };
+        let than = if modulus < MODULUS_PA.start { "softer than a gel" } else { "stiffer than diamond" };
+        self.doubt(path, format!("{} Pa is {than}", number(modulus)), advice);
+    }
+
+    fn bodies(&mut self, file: &ModelFile) {
+        for (name, body) in &file.body {
+            let outline = match file.section.get(&body.section) {
+                Some(SectionFile::Rectangle(solid) | SectionFile::Ellipse(solid)) => {
+                    Some((["width_m", "height_m"], solid.width_m, solid.height_m, 1.0))
+                }
+                Some(SectionFile::Explicit(section)) => section
+                    .half_width_m
+                    .zip(section.half_height_m)
+                    .map(|(width, height)| (["half_width_m", "half_height_m"], 2.0 * width, 2.0 * height, 0.5)),
+                None => None,
+            };
+            let Some((keys, width_m, height_m, share)) = outline else { continue };
+            let (length_m, thickness_m) = (body.length_m, width_m.min(height_m));
+            let slender = |length_m: f64, thickness_m: f64| {
+                (LEAST_SLENDERNESS..MOST_SLENDERNESS).contains(&(length_m / thickness_m))
+            };
+            let too_large =
+                [width_m, height_m].into_iter().zip(keys).find(|(size_m, _)| *size_m > MOST_WIDTH * length_m);
+            if let Some((size_m, key)) = too_large {
+                let reason = format!("{} m on a body of {} m", number(size_m), number(length_m));
+                let advice = format!("millimetres? write {}", number(1e-3 * share * size_m));
+                self.doubt(&["section", &body.section, key], reason, advice);
+            } else if length_m > MOST_SLENDERNESS * width_m.max(height_m) {
+                let reason = format!(
+                    "{} m long, but {} m wide and {} m thick",
+                    number(length_m),
+                    number(width_m),
+                    number(height_m)
+                );
+                let millimetres = slender(1e-3 * length_m, thickness_m);
+                let advice = if millimetres {
+                    format!("millimetres? write {}", number(1e-3 * length_m))
+                } else {
+                    format!("compare with width and height of section {:?}: all are in m", body.section)
+                };
+                self.doubt(&["body", name, "length_m"], reason, advice);
+            } else if length_m < LEAST_SLENDERNESS * thickness_m {
+                let thick = "the beams here do without shear deformation, for bodies ten times as long as thick";
+                let reason = format!("{} m long and {} m thick: {thick}", number(length_m), number(thickness_m));
+                let advice = "docs/guide/theory.md says what is left out; a rigid body may do";
+                self.doubt(&["body", name, "length_m"], reason, advice);
+            }
+        }
+        for (name, mass) in &file.mass {
+            let Some(body) = file.body.get(&mass.body) else { continue };
+            let per_length = match file.section.get(&body.section) {
+                Some(SectionFile::Rectangle(solid) | SectionFile::Ellipse(solid)) => {
+                    solid.density_kg_m3 * solid.width_m * solid.height_m
+                }
+                Some(SectionFile::Explicit(section)) => section.mass_kg_m,
+                None => continue,
+            };
+            let own_kg = per_length * body.length_m;
+            if mass.mass_kg > MOST_ATTACHED * own_kg {
+                let reason = format!("{} kg on a body of {} kg", number(mass.mass_kg), number(own_kg));
+                self.doubt(&["mass", name, "mass_kg"], reason, format!("grams? write {}", number(1e-3 * mass.mass_kg)));
+            }
+        }
+    }
+
+    /// Angles whose number is a round angle in rad.
+    fn angles(&mut self, file: &ModelFile) {
+        for (name, joint) in &file.joint {
+            let latch = joint.latch.as_ref().map(|latch| latch.angle_deg);
+            let angles: [(&[&str], Option<f64>); 2] = [
+                (&["joint", name, "start_angle_deg"], joint.start_angle_deg),
+                (&["joint", name, "latch", "angle_deg"], latch),
+            ];
+            for (path, angle) in angles {
+                let Some(angle) = angle.filter(|angle| angle.fract() != 0.0) else { continue };
+                let meant_deg = (angle.to_degrees() / MULTIPLE_DEG).round() * MULTIPLE_DEG;
+                // few digits say nothing: 0.5 is as near to 30 deg as to 28.65 deg
+                let close = (angle.to_degrees() - meant_deg).abs() < ROUND_DEG && meant_deg != 0.0;
+                if close && meant_deg.abs() <= 360.0 {
+                    let reason = format!("{angle} rad would be {} deg", number(meant_deg));
+                    self.doubt(path, reason, format!("rad? write {}", number(meant_deg)));
+                }
+            }
+        }
+    }
+
+    fn surroundings(&mut self, file: &ModelFile) {
+        let magnitude = |vector: &[f64; 3]| vector.iter().map(|part| part * part).sum::<f64>().sqrt();
+        let gravity = magnitude(&file.gravity_m_s2);
+        if gravity > 0.0 && !GRAVITY_M_S2.contains(&gravity) {
+            let advice =
+                if gravity < GRAVITY_M_S2.start { "multiples of g? 1 g is 9.80665" } else { "mm/s2? write 9.80665" };
+            self.doubt(&["gravity_m_s2"], format!("gravity of {} m/s2", number(gravity)), advice);
+        }
+        if let Some(air) = &file.aerodynamics {
+            let wind = magnitude(&air.wind_m_s);
+            if wind > WIND_M_S {
+                let reason = format!("at {} m/s air is compressed, which no model of the air here knows", number(wind));
+                self.doubt(&["aerodynamics", "wind_m_s"], reason, format!("km/h? that is {} m/s", number(wind / 3.6)));
+            }
+        }
+        let run = &file.experiment;
+        let rows = (run.stop_time_s - run.start_time_s) / run.step_s;
+        if !ROWS.contains(&rows) {
+            let key = if self.document.find(&["experiment", "step_s"]).is_some() { "step_s" } else { "stop_time_s" };
+            let reason = format!("a run of {} rows", number(rows.ceil()));
+            let advice = if rows < 1.0 || key == "step_s" && rows < ROWS.start {
+                format!("milliseconds? write {}", number(1e-3 * run.step_s))
+            } else {
+                "step_s is the time between two rows, stop_time_s the end of the run".to_owned()
+            };
+            self.doubt(&["experiment", key], reason, advice);
+        }
+    }
+}
+
+/// Four digits, as short as they are.
+fn number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    if rounded != 0.0 && !(1e-4..1e6).contains(&rounded.abs()) { format!("{rounded:e}") } else { rounded.to_string() }
+}
