@@ -18,6 +18,6 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// The bytes of the FMU of a model, for the platforms that the library is for.
 pub fn package(text: &str, library: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
     let machine = foldwing::config::parse(text, "model.toml")?;
-    let extras = Extras { reference: None, linear: None };
+    let extras = Extras { reference: None, linear: None, ..Extras::default() };
     Ok(packaging::package(&machine, text, &extras, &Library::read(library, None)?)?)
 }

@@ -3,7 +3,7 @@
 //! After a deliberate change, `make bless` rewrites them; the diff then shows what importers will see.
 
 use foldwing::interface::{Interface, guid};
-use foldwing::packaging::model_description;
+use foldwing::packaging::{Kinds, model_description};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -37,8 +37,8 @@ fn committed_descriptions_are_what_is_generated() {
         let machine = foldwing::config::parse(&text, &stem.to_string_lossy()).unwrap_or_else(|error| panic!("{error}"));
         let interface = Interface::new(&machine);
         let variables = interface.variables();
-        let generated =
-            model_description(&machine, variables, &interface.dependencies(&machine), &guid(&text, variables));
+        let (dependencies, guid) = (interface.dependencies(&machine), guid(&text, variables));
+        let generated = model_description(&machine, variables, &dependencies, &guid, Kinds::default());
         let file = committed.join(&stem).with_extension("xml");
         if bless {
             std::fs::write(&file, &generated).unwrap();

@@ -2,6 +2,7 @@
 
 use crate::fmu::{Attempt, Fmu, OTHER, Resources, WING, guid_of};
 use foldwing_fmu::derivatives::*;
+use foldwing_fmu::exchange::*;
 use foldwing_fmu::functions::*;
 use foldwing_fmu::states::*;
 use foldwing_fmu::status::*;
@@ -78,6 +79,12 @@ fn x01_out_of_order() {
             "fmi2CancelStep: not legal after fmi2ExitInitializationMode: steps are never asynchronous, so there is none \
              to cancel",
     );
+        fmu.told(
+            fmi2SetTime(c, 0.0),
+            fmi2Error,
+            "fmi2SetTime: not legal after fmi2ExitInitializationMode; it belongs to Model Exchange, and the instance was made \
+             for co-simulation",
+        );
         fmu.ok(fmi2Terminate(c));
         fmu.told(
             fmi2SetReal(c, &0, 1, &0.0),
@@ -512,7 +519,7 @@ fn x09_states() {
     );
     refused(
         &changed(8, 1),
-        "fmi2DeSerializeFMUstate: the serialised FMU state has version 1; this library reads version 5: serialise it again \
+        "fmi2DeSerializeFMUstate: the serialised FMU state has version 1; this library reads version 6: serialise it again \
          with this one",
     );
     refused(
@@ -540,6 +547,51 @@ fn x09_states() {
     );
 }
 
+/// X-19. Model Exchange: what the importer cannot set, states of the other kind, an unknown kind.
+#[test]
+fn x19_model_exchange() {
+    let fmu = Fmu::exchanged(WING);
+    let (c, n) = (fmu.component, fmu.table.nominals().len());
+    fmu.setup(0.0, None);
+    let mut states = vec![0.0; n];
+    unsafe {
+        fmu.ok(fmi2EnterInitializationMode(c));
+        fmu.ok(fmi2ExitInitializationMode(c));
+        fmu.ok(fmi2EnterContinuousTimeMode(c));
+        fmu.told(
+            fmi2SetBoolean(c, &fmu.reference("fold.release"), 1, &0),
+            fmi2Error,
+            "fmi2SetBoolean: variable fold.release cannot be set in Continuous-Time Mode: only Real inputs can; set it in Event \
+             Mode, after fmi2EnterEventMode",
+        );
+        fmu.ok(fmi2GetContinuousStates(c, states.as_mut_ptr(), n));
+        states[0] = f64::NAN;
+        fmu.told(
+            fmi2SetContinuousStates(c, states.as_ptr(), n),
+            fmi2Discard,
+            "fmi2SetContinuousStates: continuous state state.inner.element[1].epsilon_x cannot be NaN: the value must be finite",
+        );
+        fmu.told(
+            fmi2SetContinuousStates(c, states.as_ptr(), 1),
+            fmi2Error,
+            &format!("fmi2SetContinuousStates: argument nx is 1: this model has {n}"),
+        );
+    }
+    let other = Fmu::of_kind(WING, fmi2CoSimulation);
+    let (status, state) = other.deserialize(&fmu.serialize(fmu.save()));
+    other.ok(status);
+    other.told(
+        unsafe { fmi2SetFMUstate(other.component, state) },
+        fmi2Error,
+        "fmi2SetFMUstate: the FMU state was saved in Model Exchange and does not fit co-simulation; set one of this kind",
+    );
+    let resources = Resources::with(WING);
+    assert_eq!(
+        Attempt { fmu_type: 7, ..Attempt::of(WING, &resources) }.refusal(),
+        "fmi2Instantiate: FMU type 7 is unknown: there are 0, Model Exchange, and 1, co-simulation"
+    );
+}
+
 /// X-10. Instances that are refused.
 #[test]
 fn x10_instances() {
@@ -550,7 +602,7 @@ fn x10_instances() {
     says(Attempt { name: None, ..attempt() }, "the instance name is missing: it is null or empty");
     says(
         Attempt { fmu_type: fmi2ModelExchange, ..attempt() },
-        "this FMU is for co-simulation only (FMU type 1): FMU type 0 was asked for",
+        "this FMU is for co-simulation only (FMU type 1): FMU type 0 was asked for; package it with --kinds cs,me",
     );
     says(
         Attempt { guid: Some("{0}".into()), ..attempt() },

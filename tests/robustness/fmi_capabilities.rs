@@ -4,7 +4,7 @@
 use crate::fmu::{Fmu, WING};
 use foldwing::config;
 use foldwing::interface::guid;
-use foldwing::packaging::model_description;
+use foldwing::packaging::{Kinds, model_description};
 use foldwing_fmu::derivatives::*;
 use foldwing_fmu::functions::*;
 use foldwing_fmu::states::*;
@@ -243,8 +243,8 @@ const FLAGS: &[(&str, &str, &str, &str)] = &[
 fn every_flag_of_the_description_has_a_test() {
     let machine = config::parse(WING, "model.toml").expect("valid");
     let table = foldwing::interface::Interface::new(&machine);
-    let text =
-        model_description(&machine, table.variables(), &table.dependencies(&machine), &guid(WING, table.variables()));
+    let (variables, guid) = (table.variables(), guid(WING, table.variables()));
+    let text = model_description(&machine, variables, &table.dependencies(&machine), &guid, Kinds::default());
     let element = text.split("<CoSimulation").nth(1).and_then(|rest| rest.split('>').next()).expect("the element");
     let flags: Vec<(&str, &str)> = element
         .split_whitespace()

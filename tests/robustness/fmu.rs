@@ -4,6 +4,7 @@
 
 use foldwing::config;
 use foldwing::interface::{Interface, guid};
+use foldwing::packaging::Kinds;
 use foldwing_fmu::functions::*;
 use foldwing_fmu::states::*;
 use foldwing_fmu::types::*;
@@ -110,6 +111,12 @@ pub fn table(text: &str) -> Interface {
     Interface::new(&config::parse(text, "model.toml").expect("a valid model"))
 }
 
+/// Variable table of a model file's text with continuous states.
+pub fn table_with_states(text: &str) -> Interface {
+    let kinds = Kinds { co_simulation: true, model_exchange: true };
+    kinds.interface(&config::parse(text, "model.toml").expect("a valid model"))
+}
+
 /// Arguments of an instantiation; the defaults are good ones.
 pub struct Attempt {
     pub name: Option<String>,
@@ -181,6 +188,21 @@ impl Fmu {
         let (component, messages) = Attempt::of(text, &resources).run();
         assert!(!component.is_null(), "refused: {messages:?}");
         Self { component, messages, table: table(text) }
+    }
+
+    /// Freshly instantiated for Model Exchange.
+    pub fn exchanged(text: &str) -> Self {
+        Self::of_kind(text, fmi2ModelExchange)
+    }
+
+    /// Of an FMU of both kinds.
+    pub fn of_kind(text: &str, fmu_type: fmi2Type) -> Self {
+        let resources = Resources::with(text);
+        let table = table_with_states(text);
+        let guid = Some(guid(text, table.variables()));
+        let (component, messages) = Attempt { fmu_type, guid, ..Attempt::of(text, &resources) }.run();
+        assert!(!component.is_null(), "refused: {messages:?}");
+        Self { component, messages, table }
     }
 
     /// The shipped model, in Initialization Mode at `start_s`.

@@ -14,6 +14,7 @@ mod loggers;
 mod machine_in_code;
 mod machine_random;
 mod machine_refusals;
+mod model_exchange;
 mod model_file;
 mod model_file_accepted;
 mod model_file_air;

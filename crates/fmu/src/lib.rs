@@ -8,6 +8,7 @@
 #![allow(non_snake_case, reason = "names of the standard")]
 
 pub mod derivatives;
+pub mod exchange;
 pub mod functions;
 #[cfg(feature = "import")]
 pub mod official;

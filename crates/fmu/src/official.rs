@@ -6,7 +6,7 @@ use super::types::{
     fmi2CallbackLogger, fmi2Component, fmi2FMUstate, fmi2Integer, fmi2Real, fmi2Status, fmi2StatusKind,
     fmi2StepFinished, fmi2String, fmi2Type, fmi2ValueReference,
 };
-use super::{derivatives, functions, states, status, types};
+use super::{derivatives, exchange, functions, states, status, types};
 use fmi::fmi2::binding;
 use std::mem::{align_of, offset_of, size_of};
 
@@ -16,7 +16,8 @@ macro_rules! have_the_official_type {
     ($($module:ident::$function:ident: $official:ident;)*) => {
         $(const _: binding::$official = Some($module::$function);)*
 
-        /// Functions whose type is checked against the header; [`functions::fmi2Instantiate`] is one more.
+        /// Functions whose type is checked against the header; [`functions::fmi2Instantiate`] and
+        /// [`exchange::fmi2NewDiscreteStates`] are two more.
         pub const CHECKED: &[&str] = &[$(stringify!($function)),*];
     };
 }
@@ -55,7 +56,21 @@ have_the_official_type! {
     status::fmi2GetIntegerStatus: fmi2GetIntegerStatusTYPE;
     status::fmi2GetBooleanStatus: fmi2GetBooleanStatusTYPE;
     status::fmi2GetStringStatus: fmi2GetStringStatusTYPE;
+    exchange::fmi2EnterEventMode: fmi2EnterEventModeTYPE;
+    exchange::fmi2EnterContinuousTimeMode: fmi2EnterContinuousTimeModeTYPE;
+    exchange::fmi2CompletedIntegratorStep: fmi2CompletedIntegratorStepTYPE;
+    exchange::fmi2SetTime: fmi2SetTimeTYPE;
+    exchange::fmi2SetContinuousStates: fmi2SetContinuousStatesTYPE;
+    exchange::fmi2GetDerivatives: fmi2GetDerivativesTYPE;
+    exchange::fmi2GetEventIndicators: fmi2GetEventIndicatorsTYPE;
+    exchange::fmi2GetContinuousStates: fmi2GetContinuousStatesTYPE;
+    exchange::fmi2GetNominalsOfContinuousStates: fmi2GetNominalsOfContinuousStatesTYPE;
 }
+
+/// `fmi2NewDiscreteStates` with the structure of the event left open.
+type NewDiscreteStates<Info> = Option<unsafe extern "C" fn(fmi2Component, *mut Info) -> fmi2Status>;
+const _: NewDiscreteStates<types::fmi2EventInfo> = Some(exchange::fmi2NewDiscreteStates);
+const _: fn(binding::fmi2NewDiscreteStatesTYPE) -> NewDiscreteStates<binding::fmi2EventInfo> = |official| official;
 
 /// `fmi2Instantiate` with the structure of callbacks left open: two structures of the same layout are two types in Rust.
 type Instantiate<Callbacks> = Option<
@@ -72,31 +87,41 @@ type Instantiate<Callbacks> = Option<
 const _: Instantiate<fmi2CallbackFunctions> = Some(functions::fmi2Instantiate);
 const _: fn(binding::fmi2InstantiateTYPE) -> Instantiate<binding::fmi2CallbackFunctions> = |official| official;
 
-/// The two structures have the same fields, of the same types, at the same places.
+/// Structures of both have the same fields, of the same types, at the same places, and the same size.
 macro_rules! same_fields {
-    ($($field:ident: $kind:ty;)*) => {
+    ($structure:ident: $($field:ident: $kind:ty;)*) => {
         $(
-            const _: fn(fmi2CallbackFunctions) -> $kind = |ours| ours.$field;
-            const _: fn(binding::fmi2CallbackFunctions) -> $kind = |official| official.$field;
+            const _: fn(types::$structure) -> $kind = |ours| ours.$field;
+            const _: fn(binding::$structure) -> $kind = |official| official.$field;
             const _: () = assert!(
-                offset_of!(fmi2CallbackFunctions, $field) == offset_of!(binding::fmi2CallbackFunctions, $field)
+                offset_of!(types::$structure, $field) == offset_of!(binding::$structure, $field)
             );
         )*
+        const _: () = assert!(
+            size_of::<types::$structure>() == size_of::<binding::$structure>()
+                && align_of::<types::$structure>() == align_of::<binding::$structure>()
+        );
     };
 }
 
 same_fields! {
+    fmi2EventInfo:
+    newDiscreteStatesNeeded: fmi2Boolean;
+    terminateSimulation: fmi2Boolean;
+    nominalsOfContinuousStatesChanged: fmi2Boolean;
+    valuesOfContinuousStatesChanged: fmi2Boolean;
+    nextEventTimeDefined: fmi2Boolean;
+    nextEventTime: types::fmi2Real;
+}
+
+same_fields! {
+    fmi2CallbackFunctions:
     logger: fmi2CallbackLogger;
     allocateMemory: fmi2CallbackAllocateMemory;
     freeMemory: fmi2CallbackFreeMemory;
     stepFinished: fmi2StepFinished;
     componentEnvironment: types::fmi2ComponentEnvironment;
 }
-
-const _: () = assert!(
-    size_of::<fmi2CallbackFunctions>() == size_of::<binding::fmi2CallbackFunctions>()
-        && align_of::<fmi2CallbackFunctions>() == align_of::<binding::fmi2CallbackFunctions>()
-);
 
 /// The plain types, by identity functions that compile for equal types only.
 macro_rules! same_types {
@@ -145,14 +170,15 @@ mod tests {
     /// Every function that this folder exports stands in the list above.
     #[test]
     fn every_exported_function_is_checked() {
-        let sources = ["functions", "states", "derivatives", "status"].map(|name| {
+        let sources = ["functions", "states", "derivatives", "status", "exchange"].map(|name| {
             let path = format!("{}/src/{name}.rs", env!("CARGO_MANIFEST_DIR"));
             std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"))
         });
         let heads = sources.iter().flat_map(|text| text.split("extern \"C\" fn ").skip(1));
         let exported: BTreeSet<&str> = heads.filter_map(|rest| rest.split('(').next()).collect();
-        let checked: BTreeSet<&str> = CHECKED.iter().copied().chain(["fmi2Instantiate"]).collect();
-        assert_eq!(exported.len(), 34, "functions of FMI 2.0 for co-simulation");
+        let checked: BTreeSet<&str> =
+            CHECKED.iter().copied().chain(["fmi2Instantiate", "fmi2NewDiscreteStates"]).collect();
+        assert_eq!(exported.len(), 44, "functions of FMI 2.0 for co-simulation and Model Exchange");
         assert_eq!(exported, checked);
     }
 }

@@ -83,6 +83,24 @@ pub type fmi2CallbackFreeMemory = Option<unsafe extern "C" fn(*mut c_void)>;
 /// End of an asynchronous step; never used here.
 pub type fmi2StepFinished = Option<unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2Status)>;
 
+/// What an event has led to.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct fmi2EventInfo {
+    /// The event needs a further update.
+    pub newDiscreteStatesNeeded: fmi2Boolean,
+    /// The simulation is to end.
+    pub terminateSimulation: fmi2Boolean,
+    /// Nominal values of states have changed.
+    pub nominalsOfContinuousStatesChanged: fmi2Boolean,
+    /// Values of states have changed.
+    pub valuesOfContinuousStatesChanged: fmi2Boolean,
+    /// There is a next event at a time that is known.
+    pub nextEventTimeDefined: fmi2Boolean,
+    /// That time in s.
+    pub nextEventTime: fmi2Real,
+}
+
 /// Functions of the importer.
 #[repr(C)]
 #[derive(Clone, Copy)]

@@ -3,7 +3,7 @@
 use crate::cli::linearize::reach;
 use crate::cli::outlets::{Force, Mark, Outlets};
 use crate::cli::{Failure, print, read_model};
-use crate::packaging::{self, CrossCheck, Extras, Library, PackageError, Platform, Reference};
+use crate::packaging::{self, CrossCheck, Extras, Kinds, Library, PackageError, Platform, Reference};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::{Interface, LinearModel, Variable, guid};
@@ -24,6 +24,9 @@ pub struct Arguments {
     /// tells the platform [default: the library next to this executable]
     #[arg(long = "library", value_name = "[PLATFORM=]PATH")]
     libraries: Vec<OsString>,
+    /// Kinds of FMU, one or both: co-simulation, in which the FMU integrates, and Model Exchange, in which the importer does
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Kind::Cs])]
+    kinds: Vec<Kind>,
     /// Add the linear model about a state: `start`, a time in s, or the equilibrium
     #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "equilibrium")]
     linear: Option<String>,
@@ -40,14 +43,31 @@ pub struct Arguments {
     description_only: bool,
 }
 
+/// A kind of FMU.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Kind {
+    /// Co-simulation
+    Cs,
+    /// Model Exchange
+    Me,
+}
+
 /// Writes the FMU, or prints its description.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, text) = read_model(&arguments.model)?;
+    let has = |kind| arguments.kinds.contains(&kind);
+    let kinds = Kinds { co_simulation: has(Kind::Cs), model_exchange: has(Kind::Me) };
+    kinds.check(&machine).map_err(|error| Failure::Refused(format!("--kinds me: {error}")))?;
+    if arguments.cross_check.is_some() && !kinds.co_simulation {
+        let cause = "--cross-check: its files are for co-simulation; add cs to --kinds";
+        return Err(Failure::Usage(cause.to_owned()));
+    }
     if arguments.description_only {
-        let interface = Interface::new(&machine);
+        let interface = kinds.interface(&machine);
         let variables = interface.variables();
         let dependencies = interface.dependencies(&machine);
-        return print(&packaging::model_description(&machine, variables, &dependencies, &guid(&text, variables)));
+        let guid = guid(&text, variables);
+        return print(&packaging::model_description(&machine, variables, &dependencies, &guid, kinds));
     }
     let output = &arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", machine.name)));
     if !output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu")) {
@@ -59,6 +79,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut outlets = Outlets::new(arguments.force.force, read);
     let place = outlets.place(output, Mark::FMU)?;
     let extras = Extras {
+        kinds,
         reference: (!arguments.no_reference).then(|| reference(&machine)).transpose()?,
         linear: arguments.linear.as_ref().map(|at| linear(&machine, at)).transpose()?,
     };

@@ -1,14 +1,16 @@
 //! Everything in the archive but the libraries.
 
-use crate::packaging::{Reference, documentation, icon, licenses, linear_model, model_description};
+use crate::packaging::{Kinds, Reference, documentation, icon, licenses, linear_model, model_description};
 use foldwing_engine::machine::Machine;
 use foldwing_fmi::fmi2::MODEL_FILE;
-use foldwing_fmi::interface::{Interface, LinearModel, guid};
+use foldwing_fmi::interface::{LinearModel, guid};
 use std::collections::BTreeMap;
 
 /// What an archive may hold beyond the necessary.
 #[derive(Debug, Clone, Default)]
 pub struct Extras {
+    /// What an importer may instantiate.
+    pub kinds: Kinds,
     /// Reference results.
     pub reference: Option<Reference>,
     /// Linear model.
@@ -19,7 +21,7 @@ pub struct Extras {
 ///
 /// `model_text` is the file that `machine` was read from.
 pub fn contents(machine: &Machine, model_text: &str, extras: &Extras) -> BTreeMap<String, Vec<u8>> {
-    let interface = Interface::new(machine);
+    let interface = extras.kinds.interface(machine);
     let variables = interface.variables();
     let guid = guid(model_text, variables);
     let mut files = BTreeMap::from([
@@ -27,7 +29,7 @@ pub fn contents(machine: &Machine, model_text: &str, extras: &Extras) -> BTreeMa
         ("model.png".to_owned(), icon::png(machine)),
         (
             "modelDescription.xml".to_owned(),
-            model_description(machine, variables, &interface.dependencies(machine), &guid).into(),
+            model_description(machine, variables, &interface.dependencies(machine), &guid, extras.kinds).into(),
         ),
         (format!("resources/{MODEL_FILE}"), model_text.into()),
     ]);

@@ -4,13 +4,15 @@
 //! gives the same bytes.
 
 use crate::packaging::xml::{self, Attributes, Xml, leaf, nest, real};
-use crate::packaging::{MODEL_IDENTIFIER, VERSION};
+use crate::packaging::{Kinds, MODEL_IDENTIFIER, VERSION};
 use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::Plant;
 use foldwing_fmi::fmi2::LOG_CATEGORIES;
 use foldwing_fmi::interface::{
     Causality, Dependencies, DependencyKind, Initial, RealType, TYPES, UNITS, Unit, Value, Variability, Variable,
 };
 use std::io;
+use std::sync::Arc;
 
 /// Capability flags of the `CoSimulation` element.
 ///
@@ -27,17 +29,29 @@ const CAPABILITIES: [(&str, &str); 9] = [
     ("canSerializeFMUstate", "true"),
 ];
 
+/// Capability flags of the `ModelExchange` element.
+const EXCHANGE_CAPABILITIES: [(&str, &str); 7] = [
+    ("needsExecutionTool", "false"),
+    ("completedIntegratorStepNotNeeded", "false"),
+    ("canBeInstantiatedOnlyOncePerProcess", "false"),
+    ("canNotUseMemoryManagementFunctions", "true"),
+    ("canGetAndSetFMUstate", "true"),
+    ("canSerializeFMUstate", "true"),
+    ("providesDirectionalDerivative", "false"),
+];
+
 /// The complete text of `modelDescription.xml`, ending in a line feed.
 ///
 /// `variables` is the table of `machine`, in order, with what each row depends on; `guid` is the hash that the library
-/// checks on instantiation.
+/// checks on instantiation. For Model Exchange the table must have continuous states.
 pub fn model_description(
     machine: &Machine,
     variables: &[Variable],
     dependencies: &[Dependencies],
     guid: &str,
+    kinds: Kinds,
 ) -> String {
-    xml::document(|xml| write_root(xml, machine, (variables, dependencies), guid))
+    xml::document(|xml| write_root(xml, machine, (variables, dependencies), guid, kinds))
 }
 
 fn write_root(
@@ -45,8 +59,9 @@ fn write_root(
     machine: &Machine,
     (variables, dependencies): (&[Variable], &[Dependencies]),
     guid: &str,
+    kinds: Kinds,
 ) -> io::Result<()> {
-    let attributes: Attributes = vec![
+    let mut attributes: Attributes = vec![
         ("fmiVersion", "2.0".to_owned()),
         ("modelName", machine.name.clone()),
         ("guid", guid.to_owned()),
@@ -56,12 +71,24 @@ fn write_root(
         ("generationTool", format!("{MODEL_IDENTIFIER} {VERSION}")),
         ("variableNamingConvention", "structured".to_owned()),
     ];
+    if kinds.model_exchange {
+        let indicators = Plant::new(Arc::new(machine.clone())).exchange_indicator_count();
+        attributes.push(("numberOfEventIndicators", indicators.to_string()));
+    }
     nest(xml, "fmiModelDescription", &attributes, |xml| {
-        let mut co_simulation: Attributes = vec![("modelIdentifier", MODEL_IDENTIFIER.to_owned())];
-        co_simulation.extend(CAPABILITIES.map(|(name, value)| (name, value.to_owned())));
-        // with the loads of the air held they would be wrong
-        co_simulation.push(("providesDirectionalDerivative", machine.air.is_none().to_string()));
-        leaf(xml, "CoSimulation", &co_simulation)?;
+        let identifier = || vec![("modelIdentifier", MODEL_IDENTIFIER.to_owned())];
+        if kinds.model_exchange {
+            let mut model_exchange: Attributes = identifier();
+            model_exchange.extend(EXCHANGE_CAPABILITIES.map(|(name, value)| (name, value.to_owned())));
+            leaf(xml, "ModelExchange", &model_exchange)?;
+        }
+        if kinds.co_simulation {
+            let mut co_simulation: Attributes = identifier();
+            co_simulation.extend(CAPABILITIES.map(|(name, value)| (name, value.to_owned())));
+            // with the loads of the air held they would be wrong
+            co_simulation.push(("providesDirectionalDerivative", machine.air.is_none().to_string()));
+            leaf(xml, "CoSimulation", &co_simulation)?;
+        }
         write_units(xml, variables)?;
         write_types(xml, variables)?;
         nest(xml, "LogCategories", &vec![], |xml| {
@@ -171,8 +198,14 @@ fn write_type(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
         Value::Integer(value) => ("Integer", value.to_string()),
         Value::Boolean(value) => ("Boolean", value.to_string()),
     };
+    if let Some(nominal) = variable.nominal {
+        attributes.push(("nominal", real(nominal)));
+    }
     if has_start {
         attributes.push(("start", start));
+    }
+    if let Some(state) = variable.derivative_of {
+        attributes.push(("derivative", (state + 1).to_string()));
     }
     leaf(xml, element, &attributes)
 }
@@ -187,20 +220,33 @@ fn write_structure(xml: &mut Xml, variables: &[Variable], dependencies: &[Depend
                 outputs.iter().try_for_each(|(index, _)| unknown(xml, *index, of(*index).on_all, &of(*index).running))
             })?;
         }
+        let derivatives: Vec<_> = rows(variables).filter(|(_, v)| v.derivative_of.is_some()).collect();
+        if !derivatives.is_empty() {
+            nest(xml, "Derivatives", &vec![], |xml| {
+                derivatives
+                    .iter()
+                    .try_for_each(|(index, _)| unknown(xml, *index, of(*index).on_all, &of(*index).running))
+            })?;
+        }
         let unknowns: Vec<_> = rows(variables).filter(|(_, v)| is_initial_unknown(v)).collect();
         if !unknowns.is_empty() {
             nest(xml, "InitialUnknowns", &vec![], |xml| {
-                unknowns.iter().try_for_each(|(index, _)| unknown(xml, *index, of(*index).on_all, &of(*index).initial))
+                unknowns.iter().try_for_each(|(index, row)| {
+                    // start values of states and derivatives follow from all that acts at the start
+                    let on_all = of(*index).on_all || row.causality == Causality::Local;
+                    unknown(xml, *index, on_all, &of(*index).initial)
+                })
             })?;
         }
         Ok(())
     })
 }
 
-/// Outputs whose initial value is calculated; the standard wants exactly these (there are no
-/// calculated parameters and no exposed states).
+/// Outputs, continuous states and their derivatives whose initial value is calculated; the standard wants exactly these (there
+/// are no calculated parameters).
 fn is_initial_unknown(variable: &Variable) -> bool {
-    variable.causality == Causality::Output && variable.initial == Some(Initial::Calculated)
+    let exposed = variable.nominal.is_some() || variable.derivative_of.is_some();
+    (variable.causality == Causality::Output || exposed) && variable.initial == Some(Initial::Calculated)
 }
 
 /// Rows with their index in `ModelVariables`, which counts from 1.

@@ -19,6 +19,8 @@ fn row(row: u32, name: &str, causality: Causality, value: Value) -> Variable {
         declared_type: None,
         range: None,
         description: format!("{name} < & \" of the wing"),
+        nominal: None,
+        derivative_of: None,
     }
 }
 
@@ -45,7 +47,7 @@ fn dependencies() -> Vec<Dependencies> {
 }
 
 fn text() -> String {
-    model_description(&two_body_machine(), &table(), &dependencies(), "{guid}")
+    model_description(&two_body_machine(), &table(), &dependencies(), "{guid}", Kinds::default())
 }
 
 /// Elements stand in the order of the schema's sequence.

@@ -8,6 +8,7 @@ pub mod description;
 pub mod documentation;
 pub mod drawing;
 pub mod icon;
+mod kinds;
 pub mod library;
 pub mod licenses;
 pub mod linear_model;
@@ -21,6 +22,7 @@ pub use archive::{PackageError, package};
 pub use contents::Extras;
 pub use cross_check::CrossCheck;
 pub use description::model_description;
+pub use kinds::Kinds;
 pub use library::{Library, Platform};
 pub use reference::Reference;
 

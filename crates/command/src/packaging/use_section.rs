@@ -3,7 +3,7 @@
 
 use crate::packaging::contents::Extras;
 use crate::packaging::documentation::{number, table};
-use crate::packaging::{MODEL_IDENTIFIER, linear_model, reference};
+use crate::packaging::{Kinds, MODEL_IDENTIFIER, linear_model, reference};
 use foldwing_engine::machine::Machine;
 use foldwing_fmi::interface::{Causality, Value, Variable};
 use quick_xml::escape::escape;
@@ -13,14 +13,14 @@ use std::fmt::Write;
 const ACCURACY: &str = include_str!("../../../../docs/tables/accuracy.md");
 
 /// How to drive the FMU, with names of this model.
-pub(super) fn drive(html: &mut String, machine: &Machine, variables: &[Variable]) {
+pub(super) fn drive(html: &mut String, machine: &Machine, variables: &[Variable], kinds: Kinds) {
     let experiment = &machine.experiment;
     let names: Vec<String> =
         reference::recorded(variables).iter().take(3).map(|row| format!("\"{}\"", escape(&row.name))).collect();
     let _ = write!(
         html,
         "<h2 id=\"use\">How to drive it</h2>\n\
-         <p>Any importer of FMI 2.0 co-simulation takes this FMU: Simulink's FMU Import block, Dymola, OpenModelica, FMPy \
+         <p>Any importer of FMI 2.0 {kinds} takes this FMU: Simulink's FMU Import block, Dymola, OpenModelica, FMPy \
          and others. In Python, with FMPy:</p>\n\
          <pre><code>from fmpy import simulate_fmu\n\n\
          result = simulate_fmu(\"{}.fmu\", stop_time={}, output_interval={},\n{}                      output=[{}])\n\

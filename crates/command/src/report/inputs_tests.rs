@@ -14,6 +14,8 @@ fn variable(row: u32, name: &str, causality: Causality, value: Value) -> Variabl
         declared_type: None,
         range: Some((-10.0, 10.0)),
         description: String::new(),
+        nominal: None,
+        derivative_of: None,
     }
 }
 

@@ -58,6 +58,16 @@ impl Motor {
         powers.dissipated += self.drive.dissipation_w(torque, angle_rad, rate_rad_s, neutral_rad);
     }
 
+    /// Way left to either limit in N·m, negative beyond it; 1 where there is none.
+    pub fn limit_distances_n_m(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> [f64; 2] {
+        let limit_n_m = self.drive.torque_limit_n_m;
+        if limit_n_m >= UNLIMITED {
+            return [1.0; 2];
+        }
+        let wanted_n_m = self.wanted_n_m(time_s, angle_rad, rate_rad_s);
+        [limit_n_m - wanted_n_m, limit_n_m + wanted_n_m]
+    }
+
     /// Energy stored in J.
     pub fn potential_j(&self, here: &Here) -> f64 {
         self.drive.potential_j(here.angle_rad, self.slew.at(here.time_s).0)

@@ -10,8 +10,8 @@ pub use crate::study::{
     SecondOrder, Stability, StateSpace, StaticEffort, Study,
 };
 pub use crate::system::{
-    AccountRates, CLOSED_PANELS, EnergyOutputs, Freedom, Hybrid, JointOutputs, JointStatus, Jump, LatchOutputs,
-    LoopOutputs, ModeShape, NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs, PlantError, PointOutputs,
-    SectionShape, SectionState, SectionStrain, Snapshot, SpatialOutputs, Statistics, SurfaceGap, SurfaceLattice,
-    System,
+    AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, Freedom, Hybrid, JointOutputs,
+    JointStatus, Jump, LatchOutputs, LoopOutputs, ModeShape, NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs,
+    PlantError, PointOutputs, SectionShape, SectionState, SectionStrain, Snapshot, SpatialOutputs, Statistics,
+    SurfaceGap, SurfaceLattice, System,
 };

@@ -136,6 +136,11 @@ impl Plant {
         self.system.hybrid()
     }
 
+    /// The system itself, for integrators from outside that call it piece by piece.
+    pub fn system_mut(&mut self) -> &mut System {
+        &mut self.system
+    }
+
     /// See [`System::surface_gaps`].
     pub fn surface_gaps(&mut self) -> Vec<SurfaceGap> {
         self.system.surface_gaps()

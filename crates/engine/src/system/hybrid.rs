@@ -1,8 +1,10 @@
 //! The machine as a hybrid system: continuous states with derivatives, event indicators, transitions. Whoever brings an
 //! integrator of his own (Model Exchange, another program's solver, a study) sees the machine through this.
 
+use crate::force::latch::CROSSING_S;
 use crate::solve::EquationsOfMotion;
 use crate::system::PlantError;
+use crate::system::equations::Equations;
 use crate::system::events::settle;
 use crate::system::outputs::Outputs;
 use crate::system::state::State;
@@ -61,23 +63,27 @@ impl System {
         }
         // crossings that the machine's own steps have found ahead are not the integrator's
         self.state.joints.iter_mut().for_each(|joint| joint.crossed = 0);
-        let mut hybrid = Hybrid { system: self };
+        let mut hybrid = self.as_hybrid();
         hybrid.complete();
         Ok(hybrid)
+    }
+
+    /// The same in the middle of a step of the integrator's.
+    pub(super) fn as_hybrid(&mut self) -> Hybrid<'_> {
+        Hybrid { system: self }
+    }
+
+    /// Coordinates that are states of [`System::hybrid`]: all but those that are prescribed or locked for good.
+    pub(super) fn moving_coordinates(equations: &Equations) -> Vec<usize> {
+        let given = |c: usize| equations.forces.joints().iter().any(|joint| joint.coordinate == c && !joint.driven);
+        (0..equations.model.coordinates).filter(|&c| !given(c)).collect()
     }
 }
 
 impl Hybrid<'_> {
     /// Number of continuous states.
     pub fn states(&self) -> usize {
-        2 * self.coordinates().count()
-    }
-
-    /// Coordinates that are states: all but those that are prescribed or locked for good.
-    fn coordinates(&self) -> impl Iterator<Item = usize> {
-        let forces = &self.system.equations.forces;
-        let given = move |c: usize| forces.joints().iter().any(|joint| joint.coordinate == c && !joint.driven);
-        (0..self.system.coordinates()).filter(move |&c| !given(c))
+        2 * self.system.moving.len()
     }
 
     /// Present time in s.
@@ -93,33 +99,54 @@ impl Hybrid<'_> {
 
     fn copy_to(&self, states: &mut [f64], of_coordinates: &[f64], of_rates: &[f64]) {
         let (first, second) = states.split_at_mut(states.len() / 2);
-        for (i, c) in self.coordinates().enumerate() {
+        for (i, &c) in self.system.moving.iter().enumerate() {
             (first[i], second[i]) = (of_coordinates[c], of_rates[c]);
         }
     }
 
     /// Goes to a time with its states. Allocates nothing, as the rest of this.
-    pub fn set(&mut self, time_s: f64, states: &[f64]) {
-        let mut now = std::mem::take(&mut self.system.state.now);
+    ///
+    /// Returns how far redundant parameters were off their constraints.
+    pub fn set(&mut self, time_s: f64, states: &[f64]) -> f64 {
+        let System { state, equations, moving, .. } = &mut *self.system;
+        let now = &mut state.now;
         let (first, second) = states.split_at(states.len() / 2);
-        for (i, c) in self.coordinates().enumerate() {
+        for (i, &c) in moving.iter().enumerate() {
             (now.q[c], now.v[c]) = (first[i], second[i]);
         }
         now.time_s = time_s;
-        let equations = &mut self.system.equations;
-        equations.branch_s = time_s;
         now.a.fill(0.0);
         now.auxiliary.fill(0.0);
+        // a step that ends at a kink sees what is given as it was before it
+        equations.branch_s = if time_s > state.start.time_s { 0.5 * (state.start.time_s + time_s) } else { time_s };
         equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
         equations.project(&mut now.q, &mut now.v, &mut now.a);
-        self.system.state.now = now;
+        let off = moving.iter().zip(first).map(|(&c, given)| (now.q[c] - given).abs()).fold(0.0, f64::max);
         self.system.forget_outputs();
+        off
+    }
+
+    /// Work of the inputs and energy dissipated until now, J.
+    pub fn accounts_j(&self) -> [f64; 2] {
+        let now = &self.system.state.now;
+        [now.work, now.dissipated]
+    }
+
+    /// Says what the integrator has made of the rates of the accounts.
+    pub fn set_accounts_j(&mut self, [work, dissipated]: [f64; 2]) {
+        let now = &mut self.system.state.now;
+        (now.work, now.dissipated) = (work, dissipated);
     }
 
     /// Derivatives of the states at the present, in O(n) by the mass matrix, with the rates of the energy accounts.
     pub fn derivatives(&mut self, derivatives: &mut [f64]) -> Result<AccountRates, PlantError> {
         let System { equations, state, scratch, .. } = &mut *self.system;
         let now = &mut state.now;
+        // found from nothing, so that asking twice gives the same bits
+        now.a.fill(0.0);
+        now.auxiliary.fill(0.0);
+        equations.prescribe(now.time_s, &mut now.q, &mut now.v, &mut now.a);
+        equations.project(&mut now.q, &mut now.v, &mut now.a);
         equations.residual(now.time_s, &now.q, &now.v, &now.a, &mut scratch[0]);
         let jump = settle(equations, &mut scratch[0], now);
         self.system.accelerations(self.time_s(), jump)?;
@@ -140,8 +167,67 @@ impl Hybrid<'_> {
         let forces = &self.system.equations.forces;
         for (value, indicator) in indicators.iter_mut().zip(forces.indicators()) {
             let armed = forces.is_armed(indicator, start, joints);
-            *value = if armed { forces.distance(indicator, start, now, joints).0 } else { 1.0 };
+            let distance = if armed { forces.distance(indicator, start, now, joints).0 } else { 1.0 };
+            *value = if distance.is_finite() { distance } else { 1.0 };
         }
+    }
+
+    /// Whether some indicator has fallen to zero at the present, to the accuracy to which crossings are located; `crossed`
+    /// hears of each.
+    pub fn arrived(&self, mut crossed: impl FnMut(usize)) -> bool {
+        let State { start, now, joints, .. } = &self.system.state;
+        let forces = &self.system.equations.forces;
+        let mut any = false;
+        for (number, indicator) in forces.indicators().enumerate() {
+            let (distance, closing) = forces.distance(indicator, start, now, joints);
+            if forces.is_armed(indicator, start, joints) && distance <= CROSSING_S * closing {
+                crossed(number);
+                any = true;
+            }
+        }
+        any
+    }
+
+    /// Number of limits: two for each motor. A motor within its limits has positive distances from both, N·m; at a limit
+    /// its torque has a kink, but nothing jumps and nothing is remembered.
+    pub fn limits(&self) -> usize {
+        2 * self.system.equations.forces.joints().iter().filter(|joint| joint.motor().is_some()).count()
+    }
+
+    /// Distances of what motors want from their limits at the present, in N·m; 1 where there is no limit.
+    pub fn read_limits(&self, distances: &mut [f64]) {
+        let System { state, equations, .. } = &*self.system;
+        let now = &state.now;
+        let motors = equations.forces.joints().iter().filter_map(|joint| Some((joint.coordinate, joint.motor()?)));
+        for (pair, (c, motor)) in distances.chunks_exact_mut(2).zip(motors) {
+            pair.copy_from_slice(&motor.limit_distances_n_m(now.time_s, now.q[c], now.v[c]));
+        }
+    }
+
+    /// Lets the continuous inputs as they are set act from the present on. Switches, and commands behind a rate limit, wait for
+    /// [`Hybrid::transition`]: what they change has to be remembered. The work that moving commands and gravity do on
+    /// potentials is not booked.
+    pub fn follow_inputs(&mut self) {
+        let system = &mut *self.system;
+        if !system.inputs_may_differ {
+            return;
+        }
+        let State { inputs, applied_inputs: applied, applied_from_s, joints, now, .. } = &mut system.state;
+        for ((own, set), memory) in applied.joints_mut().iter_mut().zip(inputs.joints()).zip(joints) {
+            own.torque_n_m = set.torque_n_m;
+            if memory.slew.follows_at_once() {
+                own.command_rad = set.command_rad;
+                memory.slew.redirect(now.time_s, set.command_rad, 0.0, memory.slew.rate_limit_rad_s);
+                memory.slew.from_rad = set.command_rad;
+            }
+        }
+        applied.stations_mut().copy_from_slice(inputs.stations());
+        *applied.root_mut() = *inputs.root();
+        *applied.wind_m_s_mut() = *inputs.wind_m_s();
+        *applied_from_s = now.time_s;
+        system.inputs_may_differ = system.inputs_changed();
+        system.configure();
+        system.forget_outputs();
     }
 
     /// Next time event after the present in s: end of a slew, knot of a prescribed motion.
@@ -179,6 +265,7 @@ impl Hybrid<'_> {
             system.go_back_to_begin();
             return Err(error);
         }
+        system.inputs_may_differ = false;
         let State { start, now, .. } = &mut system.state;
         now.copy_from(start);
         let jump = Jump { dissipated_j: now.dissipated - before.0, work_j: now.work - before.1 };

@@ -8,6 +8,7 @@ pub(crate) mod course;
 pub(crate) mod equations;
 mod error;
 pub(crate) mod events;
+mod exchange;
 mod failed_steps;
 pub(crate) mod freedoms;
 mod hybrid;
@@ -26,6 +27,7 @@ mod wake_rows;
 
 pub use air::{CLOSED_PANELS, SurfaceGap, SurfaceLattice};
 pub use error::PlantError;
+pub use exchange::{CoordinateName, CoordinateQuantity};
 pub use freedoms::Freedom;
 pub use hybrid::{AccountRates, Hybrid, Jump, NotHybrid};
 pub use outputs::{
@@ -53,6 +55,9 @@ pub struct System {
     revolute_joints: Vec<usize>,
     spatial_joints: Vec<usize>,
     pub(crate) tip_bodies: Vec<usize>,
+    /// Coordinates that are states for integrators from outside, and what follows from the states that these have set.
+    moving: Vec<usize>,
+    told: exchange::Told,
     gauges: Vec<GaugePoint>,
     pub(crate) state: State,
     /// The state before what is under way (a communication step, a transition), to go back to.
@@ -92,6 +97,8 @@ impl System {
             gauges_need_forces: machine.gauges.iter().any(recovered),
             model_is_moderate: magnitude::model_is_moderate(&equations.model, &gauges),
             gauges,
+            moving: Self::moving_coordinates(&equations),
+            told: exchange::Told::default(),
             begin: state.clone(),
             built_with: state.parameters.clone(),
             state,
@@ -208,9 +215,10 @@ impl System {
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), PlantError> {
         let air = self.air.as_ref().map(|air| &air.blank);
         let stages = self.continuation.inner_stages();
-        snapshot.check(&self.state, self.coordinates(), self.tip_bodies.len(), stages, air)?;
+        snapshot.check(&self.state, (self.coordinates(), self.moving.len()), self.tip_bodies.len(), stages, air)?;
         let own = std::mem::replace(&mut self.state, snapshot.state().clone());
         self.inputs_may_differ = true;
+        self.told.forget();
         self.adopt_state();
         if self.state.initialized && !self.is_moderate() {
             self.evaluate();

@@ -67,6 +67,7 @@ impl System {
         state.tip_rotations = vec![Default::default(); self.tip_bodies.len()];
         state.station_rotations = vec![Default::default(); self.equations.load_stations];
         state.air = None;
+        state.outside = None;
         let coordinates = q.len();
         state.now = Point { time_s, q, v, ..Point::zeros(coordinates) };
         state.step_s = state.parameters.solver().max_step_s;

@@ -5,6 +5,7 @@ use crate::machine::Machine;
 use crate::signal::{Inputs, Parameters};
 use crate::solve::point::Point;
 use crate::system::air::AirHistory;
+use crate::system::exchange::Outside;
 use crate::system::{PlantError, Statistics};
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
@@ -50,6 +51,8 @@ pub(crate) struct State {
     pub station_rotations: Vec<UnitQuaternion<f64>>,
     /// Air, of machines that have any, from initialisation on.
     pub air: Option<AirHistory>,
+    /// What an integrator from outside has set, where there is one.
+    pub outside: Option<Outside>,
     /// Counters.
     pub statistics: Statistics,
 }
@@ -78,6 +81,7 @@ impl State {
             tip_rotations: Vec::new(),
             station_rotations: Vec::new(),
             air: None,
+            outside: None,
             statistics: Statistics::default(),
         }
     }
@@ -108,6 +112,7 @@ impl State {
             (Some(own), Some(other)) => own.copy_from(other),
             (own, other) => own.clone_from(other),
         }
+        self.outside.clone_from(&other.outside);
         self.statistics = other.statistics;
     }
 }
@@ -121,17 +126,23 @@ impl Snapshot {
         Self(Box::new(state.clone()))
     }
 
+    /// Whether an integrator from outside moves the machine.
+    pub fn is_outside(&self) -> bool {
+        self.0.outside.is_some()
+    }
+
     pub(crate) fn state(&self) -> &State {
         &self.0
     }
 
-    /// Refuses a snapshot whose vectors do not have the lengths of this model's, which has `coordinates`, `tips`
+    /// Refuses a snapshot whose vectors do not have the lengths of this model's, which has `coordinates`, of which so many
+    /// are `moving`, `tips`
     /// and so many `stages` within a step.
     /// `air` is a history of the air with the sizes of this model's.
     pub(crate) fn check(
         &self,
         own: &State,
-        coordinates: usize,
+        (coordinates, moving): (usize, usize),
         tips: usize,
         stages: usize,
         air: Option<&AirHistory>,
@@ -169,6 +180,11 @@ impl Snapshot {
         if !air_fits {
             return Err(PlantError::Snapshot("numbers of panels, strips or rows of the wake differ".into()));
         }
+        if let Some(outside) = &theirs.outside
+            && !outside.fits(theirs.initialized, moving)
+        {
+            return Err(PlantError::Snapshot("states of an integrator from outside that no run can reach".into()));
+        }
         theirs.check_values()
     }
 }
@@ -188,7 +204,8 @@ impl State {
         if !points.into_iter().chain(within).all(|point| sound(&point)) {
             return refuse("coordinates or times");
         }
-        let in_order = self.start.time_s <= self.now.time_s && self.now.time_s <= self.ahead.time_s;
+        let in_order =
+            self.outside.is_some() || self.start.time_s <= self.now.time_s && self.now.time_s <= self.ahead.time_s;
         if self.initialized
             && !(in_order && self.step_s > 0.0 && self.step_s.is_finite() && self.applied_from_s.is_finite())
         {

@@ -1,10 +1,10 @@
 //! What a call can answer, and why it was refused.
 
-use crate::fmi2::life_cycle::{Call, Phase};
+use crate::fmi2::life_cycle::{Call, InterfaceKind, Phase};
 use crate::fmi2::resource::ResourceError;
 use crate::fmi2::state::StateError;
 use crate::interface::AccessError;
-use foldwing_engine::plant::PlantError;
+use foldwing_engine::plant::{NotHybrid, PlantError};
 use foldwing_file::ConfigError;
 
 /// Outcome of a call, `fmi2Status` without the asynchronous one.
@@ -26,10 +26,12 @@ pub enum Status {
 #[derive(Debug, thiserror::Error)]
 pub enum CallError {
     /// Out of order.
-    #[error("not legal {phase}{}", advice(*call, *phase))]
+    #[error("not legal {phase}{}", advice(*call, *kind, *phase))]
     OutOfOrder {
         /// The call.
         call: Call,
+        /// What the instance was made for.
+        kind: InterfaceKind,
         /// Where the instance stands.
         phase: Phase,
     },
@@ -56,6 +58,38 @@ pub enum CallError {
         "no directional derivatives of a machine in air: the loads of the air would be held, and the derivatives wrong; difference steps from one saved state instead"
     )]
     DerivativesInAir,
+    /// What may not change while the importer integrates.
+    #[error(
+        "variable {name} cannot be set in Continuous-Time Mode: only Real inputs can; set it in Event Mode, after fmi2EnterEventMode"
+    )]
+    OnlyContinuousInputs {
+        /// Name of the variable.
+        name: String,
+    },
+    /// A state that is no number.
+    #[error("continuous state {name} cannot be {value}: the value must be finite")]
+    StateNotFinite {
+        /// Name of the state.
+        name: String,
+        /// The refused value.
+        value: f64,
+    },
+    /// Another number of states or indicators than the description says.
+    #[error("argument {argument} is {given}: this model has {own}")]
+    Count {
+        /// Name of the argument in the standard.
+        argument: &'static str,
+        /// The refused number.
+        given: usize,
+        /// The right one.
+        own: usize,
+    },
+    /// The integrator has led where there is no motion.
+    #[error("no derivatives at these states: {0}; the integrator may try a shorter step")]
+    NoDerivatives(PlantError),
+    /// No derivatives at all.
+    #[error("no Model Exchange: {0}")]
+    NotHybrid(#[from] NotHybrid),
     /// An argument that is not a variable.
     #[error("argument {argument} is {value}: it must be {allowed}")]
     Argument {
@@ -131,8 +165,11 @@ pub enum CallError {
 }
 
 /// What to do where a call is out of order.
-fn advice(call: Call, phase: Phase) -> String {
-    let legal: Vec<String> = call.phases().map(|phase| phase.to_string()).collect();
+fn advice(call: Call, kind: InterfaceKind, phase: Phase) -> String {
+    if let Some(other) = call.kind().filter(|&other| other != kind) {
+        return format!("; it belongs to {other}, and the instance was made for {kind}");
+    }
+    let legal: Vec<String> = call.phases(kind).map(|phase| phase.to_string()).collect();
     let back = match phase {
         Phase::StepFailed | Phase::Terminated => "; fmi2SetFMUstate with an earlier state or fmi2Reset leads back",
         _ => "",
@@ -148,7 +185,7 @@ impl CallError {
     pub fn status(&self) -> Status {
         match self {
             Self::Access(error) if error.is_bad_value() => Status::Discard,
-            Self::Argument { .. } => Status::Discard,
+            Self::Argument { .. } | Self::StateNotFinite { .. } | Self::NoDerivatives(_) => Status::Discard,
             Self::Poisoned => Status::Fatal,
             _ => Status::Error,
         }
@@ -161,9 +198,12 @@ pub enum InstantiationError {
     /// No instance name.
     #[error("the instance name is missing: it is null or empty")]
     NoName,
-    /// Not a co-simulation.
-    #[error("this FMU is for co-simulation only (FMU type 1): FMU type {0} was asked for")]
+    /// Neither co-simulation nor Model Exchange.
+    #[error("FMU type {0} is unknown: there are 0, Model Exchange, and 1, co-simulation")]
     WrongType(u32),
+    /// Packaged without Model Exchange.
+    #[error("this FMU is for co-simulation only (FMU type 1): FMU type 0 was asked for; package it with --kinds cs,me")]
+    NoModelExchange,
     /// Description and model do not belong together.
     #[error(
         "the GUID {given} of the model description is not {own}, that of resources/model.toml in this library; package the model again"

@@ -1,10 +1,10 @@
 //! One instance: the life cycle around a plant and its variable table.
 
 use crate::fmi2::error::{CallError, InstantiationError, Status};
-use crate::fmi2::life_cycle::{Call, Phase};
+use crate::fmi2::life_cycle::{Call, InterfaceKind, Phase};
 use crate::fmi2::log::{Log, LogCategory};
 use crate::fmi2::resource::read_model;
-use crate::fmi2::state::{Experiment, Registry, SavedState};
+use crate::fmi2::state::{Experiment, Registry, SavedState, StateError};
 use crate::interface::{DerivativeError, Interface, Kind, Scalar, Stage, Value, guid};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{JointStatus, OutputSet, Plant};
@@ -19,25 +19,26 @@ const CLOCK_TOLERANCE: f64 = 1e-9;
 pub struct Instance {
     machine: Arc<Machine>,
     guid: String,
-    interface: Interface,
-    plant: Plant,
-    phase: Phase,
+    pub(super) interface: Interface,
+    pub(super) plant: Plant,
+    pub(super) kind: InterfaceKind,
+    pub(super) phase: Phase,
     experiment: Experiment,
     /// Start values changed since the last evaluation.
-    stale: bool,
+    pub(super) stale: bool,
     step_failed: bool,
     /// Outputs that the importer has read since the last step, and between the two steps before.
     read: OutputSet,
     read_before: OutputSet,
     states: Registry,
-    log: Log,
+    pub(super) log: Log,
 }
 
 /// Arguments of `fmi2Instantiate`.
 pub struct Request<'a> {
     /// Name of the instance.
     pub name: Option<&'a str>,
-    /// Kind of simulation: 1 is co-simulation.
+    /// Kind of simulation: 0 is Model Exchange, 1 co-simulation.
     pub fmu_type: u32,
     /// GUID of the model description.
     pub guid: Option<&'a str>,
@@ -59,10 +60,18 @@ pub struct Setup {
 impl Instance {
     /// An instance of the model in the resource folder, with a silent log.
     pub fn new(request: &Request) -> Result<Self, InstantiationError> {
-        let (machine, interface, guid) = Self::model(request)?;
-        let machine = Arc::new(machine);
+        let kind = match request.fmu_type {
+            0 => InterfaceKind::ModelExchange,
+            1 => InterfaceKind::CoSimulation,
+            other => return Err(InstantiationError::WrongType(other)),
+        };
+        let Model { machine, plant, interface, guid } = Model::of(request)?;
+        if kind == InterfaceKind::ModelExchange && !interface.has_states() {
+            return Err(InstantiationError::NoModelExchange);
+        }
         Ok(Self {
-            plant: unwatched(&machine),
+            plant,
+            kind,
             experiment: default_experiment(&machine),
             machine,
             guid,
@@ -77,31 +86,13 @@ impl Instance {
         })
     }
 
-    fn model(request: &Request) -> Result<(Machine, Interface, String), InstantiationError> {
-        /// `fmi2CoSimulation`.
-        const CO_SIMULATION: u32 = 1;
-        if request.name.is_none_or(str::is_empty) {
-            return Err(InstantiationError::NoName);
-        }
-        if request.fmu_type != CO_SIMULATION {
-            return Err(InstantiationError::WrongType(request.fmu_type));
-        }
-        let (text, path) = read_model(request.resource_location)?;
-        let machine = config::parse(&text, &path.to_string_lossy())?;
-        let interface = Interface::new(&machine);
-        let own = guid(&text, interface.variables());
-        match request.guid {
-            Some(given) if given == own => Ok((machine, interface, own)),
-            given => Err(InstantiationError::Guid { given: given.unwrap_or("(null)").to_owned(), own }),
-        }
-    }
-
     /// Whether a call is legal now.
     pub fn permit(&self, call: Call) -> Result<(), CallError> {
+        let kind = self.kind;
         match self.phase {
             Phase::Fatal => Err(CallError::Poisoned),
-            phase if call.is_legal(phase) => Ok(()),
-            phase => Err(CallError::OutOfOrder { call, phase }),
+            phase if call.is_legal(phase) && call.kind().is_none_or(|of| of == kind) => Ok(()),
+            phase => Err(CallError::OutOfOrder { call, kind, phase }),
         }
     }
 
@@ -155,7 +146,10 @@ impl Instance {
     /// `fmi2ExitInitializationMode`.
     pub fn exit_initialization(&mut self) -> Result<(), CallError> {
         self.evaluate()?;
-        self.phase = Phase::StepComplete;
+        self.phase = match self.kind {
+            InterfaceKind::CoSimulation => Phase::StepComplete,
+            InterfaceKind::ModelExchange => Phase::Event,
+        };
         Ok(())
     }
 
@@ -180,6 +174,7 @@ impl Instance {
             self.interface.check_kind(references, T::KIND)?;
             self.evaluate()?;
         }
+        self.update(references)?;
         let needs = self.interface.needs(references);
         self.read = self.read | needs;
         // importers read the same variables after every step: one evaluation serves all their calls
@@ -192,7 +187,9 @@ impl Instance {
     /// Sets inputs and parameters of one type: all of them or, on a refusal, none.
     pub fn set<T: Scalar>(&mut self, references: &[u32], values: &[T]) -> Result<(), CallError> {
         let stage = self.stage();
+        self.refuse_discrete(references)?;
         self.interface.set_all(&mut self.plant, references, values, stage)?;
+        self.plant.system_mut().exchange_inputs_set();
         self.stale |= stage == Stage::Starting && !references.is_empty();
         Ok(())
     }
@@ -288,7 +285,7 @@ impl Instance {
             self.plant.latency_mut().record(started.elapsed().as_secs_f64());
         }
         if let Some(before) = before {
-            self.tell_events(time_s, &before);
+            self.tell_events(Call::DoStep, time_s, &before);
         }
         if let Some(advice) = self.advice_on_rows().filter(|_| !advised) {
             self.log.write(Status::Warning, LogCategory::Warning, &format!("fmi2DoStep: {advice}"));
@@ -317,6 +314,7 @@ impl Instance {
     /// `fmi2GetFMUstate`: saves the present state under the handle, or a new one for handle 0.
     pub fn save_state(&mut self, handle: usize) -> Result<usize, CallError> {
         let state = SavedState {
+            kind: self.kind,
             phase: self.phase,
             experiment: self.experiment,
             stale: self.stale,
@@ -333,6 +331,15 @@ impl Instance {
     /// `fmi2SetFMUstate`.
     pub fn restore_state(&mut self, handle: usize) -> Result<(), CallError> {
         let state = self.states.get(handle)?;
+        if state.kind != self.kind {
+            return Err(StateError::OtherKind { found: state.kind, expected: self.kind }.into());
+        }
+        let outside = state.plant.is_outside();
+        if outside && self.kind == InterfaceKind::CoSimulation
+            || !outside && !state.stale && self.kind == InterfaceKind::ModelExchange
+        {
+            return Err(StateError::Content(format!("its machine is not one of {}", self.kind)).into());
+        }
         self.plant.restore(&state.plant)?;
         self.phase = state.phase;
         self.experiment = state.experiment;
@@ -358,9 +365,12 @@ impl Instance {
     }
 
     /// Evaluates the start values if they changed.
-    fn evaluate(&mut self) -> Result<(), CallError> {
+    pub(super) fn evaluate(&mut self) -> Result<(), CallError> {
         if self.stale {
             self.plant.initialize(self.experiment.start_s)?;
+            if self.kind == InterfaceKind::ModelExchange {
+                self.plant.system_mut().begin_exchange()?;
+            }
             self.stale = false;
         }
         Ok(())
@@ -374,11 +384,11 @@ impl Instance {
 
     /// One message per release, hold, closing and opening of a step that began at `start_s`. Releases, holds and openings follow
     /// from inputs, which act at the beginning.
-    fn tell_events(&self, start_s: f64, before: &[JointStatus]) {
+    pub(super) fn tell_events(&self, call: Call, start_s: f64, before: &[JointStatus]) {
         for ((body, before), now) in self.plant.revolute_joints().iter().zip(before).zip(self.plant.joint_statuses()) {
             let name = &self.machine.bodies[*body].joint.name;
             let tell = |event: &str, time_s: f64| {
-                let text = format!("fmi2DoStep: joint {name}: {event} at t = {time_s:.9} s");
+                let text = format!("{}: joint {name}: {event} at t = {time_s:.9} s", call.name());
                 self.log.write(Status::Ok, LogCategory::Events, &text);
             };
             if now.released && !before.released {
@@ -393,6 +403,38 @@ impl Instance {
             if now.latch_count > before.latch_count {
                 tell("latch closed", now.latch_time_s);
             }
+        }
+    }
+}
+
+/// The model in the resource folder, as an instance holds it.
+struct Model {
+    machine: Arc<Machine>,
+    plant: Plant,
+    interface: Interface,
+    guid: String,
+}
+
+impl Model {
+    /// Reads it; the table is the one that the GUID names, with continuous states or without.
+    fn of(request: &Request) -> Result<Self, InstantiationError> {
+        if request.name.is_none_or(str::is_empty) {
+            return Err(InstantiationError::NoName);
+        }
+        let (text, path) = read_model(request.resource_location)?;
+        let machine = Arc::new(config::parse(&text, &path.to_string_lossy())?);
+        let plant = unwatched(&machine);
+        let plain = Interface::new(&machine);
+        let own = guid(&text, plain.variables());
+        let given = request.guid.unwrap_or("(null)");
+        if given == own {
+            return Ok(Self { machine, plant, interface: plain, guid: own });
+        }
+        let interface = Interface::with_states(&machine, &plant);
+        let guid = guid(&text, interface.variables());
+        match given == guid {
+            true => Ok(Self { machine, plant, interface, guid }),
+            false => Err(InstantiationError::Guid { given: given.to_owned(), own }),
         }
     }
 }

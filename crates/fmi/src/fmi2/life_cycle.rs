@@ -1,4 +1,4 @@
-//! The life cycle as a table: which call is legal where (FMI 2.0.4, section 4.2.4).
+//! The life cycle as a table: which call is legal where (FMI 2.0.4, sections 3.2.3 and 4.2.4).
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -18,11 +18,42 @@ pub enum Phase {
     Terminated,
     /// After a panic.
     Fatal,
+    /// Model Exchange: an event, or the first of them after `fmi2ExitInitializationMode`.
+    Event,
+    /// Model Exchange: the importer integrates.
+    ContinuousTime,
 }
 
 impl Phase {
-    const fn bit(self) -> u8 {
-        1 << self as u8
+    const fn bit(self) -> u16 {
+        1 << self as u16
+    }
+
+    /// Whether instances of a kind ever stand here.
+    pub fn belongs_to(self, kind: InterfaceKind) -> bool {
+        match self {
+            Self::StepComplete | Self::StepFailed => kind == InterfaceKind::CoSimulation,
+            Self::Event | Self::ContinuousTime => kind == InterfaceKind::ModelExchange,
+            Self::Instantiated | Self::Initialization | Self::Terminated | Self::Fatal => true,
+        }
+    }
+}
+
+/// Who integrates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum InterfaceKind {
+    /// The instance.
+    CoSimulation,
+    /// The importer.
+    ModelExchange,
+}
+
+impl fmt::Display for InterfaceKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::CoSimulation => "co-simulation",
+            Self::ModelExchange => "Model Exchange",
+        })
     }
 }
 
@@ -35,19 +66,25 @@ impl fmt::Display for Phase {
             Self::StepFailed => "after a failed step",
             Self::Terminated => "after fmi2Terminate",
             Self::Fatal => "after a breakdown",
+            Self::Event => "in Event Mode",
+            Self::ContinuousTime => "in Continuous-Time Mode",
         })
     }
 }
 
-const INSTANTIATED: u8 = Phase::Instantiated.bit();
-const INITIALIZATION: u8 = Phase::Initialization.bit();
-const COMPLETE: u8 = Phase::StepComplete.bit();
-const FAILED: u8 = Phase::StepFailed.bit();
-const TERMINATED: u8 = Phase::Terminated.bit();
-const ANY: u8 = INSTANTIATED | INITIALIZATION | COMPLETE | FAILED | TERMINATED;
-const GET: u8 = INITIALIZATION | COMPLETE | FAILED | TERMINATED;
-const SET: u8 = INSTANTIATED | INITIALIZATION | COMPLETE;
-const NEVER: u8 = 0;
+const INSTANTIATED: u16 = Phase::Instantiated.bit();
+const INITIALIZATION: u16 = Phase::Initialization.bit();
+const COMPLETE: u16 = Phase::StepComplete.bit();
+const FAILED: u16 = Phase::StepFailed.bit();
+const TERMINATED: u16 = Phase::Terminated.bit();
+const EVENT: u16 = Phase::Event.bit();
+const CONTINUOUS: u16 = Phase::ContinuousTime.bit();
+const EXCHANGING: u16 = EVENT | CONTINUOUS;
+const ANY: u16 = INSTANTIATED | INITIALIZATION | COMPLETE | FAILED | TERMINATED | EXCHANGING;
+const GET: u16 = INITIALIZATION | COMPLETE | FAILED | TERMINATED | EXCHANGING;
+const SET: u16 = INSTANTIATED | INITIALIZATION | COMPLETE | EXCHANGING;
+const STATES: u16 = INITIALIZATION | EXCHANGING | TERMINATED;
+const NEVER: u16 = 0;
 
 /// A call on an instance; creating and freeing one are outside the life cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,17 +120,27 @@ pub enum Call {
     GetIntegerStatus,
     GetBooleanStatus,
     GetStringStatus,
+    EnterEventMode,
+    NewDiscreteStates,
+    EnterContinuousTimeMode,
+    CompletedIntegratorStep,
+    SetTime,
+    SetContinuousStates,
+    GetDerivatives,
+    GetEventIndicators,
+    GetContinuousStates,
+    GetNominalsOfContinuousStates,
 }
 
 impl Call {
     /// The table: name in the standard and phases in which the call is legal.
-    const fn row(self) -> (&'static str, u8) {
+    const fn row(self) -> (&'static str, u16) {
         match self {
             Self::SetDebugLogging => ("fmi2SetDebugLogging", ANY),
             Self::SetupExperiment => ("fmi2SetupExperiment", INSTANTIATED),
             Self::EnterInitializationMode => ("fmi2EnterInitializationMode", INSTANTIATED),
             Self::ExitInitializationMode => ("fmi2ExitInitializationMode", INITIALIZATION),
-            Self::Terminate => ("fmi2Terminate", COMPLETE),
+            Self::Terminate => ("fmi2Terminate", COMPLETE | EXCHANGING),
             Self::Reset => ("fmi2Reset", ANY),
             Self::GetReal => ("fmi2GetReal", GET),
             Self::GetInteger => ("fmi2GetInteger", GET),
@@ -110,7 +157,7 @@ impl Call {
             Self::SerializeFmuState => ("fmi2SerializeFMUstate", ANY),
             Self::DeSerializeFmuState => ("fmi2DeSerializeFMUstate", ANY),
             Self::GetDirectionalDerivative => ("fmi2GetDirectionalDerivative", GET),
-            Self::SetRealInputDerivatives => ("fmi2SetRealInputDerivatives", SET),
+            Self::SetRealInputDerivatives => ("fmi2SetRealInputDerivatives", INSTANTIATED | INITIALIZATION | COMPLETE),
             Self::GetRealOutputDerivatives => ("fmi2GetRealOutputDerivatives", COMPLETE | FAILED | TERMINATED),
             Self::DoStep => ("fmi2DoStep", COMPLETE),
             // Steps are never asynchronous, so there is never one to cancel.
@@ -120,6 +167,16 @@ impl Call {
             Self::GetIntegerStatus => ("fmi2GetIntegerStatus", COMPLETE | FAILED | TERMINATED),
             Self::GetBooleanStatus => ("fmi2GetBooleanStatus", COMPLETE | FAILED | TERMINATED),
             Self::GetStringStatus => ("fmi2GetStringStatus", COMPLETE | FAILED | TERMINATED),
+            Self::EnterEventMode => ("fmi2EnterEventMode", EXCHANGING),
+            Self::NewDiscreteStates => ("fmi2NewDiscreteStates", EVENT),
+            Self::EnterContinuousTimeMode => ("fmi2EnterContinuousTimeMode", EVENT),
+            Self::CompletedIntegratorStep => ("fmi2CompletedIntegratorStep", CONTINUOUS),
+            Self::SetTime => ("fmi2SetTime", EXCHANGING),
+            Self::SetContinuousStates => ("fmi2SetContinuousStates", CONTINUOUS),
+            Self::GetDerivatives => ("fmi2GetDerivatives", STATES),
+            Self::GetEventIndicators => ("fmi2GetEventIndicators", STATES),
+            Self::GetContinuousStates => ("fmi2GetContinuousStates", STATES),
+            Self::GetNominalsOfContinuousStates => ("fmi2GetNominalsOfContinuousStates", ANY ^ INITIALIZATION),
         }
     }
 
@@ -128,11 +185,38 @@ impl Call {
         self.row().0
     }
 
-    /// Phases in which the call is legal, in the order in which they are passed.
-    pub fn phases(self) -> impl Iterator<Item = Phase> {
-        use Phase::{Initialization, Instantiated, StepComplete, StepFailed, Terminated};
-        let all = [Instantiated, Initialization, StepComplete, StepFailed, Terminated];
-        all.into_iter().filter(move |&phase| self.is_legal(phase))
+    /// The kind of instance that the call is for, where it is not for either.
+    pub const fn kind(self) -> Option<InterfaceKind> {
+        match self {
+            Self::EnterEventMode
+            | Self::NewDiscreteStates
+            | Self::EnterContinuousTimeMode
+            | Self::CompletedIntegratorStep
+            | Self::SetTime
+            | Self::SetContinuousStates
+            | Self::GetDerivatives
+            | Self::GetEventIndicators
+            | Self::GetContinuousStates
+            | Self::GetNominalsOfContinuousStates => Some(InterfaceKind::ModelExchange),
+            Self::GetDirectionalDerivative
+            | Self::SetRealInputDerivatives
+            | Self::GetRealOutputDerivatives
+            | Self::DoStep
+            | Self::CancelStep
+            | Self::GetStatus
+            | Self::GetRealStatus
+            | Self::GetIntegerStatus
+            | Self::GetBooleanStatus
+            | Self::GetStringStatus => Some(InterfaceKind::CoSimulation),
+            _ => None,
+        }
+    }
+
+    /// Phases in which the call is legal for an instance of a kind, in the order in which they are passed.
+    pub fn phases(self, kind: InterfaceKind) -> impl Iterator<Item = Phase> {
+        use Phase::{ContinuousTime, Event, Initialization, Instantiated, StepComplete, StepFailed, Terminated};
+        let all = [Instantiated, Initialization, Event, ContinuousTime, StepComplete, StepFailed, Terminated];
+        all.into_iter().filter(move |&phase| phase.belongs_to(kind) && self.is_legal(phase))
     }
 
     /// Whether the call is legal in a phase.

@@ -1,7 +1,7 @@
 //! Saved FMU states: a registry with checked handles, and bytes that carry their own identity.
 
 use crate::fmi2::error::Status;
-use crate::fmi2::life_cycle::Phase;
+use crate::fmi2::life_cycle::{InterfaceKind, Phase};
 use foldwing_engine::plant::Snapshot;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -10,7 +10,7 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 /// First bytes of a serialised state.
 const MAGIC: [u8; 8] = *b"FOLDWING";
 /// Version of the serialised form: raise it with every change of [`SavedState`] or of what it contains.
-const VERSION: u16 = 5;
+const VERSION: u16 = 6;
 /// Length of a GUID with its braces.
 const GUID_LENGTH: usize = 38;
 /// Magic, version, GUID, length of the payload, CRC-32 of all but the checksum itself.
@@ -40,6 +40,14 @@ pub enum StateError {
         found: String,
         /// GUID of this instance.
         expected: String,
+    },
+    /// State of an instance of the other kind.
+    #[error("the FMU state was saved in {found} and does not fit {expected}; set one of this kind")]
+    OtherKind {
+        /// Kind of the instance that saved it.
+        found: InterfaceKind,
+        /// Kind of this instance.
+        expected: InterfaceKind,
     },
     /// Cut off or padded.
     #[error(
@@ -83,6 +91,8 @@ pub struct Experiment {
 /// Everything that a rollback must bring back.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SavedState {
+    /// What the instance was made for.
+    pub kind: InterfaceKind,
     /// Life cycle.
     pub phase: Phase,
     /// Times of the experiment.

@@ -234,6 +234,8 @@ impl Slot {
             Place::Output(place) => outputs.values()[place],
             Place::Local(counter) => return Value::Integer(counter.read(&plant.statistics())),
             Place::Duration(duration) => duration.read_s(plant.latency()),
+            Place::State(state) => plant.exchange_state(state),
+            Place::Derivative(state) => plant.exchange_derivative(state),
         };
         match self.kind {
             Kind::Real | Kind::String => Value::Real(number),
@@ -259,7 +261,13 @@ impl Slot {
 
     /// Whether the value comes from the last evaluation rather than from the importer.
     pub(super) fn is_computed(&self) -> bool {
-        matches!(self.place, Place::Output(_) | Place::Local(_) | Place::Duration(_))
+        let Self { place, .. } = self;
+        !matches!(place, Place::Time | Place::Input(_) | Place::Parameter(_))
+    }
+
+    /// Whether it is a continuous input.
+    pub(super) fn is_continuous_input(&self) -> bool {
+        matches!(self.place, Place::Input(_)) && self.kind == Kind::Real
     }
 }
 

@@ -17,6 +17,7 @@ mod linear;
 mod operating_point;
 mod point_dependencies;
 mod rows;
+mod states;
 mod table;
 mod topology;
 mod units;
@@ -121,6 +122,10 @@ pub struct Variable {
     pub range: Option<(f64, f64)>,
     /// One sentence: meaning, frame, sign.
     pub description: String,
+    /// Typical magnitude, of a continuous state.
+    pub nominal: Option<f64>,
+    /// The continuous state whose derivative in time it is.
+    pub derivative_of: Option<u32>,
 }
 
 /// What the value of a row depends on; nothing where the row is no output.
@@ -146,15 +151,28 @@ pub struct Interface {
     depends: Vec<Depends>,
     signals: Vec<Signal>,
     references: HashMap<String, u32>,
+    nominals: Vec<f64>,
 }
 
 impl Interface {
     /// The table of a machine. Row 0 is `time`.
     pub fn new(machine: &Machine) -> Self {
-        let table::Table { variables, bounds, signals, depends, .. } = rows::build(machine);
+        Self::of(rows::build(machine))
+    }
+
+    /// The table with the continuous states and their derivatives at its end, for Model Exchange. `plant` is of the machine.
+    pub fn with_states(machine: &Machine, plant: &Plant) -> Self {
+        let mut table = rows::build(machine);
+        states::add(&mut table, plant);
+        Self::of(table)
+    }
+
+    fn of(table: table::Table) -> Self {
+        let table::Table { variables, bounds, signals, depends, .. } = table;
+        let nominals = variables.iter().filter_map(|row| row.nominal).collect();
         let slots = variables.iter().zip(&bounds).map(|(variable, bound)| Slot::new(variable, bound)).collect();
         let references = variables.iter().map(|row| (row.name.clone(), row.value_reference)).collect();
-        Self { variables, slots, bounds, depends, signals, references }
+        Self { variables, slots, bounds, depends, signals, references, nominals }
     }
 
     /// All signals in the order of their rows: what FMI 2.0 flattens into [`Self::variables`].
@@ -174,7 +192,9 @@ impl Interface {
     pub fn dependencies(&self, machine: &Machine) -> Vec<Dependencies> {
         let knowns = (0..).zip(&self.bounds).filter_map(|(reference, bound)| Some((reference, bound.known?)));
         let rows = self.bounds.iter().map(|bound| bound.depends.map(|depends| &self.depends[depends]));
-        dependencies::find(machine, &knowns.collect::<Vec<_>>(), rows)
+        let mut found = dependencies::find(machine, &knowns.collect::<Vec<_>>(), rows);
+        self.add_states_to(&mut found);
+        found
     }
 
     /// Row of a name.
@@ -239,6 +259,13 @@ impl Interface {
     /// What others may depend on of a row.
     fn known(&self, value_reference: u32) -> Option<Known> {
         self.bounds.get(value_reference as usize).and_then(|bound| bound.known)
+    }
+
+    /// Whether a row's value is neither an input nor a parameter, as the importer has set it.
+    pub fn moves(&self, value_reference: u32) -> bool {
+        self.variables
+            .get(value_reference as usize)
+            .is_some_and(|row| !matches!(row.causality, Causality::Input | Causality::Parameter))
     }
 
     /// Whether a row's value comes from the last evaluation (outputs and locals).

@@ -81,6 +81,10 @@ pub(super) enum Place {
     Local(Counter),
     /// A duration of communication steps.
     Duration(Duration),
+    /// A continuous state.
+    State(usize),
+    /// Its derivative in time.
+    Derivative(usize),
 }
 
 /// What the table holds of a row beside its [`Variable`].
@@ -250,6 +254,16 @@ impl Table {
         self.push(text, row, Shape::Scalar, |_| (bound.clone(), 0.0));
     }
 
+    /// A continuous state or its derivative.
+    pub fn state(&mut self, place: Place, declared: &'static str, nominal: Option<f64>, of: Option<u32>, text: Text) {
+        let bound = Bound { place, known: None, depends: None, needs: OutputSet::NONE };
+        let row = (Causality::Local, Variability::Continuous, Type::Real(declared), None);
+        self.push(text, row, Shape::Scalar, |_| (bound.clone(), 0.0));
+        if let Some(row) = self.variables.last_mut() {
+            (row.nominal, row.derivative_of) = (nominal, of);
+        }
+    }
+
     /// Adds a signal: per component a row with what `component` gives, its bound and its start value.
     fn push(
         &mut self,
@@ -281,6 +295,8 @@ impl Table {
                 declared_type: of.declared(),
                 range,
                 description: text.meaning.replace("{}", key),
+                nominal: None,
+                derivative_of: None,
             });
         }
         self.signals.push(Signal { name: text.name, shape, causality, first_reference, place: first });

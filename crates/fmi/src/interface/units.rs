@@ -59,6 +59,11 @@ pub const UNITS: &[Unit] = &[
     unit("m2/s", [0, 2, -1, 0]),
     unit("kg/m3", [1, -3, 0, 0]),
     unit("J", [1, 2, -2, 0]),
+    unit("W", [1, 2, -3, 0]),
+    unit("1/s2", [0, 0, -2, 0]),
+    unit("1/m", [0, -1, 0, 0]),
+    unit("1/(m.s)", [0, -1, -1, 0]),
+    unit("1/(m.s2)", [0, -1, -2, 0]),
 ];
 
 /// Real types that the table uses.
@@ -84,6 +89,14 @@ pub const TYPES: &[RealType] = &[
     real("Circulation", "Circulation", "m2/s"),
     real("Density", "Density", "kg/m3"),
     real("Energy", "Energy", "J"),
+    real("Power", "Power", "W"),
+    real("RatioRate", "RatioRate", "1/s"),
+    real("RatioAcceleration", "RatioAcceleration", "1/s2"),
+    real("StrainRate", "StrainRate", "1/s"),
+    real("StrainAcceleration", "StrainAcceleration", "1/s2"),
+    real("Curvature", "Curvature", "1/m"),
+    real("CurvatureRate", "CurvatureRate", "1/(m.s)"),
+    real("CurvatureAcceleration", "CurvatureAcceleration", "1/(m.s2)"),
 ];
 
 #[cfg(test)]

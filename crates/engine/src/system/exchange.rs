@@ -1,0 +1,336 @@
+//! The machine under an integrator from outside that calls it piece by piece, as Model Exchange does: time, states and inputs
+//! are set one after the other, and what follows from them is found when it is asked for.
+
+use crate::machine::Travel;
+use crate::system::hybrid::NotHybrid;
+use crate::system::{PlantError, System};
+use serde::{Deserialize, Serialize};
+
+/// Distance of redundant parameters, which are of the order of 1, from their constraints beyond which a step asks for an
+/// event that brings the states back. Derivatives do not feel it: it only keeps the states what they are called.
+const DRIFT: f64 = 1e-4;
+/// Accounts that are states: work of the inputs, energy dissipated.
+const ACCOUNTS: usize = 2;
+
+/// What an integrator from outside has set.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Outside {
+    /// Time in s.
+    time_s: f64,
+    /// Coordinates that move, their rates, the accounts.
+    states: Vec<f64>,
+    /// In Event Mode: what has been crossed has not been acted on yet.
+    entered: bool,
+}
+
+/// By hand, because a derived `clone_from` allocates and events copy the state.
+impl Clone for Outside {
+    fn clone(&self) -> Self {
+        Self { time_s: self.time_s, states: self.states.clone(), entered: self.entered }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        (self.time_s, self.entered) = (source.time_s, source.entered);
+        self.states.clone_from(&source.states);
+    }
+}
+
+impl Outside {
+    /// Whether a run of a machine with so many moving coordinates can have set this.
+    pub fn fits(&self, initialized: bool, moving: usize) -> bool {
+        initialized
+            && self.states.len() == 2 * moving + ACCOUNTS
+            && self.time_s.is_finite()
+            && self.states.iter().all(|state| state.is_finite())
+    }
+}
+
+/// What follows from the states that are set, as far as it has been found.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Told {
+    /// The present is that of the states, and these are its derivatives.
+    found: bool,
+    derivatives: Vec<f64>,
+    indicators: Vec<f64>,
+    /// How far redundant parameters are off their constraints.
+    drift: f64,
+    /// Indicators that the event crosses.
+    crossed: Vec<usize>,
+}
+
+impl Told {
+    /// Makes room for so many states and indicators.
+    fn make_room(&mut self, states: usize, indicators: usize) {
+        self.derivatives.resize(states, 0.0);
+        self.indicators.resize(indicators, 1.0);
+        self.crossed.clear();
+        self.crossed.reserve(indicators);
+    }
+
+    /// States, time or inputs have changed.
+    pub fn forget(&mut self) {
+        self.found = false;
+    }
+}
+
+/// A coordinate as an integrator from outside sees it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CoordinateName {
+    /// Name, as `fold.angle` or `inner.element[2].kappa_y`.
+    pub name: String,
+    /// What it is.
+    pub quantity: CoordinateQuantity,
+    /// Typical magnitudes of the coordinate and of its rate, in their units.
+    pub nominal: [f64; 2],
+}
+
+/// What a coordinate is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CoordinateQuantity {
+    /// Angle in rad.
+    Angle,
+    /// Displacement in m.
+    Position,
+    /// Redundant parameter without unit: of a quaternion or a rotation.
+    Parameter,
+    /// Strain without unit.
+    Strain,
+    /// Curvature in 1/m.
+    Curvature,
+}
+
+/// Typical magnitudes of coordinates, and of rates over them in 1/s: what integrators weigh their errors with.
+const NOMINAL: f64 = 1.0;
+const NOMINAL_STRAIN: f64 = 1e-2;
+const NOMINAL_RATE_1_S: f64 = 10.0;
+
+impl System {
+    /// Hands the initialised machine to an integrator from outside, in its first event. Refused for machines in air.
+    pub fn begin_exchange(&mut self) -> Result<(), NotHybrid> {
+        let hybrid = self.hybrid()?;
+        let moved = hybrid.states();
+        let mut states = vec![0.0; moved + ACCOUNTS];
+        hybrid.read(&mut states[..moved]);
+        states[moved..].copy_from_slice(&hybrid.accounts_j());
+        self.state.outside = Some(Outside { time_s: self.state.now.time_s, states, entered: true });
+        self.told.forget();
+        self.told.make_room(moved + ACCOUNTS, self.exchange_indicator_count());
+        // room for what a failing event brings back
+        self.begin.clone_from(&self.state);
+        Ok(())
+    }
+
+    /// Number of continuous states: coordinates that move, their rates, work and dissipation.
+    pub fn exchange_state_count(&self) -> usize {
+        2 * self.moving.len() + ACCOUNTS
+    }
+
+    /// Number of event indicators: those of forces, then two for each motor.
+    pub fn exchange_indicator_count(&self) -> usize {
+        let motors = self.equations.forces.joints().iter().filter(|joint| joint.motor().is_some()).count();
+        self.equations.forces.indicators().count() + 2 * motors
+    }
+
+    /// Coordinates that are states, in the order of the states; their rates follow in the same order.
+    pub fn exchange_coordinates(&self) -> Vec<CoordinateName> {
+        let model = &self.equations.model;
+        let mut names: Vec<Option<CoordinateName>> = vec![None; model.coordinates];
+        let mut name = |c: usize, name: String, quantity, nominal: f64| {
+            names[c] = Some(CoordinateName { name, quantity, nominal: [nominal, NOMINAL_RATE_1_S * nominal] });
+        };
+        for (body, described) in model.bodies.iter().zip(&self.machine.bodies) {
+            let (kind, joint) = (body.joint.kind, &described.joint.name);
+            let first = body.joint.coordinate;
+            let shifts = if kind.is_redundant() { kind.translations() } else { 0 };
+            for (k, axis) in ["x", "y", "z"].iter().enumerate().take(shifts) {
+                name(first + k, format!("{joint}.position.{axis}"), CoordinateQuantity::Position, NOMINAL);
+            }
+            for k in shifts..if kind.is_redundant() { kind.coordinates() } else { 0 } {
+                let parameter = format!("{joint}.parameter[{}]", k - shifts + 1);
+                name(first + k, parameter, CoordinateQuantity::Parameter, NOMINAL);
+            }
+            if let Some((travel, _)) = described.joint.kind.one_freedom() {
+                let quantity = match travel {
+                    Travel::Rotation => CoordinateQuantity::Angle,
+                    Travel::Translation => CoordinateQuantity::Position,
+                };
+                name(first, format!("{joint}.{}", travel.coordinate()), quantity, NOMINAL);
+            }
+            for (i, element) in model.elements[body.first_element..][..body.elements].iter().enumerate() {
+                let of = |strain: &str| format!("{}.element[{}].{strain}", described.name, i + 1);
+                name(element.coordinate, of("epsilon_x"), CoordinateQuantity::Strain, NOMINAL_STRAIN);
+                for (k, strain) in ["kappa_x", "kappa_y", "kappa_z"].into_iter().enumerate() {
+                    name(element.coordinate + 1 + k, of(strain), CoordinateQuantity::Curvature, NOMINAL);
+                }
+            }
+        }
+        let unnamed = |c: usize| CoordinateName {
+            name: format!("coordinate[{}]", c + 1),
+            quantity: CoordinateQuantity::Parameter,
+            nominal: [NOMINAL, NOMINAL_RATE_1_S],
+        };
+        self.moving.iter().map(|&c| names[c].take().unwrap_or_else(|| unnamed(c))).collect()
+    }
+
+    /// A continuous state: as the integrator from outside has set it, or of the machine's own motion.
+    pub fn exchange_state(&self, state: usize) -> f64 {
+        let (now, n) = (&self.state.now, self.moving.len());
+        match &self.state.outside {
+            Some(outside) => outside.states[state],
+            None if !self.state.initialized => 0.0,
+            None if state < n => now.q[self.moving[state]],
+            None if state < 2 * n => now.v[self.moving[state - n]],
+            None => [now.work, now.dissipated][state - 2 * n],
+        }
+    }
+
+    /// The derivative of a continuous state in time, as [`System::update_exchange`] has found it, or of the machine's own motion.
+    pub fn exchange_derivative(&self, state: usize) -> f64 {
+        let (now, n) = (&self.state.now, self.moving.len());
+        match &self.state.outside {
+            Some(_) => self.told.derivatives.get(state).copied().unwrap_or(0.0),
+            None if !self.state.initialized => 0.0,
+            None if state < n => now.v[self.moving[state]],
+            None if state < 2 * n => now.a[self.moving[state - n]],
+            None => [now.powers.work, now.powers.dissipated][state - 2 * n],
+        }
+    }
+
+    /// Continuous states as they are set; none before [`System::begin_exchange`].
+    pub fn exchange_states(&self) -> &[f64] {
+        self.state.outside.as_ref().map_or(&[], |outside| &outside.states)
+    }
+
+    /// Sets the continuous states, of which there are [`System::exchange_state_count`].
+    pub fn set_exchange_states(&mut self, states: &[f64]) {
+        if let Some(outside) = &mut self.state.outside {
+            outside.states.copy_from_slice(states);
+            self.told.forget();
+        }
+    }
+
+    /// Time as it is set, in s.
+    pub fn exchange_time_s(&self) -> f64 {
+        self.state.outside.as_ref().map_or(self.state.now.time_s, |outside| outside.time_s)
+    }
+
+    /// Sets the time in s.
+    pub fn set_exchange_time(&mut self, time_s: f64) {
+        if let Some(outside) = &mut self.state.outside {
+            outside.time_s = time_s;
+            self.told.forget();
+        }
+    }
+
+    /// Inputs have been set.
+    pub fn exchange_inputs_set(&mut self) {
+        self.told.forget();
+    }
+
+    /// Brings the present to time, states and inputs as they are set, with its derivatives and indicators.
+    pub fn update_exchange(&mut self) -> Result<(), PlantError> {
+        if self.told.found {
+            return Ok(());
+        }
+        let Some(outside) = self.state.outside.take() else { return Ok(()) };
+        let indicators = self.exchange_indicator_count();
+        let mut told = std::mem::take(&mut self.told);
+        told.make_room(outside.states.len(), indicators);
+        let mut hybrid = self.as_hybrid();
+        let (moved, accounts) = outside.states.split_at(outside.states.len() - ACCOUNTS);
+        told.drift = hybrid.set(outside.time_s, moved);
+        hybrid.set_accounts_j([accounts[0], accounts[1]]);
+        // in an event they act through its transition
+        if !outside.entered {
+            hybrid.follow_inputs();
+        }
+        let (of_moved, of_accounts) = told.derivatives.split_at_mut(moved.len());
+        let rates = hybrid.derivatives(of_moved);
+        if let Ok(rates) = &rates {
+            of_accounts.copy_from_slice(&[rates.work_w, rates.dissipated_w]);
+        }
+        let (of_forces, of_motors) = told.indicators.split_at_mut(hybrid.indicators());
+        hybrid.read_indicators(of_forces);
+        hybrid.read_limits(of_motors);
+        told.found = rates.is_ok();
+        self.told = told;
+        self.state.outside = Some(outside);
+        self.forget_outputs();
+        rates.map(|_| ())
+    }
+
+    /// Derivatives of the states, as [`System::update_exchange`] has found them.
+    pub fn exchange_derivatives(&self) -> &[f64] {
+        &self.told.derivatives
+    }
+
+    /// Event indicators, as [`System::update_exchange`] has found them: an event where one of a force falls through zero, or one
+    /// of a motor changes its sign.
+    pub fn exchange_indicators(&self) -> &[f64] {
+        &self.told.indicators
+    }
+
+    /// Ends a step of the integrator's. True where an event is due: something was crossed, redundant parameters have
+    /// drifted, or a command waits behind a rate limit.
+    pub fn complete_exchange_step(&mut self) -> Result<bool, PlantError> {
+        self.update_exchange()?;
+        let due = self.as_hybrid().arrived(|_| {});
+        if !due {
+            // what is crossed counts from where the step began
+            let mut told = std::mem::take(&mut self.told);
+            let mut hybrid = self.as_hybrid();
+            hybrid.complete();
+            hybrid.read_indicators(&mut told.indicators);
+            self.told = told;
+        }
+        Ok(due || self.told.drift > DRIFT || self.inputs_may_differ)
+    }
+
+    /// Enters an event.
+    pub fn enter_exchange_event(&mut self) -> Result<(), PlantError> {
+        self.update_exchange()?;
+        if let Some(outside) = &mut self.state.outside {
+            outside.entered = true;
+        }
+        Ok(())
+    }
+
+    /// Makes the transitions of the event: of what is crossed, of a kink, of inputs and parameters that have changed; redundant
+    /// parameters return to their constraints. True where the states are others now. On an error nothing has changed.
+    pub fn make_exchange_event(&mut self) -> Result<bool, PlantError> {
+        self.update_exchange()?;
+        let mut crossed = std::mem::take(&mut self.told.crossed);
+        crossed.clear();
+        let mut hybrid = self.as_hybrid();
+        hybrid.arrived(|number| crossed.push(number));
+        let made = hybrid.transition(&crossed);
+        self.told.crossed = crossed;
+        self.told.forget();
+        made?;
+        let Some(mut outside) = self.state.outside.take() else { return Ok(false) };
+        // in the room of the derivatives, which are found anew
+        let mut before = std::mem::take(&mut self.told.derivatives);
+        before.copy_from_slice(&outside.states);
+        let hybrid = self.as_hybrid();
+        let (moved, accounts) = outside.states.split_at_mut(before.len() - ACCOUNTS);
+        hybrid.read(moved);
+        accounts.copy_from_slice(&hybrid.accounts_j());
+        let changed = before != outside.states;
+        self.told.derivatives = before;
+        self.state.outside = Some(outside);
+        Ok(changed)
+    }
+
+    /// Time of the next event that is known before, in s; infinite where there is none.
+    pub fn next_exchange_event_s(&mut self) -> f64 {
+        self.as_hybrid().next_kink_s()
+    }
+
+    /// Leaves the event.
+    pub fn leave_exchange_event(&mut self) {
+        if let Some(outside) = &mut self.state.outside {
+            outside.entered = false;
+        }
+        self.told.forget();
+    }
+}

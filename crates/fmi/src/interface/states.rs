@@ -1,0 +1,98 @@
+//! Rows of the continuous states and their derivatives in time, which Model Exchange exposes.
+
+use crate::interface::table::{Place, Table, Text};
+use crate::interface::{Dependencies, DependencyKind, Interface, MOST_LISTED, Variability};
+use foldwing_engine::plant::{CoordinateName, CoordinateQuantity, Plant};
+
+/// Declared types of a coordinate, of its rate and of the rate's rate.
+fn types(quantity: CoordinateQuantity) -> [&'static str; 3] {
+    match quantity {
+        CoordinateQuantity::Angle => ["Angle", "AngularVelocity", "AngularAcceleration"],
+        CoordinateQuantity::Position => ["Position", "Velocity", "Acceleration"],
+        CoordinateQuantity::Parameter => ["Ratio", "RatioRate", "RatioAcceleration"],
+        CoordinateQuantity::Strain => ["Strain", "StrainRate", "StrainAcceleration"],
+        CoordinateQuantity::Curvature => ["Curvature", "CurvatureRate", "CurvatureAcceleration"],
+    }
+}
+
+/// Accounts that are states, their meaning and what they are typically, J.
+const ACCOUNTS: [(&str, &str); 2] = [("work", "work of the inputs"), ("dissipated", "energy dissipated")];
+const NOMINAL_ENERGY_J: f64 = 1.0;
+
+/// Adds the rows: all states, then the derivatives in the same order.
+pub(super) fn add(table: &mut Table, plant: &Plant) {
+    let coordinates = plant.exchange_coordinates();
+    let first = table.variables.len();
+    let reference = |state: usize| u32::try_from(first + state).ok();
+    let mut rates = Vec::new();
+    let mut add = |table: &mut Table, name: String, declared: [&'static str; 2], nominal: f64, meaning: &str| {
+        let state = rates.len();
+        let text = Text::new(name.clone(), format!("continuous state: {meaning}"));
+        table.state(Place::State(state), declared[0], Some(nominal), None, text);
+        rates.push((name, declared[1]));
+    };
+    for CoordinateName { name, quantity, nominal } in &coordinates {
+        let [own, rate, _] = types(*quantity);
+        add(table, format!("state.{name}"), [own, rate], nominal[0], name);
+    }
+    for CoordinateName { name, quantity, nominal } in &coordinates {
+        let [_, own, rate] = types(*quantity);
+        add(table, format!("state_rate.{name}"), [own, rate], nominal[1], &format!("rate of {name}"));
+    }
+    for (name, meaning) in ACCOUNTS {
+        add(table, format!("state.energy.{name}"), ["Energy", "Power"], NOMINAL_ENERGY_J, meaning);
+    }
+    for (state, (name, declared)) in rates.into_iter().enumerate() {
+        let text = Text::new(format!("der({name})"), format!("derivative of {name} in time"));
+        table.state(Place::Derivative(state), declared, None, reference(state), text);
+    }
+}
+
+impl Interface {
+    /// Whether the table has continuous states.
+    pub fn has_states(&self) -> bool {
+        !self.nominals.is_empty()
+    }
+
+    /// Typical magnitudes of the continuous states, in their units.
+    pub fn nominals(&self) -> &[f64] {
+        &self.nominals
+    }
+
+    /// Name of a continuous state.
+    pub fn state_name(&self, state: usize) -> &str {
+        let of = |place: Place| place == Place::State(state);
+        self.bounds.iter().position(|bound| of(bound.place)).map_or("", |row| &self.variables[row].name)
+    }
+
+    /// Whether a row is an input that may change while an importer integrates.
+    pub fn is_continuous_input(&self, reference: u32) -> bool {
+        self.slots.get(reference as usize).is_some_and(|slot| slot.is_continuous_input())
+    }
+
+    /// What continuous outputs and derivatives depend on among the states. The rate of a coordinate that is no redundant
+    /// parameter is the state that is called so; everything else is taken to depend on all states.
+    pub(super) fn add_states_to(&self, found: &mut [Dependencies]) {
+        if !self.has_states() {
+            return;
+        }
+        let states: Vec<u32> =
+            self.variables.iter().filter(|row| row.nominal.is_some()).map(|row| row.value_reference).collect();
+        let coordinates = states.len() / 2 - 1;
+        for ((found, row), bound) in found.iter_mut().zip(&self.variables).zip(&self.bounds) {
+            match bound.place {
+                Place::Output(_) if row.variability == Variability::Continuous && !found.on_all => {
+                    found.running.extend(states.iter().map(|&state| (state, DependencyKind::Dependent)));
+                    if found.running.len() > MOST_LISTED {
+                        *found = Dependencies { on_all: true, ..Dependencies::default() };
+                    }
+                }
+                Place::Derivative(state) if state < coordinates && row.declared_type != Some("RatioRate") => {
+                    found.running = vec![(states[coordinates + state], DependencyKind::Constant)];
+                }
+                Place::Derivative(_) => found.on_all = true,
+                _ => {}
+            }
+        }
+    }
+}

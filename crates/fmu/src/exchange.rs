@@ -1,0 +1,173 @@
+//! The exported functions of Model Exchange.
+
+use super::types::{fmi2Boolean, fmi2Component, fmi2EventInfo, fmi2False, fmi2Real, fmi2Status};
+use super::{enter, place, slice, slice_mut};
+use foldwing_fmi::fmi2::Call;
+
+/// Goes into Event Mode.
+///
+/// # Safety
+/// `component` is null or came from `fmi2Instantiate` and has not been freed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2EnterEventMode(component: fmi2Component) -> fmi2Status {
+    // SAFETY: forwarded from the caller.
+    unsafe { enter(component, Call::EnterEventMode, |instance| instance.enter_event()) }
+}
+
+/// Makes the transitions of the event: a latch closes, a stop catches a joint, inputs that have changed act.
+///
+/// # Safety
+/// `component` is null or came from `fmi2Instantiate` and has not been freed; `info` is null or can be written to.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2NewDiscreteStates(component: fmi2Component, info: *mut fmi2EventInfo) -> fmi2Status {
+    // SAFETY: forwarded from the caller.
+    unsafe {
+        enter(component, Call::NewDiscreteStates, |instance| {
+            let info = place(info, "eventInfo")?;
+            let event = instance.new_discrete_states()?;
+            *info = fmi2EventInfo {
+                newDiscreteStatesNeeded: fmi2False,
+                terminateSimulation: fmi2False,
+                nominalsOfContinuousStatesChanged: fmi2False,
+                valuesOfContinuousStatesChanged: fmi2Boolean::from(event.states_changed),
+                nextEventTimeDefined: fmi2Boolean::from(event.next_event_s.is_some()),
+                nextEventTime: event.next_event_s.unwrap_or(0.0),
+            };
+            Ok(())
+        })
+    }
+}
+
+/// Goes into Continuous-Time Mode.
+///
+/// # Safety
+/// `component` is null or came from `fmi2Instantiate` and has not been freed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(component: fmi2Component) -> fmi2Status {
+    // SAFETY: forwarded from the caller.
+    unsafe {
+        enter(component, Call::EnterContinuousTimeMode, |instance| {
+            instance.enter_continuous_time();
+            Ok(())
+        })
+    }
+}
+
+/// Ends a step of the importer's integrator, and says whether it must enter Event Mode.
+///
+/// # Safety
+/// `component` is null or came from `fmi2Instantiate` and has not been freed; the two results are null or can be written to.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
+    component: fmi2Component,
+    _no_set_fmu_state_prior_to_current_point: fmi2Boolean,
+    enter_event_mode: *mut fmi2Boolean,
+    terminate_simulation: *mut fmi2Boolean,
+) -> fmi2Status {
+    // SAFETY: forwarded from the caller.
+    unsafe {
+        enter(component, Call::CompletedIntegratorStep, |instance| {
+            let (event, end) =
+                (place(enter_event_mode, "enterEventMode")?, place(terminate_simulation, "terminateSimulation")?);
+            *event = fmi2Boolean::from(instance.completed_integrator_step()?);
+            *end = fmi2False;
+            Ok(())
+        })
+    }
+}
+
+/// Sets the time in s.
+///
+/// # Safety
+/// `component` is null or came from `fmi2Instantiate` and has not been freed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetTime(component: fmi2Component, time: fmi2Real) -> fmi2Status {
+    // SAFETY: forwarded from the caller.
+    unsafe { enter(component, Call::SetTime, |instance| instance.set_time(time)) }
+}
+
+/// Sets all continuous states.
+///
+/// # Safety
+/// `component` is null or came from `fmi2Instantiate` and has not been freed; `states` holds `n` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetContinuousStates(
+    component: fmi2Component,
+    states: *const fmi2Real,
+    n: usize,
+) -> fmi2Status {
+    // SAFETY: forwarded from the caller.
+    unsafe {
+        enter(component, Call::SetContinuousStates, |instance| instance.set_continuous_states(slice(states, n, "x")?))
+    }
+}
+
+/// Derivatives of all continuous states in time.
+///
+/// # Safety
+/// `component` is null or came from `fmi2Instantiate` and has not been freed; `derivatives` holds `n` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetDerivatives(
+    component: fmi2Component,
+    derivatives: *mut fmi2Real,
+    n: usize,
+) -> fmi2Status {
+    // SAFETY: forwarded from the caller.
+    unsafe {
+        enter(component, Call::GetDerivatives, |instance| {
+            instance.derivatives(slice_mut(derivatives, n, "derivatives")?)
+        })
+    }
+}
+
+/// All event indicators.
+///
+/// # Safety
+/// `component` is null or came from `fmi2Instantiate` and has not been freed; `indicators` holds `n` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetEventIndicators(
+    component: fmi2Component,
+    indicators: *mut fmi2Real,
+    n: usize,
+) -> fmi2Status {
+    // SAFETY: forwarded from the caller.
+    unsafe {
+        enter(component, Call::GetEventIndicators, |instance| {
+            instance.event_indicators(slice_mut(indicators, n, "eventIndicators")?)
+        })
+    }
+}
+
+/// All continuous states.
+///
+/// # Safety
+/// `component` is null or came from `fmi2Instantiate` and has not been freed; `states` holds `n` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetContinuousStates(
+    component: fmi2Component,
+    states: *mut fmi2Real,
+    n: usize,
+) -> fmi2Status {
+    // SAFETY: forwarded from the caller.
+    unsafe {
+        enter(component, Call::GetContinuousStates, |instance| instance.continuous_states(slice_mut(states, n, "x")?))
+    }
+}
+
+/// Typical magnitudes of all continuous states.
+///
+/// # Safety
+/// `component` is null or came from `fmi2Instantiate` and has not been freed; `nominals` holds `n` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetNominalsOfContinuousStates(
+    component: fmi2Component,
+    nominals: *mut fmi2Real,
+    n: usize,
+) -> fmi2Status {
+    // SAFETY: forwarded from the caller.
+    unsafe {
+        enter(component, Call::GetNominalsOfContinuousStates, |instance| {
+            instance.nominals(slice_mut(nominals, n, "x_nominal")?)
+        })
+    }
+}

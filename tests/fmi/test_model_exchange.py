@@ -1,0 +1,83 @@
+"""FMI 2.0 Model Exchange through FMPy: its checks, its CVode, against co-simulation of the same FMU."""
+
+import subprocess
+
+import numpy as np
+import pytest
+from conftest import MODELS, ROOT
+from driving import Fmu
+from fmpy.validation import validate_fmu
+
+AIR = {"flared_wing_tip", "folding_wing_in_tunnel", "goland_wing", "slender_wing"}
+FREE_OF_AIR = [model for model in MODELS if model not in AIR]
+LATCH_S = 1e-6  # allowed difference of latch times at a tolerance of 1e-9
+TOLERANCE = 1e-9
+
+
+@pytest.fixture(scope="session")
+def exchanged(foldwing, tmp_path_factory):
+    """FMUs of both kinds, by the name of the model file."""
+    folder = tmp_path_factory.mktemp("exchanged")
+
+    def make(model):
+        fmu = folder / f"{model}.fmu"
+        if not fmu.exists():
+            path = ROOT / "examples/models" / f"{model}.toml"
+            subprocess.run(
+                [foldwing, "package", path, "-o", fmu, "--kinds", "cs,me", "--no-reference"], check=True
+            )
+        return Fmu(fmu, folder / model)
+
+    return make
+
+
+@pytest.mark.parametrize("model", FREE_OF_AIR)
+def test_f300_shipped_models_run_in_model_exchange(model, exchanged):
+    """F-300. Every shipped machine without air: FMPy finds nothing wrong with the FMU and integrates it with CVode at a tolerance
+    of 1e-6 (FMPy allows it 500 steps per output, so these are 50 µs apart); angles and places of tips come to those of co-simulation to 1e-4 of their scale."""
+    fmu = exchanged(model)
+    assert validate_fmu(fmu.path) == []
+    assert fmu.description.modelExchange is not None
+    stop_s = min(0.02, float(fmu.description.defaultExperiment.stopTime))
+    names = [v.name for v in fmu.outputs if v.type == "Real" and v.name.endswith((".angle", ".position.z"))]
+    arguments = {"stop_time": stop_s, "output_interval": stop_s / 400, "output": names, "record_events": False}
+    found = fmu.simulate(fmi_type="ModelExchange", relative_tolerance=1e-6, **arguments)
+    expected = fmu.simulate(
+        fmi_type="CoSimulation", start_values={"solver.tolerance": 1e-8}, **arguments
+    )
+    assert len(found) == len(expected) == 401
+    worst = max(np.abs(found[name] - expected[name]).max() for name in names)
+    print(f"{model}: {fmu.description.numberOfContinuousStates} states, worst difference {worst:.1e}")
+    assert worst < 1e-4
+
+
+def test_f301_the_wing_latches_as_in_co_simulation(exchanged):
+    """F-301. FMPy's CVode at a tolerance of 1e-9 finds the latch by the event indicator, 1e-6 s beside co-simulation at the same
+    tolerance at most, and strains and energies after it agree to 1e-6."""
+    fmu = exchanged("folding_wing")
+    arguments = {"stop_time": 0.13, "output_interval": 1e-4}
+    found = fmu.simulate(fmi_type="ModelExchange", relative_tolerance=TOLERANCE, **arguments)
+    expected = fmu.simulate(
+        fmi_type="CoSimulation", start_values={"solver.tolerance": TOLERANCE}, **arguments
+    )
+    latch_s, reference_s = found["fold.latch_time"][-1], expected["fold.latch_time"][-1]
+    print(f"latch at {latch_s:.9f} s, {latch_s - reference_s:+.1e} s beside co-simulation")
+    assert found["fold.latch_count"][-1] == 1
+    assert abs(latch_s - reference_s) < LATCH_S
+    events = found["time"][np.flatnonzero(np.diff(found["time"]) == 0)]
+    assert latch_s in events, "the importer has located the event"
+    for name in ["fold.angle", "gauge.root.strain", "energy.total", "energy.work", "energy.dissipated"]:
+        difference = abs(found[name][-1] - expected[name][-1])
+        print(f"{name}: {difference:.1e}")
+        assert difference < 1e-6, name
+
+
+@pytest.mark.parametrize("model", sorted(AIR))
+def test_f302_machines_in_air_are_refused_by_name(model, foldwing, tmp_path):
+    """F-302. Air advances by steps of its own: no Model Exchange, and the message says what to do."""
+    path = ROOT / "examples/models" / f"{model}.toml"
+    command = [foldwing, "package", path, "-o", tmp_path / "x.fmu", "--kinds", "cs,me", "--no-reference"]
+    outcome = subprocess.run(command, capture_output=True, text=True)
+    assert outcome.returncode == 1
+    assert "--kinds me" in outcome.stderr and "[aerodynamics]" in outcome.stderr
+    assert not (tmp_path / "x.fmu").exists()
