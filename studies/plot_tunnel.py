@@ -156,7 +156,7 @@ def plot_histories(runs, path):
         mark(lower, latch_s, "latch" if speed_m_s == 0 else "", colour, 0.97)
         lower.set(xlabel="time (s)", xlim=(0.0, 0.4))
     grid[0, 0].set(ylabel="fold angle (°)", yticks=np.arange(0, 181, 30))
-    grid[1, 0].set(ylabel="strain at the root gauge (10⁻³)", ylim=(-6.3, 4.8))  # room for the words at the deepest peak
+    grid[1, 0].set(ylabel="strain at the root gauge (10⁻³)", ylim=(-7.0, 5.4))  # room for the words at the deepest peak
     save(figure, path)
 
 

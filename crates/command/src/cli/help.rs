@@ -63,7 +63,7 @@ Examples:
   foldwing simulate wing.toml
   foldwing simulate wing.toml --csv wing.csv
   foldwing simulate wing.toml --csv - --output fold.angle,tip.position.z --stop 0.2
-  foldwing simulate wing.toml --csv wing.csv --output 'fold.*' --set fold.start_angle=\"90 deg\"
+  foldwing simulate wing.toml --csv fold.csv --output \"fold.*\" --set fold.start_angle=\"90 deg\"
   foldwing simulate wing.toml --csv wing.csv --set fold.start_angle=1.5 --set fold.latch_enable=0
   foldwing simulate wing.toml --csv wing.csv --inputs commands.csv
   foldwing simulate wing.toml --plot figures --view wing.html --vtk vtk
@@ -106,7 +106,7 @@ pub(super) const COMPARE: &str = "\
 Examples:
   foldwing compare wing.csv wing.csv
   foldwing compare wing.csv measured.csv --output fold.angle --tolerance fold.angle=5
-  foldwing compare wing.csv measured.csv --output 'fold.*' --rtol 2 --json";
+  foldwing compare wing.csv measured.csv --output \"fold.*\" --rtol 2 --json";
 
 pub(super) const COMPLETIONS: &str = "\
 Examples:
