@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         )));
     }
     for (text, pattern, _) in &tolerances {
-        chosen(&[pattern.clone()], &columns, "column of both tables").map_err(|failure| match failure {
+        chosen(std::slice::from_ref(pattern), &columns, "column of both tables").map_err(|failure| match failure {
             Failure::Usage(message) => Failure::Usage(format!("--tolerance {text}: {message}")),
             failure => failure,
         })?;
@@ -168,7 +168,7 @@ fn verdict(
         }
     }
     let own = tolerances.iter().rfind(|(_, pattern, _)| {
-        *pattern == name || is_pattern(pattern) && chosen(&[pattern.clone()], &[column], "").is_ok()
+        *pattern == name || is_pattern(pattern) && chosen(std::slice::from_ref(pattern), &[column], "").is_ok()
     });
     let allowed = own.map_or(arguments.atol + arguments.rtol * magnitude, |(.., value)| *value);
     let rms = (squares / f64::from(count.max(1))).sqrt();

@@ -77,10 +77,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             page
         }
     };
-    if !arguments.no_open && page != Path::new("-") {
-        if let Err(error) = open::that_detached(&page) {
-            tell::note(&format!("no browser could be started ({error}); open {} in one", page.display()));
-        }
+    if !arguments.no_open
+        && page != Path::new("-")
+        && let Err(error) = open::that_detached(&page)
+    {
+        tell::note(&format!("no browser could be started ({error}); open {} in one", page.display()));
     }
     Ok(())
 }
