@@ -29,10 +29,14 @@ FMU         := $(TARGET)/fmu/FoldingWing.fmu
 TUNNEL_FMU  := $(TARGET)/fmu/folding_wing_in_tunnel.fmu
 DEPLOYMENT  := $(TARGET)/deployment
 PLATFORMS   := $(TARGET)/platforms
+# The Python package is tested from its wheel, in an environment of its own.
+PACKAGE_VENV   ?= $(TARGET)/venv-package
+PACKAGE_PYTHON := $(PACKAGE_VENV)/bin/python
+WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers profile bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms clean help toolchain
+.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers profile bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel python package-venv clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -87,13 +91,14 @@ runner: test-venv ## Build a `foldwing` that runs any FMU (feature `import`): ta
 deploy: package venv ## Unfold the wing without air, in air at rest and at 10 and 20 m/s: latch time, peak strain, CSV and plots
 	@$(VENV_PYTHON) examples/deploy.py --fmu $(FMU) --tunnel $(TUNNEL_FMU) --output $(DEPLOYMENT)
 
-test: toolchain format lint unit pytest ## Check everything
+test: toolchain format lint unit pytest python ## Check everything
 
 format:
 	$(CARGO) fmt --check
 
 lint: test-venv
 	$(IMPORT) $(CARGO) clippy --all-targets --locked --features import -- -D warnings
+	$(CARGO) clippy --package foldwing-python --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --workspace --locked --quiet
 
 unit: test-venv
@@ -103,6 +108,17 @@ pytest: package runner
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) FOLDWING_RUNNER=$(abspath $(RUNNER)) \
 	    FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) FOLDWING_SITE=$(abspath $(SITE)) \
 	    $(TEST_PYTHON) -m pytest -q -n $(PYTEST_WORKERS) tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
+
+package-venv: toolchain
+	@$(PYTHON) tools/create_venv.py $(PACKAGE_VENV) --requirements python/requirements-package.txt
+
+wheel: package-venv ## Build the Python package for this machine: $(TARGET)/wheels; `pip install .` does the same
+	@rm -rf $(WHEELS)
+	CARGO="$(CARGO)" $(PACKAGE_PYTHON) -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir $(WHEELS) .
+
+python: wheel ## Test the Python package from its wheel: what it computes and costs, its documentation, its types
+	@$(PACKAGE_PYTHON) -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/*.whl
+	FOLDWING=$(abspath $(COMMAND)) $(abspath $(PACKAGE_PYTHON)) -m pytest -q tests/python $(PYTEST_ARGUMENTS)
 
 bench: bench-own bench-sweep bench-latency bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
 
@@ -194,6 +210,7 @@ licenses: toolchain ## Renew licenses/THIRD_PARTY.txt after a change of Cargo.lo
 python-lock: venv ## Renew the pinned requirements in python/ from the .in files
 	$(VENV_PYTHON) tools/lock_python.py python/requirements.in python/requirements.txt
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-test.in python/requirements-test.txt
+	$(VENV_PYTHON) tools/lock_python.py python/requirements-package.in python/requirements-package.txt 3.10
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-peers.in python/requirements-peers.txt 3.11
 	$(VENV_PYTHON) tools/lock_python.py python/platforms.in python/platforms.txt
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-dask.in python/requirements-dask.txt 3.10

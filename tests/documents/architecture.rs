@@ -32,10 +32,11 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("packaging", &["load", "beam", "machine", "plant", "interface", "fmi2", "report"]),
     ("import", &["interface", "report"]),
     ("cli", &["machine", "plant", "config", "interface", "report", "packaging", "import"]),
+    ("python", &["machine", "plant", "config", "interface", "report", "cli"]),
 ];
 
 /// Folders below `crates` whose crate is one module, and how the table calls it.
-const CRATES_OF_ONE_MODULE: &[(&str, &str)] = &[("file", "config"), ("fmu", "fmu")];
+const CRATES_OF_ONE_MODULE: &[(&str, &str)] = &[("file", "config"), ("fmu", "fmu"), ("python", "python")];
 
 /// Module that the unit tests of every module may name besides: they read the models that ship.
 const OPEN_TO_UNIT_TESTS: &str = "config";
@@ -343,8 +344,9 @@ fn examples_in_the_readme_and_the_guide_work() {
         foldwing::config::parse(model, "docs/guide/README.md").unwrap_or_else(|error| panic!("{error}"));
     }
     let text = read("README.md");
-    let script = read("examples/fmpy_ten_lines.py");
-    assert_eq!(code_blocks(&text, "python"), [script.as_str()], "README.md repeats examples/fmpy_ten_lines.py");
+    let scripts = ["python", "fmpy"].map(|name| read(&format!("examples/{name}_ten_lines.py")));
+    let scripts = scripts.each_ref().map(String::as_str);
+    assert_eq!(code_blocks(&text, "python"), scripts, "README.md repeats examples/*_ten_lines.py");
 }
 
 /// The checks above see through comments and strings; a check that sees nothing would always pass.

@@ -1,9 +1,9 @@
 //! The command `foldwing`: models to FMUs, simulations, pictures, checks.
 
-mod cli;
+pub mod cli;
 #[cfg(feature = "import")]
 pub mod import;
 pub mod packaging;
 pub mod report;
 
-pub use cli::run;
+pub use cli::{run, run_as};

@@ -59,6 +59,15 @@ pub fn read(path: impl AsRef<Path>) -> Result<(Machine, String), ConfigError> {
     }
 }
 
+/// The text of a model file with the keys of a JSON object, in their order.
+///
+/// # Errors
+/// What is not JSON, not an object, or holds `null`, which model files do not know; in words, with its place.
+pub fn text_of_json(json: &str) -> Result<String, String> {
+    let tree: toml::Table = serde_json::from_str(json).map_err(|error| error.to_string())?;
+    toml::to_string(&tree).map_err(|error| error.to_string())
+}
+
 fn build(text: &str) -> Result<Machine, Vec<Problem>> {
     let document = Document::parse(text)?;
     letters::check(&document)?;

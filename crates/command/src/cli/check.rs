@@ -51,10 +51,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let summary = Summary::new(&machine);
     summary.assessment.warnings.iter().for_each(|warning| tell::warning(warning));
-    if arguments.json {
-        return print(&serde_json::to_string_pretty(&summary).expect("names and finite numbers always serialise"));
-    }
-    print(&format!("{}\n{}", summary.text(arguments), sketch(&machine)))
+    print(&if arguments.json { summary.json() } else { summary.shown(&machine, arguments.variables) })
+}
+
+/// The summary as JSON.
+pub(super) fn json(machine: &Machine) -> String {
+    Summary::new(machine).json()
+}
+
+/// The summary and the wing in characters, with a list of the variables where that is wanted.
+pub(super) fn text(machine: &Machine, list_variables: bool) -> String {
+    Summary::new(machine).shown(machine, list_variables)
 }
 
 /// A model in numbers.
@@ -172,7 +179,16 @@ impl Summary {
         }
     }
 
-    fn text(&self, wanted: &Arguments) -> String {
+    fn json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("names and finite numbers always serialise")
+    }
+
+    /// In words, with the wing in characters.
+    fn shown(&self, machine: &Machine, list_variables: bool) -> String {
+        format!("{}\n{}", self.text(list_variables), sketch(machine))
+    }
+
+    fn text(&self, list_variables: bool) -> String {
         let mut text = format!(
             "{}: {}\n{:.6} kg, {} degrees of freedom, {} load stations\n",
             self.name, self.description, self.mass_kg, self.degrees_of_freedom, self.stations
@@ -220,7 +236,7 @@ impl Summary {
             count("output"),
             count("parameter")
         );
-        if wanted.variables {
+        if list_variables {
             for variable in &self.variables {
                 let start = variable.start.as_ref().map(|start| format!(" = {}", start.text())).unwrap_or_default();
                 let unit = if variable.unit.is_empty() { String::new() } else { format!(" [{}]", variable.unit) };

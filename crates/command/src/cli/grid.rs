@@ -16,6 +16,11 @@ pub(super) struct GridArguments {
 }
 
 impl GridArguments {
+    /// As a program gives them, in s.
+    pub(super) fn of(start: Option<f64>, stop: Option<f64>, step: Option<f64>) -> Self {
+        Self { step, start, stop }
+    }
+
     /// Start, stop and step as far as they are given, in s.
     pub(super) fn given(&self) -> [Option<f64>; 3] {
         [self.start, self.stop, self.step]

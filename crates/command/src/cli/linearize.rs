@@ -6,7 +6,7 @@ use crate::cli::settings::plant_with;
 use crate::cli::{Failure, print, read_model, tell};
 use crate::report::{linear_json, write_mat, write_npz};
 use clap::builder::NonEmptyStringValueParser;
-use foldwing_engine::plant::{Holding, Plant, PlantError};
+use foldwing_engine::plant::{Holding, Keep, NoReduction, Plant, PlantError};
 use foldwing_fmi::interface::{Interface, LinearModel, Variable};
 use std::io::{self, Cursor, Write};
 use std::path::PathBuf;
@@ -28,6 +28,12 @@ pub struct Arguments {
     /// Start value of an input or parameter; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
+    /// Keep the slowest modes, so many states; the others follow at once, and the gain at rest stays
+    #[arg(long, value_name = "STATES", conflicts_with = "reduce")]
+    modes: Option<usize>,
+    /// Keep what carries most from the inputs to the outputs, so many states (balanced truncation); prints the bound on the error
+    #[arg(long, value_name = "STATES")]
+    reduce: Option<usize>,
     /// File to write: `.json`, `.npz` (NumPy) or `.mat` (MATLAB)
     #[arg(short, long, value_name = "X.json|X.npz|X.mat")]
     output: PathBuf,
@@ -55,13 +61,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     reach("--at", &arguments.at, &mut plant)?;
     let model =
         interface.linearize(&mut plant, &inputs, &outputs).map_err(|error| Failure::Statics(error.to_string()))?;
+    let model = match (arguments.modes, arguments.reduce) {
+        (Some(order), _) => fewer(&model, "--modes", order, Keep::Modes)?,
+        (_, Some(order)) => fewer(&model, "--reduce", order, Keep::Balanced)?,
+        _ => model,
+    };
     let mut outlet = place.open()?;
     write(&model, &mut outlet).map_err(|error| outlet.failure(&error))?;
     outlet.finish()?;
     print(&format!(
-        "{}: {} states, {} inputs, {} outputs{}, written to {}\n{}",
+        "{}: {} states{}, {} inputs, {} outputs{}, written to {}\n{}",
         plant.machine().name,
         model.states.len(),
+        reduction_in_words(&model),
         model.inputs.len(),
         model.outputs.len(),
         if model.without_air { ", without air (its loads are held; no wind)" } else { "" },
@@ -70,8 +82,25 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     ))
 }
 
+/// The model with fewer states.
+fn fewer(model: &LinearModel, option: &str, order: usize, keep: Keep) -> Result<LinearModel, Failure> {
+    model.reduced(order, keep).map_err(|error| match error {
+        NoReduction::Order { .. } => Failure::Usage(format!("{option} {order}: {error}")),
+        _ => Failure::Statics(format!("{option} {order}: {error}")),
+    })
+}
+
+/// What a reduction costs; nothing without one.
+fn reduction_in_words(model: &LinearModel) -> String {
+    let Some(reduction) = &model.reduction else { return String::new() };
+    let bound = reduction.error_bound.map_or("a motion that does not decay is left out".to_owned(), |bound| {
+        format!("largest gain of what is left out at most {bound:.3e}")
+    });
+    format!(" of {} ({}; {bound})", reduction.whole, reduction.method())
+}
+
 /// Rows that the names choose; all without names.
-fn chosen<'a>(
+pub(super) fn chosen<'a>(
     names: &[String],
     rows: impl Iterator<Item = &'a Variable>,
     what: &str,

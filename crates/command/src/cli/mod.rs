@@ -3,6 +3,7 @@
 mod air_summary;
 mod assessment;
 mod beside;
+mod calls;
 mod check;
 mod choice;
 mod compare;
@@ -39,9 +40,14 @@ mod tell;
 mod timing;
 mod view;
 
+pub use calls::{
+    Packaging, SweepPlan, SweepRun, chosen, modes, package, points, rest, summary, summary_json, write_page,
+};
+
 use clap::{CommandFactory, Parser, Subcommand};
 use foldwing_engine::machine::Machine;
 use foldwing_file as config;
+use std::ffi::OsString;
 use std::io::{self, Read, Write};
 use std::path::Path;
 use std::process::ExitCode;
@@ -141,7 +147,7 @@ enum Command {
 
 /// Why a command stops; each kind has its exit code.
 #[derive(Debug, thiserror::Error)]
-enum Failure {
+pub enum Failure {
     /// The content of a file was refused.
     #[error("{0}")]
     Refused(String),
@@ -174,7 +180,8 @@ enum Failure {
 }
 
 impl Failure {
-    fn exit_code(&self) -> u8 {
+    /// The exit code of the command.
+    pub fn exit_code(&self) -> u8 {
         match self {
             Self::Closed => 0,
             Self::Refused(_) | Self::Model { .. } => 1,
@@ -194,18 +201,28 @@ impl Failure {
     }
 }
 
-/// Runs the command that the arguments name.
+/// Runs the command that this program's arguments name.
 pub fn run() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
-        Ok(arguments) => arguments,
+    let arguments = std::env::args_os();
+    ExitCode::from(run_as(arguments, None))
+}
+
+/// Runs the command that `arguments` name, the program's own name first, and returns its exit code. `library` is what goes into
+/// FMUs where no option names another; without it the library beside the executable.
+pub fn run_as(arguments: impl IntoIterator<Item = OsString>, library: Option<&Path>) -> u8 {
+    match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => run_command(arguments.command, library),
         Err(error) => {
             tell::parse_error(&error);
-            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+            u8::try_from(error.exit_code()).unwrap_or(2)
         }
-    };
-    let outcome = match arguments.command {
+    }
+}
+
+fn run_command(command: Command, library: Option<&Path>) -> u8 {
+    let outcome = match command {
         Command::New(arguments) => new::run(&arguments),
-        Command::Package(arguments) => package::run(&arguments),
+        Command::Package(arguments) => package::run(&arguments, library),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::View(arguments) => view::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
@@ -220,10 +237,10 @@ pub fn run() -> ExitCode {
         Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),
     };
     match outcome {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(failure) => {
             tell::failure(&failure);
-            ExitCode::from(failure.exit_code())
+            failure.exit_code()
         }
     }
 }

@@ -106,7 +106,7 @@ fn shares(mode: &ModeShape) -> String {
     list.iter().map(|(share, name)| format!("{name} {:.0} %", 100.0 * share)).collect::<Vec<_>>().join(", ")
 }
 
-fn as_json(plant: &Plant, modes: &[ModeShape]) -> Value {
+pub(super) fn as_json(plant: &Plant, modes: &[ModeShape]) -> Value {
     let names: Vec<&str> = plant.machine().bodies.iter().map(|body| body.name.as_str()).collect();
     let bodies: Vec<Value> = names
         .iter()

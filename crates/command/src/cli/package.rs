@@ -53,7 +53,7 @@ enum Kind {
 }
 
 /// Writes the FMU, or prints its description.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure> {
     let (machine, text) = read_model(&arguments.model)?;
     let has = |kind| arguments.kinds.contains(&kind);
     let kinds = Kinds { co_simulation: has(Kind::Cs), model_exchange: has(Kind::Me) };
@@ -70,11 +70,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return print(&packaging::model_description(&machine, variables, &dependencies, &guid, kinds));
     }
     let output = &arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", machine.name)));
-    if !output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu")) {
-        let shown = output.display();
-        return Err(Failure::Usage(format!("{shown}: an FMU ends in .fmu; write {shown}.fmu")));
-    }
-    let sources = sources(&arguments.libraries)?;
+    check_name(output)?;
+    let sources = sources(&arguments.libraries, library)?;
     let read = std::iter::once(arguments.model.as_path()).chain(sources.iter().map(|(_, path)| path.as_path()));
     let mut outlets = Outlets::new(arguments.force.force, read);
     let place = outlets.place(output, Mark::FMU)?;
@@ -100,6 +97,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// FMUs end as importers expect.
+pub(super) fn check_name(output: &Path) -> Result<(), Failure> {
+    if output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu")) {
+        return Ok(());
+    }
+    let shown = output.display();
+    Err(Failure::Usage(format!("{shown}: an FMU ends in .fmu; write {shown}.fmu")))
+}
+
 /// Writes the cross-check's files of one platform, and says where.
 fn submit(folder: &Path, files: &[(String, &[u8])], outlets: &mut Outlets) -> Result<(), Failure> {
     for (name, bytes) in files {
@@ -109,7 +115,7 @@ fn submit(folder: &Path, files: &[(String, &[u8])], outlets: &mut Outlets) -> Re
     print(&format!("cross-check files in {}", folder.display()))
 }
 
-fn failure(error: PackageError) -> Failure {
+pub(super) fn failure(error: PackageError) -> Failure {
     match error {
         PackageError::NotALibrary { .. } => Failure::Refused(error.to_string()),
         PackageError::Twice { .. } => Failure::Usage(error.to_string()),
@@ -118,9 +124,10 @@ fn failure(error: PackageError) -> Failure {
 }
 
 /// Where the libraries are, and for which platform each is to be.
-fn sources(arguments: &[OsString]) -> Result<Vec<(Option<Platform>, PathBuf)>, Failure> {
+fn sources(arguments: &[OsString], library: Option<&Path>) -> Result<Vec<(Option<Platform>, PathBuf)>, Failure> {
     if arguments.is_empty() {
-        return Ok(vec![(None, library_beside_executable()?)]);
+        let library = library.map_or_else(library_beside_executable, |library| Ok(library.to_owned()))?;
+        return Ok(vec![(None, library)]);
     }
     arguments.iter().map(|argument| place(argument)).collect()
 }
@@ -137,7 +144,7 @@ fn place(argument: &OsStr) -> Result<(Option<Platform>, PathBuf), Failure> {
     }
 }
 
-fn reference(machine: &Machine) -> Result<Reference, Failure> {
+pub(super) fn reference(machine: &Machine) -> Result<Reference, Failure> {
     Reference::simulate(machine).map_err(|error| {
         Failure::Simulation(format!(
             "{error}; it was the default experiment, whose result goes into the FMU: fix the model or its [experiment], or \
@@ -147,7 +154,7 @@ fn reference(machine: &Machine) -> Result<Reference, Failure> {
 }
 
 /// The linear model between all real inputs and outputs.
-fn linear(machine: &Machine, at: &str) -> Result<LinearModel, Failure> {
+pub(super) fn linear(machine: &Machine, at: &str) -> Result<LinearModel, Failure> {
     let interface = Interface::new(machine);
     let mut plant = Plant::new(Arc::new(machine.clone()));
     reach("--linear", at, &mut plant)?;

@@ -5,7 +5,7 @@ use crate::cli::{Failure, print, stability};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::machine::{Machine, Travel};
 use foldwing_engine::plant::{
-    Branch, Holding, JointOutputs, LoadPath, Plant, PlantError, Search, SectionShape, StaticEffort,
+    Branch, Holding, JointOutputs, LoadPath, Plant, PlantError, Rest, Search, SectionShape, StaticEffort,
 };
 use nalgebra::Vector3;
 use serde_json::{Value, json};
@@ -70,22 +70,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let search = Search { path, branch: arguments.branch.choice() };
     let failed = |error: PlantError| Failure::Statics(error.to_string());
     let rest = plant.study().rest(time_s, Holding::AsReleased, search).map_err(failed)?;
+    if arguments.json {
+        return print(&format!("{:#}", rest_json(&mut plant, &rest).map_err(failed)?));
+    }
     let stability = plant.study().stability().map_err(failed)?;
     let coarseness = plant.study().coarseness();
-    if arguments.json {
-        let mut value = as_json(&plant, rest.effort);
-        value["stability"] = stability::as_json(&plant, &stability, rest.departure);
-        value["mesh"] = json!({
-            "largest_change_of_turn_rad": coarseness.turn_rad,
-            "body": plant.machine().bodies[coarseness.body].name,
-            "place_m": coarseness.place_m,
-            "coarse": coarseness.is_coarse(),
-        });
-        if !rest.path.is_empty() {
-            value["path"] = stability::path_json(&mut plant, &rest).into();
-        }
-        return print(&format!("{value:#}"));
-    }
     let mut text = as_text(&plant, rest.effort);
     text.push_str(&stability::text(&plant, &stability, rest.departure));
     if let Some(hint) = stability::coarse_hint(&plant, &coarseness) {
@@ -93,6 +82,24 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     text.push_str(&stability::path_text(&mut plant, &rest));
     print(&text)
+}
+
+/// A state of rest that the plant has been brought to, as JSON.
+pub(super) fn rest_json(plant: &mut Plant, rest: &Rest) -> Result<Value, PlantError> {
+    let stability = plant.study().stability()?;
+    let coarseness = plant.study().coarseness();
+    let mut value = as_json(plant, rest.effort);
+    value["stability"] = stability::as_json(plant, &stability, rest.departure);
+    value["mesh"] = json!({
+        "largest_change_of_turn_rad": coarseness.turn_rad,
+        "body": plant.machine().bodies[coarseness.body].name,
+        "place_m": coarseness.place_m,
+        "coarse": coarseness.is_coarse(),
+    });
+    if !rest.path.is_empty() {
+        value["path"] = stability::path_json(plant, rest).into();
+    }
+    Ok(value)
 }
 
 fn array(vector: &Vector3<f64>) -> [f64; 3] {

@@ -143,6 +143,63 @@ impl InputTable {
         Ok(table)
     }
 
+    /// A table of columns that a program gives: a name and its values at `times_s`, Booleans as 0 and 1.
+    ///
+    /// # Errors
+    /// Names that are no inputs or come twice, times that do not ascend, columns of other lengths, values that are not finite,
+    /// out of range or not of the input's type: said with name and row, counted from 0.
+    pub fn of_columns(
+        times_s: Vec<f64>,
+        given: Vec<(String, Vec<f64>)>,
+        variables: &[impl Channel],
+    ) -> Result<Self, String> {
+        if times_s.is_empty() {
+            return Err("inputs: no rows; at least one is needed".to_owned());
+        }
+        if let Some(row) = times_s.iter().position(|time_s| !time_s.is_finite()) {
+            return Err(format!("inputs: time in row {row} is not a finite number"));
+        }
+        if let Some(row) = times_s.windows(2).position(|pair| pair[1] <= pair[0]) {
+            let [first, second] = [times_s[row], times_s[row + 1]];
+            return Err(format!(
+                "inputs: time {second} s in row {} is not after {first} s; times must ascend",
+                row + 1
+            ));
+        }
+        let mut columns: Vec<Column> = Vec::with_capacity(given.len());
+        for (name, values) in given {
+            let bad = |cause: String| format!("inputs: {name}: {cause}");
+            let (position, kind) = input(&name, variables).map_err(|cause| format!("inputs: {cause}"))?;
+            if columns.iter().any(|column| column.position == position) {
+                return Err(bad("appears twice".to_owned()));
+            }
+            if values.len() != times_s.len() {
+                return Err(bad(format!("{} values for {} times", values.len(), times_s.len())));
+            }
+            let range = variables[position].range();
+            for (row, value) in values.iter().enumerate() {
+                let cause = match kind {
+                    _ if !value.is_finite() => "is not a finite number".to_owned(),
+                    Value::Boolean(_) if ![0.0, 1.0].contains(value) => {
+                        "is not a Boolean; allowed are 0 and 1".to_owned()
+                    }
+                    Value::Integer(_) if value.fract() != 0.0 || value.abs() > f64::from(i32::MAX) => {
+                        "is not a whole number".to_owned()
+                    }
+                    _ => match range {
+                        Some((smallest, largest)) if !(smallest..=largest).contains(value) => {
+                            format!("is out of range; allowed is {smallest:?} to {largest:?}")
+                        }
+                        _ => continue,
+                    },
+                };
+                return Err(bad(format!("`{value:?}` in row {row} {cause}")));
+            }
+            columns.push(Column { position, kind, values });
+        }
+        Ok(Self { times_s, columns })
+    }
+
     fn push(
         &mut self,
         record: &StringRecord,

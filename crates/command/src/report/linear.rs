@@ -10,7 +10,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 /// A linear model as JSON: `time_s`, `without_air` (the machine is in air, the model holds its loads), `state` (whether it is
 /// an equilibrium, joints, inputs that act, `growing_1_s`), `states`, `inputs`, `outputs` (name, unit, value about which it is linear) and
-/// the matrices `A`, `B`, `C`, `D` row by row.
+/// the matrices `A`, `B`, `C`, `D` row by row; where states were left out, `reduction` (`method`, `states_before`, `error_bound`).
 pub fn linear_json(model: &LinearModel) -> Value {
     let signals = |list: &[LinearSignal]| -> Vec<Value> {
         let entry = |signal: &LinearSignal| json!({ "name": signal.name, "unit": signal.unit, "value": signal.value });
@@ -20,7 +20,7 @@ pub fn linear_json(model: &LinearModel) -> Value {
         matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
     };
     let matrices = &model.matrices;
-    json!({
+    let mut value = json!({
         "written_by": "foldwing linearize",
         "time_s": model.point.time_s,
         "without_air": model.without_air,
@@ -32,7 +32,15 @@ pub fn linear_json(model: &LinearModel) -> Value {
         "B": rows(&matrices.b),
         "C": rows(&matrices.c),
         "D": rows(&matrices.d),
-    })
+    });
+    if let Some(reduction) = &model.reduction {
+        value["reduction"] = json!({
+            "method": reduction.method(),
+            "states_before": reduction.whole,
+            "error_bound": reduction.error_bound,
+        });
+    }
+    value
 }
 
 /// The operating point as JSON.
@@ -89,6 +97,9 @@ pub fn write_npz<W: Write + Seek>(model: &LinearModel, target: W) -> io::Result<
     }
     let point = &model.point;
     member("time_s", numbers(&[point.time_s], "()"))?;
+    if let Some(reduction) = &model.reduction {
+        member("error_bound", numbers(&[reduction.error_bound.unwrap_or(f64::NAN)], "()"))?;
+    }
     member("without_air", numbers(&[f64::from(u8::from(model.without_air))], "()"))?;
     member("equilibrium", numbers(&[f64::from(u8::from(point.equilibrium))], "()"))?;
     let growing = growing(point);

@@ -6,8 +6,8 @@ pub use crate::signal::{
     Parameters, SolverParameters, SpatialParameters, Switch,
 };
 pub use crate::study::{
-    Argument, Branch, Coarseness, Departure, Growth, Holding, InputSlope, LoadPath, PathPoint, Rest, Search,
-    SecondOrder, Stability, StateSpace, StaticEffort, Study,
+    Argument, Branch, Coarseness, Departure, Growth, Holding, InputSlope, Keep, LoadPath, NoReduction, PathPoint,
+    Reduced, Rest, Search, SecondOrder, Stability, StateSpace, StaticEffort, Study, reduce, sampled,
 };
 pub use crate::system::{
     AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, Freedom, Hybrid, JointOutputs,

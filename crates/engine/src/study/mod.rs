@@ -11,6 +11,7 @@ mod statics;
 pub use crate::solve::arc_length::PathPoint;
 pub use crate::solve::equilibrium::Effort as StaticEffort;
 pub use crate::solve::linearize::{SecondOrder, StateSpace};
+pub use crate::solve::reduction::{Keep, NoReduction, Reduced, reduce, sampled};
 pub use linear::Argument;
 pub use stability::{Coarseness, Growth, Stability};
 pub use state_space::InputSlope;

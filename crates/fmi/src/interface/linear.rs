@@ -4,7 +4,9 @@ use crate::interface::known::{Input, JointInput, Known};
 use crate::interface::operating_point::OperatingPoint;
 use crate::interface::table::Place;
 use crate::interface::{Causality, Interface, Value, Variable};
-use foldwing_engine::plant::{InputSlope, Inputs, Outputs, Plant, PlantError, StateSpace};
+use foldwing_engine::plant::{
+    InputSlope, Inputs, Keep, NoReduction, Outputs, Plant, PlantError, Reduced, StateSpace, reduce,
+};
 use nalgebra::DVector;
 
 /// A signal of a linear model.
@@ -33,6 +35,45 @@ pub struct LinearModel {
     pub outputs: Vec<LinearSignal>,
     /// The four matrices.
     pub matrices: StateSpace,
+    /// How the states became fewer, where they did.
+    pub reduction: Option<Reduction>,
+}
+
+/// How a linear model lost states.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reduction {
+    /// What was kept.
+    pub keep: Keep,
+    /// States before.
+    pub whole: usize,
+    /// Bound on the largest gain, over all frequencies, of what was left out, in units of the outputs over those of the inputs.
+    /// `None` where a motion that does not decay was left out.
+    pub error_bound: Option<f64>,
+}
+
+impl Reduction {
+    /// `modal` or `balanced`.
+    pub fn method(&self) -> &'static str {
+        match self.keep {
+            Keep::Modes => "modal",
+            Keep::Balanced => "balanced",
+        }
+    }
+}
+
+impl LinearModel {
+    /// The model with `order` states, NOTATION eqs. (L18) and (L19): `modal_1` and so on, or `balanced_1`, without unit.
+    ///
+    /// # Errors
+    /// Orders that are not possible, and models whose modes do not span the states.
+    pub fn reduced(&self, order: usize, keep: Keep) -> Result<Self, NoReduction> {
+        let Reduced { model, error_bound, .. } = reduce(&self.matrices, order, keep)?;
+        let reduction = Reduction { keep, whole: self.states.len(), error_bound };
+        let state =
+            |i: usize| LinearSignal { name: format!("{}_{i}", reduction.method()), unit: "1".to_owned(), value: 0.0 };
+        let states = (1..=model.a.nrows()).map(state).collect();
+        Ok(Self { states, matrices: model, reduction: Some(reduction), ..self.clone() })
+    }
 }
 
 /// Step of differences in the inputs of drives (rad, N·m): small against torque limits.
@@ -124,6 +165,7 @@ impl Interface {
             inputs: inputs.iter().map(|row| signal(row, present(&row))).collect(),
             outputs: outputs.iter().zip(values.iter()).map(|(row, &value)| signal(row, value)).collect(),
             matrices,
+            reduction: None,
         })
     }
 }

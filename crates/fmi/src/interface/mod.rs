@@ -25,7 +25,7 @@ mod units;
 pub use access::{AccessError, Kind, Scalar, Stage};
 pub use derivatives::DerivativeError;
 pub use guid::guid;
-pub use linear::{LinearModel, LinearSignal};
+pub use linear::{LinearModel, LinearSignal, Reduction};
 pub use operating_point::{Acting, JointPoint, OperatingPoint};
 pub use table::{Shape, Signal};
 pub use units::{RealType, TYPES, UNITS, Unit};

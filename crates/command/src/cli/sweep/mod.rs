@@ -4,6 +4,9 @@ mod journal;
 mod plan;
 mod variant;
 
+pub(super) use plan::Plan;
+pub(super) use variant::{Experiment, columns};
+
 use crate::cli::choice::chosen;
 use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::outlets::{Mark, Outlets};
@@ -13,7 +16,6 @@ use crate::cli::{Failure, read_model, version};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_fmi::interface::Interface;
 use journal::Journal;
-use plan::Plan;
 use serde_json::json;
 use sha2::{Digest, Sha256};
 use std::fs;
@@ -21,7 +23,6 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-use variant::{Experiment, columns};
 
 #[derive(clap::Args)]
 #[command(after_long_help = crate::cli::help::SWEEP, group = clap::ArgGroup::new("variants").required(true))]
@@ -88,7 +89,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         text: &text,
         plan: &plan,
         settings: &arguments.settings,
-        inputs,
+        inputs: inputs.as_ref(),
         grid: &arguments.grid,
         outputs: &outputs,
     };

@@ -13,7 +13,7 @@ const MOST_VARIANTS: usize = 1_000_000;
 const FILE_PREFIX: &str = "file:";
 
 /// Keys, and their values as texts for every variant.
-pub(super) struct Plan {
+pub(in crate::cli) struct Plan {
     /// File of the samples; none for grids.
     file: Option<String>,
     keys: Vec<String>,
@@ -81,6 +81,25 @@ impl Plan {
             return Err(Failure::Refused(format!("{name}: no rows below the header; at least one is needed")));
         }
         Ok(Self { file: Some(name), keys, values: Values::Rows(rows) })
+    }
+
+    /// Rows of values, one for each variant, as a program gives them; messages begin with `place`.
+    pub fn rows(
+        place: &str,
+        keys: Vec<String>,
+        rows: Vec<Vec<String>>,
+        interface: &Interface,
+    ) -> Result<Self, Failure> {
+        check_keys(&keys, place, interface)?;
+        if rows.is_empty() || rows.len() > MOST_VARIANTS {
+            let count = rows.len();
+            return Err(Failure::Usage(format!("{place}: {count} variants; allowed are 1 to {MOST_VARIANTS}")));
+        }
+        if let Some(index) = rows.iter().position(|row| row.len() != keys.len()) {
+            let (given, wanted) = (rows[index].len(), keys.len());
+            return Err(Failure::Usage(format!("{place}: variant {index}: {given} values for {wanted} keys")));
+        }
+        Ok(Self { file: Some(place.to_owned()), keys, values: Values::Rows(rows) })
     }
 
     /// Keys, as the user wrote them.

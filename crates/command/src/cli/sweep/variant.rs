@@ -15,7 +15,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 /// Everything that the variants have in common.
-pub(super) struct Experiment<'a> {
+pub(in crate::cli) struct Experiment<'a> {
     /// Name of the model file, for messages.
     pub file: String,
     /// The model without variation.
@@ -29,7 +29,7 @@ pub(super) struct Experiment<'a> {
     /// `--set`, for all variants.
     pub settings: &'a [String],
     /// Inputs over time, for all variants.
-    pub inputs: Option<InputTable>,
+    pub inputs: Option<&'a InputTable>,
     /// Communication points, as far as the command line gives them.
     pub grid: &'a GridArguments,
     /// Variables whose last value is wanted.
@@ -40,7 +40,7 @@ pub(super) struct Experiment<'a> {
 ///
 /// # Errors
 /// Where two columns would have one name.
-pub(super) fn columns(plan: &Plan, outputs: &[String], machine: &Machine) -> Result<Vec<String>, Failure> {
+pub(in crate::cli) fn columns(plan: &Plan, outputs: &[String], machine: &Machine) -> Result<Vec<String>, Failure> {
     let mut columns = vec!["variant".to_owned()];
     columns.extend(plan.keys().iter().cloned());
     columns.extend(["status", "end_time"].map(str::to_owned));
@@ -221,11 +221,11 @@ impl Experiment<'_> {
         let (start_s, stop_s) = (experiment.start_time_s, experiment.stop_time_s);
         let grid = Grid::new(self.grid, start_s, stop_s, experiment.step_s)?;
         let failed = |error: foldwing_engine::plant::PlantError| Failure::Simulation(error.to_string());
-        feed(self.inputs.as_ref(), interface, plant, grid.start_s)?;
+        feed(self.inputs, interface, plant, grid.start_s)?;
         plant.initialize(grid.start_s).map_err(failed)?;
         measures.include(plant);
         for point in 1..=grid.steps {
-            feed(self.inputs.as_ref(), interface, plant, grid.time_s(point - 1))?;
+            feed(self.inputs, interface, plant, grid.time_s(point - 1))?;
             let outcome = plant.step(grid.time_s(point));
             measures.include(plant);
             outcome.map_err(failed)?;

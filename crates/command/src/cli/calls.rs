@@ -1,0 +1,225 @@
+//! What the commands do, for programs that call them: the same checks, numbers and words, without files and prints.
+
+use crate::cli::Failure;
+use crate::cli::grid::{Grid, GridArguments};
+use crate::cli::outlets::{Mark, Outlets};
+use crate::cli::sweep::{Experiment, Plan, columns};
+use crate::cli::{check, package as packages, stability, statics};
+use crate::packaging::{self, Extras, Kinds, Library};
+use crate::report::InputTable;
+use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::{Branch, Holding, LoadPath, Plant, PlantError, Search};
+use foldwing_fmi::interface::{Interface, Variable};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What `foldwing check` prints; `list_variables` adds every variable.
+pub fn summary(machine: &Machine, list_variables: bool) -> String {
+    check::text(machine, list_variables)
+}
+
+/// What `foldwing check --json` prints.
+pub fn summary_json(machine: &Machine) -> String {
+    check::json(machine)
+}
+
+/// Brings a plant to rest as `foldwing static` does, and describes it as `foldwing static --json` does.
+///
+/// `arc_length` follows the path of equilibria through limit points; `stable` takes a stable equilibrium downhill where the
+/// one on the path is not.
+///
+/// # Errors
+/// [`PlantError::Equilibrium`] where there is none.
+pub fn rest(plant: &mut Plant, time_s: f64, arc_length: bool, stable: bool) -> Result<Value, PlantError> {
+    let search = Search {
+        path: if arc_length { LoadPath::ArcLength } else { LoadPath::Load },
+        branch: if stable { Branch::Stable } else { Branch::Path },
+    };
+    let rest = plant.study().rest(time_s, Holding::AsReleased, search)?;
+    statics::rest_json(plant, &rest)
+}
+
+/// Modes of lowest frequency about rest, or about the undeformed state, as `foldwing modes --json` describes them.
+///
+/// # Errors
+/// [`PlantError::Equilibrium`] where there is no rest, [`PlantError::Linearization`] where the modes cannot be found.
+pub fn modes(plant: &mut Plant, time_s: f64, undeformed: bool, count: usize) -> Result<Value, PlantError> {
+    if undeformed {
+        plant.study().undeformed(time_s)?;
+        let modes = plant.study().modes(count)?;
+        return Ok(crate::cli::modes::as_json(plant, &modes));
+    }
+    let departure = plant.study().rest(time_s, Holding::AsReleased, Search::default())?.departure;
+    let stability = plant.study().stability()?;
+    let modes = plant.study().modes(count)?;
+    let mut value = crate::cli::modes::as_json(plant, &modes);
+    value["stability"] = stability::as_json(plant, &stability, departure);
+    Ok(value)
+}
+
+/// What goes into an FMU, and where it goes.
+#[derive(Debug, Clone, Default)]
+pub struct Packaging {
+    /// The FMU.
+    pub output: PathBuf,
+    /// Model file, which is never overwritten.
+    pub model: Option<PathBuf>,
+    /// Shared libraries, one for each platform; each says by itself which.
+    pub libraries: Vec<PathBuf>,
+    /// State about which to add a linear model: `start`, `equilibrium`, or a time in s.
+    pub linear: Option<String>,
+    /// Leave the reference results out.
+    pub without_reference: bool,
+    /// Replace a file that something else wrote.
+    pub force: bool,
+}
+
+/// Writes an FMU as `foldwing package` does, byte for byte.
+///
+/// # Errors
+/// As the command's: names, libraries, files, and a default experiment that fails.
+pub fn package(machine: &Machine, text: &str, packaging: &Packaging) -> Result<(), Failure> {
+    packages::check_name(&packaging.output)?;
+    let read = packaging.model.iter().chain(&packaging.libraries).map(PathBuf::as_path);
+    let mut outlets = Outlets::new(packaging.force, read);
+    let place = outlets.place(&packaging.output, Mark::FMU)?;
+    let extras = Extras {
+        kinds: Kinds::default(),
+        reference: (!packaging.without_reference).then(|| packages::reference(machine)).transpose()?,
+        linear: packaging.linear.as_ref().map(|at| packages::linear(machine, at)).transpose()?,
+    };
+    let mut libraries = Vec::new();
+    for path in &packaging.libraries {
+        libraries.extend(Library::read(path, None).map_err(packages::failure)?);
+    }
+    let fmu = packaging::package(machine, text, &extras, &libraries).map_err(packages::failure)?;
+    place.fill_durably(&fmu)
+}
+
+/// Writes a page that plays a run; another file in its place stays unless `force`.
+///
+/// # Errors
+/// Where the file cannot be written, or is not one that Foldwing wrote.
+pub fn write_page(page: &str, output: &Path, force: bool) -> Result<(), Failure> {
+    Outlets::new(force, []).place(output, Mark::PAGE)?.fill(page.as_bytes())
+}
+
+/// Communication points of a run, in s; what is `None` is the model's.
+///
+/// # Errors
+/// Times that are not finite, in the wrong order, or too many.
+pub fn points(
+    machine: &Machine,
+    start_s: Option<f64>,
+    stop_s: Option<f64>,
+    step_s: Option<f64>,
+) -> Result<Vec<f64>, Failure> {
+    let experiment = &machine.experiment;
+    let arguments = GridArguments::of(start_s, stop_s, step_s);
+    let grid = Grid::new(&arguments, experiment.start_time_s, experiment.stop_time_s, experiment.step_s)?;
+    Ok((0..=grid.steps).map(|point| grid.time_s(point)).collect())
+}
+
+/// The variables that names choose: whole names, or beginnings that end with a point.
+///
+/// # Errors
+/// Names that choose nothing, with the nearest one that would; `what` says what they were to be.
+pub fn chosen<'a>(
+    names: &[String],
+    rows: impl Iterator<Item = &'a Variable>,
+    what: &str,
+) -> Result<Vec<&'a Variable>, Failure> {
+    crate::cli::linearize::chosen(names, rows, what)
+}
+
+/// Variants of a model, each run as `foldwing sweep` runs it.
+pub struct SweepPlan {
+    file: String,
+    machine: Arc<Machine>,
+    interface: Arc<Interface>,
+    text: String,
+    plan: Plan,
+    inputs: Option<InputTable>,
+    grid: GridArguments,
+    outputs: Vec<String>,
+    columns: Vec<String>,
+}
+
+/// What all variants of a sweep have in common.
+#[derive(Debug, Clone, Default)]
+pub struct SweepRun {
+    /// Start, stop and step in s; what is `None` is the model's.
+    pub times_s: [Option<f64>; 3],
+    /// Inputs over time.
+    pub inputs: Option<InputTable>,
+    /// Variables whose last value is wanted.
+    pub outputs: Vec<String>,
+}
+
+impl SweepPlan {
+    /// Variants of the model in `text`, which `machine` and `interface` are of: `keys` are start values of inputs and parameters,
+    /// or keys of the model file as `file:body.inner.length_m`; each row has their values for one variant.
+    ///
+    /// # Errors
+    /// What the command refuses before it runs anything.
+    pub fn new(
+        (file, text): (&str, &str),
+        (machine, interface): (Arc<Machine>, Arc<Interface>),
+        keys: Vec<String>,
+        rows: Vec<Vec<String>>,
+        run: SweepRun,
+    ) -> Result<Self, Failure> {
+        let plan = Plan::rows("sweep", keys, rows, &interface)?;
+        for name in &run.outputs {
+            interface
+                .find(name)
+                .ok_or_else(|| crate::cli::simulate::unknown(name, "variable", interface.variables()))?;
+        }
+        let [start, stop, step] = run.times_s;
+        points(&machine, start, stop, step)?;
+        let columns = columns(&plan, &run.outputs, &machine)?;
+        let sweep = Self {
+            file: file.to_owned(),
+            machine,
+            interface,
+            text: text.to_owned(),
+            plan,
+            inputs: run.inputs,
+            grid: GridArguments::of(start, stop, step),
+            outputs: run.outputs,
+            columns,
+        };
+        sweep.experiment().check_values()?;
+        Ok(sweep)
+    }
+
+    /// Names of the columns of a row.
+    pub fn columns(&self) -> &[String] {
+        &self.columns
+    }
+
+    /// Number of variants.
+    pub fn count(&self) -> usize {
+        self.plan.count()
+    }
+
+    /// Runs a variant; its row as texts. Whatever goes wrong is the row's message.
+    pub fn run(&self, index: usize) -> Vec<String> {
+        std::iter::once(index.to_string()).chain(self.experiment().run(index)).collect()
+    }
+
+    fn experiment(&self) -> Experiment<'_> {
+        Experiment {
+            file: self.file.clone(),
+            machine: Arc::clone(&self.machine),
+            interface: Arc::clone(&self.interface),
+            text: &self.text,
+            plan: &self.plan,
+            settings: &[],
+            inputs: self.inputs.as_ref(),
+            grid: &self.grid,
+            outputs: &self.outputs,
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! The native part of the Python package `foldwing`: handles on machines, runs and linear models, NumPy arrays in and out.
+//!
+//! No physics and no state but the handles. What a user imports is `python/foldwing`, which names, units and plots stand in.
+//! Every run is made with the interpreter released, and looks for Ctrl-C ten times a second.
+
+mod linear;
+mod model;
+mod progress;
+mod refusal;
+mod simulation;
+mod sweep;
+
+use pyo3::prelude::*;
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+/// Runs the command `foldwing` with these arguments, the program's name first; returns its exit code.
+#[pyfunction]
+fn run_command(py: Python<'_>, arguments: Vec<OsString>, library: Option<PathBuf>) -> u8 {
+    py.detach(|| foldwing_command::run_as(arguments, library.as_deref()))
+}
+
+/// The JSON schema of model files.
+#[pyfunction]
+fn schema() -> String {
+    foldwing_file::schema()
+}
+
+/// Writes a page that plays a run; a file that something else wrote stays unless `force`.
+#[pyfunction]
+fn write_page(page: &str, output: PathBuf, force: bool) -> PyResult<()> {
+    foldwing_command::cli::write_page(page, &output, force).map_err(|failure| refusal::command(&failure))
+}
+
+/// What `foldwing._native` holds.
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<model::Model>()?;
+    module.add_class::<model::InputTable>()?;
+    module.add_class::<simulation::Simulation>()?;
+    module.add_class::<simulation::State>()?;
+    module.add_class::<linear::LinearModel>()?;
+    module.add_function(wrap_pyfunction!(linear::reduced, module)?)?;
+    module.add_function(wrap_pyfunction!(linear::discretized, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(run_command, module)?)?;
+    module.add_function(wrap_pyfunction!(write_page, module)?)?;
+    module.add_function(wrap_pyfunction!(schema, module)?)
+}

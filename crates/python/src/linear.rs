@@ -1,0 +1,126 @@
+//! Linear models as arrays.
+
+use crate::refusal;
+use crate::simulation::Simulation;
+use foldwing_command::cli;
+use foldwing_command::report::linear_json;
+use foldwing_engine::plant::{Keep, NoReduction, Reduced, StateSpace, reduce, sampled};
+use foldwing_fmi::interface;
+use nalgebra::DMatrix;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+/// `δẋ = A δx + B δu`, `δy = C δx + D δu` about a state.
+#[pyclass(frozen, module = "foldwing._native")]
+pub struct LinearModel {
+    model: interface::LinearModel,
+}
+
+#[pymethods]
+impl LinearModel {
+    /// About the present state of a simulation, between the real inputs and outputs that names and prefixes choose.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        mut simulation: PyRefMut<'_, Simulation>,
+        inputs: Vec<String>,
+        outputs: Vec<String>,
+    ) -> PyResult<Self> {
+        let (plant, shared) = simulation.parts();
+        let failed = |failure: cli::Failure| refusal::command(&failure);
+        let inputs = cli::chosen(&inputs, shared.interface.real_inputs(), "real input").map_err(failed)?;
+        let outputs = cli::chosen(&outputs, shared.interface.real_outputs(), "real output").map_err(failed)?;
+        let model = py
+            .detach(|| shared.interface.linearize(plant, &inputs, &outputs))
+            .map_err(|error| refusal::statics(&error))?;
+        Ok(Self { model })
+    }
+
+    /// `A`, `B`, `C`, `D`.
+    fn matrices<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray2<f64>>; 4]> {
+        let of = &self.model.matrices;
+        Ok([array(py, &of.a)?, array(py, &of.b)?, array(py, &of.c)?, array(py, &of.d)?])
+    }
+
+    /// States, inputs, outputs (name, unit, value) and the state it is about, as `foldwing linearize -o x.json` writes them but
+    /// for the matrices.
+    fn describe(&self) -> String {
+        let mut described = interface::LinearModel {
+            matrices: StateSpace {
+                a: DMatrix::zeros(0, 0),
+                b: DMatrix::zeros(0, 0),
+                c: DMatrix::zeros(0, 0),
+                d: DMatrix::zeros(0, 0),
+            },
+            ..self.model.clone()
+        };
+        described.without_air = self.model.without_air;
+        linear_json(&described).to_string()
+    }
+
+    /// The state it is about, in words.
+    fn about(&self) -> String {
+        self.model.point.to_string()
+    }
+}
+
+/// `A`, `B`, `C`, `D`, the bound on the error, and Hankel singular values of a model with fewer states.
+type Reduction<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Option<f64>,
+    Vec<f64>,
+);
+
+/// A model with `order` states: the slowest modes, or balanced.
+#[pyfunction]
+pub fn reduced<'py>(
+    py: Python<'py>,
+    a: PyReadonlyArray2<'py, f64>,
+    b: PyReadonlyArray2<'py, f64>,
+    c: PyReadonlyArray2<'py, f64>,
+    d: PyReadonlyArray2<'py, f64>,
+    order: usize,
+    modal: bool,
+) -> PyResult<Reduction<'py>> {
+    let model = StateSpace { a: matrix(&a), b: matrix(&b), c: matrix(&c), d: matrix(&d) };
+    let keep = if modal { Keep::Modes } else { Keep::Balanced };
+    let Reduced { model, error_bound, hankel } =
+        py.detach(|| reduce(&model, order, keep)).map_err(|error| refused(&error))?;
+    let [a, b, c, d] = [array(py, &model.a)?, array(py, &model.b)?, array(py, &model.c)?, array(py, &model.d)?];
+    Ok((a, b, c, d, error_bound, hankel))
+}
+
+/// `A` and `B` for samples of `dt` s with inputs held in between.
+#[pyfunction]
+pub fn discretized<'py>(
+    py: Python<'py>,
+    a: PyReadonlyArray2<'py, f64>,
+    b: PyReadonlyArray2<'py, f64>,
+    dt: f64,
+) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+    let (a, b) = (matrix(&a), matrix(&b));
+    let model = StateSpace { c: DMatrix::zeros(0, a.ncols()), d: DMatrix::zeros(0, b.ncols()), a, b };
+    let (a, b) = py.detach(|| sampled(&model, dt)).map_err(|error| refused(&error))?;
+    Ok((array(py, &a)?, array(py, &b)?))
+}
+
+fn refused(error: &NoReduction) -> PyErr {
+    match error {
+        NoReduction::Order { .. } => refusal::usage(error.to_string()),
+        _ => refusal::no_linear_model(error.to_string()),
+    }
+}
+
+fn matrix(array: &PyReadonlyArray2<'_, f64>) -> DMatrix<f64> {
+    let array = array.as_array();
+    DMatrix::from_fn(array.nrows(), array.ncols(), |i, j| array[[i, j]])
+}
+
+/// A matrix as an array of shape (rows, columns).
+pub fn array<'py>(py: Python<'py>, matrix: &DMatrix<f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let values: Vec<f64> = matrix.transpose().as_slice().to_vec();
+    PyArray1::from_vec(py, values).reshape([matrix.nrows(), matrix.ncols()])
+}

@@ -1,0 +1,277 @@
+//! A machine, its variables, and what is asked of it without a run.
+
+use crate::refusal;
+use foldwing_command::cli::{self, Packaging};
+use foldwing_command::report;
+use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::Plant;
+use foldwing_fmi::interface::{self, Causality, Interface, Variability, Variable};
+use numpy::PyReadonlyArray1;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A machine with the text it was read from and the table of its variables.
+pub struct Shared {
+    /// Name of the file, for messages.
+    pub file: String,
+    /// Text of the model file.
+    pub text: String,
+    /// The machine.
+    pub machine: Arc<Machine>,
+    /// Its variables.
+    pub interface: Arc<Interface>,
+}
+
+/// Handle on a machine.
+#[pyclass(frozen, module = "foldwing._native")]
+pub struct Model {
+    pub shared: Arc<Shared>,
+}
+
+#[pymethods]
+impl Model {
+    /// Reads the text of a model file; `file` is the name in messages.
+    #[new]
+    fn new(py: Python<'_>, text: String, file: String) -> PyResult<Self> {
+        let machine = py.detach(|| foldwing_file::parse(&text, &file)).map_err(|error| refusal::model(&error))?;
+        let interface = Arc::new(Interface::new(&machine));
+        Ok(Self { shared: Arc::new(Shared { file, text, machine: Arc::new(machine), interface }) })
+    }
+
+    /// The model file of a JSON object with the same keys.
+    #[staticmethod]
+    fn text_of_json(json: &str) -> PyResult<String> {
+        foldwing_file::text_of_json(json).map_err(|error| refusal::usage(format!("from_dict: {error}")))
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.shared.machine.name
+    }
+
+    #[getter]
+    fn description(&self) -> &str {
+        &self.shared.machine.description
+    }
+
+    #[getter]
+    fn text(&self) -> &str {
+        &self.shared.text
+    }
+
+    /// Start, stop and step of the experiment in s.
+    #[getter]
+    fn experiment(&self) -> (f64, f64, f64) {
+        let experiment = &self.shared.machine.experiment;
+        (experiment.start_time_s, experiment.stop_time_s, experiment.step_s)
+    }
+
+    /// Rows of the table: name, causality, variability, type, unit, start, smallest, largest, description.
+    fn variables<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        self.shared.interface.variables().iter().map(|row| described(py, row)).collect()
+    }
+
+    /// Vectors and quaternions: name, value reference of the first component, number of components.
+    fn vectors(&self) -> Vec<(String, u32, usize)> {
+        let signals = self.shared.interface.signals().iter();
+        let count = |signal: &interface::Signal| signal.shape.components().len();
+        signals
+            .filter(|signal| count(signal) > 1)
+            .map(|signal| (signal.name.clone(), signal.first_reference, count(signal)))
+            .collect()
+    }
+
+    /// Value reference of a name, which is refused with the nearest one where there is none.
+    fn find(&self, name: &str) -> PyResult<u32> {
+        self.row(name, "variable").map(|row| row.value_reference)
+    }
+
+    /// What `foldwing check` prints.
+    fn check(&self, py: Python<'_>, variables: bool) -> String {
+        py.detach(|| cli::summary(&self.shared.machine, variables))
+    }
+
+    /// What `foldwing check --json` prints.
+    fn check_json(&self, py: Python<'_>) -> String {
+        py.detach(|| cli::summary_json(&self.shared.machine))
+    }
+
+    /// What `foldwing static --json` prints.
+    fn rest_json(
+        &self,
+        py: Python<'_>,
+        settings: Vec<(String, Bound<'_, PyAny>)>,
+        arc_length: bool,
+        stable: bool,
+    ) -> PyResult<String> {
+        let mut plant = self.plant(&settings)?;
+        let time_s = self.shared.machine.experiment.start_time_s;
+        py.detach(|| cli::rest(&mut plant, time_s, arc_length, stable))
+            .map(|value| value.to_string())
+            .map_err(|error| refusal::statics(&error))
+    }
+
+    /// What `foldwing modes --json` prints.
+    fn modes_json(
+        &self,
+        py: Python<'_>,
+        settings: Vec<(String, Bound<'_, PyAny>)>,
+        undeformed: bool,
+        count: usize,
+    ) -> PyResult<String> {
+        let mut plant = self.plant(&settings)?;
+        let time_s = self.shared.machine.experiment.start_time_s;
+        py.detach(|| cli::modes(&mut plant, time_s, undeformed, count))
+            .map(|value| value.to_string())
+            .map_err(|error| refusal::statics(&error))
+    }
+
+    /// Writes an FMU.
+    #[pyo3(signature = (output, *, model, libraries, linear, without_reference, force))]
+    fn package(
+        &self,
+        py: Python<'_>,
+        output: PathBuf,
+        model: Option<PathBuf>,
+        libraries: Vec<PathBuf>,
+        linear: Option<String>,
+        without_reference: bool,
+        force: bool,
+    ) -> PyResult<()> {
+        let packaging = Packaging { output, model, libraries, linear, without_reference, force };
+        py.detach(|| cli::package(&self.shared.machine, &self.shared.text, &packaging))
+            .map_err(|failure| refusal::command(&failure))
+    }
+
+    /// Communication points in s as an array of shape (points,).
+    fn points<'py>(
+        &self,
+        py: Python<'py>,
+        start_s: Option<f64>,
+        stop_s: Option<f64>,
+        step_s: Option<f64>,
+    ) -> PyResult<Bound<'py, numpy::PyArray1<f64>>> {
+        let points = cli::points(&self.shared.machine, start_s, stop_s, step_s);
+        Ok(numpy::PyArray1::from_vec(py, points.map_err(|failure| refusal::command(&failure))?))
+    }
+}
+
+impl Model {
+    /// A plant with start values set, not yet initialised.
+    pub fn plant(&self, settings: &[(String, Bound<'_, PyAny>)]) -> PyResult<Plant> {
+        let mut plant = Plant::new(Arc::clone(&self.shared.machine));
+        for (name, value) in settings {
+            let row = self.row(name, "input or parameter")?;
+            let value = of_kind(row, value)?;
+            self.shared
+                .interface
+                .set(&mut plant, row.value_reference, value)
+                .map_err(|error| refusal::access(&error))?;
+        }
+        Ok(plant)
+    }
+
+    /// The row of a name; `what` says what it was to be.
+    pub fn row(&self, name: &str, what: &str) -> PyResult<&Variable> {
+        row(&self.shared.interface, name, what)
+    }
+}
+
+/// The row of a name, refused with the nearest one.
+pub fn row<'a>(interface: &'a Interface, name: &str, what: &str) -> PyResult<&'a Variable> {
+    interface
+        .find(name)
+        .ok_or_else(|| refusal::usage(report::inputs::unknown_name(name, what, interface.variables().iter())))
+}
+
+/// A Python number as a value of a row's type.
+pub fn of_kind(row: &Variable, value: &Bound<'_, PyAny>) -> PyResult<interface::Value> {
+    let refused = |what: &str| {
+        let text = value.repr().map(|text| text.to_string()).unwrap_or_default();
+        refusal::usage(format!("{}: {text} is not {what}", row.name))
+    };
+    match row.value {
+        interface::Value::Real(_) if !value.is_instance_of::<PyBool>() => {
+            value.extract().map(interface::Value::Real).map_err(|_| refused("a number"))
+        }
+        interface::Value::Real(_) => Err(refused("a number")),
+        interface::Value::Integer(_) => {
+            value.extract().map(interface::Value::Integer).map_err(|_| refused("a whole number"))
+        }
+        interface::Value::Boolean(_) => match value.extract::<f64>() {
+            Ok(number) if number == 0.0 || number == 1.0 => Ok(interface::Value::Boolean(number != 0.0)),
+            _ => value
+                .extract()
+                .map(interface::Value::Boolean)
+                .map_err(|_| refused("a Boolean; allowed are 0, 1, False and True")),
+        },
+    }
+}
+
+fn described<'py>(py: Python<'py>, row: &Variable) -> PyResult<Bound<'py, PyDict>> {
+    let fields = PyDict::new(py);
+    fields.set_item("name", &row.name)?;
+    fields.set_item(
+        "causality",
+        match row.causality {
+            Causality::Input => "input",
+            Causality::Output => "output",
+            Causality::Parameter => "parameter",
+            Causality::Local => "local",
+            Causality::Independent => "independent",
+        },
+    )?;
+    fields.set_item(
+        "variability",
+        match row.variability {
+            Variability::Fixed => "fixed",
+            Variability::Tunable => "tunable",
+            Variability::Discrete => "discrete",
+            Variability::Continuous => "continuous",
+        },
+    )?;
+    match row.value {
+        interface::Value::Real(start) => {
+            fields.set_item("type", "Real")?;
+            fields.set_item("start", start)?;
+        }
+        interface::Value::Integer(start) => {
+            fields.set_item("type", "Integer")?;
+            fields.set_item("start", start)?;
+        }
+        interface::Value::Boolean(start) => {
+            fields.set_item("type", "Boolean")?;
+            fields.set_item("start", start)?;
+        }
+    }
+    fields.set_item("unit", row.unit())?;
+    fields.set_item("range", row.range)?;
+    fields.set_item("description", &row.description)?;
+    Ok(fields)
+}
+
+/// Inputs over time, read as the command reads them from CSV: reals on straight lines between rows, the others held.
+#[pyclass(frozen, module = "foldwing._native")]
+pub struct InputTable {
+    pub table: report::InputTable,
+}
+
+#[pymethods]
+impl InputTable {
+    /// Columns by name, each as long as `times_s`.
+    #[new]
+    fn new(
+        model: &Model,
+        times_s: PyReadonlyArray1<'_, f64>,
+        columns: Vec<(String, PyReadonlyArray1<'_, f64>)>,
+    ) -> PyResult<Self> {
+        let columns: Vec<(String, Vec<f64>)> =
+            columns.into_iter().map(|(name, values)| (name, values.as_array().to_vec())).collect();
+        let table =
+            report::InputTable::of_columns(times_s.as_array().to_vec(), columns, model.shared.interface.variables())
+                .map_err(refusal::usage)?;
+        Ok(Self { table })
+    }
+}

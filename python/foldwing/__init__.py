@@ -1,0 +1,42 @@
+"""Flexible machines with joints: a wing that folds, unfolds and latches, as NumPy arrays.
+
+>>> import foldwing as fw
+>>> model = fw.load("examples/models/folding_wing.toml")
+>>> run = model.simulate(until=0.4, outputs=["fold.*", "tip.position"])
+>>> round(float(run["fold.latch_time"][-1]), 4)
+0.1222
+>>> run["tip.position"].shape == (len(run.time), 3)
+True
+
+Names, units and signs are those of the FMU's variables: SI units, angles in rad, the root frame. `docs/guide/variables.md` lists
+them, and so does `Model.variables`. Work that lasts releases the interpreter and stops at Ctrl-C.
+"""
+
+from ._native import State, __version__, schema
+from .builder import Builder
+from .errors import FilesError, FoldwingError, ModelError, SimulationError, StaticsError, UsageError
+from .linear import LinearModel
+from .model import Model, Variable, load
+from .result import Result
+from .simulation import Simulation
+from .table import Table
+
+__all__ = [
+    "Builder",
+    "FilesError",
+    "FoldwingError",
+    "LinearModel",
+    "Model",
+    "ModelError",
+    "Result",
+    "Simulation",
+    "SimulationError",
+    "State",
+    "StaticsError",
+    "Table",
+    "UsageError",
+    "Variable",
+    "__version__",
+    "load",
+    "schema",
+]

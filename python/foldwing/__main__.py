@@ -1,0 +1,7 @@
+"""`python -m foldwing` is the command `foldwing`."""
+
+import sys
+
+from .command import main
+
+sys.exit(main())

@@ -1,0 +1,114 @@
+"""The native part: handles, arrays in and out. Users import `foldwing`."""
+
+import os
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+__version__: str
+
+_Array = NDArray[np.float64]
+_Start = Union[float, int, bool]
+_Settings = Sequence[Tuple[str, _Start]]
+_Tell = Optional[Callable[[float], None]]
+
+class Model:
+    def __new__(cls, text: str, file: str) -> Model: ...
+    @staticmethod
+    def text_of_json(json: str) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def description(self) -> str: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def experiment(self) -> Tuple[float, float, float]: ...
+    def variables(self) -> List[Dict[str, Any]]: ...
+    def vectors(self) -> List[Tuple[str, int, int]]: ...
+    def find(self, name: str) -> int: ...
+    def check(self, variables: bool) -> str: ...
+    def check_json(self) -> str: ...
+    def rest_json(self, settings: _Settings, arc_length: bool, stable: bool) -> str: ...
+    def modes_json(self, settings: _Settings, undeformed: bool, count: int) -> str: ...
+    def package(
+        self,
+        output: Union[str, "os.PathLike[str]"],
+        *,
+        model: Union[None, str, "os.PathLike[str]"],
+        libraries: Sequence[Union[str, "os.PathLike[str]"]],
+        linear: Optional[str],
+        without_reference: bool,
+        force: bool,
+    ) -> None: ...
+    def points(self, start_s: Optional[float], stop_s: Optional[float], step_s: Optional[float]) -> _Array: ...
+
+class InputTable:
+    def __new__(cls, model: Model, times_s: _Array, columns: Sequence[Tuple[str, _Array]]) -> InputTable: ...
+
+class Simulation:
+    def __new__(cls, model: Model, settings: _Settings) -> Simulation: ...
+    def start(self, time_s: float) -> None:
+        """Finds the initial state at `time_s`; `Model.start` has done so."""
+    def settle(self, time_s: float) -> None:
+        """Brings the machine to rest under its loads at `time_s`."""
+    @property
+    def time(self) -> float:
+        """Present time in s."""
+    def step(self, step: float) -> None:
+        """Goes on by `step` s with the present inputs. Latches close inside the step, at their own time."""
+    def step_to(self, time: float) -> None:
+        """Goes on to `time` s with the present inputs."""
+    def __getitem__(self, name: str) -> Any:
+        """A variable: a float, int or bool; of a vector's name an array of shape (3,), of a quaternion's (4,), w first."""
+    def __setitem__(self, name: str, value: Union[float, bool, Sequence[float], _Array]) -> None:
+        """Sets an input or a tunable parameter from now on; of a vector's name all components."""
+    def values(self, references: NDArray[np.uint32]) -> _Array:
+        """Values of the variables with these value references, shape (references,); Booleans as 0 and 1."""
+    def save(self) -> State:
+        """Everything that later results depend on."""
+    def restore(self, state: State) -> None:
+        """Goes back to a saved state of the same model, bit for bit."""
+    def statistics(self) -> Dict[str, int]:
+        """Steps, rejections, failures, iterations, factorizations and events since the start."""
+    def run(
+        self, times_s: _Array, references: Sequence[int], inputs: Optional[InputTable], view: bool, progress: _Tell
+    ) -> Tuple[_Array, int, Optional[BaseException], Optional[str]]:
+        """Runs from the first of `times_s` to the last; `Model.simulate` calls it."""
+
+class State:
+    """A saved state."""
+
+    @staticmethod
+    def from_bytes(model: Model, bytes: bytes) -> State:
+        """From what `to_bytes` gave, in any process with the same version and model."""
+    def to_bytes(self) -> bytes:
+        """The state as bytes."""
+
+class LinearModel:
+    def __new__(cls, simulation: Simulation, inputs: Sequence[str], outputs: Sequence[str]) -> LinearModel: ...
+    def matrices(self) -> List[_Array]: ...
+    def describe(self) -> str: ...
+    def about(self) -> str: ...
+
+def sweep(
+    model: Model,
+    keys: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    *,
+    times: Tuple[Optional[float], Optional[float], Optional[float]],
+    inputs: Optional[InputTable],
+    outputs: Sequence[str],
+    threads: int,
+    progress: _Tell,
+) -> Tuple[List[str], List[List[str]]]: ...
+def run_command(arguments: Sequence[str], library: Optional[str]) -> int: ...
+def write_page(page: str, output: str, force: bool) -> None: ...
+def schema() -> str:
+    """The JSON schema of model files."""
+
+def discretized(a: _Array, b: _Array, dt: float) -> Tuple[_Array, _Array]: ...
+def reduced(
+    a: _Array, b: _Array, c: _Array, d: _Array, order: int, modal: bool
+) -> Tuple[_Array, _Array, _Array, _Array, Optional[float], _Array]: ...

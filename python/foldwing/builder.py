@@ -1,0 +1,72 @@
+"""A machine in code, with the keys of the model file."""
+
+from __future__ import annotations
+
+from typing import Any, Dict
+
+from .model import Model
+
+
+class Builder:
+    """Puts a machine together; every keyword is a key of the model file, with its unit in its name.
+
+    >>> wing = (
+    ...     Builder("FoldingWing", gravity_m_s2=[0.0, 0.0, -9.81])
+    ...     .section("spar", shape="rectangle", width_m=0.12, height_m=0.004, density_kg_m3=1600.0, young_Pa=60e9, poisson_ratio=0.3)
+    ...     .body("inner", length_m=0.4, section="spar", elements=2)
+    ...     .body("outer", length_m=0.3, section="spar", elements=2)
+    ...     .clamped("mount", "inner")
+    ...     .revolute("fold", "outer", parent="inner", axis=[0.0, 1.0, 0.0], start_angle_deg=120.0,
+    ...               drive=dict(stiffness_N_m_rad=2.0, damping_N_m_s_rad=0.02), latch=dict(stiffness_ratio=1e4))
+    ...     .gauge("root", body="inner", position_m=0.01)
+    ...     .build()
+    ... )
+    >>> wing.variables["fold.torque"].unit
+    'N.m'
+    """
+
+    def __init__(self, name: str, **keys: Any) -> None:
+        self.tree: Dict[str, Any] = {"name": name, **keys}
+        """What `Model.from_dict` takes."""
+
+    def table(self, kind: str, name: str, **keys: Any) -> Builder:
+        """Adds the table `[kind.name]`."""
+        self.tree.setdefault(kind, {})[name] = keys
+        return self
+
+    def section(self, name: str, **keys: Any) -> Builder:
+        """Adds `[section.name]`: shape or stiffness, and inertia."""
+        return self.table("section", name, **keys)
+
+    def body(self, name: str, **keys: Any) -> Builder:
+        """Adds `[body.name]`: length, section, elements."""
+        return self.table("body", name, **keys)
+
+    def joint(self, name: str, child: str, *, type: str, parent: str = "root", **keys: Any) -> Builder:
+        """Adds `[joint.name]` between `parent` and the body `child`."""
+        return self.table("joint", name, type=type, parent=parent, child=child, **keys)
+
+    def clamped(self, name: str, child: str, *, parent: str = "root", **keys: Any) -> Builder:
+        """Adds a joint that holds the body."""
+        return self.joint(name, child, type="clamped", parent=parent, **keys)
+
+    def revolute(self, name: str, child: str, *, parent: str = "root", **keys: Any) -> Builder:
+        """Adds a hinge: `axis`, `start_angle_deg`, `drive`, `latch` and so on."""
+        return self.joint(name, child, type="revolute", parent=parent, **keys)
+
+    def prismatic(self, name: str, child: str, *, parent: str = "root", **keys: Any) -> Builder:
+        """Adds a slide."""
+        return self.joint(name, child, type="prismatic", parent=parent, **keys)
+
+    def gauge(self, name: str, **keys: Any) -> Builder:
+        """Adds `[gauge.name]`: body and position."""
+        return self.table("gauge", name, **keys)
+
+    def settings(self, table: str, **keys: Any) -> Builder:
+        """Adds keys to a table without a name: `solver`, `experiment`, `aerodynamics`."""
+        self.tree.setdefault(table, {}).update(keys)
+        return self
+
+    def build(self) -> Model:
+        """The machine; refused with key, value and what is allowed, where it is wrong."""
+        return Model.from_dict(self.tree, str(self.tree["name"]))

@@ -1,0 +1,161 @@
+"""Linear models for control."""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _native
+from .errors import UsageError
+from .optional import needed
+
+Matrix = NDArray[np.float64]
+
+
+class Signal(NamedTuple):
+    """A state, input or output of a linear model."""
+
+    name: str
+    """Name of the FMU's variable; of a state the free coordinate's, or `der(…)` of it."""
+    unit: str
+    """Unit."""
+    value: float
+    """Value about which the model is linear."""
+
+
+class LinearModel:
+    """`δẋ = A δx + B δu`, `δy = C δx + D δu` about a state; with `dt` the same in samples, `δx⁺ = A δx + B δu`.
+
+    It says which wing it is of: `print(model)` tells time, joints, latches, loads and whether a motion grows.
+    """
+
+    def __init__(
+        self,
+        A: Matrix,
+        B: Matrix,
+        C: Matrix,
+        D: Matrix,
+        *,
+        states: Sequence[Signal],
+        inputs: Sequence[Signal],
+        outputs: Sequence[Signal],
+        state: Optional[Dict[str, Any]] = None,
+        about: str = "",
+        dt: Optional[float] = None,
+        error_bound: Optional[float] = None,
+    ) -> None:
+        self.A = A
+        """Shape (states, states)."""
+        self.B = B
+        """Shape (states, inputs)."""
+        self.C = C
+        """Shape (outputs, states)."""
+        self.D = D
+        """Shape (outputs, inputs)."""
+        self.states = list(states)
+        """States: free coordinates, then their rates; after a reduction without names of their own."""
+        self.inputs = list(inputs)
+        """Inputs."""
+        self.outputs = list(outputs)
+        """Outputs."""
+        self.state = state or {}
+        """The state it is about: `equilibrium`, `joints` (name, `angle_rad`, `motion`, `latch`), `acting` inputs, `growing_1_s`."""
+        self.about = about
+        """The same in words."""
+        self.dt = dt
+        """Sampling time in s; None for models in continuous time."""
+        self.error_bound = error_bound
+        """After `reduce`: bound on the largest gain, over all frequencies, of what was left out. None where none is known."""
+
+    @classmethod
+    def _of(cls, native: _native.LinearModel) -> LinearModel:
+        described = json.loads(native.describe())
+        A, B, C, D = native.matrices()
+        signals = {key: [Signal(**signal) for signal in described[key]] for key in ("states", "inputs", "outputs")}
+        return cls(A, B, C, D, state=described["state"], about=native.about(), **signals)
+
+    @property
+    def is_equilibrium(self) -> bool:
+        """Nothing moves there and nothing begins to."""
+        return bool(self.state.get("equilibrium", False))
+
+    @property
+    def joints(self) -> Dict[str, Dict[str, Any]]:
+        """Joints by name: `angle_rad`, `motion` (`free`, `held`, `locked`, `prescribed`), `latch` (`closed`, `open`, `none`)."""
+        return {joint["name"]: joint for joint in self.state.get("joints", [])}
+
+    def __repr__(self) -> str:
+        time = "" if self.dt is None else f", sampled every {self.dt:g} s"
+        return (
+            f"<foldwing.LinearModel: {len(self.A)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs{time}; "
+            f"{self.about}>"
+        )
+
+    def poles(self) -> NDArray[np.complex128]:
+        """Eigenvalues of `A`, in 1/s without `dt`, smallest first, shape (states,)."""
+        poles = np.linalg.eigvals(self.A).astype(np.complex128)
+        return np.asarray(poles[np.argsort(np.abs(poles), kind="stable")])
+
+    def to_control(self) -> Any:
+        """The model for python-control, with names that it takes: letters, digits and underscores (`fold_torque`)."""
+        control = needed("control")
+        names = {key: plain_names([signal.name for signal in getattr(self, key)]) for key in ("states", "inputs", "outputs")}
+        return control.StateSpace(self.A, self.B, self.C, self.D, 0 if self.dt is None else self.dt, **names)
+
+    def discretize(self, dt: float) -> LinearModel:
+        """The model in samples of `dt` s, its inputs held in between: exact for inputs in steps."""
+        if self.dt is not None:
+            raise UsageError(f"discretize: the model is sampled already, every {self.dt:g} s")
+        if not 0.0 < dt < float("inf"):
+            raise UsageError(f"discretize({dt}): must be a positive, finite number of seconds")
+        A, B = _native.discretized(self.A, self.B, dt)
+        return self._with(A, B, self.C, self.D, self.states, dt, self.error_bound)
+
+    def reduce(self, order: int, *, method: str = "balanced") -> LinearModel:
+        """A model with fewer states and the same gain at rest.
+
+        Args:
+            order: number of states.
+            method: `balanced` keeps what carries most from the inputs to the outputs, and knows a bound on its error; `modal`
+                keeps the slowest modes.
+        """
+        if self.dt is not None:
+            raise UsageError("reduce: the model is sampled; reduce it before discretize")
+        if method not in ("balanced", "modal"):
+            raise UsageError(f"method={method!r}: allowed are balanced and modal")
+        A, B, C, D, bound, _ = _native.reduced(self.A, self.B, self.C, self.D, order, method == "modal")
+        states = [Signal(f"{method}_{i + 1}", "1", 0.0) for i in range(len(A))]
+        return self._with(A, B, C, D, states, None, bound)
+
+    def hankel_singular_values(self) -> NDArray[np.float64]:
+        """How much each balanced state carries from the inputs to the outputs, largest first; motions that do not decay count
+        as infinite."""
+        values = _native.reduced(self.A, self.B, self.C, self.D, len(self.A), False)[5]
+        return np.asarray(values)
+
+    def _with(
+        self, A: Matrix, B: Matrix, C: Matrix, D: Matrix, states: Sequence[Signal], dt: Optional[float], bound: Optional[float]
+    ) -> LinearModel:
+        return LinearModel(
+            A, B, C, D, states=states, inputs=self.inputs, outputs=self.outputs, state=self.state, about=self.about, dt=dt,
+            error_bound=bound,
+        )
+
+
+def plain_names(names: Sequence[str]) -> List[str]:
+    """Names of letters, digits and underscores, each once.
+
+    >>> plain_names(["fold.torque", "load.outer[4].force.z", "der(outer.kappa_y[1])"])
+    ['fold_torque', 'load_outer_4_force_z', 'der_outer_kappa_y_1']
+    """
+    taken: Dict[str, int] = {}
+    plain = []
+    for name in names:
+        text = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "x"
+        taken[text] = taken.get(text, 0) + 1
+        plain.append(text if taken[text] == 1 else f"{text}_{taken[text]}")
+    return plain

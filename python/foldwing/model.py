@@ -1,0 +1,485 @@
+"""A machine: read, checked, run, studied, packaged."""
+
+from __future__ import annotations
+
+import fnmatch
+import json
+import os
+from pathlib import Path
+from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _native
+from .errors import FilesError, SimulationError, UsageError
+from .inputs import Inputs, Stimulus, table_of
+from .linear import LinearModel
+from .progress import bar
+from .result import Result
+from .simulation import Simulation
+from .study import Modes, Rest
+from .table import Table, grid_of
+
+Start = Union[float, int, bool]
+Patterns = Union[str, Sequence[str]]
+
+
+class Variable(NamedTuple):
+    """A variable as the FMU has it."""
+
+    name: str
+    """Name, e.g. `fold.angle`."""
+    causality: str
+    """`input`, `output`, `parameter`, `local` or `independent`."""
+    variability: str
+    """`fixed`, `tunable`, `discrete` or `continuous`."""
+    type: str
+    """`Real`, `Integer` or `Boolean`."""
+    unit: str
+    """Unit, e.g. `N.m`; `1` or empty without one."""
+    start: Start
+    """Start value of inputs and parameters."""
+    range: Optional[Tuple[float, float]]
+    """Smallest and largest value allowed."""
+    description: str
+    """One sentence: meaning, frame, sign."""
+
+
+def load(path: Union[str, "os.PathLike[str]"]) -> Model:
+    """Reads a model file.
+
+    >>> load("examples/models/folding_wing.toml").name
+    'FoldingWing'
+
+    Raises:
+        ModelError: with every problem of the file: line, key, value, what is allowed.
+        FilesError: if it cannot be read.
+    """
+    file = os.fspath(path)
+    try:
+        content = Path(file).read_bytes()
+    except OSError as error:
+        raise FilesError(f"{file}: cannot be read: {error}") from error
+    if content.startswith(b"PK\x03\x04"):
+        raise UsageError(f"{file}: is an archive, as FMUs are, not a model file; `foldwing run` runs FMUs")
+    try:
+        text = content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise UsageError(f"{file}:{line}: a model file is UTF-8 text; this line is not") from error
+    return Model(text, file)
+
+
+class Model:
+    """A machine that does not change.
+
+    Args:
+        text: text of a model file.
+        file: name of the file in messages, and the file that `package` never overwrites.
+    """
+
+    def __init__(self, text: str, file: str = "model") -> None:
+        self._native = _native.Model(text, file)
+        self.file = file
+        """Name of the file."""
+        self.variables: Dict[str, Variable] = {
+            fields["name"]: Variable(**fields) for fields in self._native.variables()
+        }
+        """Variables by name, in the order of the FMU's value references."""
+        self._references = {name: reference for reference, name in enumerate(self.variables)}
+        self._vectors = {name: (first, count) for name, first, count in self._native.vectors()}
+
+    @classmethod
+    def from_dict(cls, tree: Mapping[str, Any], name: str = "model") -> Model:
+        """A model of a mapping with the keys of a model file; NumPy numbers and arrays are allowed.
+
+        >>> spar = dict(shape="rectangle", width_m=0.1, height_m=0.004, density_kg_m3=1600, young_Pa=60e9, poisson_ratio=0.3)
+        >>> beam = Model.from_dict({
+        ...     "name": "Beam",
+        ...     "section": {"spar": spar},
+        ...     "body": {"beam": {"length_m": 0.5, "section": "spar", "elements": 2}},
+        ...     "joint": {"mount": {"type": "clamped", "parent": "root", "child": "beam"}},
+        ... })
+        >>> round(beam.modes(1).frequency_Hz[0], 1)
+        15.9
+        """
+        text = _native.Model.text_of_json(json.dumps(tree, default=_plain, allow_nan=False))
+        return cls(text, name)
+
+    @property
+    def name(self) -> str:
+        """Name of the machine."""
+        return self._native.name
+
+    @property
+    def description(self) -> str:
+        """Description in the model file."""
+        return self._native.description
+
+    @property
+    def text(self) -> str:
+        """Text of the model file."""
+        return self._native.text
+
+    @property
+    def experiment(self) -> Tuple[float, float, float]:
+        """Start, stop and communication step of the model's own experiment in s."""
+        return self._native.experiment
+
+    def __repr__(self) -> str:
+        return f"<foldwing.Model {self.name}: {len(self.variables)} variables>"
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return Model, (self.text, self.file)
+
+    def check(self, variables: bool = False) -> Summary:
+        """What Foldwing has understood of the model, as `foldwing check` prints it.
+
+        >>> print(load("examples/models/folding_wing.toml").check())  # doctest: +ELLIPSIS
+        FoldingWing...
+        """
+        return Summary(self._native.check(variables), json.loads(self._native.check_json()))
+
+    def names(self, patterns: Patterns, causality: Optional[str] = None) -> List[str]:
+        """Names that patterns choose, in the order of the patterns: whole names, names of vectors, `fold.*`, `load.` for all that
+        begins so. `causality` restricts what patterns choose, not names.
+
+        >>> load("examples/models/folding_wing.toml").names(["tip.position", "fold.angle"])
+        ['tip.position.x', 'tip.position.y', 'tip.position.z', 'fold.angle']
+        """
+        chosen: List[str] = []
+        names = [name for name, row in self.variables.items() if causality in (None, row.causality)]
+        for pattern in [patterns] if isinstance(patterns, str) else patterns:
+            if pattern in self.variables:
+                found = [pattern]
+            elif pattern in self._vectors:
+                first, count = self._vectors[pattern]
+                found = list(self.variables)[first : first + count]
+            elif pattern.endswith("."):
+                found = [name for name in names if name.startswith(pattern)]
+            else:
+                # brackets are part of names, as in `load.outer[4].force.z`
+                found = fnmatch.filter(names, pattern.replace("[", "[[]"))
+            if not found:
+                self._native.find(pattern)
+            chosen.extend(found)
+        return list(dict.fromkeys(chosen))
+
+    def simulate(
+        self,
+        until: Optional[float] = None,
+        *,
+        inputs: Stimulus = None,
+        outputs: Optional[Patterns] = None,
+        step: Optional[float] = None,
+        start: Optional[float] = None,
+        set: Optional[Mapping[str, Start]] = None,
+        progress: Optional[bool] = None,
+    ) -> Result:
+        """Runs the machine and records variables.
+
+        Args:
+            until: stop time in s; by default that of the model's experiment.
+            inputs: a mapping of names to numbers, to functions of the time in s, or with an entry `time` to arrays; a
+                DataFrame whose column `time` or index is the time in s; or a function of the time and the running
+                `Simulation` that returns a mapping. They act from the start of each step on; arrays run linearly between their
+                rows, Booleans are held.
+            outputs: names, vectors, patterns of outputs as `fold.*`; by default all outputs.
+            step: communication step in s. Latch times and accuracy do not depend on it.
+            start: start time in s.
+            set: start values of inputs and parameters.
+            progress: a bar for runs that last (needs tqdm); by default in notebooks.
+
+        Raises:
+            SimulationError: if the run gives up; its `result` has what was computed.
+            KeyboardInterrupt: at Ctrl-C.
+
+        >>> import numpy as np
+        >>> wing = load("examples/models/folding_wing.toml")
+        >>> pull = {"time": np.array([0.0, 0.1]), "load.outer[4].force.z": np.array([0.0, 0.05])}
+        >>> run = wing.simulate(until=0.1, inputs=pull, outputs="gauge.root.strain")
+        >>> run["gauge.root.strain"].shape == run.time.shape
+        True
+        """
+        settings = list((set or {}).items())
+        times = self._native.points(start, until, step)
+        names = self.names(outputs, "output") if outputs is not None else self._outputs()
+        given = Inputs(self, inputs, times)
+        simulation = Simulation(self, settings)
+        if given.function is not None:
+            return self._drive(simulation, times, names, given.function, settings)
+        references = [self._references[name] for name in names]
+        with bar(progress) as told:
+            values, reached, error, _ = simulation.run(times, references, given.table, False, told)
+        result = Result(self, names, values[:, :reached], settings, given.columns)
+        if error is not None:
+            if isinstance(error, SimulationError):
+                error.result = result
+            raise error
+        return result
+
+    def _outputs(self) -> List[str]:
+        return [name for name, row in self.variables.items() if row.causality == "output"]
+
+    def _drive(
+        self,
+        simulation: Simulation,
+        times: NDArray[np.float64],
+        names: List[str],
+        function: Callable[[float, Simulation], Optional[Mapping[str, Start]]],
+        settings: List[Tuple[str, Start]],
+    ) -> Result:
+        """A run whose inputs a function gives after every step."""
+        references = np.array([self._references[name] for name in names], dtype=np.uint32)
+        applied: Dict[str, List[float]] = {}
+        values = np.empty((len(names) + 1, len(times)))
+        reached = 0
+
+        def feed(point: int) -> None:
+            for name, value in (function(float(times[point]), simulation) or {}).items():
+                simulation[name] = value
+                if name not in applied:
+                    now = float(self.variables[name].start) if name in self.variables else np.nan
+                    applied[name] = [now] * point
+                applied[name].append(float(value))
+            for column in applied.values():
+                column.extend(column[-1:] * (point + 1 - len(column)))
+
+        def record(point: int) -> None:
+            values[0, point] = simulation.time
+            values[1:, point] = simulation.values(references)
+
+        def result() -> Result:
+            columns = {name: np.array((column + column[-1:])[:reached]) for name, column in applied.items()}
+            return Result(self, names, values[:, :reached], settings, (times[:reached], columns))
+
+        feed(0)
+        simulation.start(float(times[0]))
+        record(0)
+        reached = 1
+        try:
+            for point, time in enumerate(times[1:].tolist(), start=1):
+                if point > 1:
+                    feed(point - 1)
+                simulation.step_to(time)
+                record(point)
+                reached = point + 1
+        except SimulationError as error:
+            error.result = result()
+            raise
+        return result()
+
+    def start(self, *, at: Optional[float] = None, set: Optional[Mapping[str, Start]] = None) -> Simulation:
+        """A run in steps, for controllers and learning: see `Simulation`.
+
+        Args:
+            at: start time in s.
+            set: start values of inputs and parameters, fixed ones included.
+
+        >>> sim = load("examples/models/folding_wing.toml").start()
+        >>> sim["fold.torque"] = 0.01
+        >>> sim.step(1e-3)
+        >>> sim.time
+        0.001
+        """
+        simulation = Simulation(self, list((set or {}).items()))
+        simulation.start(self.experiment[0] if at is None else at)
+        return simulation
+
+    def static(
+        self,
+        *,
+        set: Optional[Mapping[str, Start]] = None,
+        path: str = "load",
+        branch: str = "stable",
+    ) -> Rest:
+        """The machine at rest under its loads, as `foldwing static` finds it.
+
+        Args:
+            set: start values, e.g. a load, or `{"fold.release": False}`.
+            path: `load`, or `arc-length` for the path of equilibria through limit points.
+            branch: `stable`, or `path` for the equilibrium on the path even if it is unstable.
+
+        >>> rest = load("examples/models/folding_wing.toml").static(set={"fold.release": False})
+        >>> rest.joints["fold"]["angle_rad"] > 2.9
+        True
+        """
+        for option, value, allowed in [("path", path, ("load", "arc-length")), ("branch", branch, ("stable", "path"))]:
+            if value not in allowed:
+                raise UsageError(f"{option}={value!r}: allowed are {' and '.join(allowed)}")
+        text = self._native.rest_json(list((set or {}).items()), path == "arc-length", branch == "stable")
+        return Rest(json.loads(text))
+
+    def modes(self, count: int = 10, *, about: str = "equilibrium", set: Optional[Mapping[str, Start]] = None) -> Modes:
+        """Natural modes of lowest frequency, as `foldwing modes` finds them.
+
+        Args:
+            count: number of modes.
+            about: `equilibrium`, or `undeformed` without loads, gravity and root motion.
+            set: start values.
+
+        >>> modes = load("examples/models/folding_wing.toml").modes(3, set={"fold.release": False})
+        >>> modes.frequency_Hz.shape
+        (3,)
+        """
+        if about not in ("equilibrium", "undeformed"):
+            raise UsageError(f"about={about!r}: allowed are equilibrium and undeformed")
+        return Modes(json.loads(self._native.modes_json(list((set or {}).items()), about == "undeformed", count)))
+
+    def linearize(
+        self,
+        at: Union[str, float] = "equilibrium",
+        *,
+        inputs: Patterns = (),
+        outputs: Patterns = (),
+        set: Optional[Mapping[str, Start]] = None,
+    ) -> LinearModel:
+        """The linear model about a state, between real inputs and outputs.
+
+        Args:
+            at: `start`, `equilibrium`, or a time in s up to which the machine is simulated.
+            inputs: names and patterns; by default all real inputs.
+            outputs: names and patterns; by default all real outputs.
+            set: start values.
+
+        >>> wing = load("examples/models/folding_wing.toml")
+        >>> model = wing.linearize(inputs="fold.torque", outputs="gauge.root.strain", set={"fold.release": False})
+        >>> model.B.shape == (len(model.states), 1)
+        True
+        """
+        simulation = Simulation(self, list((set or {}).items()))
+        begin = self.experiment[0]
+        if at == "start":
+            simulation.start(begin)
+        elif at == "equilibrium":
+            simulation.settle(begin)
+        elif isinstance(at, str) or not begin <= at < float("inf"):
+            raise UsageError(f"at={at!r}: must be start, equilibrium or a time from {begin} s, the start of the experiment")
+        else:
+            simulation.start(begin)
+            if at > begin:
+                simulation.step_to(at)
+        return self.linearized(simulation, inputs=inputs, outputs=outputs)
+
+    def linearized(self, simulation: Simulation, *, inputs: Patterns = (), outputs: Patterns = ()) -> LinearModel:
+        """The linear model about the present state of a simulation of this machine."""
+        chosen = [self._real(inputs, "input"), self._real(outputs, "output")]
+        return LinearModel._of(_native.LinearModel(simulation, *chosen))
+
+    def _real(self, patterns: Patterns, causality: str) -> List[str]:
+        if len(patterns) == 0:
+            return []
+        return [name for name in self.names(patterns, causality) if self.variables[name].type == "Real"]
+
+    def sweep(
+        self,
+        variants: Union[Mapping[str, Iterable[Any]], Any],
+        *,
+        outputs: Patterns = (),
+        until: Optional[float] = None,
+        step: Optional[float] = None,
+        start: Optional[float] = None,
+        inputs: Stimulus = None,
+        grid: bool = True,
+        threads: Optional[int] = None,
+        progress: Optional[bool] = None,
+    ) -> Table:
+        """Runs many variants on all cores, and keeps the last values of `outputs` of each.
+
+        Args:
+            variants: values by key; a key is an input, a parameter, or `file:` and a key of the model file
+                (`file:body.inner.length_m`). A DataFrame has a row for each variant.
+            outputs: names and patterns.
+            until, step, start: as in `simulate`.
+            inputs: over time, in all variants; functions must be functions of the time alone.
+            grid: all combinations, the last key fastest; if false the values of the keys belong together row by row.
+            threads: by default one for each processor.
+
+        Returns:
+            A row for each variant: its values, `status` (`done` or `failed`), `end_time`, `outputs`, first latch times,
+            peak strains of gauges, counts, `message`.
+
+        >>> wing = load("examples/models/folding_wing.toml")
+        >>> table = wing.sweep({"fold.start_angle": [1.0, 2.0]}, until=0.2, outputs="fold.angle")
+        >>> table["status"].tolist()
+        ['done', 'done']
+        """
+        keys, rows = grid_of(variants, grid)
+        names = self.names(outputs, "output") if len(outputs) else []
+        table, _ = table_of(self, inputs, self._native.points(start, until, step))
+        with bar(progress) as told:
+            columns, cells = _native.sweep(
+                self._native, keys, rows,
+                times=(start, until, step),
+                inputs=table,
+                outputs=names,
+                threads=threads or 0,
+                progress=told,
+            )
+        return Table(columns, cells)
+
+    def package(
+        self,
+        output: Union[str, "os.PathLike[str]"],
+        *,
+        linear: Union[None, str, float] = None,
+        reference: bool = True,
+        libraries: Sequence[Union[str, "os.PathLike[str]"]] = (),
+        force: bool = False,
+    ) -> Path:
+        """Writes the FMU, the same bytes as `foldwing package`.
+
+        Args:
+            output: the file, which ends in `.fmu`.
+            linear: state about which to add a linear model: `start`, `equilibrium`, or a time in s.
+            reference: simulate the default experiment for the reference results in the FMU.
+            libraries: shared libraries, one for each platform; by default the one in this package.
+            force: replace a file that something else wrote.
+        """
+        self._native.package(
+            os.fspath(output),
+            model=self.file if os.path.exists(self.file) else None,
+            libraries=[os.fspath(path) for path in libraries] or [library()],
+            linear=None if linear is None else str(linear),
+            without_reference=not reference,
+            force=force,
+        )
+        return Path(output)
+
+
+class Summary(str):
+    """What `Model.check` says: a text, with the same in `data` as `foldwing check --json` has it."""
+
+    data: Dict[str, Any]
+
+    def __new__(cls, text: str, data: Dict[str, Any]) -> Summary:
+        summary = super().__new__(cls, text)
+        summary.data = data
+        return summary
+
+    @property
+    def notes(self) -> List[str]:
+        """What to know of the model although it is valid."""
+        return list(self.data["notes"])
+
+    def __repr__(self) -> str:
+        return str(self)
+
+
+def library() -> str:
+    """The shared library that goes into FMUs."""
+    folder = Path(__file__).parent
+    for name in ["libfoldwing_fmu.so", "foldwing_fmu.dll", "libfoldwing_fmu.dylib"]:
+        if (folder / name).is_file():
+            return str(folder / name)
+    raise FilesError(f"{folder}: holds no library for FMUs; install the wheel, or give libraries")
+
+
+def _plain(value: Any) -> Any:
+    """NumPy numbers and arrays for JSON."""
+    if isinstance(value, (np.generic, np.ndarray)):
+        return value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise UsageError(f"from_dict: {value!r} is no value of a model file")

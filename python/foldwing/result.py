@@ -1,0 +1,169 @@
+"""What a run gives: arrays by name, and the ways out of it."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import webbrowser
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _native
+from .optional import needed
+
+if TYPE_CHECKING:
+    from .inputs import Columns
+    from .model import Model
+
+
+class Result(Mapping[str, NDArray[np.float64]]):
+    """Variables over time. `run["fold.angle"]` has the shape (points,), `run["tip.position"]` the shape (points, 3) if all its
+    components were recorded. Booleans are 0 and 1.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        names: List[str],
+        values: NDArray[np.float64],
+        settings: Sequence[Tuple[str, Any]],
+        inputs: Columns,
+    ) -> None:
+        self.model = model
+        """The machine that ran."""
+        self.time: NDArray[np.float64] = values[0]
+        """Communication points in s, shape (points,)."""
+        self.inputs = inputs
+        """Inputs over time as they were given: times in s and values by name; None without."""
+        self._rows: Dict[str, NDArray[np.float64]] = dict(zip(names, values[1:]))
+        self._settings = list(settings)
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        if name in self._rows:
+            return self._rows[name]
+        if name == "time":
+            return self.time
+        vector = self.model._vectors.get(name)
+        if vector is not None:
+            first, count = vector
+            parts = list(self.model.variables)[first : first + count]
+            if all(part in self._rows for part in parts):
+                return np.stack([self._rows[part] for part in parts], axis=1)
+        raise KeyError(f"{name} was not recorded; recorded are {', '.join(list(self._rows)[:8])}{', …' * (len(self) > 8)}")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._rows)
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __repr__(self) -> str:
+        end = f"{self.time[-1]:g} s" if len(self.time) else "nothing"
+        return f"<foldwing.Result of {self.model.name}: {len(self)} variables, {len(self.time)} points to {end}>"
+
+    def unit(self, name: str) -> str:
+        """Unit of a variable; `1` or empty without one."""
+        return "s" if name == "time" else self.model.variables[name].unit
+
+    def to_pandas(self) -> Any:
+        """A DataFrame with the time in s as its index and a column for each variable; `attrs["units"]` has the units."""
+        pandas = needed("pandas")
+        frame = pandas.DataFrame(dict(self._rows), index=pandas.Index(self.time, name="time"))
+        frame.attrs["units"] = {name: self.unit(name) for name in self}
+        return frame
+
+    def to_xarray(self) -> Any:
+        """A Dataset over `time`, each variable with `units` and `long_name`."""
+        xarray = needed("xarray")
+        rows = self.model.variables
+        variables = {
+            name: ("time", values, {"units": self.unit(name), "long_name": rows[name].description})
+            for name, values in self._rows.items()
+        }
+        coordinates = {"time": ("time", self.time, {"units": "s", "long_name": "simulation time"})}
+        return xarray.Dataset(variables, coordinates, {"model": self.model.name})
+
+    def plot(self, names: Union[None, str, Sequence[str]] = None, *, axes: Any = None) -> Any:
+        """Draws variables over time, one diagram for each unit, with latch times as dashed lines.
+
+        Args:
+            names: names and patterns of what was recorded; by default everything.
+            axes: matplotlib axes for the first diagram.
+
+        Returns:
+            The figure.
+        """
+        pyplot = needed("matplotlib.pyplot")
+        chosen = list(self)
+        if names is not None:
+            wanted = set(self.model.names(names))
+            chosen = [name for name in chosen if name in wanted]
+        groups: Dict[str, List[str]] = {}
+        for name in chosen:
+            groups.setdefault(self.unit(name), []).append(name)
+        if axes is None:
+            figure, grid = pyplot.subplots(
+                max(1, len(groups)), sharex=True, squeeze=False, layout="constrained", figsize=(7, 1 + 2 * len(groups))
+            )
+            places = list(grid[:, 0])
+        else:
+            figure, places = axes.figure, [axes] * len(groups)
+        for place, (unit, members) in zip(places, groups.items()):
+            for name in members:
+                place.plot(self.time, self._rows[name], label=name)
+            place.set_ylabel(f"{members[0] if len(members) == 1 else ''} ({unit or '1'})".strip())
+            if 1 < len(members) <= 12:
+                place.legend(fontsize="small")
+            for moment in self.latch_times():
+                place.axvline(moment, color="0.6", linestyle="--", linewidth=0.8)
+        if places:
+            places[-1].set_xlabel("time (s)")
+        return figure
+
+    def latch_times(self) -> List[float]:
+        """Instants in s at which latches have closed, as far as a `latch_time` was recorded."""
+        moments = set()
+        for name, values in self._rows.items():
+            if name.endswith(".latch_time"):
+                moments.update(values[values > 0.0].tolist())
+        return sorted(moments)
+
+    def page(self) -> str:
+        """The page that plays the run, as HTML. The run is made again for it, with the inputs that acted."""
+        simulation = _native.Simulation(self.model._native, self._settings)
+        table: Optional[_native.InputTable] = None
+        if self.inputs is not None and len(self.inputs[0]):
+            times, columns = self.inputs
+            table = _native.InputTable(self.model._native, times, list(columns.items()))
+        _, _, _, page = simulation.run(np.ascontiguousarray(self.time), [], table, True, None)
+        return page or ""
+
+    def view(self, output: Union[None, str, "os.PathLike[str]"] = None, *, show: bool = True) -> Any:
+        """Plays the run: in a notebook as its cell's result, else in the browser.
+
+        Args:
+            output: HTML file to write; by default a temporary one.
+            show: if false, only writes the file.
+
+        Returns:
+            In notebooks what shows the page, else the file.
+        """
+        page = self.page()
+        file = Path(output) if output is not None else Path(tempfile.mkdtemp(prefix="foldwing-")) / "run.html"
+        _native.write_page(page, os.fspath(file), False)
+        if not show:
+            return file
+        try:
+            from IPython import get_ipython
+            from IPython.display import HTML
+        except ImportError:
+            get_ipython = None
+        if get_ipython is not None and getattr(get_ipython(), "kernel", None) is not None:
+            from html import escape
+
+            return HTML(f'<iframe srcdoc="{escape(page)}" width="100%" height="600" style="border:0"></iframe>')
+        webbrowser.open(file.resolve().as_uri())
+        return file

@@ -1,0 +1,119 @@
+"""Linear models: against the engine in time, against their own frequency responses, through python-control."""
+
+import subprocess
+
+import control
+import numpy as np
+import pytest
+
+import foldwing as fw
+
+HELD = {"fold.release": False}
+TORQUE, STRAIN = "fold.torque", "gauge.root.strain"
+
+
+def latched(wing):
+    """The wing at rest in its latch, between hinge torque and root strain."""
+    return wing.linearize(inputs=TORQUE, outputs=[STRAIN, "tip.position.z"])
+
+
+def gain(model, frequency_1_s):
+    return model.C @ np.linalg.solve(1j * frequency_1_s * np.eye(len(model.A)) - model.A, model.B) + model.D
+
+
+def test_a_model_says_which_wing_it_is_of(wing):
+    held, free = wing.linearize(inputs=TORQUE, outputs=STRAIN, set=HELD), latched(wing)
+    assert held.joints["fold"]["latch"] == "open" and held.joints["fold"]["motion"] == "held"
+    assert free.joints["fold"]["latch"] == "closed" and free.is_equilibrium
+    assert "fold at 170.0000 deg, held" in repr(held) and "latch closed" in repr(free)
+    assert not wing.linearize("start", inputs=TORQUE, outputs=STRAIN).is_equilibrium
+    assert wing.linearize(0.05, inputs=TORQUE, outputs=STRAIN).about.startswith("about a state that is not an equilibrium")
+    with pytest.raises(fw.UsageError, match="must be start, equilibrium or a time"):
+        wing.linearize("rest")
+
+
+def test_step_response_of_to_control_is_that_of_the_engine(wing):
+    """A hinge torque so small that what is not linear stays below, against the engine at a tolerance as small."""
+    model = latched(wing)
+    system = model.to_control()
+    assert system.input_labels == ["fold_torque"] and system.output_labels == ["gauge_root_strain", "tip_position_z"]
+    amount, times = 1e-5, np.linspace(0.0, 0.5, 501)
+    response = control.step_response(system, times)
+    sim = fw.Simulation(wing, [("solver.tolerance", 1e-12)])
+    sim.settle(0.0)
+    rest = np.array([sim[STRAIN], sim["tip.position.z"]])
+    sim[TORQUE] = amount
+    engine = [np.zeros(2)]
+    for time in times[1:]:
+        sim.step_to(time)
+        engine.append((np.array([sim[STRAIN], sim["tip.position.z"]]) - rest) / amount)
+    engine = np.array(engine).T
+    # the strain answers to the torque at once, through D
+    error = np.abs(engine[:, 1:] - response.outputs[:, 0, 1:]).max(axis=1) / np.abs(engine).max(axis=1)
+    print(f"step response against the engine: {error}")
+    assert error.max() < 1e-6
+
+
+def test_samples_are_those_of_the_step_response(wing):
+    model = latched(wing)
+    sampled = model.discretize(1e-3)
+    response = control.step_response(model.to_control(), np.linspace(0.0, 0.1, 101)).outputs[:, 0]
+    state = np.zeros(len(sampled.A))
+    for point in range(101):
+        output = sampled.C @ state + sampled.D[:, 0]
+        assert np.allclose(output, response[:, point], rtol=0, atol=1e-7 * np.abs(response).max(axis=1)), point
+        state = sampled.A @ state + sampled.B[:, 0]
+    assert sampled.to_control().dt == 1e-3
+    with pytest.raises(fw.UsageError, match="sampled already"):
+        sampled.discretize(1e-3)
+
+
+@pytest.mark.parametrize("method", ["balanced", "modal"])
+def test_reduction_stays_within_its_bound(wing, method):
+    model = latched(wing)
+    poles = model.poles()
+    grid = np.concatenate([np.geomspace(0.1, 1e6, 300), np.abs(poles.imag[poles.imag > 0])])
+    for order in (4, 8, 12):
+        small = model.reduce(order, method=method)
+        assert len(small.A) <= order
+        errors = [np.linalg.norm(gain(model, frequency) - gain(small, frequency), 2) for frequency in grid]
+        scale = max(np.linalg.norm(gain(model, frequency), 2) for frequency in grid)
+        print(f"{method} {order}: error {max(errors):.2e}, bound {small.error_bound:.2e}, largest gain {scale:.2e}")
+        assert max(errors) <= small.error_bound * (1 + 1e-6) + 1e-8 * scale
+        assert np.allclose(gain(small, 0.0), gain(model, 0.0), rtol=0, atol=1e-8 * scale)
+    assert small.to_control().state_labels[0] == f"{method}_1"
+    with pytest.raises(fw.UsageError, match="states cannot be kept: allowed are"):
+        model.reduce(1000, method=method)
+
+
+def test_the_command_reduces_alike(wing, command, tmp_path):
+    out = tmp_path / "small.npz"
+    options = ["--inputs", TORQUE, "--outputs", f"{STRAIN},tip.position.z", "-o", out]
+    said = subprocess.run([command, "linearize", wing.file, "--reduce", "8", *options], check=True, capture_output=True, text=True)
+    small = latched(wing).reduce(8)
+    assert " 8 states of " in said.stdout and f"at most {small.error_bound:.3e}" in said.stdout
+    file = np.load(out)
+    assert np.array_equal(file["A"], small.A) and np.array_equal(file["D"], small.D)
+    assert file["error_bound"] == small.error_bound and list(file["state_names"][:2]) == ["balanced_1", "balanced_2"]
+    modal = subprocess.run([command, "linearize", wing.file, "--modes", "0", *options], capture_output=True, text=True)
+    assert modal.returncode == 2 and "--modes 0: 0 states cannot be kept" in modal.stderr
+
+
+def test_hankel_singular_values_fall(wing):
+    values = latched(wing).hankel_singular_values()
+    assert np.all(np.diff(values) <= 0) and values[0] > 0
+
+
+def test_statics_and_modes_are_those_of_the_command(wing, command):
+    import json
+
+    printed = subprocess.run([command, "static", wing.file, "--json", "--set", "fold.release=0"], check=True, capture_output=True)
+    rest = wing.static(set=HELD)
+    assert rest.data == json.loads(printed.stdout) and rest.stable
+    assert rest.shape("inner").shape[1] == 3 and rest.strain("inner").shape[1] == 4
+    printed = subprocess.run([command, "modes", wing.file, "--json", "--count", "4"], check=True, capture_output=True)
+    modes = wing.modes(4)
+    assert modes.data == json.loads(printed.stdout) and len(modes) == 4
+    assert modes.shape(0, "outer").shape == rest.shape("outer").shape
+    with pytest.raises(fw.UsageError, match="allowed are"):
+        wing.modes(about="rest")

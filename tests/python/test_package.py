@@ -1,0 +1,116 @@
+"""The package as a whole: sweeps, FMUs, the command inside, documentation, types, what is in the wheel."""
+
+import csv
+import doctest
+import importlib
+import pkgutil
+import subprocess
+import sys
+import zipfile
+from importlib.metadata import distribution
+from pathlib import Path
+
+import numpy as np
+import pandas
+import pytest
+
+import foldwing as fw
+
+MODEL = "examples/models/folding_wing.toml"
+
+
+def test_a_sweep_has_the_rows_of_the_command(wing, command, tmp_path):
+    out = tmp_path / "out.csv"
+    keys = {"fold.start_angle": [1.0, 2.5], "file:body.inner.elements": [2, 4], "solver.tolerance": [1e-4]}
+    varied = [word for key, values in keys.items() for word in ("--vary", f"{key}={','.join(map(repr, values))}")]
+    subprocess.run([command, "sweep", MODEL, *varied, "--out", out, "--output", "fold.angle", "--stop", "0.2", "-q"], check=True)
+    with open(out) as file:
+        rows = list(csv.DictReader(file))
+    table = wing.sweep(keys, outputs="fold.angle", until=0.2)
+    assert list(table) == list(rows[0]) and not table.failed.any()
+    for name in ("fold.angle", "fold.first_latch_time", "gauge.root.strain.peak", "iterations"):
+        assert np.array_equal(table[name], [float(row[name]) for row in rows]), name
+    frame = pandas.DataFrame({"fold.start_angle": [1.0, 2.0], "fold.torque": [0.0, 0.01]})
+    assert wing.sweep(frame, until=0.1).to_pandas().shape[0] == 2
+    with pytest.raises(fw.UsageError, match="sweep: variant 1: fold.start_angle=9.0"):
+        wing.sweep({"fold.start_angle": [1.0, 9.0]})
+    with pytest.raises(fw.UsageError, match="is not a key|unknown"):
+        wing.sweep({"file:body.inner.lenght_m": [0.1]})
+
+
+def test_fmus_are_those_of_the_command(wing, command, tmp_path):
+    ours, theirs = tmp_path / "a.fmu", tmp_path / "b.fmu"
+    wing.package(ours, reference=False)
+    subprocess.run([command, "package", MODEL, "-o", theirs, "--no-reference"], check=True)
+    assert ours.read_bytes() == theirs.read_bytes()
+    (tmp_path / "c.fmu").write_text("mine")
+    with pytest.raises(fw.FilesError, match="--force|not recognised"):
+        wing.package(tmp_path / "c.fmu", reference=False)
+    with pytest.raises(fw.UsageError, match="an FMU ends in .fmu"):
+        wing.package(tmp_path / "Wing")
+
+
+def test_the_command_is_inside(tmp_path):
+    foldwing = Path(sys.executable).with_name("foldwing")
+    said = subprocess.run([foldwing, "--version"], capture_output=True, text=True, check=True).stdout
+    assert said.startswith(f"foldwing {fw.__version__}")
+    subprocess.run([foldwing, "package", MODEL, "-o", tmp_path / "w.fmu", "--no-reference"], check=True)
+    with zipfile.ZipFile(tmp_path / "w.fmu") as archive:
+        assert any(name.startswith("binaries/") for name in archive.namelist())
+    failed = subprocess.run([foldwing, "check", tmp_path / "none.toml"], capture_output=True, text=True)
+    assert failed.returncode == 4 and "cannot be read" in failed.stderr
+    assert subprocess.run([foldwing, "nothing"], capture_output=True).returncode == 2
+
+
+def test_importing_is_quick_and_brings_numpy_alone():
+    code = "import sys, foldwing; print([m for m in ('pandas', 'xarray', 'matplotlib', 'control', 'scipy') if m in sys.modules])"
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert said.strip() == "[]"
+
+
+def test_examples_of_the_documentation_work():
+    modules = [fw] + [importlib.import_module(f"foldwing.{found.name}") for found in pkgutil.iter_modules(fw.__path__)
+                      if found.name != "__main__"]
+    attempted = 0
+    for module in modules:
+        result = doctest.testmod(module, optionflags=doctest.ELLIPSIS)
+        assert result.failed == 0, module.__name__
+        attempted += result.attempted
+    assert attempted > 25, "the examples were not found"
+
+
+def test_stubs_are_those_of_the_module():
+    """Every name of the native part is in its stub, and the other way round."""
+    import ast
+
+    import foldwing._native as native
+
+    tree = ast.parse(Path(fw.__file__).with_name("_native.pyi").read_text())
+    declared = {}
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef):
+            declared[node.name] = {entry.name for entry in node.body if isinstance(entry, ast.FunctionDef)}
+        elif isinstance(node, ast.FunctionDef):
+            declared[node.name] = None
+    present = {name for name in vars(native) if not name.startswith("_")}
+    assert present == {name for name in declared if not name.startswith("_")}
+    for name, members in declared.items():
+        if members is not None:
+            own = {key for key in vars(getattr(native, name)) if not key.startswith("__") or key in ("__getitem__", "__setitem__")}
+            assert own == members - {"__new__"}, name
+
+
+@pytest.mark.parametrize("checker", [["mypy", "--strict"], ["pyright"]])
+def test_types_of_package_and_examples_hold(checker):
+    examples = ["examples/python_ten_lines.py", "examples/gymnasium_wing.py"]
+    targets = [str(Path(fw.__file__).parent), *examples]
+    result = subprocess.run([sys.executable, "-m", *checker, *targets], capture_output=True, text=True)
+    assert result.returncode == 0, result.stdout + result.stderr
+
+
+def test_the_wheel_holds_what_it_needs():
+    files = {str(file) for file in distribution("foldwing").files}
+    for wanted in ("foldwing/py.typed", "foldwing/_native.pyi", "foldwing/libfoldwing_fmu.so"):
+        assert wanted in files
+    assert any("LICENSE-MIT" in file for file in files) and any("THIRD_PARTY" in file for file in files)
+    assert not any("backend" in file or file.endswith(".in") for file in files)

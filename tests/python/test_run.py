@@ -1,0 +1,242 @@
+"""Runs: the bits of the command, inputs of every form, exceptions with its words, Ctrl-C."""
+
+import csv
+import pickle
+import signal
+import subprocess
+import threading
+import time
+
+import numpy as np
+import pandas
+import pytest
+
+import foldwing as fw
+
+MODEL = "examples/models/folding_wing.toml"
+COLUMNS = ["fold.angle", "gauge.root.strain", "fold.latched"]
+
+
+def of_command(command, tmp_path, *options):
+    """Columns that the command writes."""
+    out = tmp_path / "out.csv"
+    named = [word for name in COLUMNS for word in ("--output", name)]
+    subprocess.run([command, "simulate", MODEL, "--csv", out, "-q", *named, *options], check=True)
+    with open(out) as file:
+        rows = list(csv.DictReader(file))
+    return {name: np.array([float(row[name]) for row in rows]) for name in ["time", *COLUMNS]}
+
+
+def test_a_run_has_the_bits_of_the_command(wing, command, tmp_path):
+    expected = of_command(command, tmp_path, "--stop", "0.3", "--step", "0.0007", "--set", "fold.start_angle=2")
+    run = wing.simulate(until=0.3, step=0.0007, set={"fold.start_angle": 2.0}, outputs=COLUMNS)
+    for name, values in expected.items():
+        assert np.array_equal(run[name], values), name
+
+
+def test_inputs_of_every_form_act_alike(wing, command, tmp_path):
+    """A mapping of arrays and a DataFrame have the bits of the command with the same CSV; functions sampled at the same points
+    those of each other."""
+    times = np.array([0.0, 0.013, 0.05, 0.2])
+    pull, free = np.array([0.0, -0.02, 0.05, 0.01]), np.array([0, 1, 1, 1])
+    table = tmp_path / "in.csv"
+    pandas.DataFrame({"time": times, "load.outer[4].force.z": pull, "fold.release": free}).to_csv(table, index=False)
+    expected = of_command(command, tmp_path, "--stop", "0.1", "--inputs", str(table))
+    mapping = {"time": times, "load.outer[4].force.z": pull, "fold.release": free}
+    frame = pandas.DataFrame({"load.outer[4].force.z": pull, "fold.release": free}, index=times)
+    for inputs in (mapping, frame):
+        run = wing.simulate(until=0.1, inputs=inputs, outputs=COLUMNS)
+        for name, values in expected.items():
+            assert np.array_equal(run[name], values), name
+
+    def torque(time):
+        return 0.01 * np.sin(40 * time)
+
+    by_name = wing.simulate(until=0.1, inputs={"fold.torque": torque}, outputs=COLUMNS)
+    by_loop = wing.simulate(until=0.1, inputs=lambda time, sim: {"fold.torque": torque(time)}, outputs=COLUMNS)
+    again = wing.simulate(until=0.1, inputs={"time": by_loop.inputs[0], **by_loop.inputs[1]}, outputs=COLUMNS)
+    for name in COLUMNS:
+        assert np.array_equal(by_name[name], by_loop[name]) and np.array_equal(by_name[name], again[name]), name
+    still = wing.simulate(until=0.1, outputs=COLUMNS)
+    assert not np.array_equal(still["fold.angle"], by_name["fold.angle"])
+    mixed = wing.simulate(until=0.1, inputs={**mapping, "fold.torque": lambda time: 0.0}, outputs=COLUMNS)
+    assert np.array_equal(mixed["fold.angle"], expected["fold.angle"])
+
+
+def test_a_loop_is_the_run(wing):
+    """Stepping by hand, from saved states, in steps or at once."""
+    run = wing.simulate(until=0.25, outputs=["fold.angle", "fold.latch_time", "tip.position"])
+    sim = wing.start()
+    states = {}
+    for point, time_s in enumerate(run.time[1:], start=1):
+        sim.step_to(time_s)
+        assert sim["fold.angle"] == run["fold.angle"][point]
+        if point in (100, 300):
+            states[point] = sim.save()
+    assert sim["fold.latch_time"] == run["fold.latch_time"][-1] > 0.12
+    assert np.array_equal(sim["tip.position"], run["tip.position"][-1])
+    for point, state in states.items():
+        sim.restore(fw.State.from_bytes(wing._native, state.to_bytes()))
+        assert sim.time == run.time[point]
+        sim.step_to(run.time[point + 50])
+        assert sim["fold.angle"] == run["fold.angle"][point + 50]
+    assert sim.statistics()["steps"] > 0
+
+
+def test_values_are_read_and_set_by_name(wing):
+    sim = wing.start()
+    assert sim["fold.release"] is True and isinstance(sim["fold.latch_count"], int)
+    sim["load.outer[4].force"] = [0.0, 0.1, 0.2]
+    assert sim["load.outer[4].force.z"] == 0.2 and sim["load.outer[4].force"].tolist() == [0.0, 0.1, 0.2]
+    sim["fold.release"] = 0
+    assert sim["fold.release"] is False
+    for name, value, words in [
+        ("fold.torqe", 1.0, "did you mean `fold.torque`?"),
+        ("fold.torque", "much", "is not a number"),
+        ("fold.torque", float("nan"), "must be finite"),
+        ("fold.release", 2, "is not a Boolean"),
+        ("fold.angle", 0.0, "cannot be set: it is an output"),
+        ("fold.start_angle", 0.0, "is fixed"),
+        ("load.outer[4].force", [1.0, 2.0], "2 values for 3 components"),
+    ]:
+        with pytest.raises(fw.UsageError, match=None) as refused:
+            sim[name] = value
+        assert words in str(refused.value), str(refused.value)
+    with pytest.raises(fw.UsageError, match="positive"):
+        sim.step(-1.0)
+    other = fw.load("examples/models/roll_fold.toml").start()
+    with pytest.raises(fw.UsageError, match="belongs to the model"):
+        other.restore(sim.save())
+
+
+def test_refusals_have_the_words_of_the_command(command, tmp_path):
+    text = open(MODEL).read().replace("length_m = 0.15", "lenght_m = 0.15", 1)
+    file = tmp_path / "bad.toml"
+    file.write_text(text)
+    said = subprocess.run([command, "check", file], capture_output=True, text=True).stderr
+    with pytest.raises(fw.ModelError) as refused:
+        fw.load(file)
+    assert said == f"foldwing: {refused.value}\n"
+    line, key, words = refused.value.problems[0]
+    assert text.splitlines()[line - 1].startswith("lenght_m") and key.endswith(".lenght_m") and "length_m" in words
+    with pytest.raises(fw.FilesError, match="cannot be read"):
+        fw.load(tmp_path / "none.toml")
+    assert issubclass(fw.ModelError, ValueError) and issubclass(fw.FilesError, OSError)
+
+
+def test_bad_inputs_are_refused_by_name(wing):
+    times = [0.0, 0.1]
+    for inputs, words in [
+        ({"fold.torqe": 1.0}, "did you mean `fold.torque`?"),
+        ({"fold.angle": 1.0}, "is not an input"),
+        ({"fold.torque": [1.0, 2.0]}, "without an entry `time`"),
+        ({"time": times, "fold.torque": [1.0]}, "1 values for 2 times"),
+        ({"time": times, "fold.torque": [1.0, np.nan]}, "in row 1 is not a finite number"),
+        ({"time": [0.1, 0.1], "fold.torque": [1.0, 2.0]}, "times must ascend"),
+        ({"time": times, "fold.release": [1.0, 0.5]}, "is not a Boolean"),
+        ({"fold.torque": "much"}, "not all values are numbers"),
+        (3, "neither a mapping, a DataFrame nor a function"),
+    ]:
+        with pytest.raises(fw.UsageError) as refused:
+            wing.simulate(until=0.1, inputs=inputs)
+        assert words in str(refused.value), str(refused.value)
+    for arguments, words in [
+        ({"until": -1.0}, "must be after the start time"),
+        ({"step": 0.0}, "must be positive"),
+        ({"outputs": "fold.anlge"}, "did you mean `fold.angle`?"),
+        ({"set": {"fold.start_angle": 9.0}}, "it must be from"),
+    ]:
+        with pytest.raises(fw.UsageError) as refused:
+            wing.simulate(**arguments)
+        assert words in str(refused.value), str(refused.value)
+
+
+def test_a_failed_run_keeps_what_was_computed(wing):
+    def blow(time_s, sim):
+        return {"load.outer[4].force.z": 0.0 if time_s < 0.05 else 1e12}
+
+    pull = {"time": [0.0, 0.05, 0.0501], "load.outer[4].force.z": [0.0, 0.0, 1e12]}
+    for inputs in (blow, pull):
+        with pytest.raises(fw.SimulationError) as failed:
+            wing.simulate(until=0.2, inputs=inputs, outputs="fold.angle")
+        result = failed.value.result
+        assert 0.04 < result.time[-1] < 0.2 and len(result["fold.angle"]) == len(result.time)
+
+
+def test_results_go_where_they_are_wanted(wing, tmp_path):
+    run = wing.simulate(until=0.2, outputs=["fold.*", "tip.position"])
+    frame = run.to_pandas()
+    assert frame.index.name == "time" and frame.attrs["units"]["fold.angle"] == "rad"
+    assert np.array_equal(frame["tip.position.z"], run["tip.position"][:, 2])
+    data = run.to_xarray()
+    assert data["fold.angle"].attrs["units"] == "rad" and "joint fold" in data["fold.angle"].attrs["long_name"]
+    assert all(wing.variables[name].causality == "output" for name in run)
+    assert run.latch_times() == [run["fold.latch_time"][-1]]
+    import matplotlib
+
+    matplotlib.use("Agg")
+    figure = run.plot(["fold.angle", "tip.position"])
+    assert [axes.get_ylabel() for axes in figure.axes] == ["fold.angle (rad)", "(m)"]
+    page = run.view(tmp_path / "run.html", show=False)
+    assert "FoldingWing" in page.read_text() and page.stat().st_size > 100_000
+    (tmp_path / "mine.html").write_text("mine")
+    with pytest.raises(fw.FilesError, match="not recognised"):
+        run.view(tmp_path / "mine.html", show=False)
+    with pytest.raises(KeyError, match="was not recorded"):
+        run["gauge.root.strain"]
+
+
+def test_ctrl_c_ends_a_run_and_a_sweep(wing):
+    long = {"until": 1000.0, "outputs": "fold.angle"}
+    for work in (
+        lambda: wing.simulate(**long),
+        lambda: wing.sweep({"fold.start_angle": np.linspace(1.0, 2.0, 5000)}),
+        lambda: wing.simulate(**long, inputs=lambda time_s, sim: None),
+    ):
+        timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
+        begin = time.perf_counter()
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            work()
+        assert time.perf_counter() - begin < 5.0
+
+
+def test_threads_run_beside_each_other(wing):
+    """The interpreter is released: two threads make two runs while a third counts."""
+    counted = []
+    stop = threading.Event()
+
+    def count():
+        while not stop.is_set():
+            counted.append(None)
+            time.sleep(0.001)
+
+    counter = threading.Thread(target=count)
+    counter.start()
+    time.sleep(0.02)
+    before = len(counted)
+    wing.simulate(until=5.0, outputs="fold.angle")
+    during = len(counted) - before
+    stop.set()
+    counter.join()
+    assert during > 5, during
+
+
+def test_models_from_code(wing):
+    tree = {"name": "Beam", "section": {"spar": {"shape": "rectangle", "width_m": np.float64(0.1), "height_m": 0.004,
+            "density_kg_m3": 1600, "young_Pa": 60e9, "poisson_ratio": 0.3}},
+            "body": {"b": {"length_m": 0.5, "section": "spar", "elements": np.int64(4)}, "a": {"length_m": 0.2,
+            "section": "spar", "elements": 2}},
+            "joint": {"mount": {"type": "clamped", "parent": "root", "child": "b"},
+                      "hinge": {"type": "revolute", "parent": "b", "child": "a", "axis": np.array([0.0, 1.0, 0.0])}}}
+    model = fw.Model.from_dict(tree)
+    names = [body["name"] for body in model.check().data["bodies"]]
+    assert names == ["b", "a"], "in the order of the mapping"
+    assert fw.Model(model.text).variables == model.variables
+    tree["body"]["b"]["length_m"] = -1
+    with pytest.raises(fw.ModelError, match="body.b.length_m"):
+        fw.Model.from_dict(tree)
+    tree["body"]["b"]["length_m"] = None
+    with pytest.raises(fw.UsageError, match="from_dict"):
+        fw.Model.from_dict(tree)
+    assert pickle.loads(pickle.dumps(wing)).text == wing.text
