@@ -112,9 +112,10 @@ pytest: package runner
 package-venv: toolchain
 	@$(PYTHON) tools/create_venv.py $(PACKAGE_VENV) --requirements python/requirements-package.txt
 
-wheel: package-venv ## Build the Python package for this machine: $(TARGET)/wheels; `pip install .` does the same
+wheel: build package-venv ## Build the Python package for this machine: $(TARGET)/wheels; `pip install .` does the same
 	@rm -rf $(WHEELS)
-	CARGO="$(CARGO)" $(PACKAGE_PYTHON) -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir $(WHEELS) .
+	CARGO="$(CARGO)" FOLDWING_LIBRARY="$(abspath $(firstword $(wildcard $(TARGET)/release/*foldwing_fmu.so $(TARGET)/release/*foldwing_fmu.dylib)))" \
+	    $(PACKAGE_PYTHON) -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir $(WHEELS) .
 
 python: wheel ## Test the Python package from its wheel: what it computes and costs, its documentation, its types
 	@$(PACKAGE_PYTHON) -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/*.whl

@@ -3,7 +3,7 @@
 Usage: python examples/gymnasium_wing.py [EPISODES]
 
 Needs `pip install foldwing gymnasium`. An episode starts from the state of rest, saved once, under a blow of random strength; a step is
-5 ms. The agent sees the root strain and its last value, the fold angle and its rate. Resetting is a restored state, a tenth of a
+2 ms. The agent sees the root strain and its last value, the fold angle and its rate. Resetting is a restored state, a tenth of a
 millisecond. The agent here is a damper, to show that the environment is one.
 """
 
@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 
 import foldwing as fw
 
-STEP_S = 5e-3
+STEP_S = 2e-3
 MOMENT_N_M = 0.1
+GAIN = -0.5
 ACTUATOR, GUST = "load.inner[2].moment.y", "load.outer[4].force.z"
 SCALE = np.array([1e-3, 1e-3, 0.05, 2.0])
 Observation = NDArray[np.float64]
@@ -76,7 +77,7 @@ def returned(environment: LatchedWing, gain: float, seed: int) -> float:
 def main() -> None:
     episodes = int(sys.argv[1]) if len(sys.argv) > 1 else 5
     environment = LatchedWing()
-    alone, damped = (np.mean([returned(environment, gain, seed) for seed in range(episodes)]) for gain in (0.0, 2.0))
+    alone, damped = (np.mean([returned(environment, gain, seed) for seed in range(episodes)]) for gain in (0.0, GAIN))
     print(f"mean return left alone {alone:.2f}, with a damper {damped:.2f}")
 
 

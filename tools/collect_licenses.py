@@ -1,4 +1,5 @@
-"""Collects the licences of what is linked into the library into licenses/THIRD_PARTY.txt.
+"""Collects the licences of what is linked into the library into licenses/THIRD_PARTY.txt, and of what the Python package holds
+besides into licenses/PYTHON_PACKAGE.txt.
 
 `collect_licenses.py` rewrites the file, `collect_licenses.py --check` says whether it is up to date (exit code 1 if not).
 The packages are those that `cargo metadata` resolves for the library on the platforms below: normal dependencies of
@@ -18,6 +19,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 TARGET = ROOT / "licenses/THIRD_PARTY.txt"
+PACKAGE = ROOT / "licenses/PYTHON_PACKAGE.txt"
+# the member that goes into the Python package alone
+PYTHON = "foldwing-python"
 # JavaScript in the page of `foldwing simulate --view`: `versions.txt` and a text per library.
 VENDORED = ROOT / "crates/command/src/report/viewer/vendor"
 PLATFORMS = ["x86_64-unknown-linux-gnu", "x86_64-pc-windows-gnu", "x86_64-pc-windows-msvc", "x86_64-apple-darwin",
@@ -61,6 +65,12 @@ in the pages that it writes, alone.
 
 """
 
+PACKAGE_HEADER = """Licences of what is linked into the module of the Python package `foldwing`, beside those of THIRD_PARTY.txt
+
+Made by tools/collect_licenses.py from Cargo.lock; `make licenses` renews it.
+
+"""
+
 
 class Trouble(Exception):
     """A package whose licence a person has to look at."""
@@ -77,12 +87,12 @@ def metadata():
     return json.loads(done.stdout)
 
 
-def linked(resolved):
-    """Packages whose code may be in the library, by name and version."""
+def linked(resolved, python=False):
+    """Packages whose code may be in the library, or in the Python package too, by name and version."""
     packages = {package["id"]: package for package in resolved["packages"]}
     nodes = {node["id"]: node for node in resolved["resolve"]["nodes"]}
     own = set(resolved["workspace_members"])
-    found, waiting = set(), sorted(own)
+    found, waiting = set(), sorted(member for member in own if python or packages[member]["name"] != PYTHON)
     while waiting:
         identity = waiting.pop()
         if identity in found:
@@ -131,7 +141,7 @@ def tidy(text):
     return "\n".join(line.rstrip() for line in text.strip("\n\ufeff").split("\n")).strip()
 
 
-def compose(packages):
+def compose(packages, header=HEADER, vendored=True):
     """The whole file: a list of packages, then every text once, headed by those it belongs to."""
     owners, lines = {}, []
     for package in packages:
@@ -140,13 +150,15 @@ def compose(packages):
         lines.append(f"{title}: {' AND '.join(licences)}")
         for licence in licences:
             owners.setdefault(tidy(text_of(package, licence)), []).append(title)
-    for line in (VENDORED / "versions.txt").read_text(encoding="utf-8").splitlines():
+    for line in (VENDORED / "versions.txt").read_text(encoding="utf-8").splitlines() if vendored else []:
         title = line.split(":")[0]
         lines.append(line)
         owners.setdefault(tidy((VENDORED / f"{title.split()[0]}.LICENSE.txt").read_text(encoding="utf-8")), []).append(title)
-    rust = f"Copyright (c) The Rust Project Contributors\n\n{MIT_TEXT}"
-    owners.setdefault(tidy(rust), []).append("rust-std")
-    parts = [HEADER + "\n".join([*lines, STANDARD_LIBRARY])]
+    if vendored:
+        rust = f"Copyright (c) The Rust Project Contributors\n\n{MIT_TEXT}"
+        owners.setdefault(tidy(rust), []).append("rust-std")
+        lines.append(STANDARD_LIBRARY)
+    parts = [header + "\n".join(lines)]
     for text, titles in owners.items():
         parts.append(f"{'=' * 100}\n{', '.join(titles)}\n{'-' * 100}\n{text}")
     return "\n\n".join(parts) + "\n"
@@ -158,14 +170,17 @@ def main():
     parser.add_argument("--check", action="store_true", help="write nothing; fail if the file is not up to date")
     arguments = parser.parse_args()
     try:
-        text = compose(linked(metadata()))
+        resolved = metadata()
+        library = linked(resolved)
+        beside = [package for package in linked(resolved, python=True) if package not in library]
+        texts = {TARGET: compose(library), PACKAGE: compose(beside, PACKAGE_HEADER, vendored=False)}
     except Trouble as trouble:
         sys.exit(f"{trouble}")
-    if arguments.check:
-        if not TARGET.exists() or TARGET.read_text(encoding="utf-8") != text:
-            sys.exit(f"{TARGET.relative_to(ROOT)} does not fit Cargo.lock; `make licenses` renews it")
-    else:
-        TARGET.write_text(text, encoding="utf-8", newline="\n")
+    for target, text in texts.items():
+        if not arguments.check:
+            target.write_text(text, encoding="utf-8", newline="\n")
+        elif not target.exists() or target.read_text(encoding="utf-8") != text:
+            sys.exit(f"{target.relative_to(ROOT)} does not fit Cargo.lock; `make licenses` renews it")
 
 
 if __name__ == "__main__":

@@ -32,8 +32,9 @@ def library():
     if given:
         return Path(given)
     cargo = os.environ.get("CARGO", "cargo")
-    # the packages that `make` builds, so that what it has compiled serves here too
-    subprocess.run([cargo, "build", "--release", "--locked"], cwd=ROOT, check=True)
+    # together with the module, so that what both need is compiled once
+    packages = ["--package", "foldwing-fmu", "--package", "foldwing-python"]
+    subprocess.run([cargo, "build", "--release", "--locked", *packages], cwd=ROOT, check=True)
     folder = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
     found = [folder / name for name in NAMES if (folder / name).is_file()]
     if not found:

@@ -5,6 +5,7 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import Self
 
 __version__: str
 
@@ -48,7 +49,7 @@ class InputTable:
     def __new__(cls, model: Model, times_s: _Array, columns: Sequence[Tuple[str, _Array]]) -> InputTable: ...
 
 class Simulation:
-    def __new__(cls, model: Model, settings: _Settings) -> Simulation: ...
+    def __new__(cls, model: Model, settings: _Settings) -> Self: ...
     def start(self, time_s: float) -> None:
         """Finds the initial state at `time_s`; `Model.start` has done so."""
     def settle(self, time_s: float) -> None:

@@ -75,8 +75,10 @@ class LinearModel:
     def _of(cls, native: _native.LinearModel) -> LinearModel:
         described = json.loads(native.describe())
         A, B, C, D = native.matrices()
-        signals = {key: [Signal(**signal) for signal in described[key]] for key in ("states", "inputs", "outputs")}
-        return cls(A, B, C, D, state=described["state"], about=native.about(), **signals)
+        states, inputs, outputs = ([Signal(**row) for row in described[key]] for key in ("states", "inputs", "outputs"))
+        return cls(
+            A, B, C, D, states=states, inputs=inputs, outputs=outputs, state=described["state"], about=native.about()
+        )
 
     @property
     def is_equilibrium(self) -> bool:

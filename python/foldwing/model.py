@@ -219,6 +219,13 @@ class Model:
             raise error
         return result
 
+    def _parts(self, name: str, value: Any) -> List[Tuple[str, Any]]:
+        """Components of a vector with their values, or the variable itself."""
+        if name not in self._vectors:
+            return [(name, value)]
+        first, count = self._vectors[name]
+        return list(zip(list(self.variables)[first : first + count], value))
+
     def _outputs(self) -> List[str]:
         return [name for name, row in self.variables.items() if row.causality == "output"]
 
@@ -239,10 +246,9 @@ class Model:
         def feed(point: int) -> None:
             for name, value in (function(float(times[point]), simulation) or {}).items():
                 simulation[name] = value
-                if name not in applied:
-                    now = float(self.variables[name].start) if name in self.variables else np.nan
-                    applied[name] = [now] * point
-                applied[name].append(float(value))
+                for part, number in self._parts(name, value):
+                    column = applied.setdefault(part, [float(self.variables[part].start)] * point)
+                    column[point:] = [float(number)]
             for column in applied.values():
                 column.extend(column[-1:] * (point + 1 - len(column)))
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 import os
+import sys
 import tempfile
 import webbrowser
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
@@ -156,14 +159,8 @@ class Result(Mapping[str, NDArray[np.float64]]):
         _native.write_page(page, os.fspath(file), False)
         if not show:
             return file
-        try:
-            from IPython import get_ipython
-            from IPython.display import HTML
-        except ImportError:
-            get_ipython = None
-        if get_ipython is not None and getattr(get_ipython(), "kernel", None) is not None:
-            from html import escape
-
-            return HTML(f'<iframe srcdoc="{escape(page)}" width="100%" height="600" style="border:0"></iframe>')
+        if "ipykernel" in sys.modules:
+            display: Any = importlib.import_module("IPython.display")
+            return display.HTML(f'<iframe srcdoc="{escape(page)}" width="100%" height="600" style="border:0"></iframe>')
         webbrowser.open(file.resolve().as_uri())
         return file

@@ -83,6 +83,10 @@ const FOREIGN: &[&str] = &[
     "time_s",
     "without_air",
     "growing_1_s",
+    "error_bound",
+    // states of reduced linear models
+    "balanced_1",
+    "modal_1",
     "trial_iterations",
     "iteration_us",
     "axial_strain",

@@ -51,7 +51,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let summary = Summary::new(&machine);
     summary.assessment.warnings.iter().for_each(|warning| tell::warning(warning));
-    print(&if arguments.json { summary.json() } else { summary.shown(&machine, arguments.variables) })
+    print(&if arguments.json {
+        summary.json()
+    } else {
+        summary.shown(&machine, arguments.variables, arguments.unknowns)
+    })
 }
 
 /// The summary as JSON.
@@ -61,7 +65,7 @@ pub(super) fn json(machine: &Machine) -> String {
 
 /// The summary and the wing in characters, with a list of the variables where that is wanted.
 pub(super) fn text(machine: &Machine, list_variables: bool) -> String {
-    Summary::new(machine).shown(machine, list_variables)
+    Summary::new(machine).shown(machine, list_variables, false)
 }
 
 /// A model in numbers.
@@ -184,11 +188,11 @@ impl Summary {
     }
 
     /// In words, with the wing in characters.
-    fn shown(&self, machine: &Machine, list_variables: bool) -> String {
-        format!("{}\n{}", self.text(list_variables), sketch(machine))
+    fn shown(&self, machine: &Machine, list_variables: bool, list_unknowns: bool) -> String {
+        format!("{}\n{}", self.text(list_variables, list_unknowns), sketch(machine))
     }
 
-    fn text(&self, list_variables: bool) -> String {
+    fn text(&self, list_variables: bool, list_unknowns: bool) -> String {
         let mut text = format!(
             "{}: {}\n{:.6} kg, {} degrees of freedom, {} load stations\n",
             self.name, self.description, self.mass_kg, self.degrees_of_freedom, self.stations
@@ -213,7 +217,7 @@ impl Summary {
         }
         text.push_str("\njoints\n");
         self.joints.iter().for_each(|joint| text.push_str(&joint.text()));
-        if wanted.unknowns {
+        if list_unknowns {
             text.push_str(JointSize::TITLE);
             self.joints.iter().for_each(|joint| text.push_str(&joint.size.text(&joint.name, &joint.kind)));
         }

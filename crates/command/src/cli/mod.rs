@@ -220,6 +220,7 @@ pub fn run_as(arguments: impl IntoIterator<Item = OsString>, library: Option<&Pa
 }
 
 fn run_command(command: Command, library: Option<&Path>) -> u8 {
+    outlets::own_signals();
     let outcome = match command {
         Command::New(arguments) => new::run(&arguments),
         Command::Package(arguments) => package::run(&arguments, library),

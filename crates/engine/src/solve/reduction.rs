@@ -246,26 +246,38 @@ fn balanced(modal: &Modal, d: &DMatrix<f64>, order: usize) -> Result<Reduced, No
     let a = into.transpose() * block(&stable, &stable) * &out;
     let b = into.transpose() * modal.b.select_rows(&stable);
     let c = modal.c.select_columns(&stable) * &out;
-    let rest = sound - kept;
-    let fast = a.view((kept, kept), (rest, rest)).into_owned().lu();
-    let solved = |matrix: DMatrix<f64>| fast.solve(&matrix).ok_or(NoReduction::Singular);
-    let by_state = solved(a.view((kept, 0), (rest, kept)).into_owned())?;
-    let by_input = solved(b.rows(kept, rest).into_owned())?;
-    let (across, seen) = (a.view((0, kept), (kept, rest)), c.columns(kept, rest));
-    let n = whole.len() + kept;
-    let mut model = StateSpace {
-        a: DMatrix::zeros(n, n),
-        b: DMatrix::zeros(n, b.ncols()),
-        c: DMatrix::zeros(c.nrows(), n),
-        d: d - seen * &by_input,
+    let (slow, fast): (Vec<usize>, Vec<usize>) = (0..sound).partition(|&i| i < kept);
+    let part = |rows: &[usize], columns: &[usize]| {
+        DMatrix::from_fn(rows.len(), columns.len(), |i, j| a[(rows[i], columns[j])])
     };
-    let first = whole.len();
-    model.a.view_mut((0, 0), (first, first)).copy_from(&block(&whole, &whole));
-    model.a.view_mut((first, first), (kept, kept)).copy_from(&(a.view((0, 0), (kept, kept)) - across * &by_state));
-    model.b.rows_mut(0, first).copy_from(&modal.b.select_rows(&whole));
-    model.b.rows_mut(first, kept).copy_from(&(b.rows(0, kept) - across * &by_input));
-    model.c.columns_mut(0, first).copy_from(&modal.c.select_columns(&whole));
-    model.c.columns_mut(first, kept).copy_from(&(c.columns(0, kept) - seen * &by_state));
+    let mut a_slow = part(&slow, &slow);
+    let (mut b_slow, mut c_slow, mut d) = (b.select_rows(&slow), c.select_columns(&slow), d.clone());
+    if !fast.is_empty() {
+        let lu = part(&fast, &fast).lu();
+        let solved = |matrix: DMatrix<f64>| lu.solve(&matrix).ok_or(NoReduction::Singular);
+        let by_input = solved(b.select_rows(&fast))?;
+        let (across, seen) = (part(&slow, &fast), c.select_columns(&fast));
+        b_slow -= &across * &by_input;
+        d -= &seen * &by_input;
+        if !slow.is_empty() {
+            let by_state = solved(part(&fast, &slow))?;
+            a_slow -= &across * &by_state;
+            c_slow -= &seen * &by_state;
+        }
+    }
+    let (first, n) = (whole.len(), whole.len() + kept);
+    let (a_whole, b_whole, c_whole) =
+        (block(&whole, &whole), modal.b.select_rows(&whole), modal.c.select_columns(&whole));
+    let model = StateSpace {
+        a: DMatrix::from_fn(n, n, |i, j| match (i < first, j < first) {
+            (true, true) => a_whole[(i, j)],
+            (false, false) => a_slow[(i - first, j - first)],
+            _ => 0.0,
+        }),
+        b: DMatrix::from_fn(n, b.ncols(), |i, j| if i < first { b_whole[(i, j)] } else { b_slow[(i - first, j)] }),
+        c: DMatrix::from_fn(c.nrows(), n, |i, j| if j < first { c_whole[(i, j)] } else { c_slow[(i, j - first)] }),
+        d,
+    };
     let bound = 2.0 * hankel[kept..].iter().sum::<f64>();
     let hankel = std::iter::repeat_n(f64::INFINITY, whole.len()).chain(hankel).collect();
     Ok(Reduced { model, error_bound: Some(bound), hankel })

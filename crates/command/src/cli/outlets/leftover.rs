@@ -2,10 +2,19 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
 
 /// Paths that a signal removes. A signal is one for the whole process, so this list is, too.
 static LEFTOVERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// The process is the command: its signals are ours. In a program that calls us they are the program's.
+static OWNS_SIGNALS: AtomicBool = AtomicBool::new(false);
+
+/// Says that the process is the command.
+pub fn own_signals() {
+    OWNS_SIGNALS.store(true, Ordering::Relaxed);
+}
 
 /// A path that is removed if the process is interrupted while this is alive.
 pub struct Leftover(PathBuf);
@@ -13,7 +22,9 @@ pub struct Leftover(PathBuf);
 impl Leftover {
     /// Watches a file or folder.
     pub fn watch(path: &Path) -> Self {
-        watch_signals();
+        if OWNS_SIGNALS.load(Ordering::Relaxed) {
+            watch_signals();
+        }
         LEFTOVERS.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_owned());
         Self(path.to_owned())
     }
@@ -38,7 +49,6 @@ fn start() {
     use signal_hook::iterator::Signals;
     use signal_hook::low_level::emulate_default_handler;
     use std::sync::Arc;
-    use std::sync::atomic::AtomicBool;
 
     // where one of these fails, the command runs as it did without
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));

@@ -6,7 +6,7 @@ mod leftover;
 mod mark;
 mod same;
 
-pub(super) use leftover::Leftover;
+pub(super) use leftover::{Leftover, own_signals};
 pub(super) use mark::Mark;
 
 use crate::cli::Failure;

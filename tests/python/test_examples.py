@@ -1,0 +1,33 @@
+"""The examples of the package do what the documents say."""
+
+import subprocess
+import sys
+
+
+def output(*command):
+    result = subprocess.run([sys.executable, *command], capture_output=True, text=True)
+    assert result.returncode == 0, result.stdout + result.stderr
+    return result.stdout.strip()
+
+
+def test_ten_lines_print_what_the_readme_says():
+    said = output("examples/python_ten_lines.py")
+    assert said == "latched at 0.2223 s, largest strain 5.29e-03, tip between z = -0.172 and 0.126 m"
+    assert said in open("README.md").read()
+
+
+def test_the_environment_is_one_of_gymnasium():
+    """Gymnasium's own check, and a damper that does better than none."""
+    sys.path.insert(0, "examples")
+    from gymnasium.utils.env_checker import check_env
+    from gymnasium_wing import GAIN, LatchedWing, returned
+
+    environment = LatchedWing()
+    check_env(environment, skip_render_check=True)
+    assert returned(environment, 0.0, 1) == returned(environment, 0.0, 1), "an episode depends on its seed alone"
+    assert returned(environment, GAIN, 2) > 0.9 * returned(environment, 0.0, 2)
+
+
+def test_the_notebook_shows_what_it_stores():
+    said = output("tools/run_notebook.py", "examples/latch_damper.ipynb", "--check")
+    assert "differs" not in said
