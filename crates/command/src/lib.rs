@@ -6,4 +6,4 @@ pub mod import;
 pub mod packaging;
 pub mod report;
 
-pub use cli::{run, run_as};
+pub use cli::run;

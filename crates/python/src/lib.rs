@@ -17,7 +17,7 @@ use std::path::PathBuf;
 /// Runs the command `foldwing` with these arguments, the program's name first; returns its exit code.
 #[pyfunction]
 fn run_command(py: Python<'_>, arguments: Vec<OsString>, library: Option<PathBuf>) -> u8 {
-    py.detach(|| foldwing_command::run_as(arguments, library.as_deref()))
+    py.detach(|| foldwing_command::cli::run_as(arguments, library.as_deref()))
 }
 
 /// The JSON schema of model files.

@@ -4,6 +4,8 @@ use crate::solve::eigen::{Eigen, eigen};
 use crate::solve::linearize::StateSpace;
 use nalgebra::{Complex, DMatrix, DVector, SVD};
 
+type ComplexMatrix = DMatrix<Complex<f64>>;
+
 /// What a reduction keeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Keep {
@@ -123,7 +125,7 @@ impl Modal {
     }
 
     /// Rows of `b` and columns of `c` in complex coordinates, one for each eigenvalue: `z = (ζ + ζ̄, i(ζ − ζ̄))`.
-    fn complex(&self) -> (Vec<Complex<f64>>, DMatrix<Complex<f64>>, DMatrix<Complex<f64>>) {
+    fn complex(&self) -> (Vec<Complex<f64>>, ComplexMatrix, ComplexMatrix) {
         let n = self.a.nrows();
         let (mut values, mut b, mut c) =
             (Vec::with_capacity(n), DMatrix::zeros(n, self.b.ncols()), DMatrix::zeros(self.c.nrows(), n));
