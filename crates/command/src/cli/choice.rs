@@ -112,7 +112,7 @@ mod tests {
     /// Lists, patterns and prefixes choose each row once and in order; names with brackets and commas stay whole.
     #[test]
     fn names_lists_patterns_and_prefixes_choose() {
-        let rows = ["fold.angle", "fold.rate", "tip.position.z", "a[1,2]", "a[1,3]", "folder"].map(Row);
+        let rows = ["fold.angle", "fold.rate", "tip.position.z", "a[1,2]", "a[1,3]", "folder", "time"].map(Row);
         let rows: Vec<&Row> = rows.iter().collect();
         let names = |words: &[&str]| -> Vec<&str> {
             let words: Vec<String> = words.iter().map(|word| (*word).to_owned()).collect();
@@ -127,12 +127,13 @@ mod tests {
         assert_eq!(names(&["fold."]), ["fold.angle", "fold.rate"]);
         assert_eq!(names(&["fold*"]), ["fold.angle", "fold.rate", "folder"]);
         assert_eq!(names(&["a[1,3],time"]), ["a[1,3]"]);
+        assert_eq!(names(&["t*"]), ["tip.position.z"], "the time stands first anyway");
         assert_eq!(names(&["a[1,?]"]), ["a[1,2]", "a[1,3]"]);
         let refused = |word: &str| match chosen(&[word.to_owned()], &rows, "variable") {
             Err(Failure::Usage(message)) => message,
             _ => panic!("{word} is taken"),
         };
-        assert_eq!(refused("x.*"), "no variable matches `x.*`; their names begin with a, fold, folder, tip");
+        assert_eq!(refused("x.*"), "no variable matches `x.*`; their names begin with a, fold, folder, time, tip");
         assert!(refused("fold.angel").contains("fold.angle"));
     }
 }

@@ -35,8 +35,8 @@ The usual order of work, from a model file to its FMU:
   foldwing package --help                         options and examples of a command
 
 Mistakes in a file or on the command line are reported with their location and the allowed values.
-Messages go to standard error, in colour if it is a terminal and NO_COLOR is not set, as does a progress bar for runs that last more than half a second
-if it is a terminal.
+Messages go to standard error, in colour if it is a terminal and NO_COLOR is not set. So does a
+progress bar for runs that last more than half a second, if it is a terminal.
 
 ",
     exit_codes!()
