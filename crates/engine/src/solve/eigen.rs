@@ -150,7 +150,7 @@ impl Work {
         while low > 0 {
             let s = self.h[(low - 1, low - 1)].abs() + self.h[(low, low)].abs();
             let s = if s == 0.0 { norm } else { s };
-            if self.h[(low, low - 1)].abs() < f64::EPSILON * s {
+            if self.h[(low, low - 1)].abs() <= f64::EPSILON * s {
                 break;
             }
             low -= 1;
@@ -409,7 +409,8 @@ mod tests {
             }
         }));
         for matrix in matrices {
-            let Eigen { values, vectors } = eigen(&matrix).unwrap();
+            let Eigen { values, vectors } =
+                eigen(&matrix).unwrap_or_else(|| panic!("{} × {}: no convergence", matrix.nrows(), matrix.ncols()));
             let mut image = DMatrix::zeros(values.len(), values.len());
             for (i, value) in values.iter().enumerate() {
                 // re + i·im of the first of a pair: A re = σ re − ω im, A im = ω re + σ im

@@ -253,19 +253,26 @@ fn balanced(modal: &Modal, d: &DMatrix<f64>, order: usize) -> Result<Reduced, No
         DMatrix::from_fn(rows.len(), columns.len(), |i, j| a[(rows[i], columns[j])])
     };
     let mut a_slow = part(&slow, &slow);
-    let (mut b_slow, mut c_slow, mut d) = (b.select_rows(&slow), c.select_columns(&slow), d.clone());
+    let (mut b_slow, mut c_slow) = (b.select_rows(&slow), c.select_columns(&slow));
     if !fast.is_empty() {
         let lu = part(&fast, &fast).lu();
         let solved = |matrix: DMatrix<f64>| lu.solve(&matrix).ok_or(NoReduction::Singular);
         let by_input = solved(b.select_rows(&fast))?;
         let (across, seen) = (part(&slow, &fast), c.select_columns(&fast));
         b_slow -= &across * &by_input;
-        d -= &seen * &by_input;
         if !slow.is_empty() {
             let by_state = solved(part(&fast, &slow))?;
             a_slow -= &across * &by_state;
             c_slow -= &seen * &by_state;
         }
+    }
+    // from the gain at rest, which the states with small values know to few digits only
+    let (values, by_input, seen) = modal.complex();
+    let mut d = DMatrix::from_fn(d.nrows(), d.ncols(), |i, j| {
+        d[(i, j)] - stable.iter().map(|&k| (seen[(i, k)] * by_input[(k, j)] / values[k]).re).sum::<f64>()
+    });
+    if !slow.is_empty() {
+        d += &c_slow * a_slow.clone().lu().solve(&b_slow).ok_or(NoReduction::Singular)?;
     }
     let (first, n) = (whole.len(), whole.len() + kept);
     let (a_whole, b_whole, c_whole) =

@@ -45,13 +45,18 @@ fn errors_stay_below_their_bounds() {
     for keep in [Keep::Modes, Keep::Balanced] {
         for order in [2, 4, 6, 9, 12] {
             let Reduced { model, error_bound, .. } = reduce(&whole, order, keep).unwrap();
-            assert!(model.a.nrows() <= order && model.a.nrows() + 2 > order, "{keep:?} {order}");
             let (error, bound) = (largest_error(&whole, &model, MODES), error_bound.unwrap());
             let scale = gain(&whole, 3.0).norm();
+            // fewer than asked for where the rest is round-off
+            let states = model.a.nrows();
+            assert!(
+                states <= order && (states + 2 > order || bound < 1e-10 * scale),
+                "{keep:?} {order}: {states}, {bound:e}"
+            );
             assert!(error <= bound + 1e-9 * scale, "{keep:?} {order}: {error:e} above {bound:e}");
             assert!(bound <= 12.0 * error + 1e-7 * scale, "{keep:?} {order}: {error:e} far below {bound:e}");
             let at_rest = (gain(&whole, 0.0) - gain(&model, 0.0)).norm();
-            assert!(at_rest < 1e-10 * scale, "{keep:?} {order}: {at_rest:e} at rest");
+            assert!(at_rest < 1e-10 * scale, "{keep:?} {order}: {at_rest:e} of {scale:e} at rest");
         }
     }
 }
