@@ -50,7 +50,7 @@ fn errors_stay_below_their_bounds() {
             // fewer than asked for where the rest is round-off
             let states = model.a.nrows();
             assert!(
-                states <= order && (states + 2 > order || bound < 1e-10 * scale),
+                states <= order && (states + 2 > order || bound < 1e-9 * scale),
                 "{keep:?} {order}: {states}, {bound:e}"
             );
             assert!(error <= bound + 1e-9 * scale, "{keep:?} {order}: {error:e} above {bound:e}");
