@@ -36,7 +36,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers profile bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel python package-venv clean help toolchain
+.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers profile bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel python package-venv clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -194,6 +194,10 @@ notebook: package venv ## Run examples/deployment.ipynb and store in it what it 
 
 tunnel: package venv ## Change one choice of the wind tunnel at a time: docs/tables/tunnel.md, takes minutes
 	$(VENV_PYTHON) studies/tunnel_study.py --foldwing $(COMMAND) --table docs/tables/tunnel.md
+
+wind-tunnel: build venv ## Wings that were measured, at every measured point: docs/tables/wind_tunnel.md, docs/pictures; takes minutes
+	nice $(VENV_PYTHON) studies/wind_tunnel_study.py --foldwing $(COMMAND) --output $(TARGET)/wind_tunnel --table docs/tables/wind_tunnel.md
+	$(VENV_PYTHON) studies/plot_wind_tunnel.py --points $(TARGET)/wind_tunnel/points.json --output docs/pictures
 
 aircraft: package venv ## Couple two wings with an aircraft by several ways: docs/tables/aircraft.md, takes minutes
 	$(VENV_PYTHON) studies/aircraft_study.py --foldwing $(COMMAND) --fmu $(FMU) --table docs/tables/aircraft.md --pictures docs/pictures

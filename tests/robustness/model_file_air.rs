@@ -176,9 +176,8 @@ fn places_of_surfaces() {
 /// drag of a profile with a lattice. Without air all may stay in the file.
 #[test]
 fn keys_that_the_model_of_the_air_does_not_read() {
-    let lattice =
-        ["mirror_normal = [1, 0, 0]", "free_wake = true", "wake_rows = 30", "core_radius_m = 1e-4", "threads = 2"];
-    let strips = ["quasi_steady = true", "apparent_mass = false", "indicial = \"fine\""];
+    let lattice = ["free_wake = true", "wake_rows = 30", "threads = 2"];
+    let strips = ["quasi_steady = true", "apparent_mass = false", "indicial = \"fine\"", "tip_loss = \"lifting_line\""];
     let profile =
         ["lift_slope_1_rad = 6", "zero_lift_angle_deg = -2", "moment_coefficient = 0", "drag_coefficient = 0.01"];
     let profile = profile.into_iter().chain(["polar = [[0, 0, 0, 0], [10, 1, 0, 0]]"]);
@@ -201,10 +200,19 @@ fn keys_that_the_model_of_the_air_does_not_read() {
         machine(&accepted);
         assert!(machine(&without).air.is_none());
     }
-    assert_eq!(
-        message(&air("strip", "mirror_normal = [1, 0, 0]")),
-        "wing.toml:59: key 'aerodynamics.mirror_normal': [1, 0, 0] is not allowed; allowed: this key only with model = \"uvlm\""
-    );
+    for (key, value) in [("mirror_normal", "[1, 0, 0]"), ("core_radius_m", "1e-4")] {
+        let text = format!("{key} = {value}");
+        assert_eq!(
+            message(&air("strip", &text)),
+            format!(
+                "wing.toml:59: key 'aerodynamics.{key}': {value} is not allowed; allowed: this key only with \
+                 model = \"uvlm\", or with tip_loss = \"lifting_line\""
+            )
+        );
+        machine(&air("uvlm", &text));
+        machine(&air("strip", &format!("{text}\ntip_loss = \"lifting_line\"")));
+        assert!(machine(&air("none", &text)).air.is_none());
+    }
     assert_eq!(
         message(&air("uvlm", "coupling = \"staggered\"\ncoupling_iterations = 9")),
         "wing.toml:60: key 'aerodynamics.coupling_iterations': 9 is not allowed; allowed: this key only with coupling = \"iterated\""
@@ -214,4 +222,53 @@ fn keys_that_the_model_of_the_air_does_not_read() {
         assert!(said.ends_with("allowed: this key only with coupling = \"iterated\""), "{said}");
         machine(&air("uvlm", key));
     }
+}
+
+/// A lifting line needs lifts that grow straight with the downwash, and is nobody's who does not ask for it.
+#[test]
+fn tip_loss_of_strips() {
+    let air = |key: &str, surface: &str| {
+        format!("[aerodynamics]\nmodel = \"strip\"\nwind_m_s = [0, -10, 0]\n{key}\n{SURFACE}{surface}\n")
+    };
+    let strips = |text: &str| match machine(text).air.expect("air").options {
+        AirOptions::Strips(strips) => strips,
+        AirOptions::Lattice(_) => panic!("a lattice"),
+    };
+    assert_eq!(strips(&air("", "")).tip_loss, None);
+    assert_eq!(strips(&air("tip_loss = \"none\"", "")).tip_loss, None);
+    let line = strips(&air("tip_loss = \"lifting_line\"\nmirror_normal = [2, 0, 0]", "")).tip_loss.expect("a line");
+    assert_eq!(line.mirror_normal, Some(nalgebra::Vector3::x()));
+    let said = message(&air("tip_loss = \"lifting_line\"", "polar = [[-10, -1, 0, 0], [10, 1, 0, 0]]"));
+    assert!(said.contains("polar") && said.contains("this key only without tip_loss"), "{said}");
+    let said = message(&air("tip_loss = \"prandtl\"", ""));
+    assert!(said.contains("'aerodynamics.tip_loss'") && said.contains("lifting_line"), "{said}");
+}
+
+/// Slope of the lift and place of the axis along the body; strips take the slope of their middle.
+#[test]
+fn slope_and_axis_along_the_body() {
+    let air =
+        |surface: &str| format!("[aerodynamics]\nmodel = \"strip\"\nwind_m_s = [0, -10, 0]\n{SURFACE}{surface}\n");
+    let surface = |text: &str| machine(&air(text)).air.expect("air").surfaces.remove(0);
+    let plain = surface("lift_slope_1_rad = 5");
+    assert_eq!((plain.profile.lift_slope_1_rad, plain.profile.lift_slopes_1_rad.len()), (5.0, 0));
+    let (rows, length_m) = (plain.positions_m.clone(), plain.positions_m[plain.positions_m.len() - 1]);
+    let sloping = surface(&format!("lift_slope_1_rad = {{ table = [[0.0, 6.0], [{length_m}, 2.0]] }}"));
+    let slopes = &sloping.profile.lift_slopes_1_rad;
+    assert_eq!(slopes.len(), rows.len() - 1);
+    for (slope, edges) in slopes.iter().zip(rows.windows(2)) {
+        approx::assert_relative_eq!(*slope, 6.0 - 4.0 * 0.5 * (edges[0] + edges[1]) / length_m, max_relative = 1e-12);
+    }
+    let leaning = surface(&format!("axis_fraction = {{ table = [[0.0, 0.25], [{length_m}, 0.5]] }}"));
+    let fractions = leaning.chords.iter().map(|chord| chord.leading_m.y / chord.length_m());
+    for (fraction, s) in fractions.zip(&rows) {
+        approx::assert_relative_eq!(fraction, 0.25 + 0.25 * s / length_m, max_relative = 1e-12);
+    }
+    let below = message(&air("lift_slope_1_rad = { polynomial = [1.0, -100.0] }"));
+    assert!(below.contains("lift_slope_1_rad") && below.contains("a slope >= 0 all along the body"), "{below}");
+    let far = message(&air("axis_fraction = { polynomial = [0.5, 100.0] }"));
+    assert!(far.contains("axis_fraction") && far.contains("from -10 to 10 all along the body"), "{far}");
+    let both = message(&air("axis_fraction = { polynomial = [0.5], table = [[0, 1], [0.1, 1]] }"));
+    assert!(both.contains("either polynomial or table, not both"), "{both}");
+    assert!(message(&air("lift_slope_1_rad = -1")).contains("lift_slope_1_rad"));
 }

@@ -2,6 +2,7 @@
 
 use crate::air_file::{
     AirFile, AirModelFile, CouplingFile, GustFile, GustShapeFile, IndicialFile, LeadingEdgeFile, SurfaceFile,
+    TipLossFile,
 };
 use crate::file::ModelFile;
 use crate::function::along_body;
@@ -69,6 +70,22 @@ fn refuse_keys_without_effect(air: &AirFile, file: &ModelFile, checker: &mut Che
         AirModelFile::Strip => (LATTICE_KEYS, LATTICE_SURFACE_KEYS, "uvlm"),
     };
     let allowed = format!("this key only with model = {model:?}");
+    let spans = air.model == AirModelFile::Strip && air.tip_loss == TipLossFile::LiftingLine;
+    if !spans && air.model == AirModelFile::Strip {
+        for key in SPAN_KEYS.iter().filter(|key| checker.states(&["aerodynamics", key])).collect::<Vec<_>>() {
+            let allowed = "this key only with model = \"uvlm\", or with tip_loss = \"lifting_line\"";
+            checker.refuse(&["aerodynamics", key], allowed);
+            checker.stands_in(&["air", key]);
+        }
+    }
+    if spans {
+        for path in file.surface.keys().map(|name| ["surface", name, "polar"]) {
+            if checker.states(&path) {
+                let allowed = "this key only without tip_loss; a lifting line needs lift_slope_1_rad";
+                checker.refuse(&path, allowed);
+            }
+        }
+    }
     for key in keys.iter().filter(|key| checker.states(&["aerodynamics", key])).collect::<Vec<_>>() {
         checker.refuse(&["aerodynamics", key], allowed.as_str());
         checker.stands_in(&["air", key]);
@@ -88,9 +105,11 @@ fn refuse_keys_without_effect(air: &AirFile, file: &ModelFile, checker: &mut Che
 }
 
 /// Keys of `[aerodynamics]` and of `[surface.<name>]` that only the lattice reads, and those that only strips read.
-const LATTICE_KEYS: &[&str] = &["mirror_normal", "free_wake", "wake_rows", "core_radius_m", "threads"];
+const LATTICE_KEYS: &[&str] = &["free_wake", "wake_rows", "threads"];
+/// Keys of `[aerodynamics]` that the lattice and a lifting line read.
+const SPAN_KEYS: &[&str] = &["mirror_normal", "core_radius_m"];
 const LATTICE_SURFACE_KEYS: &[&str] = &["chord_panels"];
-const STRIP_KEYS: &[&str] = &["quasi_steady", "apparent_mass", "indicial"];
+const STRIP_KEYS: &[&str] = &["quasi_steady", "apparent_mass", "indicial", "tip_loss"];
 const STRIP_SURFACE_KEYS: &[&str] =
     &["lift_slope_1_rad", "zero_lift_angle_deg", "moment_coefficient", "drag_coefficient", "polar"];
 
@@ -111,6 +130,7 @@ fn build(air: &AirFile) -> AirBuilder {
             IndicialFile::Jones => Fit::Jones,
             IndicialFile::Fine => Fit::Fine,
         })
+        .tip_loss(air.tip_loss == TipLossFile::LiftingLine)
         .wake(if air.free_wake { WakeModel::Free } else { WakeModel::Prescribed })
         .wake_rows(air.wake_rows)
         .threads(air.threads)
@@ -148,13 +168,14 @@ fn build_surface(
     };
     let mut built = LiftingSurface::on(&surface.body, surface.strips)
         .chord_panels(surface.chord_panels)
-        .axis_fraction(surface.axis_fraction)
+        .axis_fraction(along_body(&["surface", name, "axis_fraction"], &surface.axis_fraction, checker)?)
+        .lift_slope_1_rad(along_body(&["surface", name, "lift_slope_1_rad"], &surface.lift_slope_1_rad, checker)?)
         .profile(Profile {
-            lift_slope_1_rad: surface.lift_slope_1_rad,
             zero_lift_angle_rad: surface.zero_lift_angle_deg.to_radians(),
             moment_coefficient: surface.moment_coefficient,
             drag_coefficient: surface.drag_coefficient,
             polar,
+            ..Profile::THIN
         });
     if let Some(chord) = &surface.chord_m {
         built = built.chord_m(along_body(&["surface", name, "chord_m"], chord, checker)?);

@@ -39,7 +39,11 @@ pub(super) struct AirFile {
     pub apparent_mass: bool,
     /// Fit to Wagner's and Küssner's functions; strips only.
     pub indicial: IndicialFile,
-    /// Normal of a mirror plane through the origin (a tunnel wall, or the other half of an aircraft); lattice only.
+    /// Loss of lift towards the ends of a wing, with its induced drag: `lifting_line` lays one through all strips. Strips only,
+    /// without polars.
+    pub tip_loss: TipLossFile,
+    /// Normal of a mirror plane through the origin (a tunnel wall, or the other half of an aircraft); lattice, or strips with
+    /// a tip loss.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub mirror_normal: Option<[f64; 3]>,
     /// Whether the wake moves with its own flow too; otherwise it moves with the wind only. Lattice only.
@@ -47,7 +51,8 @@ pub(super) struct AirFile {
     /// Rows of panels that the wake keeps, besides that of an established flow; older ones are dropped. Lattice only.
     #[schemars(range(min = 1, max = 10000))]
     pub wake_rows: usize,
-    /// Radius of the vortex cores; default: a hundredth of the shortest panel's chord. Lattice only.
+    /// Radius of the vortex cores; default: a hundredth of the shortest panel's chord, with a lifting line of the shortest
+    /// chord. Lattice, or strips with a tip loss.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub core_radius_m: Option<f64>,
     /// Suction at the leading edge. Strips have it by default; the lattice, whose loads are then those of
@@ -74,6 +79,7 @@ impl Default for AirFile {
             quasi_steady: false,
             apparent_mass: true,
             indicial: IndicialFile::Jones,
+            tip_loss: TipLossFile::None,
             mirror_normal: None,
             free_wake: false,
             wake_rows: 100,
@@ -117,6 +123,16 @@ pub(super) enum IndicialFile {
     Fine,
 }
 
+/// Loss of lift towards the ends of a wing of strips.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum TipLossFile {
+    /// None: every strip is one of an endless wing.
+    None,
+    /// That of a lifting line through all strips as they stand.
+    LiftingLine,
+}
+
 /// Lifting surface of a body.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -125,10 +141,10 @@ pub(super) struct SurfaceFile {
     pub body: String,
     /// Chord along the body; default: the width of its section.
     pub chord_m: Option<FunctionFile>,
-    /// Position of the beam's axis on the chord, from the leading edge, as a fraction of the chord.
+    /// Position of the beam's axis on the chord, from the leading edge, as a fraction of the chord from -10 to 10,
+    /// along the body.
     #[serde(default = "middle")]
-    #[schemars(range(min = -10.0, max = 10.0))]
-    pub axis_fraction: f64,
+    pub axis_fraction: FunctionFile,
     /// Side of the section on which the leading edge lies.
     #[serde(default)]
     pub leading_edge: LeadingEdgeFile,
@@ -141,10 +157,9 @@ pub(super) struct SurfaceFile {
     #[serde(default = "four")]
     #[schemars(range(min = 1, max = 1000))]
     pub chord_panels: usize,
-    /// Lift slope of the profile; strips only.
+    /// Lift slope of the profile along the body, 0 or more; strips only, each takes that of its middle.
     #[serde(default = "thin")]
-    #[schemars(range(min = 0.0))]
-    pub lift_slope_1_rad: f64,
+    pub lift_slope_1_rad: FunctionFile,
     /// Angle of attack of zero lift; strips only.
     #[serde(default)]
     pub zero_lift_angle_deg: f64,
@@ -164,16 +179,16 @@ pub(super) struct SurfaceFile {
     pub polar: Option<Vec<[f64; 4]>>,
 }
 
-fn middle() -> f64 {
-    0.5
+fn middle() -> FunctionFile {
+    FunctionFile::Number(0.5)
 }
 
 fn four() -> usize {
     4
 }
 
-fn thin() -> f64 {
-    TAU
+fn thin() -> FunctionFile {
+    FunctionFile::Number(TAU)
 }
 
 /// Side of the section on which the leading edge lies.

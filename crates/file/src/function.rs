@@ -3,10 +3,10 @@
 use crate::validate::Checker;
 use foldwing_engine::beam::profile::Profile;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Function of the distance `s` from a body's inner end.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub(super) enum FunctionFile {
     /// A number.
@@ -16,7 +16,7 @@ pub(super) enum FunctionFile {
 }
 
 /// Polynomial or table over the distance `s` from a body's inner end: one of the two.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CurveFile {
     /// Coefficients of 1, s, s², … with s in m.

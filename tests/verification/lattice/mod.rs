@@ -6,4 +6,4 @@ mod frames;
 mod properties;
 mod steady;
 mod unsteady;
-mod wing;
+pub(crate) mod wing;

@@ -7,4 +7,5 @@ mod plate;
 mod section_flutter;
 pub(crate) mod theory;
 mod theory_checks;
+mod tip_loss;
 mod unsteady;

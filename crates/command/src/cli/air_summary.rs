@@ -148,7 +148,12 @@ fn describe(options: &AirOptions) -> String {
         AirOptions::Strips(strips) => {
             let lag = if strips.unsteady { "unsteady" } else { "quasi-steady" };
             let mass = if strips.apparent_mass { "" } else { ", no apparent mass" };
-            format!("{lag} strips{mass}")
+            let line = match &strips.tip_loss {
+                None => "",
+                Some(line) if line.mirror_normal.is_some() => ", tip loss by a lifting line, mirror plane",
+                Some(_) => ", tip loss by a lifting line",
+            };
+            format!("{lag} strips{mass}{line}")
         }
     }
 }

@@ -27,9 +27,15 @@ pub(super) fn write(html: &mut String, machine: &Machine) {
             })
         ),
         AirOptions::Strips(strips) => format!(
-            "{} strips{}.",
+            "{} strips{}{}.",
             if strips.unsteady { "Unsteady" } else { "Quasi-steady" },
-            if strips.apparent_mass { " with apparent mass" } else { "" }
+            if strips.apparent_mass { " with apparent mass" } else { "" },
+            strips.tip_loss.map_or(String::new(), |line| {
+                let mirror = line.mirror_normal.map_or(String::new(), |normal| {
+                    format!(", mirror plane through the origin with normal {}", vector(normal.as_slice()))
+                });
+                format!(", tip loss by a lifting line, core radius {} m{mirror}", number(line.core_radius_m))
+            })
         ),
     });
     html.push_str(&format!(

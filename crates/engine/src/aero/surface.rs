@@ -31,6 +31,8 @@ impl ChordLine {
 pub struct Profile {
     /// Slope of the lift coefficient in 1/rad; 2π for a thin profile in plane flow.
     pub lift_slope_1_rad: f64,
+    /// Slopes of the strips one by one, inner strip first, where they differ; else empty.
+    pub lift_slopes_1_rad: Vec<f64>,
     /// Angle of attack of zero lift in rad, from the chord line; with a polar the angle from which the lag starts.
     pub zero_lift_angle_rad: f64,
     /// Moment coefficient about the quarter chord, nose up positive.
@@ -45,6 +47,7 @@ impl Profile {
     /// Thin symmetric plate.
     pub const THIN: Self = Self {
         lift_slope_1_rad: std::f64::consts::TAU,
+        lift_slopes_1_rad: Vec::new(),
         zero_lift_angle_rad: 0.0,
         moment_coefficient: 0.0,
         drag_coefficient: 0.0,

@@ -60,6 +60,13 @@ impl Profile {
     }
 }
 
+impl From<f64> for Profile {
+    /// The same value everywhere.
+    fn from(value: f64) -> Self {
+        Self::constant(value)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

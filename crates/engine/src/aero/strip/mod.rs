@@ -2,9 +2,11 @@
 //!
 //! A strip is cut across its quarter-chord line; what blows along that line has no effect. Loads are those of thin
 //! aerofoil theory at any attitude, quasi-steady or with the lag of Wagner and Küssner, on a plate along the line of
-//! zero lift or by a polar. Nothing here stalls without a polar.
+//! zero lift or by a polar. Nothing here stalls without a polar. A lifting line through all strips may add what the wing's
+//! finite span takes away.
 
 pub mod indicial;
+pub mod lifting_line;
 pub mod section;
 #[cfg(test)]
 mod tests;
@@ -14,6 +16,7 @@ use crate::aero::flow::{AirPath, Flow};
 use crate::aero::surface::{Profile, Surface};
 use crate::load::SectionMotion;
 use indicial::{Fit, Lag};
+use lifting_line::{LiftingLine, LiftingLineOptions, StripEdges, StripEquation};
 use nalgebra::Vector3;
 use section::{Cut, Strip};
 use serde::{Deserialize, Serialize};
@@ -31,11 +34,26 @@ pub struct StripOptions {
     /// Suction at the leading edge, which turns the force of a plate from across the chord to across the relative
     /// velocity; polars contain it.
     pub leading_edge_suction: bool,
+    /// Loss of lift towards the ends of the wing and induced drag, by a lifting line; without it every strip is one of an
+    /// endless wing. Not with polars.
+    pub tip_loss: Option<LiftingLineOptions>,
 }
 
 impl Default for StripOptions {
     fn default() -> Self {
-        Self { unsteady: true, apparent_mass: true, fit: Fit::Jones, leading_edge_suction: true }
+        Self { unsteady: true, apparent_mass: true, fit: Fit::Jones, leading_edge_suction: true, tip_loss: None }
+    }
+}
+
+impl StripOptions {
+    /// Downwash that the lift answers to by now, of motion and gusts, eq. (W6).
+    fn effective_m_s(&self, motion: &Lag, gust: &Lag) -> f64 {
+        if self.unsteady {
+            self.fit.wagner().effective_m_s(motion.downwash_m_s, motion)
+                + self.fit.kuessner().effective_m_s(gust.downwash_m_s, gust)
+        } else {
+            motion.downwash_m_s + gust.downwash_m_s
+        }
     }
 }
 
@@ -44,7 +62,7 @@ impl Default for StripOptions {
 pub struct StripHistory {
     /// Downwash of motion and wind.
     pub motion: Lag,
-    /// Downwash of gusts.
+    /// Downwash of gusts, and of the lifting line.
     pub gust: Lag,
     /// Relative speed in m/s.
     pub speed_m_s: f64,
@@ -85,21 +103,35 @@ pub struct Strips {
     profiles: Vec<Profile>,
     /// Index of the first strip of each surface.
     first: Vec<usize>,
+    line: Option<LiftingLine>,
+    /// Scratch: what the strips meet.
+    inflows: Vec<Inflow>,
 }
 
 impl Strips {
     /// One strip between each two consecutive sections of each surface.
     pub fn new(surfaces: Vec<Surface>, options: StripOptions) -> Self {
-        let mut model = Self { options, strips: Vec::new(), profiles: Vec::new(), first: Vec::new() };
+        let mut model = Self {
+            options,
+            strips: Vec::new(),
+            profiles: Vec::new(),
+            first: Vec::new(),
+            line: None,
+            inflows: Vec::new(),
+        };
         for (index, surface) in surfaces.into_iter().enumerate() {
             model.first.push(model.strips.len());
             for strip in 0..surface.strips() {
                 let inner = surface.sections.start + strip;
                 let chords = [surface.chords[strip], surface.chords[strip + 1]];
-                model.strips.push(Strip { sections: [inner, inner + 1], chords, surface: index });
+                let slopes = &surface.profile.lift_slopes_1_rad;
+                let lift_slope_1_rad = slopes.get(strip).copied().unwrap_or(surface.profile.lift_slope_1_rad);
+                model.strips.push(Strip { sections: [inner, inner + 1], chords, surface: index, lift_slope_1_rad });
             }
             model.profiles.push(surface.profile);
         }
+        model.line = options.tip_loss.map(|line| LiftingLine::new(model.strips.len(), &line));
+        model.inflows.reserve_exact(model.strips.len());
         model
     }
 
@@ -121,11 +153,13 @@ impl Strips {
         loads: &mut AirLoads,
     ) {
         loads.clear();
-        for (strip, history) in self.strips.iter().zip(&mut state.strips) {
-            let now = Inflow::of(strip, &self.profiles[strip.surface], motions, flow);
-            let lag = if established { Lag::established } else { Lag::sudden };
+        let lag = if established { Lag::established } else { Lag::sudden };
+        self.meet(motions, flow);
+        let options = self.options;
+        self.add_induced(|_, now, gust_m_s| options.effective_m_s(&lag(now.downwash_m_s), &lag(gust_m_s)));
+        for ((strip, now), history) in self.strips.iter().zip(&self.inflows).zip(&mut state.strips) {
             *history = now.history(lag(now.downwash_m_s), lag(now.gust_downwash_m_s));
-            self.add_circulatory(strip, &now, flow, history, loads);
+            self.add_circulatory(strip, now, flow, history, loads);
         }
     }
 
@@ -148,18 +182,56 @@ impl Strips {
         loads: &mut AirLoads,
     ) {
         loads.clear();
-        for ((strip, before), after) in self.strips.iter().zip(&from.strips).zip(&mut to.strips) {
-            let now = Inflow::of(strip, &self.profiles[strip.surface], motions, flow);
+        self.meet(motions, flow);
+        let options = self.options;
+        let lags = |before: &StripHistory, now: &Inflow, gust_m_s: f64| {
             // eq. (W6): way in semi-chords, trapezoidal in the speed
             let way = (before.speed_m_s + now.speed_m_s) * step_s / now.cut.chord_m;
-            *after = now.history(
-                before.motion.advanced(self.options.fit.wagner(), way, now.downwash_m_s),
-                before.gust.advanced(self.options.fit.kuessner(), way, now.gust_downwash_m_s),
-            );
-            self.add_circulatory(strip, &now, flow, after, loads);
-            if self.options.apparent_mass && step_s > 0.0 {
-                add_impulsive(strip, &now, flow, [before, after], step_s, loads);
+            let motion = before.motion.advanced(options.fit.wagner(), way, now.downwash_m_s);
+            (motion, before.gust.advanced(options.fit.kuessner(), way, gust_m_s))
+        };
+        self.add_induced(|strip, now, gust_m_s| {
+            let (motion, gust) = lags(&from.strips[strip], now, gust_m_s);
+            options.effective_m_s(&motion, &gust)
+        });
+        for (((strip, now), before), after) in
+            self.strips.iter().zip(&self.inflows).zip(&from.strips).zip(&mut to.strips)
+        {
+            let (motion, gust) = lags(before, now, now.gust_downwash_m_s);
+            *after = now.history(motion, gust);
+            self.add_circulatory(strip, now, flow, after, loads);
+            if options.apparent_mass && step_s > 0.0 {
+                add_impulsive(strip, now, flow, [before, after], step_s, loads);
             }
+        }
+    }
+
+    /// What all strips meet, into the scratch, and the lifting line through them, if there is one.
+    fn meet(&mut self, motions: &[SectionMotion], flow: &Flow) {
+        let Self { strips, profiles, inflows, line, .. } = self;
+        inflows.clear();
+        inflows.extend(strips.iter().map(|strip| Inflow::of(strip, &profiles[strip.surface], motions, flow)));
+        if let Some(line) = line {
+            let edges = strips.iter().zip(inflows).map(|(strip, now)| StripEdges::of(strip, motions, flow, now.bias));
+            line.look(strips, edges, |strip| profiles[strip.surface].zero_lift_angle_rad.sin_cos());
+        }
+    }
+
+    /// Adds what the lifting line induces to the gusts that the strips meet, eq. (W11). `effective_m_s` gives the effective
+    /// downwash of a strip for a downwash of gusts; it is linear in it.
+    fn add_induced(&mut self, effective_m_s: impl Fn(usize, &Inflow, f64) -> f64) {
+        let Self { line: Some(line), strips, inflows, .. } = self else { return };
+        for (at, (equation, now)) in line.equations.iter_mut().zip(inflows.iter()).enumerate() {
+            let plain_m_s = effective_m_s(at, now, now.gust_downwash_m_s);
+            *equation = StripEquation {
+                slope_m: 0.5 * now.cut.chord_m * strips[at].lift_slope_1_rad,
+                effective_m_s: plain_m_s,
+                gain: effective_m_s(at, now, now.gust_downwash_m_s + 1.0) - plain_m_s,
+            };
+        }
+        line.induce();
+        for (now, induced_m_s) in inflows.iter_mut().zip(&line.induced_m_s) {
+            now.gust_downwash_m_s += induced_m_s;
         }
     }
 
@@ -178,13 +250,9 @@ impl Strips {
         loads: &mut AirLoads,
     ) {
         let profile = &self.profiles[strip.surface];
-        let effective_m_s = if self.options.unsteady {
-            self.options.fit.wagner().effective_m_s(now.downwash_m_s, &history.motion)
-                + self.options.fit.kuessner().effective_m_s(now.gust_downwash_m_s, &history.gust)
-        } else {
-            now.downwash_m_s + now.gust_downwash_m_s
-        };
-        let section = now.section_loads(profile, self.options.leading_edge_suction, effective_m_s, flow.density_kg_m3);
+        let effective_m_s = self.options.effective_m_s(&history.motion, &history.gust);
+        let section =
+            now.section_loads(strip, profile, self.options.leading_edge_suction, effective_m_s, flow.density_kg_m3);
         let span_m = now.cut.span_m;
         history.circulation_m2_s = section.circulation_m2_s;
         strip.add_force(&mut loads.circulatory, &now.cut, section.fraction, &(section.force_n_m * span_m));
@@ -230,6 +298,7 @@ struct SectionLoads {
 }
 
 /// The air that a strip meets at one instant, along and across the line of zero lift: eqs. (W2) and (W4).
+#[derive(Debug, Clone, PartialEq)]
 struct Inflow {
     cut: Cut,
     /// Unit vector along the line of zero lift, towards the trailing edge.
@@ -246,7 +315,7 @@ struct Inflow {
     bias: f64,
     /// Upward velocity at the control point, without gusts, in m/s.
     downwash_m_s: f64,
-    /// Upward velocity of the gust in m/s.
+    /// Upward velocity of the gust and of the lifting line in m/s.
     gust_downwash_m_s: f64,
     /// Upward velocity at the trailing less that at the leading edge, without gusts, in m/s.
     difference_m_s: f64,
@@ -294,13 +363,20 @@ impl Inflow {
     }
 
     /// Loads per span for the downwash that the lift answers to: eqs. (W7) and (W9).
-    fn section_loads(&self, profile: &Profile, suction: bool, effective_m_s: f64, density_kg_m3: f64) -> SectionLoads {
+    fn section_loads(
+        &self,
+        strip: &Strip,
+        profile: &Profile,
+        suction: bool,
+        effective_m_s: f64,
+        density_kg_m3: f64,
+    ) -> SectionLoads {
         let chord_m = self.cut.chord_m;
         let curvature_n =
             -PI / 16.0 * density_kg_m3 * chord_m.powi(2) * self.along_m_s * self.bias * self.difference_m_s;
         let (circulation_m2_s, force_n_m, fraction, moment_n) = match &profile.polar {
             None => {
-                let half_slope_m = 0.5 * chord_m * profile.lift_slope_1_rad;
+                let half_slope_m = 0.5 * chord_m * strip.lift_slope_1_rad;
                 let circulation_m2_s = half_slope_m * effective_m_s;
                 let edge_m_s = effective_m_s - 0.25 * self.bias * self.difference_m_s;
                 let suction_n_m = if suction { half_slope_m * edge_m_s.powi(2) * self.bias } else { 0.0 };

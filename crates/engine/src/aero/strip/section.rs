@@ -14,6 +14,8 @@ pub struct Strip {
     pub chords: [ChordLine; 2],
     /// Index of its surface.
     pub surface: usize,
+    /// Slope of its lift coefficient in 1/rad.
+    pub lift_slope_1_rad: f64,
 }
 
 /// A strip at one instant, root frame. The section is cut across the quarter-chord line, eqs. (W1) and (W2).

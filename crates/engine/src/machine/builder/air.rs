@@ -5,6 +5,7 @@ use crate::aero::flow::{Gust, GustShape};
 use crate::aero::lattice::{LatticeOptions, LoadRule, WakeModel};
 use crate::aero::strip::StripOptions;
 use crate::aero::strip::indicial::Fit;
+use crate::aero::strip::lifting_line::LiftingLineOptions;
 use crate::machine::builder::surfaces::{SurfaceBuilder, draft, place_all};
 use crate::machine::edges::fastest_m_s;
 use crate::machine::fault::{Checker, array_text};
@@ -37,6 +38,7 @@ pub struct AirBuilder {
     unsteady: bool,
     apparent_mass: bool,
     fit: Fit,
+    tip_loss: bool,
     leading_edge_suction: Option<bool>,
     mirror_normal: Option<Vector3<f64>>,
     wake: WakeModel,
@@ -58,6 +60,7 @@ impl Air {
             unsteady: true,
             apparent_mass: true,
             fit: Fit::Jones,
+            tip_loss: false,
             leading_edge_suction: None,
             mirror_normal: None,
             wake: WakeModel::Prescribed,
@@ -135,7 +138,14 @@ impl AirBuilder {
         Self { leading_edge_suction: Some(suction), ..self }
     }
 
-    /// Normal of a mirror plane through the root's origin, of any length but zero; lattice only. Default none.
+    /// Loss of lift towards the ends of a wing and induced drag by a lifting line through all strips; strips only, without
+    /// polars. Default false.
+    pub fn tip_loss(self, tip_loss: bool) -> Self {
+        Self { tip_loss, ..self }
+    }
+
+    /// Normal of a mirror plane through the root's origin, of any length but zero; lattice, or strips with
+    /// [`AirBuilder::tip_loss`]. Default none.
     pub fn mirror_normal(self, normal: impl Into<Vector3<f64>>) -> Self {
         Self { mirror_normal: Some(normal.into()), ..self }
     }
@@ -150,7 +160,8 @@ impl AirBuilder {
         Self { wake_rows, ..self }
     }
 
-    /// Radius of the vortices' cores in m; lattice only. Default a hundredth of the shortest panel's chord.
+    /// Radius of the vortices' cores in m; lattice, or strips with [`AirBuilder::tip_loss`]. Default a hundredth of the
+    /// shortest panel's chord, for strips of the shortest chord.
     pub fn core_radius_m(self, core_radius_m: f64) -> Self {
         Self { core_radius_m: Some(core_radius_m), ..self }
     }
@@ -269,11 +280,11 @@ pub(super) fn build(
     }
     let mirror = match air.mirror_normal {
         None => None,
-        Some(_) if air.model == Model::Strips => {
+        Some(_) if air.model == Model::Strips && !air.tip_loss => {
             checker.refuse_state(
                 &["air", "mirror_normal"],
                 "a mirror plane with strips",
-                "a mirror plane with a lattice",
+                "a mirror plane with a lattice, or with strips that have a tip loss",
             );
             return None;
         }
@@ -298,11 +309,13 @@ pub(super) fn build(
             return None;
         }
     }
-    let surfaces = place_all(&drafts, lattice, bodies, mirror);
+    let surfaces = place_all(&drafts, (lattice, lattice || air.tip_loss), bodies, mirror);
     let smallest_m = surfaces
         .iter()
         .flat_map(|surface| surface.chords.iter().map(|chord| chord.length_m() / surface.chord_panels as f64))
         .fold(f64::INFINITY, f64::min);
+    let chords = surfaces.iter().flat_map(|surface| &surface.chords);
+    let shortest_m = chords.map(|chord| chord.length_m()).fold(f64::INFINITY, f64::min);
     let step_s = match air.step_s {
         Some(step_s) => step_s,
         None => match fastest_m_s(&surfaces, bodies, air.wind_m_s, start_time_s) {
@@ -333,6 +346,10 @@ pub(super) fn build(
             apparent_mass: air.apparent_mass,
             fit: air.fit,
             leading_edge_suction: air.leading_edge_suction.unwrap_or(true),
+            tip_loss: air.tip_loss.then(|| LiftingLineOptions {
+                core_radius_m: air.core_radius_m.unwrap_or(CORE_SHARE * shortest_m),
+                mirror_normal: mirror,
+            }),
         })
     };
     Some(Air {

@@ -19,7 +19,8 @@ pub struct SurfaceBuilder {
     pub(super) body: String,
     pub(super) strips: usize,
     pub(super) chord_panels: usize,
-    axis_fraction: f64,
+    axis_fraction: Along,
+    lift_slope_1_rad: Option<Along>,
     forward: f64,
     chord_m: Option<Along>,
     incidence_deg: Along,
@@ -34,7 +35,8 @@ impl LiftingSurface {
             body: body.into(),
             strips,
             chord_panels: 4,
-            axis_fraction: 0.5,
+            axis_fraction: Along::constant(0.5),
+            lift_slope_1_rad: None,
             forward: 1.0,
             chord_m: None,
             incidence_deg: Along::constant(0.0),
@@ -54,9 +56,9 @@ impl SurfaceBuilder {
         Self { chord_panels, ..self }
     }
 
-    /// Place of the beam's axis on the chord, from the leading edge, as a fraction of the chord. Default 0.5.
-    pub fn axis_fraction(self, axis_fraction: f64) -> Self {
-        Self { axis_fraction, ..self }
+    /// Place of the beam's axis on the chord, from the leading edge, as a fraction of the chord along the body. Default 0.5.
+    pub fn axis_fraction(self, axis_fraction: impl Into<Along>) -> Self {
+        Self { axis_fraction: axis_fraction.into(), ..self }
     }
 
     /// Puts the leading edge on the side of `−y`.
@@ -68,6 +70,12 @@ impl SurfaceBuilder {
     /// the leading edge towards `+z`. Default 0.
     pub fn incidence_deg(self, incidence_deg: Along) -> Self {
         Self { incidence_deg, ..self }
+    }
+
+    /// Slope of the lift coefficient along the body in 1/rad, for strip theory: each strip takes that of its middle. Default that
+    /// of the profile.
+    pub fn lift_slope_1_rad(self, lift_slope_1_rad: impl Into<Along>) -> Self {
+        Self { lift_slope_1_rad: Some(lift_slope_1_rad.into()), ..self }
     }
 
     /// Profile, for strip theory. Default a thin plate.
@@ -88,6 +96,7 @@ impl Draft<'_> {
     fn chord_line(&self, s: f64) -> ChordLine {
         let SurfaceBuilder { incidence_deg, forward, axis_fraction, .. } = self.surface;
         let (chord_m, incidence_rad) = (self.chord_m.at(s), incidence_deg.at(s).to_radians());
+        let axis_fraction = axis_fraction.at(s);
         let forward = Vector3::new(0.0, forward * incidence_rad.cos(), incidence_rad.sin());
         ChordLine {
             leading_m: forward * (axis_fraction * chord_m),
@@ -121,11 +130,62 @@ pub(super) fn draft<'b>(
     let length_m = bodies[body].length_m;
     let counted = checker.count(&["surface", name, "strips"], surface.strips, 1, MOST_STRIPS)
         & checker.count(&["surface", name, "chord_panels"], surface.chord_panels, 1, MOST_STRIPS);
-    let axis = ["surface", name, "axis_fraction"];
-    let placed = checker.number(&axis, surface.axis_fraction, Range::Within(-10.0, 10.0));
+    let placed = axis(surface, length_m, checker) & slope(surface, length_m, checker);
     let chord_m = chord(surface, &bodies[body], checker)?;
     let turned = profile(&["surface", name, "incidence_deg"], &surface.incidence_deg, length_m, checker);
     (counted && placed && turned).then_some(Draft { surface, body, chord_m })
+}
+
+/// Whether the axis lies near the chord all along the body.
+fn axis(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool {
+    let (place, axis) = (["surface", surface.body.as_str(), "axis_fraction"], &surface.axis_fraction);
+    if let Some(value) = number(axis) {
+        return checker.number(&place, value, Range::Within(-10.0, 10.0));
+    }
+    if !profile(&place, axis, length_m, checker) {
+        return false;
+    }
+    let (least, most) = (least_of(axis, length_m), -least_of(&negative(axis), length_m));
+    let within = least >= -10.0 && most <= 10.0;
+    if !within {
+        let found = format!("fractions from {} to {} on the body", shortest(least), shortest(most));
+        checker.refuse_state(&place, found, "a fraction of the chord from -10 to 10 all along the body");
+    }
+    within
+}
+
+/// Whether the slope of the lift is 0 or more all along the body.
+fn slope(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool {
+    let place = ["surface", surface.body.as_str(), "lift_slope_1_rad"];
+    let Some(slope) = &surface.lift_slope_1_rad else { return true };
+    if let Some(value) = number(slope) {
+        return checker.number(&place, value, Range::AtLeast(0.0));
+    }
+    if !profile(&place, slope, length_m, checker) {
+        return false;
+    }
+    let least = least_of(slope, length_m);
+    if least < 0.0 {
+        let found = format!("a slope that falls to {} on the body", shortest(least));
+        checker.refuse_state(&place, found, "a slope >= 0 all along the body");
+    }
+    least >= 0.0
+}
+
+/// The value of a function that is stated as a number.
+fn number(function: &Along) -> Option<f64> {
+    match function {
+        Along::Polynomial(coefficients) if coefficients.len() == 1 => coefficients.first().copied(),
+        _ => None,
+    }
+}
+
+/// The function with the other sign.
+fn negative(function: &Along) -> Along {
+    match function {
+        Along::Polynomial(coefficients) => Along::Polynomial(coefficients.iter().map(|c| -c).collect()),
+        Along::Table(rows) => Along::Table(rows.iter().map(|row| [row[0], -row[1]]).collect()),
+    }
 }
 
 /// Chord along the body: stated, or the width of its section.
@@ -170,16 +230,17 @@ fn chord(surface: &SurfaceBuilder, body: &Body, checker: &mut Checker) -> Option
     None
 }
 
-/// All surfaces in the order of their bodies.
+/// All surfaces in the order of their bodies. `lattice`: of a lattice; `spans`: of a lattice or a lifting line, which know where
+/// a wing ends.
 pub(super) fn place_all(
     drafts: &[Draft],
-    lattice: bool,
+    (lattice, spans): (bool, bool),
     bodies: &[Body],
     mirror: Option<Vector3<f64>>,
 ) -> Vec<LiftingSurface> {
     let edges: Vec<RootEdge> =
         drafts.iter().map(|draft| RootEdge { body: draft.body, chord: draft.chord_line(0.0) }).collect();
-    let free = |draft: &Draft| if lattice { free_edges(draft.body, &edges, bodies, mirror) } else { [false; 2] };
+    let free = |draft: &Draft| if spans { free_edges(draft.body, &edges, bodies, mirror) } else { [false; 2] };
     let mut surfaces: Vec<LiftingSurface> = drafts.iter().map(|draft| place(draft, free(draft), bodies)).collect();
     for surface in &mut surfaces {
         surface.other_half = other_half(surface.body, &edges, bodies).filter(|_| lattice);
@@ -201,12 +262,21 @@ fn place(draft: &Draft, free: [bool; 2], bodies: &[Body]) -> LiftingSurface {
         })
         .collect();
     let chords = positions_m.iter().map(|&s| draft.chord_line(s)).collect();
+    let mut profile = draft.surface.profile.clone();
+    match &draft.surface.lift_slope_1_rad {
+        Some(slope) if slope.is_constant() => profile.lift_slope_1_rad = slope.at(0.0),
+        Some(slope) => {
+            let slopes = positions_m.windows(2).map(|edges| slope.at(0.5 * (edges[0] + edges[1])));
+            profile.lift_slopes_1_rad = slopes.collect();
+        }
+        None => {}
+    }
     LiftingSurface {
         body: draft.body,
         other_half: None,
         positions_m,
         chords,
         chord_panels: draft.surface.chord_panels,
-        profile: draft.surface.profile.clone(),
+        profile,
     }
 }

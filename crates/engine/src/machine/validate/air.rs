@@ -3,6 +3,8 @@
 use crate::aero::AirOptions;
 use crate::aero::flow::{Gust, GustShape};
 use crate::aero::lattice::LatticeOptions;
+use crate::aero::strip::StripOptions;
+use crate::aero::strip::lifting_line::LiftingLineOptions;
 use crate::machine::fault::{Checker, Range, array_text, is_finite};
 use crate::machine::validate::{names, unit_vector};
 use crate::machine::{Air, Body, Coupling, LiftingSurface};
@@ -30,8 +32,12 @@ pub(super) fn check(air: &Air, bodies: &[Body], checker: &mut Checker) {
     for (index, surface) in air.surfaces.iter().enumerate() {
         check_surface(index, surface, &air.surfaces, bodies, checker);
     }
-    if let AirOptions::Lattice(options) = &air.options {
-        check_lattice(options, &air.surfaces, checker);
+    match &air.options {
+        AirOptions::Lattice(options) => check_lattice(options, &air.surfaces, checker),
+        AirOptions::Strips(StripOptions { tip_loss: Some(line), .. }) => {
+            check_lifting_line(line, &air.surfaces, bodies, checker);
+        }
+        AirOptions::Strips(_) => {}
     }
     names("gust", air.gusts.iter().map(|gust| gust.name.as_str()), checker);
     for gust in &air.gusts {
@@ -49,6 +55,23 @@ fn check_lattice(options: &LatticeOptions, surfaces: &[LiftingSurface], checker:
     if counted {
         let sizes = surfaces.iter().map(|surface| (surface.positions_m.len().saturating_sub(1), surface.chord_panels));
         lattice_size(sizes, options.wake_rows, checker);
+    }
+}
+
+fn check_lifting_line(line: &LiftingLineOptions, surfaces: &[LiftingSurface], bodies: &[Body], checker: &mut Checker) {
+    checker.number(&["air", "core_radius_m"], line.core_radius_m, Range::Above(0.0));
+    if let Some(normal) = &line.mirror_normal {
+        unit_vector(&["air", "mirror_normal"], normal, checker);
+    }
+    let strips: usize = surfaces.iter().map(|surface| surface.positions_m.len().saturating_sub(1)).sum();
+    if strips > MOST_STRIPS {
+        let allowed = format!("at most {MOST_STRIPS} strips of all surfaces together with a tip loss");
+        checker.refuse_state(&["surface"], format!("{strips} strips with a tip loss"), allowed);
+    }
+    let polar = surfaces.iter().find(|surface| surface.profile.polar.is_some());
+    if let Some(body) = polar.and_then(|surface| bodies.get(surface.body)) {
+        let allowed = "lift_slope_1_rad with a tip loss: the lifting line needs a lift that grows straight with the downwash;                        or strips without tip loss";
+        checker.refuse_state(&["surface", body.name.as_str(), "polar"], "a polar with a tip loss", allowed);
     }
 }
 
@@ -122,6 +145,13 @@ fn check_profile(name: &str, surface: &LiftingSurface, checker: &mut Checker) {
     let profile = &surface.profile;
     let place = |key| ["surface", name, key];
     checker.number(&place("lift_slope_1_rad"), profile.lift_slope_1_rad, Range::AtLeast(0.0));
+    let slopes = &profile.lift_slopes_1_rad;
+    let strips = surface.positions_m.len().saturating_sub(1);
+    let counted = slopes.is_empty() || slopes.len() == strips;
+    if !counted || slopes.iter().any(|slope| !(*slope >= 0.0 && is_finite(*slope))) {
+        let allowed = "a finite slope >= 0 for every strip";
+        checker.refuse(&place("lift_slope_1_rad"), array_text(slopes), allowed);
+    }
     checker.number(&place("drag_coefficient"), profile.drag_coefficient, Range::AtLeast(0.0));
     checker.number(&place("moment_coefficient"), profile.moment_coefficient, Range::Finite);
     checker.number(&place("zero_lift_angle_rad"), profile.zero_lift_angle_rad, Range::Finite);

@@ -1,0 +1,262 @@
+//! Lifting line through the strips: what the vortices behind a wing of finite span add to the downwash of its sections.
+//!
+//! Every strip is a horseshoe vortex: a bound vortex at a quarter of the chord and from each of its ends a leg that follows
+//! the chord to the trailing edge and then the air. Their velocity at three quarters of the chord, less that of an endless bound vortex, is the velocity of air that
+//! strip theory leaves out, eqs. (W10) to (W12). On a thin profile in steady flow that is the lattice with a single panel
+//! along the chord.
+
+use crate::aero::biot_savart::{Arm, Block, Kernel, LANES, Sheet, blocks};
+use crate::aero::flow::Flow;
+use crate::aero::linear_system::LinearSystem;
+use crate::aero::strip::section::Strip;
+use crate::load::SectionMotion;
+use nalgebra::Vector3;
+use pulp::Arch;
+use std::f64::consts::PI;
+
+/// Length of the legs in diameters of the line: what lies behind contributes `1/(4·200²)` of what they do near by.
+const LEG_DIAMETERS: f64 = 200.0;
+
+/// Settings of the lifting line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LiftingLineOptions {
+    /// Radius of the vortex core in m, positive.
+    pub core_radius_m: f64,
+    /// Unit normal of a mirror plane through the origin of the root frame.
+    pub mirror_normal: Option<Vector3<f64>>,
+}
+
+/// Edges of a strip with the air that passes them, root frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct StripEdges {
+    /// Leading and trailing edge at the inner and at the outer section, in m.
+    at_m: [[Vector3<f64>; 2]; 2],
+    /// Velocity in m/s of the air without gusts relative to the edge that is behind, at both sections.
+    air_m_s: [Vector3<f64>; 2],
+    /// `γ` of eq. (W4): which edge leads.
+    bias: f64,
+}
+
+impl StripEdges {
+    /// Of a strip at one instant.
+    pub fn of(strip: &Strip, motions: &[SectionMotion], flow: &Flow, bias: f64) -> Self {
+        let ends = [0, 1].map(|end| (&motions[strip.sections[end]], &strip.chords[end]));
+        let air_m_s = ends.map(|(motion, chord)| {
+            let edge_m = if bias < 0.0 { chord.leading_m } else { chord.trailing_m };
+            flow.convection_m_s(&motion.point_m(&edge_m)) - motion.point_velocity_m_s(&edge_m)
+        });
+        let at_m =
+            ends.map(|(motion, chord)| [chord.leading_m, chord.trailing_m].map(|edge_m| motion.point_m(&edge_m)));
+        Self { at_m, air_m_s, bias }
+    }
+
+    /// Leading and trailing edge in the middle of the strip, in m.
+    fn middle_m(&self) -> [Vector3<f64>; 2] {
+        [0, 1].map(|edge| 0.5 * (self.at_m[0][edge] + self.at_m[1][edge]))
+    }
+
+    /// Along the quarter-chord line.
+    fn along(&self) -> Vector3<f64> {
+        (between(&self.at_m[1], 0.25) - between(&self.at_m[0], 0.25)).normalize()
+    }
+
+    /// Unit vectors across the strip, upward, and across the quarter-chord line, towards the trailing edge: eq. (W1).
+    fn normals(&self) -> (Vector3<f64>, Vector3<f64>) {
+        let ([leading_m, trailing_m], along) = (self.middle_m(), self.along());
+        let up = (trailing_m - leading_m).cross(&along).normalize();
+        (up, along.cross(&up))
+    }
+
+    /// Chord across the quarter-chord line in m.
+    fn chord_m(&self) -> f64 {
+        let [leading_m, trailing_m] = self.middle_m();
+        (trailing_m - leading_m).dot(&self.normals().1)
+    }
+
+    /// Fraction of the chord at which the bound vortex lies: the quarter behind the edge that leads.
+    fn bound_fraction(&self) -> f64 {
+        if self.bias < 0.0 { 0.75 } else { 0.25 }
+    }
+
+    /// Circulation of the vortices over `Γ` of eq. (W7): that of the plate's lift with suction by Kutta and Joukowski.
+    fn share(&self) -> f64 {
+        self.bias * (self.bias.abs() + 1.0 - self.bias * self.bias)
+    }
+}
+
+/// Point at a fraction of the way from the first to the second.
+fn between(edges: &[Vector3<f64>; 2], fraction: f64) -> Vector3<f64> {
+    edges[0] + (edges[1] - edges[0]) * fraction
+}
+
+/// Part of the equations of one strip, eq. (W11): `Γ = k (e + b w_Γ)`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct StripEquation {
+    /// `k`: circulation per effective downwash in m.
+    pub slope_m: f64,
+    /// `e`: effective downwash without what the line induces at the end of the step, in m/s.
+    pub effective_m_s: f64,
+    /// `b`: share of what the line induces then that is effective at once.
+    pub gain: f64,
+}
+
+/// Influence of the strips on each other with the scratch of their equations.
+#[derive(Debug, Clone)]
+pub(super) struct LiftingLine {
+    kernel: Kernel,
+    arch: Arch,
+    rows: usize,
+    /// Normal velocity at each strip (row) for unit circulation `Γ` of each (column), 1/m.
+    influence: Vec<f64>,
+    system: LinearSystem,
+    /// Equation of each strip.
+    pub equations: Vec<StripEquation>,
+    right: Vec<f64>,
+    /// Normal velocity that the line induces at each strip in m/s.
+    pub induced_m_s: Vec<f64>,
+    edges: Vec<StripEdges>,
+    nodes_m: Vec<Vector3<f64>>,
+    sheets: Vec<Sheet>,
+    points: Vec<Block>,
+    normals: Vec<Block>,
+    arms: Vec<Arm>,
+}
+
+impl LiftingLine {
+    pub fn new(strips: usize, options: &LiftingLineOptions) -> Self {
+        let rows = blocks(strips) * LANES;
+        Self {
+            kernel: Kernel {
+                core_squared_m2: options.core_radius_m * options.core_radius_m,
+                mirror_normal: options.mirror_normal,
+            },
+            arch: Arch::new(),
+            rows,
+            influence: vec![0.0; strips * rows],
+            system: LinearSystem::new(strips, rows),
+            equations: vec![StripEquation::default(); strips],
+            right: vec![0.0; strips],
+            induced_m_s: vec![0.0; strips],
+            edges: Vec::with_capacity(strips),
+            nodes_m: vec![Vector3::zeros(); 6 * strips],
+            sheets: Vec::with_capacity(strips),
+            points: vec![Block::default(); blocks(strips)],
+            normals: vec![Block::default(); blocks(strips)],
+            arms: vec![Arm::default(); 2 * (strips + 1)],
+        }
+    }
+
+    /// Influence of the strips on each other where they stand, eq. (W10).
+    ///
+    /// `turn` gives the sine and cosine of the angle of zero lift of a strip.
+    pub fn look(
+        &mut self,
+        strips: &[Strip],
+        edges: impl Iterator<Item = StripEdges>,
+        turn: impl Fn(&Strip) -> (f64, f64),
+    ) {
+        self.edges.clear();
+        self.edges.extend(edges);
+        self.lay(strips);
+        for (at, (strip, edges)) in strips.iter().zip(&self.edges).enumerate() {
+            let (up, aft) = edges.normals();
+            let (sine, cosine) = turn(strip);
+            let (block, lane) = (at / LANES, at % LANES);
+            self.points[block].set(lane, &between(&edges.middle_m(), 1.0 - edges.bound_fraction()));
+            self.normals[block].set(lane, &(up * cosine - aft * sine));
+        }
+        self.influence.fill(0.0);
+        let (kernel, arch, rows) = (self.kernel, self.arch, self.rows);
+        let Self { sheets, nodes_m, points, normals, arms, influence, .. } = self;
+        arch.dispatch(
+            #[inline(always)]
+            || {
+                for (block, (points, normals)) in points.iter().zip(normals.iter()).enumerate() {
+                    for sheet in sheets.iter() {
+                        let of = |_: usize, strip: usize| sheet.first_ring + strip;
+                        kernel.influence(sheet, nodes_m, points, normals, arms, influence, (rows, block * LANES), of);
+                    }
+                }
+            },
+        );
+        for (at, edges) in self.edges.iter().enumerate() {
+            let column = &mut self.influence[at * rows..][..rows];
+            column.iter_mut().for_each(|entry| *entry *= edges.share());
+            // what an endless bound vortex induces there belongs to strip theory
+            let height_m = 0.5 * edges.chord_m();
+            let endless = height_m / (2.0 * PI * (height_m * height_m + kernel.core_squared_m2));
+            column[at] += edges.share().abs() * endless;
+        }
+    }
+
+    /// Nodes of the horseshoes, one ring on the chord and one behind it: runs of neighbours with the same leading edge share
+    /// their legs.
+    fn lay(&mut self, strips: &[Strip]) {
+        let edges = &self.edges;
+        let first_m = edges.first().map_or(Vector3::zeros(), |edges| edges.at_m[0][0]);
+        let places_m = edges.iter().flat_map(|edges| edges.at_m.iter().flatten());
+        let leg_m = 2.0 * LEG_DIAMETERS * places_m.map(|place_m| (place_m - first_m).norm()).fold(0.0, f64::max);
+        self.sheets.clear();
+        let (mut next_node, mut at) = (0, 0);
+        while at < strips.len() {
+            let fraction = edges[at].bound_fraction();
+            let goes_on =
+                |next: usize| strips[next].surface == strips[at].surface && edges[next].bound_fraction() == fraction;
+            let end = (at + 1..strips.len()).find(|next| !goes_on(*next)).unwrap_or(strips.len());
+            let (own, columns) = (end - at, end - at + 1);
+            for column in 0..columns {
+                let (strip, side) = if column < own { (at + column, 0) } else { (end - 1, 1) };
+                let edge_m = edges[strip].at_m[side][usize::from(fraction < 0.5)];
+                let direction = edges[strip].air_m_s[side].try_normalize(0.0).unwrap_or_default();
+                let node_m = between(&edges[strip].at_m[side], fraction);
+                for (row, place_m) in [node_m, edge_m, edge_m + direction * leg_m].into_iter().enumerate() {
+                    self.nodes_m[next_node + row * columns + column] = place_m;
+                }
+            }
+            self.sheets.push(Sheet {
+                rows: 2,
+                strips: own,
+                first_node: next_node,
+                node_stride: columns,
+                first_ring: at,
+                ring_stride: own,
+            });
+            next_node += 3 * columns;
+            at = end;
+        }
+    }
+
+    /// Solves the equations for the circulations and fills [`LiftingLine::induced_m_s`], eq. (W11). Not a number where they
+    /// have no solution.
+    pub fn induce(&mut self) {
+        let (strips, rows) = (self.equations.len(), self.rows);
+        let matrix = self.system.cleared();
+        for column in 0..strips {
+            let entries = matrix[column * rows..][..strips].iter_mut();
+            for ((entry, influence), equation) in entries.zip(&self.influence[column * rows..]).zip(&self.equations) {
+                *entry = -equation.slope_m * equation.gain * influence;
+            }
+            matrix[column * rows + column] += 1.0;
+        }
+        for (right, equation) in self.right.iter_mut().zip(&self.equations) {
+            *right = equation.slope_m * equation.effective_m_s;
+        }
+        match self.system.factorize(self.arch) {
+            Ok(()) => self.system.solve(&mut self.right),
+            Err(_) => self.right.fill(f64::NAN),
+        }
+        self.induced_m_s.fill(0.0);
+        for (column, circulation_m2_s) in self.right.iter().enumerate() {
+            for (induced_m_s, influence) in self.induced_m_s.iter_mut().zip(&self.influence[column * rows..]) {
+                *induced_m_s += influence * circulation_m2_s;
+            }
+        }
+    }
+}
+
+impl PartialEq for LiftingLine {
+    /// Two lines are the same where their settings are; the rest is scratch.
+    fn eq(&self, other: &Self) -> bool {
+        self.kernel == other.kernel && self.equations.len() == other.equations.len()
+    }
+}

@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+"""Pictures of the wind tunnel study from its points.json: ours beside the measurements and the other programs.
+
+Usage: plot_wind_tunnel.py --points target/wind_tunnel/points.json --output docs/pictures
+
+Writes wind_tunnel.png (the picture of the README: four wings), wind_tunnel_sideslip.png and wind_tunnel_pazy.png.
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "examples"))
+
+from house_style import BLUE, FAINT, SKY, VERMILION, save, use  # noqa: E402
+
+UNCERTAINTY_DEG = 0.5  # of a digitised point, tests/reference/folding_wingtips/README.md
+OURS = {"lattice": (BLUE, "-", "Foldwing, vortex lattice"), "line": (SKY, "-", "Foldwing, strips with lifting line"), "strips": (SKY, ":", "Foldwing, strips without")}
+
+
+def find(series, case, air, quantity=None, source=None, variant=""):
+    """The first series of that description."""
+    for one in series:
+        same = one["case"] == case and one["air"] == air and one["variant"] == variant
+        if same and quantity in (None, one["quantity"]) and source in (None, one["source"]):
+            return one
+    return None
+
+
+def panel(axes, series, case, title, x_label, y_label="fold angle, tip up (deg)", airs=("lattice", "line", "strips"), other=None,
+          quantity=None, source="experiment", variant="", band=True, uncertainty=UNCERTAINTY_DEG):
+    """Measured points, the other program, ours."""
+    one = find(series, case, "lattice", quantity, source, variant)
+    if band:
+        near = [s for s in series if s["case"] == case and s["air"] == "lattice" and s["variant"] in ("tip 1 deg nose down", "tip 1 deg nose up")]
+        if len(near) == 2:
+            low, high = near
+            axes.fill_between(low["x"], low["ours"], high["ours"], color=BLUE, alpha=0.12, linewidth=0, label="lattice, tip set ±1°")
+    if other and (theirs := find(series, case, other[0], quantity, source)):
+        axes.plot(theirs["x"], theirs["ours"], color=FAINT, linestyle="--", linewidth=1.4, label=other[1], zorder=4)
+    for air in airs:
+        ours = find(series, case, air, quantity, source, variant)
+        if ours:
+            colour, line, label = OURS[air]
+            axes.plot(ours["x"], ours["ours"], color=colour, linestyle=line, linewidth=1.6, label=label)
+    what = "measured" if source == "experiment" else source
+    axes.errorbar(one["x"], one["theirs"], yerr=uncertainty, fmt="o", markersize=4, color=VERMILION, capsize=2, linewidth=1, label=what)
+    axes.set_title(title)
+    axes.set_xlabel(x_label)
+    axes.set_ylabel(y_label)
+
+
+def legend(figure, axes):
+    """One legend below all panels, each label once."""
+    known = {}
+    for one in axes:
+        handles, labels = one.get_legend_handles_labels()
+        for handle, label in zip(handles, labels):
+            known.setdefault(label, handle)
+    figure.legend(known.values(), known.keys(), loc="lower center", ncol=min(len(known), 4), frameon=False, fontsize=9)
+
+
+def front(series, output):
+    figure, grid = plt.subplots(2, 2, figsize=(9.5, 7.4))
+    axes = list(grid.flat)
+    panel(axes[0], series, "LCO wing over speed, pitch 5", "LCO wing, flare 10°, pitch 5°", "airspeed (m/s)", other=("Healy's computation", "Healy's programs"))
+    panel(axes[1], series, "LCO wing over speed, pitch 10", "LCO wing, flare 10°, pitch 10°", "airspeed (m/s)", other=("Healy's computation", "Healy's programs"))
+    panel(axes[2], series, "sideslip wing over sideslip, twist 0", "sideslip wing, flare 20°, pitch 3°, 22 m/s", "sideslip (deg)", other=("Healy's lattice", "Healy's programs"))
+    panel(axes[3], series, "sideslip wing over speed, flare 20, pitch 10", "sideslip wing, flare 20°, pitch 10°", "airspeed (m/s)", other=("Healy's lattice", "Healy's programs"))
+    figure.suptitle("Folding wing tips in the wind tunnel: where they coast. Nothing is fitted.")
+    legend(figure, axes)
+    figure.tight_layout(rect=(0, 0.08, 1, 0.98))
+    save(figure, output / "wind_tunnel.png")
+
+
+def sideslip(series, output):
+    figure, grid = plt.subplots(2, 4, figsize=(15, 7.2))
+    for column, (flare, pitch) in enumerate(((20, 0), (20, 10), (10, 5), (30, 5))):
+        case = f"sideslip wing over speed, flare {flare}, pitch {pitch}"
+        for row, variant in enumerate(("", "tip 2 deg nose down")):
+            title = f"flare {flare}°, pitch {pitch}°" + (", tip 2° nose down" if variant else "")
+            panel(grid[row][column], series, case, title, "airspeed (m/s)", other=("Healy's lattice", "Healy's lattice"), variant=variant, band=False)
+    legend(figure, list(grid.flat))
+    figure.tight_layout(rect=(0, 0.07, 1, 1))
+    save(figure, output / "wind_tunnel_sideslip.png")
+
+
+def pazy(series, output):
+    figure, axes = plt.subplots(1, 4, figsize=(15, 3.9))
+    deflection, twist = "deflection of the tip, % of the length", "twist of the tip, deg"
+    panel(axes[0], series, "Pazy wing, bending test", "bending test", "tip mass (kg)", deflection, other=("UM/NAST", "UM/NAST"), quantity=deflection, airs=("lattice",), uncertainty=0.5)
+    panel(axes[1], series, "Pazy wing, torsion test", "torsion test", "tip mass (kg)", twist, other=("UM/NAST", "UM/NAST"), quantity=twist, airs=("lattice",), uncertainty=0.1)
+    wind = "Pazy wing in the wind, pitch 5"
+    panel(axes[2], series, wind, "in the wind, pitch 5°", "airspeed (m/s)", deflection, quantity="tip_deflection_percent_of_span", uncertainty=0.5)
+    theirs = find(series, wind, "lattice", "tip_deflection_percent_of_span", "UM/NAST")
+    if theirs:
+        axes[2].plot(theirs["x"], theirs["theirs"], color=FAINT, linestyle="--", linewidth=1.2, label="UM/NAST")
+    panel(axes[3], series, wind, "in the wind, pitch 5°", "airspeed (m/s)", twist, quantity="tip_twist_deg", uncertainty=0.1)
+    legend(figure, list(axes))
+    figure.tight_layout(rect=(0, 0.12, 1, 1))
+    save(figure, output / "wind_tunnel_pazy.png")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--points", type=Path, required=True)
+    parser.add_argument("--output", type=Path, required=True)
+    arguments = parser.parse_args()
+    series = json.loads(arguments.points.read_text())
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    use()
+    front(series, arguments.output)
+    sideslip(series, arguments.output)
+    pazy(series, arguments.output)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,167 @@
+"""The wings of examples/wind_tunnel at one point each: model text with a few keys changed, one call of the command.
+
+Every point uses the default settings of solver and coupling. Points of rest come from `foldwing static`, in air, from a fold angle
+of 0 whatever is expected; flutter and gusts come from runs. Nothing here reads a measurement.
+"""
+
+import csv
+import io
+import json
+import math
+import re
+import resource
+import subprocess
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+MODELS = ROOT / "examples/wind_tunnel"
+AIR = "aerodynamics"
+WITHOUT = None  # as a value: the key is taken out
+# what each model of the air changes in the file
+AIRS = {
+    "none": (),
+    "lattice": (),
+    "strips": ((AIR, "model", '"strip"'), (AIR, "mirror_normal", WITHOUT)),
+    "line": ((AIR, "model", '"strip"'), (AIR, "tip_loss", '"lifting_line"')),
+}
+
+
+@dataclass
+class Point:
+    """A model at one point."""
+
+    model: str
+    changes: tuple = ()
+    air: str = "lattice"
+    outputs: tuple = ()
+    replaced: tuple = field(default=())
+
+
+@dataclass
+class Result:
+    """What a call gave: the JSON of `static` or the columns of a run, CPU seconds, or why it failed."""
+
+    data: dict
+    cpu_s: float
+    error: str = ""
+
+
+def change(text, table, key, value):
+    """Model text with one key of a table set, or taken out."""
+    begin = text.index(f"[{table}]\n") + len(f"[{table}]\n")
+    end = text.find("\n[", begin)
+    end = len(text) if end < 0 else end + 1
+    body = re.sub(rf"(?m)^{key} = .*\n?", "", text[begin:end])
+    line = "" if value is WITHOUT else f"{key} = {value}\n"
+    return text[:begin] + line + body + text[end:]
+
+
+def text_of(point):
+    """The model file of a point."""
+    text = (MODELS / f"{point.model}.toml").read_text()
+    changes = AIRS[point.air] + tuple(point.changes)
+    for table, key, value in changes:
+        tables = re.findall(rf"(?m)^\[({table})\]$", text)
+        if not tables:
+            raise ValueError(f"{point.model}: no table {table}")
+        for name in tables:
+            text = change(text, name, key, value)
+    for old, new in point.replaced:
+        if old not in text:
+            raise ValueError(f"{point.model}: {old!r} is not in it")
+        text = text.replace(old, new)
+    return text
+
+
+def call(foldwing, point, arguments):
+    """Runs the command on a point; its output and CPU seconds."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"{point.model}.toml"
+        path.write_text(text_of(point))
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        done = subprocess.run([str(foldwing), *arguments(path)], capture_output=True, text=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    error = "" if done.returncode == 0 else (done.stderr.strip().splitlines() or ["?"])[-1]
+    return done.stdout, cpu_s, error
+
+
+def rest(foldwing, point):
+    """The point at rest in air."""
+    out, cpu_s, error = call(foldwing, point, lambda path: ["static", path, "--json"])
+    return Result({} if error else json.loads(out), cpu_s, error)
+
+
+def march(foldwing, point, stop_s):
+    """A run from the equilibrium: columns by name."""
+    chosen = [part for name in point.outputs for part in ("--output", name)]
+    out, cpu_s, error = call(
+        foldwing, point, lambda path: ["simulate", path, "--csv", "-", "--stop", str(stop_s), *chosen]
+    )
+    rows = list(csv.DictReader(io.StringIO(out)))
+    columns = {name: [float(row[name]) for row in rows] for name in (rows[0] if rows else {})}
+    return Result(columns, cpu_s, error)
+
+
+def vector(*entries):
+    """An array of TOML."""
+    return "[" + ", ".join(repr(float(entry)) for entry in entries) + "]"
+
+
+def tunnel(pitch_deg, speed_m_s, flare_deg=None, sideslip_deg=0.0):
+    """Changes of a folding wing: root pitch, flare, wind; the fold starts at 0."""
+    sideslip_rad = math.radians(sideslip_deg)
+    wind = vector(-speed_m_s * math.sin(sideslip_rad), -speed_m_s * math.cos(sideslip_rad), 0.0)
+    changes = [("joint.mount", "mount_rotation_deg", vector(pitch_deg, 0, 0)), (AIR, "wind_m_s", wind)]
+    changes.append(("joint.fold", "start_angle_deg", "0.0"))
+    if flare_deg is not None:
+        flare_rad = math.radians(flare_deg)
+        changes.append(("joint.fold", "axis", vector(math.sin(flare_rad), math.cos(flare_rad), 0.0)))
+    if sideslip_deg:
+        changes.append((AIR, "mirror_normal", WITHOUT))
+    return tuple(changes)
+
+
+def fold_up_deg(result, joint="fold"):
+    """Fold angle in degrees, positive with the tip up; not a number where the point failed."""
+    for entry in result.data.get("joints", ()):
+        if entry["name"] == joint:
+            return -math.degrees(entry["angle_rad"])
+    return math.nan
+
+
+def tip_pose(result, body):
+    """Position in m and rotation vector in rad of the outer end of a body at rest."""
+    for entry in result.data.get("bodies", ()):
+        if entry["name"] == body:
+            last = entry["sections"][-1]
+            return last["position_m"], last["rotation_rad"]
+    return [math.nan] * 3, [math.nan] * 3
+
+
+def turned(rotation_rad, arm):
+    """An arm turned by a rotation vector."""
+    angle = math.sqrt(sum(value * value for value in rotation_rad))
+    if angle < 1e-12:
+        return list(arm)
+    n = [value / angle for value in rotation_rad]
+    dot = sum(a * b for a, b in zip(n, arm))
+    cross = [n[1] * arm[2] - n[2] * arm[1], n[2] * arm[0] - n[0] * arm[2], n[0] * arm[1] - n[1] * arm[0]]
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return [cosine * a + sine * c + (1 - cosine) * dot * b for a, b, c in zip(arm, n, cross)]
+
+
+def at(curve, x):
+    """Straight lines through points (x, y); not a number outside."""
+    for (a, u), (b, v) in zip(curve, curve[1:]):
+        if a <= x <= b:
+            return u + (v - u) * (x - a) / (b - a) if b > a else u
+    return math.nan
+
+
+def rms(differences):
+    """Root mean square of what is a number."""
+    known = [value * value for value in differences if not math.isnan(value)]
+    return math.sqrt(sum(known) / len(known)) if known else math.nan

@@ -1,0 +1,387 @@
+#!/usr/bin/env python3
+"""The wings of examples/wind_tunnel beside what was measured and what other programs computed.
+
+Usage: wind_tunnel_study.py --foldwing COMMAND --output target/wind_tunnel --table docs/tables/wind_tunnel.md [--only TEXT]
+
+Writes points.json (every point with its cost) and the table of deviations. Points are run one at a time. plot_wind_tunnel.py makes
+the pictures from points.json. Nothing is fitted: the measurements stand beside ours and enter no run.
+"""
+
+import argparse
+import csv
+import datetime
+import json
+import math
+import sys
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import wind_tunnel_cases as w  # noqa: E402
+
+DATA = w.ROOT / "tests/reference/folding_wingtips"
+AIRS = ("lattice", "line", "strips")
+TWIST = "{{ table = [[0.0, 0.0], [0.06, 0.0], [0.085, {0!r}], [0.135, {0!r}]] }}"
+NOSE_DOWN = (("surface.tip", "incidence_deg", "-2.0"),)
+
+
+@dataclass
+class Series:
+    """One curve of ours beside one of theirs: `x` and `theirs` are the reference's points, `ours` our values there."""
+
+    case: str
+    quantity: str
+    source: str  # whose points these are
+    air: str
+    variant: str
+    x: list
+    theirs: list
+    ours: list = field(default_factory=list)
+    cpu_s: list = field(default_factory=list)
+    errors: list = field(default_factory=list)
+
+    def rms(self):
+        return w.rms([a - b for a, b in zip(self.ours, self.theirs)])
+
+
+def rows(name, **where):
+    """Rows of a reference table with these entries."""
+    with open(DATA / name) as file:
+        return [row for row in csv.DictReader(file) if all(row[key] == str(value) for key, value in where.items())]
+
+
+def columns(found, x, y):
+    """Two columns of rows as numbers, by rising x."""
+    pairs = sorted((float(row[x]), float(row[y])) for row in found)
+    return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
+
+
+class Study:
+    """Runs series and keeps them; a point that several series ask for is run once."""
+
+    def __init__(self, foldwing):
+        self.foldwing, self.series, self.known = foldwing, [], {}
+
+    def rest(self, point):
+        key = repr(point)
+        if key not in self.known:
+            self.known[key] = w.rest(self.foldwing, point)
+        return self.known[key]
+
+    def add(self, case, quantity, source, x, theirs, point_at, value, airs=AIRS, variant="", less=None):
+        """A series per model of the air; `less`: our value there is taken off."""
+        for air in airs:
+            series = Series(case, quantity, source, air, variant, list(x), list(theirs))
+            for at in x:
+                result = self.rest(point_at(at, air))
+                series.ours.append(value(result) - (0.0 if less is None else value(self.rest(point_at(less, air)))))
+                series.cpu_s.append(result.cpu_s)
+                series.errors.append(result.error)
+            self.series.append(series)
+            cost = sum(series.cpu_s) / max(len(series.cpu_s), 1)
+            print(f"{case}, {quantity}, {air} {variant}: rms {series.rms():.2f} against {source}, {cost:.2f} s per point", flush=True)
+            for error in {error for error in series.errors if error}:
+                print("   ", error[:220], flush=True)
+
+
+def sideslip_over_speed(study):
+    """Fold angle of the sideslip wing over the speed, four flares and pitches, and the same with the tip 2 deg nose down."""
+    for flare, pitch in ((20, 0), (20, 10), (10, 5), (30, 5)):
+        where = {"flare_deg": flare, "root_pitch_deg": pitch}
+        x, y = columns(rows("sideslip_wing_fold_vs_airspeed.csv", source="experiment", **where), "airspeed_m_s", "fold_up_deg")
+        other = list(zip(*columns(rows("sideslip_wing_fold_vs_airspeed.csv", source="healy_vlm", **where), "airspeed_m_s", "fold_up_deg")))
+        lattice = [w.at(other, at) for at in x]
+        case = f"sideslip wing over speed, flare {flare}, pitch {pitch}"
+        for variant, more in (("", ()), ("tip 2 deg nose down", NOSE_DOWN)):
+            point = lambda at, air, more=more: w.Point("sideslip_wing", w.tunnel(pitch, at, flare) + more, air)  # noqa: E731
+            study.add(case, "fold up, deg", "experiment", x, y, point, w.fold_up_deg, variant=variant)
+            study.add(case, "fold up, deg", "Healy's lattice", x, lattice, point, w.fold_up_deg, variant=variant)
+        study.series.append(Series(case, "fold up, deg", "experiment", "Healy's lattice", "", x, y, lattice))
+
+
+def sideslip_over_pitch(study):
+    """Fold angle of the sideslip wing over the root pitch, flare 10 at 22 m/s."""
+    x, y = columns(rows("sideslip_wing_fold_vs_root_pitch.csv"), "root_pitch_deg", "fold_up_deg")
+    for variant, more in (("", ()), ("tip 2 deg nose down", NOSE_DOWN)):
+        point = lambda at, air, more=more: w.Point("sideslip_wing", w.tunnel(at, 22.0, 10) + more, air)  # noqa: E731
+        study.add("sideslip wing over root pitch, flare 10", "fold up, deg", "experiment", x, y, point, w.fold_up_deg, variant=variant)
+
+
+def sideslip_over_sideslip(study):
+    """Fold angle of the sideslip wing over sideslip for three twists of the tip, below the jump that the experiment shows."""
+    for twist, pitch, jump in ((0, 3, 16.5), (9, 6, 10.5), (-6, 3, 16.5)):
+        where = {"tip_twist_deg": twist, "root_pitch_deg": pitch}
+        name = "sideslip_wing_fold_vs_sideslip.csv"
+        x, y = columns(rows(name, source="experiment", **where), "sideslip_deg", "fold_up_deg")
+        x, y = (list(values) for values in zip(*[(a, b) for a, b in zip(x, y) if a < jump]))
+        other = list(zip(*columns(rows(name, source="healy_vlm", **where), "sideslip_deg", "fold_up_deg")))
+        case = f"sideslip wing over sideslip, twist {twist}"
+        more = (("surface.tip", "incidence_deg", TWIST.format(float(twist))),) if twist else ()
+        point = lambda at, air, more=more: w.Point("sideslip_wing", w.tunnel(pitch, 22.0, 20, at or 1e-9) + more, air)  # noqa: E731
+        study.add(case, "fold up, deg", "experiment", x, y, point, w.fold_up_deg)
+        study.series.append(Series(case, "fold up, deg", "experiment", "Healy's lattice", "", x, y, [w.at(other, at) for at in x]))
+
+
+def lco(study):
+    """Fold angle of the LCO wing over the speed at two root pitches."""
+    for pitch in (5, 10):
+        name = "lco_wing_fold_vs_airspeed.csv"
+        x, y = columns(rows(name, source="experiment", root_pitch_deg=pitch), "airspeed_m_s", "fold_up_deg")
+        other = list(zip(*columns(rows(name, source="healy_numerical", root_pitch_deg=pitch), "airspeed_m_s", "fold_up_deg")))
+        case = f"LCO wing over speed, pitch {pitch}"
+        point = lambda at, air: w.Point("lco_wing", w.tunnel(pitch, at), air)  # noqa: E731
+        study.add(case, "fold up, deg", "experiment", x, y, point, w.fold_up_deg)
+        study.series.append(Series(case, "fold up, deg", "experiment", "Healy's computation", "", x, y, [w.at(other, at) for at in x]))
+
+
+def baseline_steady(study):
+    """The baseline wing at rest over the speed: fold, deflection and twist at the hinge, moment and force at the root."""
+    def hinge(result):
+        return w.tip_pose(result, "inner")
+
+    def root(kind, entry, sign):
+        return lambda result: sign * result.data["root"][kind][entry] if result.data else math.nan
+
+    values = {
+        "fold_up_deg": w.fold_up_deg,
+        "hinge_deflection_percent_of_span": lambda r: 100.0 * hinge(r)[0][2],
+        "hinge_twist_deg": lambda r: math.degrees(hinge(r)[1][0]) - 5.0,
+        "root_bending_moment_N_m": root("moment_N_m", 1, -1.0),
+        "root_vertical_force_N": root("force_N", 2, 1.0),
+    }
+    point = lambda at, air: w.Point("baseline_wing", w.tunnel(5, at, 15), air)  # noqa: E731
+    speeds, middle = [9.0, 10.0, 12.0, 15.0, 18.0, 22.0, 26.0, 30.0], 18.0
+    for quantity, value in values.items():
+        x, y = columns(rows("baseline_wing_steady.csv", quantity=quantity), "airspeed_m_s", "value")
+        curve = list(zip(x, y))
+        if quantity != "fold_up_deg":
+            # masses of the source do not fit its own curves at rest: changes from the middle speed on
+            study.add("baseline wing over speed, pitch 5", f"{quantity}, less that at 18 m/s", "Healy's computation", speeds,
+                      [w.at(curve, at) - w.at(curve, middle) for at in speeds], point, value, less=middle)
+            continue
+        for case, chosen in (("from 12 m/s", speeds[2:]), ("9 and 10 m/s", speeds[:2])):
+            study.add(f"baseline wing over speed, pitch 5, {case}", quantity, "Healy's computation", chosen,
+                      [w.at(curve, at) for at in chosen], point, value)
+
+
+def pazy(study):
+    """The Pazy wing: bench tests, and deflection and twist of the tip in the wind."""
+    half = (0.44096 - 0.5) * 0.0989  # middle of the chord, where deflections are read
+    length_m = 0.549843728
+
+    def deflection(result):
+        position_m, rotation = w.tip_pose(result, "e15")
+        arm = w.turned(rotation, (0.0, half, 0.0))
+        return 100.0 * (position_m[2] + arm[2]) / length_m
+
+    def twist(result):
+        _, rotation = w.tip_pose(result, "e15")
+        chord = w.turned(rotation, (0.0, 1.0, 0.0))
+        return math.degrees(math.asin(max(-1.0, min(1.0, chord[2]))))
+
+    def bench(arm_m):
+        def point(mass_kg, _air):
+            extra = f'[mass.tip]\nbody = "e15"\nposition_m = 0.0191249994\nmass_kg = {mass_kg!r}\noffset_m = [0.0, {arm_m!r}, 0.0]\n\n[aerodynamics]'
+            changes = (("joint.c1", "mount_rotation_deg", w.vector(0, 0, 0)), (w.AIR, "model", '"none"'), (w.AIR, "mirror_normal", w.WITHOUT))
+            level = ("gravity_m_s2 = [-9.80665, 0.0, 0.0]", "gravity_m_s2 = [0.0, 0.0, -9.80665]")
+            return w.Point("pazy_wing", changes, "lattice", (), (level, ("[aerodynamics]", extra)))
+        return point
+
+    def none(value, point):
+        empty = value(study.rest(point(1e-6, "lattice")))
+        return lambda result: value(result) - empty
+
+    for test, arm_m, value in (("bending", half, deflection), ("torsion", (0.44096 - 1.0) * 0.0989 - 0.08, twist)):
+        point = bench(arm_m)
+        offset = none(value, point)
+        unit = "deflection of the tip, % of the length" if test == "bending" else "twist of the tip, deg"
+        case = f"Pazy wing, {test} test"
+        found = {
+            source: [row for row in rows("pazy_wing_bench.csv", source=source) if row["test"].startswith(test)]
+            for source in ("experiment", "umnast")
+        }
+        x, y = columns(found["experiment"], "x", "value")
+        other = list(zip(*columns(found["umnast"], "x", "value")))
+        study.add(case, unit, "experiment", x, y, point, offset, airs=("lattice",))
+        study.add(case, unit, "UM/NAST", x, [w.at(other, at) for at in x], point, offset, airs=("lattice",))
+        study.series.append(Series(case, unit, "experiment", "UM/NAST", "", x, y, [w.at(other, at) for at in x]))
+    for quantity, value in (("tip_deflection_percent_of_span", deflection), ("tip_twist_deg", twist)):
+        x, y = columns(rows("pazy_wing_tip_pitch5.csv", source="experiment", quantity=quantity), "airspeed_m_s", "value")
+        few = [(a, b) for a, b in zip(x, y) if a >= 10][::5]
+        pitch = 5.0 if quantity.startswith("tip_twist") else 0.0
+        point = lambda at, air: w.Point("pazy_wing", ((w.AIR, "wind_m_s", w.vector(0, -at, 0)),), air)  # noqa: E731
+        study.add("Pazy wing in the wind, pitch 5", quantity, "experiment", [a for a, _ in few], [b for _, b in few], point,
+                  lambda result, value=value, pitch=pitch: value(result) - pitch)
+        x, y = columns(rows("pazy_wing_tip_pitch5.csv", source="umnast", quantity=quantity), "airspeed_m_s", "value")
+        if x:
+            study.add("Pazy wing in the wind, pitch 5", quantity, "UM/NAST", x, y, point, lambda result, value=value, pitch=pitch: value(result) - pitch)
+
+
+def bands(study):
+    """What single choices move: each case at its measured points with one choice changed."""
+    name = "lco_wing_fold_vs_airspeed.csv"
+    cases = []
+    for pitch in (5, 10):
+        x, y = columns(rows(name, source="experiment", root_pitch_deg=pitch), "airspeed_m_s", "fold_up_deg")
+        cases.append((f"LCO wing over speed, pitch {pitch}", "lco_wing", lambda at, p=pitch: w.tunnel(p, at), x[1::2], y[1::2]))
+    x, y = columns(rows("sideslip_wing_fold_vs_airspeed.csv", source="experiment", flare_deg=20, root_pitch_deg=10), "airspeed_m_s", "fold_up_deg")
+    cases.append(("sideslip wing over speed, flare 20, pitch 10", "sideslip_wing", lambda at: w.tunnel(10, at, 20), x[1::2], y[1::2]))
+    for case, model, tunnel, x, y in cases:
+        heavy = {"lco_wing": ("mass.point10", 0.52), "sideslip_wing": ("mass.tip1", 61e-3)}[model]
+        flap = {"lco_wing": ("section.stub", 12.4866), "sideslip_wing": ("section.spar", 14.096)}[model]
+        choices = {
+            "tip 1 deg nose down": (("surface.tip", "incidence_deg", "-1.0"),),
+            "tip 1 deg nose up": (("surface.tip", "incidence_deg", "1.0"),),
+            "mass of the tip +5 %": ((heavy[0], "mass_kg", repr(1.05 * heavy[1])),),
+            "mass of the tip -5 %": ((heavy[0], "mass_kg", repr(0.95 * heavy[1])),),
+            "flap stiffness +15 %": ((flap[0], "flap_stiffness_N_m2", repr(1.15 * flap[1])),),
+            "flap stiffness -15 %": ((flap[0], "flap_stiffness_N_m2", repr(0.85 * flap[1])),),
+            "root 0.5 deg nose up": None,
+            "leading-edge suction": ((w.AIR, "leading_edge_suction", "true"),),
+            "8 panels along the chord": (("surface.*", "chord_panels", "8"),),
+            "free wake, 30 rows": ((w.AIR, "free_wake", "true"), (w.AIR, "wake_rows", "30")),
+            "mirror at the root left out": ((w.AIR, "mirror_normal", w.WITHOUT),),
+        }
+        for label, more in choices.items():
+            def point(at, air, more=more):
+                changes = tunnel(at)
+                if more is None:
+                    pitch = float(changes[0][2].strip("[]").split(",")[0]) + 0.5
+                    return w.Point(model, (("joint.mount", "mount_rotation_deg", w.vector(pitch, 0, 0)), *changes[1:]), air)
+                return w.Point(model, changes + more, air)
+            study.add(case, "fold up, deg", "experiment", x, y, point, w.fold_up_deg, airs=("lattice",), variant=label)
+
+
+def pendulum(study):
+    """The slanted double pendulum: place of its end over 2 s."""
+    result = w.march(study.foldwing, w.Point("slanted_double_pendulum", (), "none", tuple(f"tip.position.{k}" for k in "xyz")), 2.0)
+    for component in "xyz":
+        x, y = columns(rows("slanted_double_pendulum_45.csv", component=component), "time_s", "tip_position_m")
+        curve = list(zip(result.data["time"], result.data[f"tip.position.{component}"]))
+        ours = [1e3 * w.at(curve, at) for at in x]
+        study.series.append(Series("slanted double pendulum", f"{component}, mm", "Cheng", "lattice", "", x, [1e3 * v for v in y], ours,
+                                   [result.cpu_s], [result.error]))
+        print(f"pendulum {component}: rms {study.series[-1].rms():.1f} mm", flush=True)
+
+
+def flutter(study):
+    """Onset of flutter of the baseline wing at pitch 0 without gravity: where the growth of the fold angle changes its sign."""
+    weightless = ("gravity_m_s2 = [0.0, 0.0, -9.80665]", "gravity_m_s2 = [0.0, 0.0, 0.0]")
+    undamped = ("stiffness_damping_s = 1e-4", "stiffness_damping_s = 2e-5")
+
+    def growth(air, speed_m_s):
+        changes = (*w.tunnel(0.0, speed_m_s, 15), ("joint.fold", "start_rate_deg_s", "10.0"))
+        point = w.Point("baseline_wing", changes, air, ("fold.angle",), (weightless, undamped))
+        result = w.march(study.foldwing, point, 4.0)
+        found = [(t, v) for t, v in zip(result.data.get("time", ()), result.data.get("fold.angle", ())) if t > 1.5]
+        peaks = [b for a, b, c in zip(found, found[1:], found[2:]) if a[1] < b[1] >= c[1] and b[1] > 0]
+        if len(peaks) < 3:
+            return math.nan, math.nan, result
+        span_s = peaks[-1][0] - peaks[0][0]
+        frequency = (len(peaks) - 1) / span_s
+        return math.log(peaks[-1][1] / peaks[0][1]) / span_s / (2 * math.pi * frequency), frequency, result
+
+    for air in ("lattice", "line", "strips"):
+        found = []
+        for speed in (16.0, 18.0, 20.0, 22.0) if air == "strips" else (22.0, 23.5, 24.5, 26.0):
+            damping, frequency, result = growth(air, speed)
+            print(f"flutter, {air}, {speed} m/s: {frequency:.3f} Hz, damping ratio {damping:+.4f} (positive grows), {result.cpu_s:.1f} s {result.error[:120]}", flush=True)
+            found.append((damping, speed, frequency, result.cpu_s, result.error))
+        known = [entry for entry in found if not math.isnan(entry[0])]
+        crossing = [(a, b) for a, b in zip(known, known[1:]) if a[0] <= 0.0 < b[0]]
+        speed = frequency = math.nan
+        if crossing:
+            (a, u, f, _, _), (b, v, g, _, _) = crossing[0]
+            speed, frequency = u + (v - u) * -a / (b - a), f + (g - f) * -a / (b - a)
+        cost, errors = [entry[3] for entry in found], [entry[4] for entry in found]
+        for quantity, theirs, ours in (("speed, m/s", 24.37, speed), ("frequency, Hz", 2.93, frequency)):
+            study.series.append(Series("baseline wing, flutter", quantity, "Healy's computation", air, "", [0.0], [theirs], [ours], cost, errors))
+        print(f"flutter, {air}: {speed:.2f} m/s, {frequency:.3f} Hz", flush=True)
+
+
+def gust(study):
+    """Change of root moment and fold of the baseline wing in a gust of a third of a second, hinge free and locked."""
+    bump = ('\n[gust.bump]\nshape = "one_minus_cosine"\nvelocity_m_s = [0.0, 0.0, 0.5]\nlength_m = 6.0\n'
+            "origin_m = [0.0, 0.0, 0.0]\nstart_s = 0.1\n\n[experiment]")
+    for hinge in ("free", "locked"):
+        for air in ("lattice", "line", "strips"):
+            changes = w.tunnel(7.5, 18.0, 15)
+            if hinge == "locked":
+                changes += (("joint.fold", "release", "false"),)
+            else:
+                coast = -w.fold_up_deg(study.rest(w.Point("baseline_wing", changes, air)))
+                changes += (("joint.fold", "start_angle_deg", repr(coast)),)
+            point = w.Point("baseline_wing", changes, air, ("fold.angle", "root.moment.y"), (("\n[experiment]", bump),))
+            result = w.march(study.foldwing, point, 1.0)
+            time_s = [at - 0.1 for at in result.data.get("time", ())]
+            curves = {
+                "root_bending_moment_change_N_m": [-value for value in result.data.get("root.moment.y", ())],
+                "fold_up_change_deg": [-math.degrees(value) for value in result.data.get("fold.angle", ())],
+            }
+            for source in ("healy_numerical", "healy_vlm"):
+                for quantity, values in curves.items():
+                    found = rows("baseline_wing_gust_3Hz.csv", source=source, hinge=hinge, quantity=quantity)
+                    if found:
+                        x, y = (list(values) for values in zip(*[(a, b) for a, b in zip(*columns(found, "time_s", "value")) if a <= 0.9]))
+                        curve = list(zip(time_s, values))
+                        ours = [w.at(curve, at) - w.at(curve, 0.0) for at in x]
+                        one = Series(f"baseline wing, gust, hinge {hinge}", quantity, source, air, "", x, y, ours, [result.cpu_s], [result.error])
+                        study.series.append(one)
+                        print(f"gust, hinge {hinge}, {quantity}, {air}: rms {one.rms():.3f} against {source}, {result.cpu_s:.1f} s {result.error[:120]}", flush=True)
+
+
+CASES = (sideslip_over_speed, sideslip_over_pitch, sideslip_over_sideslip, lco, baseline_steady, pazy, pendulum, flutter, gust, bands)
+
+
+def table(series):
+    """Markdown: a row per case and quantity."""
+    lines = ["| case | quantity | against | variant | lattice | strips, lifting line | strips | the other program |", "|---|---|---|---|---|---|---|---|"]
+    groups = {}
+    for one in series:
+        groups.setdefault((one["case"], one["quantity"], one["source"], one["variant"]), []).append(one)
+    for (case, quantity, source, variant), found in groups.items():
+        def show(air, found=found):
+            chosen = [one for one in found if one["air"] == air or (air == "other" and one["air"] not in AIRS)]
+            if not chosen:
+                return "–"
+            one = chosen[0]
+            missing = sum(math.isnan(value) for value in one["ours"])
+            cost = f", {sum(one['cpu_s']) / len(one['cpu_s']):.2f} s" if one["cpu_s"] else ""
+            note = f", {missing} of {len(one['ours'])} outside the curve" if missing and air == "other" else f", {missing} of {len(one['ours'])} failed" if missing else ""
+            return f"{one['rms']:.2f}{cost}{note}"
+        lines.append(f"| {case} | {quantity} | {source} | {variant or '–'} | " + " | ".join(show(air) for air in ("lattice", "line", "strips", "other")) + " |")
+    return lines
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--foldwing", type=Path, required=True)
+    parser.add_argument("--output", type=Path, required=True)
+    parser.add_argument("--table", type=Path)
+    parser.add_argument("--only", default="")
+    arguments = parser.parse_args()
+    study = Study(arguments.foldwing.resolve())
+    for case in CASES:
+        if arguments.only in case.__name__:
+            case(study)
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    path = arguments.output / "points.json"
+    new = [asdict(one) | {"rms": one.rms()} for one in study.series]
+    old = json.loads(path.read_text()) if arguments.only and path.exists() else []
+    replaced = {one["case"] + one["quantity"] + one["variant"] for one in new}
+    series = [one for one in old if one["case"] + one["quantity"] + one["variant"] not in replaced] + new
+    path.write_text(json.dumps(series, indent=1))
+    if arguments.table:
+        head = [
+            "# Wind tunnel: deviations and cost",
+            "",
+            f"Written by `make wind-tunnel` on {datetime.date.today().isoformat()}. Root mean square of ours less theirs in the unit of the quantity, then CPU",
+            "seconds per point. `docs/validation/wind_tunnel.md` says what it means.",
+            "",
+        ]
+        arguments.table.write_text("\n".join(head + table(series)) + "\n")
+
+
+if __name__ == "__main__":
+    main()
