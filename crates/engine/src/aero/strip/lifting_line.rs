@@ -2,7 +2,7 @@
 //!
 //! Every strip is a horseshoe vortex: a bound vortex at a quarter of the chord and from each of its ends a leg that follows
 //! the chord to the trailing edge and then the air. Their velocity at three quarters of the chord, less that of an endless bound vortex, is the velocity of air that
-//! strip theory leaves out, eqs. (W10) to (W12). On a thin profile in steady flow that is the lattice with a single panel
+//! strip theory leaves out, eqs. (W10)–(W12). On a thin profile in steady flow that is the lattice with a single panel
 //! along the chord.
 
 use crate::aero::biot_savart::{Arm, Block, Kernel, LANES, Sheet, blocks};
