@@ -114,7 +114,7 @@ package-venv: toolchain
 
 wheel: build package-venv ## Build the Python package for this machine: $(TARGET)/wheels; `pip install .` does the same
 	@rm -rf $(WHEELS)
-	CARGO="$(CARGO)" FOLDWING_LIBRARY="$(abspath $(firstword $(wildcard $(TARGET)/release/*foldwing_fmu.so $(TARGET)/release/*foldwing_fmu.dylib)))" \
+	PATH="$(abspath $(PACKAGE_VENV))/bin:$$PATH" CARGO="$(CARGO)" FOLDWING_LIBRARY="$(abspath $(firstword $(wildcard $(TARGET)/release/*foldwing_fmu.so $(TARGET)/release/*foldwing_fmu.dylib)))" \
 	    $(PACKAGE_PYTHON) -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir $(WHEELS) .
 
 python: wheel ## Test the Python package from its wheel: what it computes and costs, its documentation, its types

@@ -61,7 +61,7 @@ class LatchedWing(gymnasium.Env[Observation, Observation]):
 
     def observed(self) -> Observation:
         strain = self.sim["gauge.root.strain"] - self.rest_strain
-        return np.array([strain, self.last, self.sim["fold.angle"], self.sim["fold.angular_velocity"]]) / SCALE
+        return np.asarray([strain, self.last, self.sim["fold.angle"], self.sim["fold.angular_velocity"]] / SCALE)
 
 
 def returned(environment: LatchedWing, gain: float, seed: int) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Dict, Mapping, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Mapping, Optional, Tuple, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,7 +26,7 @@ class Inputs:
     """Inputs of a run with communication points `times`."""
 
     def __init__(self, model: Model, given: Stimulus, times: Array) -> None:
-        self.function: Optional[Feed] = given if callable(given) else None
+        self.function: Optional[Feed] = cast(Feed, given) if callable(given) else None
         """Called at every point, instead of a table."""
         self.table: Optional[_native.InputTable] = None
         """What the native part reads."""
@@ -53,7 +53,7 @@ def table_of(model: Model, given: Stimulus, times: Array) -> Tuple[Optional[_nat
     columns: Dict[str, Array] = {}
     for name, course in courses.items():
         if callable(course):
-            columns[name] = np.array([float(course(float(time))) for time in at])
+            columns[name] = np.array([float(cast(Any, course)(float(time))) for time in at])
         elif np.ndim(course) == 0:
             columns[name] = np.full(len(at), _column(name, [course])[0])
         elif functions:

@@ -100,7 +100,7 @@ def test_stubs_are_those_of_the_module():
             assert own == members - {"__new__"}, name
 
 
-@pytest.mark.parametrize("checker", [["mypy", "--strict"], ["pyright"]])
+@pytest.mark.parametrize("checker", [["mypy", "--strict"], ["pyright", "--pythonpath", sys.executable]])
 def test_types_of_package_and_examples_hold(checker):
     examples = ["examples/python_ten_lines.py", "examples/gymnasium_wing.py"]
     targets = [str(Path(fw.__file__).parent), *examples]
