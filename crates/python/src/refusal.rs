@@ -44,12 +44,13 @@ pub fn access(error: &AccessError) -> PyErr {
 pub fn command(failure: &Failure) -> PyErr {
     let message = failure.to_string();
     match failure {
+        Failure::Model { error, .. } => model(error),
         Failure::Refused(_) => of_class("ModelError", &message),
         Failure::Usage(_) => usage(message),
         Failure::Simulation(_) => of_class("SimulationError", &message),
         Failure::Statics(_) => of_class("StaticsError", &message),
         Failure::Files(_) => of_class("FilesError", &message),
-        Failure::Closed => PyRuntimeError::new_err(message),
+        Failure::Closed | Failure::Differ(..) => PyRuntimeError::new_err(message),
     }
 }
 
