@@ -116,7 +116,9 @@ def test_refusals_have_the_words_of_the_command(command, tmp_path):
     said = subprocess.run([command, "check", file], capture_output=True, text=True).stderr
     with pytest.raises(fw.ModelError) as refused:
         fw.load(file)
-    assert said == f"foldwing: {refused.value}\n"
+    # the command sets the words around an excerpt of the file
+    pieces = str(refused.value).split("; ")
+    assert len(pieces) == 3 and all(piece in said for piece in pieces), said
     line, key, words = refused.value.problems[0]
     assert text.splitlines()[line - 1].startswith("lenght_m") and key.endswith(".lenght_m") and "length_m" in words
     with pytest.raises(fw.FilesError, match="cannot be read"):
