@@ -100,11 +100,11 @@ pub fn discretized<'py>(
     a: PyReadonlyArray2<'py, f64>,
     b: PyReadonlyArray2<'py, f64>,
     dt: f64,
-) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+) -> PyResult<[Bound<'py, PyArray2<f64>>; 2]> {
     let (a, b) = (matrix(&a), matrix(&b));
     let model = StateSpace { c: DMatrix::zeros(0, a.ncols()), d: DMatrix::zeros(0, b.ncols()), a, b };
     let (a, b) = py.detach(|| sampled(&model, dt)).map_err(|error| refused(&error))?;
-    Ok((array(py, &a)?, array(py, &b)?))
+    Ok([array(py, &a)?, array(py, &b)?])
 }
 
 fn refused(error: &NoReduction) -> PyErr {

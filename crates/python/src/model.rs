@@ -130,6 +130,7 @@ impl Model {
 
     /// Writes an FMU.
     #[pyo3(signature = (output, *, model, libraries, linear, without_reference, force))]
+    #[allow(clippy::too_many_arguments, reason = "named in Python")]
     fn package(
         &self,
         py: Python<'_>,

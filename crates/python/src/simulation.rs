@@ -101,20 +101,20 @@ impl Simulation {
     fn __setitem__(&mut self, name: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
         let stage = if self.started { Stage::Running } else { Stage::Starting };
         let shared = Arc::clone(&self.shared);
-        if shared.interface.find(name).is_none() {
-            if let Some((first, count)) = self.vector(name) {
-                let values: Vec<f64> = value.extract().map_err(|_| {
-                    refusal::usage(format!("{name}: has {count} components; give a sequence of numbers"))
-                })?;
-                if values.len() != count {
-                    return Err(refusal::usage(format!("{name}: {} values for {count} components", values.len())));
-                }
-                let references: Vec<u32> = (first..).take(count).collect();
-                return shared
-                    .interface
-                    .set_all(&mut self.plant, &references, &values, stage)
-                    .map_err(|error| refusal::access(&error));
+        if shared.interface.find(name).is_none()
+            && let Some((first, count)) = self.vector(name)
+        {
+            let values: Vec<f64> = value
+                .extract()
+                .map_err(|_| refusal::usage(format!("{name}: has {count} components; give a sequence of numbers")))?;
+            if values.len() != count {
+                return Err(refusal::usage(format!("{name}: {} values for {count} components", values.len())));
             }
+            let references: Vec<u32> = (first..).take(count).collect();
+            return shared
+                .interface
+                .set_all(&mut self.plant, &references, &values, stage)
+                .map_err(|error| refusal::access(&error));
         }
         let row = row(&shared.interface, name, "input or parameter")?;
         let set = match of_kind(row, value)? {
