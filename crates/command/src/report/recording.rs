@@ -91,7 +91,7 @@ pub struct Scene {
     pub description: String,
     /// Bodies, in the machine's order.
     pub bodies: Vec<BodyScene>,
-    /// Names of the fold and prismatic joints, in the order of [`Plant::revolute_joints`], each with the index of its outer
+    /// Names of the fold and prismatic joints, in the order of `Plant::revolute_joints`, each with the index of its outer
     /// body.
     pub joints: Vec<(String, usize)>,
     /// Whether each of them turns or slides.

@@ -59,7 +59,7 @@ impl Interface {
         Ok(())
     }
 
-    /// Time derivatives of Real outputs at the present time ([`Plant::output_rates`]); those of order 2 and higher are
+    /// Time derivatives of Real outputs at the present time (`Study::output_rates`); those of order 2 and higher are
     /// given as zero. The slices are equally long; nothing is written unless all can be read.
     pub fn output_rates(
         &self,
