@@ -1,4 +1,4 @@
-"""What Python costs beside the command and the engine. Bounds of issue 18; the figures go to docs/BENCHMARKS.md by hand."""
+"""What Python costs beside the command and the engine. The figures go to docs/BENCHMARKS.md by hand."""
 
 import json
 import os
