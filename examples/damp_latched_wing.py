@@ -149,23 +149,21 @@ def draw(free, damped, path):
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from house_style import BLUE, FAINT, VERMILION, mark, save, use
 
-    figure, (upper, lower) = plt.subplots(2, 1, figsize=(7.2, 5.0), dpi=150, sharex=True, height_ratios=(2, 1),
-                                          layout="constrained")
-    upper.plot(free["time"], 1e3 * free[GAUGE], color="#9fb0bf", linewidth=1.0, label="left alone")
-    upper.plot(damped["time"], 1e3 * damped[GAUGE], color="#0f3557", linewidth=1.4, label="state feedback")
-    upper.set_ylabel("strain at the root (10⁻³)")
-    lower.plot(damped["time"], 1e3 * damped[ACTUATOR], color="#b3541e", linewidth=1.0, drawstyle="steps-post")
+    use()
+    figure, (upper, lower) = plt.subplots(2, 1, figsize=(7.6, 5.2), sharex=True, height_ratios=(2, 1), layout="constrained")
+    upper.plot(free["time"], 1e3 * free[GAUGE], color=FAINT, linewidth=1.0, label="left alone")
+    upper.plot(damped["time"], 1e3 * damped[GAUGE], color=BLUE, linewidth=1.4, label="state feedback")
+    upper.set(ylabel="strain at the root gauge (10⁻³)", title="The wing unfolds, latches and rings\n")
+    upper.legend(loc="lower right")
+    lower.plot(damped["time"], 1e3 * damped[ACTUATOR], color=BLUE, linewidth=1.0, drawstyle="steps-post")
     lower.set(xlabel="time (s)", ylabel="moment (mN·m)", xlim=(0, 2))
-    for axes in (upper, lower):
-        axes.axvline(free["fold.latch_time"][-1], color="#b3541e", linestyle="--", linewidth=1.0)
-        axes.grid(True, color="#dfe6ec", linewidth=0.7)
-        axes.spines[["top", "right"]].set_visible(False)
-    upper.legend(frameon=False)
-    upper.set_title("The wing unfolds, latches and rings", loc="left", fontsize=11, color="#0f3557")
+    latch_s = free["fold.latch_time"][-1]
+    mark(upper, latch_s, f"latch closes, {latch_s:.4f} s", VERMILION)
+    mark(lower, latch_s, "", VERMILION)
     path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, metadata={"Software": None})
-    plt.close(figure)
+    save(figure, path)
 
 
 def main():

@@ -59,23 +59,24 @@ def draw(inputs, result, path):
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    from deploy import ACCENT, INK, STYLE, save
+    from house_style import BLUE, FAINT, ORANGE, SMALL, VERMILION, save, use
 
-    plt.rcParams.update(STYLE)
-    figure, (upper, lower) = plt.subplots(2, 1, figsize=(7.2, 5.0), sharex=True, layout="constrained")
-    upper.plot(inputs["time"], np.degrees(inputs["fold.command"]), "o--", color=ACCENT, markersize=4, linewidth=1.0,
+    use()
+    figure, (upper, lower) = plt.subplots(2, 1, figsize=(7.6, 5.2), sharex=True, layout="constrained")
+    upper.plot(inputs["time"], np.degrees(inputs["fold.command"]), "o--", color=ORANGE, markersize=4, linewidth=1.0,
                label="fold.command, rows of the CSV file")
-    upper.plot(result["time"], np.degrees(result[ANGLE]), color=INK, label="fold.angle")
-    upper.set(ylabel="angle (deg)", yticks=range(0, 271, 45))
-    upper.set_title("Fold commands from a CSV file", loc="left", fontsize=11, color=INK)
+    upper.plot(result["time"], np.degrees(result[ANGLE]), color=BLUE, label="fold.angle")
+    upper.set(ylabel="angle (°)", yticks=range(0, 271, 45), title="Fold commands from a CSV file")
     upper.legend(loc="upper center")
-    lower.plot(result["time"], 1e3 * result[GAUGE], color=INK, linewidth=1.0)
-    lower.set(xlabel="time (s)", ylabel="strain at the root (10⁻³)", xlim=(0.0, result["time"][-1]))
+    lower.plot(result["time"], 1e3 * result[GAUGE], color=BLUE, linewidth=1.0)
+    lower.set(xlabel="time (s)", ylabel="strain at the root gauge (10⁻³)", xlim=(0.0, result["time"][-1]))
+    latched = result["fold.latched"] > 0
     for axes in (upper, lower):
-        latched = result["fold.latched"] > 0
-        axes.fill_between(result["time"], 0, 1, where=latched, transform=axes.get_xaxis_transform(), color=ACCENT,
-                          alpha=0.12)
-    lower.text(result["time"][latched].mean(), lower.get_ylim()[0], "latched", ha="center", va="bottom", color=ACCENT)
+        axes.fill_between(result["time"], 0, 1, where=latched, transform=axes.get_xaxis_transform(), color=FAINT,
+                          alpha=0.16, linewidth=0)
+    closes_s = result["time"][latched][0]
+    lower.annotate(f"latched from {closes_s:.3f} s on", (closes_s, 0.02), xycoords=("data", "axes fraction"), xytext=(4, 0),
+                   textcoords="offset points", ha="left", va="bottom", fontsize=SMALL, color=VERMILION)
     path.parent.mkdir(parents=True, exist_ok=True)
     save(figure, path)
 

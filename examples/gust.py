@@ -76,20 +76,20 @@ def draw(by_file, by_inputs, wind, path):
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    from deploy import ACCENT, INK, STYLE, save
+    from house_style import BLUE, FAINT, VERMILION, label_ends, save, use
 
-    plt.rcParams.update(STYLE)
-    figure, axes = plt.subplots(4, 1, figsize=(7.2, 7.2), sharex=True, height_ratios=(1, 1, 1.6, 1.6), layout="constrained")
-    axes[0].plot(wind["time"], wind[WIND], color=INK)
-    axes[0].set_ylabel("upwash (m/s)")
-    axes[0].set_title("The latched wing in a 1-cos gust", loc="left", fontsize=11, color=INK)
-    labels = (LIFT, 1.0, "force (N)"), (GAUGE, 1e3, "strain at the root (10⁻³)"), (TIP, 1e3, "tip z (mm)")
+    use()
+    figure, axes = plt.subplots(4, 1, figsize=(8.2, 7.4), sharex=True, height_ratios=(1, 1, 1.6, 1.6))
+    figure.subplots_adjust(left=0.11, right=0.8, top=0.95, bottom=0.07, hspace=0.14)
+    axes[0].plot(wind["time"], wind[WIND], color=FAINT)
+    axes[0].set(ylabel="upwash (m/s)", title="The latched wing in a 1-cos gust")
+    labels = (LIFT, 1.0, "force of the air,\nz (N)"), (GAUGE, 1e3, "strain at the root\ngauge (10⁻³)"), (TIP, 1e3, "tip z (mm)")
     for row, (name, factor, label) in zip(axes[1:], labels):
-        row.plot(by_file["time"], factor * by_file[name], color=INK, label="[gust.upwash] of the model file")
-        row.plot(by_inputs["time"], factor * by_inputs[name], color=ACCENT, linestyle="--", label="input wind.velocity.z")
+        row.plot(by_file["time"], factor * by_file[name], color=BLUE, label="[gust.upwash] of\nthe model file")
+        row.plot(by_inputs["time"], factor * by_inputs[name], color=VERMILION, linestyle="--", linewidth=1.2, label="input\nwind.velocity.z")
         row.set_ylabel(label)
-    axes[1].legend()
     axes[3].set(xlabel="time (s)", xlim=(0.0, by_file["time"][-1]))
+    label_ends(axes[2])
     figure.align_ylabels()
     path.parent.mkdir(parents=True, exist_ok=True)
     save(figure, path)

@@ -109,19 +109,20 @@ def draw(record, fit, step_s, path):
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    from deploy import INK, LATCH, STYLE, save
+    from house_style import BLUE, FAINT, SKY, SMALL, VERMILION, save, use
 
-    plt.rcParams.update(STYLE)
-    figure, (upper, lower) = plt.subplots(2, 1, figsize=(7.2, 5.0), sharex=True, height_ratios=(3, 1), layout="constrained")
+    use()
+    figure, (upper, lower) = plt.subplots(2, 1, figsize=(7.6, 5.2), sharex=True, height_ratios=(3, 1), layout="constrained")
     time_s = step_s * np.arange(len(record))
-    label = ", ".join(f"{name} = {value:.4g} ± {bound:.1g} {unit}".replace("alpha", "α") for name, value, bound, unit
+    found = "\n".join(f"{name} = {value:.4g} ± {bound:.1g} {unit}".replace("alpha", "α") for name, value, bound, unit
                       in zip(NAMES, fit.coefficients, fit.bounds, ("1/s", "N·m·s/rad")))
-    upper.plot(time_s, 1e3 * record, ".", color="#9fb0bf", markersize=3, label="record")
-    upper.plot(time_s, 1e3 * fit.strain, color=INK, linewidth=1.2, label=label)
-    upper.set_ylabel("strain at the root (10⁻³)")
-    upper.set_title("Damping from a strain record", loc="left", fontsize=11, color=INK)
+    upper.plot(time_s, 1e3 * record, ".", color=SKY, markersize=3, label="record")
+    upper.plot(time_s, 1e3 * fit.strain, color=BLUE, linewidth=1.2, label="the wing with the coefficients found")
+    upper.set(ylabel="strain at the root gauge (10⁻³)", title="Damping from a strain record")
+    upper.annotate(found, (0.985, 0.3), xycoords="axes fraction", ha="right", va="top", fontsize=SMALL, color=BLUE)
     upper.legend(loc="lower right")
-    lower.plot(time_s, 1e3 * (record - fit.strain), ".", color=LATCH, markersize=2)
+    lower.axhline(0.0, color=FAINT, linewidth=0.8)
+    lower.plot(time_s, 1e3 * (record - fit.strain), ".", color=VERMILION, markersize=2)
     lower.set(xlabel="time (s)", ylabel="left (10⁻³)", xlim=(0.0, time_s[-1]))
     path.parent.mkdir(parents=True, exist_ok=True)
     save(figure, path)

@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 from damp_latched_wing import MODEL, flap_modes, sampled
-from deploy import ACCENT, INK, LATCH, STYLE, latch_time, peak, save
+from deploy import latch_time, peak
 from fmpy import read_model_description, simulate_fmu
 
 ANGLE, RATE, GAUGE = "fold.angle", "fold.angular_velocity", "gauge.root.strain"
@@ -169,33 +169,37 @@ def draw(free, soft, others, trade, path):
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from house_style import BLACK, BLUE, FAINT, SKY, SMALL, VERMILION, mark, save, use
 
-    plt.rcParams.update(STYLE)
-    figure, ((angle, cost), (strain, torque)) = plt.subplots(2, 2, figsize=(9.6, 5.6), width_ratios=(3, 2),
+    use()
+    figure, ((angle, cost), (strain, torque)) = plt.subplots(2, 2, figsize=(10.4, 6.2), width_ratios=(3, 2),
                                                              layout="constrained")
-    for result, colour, name in ((free, "#9fb0bf", "left alone"), (soft, INK, "soft fold")):
+    for result, colour, name in ((free, FAINT, "left alone"), (soft, BLUE, "soft fold")):
         angle.plot(result["time"], np.degrees(result[ANGLE]), color=colour, label=name)
-        strain.plot(result["time"], 1e3 * result[GAUGE], color=colour, linewidth=1.2)
-        angle.axvline(latch_time(result), color=LATCH, linestyle="--", linewidth=0.9)
-        strain.axvline(latch_time(result), color=LATCH, linestyle="--", linewidth=0.9)
+        strain.plot(result["time"], 1e3 * result[GAUGE], color=colour, linewidth=1.2, label=name, zorder=3)
+        mark(angle, latch_time(result), f"latched,\n{latch_time(result):.3f} s", VERMILION, 0.97 if result is free else 0.75)
+        mark(strain, latch_time(result), "", VERMILION)
     for result in others:
-        line, = strain.plot(result["time"], 1e3 * result[GAUGE], color=ACCENT, linewidth=0.7)
-    line.set_label("stiffness 10 % less, more")
+        line, = strain.plot(result["time"], 1e3 * result[GAUGE], color=SKY, linewidth=0.9)
+    line.set_label("soft fold, stiffness 10 % less or more")
     strain.legend(loc="upper right")
-    angle.set(ylabel="fold angle (deg)", yticks=range(0, 181, 45), xticklabels=[])
-    angle.set_title("Unfolding, latching (dashed), folding", loc="left", fontsize=11, color=INK)
+    angle.set(ylabel="fold angle (°)", yticks=range(0, 181, 45), xticklabels=[], title="Unfolding, latching, folding")
     angle.legend(loc="upper center")
-    strain.set(xlabel="time (s)", ylabel="strain at the root (10⁻³)")
-    torque.plot(soft["time"], 1e3 * soft["fold.applied_torque"], color=INK, linewidth=1.2)
-    torque.set(xlabel="time (s)", ylabel="torque of the drive (mN·m)")
+    strain.set(xlabel="time (s)", ylabel="strain at the root gauge (10⁻³)")
+    torque.plot(soft["time"], 1e3 * soft["fold.applied_torque"], color=BLUE, linewidth=1.2)
+    torque.set(xlabel="time (s)", ylabel="torque of the drive (mN·m)", title="Soft fold: the drive")
     for axes in (angle, strain, torque):
         axes.set_xlim(0.0, soft["time"][-1])
-    cost.plot([latch_time(run) for run in trade], [1e3 * largest(run) for run in trade], "o-", color=ACCENT)
-    cost.plot(latch_time(free), 1e3 * largest(free), "s", color="#9fb0bf")
-    cost.axhline(0.5e3 * largest(free), color="#9fb0bf", linestyle=":", label="half of it left alone")
-    cost.set(xlabel="time of the latch (s)", ylabel="peak strain (10⁻³)", ylim=(0, None), xlim=(0, None))
-    cost.set_title("What softness costs", loc="left", fontsize=11, color=INK)
-    cost.legend()
+    cost.plot([latch_time(run) for run in trade], [1e3 * largest(run) for run in trade], "o-", color=BLUE)
+    cost.annotate("soft fold, over its time", (latch_time(trade[3]), 1e3 * largest(trade[3])), xytext=(4, 8),
+                  textcoords="offset points", color=BLUE, fontsize=SMALL)
+    cost.plot(latch_time(free), 1e3 * largest(free), "s", color=BLACK)
+    cost.annotate("left alone", (latch_time(free), 1e3 * largest(free)), xytext=(8, 0), textcoords="offset points", va="center",
+                  color=BLACK, fontsize=SMALL)
+    cost.axhline(0.5e3 * largest(free), color=FAINT, linestyle=":")
+    cost.annotate("half of it left alone", (0.99, 0.5e3 * largest(free)), xycoords=("axes fraction", "data"), xytext=(0, 3),
+                  textcoords="offset points", ha="right", color=FAINT, fontsize=SMALL)
+    cost.set(xlabel="time of the latch (s)", ylabel="peak strain (10⁻³)", ylim=(0, None), xlim=(0, None), title="What softness costs")
     path.parent.mkdir(parents=True, exist_ok=True)
     save(figure, path)
 

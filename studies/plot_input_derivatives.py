@@ -2,6 +2,7 @@
 """Error of a sinusoidal load over the communication step, from the table that `cargo test --test verification capabilities::` writes."""
 
 import argparse
+import sys
 from pathlib import Path
 
 import matplotlib
@@ -10,7 +11,9 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-BLUE, ORANGE, GREY = "#0072b2", "#e69f00", "#b0b0b0"
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "examples"))
+
+from house_style import BLUE, GRID, VERMILION, save, use  # noqa: E402
 
 
 def main():
@@ -22,21 +25,20 @@ def main():
     rows = np.genfromtxt(arguments.results / "input_derivatives.csv", delimiter=",", names=True)
     step_ms = 1e3 * rows["step_s"]
 
-    figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
+    use()
+    figure, axes = plt.subplots(figsize=(7.2, 4.6), layout="constrained")
     for column, order, label, color in (
-        ("held_rad", 1, "held within the step", ORANGE),
-        ("with_derivatives_rad", 2, "with fmi2SetRealInputDerivatives", BLUE),
+        ("held_rad", 1, "held within the step; order 1 shaded", VERMILION),
+        ("with_derivatives_rad", 2, "with fmi2SetRealInputDerivatives; order 2 shaded", BLUE),
     ):
         through = rows[column][-1] * (step_ms / step_ms[-1]) ** order
-        axes.loglog(step_ms, through, color=GREY, linewidth=4, solid_capstyle="round", label=f"order {order}")
-        axes.loglog(step_ms, rows[column], "o-", color=color, label=label)
+        axes.loglog(step_ms, through, color=GRID, linewidth=5, zorder=0)
+        axes.loglog(step_ms, rows[column], "o-", color=color, markersize=4, label=label)
     axes.set_xticks(step_ms, [f"{step:g}" for step in step_ms])
     axes.set_xticks([], minor=True)
-    axes.set(xlabel="communication step (ms)", ylabel="error of the fold angle at 64 ms (rad)")
-    axes.set_title("Sinusoidal load of 20 Hz on the folding wing", fontsize=10)
-    axes.legend(frameon=False, fontsize=8)
-    axes.grid(which="both", color="#eeeeee")
-    figure.savefig(arguments.pictures / "input_derivatives.png", dpi=110, metadata={"Software": None})
+    axes.set(xlabel="communication step (ms)", ylabel="error of the fold angle at 64 ms (rad)", title="Sinusoidal load of 20 Hz on the folding wing")
+    axes.legend()
+    save(figure, arguments.pictures / "input_derivatives.png")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+"""Lets a folding tip go when a gust arrives: what a hinge that is held in flight takes off the root, in the FMU through FMPy.
+
+Usage: release_in_gust.py --foldwing target/release/foldwing --picture OUT.png
+
+The wing is `wind_tunnel/baseline_wing.toml`, a half wing of the University of Bristol with a flared folding tip, in a 1-cos gust.
+Held (`fold.release` false) it is a wing without hinge. A controller that samples the bending moment at the root, as strain gauges
+give it, lets the tip go once the moment has risen by THRESHOLD_N_M, and holds it again once the tip comes back to where it was.
+The flare makes a tip that swings up lose its incidence: it sheds the gust. Besides both, a tip that is never held, at the angle
+at which it coasts.
+"""
+
+import argparse
+import json
+import math
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from fmpy import read_model_description, simulate_fmu
+
+MODEL = Path(__file__).parent / "wind_tunnel/baseline_wing.toml"
+ANGLE, RELEASE, MOMENT = "fold.angle", "fold.release", "root.moment.y"
+PITCH_DEG, SPEED_M_S = 7.5, 18.0
+GUST_M_S, GUST_START_S, GUST_LENGTH_M = 2.0, 0.2, 6.0  # upwards; it passes the wing in a third of a second
+STOP_S, PERIOD_S = 1.5, 1e-3  # the controller samples every millisecond
+THRESHOLD_N_M = 0.5
+
+
+def model(start_deg, release):
+    """The model file at the operating point: root pitch, fold angle at the start, held or not, and the gust."""
+    text = MODEL.read_text(encoding="utf-8")
+    text = re.sub(r"(?m)^mount_rotation_deg = .*", f"mount_rotation_deg = [{PITCH_DEG}, 0.0, 0.0]", text)
+    text = re.sub(r"(?m)^wind_m_s = .*", f"wind_m_s = [0.0, {-SPEED_M_S}, 0.0]", text)
+    text = re.sub(r"(?m)^start_angle_deg = .*", f"start_angle_deg = {start_deg!r}\nrelease = {str(release).lower()}", text)
+    gust = ["[gust.upwash]", 'shape = "one_minus_cosine"', f"velocity_m_s = [0.0, 0.0, {GUST_M_S}]", f"length_m = {GUST_LENGTH_M}",
+            "origin_m = [0.0, 0.0, 0.0]", f"start_s = {GUST_START_S}"]
+    return text.replace("[experiment]", "\n".join([*gust, "", "[experiment]"]))
+
+
+def command(foldwing, text, *arguments):
+    """What `foldwing` prints about a model text; MODEL in the arguments stands for its file."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "wing.toml"
+        path.write_text(text, encoding="utf-8")
+        return subprocess.run([str(foldwing), *(path if argument == "MODEL" else argument for argument in arguments)], check=True,
+                              capture_output=True, text=True).stdout
+
+
+def coasting_deg(foldwing):
+    """Fold angle at which the free tip stays in the steady wind."""
+    rest = json.loads(command(foldwing, model(0.0, True), "static", "MODEL", "--json"))
+    return math.degrees(next(joint["angle_rad"] for joint in rest["joints"] if joint["name"] == "fold"))
+
+
+class Guard:
+    """Lets the hinge go on a rise of the root moment, and holds it again when the tip comes back."""
+
+    def __init__(self, references):
+        self.references, self.steady_N_m, self.let_go_s, self.held_s, self.up = references, None, None, None, False
+
+    def __call__(self, time_s, recorder):
+        moment, angle = recorder.fmu.getReal([self.references[MOMENT], self.references[ANGLE]])
+        if self.steady_N_m is None:
+            self.steady_N_m, self.start_rad = moment, angle
+        if self.let_go_s is None and abs(moment - self.steady_N_m) > THRESHOLD_N_M:
+            self.let_go_s = time_s
+            recorder.fmu.setBoolean([self.references[RELEASE]], [True])
+        elif self.let_go_s is not None and self.held_s is None:
+            self.up = self.up or angle < self.start_rad - math.radians(1.0)
+            if self.up and angle >= self.start_rad:
+                self.held_s = time_s
+                recorder.fmu.setBoolean([self.references[RELEASE]], [False])
+        return True
+
+
+def fly(foldwing, start_deg, release, guarded=False):
+    """Moment and fold angle over the gust through FMPy, and the controller if there is one."""
+    with tempfile.TemporaryDirectory() as folder:
+        fmu = str(Path(folder) / "wing.fmu")
+        command(foldwing, model(start_deg, release), "package", "MODEL", "-o", fmu)
+        references = {variable.name: variable.valueReference for variable in read_model_description(fmu).modelVariables}
+        guard = Guard(references) if guarded else None
+        result = simulate_fmu(fmu, stop_time=STOP_S, output_interval=PERIOD_S, output=[MOMENT, ANGLE], step_finished=guard)
+    return result, guard
+
+
+def bending(result):
+    """Moment that bends the wing up, at the root, in N·m."""
+    return -result[MOMENT]
+
+
+def draw(runs, guard, path):
+    """Root moment and fold angle over time, with the instants of the controller."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    from house_style import BLUE, FAINT, GREEN, SMALL, VERMILION, label_ends, mark, save, use
+
+    use()
+    figure, (upper, lower) = plt.subplots(2, 1, figsize=(8.6, 6.4), sharex=True, height_ratios=(3, 2))
+    figure.subplots_adjust(left=0.09, right=0.81, top=0.93, bottom=0.08, hspace=0.12)
+    for (name, result), colour in zip(runs.items(), (VERMILION, GREEN, BLUE)):
+        label = f"{name}:\n{bending(result).min():.1f} to {bending(result).max():.1f}".replace("-", "−")
+        upper.plot(result["time"], bending(result), color=colour, label=label)
+        lower.plot(result["time"], -np.degrees(result[ANGLE]), color=colour, label=name)
+    for axes in (upper, lower):
+        axes.axvspan(GUST_START_S, GUST_START_S + GUST_LENGTH_M / SPEED_M_S, color=FAINT, alpha=0.16, linewidth=0)
+        axes.set_xlim(0.0, STOP_S)
+        for time_s in (guard.let_go_s, guard.held_s):
+            if time_s is not None:
+                mark(axes, time_s, "", BLUE)
+    upper.set(ylabel="bending moment at the root (N·m)", title="A tip that is let go when the gust arrives")
+    for time_s, words, side in ((guard.let_go_s, "let go", "right"), (guard.held_s, "held again", "left")):
+        if time_s is not None:
+            upper.annotate(f"{words}, {time_s:.3f} s", (time_s, 0.03), xycoords=("data", "axes fraction"), fontsize=SMALL, color=BLUE,
+                           xytext=(4 if side == "left" else -4, 0), textcoords="offset points", ha=side)
+    upper.annotate("gust at the root", (GUST_START_S + 0.5 * GUST_LENGTH_M / SPEED_M_S, 0.985), xycoords=("data", "axes fraction"), ha="center",
+                   va="top", fontsize=SMALL, color=FAINT)
+    lower.set(xlabel="time (s)", ylabel="fold angle, tip up (°)")
+    label_ends(upper)
+    label_ends(lower)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    save(figure, path)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--foldwing", required=True, help="the command `foldwing`")
+    parser.add_argument("--picture", type=Path, help="file for the plot")
+    arguments = parser.parse_args()
+
+    held, _ = fly(arguments.foldwing, 0.0, release=False)
+    free, _ = fly(arguments.foldwing, coasting_deg(arguments.foldwing), release=True)
+    guarded, guard = fly(arguments.foldwing, 0.0, release=False, guarded=True)
+    runs = {"held": held, "never held": free, "let go in the gust": guarded}
+    for name, result in runs.items():
+        steady, moment = bending(result)[0], bending(result)
+        print(f"{name:20} root moment {steady:5.2f} N.m before the gust, {moment.min():6.2f} to {moment.max():5.2f} in it, "
+              f"tip up to {-np.degrees(result[ANGLE]).min():4.1f} to {-np.degrees(result[ANGLE]).max():4.1f} deg")
+    print(f"let go at {guard.let_go_s:.3f} s, held again at {guard.held_s if guard.held_s is None else round(guard.held_s, 3)} s; "
+          f"highest moment less by {1 - (bending(guarded).max() - bending(held)[0]) / (bending(held).max() - bending(held)[0]):.0%} of its rise")
+    if arguments.picture:
+        draw(runs, guard, arguments.picture)
+
+
+if __name__ == "__main__":
+    main()
