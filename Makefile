@@ -36,7 +36,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers profile bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel python package-venv clean help toolchain
+.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers profile bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -61,6 +61,10 @@ dist: package ## Make the archive of a release: $(TARGET)/dist/foldwing-VERSION-
 platforms: toolchain ## Build the libraries for Linux (glibc 2.17 and later) and Windows in $(TARGET)/platforms: docs/PLATFORMS.md
 	@$(PYTHON) tools/create_venv.py $(PLATFORMS)/venv --requirements python/platforms.txt
 	@$(PYTHON) tools/build_platforms.py --venv $(PLATFORMS)/venv --output $(PLATFORMS)
+
+wheels: wheel ## Make the Python package for Linux (manylinux2014) and Windows in $(TARGET)/platforms
+	@$(PYTHON) tools/create_venv.py $(PLATFORMS)/venv --requirements python/platforms.txt
+	@$(PYTHON) tools/build_platforms.py --venv $(PLATFORMS)/venv --output $(PLATFORMS) --wheels $(WHEELS)/*.whl
 
 fmu-all: build platforms ## Make the FMUs for Linux and Windows in one, in $(TARGET)/fmu-all
 	@mkdir -p $(TARGET)/fmu-all

@@ -59,7 +59,7 @@ def draw(inputs, result, path):
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    from house_style import BLUE, FAINT, ORANGE, SMALL, VERMILION, save, use
+    from house_style import BLUE, FAINT, ORANGE, SMALL, save, use
 
     use()
     figure, (upper, lower) = plt.subplots(2, 1, figsize=(7.6, 5.2), sharex=True, layout="constrained")
@@ -74,9 +74,8 @@ def draw(inputs, result, path):
     for axes in (upper, lower):
         axes.fill_between(result["time"], 0, 1, where=latched, transform=axes.get_xaxis_transform(), color=FAINT,
                           alpha=0.16, linewidth=0)
-    closes_s = result["time"][latched][0]
-    lower.annotate(f"latched from {closes_s:.3f} s on", (closes_s, 0.02), xycoords=("data", "axes fraction"), xytext=(4, 0),
-                   textcoords="offset points", ha="left", va="bottom", fontsize=SMALL, color=VERMILION)
+    middle_s = result["time"][latched].mean()
+    upper.annotate("latched", (middle_s, 0.6), xycoords=("data", "axes fraction"), ha="center", va="center", fontsize=SMALL, color=FAINT)
     path.parent.mkdir(parents=True, exist_ok=True)
     save(figure, path)
 

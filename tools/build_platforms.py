@@ -4,6 +4,8 @@
     linux64  needs nothing newer than glibc 2.17 (2012) where it runs
     win64    needs nothing but Windows 10
 
+With `--wheels` it builds the Python module too, and writes the package's wheel for each platform.
+
 Zig links both, from packages pinned in python/platforms.txt (no root, no system packages). For Windows the Rust
 standard library must be there too; the first of these routes is taken:
 
@@ -16,11 +18,15 @@ is said with the line to type. No path of this machine stands in the libraries.
 """
 
 import argparse
+import base64
+import hashlib
 import os
 import re
 import shutil
 import subprocess
 import sys
+import zipfile
+from dataclasses import dataclass
 from pathlib import Path
 
 from create_venv import interpreter
@@ -29,7 +35,24 @@ ROOT = Path(__file__).resolve().parents[1]
 GLIBC = "2.17"
 LINUX = "x86_64-unknown-linux-gnu"
 WINDOWS = "x86_64-pc-windows-gnu"
-FILES = {"linux64": (LINUX, "libfoldwing_fmu.so"), "win64": (WINDOWS, "foldwing_fmu.dll")}
+
+
+
+@dataclass(frozen=True)
+class Platform:
+    """What is built for a platform."""
+
+    target: str
+    library: str  # the library that goes into FMUs
+    module: str  # the Python module, as cargo names it
+    inside: str  # the same in the wheel
+    tag: str  # of the wheel: PEP 600 (manylinux2014 is glibc 2.17) and PEP 425
+
+
+PLATFORMS = {
+    "linux64": Platform(LINUX, "libfoldwing_fmu.so", "libfoldwing_python.so", "_native.abi3.so", "manylinux_2_17_x86_64.manylinux2014_x86_64"),
+    "win64": Platform(WINDOWS, "foldwing_fmu.dll", "foldwing_python.dll", "_native.pyd", "win_amd64"),
+}
 TO_TYPE = """\
     with rustup:          rustup target add x86_64-pc-windows-gnu
     on Debian or Ubuntu:  sudo apt-get install -y rustc-web rust-web-src"""
@@ -44,12 +67,13 @@ def main():
     parser.add_argument("platforms", nargs="*", help="linux64, win64 [default: both]")
     parser.add_argument("--venv", type=Path, required=True, help="environment made from python/platforms.txt")
     parser.add_argument("--output", type=Path, required=True, help="folder for the libraries, one folder per platform")
+    parser.add_argument("--wheels", type=Path, metavar="WHEEL", help="a wheel of the package for this machine; those for the platforms are written too")
     parser.add_argument("--routes", action="store_true", help="say what would be done and do nothing")
     arguments = parser.parse_args()
-    platforms = arguments.platforms or list(FILES)
-    unknown = sorted(set(platforms) - set(FILES))
+    platforms = arguments.platforms or list(PLATFORMS)
+    unknown = sorted(set(platforms) - set(PLATFORMS))
     if unknown:
-        parser.error(f"unknown platform {', '.join(unknown)}; allowed: {', '.join(FILES)}")
+        parser.error(f"unknown platform {', '.join(unknown)}; allowed: {', '.join(PLATFORMS)}")
     missing = []
     for platform in platforms:
         try:
@@ -59,8 +83,13 @@ def main():
             continue
         print(f"{platform}: by {route}", flush=True)
         if not arguments.routes:
-            library = build(platform, compiler, arguments.venv.resolve(), arguments.output.resolve())
+            folder = arguments.output.resolve()
+            library = build(platform, "foldwing-fmu", compiler, arguments.venv.resolve(), folder)
             print(f"{platform}: {library} ({library.stat().st_size / 1e6:.2f} MB)", flush=True)
+            if arguments.wheels:
+                module = build(platform, "foldwing-python", compiler, arguments.venv.resolve(), folder)
+                wheel = write_wheel(PLATFORMS[platform], arguments.wheels, library, module, folder)
+                print(f"{platform}: {wheel} ({wheel.stat().st_size / 1e6:.2f} MB)", flush=True)
     if missing:
         sys.exit("build_platforms: not everything can be built here\n" + "\n".join(missing))
 
@@ -97,9 +126,10 @@ def output(*command):
     return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True).stdout.strip()
 
 
-def build(platform, compiler, venv, folder):
-    """Builds one library and puts it into its folder."""
-    target, name = FILES[platform]
+def build(platform, package, compiler, venv, folder):
+    """Builds the library of one package and puts it into the platform's folder."""
+    target, library = PLATFORMS[platform].target, package == "foldwing-fmu"
+    name = PLATFORMS[platform].library if library else PLATFORMS[platform].module
     folder = folder / platform
     work = folder / "build"
     stubs = work / "stubs"
@@ -109,25 +139,56 @@ def build(platform, compiler, venv, folder):
     if subprocess.run(["cargo", "fetch", "--locked"], cwd=ROOT).returncode:  # the folders to hide exist from here on
         sys.exit("build_platforms: the dependencies could not be fetched; Cargo's message stands above")
     flags = [f"--remap-path-prefix={path}={shown}" for path, shown in hidden_paths(compiler)]
-    command = [interpreter(venv).parent / "cargo-zigbuild", "rustc", "--release", "--locked", "--package", "foldwing-fmu", "--lib"]
+    command = [interpreter(venv).parent / "cargo-zigbuild", "rustc", "--release", "--locked", "--package", package, "--lib"]
     command += ["--crate-type", "cdylib", "--target", f"{target}.{GLIBC}" if target == LINUX else target]
     environment["SOURCE_DATE_EPOCH"] = "315532800"  # 1980-01-01, the date inside the archive, instead of today
+    # the stable ABI asks no interpreter what it looks like, and an extension module is not linked to one
+    environment.update(PYO3_NO_PYTHON="1", PYO3_BUILD_EXTENSION_MODULE="1")
     # Paths behind -Clink-arg are relative to the root, where the compiler runs: flags are part of what decides the bytes.
-    if target == WINDOWS:
-        exports = work / "foldwing.def"  # Zig ignores the compiler's list and would export every symbol
-        exports.write_text("EXPORTS\n" + "".join(f"    {name}\n" for name in functions()))
-        flags += [f"-Clink-arg={os.path.relpath(exports, ROOT)}"]
     if compiler:
-        for library in ("libssp.a", "libssp_nonshared.a"):  # Debian's compiler names them, nothing in them is used
-            (stubs / library).write_bytes(b"!<arch>\n")
+        for stub in ("libssp.a", "libssp_nonshared.a"):  # Debian's compiler names them, nothing in them is used
+            (stubs / stub).write_bytes(b"!<arch>\n")
         flags += [f"-Clink-arg=-L{os.path.relpath(stubs, ROOT)}"]
         command += ["-Zbuild-std=std,panic_unwind"]
         environment.update(RUSTC=compiler, RUSTC_BOOTSTRAP="1")
+    if target == WINDOWS:
+        exports = work / f"{package}.def"  # Zig ignores the compiler's list and would export every symbol
+        exports.write_text("EXPORTS\n" + "".join(f"    {name}\n" for name in (functions() if library else ["PyInit__native"])))
+        command += ["--", f"-Clink-arg={os.path.relpath(exports, ROOT)}"]  # of this link alone: the dependencies are shared
     environment["CARGO_ENCODED_RUSTFLAGS"] = "\x1f".join(flags)
     if subprocess.run(command, cwd=ROOT, env=environment).returncode:
         sys.exit(f"build_platforms: {platform}: the build failed; its messages stand above")
     shutil.copyfile(work / target / "release" / name, folder / name)
     return folder / name
+
+
+def write_wheel(platform, native, library, module, folder):
+    """The wheel for a platform: that of this machine with the native files and the tag changed. Equal files give equal bytes."""
+    with zipfile.ZipFile(native) as archive:
+        parts = {info.filename: archive.read(info) for info in archive.infolist()}
+    parts = {name: content for name, content in parts.items() if not re.fullmatch(r"foldwing/(_native\.(?!pyi).*|(lib)?foldwing_fmu\..*)", name)}
+    parts[f"foldwing/{platform.inside}"] = module.read_bytes()
+    parts[f"foldwing/{platform.library}"] = library.read_bytes()
+    record = next(name for name in parts if name.endswith(".dist-info/RECORD"))
+    about = record.replace("RECORD", "WHEEL")
+    version = record.split(".dist-info")[0]
+    tags = "".join(f"Tag: cp39-abi3-{tag}\n" for tag in platform.tag.split("."))
+    kept = [line for line in parts[about].decode().splitlines() if line and not line.startswith("Tag:")]
+    parts[about] = ("\n".join(kept) + f"\n{tags}").encode()
+    del parts[record]
+    rows = []
+    for name, content in parts.items():
+        digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
+        rows.append(f"{name},sha256={digest},{len(content)}\n")
+    parts[record] = "".join([*rows, f"{record},,\n"]).encode()
+    path = folder / f"{version}-cp39-abi3-{platform.tag}.whl"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name, content in parts.items():
+            info = zipfile.ZipInfo(name)  # its date is 1980-01-01
+            info.external_attr = (0o755 if name.endswith((".so", ".pyd", ".dll")) else 0o644) << 16
+            info.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(info, content)
+    return path
 
 
 def functions():

@@ -1,6 +1,7 @@
 //! What an engineer asks first of a wing: where its mass is, how far it sags, how it swings, what its joints must bear, and
 //! whether they reach their latches. Without air and loads; joints held, so that the answers do not depend on a run.
 
+use crate::cli::implausible;
 use foldwing_engine::machine::{JointKind, JointMotion, Machine, OneFreedom, Parent, Travel};
 use foldwing_engine::plant::{Holding, Plant, PlantError, Search};
 use nalgebra::{Matrix3, Vector3};
@@ -12,10 +13,6 @@ use std::sync::Arc;
 const POINTS: usize = 13;
 /// Modes that are named.
 const MODES: usize = 3;
-/// Rows that a swing should have to be recognised in them.
-const ROWS_PER_PERIOD: f64 = 4.0;
-/// Share of the wing's extent beyond which a sag is worth a warning.
-const MOST_SAG: f64 = 0.5;
 /// Effort over the largest on the way below which nothing drives a joint.
 const NO_EFFORT: f64 = 1e-6;
 /// Gauss points in an interval of the mesh, on (−1, 1), and their weights: exact to the ninth power.
@@ -35,10 +32,10 @@ pub(super) struct Assessment {
     /// About the centre of mass along the axes of the root frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where `Ixy = −∫xy dm`.
     inertia_kg_m2: [f64; 6],
     /// Largest way of a tip from the unstrained place to rest under gravity.
-    sag: Option<Sag>,
+    pub(super) sag: Option<Sag>,
     /// Lowest natural frequencies about that state, joints held.
-    frequencies_hz: Vec<f64>,
-    joints: Vec<Effort>,
+    pub(super) frequencies_hz: Vec<f64>,
+    pub(super) joints: Vec<Effort>,
     /// Why sag and frequencies are missing.
     unknown: Option<String>,
     /// What is probably not meant.
@@ -46,33 +43,33 @@ pub(super) struct Assessment {
 }
 
 #[derive(Serialize)]
-struct Sag {
-    body: String,
-    way_m: f64,
+pub(super) struct Sag {
+    pub body: String,
+    pub way_m: f64,
     /// Longest way from the root to a tip along the bodies.
-    extent_m: f64,
+    pub extent_m: f64,
 }
 
 /// A joint's way from its start to its latch, or to its neutral angle; N·m and degrees, or N and m where it slides.
 #[derive(Serialize)]
-struct Effort {
-    name: String,
+pub(super) struct Effort {
+    pub name: String,
     #[serde(skip)]
-    travel: Travel,
+    pub travel: Travel,
     /// Largest effort of gravity about the joint on the way.
     gravity: f64,
     gravity_at: f64,
     /// Least and largest effort of motor and spring towards the end of the way.
     drive: [f64; 2],
-    end: f64,
-    has_latch: bool,
-    reaches: Reach,
+    pub end: f64,
+    pub has_latch: bool,
+    pub reaches: Reach,
 }
 
 /// How far the joint comes, moving slowly.
 #[derive(Serialize, Clone, Copy, PartialEq)]
 #[serde(rename_all = "snake_case")]
-enum Reach {
+pub(super) enum Reach {
     /// Everywhere on the way it is driven on.
     Arrives,
     /// It stands there already.
@@ -86,10 +83,7 @@ enum Reach {
 impl Assessment {
     /// Of a machine with the start values of its inputs.
     pub fn new(machine: &Machine) -> Self {
-        let mut bare = machine.clone();
-        bare.air = None;
-        bare.bodies.iter_mut().for_each(|body| body.station_loads.clear());
-        each_joint(&mut bare, |joint| joint.release = false);
+        let bare = bare(machine);
         let mut plant = Plant::new(Arc::new(bare.clone()));
         let start_s = machine.experiment.start_time_s;
         let mut answer = Self {
@@ -112,63 +106,9 @@ impl Assessment {
             Ok((sag, frequencies_hz)) => (answer.sag, answer.frequencies_hz) = (sag, frequencies_hz),
             Err(cause) => answer.unknown = Some(cause),
         }
-        each_joint(&mut bare, |joint| {
-            joint.latch.iter_mut().for_each(|latch| {
-                latch.enable = false;
-                latch.initially_closed = false;
-            })
-        });
-        answer.joints = machine.one_freedoms().filter_map(|(body, joint)| effort(&bare, body, joint).ok()?).collect();
-        answer.warnings = answer.warnings(machine);
+        answer.joints = efforts(machine, |_| true);
+        answer.warnings = implausible::model(&answer, machine);
         answer
-    }
-
-    fn warnings(&self, machine: &Machine) -> Vec<String> {
-        let mut warnings = Vec::new();
-        if let Some(sag) = self.sag.as_ref().filter(|sag| sag.way_m > MOST_SAG * sag.extent_m) {
-            warnings.push(format!(
-                "the tip of {} sags by {:.4} m of {:.4} m under gravity: are moduli (Pa), lengths (m) and masses (kg) meant so?",
-                sag.body, sag.way_m, sag.extent_m
-            ));
-        }
-        // air may carry a joint on where nothing else does
-        for joint in self.joints.iter().filter(|joint| joint.has_latch && machine.air.is_none()) {
-            let (end, unit, name) = (short(joint.end), joint.travel.shown_unit(), &joint.name);
-            match joint.reaches {
-                Reach::TurnsAway => warnings.push(format!(
-                    "joint {name}: the latch at {end} {unit} never closes by itself: motor, spring and gravity drive the joint \
-                     the other way from its start; move the latch to the other side of the start, or command it there"
-                )),
-                Reach::StallsAt(place) => warnings.push(format!(
-                    "joint {name}: moving slowly it stalls at {} {unit}, before the latch at {end} {unit}: only momentum carries \
-                     it on",
-                    short(place)
-                )),
-                Reach::Arrives | Reach::Stands => {}
-            }
-        }
-        let (run, slowest_hz) = (&machine.experiment, self.frequencies_hz.iter().copied().find(|hz| *hz > 0.0));
-        if let Some(hz) = slowest_hz {
-            if run.step_s * hz * ROWS_PER_PERIOD > 1.0 {
-                warnings.push(format!(
-                    "[experiment] step_s = {} s is long for a wing that swings with {} Hz: a swing has {:.1} rows; write {:.1e} or \
-                     less to see it",
-                    run.step_s,
-                    short(hz),
-                    1.0 / (run.step_s * hz),
-                    0.05 / hz
-                ));
-            }
-            if (run.stop_time_s - run.start_time_s) * hz < 0.01 {
-                warnings.push(format!(
-                    "[experiment] lasts {} s, a hundredth of the slowest swing ({} Hz) or less: nothing moves in it; seconds are \
-                     meant",
-                    run.stop_time_s - run.start_time_s,
-                    short(hz)
-                ));
-            }
-        }
-        warnings
     }
 
     /// For people.
@@ -228,7 +168,7 @@ impl Effort {
 }
 
 /// Four digits.
-fn short(value: f64) -> f64 {
+pub(super) fn short(value: f64) -> f64 {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     if rounded.abs() < 1e-12 { 0.0 } else { rounded }
 }
@@ -236,6 +176,38 @@ fn short(value: f64) -> f64 {
 /// Without the sign of zeros and of what rounds to them.
 fn tidy(value: f64) -> f64 {
     if value.abs() < 5e-5 { 0.0 } else { value }
+}
+
+/// Without air and loads, joints held.
+fn bare(machine: &Machine) -> Machine {
+    let mut bare = machine.clone();
+    bare.air = None;
+    bare.bodies.iter_mut().for_each(|body| body.station_loads.clear());
+    each_joint(&mut bare, |joint| joint.release = false);
+    bare
+}
+
+/// With every latch open.
+fn unlatched(mut machine: Machine) -> Machine {
+    each_joint(&mut machine, |joint| {
+        joint.latch.iter_mut().for_each(|latch| {
+            latch.enable = false;
+            latch.initially_closed = false;
+        });
+    });
+    machine
+}
+
+/// How far the joints whose rows `asked` names come, moving slowly.
+pub(super) fn efforts(machine: &Machine, asked: impl Fn(usize) -> bool) -> Vec<Effort> {
+    let held = unlatched(bare(machine));
+    let rows = machine.one_freedoms().enumerate().filter(|(row, _)| asked(*row));
+    rows.filter_map(|(_, (body, joint))| effort(&held, body, joint).ok()?).collect()
+}
+
+/// Natural frequencies in Hz of the machine at rest under gravity, joints held; none where it finds no rest.
+pub(super) fn frequencies_hz(machine: &Machine) -> Vec<f64> {
+    at_rest(&bare(machine), &[]).map_or_else(|_| Vec::new(), |(_, frequencies_hz)| frequencies_hz)
 }
 
 fn each_joint(machine: &mut Machine, change: impl Fn(&mut OneFreedom)) {

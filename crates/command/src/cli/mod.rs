@@ -12,6 +12,7 @@ mod grid;
 mod help;
 #[cfg(test)]
 mod help_tests;
+mod implausible;
 mod joint_size;
 mod latency;
 mod lattice;

@@ -2,6 +2,7 @@
 
 use crate::cli::choice::chosen;
 use crate::cli::grid::{Grid, GridArguments};
+use crate::cli::implausible::{self, Times};
 use crate::cli::lattice::LatticeRecord;
 use crate::cli::notes::notes;
 use crate::cli::outlets::{Force, Mark, Outlet, Outlets, Place};
@@ -150,7 +151,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     outcome?;
     if !arguments.quiet {
         notes(plant.machine(), grid.stop_s).iter().for_each(|note| tell::note(note));
-        advice(&plant).iter().for_each(|advice| tell::warning(advice));
+        let as_written = arguments.inputs.is_none() && arguments.settings.is_empty();
+        let implausible = implausible::run(&plant, as_written, &times(&arguments.grid, &grid));
+        advice(&plant).iter().chain(&implausible).for_each(|warning| tell::warning(warning));
         eprint!("{}", summary(&plant, &grid, elapsed));
         outlets.report();
     }
@@ -333,6 +336,18 @@ fn advice(plant: &Plant) -> Vec<String> {
     let statistics = plant.statistics();
     let on_rows = plant.machine().air.as_ref().and_then(|air| statistics.advice_on_rows(air.step_s));
     [on_rows, statistics.advice_on_failures()].into_iter().flatten().collect()
+}
+
+/// Times of the run in the words of whoever wrote them.
+fn times(given: &GridArguments, grid: &Grid) -> Times {
+    let [_, stop, step] = given.given();
+    Times {
+        start_s: grid.start_s,
+        stop_s: grid.stop_s,
+        step_s: grid.step_s,
+        step_name: if step.is_some() { "--step" } else { "[experiment] step_s =" },
+        stop_name: if stop.is_some() { "the run" } else { "[experiment]" },
+    }
 }
 
 /// What happened, in a few lines.

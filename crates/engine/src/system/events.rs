@@ -121,8 +121,12 @@ impl System {
     /// Changes the equations at `start` as [`System::discontinuity`] does, and shortens the next step by the jump.
     fn event(&mut self, change: impl FnOnce(&mut State, &Equations) -> Outcome) -> Result<(), PlantError> {
         let jump = self.discontinuity(change)?;
-        self.refuse_leap(self.state.start.time_s, jump)?;
-        self.restrain_step(jump);
+        // what an impulse leaves behind are the rates that were there before: it rings in the stiffest modes and carries
+        // nothing far, however large its accelerations are
+        if !jump.by_impulse {
+            self.refuse_leap(self.state.start.time_s, jump.norm_1_s2)?;
+        }
+        self.restrain_step(jump.norm_1_s2);
         Ok(())
     }
 
@@ -137,8 +141,7 @@ impl System {
         Err(PlantError::Leap { time_s, lengths, step_s, cause: self.largest_input() })
     }
 
-    /// Changes the equations at `start` and re-solves the accelerations; the present step then has no length. Returns
-    /// the kinematic norm of their jump in 1/s².
+    /// Changes the equations at `start` and re-solves the accelerations; the present step then has no length.
     ///
     /// `change` returns the energy that it dissipates and counts its events; the rest of the jump of the potentials is booked as work.
     /// Joints that the change holds stop at once, eq. (A6), and what that costs is booked as dissipated.
@@ -147,7 +150,7 @@ impl System {
     pub(crate) fn discontinuity(
         &mut self,
         change: impl FnOnce(&mut State, &Equations) -> Outcome,
-    ) -> Result<f64, PlantError> {
+    ) -> Result<Jump, PlantError> {
         let old = &mut self.scratch[0];
         let start = &self.state.start;
         let time_s = start.time_s;
@@ -173,7 +176,7 @@ impl System {
         let State { before, start, ahead, .. } = &mut self.state;
         ahead.copy_from(start);
         before.copy_from(start);
-        Ok(jump)
+        Ok(Jump { norm_1_s2: jump, by_impulse: stopped.lost_j > 0.0 })
     }
 
     /// The jump of accelerations just solved for, refused where there are none.
@@ -198,6 +201,15 @@ impl System {
         self.state.step_s =
             self.state.step_s.min(short).max(parameters.solver().min_step_s).min(parameters.solver().max_step_s);
     }
+}
+
+/// How the accelerations jump at a discontinuity.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Jump {
+    /// Kinematic norm of the jump in 1/s².
+    pub(crate) norm_1_s2: f64,
+    /// A joint that moved was stopped, which changed the rates too.
+    pub(crate) by_impulse: bool,
 }
 
 /// Takes `residual` away from the accelerations of `point` by the mass matrix; returns the kinematic norm of the

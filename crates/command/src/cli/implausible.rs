@@ -1,0 +1,104 @@
+//! What a model or a run of it probably does not mean, by what it computes: sag, latches out of reach, times far from the motion.
+
+use crate::cli::assessment::{Assessment, Effort, Reach, efforts, frequencies_hz, short};
+use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::Plant;
+
+/// Rows that a swing should have to be recognised in them.
+const ROWS_PER_PERIOD: f64 = 4.0;
+/// Share of the wing's extent beyond which a sag is worth a warning.
+const MOST_SAG: f64 = 0.5;
+/// Share of a swing below which nothing moves in a run.
+const LEAST_SWING: f64 = 0.01;
+/// Strains of the wing up to which a run looks for its modes: a few milliseconds; their cost grows with the third power, and
+/// `check` finds them at any size.
+const MOST_STRAINS: usize = 160;
+
+/// Times of a run, and where they are written.
+pub(super) struct Times {
+    pub start_s: f64,
+    pub stop_s: f64,
+    pub step_s: f64,
+    /// By what words a user knows the step.
+    pub step_name: &'static str,
+    /// By what words a user knows the end.
+    pub stop_name: &'static str,
+}
+
+/// Warnings about a model with its default experiment.
+pub(super) fn model(answer: &Assessment, machine: &Machine) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if let Some(sag) = answer.sag.as_ref().filter(|sag| sag.way_m > MOST_SAG * sag.extent_m) {
+        warnings.push(format!(
+            "the tip of {} sags by {:.4} m of {:.4} m under gravity: are moduli (Pa), lengths (m) and masses (kg) meant so?",
+            sag.body, sag.way_m, sag.extent_m
+        ));
+    }
+    if machine.air.is_none() {
+        warnings.extend(answer.joints.iter().filter_map(latch));
+    }
+    let run = &machine.experiment;
+    let (start_s, stop_s, step_s) = (run.start_time_s, run.stop_time_s, run.step_s);
+    let written = Times { start_s, stop_s, step_s, step_name: "[experiment] step_s =", stop_name: "[experiment]" };
+    warnings.extend(times(&answer.frequencies_hz, &written));
+    warnings
+}
+
+/// Warnings about a run that has ended: latches that stayed open and could not close, times far from the motion. `as_written`: no
+/// input or setting drove the joints otherwise than the model file says.
+pub(super) fn run(plant: &Plant, as_written: bool, run: &Times) -> Vec<String> {
+    let machine = plant.machine();
+    let latches = plant.outputs().latches();
+    let open = |row: usize| {
+        as_written && machine.air.is_none() && latches[row].count.get() == 0 && !latches[row].closed.is_on()
+    };
+    let has_latch = |row: usize| machine.one_freedoms().nth(row).is_some_and(|(_, joint)| joint.latch.is_some());
+    let mut warnings: Vec<String> =
+        efforts(machine, |row| open(row) && has_latch(row)).iter().filter_map(latch).collect();
+    if machine.bodies.iter().map(|body| 4 * body.elements).sum::<usize>() <= MOST_STRAINS {
+        warnings.extend(times(&frequencies_hz(machine), run));
+    }
+    warnings
+}
+
+/// Whether a joint reaches its latch. Air may carry it on where nothing else does: not for machines with air.
+fn latch(joint: &Effort) -> Option<String> {
+    let (end, unit, name) = (short(joint.end), joint.travel.shown_unit(), &joint.name);
+    match joint.reaches {
+        _ if !joint.has_latch => None,
+        Reach::TurnsAway => Some(format!(
+            "joint {name}: the latch at {end} {unit} never closes by itself: motor, spring and gravity drive the joint the other \
+             way from its start; move the latch to the other side of the start, or command it there"
+        )),
+        Reach::StallsAt(place) => Some(format!(
+            "joint {name}: moving slowly it stalls at {} {unit}, before the latch at {end} {unit}: only momentum carries it on",
+            short(place)
+        )),
+        Reach::Arrives | Reach::Stands => None,
+    }
+}
+
+/// Whether the rows of a run show the wing's slowest swing, and whether it has time for one.
+fn times(frequencies_hz: &[f64], run: &Times) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let Some(hz) = frequencies_hz.iter().copied().find(|hz| *hz > 0.0) else { return warnings };
+    let lasts_s = run.stop_s - run.start_s;
+    if run.step_s * hz * ROWS_PER_PERIOD > 1.0 {
+        warnings.push(format!(
+            "{} {} s is long for a wing that swings with {} Hz: a swing has {:.1} rows; write {:.1e} or less to see it",
+            run.step_name,
+            run.step_s,
+            short(hz),
+            1.0 / (run.step_s * hz),
+            0.05 / hz
+        ));
+    }
+    if lasts_s * hz < LEAST_SWING {
+        warnings.push(format!(
+            "{} lasts {lasts_s} s, a hundredth of the slowest swing ({} Hz) or less: nothing moves in it; seconds are meant",
+            run.stop_name,
+            short(hz)
+        ));
+    }
+    warnings
+}
