@@ -28,7 +28,7 @@ PITCH_DEG, SPEED_M_S = 7.5, 18.0
 GUST_M_S, GUST_START_S, GUST_LENGTH_M = 2.0, 0.2, 6.0  # upwards; it passes the wing in a third of a second
 STOP_S, PERIOD_S = 1.4, 2e-3  # the controller samples every two milliseconds
 THRESHOLD_N_M = 0.5
-STIFFNESS_N_M_RAD, DAMPING_N_M_S_RAD = 1.0, 0.1  # of the motor that brings the tip back
+STIFFNESS_N_M_RAD, DAMPING_N_M_S_RAD, LIMIT_N_M = 1.0, 0.1, 0.3  # of the motor that brings the tip back
 NEAR_RAD, SLOW_RAD_S = math.radians(1.5), 0.2  # where and how slow it is held again
 
 
@@ -40,6 +40,7 @@ def model(start_deg, release, lattice=True):
     text = re.sub(r"(?m)^mount_rotation_deg = .*", f"mount_rotation_deg = [{PITCH_DEG}, 0.0, 0.0]", text)
     text = re.sub(r"(?m)^wind_m_s = .*", f"wind_m_s = [0.0, {-SPEED_M_S}, 0.0]", text)
     text = re.sub(r"(?m)^start_angle_deg = .*", f"start_angle_deg = {start_deg!r}\nrelease = {str(release).lower()}", text)
+    text = re.sub(r"(?m)^stop_time_s = .*", f"stop_time_s = {STOP_S}", text)
     gust = ["[gust.upwash]", 'shape = "one_minus_cosine"', f"velocity_m_s = [0.0, 0.0, {GUST_M_S}]", f"length_m = {GUST_LENGTH_M}",
             "origin_m = [0.0, 0.0, 0.0]", f"start_s = {GUST_START_S}"]
     return text.replace("[experiment]", "\n".join([*gust, "", "[experiment]"]))
@@ -83,7 +84,8 @@ class Guard:
             if self.returns and abs(off) < NEAR_RAD and abs(rate) < SLOW_RAD_S:
                 self.held_s = time_s
                 fmu.setBoolean([ref[RELEASE]], [False])
-            fmu.setReal([ref[TORQUE]], [-STIFFNESS_N_M_RAD * off - DAMPING_N_M_S_RAD * rate if self.returns else 0.0])
+            torque = -STIFFNESS_N_M_RAD * off - DAMPING_N_M_S_RAD * rate if self.returns else 0.0
+            fmu.setReal([ref[TORQUE]], [min(max(torque, -LIMIT_N_M), LIMIT_N_M)])
         return True
 
 
@@ -129,8 +131,8 @@ def draw(runs, guard, path):
         if time_s is not None:
             upper.annotate(f"{words}, {time_s:.3f} s", (time_s, 0.03), xycoords=("data", "axes fraction"), fontsize=SMALL, color=BLUE,
                            xytext=(4 if side == "left" else -4, 0), textcoords="offset points", ha=side)
-    upper.annotate("gust at the root", (GUST_START_S + 0.5 * GUST_LENGTH_M / SPEED_M_S, 0.985), xycoords=("data", "axes fraction"), ha="center",
-                   va="top", fontsize=SMALL, color=FAINT)
+    lower.annotate("gust at the root", (GUST_START_S + GUST_LENGTH_M / SPEED_M_S, 0.03), xycoords=("data", "axes fraction"), xytext=(-4, 0),
+                   textcoords="offset points", ha="right", va="bottom", fontsize=SMALL, color=FAINT)
     lower.set(xlabel="time (s)", ylabel="fold angle, tip up (°)")
     label_ends(upper)
     label_ends(lower)
@@ -151,7 +153,7 @@ def main():
     guarded, guard = fly(foldwing, 0.0, release=False, guarded=True, lattice=lattice)
     runs = {"held": held, "never held": free, "let go in the gust": guarded}
     for name, result in runs.items():
-        moment, up_deg = bending(result), -np.degrees(result[ANGLE])
+        moment, up_deg = bending(result), 0.0 - np.degrees(result[ANGLE])
         print(f"{name:20} root moment {moment[0]:5.2f} N.m before the gust, {moment.min():6.2f} to {moment.max():5.2f} in it, "
               f"tip {up_deg.min():5.1f} to {up_deg.max():4.1f} deg up")
     rises = [bending(result).max() - bending(held)[0] for result in (held, guarded)]

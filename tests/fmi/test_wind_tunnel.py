@@ -1,6 +1,7 @@
 """The wings of examples/wind_tunnel at a few measured points: what `make wind-tunnel` runs in full."""
 
 import math
+import re
 import subprocess
 import sys
 
@@ -40,3 +41,36 @@ def test_f323_light_tip_runs_with_the_default_coupling(foldwing):
     result = w.march(foldwing, w.Point("baseline_wing", changes, "line", ("fold.angle",)), 0.2)
     assert not result.error
     assert all(math.isfinite(value) for value in result.data["fold.angle"])
+
+
+def test_f324_a_tip_that_swings_in_the_air_is_held_again(foldwing, tmp_path):
+    """F-324. Release set back to false while the tip swings with more than 1 rad/s, at the step of the air and between two of them:
+    the joint stays where it is to the bit, and the wing rings on. The accelerations of the impulse used to be refused as a leap."""
+    point = w.Point("baseline_wing", (*w.tunnel(7.5, 18.0, 15), ("joint.fold", "start_angle_deg", "20.0")), "line")
+    model, inputs = tmp_path / "wing.toml", tmp_path / "inputs.csv"
+    model.write_text(w.text_of(point))
+    for hold_s in (0.08, 0.0813):
+        inputs.write_text(f"time,fold.release\n0,1\n{hold_s},0\n")
+        command = [foldwing, "simulate", model, "--inputs", inputs, "--csv", "-", "--quiet", "--stop", "0.2", "--step", "1e-4"]
+        done = subprocess.run(
+            [*command, "--output", "fold.angle,fold.angular_velocity,root.moment.y"], capture_output=True, text=True, check=True
+        )
+        rows = [list(map(float, line.split(","))) for line in done.stdout.splitlines()[1:]]
+        before, after = ([row for row in rows if (row[0] > hold_s + 5e-5) is later] for later in (False, True))
+        assert abs(before[-1][2]) > 1.0, "the tip swings"
+        assert {row[1] for row in after} == {before[-1][1]} and {row[2] for row in after} == {0.0}
+        assert max(abs(row[3]) for row in after) < 30.0, "N.m at the root: what the impulse leaves decays"
+
+
+def test_f325_releasing_the_tip_takes_load_off_the_root(foldwing, tmp_path):
+    """F-325. The script for control designers: a held tip that is let go in the gust takes a fifth and more off the rise of the root's
+    moment, and is held again once it has come back (`examples/release_in_gust.py`, here with a lifting line)."""
+    script, picture = ROOT / "examples/release_in_gust.py", tmp_path / "release.png"
+    command = [sys.executable, script, "--foldwing", foldwing, "--strips", "--picture", picture]
+    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    print(said)
+    highest = [float(number) for number in re.findall(r"to +([\d.]+) in it", said)]
+    let_go_s, held_s = (float(re.search(rf"{words} at ([\d.]+) s", said)[1]) for words in ("let go", "held again"))
+    assert highest[2] - 1.43 < 0.8 * (highest[0] - 1.43)
+    assert 0.2 < let_go_s < 0.35 < held_s < 1.2
+    assert picture.stat().st_size > 20_000

@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 
 def output(*command):
     result = subprocess.run([sys.executable, *command], capture_output=True, text=True)
@@ -28,6 +30,7 @@ def test_the_environment_is_one_of_gymnasium():
     assert returned(environment, GAIN, 2) > 0.9 * returned(environment, 0.0, 2)
 
 
-def test_the_notebook_shows_what_it_stores():
-    said = output("tools/run_notebook.py", "examples/latch_damper.ipynb", "--check")
-    assert "differs" not in said
+@pytest.mark.parametrize("notebook", ["latch_damper", "gusts", "reproduce_the_paper", "identify"])
+def test_notebooks_show_what_they_store(notebook):
+    said = output("tools/run_notebook.py", f"examples/{notebook}.ipynb", "--check")
+    assert "show what is stored" in said
