@@ -153,6 +153,21 @@ def turned(rotation_rad, arm):
     return [cosine * a + sine * c + (1 - cosine) * dot * b for a, b, c in zip(arm, n, cross)]
 
 
+def both_turns(second, first):
+    """The rotation vector in rad of one turn after another, both about fixed axes."""
+    def quaternion(vector):
+        angle = math.sqrt(sum(v * v for v in vector))
+        share = math.sin(angle / 2) / angle if angle > 0.0 else 0.5
+        return math.cos(angle / 2), [share * v for v in vector]
+
+    (a, u), (b, v) = quaternion(second), quaternion(first)
+    real = a * b - sum(x * y for x, y in zip(u, v))
+    cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+    imaginary = [a * y + b * x + c for x, y, c in zip(u, v, cross)]
+    sine = math.sqrt(sum(x * x for x in imaginary))
+    return [2.0 * math.atan2(sine, real) / sine * x if sine > 0.0 else 0.0 for x in imaginary]
+
+
 def at(curve, x):
     """Straight lines through points (x, y); not a number outside."""
     for (a, u), (b, v) in zip(curve, curve[1:]):

@@ -218,6 +218,62 @@ def pazy(study):
             study.add("Pazy wing in the wind, pitch 5", quantity, "UM/NAST", x, y, point, lambda result, value=value, pitch=pitch: value(result) - pitch)
 
 
+def pazy_flutter(study):
+    """Flutter of the Pazy wing at pitch 5, a hump: onset and end, where the growth of what a small gust leaves changes its sign."""
+    edges = {"onset": 43.0, "end": 51.0}  # measured with rising speed, pazy_wing_bench.csv
+
+    def growth(air, speed_m_s):
+        kick = ('\n[gust.kick]\nshape = "one_minus_cosine"\nvelocity_m_s = [0.0, 0.0, 0.3]\n'
+                f"length_m = {0.03 * speed_m_s!r}\norigin_m = [0.0, 0.0, 0.0]\nstart_s = 0.02\n\n[experiment]")
+        changes = ((w.AIR, "wind_m_s", w.vector(0, -speed_m_s, 0)), ("experiment", "step_s", "1e-3"))
+        point = w.Point("pazy_wing", changes, air, ("tip.velocity.z",), (("\n[experiment]", kick),))
+        result = w.march(study.foldwing, point, 2.0)
+        time_s, found = result.data.get("time", []), result.data.get("tip.velocity.z", [])
+        windows = [[v for t, v in zip(time_s, found) if at < t <= at + 0.4] for at in (0.8, 1.6)]
+        if not all(windows):
+            return math.nan, math.nan, result
+        early, late = (math.sqrt(sum((v - sum(part) / len(part)) ** 2 for v in part) / len(part)) for part in windows)
+        crossings = sum(a <= 0.0 < b for a, b in zip(windows[1], windows[1][1:]))
+        return math.log(late / early) / 0.8, crossings / 0.4, result
+
+    for air in ("lattice", "line", "strips"):
+        found = []
+        for speed in (38.0, 40.0, 42.0, 43.0, 44.0, 45.0, 46.0, 47.0, 48.0, 50.0, 52.0):
+            rate, frequency, result = growth(air, speed)
+            print(f"Pazy flutter, {air}, {speed} m/s: grows by {rate:+.2f} 1/s, about {frequency:.0f} Hz, {result.cpu_s:.1f} s {result.error[:120]}", flush=True)
+            found.append((rate, speed, result.cpu_s, result.error))
+        cost, errors = [entry[2] for entry in found], [entry[3] for entry in found]
+        known = [entry for entry in found if not math.isnan(entry[0])]
+        for edge, theirs in edges.items():
+            rising = edge == "onset"
+            between = [(a, b) for a, b in zip(known, known[1:]) if (a[0] <= 0.0 < b[0] if rising else b[0] <= 0.0 < a[0])]
+            speed = math.nan
+            if between:
+                (u, a, *_), (v, b, *_) = between[0 if rising else -1]
+                speed = a + (b - a) * u / (u - v)
+            study.series.append(Series("Pazy wing, flutter at pitch 5", f"{edge}, m/s", "experiment", air, "", [0.0], [theirs], [speed], cost, errors))
+            print(f"Pazy flutter, {air}: {edge} {speed:.2f} m/s, measured {theirs}", flush=True)
+
+
+def pazy_swept(study):
+    """The Pazy wing turned back by 20 deg at pitch 5: deflection of the tip over the speed, less that in hardly any wind. The sections
+    are those of the straight wing."""
+    name = "pazy_swept20_pitch5.csv"
+    x, y = (list(values[1:]) for values in columns(rows(name, quantity="tip_deflection_m"), "airspeed_m_s", "value"))  # without that at rest
+    swept = w.vector(*map(math.degrees, w.both_turns((math.radians(5.0), 0.0, 0.0), (0.0, 0.0, math.radians(-20.0)))))
+
+    def point(at, air):
+        return w.Point("pazy_wing", (("joint.c1", "mount_rotation_deg", swept), (w.AIR, "wind_m_s", w.vector(0, -at, 0))), air)
+
+    half = (0.44096 - 0.5) * 0.0989
+
+    def deflection(result):
+        position_m, rotation = w.tip_pose(result, "e15")
+        return position_m[2] + w.turned(rotation, (0.0, half, 0.0))[2]
+
+    study.add("Pazy wing swept by 20 deg, pitch 5", "tip deflection, m", "experiment", x, y, point, deflection, less=0.5)
+
+
 def bands(study):
     """What single choices move: each case at its measured points with one choice changed."""
     name = "lco_wing_fold_vs_airspeed.csv"
@@ -230,6 +286,7 @@ def bands(study):
     for case, model, tunnel, x, y in cases:
         heavy = {"lco_wing": ("mass.point10", 0.52), "sideslip_wing": ("mass.tip1", 61e-3)}[model]
         flap = {"lco_wing": ("section.stub", 12.4866), "sideslip_wing": ("section.spar", 14.096)}[model]
+        strips = {"lco_wing": {"inner": 12, "stub": 3, "tip": 6}, "sideslip_wing": {"inner": 12, "tip": 5}}[model]
         choices = {
             "tip 1 deg nose down": (("surface.tip", "incidence_deg", "-1.0"),),
             "tip 1 deg nose up": (("surface.tip", "incidence_deg", "1.0"),),
@@ -241,6 +298,9 @@ def bands(study):
             "leading-edge suction": ((w.AIR, "leading_edge_suction", "true"),),
             "8 panels along the chord": (("surface.*", "chord_panels", "8"),),
             "free wake, 30 rows": ((w.AIR, "free_wake", "true"), (w.AIR, "wake_rows", "30")),
+            "wake of 30 rows": ((w.AIR, "wake_rows", "30"),),
+            "wake of 300 rows": ((w.AIR, "wake_rows", "300"),),
+            "half the tip inset, twice the strips": tuple((f"surface.{body}", "strips", str(2 * count)) for body, count in strips.items()),
             "mirror at the root left out": ((w.AIR, "mirror_normal", w.WITHOUT),),
         }
         for label, more in choices.items():
@@ -331,7 +391,7 @@ def gust(study):
                         print(f"gust, hinge {hinge}, {quantity}, {air}: rms {one.rms():.3f} against {source}, {result.cpu_s:.1f} s {result.error[:120]}", flush=True)
 
 
-CASES = (sideslip_over_speed, sideslip_over_pitch, sideslip_over_sideslip, lco, baseline_steady, pazy, pendulum, flutter, gust, bands)
+CASES = (sideslip_over_speed, sideslip_over_pitch, sideslip_over_sideslip, lco, baseline_steady, pazy, pazy_swept, pazy_flutter, pendulum, flutter, gust, bands)
 
 
 def table(series):
