@@ -17,6 +17,7 @@ mod properties;
 mod recursion;
 mod reference;
 mod rod;
+mod rotor;
 mod shipped;
 mod static_newton;
 mod statics;

@@ -20,17 +20,21 @@ mod json;
 mod letters;
 mod loops;
 mod meant;
+mod polar_file;
 mod reference;
 mod run;
 mod schema;
 mod sections;
 mod structure;
 mod validate;
+mod wind_file;
 
 pub use doubts::{Doubt, doubts};
 pub use error::{ConfigError, Fault, Problem};
+pub use polar_file::{AirfoilTable, PolarFault, read_aerodyn, read_csv, read_polars};
 pub use reference::reference;
 pub use schema::schema;
+pub use wind_file::{BladedSettings, WindFault, read_bladed, read_turbsim, read_wind_table, write_turbsim};
 
 use document::Document;
 use file::ModelFile;

@@ -16,6 +16,7 @@ mod model;
 pub mod near_sheets;
 pub mod polar;
 pub mod rear;
+pub mod rotor;
 pub mod strip;
 pub mod surface;
 mod wake;

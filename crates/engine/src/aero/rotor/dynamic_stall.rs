@@ -1,0 +1,208 @@
+//! Dynamic stall: Beddoes and Leishman's model in the incompressible form with four states.
+//!
+//! Source: Hansen, Gaunaa and Madsen, *A Beddoes–Leishman type dynamic stall model in state-space and indicial formulations*,
+//! Risø-R-1354 (2004); AeroDyn has it as `UA_Mod` 4. What it lacks: the vortex of the leading edge.
+
+use crate::aero::polar::Polar;
+use crate::aero::rotor::lag::lag;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Amplitudes of the two terms of the wake's memory (Jones).
+const AMPLITUDES: [f64; 2] = [0.3, 0.7];
+/// Their rates per semi-chord of way.
+const RATES: [f64; 2] = [0.14, 0.53];
+/// Lag of the pressure in semi-chords of way.
+const PRESSURE_LAG: f64 = 1.7;
+/// Lag of the boundary layer in semi-chords of way.
+const SEPARATION_LAG: f64 = 3.0;
+/// Angle of attack in rad at which the model fades out, and half the width over which it does: AeroDyn's `UACutout`, 45°.
+const CUTOUT_RAD: [f64; 2] = [45.0 * PI / 180.0, 5.0 * PI / 180.0];
+/// Smallest speed in m/s in the time constants.
+const LEAST_SPEED_M_S: f64 = 0.01;
+
+/// Static polar split into attached and separated flow, eq. (B12).
+#[derive(Debug, Clone, PartialEq)]
+pub struct SplitPolar {
+    /// Static coefficients.
+    pub polar: Polar,
+    /// Angle of zero lift in rad.
+    pub zero_lift_rad: f64,
+    /// Slope of the static lift there in 1/rad: lift of attached flow.
+    pub slope_1_rad: f64,
+    /// Row by row: share of attached flow, and the lift of fully separated flow.
+    split: Vec<[f64; 2]>,
+    /// Drag coefficient at the angle of zero lift.
+    zero_lift_drag: f64,
+}
+
+impl SplitPolar {
+    /// Splits a static polar; `None` where its lift never rises through zero, as that of a cylinder: such a section has
+    /// its static coefficients.
+    pub fn new(polar: Polar) -> Option<Self> {
+        let zero_lift_rad = polar.zero_lift_angle_rad()?;
+        let after = polar.rows.partition_point(|row| row.angle_rad <= zero_lift_rad).clamp(1, polar.rows.len() - 1);
+        let (lower, upper) = (&polar.rows[after - 1], &polar.rows[after]);
+        let slope_1_rad = (upper.lift - lower.lift) / (upper.angle_rad - lower.angle_rad);
+        let zero_lift_drag = polar.at(zero_lift_rad).drag;
+        let mut split: Vec<[f64; 2]> = polar
+            .rows
+            .iter()
+            .map(|row| {
+                let attached = slope_1_rad * (row.angle_rad - zero_lift_rad);
+                let ratio = if attached == 0.0 { 1.0 } else { (row.lift / attached).max(0.0) };
+                let share = (2.0 * ratio.sqrt() - 1.0).powi(2);
+                if share >= 1.0 || attached == 0.0 {
+                    [1.0, 0.5 * row.lift]
+                } else {
+                    [share, (row.lift - attached * share) / (1.0 - share)]
+                }
+            })
+            .collect();
+        // Kirchhoff's relation turns at a quarter of the attached lift: from there on the flow is separated
+        let mut separate = |rows: &mut dyn Iterator<Item = usize>| {
+            let mut separated = false;
+            for row in rows {
+                let attached = slope_1_rad * (polar.rows[row].angle_rad - zero_lift_rad);
+                separated |= attached != 0.0 && polar.rows[row].lift / attached <= 0.25;
+                if separated {
+                    split[row] = [0.0, polar.rows[row].lift];
+                }
+            }
+        };
+        separate(&mut (after..polar.rows.len()));
+        separate(&mut (0..after).rev());
+        Some(Self { polar, zero_lift_rad, slope_1_rad, split, zero_lift_drag })
+    }
+
+    /// Share of attached flow and lift of separated flow at an angle.
+    fn split_at(&self, angle_rad: f64) -> [f64; 2] {
+        let rows = &self.polar.rows;
+        let after = rows.partition_point(|row| row.angle_rad <= angle_rad);
+        let (Some(upper), Some(lower)) = (rows.get(after), after.checked_sub(1).map(|i| &rows[i])) else {
+            return self.split[after.min(rows.len() - 1)];
+        };
+        let share = (angle_rad - lower.angle_rad) / (upper.angle_rad - lower.angle_rad);
+        std::array::from_fn(|i| self.split[after - 1][i] + (self.split[after][i] - self.split[after - 1][i]) * share)
+    }
+}
+
+/// What a section meets at one instant.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct StallInflow {
+    /// Relative speed at the quarter chord in m/s.
+    pub speed_m_s: f64,
+    /// Angle of attack at the quarter chord in rad.
+    pub attack_rad: f64,
+    /// Rate at which the section pitches, nose up positive, in rad/s.
+    pub pitch_rate_rad_s: f64,
+    /// Chord in m.
+    pub chord_m: f64,
+}
+
+/// Memory of a section.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct StallState {
+    /// Downwash of the wake, two terms, in rad.
+    pub wake_rad: [f64; 2],
+    /// Lift of attached flow after the lag of the pressure.
+    pub lagged_lift: f64,
+    /// Share of attached flow after the lag of the boundary layer.
+    pub attached: f64,
+    /// What the section met at this time.
+    pub met: StallInflow,
+}
+
+/// Lift, drag and moment coefficients.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coefficients {
+    /// Lift: across the relative velocity at the quarter chord.
+    pub lift: f64,
+    /// Drag: along it.
+    pub drag: f64,
+    /// Moment about the quarter chord, nose up positive.
+    pub moment: f64,
+}
+
+impl StallInflow {
+    /// Time in s in which the air passes a semi-chord.
+    fn passing_s(&self) -> f64 {
+        0.5 * self.chord_m / self.speed_m_s.max(LEAST_SPEED_M_S)
+    }
+
+    /// Angle of attack at three quarters of the chord in rad.
+    fn rear_rad(&self) -> f64 {
+        let (sine, cosine) = self.attack_rad.sin_cos();
+        (self.speed_m_s * sine + 0.5 * self.chord_m * self.pitch_rate_rad_s).atan2(self.speed_m_s * cosine)
+    }
+}
+
+impl StallState {
+    /// Of a section that has met the same for long.
+    pub fn steady(met: StallInflow, split: &SplitPolar) -> Self {
+        let rear_rad = met.rear_rad();
+        let mut state = Self { met, wake_rad: AMPLITUDES.map(|amplitude| amplitude * rear_rad), ..Self::default() };
+        state.lagged_lift = state.attached_lift(split);
+        state.attached = split.split_at(state.lagged_lift / split.slope_1_rad + split.zero_lift_rad)[0];
+        state
+    }
+
+    /// Effective angle of attack in rad.
+    fn effective_rad(&self) -> f64 {
+        self.met.rear_rad() * (1.0 - AMPLITUDES.iter().sum::<f64>()) + self.wake_rad.iter().sum::<f64>()
+    }
+
+    /// Lift of attached flow, eq. (B13).
+    fn attached_lift(&self, split: &SplitPolar) -> f64 {
+        split.slope_1_rad * (self.effective_rad() - split.zero_lift_rad)
+            + PI * self.met.passing_s() * self.met.pitch_rate_rad_s
+    }
+
+    /// State a step later, eq. (B13): each lag exact for an input that goes in a straight line, at the mean speed.
+    pub fn after(&self, met: StallInflow, step_s: f64, split: &SplitPolar) -> Self {
+        let ways = 2.0 * step_s / (self.met.passing_s() + met.passing_s());
+        let rear_rad = [self.met.rear_rad(), met.rear_rad()];
+        let mut next = Self { met, ..*self };
+        for ((wake, amplitude), rate) in next.wake_rad.iter_mut().zip(AMPLITUDES).zip(RATES) {
+            *wake = lag(*wake, amplitude * rear_rad[0], amplitude * rear_rad[1], rate * ways);
+        }
+        let (from, to) = (self.attached_lift(split), next.attached_lift(split));
+        next.lagged_lift = lag(self.lagged_lift, from, to, ways / PRESSURE_LAG);
+        let share = |lift: f64| split.split_at(lift / split.slope_1_rad + split.zero_lift_rad)[0];
+        next.attached =
+            lag(self.attached, share(self.lagged_lift), share(next.lagged_lift), ways / SEPARATION_LAG).clamp(0.0, 1.0);
+        next
+    }
+
+    /// Coefficients, eq. (B14); static ones beyond 50° of angle of attack, blended from 40° on.
+    pub fn coefficients(&self, split: &SplitPolar) -> Coefficients {
+        let plain = split.polar.at(self.met.attack_rad);
+        let static_row = Coefficients { lift: plain.lift, drag: plain.drag, moment: plain.moment };
+        let [cutout_rad, half_rad] = CUTOUT_RAD;
+        let x = ((self.met.attack_rad.abs() - cutout_rad + half_rad) / (2.0 * half_rad)).clamp(0.0, 1.0);
+        let weight = 0.5 * (1.0 + (PI * x).cos());
+        if weight == 0.0 {
+            return static_row;
+        }
+        let effective_rad = self.effective_rad();
+        let passing = self.met.passing_s() * self.met.pitch_rate_rad_s;
+        let row = split.polar.at(effective_rad);
+        let [share, separated_lift] = split.split_at(effective_rad);
+        let circulatory = self.attached * split.slope_1_rad * (effective_rad - split.zero_lift_rad)
+            + (1.0 - self.attached) * separated_lift;
+        let lost = 0.5 * (share.sqrt() - self.attached.sqrt()) - 0.25 * (share - self.attached);
+        let dynamic = Coefficients {
+            lift: circulatory + PI * passing,
+            drag: row.drag
+                + (self.met.rear_rad() - effective_rad + passing) * circulatory
+                + (row.drag - split.zero_lift_drag) * lost,
+            moment: row.moment - FRAC_PI_2 * passing,
+        };
+        let blend = |dynamic: f64, plain: f64| plain + weight * (dynamic - plain);
+        Coefficients {
+            lift: blend(dynamic.lift, static_row.lift),
+            drag: blend(dynamic.drag, static_row.drag),
+            moment: blend(dynamic.moment, static_row.moment),
+        }
+    }
+}

@@ -1,0 +1,417 @@
+//! Induced velocity of one annulus of a rotor: Ning's residual, with a bracket that always holds a root.
+//!
+//! Sources: Ning, *A simple solution method for the blade element momentum equations with guaranteed convergence*, Wind
+//! Energy 17 (2014); Buhl, NREL/TP-500-36834 (2005), for the thrust of heavily loaded annuli; Prandtl's losses as in Glauert.
+
+use crate::aero::polar::{Polar, PolarRow};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
+
+/// Smallest flow angle that is looked at, in rad; at zero the momentum balance is singular.
+const LEAST_ANGLE_RAD: f64 = 1e-6;
+/// Exponent of Prandtl's loss below which a node is an end: 1e-10 of the blade.
+const LEAST_EXPONENT: f64 = 1e-10;
+/// Iterations of the root finder; bisection alone would need 52.
+const MOST_ITERATIONS: usize = 100;
+/// Width of the bracket at which it ends, in rad.
+const TOLERANCE_RAD: f64 = 1e-14;
+
+/// What a node carries where Prandtl's loss is complete, at the very tip and at the very hub.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum EndRule {
+    /// No load: circulation ends there.
+    #[default]
+    ZeroLoad,
+    /// The wind is stopped (a = 1) and the section carries the load of its motion in the plane of rotation: AeroDyn's rule.
+    Stopped,
+}
+
+/// Geometry of an annulus, per blade node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Annulus {
+    /// `B c/(2π r)`.
+    pub solidity: f64,
+    /// `B (R − r)/(2 r)` of Prandtl's tip loss; infinite without it.
+    pub tip_exponent: f64,
+    /// `B (r − r_h)/(2 r_h)` of the hub loss; infinite without it.
+    pub hub_exponent: f64,
+}
+
+impl Annulus {
+    /// Of a node at a radius, with both losses, eq. (B4).
+    pub fn new(blades: usize, chord_m: f64, radius_m: f64, hub_radius_m: f64, tip_radius_m: f64) -> Self {
+        let half = 0.5 * blades as f64;
+        Self {
+            solidity: half * chord_m / (PI * radius_m),
+            tip_exponent: half * (tip_radius_m - radius_m) / radius_m,
+            hub_exponent: if hub_radius_m > 0.0 {
+                half * (radius_m - hub_radius_m) / hub_radius_m
+            } else {
+                f64::INFINITY
+            },
+        }
+    }
+
+    /// Prandtl's factor for tip and hub at the sine of a flow angle, eq. (B4).
+    pub fn loss(&self, sine: f64) -> f64 {
+        let part = |exponent: f64| {
+            // acos(e^-x), exact for small x too
+            let fall = (-(exponent.max(0.0) / sine.abs())).exp_m1();
+            FRAC_2_PI * (-fall * (2.0 + fall)).sqrt().atan2(1.0 + fall)
+        };
+        part(self.tip_exponent) * part(self.hub_exponent)
+    }
+
+    /// Whether the loss is complete at every flow angle.
+    pub fn is_end(&self) -> bool {
+        self.tip_exponent.min(self.hub_exponent) < LEAST_EXPONENT
+    }
+}
+
+/// What a section meets without induction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Approach {
+    /// Velocity of the air along the normal of the annulus, from the windward side positive, in m/s.
+    pub axial_m_s: f64,
+    /// Velocity of the air against the section's motion in the plane of rotation, in m/s.
+    pub tangential_m_s: f64,
+    /// Angle from the plane of rotation to the chord line in rad, positive where it lowers the angle of attack.
+    pub chord_angle_rad: f64,
+}
+
+/// State of a section in its annulus.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Annular {
+    /// Axial induced velocity in m/s, against the wind: `a Vx`.
+    pub axial_loss_m_s: f64,
+    /// Tangential induced velocity in m/s, with the air that meets the section: `a' Vy`.
+    pub swirl_m_s: f64,
+    /// Whether the momentum balance was solved; otherwise there is no induction, or it is an end.
+    pub balanced: bool,
+}
+
+impl Annular {
+    /// Without induction.
+    pub const FREE: Self = Self { axial_loss_m_s: 0.0, swirl_m_s: 0.0, balanced: false };
+}
+
+/// Force coefficients of a section in the frame of the annulus.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SectionState {
+    /// Relative speed in m/s.
+    pub speed_m_s: f64,
+    /// Angle from the plane of rotation to the relative velocity in rad.
+    pub flow_angle_rad: f64,
+    /// Angle of attack in rad, between −π and π.
+    pub attack_rad: f64,
+    /// Static coefficients at the angle of attack.
+    pub row: PolarRow,
+}
+
+impl SectionState {
+    /// Of a section that meets these velocities.
+    pub fn of(axial_m_s: f64, tangential_m_s: f64, chord_angle_rad: f64, polar: &Polar) -> Self {
+        let flow_angle_rad = axial_m_s.atan2(tangential_m_s);
+        let attack_rad = turn_back(flow_angle_rad - chord_angle_rad);
+        Self { speed_m_s: axial_m_s.hypot(tangential_m_s), flow_angle_rad, attack_rad, row: polar.at(attack_rad) }
+    }
+
+    /// Force per span over `ρ`, along the wind and along the drive (against `tangential_m_s`), in m³/s².
+    pub fn force_m3_s2(&self, chord_m: f64) -> [f64; 2] {
+        let (sine, cosine) = self.flow_angle_rad.sin_cos();
+        let pressure = 0.5 * chord_m * self.speed_m_s * self.speed_m_s;
+        [
+            pressure * (self.row.lift * cosine + self.row.drag * sine),
+            pressure * (self.row.lift * sine - self.row.drag * cosine),
+        ]
+    }
+}
+
+/// An angle taken to between −π and π: polars go once round, eq. (B2).
+pub fn turn_back(angle_rad: f64) -> f64 {
+    angle_rad - std::f64::consts::TAU * (angle_rad / std::f64::consts::TAU).round()
+}
+
+/// Momentum balance of an annulus, eqs. (B3)–(B6). Inflow from behind and from the trailing edge is solved as its
+/// mirror image.
+///
+/// Of a thrust above 2 (of the dynamic pressure of the wind) Buhl's parabola has no windmill state; the annulus then is in
+/// the propeller-brake state, where the air passes it backward. Between both the induction jumps, as momentum theory does.
+/// Without wind the annulus hovers. Where no balance exists there is no induction, and the state says so.
+pub fn balance(annulus: &Annulus, polar: &Polar, approach: &Approach) -> Annular {
+    let Approach { axial_m_s, tangential_m_s, chord_angle_rad } = *approach;
+    let speed_m_s = axial_m_s.hypot(tangential_m_s);
+    if annulus.is_end() || speed_m_s == 0.0 {
+        return Annular::FREE;
+    }
+    let normal_at_rest = {
+        let row = polar.at(turn_back(0f64.atan2(tangential_m_s) - chord_angle_rad));
+        if tangential_m_s < 0.0 { -row.lift } else { row.lift }
+    };
+    let mirror = [
+        // still air: the side that the thrust pushes it to
+        if axial_m_s < 0.0 || (axial_m_s == 0.0 && normal_at_rest > 0.0) { -1.0 } else { 1.0 },
+        if tangential_m_s < 0.0 { -1.0 } else { 1.0 },
+    ];
+    let balance = Balance {
+        annulus,
+        polar,
+        chord_angle_rad,
+        mirror,
+        axial: axial_m_s.abs() / speed_m_s,
+        tangential: tangential_m_s.abs() / speed_m_s,
+    };
+    match balance.flow_angle_rad() {
+        Some(angle_rad) => {
+            let [axial, tangential] = balance.passing(angle_rad);
+            Annular {
+                axial_loss_m_s: axial_m_s - mirror[0] * axial * speed_m_s,
+                swirl_m_s: mirror[1] * tangential * speed_m_s - tangential_m_s,
+                balanced: true,
+            }
+        }
+        None => Annular::FREE,
+    }
+}
+
+/// An annulus met from the windward side and the leading edge, velocities over the speed of approach.
+struct Balance<'a> {
+    annulus: &'a Annulus,
+    polar: &'a Polar,
+    chord_angle_rad: f64,
+    mirror: [f64; 2],
+    axial: f64,
+    tangential: f64,
+}
+
+impl Balance<'_> {
+    /// Flow angle at which loads and momentum agree.
+    fn flow_angle_rad(&self) -> Option<f64> {
+        // a windmill state exists where the thrust at a flow angle of zero stays below what Buhl's parabola ends with
+        let normal = self.coefficients(0.0, 1.0)[0];
+        if normal <= 0.0 || (0.5 * self.annulus.solidity * normal).sqrt() * self.tangential < self.axial {
+            let quarter = self.residual(FRAC_PI_2);
+            let [low, high] =
+                if quarter > 0.0 { [LEAST_ANGLE_RAD, FRAC_PI_2] } else { [FRAC_PI_2, PI - LEAST_ANGLE_RAD] };
+            self.root(low, high)
+        } else {
+            self.root(-FRAC_PI_2, -LEAST_ANGLE_RAD)
+        }
+    }
+
+    /// Coefficients along the wind and along the drive, of the mirrored section.
+    fn coefficients(&self, sine: f64, cosine: f64) -> [f64; 2] {
+        let [side, turn] = self.mirror;
+        let attack_rad = turn_back((side * sine).atan2(turn * cosine) - self.chord_angle_rad);
+        let PolarRow { lift, drag, .. } = self.polar.at(attack_rad);
+        let (sine, cosine) = (side * sine, turn * cosine);
+        [side * (lift * cosine + drag * sine), turn * (lift * sine - drag * cosine)]
+    }
+
+    /// `sin φ/(1 − a)` and `cos φ/(1 + a')`, eqs. (B3)–(B5): the relative speed times either is the wind and the motion.
+    fn sides(&self, sine: f64, cosine: f64) -> [f64; 2] {
+        let loss = self.annulus.loss(sine);
+        let [normal, drive] = self.coefficients(sine, cosine);
+        let share = self.annulus.solidity / (4.0 * loss * sine.abs());
+        let k = share * normal / sine.abs();
+        let axial = if sine < 0.0 { sine * (1.0 - k) } else { sine * windmill(k, loss) };
+        [axial, cosine - share * drive]
+    }
+
+    /// Ning's residual times `|sin φ|`, eq. (B3).
+    fn residual(&self, angle_rad: f64) -> f64 {
+        let (sine, cosine) = angle_rad.sin_cos();
+        let [axial, tangential] = self.sides(sine, cosine);
+        (self.tangential * axial - self.axial * tangential) * sine.abs()
+    }
+
+    /// Velocities through the annulus at its flow angle, over the speed of approach.
+    fn passing(&self, angle_rad: f64) -> [f64; 2] {
+        let (sine, cosine) = angle_rad.sin_cos();
+        let [axial, tangential] = self.sides(sine, cosine);
+        let speed = 1.0 / axial.hypot(tangential);
+        [speed * sine, speed * cosine]
+    }
+
+    /// Root between two angles, by Chandrupatla's method: bisection where inverse quadratic interpolation is not safe.
+    /// `None` where the ends have one sign, or where the root is no state of the air.
+    fn root(&self, low: f64, high: f64) -> Option<f64> {
+        let (mut a, mut b) = (high, low);
+        let (mut fa, mut fb) = (self.residual(a), self.residual(b));
+        if !(fa * fb <= 0.0) {
+            return None;
+        }
+        let (mut c, mut fc);
+        let mut share = 0.5;
+        for _ in 0..MOST_ITERATIONS {
+            let x = a + share * (b - a);
+            let fx = self.residual(x);
+            if (fx > 0.0) == (fa > 0.0) {
+                (c, fc) = (a, fa);
+            } else {
+                (c, b, fc, fb) = (b, a, fb, fa);
+            }
+            (a, fa) = (x, fx);
+            let (best, f_best) = if fa.abs() < fb.abs() { (a, fa) } else { (b, fb) };
+            let limit = TOLERANCE_RAD / (b - a).abs();
+            if limit > 0.5 || f_best == 0.0 {
+                let (sine, cosine) = best.sin_cos();
+                let [axial, tangential] = self.sides(sine, cosine);
+                return (axial + tangential > 0.0).then_some(best);
+            }
+            let (xi, phi) = ((a - b) / (c - b), (fa - fb) / (fc - fb));
+            share = if phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi {
+                fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+            } else {
+                0.5
+            };
+            share = share.clamp(limit, 1.0 - limit);
+        }
+        None
+    }
+}
+
+/// `1/(1 − a)` of an annulus that is passed in the direction of the wind, eqs. (B3) and (B5); continuous at 2/3.
+fn windmill(k: f64, loss: f64) -> f64 {
+    if k <= 2.0 / 3.0 {
+        return 1.0 + k;
+    }
+    let load = 2.0 * loss * k;
+    let g1 = load - (10.0 / 9.0 - loss);
+    let root = (load - loss * (4.0 / 3.0 - loss)).max(0.0).sqrt();
+    // (g1 − √g2)/g3, which is 0/0 where g3 = 0, and g1² − g2 = g3 (load − 4/9)
+    let a = if g1 > 0.0 { (load - 4.0 / 9.0) / (g1 + root) } else { (g1 - root) / (load - (25.0 / 9.0 - 2.0 * loss)) };
+    1.0 / (1.0 - a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A thin section: 2π sin α, and the drag of a plate.
+    fn plate(drag: f64) -> Polar {
+        let rows = (-180..=180).map(|degree| {
+            let angle_rad = f64::from(degree).to_radians();
+            let lift = std::f64::consts::TAU * angle_rad.sin() * angle_rad.cos();
+            PolarRow { angle_rad, lift, drag: drag + 1.5 * angle_rad.sin().powi(2), moment: 0.0 }
+        });
+        Polar { rows: rows.collect() }
+    }
+
+    fn annulus() -> Annulus {
+        Annulus::new(3, 2.0, 30.0, 1.5, 63.0)
+    }
+
+    /// Thrust and torque of the element against the momentum of its annulus, written out with velocities.
+    fn imbalance(annulus: &Annulus, polar: &Polar, approach: &Approach, state: &Annular) -> [f64; 2] {
+        let axial = approach.axial_m_s - state.axial_loss_m_s;
+        let tangential = approach.tangential_m_s + state.swirl_m_s;
+        let section = SectionState::of(axial, tangential, approach.chord_angle_rad, polar);
+        let [normal, drive] = section.force_m3_s2(1.0);
+        let loss = annulus.loss(section.flow_angle_rad.sin());
+        // σ cn W²/2 = 2 F |u| u_i and σ ct W²/2 = 2 F |u| v_i
+        let flux = 2.0 * loss * axial.abs();
+        [annulus.solidity * normal - flux * state.axial_loss_m_s, annulus.solidity * drive - flux * state.swirl_m_s]
+    }
+
+    #[test]
+    fn momentum_balances_in_every_quadrant() {
+        let (annulus, polar) = (annulus(), plate(0.01));
+        let mut met = [0; 2];
+        for (axial_m_s, tangential_m_s) in
+            [(8.0, 40.0), (-8.0, 40.0), (8.0, -40.0), (-8.0, -40.0), (30.0, 3.0), (0.0, 40.0), (12.0, 0.0), (0.5, 60.0)]
+        {
+            for degree in -180..180 {
+                let chord_angle_rad = f64::from(degree).to_radians();
+                let approach = Approach { axial_m_s, tangential_m_s, chord_angle_rad };
+                let state = balance(&annulus, &polar, &approach);
+                let a = state.axial_loss_m_s / axial_m_s;
+                met[usize::from(state.balanced)] += 1;
+                let scale = axial_m_s.hypot(tangential_m_s).powi(2);
+                let heavy = a > 0.4 && a < 1.0; // Buhl's, checked below
+                if state.balanced && !heavy {
+                    let [axial, swirl] = imbalance(&annulus, &polar, &approach, &state);
+                    assert!(
+                        axial.abs() < 1e-9 * scale && swirl.abs() < 1e-9 * scale,
+                        "{approach:?} {state:?} {axial} {swirl}"
+                    );
+                }
+            }
+        }
+        assert!(met[0] * 50 < met[1], "balanced in {met:?}");
+    }
+
+    /// Buhl's relation between thrust and induction, his eq. (18), whatever the loss.
+    #[test]
+    fn heavy_loading_follows_buhl_and_joins_momentum_theory() {
+        for loss in [1.0, 0.7, 0.3, 0.05] {
+            let mut last = 1.0 + 2.0 / 3.0;
+            for step in 0..2000 {
+                let k = 2.0 / 3.0 * (1.0 + 1e-9 + 0.01 * f64::from(step));
+                let slowing = windmill(k, loss);
+                let a = 1.0 - 1.0 / slowing;
+                let thrust = 8.0 / 9.0 + (4.0 * loss - 40.0 / 9.0) * a + (50.0 / 9.0 - 4.0 * loss) * a * a;
+                approx::assert_relative_eq!(4.0 * loss * k * (1.0 - a).powi(2), thrust, max_relative = 1e-9);
+                assert!(slowing >= last - 1e-9 && slowing - last < 0.1, "{loss} {k}: {last} {slowing}");
+                last = slowing;
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_moves_nothing_acts() {
+        let still = Approach { axial_m_s: 0.0, tangential_m_s: 0.0, chord_angle_rad: 0.3 };
+        assert_eq!(balance(&annulus(), &plate(0.01), &still), Annular::FREE);
+        assert_eq!(SectionState::of(0.0, 0.0, 0.3, &plate(0.01)).force_m3_s2(2.0), [0.0, 0.0]);
+    }
+
+    /// Inflow from behind on a symmetric section at the opposite angle is the mirror image.
+    #[test]
+    fn mirrored_inflow_has_mirrored_induction() {
+        let (annulus, polar) = (annulus(), plate(0.01));
+        let to = |axial_m_s, tangential_m_s, chord_angle_rad| {
+            let approach = Approach { axial_m_s, tangential_m_s, chord_angle_rad };
+            let state = balance(&annulus, &polar, &approach);
+            [state.axial_loss_m_s, state.swirl_m_s]
+        };
+        let [u, v] = to(8.0, 50.0, 0.05);
+        assert!(u > 1.0 && v > 0.05, "{u} {v}");
+        let [back_u, back_v] = to(-8.0, 50.0, -0.05);
+        approx::assert_relative_eq!(back_u, -u, max_relative = 1e-10);
+        approx::assert_relative_eq!(back_v, v, max_relative = 1e-10);
+        let [rear_u, rear_v] = to(8.0, -50.0, PI - 0.05);
+        approx::assert_relative_eq!(rear_u, u, max_relative = 1e-10);
+        approx::assert_relative_eq!(rear_v, -v, max_relative = 1e-10);
+    }
+
+    /// A rotor that turns in still air: the induced velocity of a hovering propeller, `W² σ cn = 4 F u²`.
+    #[test]
+    fn still_air_is_hover() {
+        let (annulus, polar) = (annulus(), plate(0.01));
+        for chord_angle_rad in [0.1, -0.1] {
+            let hover = Approach { axial_m_s: 0.0, tangential_m_s: 50.0, chord_angle_rad };
+            let state = balance(&annulus, &polar, &hover);
+            assert!(state.balanced && state.axial_loss_m_s.abs() > 2.0);
+            // the pitched-up section pushes the air against its own thrust
+            assert_eq!(state.axial_loss_m_s > 0.0, chord_angle_rad < 0.0);
+            for nearby_m_s in [1e-9, -1e-9] {
+                let near = balance(&annulus, &polar, &Approach { axial_m_s: nearby_m_s, ..hover });
+                approx::assert_relative_eq!(near.axial_loss_m_s, state.axial_loss_m_s, max_relative = 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn loss_is_prandtls_and_complete_at_the_ends() {
+        let annulus = annulus();
+        let sine = 0.1f64;
+        let direct = |exponent: f64| (2.0 / PI) * (-exponent / sine).exp().acos();
+        let expected = direct(1.5 * 33.0 / 30.0) * direct(1.5 * 28.5 / 1.5);
+        approx::assert_relative_eq!(annulus.loss(sine), expected, max_relative = 1e-12);
+        for radius_m in [1.5, 63.0] {
+            let end = Annulus::new(3, 2.0, radius_m, 1.5, 63.0);
+            assert!(end.is_end() && end.loss(sine) == 0.0);
+            let approach = Approach { axial_m_s: 8.0, tangential_m_s: 50.0, chord_angle_rad: 0.0 };
+            assert_eq!(balance(&end, &plate(0.0), &approach), Annular::FREE);
+        }
+    }
+}

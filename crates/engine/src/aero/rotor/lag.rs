@@ -1,0 +1,31 @@
+//! First-order lags over a step, exact for an input that goes in a straight line.
+
+/// State at the end of a step of `ratio` time constants of `x' = (u − x)/τ`, where the input goes from `from` to `to`, eq. (B11).
+pub fn lag(state: f64, from: f64, to: f64, ratio: f64) -> f64 {
+    let gone = -(-ratio).exp_m1();
+    // 1 − (1 − e^-z)/z; its series keeps digits that the difference loses
+    let share = if ratio < 1e-3 { ratio * (0.5 - ratio * (1.0 / 6.0 - ratio / 24.0)) } else { 1.0 - gone / ratio };
+    state + (from - state) * gone + (to - from) * share
+}
+
+#[cfg(test)]
+mod tests {
+    use super::lag;
+
+    #[test]
+    fn lag_solves_its_equation_for_any_step() {
+        for ratio in [1e-9f64, 1e-4, 0.9e-3, 1.1e-3, 0.3, 5.0, 400.0] {
+            // x = u0 + s (t − τ) + (x0 − u0 + s τ) e^(−t/τ), with τ = 1 and u = u0 + s t
+            let (start, from, to) = (0.3, 1.0, 3.0);
+            let slope = (to - from) / ratio;
+            let exact = if ratio < 1e-2 {
+                // the same by its power series, without the difference of large numbers
+                start + (from - start) * ratio + 0.5 * ((to - from) - (from - start) * ratio) * ratio
+            } else {
+                from + slope * (ratio - 1.0) + (start - from + slope) * (-ratio).exp()
+            };
+            approx::assert_relative_eq!(lag(start, from, to, ratio), exact, max_relative = 1e-9);
+        }
+        assert_eq!(lag(0.3, 1.0, 3.0, 0.0), 0.3);
+    }
+}

@@ -1,0 +1,19 @@
+//! Air of rotors: blade elements in the momentum balance of their annuli, and what changes the wind that they meet.
+//!
+//! What it does at the ends of a blade: where Prandtl's loss is complete (a node on the tip or on the hub) the annulus has
+//! no solution. [`EndRule::ZeroLoad`](induction::EndRule), the default, leaves such a node without load, as a lifting line
+//! ends; [`EndRule::Stopped`](induction::EndRule) is what AeroDyn does and exists for comparison with it.
+
+pub mod bem;
+pub mod dynamic_inflow;
+pub mod dynamic_stall;
+pub mod fourier;
+pub mod induction;
+pub mod lag;
+pub mod skew;
+pub mod steady;
+pub mod tower;
+pub mod turbulence;
+pub mod turbulence_box;
+pub mod viterna;
+pub mod wind;

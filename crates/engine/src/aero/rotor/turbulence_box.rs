@@ -1,0 +1,133 @@
+//! Turbulence on a grid across the wind, carried past by the mean wind (Taylor's frozen turbulence).
+
+/// A grid of velocities over time. Between its points straight lines; beyond its edges these hold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TurbulenceBox {
+    /// Points across, from starboard to port (towards growing `y`, left when looking downwind).
+    pub across: usize,
+    /// Points upward, from the bottom.
+    pub upward: usize,
+    /// Planes over time.
+    pub planes: usize,
+    /// Distance of points across in m.
+    pub across_m: f64,
+    /// Distance of points upward in m.
+    pub upward_m: f64,
+    /// Time between planes in s.
+    pub plane_s: f64,
+    /// Height in m of the lowest points above the ground.
+    pub bottom_m: f64,
+    /// Speed in m/s at which the planes travel.
+    pub carried_m_s: f64,
+    /// Whether the planes go round: the last is followed by the first.
+    pub periodic: bool,
+    /// Velocities in m/s, downwind, to port and upward, plane by plane from the first, row by row from the bottom, point by
+    /// point from starboard.
+    pub velocity_m_s: Vec<[f32; 3]>,
+}
+
+impl TurbulenceBox {
+    /// Time in s that the planes cover.
+    pub fn duration_s(&self) -> f64 {
+        let gaps = if self.periodic { self.planes } else { self.planes - 1 };
+        gaps as f64 * self.plane_s
+    }
+
+    /// Velocity in m/s, downwind, to port, upward, at a place: metres downwind of the reference point, to port, above the
+    /// ground; eq. (B20). A box that does not go round holds its first and last plane.
+    pub fn at(&self, time_s: f64, downwind_m: f64, port_m: f64, height_m: f64) -> [f64; 3] {
+        let plane = (time_s - downwind_m / self.carried_m_s) / self.plane_s;
+        let (before, after, share) = if self.periodic {
+            let around = plane.rem_euclid(self.planes as f64);
+            let first = (around.floor() as usize).min(self.planes - 1);
+            (first, (first + 1) % self.planes, around - first as f64)
+        } else {
+            between(plane, self.planes)
+        };
+        let (left, right, across) = between(port_m / self.across_m + 0.5 * (self.across - 1) as f64, self.across);
+        let (low, high, upward) = between((height_m - self.bottom_m) / self.upward_m, self.upward);
+        let mut sum = [0.0; 3];
+        for (plane, a) in [(before, 1.0 - share), (after, share)] {
+            for (row, b) in [(low, 1.0 - upward), (high, upward)] {
+                for (point, c) in [(left, 1.0 - across), (right, across)] {
+                    let weight = a * b * c;
+                    let value = self.velocity_m_s[(plane * self.upward + row) * self.across + point];
+                    for (sum, value) in sum.iter_mut().zip(value) {
+                        *sum += weight * f64::from(value);
+                    }
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// Neighbours of a place on a line of points, and the share of the upper one; at the ends the last point twice.
+fn between(place: f64, points: usize) -> (usize, usize, f64) {
+    let last = points - 1;
+    let place = place.clamp(0.0, last as f64); // not a number: clamp keeps it, and the cast below takes it to 0
+    let lower = (place.floor() as usize).min(last);
+    let upper = (lower + 1).min(last);
+    (lower, upper, place - lower as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Velocities that are linear in time, place and height, so that interpolation must be exact.
+    fn linear(periodic: bool) -> TurbulenceBox {
+        let (across, upward, planes) = (3, 4, 5);
+        let mut velocity_m_s = Vec::new();
+        for plane in 0..planes {
+            for row in 0..upward {
+                for point in 0..across {
+                    let (t, z, y) = (plane as f32 * 0.5, 10.0 + row as f32 * 4.0, (point as f32 - 1.0) * 6.0);
+                    velocity_m_s.push([t + 2.0 * z - y, 3.0 * y, z - t]);
+                }
+            }
+        }
+        TurbulenceBox {
+            across,
+            upward,
+            planes,
+            across_m: 6.0,
+            upward_m: 4.0,
+            plane_s: 0.5,
+            bottom_m: 10.0,
+            carried_m_s: 8.0,
+            periodic,
+            velocity_m_s,
+        }
+    }
+
+    #[test]
+    fn velocities_between_the_points_are_straight_lines() {
+        for periodic in [false, true] {
+            let grid = linear(periodic);
+            let (time_s, downwind_m, port_m, height_m) = (1.7, 4.0, -2.5, 17.3);
+            let t = time_s - downwind_m / 8.0;
+            let [u, v, w] = grid.at(time_s, downwind_m, port_m, height_m);
+            approx::assert_relative_eq!(u, t + 2.0 * height_m - port_m, max_relative = 1e-6);
+            approx::assert_relative_eq!(v, 3.0 * port_m, max_relative = 1e-6);
+            approx::assert_relative_eq!(w, height_m - t, max_relative = 1e-6);
+        }
+    }
+
+    #[test]
+    fn edges_hold_and_a_periodic_box_goes_round() {
+        let grid = linear(false);
+        assert_eq!(grid.duration_s(), 2.0);
+        assert_eq!(grid.at(1.0, 0.0, 99.0, 99.0), grid.at(1.0, 0.0, 6.0, 22.0));
+        assert_eq!(grid.at(-1.0, 0.0, 0.0, 15.0), grid.at(0.0, 0.0, 0.0, 15.0));
+        assert_eq!(grid.at(9.0, 0.0, 0.0, 15.0), grid.at(2.0, 0.0, 0.0, 15.0));
+        let round = linear(true);
+        assert_eq!(round.duration_s(), 2.5);
+        assert_eq!(
+            round.at(0.7 + 2.5, 0.0, 1.0, 15.0).map(|x| (1e9 * x).round()),
+            round.at(0.7, 0.0, 1.0, 15.0).map(|x| (1e9 * x).round())
+        );
+        let [last, _, _] = round.at(2.25, 0.0, 0.0, 10.0);
+        approx::assert_relative_eq!(last, 0.5 * (2.0 + 20.0 + 20.0), max_relative = 1e-6);
+    }
+}
