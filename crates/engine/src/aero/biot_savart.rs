@@ -72,6 +72,8 @@ pub fn blocks(points: usize) -> usize {
 pub struct Arm {
     xyz: [Lane; 3],
     distance: Lane,
+    /// Normal velocity that the segment induces which ends at the node, from the column before.
+    spanwise: Lane,
 }
 
 impl Arm {
@@ -80,7 +82,7 @@ impl Arm {
         let xyz: [Lane; 3] = from_fn(|axis| from_fn(|lane| points.xyz[axis][lane] - node[axis]));
         let squares: Lane =
             from_fn(|lane| xyz[0][lane] * xyz[0][lane] + xyz[1][lane] * xyz[1][lane] + xyz[2][lane] * xyz[2][lane]);
-        Self { xyz, distance: from_fn(|lane| (squares[lane] + core_squared).sqrt()) }
+        Self { xyz, distance: from_fn(|lane| (squares[lane] + core_squared).sqrt()), spanwise: [0.0; LANES] }
     }
 }
 
@@ -257,46 +259,58 @@ impl Kernel {
         (rows, first): (usize, usize),
         column: impl Fn(usize, usize) -> usize,
     ) {
-        let mut add = |ring: usize, sign: f64, velocity: &Block, normals: &Block| {
-            let entries = &mut matrix[ring * rows + first..][..LANES];
-            for (lane, entry) in entries.iter_mut().enumerate() {
-                let normal = velocity.xyz[0][lane] * normals.xyz[0][lane]
+        self.pass(sheet, nodes_m, [points_m, normals], arms, matrix, (rows, first), &column);
+        if let Some(normal) = &self.mirror_normal {
+            let images = [points_m.mirrored(normal), normals.mirrored(normal)];
+            self.pass(sheet, nodes_m, [&images[0], &images[1]], arms, matrix, (rows, first), &column);
+        }
+    }
+
+    /// The same without images, points and normals in one array. Every entry is read and written once: a ring is complete
+    /// where its last segment is known.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "a kernel: every argument is one plain operand of its loops")]
+    fn pass(
+        &self,
+        sheet: &Sheet,
+        nodes_m: &[Vector3<f64>],
+        [points_m, normals]: [&Block; 2],
+        arms: &mut [Arm],
+        matrix: &mut [f64],
+        (rows, first): (usize, usize),
+        column: &impl Fn(usize, usize) -> usize,
+    ) {
+        let along = |velocity: &Block| -> Lane {
+            from_fn(|lane| {
+                velocity.xyz[0][lane] * normals.xyz[0][lane]
                     + velocity.xyz[1][lane] * normals.xyz[1][lane]
-                    + velocity.xyz[2][lane] * normals.xyz[2][lane];
-                *entry += sign * normal;
-            }
+                    + velocity.xyz[2][lane] * normals.xyz[2][lane]
+            })
         };
-        let mut pass = |points_m: &Block, normals: &Block| {
-            let columns = sheet.strips + 1;
-            let (mut ahead, mut here) = arms[..2 * columns].split_at_mut(columns);
-            for row in 0..=sheet.rows {
-                for at in 0..columns {
-                    here[at] = Arm::new(points_m, &nodes_m[sheet.node(row, at)], self.core_squared_m2);
-                    if at > 0 {
-                        let unit = segment(&here[at - 1], &here[at], self.core_squared_m2);
-                        if row < sheet.rows {
-                            add(column(row, at - 1), 1.0 / (4.0 * PI), &unit, normals);
-                        }
-                        if row > 0 {
-                            add(column(row - 1, at - 1), -1.0 / (4.0 * PI), &unit, normals);
-                        }
-                    }
-                    if row > 0 {
-                        let unit = segment(&ahead[at], &here[at], self.core_squared_m2);
-                        if at > 0 {
-                            add(column(row - 1, at - 1), 1.0 / (4.0 * PI), &unit, normals);
-                        }
-                        if at < sheet.strips {
-                            add(column(row - 1, at), -1.0 / (4.0 * PI), &unit, normals);
-                        }
+        let columns = sheet.strips + 1;
+        let (mut ahead, mut here) = arms[..2 * columns].split_at_mut(columns);
+        for row in 0..=sheet.rows {
+            let nodes = &nodes_m[sheet.node(row, 0)..][..columns];
+            let mut inner = [0.0; LANES];
+            for (at, node) in nodes.iter().enumerate() {
+                here[at] = Arm::new(points_m, node, self.core_squared_m2);
+                if at > 0 {
+                    here[at].spanwise = along(&segment(&here[at - 1], &here[at], self.core_squared_m2));
+                }
+                if row == 0 {
+                    continue;
+                }
+                let outer = along(&segment(&ahead[at], &here[at], self.core_squared_m2));
+                if at > 0 {
+                    let entries = &mut matrix[column(row - 1, at - 1) * rows + first..][..LANES];
+                    for (lane, entry) in entries.iter_mut().enumerate() {
+                        let ring = ahead[at].spanwise[lane] - inner[lane] - here[at].spanwise[lane] + outer[lane];
+                        *entry += ring * (1.0 / (4.0 * PI));
                     }
                 }
-                std::mem::swap(&mut ahead, &mut here);
+                inner = outer;
             }
-        };
-        pass(points_m, normals);
-        if let Some(normal) = &self.mirror_normal {
-            pass(&points_m.mirrored(normal), &normals.mirrored(normal));
+            std::mem::swap(&mut ahead, &mut here);
         }
     }
 }

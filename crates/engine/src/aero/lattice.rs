@@ -18,6 +18,7 @@ use crate::aero::near_sheets::{Facing, Gap, NoCirculation};
 use crate::aero::rear::rear_panels;
 use crate::aero::surface::Surface;
 use crate::aero::wake::NEAR_ROWS;
+use crate::aero::wide::wide;
 use crate::aero::{AirLoads, lattice_loads};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
@@ -61,6 +62,17 @@ pub struct LatticeOptions {
     pub threads: usize,
 }
 
+/// Which solutions of a step need factors of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Factors {
+    /// The next: what was solved before its step must not count.
+    Due,
+    /// None: those of the first motion are near enough.
+    Kept,
+    /// All: the motions of this step are too far apart.
+    OfEach,
+}
+
 /// Lattice over all surfaces of a wing, with its scratch. All history is in [`LatticeState`].
 #[derive(Debug, Clone)]
 pub struct VortexLattice {
@@ -98,10 +110,15 @@ pub struct VortexLattice {
     pub(super) normals: Vec<Block>,
     pub(super) arms: Vec<Vec<Arm>>,
     pub(super) system: LinearSystem,
-    /// Corners that the factors in `system` belong to; empty where there are none.
-    factored_corner_m: Vec<Vector3<f64>>,
-    factored: bool,
-    right: Vec<f64>,
+    /// Corners that the matrix in `system` belongs to, where there is one.
+    pub(super) matrix_corner_m: Vec<Vector3<f64>>,
+    pub(super) built: bool,
+    /// Corners that its factors belong to, where there are any: those of the first motion of a step serve the others.
+    pub(super) factored_corner_m: Vec<Vector3<f64>>,
+    pub(super) factored: bool,
+    pub(super) factors: Factors,
+    pub(super) right: Vec<f64>,
+    pub(super) solution: Vec<f64>,
 }
 
 impl VortexLattice {
@@ -167,9 +184,13 @@ impl VortexLattice {
             velocities: vec![Block::default(); blocks(most_points)],
             normals: vec![Block::default(); blocks(panels)],
             system: LinearSystem::new(panels, blocks(panels) * LANES),
+            matrix_corner_m: vec![Vector3::zeros(); corners],
+            built: false,
             factored_corner_m: vec![Vector3::zeros(); corners],
             factored: false,
+            factors: Factors::Due,
             right: vec![0.0; panels],
+            solution: vec![0.0; panels],
             wake_columns: columns,
             wake_strips: strips,
             surfaces,
@@ -232,15 +253,18 @@ impl VortexLattice {
         self.place(motions, None, state);
         self.look_from_panels(state);
         let established = established && self.lay_straight_wake(flow, state);
-        self.factorize(state, established)?;
+        self.factors = Factors::Due;
+        self.influence(state, established)?;
         self.relative_velocity(flow, state, 0..0);
-        self.circulate(state);
+        self.circulate(state)?;
         if established {
             for row in 0..state.wake_rows {
                 self.shed_into(row, state);
             }
             // the tangential velocity at the panels includes that of the wake
             self.relative_velocity(flow, state, 0..state.wake_rows);
+            // they have the wake in them
+            self.factored = false;
         }
         loads.clear();
         lattice_loads::circulatory(self, motions, flow, state, loads);
@@ -250,7 +274,7 @@ impl VortexLattice {
     /// Circulation and loads at the end of a step, for sections that move like `motions` there.
     ///
     /// `to` comes from [`convect`](Self::convect) with the same `from`. May be called again with other motions: nothing
-    /// but the motions decides the result.
+    /// but the motions decides the result, to round-off of the factors, which are those of the first motion.
     ///
     /// # Errors
     /// Where the lattice is singular or two sheets are closed.
@@ -265,9 +289,9 @@ impl VortexLattice {
     ) -> Result<(), NoCirculation> {
         self.place(motions, Some((flow, step_s)), to);
         self.look_from_panels(to);
-        self.factorize(to, false)?;
+        self.influence(to, false)?;
         self.relative_velocity(flow, to, 0..to.wake_rows.min(NEAR_ROWS));
-        self.circulate(to);
+        self.circulate(to)?;
         loads.clear();
         lattice_loads::circulatory(self, motions, flow, to, loads);
         lattice_loads::impulsive(self, motions, flow, step_s, [from, to], loads);
@@ -349,64 +373,6 @@ impl VortexLattice {
         }
     }
 
-    /// Factors of the influence matrix for the present geometry. The same geometry again costs nothing.
-    fn factorize(&mut self, state: &LatticeState, established: bool) -> Result<(), NoCirculation> {
-        if !established && self.factored && self.factored_corner_m == state.corner_m {
-            return Ok(());
-        }
-        self.factored = false;
-        if let Some(closed) = self.closed_sheets() {
-            return Err(NoCirculation::Closed(closed));
-        }
-        let (panels, rows) = (self.right.len(), blocks(self.right.len()) * LANES);
-        let (kernel, arch, bound) = (self.kernel, self.arch, &self.bound);
-        let (points, normals, firsts, arms) = (&self.points, &self.normals, &self.first_panel, &mut self.arms[0]);
-        let matrix = self.system.cleared();
-        arch.dispatch(
-            #[inline(always)]
-            || {
-                for (block, (points, normals)) in points.iter().zip(normals).enumerate().take(rows / LANES) {
-                    let place = (rows, block * LANES);
-                    for (sheet, first) in bound.iter().zip(firsts) {
-                        let (corners, strips) = (&state.corner_m, sheet.strips);
-                        let of = |row: usize, strip: usize| first + row * strips + strip;
-                        kernel.influence(sheet, corners, points, normals, arms, matrix, place, of);
-                    }
-                }
-            },
-        );
-        debug_assert!(panels <= rows);
-        self.see_influence(state, established);
-        if established {
-            self.add_established_wake(state);
-        }
-        self.system.factorize(arch)?;
-        self.factored = !established;
-        self.factored_corner_m.copy_from_slice(&state.corner_m);
-        Ok(())
-    }
-
-    /// Adds the rings of an established wake to those in front of them, with whose circulation they are born.
-    fn add_established_wake(&mut self, state: &LatticeState) {
-        let rows = blocks(self.right.len()) * LANES;
-        let (kernel, arch) = (self.kernel, self.arch);
-        let (points, normals, arms) = (&self.points, &self.normals, &mut self.arms[0]);
-        let sheets = self.bound.iter().zip(&self.wake).zip(&self.first_panel);
-        let matrix = self.system.entries_mut();
-        arch.dispatch(
-            #[inline(always)]
-            || {
-                for ((sheet, wake), first) in sheets {
-                    let of = |_: usize, strip: usize| first + (sheet.rows - 1) * sheet.strips + strip;
-                    for (block, (points, normals)) in points.iter().zip(normals).enumerate().take(rows / LANES) {
-                        let place = (rows, block * LANES);
-                        kernel.influence(wake, &state.wake_node_m, points, normals, arms, matrix, place, of);
-                    }
-                }
-            },
-        );
-    }
-
     /// Velocity of the air relative to the panels at their collocation points, with the wake and without bound vortices.
     ///
     /// Rows beyond [`NEAR_ROWS`] have been summed by [`convect`](Self::convect).
@@ -427,26 +393,6 @@ impl VortexLattice {
                     panel += 1;
                 }
             }
-        }
-    }
-
-    /// Circulation for which no air passes through the collocation points, eq. (U4).
-    fn circulate(&mut self, state: &mut LatticeState) {
-        let mut panel = 0;
-        for sheet in &self.bound {
-            for row in 0..sheet.rows {
-                for strip in 0..sheet.strips {
-                    let normal = self.normals[panel / LANES].get(panel % LANES);
-                    self.right[panel] = -self.relative_m_s[sheet.ring(row, strip)].dot(&normal);
-                    panel += 1;
-                }
-            }
-        }
-        self.system.solve(&mut self.right);
-        for (sheet, first) in self.bound.iter().zip(&self.first_panel) {
-            let panels = sheet.rows * sheet.strips;
-            state.circulation_m2_s[sheet.first_ring..][..panels].copy_from_slice(&self.right[*first..][..panels]);
-            self.bound_filaments.gather(sheet, &state.circulation_m2_s);
         }
     }
 
@@ -473,10 +419,11 @@ impl VortexLattice {
         let (kernel, arch, used) = (&self.kernel, self.arch, blocks(count));
         let (points, velocities) = (&self.points[..used], &mut self.velocities[..used]);
         let run = |points: &[Block], velocities: &mut [Block], arms: &mut [Arm]| {
-            arch.dispatch(
+            wide(
+                arch,
                 #[inline(always)]
                 || {
-                    for (points_m, velocity_m_s) in points.iter().zip(velocities) {
+                    for (points_m, velocity_m_s) in points.iter().zip(velocities.iter_mut()) {
                         kernel.induce(sheets, nodes_m, filaments, points_m, arms, velocity_m_s);
                     }
                 },

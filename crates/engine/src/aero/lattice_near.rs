@@ -4,6 +4,7 @@ use crate::aero::biot_savart::{LANES, Sheet};
 use crate::aero::lattice::VortexLattice;
 use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::near_sheets::{ClosedSheets, CrossedSheets, Facing, Gap, Looking};
+use crate::aero::wide::wide;
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 
@@ -139,7 +140,8 @@ impl VortexLattice {
         let (facings, entries, sums) = (&self.facings, &mut self.facing_entries, &mut self.facing_sums);
         let (bound, wakes, firsts, normals) = (&self.bound, &self.wake, &self.first_panel, &self.normals);
         let arms = &mut self.arms[0];
-        arch.dispatch(
+        wide(
+            arch,
             #[inline(always)]
             || {
                 for facing in facings {
@@ -177,7 +179,8 @@ impl VortexLattice {
         };
         let (kernel, arch, facings, velocities) = (&self.kernel, self.arch, &self.facings, &mut self.velocities);
         let arms = &mut self.arms[0];
-        arch.dispatch(
+        wide(
+            arch,
             #[inline(always)]
             || {
                 for facing in facings {

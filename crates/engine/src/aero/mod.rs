@@ -8,6 +8,7 @@ pub mod biot_savart;
 pub mod flow;
 pub mod joined_edges;
 pub mod lattice;
+mod lattice_influence;
 mod lattice_loads;
 mod lattice_near;
 pub mod lattice_state;
@@ -20,6 +21,7 @@ pub mod rotor;
 pub mod strip;
 pub mod surface;
 mod wake;
+mod wide;
 
 pub use model::{AirModel, AirOptions, AirState};
 

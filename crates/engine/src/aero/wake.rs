@@ -2,7 +2,7 @@
 
 use crate::aero::biot_savart::{Block, LANES, blocks};
 use crate::aero::flow::{AirPath, Flow};
-use crate::aero::lattice::{VortexLattice, WakeModel};
+use crate::aero::lattice::{Factors, VortexLattice, WakeModel};
 use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::surface::Surface;
 use nalgebra::Vector3;
@@ -39,6 +39,7 @@ impl VortexLattice {
     /// ring that it takes in, so that what is lost is the history of the far wake and not its length. The wake of an
     /// established flow stays behind all that as the one ring that it is: it takes nothing in.
     pub fn convect(&mut self, from: &LatticeState, flow: &Flow, step_s: f64, to: &mut LatticeState) {
+        self.factors = Factors::Due;
         let (columns, strips) = (self.wake_columns, self.wake_strips);
         let nodes = (from.wake_rows + 1) * columns;
         let free = self.options.wake == WakeModel::Free;

@@ -9,6 +9,7 @@ use crate::aero::biot_savart::{Arm, Block, Kernel, LANES, Sheet, blocks};
 use crate::aero::flow::Flow;
 use crate::aero::linear_system::LinearSystem;
 use crate::aero::strip::section::Strip;
+use crate::aero::wide::wide;
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 use pulp::Arch;
@@ -168,7 +169,8 @@ impl LiftingLine {
         self.influence.fill(0.0);
         let (kernel, arch, rows) = (self.kernel, self.arch, self.rows);
         let Self { sheets, nodes_m, points, normals, arms, influence, .. } = self;
-        arch.dispatch(
+        wide(
+            arch,
             #[inline(always)]
             || {
                 for (block, (points, normals)) in points.iter().zip(normals.iter()).enumerate() {
@@ -242,7 +244,7 @@ impl LiftingLine {
             *right = equation.slope_m * equation.effective_m_s;
         }
         match self.system.factorize(self.arch) {
-            Ok(()) => self.system.solve(&mut self.right),
+            Ok(()) => self.system.solve(self.arch, &mut self.right),
             Err(_) => self.right.fill(f64::NAN),
         }
         self.induced_m_s.fill(0.0);

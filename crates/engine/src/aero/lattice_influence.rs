@@ -1,0 +1,121 @@
+//! Influence matrix of the lattice, its factors, and the circulation that they give.
+
+use crate::aero::biot_savart::{LANES, blocks};
+use crate::aero::lattice::{Factors, VortexLattice};
+use crate::aero::lattice_state::LatticeState;
+use crate::aero::near_sheets::NoCirculation;
+use crate::aero::wide::wide;
+
+impl VortexLattice {
+    /// The influence matrix for the present geometry, with its factors where they are due. The same geometry again costs
+    /// nothing.
+    pub(super) fn influence(&mut self, state: &LatticeState, established: bool) -> Result<(), NoCirculation> {
+        let is_factored = !established && self.factored && self.factored_corner_m == state.corner_m;
+        if !is_factored {
+            if established || !self.built || self.matrix_corner_m != state.corner_m {
+                self.build(state, established)?;
+            }
+            if self.factors != Factors::Kept {
+                self.factorize()?;
+            }
+        }
+        if self.factors == Factors::Due {
+            self.factors = Factors::Kept;
+        }
+        Ok(())
+    }
+
+    /// Factors of the matrix.
+    fn factorize(&mut self) -> Result<(), NoCirculation> {
+        self.factored = false;
+        self.system.factorize(self.arch)?;
+        self.factored_corner_m.copy_from_slice(&self.matrix_corner_m);
+        self.factored = true;
+        Ok(())
+    }
+
+    /// The influence matrix.
+    fn build(&mut self, state: &LatticeState, established: bool) -> Result<(), NoCirculation> {
+        self.built = false;
+        if let Some(closed) = self.closed_sheets() {
+            return Err(NoCirculation::Closed(closed));
+        }
+        let (panels, rows) = (self.right.len(), blocks(self.right.len()) * LANES);
+        let (kernel, arch, bound) = (self.kernel, self.arch, &self.bound);
+        let (points, normals, firsts, arms) = (&self.points, &self.normals, &self.first_panel, &mut self.arms[0]);
+        let matrix = self.system.cleared();
+        wide(
+            arch,
+            #[inline(always)]
+            || {
+                for (block, (points, normals)) in points.iter().zip(normals).enumerate().take(rows / LANES) {
+                    let place = (rows, block * LANES);
+                    for (sheet, first) in bound.iter().zip(firsts) {
+                        let (corners, strips) = (&state.corner_m, sheet.strips);
+                        let of = |row: usize, strip: usize| first + row * strips + strip;
+                        kernel.influence(sheet, corners, points, normals, arms, matrix, place, of);
+                    }
+                }
+            },
+        );
+        debug_assert!(panels <= rows);
+        self.see_influence(state, established);
+        if established {
+            self.add_established_wake(state);
+        }
+        self.built = !established;
+        self.matrix_corner_m.copy_from_slice(&state.corner_m);
+        Ok(())
+    }
+
+    /// Adds the rings of an established wake to those in front of them, with whose circulation they are born.
+    fn add_established_wake(&mut self, state: &LatticeState) {
+        let rows = blocks(self.right.len()) * LANES;
+        let (kernel, arch) = (self.kernel, self.arch);
+        let (points, normals, arms) = (&self.points, &self.normals, &mut self.arms[0]);
+        let sheets = self.bound.iter().zip(&self.wake).zip(&self.first_panel);
+        let matrix = self.system.entries_mut();
+        wide(
+            arch,
+            #[inline(always)]
+            || {
+                for ((sheet, wake), first) in sheets.clone() {
+                    let of = |_: usize, strip: usize| first + (sheet.rows - 1) * sheet.strips + strip;
+                    for (block, (points, normals)) in points.iter().zip(normals).enumerate().take(rows / LANES) {
+                        let place = (rows, block * LANES);
+                        kernel.influence(wake, &state.wake_node_m, points, normals, arms, matrix, place, of);
+                    }
+                }
+            },
+        );
+    }
+
+    /// Circulation for which no air passes through the collocation points, eq. (U4).
+    pub(super) fn circulate(&mut self, state: &mut LatticeState) -> Result<(), NoCirculation> {
+        let mut panel = 0;
+        for sheet in &self.bound {
+            for row in 0..sheet.rows {
+                for strip in 0..sheet.strips {
+                    let normal = self.normals[panel / LANES].get(panel % LANES);
+                    self.right[panel] = -self.relative_m_s[sheet.ring(row, strip)].dot(&normal);
+                    panel += 1;
+                }
+            }
+        }
+        let own = self.factored_corner_m == state.corner_m;
+        if own || !self.system.solve_with_factors_near_by(self.arch, &self.right, &mut self.solution) {
+            if !own {
+                self.factors = Factors::OfEach;
+                self.factorize()?;
+            }
+            self.solution.copy_from_slice(&self.right);
+            self.system.solve(self.arch, &mut self.solution);
+        }
+        for (sheet, first) in self.bound.iter().zip(&self.first_panel) {
+            let panels = sheet.rows * sheet.strips;
+            state.circulation_m2_s[sheet.first_ring..][..panels].copy_from_slice(&self.solution[*first..][..panels]);
+            self.bound_filaments.gather(sheet, &state.circulation_m2_s);
+        }
+        Ok(())
+    }
+}

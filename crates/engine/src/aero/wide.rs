@@ -1,0 +1,24 @@
+//! Work with the widest vectors of the machine.
+
+use pulp::{Arch, Simd, WithSimd};
+
+/// Work that is compiled for one kind of vectors.
+struct Work<F>(F);
+
+impl<R, F: FnMut() -> R> WithSimd for Work<F> {
+    type Output = R;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, _: S) -> R {
+        (self.0)()
+    }
+}
+
+/// Runs a closure, and what is inlined into it, with the widest vectors of the machine.
+///
+/// The closure needs `#[inline(always)]`. Handed to [`Arch::dispatch`] itself it would be called through the shim of
+/// `FnOnce`, which is not inlined where it is long, and then is compiled for the oldest machines.
+#[inline(always)]
+pub(super) fn wide<R>(arch: Arch, work: impl FnMut() -> R) -> R {
+    arch.dispatch(Work(work))
+}
