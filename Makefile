@@ -127,12 +127,13 @@ python: wheel ## Test the Python package from its wheel: what it computes and co
 
 bench: bench-own bench-sweep bench-latency bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
 
-bench-own: toolchain ## Measure the recursions, the C functions, memory, other methods and the lattice
+bench-own: build ## Measure the recursions, the C functions, memory, other methods and the lattice
 	$(CARGO) bench --locked --bench kernels
 	$(CARGO) bench --locked --bench calls
 	$(CARGO) bench --locked --bench memory
 	$(CARGO) bench --locked --bench conventional
 	$(CARGO) bench --locked --bench lattice
+	@$(PYTHON) studies/lattice_cost.py --foldwing $(COMMAND)
 
 profile: toolchain ## Count the instructions of the deployment by part of the program; needs valgrind
 	CARGO_PROFILE_RELEASE_STRIP=none CARGO_PROFILE_RELEASE_DEBUG=1 \

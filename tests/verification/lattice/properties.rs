@@ -203,6 +203,35 @@ fn u25_repetition_gives_the_same_bits() {
     assert_eq!(copy, wing.to);
 }
 
+/// U-38. The factors of a step's first motion find the circulation of the others as their own do, to round-off; what was
+/// solved before a step does not change a bit of it.
+#[test]
+fn u38_factors_of_the_first_motion_serve_the_step() {
+    let mut wing = Wing::new(&inset(4.0, 9), |x| 1.0 + 0.1 * x, 3, free()).with_incidence(0.1);
+    wing.start(false);
+    wing.step(0.02);
+    let wind_m_s = wing.wind_m_s;
+    let flow = Flow { time_s: 0.04, density_kg_m3: DENSITY_KG_M3, wind_m_s, spin_rad_s: Vector3::zeros(), gusts: &[] };
+    let fresh = wing.lattice.clone();
+    let mut solve = |lattice: &mut VortexLattice, times_s: &[f64]| {
+        lattice.convect(&wing.from, &flow, 0.02, &mut wing.to);
+        for time_s in times_s {
+            lattice.solve(&wing.from, &waving(*time_s), &flow, 0.02, &mut wing.to, &mut wing.loads).expect("regular");
+        }
+        (wing.to.clone(), wing.loads.clone())
+    };
+    let own = solve(&mut fresh.clone(), &[0.0401]);
+    let mut used = fresh;
+    let others = solve(&mut used, &[0.04, 0.0401]);
+    let largest = own.0.circulation_m2_s.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let circulations = own.0.circulation_m2_s.iter().zip(&others.0.circulation_m2_s);
+    let off = circulations.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    println!("U-38: {off:.1e} of {largest:.3} m2/s");
+    // 1e-14 is where the improvement stops; the condition of the lattice is some tens
+    assert!(off > 0.0 && off < 1e-12 * largest, "{off:e} of {largest}");
+    assert_eq!(solve(&mut used, &[0.0401]), own);
+}
+
 /// U-26. Established flow is steady: the loads stay as they are while the straight wake moves on.
 #[test]
 fn u26_established_flow_is_steady() {
