@@ -6,6 +6,7 @@ use crate::air_file::{
 };
 use crate::file::ModelFile;
 use crate::function::along_body;
+use crate::rotor;
 use crate::validate::Checker;
 use foldwing_engine::aero::flow::GustShape;
 use foldwing_engine::aero::lattice::WakeModel;
@@ -25,7 +26,16 @@ pub(super) fn add(
     match &file.aerodynamics {
         Some(air) => {
             refuse_keys_without_effect(air, file, checker);
-            machine = machine.air(build(air));
+            let base = match air.model {
+                AirModelFile::Uvlm => Air::lattice(),
+                AirModelFile::Strip => Air::strips(),
+                AirModelFile::None => Air::none(),
+                AirModelFile::Bem => rotor::build(air, file, checker).unwrap_or_else(|| {
+                    checker.stands_in(&["air"]);
+                    Air::none()
+                }),
+            };
+            machine = machine.air(build(base, air));
         }
         None => {
             let stray = file.surface.keys().next().map(|name| ["surface", name]);
@@ -36,8 +46,7 @@ pub(super) fn add(
             machine = machine.air(Air::none()); // what the tables say is looked at all the same
         }
     }
-    // elsewhere a polar is refused as it is
-    let reads_polars = !file.aerodynamics.as_ref().is_some_and(|air| air.model == AirModelFile::Uvlm);
+    let air_model = file.aerodynamics.as_ref().map_or(AirModelFile::None, |air| air.model);
     for (index, (name, surface)) in file.surface.iter().enumerate() {
         let path = ["surface", name, "body"];
         let earlier = file.surface.iter().take(index).find(|(_, other)| other.body == surface.body);
@@ -47,7 +56,7 @@ pub(super) fn add(
                 None
             }
             None if lawless.contains(&surface.body.as_str()) => None,
-            None => build_surface(name, surface, reads_polars, checker),
+            None => build_surface(name, surface, air_model, checker),
         };
         match built {
             Some(built) => machine = machine.surface(built),
@@ -68,6 +77,7 @@ fn refuse_keys_without_effect(air: &AirFile, file: &ModelFile, checker: &mut Che
         AirModelFile::None => return,
         AirModelFile::Uvlm => (STRIP_KEYS, STRIP_SURFACE_KEYS, "strip"),
         AirModelFile::Strip => (LATTICE_KEYS, LATTICE_SURFACE_KEYS, "uvlm"),
+        AirModelFile::Bem => (LATTICE_KEYS, LATTICE_SURFACE_KEYS, "uvlm"),
     };
     let allowed = format!("this key only with model = {model:?}");
     let spans = air.model == AirModelFile::Strip && air.tip_loss == TipLossFile::LiftingLine;
@@ -95,11 +105,52 @@ fn refuse_keys_without_effect(air: &AirFile, file: &ModelFile, checker: &mut Che
             checker.refuse(&path, allowed.as_str());
         }
     }
+    refuse_rotor_keys(air, file, checker);
     if air.coupling == CouplingFile::Staggered {
         for key in ["coupling_tolerance", "coupling_iterations"] {
             if checker.states(&["aerodynamics", key]) {
                 checker.refuse(&["aerodynamics", key], "this key only with coupling = \"iterated\"");
             }
+        }
+    }
+}
+
+/// Refuses what only a rotor reads without one, and with one what its blades do not read.
+fn refuse_rotor_keys(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
+    let surfaces = |keys: &'static [&'static str]| {
+        file.surface.keys().flat_map(move |name| keys.iter().map(move |key| ["surface", name, key]))
+    };
+    if air.model == AirModelFile::Bem {
+        for key in STRIP_KEYS.iter().chain(SPAN_KEYS).chain(&["leading_edge_suction", "report_circulation"]) {
+            if checker.states(&["aerodynamics", key]) {
+                checker.refuse(&["aerodynamics", key], "this key only with model = \"strip\" or \"uvlm\"");
+            }
+        }
+        for path in surfaces(STRIP_SURFACE_KEYS).chain(surfaces(&["strips"])) {
+            if checker.states(&path) {
+                checker.refuse(&path, "this key not with model = \"bem\", whose blades have stations_m and polars");
+            }
+        }
+        return;
+    }
+    let allowed = "this key only with model = \"bem\"";
+    for key in rotor::KEYS {
+        if checker.states(&["aerodynamics", key]) {
+            checker.refuse(&["aerodynamics", key], allowed);
+        }
+    }
+    for path in surfaces(rotor::SURFACE_KEYS) {
+        if checker.states(&path) {
+            checker.refuse(&path, allowed);
+        }
+    }
+    for key in ["polar", "wind", "tower"] {
+        if checker.states(&[key]) {
+            checker.refuse_as(
+                &[key],
+                format!("a table [{key}] without a rotor"),
+                "this table only with model = \"bem\"",
+            );
         }
     }
 }
@@ -113,13 +164,8 @@ const STRIP_KEYS: &[&str] = &["quasi_steady", "apparent_mass", "indicial", "tip_
 const STRIP_SURFACE_KEYS: &[&str] =
     &["lift_slope_1_rad", "zero_lift_angle_deg", "moment_coefficient", "drag_coefficient", "polar"];
 
-fn build(air: &AirFile) -> AirBuilder {
-    let mut built = match air.model {
-        AirModelFile::Uvlm => Air::lattice(),
-        AirModelFile::Strip => Air::strips(),
-        AirModelFile::None => Air::none(),
-    };
-    built = built
+fn build(base: AirBuilder, air: &AirFile) -> AirBuilder {
+    let mut built = base
         .density_kg_m3(air.density_kg_m3)
         .wind_m_s(air.wind_m_s)
         .established(air.established)
@@ -159,14 +205,25 @@ fn build(air: &AirFile) -> AirBuilder {
 fn build_surface(
     name: &str,
     surface: &SurfaceFile,
-    reads_polars: bool,
+    model: AirModelFile,
     checker: &mut Checker,
 ) -> Option<SurfaceBuilder> {
+    let blade = model == AirModelFile::Bem;
+    // elsewhere a polar is refused as it is
+    let reads_polars = !matches!(model, AirModelFile::Uvlm | AirModelFile::Bem);
+    let strips = match surface.strips {
+        Some(strips) => strips,
+        None if blade => 1,
+        None => {
+            checker.refuse(&["surface", name, "strips"], "a whole number from 1 to 1000");
+            return None;
+        }
+    };
     let polar = match &surface.polar {
         Some(rows) if reads_polars => Some(polar(name, rows, checker)?),
         _ => None,
     };
-    let mut built = LiftingSurface::on(&surface.body, surface.strips)
+    let mut built = LiftingSurface::on(&surface.body, strips)
         .chord_panels(surface.chord_panels)
         .axis_fraction(along_body(&["surface", name, "axis_fraction"], &surface.axis_fraction, checker)?)
         .lift_slope_1_rad(along_body(&["surface", name, "lift_slope_1_rad"], &surface.lift_slope_1_rad, checker)?)
@@ -182,6 +239,19 @@ fn build_surface(
     }
     if let Some(incidence) = &surface.incidence_deg {
         built = built.incidence_deg(along_body(&["surface", name, "incidence_deg"], incidence, checker)?);
+    }
+    if blade {
+        match (&surface.stations_m, &surface.polars) {
+            (Some(stations_m), Some(polars)) => built = built.blade(stations_m.clone(), polars.clone()),
+            (None, _) => {
+                checker.refuse(&["surface", name, "stations_m"], "at least 2 places in m along the blade, ascending");
+                return None;
+            }
+            (_, None) => {
+                checker.refuse(&["surface", name, "polars"], "the name of a polar for each station");
+                return None;
+            }
+        }
     }
     Some(match surface.leading_edge {
         LeadingEdgeFile::Plus => built,

@@ -1,6 +1,7 @@
 //! Air around the machine: the tables `[aerodynamics]`, `[surface.<name>]` and `[gust.<name>]` of the model file.
 
 use crate::function::FunctionFile;
+use crate::rotor_file::{EndRuleFile, TurnsFile};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -63,6 +64,24 @@ pub(super) struct AirFile {
     pub threads: usize,
     /// Adds an output `aero.circulation.<body>[strip]` for each strip.
     pub report_circulation: bool,
+    /// Body that turns with the blades; its inner end is the apex, where the blades' axes meet the shaft. `bem` only, needed there.
+    pub hub: Option<String>,
+    /// Distance from the apex to the inner ends of the blades. `bem` only, needed there.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub hub_radius_m: Option<f64>,
+    /// Direction of the shaft in the hub's frame, downwind, of any length except zero. `bem` only.
+    #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
+    pub shaft_axis: [f64; 3],
+    /// Sense in which the rotor turns for who looks downwind. `bem` only.
+    pub turns: TurnsFile,
+    /// What the blades carry at the very tip and hub, where Prandtl's loss is complete. `bem` only.
+    pub end_rule: EndRuleFile,
+    /// Whether the induction varies over a disc that the wind meets at an angle (Pitt and Peters). `bem` only.
+    pub skewed_wake: bool,
+    /// Whether the induced velocity follows with the delay of the wake (Øye). `bem` only.
+    pub dynamic_inflow: bool,
+    /// Whether sections stall with delay (Beddoes and Leishman, four states). `bem` only.
+    pub dynamic_stall: bool,
 }
 
 impl Default for AirFile {
@@ -87,6 +106,14 @@ impl Default for AirFile {
             leading_edge_suction: None,
             threads: 1,
             report_circulation: false,
+            hub: None,
+            hub_radius_m: None,
+            shaft_axis: [1.0, 0.0, 0.0],
+            turns: TurnsFile::Clockwise,
+            end_rule: EndRuleFile::ZeroLoad,
+            skewed_wake: false,
+            dynamic_inflow: false,
+            dynamic_stall: false,
         }
     }
 }
@@ -99,6 +126,8 @@ pub(super) enum AirModelFile {
     Uvlm,
     /// Strip theory.
     Strip,
+    /// Blade-element momentum theory: every surface is a blade of one rotor.
+    Bem,
     /// None: loads come from outside.
     None,
 }
@@ -150,9 +179,16 @@ pub(super) struct SurfaceFile {
     pub leading_edge: LeadingEdgeFile,
     /// Incidence of the chord relative to the section along the body; positive raises the leading edge towards `+z`.
     pub incidence_deg: Option<FunctionFile>,
-    /// Strips along the span; panels of the lattice along the span.
+    /// Strips along the span; panels of the lattice along the span. Needed but for a blade, which has `stations_m`.
     #[schemars(range(min = 1, max = 1000))]
-    pub strips: usize,
+    pub strips: Option<usize>,
+    /// Places along a blade, from the body's inner end, where the air is looked at; loads go in straight lines between them.
+    /// `bem` only, needed there.
+    #[schemars(length(min = 2, max = 1000))]
+    pub stations_m: Option<Vec<f64>>,
+    /// Names of the polars at the stations, one each. `bem` only, needed there.
+    #[schemars(length(min = 2, max = 1000))]
+    pub polars: Option<Vec<String>>,
     /// Panels of the lattice along the chord; lattice only.
     #[serde(default = "four")]
     #[schemars(range(min = 1, max = 1000))]

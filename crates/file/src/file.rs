@@ -6,6 +6,7 @@
 use crate::air_file::{AirFile, GustFile, SurfaceFile};
 use crate::body::{BodyFile, LoadFrameFile};
 use crate::joint_file::JointFile;
+use crate::rotor_file::{PolarFile, TowerFile, WindFile};
 use crate::run::{ExperimentFile, SolverFile};
 use indexmap::IndexMap;
 use schemars::JsonSchema;
@@ -66,6 +67,13 @@ pub(super) struct ModelFile {
     /// Gusts by name.
     #[serde(default)]
     pub gust: IndexMap<String, GustFile>,
+    /// Polars of a rotor's blades by name.
+    #[serde(default)]
+    pub polar: IndexMap<String, PolarFile>,
+    /// Wind as a field, for a rotor.
+    pub wind: Option<WindFile>,
+    /// Tower that the wind goes around, for a rotor.
+    pub tower: Option<TowerFile>,
     /// Time integration.
     #[serde(default)]
     pub solver: SolverFile,

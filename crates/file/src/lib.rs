@@ -11,6 +11,7 @@ mod attachments;
 mod body;
 mod document;
 mod doubts;
+mod embedded;
 mod error;
 mod file;
 mod function;
@@ -22,6 +23,8 @@ mod loops;
 mod meant;
 mod polar_file;
 mod reference;
+mod rotor;
+mod rotor_file;
 mod run;
 mod schema;
 mod sections;
@@ -50,7 +53,8 @@ pub fn parse(text: &str, file_name: &str) -> Result<Machine, ConfigError> {
     build(text).map_err(|problems| ConfigError::Refused { file: file_name.to_owned(), problems })
 }
 
-/// Reads a model file; returns the machine and the file's text, which rides in the FMU's resources.
+/// Reads a model file; returns the machine and the file's text with the polars of other files in it, which rides in the FMU's
+/// resources.
 ///
 /// # Errors
 /// [`ConfigError::Read`] where the file cannot be read or is not UTF-8, else as [`parse`].
@@ -58,9 +62,22 @@ pub fn read(path: impl AsRef<Path>) -> Result<(Machine, String), ConfigError> {
     let path = path.as_ref();
     let file = path.display().to_string();
     match std::fs::read_to_string(path) {
-        Ok(text) => Ok((parse(&text, &file)?, text)),
+        Ok(text) => {
+            let folder = path.parent().unwrap_or(Path::new(""));
+            let text = with_polars(text, folder, &file)?;
+            Ok((parse(&text, &file)?, text))
+        }
         Err(source) => Err(ConfigError::Read { file, source }),
     }
+}
+
+/// The text of a model file with the rows of polars that it names by `file`, looked for in a folder; lines keep their numbers.
+///
+/// # Errors
+/// [`ConfigError::Refused`] where a file cannot be read or its polar is refused, at the line of its key.
+pub fn with_polars(text: String, folder: &Path, file_name: &str) -> Result<String, ConfigError> {
+    embedded::with_polars(text, folder)
+        .map_err(|problems| ConfigError::Refused { file: file_name.to_owned(), problems })
 }
 
 /// The text of a model file with the keys of a JSON object, in their order.

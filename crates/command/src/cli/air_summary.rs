@@ -145,6 +145,12 @@ fn describe(options: &AirOptions) -> String {
             let mirror = if lattice.mirror_normal.is_some() { ", mirror plane" } else { "" };
             format!("vortex lattice, {wake} wake of {} rows, {loads} loads{mirror}", lattice.wake_rows)
         }
+        AirOptions::Rotor(rotor) => {
+            let skew = if rotor.skewed_wake { ", skewed wake" } else { "" };
+            let inflow = if rotor.dynamic_inflow { ", dynamic inflow" } else { "" };
+            let stall = if rotor.dynamic_stall { ", dynamic stall" } else { "" };
+            format!("blade elements in momentum balance{skew}{inflow}{stall}")
+        }
         AirOptions::Strips(strips) => {
             let lag = if strips.unsteady { "unsteady" } else { "quasi-steady" };
             let mass = if strips.apparent_mass { "" } else { ", no apparent mass" };

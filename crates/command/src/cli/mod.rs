@@ -268,6 +268,12 @@ fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
         let line = error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
         Failure::Refused(format!("{shown}:{}: a model file is UTF-8 text; this line is not", line + 1))
     })?;
+    // from standard input: files beside the working directory
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let text = match config::with_polars(text.clone(), folder, &shown) {
+        Ok(text) => text,
+        Err(error) => return Err(Failure::Model { text, error }),
+    };
     match config::parse(&text, &shown) {
         Ok(machine) => {
             config::doubts(&text).iter().for_each(|doubt| tell::doubt(&shown, &text, doubt));

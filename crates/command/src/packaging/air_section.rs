@@ -1,6 +1,7 @@
 //! Air on the documentation page.
 
 use crate::packaging::documentation::{number, table, vector};
+use foldwing_engine::aero::rotor::induction::EndRule;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{AirOptions, Coupling, LoadRule, WakeModel};
 use quick_xml::escape::escape;
@@ -25,6 +26,17 @@ pub(super) fn write(html: &mut String, machine: &Machine) {
             lattice.mirror_normal.map_or(String::new(), |normal| {
                 format!(", mirror plane through the origin with normal {}", vector(normal.as_slice()))
             })
+        ),
+        AirOptions::Rotor(rotor) => format!(
+            "Blade-element momentum theory on {} blades{}{}{}; {}.",
+            air.surfaces.len(),
+            if rotor.skewed_wake { ", skewed wake" } else { "" },
+            if rotor.dynamic_inflow { ", dynamic inflow" } else { "" },
+            if rotor.dynamic_stall { ", dynamic stall" } else { "" },
+            match rotor.end_rule {
+                EndRule::ZeroLoad => "no load where the tip or hub loss is complete",
+                EndRule::Stopped => "the wind stopped where the tip or hub loss is complete",
+            }
         ),
         AirOptions::Strips(strips) => format!(
             "{} strips{}{}.",

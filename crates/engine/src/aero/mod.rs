@@ -24,6 +24,7 @@ mod wake;
 mod wide;
 
 pub use model::{AirModel, AirOptions, AirState};
+pub use rotor::bem::RotorLoads;
 
 use crate::load::{SectionMotion, Wrench};
 use nalgebra::Vector3;

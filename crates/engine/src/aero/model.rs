@@ -6,6 +6,7 @@ use crate::aero::joined_edges::Edge;
 use crate::aero::lattice::{LatticeOptions, VortexLattice};
 use crate::aero::lattice_state::LatticeState;
 use crate::aero::near_sheets::NoCirculation;
+use crate::aero::rotor::bem::{Rotor, RotorLoads, RotorOptions, RotorState};
 use crate::aero::strip::{StripOptions, StripState, Strips};
 use crate::aero::surface::Surface;
 use crate::load::SectionMotion;
@@ -18,6 +19,8 @@ pub enum AirOptions {
     Lattice(LatticeOptions),
     /// Strip theory.
     Strips(StripOptions),
+    /// Blade-element momentum theory.
+    Rotor(Box<RotorOptions>),
 }
 
 /// A model of the air with its scratch.
@@ -26,6 +29,8 @@ pub enum AirModel {
     Lattice(Box<VortexLattice>),
     /// Strip theory.
     Strips(Box<Strips>),
+    /// Blade-element momentum theory.
+    Rotor(Box<Rotor>),
 }
 
 /// All that a model of the air remembers from one aerodynamic step to the next.
@@ -35,6 +40,8 @@ pub enum AirState {
     Lattice(Box<LatticeState>),
     /// Of strip theory.
     Strips(Box<StripState>),
+    /// Of a rotor.
+    Rotor(Box<RotorState>),
 }
 
 impl AirModel {
@@ -43,10 +50,11 @@ impl AirModel {
         match options {
             AirOptions::Lattice(options) => Self::Lattice(Box::new(VortexLattice::new(surfaces, options.clone()))),
             AirOptions::Strips(options) => Self::Strips(Box::new(Strips::new(surfaces, *options))),
+            AirOptions::Rotor(options) => Self::Rotor(Box::new(Rotor::new(&surfaces, options))),
         }
     }
 
-    /// Takes two edges of surfaces for one, where their bodies are joined; strips have no use for it.
+    /// Takes two edges of surfaces for one, where their bodies are joined; only the lattice has use for it.
     pub fn join(&mut self, edges: [Edge; 2]) {
         if let Self::Lattice(lattice) = self {
             lattice.join(edges);
@@ -58,6 +66,7 @@ impl AirModel {
         match self {
             Self::Lattice(lattice) => AirState::Lattice(Box::new(lattice.blank_state())),
             Self::Strips(strips) => AirState::Strips(Box::new(strips.blank_state())),
+            Self::Rotor(rotor) => AirState::Rotor(Box::new(rotor.blank_state())),
         }
     }
 
@@ -81,6 +90,10 @@ impl AirModel {
                 strips.start(motions, flow, established, state, loads);
                 Ok(())
             }
+            (Self::Rotor(rotor), AirState::Rotor(state)) => {
+                rotor.start(motions, flow, established, state, loads);
+                Ok(())
+            }
             _ => unreachable!("a state belongs to its model"),
         }
     }
@@ -94,6 +107,7 @@ impl AirModel {
             (Self::Strips(strips), AirState::Strips(from), AirState::Strips(to)) => {
                 strips.convect(from, flow, step_s, to);
             }
+            (Self::Rotor(_), AirState::Rotor(from), AirState::Rotor(to)) => to.copy_from(from),
             _ => unreachable!("a state belongs to its model"),
         }
     }
@@ -120,6 +134,10 @@ impl AirModel {
                 strips.solve(from, motions, flow, step_s, to, loads);
                 Ok(())
             }
+            (Self::Rotor(rotor), AirState::Rotor(from), AirState::Rotor(to)) => {
+                rotor.solve(from, motions, flow, step_s, to, loads);
+                Ok(())
+            }
             _ => unreachable!("a state belongs to its model"),
         }
     }
@@ -135,11 +153,19 @@ impl AirModel {
         }
     }
 
-    /// Circulation of a strip in m²/s, about the span from the inner to the outer end.
+    /// Whether the air sees the velocities of an instant; otherwise those that belong to displacements over a step, eq. (Q4).
+    /// A rotor has no apparent mass, and turns far within a step.
+    pub fn sees_instants(&self) -> bool {
+        matches!(self, Self::Rotor(_))
+    }
+
+    /// Circulation of a strip in m²/s, about the span from the inner to the outer end; 0 on a rotor's blades, which have
+    /// annuli.
     pub fn strip_circulation_m2_s(&self, state: &AirState, surface: usize, strip: usize) -> f64 {
         match (self, state) {
             (Self::Lattice(lattice), AirState::Lattice(state)) => lattice.strip_circulation(state, surface, strip),
             (Self::Strips(strips), AirState::Strips(state)) => strips.strip_circulation_m2_s(state, surface, strip),
+            (Self::Rotor(_), AirState::Rotor(_)) => 0.0,
             _ => unreachable!("a state belongs to its model"),
         }
     }
@@ -151,7 +177,16 @@ impl AirState {
         match (self, other) {
             (Self::Lattice(own), Self::Lattice(other)) => own.copy_from(other),
             (Self::Strips(own), Self::Strips(other)) => own.copy_from(other),
+            (Self::Rotor(own), Self::Rotor(other)) => own.copy_from(other),
             _ => unreachable!("a state belongs to its model"),
+        }
+    }
+
+    /// What a rotor gives; `None` of other models.
+    pub fn rotor_loads(&self) -> Option<&RotorLoads> {
+        match self {
+            Self::Rotor(state) => Some(&state.loads),
+            _ => None,
         }
     }
 
@@ -160,6 +195,7 @@ impl AirState {
         match (self, other) {
             (Self::Lattice(own), Self::Lattice(other)) => own.fits(other),
             (Self::Strips(own), Self::Strips(other)) => own.fits(other),
+            (Self::Rotor(own), Self::Rotor(other)) => own.fits(other),
             _ => false,
         }
     }

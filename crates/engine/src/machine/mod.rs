@@ -380,6 +380,13 @@ pub struct Air {
     pub gusts: Vec<Gust>,
 }
 
+impl Air {
+    /// Whether it is that of a rotor.
+    pub fn has_rotor(&self) -> bool {
+        matches!(self.options, AirOptions::Rotor(_))
+    }
+}
+
 /// How air and structure agree on the loads at the end of an aerodynamic step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Coupling {

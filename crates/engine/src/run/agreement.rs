@@ -15,7 +15,7 @@ use crate::run::march::even_step;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::air::start::{flow, refusal};
-use crate::system::air::{AirCoupling, AirHistory, Gain, StepLoads, gaps};
+use crate::system::air::{AirCoupling, AirHistory, Gain, Sample, StepLoads, gaps};
 use crate::system::state::State;
 use crate::system::{PlantError, Statistics, System};
 use nalgebra::Vector3;
@@ -184,9 +184,9 @@ impl Plant {
         let System { air: Some(air), state, machine, .. } = &mut self.system else { return Ok(None) };
         let air = &mut **air;
         let Some(history) = &mut state.air else { return Ok(None) };
-        let step_s = air.settings.step_s;
+        let (step_s, instants) = (air.settings.step_s, air.model.sees_instants());
         for (motion, (begin, end)) in air.motions.iter_mut().zip(history.begin.iter().zip(&mut history.end)) {
-            *end = begin.next(motion, step_s, gain);
+            *end = if instants { Sample::steady(motion) } else { begin.next(motion, step_s, gain) };
             *motion = end.motion;
         }
         if first && machine.solver.fixed_step_s.is_none() {

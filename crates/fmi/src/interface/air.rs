@@ -6,7 +6,9 @@ use crate::interface::known::{Input, JointInput, JointParameter, Known, Paramete
 use crate::interface::rows::wrench;
 use crate::interface::table::{POSITIVE, Shape, Table, Text, Type};
 use crate::interface::topology::Topology;
+use foldwing_engine::aero::RotorLoads;
 use foldwing_engine::plant::OutputSet;
+use std::mem::offset_of;
 
 /// Wind.
 pub(super) fn inputs(table: &mut Table, topology: &Topology) {
@@ -35,6 +37,52 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology) {
         let texts = [&*format!("force {of}"), &*format!("moment at the station {of}")];
         let at = (layout.air_stations.place(station, 0), OutputSet::AIR);
         wrench(table, at, &format!("aero.load.{body}[{number}]"), &depends, texts);
+    }
+    if air.has_rotor() {
+        let rows: [(&str, usize, &str, &str); 8] = [
+            (
+                "thrust",
+                offset_of!(RotorLoads, thrust_n),
+                "Force",
+                "thrust of the air along the shaft, downwind positive",
+            ),
+            (
+                "torque",
+                offset_of!(RotorLoads, torque_n_m),
+                "Moment",
+                "torque of the air about the shaft, positive where it drives",
+            ),
+            ("power", offset_of!(RotorLoads, power_w), "Power", "power of the air on the rotor"),
+            ("speed", offset_of!(RotorLoads, speed_rad_s), "AngularVelocity", "speed of the hub about the shaft"),
+            (
+                "wind",
+                offset_of!(RotorLoads, wind_m_s),
+                "Velocity",
+                "mean wind along the shaft over the sections of all blades",
+            ),
+            (
+                "power_coefficient",
+                offset_of!(RotorLoads, power_coefficient),
+                "Ratio",
+                "power over that of the wind through the disc",
+            ),
+            (
+                "thrust_coefficient",
+                offset_of!(RotorLoads, thrust_coefficient),
+                "Ratio",
+                "thrust over the dynamic pressure on the disc",
+            ),
+            (
+                "tip_speed_ratio",
+                offset_of!(RotorLoads, tip_speed_ratio),
+                "Ratio",
+                "speed of the outermost sections over the wind",
+            ),
+        ];
+        for (name, offset, kind, meaning) in rows {
+            let at = (layout.rotor.place(0, offset), OutputSet::AIR);
+            table.output(at, Shape::Scalar, kind, depends.clone(), Text::new(format!("rotor.{name}"), meaning));
+        }
     }
     if !air.reports_circulation {
         return;

@@ -203,6 +203,15 @@ impl Rotor {
         }
     }
 
+    /// Index of a blade whose axis lies along the shaft, so that it has no place in the disc; such a blade carries no load.
+    pub fn blade_along_shaft(&self, motions: &[SectionMotion]) -> Option<usize> {
+        let normal = motions[self.sections.len()].rotation * self.options.shaft_axis;
+        self.blades.iter().position(|range| {
+            let along = motions[range.start].rotation.column(0).into_owned();
+            (along - normal * along.dot(&normal)).norm() < 1e-6
+        })
+    }
+
     /// A state of the right size, without air.
     pub fn blank_state(&self) -> RotorState {
         RotorState { sections: vec![SectionMemory::default(); self.sections.len()], loads: RotorLoads::default() }

@@ -6,6 +6,7 @@ use crate::aero::lattice::{LatticeOptions, LoadRule, WakeModel};
 use crate::aero::strip::StripOptions;
 use crate::aero::strip::indicial::Fit;
 use crate::aero::strip::lifting_line::LiftingLineOptions;
+use crate::machine::builder::rotor::RotorSettings;
 use crate::machine::builder::surfaces::{SurfaceBuilder, draft, place_all};
 use crate::machine::edges::fastest_m_s;
 use crate::machine::fault::{Checker, array_text};
@@ -22,6 +23,7 @@ const CORE_SHARE: f64 = 1e-2;
 enum Model {
     Lattice,
     Strips,
+    Rotor,
     None,
 }
 
@@ -45,6 +47,7 @@ pub struct AirBuilder {
     wake_rows: usize,
     core_radius_m: Option<f64>,
     threads: usize,
+    rotor: Option<RotorSettings>,
 }
 
 impl Air {
@@ -67,6 +70,7 @@ impl Air {
             wake_rows: 100,
             core_radius_m: None,
             threads: 1,
+            rotor: None,
         }
     }
 
@@ -78,6 +82,11 @@ impl Air {
     /// Strip theory.
     pub fn strips() -> AirBuilder {
         Self::builder(Model::Strips)
+    }
+
+    /// Blade-element momentum theory on the blades of one rotor.
+    pub fn rotor(settings: RotorSettings) -> AirBuilder {
+        AirBuilder { rotor: Some(settings), ..Self::builder(Model::Rotor) }
     }
 
     /// No air: loads come from outside. Surfaces and gusts are checked and left out.
@@ -280,7 +289,7 @@ pub(super) fn build(
     }
     let mirror = match air.mirror_normal {
         None => None,
-        Some(_) if air.model == Model::Strips && !air.tip_loss => {
+        Some(_) if air.model != Model::Lattice && !air.tip_loss => {
             checker.refuse_state(
                 &["air", "mirror_normal"],
                 "a mirror plane with strips",
@@ -309,6 +318,7 @@ pub(super) fn build(
             return None;
         }
     }
+    let blades = surfaces;
     let surfaces = place_all(&drafts, (lattice, lattice || air.tip_loss), bodies, mirror);
     let smallest_m = surfaces
         .iter()
@@ -340,6 +350,8 @@ pub(super) fn build(
             mirror_normal: mirror,
             threads: air.threads,
         })
+    } else if let Some(rotor) = &air.rotor {
+        AirOptions::Rotor(Box::new(rotor.options(blades, &surfaces, bodies, checker)?))
     } else {
         AirOptions::Strips(StripOptions {
             unsteady: air.unsteady,

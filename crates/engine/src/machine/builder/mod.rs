@@ -4,6 +4,7 @@ mod air;
 mod body;
 mod joint;
 mod latch;
+mod rotor;
 mod surfaces;
 mod tree;
 
@@ -11,6 +12,7 @@ pub use air::{AirBuilder, GustBuilder};
 pub use body::{BodyBuilder, ClosureBuilder, GaugeBuilder, SectionLoadBuilder};
 pub use joint::JointBuilder;
 pub use latch::LatchBuilder;
+pub use rotor::RotorSettings;
 pub use surfaces::SurfaceBuilder;
 
 use crate::load::Wrench;

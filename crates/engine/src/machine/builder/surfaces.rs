@@ -3,7 +3,7 @@
 use crate::aero::surface::{ChordLine, Profile};
 use crate::beam::profile::Profile as Along;
 use crate::machine::edges::{RootEdge, free_edges, other_half};
-use crate::machine::fault::{Checker, Range};
+use crate::machine::fault::{Checker, Range, array_text};
 use crate::machine::units::shortest;
 use crate::machine::validate::air::MOST_STRIPS;
 use crate::machine::validate::body::{least_of, profile, section_stands};
@@ -25,6 +25,8 @@ pub struct SurfaceBuilder {
     chord_m: Option<Along>,
     incidence_deg: Along,
     profile: Profile,
+    /// Of a rotor's blade: places of its sections in m, and the name of each one's polar.
+    pub(super) blade: Option<(Vec<f64>, Vec<String>)>,
 }
 
 impl LiftingSurface {
@@ -41,6 +43,7 @@ impl LiftingSurface {
             chord_m: None,
             incidence_deg: Along::constant(0.0),
             profile: Profile::THIN,
+            blade: None,
         }
     }
 }
@@ -76,6 +79,12 @@ impl SurfaceBuilder {
     /// of the profile.
     pub fn lift_slope_1_rad(self, lift_slope_1_rad: impl Into<Along>) -> Self {
         Self { lift_slope_1_rad: Some(lift_slope_1_rad.into()), ..self }
+    }
+
+    /// Makes the surface a rotor's blade: places of its sections from the inner end in m, ascending, and the name of each one's
+    /// polar.
+    pub fn blade(self, stations_m: Vec<f64>, polars: Vec<String>) -> Self {
+        Self { strips: stations_m.len().saturating_sub(1), blade: Some((stations_m, polars)), ..self }
     }
 
     /// Profile, for strip theory. Default a thin plate.
@@ -130,10 +139,24 @@ pub(super) fn draft<'b>(
     let length_m = bodies[body].length_m;
     let counted = checker.count(&["surface", name, "strips"], surface.strips, 1, MOST_STRIPS)
         & checker.count(&["surface", name, "chord_panels"], surface.chord_panels, 1, MOST_STRIPS);
-    let placed = axis(surface, length_m, checker) & slope(surface, length_m, checker);
+    let placed =
+        axis(surface, length_m, checker) & slope(surface, length_m, checker) & stations(surface, length_m, checker);
     let chord_m = chord(surface, &bodies[body], checker)?;
     let turned = profile(&["surface", name, "incidence_deg"], &surface.incidence_deg, length_m, checker);
     (counted && placed && turned).then_some(Draft { surface, body, chord_m })
+}
+
+/// Whether the stations of a blade ascend on the body.
+fn stations(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool {
+    let Some((stations_m, _)) = &surface.blade else { return true };
+    let within = stations_m.iter().all(|s| (0.0..=length_m * (1.0 + 1e-12)).contains(s));
+    let fine = within && stations_m.len() >= 2 && stations_m.windows(2).all(|pair| pair[0] < pair[1]);
+    if !fine {
+        let allowed =
+            format!("at least 2 lengths ascending from 0 to {} m, the length of the body", shortest(length_m));
+        checker.refuse(&["surface", &surface.body, "stations_m"], array_text(stations_m), allowed);
+    }
+    fine
 }
 
 /// Whether the axis lies near the chord all along the body.
@@ -255,12 +278,14 @@ fn place(draft: &Draft, free: [bool; 2], bodies: &[Body]) -> LiftingSurface {
     let strips = draft.surface.strips;
     let inset = free.map(|free| if free { INSET_PANELS } else { 0.0 });
     let width_m = length_m / (strips as f64 + inset[0] + inset[1]);
-    let positions_m: Vec<f64> = (0..=strips)
-        .map(|edge| match edge == strips && !free[1] {
-            true => length_m,
-            false => (inset[0] + edge as f64) * width_m,
-        })
-        .collect();
+    let uniform = (0..=strips).map(|edge| match edge == strips && !free[1] {
+        true => length_m,
+        false => (inset[0] + edge as f64) * width_m,
+    });
+    let positions_m: Vec<f64> = match &draft.surface.blade {
+        Some((stations_m, _)) => stations_m.clone(),
+        None => uniform.collect(),
+    };
     let chords = positions_m.iter().map(|&s| draft.chord_line(s)).collect();
     let mut profile = draft.surface.profile.clone();
     match &draft.surface.lift_slope_1_rad {

@@ -3,6 +3,8 @@
 use crate::aero::AirOptions;
 use crate::aero::flow::{Gust, GustShape};
 use crate::aero::lattice::LatticeOptions;
+use crate::aero::rotor::bem::RotorOptions;
+use crate::aero::rotor::viterna::is_full_circle;
 use crate::aero::strip::StripOptions;
 use crate::aero::strip::lifting_line::LiftingLineOptions;
 use crate::machine::fault::{Checker, Range, array_text, is_finite};
@@ -38,6 +40,7 @@ pub(super) fn check(air: &Air, bodies: &[Body], checker: &mut Checker) {
             check_lifting_line(line, &air.surfaces, bodies, checker);
         }
         AirOptions::Strips(_) => {}
+        AirOptions::Rotor(options) => check_rotor(options, &air.surfaces, bodies, checker),
     }
     names("gust", air.gusts.iter().map(|gust| gust.name.as_str()), checker);
     for gust in &air.gusts {
@@ -55,6 +58,29 @@ fn check_lattice(options: &LatticeOptions, surfaces: &[LiftingSurface], checker:
     if counted {
         let sizes = surfaces.iter().map(|surface| (surface.positions_m.len().saturating_sub(1), surface.chord_panels));
         lattice_size(sizes, options.wake_rows, checker);
+    }
+}
+
+fn check_rotor(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[Body], checker: &mut Checker) {
+    if options.hub_body >= bodies.len() {
+        let allowed = format!("one of the {} bodies, counted from 0", bodies.len());
+        checker.refuse_state(&["air", "hub"], format!("body {}", options.hub_body), allowed);
+    }
+    unit_vector(&["air", "shaft_axis"], &options.shaft_axis, checker);
+    checker.number(&["air", "hub_radius_m"], options.hub_radius_m, Range::Above(0.0));
+    let sizes = |count: usize| surfaces.get(count).map(|surface| surface.positions_m.len());
+    let fits = options.sections.len() == surfaces.len()
+        && options.positions_m.iter().zip(surfaces).all(|(own, surface)| *own == surface.positions_m)
+        && options.positions_m.len() == surfaces.len()
+        && options.sections.iter().enumerate().all(|(blade, polars)| {
+            Some(polars.len()) == sizes(blade) && polars.iter().all(|polar| *polar < options.polars.len())
+        });
+    if !fits {
+        let allowed = "for every section of every surface its place and the index of its polar";
+        checker.refuse_state(&["surface"], "blades that do not fit their surfaces", allowed);
+    }
+    if let Some(polar) = options.polars.iter().position(|polar| !is_full_circle(&polar.rows)) {
+        checker.refuse_state(&["polar"], format!("polar {polar}"), "polars from -pi to pi");
     }
 }
 

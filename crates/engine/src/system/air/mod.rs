@@ -9,7 +9,7 @@ pub use view::SurfaceLattice;
 
 use crate::aero::joined_edges::Edge;
 use crate::aero::surface::Surface;
-use crate::aero::{AirLoads, AirModel, AirState};
+use crate::aero::{AirLoads, AirModel, AirOptions, AirState};
 use crate::load::{LoadFrame, SectionMotion, Wrench};
 use crate::machine::{self, Parent};
 use crate::math::so3::rotation_vector;
@@ -257,6 +257,7 @@ impl AirCoupling {
                 }
             })
             .collect();
+        sections += hub(&settings).iter().count();
         let chords = surfaces.iter().flat_map(|surface| &surface.chords);
         let length_m = chords.map(|chord| chord.length_m()).fold(0.0, f64::max);
         let strips = settings.surfaces.iter().flat_map(|surface| surface.positions_m.windows(2));
@@ -333,12 +334,19 @@ impl AirCoupling {
                 [&history.before, &history.after].map(|air| self.model.strip_circulation_m2_s(air, surface, strip));
             *circulation = before + (after - before) * share;
         }
+        let ends = (history.before.rotor_loads(), history.after.rotor_loads());
+        if let (Some(rotor), (Some(before), Some(after))) = (outputs.rotor_mut().first_mut(), ends) {
+            *rotor = before.between(after, share);
+        }
     }
 
     /// Adds the sections of the surfaces behind the load stations of a model.
     pub fn add_sections(machine: &machine::Machine, model: &mut Model) {
         for surface in machine.air.iter().flat_map(|air| &air.surfaces) {
             model.add_stations(surface.body, &surface.positions_m, LoadFrame::Section);
+        }
+        if let Some(body) = machine.air.as_ref().and_then(hub) {
+            model.add_stations(body, &[0.0], LoadFrame::Section);
         }
     }
 
@@ -409,6 +417,14 @@ impl AirCoupling {
             load.force_n.copy_from_slice(&entries[..3]);
             load.moment_n_m.copy_from_slice(&entries[3..]);
         }
+    }
+}
+
+/// Body whose inner end is the apex of a rotor, if the air has one: its section follows those of the surfaces.
+fn hub(air: &machine::Air) -> Option<usize> {
+    match &air.options {
+        AirOptions::Rotor(options) => Some(options.hub_body),
+        _ => None,
     }
 }
 

@@ -1,5 +1,6 @@
 //! Air at the start of a run and at a cut of its step.
 
+use crate::aero::AirModel;
 use crate::aero::flow::Flow;
 use crate::machine;
 use crate::solve::EquationsOfMotion;
@@ -32,6 +33,15 @@ impl System {
         air.observe(&self.equations, now);
         let mut history = air.blank.clone();
         let AirCoupling { model, settings, motions, loads, .. } = &mut **air;
+        if let AirModel::Rotor(rotor) = model
+            && let Some(blade) = rotor.blade_along_shaft(motions)
+        {
+            let name = &self.machine.bodies[settings.surfaces[blade].body].name;
+            let cause = format!(
+                "blade {name} lies along the shaft; x of a blade's body points from its root to its tip, across the shaft"
+            );
+            return Err(refusal(time_s, cause));
+        }
         let flow = flow(settings, &self.state, time_s);
         model
             .start(motions, &flow, settings.established, &mut history.after, loads)

@@ -19,8 +19,9 @@ pub use output_set::OutputSet;
 pub use points::PointOutputs;
 pub use spatial::SpatialOutputs;
 
+use crate::aero::RotorLoads;
 use crate::load::Wrench;
-use crate::machine::Machine;
+use crate::machine::{Air, Machine};
 use crate::multibody::kinematics::{Motion, sweep_motion, sweep_poses};
 use crate::signal::{Segment, are_finite, views};
 use crate::solve::EquationsOfMotion;
@@ -59,6 +60,8 @@ pub struct OutputLayout {
     pub air_stations: Segment<Wrench>,
     /// See [`Outputs::circulation_m2_s`].
     pub circulation_m2_s: Segment<f64>,
+    /// See [`Outputs::rotor`].
+    pub rotor: Segment<RotorLoads>,
     /// See [`Outputs::latches`].
     pub latches: Segment<LatchOutputs>,
     /// Number of the values that move with time; those behind change at events.
@@ -88,6 +91,7 @@ impl OutputLayout {
             air_total: Segment::append(&mut end, 1),
             air_stations: Segment::append(&mut end, if machine.air.is_some() { stations } else { 0 }),
             circulation_m2_s: Segment::append(&mut end, surfaces.map(|surface| surface.positions_m.len() - 1).sum()),
+            rotor: Segment::append(&mut end, usize::from(machine.air.as_ref().is_some_and(Air::has_rotor))),
             continuous: end,
             latches: Segment::append(&mut end, one_freedoms),
             end,
@@ -130,6 +134,8 @@ impl Outputs {
         air_stations, air_stations_mut: [Wrench];
         /// Per strip, surfaces in the order of their bodies: circulation in m²/s.
         circulation_m2_s, circulation_m2_s_mut: [f64];
+        /// What the air of a rotor gives; nothing without one.
+        rotor, rotor_mut: [RotorLoads];
         ;
         /// Force and moment of the wing on the aircraft at the origin, root frame.
         root, root_mut: Wrench;

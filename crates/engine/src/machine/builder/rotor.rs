@@ -1,0 +1,141 @@
+//! A rotor's air in code: which body is the hub, which polars the blades have, what the model looks at.
+
+use crate::aero::polar::Polar;
+use crate::aero::rotor::bem::RotorOptions;
+use crate::aero::rotor::induction::EndRule;
+use crate::aero::rotor::tower::Tower;
+use crate::aero::rotor::viterna::is_full_circle;
+use crate::aero::rotor::wind::WindField;
+use crate::machine::builder::surfaces::SurfaceBuilder;
+use crate::machine::fault::{Checker, array_text};
+use crate::machine::units::shortest;
+use crate::machine::{Body, LiftingSurface};
+use nalgebra::Vector3;
+
+/// Settings of a rotor's air, for [`Air::rotor`](crate::machine::Air::rotor). Every surface of the machine is a blade of one
+/// rotor, with its stations and its sections' polars ([`SurfaceBuilder::blade`]).
+#[derive(Debug, Clone, PartialEq)]
+pub struct RotorSettings {
+    /// Name of the body that turns with the blades; its inner end is the apex, where their axes meet the shaft.
+    pub hub: String,
+    /// Direction of the shaft in the hub's frame, downwind, of any length but zero.
+    pub shaft_axis: Vector3<f64>,
+    /// Whether the rotor turns about it by the right hand: clockwise for who looks downwind.
+    pub clockwise: bool,
+    /// Distance in m from the apex to the inner ends of the blades: hub loss, and where radii begin.
+    pub hub_radius_m: f64,
+    /// Prandtl's losses at tip and hub.
+    pub losses: [bool; 2],
+    /// Loads where the loss is complete.
+    pub end_rule: EndRule,
+    /// Skewed wake.
+    pub skewed_wake: bool,
+    /// Dynamic inflow.
+    pub dynamic_inflow: bool,
+    /// Dynamic stall.
+    pub dynamic_stall: bool,
+    /// Polars by name, from −180° to 180°.
+    pub polars: Vec<(String, Polar)>,
+    /// Tower that the wind goes around.
+    pub tower: Option<Tower>,
+    /// Field of the wind.
+    pub field: Option<WindField>,
+}
+
+impl RotorSettings {
+    /// A rotor on a hub of a name that turns clockwise about its `x` axis, which points downwind; both losses, no load at the
+    /// ends, no wake that leans or lags, no dynamic stall.
+    pub fn on(hub: impl Into<String>, hub_radius_m: f64) -> Self {
+        Self {
+            hub: hub.into(),
+            shaft_axis: Vector3::x(),
+            clockwise: true,
+            hub_radius_m,
+            losses: [true; 2],
+            end_rule: EndRule::ZeroLoad,
+            skewed_wake: false,
+            dynamic_inflow: false,
+            dynamic_stall: false,
+            polars: Vec::new(),
+            tower: None,
+            field: None,
+        }
+    }
+
+    /// What the model of the air gets, for surfaces in the order of their bodies. `None` where something is refused.
+    pub(super) fn options(
+        &self,
+        blades: &[SurfaceBuilder],
+        surfaces: &[LiftingSurface],
+        bodies: &[Body],
+        checker: &mut Checker,
+    ) -> Option<RotorOptions> {
+        let Some(hub_body) = bodies.iter().position(|body| body.name == self.hub) else {
+            checker.unknown_name(&["air", "hub"], &self.hub, "a body", bodies.iter().map(|body| body.name.as_str()));
+            return None;
+        };
+        let Some(shaft_axis) = self.shaft_axis.try_normalize(0.0).filter(|unit| unit.norm() > 0.5) else {
+            let found = array_text(self.shaft_axis.as_slice());
+            checker.refuse(&["air", "shaft_axis"], found, "an array of 3 finite numbers, not all 0");
+            return None;
+        };
+        if !(self.hub_radius_m > 0.0 && self.hub_radius_m.is_finite()) {
+            checker.refuse(&["air", "hub_radius_m"], shortest(self.hub_radius_m), "a finite length > 0 m");
+            return None;
+        }
+        for (name, polar) in &self.polars {
+            if !is_full_circle(&polar.rows) {
+                let ends = polar.rows.first().zip(polar.rows.last());
+                let found = ends.map_or_else(
+                    || "no rows".to_owned(),
+                    |(a, b)| format!("angles from {} to {} rad", shortest(a.angle_rad), shortest(b.angle_rad)),
+                );
+                let allowed = "a polar from -pi to pi: a blade can meet the air from any side; viterna::extend adds what is missing";
+                checker.refuse_state(&["polar", name, "rows"], found, allowed);
+                return None;
+            }
+        }
+        let mut sections = Vec::new();
+        for surface in surfaces {
+            let name = bodies[surface.body].name.as_str();
+            let blade = blades.iter().find(|blade| blade.body == name)?;
+            let place = ["surface", name, "polars"];
+            let Some((_, names)) = &blade.blade else {
+                let allowed = "the places of a blade's sections, with a rotor";
+                checker.refuse_state(&["surface", name, "stations_m"], "none", allowed);
+                return None;
+            };
+            if names.len() != surface.positions_m.len() {
+                let allowed = format!("the name of one polar for each of the {} stations", surface.positions_m.len());
+                checker.refuse_state(&place, format!("{} names", names.len()), allowed);
+                return None;
+            }
+            let mut own = Vec::new();
+            for polar in names {
+                let Some(index) = self.polars.iter().position(|(name, _)| name == polar) else {
+                    let known = self.polars.iter().map(|(name, _)| name.as_str());
+                    checker.unknown_name(&place, polar, "a polar", known);
+                    return None;
+                };
+                own.push(index);
+            }
+            sections.push(own);
+        }
+        Some(RotorOptions {
+            hub_body,
+            shaft_axis,
+            clockwise: self.clockwise,
+            hub_radius_m: self.hub_radius_m,
+            losses: self.losses,
+            end_rule: self.end_rule,
+            skewed_wake: self.skewed_wake,
+            dynamic_inflow: self.dynamic_inflow,
+            dynamic_stall: self.dynamic_stall,
+            polars: self.polars.iter().map(|(_, polar)| polar.clone()).collect(),
+            sections,
+            positions_m: surfaces.iter().map(|surface| surface.positions_m.clone()).collect(),
+            tower: self.tower.clone(),
+            field: self.field.clone(),
+        })
+    }
+}

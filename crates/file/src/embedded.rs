@@ -1,0 +1,75 @@
+//! Polars of other files, taken into the text of the model file: what rides in an FMU needs no other file.
+
+use crate::error::{Fault, Problem};
+use crate::polar_file::read_polars;
+use indexmap::IndexMap;
+use serde::Deserialize;
+use std::fmt::Write;
+use std::path::Path;
+use toml::Spanned;
+
+/// What is looked at here; everything else is left to the passes behind.
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct Wanted {
+    polar: IndexMap<String, WantedPolar>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct WantedPolar {
+    file: Option<Spanned<String>>,
+}
+
+/// The text with `file = "…"` of every polar replaced by `rows = […]` on the same line, so that lines keep their numbers. Files
+/// are looked for in `folder`. A text that does not read as a model is left as it is: later passes say why.
+///
+/// # Errors
+/// A file that cannot be read, or whose polar is refused, at the line of its key.
+pub(super) fn with_polars(text: String, folder: &Path) -> Result<String, Vec<Problem>> {
+    let Ok(wanted) = toml::from_str::<Wanted>(&text) else { return Ok(text) };
+    let mut places = Vec::new();
+    let mut problems = Vec::new();
+    for (name, polar) in wanted.polar {
+        let Some(file) = polar.file else { continue };
+        let span = file.span();
+        let start = text[..span.start].rfind("file").unwrap_or(span.start);
+        match rows(&folder.join(file.get_ref())) {
+            Ok(rows) => places.push((start..span.end, rows)),
+            Err(reason) => problems.push(Problem {
+                line: text[..span.start].matches('\n').count() + 1,
+                fault: Fault::NotAllowed { value: text[span.clone()].to_owned(), allowed: reason },
+                span,
+                key: format!("polar.{name}.file"),
+            }),
+        }
+    }
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    places.sort_by_key(|(span, _)| span.start);
+    let mut whole = text;
+    for (span, rows) in places.into_iter().rev() {
+        whole.replace_range(span, &rows);
+    }
+    Ok(whole)
+}
+
+/// `rows = [[…], …]` of a file's first table; else what a file must be.
+fn rows(path: &Path) -> Result<String, String> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|reason| format!("a polar's file beside the model file ({}: {reason})", path.display()))?;
+    let tables = read_polars(&text)
+        .map_err(|fault| format!("a polar in AeroDyn's format or CSV ({}: {fault})", path.display()))?;
+    let mut rows = "rows = [".to_owned();
+    for (index, row) in tables[0].polar.rows.iter().enumerate() {
+        let comma = if index == 0 { "" } else { ", " };
+        let angle_deg = row.angle_rad.to_degrees();
+        // degrees as they stood in the file, not as they come back from radians
+        let rounded = (angle_deg * 1e9).round() / 1e9;
+        write!(rows, "{comma}[{rounded:?}, {:?}, {:?}, {:?}]", row.lift, row.drag, row.moment)
+            .map_err(|error| error.to_string())?;
+    }
+    rows.push(']');
+    Ok(rows)
+}

@@ -1,0 +1,241 @@
+//! Air of a rotor from the file: settings, polars, wind and tower.
+
+use crate::air_file::AirFile;
+use crate::file::ModelFile;
+use crate::rotor_file::{EndRuleFile, PolarFile, PotentialFile, ShadowFile, TowerFile, TurnsFile, WindFile};
+use crate::validate::Checker;
+use foldwing_engine::aero::polar::{Polar, PolarRow};
+use foldwing_engine::aero::rotor::induction::EndRule;
+use foldwing_engine::aero::rotor::tower::{Potential, Shadow, Tower};
+use foldwing_engine::aero::rotor::turbulence::Turbulence;
+use foldwing_engine::aero::rotor::viterna::{drag_across, extend, is_full_circle};
+use foldwing_engine::aero::rotor::wind::{Shear, Source, TableRow, WindField, WindTable};
+use foldwing_engine::machine::Air;
+use foldwing_engine::machine::builder::{AirBuilder, RotorSettings};
+use nalgebra::Vector3;
+
+/// Keys of `[aerodynamics]` and of `[surface.<name>]` that only a rotor reads.
+pub(super) const KEYS: &[&str] =
+    &["hub", "hub_radius_m", "shaft_axis", "turns", "end_rule", "skewed_wake", "dynamic_inflow", "dynamic_stall"];
+pub(super) const SURFACE_KEYS: &[&str] = &["stations_m", "polars"];
+
+/// Air of the file's rotor. `None` where a problem was found.
+pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> Option<AirBuilder> {
+    let hub = needed(&air.hub, &["aerodynamics", "hub"], "the body that turns with the blades", checker);
+    let radius = needed(
+        &air.hub_radius_m,
+        &["aerodynamics", "hub_radius_m"],
+        "a finite length > 0 m: from the apex to the blades",
+        checker,
+    );
+    let mut settings = RotorSettings::on(hub?, radius?);
+    settings.shaft_axis = Vector3::from(air.shaft_axis);
+    settings.clockwise = air.turns == TurnsFile::Clockwise;
+    settings.end_rule = match air.end_rule {
+        EndRuleFile::ZeroLoad => EndRule::ZeroLoad,
+        EndRuleFile::Stopped => EndRule::Stopped,
+    };
+    settings.skewed_wake = air.skewed_wake;
+    settings.dynamic_inflow = air.dynamic_inflow;
+    settings.dynamic_stall = air.dynamic_stall;
+    for (name, polar) in &file.polar {
+        settings.polars.push((name.clone(), full_circle(name, polar, checker)?));
+    }
+    if let Some(tower) = &file.tower {
+        settings.tower = Some(build_tower(tower, checker)?);
+    }
+    if let Some(wind) = &file.wind {
+        settings.field = Some(field(wind, air, checker)?);
+    }
+    Some(Air::rotor(settings))
+}
+
+fn needed<T: Clone>(value: &Option<T>, path: &[&str], allowed: &str, checker: &mut Checker) -> Option<T> {
+    if value.is_none() {
+        checker.refuse(path, allowed);
+    }
+    value.clone()
+}
+
+/// A polar from −180° to 180°.
+fn full_circle(name: &str, polar: &PolarFile, checker: &mut Checker) -> Option<Polar> {
+    let rows = match (&polar.rows, &polar.file) {
+        (Some(rows), None) => rows,
+        (Some(_), Some(_)) => {
+            checker.refuse(&["polar", name, "file"], "either rows or file, not both");
+            return None;
+        }
+        (None, Some(_)) => {
+            let allowed = "a file beside a model file that is read from its own file; a text alone has rows";
+            checker.refuse(&["polar", name, "file"], allowed);
+            return None;
+        }
+        (None, None) => {
+            checker.refuse(
+                &["polar", name, "rows"],
+                "rows [angle of attack in deg, lift, drag, moment coefficient], or a file",
+            );
+            return None;
+        }
+    };
+    let ascending = rows.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+    let finite = rows.iter().flatten().all(|value| value.is_finite());
+    if !ascending || !finite || rows.is_empty() || rows.iter().any(|row| row[0].abs() > 180.0) {
+        let allowed = "rows [angle of attack in deg, lift, drag, moment coefficient] of finite numbers with angles ascending from -180 to 180";
+        checker.refuse(&["polar", name, "rows"], allowed);
+        return None;
+    }
+    let row = |row: &[f64; 4]| PolarRow { angle_rad: row[0].to_radians(), lift: row[1], drag: row[2], moment: row[3] };
+    let rows: Vec<PolarRow> = rows.iter().map(row).collect();
+    match polar.aspect_ratio {
+        Some(_) if is_full_circle(&rows) => {
+            checker.refuse(
+                &["polar", name, "aspect_ratio"],
+                "this key only with rows that end at stall: these go from -180 to 180 deg",
+            );
+            None
+        }
+        Some(ratio) => match extend(&rows, drag_across(ratio)) {
+            Ok(polar) => Some(polar),
+            Err(reason) => {
+                checker.refuse_as(
+                    &["polar", name, "rows"],
+                    reason.to_string(),
+                    "rows from at least -90 deg to stall, or from -180 to 180 deg",
+                );
+                None
+            }
+        },
+        None if is_full_circle(&rows) => Some(Polar { rows }),
+        None => {
+            let found = format!(
+                "a polar from {} to {} deg",
+                rows[0].angle_rad.to_degrees(),
+                rows[rows.len() - 1].angle_rad.to_degrees()
+            );
+            let allowed = "rows from -180 to 180 deg: a blade can meet the air from any side; or aspect_ratio, which extends them beyond stall";
+            checker.refuse_as(&["polar", name, "rows"], found, allowed);
+            None
+        }
+    }
+}
+
+fn unit(path: &[&str], vector: [f64; 3], checker: &mut Checker) -> Option<Vector3<f64>> {
+    let unit = Vector3::from(vector).try_normalize(0.0).filter(|unit| unit.norm() > 0.5);
+    if unit.is_none() {
+        checker.refuse(path, "an array of 3 finite numbers, not all 0");
+    }
+    unit
+}
+
+fn build_tower(tower: &TowerFile, checker: &mut Checker) -> Option<Tower> {
+    let rows = &tower.rows;
+    let fine = rows.windows(2).all(|pair| pair[0][0] < pair[1][0])
+        && rows.iter().all(|[height_m, diameter_m, drag]| height_m.is_finite() && *diameter_m > 0.0 && *drag >= 0.0)
+        && rows.iter().flatten().all(|value| value.is_finite());
+    if !fine {
+        let allowed =
+            "rows [height above the foot in m, diameter in m > 0, drag coefficient >= 0] with ascending heights";
+        checker.refuse(&["tower", "rows"], allowed);
+        return None;
+    }
+    Some(Tower {
+        foot_m: Vector3::from(tower.foot_m),
+        up: unit(&["tower", "up"], tower.up, checker)?,
+        rows: rows.clone(),
+        potential: match tower.potential {
+            PotentialFile::None => Potential::None,
+            PotentialFile::Cylinder => Potential::Cylinder,
+            PotentialFile::Bak => Potential::Bak,
+        },
+        shadow: match tower.shadow {
+            ShadowFile::None => Shadow::None,
+            ShadowFile::Powles => Shadow::Powles,
+        },
+    })
+}
+
+fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindField> {
+    let up = unit(&["wind", "up"], wind.up, checker)?;
+    let direction = unit(&["wind", "downwind"], wind.downwind.unwrap_or(air.wind_m_s), checker)?;
+    let Some(downwind) = (direction - up * direction.dot(&up)).try_normalize(1e-6) else {
+        checker.refuse(&["wind", "downwind"], "a direction that is not upward");
+        return None;
+    };
+    let stated: Vec<&str> = [
+        ("shear_exponent", wind.shear_exponent.is_some()),
+        ("roughness_m", wind.roughness_m.is_some()),
+        ("table", wind.table.is_some()),
+        ("turbulence", wind.turbulence.is_some()),
+    ]
+    .into_iter()
+    .filter_map(|(key, stated)| stated.then_some(key))
+    .collect();
+    let both = stated == ["shear_exponent", "turbulence"]; // the profile of the box
+    if stated.len() > 1 && !both {
+        let allowed =
+            "one of shear_exponent, roughness_m, table and turbulence; shear_exponent and turbulence go together";
+        checker.refuse(&["wind", stated[1]], allowed);
+        return None;
+    }
+    if wind.reference_length_m.is_some() != wind.table.is_some() {
+        let allowed = "a finite length > 0 m with table, and nothing without";
+        checker.refuse(&["wind", "reference_length_m"], allowed);
+        return None;
+    }
+    let source = if let Some(asked) = &wind.turbulence {
+        let turbulence = Turbulence {
+            seed: asked.seed,
+            mean_m_s: asked.mean_m_s,
+            power_exponent: wind.shear_exponent.unwrap_or(0.0),
+            deviation_m_s: asked.deviation_m_s,
+            reference_height_m: wind.reference_height_m,
+            points: asked.points,
+            spacing_m: asked.spacing_m,
+            planes: asked.planes,
+            plane_s: asked.plane_s,
+        };
+        match turbulence.generate() {
+            Ok(grid) => Source::Box(Box::new(grid)),
+            Err(reason) => {
+                checker.refuse_as(&["wind", "turbulence"], reason.to_string(), "turbulence that can be");
+                return None;
+            }
+        }
+    } else if let Some(rows) = &wind.table {
+        if !rows.windows(2).all(|pair| pair[0][0] < pair[1][0]) || !rows.iter().flatten().all(|value| value.is_finite())
+        {
+            checker.refuse(&["wind", "table"], "rows of 8 finite numbers with ascending times");
+            return None;
+        }
+        let row = |row: &[f64; 8]| TableRow {
+            time_s: row[0],
+            speed_m_s: row[1],
+            direction_rad: row[2].to_radians(),
+            vertical_m_s: row[3],
+            horizontal_shear: row[4],
+            power_exponent: row[5],
+            vertical_shear: row[6],
+            gust_m_s: row[7],
+        };
+        let rows = rows.iter().map(row).collect();
+        Source::Table(WindTable { reference_length_m: wind.reference_length_m.unwrap_or(1.0), rows })
+    } else {
+        Source::Steady(match (wind.shear_exponent, wind.roughness_m) {
+            (Some(exponent), _) => Shear::Power { exponent },
+            (None, Some(roughness_m)) if roughness_m < wind.reference_height_m => Shear::Logarithmic { roughness_m },
+            (None, Some(_)) => {
+                checker.refuse(&["wind", "roughness_m"], "a length > 0 m below reference_height_m");
+                return None;
+            }
+            (None, None) => Shear::None,
+        })
+    };
+    Some(WindField {
+        source,
+        ground_m: Vector3::from(wind.ground_m),
+        up,
+        downwind,
+        reference_height_m: wind.reference_height_m,
+    })
+}

@@ -1,0 +1,149 @@
+//! Air of a rotor: keys of `[aerodynamics]` for `model = "bem"`, and the tables `[polar.<name>]`, `[wind]` and `[tower]`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What a rotor's annuli carry where Prandtl's loss is complete.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum EndRuleFile {
+    /// No load, as a lifting line ends.
+    ZeroLoad,
+    /// The load of a section that meets its own motion alone (axial induction 1), as AeroDyn has it; for comparison.
+    Stopped,
+}
+
+/// Sense in which a rotor turns, for who looks downwind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum TurnsFile {
+    /// By the right hand about `shaft_axis`.
+    Clockwise,
+    /// By the left hand about `shaft_axis`.
+    CounterClockwise,
+}
+
+/// Polar of a blade's section, from -180 to 180 degrees: `rows` or a `file`.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PolarFile {
+    /// Rows of angle of attack in degrees, lift, drag and moment coefficient about the quarter chord, linear between rows.
+    #[schemars(
+        length(min = 1, max = 1000),
+        extend("x-allowed" = "at least 1 row [angle of attack in deg, lift, drag, moment coefficient]")
+    )]
+    pub rows: Option<Vec<[f64; 4]>>,
+    /// File beside the model file that has them, in AeroDyn's format (its first table) or as CSV with the columns `alpha_deg`,
+    /// `cl`, `cd` and `cm`. Its rows take the key's place when the model file is read, so an FMU needs no other file.
+    pub file: Option<String>,
+    /// Aspect ratio of the blade: extends rows that end at stall to the full circle by Viterna's formulas.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub aspect_ratio: Option<f64>,
+}
+
+/// Wind as a field, with `model = "bem"`: what it adds to, or does to, the wind of the input.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WindFile {
+    /// Direction upward, of any length except zero.
+    #[serde(default = "up")]
+    #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
+    pub up: [f64; 3],
+    /// Level direction downwind, of any length except zero; default: that of `wind_m_s`.
+    #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
+    pub downwind: Option<[f64; 3]>,
+    /// Point on the ground below the hub, root frame.
+    #[serde(default)]
+    pub ground_m: [f64; 3],
+    /// Height above the ground at which the input's wind blows.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub reference_height_m: f64,
+    /// Exponent of a power law over height.
+    pub shear_exponent: Option<f64>,
+    /// Roughness length of a logarithmic law over height.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub roughness_m: Option<f64>,
+    /// Wind over time, added to that of the input: rows `[time, speed, direction in deg, vertical speed, horizontal linear shear,
+    /// power-law exponent, vertical linear shear, gust]`, the columns of AeroDyn's uniform wind files; shears over
+    /// `reference_length_m`.
+    #[schemars(length(min = 1, max = 100000))]
+    pub table: Option<Vec<[f64; 8]>>,
+    /// Length over which the table's linear shears are taken: the rotor's diameter.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub reference_length_m: Option<f64>,
+    /// Turbulence from a seed, added to the wind of the input, which then should be zero.
+    pub turbulence: Option<TurbulenceFile>,
+}
+
+fn up() -> [f64; 3] {
+    [0.0, 0.0, 1.0]
+}
+
+/// Turbulence of IEC 61400-1: Kaimal's spectra, exponential coherence along the wind.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TurbulenceFile {
+    /// The same seed gives the same wind.
+    pub seed: u64,
+    /// Mean wind at the reference height.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub mean_m_s: f64,
+    /// Standard deviation along the wind.
+    #[schemars(range(min = 0.0))]
+    pub deviation_m_s: f64,
+    /// Points across and upward.
+    pub points: [usize; 2],
+    /// Distance of points across and upward in m.
+    pub spacing_m: [f64; 2],
+    /// Planes over time, a power of two; the wind then repeats.
+    pub planes: usize,
+    /// Time between planes.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub plane_s: f64,
+}
+
+/// Tower that the wind goes around, with `model = "bem"`; it stands still.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TowerFile {
+    /// Foot, root frame.
+    #[serde(default)]
+    pub foot_m: [f64; 3],
+    /// Direction from the foot to the top, of any length except zero.
+    #[serde(default = "up")]
+    #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
+    pub up: [f64; 3],
+    /// Rows `[height above the foot in m, diameter in m, drag coefficient]`, heights ascending from 0.
+    #[schemars(length(min = 2, max = 1000))]
+    pub rows: Vec<[f64; 3]>,
+    /// Flow ahead of it and beside it.
+    #[serde(default)]
+    pub potential: PotentialFile,
+    /// Flow behind it.
+    #[serde(default)]
+    pub shadow: ShadowFile,
+}
+
+/// Flow around a tower.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum PotentialFile {
+    /// Not looked at.
+    None,
+    /// A cylinder in potential flow.
+    #[default]
+    Cylinder,
+    /// With a source for the wake of its drag (Bak).
+    Bak,
+}
+
+/// Flow behind a tower.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum ShadowFile {
+    /// Not looked at.
+    #[default]
+    None,
+    /// Powles' cosine.
+    Powles,
+}

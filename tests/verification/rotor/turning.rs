@@ -1,0 +1,279 @@
+//! A rotor inside a machine: stiff blades on a shaft that is held at constant speed, with the air of `model = "bem"`.
+
+use super::{nrel_5mw, number, reference, table};
+use crate::counting_allocator::allocations;
+use foldwing::aero::RotorLoads;
+use foldwing::aero::rotor::induction::EndRule;
+use foldwing::machine::Machine;
+use foldwing::plant::Plant;
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use std::f64::consts::{PI, TAU};
+use std::fmt::Write;
+use std::sync::Arc;
+
+/// A model file of the NREL 5 MW rotor with beams `stiffness` times as stiff as a steel tube of 2 m for blades. The shaft
+/// runs at a speed that is given; the blades are clamped to the hub, the pitch is in their incidence.
+fn model(wind: &str, speed_rad_s: f64, pitch_deg: f64, air: &str, tables: &str) -> String {
+    let blade = table(&reference("nrel5mw_blade.csv"));
+    let stations: Vec<f64> = blade.iter().map(|row| number(row, "span_m")).collect();
+    let along = |column: &str, sign: f64, shift: f64| {
+        let rows = blade.iter().map(|row| format!("[{}, {}]", row["span_m"], sign * (number(row, column) + shift)));
+        rows.collect::<Vec<_>>().join(", ")
+    };
+    let polars: Vec<&str> = blade.iter().map(|row| row["section"].as_str()).collect();
+    let mut text = format!(
+        "name = \"Rotor\"\n\
+         [section.tube]\nshape = \"rectangle\"\nwidth_m = 2.0\nheight_m = 2.0\nyoung_Pa = 2e15\nshear_Pa = 1e15\ndensity_kg_m3 = 1.0\n\
+         [rigid_body.hub]\nmass_kg = 1000.0\ninertia_kg_m2 = [1e6, 1e6, 1e6, 0, 0, 0]\n\
+         [joint.shaft]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"hub\"\naxis = [1, 0, 0]\n\
+         motion = \"prescribed\"\npolynomial_deg = [0.0, {:?}]\n\
+         [aerodynamics]\nmodel = \"bem\"\nhub = \"hub\"\nhub_radius_m = 1.5\nwind_m_s = {wind}\n{air}\n",
+        speed_rad_s.to_degrees()
+    );
+    for k in 0..3 {
+        let angle = TAU * f64::from(k) / 3.0;
+        // the body's x along the blade, its y towards the leading edge (where the blade goes), its z downwind
+        let (sine, cosine) = angle.sin_cos();
+        let along_blade = Vector3::new(0.0, -sine, cosine);
+        let axes = Matrix3::from_columns(&[along_blade, Vector3::x().cross(&along_blade), Vector3::x()]);
+        // by a quaternion: blade 0 is turned by half a turn, where a matrix does not tell its axis
+        let turned = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+        let mount = turned.scaled_axis() * (180.0 / PI);
+        let apex = along_blade * 1.5;
+        write!(
+            text,
+            "[body.blade{k}]\nlength_m = 61.4999\nelements = 1\nsection = \"tube\"\n\
+             [joint.root{k}]\ntype = \"clamped\"\nparent = \"hub\"\nchild = \"blade{k}\"\n\
+             parent_offset_m = {:?}\nmount_rotation_deg = {:?}\n\
+             [surface.blade{k}]\nbody = \"blade{k}\"\naxis_fraction = 0.25\nstations_m = {stations:?}\n\
+             polars = {polars:?}\nchord_m = {{ table = [{chord}] }}\nincidence_deg = {{ table = [{twist}] }}\n",
+            apex.as_slice(),
+            mount.as_slice(),
+            chord = along("chord_m", 1.0, 0.0),
+            twist = along("twist_deg", -1.0, pitch_deg),
+        )
+        .unwrap();
+    }
+    let mut used = polars.clone();
+    used.sort_unstable();
+    used.dedup();
+    for name in used {
+        writeln!(text, "[polar.{name}]\nfile = \"polars/{name}.csv\"").unwrap();
+    }
+    text + tables
+}
+
+fn machine(text: String) -> Machine {
+    let folder = format!("{}/tests/reference/turbine", env!("CARGO_MANIFEST_DIR"));
+    let text = foldwing::config::with_polars(text, folder.as_ref(), "rotor.toml").unwrap();
+    foldwing::config::parse(&text, "rotor.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// What the air gives after a time of turning.
+fn turned(text: String, time_s: f64) -> RotorLoads {
+    let mut plant = Plant::new(Arc::new(machine(text)));
+    plant.initialize(0.0).unwrap();
+    plant.step(time_s).unwrap();
+    plant.outputs().rotor()[0]
+}
+
+/// RT-02: the same operating points in a machine whose blades turn: coefficients of OpenFAST to 1e-5, with its end rule. Blades
+/// are 1e5 times as stiff as steel, the shaft turns at constant speed, steps are 20 ms.
+#[test]
+fn turning_rotor_has_the_steady_coefficients() {
+    let rows = table(&reference("openfast_aeromap_stiff.csv"));
+    for row in rows.iter().filter(|row| ["7", "11", "19"].contains(&row["WindSpeed_m_per_s"].as_str())) {
+        let wind = format!("[{}, 0, 0]", row["WindSpeed_m_per_s"]);
+        let speed_rad_s = number(row, "RotorSpeed_RPM") * PI / 30.0;
+        let pitch_deg = number(row, "Pitch_deg");
+        let air = "end_rule = \"stopped\"\nstep_s = 0.02\n";
+        let got = turned(model(&wind, speed_rad_s, pitch_deg, air, ""), 0.5);
+        let power = got.power_coefficient / number(row, "RtFldCp_nd") - 1.0;
+        let thrust = got.thrust_coefficient / number(row, "RtFldCt_nd") - 1.0;
+        println!("{wind}: Cp {power:+.2e}, Ct {thrust:+.2e}");
+        assert!(power.abs() < 1e-5 && thrust.abs() < 1e-5, "{wind}: {power:e} {thrust:e}");
+        assert!((got.tip_speed_ratio / number(row, "TSR_nd") - 1.0).abs() < 1e-5);
+    }
+}
+
+/// Without the rule the ends carry nothing, in the machine as in the steady rotor.
+#[test]
+fn ends_without_load_are_those_of_the_steady_rotor() {
+    let (wind_m_s, speed_rad_s) = (8.0, 9.1311 * PI / 30.0);
+    let expected = nrel_5mw(EndRule::ZeroLoad).at(wind_m_s, speed_rad_s, 0.0);
+    let got = turned(model("[8, 0, 0]", speed_rad_s, 0.0, "step_s = 0.02\n", ""), 0.1);
+    approx::assert_relative_eq!(got.thrust_n, expected.thrust_n, max_relative = 1e-5);
+    approx::assert_relative_eq!(got.torque_n_m, expected.torque_n_m, max_relative = 1e-5);
+    approx::assert_relative_eq!(got.power_w, expected.power_w, max_relative = 1e-5);
+}
+
+/// RT-05: the rotor goes on from a snapshot bit for bit, with all memory there is.
+#[test]
+fn snapshots_hold_wake_and_stall() {
+    let air = "step_s = 0.05\ndynamic_inflow = true\ndynamic_stall = true\nskewed_wake = true\nestablished = false\n";
+    let text = model("[8, 3, 0]", 0.95, 0.0, air, "");
+    let mut plant = Plant::new(Arc::new(machine(text.clone())));
+    plant.initialize(0.0).unwrap();
+    let start_n = plant.outputs().rotor()[0].thrust_n;
+    plant.step(0.4).unwrap();
+    let snapshot = plant.snapshot();
+    plant.step(0.9).unwrap();
+    let expected = plant.outputs().values().to_vec();
+    let mut other = Plant::new(Arc::new(machine(text)));
+    other.initialize(0.0).unwrap();
+    other.restore(&snapshot).unwrap();
+    other.step(0.9).unwrap();
+    assert_eq!(other.outputs().values(), expected);
+    // a wake that sets in slows the wind more and more
+    let end_n = plant.outputs().rotor()[0].thrust_n;
+    assert!(end_n < start_n, "{start_n} {end_n}");
+}
+
+/// RT-06: states that a turbine meets away from its operating points: finite loads of the right sign.
+#[test]
+fn rotor_meets_any_wind() {
+    let loads = |wind: &str, speed_rad_s: f64, pitch_deg: f64| {
+        let air = "step_s = 0.05\nskewed_wake = true\ndynamic_stall = true\n";
+        let got = turned(model(wind, speed_rad_s, pitch_deg, air, ""), 0.1);
+        let numbers = [got.thrust_n, got.torque_n_m, got.power_w, got.power_coefficient, got.thrust_coefficient];
+        assert!(numbers.iter().all(|number| number.is_finite()), "{wind} {speed_rad_s} {pitch_deg}: {got:?}");
+        got
+    };
+    // no air moves, nothing turns
+    let still = loads("[0, 0, 0]", 0.0, 0.0);
+    assert_eq!((still.thrust_n, still.torque_n_m, still.power_coefficient), (0.0, 0.0, 0.0));
+    // in still air it is a propeller that is braked
+    let fan = loads("[0, 0, 0]", 1.0, 0.0);
+    assert!(fan.torque_n_m < 0.0 && fan.thrust_coefficient == 0.0, "{fan:?}");
+    // parked across a storm: pushed downwind; feathered: hardly
+    let (parked, feathered) = (loads("[50, 0, 0]", 0.0, 0.0), loads("[50, 0, 0]", 0.0, 90.0));
+    assert!(parked.thrust_n > 5e5 && feathered.thrust_n.abs() < 0.1 * parked.thrust_n, "{parked:?} {feathered:?}");
+    // wind from behind, from the side, and turning the wrong way
+    assert!(loads("[-8, 0, 0]", 0.95, 0.0).thrust_n < 0.0);
+    assert!(loads("[0, 12, 0]", 0.95, 0.0).torque_n_m < 0.0);
+    assert!(loads("[8, 0, 0]", -0.95, 0.0).power_w < 0.0);
+    // ten times the wind
+    assert!(loads("[80, 0, 0]", 0.95, 0.0).thrust_n > 1e6);
+}
+
+/// RT-07: a rotor that turns the other way, seen in a mirror, is the same.
+#[test]
+fn counter_clockwise_rotor_is_the_mirror_image() {
+    let clockwise = model("[9, 2, 1]", 1.0, 3.0, "step_s = 0.05\nskewed_wake = true\n", "");
+    // mirror at y = 0: blades at opposite azimuths, leading edges and speed the other way
+    let mirrored = clockwise
+        .replace("wind_m_s = [9, 2, 1]", "wind_m_s = [9, -2, 1]\nturns = \"counter_clockwise\"")
+        .replace("axis_fraction", "leading_edge = \"-y\"\naxis_fraction")
+        .replace("polynomial_deg = [0.0, ", "polynomial_deg = [0.0, -");
+    let swapped = mirrored.replace("blade1", "blade9").replace("blade2", "blade1").replace("blade9", "blade2");
+    let (one, other) = (turned(clockwise, 0.2), turned(swapped, 0.2));
+    for (a, b) in
+        [(one.thrust_n, other.thrust_n), (one.torque_n_m, other.torque_n_m), (one.speed_rad_s, other.speed_rad_s)]
+    {
+        approx::assert_relative_eq!(a, b, max_relative = 1e-9);
+    }
+}
+
+/// RT-08: fields of wind: shear alone leaves the mean, a table adds, turbulence is felt and repeats with its seed.
+#[test]
+fn fields_reach_the_blades() {
+    let wind = "[wind]\nreference_height_m = 90.0\nground_m = [0, 0, -90]\n";
+    let run = |wind_m_s: &str, more: &str| {
+        turned(model(wind_m_s, 1.0, 0.0, "step_s = 0.05\n", &format!("{wind}{more}")), 0.3)
+    };
+    let plain = run("[10, 0, 0]", "");
+    let none = turned(model("[10, 0, 0]", 1.0, 0.0, "step_s = 0.05\n", ""), 0.3);
+    assert_eq!(plain, none);
+    let sheared = run("[10, 0, 0]", "shear_exponent = 0.2\n");
+    assert!((sheared.wind_m_s / 10.0 - 1.0).abs() < 0.02 && sheared.thrust_n != plain.thrust_n, "{sheared:?}");
+    let table =
+        run("[0, 0, 0]", "downwind = [1, 0, 0]\nreference_length_m = 126.0\ntable = [[0, 10, 0, 0, 0, 0, 0, 0]]\n");
+    approx::assert_relative_eq!(table.thrust_n, plain.thrust_n, max_relative = 1e-12);
+    let turbulence = |seed: u32| {
+        let more = format!(
+            "downwind = [1, 0, 0]\n[wind.turbulence]\nseed = {seed}\nmean_m_s = 10.0\ndeviation_m_s = 1.5\npoints = [5, 5]\n\
+             spacing_m = [35.0, 35.0]\nplanes = 64\nplane_s = 0.25\n"
+        );
+        run("[0, 0, 0]", &more)
+    };
+    let (one, again, other) = (turbulence(1), turbulence(1), turbulence(2));
+    assert_eq!(one, again);
+    assert!(one.thrust_n != other.thrust_n && (one.wind_m_s - 10.0).abs() < 4.0, "{one:?}");
+    let towered = turned(
+        model(
+            "[10, 0, 0]",
+            1.0,
+            0.0,
+            "step_s = 0.05\n",
+            "[tower]\nfoot_m = [5, 0, -90]\nrows = [[0, 6, 1], [87, 4, 1]]\nshadow = \"powles\"\n",
+        ),
+        2.0 * PI / 3.0 * 0.5, // a blade stands in front of it
+    );
+    let free = turned(model("[10, 0, 0]", 1.0, 0.0, "step_s = 0.05\n", ""), 2.0 * PI / 3.0 * 0.5);
+    assert!(towered.thrust_n < free.thrust_n, "{} {}", towered.thrust_n, free.thrust_n);
+}
+
+/// RT-09: what a file gets wrong is refused with key and line.
+#[test]
+fn faulty_rotors_are_refused_by_name() {
+    let sound = model("[8, 0, 0]", 1.0, 0.0, "", "");
+    let folder = format!("{}/tests/reference/turbine", env!("CARGO_MANIFEST_DIR"));
+    let with = |from: &str, to: &str| {
+        let changed = sound.replacen(from, to, 1);
+        assert_ne!(changed, sound, "{from}");
+        let read = foldwing::config::with_polars(changed, folder.as_ref(), "rotor.toml");
+        match read.and_then(|text| foldwing::config::parse(&text, "rotor.toml")) {
+            Ok(_) => "nothing refused".to_owned(),
+            Err(error) => error.to_string(),
+        }
+    };
+    for (from, to, expected) in [
+        ("hub = \"hub\"", "hub = \"hubb\"", "key 'aerodynamics.hub'"),
+        ("hub = \"hub\"\n", "", "key 'aerodynamics.hub' is missing"),
+        ("hub_radius_m = 1.5\n", "", "key 'aerodynamics.hub_radius_m' is missing"),
+        ("hub_radius_m = 1.5", "hub_radius_m = 1.5\nshaft_axis = [0, 0, 0]", "key 'aerodynamics.shaft_axis'"),
+        ("hub_radius_m = 1.5", "hub_radius_m = 1.5\nfree_wake = true", "key 'aerodynamics.free_wake'"),
+        ("hub_radius_m = 1.5", "hub_radius_m = 1.5\nindicial = \"fine\"", "key 'aerodynamics.indicial'"),
+        ("hub_radius_m = 1.5", "hub_radius_m = 1.5\nmirror_normal = [0, 0, 1]", "key 'aerodynamics.mirror_normal'"),
+        ("stations_m = [0.0, 1.3667", "stations_m = [0.0, 0.0", "key 'surface.blade0.stations_m'"),
+        ("61.4999]\npolars", "62.0]\npolars", "key 'surface.blade0.stations_m'"),
+        ("polars = [\"cylinder1\"", "polars = [\"cylinder9\"", "key 'surface.blade0.polars'"),
+        ("polars = [\"cylinder1\", ", "polars = [", "key 'surface.blade0.polars'"),
+        ("axis_fraction = 0.25", "axis_fraction = 0.25\nstrips = 3", "key 'surface.blade0.strips'"),
+        (
+            "axis_fraction = 0.25",
+            "axis_fraction = 0.25\ndrag_coefficient = 0.1",
+            "key 'surface.blade0.drag_coefficient'",
+        ),
+        ("polars/du21_a17.csv", "polars/missing.csv", "key 'polar.du21_a17.file'"),
+        ("polars/du21_a17.csv", "nrel5mw_blade.csv", "no column alpha_deg"),
+        (
+            "file = \"polars/du21_a17.csv\"",
+            "rows = [[-10, 0, 0.1, 0], [10, 1, 0.1, 0]]",
+            "aspect_ratio, which extends them",
+        ),
+        ("model = \"bem\"", "model = \"strip\"", "key 'aerodynamics.hub'"),
+    ] {
+        let refusal = with(from, to);
+        assert!(refusal.contains(expected), "{to}: {refusal}");
+        assert!(refusal.starts_with("rotor.toml:") && !refusal.starts_with("rotor.toml:0"), "{to}: {refusal}");
+    }
+    let extended =
+        with("file = \"polars/du21_a17.csv\"", "rows = [[-10, -0.5, 0.02, 0], [10, 1.4, 0.03, 0]]\naspect_ratio = 17");
+    assert_eq!(extended, "nothing refused");
+}
+
+/// RT-10: steps of a rotor with all that it can remember allocate nothing.
+#[test]
+fn steps_do_not_allocate() {
+    let air = "step_s = 0.05\ndynamic_inflow = true\ndynamic_stall = true\nskewed_wake = true\n";
+    let tables = "[wind]\nreference_height_m = 90.0\nground_m = [0, 0, -90]\nshear_exponent = 0.2\n\
+                  [tower]\nfoot_m = [5, 0, -90]\nrows = [[0, 6, 1], [87, 4, 1]]\nshadow = \"powles\"\n";
+    let mut plant = Plant::new(Arc::new(machine(model("[8, 1, 0]", 0.95, 0.0, air, tables))));
+    plant.initialize(0.0).unwrap();
+    plant.step(0.2).unwrap();
+    let before = allocations();
+    assert!(before > 0, "the counter counts");
+    plant.step(0.6).unwrap();
+    assert_eq!(allocations(), before);
+}
