@@ -408,6 +408,8 @@ def table(series):
             one = chosen[0]
             missing = sum(math.isnan(value) for value in one["ours"])
             cost = f", {sum(one['cpu_s']) / len(one['cpu_s']):.2f} s" if one["cpu_s"] else ""
+            if math.isnan(one["rms"]) and not any(one["errors"]):
+                return f"none found{cost}"
             note = f", {missing} of {len(one['ours'])} outside the curve" if missing and air == "other" else f", {missing} of {len(one['ours'])} failed" if missing else ""
             return f"{one['rms']:.2f}{cost}{note}"
         lines.append(f"| {case} | {quantity} | {source} | {variant or '–'} | " + " | ".join(show(air) for air in ("lattice", "line", "strips", "other")) + " |")

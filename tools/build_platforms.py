@@ -167,6 +167,9 @@ def write_wheel(platform, native, library, module, folder):
     with zipfile.ZipFile(native) as archive:
         parts = {info.filename: archive.read(info) for info in archive.infolist()}
     parts = {name: content for name, content in parts.items() if not re.fullmatch(r"foldwing/(_native\.(?!pyi).*|(lib)?foldwing_fmu\..*)", name)}
+    for name in parts:  # maturin's list of what is in the module names the folder of the sources
+        if "/sboms/" in name:
+            parts[name] = parts[name].replace(str(ROOT).encode(), b"foldwing")
     parts[f"foldwing/{platform.inside}"] = module.read_bytes()
     parts[f"foldwing/{platform.library}"] = library.read_bytes()
     record = next(name for name in parts if name.endswith(".dist-info/RECORD"))
