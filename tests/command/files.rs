@@ -160,8 +160,12 @@ fn only_results_of_the_same_kind_are_replaced() {
 fn folders_of_results_are_looked_into() {
     let bench = Bench::new();
     std::fs::copy(library(), bench.path("library.so")).unwrap();
-    let cases: [(&[&str], &str); 3] = [
+    let cases: [(&[&str], &str); 4] = [
         (&["simulate", "wing.toml", "--stop", "1e-3", "-q", "--plot", "f"], "f/fold_angles.svg"),
+        (
+            &["simulate", "wing.toml", "--stop", "1e-3", "-q", "--plot", "p", "--plot-format", "pdf"],
+            "p/fold_angles.pdf",
+        ),
         (&["simulate", "wing.toml", "--stop", "1e-3", "-q", "--vtk", "v"], "v/wing_0000.vtu"),
         (
             &["package", "still.toml", "--library", "library.so", "-o", "x.fmu", "--cross-check", "c"],

@@ -235,12 +235,20 @@ fn the_implausible_is_warned_of() {
     let answer = String::from_utf8_lossy(&foldwing(folder.path(), &["check", "wing.toml"]).stderr).into_owned();
     assert!(answer.contains("step_s = 1 s is long for a wing that swings with"), "{answer}");
     let answer = |arguments: &[&str]| {
-        String::from_utf8_lossy(&foldwing(folder.path(), &[&["simulate", "wing.toml"], arguments].concat()).stderr).into_owned()
+        String::from_utf8_lossy(&foldwing(folder.path(), &[&["simulate", "wing.toml"], arguments].concat()).stderr)
+            .into_owned()
     };
-    assert!(answer(&["--stop", "2"]).contains("warning: [experiment] step_s = 1 s is long for a wing that swings with"));
-    assert!(answer(&["--stop", "2", "--step", "0.5"]).contains("warning: --step 0.5 s is long for a wing that swings with"));
+    assert!(
+        answer(&["--stop", "2"]).contains("warning: [experiment] step_s = 1 s is long for a wing that swings with")
+    );
+    assert!(
+        answer(&["--stop", "2", "--step", "0.5"]).contains("warning: --step 0.5 s is long for a wing that swings with")
+    );
     assert!(!answer(&["--stop", "2", "--step", "0.01"]).contains("is long for a wing"));
-    assert!(answer(&["--stop", "1e-4", "--step", "1e-5"]).contains("warning: the run lasts 0.0001 s, a hundredth of the slowest swing"));
+    assert!(
+        answer(&["--stop", "1e-4", "--step", "1e-5"])
+            .contains("warning: the run lasts 0.0001 s, a hundredth of the slowest swing")
+    );
 }
 
 /// No shipped model is called implausible.

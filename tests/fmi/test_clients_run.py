@@ -131,17 +131,25 @@ def test_f133_fmu_of_another_language(runner, tmp_path):
     assert np.ptp(rows["position"]) > 0.05, "the mass moves"
 
 
-def test_f188_run_draws_what_simulate_draws(runner, foldwing, fmus, tmp_path):
+WITHOUT_LATCH = ["energy.kinetic", "root.force.z", "root.moment.y"]
+WITH_LATCH = ["gauge.root.strain", "fold.latched", "fold.latch_time"]
+
+
+@pytest.mark.parametrize("model, names, stop_s", [("slender_wing", WITHOUT_LATCH, 0.05), ("folding_wing", WITH_LATCH, 0.2)])
+def test_f188_run_draws_what_simulate_draws(runner, foldwing, fmus, tmp_path, model, names, stop_s):
     """F-188. `foldwing run --plot` of the FMU draws the variables of `--output` as `foldwing simulate --plot` does, byte for
-    byte, and needs no CSV. Of a wing without latch: only `simulate` knows when latches close, and marks that.
+    byte, and needs no CSV. Where the latch is among them both mark its closing at the same time, with the same words.
     """
-    names = [f"--output={name}" for name in ("energy.kinetic", "root.force.z", "root.moment.y")] + ["--stop=0.05"]
-    for folder, command in [("model", [foldwing, "simulate", ROOT / "examples/models/slender_wing.toml"]), ("fmu", [runner, "run", fmus["slender_wing"].path])]:
-        subprocess.run([*map(str, command), "--quiet", "--plot", tmp_path / folder, *names], check=True)
+    chosen = [f"--output={name}" for name in names] + [f"--stop={stop_s}"]
+    commands = {"model": [foldwing, "simulate", ROOT / f"examples/models/{model}.toml"], "fmu": [runner, "run", fmus[model].path]}
+    for folder, command in commands.items():
+        subprocess.run([*map(str, command), "--quiet", "--plot", tmp_path / folder, *chosen], check=True)
     drawn = sorted(path.name for path in (tmp_path / "fmu").iterdir())
-    assert drawn == [f"outputs_{i}.{kind}" for i in (1, 2, 3) for kind in ("png", "svg")]
+    assert drawn == sorted(path.name for path in (tmp_path / "model").glob("outputs_*")) and len(drawn) >= 4
     for name in drawn:
         assert (tmp_path / "fmu" / name).read_bytes() == (tmp_path / "model" / name).read_bytes(), name
+    marked = "fold latched, 0.1222 s" in (tmp_path / "fmu/outputs_1.svg").read_text(encoding="utf-8")
+    assert marked == (model == "folding_wing")
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")

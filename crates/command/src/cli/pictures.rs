@@ -61,7 +61,13 @@ pub enum Format {
     Svg,
     /// Pixels
     Png,
+    /// Vectors for papers, letters as outlines
+    Pdf,
 }
+
+/// Formats with the endings of their files and what these are known by.
+const FORMATS: [(Format, &str, Mark); 3] =
+    [(Format::Svg, "svg", Mark::SVG), (Format::Png, "png", Mark::PNG), (Format::Pdf, "pdf", Mark::PDF)];
 
 impl SheetArguments {
     /// By default.
@@ -199,8 +205,9 @@ pub(super) fn check_figures(folder: &Path, outlets: &Outlets) -> Result<(), Fail
     make_folder(folder)?;
     let series = (1..).map(|n| format!("outputs_{n}")).take_while(|name| folder.join(format!("{name}.svg")).exists());
     for name in plots::NAMES.into_iter().map(str::to_owned).chain(series) {
-        outlets.check(&folder.join(format!("{name}.svg")), &Mark::SVG)?;
-        outlets.check(&folder.join(format!("{name}.png")), &Mark::PNG)?;
+        for (_, ending, mark) in FORMATS {
+            outlets.check(&folder.join(format!("{name}.{ending}")), &mark)?;
+        }
     }
     Ok(())
 }
@@ -220,7 +227,7 @@ pub(super) fn write_series(
     figures.try_for_each(|(i, figure)| write_figure(folder, &format!("outputs_{}", i + 1), &figure, sheets, outlets))
 }
 
-/// Writes a figure as `stem.svg` and `stem.png`, or one of the two.
+/// Writes a figure as `stem.svg`, `stem.png`, `stem.pdf`, as far as they are asked for.
 fn write_figure(
     folder: &Path,
     stem: &str,
@@ -229,13 +236,14 @@ fn write_figure(
     outlets: &mut Outlets,
 ) -> Result<(), Failure> {
     let drawn = |error: FigureError| Failure::Files(format!("{}: {error}", folder.display()));
-    for (format, ending, mark) in [(Format::Svg, "svg", Mark::SVG), (Format::Png, "png", Mark::PNG)] {
+    for (format, ending, mark) in FORMATS {
         if !sheets.plot_format.contains(&format) {
             continue;
         }
         let bytes = match format {
             Format::Svg => figure.svg(sheets.sheet()).map_err(drawn)?.into_bytes(),
             Format::Png => figure.png(sheets.sheet()).map_err(drawn)?,
+            Format::Pdf => figure.pdf(sheets.sheet()).map_err(drawn)?,
         };
         outlets.place(&folder.join(format!("{stem}.{ending}")), mark)?.fill(&bytes)?;
     }

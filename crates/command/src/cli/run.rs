@@ -61,7 +61,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Run { slave, recorder, series, .. } = run;
     recorder.finish().map_err(writing)?.finish()?;
     if let (Some(folder), Some(series)) = (&arguments.plot, &series) {
-        let figures = series.figures(&description.model_name, &[], &[]);
+        let marks = series.marks(|number| matches!(recorded[number].kind, Kind::Boolean));
+        let figures = series.figures(&description.model_name, &[], &marks);
         write_series(folder, figures, &arguments.sheets, &mut outlets)?;
     }
     let end_s = outcome?;

@@ -33,7 +33,7 @@ pub struct Arguments {
     /// Variables to write: names or patterns (`fold.*`), separated by commas; may be repeated [default: all outputs]
     #[arg(long = "output", value_name = "NAME")]
     pub outputs: Vec<String>,
-    /// Folder for figures (SVG and PNG) of the variables over time, one per unit
+    /// Folder for figures of the variables over time, one per unit, with marks where Boolean ones change
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
     #[command(flatten)]

@@ -12,6 +12,9 @@ const SHAPES: usize = 9;
 /// Curves that one figure of chosen variables shows: two looks per colour.
 const CURVES: usize = 2 * PALETTE.len();
 
+/// Changes of a switch over a run beyond which they are no instants to mark.
+const MOST_CHANGES: usize = 6;
+
 /// Axes of the root frame.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -146,14 +149,19 @@ const ENERGIES: [(&str, Energy); 7] = [
     ("total", |energy| energy.total),
 ];
 
-/// Where latches closed: times in s with their words.
+/// What happened in the run, in order: latches that closed or opened, joints released and held, gusts; times in s with their words.
 pub fn marks(recording: &Recording) -> Vec<(f64, String)> {
-    let joints = recording.scene.joints.iter().zip(&recording.history.latches_s);
-    joints
-        .flat_map(|((name, _), times)| {
-            times.iter().map(move |time_s| (*time_s, format!("{name} latched, {time_s:.4} s")))
-        })
-        .collect()
+    let times = &recording.history.time_s;
+    let (Some(first_s), Some(last_s)) = (times.first(), times.last()) else { return Vec::new() };
+    let within = recording.watch.events.iter().filter(|event| (*first_s..=*last_s).contains(&event.time_s));
+    let mut marks: Vec<_> = within.map(|event| mark(event.time_s, &event.text)).collect();
+    marks.sort_by(|a, b| a.0.total_cmp(&b.0));
+    marks
+}
+
+/// An instant with its words.
+fn mark(time_s: f64, what: &str) -> (f64, String) {
+    (time_s, format!("{what}, {time_s:.4} s"))
 }
 
 /// The two axes along which points spread most, the upright one second.
@@ -267,6 +275,37 @@ impl Series {
             self.time_s.push(time_s);
             self.columns.iter_mut().zip(values).for_each(|(column, value)| column.values.push(value));
         }
+    }
+
+    /// Where switches change: times in s with their words. `is_switch` says of a variable's number whether it is Boolean; one that
+    /// never comes to rest is left out. A latch whose time is among the variables is marked there, others at their row.
+    pub fn marks(&self, is_switch: impl Fn(usize) -> bool) -> Vec<(f64, String)> {
+        let mut marks = Vec::new();
+        for (_, column) in self.columns.iter().enumerate().filter(|(number, _)| is_switch(*number)) {
+            let changes = (1..column.values.len()).filter(|row| column.values[*row] != column.values[row - 1]);
+            let changes: Vec<usize> = changes.collect();
+            if changes.len() > MOST_CHANGES {
+                continue;
+            }
+            let name = &column.name;
+            let words = |on: bool| match (name.strip_suffix(".latched"), name.strip_suffix(".release"), on) {
+                (Some(joint), _, true) => format!("{joint} latched"),
+                (Some(joint), _, false) => format!("{joint} latch opened"),
+                (_, Some(joint), true) => format!("{joint} released"),
+                (_, Some(joint), false) => format!("{joint} held"),
+                (None, None, true) => name.clone(),
+                (None, None, false) => format!("{name} off"),
+            };
+            let told = name.strip_suffix(".latched").map(|joint| format!("{joint}.latch_time"));
+            let told = self.columns.iter().find(|other| Some(&other.name) == told.as_ref());
+            marks.extend(changes.into_iter().map(|row| {
+                let on = column.values[row] != 0.0;
+                let time_s = told.filter(|_| on).map_or(self.time_s[row], |told| told.values[row]);
+                mark(time_s, &words(on))
+            }));
+        }
+        marks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        marks
     }
 
     /// Figures, one per unit in order of their first appearance, of at most as many curves as a figure tells apart.

@@ -72,6 +72,8 @@ impl Mark {
     pub const SVG: Self = head("a picture of foldwing", b"<", b"<!-- drawn by foldwing -->");
     /// A figure as PNG.
     pub const PNG: Self = head("a picture of foldwing", b"\x89PNG\r\n\x1a\n", b"tEXtSoftware\0foldwing");
+    /// A figure as PDF.
+    pub const PDF: Self = head("a picture of foldwing", b"%PDF-1.", b"/Producer (foldwing)");
     /// A file for ParaView.
     pub const VTK: Self = head("a VTK file of foldwing", b"<?xml version=\"1.0\"?>\n<!-- written by foldwing -->", b"");
     /// The schema of model files.

@@ -1,11 +1,14 @@
-//! Figures of curves, as SVG and as PNG, from one description: the chart is `plotters`', with its SVG; the pixels are
-//! `tiny-skia`'s (`pixels`).
+//! Figures of curves, as SVG, PNG and PDF, from one description: the chart is `plotters`', with its SVG; the pixels are
+//! `tiny-skia`'s (`pixels`), the page is `pdf-writer`'s (`page`).
 //!
-//! Both use tenths of a user unit as integers, because `plotters` draws on whole ones.
+//! All use tenths of a user unit as integers, because `plotters` draws on whole ones.
 
+mod canvas;
 mod ends;
+mod page;
 mod pixels;
 
+use canvas::Backend;
 use ends::spread;
 use pixels::Pixels;
 use plotters::coord::Shift;
@@ -32,6 +35,8 @@ const BORDER: u32 = 14;
 const TITLE: u32 = 40;
 /// Height of a name's line at the end of a curve, in user units.
 const NAME_LINE: u32 = 17;
+/// Room for a letter of a mark's words, in tenths of a user unit.
+const MARK_LETTER: u32 = 72;
 /// Names that are longer lose their middle.
 const LONGEST_NAME: usize = 21;
 
@@ -144,8 +149,8 @@ impl Figure {
     /// # Errors
     /// Where `plotters` cannot draw it.
     pub fn png(&self, sheet: Sheet) -> Result<Vec<u8>, FigureError> {
-        let mut pixels = Pixels::new(sheet.size, UNIT, sheet.scale, FONT_FILE);
-        self.draw(sheet, &pixels.backend().into_drawing_area())?;
+        let mut pixels = Pixels::new(sheet.size, UNIT, sheet.scale);
+        self.draw(sheet, &Backend::new(&mut pixels, FONT_FILE).into_drawing_area())?;
         Ok(pixels.png())
     }
 
@@ -184,7 +189,7 @@ impl Figure {
             .x_desc(self.x_label.as_str())
             .y_desc(self.y_label.as_str())
             .draw()?;
-        self.draw_marks(area, &mut chart, &y)?;
+        self.draw_marks(size, area, &mut chart, &y)?;
         for curve in &self.curves {
             draw_curve(&mut chart, curve, &x)?;
         }
@@ -196,19 +201,29 @@ impl Figure {
         area.present()
     }
 
+    /// Dashed lines at the marks, their words above the chart apart from each other; words that have no room are left out.
     fn draw_marks<B: DrawingBackend>(
         &self,
+        size: [u32; 2],
         area: &DrawingArea<B, Shift>,
         chart: &mut Chart<'_, B>,
         y: &Range<f64>,
     ) -> Drawn<B> {
-        let ends = [y.start, y.end];
+        let mut labels = Vec::new();
         for (x, label) in &self.marks {
-            let dashes = DashedLineSeries::new(ends.map(|y| (*x, y)), 6 * UNIT, 4 * UNIT, line(FAINT, 1.2));
-            chart.draw_series(dashes)?;
-            let (pixel, _) = chart.backend_coord(&(*x, y.end));
+            let ends = [(*x, y.start), (*x, y.end)];
+            chart.draw_series(DashedLineSeries::new(ends, 6 * UNIT, 4 * UNIT, line(FAINT, 1.2)))?;
+            let (pixel, _) = chart.backend_coord(&ends[1]);
+            labels.push((f64::from(pixel), pixel, label));
+        }
+        let longest = labels.iter().map(|(_, _, label)| label.chars().count()).max().unwrap_or_default();
+        let wide = f64::from(MARK_LETTER) * longest as f64;
+        let range = [f64::from(BORDER * UNIT), f64::from((size[0] - BORDER) * UNIT)];
+        labels.truncate(((range[1] - range[0]) / wide.max(1.0)) as usize);
+        spread(&mut labels, wide, [range[0] + 0.5 * wide, range[1] - 0.5 * wide]);
+        for (place, _, label) in labels {
             let label_style = style(12, &FAINT, HPos::Center, VPos::Center);
-            area.draw_text(label, &label_style, (pixel, at(0, BORDER + TITLE - 8).1))?;
+            area.draw_text(label, &label_style, (place as i32, at(0, BORDER + TITLE - 8).1))?;
         }
         Ok(())
     }

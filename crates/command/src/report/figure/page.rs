@@ -144,7 +144,7 @@ mod tests {
         let text = String::from_utf8_lossy(&pdf);
         assert!(text.starts_with("%PDF-1.") && text.trim_end().ends_with("%%EOF"));
         assert!(
-            text[..1000].contains("/Producer(foldwing)") && text.contains("/MediaBox[0 0 600 300]"),
+            text[..1000].contains("/Producer (foldwing)") && text.contains("/MediaBox [0 0 600 300]"),
             "{}",
             &text[..1000]
         );
