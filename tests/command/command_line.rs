@@ -428,13 +428,14 @@ fn linearize_writes_json_and_npz() {
     refuses(&on_model("linearize", &["--inputs", "fold.release", "-o", &file]), 2, "no real input is named");
 }
 
-/// Linear models of machines in air hold its loads: they say so everywhere and offer no wind, whose columns would be 0.
+/// Linear models of machines in the air of a lattice hold its loads: they say so everywhere and offer no wind, whose columns would
+/// be 0.
 #[test]
-fn linear_models_and_modes_are_without_air_and_say_so() {
+fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     let folder = scratch();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let goland = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/goland_wing.toml");
-    let linearize = |file: &str, more: &[&str]| foldwing(&[&["linearize", goland, "-o", &path(file)], more].concat());
+    let tunnel = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/folding_wing_in_tunnel.toml");
+    let linearize = |file: &str, more: &[&str]| foldwing(&[&["linearize", tunnel, "-o", &path(file)], more].concat());
     assert!(succeeds(&linearize("x.json", &[])).contains("without air"));
     let json: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path("x.json")).unwrap()).unwrap();
     assert_eq!(json["without_air"], true);
@@ -447,10 +448,71 @@ fn linear_models_and_modes_are_without_air_and_say_so() {
     assert!(bytes.ends_with(&1.0f64.to_le_bytes()));
     succeeds(&linearize("x.mat", &[]));
     assert!(String::from_utf8_lossy(&std::fs::read(path("x.mat")).unwrap()).contains("without_air"));
-    refuses(&linearize("y.json", &["--inputs", "wind.velocity.y"]), 2, "linear models are without air");
-    assert!(succeeds(&foldwing(&["modes", goland])).contains("without air"));
+    refuses(&linearize("y.json", &["--inputs", "gust.z"]), 2, "with strips alone");
+    refuses(&linearize("y.json", &["--inputs", "wind.velocity.y"]), 2, "linear models of a lattice are without air");
+    assert!(succeeds(&foldwing(&["modes", tunnel])).contains("without air"));
     let file = path("vacuum.json");
     assert!(!succeeds(&on_model("linearize", &["--set", "fold.release=0", "-o", &file])).contains("without air"));
+}
+
+/// With strips the air is in linear models and modes: wind and a gust are inputs, lags are states, flutter is found.
+#[test]
+fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
+    let folder = scratch();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let goland = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/goland_wing.toml");
+    let inputs = ["--inputs", "wind.velocity.z,gust.z", "--outputs", "tip."];
+    let said = succeeds(&foldwing(&[&["linearize", goland, "-o", &path("x.json")], &inputs[..]].concat()));
+    assert!(said.contains("in air") && !said.contains("without"), "{said}");
+    let json: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path("x.json")).unwrap()).unwrap();
+    assert_eq!(json["without_air"], false);
+    let names = |of: &str| -> Vec<String> {
+        json[of].as_array().unwrap().iter().map(|signal| signal["name"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(names("inputs"), ["wind.velocity.z", "gust.z"]);
+    assert!(names("states").contains(&"wing.strip[12].gust_lag[3]".to_owned()), "{:?}", names("states"));
+    let size = |of: &str| {
+        json[of]
+            .as_array()
+            .unwrap()
+            .iter()
+            .flat_map(|row| row.as_array().unwrap())
+            .map(|x| x.as_f64().unwrap().abs())
+            .fold(0.0, f64::max)
+    };
+    assert!(size("B") > 0.0);
+    assert!(succeeds(&foldwing(&["modes", goland])).contains("in air"));
+    let fluttering = foldwing(&["modes", goland, "--set", "wind.velocity.y=-145", "--count", "4"]);
+    assert!(succeeds(&fluttering).contains("UNSTABLE"));
+    let csv = path("modes.csv");
+    let found = succeeds(&foldwing(&["flutter", goland, "--speeds", "120:150:10", "--count", "3", "--csv", &csv]));
+    assert!(found.contains("flutter at 137.4"), "{found}");
+    let rows = std::fs::read_to_string(&csv).unwrap();
+    assert!(rows.starts_with("speed_m_s,mode,frequency_Hz,damping_ratio,"), "{rows}");
+    assert_eq!(rows.lines().count(), 1 + 4 * 3, "{rows}");
+    let map =
+        ["flutter", goland, "--speeds", "120:160:20", "--count", "3", "--over", "aero.density=1.0,1.225", "--json"];
+    let map: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&map))).unwrap();
+    let speed = |i: usize| map["results"][i]["flutter"][0]["speed_m_s"].as_f64().unwrap();
+    assert!(speed(0) > 1.05 * speed(1), "thinner air, later flutter: {map}");
+    refuses(&foldwing(&["flutter", goland, "--speeds", "0:10:1"]), 2, "0 < FROM < TO");
+    let tunnel = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/folding_wing_in_tunnel.toml");
+    refuses(&foldwing(&["flutter", tunnel, "--speeds", "5:10:1"]), 2, "use strips");
+    refuses(&foldwing(&["modes", goland, "--plot", &path("p")]), 2, "belong to --over");
+    let over = foldwing(&[
+        "modes",
+        goland,
+        "--over",
+        "aero.density=0.1:1.3:4",
+        "--count",
+        "3",
+        "--plot",
+        &path("p"),
+        "--plot-format",
+        "svg",
+    ]);
+    assert!(succeeds(&over).contains("modes over aero.density"));
+    assert!(folder.path().join("p/root_locus.svg").exists());
 }
 
 /// The shared library that Cargo built beside this test.
@@ -542,4 +604,47 @@ fn modes_prints_real_poles_and_static_the_stable_state() {
     assert!(first["frequency_Hz"].is_null() && first["damping_ratio"].is_null() && first["grows"] == true, "{first}");
     let table = succeeds(&on_model("static", &["--path", "arc-length", "--set", "fold.release=0"]));
     assert!(table.contains("Path of equilibria"), "{table}");
+}
+
+/// Trim: the wing carries its own weight in the wind that is found, which other commands then take.
+#[test]
+fn trim_finds_the_wind_that_carries_the_wing() {
+    let flared = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/flared_wing_tip.toml");
+    let call = ["trim", flared, "--free", "wind.velocity.z", "--balance", "root.force.z=0", "--json"];
+    let found: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&call))).unwrap();
+    // 17.6 N are on the root before
+    assert!(found["balances"]["root.force.z"].as_f64().unwrap().abs() <= 17.7e-9, "{found}");
+    let wind_m_s = found["free"]["wind.velocity.z"].as_f64().unwrap();
+    assert!(wind_m_s < -0.1, "the wing flies nose up: {found}");
+    let setting = format!("wind.velocity.z={wind_m_s:?}");
+    let rest = succeeds(&foldwing(&["static", flared, "--set", &setting, "--json"]));
+    let rest: serde_json::Value = serde_json::from_str(&rest).unwrap();
+    assert!(rest.is_object());
+    refuses(
+        &foldwing(&[
+            "trim",
+            flared,
+            "--free",
+            "wind.velocity.z",
+            "--balance",
+            "root.force.z=0",
+            "--balance",
+            "root.force.y=0",
+        ]),
+        2,
+        "1 free values for 2 balances",
+    );
+    refuses(
+        &foldwing(&["trim", flared, "--free", "fold.release", "--balance", "root.force.z=0"]),
+        2,
+        "not a real input",
+    );
+    refuses(
+        &foldwing(&["trim", flared, "--free", "wind.velocity.z", "--balance", "root.force.z"]),
+        2,
+        "must be NAME=VALUE",
+    );
+    // the drive has no spring that a command could move
+    let nothing = foldwing(&["trim", flared, "--free", "fold.command", "--balance", "root.force.z=0"]);
+    refuses(&nothing, 3, "the balances do not change independently");
 }

@@ -73,6 +73,9 @@ fn f246_the_lines_of_the_guide_run() {
     for name in ["wing.toml", "my_wing.toml", "mywing.toml", "stiffer.toml"] {
         std::fs::write(folder.path().join(name), &model).unwrap();
     }
+    for name in ["goland_wing.toml", "flared_wing_tip.toml"] {
+        std::fs::copy(in_package("examples/models").join(name), folder.path().join(name)).unwrap();
+    }
     std::fs::write(folder.path().join("commands.csv"), "time, fold.command\n0, 0\n0.1, 0.1\n").unwrap();
     std::fs::write(folder.path().join("measured.csv"), "time,fold.angle\n0,2.9\n0.1,0.8\n").unwrap();
     std::fs::write(folder.path().join("samples.csv"), "fold.start_angle\n1.0\n2.0\n").unwrap();

@@ -280,6 +280,10 @@ fn produced() -> Vec<String> {
     let shipped = |name: &str| fs::read_to_string(in_package("examples/models").join(name)).unwrap();
     let model = shipped("folding_wing.toml");
     write("wing.toml", model.as_bytes());
+    let goland = shipped("goland_wing.toml");
+    write("sudden.toml", goland.replace("model = \"strip\"", "model = \"strip\"\nestablished = false").as_bytes());
+    write("goland.toml", goland.as_bytes());
+    write("tunnel.toml", shipped("folding_wing_in_tunnel.toml").as_bytes());
     write("four_bar.toml", shipped("four_bar.toml").as_bytes());
     write("pendulum.toml", shipped("double_pendulum.toml").as_bytes());
     FILES.iter().for_each(|(name, text)| write(name, text));
@@ -303,6 +307,18 @@ fn produced() -> Vec<String> {
         assert!(call(line).status.success(), "{line}");
     }
     let more = [
+        "flutter goland.toml --speeds 5",
+        "flutter goland.toml --speeds 0:1:1",
+        "flutter goland.toml --speeds 1:1e9:1e-3",
+        "flutter wing.toml --speeds 1:2:1",
+        "flutter tunnel.toml --speeds 1:2:1",
+        "flutter sudden.toml --speeds 1:2:1",
+        "flutter goland.toml --speeds 1:2:1 --set wind.velocity.y=0",
+        "modes wing.toml --over file:solver.method=esdirk3,esdirk4",
+        "modes wing.toml --over fold.command=1",
+        "trim wing.toml --free fold.command --balance tip.position.z",
+        "trim wing.toml --free fold.command --balance fold.command=1",
+        "trim wing.toml --free fold.command --balance tip.position.z=x",
         "sweep wing.toml --vary fold.command=1,3 --stop 0.001 --out done.csv",
         "check loaded.toml",
         "package failing.toml -o x.fmu --library LIBRARY",

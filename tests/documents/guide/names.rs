@@ -84,6 +84,11 @@ const FOREIGN: &[&str] = &[
     "without_air",
     "growing_1_s",
     "error_bound",
+    // inputs and states of linear models in air
+    "gust.x",
+    "gust.y",
+    "gust.z",
+    "wing.strip[1].gust_lag[1]",
     // states of reduced linear models
     "balanced_1",
     "modal_1",

@@ -10,6 +10,8 @@ mod frames;
 mod goland;
 mod identification;
 mod light_tips;
+mod linear_flutter;
+mod linear_response;
 mod narrow_gaps;
 mod twist;
 pub(crate) mod wings;

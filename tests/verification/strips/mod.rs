@@ -8,4 +8,4 @@ mod section_flutter;
 pub(crate) mod theory;
 mod theory_checks;
 mod tip_loss;
-mod unsteady;
+pub(crate) mod unsteady;

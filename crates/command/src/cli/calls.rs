@@ -47,13 +47,13 @@ pub fn rest(plant: &mut Plant, time_s: f64, arc_length: bool, stable: bool) -> R
 pub fn modes(plant: &mut Plant, time_s: f64, undeformed: bool, count: usize) -> Result<Value, PlantError> {
     if undeformed {
         plant.study().undeformed(time_s)?;
-        let modes = plant.study().modes(count)?;
-        return Ok(crate::cli::modes::as_json(plant, &modes));
+        let modes = plant.study().bare_modes(count)?;
+        return Ok(crate::cli::modes::as_json(plant, &modes, true));
     }
     let departure = plant.study().rest(time_s, Holding::AsReleased, Search::default())?.departure;
     let stability = plant.study().stability()?;
     let modes = plant.study().modes(count)?;
-    let mut value = crate::cli::modes::as_json(plant, &modes);
+    let mut value = crate::cli::modes::as_json(plant, &modes, false);
     value["stability"] = stability::as_json(plant, &stability, departure);
     Ok(value)
 }

@@ -28,6 +28,8 @@ The usual order of work, from a model file to its FMU:
   foldwing view wing.toml                         the run in the browser
   foldwing static wing.toml                       its shape at rest under gravity and loads
   foldwing modes wing.toml                        natural frequencies about that state
+  foldwing flutter goland_wing.toml --speeds 50:200:10
+                                                  flutter and divergence in wind
   foldwing sweep wing.toml --vary fold.start_angle=0.5:2:16 --out sweep.csv
                                                   many variants, a row for each
   foldwing linearize wing.toml -o wing.npz        A, B, C, D for a controller
@@ -129,11 +131,24 @@ Examples:
   foldwing static wing.toml --set fold.release=0
   foldwing static wing.toml --set load.outer[4].force.z=0.2 --set gravity.x=0 --json";
 
+pub(super) const TRIM: &str = "\
+Examples:
+  foldwing trim flared_wing_tip.toml --free wind.velocity.z --balance root.force.z=0
+  foldwing trim flared_wing_tip.toml --free wind.velocity.z --balance root.moment.y=0 --set wind.velocity.y=-25";
+
+pub(super) const FLUTTER: &str = "\
+Examples:
+  foldwing flutter goland_wing.toml --speeds 50:200:10
+  foldwing flutter goland_wing.toml --speeds 50:200:25 --plot flutter --csv flutter.csv
+  foldwing flutter goland_wing.toml --speeds 100:200:25 --over aero.density=0.8,1.0,1.225
+  foldwing flutter flared_wing_tip.toml --speeds 10:40:10 --set fold.release=0 --over file:joint.fold.start_angle_deg=0:80:3";
+
 pub(super) const MODES: &str = "\
 Examples:
   foldwing modes wing.toml
   foldwing modes wing.toml --about undeformed --count 4 --set fold.start_angle=0
-  foldwing modes wing.toml --set fold.release=0 --set root.angular_velocity.z=20 --json";
+  foldwing modes wing.toml --set fold.release=0 --set root.angular_velocity.z=20 --json
+  foldwing modes wing.toml --set fold.release=0 --over root.angular_velocity.z=0:40:5 --plot modes";
 
 pub(super) const LINEARIZE: &str = "\
 Examples:

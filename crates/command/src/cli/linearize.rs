@@ -6,8 +6,9 @@ use crate::cli::settings::plant_with;
 use crate::cli::{Failure, print, read_model, tell};
 use crate::report::{linear_json, write_mat, write_npz};
 use clap::builder::NonEmptyStringValueParser;
+use foldwing_engine::machine::{Air, Machine};
 use foldwing_engine::plant::{Holding, Keep, NoReduction, Plant, PlantError};
-use foldwing_fmi::interface::{Interface, LinearModel, Variable};
+use foldwing_fmi::interface::{GUSTS, Interface, LinearModel, Variable};
 use std::io::{self, Cursor, Write};
 use std::path::PathBuf;
 
@@ -55,12 +56,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let place = Outlets::new(arguments.force.force, [arguments.model.as_path()]).place(&arguments.output, mark)?;
     let (machine, _) = read_model(&arguments.model)?;
     let interface = Interface::new(&machine);
-    let inputs = chosen(&arguments.inputs, interface.real_inputs(), "real input")?;
+    let (gusts, names) = gusts_of(&arguments.inputs, &machine)?;
+    let inputs = match names.is_empty() && !gusts.is_empty() {
+        true => Vec::new(),
+        false => chosen(&names, interface.real_inputs(), "real input")?,
+    };
     let outputs = chosen(&arguments.outputs, interface.real_outputs(), "real output")?;
     let mut plant = plant_with(machine, &interface, &arguments.settings)?;
     reach("--at", &arguments.at, &mut plant)?;
-    let model =
-        interface.linearize(&mut plant, &inputs, &outputs).map_err(|error| Failure::Statics(error.to_string()))?;
+    let model = interface
+        .linearize_in_gusts(&mut plant, &inputs, &gusts, &outputs)
+        .map_err(|error| Failure::Statics(error.to_string()))?;
     let model = match (arguments.modes, arguments.reduce) {
         (Some(order), _) => fewer(&model, "--modes", order, Keep::Modes)?,
         (_, Some(order)) => fewer(&model, "--reduce", order, Keep::Balanced)?,
@@ -76,10 +82,36 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         reduction_in_words(&model),
         model.inputs.len(),
         model.outputs.len(),
-        if model.without_air { ", without air (its loads are held; no wind)" } else { "" },
+        if model.without_air {
+            ", without air (its loads are held; no wind)"
+        } else if plant.machine().air.is_some() {
+            ", in air"
+        } else {
+            ""
+        },
         arguments.output.display(),
         model.point
     ))
+}
+
+/// Components of a uniform gust among the names of inputs, and the other names.
+fn gusts_of(names: &[String], machine: &Machine) -> Result<(Vec<usize>, Vec<String>), Failure> {
+    let named = |name: &String| GUSTS.iter().position(|gust| name == gust);
+    let mut gusts: Vec<usize> = Vec::new();
+    for name in names {
+        let all = if name == "gust." || name == "gust.*" { vec![0, 1, 2] } else { named(name).into_iter().collect() };
+        gusts.extend(all);
+        if gusts.is_empty() || machine.air.as_ref().is_some_and(Air::is_linearised) {
+            continue;
+        }
+        return Err(Failure::Usage(format!(
+            "--inputs {name}: gusts are inputs of linear models with strips alone (aerodynamics.model = \"strip\")"
+        )));
+    }
+    gusts.sort_unstable();
+    gusts.dedup();
+    let others = names.iter().filter(|name| named(name).is_none() && *name != "gust." && *name != "gust.*");
+    Ok((gusts, others.cloned().collect()))
 }
 
 /// The model with fewer states.
@@ -113,8 +145,8 @@ pub(super) fn chosen<'a>(
         let named = rows.iter().any(|row| row.name.starts_with(name.trim_end_matches(['*', '.'])));
         if !named {
             return Err(Failure::Usage(format!(
-                "--inputs {name}: linear models are without air, they hold its loads; choose other inputs, or take the answer to \
-                 wind from runs"
+                "--inputs {name}: linear models of a lattice are without air, they hold its loads; choose other inputs, take the \
+                 answer to wind from runs, or use strips (aerodynamics.model = \"strip\")"
             )));
         }
     }

@@ -3,11 +3,13 @@
 mod air_summary;
 mod assessment;
 mod beside;
+mod branches;
 mod calls;
 mod check;
 mod choice;
 mod compare;
 mod completions;
+mod flutter;
 mod grid;
 mod help;
 #[cfg(test)]
@@ -39,6 +41,7 @@ mod strains;
 mod sweep;
 mod tell;
 mod timing;
+mod trim;
 mod view;
 
 pub use calls::{
@@ -135,6 +138,17 @@ enum Command {
     /// About the equilibrium or about the bare structure: frequencies, damping ratios and what bends. A turning root stiffens
     /// and couples the modes.
     Modes(modes::Arguments),
+    /// Find inputs and parameters for which outputs at rest are what they should be
+    ///
+    /// Such as the wind's direction and a thrust for which the forces on the root vanish: the machine comes to rest for every guess,
+    /// in air with free hinges where they float. Prints the values as `--set` for the other commands.
+    Trim(trim::Arguments),
+    /// Find flutter and divergence: modes in air over the speed of the wind
+    ///
+    /// About the equilibrium at each speed, with the lags of the air of strips; modes are followed from speed to speed, and the speeds
+    /// at which they begin to grow are found to the last digits. `--over` finds them over another quantity, such as the fold
+    /// angle, the density or the stiffness of a latch. Latches are open or closed as the model starts.
+    Flutter(flutter::Arguments),
     /// Write a linear model from inputs to outputs
     ///
     /// A, B, C, D about the start, an equilibrium or a state during a run, for NumPy, for MATLAB or as JSON.
@@ -234,6 +248,8 @@ fn run_command(command: Command, library: Option<&Path>) -> u8 {
         Command::Check(arguments) => check::run(&arguments),
         Command::Static(arguments) => statics::run(&arguments),
         Command::Modes(arguments) => modes::run(&arguments),
+        Command::Trim(arguments) => trim::run(&arguments),
+        Command::Flutter(arguments) => flutter::run(&arguments),
         Command::Linearize(arguments) => linearize::run(&arguments),
         Command::Schema => print(&config::schema()),
         Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),

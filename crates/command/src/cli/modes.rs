@@ -1,10 +1,12 @@
 //! `foldwing modes`: natural frequencies and shapes.
 
+use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, pool, write_figures};
+use crate::cli::outlets::{Force, Mark, Outlets};
 use crate::cli::settings::read_plant;
 use crate::cli::statics::BranchOption;
-use crate::cli::{Failure, print, stability};
+use crate::cli::{Failure, print, stability, tell};
 use clap::builder::NonEmptyStringValueParser;
-use foldwing_engine::plant::{Holding, ModeShape, NodeMotion, Plant, Search};
+use foldwing_engine::plant::{Branches, Holding, ModeShape, NodeMotion, Plant, Search};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -26,9 +28,16 @@ pub struct Arguments {
     /// Start value of an input or parameter, e.g. `root.angular_velocity.z=20`, `fold.release=0`; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
+    /// Follow the modes over a start value, a parameter or a key of the model file (`file:…`): KEY=FROM:TO:COUNT or KEY=A,B,…
+    #[arg(long, value_name = "KEY=VALUES", conflicts_with = "json", value_parser = NonEmptyStringValueParser::new())]
+    over: Option<String>,
+    #[command(flatten)]
+    branches: BranchArguments,
     /// Print JSON with mode shapes for programs
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
@@ -44,6 +53,14 @@ const SHARES: [&str; 5] = ["stretch", "twist", "flap", "lag", "joints"];
 
 /// Prints the modes of lowest frequency.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(over) = &arguments.over {
+        return run_over(arguments, over);
+    }
+    if arguments.branches.csv.is_some() || arguments.branches.plot.is_some() {
+        return Err(Failure::Usage(
+            "--csv and --plot belong to --over, which follows modes over a quantity".to_owned(),
+        ));
+    }
     let mut plant = read_plant(&arguments.model, &arguments.settings)?;
     let time_s = plant.machine().experiment.start_time_s;
     let failed = |error: foldwing_engine::plant::PlantError| Failure::Statics(error.to_string());
@@ -59,9 +76,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         About::Undeformed => None,
         About::Equilibrium => Some(plant.study().stability().map_err(failed)?),
     };
-    let modes = plant.study().modes(arguments.count).map_err(failed)?;
+    let bare = arguments.about == About::Undeformed;
+    let modes = match bare {
+        true => plant.study().bare_modes(arguments.count).map_err(failed)?,
+        false => plant.study().modes(arguments.count).map_err(failed)?,
+    };
     if arguments.json {
-        let mut value = as_json(&plant, &modes);
+        let mut value = as_json(&plant, &modes, bare);
         if let Some(stability) = &stability {
             value["stability"] = stability::as_json(&plant, stability, departure);
         }
@@ -71,7 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "{} about its {} state{}\n{:>4} {:>14} {:>10}  elastic energy\n",
         plant.machine().name,
         if arguments.about == About::Undeformed { "undeformed" } else { "equilibrium" },
-        if plant.machine().air.is_some() { ", without air: its loads are held" } else { "" },
+        air_in_words(&plant, bare),
         "mode",
         "frequency Hz",
         "damping"
@@ -85,6 +106,59 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
+/// Follows the modes over a quantity.
+fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
+    let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
+    arguments.branches.check(&outlets)?;
+    let varied = Varied::new(&arguments.model, &arguments.settings, Some(over))?;
+    let numbers = varied.numbers()?;
+    let failed = |error: foldwing_engine::plant::PlantError| Failure::Statics(error.to_string());
+    let mut modes_at = |value: f64| -> Result<Vec<ModeShape>, Failure> {
+        // whole numbers fit keys that ask for them
+        let text = if value.fract() == 0.0 && value.abs() < 1e9 { format!("{value:.0}") } else { format!("{value:?}") };
+        let mut plant = varied.plant(&text)?;
+        let time_s = plant.machine().experiment.start_time_s;
+        match arguments.about {
+            About::Undeformed => plant.study().undeformed(time_s).map_err(failed)?,
+            About::Equilibrium => {
+                let search = Search { branch: arguments.branch.choice(), ..Search::default() };
+                plant.study().rest(time_s, Holding::AsReleased, search).map_err(failed)?;
+            }
+        }
+        let count = pool(arguments.count);
+        match arguments.about {
+            About::Undeformed => plant.study().bare_modes(count).map_err(failed),
+            About::Equilibrium => plant.study().modes(count).map_err(failed),
+        }
+    };
+    let (mut branches, ended) = Branches::follow(&numbers, &mut modes_at);
+    if let (true, Some((_, error))) = (branches.places.is_empty(), &ended) {
+        return Err(Failure::Statics(format!("--over {over}: {error}")));
+    }
+    branches.keep(arguments.count, &mut []);
+    let name = &varied.machine().name;
+    let table = BranchTable { quantity: varied.key(), unit: "", branches: &branches };
+    if let Some(path) = &arguments.branches.csv {
+        let text = csv_text(&table.header(None), &table.rows(None));
+        outlets.place(path, Mark::first_line(&text))?.fill(&text)?;
+    }
+    write_figures(&arguments.branches, table.figures(name, &[]), &mut outlets)?;
+    if let Some((value, error)) = ended {
+        tell::note(&format!("the modes end before {} = {value}: {error}", varied.key()));
+    }
+    print(&format!("{name}: modes over {}\n{}", varied.key(), table.text()))
+}
+
+/// What the modes know of the air; nothing without any.
+pub(super) fn air_in_words(plant: &Plant, bare: bool) -> &'static str {
+    match &plant.machine().air {
+        None => "",
+        Some(_) if bare => ", without air",
+        Some(_) if plant.air_is_linearised() => ", in air",
+        Some(_) => ", without air: its loads are held",
+    }
+}
+
 /// Frequency in Hz and damping ratio; of a real pole its rate in 1/s, as it has neither. Growth is marked.
 fn frequency(mode: &ModeShape) -> String {
     let mark = if mode.grows() { " UNSTABLE" } else { "" };
@@ -96,7 +170,7 @@ fn frequency(mode: &ModeShape) -> String {
 }
 
 /// What bends, largest share first.
-fn shares(mode: &ModeShape) -> String {
+pub(super) fn shares(mode: &ModeShape) -> String {
     let mut list: Vec<(f64, &str)> =
         mode.shares.iter().copied().zip(SHARES).filter(|(share, _)| *share > 5e-3).collect();
     if list.is_empty() {
@@ -106,7 +180,7 @@ fn shares(mode: &ModeShape) -> String {
     list.iter().map(|(share, name)| format!("{name} {:.0} %", 100.0 * share)).collect::<Vec<_>>().join(", ")
 }
 
-pub(super) fn as_json(plant: &Plant, modes: &[ModeShape]) -> Value {
+pub(super) fn as_json(plant: &Plant, modes: &[ModeShape], bare: bool) -> Value {
     let names: Vec<&str> = plant.machine().bodies.iter().map(|body| body.name.as_str()).collect();
     let bodies: Vec<Value> = names
         .iter()
@@ -150,6 +224,6 @@ pub(super) fn as_json(plant: &Plant, modes: &[ModeShape]) -> Value {
             })
         })
         .collect();
-    let without_air = plant.machine().air.is_some();
+    let without_air = plant.machine().air.is_some() && (bare || !plant.air_is_linearised());
     json!({ "name": plant.machine().name, "without_air": without_air, "bodies": bodies, "modes": modes })
 }

@@ -228,7 +228,7 @@ pub(super) fn write_series(
 }
 
 /// Writes a figure as `stem.svg`, `stem.png`, `stem.pdf`, as far as they are asked for.
-fn write_figure(
+pub(super) fn write_figure(
     folder: &Path,
     stem: &str,
     figure: &Figure,

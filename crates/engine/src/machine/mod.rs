@@ -90,6 +90,13 @@ pub struct Body {
     pub joint: Joint,
 }
 
+impl Air {
+    /// Whether linear models have this air, with its lags: strips. The loads of a lattice are held.
+    pub fn is_linearised(&self) -> bool {
+        matches!(self.options, AirOptions::Strips(_))
+    }
+}
+
 impl Machine {
     /// Bodies whose joint is revolute or prismatic, with that joint.
     pub fn one_freedoms(&self) -> impl Iterator<Item = (usize, &OneFreedom)> {

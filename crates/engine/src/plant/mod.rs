@@ -6,8 +6,9 @@ pub use crate::signal::{
     Parameters, SolverParameters, SpatialParameters, Switch,
 };
 pub use crate::study::{
-    Argument, Branch, Coarseness, Departure, Growth, Holding, InputSlope, Keep, LoadPath, NoReduction, PathPoint,
-    Reduced, Rest, Search, SecondOrder, Stability, StateSpace, StaticEffort, Study, reduce, sampled,
+    Argument, Branch, Branches, Coarseness, Crossing, Departure, Followed, Growth, Holding, InputSlope, Keep, LoadPath,
+    NoReduction, PathPoint, Place, Reduced, Rest, Search, SecondOrder, Stability, StateSpace, StaticEffort, Study,
+    change_of_sign, reduce, sampled,
 };
 pub use crate::system::{
     AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, Freedom, Hybrid, JointOutputs,

@@ -1,5 +1,6 @@
 //! Linear models `ẋ = Ax + Bu`, `y = Cx + Du` from the matrices of second-order equations, NOTATION eq. (L12).
 
+use crate::solve::lagged::Lagged;
 use nalgebra::DMatrix;
 
 /// `M δq̈ + C δq̇ + K δq = −∂r/∂u δu` about a state, over the free coordinates.
@@ -57,6 +58,54 @@ pub fn state_space(system: &SecondOrder, input_forces: &DMatrix<f64>, outputs: &
     c.columns_mut(0, n).copy_from(&(&outputs.position + &outputs.acceleration * by_position));
     c.columns_mut(n, n).copy_from(&(&outputs.rate + &outputs.acceleration * by_rate));
     let d = &outputs.input + &outputs.acceleration * by_input;
+    Some(StateSpace { a, b, c, d })
+}
+
+/// Inputs of equations with followers, column by column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LaggedInputs {
+    /// `F`: change of the residual.
+    pub force: DMatrix<f64>,
+    /// `I`: change of the residual with the rate of the input.
+    pub impulse: DMatrix<f64>,
+    /// `E`: change of the followers' rates.
+    pub follow: DMatrix<f64>,
+}
+
+/// The linear model of equations with followers, NOTATION eq. (L23); `by_lag` are the outputs' slopes by the followers. States
+/// are the coordinates, their rates less what a jump of the inputs gives them at once (`−M⁻¹I u`), and the followers. `None`
+/// where the mass matrix has no inverse.
+pub fn lagged_state_space(
+    system: &Lagged,
+    inputs: &LaggedInputs,
+    outputs: &OutputSlopes,
+    by_lag: &DMatrix<f64>,
+) -> Option<StateSpace> {
+    let SecondOrder { mass, damping, stiffness } = &system.second;
+    let (n, m, k) = (mass.nrows(), system.lag.nrows(), inputs.force.ncols());
+    let inverse = mass.clone().cholesky()?;
+    let jump = -inverse.solve(&inputs.impulse);
+    let by_position = -inverse.solve(stiffness);
+    let by_rate = -inverse.solve(damping);
+    let by_follower = -inverse.solve(&system.force);
+    let by_input = &by_rate * &jump - inverse.solve(&inputs.force);
+    let mut a = DMatrix::zeros(2 * n + m, 2 * n + m);
+    a.view_mut((0, n), (n, n)).fill_with_identity();
+    a.view_mut((n, 0), (n, n)).copy_from(&by_position);
+    a.view_mut((n, n), (n, n)).copy_from(&by_rate);
+    a.view_mut((n, 2 * n), (n, m)).copy_from(&by_follower);
+    a.view_mut((2 * n, 0), (m, n)).copy_from(&system.position);
+    a.view_mut((2 * n, n), (m, n)).copy_from(&system.rate);
+    a.view_mut((2 * n, 2 * n), (m, m)).copy_from(&system.lag);
+    let mut b = DMatrix::zeros(2 * n + m, k);
+    b.rows_mut(0, n).copy_from(&jump);
+    b.rows_mut(n, n).copy_from(&by_input);
+    b.rows_mut(2 * n, m).copy_from(&(&system.rate * &jump + &inputs.follow));
+    let mut c = DMatrix::zeros(outputs.position.nrows(), 2 * n + m);
+    c.columns_mut(0, n).copy_from(&(&outputs.position + &outputs.acceleration * by_position));
+    c.columns_mut(n, n).copy_from(&(&outputs.rate + &outputs.acceleration * by_rate));
+    c.columns_mut(2 * n, m).copy_from(&(by_lag + &outputs.acceleration * by_follower));
+    let d = &outputs.input + &outputs.rate * jump + &outputs.acceleration * by_input;
     Some(StateSpace { a, b, c, d })
 }
 

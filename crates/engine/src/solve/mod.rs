@@ -10,6 +10,7 @@ pub mod eigen;
 pub mod equilibrium;
 pub mod explicit;
 pub mod generalized_alpha;
+pub mod lagged;
 pub mod linearize;
 pub mod modes;
 pub mod newton;
@@ -19,6 +20,7 @@ pub mod runge_kutta;
 pub mod settle;
 pub mod stepper;
 pub mod tableau;
+pub mod tracking;
 
 /// Equations of motion `residual(t, q, q̇, q̈) = 0` with a solver for their Newton matrix.
 ///

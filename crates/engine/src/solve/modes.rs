@@ -43,7 +43,7 @@ pub enum NoModes {
 const ASYMMETRY: f64 = 1e-10;
 
 /// Eigenvalue of a free motion, relative to the square root of the shift that its stiffness needs.
-const FREE_MOTION: f64 = 1e-3;
+pub(super) const FREE_MOTION: f64 = 1e-3;
 
 /// The `count` modes of lowest frequency, ascending. `mass` is symmetric and positive definite; `damping` may hold
 /// gyroscopic terms, `stiffness` need not be symmetric (follower loads) nor positive (buckled or free machines).
@@ -86,7 +86,7 @@ pub fn modes(
 }
 
 /// Cholesky factor of the symmetric part of `K + σM` with the smallest `σ` tried that makes it positive definite.
-fn shifted_root(mass: &DMatrix<f64>, stiffness: &DMatrix<f64>) -> Result<(f64, DMatrix<f64>), NoModes> {
+pub(super) fn shifted_root(mass: &DMatrix<f64>, stiffness: &DMatrix<f64>) -> Result<(f64, DMatrix<f64>), NoModes> {
     if mass.clone().cholesky().is_none() {
         return Err(NoModes::Mass);
     }
@@ -228,7 +228,7 @@ impl Pencil {
 const CLOSE: f64 = 1e-8;
 
 /// Undamped modes beyond four times those asked for that carry the damped ones.
-const SPARE_MODES: usize = 24;
+pub(super) const SPARE_MODES: usize = 24;
 
 #[cfg(test)]
 mod tests {

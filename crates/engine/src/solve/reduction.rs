@@ -153,7 +153,7 @@ impl Modal {
 }
 
 /// `A` with rows and columns scaled alike by powers of two, and the scale of each state: `diag(1/s) A diag(s)`.
-fn balanced_rows(matrix: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
+pub(super) fn balanced_rows(matrix: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
     let n = matrix.nrows();
     let (mut scaled, mut scale) = (matrix.clone(), DVector::from_element(n, 1.0));
     for _ in 0..100 {

@@ -11,8 +11,9 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::tangent::Tangent;
 use crate::multibody::{Model, Workspace};
 use crate::solve::EquationsOfMotion;
+use crate::solve::lagged::{Lagged, LaggedMode};
 use crate::solve::linearize::SecondOrder;
-use crate::solve::modes::{Mode, modes};
+use crate::solve::modes::NoModes;
 use crate::study::Study;
 use crate::system::Outputs;
 use crate::system::PlantError;
@@ -139,14 +140,14 @@ impl Study<'_> {
     }
 
     /// Change of the coordinates that a unit of a freedom makes.
-    fn direction(&self, freedom: &Freedom) -> Vec<f64> {
+    pub(super) fn direction(&self, freedom: &Freedom) -> Vec<f64> {
         let mut unit = vec![0.0; self.system.coordinates()];
         unit[freedom.index] = 1.0;
         Tangent::to_coordinates(&self.system.equations.model, &self.system.equations.work, &mut unit);
         unit
     }
 
-    fn displaced(&self, freedom: &Freedom, amount: f64) -> Vec<f64> {
+    pub(super) fn displaced(&self, freedom: &Freedom, amount: f64) -> Vec<f64> {
         let mut q = self.system.state.now.q.clone();
         q.iter_mut().zip(self.direction(freedom)).for_each(|(q, unit)| *q += amount * unit);
         let (mut v, mut a) = (vec![0.0; q.len()], vec![0.0; q.len()]);
@@ -230,17 +231,35 @@ impl Study<'_> {
         }
     }
 
-    /// Modes of lowest frequency about the present state, with shapes.
+    /// Modes of lowest frequency about the present state, with shapes; in the air of strips, while the loads of a lattice are
+    /// held.
     pub fn modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
-        let system = self.second_order()?;
-        let list = modes(&system.mass, &system.damping, &system.stiffness, count).map_err(|error| {
-            PlantError::Linearization { time_s: self.system.state.now.time_s, cause: error.to_string() }
-        })?;
+        self.modes_and_rest(count).map(|(modes, _)| modes)
+    }
+
+    /// The same without air, whose loads are held: modes of the structure by itself, such as [`Study::undeformed`] is meant for.
+    pub fn bare_modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
+        let system = Lagged::without(self.second_order()?);
+        let list = system.modes(count).map_err(|error| self.no_modes(&error))?;
         let freedoms = self.system.freedoms();
         Ok(list.into_iter().map(|mode| self.mode_shape(mode, &freedoms)).collect())
     }
 
-    fn mode_shape(&self, mode: Mode, freedoms: &[Freedom]) -> ModeShape {
+    fn no_modes(&self, error: &NoModes) -> PlantError {
+        PlantError::Linearization { time_s: self.system.state.now.time_s, cause: error.to_string() }
+    }
+
+    /// Modes in air with what tells divergence: the sign of the determinant of the stiffness at rest in the established flow,
+    /// `None` where a motion is free.
+    pub fn modes_and_rest(&mut self, count: usize) -> Result<(Vec<ModeShape>, Option<bool>), PlantError> {
+        let (system, _) = self.lagged(false)?;
+        let list = system.modes(count).map_err(|error| self.no_modes(&error))?;
+        let sign = system.rest_stiffness().and_then(|stiffness| determinant_is_positive(&stiffness));
+        let freedoms = self.system.freedoms();
+        Ok((list.into_iter().map(|mode| self.mode_shape(mode, &freedoms)).collect(), sign))
+    }
+
+    fn mode_shape(&self, mode: LaggedMode, freedoms: &[Freedom]) -> ModeShape {
         let model = &self.system.equations.model;
         let mut tangent = Tangent::new(model);
         self.system.equations.linearize_at_rest(&mut tangent, &self.system.state.now.q);
@@ -262,15 +281,16 @@ impl Study<'_> {
             model.bodies.iter().map(|body| body.frames().map(motion).collect()).collect()
         };
         ModeShape {
-            frequency_hz: mode.frequency_hz(),
-            damping_ratio: mode.damping_ratio(),
+            frequency_hz: mode.eigenvalue_1_s.norm() / std::f64::consts::TAU,
+            damping_ratio: damping_ratio(mode.eigenvalue_1_s),
             eigenvalue_1_s: mode.eigenvalue_1_s,
-            shares: match mode.frequency_hz() {
+            shares: match mode.eigenvalue_1_s.norm() {
                 0.0 => [0.0; 5],
                 _ => self.energy_shares(&[&real.0, &imaginary.0]),
             },
             real: nodes(&real.1),
             imaginary: nodes(&imaginary.1),
+            length_m: model.reference_length_m,
         }
     }
 
@@ -296,13 +316,20 @@ impl Study<'_> {
 }
 
 /// The tree without its elastic forces: what is left is smooth in all arguments and of one scale.
-struct Bare {
-    model: Model,
+pub(super) struct Bare {
+    pub model: Model,
     work: Workspace,
 }
 
 impl Bare {
-    fn new(system: &System) -> Self {
+    /// Residual of loads on the stations alone.
+    pub fn of_loads(&mut self, q: &[f64], zero: &[f64], stations: &[Wrench]) -> Vec<f64> {
+        let still = vec![Damping::default(); self.model.bodies.len()];
+        let environment = Environment { root: &RootMotion::default(), damping: &still, stations };
+        self.residual(Motion { q, v: zero, a: zero }, environment)
+    }
+
+    pub fn new(system: &System) -> Self {
         let mut model = system.equations.model.clone();
         for element in &mut model.elements {
             element.stiffness = Matrix4::zeros();
@@ -316,6 +343,28 @@ impl Bare {
         dynamics::residual(&self.model, &mut self.work, motion, environment, &mut residual);
         residual
     }
+}
+
+/// Sign of the determinant; `None` where it is round-off.
+fn determinant_is_positive(matrix: &DMatrix<f64>) -> Option<bool> {
+    let n = matrix.nrows();
+    let scale: Vec<f64> = (0..n).map(|i| matrix[(i, i)].abs().sqrt()).collect();
+    let scaled = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] / (scale[i] * scale[j]));
+    if !scaled.iter().all(|entry| entry.is_finite()) {
+        return None;
+    }
+    let lu = scaled.lu();
+    let pivots = lu.u().diagonal();
+    let singular = pivots.iter().any(|pivot| pivot.abs() < 1e-13);
+    let negative = pivots.iter().filter(|pivot| **pivot < 0.0).count();
+    let even = lu.p().determinant::<f64>() > 0.0;
+    (!singular).then_some((negative % 2 == 0) == even)
+}
+
+/// `−Re λ/|λ|`, 0 of what nothing resists.
+fn damping_ratio(eigenvalue_1_s: Complex<f64>) -> f64 {
+    let size = eigenvalue_1_s.norm();
+    if size == 0.0 { 0.0 } else { -eigenvalue_1_s.re / size }
 }
 
 /// Adds the elastic stiffness of all elements, weighted per body.
@@ -335,14 +384,14 @@ fn add_elastic(matrix: &mut DMatrix<f64>, model: &Model, weight: impl Fn(usize) 
     }
 }
 
-fn sixth_order(at: &mut dyn FnMut(f64) -> DVector<f64>, step: f64) -> DVector<f64> {
+pub(super) fn sixth_order(at: &mut dyn FnMut(f64) -> DVector<f64>, step: f64) -> DVector<f64> {
     let mut slope = (at(1.0) - at(-1.0)) * WEIGHTS[0];
     slope += (at(2.0) - at(-2.0)) * WEIGHTS[1];
     slope += (at(3.0) - at(-3.0)) * WEIGHTS[2];
     slope / (60.0 * step)
 }
 
-fn pick(vector: &[f64], freedoms: &[Freedom]) -> DVector<f64> {
+pub(super) fn pick(vector: &[f64], freedoms: &[Freedom]) -> DVector<f64> {
     DVector::from_iterator(freedoms.len(), freedoms.iter().map(|freedom| vector[freedom.index]))
 }
 

@@ -1,5 +1,6 @@
 //! Questions about one state of a machine: equilibria and their stability, modes, linear models, derivatives of outputs.
 
+mod aeroelastic;
 mod at_rest_in_air;
 mod coast;
 mod derivatives;
@@ -12,6 +13,7 @@ pub use crate::solve::arc_length::PathPoint;
 pub use crate::solve::equilibrium::Effort as StaticEffort;
 pub use crate::solve::linearize::{SecondOrder, StateSpace};
 pub use crate::solve::reduction::{Keep, NoReduction, Reduced, reduce, sampled};
+pub use crate::solve::tracking::{Branches, Crossing, Followed, Place, change_of_sign};
 pub use linear::Argument;
 pub use stability::{Coarseness, Growth, Stability};
 pub use state_space::InputSlope;

@@ -30,7 +30,8 @@ pub struct Stability {
     pub potential: bool,
     /// Something moves without resistance: the tangent is singular, and the modes alone tell.
     pub neutral: bool,
-    /// Motions that grow, fastest first, of the modes of lowest frequency, the loads of the air held as they are.
+    /// Motions that grow, fastest first, of the modes of lowest frequency: in the air of strips; the loads of a lattice are held
+    /// as they are.
     pub growing: Vec<Growth>,
 }
 
@@ -89,14 +90,16 @@ impl Study<'_> {
         let model = &self.system.equations.model;
         let neutral = tangent.factorize(model).is_err();
         let negative_directions = if neutral { 0 } else { tangent.negative_directions() };
-        let potential = tangent.asymmetry(model) < SYMMETRIC;
+        // air that answers to motion has no potential
+        let blown = self.system.air_is_linearised() && self.system.state.applied_parameters.air_density_kg_m3() > 0.0;
+        let potential = tangent.asymmetry(model) < SYMMETRIC && !blown;
         let quiet = potential && !neutral && negative_directions == 0 || self.system.coordinates() > MOST_COORDINATES;
         let growing = if quiet { Vec::new() } else { self.growing()? };
         Ok(Stability { negative_directions, potential, neutral, growing })
     }
 
     /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first: of the modes of lowest frequency,
-    /// one of each pair, the loads of the air held as they are. `None` for machines with too many coordinates to look.
+    /// one of each pair, in the air of strips; the loads of a lattice are held as they are. `None` for machines with too many coordinates to look.
     pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
         if self.system.coordinates() > MOST_COORDINATES {
             return Ok(None);

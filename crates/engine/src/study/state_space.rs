@@ -1,12 +1,13 @@
-//! The linear model between chosen inputs and outputs, NOTATION eq. (L12).
+//! The linear model between chosen inputs and outputs, NOTATION eqs. (L12) and (L23).
 
 use crate::signal::Inputs;
-use crate::solve::linearize::{OutputSlopes, StateSpace, state_space};
+use crate::solve::linearize::{LaggedInputs, OutputSlopes, StateSpace, lagged_state_space};
 use crate::study::Study;
+use crate::study::aeroelastic::Aeroelastic;
 use crate::study::linear::Argument;
 use crate::system::Outputs;
 use crate::system::PlantError;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 /// A real input as the linearisation needs it.
 pub struct InputSlope<'a> {
@@ -15,26 +16,45 @@ pub struct InputSlope<'a> {
     /// Step of the central difference. Forces are quadratic in the root's rates and linear in all other inputs, so any
     /// step serves that does not cross a torque limit.
     pub step: f64,
+    /// What a unit of the input adds to a gust of one velocity everywhere, root frame, in m/s: gusts are no inputs of the
+    /// machine, so `add` then adds nothing. Strips alone feel it, with Küssner's lag.
+    pub gust_m_s: Vector3<f64>,
+}
+
+/// Variables of the air that an input changes per unit.
+fn air_of(input: &InputSlope, inputs: &Inputs) -> [f64; 9] {
+    let mut ends = [inputs.clone(), inputs.clone()];
+    (input.add)(&mut ends[0], input.step);
+    (input.add)(&mut ends[1], -input.step);
+    let scale = 0.5 / input.step;
+    let wind = (ends[0].wind_m_s() - ends[1].wind_m_s()) * scale;
+    let spin = (ends[0].root().angular_velocity_rad_s - ends[1].root().angular_velocity_rad_s) * scale;
+    let gust = input.gust_m_s;
+    [wind.x, wind.y, wind.z, spin.x, spin.y, spin.z, gust.x, gust.y, gust.z]
 }
 
 impl Study<'_> {
-    /// `A`, `B`, `C`, `D` about the present state with the present inputs, over [`crate::system::System::freedoms`] and their rates.
+    /// `A`, `B`, `C`, `D` about the present state with the present inputs, over [`crate::system::System::freedoms`] and their rates,
+    /// and over the followers of strips.
     ///
-    /// `A` and `B` are exact, but for the stiffness about a moving state ([`Study::second_order`]); `C` and `D` come from
-    /// differences of the instantaneous outputs ([`Study::output_slope`]). Events and saturation stay as they are.
+    /// `A` and `B` are exact, but for the stiffness about a moving state ([`Study::second_order`]) and for what the air
+    /// answers, which comes from differences good to about 1e-9; `C` and `D` come from differences of the instantaneous outputs ([`Study::output_slope`]). Events
+    /// and saturation stay as they are. Without strips the loads of the air are held. Outputs of accelerations and forces
+    /// leave out what the rate of the wind adds to them through the apparent mass.
     pub fn state_space(
         &mut self,
         inputs: &[InputSlope],
         read: &dyn Fn(&Outputs) -> DVector<f64>,
     ) -> Result<StateSpace, PlantError> {
-        let system = self.second_order()?;
+        let gusts = inputs.iter().any(|input| input.gust_m_s != Vector3::zeros());
+        let (system, air) = self.lagged(gusts)?;
         let freedoms = self.system.freedoms();
+        let count = read(&self.outputs_beside(None)).len();
         let mut slopes = [Argument::Position, Argument::Rate, Argument::Acceleration].map(|argument| {
             let columns: Vec<DVector<f64>> =
                 freedoms.iter().map(|freedom| self.output_slope(argument, freedom, read)).collect();
-            columns_of(&columns, 0)
+            columns_of(&columns, count)
         });
-        let count = read(&self.outputs_beside(None)).len();
         let (mut forces, mut by_input) = (Vec::new(), Vec::new());
         for input in inputs {
             let kept = self.system.inputs().clone();
@@ -49,12 +69,61 @@ impl Study<'_> {
             forces.push((&*force_above - &*force_below) * scale);
             by_input.push((&*output_above - &*output_below) * scale);
         }
+        let mut by_lag = DMatrix::zeros(count, system.lag.nrows());
+        let (mut force, mut by_input) = (columns_of(&forces, freedoms.len()), columns_of(&by_input, count));
+        let mut impulse = DMatrix::zeros(freedoms.len(), inputs.len());
+        let mut follow = DMatrix::zeros(system.lag.nrows(), inputs.len());
+        if let Some(Aeroelastic { slopes: answers, air_force, air_rate_force, .. }) = &air {
+            let kept = self.system.inputs().clone();
+            let shares: Vec<DVector<f64>> =
+                inputs.iter().map(|input| DVector::from(air_of(input, &kept).to_vec())).collect();
+            if !shares.is_empty() {
+                let share = DMatrix::from_columns(&shares);
+                force += air_force * &share;
+                impulse += air_rate_force * share.rows(0, air_rate_force.ncols());
+                let rows = answers.load_rows;
+                follow += answers.air.rows(rows, answers.lags.len()) * &share;
+                by_input += self.outputs_of_air(&(&answers.air * &share), count, read);
+            }
+            for (slopes, answers) in slopes.iter_mut().zip(&answers.motion) {
+                *slopes += self.outputs_of_air(answers, count, read);
+            }
+            by_lag += self.outputs_of_air(&answers.lag, count, read);
+        }
         let [position, rate, acceleration] = slopes.each_mut().map(std::mem::take);
-        let slopes = OutputSlopes { position, rate, acceleration, input: columns_of(&by_input, count) };
-        state_space(&system, &columns_of(&forces, freedoms.len()), &slopes).ok_or_else(|| PlantError::Linearization {
-            time_s: self.system.time_s(),
-            cause: "the mass matrix is not positive definite".into(),
+        let slopes = OutputSlopes { position, rate, acceleration, input: by_input };
+        lagged_state_space(&system, &LaggedInputs { force, impulse, follow }, &slopes, &by_lag).ok_or_else(|| {
+            PlantError::Linearization {
+                time_s: self.system.time_s(),
+                cause: "the mass matrix is not positive definite".into(),
+            }
         })
+    }
+
+    /// Changes of the outputs with the air's answers, column by column: they are linear in loads and circulations.
+    fn outputs_of_air(
+        &mut self,
+        answers: &DMatrix<f64>,
+        count: usize,
+        read: &dyn Fn(&Outputs) -> DVector<f64>,
+    ) -> DMatrix<f64> {
+        let mut slopes = DMatrix::zeros(count, answers.ncols());
+        for (column, answer) in answers.column_iter().enumerate() {
+            let size = answer.amax();
+            if size == 0.0 {
+                continue;
+            }
+            let scale = self.system.air_scale_n().max(1.0) / size;
+            let [above, below] = [scale, -scale].map(|amount| {
+                let kept = self.system.add_to_air(answer.as_slice(), amount);
+                let beside = read(&self.outputs_beside(None));
+                self.system.take_air_back(kept);
+                beside
+            });
+            slopes.set_column(column, &((above - below) * (0.5 / scale)));
+        }
+        self.outputs_beside(None);
+        slopes
     }
 }
 

@@ -6,6 +6,7 @@ use crate::load::LoadFrame;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::Station;
 use crate::multibody::{gauge, station};
+use crate::solve::tracking::Followed;
 use crate::system::System;
 use nalgebra::{Complex, Matrix3, Rotation3, Vector3, Vector4};
 
@@ -57,6 +58,8 @@ pub struct ModeShape {
     pub real: Vec<Vec<NodeMotion>>,
     /// Imaginary part; zero without damping and gyroscopic forces.
     pub imaginary: Vec<Vec<NodeMotion>>,
+    /// Length of the machine in m, over which displacements count.
+    pub length_m: f64,
 }
 
 impl ModeShape {
@@ -73,6 +76,34 @@ impl ModeShape {
     /// The motion grows.
     pub fn grows(&self) -> bool {
         self.eigenvalue_1_s.re > GROWTH * self.eigenvalue_1_s.norm()
+    }
+}
+
+impl Followed for ModeShape {
+    fn eigenvalue_1_s(&self) -> Complex<f64> {
+        self.eigenvalue_1_s
+    }
+
+    /// `|aᴴb|²/(aᴴa bᴴb)` over displacements, over the machine's length, and rotations; 1 for different meshes.
+    fn likeness(&self, other: &Self) -> f64 {
+        let sections = |mode: &Self| mode.real.iter().map(Vec::len).collect::<Vec<_>>();
+        if sections(self) != sections(other) {
+            return 1.0;
+        }
+        let product = |a: &Self, b: &Self| {
+            let [aa, bb] = [a, b].map(|mode| mode.real.iter().flatten().zip(mode.imaginary.iter().flatten()));
+            let mut sum = Complex::new(0.0, 0.0);
+            for ((a_re, a_im), (b_re, b_im)) in aa.zip(bb) {
+                let dot = |x: &NodeMotion, y: &NodeMotion| {
+                    x.displacement_m.dot(&y.displacement_m) / (a.length_m * b.length_m)
+                        + x.rotation_rad.dot(&y.rotation_rad)
+                };
+                sum += Complex::new(dot(a_re, b_re) + dot(a_im, b_im), dot(a_re, b_im) - dot(a_im, b_re));
+            }
+            sum
+        };
+        let sizes = product(self, self).re * product(other, other).re;
+        if sizes > 0.0 { product(self, other).norm_sqr() / sizes } else { 1.0 }
     }
 }
 

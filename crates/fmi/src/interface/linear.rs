@@ -7,7 +7,7 @@ use crate::interface::{Causality, Interface, Value, Variable};
 use foldwing_engine::plant::{
     InputSlope, Inputs, Keep, NoReduction, Outputs, Plant, PlantError, Reduced, StateSpace, reduce,
 };
-use nalgebra::DVector;
+use nalgebra::{DVector, Vector3};
 
 /// A signal of a linear model.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,9 +25,10 @@ pub struct LinearSignal {
 pub struct LinearModel {
     /// The state about which it is linear.
     pub point: OperatingPoint,
-    /// The machine is in air, whose loads the model holds: it says nothing of wind, aerodynamic damping and flutter.
+    /// The machine is in the air of a lattice, whose loads the model holds: it says nothing of wind, aerodynamic damping and
+    /// flutter. False with strips, whose answers and lags are in it.
     pub without_air: bool,
-    /// States: free coordinates, then their rates.
+    /// States: free coordinates, then their rates, then what follows the air of strips.
     pub states: Vec<LinearSignal>,
     /// Inputs.
     pub inputs: Vec<LinearSignal>,
@@ -76,13 +77,18 @@ impl LinearModel {
     }
 }
 
+/// Inputs of [`Interface::linearize_in_gusts`] beside those of the table.
+pub const GUSTS: [&str; 3] = ["gust.x", "gust.y", "gust.z"];
+
 /// Step of differences in the inputs of drives (rad, N·m): small against torque limits.
 const DRIVE_STEP: f64 = 1e-4;
 
 impl Interface {
-    /// Real inputs of the table, which a linear model may have: all but wind, which acts through loads that it holds.
+    /// Real inputs of the table, which a linear model may have: all, but with a lattice the wind, which acts through loads that
+    /// the model holds.
     pub fn real_inputs(&self) -> impl Iterator<Item = &Variable> {
-        let wind = |row: &&Variable| self.known(row.value_reference) == Some(Known::Input(Input::Wind));
+        let wind =
+            |row: &&Variable| !self.linear_air && self.known(row.value_reference) == Some(Known::Input(Input::Wind));
         self.reals(Causality::Input).filter(move |row| !wind(row))
     }
 
@@ -104,6 +110,21 @@ impl Interface {
         inputs: &[&Variable],
         outputs: &[&Variable],
     ) -> Result<LinearModel, PlantError> {
+        self.linearize_in_gusts(plant, inputs, &[], outputs)
+    }
+
+    /// The same with velocities of a gust that fills all space as further inputs, `gust.x`, `gust.y`, `gust.z` in m/s by their
+    /// place, root frame: strips answer to them with Küssner's lag, to wind with Wagner's. Nothing else answers to them.
+    ///
+    /// # Errors
+    /// As [`Interface::linearize`].
+    pub fn linearize_in_gusts(
+        &self,
+        plant: &mut Plant,
+        inputs: &[&Variable],
+        gusts: &[usize],
+        outputs: &[&Variable],
+    ) -> Result<LinearModel, PlantError> {
         let place = |row: &&&Variable| self.slots[row.value_reference as usize].place;
         let real_inputs: Vec<(usize, bool)> = inputs
             .iter()
@@ -122,11 +143,18 @@ impl Interface {
             .iter()
             .map(|&(place, _)| move |inputs: &mut Inputs, amount: f64| inputs.values_mut()[place] += amount)
             .collect();
-        let slopes: Vec<InputSlope> = adders
-            .iter()
-            .zip(&real_inputs)
-            .map(|(add, &(_, drive))| InputSlope { add, step: if drive { DRIVE_STEP } else { 1.0 } })
-            .collect();
+        let own = adders.iter().zip(&real_inputs).map(|(add, &(_, drive))| InputSlope {
+            add,
+            step: if drive { DRIVE_STEP } else { 1.0 },
+            gust_m_s: Vector3::zeros(),
+        });
+        let none = |_: &mut Inputs, _: f64| {};
+        let of_gust = |component: &usize| {
+            let mut gust_m_s = Vector3::zeros();
+            gust_m_s[*component] = 1.0;
+            InputSlope { add: &none, step: 1.0, gust_m_s }
+        };
+        let slopes: Vec<InputSlope> = own.chain(gusts.iter().map(of_gust)).collect();
         let rows: Vec<usize> = outputs
             .iter()
             .filter_map(|row| match place(&row) {
@@ -157,12 +185,22 @@ impl Interface {
                 unit: freedom.rate_unit.to_owned(),
                 value,
             }))
+            .chain(plant.air_lags(!gusts.is_empty()).into_iter().map(|(name, value)| LinearSignal {
+                name,
+                unit: "m/s".to_owned(),
+                value,
+            }))
             .collect();
+        let gusts = gusts.iter().map(|component| LinearSignal {
+            name: GUSTS[*component].to_owned(),
+            unit: "m/s".to_owned(),
+            value: 0.0,
+        });
         Ok(LinearModel {
             point,
-            without_air: plant.machine().air.is_some(),
+            without_air: plant.machine().air.is_some() && !plant.air_is_linearised(),
             states,
-            inputs: inputs.iter().map(|row| signal(row, present(&row))).collect(),
+            inputs: inputs.iter().map(|row| signal(row, present(&row))).chain(gusts).collect(),
             outputs: outputs.iter().zip(values.iter()).map(|(row, &value)| signal(row, value)).collect(),
             matrices,
             reduction: None,

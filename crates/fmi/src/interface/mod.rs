@@ -25,7 +25,7 @@ mod units;
 pub use access::{AccessError, Kind, Scalar, Stage};
 pub use derivatives::DerivativeError;
 pub use guid::guid;
-pub use linear::{LinearModel, LinearSignal, Reduction};
+pub use linear::{GUSTS, LinearModel, LinearSignal, Reduction};
 pub use operating_point::{Acting, JointPoint, OperatingPoint};
 pub use table::{Shape, Signal};
 pub use units::{RealType, TYPES, UNITS, Unit};
@@ -152,27 +152,30 @@ pub struct Interface {
     signals: Vec<Signal>,
     references: HashMap<String, u32>,
     nominals: Vec<f64>,
+    /// The machine's air, if it has any, has linear models.
+    linear_air: bool,
 }
 
 impl Interface {
     /// The table of a machine. Row 0 is `time`.
     pub fn new(machine: &Machine) -> Self {
-        Self::of(rows::build(machine))
+        Self::of(rows::build(machine), machine)
     }
 
     /// The table with the continuous states and their derivatives at its end, for Model Exchange. `plant` is of the machine.
     pub fn with_states(machine: &Machine, plant: &Plant) -> Self {
         let mut table = rows::build(machine);
         states::add(&mut table, plant);
-        Self::of(table)
+        Self::of(table, machine)
     }
 
-    fn of(table: table::Table) -> Self {
+    fn of(table: table::Table, machine: &Machine) -> Self {
         let table::Table { variables, bounds, signals, depends, .. } = table;
         let nominals = variables.iter().filter_map(|row| row.nominal).collect();
         let slots = variables.iter().zip(&bounds).map(|(variable, bound)| Slot::new(variable, bound)).collect();
         let references = variables.iter().map(|row| (row.name.clone(), row.value_reference)).collect();
-        Self { variables, slots, bounds, depends, signals, references, nominals }
+        let linear_air = machine.air.as_ref().is_some_and(foldwing_engine::machine::Air::is_linearised);
+        Self { variables, slots, bounds, depends, signals, references, nominals, linear_air }
     }
 
     /// All signals in the order of their rows: what FMI 2.0 flattens into [`Self::variables`].

@@ -70,7 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let interface = Interface::new(&machine);
     let plan = match &arguments.samples {
         Some(path) => Plan::samples(path, &interface)?,
-        None => Plan::grid(&arguments.vary, &interface)?,
+        None => Plan::grid("--vary", &arguments.vary, &interface)?,
     };
     let outputs: Vec<String> =
         chosen(&arguments.outputs, &interface.variables().iter().collect::<Vec<_>>(), "variable")?

@@ -14,8 +14,8 @@ const FILE_PREFIX: &str = "file:";
 
 /// Keys, and their values as texts for every variant.
 pub(in crate::cli) struct Plan {
-    /// File of the samples; none for grids.
-    file: Option<String>,
+    /// File of the samples; for grids the option.
+    file: Result<String, &'static str>,
     keys: Vec<String>,
     values: Values,
 }
@@ -28,11 +28,11 @@ enum Values {
 }
 
 impl Plan {
-    /// All combinations of `KEY=FROM:TO:COUNT` and `KEY=A,B,…`.
-    pub fn grid(varied: &[String], interface: &Interface) -> Result<Self, Failure> {
+    /// All combinations of `KEY=FROM:TO:COUNT` and `KEY=A,B,…`, given by an option.
+    pub fn grid(option: &'static str, varied: &[String], interface: &Interface) -> Result<Self, Failure> {
         let (mut keys, mut axes, mut count) = (Vec::new(), Vec::new(), 1usize);
         for text in varied {
-            let refused = |cause: String| Failure::Usage(format!("--vary {text}: {cause}"));
+            let refused = |cause: String| Failure::Usage(format!("{option} {text}: {cause}"));
             let (key, values) = text
                 .split_once('=')
                 .filter(|(key, _)| !key.is_empty())
@@ -45,8 +45,8 @@ impl Plan {
             keys.push(key.to_owned());
             axes.push(values);
         }
-        check_keys(&keys, "--vary", interface)?;
-        Ok(Self { file: None, keys, values: Values::Grid(axes) })
+        check_keys(&keys, option, interface)?;
+        Ok(Self { file: Err(option), keys, values: Values::Grid(axes) })
     }
 
     /// The rows of a CSV file whose header has the keys.
@@ -80,7 +80,7 @@ impl Plan {
         if rows.is_empty() {
             return Err(Failure::Refused(format!("{name}: no rows below the header; at least one is needed")));
         }
-        Ok(Self { file: Some(name), keys, values: Values::Rows(rows) })
+        Ok(Self { file: Ok(name), keys, values: Values::Rows(rows) })
     }
 
     /// Rows of values, one for each variant, as a program gives them; messages begin with `place`.
@@ -99,7 +99,7 @@ impl Plan {
             let (given, wanted) = (rows[index].len(), keys.len());
             return Err(Failure::Usage(format!("{place}: variant {index}: {given} values for {wanted} keys")));
         }
-        Ok(Self { file: Some(place.to_owned()), keys, values: Values::Rows(rows) })
+        Ok(Self { file: Ok(place.to_owned()), keys, values: Values::Rows(rows) })
     }
 
     /// Keys, as the user wrote them.
@@ -109,7 +109,7 @@ impl Plan {
 
     /// Where the values of a variant were given, for messages.
     pub fn place(&self, index: usize) -> String {
-        self.file.as_ref().map_or("--vary".to_owned(), |file| format!("{file}: variant {index}:"))
+        self.file.as_ref().map_or_else(|option| (*option).to_owned(), |file| format!("{file}: variant {index}:"))
     }
 
     /// Number of variants.
@@ -241,7 +241,7 @@ mod tests {
     #[test]
     fn grids_have_every_combination_once() {
         let axes = vec![vec!["a".to_owned(), "b".to_owned()], vec!["1".to_owned(), "2".to_owned(), "3".to_owned()]];
-        let plan = Plan { file: None, keys: vec!["x".to_owned(), "y".to_owned()], values: Values::Grid(axes) };
+        let plan = Plan { file: Err("--vary"), keys: vec!["x".to_owned(), "y".to_owned()], values: Values::Grid(axes) };
         let all: Vec<String> = (0..plan.count()).map(|index| plan.variant(index).concat()).collect();
         assert_eq!(all, ["a1", "a2", "a3", "b1", "b2", "b3"]);
     }

@@ -113,7 +113,7 @@ impl Experiment<'_> {
     }
 
     /// Plant and variables of a variant.
-    fn prepare(&self, index: usize, values: &[&str]) -> Result<(Plant, Arc<Interface>), Failure> {
+    pub fn prepare(&self, index: usize, values: &[&str]) -> Result<(Plant, Arc<Interface>), Failure> {
         let place = self.plan.place(index);
         let keyed = || self.plan.keys().iter().zip(values);
         let changes: Vec<_> = keyed().filter_map(|(key, value)| Some((file_path(key)?, *value))).collect();

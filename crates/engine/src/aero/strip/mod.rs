@@ -5,6 +5,7 @@
 //! zero lift or by a polar. Nothing here stalls without a polar. A lifting line through all strips may add what the wing's
 //! finite span takes away.
 
+pub mod continuous;
 pub mod indicial;
 pub mod lifting_line;
 pub mod section;

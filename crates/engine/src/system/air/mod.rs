@@ -1,6 +1,7 @@
 //! Air around the machine: its loads over time, what the state remembers of it, what is reported of it.
 
 pub(crate) mod gaps;
+pub(crate) mod slopes;
 pub(crate) mod start;
 mod view;
 

@@ -1,0 +1,265 @@
+//! Modes over a quantity, shared by `flutter` and `modes --over`: the model at each value, tables, CSV and figures.
+
+use crate::cli::grid::GridArguments;
+use crate::cli::outlets::{Mark, Outlets};
+use crate::cli::pictures::{SheetArguments, write_figure};
+use crate::cli::sweep::{Experiment, Plan};
+use crate::cli::{Failure, read_model};
+use crate::report::figure::{Curve, Figure};
+use foldwing_engine::plant::{Branches, ModeShape, Plant};
+use foldwing_fmi::interface::Interface;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Names of the figures.
+const FIGURES: [&str; 4] = ["damping", "frequency", "root_locus", "flutter_map"];
+/// Columns of the CSV behind the quantities.
+const COLUMNS: [&str; 5] = ["mode", "frequency_Hz", "damping_ratio", "eigenvalue_re_1_s", "eigenvalue_im_1_s"];
+
+/// Where modes over a quantity go.
+#[derive(clap::Args)]
+pub(super) struct BranchArguments {
+    /// CSV file to write: a row for each value and mode
+    #[arg(long, value_name = "OUT.csv")]
+    pub csv: Option<PathBuf>,
+    /// Folder for figures: damping and frequency over the quantity, the paths of the eigenvalues
+    #[arg(long, value_name = "DIR")]
+    pub plot: Option<PathBuf>,
+    #[command(flatten)]
+    pub sheets: SheetArguments,
+}
+
+impl BranchArguments {
+    /// Refuses places that hold what others wrote, before anything is computed.
+    pub fn check(&self, outlets: &Outlets) -> Result<(), Failure> {
+        let Some(folder) = &self.plot else { return Ok(()) };
+        let shown = folder.display().to_string();
+        std::fs::create_dir_all(folder).map_err(|error| Failure::writing(&shown, &error))?;
+        for name in FIGURES {
+            outlets.check(&folder.join(format!("{name}.svg")), &Mark::SVG)?;
+            outlets.check(&folder.join(format!("{name}.png")), &Mark::PNG)?;
+        }
+        Ok(())
+    }
+}
+
+/// A model of which one start value, parameter or key of the file varies.
+pub(super) struct Varied {
+    file: String,
+    text: String,
+    machine: Arc<foldwing_engine::machine::Machine>,
+    interface: Arc<Interface>,
+    settings: Vec<String>,
+    plan: Option<Plan>,
+    grid: GridArguments,
+}
+
+impl Varied {
+    /// Reads a model; `over` is `KEY=FROM:TO:COUNT` or `KEY=A,B,…` as `sweep --vary` has it.
+    pub fn new(model: &Path, settings: &[String], over: Option<&String>) -> Result<Self, Failure> {
+        let (machine, text) = read_model(model)?;
+        let interface = Interface::new(&machine);
+        let plan = over.map(|over| Plan::grid("--over", std::slice::from_ref(over), &interface)).transpose()?;
+        let varied = Self {
+            file: model.display().to_string(),
+            text,
+            machine: Arc::new(machine),
+            interface: Arc::new(interface),
+            settings: settings.to_vec(),
+            plan,
+            grid: GridArguments::of(None, None, None),
+        };
+        if let Some(plan) = &varied.plan {
+            varied.experiment(plan).check_values()?;
+        }
+        Ok(varied)
+    }
+
+    /// The machine without variation.
+    pub fn machine(&self) -> &foldwing_engine::machine::Machine {
+        &self.machine
+    }
+
+    /// What varies; empty if nothing does.
+    pub fn key(&self) -> &str {
+        self.plan.as_ref().map_or("", |plan| plan.keys()[0].as_str())
+    }
+
+    /// Its values as texts; one empty text if nothing varies.
+    pub fn values(&self) -> Vec<String> {
+        match &self.plan {
+            None => vec![String::new()],
+            Some(plan) => (0..plan.count()).map(|index| plan.variant(index)[0].to_owned()).collect(),
+        }
+    }
+
+    /// Its values as numbers, ascending or descending.
+    pub fn numbers(&self) -> Result<Vec<f64>, Failure> {
+        let key = self.key();
+        let refused = |cause: String| Failure::Usage(format!("--over {key}: {cause}"));
+        let values = self.values();
+        let numbers: Option<Vec<f64>> = values.iter().map(|value| value.parse().ok()).collect();
+        let numbers = numbers.ok_or_else(|| refused("modes are followed over numbers alone".to_owned()))?;
+        let steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        if numbers.len() < 2 || !(steps.iter().all(|step| *step > 0.0) || steps.iter().all(|step| *step < 0.0)) {
+            return Err(refused("needs two or more values that rise or fall".to_owned()));
+        }
+        Ok(numbers)
+    }
+
+    /// A plant at a value.
+    pub fn plant(&self, value: &str) -> Result<Plant, Failure> {
+        match &self.plan {
+            Some(plan) => Ok(self.experiment(plan).prepare(0, &[value])?.0),
+            None => crate::cli::settings::plant_with(Arc::clone(&self.machine), &self.interface, &self.settings),
+        }
+    }
+
+    fn experiment<'a>(&'a self, plan: &'a Plan) -> Experiment<'a> {
+        Experiment {
+            file: self.file.clone(),
+            machine: Arc::clone(&self.machine),
+            interface: Arc::clone(&self.interface),
+            text: &self.text,
+            plan,
+            settings: &self.settings,
+            inputs: None,
+            grid: &self.grid,
+            outputs: &[],
+        }
+    }
+}
+
+/// Modes in branches over a quantity, with its name and unit for people.
+pub(super) struct BranchTable<'a> {
+    /// Name of the quantity.
+    pub quantity: &'a str,
+    /// Its unit; empty if it has none that is known.
+    pub unit: &'a str,
+    /// The modes.
+    pub branches: &'a Branches<ModeShape>,
+}
+
+impl BranchTable<'_> {
+    fn label(&self) -> String {
+        if self.unit.is_empty() { self.quantity.to_owned() } else { format!("{} ({})", self.quantity, self.unit) }
+    }
+
+    fn count(&self) -> usize {
+        self.branches.places.first().map_or(0, |place| place.modes.len())
+    }
+
+    /// Frequency and damping ratio of every branch, a line for each value; of a real pole its rate.
+    pub fn text(&self) -> String {
+        let mut text = format!("{:>16}", self.label());
+        for mode in 1..=self.count() {
+            let _ = write!(text, "  {:>22}", format!("mode {mode}: Hz, damping"));
+        }
+        text.push('\n');
+        for place in &self.branches.places {
+            let _ = write!(text, "{:16.6}", place.at);
+            for mode in &place.modes {
+                let cell = match mode {
+                    None => "-".to_owned(),
+                    Some(mode) if mode.is_real() => format!("real {:+.5} 1/s", mode.eigenvalue_1_s.re),
+                    Some(mode) => format!("{:.6} {:+.6}", mode.frequency_hz, mode.damping_ratio),
+                };
+                let _ = write!(text, "  {cell:>22}");
+            }
+            text.push('\n');
+        }
+        text
+    }
+
+    /// Names of the columns of the CSV, behind `first`.
+    pub fn header(&self, first: Option<&str>) -> Vec<String> {
+        let quantity = if self.unit.is_empty() {
+            self.quantity.to_owned()
+        } else {
+            format!("{}_{}", self.quantity, self.unit.replace('/', "_"))
+        };
+        first.map(str::to_owned).into_iter().chain([quantity]).chain(COLUMNS.map(str::to_owned)).collect()
+    }
+
+    /// Rows of the CSV; `first` is the value of a further quantity that all of them share.
+    pub fn rows(&self, first: Option<&str>) -> Vec<Vec<String>> {
+        let mut rows = Vec::new();
+        for place in &self.branches.places {
+            for (branch, mode) in place.modes.iter().enumerate() {
+                let Some(mode) = mode else { continue };
+                let real = |value: f64| format!("{value:?}");
+                let own = [
+                    real(place.at),
+                    (branch + 1).to_string(),
+                    real(mode.frequency_hz),
+                    real(mode.damping_ratio),
+                    real(mode.eigenvalue_1_s.re),
+                    real(mode.eigenvalue_1_s.im),
+                ];
+                rows.push(first.map(str::to_owned).into_iter().chain(own).collect());
+            }
+        }
+        rows
+    }
+
+    /// Damping and frequency over the quantity, and the paths of the eigenvalues.
+    pub fn figures(&self, name: &str, marks: &[(f64, String)]) -> Vec<(&'static str, Figure)> {
+        let curves = |point: &dyn Fn(f64, &ModeShape) -> [f64; 2]| -> Vec<Curve> {
+            let of = |branch: usize| {
+                let found = self
+                    .branches
+                    .places
+                    .iter()
+                    .filter_map(|place| place.modes[branch].as_ref().map(|mode| point(place.at, mode)));
+                Curve::nth(branch, format!("mode {}", branch + 1), found.collect())
+            };
+            (0..self.count()).map(of).collect()
+        };
+        let over = |y_label: &str, what: &str, point: &dyn Fn(f64, &ModeShape) -> [f64; 2]| Figure {
+            title: format!("{name}: {what}"),
+            x_label: self.label(),
+            y_label: y_label.to_owned(),
+            curves: curves(point),
+            marks: marks.to_vec(),
+            equal: false,
+        };
+        let hz = |mode: &ModeShape| mode.eigenvalue_1_s.im / std::f64::consts::TAU;
+        let locus = Figure {
+            title: format!("{name}: paths of the eigenvalues"),
+            x_label: "real part (1/s)".to_owned(),
+            y_label: "imaginary part (rad/s)".to_owned(),
+            curves: curves(&|_, mode| [mode.eigenvalue_1_s.re, mode.eigenvalue_1_s.im]),
+            marks: vec![(0.0, String::new())],
+            equal: false,
+        };
+        vec![
+            (FIGURES[0], over("damping ratio", "damping", &|at, mode| [at, mode.damping_ratio])),
+            (FIGURES[1], over("frequency (Hz)", "frequency", &move |at, mode| [at, hz(mode)])),
+            (FIGURES[2], locus),
+        ]
+    }
+}
+
+/// Modes to look for where so many are to be followed: real ones and heavily damped ones come in between on the way.
+pub(super) fn pool(count: usize) -> usize {
+    2 * count + 4
+}
+
+/// Writes figures into the folder asked for.
+pub(super) fn write_figures(
+    arguments: &BranchArguments,
+    figures: Vec<(&'static str, Figure)>,
+    outlets: &mut Outlets,
+) -> Result<(), Failure> {
+    let Some(folder) = &arguments.plot else { return Ok(()) };
+    figures.into_iter().try_for_each(|(stem, figure)| write_figure(folder, stem, &figure, &arguments.sheets, outlets))
+}
+
+/// A table as CSV text.
+pub(super) fn csv_text(header: &[String], rows: &[Vec<String>]) -> Vec<u8> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let written = writer.write_record(header).and_then(|()| rows.iter().try_for_each(|row| writer.write_record(row)));
+    written.expect("writing to memory does not fail");
+    writer.into_inner().expect("writing to memory does not fail")
+}

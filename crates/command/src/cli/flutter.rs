@@ -1,0 +1,301 @@
+//! `foldwing flutter`: modes in air over the speed of the wind, the speeds at which they begin to grow, and these over
+//! another quantity.
+
+use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, pool, write_figures};
+use crate::cli::modes::shares;
+use crate::cli::outlets::{Force, Mark, Outlets};
+use crate::cli::{Failure, print, tell};
+use crate::report::figure::{Curve, Figure};
+use clap::builder::NonEmptyStringValueParser;
+use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::{Branches, Crossing, Holding, ModeShape, Plant, PlantError, change_of_sign};
+use nalgebra::Vector3;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Most speeds of a sweep.
+const MOST_SPEEDS: f64 = 10_000.0;
+
+#[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::FLUTTER)]
+pub struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// Speeds of the wind in m/s, along the wind of the model: FROM:TO:STEP
+    #[arg(long, value_name = "FROM:TO:STEP")]
+    speeds: String,
+    /// Speeds of flutter and divergence over a start value, a parameter or a key of the model file (`file:…`):
+    /// KEY=FROM:TO:COUNT or KEY=A,B,…
+    #[arg(long, value_name = "KEY=VALUES", value_parser = NonEmptyStringValueParser::new())]
+    over: Option<String>,
+    /// Number of modes to follow, of lowest frequency
+    #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=60))]
+    count: u16,
+    /// Start value of an input or parameter, e.g. `fold.release=0`; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
+    settings: Vec<String>,
+    #[command(flatten)]
+    branches: BranchArguments,
+    /// Print JSON for programs
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    force: Force,
+}
+
+/// What a sweep over the speed has found.
+pub(super) struct Found {
+    /// Modes over the speed.
+    pub branches: Branches<ModeShape>,
+    /// Where modes begin or cease to grow.
+    pub crossings: Vec<Crossing<ModeShape>>,
+    /// Speeds of divergence in m/s.
+    pub divergence_m_s: Vec<f64>,
+    /// Why the sweep ended early: speed in m/s and message.
+    pub ended: Option<(f64, String)>,
+}
+
+impl Found {
+    /// Speeds in m/s at which an oscillation begins to grow, with branch and mode.
+    pub fn flutter(&self) -> impl Iterator<Item = &Crossing<ModeShape>> {
+        self.crossings.iter().filter(|crossing| crossing.begins && !crossing.mode.is_real())
+    }
+}
+
+/// Finds flutter and divergence of a model.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let speeds_m_s = speeds(&arguments.speeds)?;
+    let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
+    arguments.branches.check(&outlets)?;
+    let varied = Varied::new(&arguments.model, &arguments.settings, arguments.over.as_ref())?;
+    let values = varied.values();
+    let count = usize::from(arguments.count);
+    let mut list = Vec::new();
+    for value in &values {
+        let plant = || varied.plant(value);
+        list.push(sweep(&plant, &speeds_m_s, count)?);
+    }
+    let key = (!varied.key().is_empty()).then_some(varied.key());
+    let tables: Vec<BranchTable> =
+        list.iter().map(|found| BranchTable { quantity: "speed", unit: "m/s", branches: &found.branches }).collect();
+    if let (Some(path), Some(first)) = (&arguments.branches.csv, tables.first()) {
+        let header = first.header(key);
+        let rows = tables.iter().zip(&values).flat_map(|(table, value)| table.rows(key.map(|_| value.as_str())));
+        let text = csv_text(&header, &rows.collect::<Vec<_>>());
+        outlets.place(path, Mark::first_line(&text))?.fill(&text)?;
+    }
+    let name = &varied.machine().name;
+    let figures = match (key, tables.first(), list.first()) {
+        (Some(key), ..) => map(name, key, &values, &list).map(|map| ("flutter_map", map)).into_iter().collect(),
+        (None, Some(table), Some(found)) => table.figures(name, &marks(found)),
+        _ => Vec::new(),
+    };
+    write_figures(&arguments.branches, figures, &mut outlets)?;
+    if arguments.json {
+        let entries = list.iter().zip(&values).map(|(found, value)| as_json(found, key.map(|_| value.as_str())));
+        let value = json!({ "name": name, "over": key, "results": entries.collect::<Vec<_>>() });
+        return print(&format!("{value:#}"));
+    }
+    let mut text = String::new();
+    for (found, value) in list.iter().zip(&values) {
+        if let Some(key) = key {
+            let _ = writeln!(text, "{key} = {value}");
+        }
+        text.push_str(&summary(found, &speeds_m_s));
+    }
+    if let (None, Some(table)) = (key, tables.first()) {
+        text = format!("{name} in a wind of {} m/s\n{}\n{}", arguments.speeds, table.text(), text);
+    }
+    for found in list.iter().filter_map(|found| found.ended.as_ref()) {
+        tell::note(&format!("the sweep ends before {} m/s: {}", found.0, found.1));
+    }
+    print(&text)
+}
+
+/// `FROM:TO:STEP` in m/s.
+fn speeds(text: &str) -> Result<Vec<f64>, Failure> {
+    let refused = |cause: &str| Failure::Usage(format!("--speeds {text}: {cause}"));
+    let parts: Option<Vec<f64>> =
+        text.split(':').map(|part| part.trim().parse().ok().filter(|value: &f64| value.is_finite())).collect();
+    let Some([from, to, step]) = parts.as_deref() else {
+        return Err(refused("must be FROM:TO:STEP in m/s, such as 50:200:2"));
+    };
+    if !(*from > 0.0 && to > from && *step > 0.0) {
+        return Err(refused("speeds are positive and rise: 0 < FROM < TO, STEP > 0"));
+    }
+    let intervals = (to - from) / step;
+    if intervals > MOST_SPEEDS {
+        return Err(refused(&format!("{intervals:.0} speeds are more than {MOST_SPEEDS}")));
+    }
+    let whole = (intervals - 1e-9).ceil() as usize;
+    Ok((0..whole).map(|i| from + i as f64 * step).chain([*to]).collect())
+}
+
+/// Modes over the speed, crossings and divergence of what `plant` gives.
+pub(super) fn sweep(
+    plant: &dyn Fn() -> Result<Plant, Failure>,
+    speeds_m_s: &[f64],
+    count: usize,
+) -> Result<Found, Failure> {
+    let mut plant = plant()?;
+    let direction = wind(plant.machine(), &plant)?;
+    let mut signs: Vec<(f64, Option<bool>)> = Vec::new();
+    let mut at = |speed_m_s: f64| -> Result<(Vec<ModeShape>, Option<bool>), PlantError> {
+        *plant.inputs_mut().wind_m_s_mut() = direction * speed_m_s;
+        let time_s = plant.machine().experiment.start_time_s;
+        plant.study().equilibrium(time_s, Holding::AsReleased)?;
+        plant.study().modes_and_rest(pool(count))
+    };
+    let (mut branches, ended) = Branches::follow(speeds_m_s, &mut |speed_m_s| {
+        let (modes, sign) = at(speed_m_s)?;
+        signs.push((speed_m_s, sign));
+        Ok(modes)
+    });
+    let ended = ended.map(|(speed_m_s, error): (f64, PlantError)| (speed_m_s, error.to_string()));
+    if let (true, Some((speed_m_s, message))) = (branches.places.is_empty(), &ended) {
+        return Err(Failure::Statics(format!("at {speed_m_s} m/s: {message}")));
+    }
+    let mut crossings = branches.crossings(&mut |speed_m_s| at(speed_m_s).map(|(modes, _)| modes));
+    branches.keep(count, &mut crossings);
+    signs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut divergence_m_s = Vec::new();
+    for pair in signs.windows(2) {
+        if let [(low, Some(low_sign)), (high, Some(high_sign))] = *pair
+            && low_sign != high_sign
+        {
+            let mut sign = |speed_m_s| at(speed_m_s).map(|(_, sign)| sign);
+            divergence_m_s.extend(change_of_sign([low, high], low_sign, &mut sign));
+        }
+    }
+    Ok(Found { branches, crossings, divergence_m_s, ended })
+}
+
+/// Direction of the wind; refuses machines that have none.
+fn wind(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, Failure> {
+    let refused = |cause: &str| Failure::Usage(format!("{}: {cause}", machine.name));
+    let Some(air) = &machine.air else {
+        return Err(refused("has no air; flutter needs [aerodynamics] with model = \"strip\" and surfaces"));
+    };
+    if !air.is_linearised() {
+        return Err(refused(
+            "has the air of a lattice, which has no linear model; use strips (aerodynamics.model = \"strip\"), or look at runs \
+             in which a gust makes it swing",
+        ));
+    }
+    if !air.established {
+        return Err(refused(
+            "aerodynamics.established = false: flutter is that of a flow that has lasted; leave the key out",
+        ));
+    }
+    let direction = plant.inputs().wind_m_s().try_normalize(0.0);
+    direction.ok_or_else(|| {
+        refused("has no wind whose direction could count; give it aerodynamics.wind_m_s, or --set wind.velocity.y=-1")
+    })
+}
+
+/// Flutter and divergence in words.
+fn summary(found: &Found, speeds_m_s: &[f64]) -> String {
+    let mut text = String::new();
+    for Crossing { branch, at, mode, begins } in &found.crossings {
+        let what = match (mode.is_real(), begins) {
+            (true, _) => continue,
+            (false, true) => "flutter at",
+            (false, false) => "no flutter beyond",
+        };
+        let _ = writeln!(
+            text,
+            "{what} {at:.6} m/s: {:.6} Hz ({:.6} rad/s), mode {}, {}",
+            mode.frequency_hz,
+            mode.eigenvalue_1_s.norm(),
+            branch + 1,
+            shares(mode)
+        );
+    }
+    for speed_m_s in &found.divergence_m_s {
+        let _ = writeln!(text, "divergence at {speed_m_s:.6} m/s");
+    }
+    let first = found.branches.places.first();
+    if first.is_some_and(|place| place.modes.iter().flatten().any(ModeShape::grows)) {
+        let _ = writeln!(text, "unstable from the first speed on, {} m/s: begin with a smaller one", speeds_m_s[0]);
+    }
+    if text.is_empty() {
+        let last = found.branches.places.last().map_or(0.0, |place| place.at);
+        let _ = writeln!(text, "neither flutter nor divergence up to {last} m/s among the modes followed");
+    }
+    text
+}
+
+/// Speeds for the figures.
+fn marks(found: &Found) -> Vec<(f64, String)> {
+    let flutter = found.flutter().map(|crossing| (crossing.at, format!("flutter {:.4} m/s", crossing.at)));
+    let divergence = found.divergence_m_s.iter().map(|speed| (*speed, format!("divergence {speed:.4} m/s")));
+    flutter.chain(divergence).collect()
+}
+
+/// Lowest speeds of flutter and divergence over a quantity; none where its values are no numbers.
+fn map(name: &str, key: &str, values: &[String], list: &[Found]) -> Option<Figure> {
+    let at: Option<Vec<f64>> = values.iter().map(|value| value.parse().ok()).collect();
+    let at = at?;
+    let curve = |n: usize, what: &str, speed: &dyn Fn(&Found) -> Option<f64>| {
+        let points = at.iter().zip(list).filter_map(|(at, found)| Some([*at, speed(found)?]));
+        Curve::nth(n, what, points.collect())
+    };
+    let curves = vec![
+        curve(0, "flutter", &|found| found.flutter().next().map(|crossing| crossing.at)),
+        curve(1, "divergence", &|found| found.divergence_m_s.first().copied()),
+    ];
+    Some(Figure {
+        title: format!("{name}: speeds of flutter and divergence"),
+        x_label: key.to_owned(),
+        y_label: "speed (m/s)".to_owned(),
+        curves: curves.into_iter().filter(|curve| !curve.points.is_empty()).collect(),
+        marks: Vec::new(),
+        equal: false,
+    })
+}
+
+/// The result for programs.
+fn as_json(found: &Found, value: Option<&str>) -> Value {
+    let crossing = |crossing: &Crossing<ModeShape>| {
+        json!({
+            "speed_m_s": crossing.at,
+            "frequency_Hz": crossing.mode.frequency_hz,
+            "mode": crossing.branch + 1,
+            "begins": crossing.begins,
+        })
+    };
+    let oscillating = found.crossings.iter().filter(|crossing| !crossing.mode.is_real());
+    let places: Vec<Value> = found
+        .branches
+        .places
+        .iter()
+        .map(|place| {
+            let mode =
+                |mode: &Option<ModeShape>| mode.as_ref().map(|mode| [mode.eigenvalue_1_s.re, mode.eigenvalue_1_s.im]);
+            json!({ "speed_m_s": place.at, "eigenvalues_1_s": place.modes.iter().map(mode).collect::<Vec<_>>() })
+        })
+        .collect();
+    json!({
+        "value": value,
+        "flutter": oscillating.map(crossing).collect::<Vec<_>>(),
+        "divergence_m_s": found.divergence_m_s,
+        "ended": found.ended.as_ref().map(|(speed, message)| json!({ "speed_m_s": speed, "message": message })),
+        "modes": places,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Both ends belong to the range; what is none is refused.
+    #[test]
+    fn speeds_are_ranges_with_a_step() {
+        assert_eq!(speeds("50:56:2").unwrap_or_default(), [50.0, 52.0, 54.0, 56.0]);
+        assert_eq!(speeds("1:2:0.4").unwrap_or_default(), [1.0, 1.4, 1.8, 2.0]);
+        for text in ["50", "50:40:2", "0:10:1", "1:2:0", "1:x:1", "1:1e9:1e-3"] {
+            assert!(speeds(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,379 @@
+//! Strips in continuous time: loads and rates of the lags at one instant, and their derivatives by the motion of the sections
+//! and by the air, NOTATION eqs. (W13) and (W14).
+//!
+//! What the steps of [`Strips::solve`] tend to as they shrink: the followers of (W6) obey `ẋ = b (2Q/c)(w − x)`, and the
+//! apparent mass of (W8) answers to the accelerations of the sections at the instant.
+
+use crate::aero::flow::{Flow, Gust, GustShape};
+use crate::aero::strip::indicial::Lag;
+use crate::aero::strip::section::{Cut, Strip};
+use crate::aero::strip::{Inflow, StripState, Strips};
+use crate::load::{SectionMotion, Wrench};
+use nalgebra::{Rotation3, Vector3};
+use std::f64::consts::PI;
+use std::ops::Range;
+
+/// Rows that the loads of a section take: force and moment in its own frame.
+pub const LOAD_ROWS: usize = 6;
+/// Variables of a section's motion: place, turn, velocity, angular velocity, acceleration, angular acceleration, root frame.
+pub const MOTION_VARIABLES: usize = 18;
+/// Variables of the air that all strips share: wind, angular velocity of the root frame, uniform gust, root frame.
+pub const AIR_VARIABLES: usize = 9;
+/// Step of a difference over the strip's own scale: its span or chord, its relative speed. The seventh derivatives that the
+/// sixth-order rule drops weigh 1e-18 of that scale, round-off 1e-12.
+const STEP: f64 = 1e-3;
+/// Slowest speed over the fastest of a strip on which steps in the velocity are based: a strip at the hub of a rotor, or
+/// in the eye of a turn, has none of its own.
+const SLOWEST: f64 = 1e-3;
+/// Sixth-order central difference: weights of the steps 1, 2, 3 over 60 steps.
+const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
+/// Distance in m at which the front of a gust lies that fills all space.
+const FAR_M: f64 = 1e12;
+
+/// Acceleration and angular acceleration of a section relative to the root frame, resolved in it, m/s² and rad/s².
+pub type SectionAcceleration = [Vector3<f64>; 2];
+
+/// Sections and air at one instant.
+#[derive(Debug, Clone)]
+pub struct Instant<'a> {
+    /// Motion of all sections.
+    pub motions: Vec<SectionMotion>,
+    /// Their accelerations.
+    pub accelerations: Vec<SectionAcceleration>,
+    /// The air.
+    pub flow: Flow<'a>,
+    /// A gust of one velocity everywhere, beside those of the flow, root frame, m/s.
+    pub gust_m_s: Vector3<f64>,
+    /// Followers of all strips in m/s, [`Strips::lags`].
+    pub lags_m_s: Vec<f64>,
+}
+
+/// Loads of all sections in their own frames, six rows each, then rates of the followers in m/s², then circulations of the
+/// strips in m²/s.
+pub type Answer = Vec<f64>;
+
+/// What a derivative is taken by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Variable {
+    /// One of the [`MOTION_VARIABLES`] of a section.
+    Motion {
+        /// The section.
+        section: usize,
+        /// Which of its variables.
+        component: usize,
+    },
+    /// One of the followers.
+    Lag(usize),
+    /// One of the [`AIR_VARIABLES`].
+    Air(usize),
+    /// Rate of one of the first six of them, which acts on the apparent mass alone.
+    AirRate(usize),
+}
+
+/// Place of a follower.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LagPlace {
+    /// Strip, surface by surface.
+    pub strip: usize,
+    /// Follows gusts and what the lifting line induces; else motion and wind.
+    pub gust: bool,
+    /// Which term of the fit.
+    pub term: usize,
+}
+
+impl Strips {
+    /// The followers in the order of [`Instant::lags_m_s`]: strip by strip those of the motion, and those of gusts where the
+    /// model has a lifting line or `gusts` asks for them. None without lag.
+    pub fn lags(&self, gusts: bool) -> Vec<LagPlace> {
+        if !self.options.unsteady {
+            return Vec::new();
+        }
+        let [motion, gust] = self.lag_terms(gusts);
+        let of = |strip: usize| {
+            let place = move |gust: bool| move |term: usize| LagPlace { strip, gust, term };
+            (0..motion).map(place(false)).chain((0..gust).map(place(true)))
+        };
+        (0..self.strips.len()).flat_map(of).collect()
+    }
+
+    /// Followers of motion and of gusts of one strip.
+    fn lag_terms(&self, gusts: bool) -> [usize; 2] {
+        let fit = self.options.fit;
+        let gusts = gusts || self.line.is_some();
+        if self.options.unsteady { [fit.wagner().terms, if gusts { fit.kuessner().terms } else { 0 }] } else { [0; 2] }
+    }
+
+    /// Number of strips.
+    pub fn count(&self) -> usize {
+        self.strips.len()
+    }
+
+    /// Followers that a state remembers, in the order of [`Strips::lags`].
+    pub fn lags_m_s(&self, state: &StripState, gusts: bool) -> Vec<f64> {
+        let of = |place: LagPlace| {
+            let history = &state.strips[place.strip];
+            if place.gust { history.gust.followers_m_s[place.term] } else { history.motion.followers_m_s[place.term] }
+        };
+        self.lags(gusts).into_iter().map(of).collect()
+    }
+
+    /// Loads, rates of the followers and circulations at an instant, eq. (W13).
+    pub fn answer(&mut self, at: &Instant, gusts: bool) -> Answer {
+        let mut answer = vec![0.0; self.rows(at, gusts)];
+        self.answer_of(at, gusts, 0..self.strips.len(), &mut answer);
+        answer
+    }
+
+    /// Length of an [`Answer`].
+    fn rows(&self, at: &Instant, gusts: bool) -> usize {
+        LOAD_ROWS * at.motions.len()
+            + self.lag_terms(gusts).iter().sum::<usize>() * self.strips.len()
+            + self.strips.len()
+    }
+
+    /// The same of some strips, or of all where a lifting line couples them; what others give to their sections is zero.
+    fn answer_of(&mut self, at: &Instant, gusts: bool, strips: Range<usize>, answer: &mut Answer) {
+        answer.fill(0.0);
+        let strips = if self.line.is_some() { 0..self.strips.len() } else { strips };
+        let gust = [Gust {
+            name: String::new(),
+            shape: GustShape::SharpEdge,
+            velocity_m_s: at.gust_m_s,
+            direction: Vector3::x(),
+            speed_m_s: 0.0,
+            origin_m: Vector3::x() * FAR_M,
+            start_s: 0.0,
+        }];
+        let all: Vec<Gust> = at.flow.gusts.iter().chain(&gust).cloned().collect();
+        let flow = Flow { gusts: &all, ..at.flow };
+        let terms = self.lag_terms(gusts);
+        let lag = |strip: usize, now_m_s: f64, gust: bool| {
+            let mut lag = Lag::established(now_m_s);
+            let first = strip * (terms[0] + terms[1]) + if gust { terms[0] } else { 0 };
+            let count = terms[usize::from(gust)];
+            lag.followers_m_s[..count].copy_from_slice(&at.lags_m_s[first..first + count]);
+            lag
+        };
+        self.inflows.clear();
+        let (own, profiles) = (&self.strips, &self.profiles);
+        let meet = |strip: &Strip| Inflow::of(strip, &profiles[strip.surface], &at.motions, &flow);
+        self.inflows.extend(own[strips.clone()].iter().map(meet));
+        if self.line.is_some() {
+            self.meet(&at.motions, &flow);
+            let options = self.options;
+            self.add_induced(|strip, now, gust_m_s| {
+                options.effective_m_s(&lag(strip, now.downwash_m_s, false), &lag(strip, gust_m_s, true))
+            });
+        }
+        let sections = at.motions.len();
+        let mut loads = vec![Wrench::default(); sections];
+        for (index, now) in strips.zip(&self.inflows) {
+            let strip = &self.strips[index];
+            let profile = &self.profiles[strip.surface];
+            let lags = [lag(index, now.downwash_m_s, false), lag(index, now.gust_downwash_m_s, true)];
+            let effective_m_s = self.options.effective_m_s(&lags[0], &lags[1]);
+            let section =
+                now.section_loads(strip, profile, self.options.leading_edge_suction, effective_m_s, flow.density_kg_m3);
+            strip.add_force(&mut loads, &now.cut, section.fraction, &(section.force_n_m * now.cut.span_m));
+            strip.add_moment(&mut loads, &now.cut, section.moment_n * now.cut.span_m);
+            if self.options.apparent_mass {
+                add_apparent_mass(strip, &now.cut, at, &flow, &mut loads);
+            }
+            let way_1_s = 2.0 * now.speed_m_s / now.cut.chord_m;
+            let fits = [self.options.fit.wagner(), self.options.fit.kuessner()];
+            let mut row = LOAD_ROWS * sections + index * (terms[0] + terms[1]);
+            for ((lag, fit), count) in lags.iter().zip(fits).zip(terms) {
+                for term in 0..count {
+                    answer[row] = fit.rates[term] * way_1_s * (lag.downwash_m_s - lag.followers_m_s[term]);
+                    row += 1;
+                }
+            }
+            let circulations = LOAD_ROWS * sections + (terms[0] + terms[1]) * self.strips.len();
+            answer[circulations + index] = section.circulation_m2_s;
+        }
+        for ((load, motion), rows) in loads.iter().zip(&at.motions).zip(answer.chunks_exact_mut(LOAD_ROWS)) {
+            let turned = motion.rotation.transpose();
+            rows[..3].copy_from_slice((turned * load.force_n).as_slice());
+            rows[3..].copy_from_slice((turned * load.moment_n_m).as_slice());
+        }
+    }
+
+    /// Derivative of the [`Answer`] at an instant: sixth-order central differences over the scale of the strips concerned,
+    /// eq. (W14); exact by accelerations, in which it is linear. Polars have corners: within 0.003 rad of one the derivative
+    /// is a mean over both sides.
+    pub fn slope(&mut self, at: &Instant, gusts: bool, variable: Variable) -> Answer {
+        let strips = self.touched(at, gusts, variable);
+        let scale = self.scale(at, strips.clone(), variable);
+        let mut slope = vec![0.0; self.rows(at, gusts)];
+        let Some(step) = scale else { return slope };
+        let mut side = slope.clone();
+        let linear = matches!(variable, Variable::Motion { component: 12.., .. } | Variable::AirRate(_));
+        let weights: &[f64] = if linear { &[30.0] } else { &WEIGHTS };
+        for (i, weight) in weights.iter().enumerate() {
+            for sign in [1.0, -1.0] {
+                let shift = sign * (i + 1) as f64 * step;
+                let mut beside = at.clone();
+                displace(&mut beside, variable, shift);
+                match variable {
+                    Variable::AirRate(component) => {
+                        self.answer_of_air_rate(&beside, gusts, component, shift, &mut side)
+                    }
+                    _ => self.answer_of(&beside, gusts, strips.clone(), &mut side),
+                }
+                let share = sign * weight / (60.0 * step);
+                slope.iter_mut().zip(&side).for_each(|(slope, side)| *slope += share * side);
+            }
+        }
+        slope
+    }
+
+    /// What apparent mass alone gives for a rate of the air.
+    fn answer_of_air_rate(&mut self, at: &Instant, gusts: bool, component: usize, rate: f64, answer: &mut Answer) {
+        answer.fill(0.0);
+        debug_assert_eq!(answer.len(), self.rows(at, gusts));
+        if !self.options.apparent_mass {
+            return;
+        }
+        let mut axis = Vector3::zeros();
+        axis[component % 3] = rate;
+        let mut loads = vec![Wrench::default(); at.motions.len()];
+        for strip in &self.strips {
+            let cut = strip.cut(&at.motions, &at.flow);
+            let gain = |place_m: &Vector3<f64>| if component < 3 { axis } else { -axis.cross(place_m) };
+            let [leading, trailing] = [gain(&cut.leading_m), gain(&cut.trailing_m)];
+            let middle_m_s2 = cut.up.dot(&(0.5 * (leading + trailing)));
+            let difference_m_s2 = cut.up.dot(&(trailing - leading));
+            push(strip, &cut, at.flow.density_kg_m3, [middle_m_s2, difference_m_s2], &mut loads);
+        }
+        for ((load, motion), rows) in loads.iter().zip(&at.motions).zip(answer.chunks_exact_mut(LOAD_ROWS)) {
+            let turned = motion.rotation.transpose();
+            rows[..3].copy_from_slice((turned * load.force_n).as_slice());
+            rows[3..].copy_from_slice((turned * load.moment_n_m).as_slice());
+        }
+    }
+
+    /// Strips whose answer a variable changes, a lifting line aside.
+    fn touched(&self, at: &Instant, gusts: bool, variable: Variable) -> Range<usize> {
+        match variable {
+            Variable::Motion { section, .. } => {
+                let touches = |strip: &&Strip| strip.sections.contains(&section);
+                let first = self.strips.iter().position(|strip| touches(&strip)).unwrap_or(0);
+                first..first + self.strips.iter().filter(touches).count()
+            }
+            Variable::Lag(lag) => {
+                let per_strip = self.lag_terms(gusts).iter().sum::<usize>().max(1);
+                debug_assert_eq!(at.lags_m_s.len(), per_strip * self.strips.len());
+                lag / per_strip..lag / per_strip + 1
+            }
+            Variable::Air(_) | Variable::AirRate(_) => 0..self.strips.len(),
+        }
+    }
+
+    /// Step of the difference. `None` where no air moves and nothing but apparent mass answers: the rest is quadratic in the
+    /// velocities.
+    fn scale(&self, at: &Instant, strips: Range<usize>, variable: Variable) -> Option<f64> {
+        let speed_m_s = |strip: &Strip| {
+            let cut = strip.cut(&at.motions, &at.flow);
+            let air_m_s = cut.air_m_s(0.5) + at.gust_m_s;
+            (air_m_s - cut.along() * cut.along().dot(&air_m_s)).norm()
+        };
+        let fastest_m_s = self.strips.iter().map(speed_m_s).fold(0.0, f64::max);
+        let own =
+            || self.strips[strips.clone()].iter().map(|strip| (strip.cut(&at.motions, &at.flow), speed_m_s(strip)));
+        let slowest_m_s = own().map(|(_, speed_m_s)| speed_m_s).fold(f64::INFINITY, f64::min);
+        let speed_m_s = slowest_m_s.max(SLOWEST * fastest_m_s);
+        let chord_m = own().map(|(cut, _)| cut.chord_m).fold(0.0, f64::max);
+        let span_m = own().map(|(cut, _)| cut.span_m).fold(f64::INFINITY, f64::min);
+        let moving = |step: f64| (fastest_m_s > 0.0).then_some(step);
+        match variable {
+            Variable::Motion { component, .. } => match component {
+                0..3 => Some(STEP * chord_m.min(span_m)),
+                3..6 => Some(STEP * (span_m / chord_m).min(1.0)),
+                6..9 => moving(STEP * speed_m_s),
+                9..12 => moving(STEP * speed_m_s / chord_m),
+                _ => Some(1.0),
+            },
+            Variable::Lag(_) => moving(STEP * speed_m_s),
+            Variable::Air(component) => match component {
+                0..3 | 6..9 => moving(STEP * speed_m_s),
+                _ => moving(STEP * speed_m_s / at.motions.iter().map(|m| m.position_m.norm()).fold(chord_m, f64::max)),
+            },
+            Variable::AirRate(_) => Some(1.0),
+        }
+    }
+}
+
+/// Changes one variable of an instant.
+fn displace(at: &mut Instant, variable: Variable, shift: f64) {
+    let axis = |component: usize| {
+        let mut axis = Vector3::zeros();
+        axis[component % 3] = shift;
+        axis
+    };
+    match variable {
+        Variable::Motion { section, component } => {
+            let (motion, axis) = (&mut at.motions[section], axis(component));
+            match component / 3 {
+                0 => motion.position_m += axis,
+                1 => motion.rotation = Rotation3::new(axis).into_inner() * motion.rotation,
+                2 => motion.velocity_m_s += axis,
+                3 => motion.spin_rad_s += axis,
+                part => at.accelerations[section][part - 4] += axis,
+            }
+        }
+        Variable::Lag(lag) => at.lags_m_s[lag] += shift,
+        Variable::Air(component) => match component / 3 {
+            0 => at.flow.wind_m_s += axis(component),
+            1 => at.flow.spin_rad_s += axis(component),
+            _ => at.gust_m_s += axis(component),
+        },
+        Variable::AirRate(_) => {}
+    }
+}
+
+/// Loads of the apparent mass for the accelerations of the sections, eq. (W13): wind and turning of the root are constant.
+fn add_apparent_mass(strip: &Strip, cut: &Cut, at: &Instant, flow: &Flow, loads: &mut [Wrench]) {
+    let point = |end: usize, arm_m: &Vector3<f64>| {
+        let (motion, [acceleration, spin_rate]) =
+            (&at.motions[strip.sections[end]], &at.accelerations[strip.sections[end]]);
+        let swing_m_s = motion.spin_rad_s.cross(arm_m);
+        let second = acceleration + spin_rate.cross(arm_m) + motion.spin_rad_s.cross(&swing_m_s);
+        (motion.velocity_m_s + swing_m_s, second)
+    };
+    let [inner, outer] = [0, 1].map(|end| cut.arms_m[end].map(|arm_m| point(end, &arm_m)));
+    let mean = |edge: usize| (0.5 * (inner[edge].0 + outer[edge].0), 0.5 * (inner[edge].1 + outer[edge].1));
+    let [leading, trailing] = [mean(0), mean(1)];
+    let rate = |(velocity, second): (Vector3<f64>, Vector3<f64>)| -flow.spin_rad_s.cross(&velocity) - second;
+    let [leading_m_s2, trailing_m_s2] = [rate(leading), rate(trailing)];
+    // how the normal turns: n = d × s/|d × s|
+    let chord_m = cut.trailing_m - cut.leading_m;
+    let quarter_m = |end: usize| {
+        let motion = &at.motions[strip.sections[end]];
+        motion.position_m + cut.arms_m[end][0] * 0.75 + cut.arms_m[end][1] * 0.25
+    };
+    let along_m = quarter_m(1) - quarter_m(0);
+    let quarter_m_s = |ends: &[(Vector3<f64>, Vector3<f64>); 2]| ends[0].0 * 0.75 + ends[1].0 * 0.25;
+    let along_m_s = quarter_m_s(&outer) - quarter_m_s(&inner);
+    let across = chord_m.cross(&along_m);
+    let across_rate = (trailing.0 - leading.0).cross(&along_m) + chord_m.cross(&along_m_s);
+    let up_rate = (across_rate - cut.up * cut.up.dot(&across_rate)) / across.norm();
+    let difference_m_s = cut.trailing_air_m_s - cut.leading_air_m_s;
+    let middle_m_s2 = up_rate.dot(&cut.air_m_s(0.5)) + cut.up.dot(&(0.5 * (leading_m_s2 + trailing_m_s2)));
+    let pitching_m_s2 = up_rate.dot(&difference_m_s) + cut.up.dot(&(trailing_m_s2 - leading_m_s2));
+    push(strip, cut, flow.density_kg_m3, [middle_m_s2, pitching_m_s2], loads);
+}
+
+/// Force and moment of the apparent mass, eq. (W8), for the rates of `w_½` and of `n·Δ` in m/s².
+fn push(strip: &Strip, cut: &Cut, density_kg_m3: f64, [middle_m_s2, difference_m_s2]: [f64; 2], loads: &mut [Wrench]) {
+    let semi_chord_m = 0.5 * cut.chord_m;
+    let mass_kg_m = PI * density_kg_m3 * semi_chord_m.powi(2);
+    strip.add_force(loads, cut, 0.5, &(cut.up * (mass_kg_m * middle_m_s2 * cut.span_m)));
+    strip.add_moment(loads, cut, -mass_kg_m * semi_chord_m / 16.0 * difference_m_s2 * cut.span_m);
+}
+
+impl Cut {
+    /// Unit vector along the quarter-chord line.
+    fn along(&self) -> Vector3<f64> {
+        self.up.cross(&self.aft)
+    }
+}

@@ -1,0 +1,267 @@
+//! Second-order equations with first-order followers, as structures in air are: their modes, NOTATION eq. (L22).
+//!
+//! `M q̈ + C q̇ + K q + G x = 0`, `ẋ = P q + R q̇ + L x`.
+
+use crate::solve::complex_factors::ComplexFactors;
+use crate::solve::eigen::eigen;
+use crate::solve::linearize::SecondOrder;
+use crate::solve::modes::{FREE_MOTION, NoModes, SPARE_MODES, modes, shifted_root};
+use crate::solve::reduction::balanced_rows;
+use nalgebra::{Complex, DMatrix, DVector};
+
+/// The equations about a state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lagged {
+    /// `M`, `C` and `K`.
+    pub second: SecondOrder,
+    /// `G`: change of the residual with the followers.
+    pub force: DMatrix<f64>,
+    /// `P`: rates of the followers by the coordinates.
+    pub position: DMatrix<f64>,
+    /// `R`: by the rates.
+    pub rate: DMatrix<f64>,
+    /// `L`: by the followers themselves.
+    pub lag: DMatrix<f64>,
+}
+
+/// A mode `q(t) = shape · exp(λt)`; of a complex pair the one with positive imaginary part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LaggedMode {
+    /// Eigenvalue `λ` in 1/s.
+    pub eigenvalue_1_s: Complex<f64>,
+    /// Shape over the coordinates; its largest entry is real.
+    pub shape: DVector<Complex<f64>>,
+    /// Participation of the followers: 0 where they do not take part, 1 where nothing else does.
+    pub lag_share: f64,
+}
+
+/// Corrections of an eigenvalue, relative to it, below which what is left is round-off.
+const CLOSE: f64 = 1e-10;
+/// Distance of an eigenvalue from one of the followers by themselves, relative to it, below which it is theirs.
+const OWN: f64 = 1e-7;
+/// Participation of the followers beyond which a mode that does not grow is theirs, and no motion of the machine.
+const LAG: f64 = 0.5;
+/// Share of the eigenvalue above which its real part counts as growth.
+const GROWTH: f64 = 1e-6;
+
+impl Lagged {
+    /// Equations without followers.
+    pub fn without(second: SecondOrder) -> Self {
+        let n = second.mass.nrows();
+        let (wide, high) = (DMatrix::zeros(n, 0), DMatrix::zeros(0, n));
+        Self { second, force: wide, position: high.clone(), rate: high, lag: DMatrix::zeros(0, 0) }
+    }
+
+    /// Stiffness with followers that have come to rest, `K − G L⁻¹ P`; `None` where they do not come to rest.
+    pub fn rest_stiffness(&self) -> Option<DMatrix<f64>> {
+        if self.lag.nrows() == 0 {
+            return Some(self.second.stiffness.clone());
+        }
+        let follow = self.lag.clone().lu().solve(&self.position)?;
+        Some(&self.second.stiffness - &self.force * follow)
+    }
+
+    /// The `count` modes of lowest frequency, ascending, without those of the followers themselves unless they grow.
+    ///
+    /// # Errors
+    /// Where the mass matrix is not positive definite or the iteration fails.
+    pub fn modes(&self, count: usize) -> Result<Vec<LaggedMode>, NoModes> {
+        let SecondOrder { mass, damping, stiffness } = &self.second;
+        if self.lag.nrows() == 0 || mass.nrows() == 0 {
+            let list = modes(mass, damping, stiffness, count)?;
+            let plain = |mode: crate::solve::modes::Mode| LaggedMode {
+                eigenvalue_1_s: mode.eigenvalue_1_s,
+                shape: mode.shape,
+                lag_share: 0.0,
+            };
+            return Ok(list.into_iter().map(plain).collect());
+        }
+        let (shift, basis) = self.basis(4 * count + SPARE_MODES)?;
+        let (values, shapes) = self.eigenvalues(&basis)?;
+        let own = eigen(&balanced_rows(&self.lag).0).ok_or(NoModes::Iteration)?.values;
+        let free = FREE_MOTION * shift.sqrt();
+        let mut order: Vec<usize> = (0..values.len()).filter(|&i| values[i].im >= 0.0).collect();
+        order.sort_by(|&i, &j| values[i].norm().total_cmp(&values[j].norm()));
+        let mut list = Vec::new();
+        for i in order {
+            if list.len() >= count {
+                break;
+            }
+            let value = values[i];
+            let grows = value.re > GROWTH * value.norm();
+            let nearest = own.iter().map(|own| (own - value).norm()).fold(f64::INFINITY, f64::min);
+            if !grows && nearest <= OWN * value.norm() {
+                continue;
+            }
+            let shape = &Basis(&basis) * &shapes[i];
+            if value.norm() <= free {
+                // what nothing resists comes out as round-off; the two states of it are one mode
+                list.push(LaggedMode { eigenvalue_1_s: Complex::new(0.0, 0.0), shape: scaled(shape), lag_share: 0.0 });
+                continue;
+            }
+            let mode = self.polish(value, shape);
+            if mode.lag_share <= LAG || mode.eigenvalue_1_s.re > GROWTH * mode.eigenvalue_1_s.norm() {
+                list.push(mode);
+            }
+        }
+        let zeros = list.iter().filter(|mode| mode.eigenvalue_1_s.norm() == 0.0).count();
+        list.drain(..zeros / 2);
+        list.sort_by(|a, b| a.eigenvalue_1_s.norm().total_cmp(&b.eigenvalue_1_s.norm()));
+        Ok(list)
+    }
+
+    /// Undamped modes of lowest frequency of the structure with the air's mass and stiffness, of unit mass, as columns; and
+    /// the shift that made its stiffness positive.
+    fn basis(&self, most: usize) -> Result<(f64, DMatrix<f64>), NoModes> {
+        let SecondOrder { mass, stiffness, .. } = &self.second;
+        let (shift, root) = shifted_root(mass, stiffness)?;
+        let half = root.solve_lower_triangular(mass).ok_or(NoModes::Iteration)?;
+        let whole = root.solve_lower_triangular(&half.transpose()).ok_or(NoModes::Iteration)?;
+        let eigen = ((&whole + whole.transpose()) * 0.5).symmetric_eigen();
+        let mut order: Vec<usize> = (0..mass.nrows()).filter(|&i| eigen.eigenvalues[i] > 0.0).collect();
+        order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+        order.truncate(most);
+        let vectors = eigen.eigenvectors.select_columns(&order);
+        let mut basis = root.tr_solve_lower_triangular(&vectors).ok_or(NoModes::Iteration)?;
+        for (mut column, &i) in basis.column_iter_mut().zip(&order) {
+            column.unscale_mut(eigen.eigenvalues[i].sqrt());
+        }
+        Ok((shift, basis))
+    }
+
+    /// Eigenvalues over a basis of shapes with their vectors in it.
+    fn eigenvalues(&self, basis: &DMatrix<f64>) -> Result<(Vec<Complex<f64>>, Vec<DVector<Complex<f64>>>), NoModes> {
+        let (n, m) = (basis.ncols(), self.lag.nrows());
+        let within = |matrix: &DMatrix<f64>| basis.transpose() * matrix * basis;
+        let inverse = within(&self.second.mass).try_inverse().ok_or(NoModes::Mass)?;
+        let mut a = DMatrix::zeros(2 * n + m, 2 * n + m);
+        a.view_mut((0, n), (n, n)).fill_with_identity();
+        a.view_mut((n, 0), (n, n)).copy_from(&-(&inverse * within(&self.second.stiffness)));
+        a.view_mut((n, n), (n, n)).copy_from(&-(&inverse * within(&self.second.damping)));
+        a.view_mut((n, 2 * n), (n, m)).copy_from(&-(&inverse * basis.transpose() * &self.force));
+        a.view_mut((2 * n, 0), (m, n)).copy_from(&(&self.position * basis));
+        a.view_mut((2 * n, n), (m, n)).copy_from(&(&self.rate * basis));
+        a.view_mut((2 * n, 2 * n), (m, m)).copy_from(&self.lag);
+        let (balanced, scale) = balanced_rows(&a);
+        let found = eigen(&balanced).ok_or(NoModes::Iteration)?;
+        let shape = |i: usize| {
+            let pair = found.values[i].im > 0.0;
+            let part = |k: usize, column: usize| found.vectors[(k, column)] * scale[k];
+            DVector::from_fn(n, |k, _| Complex::new(part(k, i), if pair { part(k, i + 1) } else { 0.0 }))
+        };
+        let shapes = (0..found.values.len())
+            .map(|i| if found.values[i].im < 0.0 { DVector::zeros(n) } else { shape(i) })
+            .collect();
+        Ok((found.values, shapes))
+    }
+
+    /// Shape by inverse iteration over all coordinates, eigenvalue by the two-sided Rayleigh functional of
+    /// `T(λ) = λ²M + λC + K + G(λ − L)⁻¹(P + λR)`; participation of the followers from `T′`.
+    fn polish(&self, value: Complex<f64>, shape: DVector<Complex<f64>>) -> LaggedMode {
+        let (mut eigenvalue, mut right) = (value, shape);
+        let mut left = right.clone();
+        let mut lag_share = 1.0;
+        for pass in 0..8 {
+            let near = eigenvalue * (1.0 + 1e-9);
+            let follow = self.follow(near);
+            let SecondOrder { mass, damping, stiffness } = &self.second;
+            let through = &self.force.map(|x| Complex::new(x, 0.0)) * &follow;
+            let entry = |i: usize, j: usize| {
+                near * near * mass[(i, j)] + near * damping[(i, j)] + stiffness[(i, j)] + through[(i, j)]
+            };
+            let factors = ComplexFactors::new(mass.nrows(), entry);
+            for _ in 0..2 {
+                let (x, y) = (factors.solve(&right), factors.solve_adjoint(&left));
+                let (x_size, y_size) = (x.norm(), y.norm());
+                if !(x_size.is_finite() && y_size.is_finite() && x_size > 0.0 && y_size > 0.0) {
+                    break;
+                }
+                (right, left) = (x / Complex::new(x_size, 0.0), y / Complex::new(y_size, 0.0));
+            }
+            let (residual, slope, lag_part) = self.forms(eigenvalue, &left, &right);
+            lag_share = (lag_part / slope).norm();
+            let step = residual / slope;
+            if !step.norm().is_finite() || step.norm() >= 0.1 * eigenvalue.norm() {
+                break;
+            }
+            eigenvalue -= step;
+            if pass > 0 && step.norm() < CLOSE * eigenvalue.norm() {
+                break;
+            }
+        }
+        // a real pole stays one
+        if value.im == 0.0 {
+            eigenvalue.im = 0.0;
+        }
+        LaggedMode { eigenvalue_1_s: eigenvalue, shape: scaled(right), lag_share }
+    }
+
+    /// `(λ − L)⁻¹(P + λR)`.
+    fn follow(&self, at: Complex<f64>) -> DMatrix<Complex<f64>> {
+        let drive = DMatrix::from_fn(self.position.nrows(), self.position.ncols(), |i, j| {
+            at * self.rate[(i, j)] + self.position[(i, j)]
+        });
+        self.behind(at, drive)
+    }
+
+    /// `(λ − L)⁻¹` times a matrix.
+    fn behind(&self, at: Complex<f64>, mut right: DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let m = self.lag.nrows();
+        let diagonal = (0..m).all(|i| (0..m).all(|j| i == j || self.lag[(i, j)] == 0.0));
+        if diagonal {
+            for (i, mut row) in right.row_iter_mut().enumerate() {
+                let inverse = (at - self.lag[(i, i)]).inv();
+                row.iter_mut().for_each(|x| *x *= inverse);
+            }
+            return right;
+        }
+        let factors =
+            ComplexFactors::new(m, |i, j| if i == j { at - self.lag[(i, j)] } else { (-self.lag[(i, j)]).into() });
+        for mut column in right.column_iter_mut() {
+            let solved = factors.solve(&column.clone_owned());
+            column.copy_from(&solved);
+        }
+        right
+    }
+
+    /// `yᴴTx`, `yᴴT′x` and the part of the followers in the latter.
+    fn forms(
+        &self,
+        at: Complex<f64>,
+        left: &DVector<Complex<f64>>,
+        right: &DVector<Complex<f64>>,
+    ) -> (Complex<f64>, Complex<f64>, Complex<f64>) {
+        let complex = |matrix: &DMatrix<f64>| matrix.map(|x| Complex::new(x, 0.0));
+        let form = |matrix: &DMatrix<f64>| left.dotc(&(complex(matrix) * right));
+        let SecondOrder { mass, damping, stiffness } = &self.second;
+        let (m, c, k) = (form(mass), form(damping), form(stiffness));
+        let column = |vector: DVector<Complex<f64>>| DMatrix::from_column_slice(vector.len(), 1, vector.as_slice());
+        let rates = complex(&self.rate) * right;
+        let drive = complex(&self.position) * right + &rates * at;
+        let followers = self.behind(at, column(drive));
+        let force = complex(&self.force);
+        let of = |columns: &DMatrix<Complex<f64>>| left.dotc(&(&force * columns).column(0).into_owned());
+        let lag_part = -of(&self.behind(at, followers.clone()));
+        let residual = at * at * m + at * c + k + of(&followers);
+        let slope = at * m * 2.0 + c + of(&self.behind(at, column(rates))) + lag_part;
+        (residual, slope, lag_part)
+    }
+}
+
+/// The shape with its largest entry 1.
+fn scaled(shape: DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+    let largest = shape.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap_or_default();
+    if largest.norm() > 0.0 { shape / largest } else { shape }
+}
+
+impl std::ops::Mul<&DVector<Complex<f64>>> for &Basis<'_> {
+    type Output = DVector<Complex<f64>>;
+
+    fn mul(self, shape: &DVector<Complex<f64>>) -> Self::Output {
+        let [re, im] = [shape.map(|x| x.re), shape.map(|x| x.im)].map(|part| self.0 * part);
+        DVector::from_fn(re.len(), |i, _| Complex::new(re[i], im[i]))
+    }
+}
+
+/// A real basis for complex shapes.
+struct Basis<'a>(&'a DMatrix<f64>);

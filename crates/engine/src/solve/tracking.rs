@@ -1,0 +1,338 @@
+//! Modes over a quantity: which mode at one place is which at the next, and where one begins to grow, NOTATION eq. (L24).
+
+use nalgebra::Complex;
+
+/// A mode that can be followed.
+pub trait Followed {
+    /// Eigenvalue in 1/s.
+    fn eigenvalue_1_s(&self) -> Complex<f64>;
+
+    /// Likeness of the shapes, from 0 to 1: the modal assurance criterion, or 1 where the shapes cannot be compared.
+    fn likeness(&self, other: &Self) -> f64;
+}
+
+/// Distance beyond which two modes are not the same.
+const STRANGERS: f64 = 0.9;
+/// Distance beyond which the way between two places is halved to see which mode is which.
+const DOUBT: f64 = 0.25;
+/// Share of the eigenvalue above which its real part counts as growth.
+const GROWTH: f64 = 1e-6;
+/// Halvings of one interval at most.
+const MOST_HALVINGS: u32 = 4;
+/// Width of the interval in which a zero of the growth lies, over that of the sweep.
+const NARROW: f64 = 1e-10;
+/// Steps towards a zero.
+const MOST_STEPS: usize = 60;
+
+/// Modes at one place; every branch has one, or none where it is not among those found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place<M> {
+    /// Value of the quantity.
+    pub at: f64,
+    /// A mode per branch.
+    pub modes: Vec<Option<M>>,
+}
+
+/// Where a branch begins or ceases to grow.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crossing<M> {
+    /// Index of the branch.
+    pub branch: usize,
+    /// Value of the quantity.
+    pub at: f64,
+    /// The mode there.
+    pub mode: M,
+    /// It grows beyond; else it has grown before.
+    pub begins: bool,
+}
+
+/// Whether a mode grows, beyond what round-off makes of one without damping.
+fn grows<M: Followed>(mode: &M) -> bool {
+    let value = mode.eigenvalue_1_s();
+    value.re > GROWTH * value.norm()
+}
+
+/// How far a mode is from where a branch would be: by eigenvalue and by shape. Real and oscillating ones are far apart unless
+/// their eigenvalues are close.
+fn distance<M: Followed>(branch: &M, expected: Complex<f64>, mode: &M) -> f64 {
+    let value = mode.eigenvalue_1_s();
+    let size = 0.5 * (value.norm() + expected.norm());
+    let apart = if size > 0.0 { (value - expected).norm() / size } else { 0.0 };
+    apart + (1.0 - branch.likeness(mode))
+}
+
+/// For each branch the mode that goes on with it, closest pairs first; and the largest distance of those that do.
+fn pairs<M: Followed>(branches: &[Option<(&M, Complex<f64>)>], modes: &[M]) -> (Vec<Option<usize>>, f64) {
+    let mut list: Vec<(f64, usize, usize)> = Vec::new();
+    for (i, branch) in branches.iter().enumerate() {
+        let Some((branch, expected)) = branch else { continue };
+        let near = modes.iter().enumerate().map(|(j, mode)| (distance(*branch, *expected, mode), i, j));
+        list.extend(near.filter(|(distance, ..)| *distance < STRANGERS));
+    }
+    list.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut taken, mut of) = (vec![false; modes.len()], vec![None; branches.len()]);
+    let mut worst = 0.0f64;
+    for (distance, i, j) in list {
+        if of[i].is_none() && !taken[j] {
+            (of[i], taken[j]) = (Some(j), true);
+            worst = worst.max(distance);
+        }
+    }
+    (of, worst)
+}
+
+/// The modes of a sweep in branches.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Branches<M> {
+    /// Places in the order of the sweep; those in between, which were looked at to tell modes apart, are left out.
+    pub places: Vec<Place<M>>,
+    /// The places and those in between.
+    all: Vec<Place<M>>,
+}
+
+impl<M: Followed + Clone> Branches<M> {
+    /// Follows the modes that `modes_at` finds from place to place. Stops at the first place where it fails and returns what
+    /// was found, with the place and the error.
+    pub fn follow<E>(places: &[f64], modes_at: &mut impl FnMut(f64) -> Result<Vec<M>, E>) -> (Self, Option<(f64, E)>) {
+        let mut found = Self { places: Vec::new(), all: Vec::new() };
+        for &at in places {
+            let outcome = match found.all.is_empty() {
+                true => modes_at(at).map(|modes| {
+                    found.all.push(Place { at, modes: modes.into_iter().map(Some).collect() });
+                }),
+                false => found.go_on(at, modes_at, 0),
+            };
+            if let Err(error) = outcome {
+                found.fill();
+                return (found, Some((at, error)));
+            }
+            found.places.extend(found.all.last().cloned());
+        }
+        found.fill();
+        (found, None)
+    }
+
+    /// Continues to a place, with halvings of the way where it is in doubt which mode is which.
+    fn go_on<E>(
+        &mut self,
+        at: f64,
+        modes_at: &mut impl FnMut(f64) -> Result<Vec<M>, E>,
+        halvings: u32,
+    ) -> Result<(), E> {
+        let modes = modes_at(at)?;
+        let (of, worst) = pairs(&self.expected(at), &modes);
+        if worst > DOUBT && halvings < MOST_HALVINGS {
+            let from = self.all.last().map_or(at, |place| place.at);
+            self.go_on(0.5 * (from + at), modes_at, halvings + 1)?;
+            return self.go_on(at, modes_at, halvings + 1);
+        }
+        let mut rest: Vec<Option<M>> = modes.into_iter().map(Some).collect();
+        let mut own: Vec<Option<M>> = of.iter().map(|j| j.and_then(|j| rest[j].take())).collect();
+        own.extend(rest.into_iter().filter(Option::is_some));
+        self.all.push(Place { at, modes: own });
+        Ok(())
+    }
+
+    /// The last mode of each branch and where its eigenvalue would be at a place, by a straight line through the last two.
+    fn expected(&self, at: f64) -> Vec<Option<(&M, Complex<f64>)>> {
+        let count = self.all.iter().map(|place| place.modes.len()).max().unwrap_or(0);
+        let of = |branch: usize| {
+            let mut known =
+                self.all.iter().rev().filter_map(|place| Some((place.at, place.modes.get(branch)?.as_ref()?)));
+            let (last_at, last) = known.next()?;
+            let value = last.eigenvalue_1_s();
+            let expected = match known.next() {
+                Some((before_at, before)) if before_at != last_at => {
+                    value + (value - before.eigenvalue_1_s()) * ((at - last_at) / (last_at - before_at))
+                }
+                _ => value,
+            };
+            Some((last, expected))
+        };
+        (0..count).map(of).collect()
+    }
+
+    /// Gives all places the same number of branches.
+    fn fill(&mut self) {
+        let count = self.all.iter().map(|place| place.modes.len()).max().unwrap_or(0);
+        for place in self.places.iter_mut().chain(&mut self.all) {
+            place.modes.resize(count, None);
+        }
+    }
+
+    /// Leaves out all branches but the first `count` of the first place, those of `crossings`, and those that grow anywhere.
+    /// Modes beyond `count` are worth asking for: others of lower frequency come in between on the way.
+    pub fn keep(&mut self, count: usize, crossings: &mut [Crossing<M>]) {
+        let all = self.all.first().map_or(0, |place| place.modes.len());
+        let ever = |branch: usize| self.all.iter().filter_map(|place| place.modes[branch].as_ref()).any(grows);
+        let kept: Vec<usize> = (0..all)
+            .filter(|&branch| {
+                branch < count || crossings.iter().any(|crossing| crossing.branch == branch) || ever(branch)
+            })
+            .collect();
+        for place in self.places.iter_mut().chain(&mut self.all) {
+            place.modes = kept.iter().map(|&branch| place.modes[branch].take()).collect();
+        }
+        for crossing in crossings {
+            crossing.branch = kept.iter().position(|&branch| branch == crossing.branch).unwrap_or(0);
+        }
+    }
+
+    /// Where branches begin or cease to grow, in the order of the sweep: between two places with a change of sign by false
+    /// position (Illinois), with the mode that belongs to the branch. An error of `modes_at` leaves a crossing out.
+    pub fn crossings<E>(&self, modes_at: &mut impl FnMut(f64) -> Result<Vec<M>, E>) -> Vec<Crossing<M>> {
+        let mut list = Vec::new();
+        let width = match (self.all.first(), self.all.last()) {
+            (Some(first), Some(last)) => (last.at - first.at).abs(),
+            _ => return list,
+        };
+        for pair in self.all.windows(2) {
+            for (branch, ends) in pair[0].modes.iter().zip(&pair[1].modes).enumerate() {
+                let (Some(low), Some(high)) = ends else { continue };
+                let [before, begins] = [low, high].map(grows);
+                if before == begins {
+                    continue;
+                }
+                let ends = [(pair[0].at, low.clone()), (pair[1].at, high.clone())];
+                if let Some((at, mode)) = zero(ends, begins, NARROW * width, modes_at) {
+                    list.push(Crossing { branch, at, mode, begins });
+                }
+            }
+        }
+        list.sort_by(|a, b| a.at.total_cmp(&b.at));
+        list
+    }
+}
+
+/// The zero of the growth of a mode between two places, at the second of which it grows, or else at the first.
+fn zero<M: Followed + Clone, E>(
+    mut ends: [(f64, M); 2],
+    begins: bool,
+    narrow: f64,
+    modes_at: &mut impl FnMut(f64) -> Result<Vec<M>, E>,
+) -> Option<(f64, M)> {
+    // round-off at the end where it does not grow has no sign
+    let mut weights = [0, 1].map(|i| {
+        let growth = ends[i].1.eigenvalue_1_s().re;
+        if (i == 1) == begins { growth } else { growth.min(0.0) }
+    });
+    let mut last = 2;
+    for _ in 0..MOST_STEPS {
+        let share = weights[0] / (weights[0] - weights[1]);
+        let at = ends[0].0 + (ends[1].0 - ends[0].0) * share.clamp(1e-3, 1.0 - 1e-3);
+        let part = (at - ends[0].0) / (ends[1].0 - ends[0].0);
+        let values = [0, 1].map(|i: usize| ends[i].1.eigenvalue_1_s());
+        let expected = values[0] + (values[1] - values[0]) * part;
+        let modes = modes_at(at).ok()?;
+        let far = |mode: &M| ends.iter().map(|(_, end)| distance(end, expected, mode)).fold(f64::INFINITY, f64::min);
+        let mode = modes.into_iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;
+        let growth = mode.eigenvalue_1_s().re;
+        let side = usize::from((growth > 0.0) == begins);
+        let close = (ends[1].0 - ends[0].0).abs() <= narrow
+            || growth.abs() <= 1e-12 * mode.eigenvalue_1_s().norm()
+            || (at - ends[side].0).abs() <= narrow;
+        ends[side] = (at, mode);
+        weights[side] = growth;
+        if close {
+            return Some(ends[side].clone());
+        }
+        if last == side {
+            weights[1 - side] *= 0.5;
+        }
+        last = side;
+    }
+    None
+}
+
+/// Zero of a sign between two values, by halving: where a stiffness at rest becomes singular. `None` where there is no sign.
+pub fn change_of_sign<E>(
+    [mut low, mut high]: [f64; 2],
+    sign_low: bool,
+    sign_at: &mut impl FnMut(f64) -> Result<Option<bool>, E>,
+) -> Option<f64> {
+    let narrow = NARROW * (high - low).abs().max(high.abs());
+    while (high - low).abs() > narrow {
+        let middle = 0.5 * (low + high);
+        match sign_at(middle) {
+            Ok(Some(sign)) if sign == sign_low => low = middle,
+            Ok(Some(_)) => high = middle,
+            _ => return None,
+        }
+    }
+    Some(0.5 * (low + high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Clone, Debug, PartialEq)]
+    struct Mode(Complex<f64>, [f64; 2]);
+
+    impl Followed for Mode {
+        fn eigenvalue_1_s(&self) -> Complex<f64> {
+            self.0
+        }
+        fn likeness(&self, other: &Self) -> f64 {
+            (self.1[0] * other.1[0] + self.1[1] * other.1[1]).powi(2)
+        }
+    }
+
+    /// Two modes whose frequencies cross at 1.05 without interaction, sorted by frequency: branches keep shapes, and the zero
+    /// of the growth of one, `x³ = 2`, is found to the last digits.
+    #[test]
+    fn crossing_frequencies_are_told_apart_by_their_shapes() {
+        let mut modes_at = |x: f64| -> Result<Vec<Mode>, ()> {
+            let mut list = vec![
+                Mode(Complex::new(x.powi(3) - 2.0, 10.0 + 2.0 * x), [1.0, 0.0]),
+                Mode(Complex::new(-1.0, 14.2 - 2.0 * x), [0.0, 1.0]),
+            ];
+            list.sort_by(|a, b| a.0.norm().total_cmp(&b.0.norm()));
+            Ok(list)
+        };
+        let places: Vec<f64> = (0..=8).map(|i| 0.25 * f64::from(i)).collect();
+        let (branches, failed) = Branches::follow(&places, &mut modes_at);
+        assert!(failed.is_none());
+        for place in &branches.places {
+            assert_eq!(place.modes.len(), 2);
+            assert_eq!(place.modes[0].as_ref().unwrap().1, [1.0, 0.0], "at {}", place.at);
+        }
+        let crossings = branches.crossings(&mut modes_at);
+        assert_eq!((crossings.len(), crossings[0].branch, crossings[0].begins), (1, 0, true));
+        assert!((crossings[0].at - 2f64.cbrt()).abs() < 1e-9, "{}", crossings[0].at);
+    }
+
+    /// A mode without damping, whose growth is round-off of either sign, neither begins nor ceases to grow.
+    #[test]
+    fn round_off_is_no_growth() {
+        let mut modes_at = |x: f64| -> Result<Vec<Mode>, ()> {
+            let sign = if (x * 10.0).round() as i64 % 2 == 0 { 1.0 } else { -1.0 };
+            Ok(vec![Mode(Complex::new(sign * 1e-13, 487.0), [1.0, 0.0])])
+        };
+        let places: Vec<f64> = (0..=8).map(|i| 0.1 * f64::from(i)).collect();
+        let (branches, _) = Branches::follow(&places, &mut modes_at);
+        assert!(branches.crossings(&mut modes_at).is_empty());
+    }
+
+    /// A mode that appears later is a new branch; a place that fails ends the sweep with what was found.
+    #[test]
+    fn branches_begin_and_sweeps_end_early() {
+        let mut modes_at = |x: f64| -> Result<Vec<Mode>, &'static str> {
+            if x > 3.0 {
+                return Err("no equilibrium");
+            }
+            let mut list = vec![Mode(Complex::new(-1.0, 10.0), [1.0, 0.0])];
+            if x > 1.0 {
+                list.push(Mode(Complex::new(-0.1, 30.0), [0.0, 1.0]));
+            }
+            Ok(list)
+        };
+        let (branches, failed) = Branches::follow(&[0.0, 1.0, 2.0, 3.0, 4.0], &mut modes_at);
+        assert_eq!(failed, Some((4.0, "no equilibrium")));
+        let present: Vec<[bool; 2]> =
+            branches.places.iter().map(|place| [0, 1].map(|branch: usize| place.modes[branch].is_some())).collect();
+        assert_eq!(present, [[true, false], [true, false], [true, true], [true, true]]);
+        let zero = change_of_sign::<()>([0.0, 2.0], true, &mut |x| Ok(Some(x < 0.7)));
+        assert!((zero.unwrap_or(0.0) - 0.7).abs() < 1e-9);
+    }
+}

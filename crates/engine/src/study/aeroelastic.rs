@@ -1,0 +1,155 @@
+//! The machine in air as a linear system: the structure with the loads that its motion calls forth, and the lags of the air
+//! as further states, NOTATION eqs. (L21) and (L22).
+
+use crate::load::{SectionMotion, Wrench};
+use crate::multibody::kinematics::Motion;
+use crate::multibody::station;
+use crate::solve::EquationsOfMotion;
+use crate::solve::lagged::Lagged;
+use crate::solve::linearize::SecondOrder;
+use crate::study::Study;
+use crate::study::linear::{Bare, pick, sixth_order};
+use crate::system::PlantError;
+use crate::system::air::slopes::{AirSlopes, SECTION_VARIABLES};
+use crate::system::freedoms::Freedom;
+use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
+
+/// Motion of a section with its accelerations.
+type Section = (SectionMotion, [Vector3<f64>; 2]);
+
+/// What the air answers about a state, and what it does to the equations.
+pub(crate) struct Aeroelastic {
+    /// The air's answers.
+    pub slopes: AirSlopes,
+    /// Change of the residual with wind, spin of the root frame and uniform gust.
+    pub air_force: DMatrix<f64>,
+    /// The same with the rates of the first two.
+    pub air_rate_force: DMatrix<f64>,
+}
+
+impl Study<'_> {
+    /// Mass, damping and stiffness with those of the air, and its followers. Without strips there are none, and the loads of
+    /// the air are held.
+    pub(crate) fn lagged(&mut self, gusts: bool) -> Result<(Lagged, Option<Aeroelastic>), PlantError> {
+        let second = self.second_order()?;
+        if !self.system.air_is_linearised() {
+            return Ok((Lagged::without(second), None));
+        }
+        let freedoms = self.system.freedoms();
+        let sections = self.sections_at(&self.system.state.now.q.clone(), None, None);
+        let by = self.section_slopes(&freedoms);
+        let Some(slopes) = self.system.air_slopes(&sections, [&by[0], &by[1], &by[2]], gusts) else {
+            return Ok((Lagged::without(second), None));
+        };
+        let rows = slopes.load_rows;
+        let force = |columns: &DMatrix<f64>| self.residual_of_loads(&columns.rows(0, rows).into_owned(), &freedoms);
+        let [position, rate, acceleration] = [0, 1, 2].map(|part| force(&slopes.motion[part]));
+        let SecondOrder { mass, damping, stiffness } = second;
+        let mass = mass + acceleration;
+        let second = SecondOrder {
+            mass: (&mass + mass.transpose()) * 0.5,
+            damping: damping + rate,
+            stiffness: stiffness + position,
+        };
+        let lag_rows = |matrix: &DMatrix<f64>| matrix.rows(rows, slopes.lags.len()).into_owned();
+        let system = Lagged {
+            second,
+            force: force(&slopes.lag),
+            position: lag_rows(&slopes.motion[0]),
+            rate: lag_rows(&slopes.motion[1]),
+            lag: lag_rows(&slopes.lag),
+        };
+        let (air_force, air_rate_force) = (force(&slopes.air), force(&slopes.air_rate));
+        Ok((system, Some(Aeroelastic { slopes, air_force, air_rate_force })))
+    }
+
+    /// Sections for coordinates, and for the present rates and accelerations or others.
+    fn sections_at(&mut self, q: &[f64], v: Option<&[f64]>, a: Option<&[f64]>) -> Vec<Section> {
+        let now = self.system.state.now.clone();
+        let (v, a) = (v.unwrap_or(&now.v), a.unwrap_or(&now.a));
+        let equations = &mut self.system.equations;
+        equations.residual(now.time_s, q, v, a, &mut self.system.scratch[0]);
+        let motion = Motion { q, v, a };
+        let places = &equations.model.stations[equations.load_stations..];
+        let section = |place| {
+            let found = station::accelerated(&equations.model, &equations.work, motion, place);
+            (found.motion, [found.acceleration_m_s2, found.spin_rate_rad_s2])
+        };
+        places.iter().map(section).collect()
+    }
+
+    /// Derivatives of the motion of the sections by coordinates, rates and accelerations of the freedoms: exact, but about a
+    /// moving state sixth-order differences of velocities and accelerations by the coordinates.
+    fn section_slopes(&mut self, freedoms: &[Freedom]) -> [DMatrix<f64>; 3] {
+        let now = self.system.state.now.clone();
+        let rest = now.v.iter().chain(&now.a).all(|rate| *rate == 0.0);
+        let sections = self.system.equations.model.stations.len() - self.system.equations.load_stations;
+        let mut by = [0; 3].map(|_| DMatrix::zeros(SECTION_VARIABLES * sections, freedoms.len()));
+        for (column, freedom) in freedoms.iter().enumerate() {
+            let unit = self.direction(freedom);
+            let shifted = |vector: &[f64], sign: f64| -> Vec<f64> {
+                vector.iter().zip(&unit).map(|(x, unit)| x + sign * unit).collect()
+            };
+            let ends = [1.0, -1.0].map(|sign| {
+                let (v, a) = (shifted(&now.v, sign), shifted(&now.a, sign));
+                (
+                    variables(&self.sections_at(&now.q, Some(&v), None)),
+                    variables(&self.sections_at(&now.q, None, Some(&a))),
+                )
+            });
+            let [above, below] = ends;
+            by[1].set_column(column, &((above.0 - below.0) * 0.5));
+            by[2].set_column(column, &((above.1 - below.1) * 0.5));
+            if !rest {
+                let mut at = |steps: f64| {
+                    let q = self.displaced(freedom, steps * freedom.step);
+                    variables(&self.sections_at(&q, None, None))
+                };
+                by[0].set_column(column, &sixth_order(&mut at, freedom.step));
+            }
+            // places and turns follow the coordinates as velocities follow the rates
+            for section in 0..sections {
+                for part in 0..6 {
+                    let first = SECTION_VARIABLES * section + part;
+                    by[0][(first, column)] = by[1][(first + 6, column)];
+                }
+            }
+        }
+        self.sections_at(&now.q, None, None);
+        by
+    }
+
+    /// Change of the residual with loads on the sections, column by column.
+    fn residual_of_loads(&self, columns: &DMatrix<f64>, freedoms: &[Freedom]) -> DMatrix<f64> {
+        let mut bare = Bare::new(self.system);
+        for closure in &mut bare.model.closures {
+            closure.penalty.stiffness_n_m = 0.0;
+        }
+        let equations = &self.system.equations;
+        let mut stations = vec![Wrench::default(); equations.stations.len()];
+        let zero = vec![0.0; self.system.coordinates()];
+        let mut forces = DMatrix::zeros(freedoms.len(), columns.ncols());
+        for (column, loads) in columns.column_iter().enumerate() {
+            for (station, entries) in
+                stations[equations.load_stations..].iter_mut().zip(loads.as_slice().chunks_exact(6))
+            {
+                station.force_n.copy_from_slice(&entries[..3]);
+                station.moment_n_m.copy_from_slice(&entries[3..]);
+            }
+            let residual = bare.of_loads(&self.system.state.now.q, &zero, &stations);
+            forces.set_column(column, &pick(&residual, freedoms));
+        }
+        forces
+    }
+}
+
+/// Velocities, angular velocities and accelerations in their places among the variables of the sections; places and turns
+/// follow from them.
+fn variables(sections: &[Section]) -> DVector<f64> {
+    let of = |(motion, [acceleration, spin_rate]): &Section| {
+        let none = Rotation3::<f64>::identity().scaled_axis();
+        [none, none, motion.velocity_m_s, motion.spin_rad_s, *acceleration, *spin_rate]
+    };
+    let entries: Vec<f64> = sections.iter().flat_map(of).flat_map(|vector| [vector.x, vector.y, vector.z]).collect();
+    DVector::from_vec(entries)
+}

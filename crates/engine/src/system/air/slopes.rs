@@ -1,0 +1,172 @@
+//! Derivatives of what the air answers to small motions of the machine, its own followers and its inputs: strips alone have
+//! them, in continuous time, NOTATION eqs. (W13) and (W14).
+
+use crate::aero::strip::continuous::{
+    AIR_VARIABLES, Instant, LOAD_ROWS, LagPlace, MOTION_VARIABLES, SectionAcceleration, Variable,
+};
+use crate::aero::{AirModel, AirState};
+use crate::load::SectionMotion;
+use crate::system::System;
+use crate::system::air::start::flow;
+use crate::system::air::{AirHistory, StepLoads};
+use nalgebra::{DMatrix, Vector3};
+
+/// Variables of the motion of a section.
+pub(crate) const SECTION_VARIABLES: usize = MOTION_VARIABLES;
+/// Variables of the air: wind, angular velocity of the root frame, uniform gust.
+pub(crate) const AIR_INPUTS: usize = AIR_VARIABLES;
+/// The first of them, whose rates act too.
+pub(crate) const AIR_RATES: usize = 6;
+
+/// Answers of the air per unit of what causes them. Rows: loads of the sections in their frames (six each), rates of the
+/// followers in m/s², circulations of the strips in m²/s.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct AirSlopes {
+    /// Number of rows that are loads.
+    pub load_rows: usize,
+    /// Names of the followers.
+    pub lags: Vec<String>,
+    /// Followers at the state in m/s.
+    pub lags_m_s: Vec<f64>,
+    /// By the freedoms: coordinates, rates, accelerations.
+    pub motion: [DMatrix<f64>; 3],
+    /// By the followers.
+    pub lag: DMatrix<f64>,
+    /// By wind, angular velocity of the root frame, and uniform gust.
+    pub air: DMatrix<f64>,
+    /// By the rates of the first two.
+    pub air_rate: DMatrix<f64>,
+}
+
+impl System {
+    /// Whether the machine is in air that has linear models: strips.
+    pub fn air_is_linearised(&self) -> bool {
+        self.air.as_ref().is_some_and(|air| matches!(air.model, AirModel::Strips(_)))
+    }
+
+    /// Derivatives of the air's answer at the present state. `sections` holds motion and accelerations of all sections;
+    /// `by` their derivatives, [`SECTION_VARIABLES`] rows for each, by coordinates, rates and accelerations of the freedoms.
+    /// None without strips.
+    pub(crate) fn air_slopes(
+        &mut self,
+        sections: &[(SectionMotion, SectionAcceleration)],
+        by: [&DMatrix<f64>; 3],
+        gusts: bool,
+    ) -> Option<AirSlopes> {
+        let air = self.air.as_mut()?;
+        let history = self.state.air.as_ref()?;
+        let AirModel::Strips(model) = &mut air.model else { return None };
+        let (AirState::Strips(before), AirState::Strips(after)) = (&history.before, &history.after) else {
+            return None;
+        };
+        let step_s = air.settings.step_s;
+        let share = match history.steps {
+            0 => 1.0,
+            _ => (1.0 - (history.loads.end_s - self.state.now.time_s) / step_s).clamp(0.0, 1.0),
+        };
+        let ends = [before, after].map(|state| model.lags_m_s(state, gusts));
+        let lags_m_s: Vec<f64> = ends[0].iter().zip(&ends[1]).map(|(a, b)| a + (b - a) * share).collect();
+        let at = Instant {
+            motions: sections.iter().map(|(motion, _)| *motion).collect(),
+            accelerations: sections.iter().map(|(_, acceleration)| *acceleration).collect(),
+            flow: flow(&air.settings, &self.state, self.state.now.time_s),
+            gust_m_s: Vector3::zeros(),
+            lags_m_s: lags_m_s.clone(),
+        };
+        let rows = model.answer(&at, gusts).len();
+        let mut motion = by.map(|matrix| DMatrix::zeros(rows, matrix.ncols()));
+        for section in 0..sections.len() {
+            for component in 0..SECTION_VARIABLES {
+                let place = section * SECTION_VARIABLES + component;
+                if by.iter().all(|matrix| matrix.row(place).iter().all(|entry| *entry == 0.0)) {
+                    continue;
+                }
+                let slope = model.slope(&at, gusts, Variable::Motion { section, component });
+                for (target, matrix) in motion.iter_mut().zip(by) {
+                    let along = matrix.row(place);
+                    for (row, value) in slope.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+                        target.row_mut(row).zip_apply(&along, |entry, along| *entry += value * along);
+                    }
+                }
+            }
+        }
+        let places = model.lags(gusts);
+        let mut columns = |variables: Vec<Variable>| {
+            let slopes: Vec<f64> = variables.iter().flat_map(|variable| model.slope(&at, gusts, *variable)).collect();
+            DMatrix::from_vec(rows, variables.len(), slopes)
+        };
+        let lag = columns((0..places.len()).map(Variable::Lag).collect());
+        let air_columns = columns((0..AIR_INPUTS).map(Variable::Air).collect());
+        let air_rate = columns((0..AIR_RATES).map(Variable::AirRate).collect());
+        Some(AirSlopes {
+            load_rows: LOAD_ROWS * sections.len(),
+            lags: places.iter().map(|place| self.lag_name(place)).collect(),
+            lags_m_s,
+            motion,
+            lag,
+            air: air_columns,
+            air_rate,
+        })
+    }
+
+    /// Names and values in m/s of the followers of strips at the present state, in the order of linear models.
+    pub fn air_lags(&self, gusts: bool) -> Vec<(String, f64)> {
+        let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return Vec::new() };
+        let (AirModel::Strips(model), AirState::Strips(after)) = (&air.model, &history.after) else {
+            return Vec::new();
+        };
+        let names = model.lags(gusts).iter().map(|place| self.lag_name(place)).collect::<Vec<_>>();
+        names.into_iter().zip(model.lags_m_s(after, gusts)).collect()
+    }
+
+    /// Largest load of the air so far in N.
+    pub(crate) fn air_scale_n(&self) -> f64 {
+        self.state.air.as_ref().map_or(0.0, |history| history.scale_n)
+    }
+
+    /// Adds a multiple of an answer to the loads and circulations that the state holds; returns those before.
+    pub(crate) fn add_to_air(&mut self, answer: &[f64], amount: f64) -> Option<AirHistory> {
+        let history = self.state.air.as_mut()?;
+        let kept = history.clone();
+        let strips = self.machine.air.iter().flat_map(|air| &air.surfaces).map(|surface| surface.positions_m.len() - 1);
+        let (loads, rest) = answer.split_at(LOAD_ROWS * history.at_begin.len());
+        let StepLoads { from, to, .. } = &mut history.loads;
+        for ((from, to), entries) in from.iter_mut().zip(to).zip(loads.chunks_exact(LOAD_ROWS)) {
+            for load in [from, to] {
+                load.force_n += Vector3::from_column_slice(&entries[..3]) * amount;
+                load.moment_n_m += Vector3::from_column_slice(&entries[3..]) * amount;
+            }
+        }
+        let circulations = &rest[rest.len() - strips.sum::<usize>()..];
+        for state in [&mut history.before, &mut history.after] {
+            if let AirState::Strips(state) = state {
+                for (strip, circulation) in state.strips.iter_mut().zip(circulations) {
+                    strip.circulation_m2_s += circulation * amount;
+                }
+            }
+        }
+        Some(kept)
+    }
+
+    /// Undoes [`System::add_to_air`].
+    pub(crate) fn take_air_back(&mut self, kept: Option<AirHistory>) {
+        self.state.air = kept;
+        self.configure();
+    }
+
+    /// `wing.strip[3].lag[1]`, of gusts `wing.strip[3].gust_lag[1]`.
+    fn lag_name(&self, place: &LagPlace) -> String {
+        let mut strip = place.strip;
+        let surfaces = self.machine.air.iter().flat_map(|air| &air.surfaces);
+        for surface in surfaces {
+            let own = surface.positions_m.len() - 1;
+            if strip < own {
+                let (body, kind) =
+                    (&self.machine.bodies[surface.body].name, if place.gust { "gust_lag" } else { "lag" });
+                return format!("{body}.strip[{}].{kind}[{}]", strip + 1, place.term + 1);
+            }
+            strip -= own;
+        }
+        String::new()
+    }
+}
