@@ -6,12 +6,16 @@
 
 #[path = "../tests/robustness/fmu.rs"]
 mod fmu;
+#[path = "../tests/robustness/fmu3.rs"]
+mod fmu3;
 #[path = "../crates/command/src/cli/processor_time.rs"]
 mod processor_time;
 
 use fmu::{Attempt, Fmu, Resources};
+use fmu3::{Agreed, Fmu3};
 use foldwing::interface::{Causality, Value};
 use foldwing::plant::Plant;
+use foldwing_fmu::fmi3::values::fmi3SetFloat64;
 use foldwing_fmu::functions::*;
 use foldwing_fmu::types::fmi2OK;
 use processor_time::processor_time;
@@ -202,7 +206,75 @@ fn instantiations() {
     }
 }
 
+/// Loads of all stations: 192 numbers in one call, as scalars of FMI 2.0 or as four arrays of FMI 3.0.
+struct Loads {
+    second: Fmu,
+    third: Fmu3,
+    rows: Vec<u32>,
+    arrays: Vec<u32>,
+    values: Vec<f64>,
+}
+
+impl Loads {
+    fn new() -> Self {
+        let text = many_stations();
+        let (second, third) = (ready(&text), Fmu3::new(&text, Agreed::default()));
+        third.start();
+        let is_load = |array: &&foldwing::interface::Array| array.name.starts_with("load.");
+        let rows: Vec<u32> =
+            third.table.arrays().iter().filter(is_load).flat_map(|array| array.rows.iter().copied()).collect();
+        let arrays = third.table.arrays().iter().filter(is_load).map(|array| third.reference(&array.name)).collect();
+        let values = (0..rows.len()).map(|i| 1e-3 * i as f64).collect();
+        Self { second, third, rows, arrays, values }
+    }
+
+    fn set(&self, version: u32) {
+        let Self { second, third, rows, arrays, values } = self;
+        black_box(unsafe {
+            match version {
+                2 => fmi2SetReal(second.component, rows.as_ptr(), rows.len(), values.as_ptr()),
+                _ => fmi3SetFloat64(third.instance, arrays.as_ptr(), arrays.len(), values.as_ptr(), values.len()),
+            }
+        });
+    }
+}
+
+/// The cost of setting all loads in either version.
+fn loads() {
+    let loads = Loads::new();
+    let calls = 2000;
+    println!("\n| {} loads set in one call | least, µs | median, µs |\n|---|---|---|", loads.values.len());
+    for (version, name) in [(2, "`fmi2SetReal`"), (3, "`fmi3SetFloat64`, four arrays")] {
+        let times = (0..RUNS).map(|_| {
+            let watch = Stopwatch::start();
+            (0..calls).for_each(|_| loads.set(version));
+            watch.us() / f64::from(calls)
+        });
+        let (least, median) = least_and_median(times.collect());
+        println!("| {name} | {least:.3} | {median:.3} |");
+    }
+}
+
+/// Words of the command line that leave out all else: calls of one version, to count instructions of, as with
+/// `perf stat -e instructions:u target/release/deps/calls-… loads3 100000`.
+fn counted() -> bool {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let version = match words.first().map(String::as_str) {
+        Some("loads2") => 2,
+        Some("loads3") => 3,
+        _ => return false,
+    };
+    let calls: u32 = words.get(1).and_then(|word| word.parse().ok()).expect("a number of calls");
+    let loads = Loads::new();
+    (0..calls).for_each(|_| loads.set(version));
+    true
+}
+
 fn main() {
+    if counted() {
+        return;
+    }
     steps();
+    loads();
     instantiations();
 }

@@ -39,4 +39,4 @@ pub use foldwing_command::import;
 #[cfg(feature = "command")]
 pub use foldwing_command::{packaging, report};
 #[cfg(feature = "command")]
-pub use foldwing_fmi::{fmi2, interface};
+pub use foldwing_fmi::{fmi2, fmi3, instance, interface};

@@ -26,12 +26,14 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("plant", &["signal", "system", "study", "run"]),
     ("config", &["load", "aero", "beam", "machine"]),
     ("interface", &["load", "machine", "plant"]),
-    ("fmi2", &["machine", "plant", "config", "interface"]),
-    ("fmu", &["interface", "fmi2"]),
+    ("instance", &["machine", "plant", "config", "interface"]),
+    ("fmi2", &["instance"]),
+    ("fmi3", &["instance"]),
+    ("fmu", &["interface", "instance", "fmi2", "fmi3"]),
     ("report", &["load", "beam", "machine", "plant", "interface"]),
-    ("packaging", &["load", "beam", "machine", "plant", "interface", "fmi2", "report"]),
+    ("packaging", &["load", "beam", "machine", "plant", "interface", "instance", "fmi2", "fmi3", "report"]),
     ("import", &["interface", "report"]),
-    ("cli", &["machine", "plant", "config", "interface", "report", "packaging", "import"]),
+    ("cli", &["machine", "plant", "config", "interface", "instance", "report", "packaging", "import"]),
     ("python", &["machine", "plant", "config", "interface", "report", "cli"]),
 ];
 

@@ -502,15 +502,15 @@ fn x09_states() {
     refused(
         &bytes[..n - 1],
         &format!(
-            "fmi2DeSerializeFMUstate: the serialised FMU state is damaged: {} bytes instead of {n}; pass all that \
-             fmi2SerializeFMUstate wrote",
+            "fmi2DeSerializeFMUstate: the serialised FMU state is damaged: {} bytes instead of {n}; pass all the \
+             bytes that were written when it was serialised",
             n - 1
         ),
     );
     refused(
         &changed(n - 1, bytes[n - 1] ^ 1),
         "fmi2DeSerializeFMUstate: the serialised FMU state is damaged: its checksum does not match; pass the bytes as \
-         fmi2SerializeFMUstate wrote them",
+         they were written when it was serialised",
     );
     refused(
         &changed(0, b'X'),
@@ -541,8 +541,8 @@ fn x09_states() {
         unsafe { fmi2SerializeFMUstate(fmu.component, fmu.save(), short.as_mut_ptr().cast(), 10) },
         fmi2Error,
         &format!(
-            "fmi2SerializeFMUstate: the buffer for the serialised FMU state has 10 bytes; {n} are needed, as \
-             fmi2SerializedFMUstateSize says"
+            "fmi2SerializeFMUstate: the buffer for the serialised FMU state has 10 bytes; {n} are needed, as the \
+             call for the size says"
         ),
     );
 }
@@ -561,7 +561,7 @@ fn x19_model_exchange() {
         fmu.told(
             fmi2SetBoolean(c, &fmu.reference("fold.release"), 1, &0),
             fmi2Error,
-            "fmi2SetBoolean: variable fold.release cannot be set in Continuous-Time Mode: only Real inputs can; set it in Event \
+            "fmi2SetBoolean: variable fold.release cannot be set in Continuous-Time Mode: only continuous inputs can; set it in Event \
              Mode, after fmi2EnterEventMode",
         );
         fmu.ok(fmi2GetContinuousStates(c, states.as_mut_ptr(), n));
@@ -602,7 +602,7 @@ fn x10_instances() {
     says(Attempt { name: None, ..attempt() }, "the instance name is missing: it is null or empty");
     says(
         Attempt { fmu_type: fmi2ModelExchange, ..attempt() },
-        "this FMU is for co-simulation only (FMU type 1): FMU type 0 was asked for; package it with --kinds cs,me",
+        "this FMU is for co-simulation only: Model Exchange was asked for; package it with --kinds cs,me",
     );
     says(
         Attempt { guid: Some("{0}".into()), ..attempt() },

@@ -113,7 +113,7 @@ pub fn table(text: &str) -> Interface {
 
 /// Variable table of a model file's text with continuous states.
 pub fn table_with_states(text: &str) -> Interface {
-    let kinds = Kinds { co_simulation: true, model_exchange: true };
+    let kinds = Kinds { model_exchange: true, ..Kinds::default() };
     kinds.interface(&config::parse(text, "model.toml").expect("a valid model"))
 }
 

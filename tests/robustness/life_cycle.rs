@@ -2,17 +2,13 @@
 //! standard (`standard.rs`). The breakdown, which no exported function leads to, is the column of a unit test in
 //! `crates/fmu/src/tests.rs`.
 
+use crate::calls::{self, Arguments, STEP_S};
 use crate::fmu::{Fmu, WING};
 use crate::standard::{Effect, PHASES, Phase, Row, TABLE};
-use foldwing_fmu::derivatives::*;
 use foldwing_fmu::functions::*;
 use foldwing_fmu::states::*;
-use foldwing_fmu::status::*;
 use foldwing_fmu::types::*;
 use std::ptr;
-
-/// Communication step in s.
-const STEP_S: f64 = 1e-3;
 
 /// An instance brought to a phase, with what the calls of the table need.
 struct Subject {
@@ -59,60 +55,8 @@ impl Subject {
 
     /// Calls a function with arguments that are good ones wherever it is legal.
     fn call(&mut self, name: &str) -> fmi2Status {
-        let fmu = &self.fmu;
-        let c = fmu.component;
-        let reference = |name: &str| fmu.reference(name);
-        let (mut real, mut integer, mut state, mut size) = (0.0, 0, self.here, 0_usize);
-        let (null, mut status, mut text) = (ptr::null::<u32>(), 0, ptr::null());
-        unsafe {
-            match name {
-                "fmi2SetDebugLogging" => fmi2SetDebugLogging(c, fmi2False, 1, &c"logEvents".as_ptr()),
-                "fmi2SetupExperiment" => fmi2SetupExperiment(c, fmi2True, 1e-5, 0.0, fmi2True, 1.0),
-                "fmi2EnterInitializationMode" => fmi2EnterInitializationMode(c),
-                "fmi2ExitInitializationMode" => fmi2ExitInitializationMode(c),
-                "fmi2Terminate" => fmi2Terminate(c),
-                "fmi2Reset" => fmi2Reset(c),
-                "fmi2GetReal" => fmi2GetReal(c, &reference("fold.angle"), 1, &mut real),
-                "fmi2GetInteger" => fmi2GetInteger(c, &reference("fold.latch_count"), 1, &mut integer),
-                "fmi2GetBoolean" => fmi2GetBoolean(c, &reference("fold.latched"), 1, &mut integer),
-                "fmi2GetString" => fmi2GetString(c, null, 0, ptr::null_mut()),
-                "fmi2SetReal" => fmi2SetReal(c, &reference("fold.torque"), 1, &0.01),
-                "fmi2SetInteger" => fmi2SetInteger(c, null, 0, ptr::null()),
-                "fmi2SetBoolean" => fmi2SetBoolean(c, &reference("fold.latch_enable"), 1, &fmi2False),
-                "fmi2SetString" => fmi2SetString(c, null, 0, ptr::null()),
-                "fmi2GetFMUstate" => fmi2GetFMUstate(c, &mut state),
-                "fmi2SetFMUstate" => fmi2SetFMUstate(c, state),
-                "fmi2FreeFMUstate" => {
-                    let mut copy = fmu.save();
-                    fmi2FreeFMUstate(c, &mut copy)
-                }
-                "fmi2SerializedFMUstateSize" => fmi2SerializedFMUstateSize(c, state, &mut size),
-                "fmi2SerializeFMUstate" => {
-                    let mut room = vec![0_i8; self.bytes.len()];
-                    fmi2SerializeFMUstate(c, state, room.as_mut_ptr().cast(), room.len())
-                }
-                "fmi2DeSerializeFMUstate" => {
-                    let mut copy = ptr::null_mut();
-                    fmi2DeSerializeFMUstate(c, self.bytes.as_ptr().cast(), self.bytes.len(), &mut copy)
-                }
-                "fmi2GetDirectionalDerivative" => {
-                    let (unknown, known) = (reference("tip.acceleration.z"), reference("fold.torque"));
-                    fmi2GetDirectionalDerivative(c, &unknown, 1, &known, 1, &1.0, &mut real)
-                }
-                "fmi2SetRealInputDerivatives" => fmi2SetRealInputDerivatives(c, &reference("fold.torque"), 1, &1, &0.1),
-                "fmi2GetRealOutputDerivatives" => {
-                    fmi2GetRealOutputDerivatives(c, &reference("fold.angle"), 1, &1, &mut real)
-                }
-                "fmi2DoStep" => fmi2DoStep(c, self.time_s, STEP_S, fmi2True),
-                "fmi2CancelStep" => fmi2CancelStep(c),
-                "fmi2GetStatus" => fmi2GetStatus(c, fmi2DoStepStatus, &mut status),
-                "fmi2GetRealStatus" => fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &mut real),
-                "fmi2GetIntegerStatus" => fmi2GetIntegerStatus(c, fmi2DoStepStatus, &mut integer),
-                "fmi2GetBooleanStatus" => fmi2GetBooleanStatus(c, fmi2Terminated, &mut integer),
-                "fmi2GetStringStatus" => fmi2GetStringStatus(c, fmi2PendingStatus, &mut text),
-                other => panic!("no call for {other}"),
-            }
-        }
+        let Self { fmu, here: state, bytes, time_s, .. } = self;
+        calls::call(fmu, name, &Arguments { state: *state, bytes, time_s: *time_s, states: &[], indicators: 0 })
     }
 
     /// Bytes of the present state; leaves no trace.

@@ -1,14 +1,17 @@
 //! What users, importers and broken files do: calls, arguments, models and machines that are wrong, random or without end.
 
+mod calls;
 #[path = "../verification/counting_allocator.rs"]
 mod counting_allocator;
 mod endurance;
 mod failures;
+mod fmi3;
 mod fmi_allocation;
 mod fmi_calls;
 mod fmi_capabilities;
 mod fmi_semantics;
 mod fmu;
+mod fmu3;
 mod life_cycle;
 mod loggers;
 mod machine_in_code;

@@ -1,12 +1,11 @@
 //! FMI 2.0 Model Exchange: life cycle, integration by the caller through events, rollback, drift, refusals.
 
+use crate::calls::{self, Arguments, no_info};
 use crate::counting_allocator::allocations;
 use crate::fmu::{Attempt, Fmu, Resources, WING};
-use foldwing_fmu::derivatives::*;
 use foldwing_fmu::exchange::*;
 use foldwing_fmu::functions::*;
 use foldwing_fmu::states::*;
-use foldwing_fmu::status::*;
 use foldwing_fmu::types::*;
 use std::ptr;
 
@@ -237,81 +236,10 @@ impl Outside {
 
     /// Calls a function with arguments that are good ones wherever it is legal.
     fn call(&mut self, name: &str) -> fmi2Status {
-        let fmu = &self.fmu;
-        let c = fmu.component;
-        let (mut real, mut integer, mut size) = (0.0, 0, 0_usize);
-        let mut state = fmu.save();
-        let bytes = fmu.serialize(state);
-        let (null, mut status, mut text, mut info) = (ptr::null::<u32>(), 0, ptr::null(), no_info());
-        let (mut states, mut indicators) = (self.states.clone(), self.indicators.clone());
-        let (nx, ni) = (states.len(), indicators.len());
-        let torque = fmu.reference("fold.torque");
-        unsafe {
-            match name {
-                "fmi2SetDebugLogging" => fmi2SetDebugLogging(c, fmi2False, 1, &c"logEvents".as_ptr()),
-                "fmi2SetupExperiment" => fmi2SetupExperiment(c, fmi2False, 0.0, 0.0, fmi2True, 1.0),
-                "fmi2EnterInitializationMode" => fmi2EnterInitializationMode(c),
-                "fmi2ExitInitializationMode" => fmi2ExitInitializationMode(c),
-                "fmi2Terminate" => fmi2Terminate(c),
-                "fmi2Reset" => fmi2Reset(c),
-                "fmi2GetReal" => fmi2GetReal(c, &fmu.reference("tip.acceleration.z"), 1, &mut real),
-                "fmi2GetInteger" => fmi2GetInteger(c, &fmu.reference("fold.latch_count"), 1, &mut integer),
-                "fmi2GetBoolean" => fmi2GetBoolean(c, &fmu.reference("fold.latched"), 1, &mut integer),
-                "fmi2GetString" => fmi2GetString(c, null, 0, ptr::null_mut()),
-                "fmi2SetReal" => fmi2SetReal(c, &torque, 1, &0.01),
-                "fmi2SetInteger" => fmi2SetInteger(c, null, 0, ptr::null()),
-                "fmi2SetBoolean" => fmi2SetBoolean(c, null, 0, ptr::null()),
-                "fmi2SetString" => fmi2SetString(c, null, 0, ptr::null()),
-                "fmi2GetFMUstate" => fmi2GetFMUstate(c, &mut state),
-                "fmi2SetFMUstate" => fmi2SetFMUstate(c, state),
-                "fmi2FreeFMUstate" => fmi2FreeFMUstate(c, &mut fmu.save()),
-                "fmi2SerializedFMUstateSize" => fmi2SerializedFMUstateSize(c, state, &mut size),
-                "fmi2SerializeFMUstate" => {
-                    let mut room = vec![0_i8; bytes.len()];
-                    fmi2SerializeFMUstate(c, state, room.as_mut_ptr().cast(), room.len())
-                }
-                "fmi2DeSerializeFMUstate" => {
-                    fmi2DeSerializeFMUstate(c, bytes.as_ptr().cast(), bytes.len(), &mut ptr::null_mut())
-                }
-                "fmi2EnterEventMode" => fmi2EnterEventMode(c),
-                "fmi2NewDiscreteStates" => fmi2NewDiscreteStates(c, &mut info),
-                "fmi2EnterContinuousTimeMode" => fmi2EnterContinuousTimeMode(c),
-                "fmi2CompletedIntegratorStep" => fmi2CompletedIntegratorStep(c, fmi2True, &mut integer, &mut 0),
-                "fmi2SetTime" => fmi2SetTime(c, self.time_s),
-                "fmi2SetContinuousStates" => fmi2SetContinuousStates(c, self.states.as_ptr(), nx),
-                "fmi2GetDerivatives" => fmi2GetDerivatives(c, states.as_mut_ptr(), nx),
-                "fmi2GetEventIndicators" => fmi2GetEventIndicators(c, indicators.as_mut_ptr(), ni),
-                "fmi2GetContinuousStates" => fmi2GetContinuousStates(c, states.as_mut_ptr(), nx),
-                "fmi2GetNominalsOfContinuousStates" => fmi2GetNominalsOfContinuousStates(c, states.as_mut_ptr(), nx),
-                "fmi2GetDirectionalDerivative" => {
-                    let unknown = fmu.reference("tip.acceleration.z");
-                    fmi2GetDirectionalDerivative(c, &unknown, 1, &torque, 1, &1.0, &mut real)
-                }
-                "fmi2SetRealInputDerivatives" => fmi2SetRealInputDerivatives(c, &torque, 1, &1, &0.1),
-                "fmi2GetRealOutputDerivatives" => {
-                    fmi2GetRealOutputDerivatives(c, &fmu.reference("fold.angle"), 1, &1, &mut real)
-                }
-                "fmi2DoStep" => fmi2DoStep(c, self.time_s, 1e-3, fmi2True),
-                "fmi2CancelStep" => fmi2CancelStep(c),
-                "fmi2GetStatus" => fmi2GetStatus(c, fmi2DoStepStatus, &mut status),
-                "fmi2GetRealStatus" => fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &mut real),
-                "fmi2GetIntegerStatus" => fmi2GetIntegerStatus(c, fmi2DoStepStatus, &mut integer),
-                "fmi2GetBooleanStatus" => fmi2GetBooleanStatus(c, fmi2Terminated, &mut integer),
-                "fmi2GetStringStatus" => fmi2GetStringStatus(c, fmi2PendingStatus, &mut text),
-                other => panic!("no call for {other}"),
-            }
-        }
-    }
-}
-
-fn no_info() -> fmi2EventInfo {
-    fmi2EventInfo {
-        newDiscreteStatesNeeded: -1,
-        terminateSimulation: -1,
-        nominalsOfContinuousStatesChanged: -1,
-        valuesOfContinuousStatesChanged: -1,
-        nextEventTimeDefined: -1,
-        nextEventTime: f64::NAN,
+        let state = self.fmu.save();
+        let bytes = self.fmu.serialize(state);
+        let (states, indicators) = (self.states.as_slice(), self.indicators.len());
+        calls::call(&self.fmu, name, &Arguments { state, bytes: &bytes, time_s: self.time_s, states, indicators })
     }
 }
 

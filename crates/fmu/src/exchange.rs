@@ -1,7 +1,8 @@
 //! The exported functions of Model Exchange.
 
 use super::types::{fmi2Boolean, fmi2Component, fmi2EventInfo, fmi2False, fmi2Real, fmi2Status};
-use super::{enter, place, slice, slice_mut};
+use super::vectors::vectors;
+use super::{enter, place};
 use foldwing_fmi::fmi2::Call;
 
 /// Goes into Event Mode.
@@ -86,88 +87,15 @@ pub unsafe extern "C" fn fmi2SetTime(component: fmi2Component, time: fmi2Real) -
     unsafe { enter(component, Call::SetTime, |instance| instance.set_time(time)) }
 }
 
-/// Sets all continuous states.
-///
-/// # Safety
-/// `component` is null or came from `fmi2Instantiate` and has not been freed; `states` holds `n` entries.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetContinuousStates(
-    component: fmi2Component,
-    states: *const fmi2Real,
-    n: usize,
-) -> fmi2Status {
-    // SAFETY: forwarded from the caller.
-    unsafe {
-        enter(component, Call::SetContinuousStates, |instance| instance.set_continuous_states(slice(states, n, "x")?))
-    }
-}
-
-/// Derivatives of all continuous states in time.
-///
-/// # Safety
-/// `component` is null or came from `fmi2Instantiate` and has not been freed; `derivatives` holds `n` entries.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetDerivatives(
-    component: fmi2Component,
-    derivatives: *mut fmi2Real,
-    n: usize,
-) -> fmi2Status {
-    // SAFETY: forwarded from the caller.
-    unsafe {
-        enter(component, Call::GetDerivatives, |instance| {
-            instance.derivatives(slice_mut(derivatives, n, "derivatives")?)
-        })
-    }
-}
-
-/// All event indicators.
-///
-/// # Safety
-/// `component` is null or came from `fmi2Instantiate` and has not been freed; `indicators` holds `n` entries.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetEventIndicators(
-    component: fmi2Component,
-    indicators: *mut fmi2Real,
-    n: usize,
-) -> fmi2Status {
-    // SAFETY: forwarded from the caller.
-    unsafe {
-        enter(component, Call::GetEventIndicators, |instance| {
-            instance.event_indicators(slice_mut(indicators, n, "eventIndicators")?)
-        })
-    }
-}
-
-/// All continuous states.
-///
-/// # Safety
-/// `component` is null or came from `fmi2Instantiate` and has not been freed; `states` holds `n` entries.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetContinuousStates(
-    component: fmi2Component,
-    states: *mut fmi2Real,
-    n: usize,
-) -> fmi2Status {
-    // SAFETY: forwarded from the caller.
-    unsafe {
-        enter(component, Call::GetContinuousStates, |instance| instance.continuous_states(slice_mut(states, n, "x")?))
-    }
-}
-
-/// Typical magnitudes of all continuous states.
-///
-/// # Safety
-/// `component` is null or came from `fmi2Instantiate` and has not been freed; `nominals` holds `n` entries.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetNominalsOfContinuousStates(
-    component: fmi2Component,
-    nominals: *mut fmi2Real,
-    n: usize,
-) -> fmi2Status {
-    // SAFETY: forwarded from the caller.
-    unsafe {
-        enter(component, Call::GetNominalsOfContinuousStates, |instance| {
-            instance.nominals(slice_mut(nominals, n, "x_nominal")?)
-        })
-    }
+vectors! {
+    /// Sets all continuous states.
+    set fmi2SetContinuousStates(fmi2Component, fmi2Real) Call::SetContinuousStates, "x", set_continuous_states;
+    /// Derivatives of all continuous states in time.
+    get fmi2GetDerivatives(fmi2Component, fmi2Real) Call::GetDerivatives, "derivatives", derivatives;
+    /// All event indicators.
+    get fmi2GetEventIndicators(fmi2Component, fmi2Real) Call::GetEventIndicators, "eventIndicators", event_indicators;
+    /// All continuous states.
+    get fmi2GetContinuousStates(fmi2Component, fmi2Real) Call::GetContinuousStates, "x", continuous_states;
+    /// Typical magnitudes of all continuous states.
+    get fmi2GetNominalsOfContinuousStates(fmi2Component, fmi2Real) Call::GetNominalsOfContinuousStates, "x_nominal", nominals;
 }

@@ -1,17 +1,14 @@
 //! The exported functions: life cycle, values and steps.
 
+use super::instantiation::{Texts, Wanted, free, instantiate, set_log_categories};
 use super::types::{
     fmi2Boolean, fmi2CallbackFunctions, fmi2Component, fmi2False, fmi2Integer, fmi2Real, fmi2Status, fmi2String,
     fmi2Type, fmi2ValueReference,
 };
-use super::{Flag, Held, enter, panic_text, sink, slice, slice_mut, text};
+use super::{Flag, enter, sink, slice, slice_mut};
 use foldwing_fmi::fmi2::Call;
-use foldwing_fmi::fmi2::Log;
-use foldwing_fmi::fmi2::{CallError, Status};
-use foldwing_fmi::fmi2::{Instance, Request, Setup};
+use foldwing_fmi::instance::{Instance, Log, Manner, Setup, Version};
 use std::ffi::{CStr, c_char};
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::ptr;
 
 /// Platform of the header: `default`.
 #[unsafe(no_mangle)]
@@ -39,11 +36,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     // SAFETY: forwarded from the caller.
     unsafe {
         enter(component, Call::SetDebugLogging, |instance| {
-            let names = slice(categories, n_categories, "categories")?
-                .iter()
-                .map(|&name| text(name, "categories")?.ok_or(CallError::NullPointer { argument: "categories" }))
-                .collect::<Result<Vec<_>, _>>()?;
-            instance.log_mut().set_categories(logging_on != fmi2False, names.into_iter())
+            set_log_categories(instance, logging_on != fmi2False, n_categories, categories)
         })
     }
 }
@@ -66,32 +59,15 @@ pub unsafe extern "C" fn fmi2Instantiate(
     // SAFETY: forwarded from the caller.
     let name = if instance_name.is_null() { c"" } else { unsafe { CStr::from_ptr(instance_name) } };
     // SAFETY: forwarded from the caller.
-    let mut log = Log::new(unsafe { sink(functions, name) }, logging_on != fmi2False);
-    let outcome = catch_unwind(AssertUnwindSafe(|| {
-        // SAFETY: forwarded from the caller.
-        let read = |pointer, argument| unsafe { text(pointer, argument) }.map_err(|error| error.to_string());
-        let request = Request {
-            name: read(instance_name, "instanceName")?,
-            fmu_type,
-            guid: read(fmu_guid, "fmuGUID")?,
-            resource_location: read(fmu_resource_location, "fmuResourceLocation")?,
-        };
-        Instance::new(&request).map_err(|error| error.to_string())
-    }));
-    match outcome {
-        Ok(Ok(mut instance)) => {
-            std::mem::swap(instance.log_mut(), &mut log);
-            Held::component(instance)
-        }
-        Ok(Err(error)) => {
-            log.refuse(Status::Error, &format!("fmi2Instantiate: {error}"));
-            ptr::null_mut()
-        }
-        Err(panic) => {
-            log.refuse(Status::Fatal, &format!("fmi2Instantiate: internal error: {}", panic_text(&*panic)));
-            ptr::null_mut()
-        }
-    }
+    let log = Log::new(unsafe { sink(functions, name) }, logging_on != fmi2False);
+    let texts = Texts {
+        name: (instance_name, "instanceName"),
+        token: (fmu_guid, "fmuGUID"),
+        resources: (fmu_resource_location, "fmuResourceLocation"),
+    };
+    let wanted = Wanted { version: Version::Fmi2, fmu_type, manner: Manner::default(), asked: None };
+    // SAFETY: forwarded from the caller.
+    unsafe { instantiate("fmi2Instantiate", &texts, wanted, log) }
 }
 
 /// Frees an instance with its saved states; null is ignored, and so is a call from the instance's own logger.
@@ -100,14 +76,8 @@ pub unsafe extern "C" fn fmi2Instantiate(
 /// `component` is null or came from `fmi2Instantiate` and has not been freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(component: fmi2Component) {
-    // SAFETY: null, or made by `Held::component` and alive.
-    let Some(held) = (unsafe { component.cast::<Held>().as_ref() }) else { return };
-    if held.take().is_some() {
-        // SAFETY: made by `Held::component`, freed once; no call is under way.
-        let instance = unsafe { Box::from_raw(component.cast::<Held>()) };
-        // Nothing can be told any more; a panic must not reach the importer.
-        let _ = catch_unwind(AssertUnwindSafe(|| drop(instance)));
-    }
+    // SAFETY: forwarded from the caller.
+    unsafe { free(component) }
 }
 
 /// Times and tolerance of the experiment.

@@ -1,4 +1,4 @@
-//! The library in every FMU: thin exported C functions of FMI 2.0, one gate. The only `unsafe` code of Foldwing.
+//! The library in every FMU: thin exported C functions of FMI 2.0 and 3.0, one gate. The only `unsafe` code of Foldwing.
 //!
 //! The gate checks the handle and the life cycle and stops panics; what a call does stands in `foldwing-fmi`.
 //!
@@ -7,8 +7,13 @@
 #![allow(unsafe_code, reason = "the C interface")]
 #![allow(non_snake_case, reason = "names of the standard")]
 
+mod instantiation;
+mod saved;
+mod vectors;
+
 pub mod derivatives;
 pub mod exchange;
+pub mod fmi3;
 pub mod functions;
 #[cfg(feature = "import")]
 pub mod official;
@@ -16,31 +21,41 @@ pub mod states;
 pub mod status;
 pub mod types;
 
-use foldwing_fmi::fmi2::Call;
-use foldwing_fmi::fmi2::Instance;
-use foldwing_fmi::fmi2::Sink;
-use foldwing_fmi::fmi2::{CallError, Status};
+use foldwing_fmi::instance::{CallError, Instance, Rule, Sink, Status};
 use foldwing_fmi::interface::{Kind, Scalar, Value};
 use std::cell::UnsafeCell;
-use std::ffi::{CStr, CString};
+use std::ffi::{CStr, CString, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
-use types::{
-    fmi2Boolean, fmi2CallbackFunctions, fmi2Component, fmi2Discard, fmi2Error, fmi2Fatal, fmi2OK, fmi2Status,
-    fmi2String, fmi2Warning,
-};
+use types::{fmi2Boolean, fmi2CallbackFunctions, fmi2Discard, fmi2Error, fmi2Fatal, fmi2OK, fmi2Status, fmi2Warning};
 
-/// What a component points to.
+/// What a handle points to.
 struct Held {
     /// A call is under way: one from the importer's logger, or from a second thread, finds the instance taken.
     taken: AtomicBool,
+    /// A step of FMI 3.0 is under way, and may be asking the importer.
+    stepping: AtomicBool,
+    /// Who is asked within such a step.
+    asked: Option<fmi3::Asked>,
     instance: UnsafeCell<Instance>,
 }
 
 impl Held {
     /// As C holds it.
-    fn component(instance: Instance) -> fmi2Component {
-        Box::into_raw(Box::new(Self { taken: AtomicBool::new(false), instance: UnsafeCell::new(instance) })).cast()
+    fn handle(instance: Instance, asked: Option<fmi3::Asked>) -> *mut c_void {
+        let (taken, stepping) = (AtomicBool::new(false), AtomicBool::new(false));
+        Box::into_raw(Box::new(Self { taken, stepping, asked, instance: UnsafeCell::new(instance) })).cast()
+    }
+
+    /// Whether a step of FMI 3.0 is under way.
+    fn is_stepping(&self) -> bool {
+        self.stepping.load(Ordering::Acquire)
+    }
+
+    /// Whether the importer allows steps to end early.
+    fn returns_early(&self) -> bool {
+        // SAFETY: the instance is read, and only while it is taken.
+        self.take().is_some_and(|_taken| unsafe { &*self.instance.get() }.manner().early_return)
     }
 
     /// Takes the instance for a call, unless another one has it.
@@ -59,20 +74,21 @@ impl Drop for Taken<'_> {
 }
 
 /// The one place where a C call becomes a Rust call: null check, life-cycle table, panic barrier, `Result` →
-/// status. A panic poisons the instance; only `fmi2FreeInstance` is legal afterwards.
+/// status. A panic poisons the instance; only freeing it is legal afterwards. The statuses of both versions are the same numbers.
 ///
 /// A call while another one is under way on the same instance, as from the importer's logger, is refused without a
 /// message: the logger would be called from the logger.
 ///
 /// # Safety
-/// `component` is null or came from `fmi2Instantiate` and has not been freed.
+/// `handle` is null or came from an instantiation and has not been freed.
 unsafe fn enter(
-    component: fmi2Component,
-    call: Call,
+    handle: *mut c_void,
+    call: impl Into<Rule>,
     body: impl FnOnce(&mut Instance) -> Result<(), CallError>,
 ) -> fmi2Status {
-    // SAFETY: null, or made by `Held::component` and alive.
-    let Some(held) = (unsafe { component.cast::<Held>().as_ref() }) else {
+    let call = call.into();
+    // SAFETY: null, or made by `Held::handle` and alive.
+    let Some(held) = (unsafe { handle.cast::<Held>().as_ref() }) else {
         return fmi2Error;
     };
     let Some(_taken) = held.take() else {
@@ -151,7 +167,7 @@ unsafe fn place<'a, T>(pointer: *mut T, argument: &'static str) -> Result<&'a mu
 ///
 /// # Safety
 /// `pointer` is null or points to zero-terminated text that lives for `'a`.
-unsafe fn text<'a>(pointer: fmi2String, argument: &'static str) -> Result<Option<&'a str>, CallError> {
+unsafe fn text<'a>(pointer: *const c_char, argument: &'static str) -> Result<Option<&'a str>, CallError> {
     if pointer.is_null() {
         return Ok(None);
     }

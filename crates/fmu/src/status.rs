@@ -6,7 +6,7 @@ use super::types::{
 };
 use super::{enter, place, status_code};
 use foldwing_fmi::fmi2::Call;
-use foldwing_fmi::fmi2::CallError;
+use foldwing_fmi::instance::CallError;
 
 /// Status of the last step.
 ///

@@ -1,9 +1,10 @@
 //! The gate itself, with bodies that no exported function has.
 
 use super::functions::fmi2FreeInstance;
+use super::types::fmi2Component;
 use super::*;
-use foldwing_fmi::fmi2::Log;
-use foldwing_fmi::fmi2::Request;
+use foldwing_fmi::fmi2::Call;
+use foldwing_fmi::instance::{Log, Manner, Request, Version};
 use foldwing_fmi::interface::{Interface, guid};
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -16,14 +17,21 @@ fn component() -> (fmi2Component, Rc<RefCell<Vec<String>>>) {
     std::fs::write(folder.join("model.toml"), WING).expect("writable");
     let machine = foldwing_file::parse(WING, "model.toml").expect("valid");
     let guid = guid(WING, Interface::new(&machine).variables());
-    let request = Request { name: Some("wing"), fmu_type: 1, guid: Some(&guid), resource_location: folder.to_str() };
+    let request = Request {
+        version: Version::Fmi2,
+        name: Some("wing"),
+        fmu_type: 1,
+        guid: Some(&guid),
+        resource_location: folder.to_str(),
+        manner: Manner::default(),
+    };
     let mut instance = Instance::new(&request).expect("an instance");
     std::fs::remove_dir_all(folder).expect("removable");
     let messages = Rc::new(RefCell::new(Vec::new()));
     let sink = Rc::clone(&messages);
     let sink: Sink = Box::new(move |_, category, text| sink.borrow_mut().push(format!("{}: {text}", category.name())));
     *instance.log_mut() = Log::new(Some(sink), false);
-    (Held::component(instance), messages)
+    (Held::handle(instance, None), messages)
 }
 
 fn tempfile_folder() -> std::path::PathBuf {
@@ -42,7 +50,7 @@ fn a_panic_is_fatal_logged_and_poisons_the_instance() {
         assert_eq!(status, fmi2Fatal);
         assert_eq!(messages.borrow()[0], "logStatusFatal: fmi2SetReal: internal error: index 7 out of bounds");
         for call in [Call::Reset, Call::GetReal, Call::SetFmuState] {
-            assert_eq!(enter(component, call, |_| Ok(())), fmi2Fatal, "{} after a panic", call.name());
+            assert_eq!(enter(component, call, |_| Ok(())), fmi2Fatal, "{} after a panic", call.rule().name);
         }
         let last = messages.borrow().last().cloned().expect("a message");
         assert!(last.contains("only fmi2FreeInstance is legal"), "{last}");

@@ -113,14 +113,20 @@ impl Simulation {
             let references: Vec<u32> = (first..).take(count).collect();
             return shared
                 .interface
-                .set_all(&mut self.plant, &references, &values, stage)
+                .set_all(&mut self.plant, references.as_slice(), &values, stage)
                 .map_err(|error| refusal::access(&error));
         }
         let row = row(&shared.interface, name, "input or parameter")?;
         let set = match of_kind(row, value)? {
-            Value::Real(value) => shared.interface.set_all(&mut self.plant, &[row.value_reference], &[value], stage),
-            Value::Integer(value) => shared.interface.set_all(&mut self.plant, &[row.value_reference], &[value], stage),
-            Value::Boolean(value) => shared.interface.set_all(&mut self.plant, &[row.value_reference], &[value], stage),
+            Value::Real(value) => {
+                shared.interface.set_all(&mut self.plant, [row.value_reference].as_slice(), &[value], stage)
+            }
+            Value::Integer(value) => {
+                shared.interface.set_all(&mut self.plant, [row.value_reference].as_slice(), &[value], stage)
+            }
+            Value::Boolean(value) => {
+                shared.interface.set_all(&mut self.plant, [row.value_reference].as_slice(), &[value], stage)
+            }
         };
         set.map_err(|error| refusal::access(&error))
     }
@@ -207,7 +213,7 @@ impl Simulation {
 
     fn read(&mut self, reference: u32) -> Option<Value> {
         if self.started {
-            self.plant.provide(self.shared.interface.needs(&[reference]));
+            self.plant.provide(self.shared.interface.needs([reference].as_slice()));
         }
         self.shared.interface.get(&self.plant, self.plant.outputs(), reference)
     }

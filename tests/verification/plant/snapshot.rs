@@ -167,7 +167,7 @@ fn p94_forged_snapshots_give_no_nan() {
                     continue;
                 }
                 let mut values = vec![0.0; reals.len()];
-                table.get_all(&plant, &reals, &mut values).unwrap();
+                table.get_all(&plant, reals.as_slice(), &mut values).unwrap();
                 for (value, reference) in values.iter().zip(&reals) {
                     let name = &table.variables()[*reference as usize].name;
                     assert!(value.is_finite(), "byte {at}: {name} is {value}");

@@ -57,6 +57,7 @@ Examples:
   foldwing package wing.toml -o Wing.fmu --linear=0.3 --no-reference
   foldwing package wing.toml -o Wing.fmu --library libfoldwing_fmu.so --library foldwing_fmu.dll
   foldwing package wing.toml -o Wing.fmu --kinds cs,me
+  foldwing package wing.toml -o Wing.fmu --fmi 3
   foldwing package wing.toml -o Wing.fmu --cross-check results
   foldwing package wing.toml --description-only";
 

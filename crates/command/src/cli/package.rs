@@ -6,7 +6,8 @@ use crate::cli::{Failure, print, read_model};
 use crate::packaging::{self, CrossCheck, Extras, Kinds, Library, PackageError, Platform, Reference};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::Plant;
-use foldwing_fmi::interface::{Interface, LinearModel, Variable, guid};
+use foldwing_fmi::instance::Version;
+use foldwing_fmi::interface::{Interface, LinearModel, Variable};
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -27,6 +28,9 @@ pub struct Arguments {
     /// Kinds of FMU, one or both: co-simulation, in which the FMU integrates, and Model Exchange, in which the importer does
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Kind::Cs])]
     kinds: Vec<Kind>,
+    /// Version of FMI; with 3, stations and vectors are arrays, the latch is an event, and reference results are omitted
+    #[arg(long, value_name = "VERSION", default_value = "2", value_parser = ["2", "3"])]
+    fmi: String,
     /// Add the linear model about a state: `start`, a time in s, or the equilibrium
     #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "equilibrium")]
     linear: Option<String>,
@@ -56,18 +60,19 @@ enum Kind {
 pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure> {
     let (machine, text) = read_model(&arguments.model)?;
     let has = |kind| arguments.kinds.contains(&kind);
-    let kinds = Kinds { co_simulation: has(Kind::Cs), model_exchange: has(Kind::Me) };
+    let version = if arguments.fmi == "3" { Version::Fmi3 } else { Version::Fmi2 };
+    let kinds = Kinds { version, co_simulation: has(Kind::Cs), model_exchange: has(Kind::Me) };
     kinds.check(&machine).map_err(|error| Failure::Refused(format!("--kinds me: {error}")))?;
     if arguments.cross_check.is_some() && !kinds.co_simulation {
         let cause = "--cross-check: its files are for co-simulation; add cs to --kinds";
         return Err(Failure::Usage(cause.to_owned()));
     }
+    if arguments.cross_check.is_some() && version == Version::Fmi3 {
+        let cause = "--cross-check: its files are for FMI 2.0; leave out --fmi 3";
+        return Err(Failure::Usage(cause.to_owned()));
+    }
     if arguments.description_only {
-        let interface = kinds.interface(&machine);
-        let variables = interface.variables();
-        let dependencies = interface.dependencies(&machine);
-        let guid = guid(&text, variables);
-        return print(&packaging::model_description(&machine, variables, &dependencies, &guid, kinds));
+        return print(&kinds.model_description(&machine, &kinds.interface(&machine), &text));
     }
     let output = &arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", machine.name)));
     check_name(output)?;
@@ -77,7 +82,8 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
     let place = outlets.place(output, Mark::FMU)?;
     let extras = Extras {
         kinds,
-        reference: (!arguments.no_reference).then(|| reference(&machine)).transpose()?,
+        // its tables have a column for each scalar of FMI 2.0
+        reference: (!arguments.no_reference && version == Version::Fmi2).then(|| reference(&machine)).transpose()?,
         linear: arguments.linear.as_ref().map(|at| linear(&machine, at)).transpose()?,
     };
     let mut libraries = Vec::new();

@@ -3,6 +3,7 @@
 use crate::packaging::contents::{Extras, contents};
 use crate::packaging::{Library, MODEL_IDENTIFIER, Platform};
 use foldwing_engine::machine::Machine;
+use foldwing_fmi::instance::Version;
 use std::collections::BTreeMap;
 use std::io::{self, Cursor, Write};
 use std::path::PathBuf;
@@ -55,12 +56,12 @@ pub fn package(
         .into_iter()
         .map(|(path, bytes)| (path, Entry { bytes, permissions: 0o644 }))
         .collect();
-    entries.extend(binaries(libraries)?);
+    entries.extend(binaries(libraries, extras.kinds.version)?);
     Ok(archive(&entries))
 }
 
 /// The libraries by their path in the archive.
-fn binaries(libraries: &[Library]) -> Result<BTreeMap<String, Entry>, PackageError> {
+fn binaries(libraries: &[Library], version: Version) -> Result<BTreeMap<String, Entry>, PackageError> {
     for (i, library) in libraries.iter().enumerate() {
         if let Some(first) = libraries[..i].iter().find(|first| first.platform == library.platform) {
             let (path, first) = (library.path.clone(), first.path.clone());
@@ -68,7 +69,8 @@ fn binaries(libraries: &[Library]) -> Result<BTreeMap<String, Entry>, PackageErr
         }
     }
     let entry = |library: &Library| {
-        let Platform { folder, extension } = library.platform;
+        let Platform { extension, .. } = library.platform;
+        let folder = library.platform.folder_of(version);
         let path = format!("binaries/{folder}/{MODEL_IDENTIFIER}.{extension}");
         (path, Entry { bytes: library.bytes.clone(), permissions: 0o755 })
     };
@@ -109,7 +111,8 @@ mod tests {
             bytes: path.as_bytes().to_vec(),
         };
         let found =
-            binaries(&[library("w", "win64"), library("l", "linux64"), library("m", "aarch64-darwin")]).unwrap();
+            binaries(&[library("w", "win64"), library("l", "linux64"), library("m", "aarch64-darwin")], Version::Fmi2)
+                .unwrap();
         let found: Vec<_> = found.iter().map(|(path, entry)| (path.as_str(), entry.bytes.as_slice())).collect();
         let expected = [
             ("binaries/aarch64-darwin/foldwing.dylib", b"m".as_slice()),
@@ -118,7 +121,10 @@ mod tests {
         ];
         assert_eq!(found, expected);
 
-        let twice = binaries(&[library("a.so", "linux64"), library("b.so", "linux64")]).err().unwrap().to_string();
+        let twice = binaries(&[library("a.so", "linux64"), library("b.so", "linux64")], Version::Fmi3)
+            .err()
+            .unwrap()
+            .to_string();
         assert_eq!(twice, "b.so: a second library for linux64; the first is a.so");
     }
 

@@ -1,9 +1,9 @@
 //! Everything in the archive but the libraries.
 
-use crate::packaging::{Kinds, Reference, documentation, icon, licenses, linear_model, model_description};
+use crate::packaging::{Kinds, Reference, documentation, icon, licenses, linear_model, terminals};
 use foldwing_engine::machine::Machine;
-use foldwing_fmi::fmi2::MODEL_FILE;
-use foldwing_fmi::interface::{LinearModel, guid};
+use foldwing_fmi::instance::{MODEL_FILE, Version};
+use foldwing_fmi::interface::LinearModel;
 use std::collections::BTreeMap;
 
 /// What an archive may hold beyond the necessary.
@@ -22,17 +22,27 @@ pub struct Extras {
 /// `model_text` is the file that `machine` was read from.
 pub fn contents(machine: &Machine, model_text: &str, extras: &Extras) -> BTreeMap<String, Vec<u8>> {
     let interface = extras.kinds.interface(machine);
-    let variables = interface.variables();
-    let guid = guid(model_text, variables);
     let mut files = BTreeMap::from([
-        ("documentation/index.html".to_owned(), documentation::page(machine, variables, extras).into_bytes()),
-        ("model.png".to_owned(), icon::png(machine)),
+        (
+            "documentation/index.html".to_owned(),
+            documentation::page(machine, &extras.kinds.variables(&interface), extras).into_bytes(),
+        ),
         (
             "modelDescription.xml".to_owned(),
-            model_description(machine, variables, &interface.dependencies(machine), &guid, extras.kinds).into(),
+            extras.kinds.model_description(machine, &interface, model_text).into_bytes(),
         ),
         (format!("resources/{MODEL_FILE}"), model_text.into()),
     ]);
+    match extras.kinds.version {
+        Version::Fmi2 => files.extend([("model.png".to_owned(), icon::png(machine))]),
+        Version::Fmi3 => {
+            let folder = terminals::FOLDER;
+            files.extend([
+                (format!("{folder}/icon.png"), icon::png(machine)),
+                (format!("{folder}/terminalsAndIcons.xml"), terminals::document(machine, &interface).into_bytes()),
+            ]);
+        }
+    }
     files.extend(licenses::FILES.map(|(name, text)| (format!("{}/{name}", licenses::FOLDER), text.into())));
     if let Some(reference) = &extras.reference {
         files.extend(reference.files(machine).into_iter().map(|(path, text)| (path, text.into_bytes())));

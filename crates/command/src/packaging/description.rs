@@ -7,7 +7,7 @@ use crate::packaging::xml::{self, Attributes, Xml, leaf, nest, real};
 use crate::packaging::{Kinds, MODEL_IDENTIFIER, VERSION};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::Plant;
-use foldwing_fmi::fmi2::LOG_CATEGORIES;
+use foldwing_fmi::instance::LOG_CATEGORIES;
 use foldwing_fmi::interface::{
     Causality, Dependencies, DependencyKind, Initial, RealType, TYPES, UNITS, Unit, Value, Variability, Variable,
 };
@@ -91,19 +91,24 @@ fn write_root(
         }
         write_units(xml, variables)?;
         write_types(xml, variables)?;
-        nest(xml, "LogCategories", &vec![], |xml| {
-            LOG_CATEGORIES.iter().try_for_each(|(name, description)| {
-                leaf(xml, "Category", &vec![("name", name.to_string()), ("description", description.to_string())])
-            })
-        })?;
+        write_log_categories(xml)?;
         write_experiment(xml, machine)?;
         nest(xml, "ModelVariables", &vec![], |xml| variables.iter().try_for_each(|v| write_variable(xml, v)))?;
         write_structure(xml, variables, dependencies)
     })
 }
 
+/// What messages may be about.
+pub(super) fn write_log_categories(xml: &mut Xml) -> io::Result<()> {
+    nest(xml, "LogCategories", &vec![], |xml| {
+        LOG_CATEGORIES.iter().try_for_each(|(name, description)| {
+            leaf(xml, "Category", &vec![("name", name.to_string()), ("description", description.to_string())])
+        })
+    })
+}
+
 /// Units of the types in use: base-unit exponents (zero ones are omitted) and the display unit.
-fn write_units(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
+pub(super) fn write_units(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
     let types = types_in_use(variables);
     let used: Vec<&Unit> = UNITS.iter().filter(|unit| types.iter().any(|t| t.unit == unit.name)).collect();
     if used.is_empty() {
@@ -149,11 +154,11 @@ fn write_types(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
 }
 
 /// Declared types that the table names, in the order of [`TYPES`].
-fn types_in_use(variables: &[Variable]) -> Vec<&'static RealType> {
+pub(super) fn types_in_use(variables: &[Variable]) -> Vec<&'static RealType> {
     TYPES.iter().filter(|t| variables.iter().any(|v| v.declared_type == Some(t.name))).collect()
 }
 
-fn write_experiment(xml: &mut Xml, machine: &Machine) -> io::Result<()> {
+pub(super) fn write_experiment(xml: &mut Xml, machine: &Machine) -> io::Result<()> {
     let experiment = &machine.experiment;
     leaf(
         xml,
@@ -187,11 +192,7 @@ fn write_type(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
     if let Some(name) = variable.declared_type {
         attributes.push(("declaredType", name.to_owned()));
     }
-    if let Some((smallest, largest)) = variable.range {
-        let integer = matches!(variable.value, Value::Integer(_));
-        let bound = |value: f64| if integer { format!("{value:.0}") } else { real(value) };
-        attributes.extend([("min", bound(smallest)), ("max", bound(largest))]);
-    }
+    attributes.extend(range(variable));
     let has_start = variable.causality == Causality::Input || variable.initial == Some(Initial::Exact);
     let (element, start) = match variable.value {
         Value::Real(value) => ("Real", real(value)),
@@ -208,6 +209,14 @@ fn write_type(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
         attributes.push(("derivative", (state + 1).to_string()));
     }
     leaf(xml, element, &attributes)
+}
+
+/// Bounds of a variable, where it has any.
+pub(super) fn range(variable: &Variable) -> Attributes {
+    let Some((smallest, largest)) = variable.range else { return vec![] };
+    let integer = matches!(variable.value, Value::Integer(_));
+    let bound = |value: f64| if integer { format!("{value:.0}") } else { real(value) };
+    vec![("min", bound(smallest)), ("max", bound(largest))]
 }
 
 /// `ModelStructure`: every output, and every unknown of Initialization Mode, with what it depends on.
@@ -244,7 +253,7 @@ fn write_structure(xml: &mut Xml, variables: &[Variable], dependencies: &[Depend
 
 /// Outputs, continuous states and their derivatives whose initial value is calculated; the standard wants exactly these (there
 /// are no calculated parameters).
-fn is_initial_unknown(variable: &Variable) -> bool {
+pub(super) fn is_initial_unknown(variable: &Variable) -> bool {
     let exposed = variable.nominal.is_some() || variable.derivative_of.is_some();
     (variable.causality == Causality::Output || exposed) && variable.initial == Some(Initial::Calculated)
 }
@@ -259,15 +268,22 @@ fn unknown(xml: &mut Xml, index: usize, on_all: bool, dependencies: &[(u32, Depe
     if on_all {
         return leaf(xml, "Unknown", &vec![("index", index.to_string())]);
     }
+    let mut attributes = vec![("index", index.to_string())];
+    attributes.extend(dependency_lists(dependencies, 1));
+    leaf(xml, "Unknown", &attributes)
+}
+
+/// The lists of dependencies and of their kinds, in order; rows count from `first`.
+pub(super) fn dependency_lists(dependencies: &[(u32, DependencyKind)], first: u32) -> Attributes {
     let mut sorted = dependencies.to_vec();
     sorted.sort_by_key(|(row, _)| *row);
     let join = |words: Vec<String>| words.join(" ");
-    let indices = join(sorted.iter().map(|(row, _)| (row + 1).to_string()).collect());
+    let rows = join(sorted.iter().map(|(row, _)| (row + first).to_string()).collect());
     let kinds = join(sorted.iter().map(|(_, kind)| dependency_kind(*kind).to_owned()).collect());
-    leaf(xml, "Unknown", &vec![("index", index.to_string()), ("dependencies", indices), ("dependenciesKind", kinds)])
+    vec![("dependencies", rows), ("dependenciesKind", kinds)]
 }
 
-fn causality(causality: Causality) -> &'static str {
+pub(super) fn causality(causality: Causality) -> &'static str {
     match causality {
         Causality::Input => "input",
         Causality::Output => "output",
@@ -277,7 +293,7 @@ fn causality(causality: Causality) -> &'static str {
     }
 }
 
-fn variability(variability: Variability) -> &'static str {
+pub(super) fn variability(variability: Variability) -> &'static str {
     match variability {
         Variability::Fixed => "fixed",
         Variability::Tunable => "tunable",

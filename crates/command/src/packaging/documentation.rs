@@ -37,10 +37,11 @@ pub fn page(machine: &Machine, variables: &[Variable], extras: &Extras) -> Strin
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n\
          <title>{name}</title>\n<style>\n{STYLE}{}</style>\n</head>\n<body>\n<h1>{name}</h1>\n<p>{}</p>\n\
-         <p>FMI 2.0 {} FMU made by foldwing {VERSION}. All quantities are in SI units and radians; \
+         <p>FMI {} {} FMU made by foldwing {VERSION}. All quantities are in SI units and radians; \
          vectors are resolved in the root frame unless a description says otherwise.</p>\n<nav>",
         palette::style(),
         escape(&machine.description),
+        extras.kinds.standard(),
         extras.kinds
     );
     for (anchor, title) in SECTIONS {

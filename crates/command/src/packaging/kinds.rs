@@ -1,14 +1,18 @@
-//! Kinds of FMU: who integrates.
+//! Version of the standard and kinds of FMU: who integrates.
 
+use crate::packaging::{description, description3};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{NotHybrid, Plant};
-use foldwing_fmi::interface::Interface;
+use foldwing_fmi::instance::Version;
+use foldwing_fmi::interface::{Array, Interface, Variable, guid};
 use std::fmt;
 use std::sync::Arc;
 
 /// What an importer may instantiate an FMU as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Kinds {
+    /// Version of the standard.
+    pub version: Version,
     /// Co-simulation: the FMU integrates.
     pub co_simulation: bool,
     /// Model Exchange: the importer integrates.
@@ -17,7 +21,7 @@ pub struct Kinds {
 
 impl Default for Kinds {
     fn default() -> Self {
-        Self { co_simulation: true, model_exchange: false }
+        Self { version: Version::Fmi2, co_simulation: true, model_exchange: false }
     }
 }
 
@@ -39,9 +43,56 @@ impl Kinds {
 
     /// The table of variables: with the continuous states for Model Exchange.
     pub fn interface(self, machine: &Machine) -> Interface {
-        match self.model_exchange {
-            false => Interface::new(machine),
-            true => Interface::with_states(machine, &Plant::new(Arc::new(machine.clone()))),
+        let plant = || Plant::new(Arc::new(machine.clone()));
+        match (self.model_exchange, self.version) {
+            (false, _) => Interface::new(machine),
+            (true, Version::Fmi2) => Interface::with_states(machine, &plant()),
+            (true, Version::Fmi3) => Interface::with_states_and_indicators(machine, &plant()),
         }
     }
+
+    /// GUID of FMI 2.0 or instantiation token of FMI 3.0, of the table that [`Kinds::interface`] gives.
+    pub fn token(self, interface: &Interface, model_text: &str) -> String {
+        match self.version {
+            Version::Fmi2 => guid(model_text, interface.variables()),
+            Version::Fmi3 => interface.instantiation_token(model_text),
+        }
+    }
+
+    /// `modelDescription.xml` of a machine that `model_text` describes.
+    pub fn model_description(self, machine: &Machine, interface: &Interface, model_text: &str) -> String {
+        let (dependencies, token) = (interface.dependencies(machine), self.token(interface, model_text));
+        match self.version {
+            Version::Fmi2 => {
+                description::model_description(machine, interface.variables(), &dependencies, &token, self)
+            }
+            Version::Fmi3 => description3::model_description(machine, interface, &dependencies, &token, self),
+        }
+    }
+
+    /// The variables as an importer sees them: for FMI 3.0 one row for each array, with its lengths in its name.
+    pub fn variables(self, interface: &Interface) -> Vec<Variable> {
+        match self.version {
+            Version::Fmi2 => interface.variables().to_vec(),
+            Version::Fmi3 => interface.arrays().iter().map(|array| shown(interface, array)).collect(),
+        }
+    }
+
+    /// Number of the standard.
+    pub fn standard(self) -> &'static str {
+        match self.version {
+            Version::Fmi2 => "2.0",
+            Version::Fmi3 => "3.0",
+        }
+    }
+}
+
+/// An array as a row of a list.
+fn shown(interface: &Interface, array: &Array) -> Variable {
+    let lengths: Vec<String> = array.dimensions.iter().map(usize::to_string).collect();
+    let name = match lengths.as_slice() {
+        [] => array.name.clone(),
+        lengths => format!("{}[{}]", array.name, lengths.join(", ")),
+    };
+    Variable { name, description: array.description.clone(), ..interface.head(array).clone() }
 }

@@ -1,7 +1,8 @@
 //! The shared libraries that go into an archive, and the platforms they are for.
 
 use crate::packaging::PackageError;
-use foldwing_fmi::fmi2::FUNCTIONS;
+use foldwing_fmi::instance::Version;
+use foldwing_fmi::{fmi2, fmi3};
 use object::read::NameOrOrdinal;
 use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
 use object::{Architecture, BinaryFormat, FileKind, Object, ObjectKind};
@@ -48,6 +49,19 @@ impl Platform {
             let allowed: Vec<&str> = PLATFORMS.iter().map(|row| row.0).collect();
             format!("platform '{name}' is unknown; allowed: {}", allowed.join(", "))
         })
+    }
+
+    /// Folder below `binaries/` in an archive of a version: FMI 3.0 knows platform tuples only.
+    pub fn folder_of(self, version: Version) -> &'static str {
+        match (version, self.folder) {
+            (Version::Fmi3, "linux64") => "x86_64-linux",
+            (Version::Fmi3, "linux32") => "x86-linux",
+            (Version::Fmi3, "win64") => "x86_64-windows",
+            (Version::Fmi3, "win32") => "x86-windows",
+            (Version::Fmi3, "darwin64") => "x86_64-darwin",
+            (Version::Fmi3, "darwin32") => "x86-darwin",
+            (_, folder) => folder,
+        }
     }
 
     fn find(matches: impl Fn(&(&str, &str, BinaryFormat, Architecture)) -> bool) -> Option<Self> {
@@ -143,8 +157,7 @@ fn complete(file: &object::File) -> Result<(), String> {
             NameOrOrdinal::Ordinal(_) => None,
         })
         .collect();
-    let missing: Vec<&str> =
-        FUNCTIONS.iter().copied().filter(|function| !names.contains(&function.as_bytes())).collect();
+    let missing: Vec<&str> = functions().filter(|function| !names.contains(&function.as_bytes())).collect();
     match missing.as_slice() {
         [] => Ok(()),
         [one] => Err(format!("not a Foldwing library: it does not export {one}")),
@@ -152,6 +165,11 @@ fn complete(file: &object::File) -> Result<(), String> {
             Err(format!("not a Foldwing library: it does not export {first} and {} more functions", rest.len()))
         }
     }
+}
+
+/// Functions of both versions.
+fn functions() -> impl Iterator<Item = &'static str> {
+    fmi2::FUNCTIONS.iter().chain(fmi3::FUNCTIONS).copied()
 }
 
 #[cfg(test)]
@@ -246,7 +264,7 @@ mod tests {
     #[test]
     fn libraries_without_the_functions_are_refused() {
         let error = platforms(&pe(0x8664, 0x20b, 0x2000)).unwrap_err();
-        let rest = format!("does not export fmi2GetTypesPlatform and {} more functions", FUNCTIONS.len() - 1);
+        let rest = format!("does not export fmi2GetTypesPlatform and {} more functions", functions().count() - 1);
         assert!(error.contains(&rest), "{error}");
     }
 

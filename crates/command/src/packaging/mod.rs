@@ -5,6 +5,7 @@ pub mod archive;
 pub mod contents;
 pub mod cross_check;
 pub mod description;
+mod description3;
 pub mod documentation;
 pub mod drawing;
 pub mod icon;
@@ -15,6 +16,7 @@ pub mod linear_model;
 pub mod palette;
 pub mod reference;
 pub mod sketch;
+mod terminals;
 mod use_section;
 mod xml;
 
@@ -26,7 +28,7 @@ pub use kinds::Kinds;
 pub use library::{Library, Platform};
 pub use reference::Reference;
 
-/// Name of the library inside every FMU, FMI 2.0 `modelIdentifier`.
+/// Name of the library inside every FMU, the standard's `modelIdentifier`.
 pub const MODEL_IDENTIFIER: &str = "foldwing";
 
 /// Version of this package, which the model description carries.

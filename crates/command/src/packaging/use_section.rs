@@ -5,6 +5,7 @@ use crate::packaging::contents::Extras;
 use crate::packaging::documentation::{number, table};
 use crate::packaging::{Kinds, MODEL_IDENTIFIER, linear_model, reference};
 use foldwing_engine::machine::Machine;
+use foldwing_fmi::instance::Version;
 use foldwing_fmi::interface::{Causality, Value, Variable};
 use quick_xml::escape::escape;
 use std::fmt::Write;
@@ -20,11 +21,12 @@ pub(super) fn drive(html: &mut String, machine: &Machine, variables: &[Variable]
     let _ = write!(
         html,
         "<h2 id=\"use\">How to drive it</h2>\n\
-         <p>Any importer of FMI 2.0 {kinds} takes this FMU: Simulink's FMU Import block, Dymola, OpenModelica, FMPy \
+         <p>Any importer of FMI {} {kinds} takes this FMU: Simulink's FMU Import block, Dymola, OpenModelica, FMPy \
          and others. In Python, with FMPy:</p>\n\
          <pre><code>from fmpy import simulate_fmu\n\n\
          result = simulate_fmu(\"{}.fmu\", stop_time={}, output_interval={},\n{}                      output=[{}])\n\
          print(result.dtype.names, result[-1])</code></pre>\n<ul>\n",
+        kinds.standard(),
         escape(&machine.name),
         number(experiment.stop_time_s),
         number(experiment.step_s),
@@ -43,12 +45,16 @@ pub(super) fn drive(html: &mut String, machine: &Machine, variables: &[Variable]
     }
     let _ = write!(
         html,
-        "<li>Inputs are held during a communication step, or run linearly if the importer sets their derivatives. Outputs \
-         belong to the end of the last step.</li>\n\
+        "<li>{} Outputs belong to the end of the last step.</li>\n\
          <li>States can be saved and restored, also as bytes; two instances of <code>{MODEL_IDENTIFIER}</code> share \
          nothing.</li>\n\
          <li>A value outside its range is discarded with a message; a failed step leaves the FMU at the last good \
-         time.</li>\n</ul>\n"
+         time.</li>\n</ul>\n",
+        match kinds.version {
+            Version::Fmi2 =>
+                "Inputs are held during a communication step, or run linearly if the importer sets their derivatives.",
+            Version::Fmi3 => "Inputs are held during a communication step. Arrays are set and read whole, row by row.",
+        }
     );
 }
 

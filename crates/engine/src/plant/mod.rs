@@ -1,6 +1,6 @@
 //! A machine to be run and studied: what programs use of [`crate::system`], [`crate::study`] and [`crate::run`].
 
-pub use crate::run::{Latency, Plant};
+pub use crate::run::{Latency, Pauses, Plant, Reached};
 pub use crate::signal::{
     BodyParameters, Count, FACTOR_RANGE, InputLayout, Inputs, JointInputs, JointParameters, ParameterLayout,
     Parameters, SolverParameters, SpatialParameters, Switch,

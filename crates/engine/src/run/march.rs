@@ -3,7 +3,7 @@
 use crate::force::joint::JointForces;
 use crate::force::latch::CROSSING_S;
 use crate::force::set::Indicator;
-use crate::run::Plant;
+use crate::run::{Pauses, Plant, Reached};
 use crate::solve::EquationsOfMotion;
 use crate::solve::continuation::Taken;
 use crate::solve::control;
@@ -62,20 +62,24 @@ impl Plant {
     /// On an error the plant stands at the last good time, [`crate::system::System::time_s`], and its outputs belong to it; where no
     /// internal step has succeeded, they are those of before, bit for bit. Allocates nothing.
     pub fn step(&mut self, end_s: f64) -> Result<(), PlantError> {
+        self.step_with_pauses(end_s, Pauses::default()).map(|_| ())
+    }
+
+    /// The same, but ends earlier where `pauses` say so: the present and the outputs then belong to that time.
+    pub fn step_with_pauses(&mut self, end_s: f64, pauses: Pauses) -> Result<Reached, PlantError> {
         let changed = self.system.inputs_changed();
         self.system.inputs_may_differ = false;
         let marches = changed || self.system.state.ahead.time_s <= end_s;
         if marches {
             self.system.begin.copy_from(&self.system.state);
         }
-        let span_s = (end_s - self.system.state.now.time_s).max(0.0);
-        self.most_work = MOST_ITERATIONS.saturating_add((MOST_ITERATIONS_1_S * span_s).round() as u64);
-        self.work_left = self.most_work;
+        self.allow_work((end_s - self.system.state.now.time_s).max(0.0));
         let applied = if changed { self.system.apply_inputs().and_then(|()| self.renew_air()) } else { Ok(()) };
-        let outcome = applied.and_then(|()| self.march(end_s, changed));
+        let outcome = applied.and_then(|()| self.march(end_s, changed, pauses));
         let State { start, ahead, now, .. } = &mut self.system.state;
         match &outcome {
-            Ok(()) => self.arrive_at(end_s),
+            Ok(Reached::End) => self.arrive_at(end_s),
+            Ok(Reached::Event | Reached::Step) => now.copy_from(ahead),
             Err(_) if start.time_s <= now.time_s => self.system.go_back_to_begin(),
             Err(_) => {
                 now.copy_from(start);
@@ -85,18 +89,33 @@ impl Plant {
         self.system.state.arrive();
         self.system.remember_far_turns();
         self.system.forget_outputs();
-        if marches && outcome.is_ok() && !self.system.is_moderate() {
-            self.system.evaluate();
-            if !self.system.outputs.are_finite() {
-                let cause = self.system.largest_input();
-                self.system.go_back_to_begin();
-                self.system.state.arrive();
-                self.system.evaluate();
-                return Err(PlantError::NotFinite { time_s: end_s, cause });
-            }
+        if marches && outcome.is_ok() {
+            self.refuse_infinite(end_s)?;
         }
         self.system.provide(self.system.watched);
         outcome
+    }
+
+    /// Goes back to the begin of what is under way where the outputs are not finite.
+    pub(crate) fn refuse_infinite(&mut self, time_s: f64) -> Result<(), PlantError> {
+        if self.system.is_moderate() {
+            return Ok(());
+        }
+        self.system.evaluate();
+        if self.system.outputs.are_finite() {
+            return Ok(());
+        }
+        let cause = self.system.largest_input();
+        self.system.go_back_to_begin();
+        self.system.state.arrive();
+        self.system.evaluate();
+        Err(PlantError::NotFinite { time_s, cause })
+    }
+
+    /// Gives the calls that follow the work that a communication step over `span_s` may cost.
+    pub(crate) fn allow_work(&mut self, span_s: f64) {
+        self.most_work = MOST_ITERATIONS.saturating_add((MOST_ITERATIONS_1_S * span_s).round() as u64);
+        self.work_left = self.most_work;
     }
 
     /// Brings the present to a time within the integrator's step.
@@ -148,7 +167,7 @@ impl Plant {
     /// Takes steps until one reaches `end_s`. Runs ahead of `end_s` only while the inputs stay as they are. Fixed steps
     /// divide the caller's span, and never run ahead; in air they divide the aerodynamic step, whatever the caller's is:
     /// the loads are agreed on for these steps.
-    fn march(&mut self, end_s: f64, changed: bool) -> Result<(), PlantError> {
+    fn march(&mut self, end_s: f64, changed: bool, pauses: Pauses) -> Result<Reached, PlantError> {
         let fixed = self
             .system
             .machine
@@ -158,6 +177,9 @@ impl Plant {
         let runs_ahead = !changed && (fixed.is_none() || self.system.state.air.is_some());
         let limit_s = if runs_ahead { f64::INFINITY } else { end_s };
         while self.system.state.ahead.time_s <= end_s {
+            if let Some(reached) = self.pause(pauses, end_s) {
+                return Ok(reached);
+            }
             let State { before, start, ahead, .. } = &mut self.system.state;
             if ahead.time_s > start.time_s {
                 before.copy_from(start);
@@ -174,7 +196,7 @@ impl Plant {
             }
             self.system.remember_attitudes();
         }
-        Ok(())
+        Ok(Reached::End)
     }
 
     /// One accepted step of variable length from `start` to `ahead`, at most to `limit_s`.

@@ -8,8 +8,10 @@
 mod agreement;
 mod latency;
 mod march;
+mod pauses;
 
 pub use latency::Latency;
+pub use pauses::{Pauses, Reached};
 
 use crate::machine::{Machine, Method, StartState};
 use crate::signal::{Inputs, Parameters, SolverParameters};

@@ -1,76 +1,6 @@
 //! The life cycle as a table: which call is legal where (FMI 2.0.4, sections 3.2.3 and 4.2.4).
 
-use serde::{Deserialize, Serialize};
-use std::fmt;
-
-/// Where an instance stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Phase {
-    /// Fresh or reset.
-    Instantiated,
-    /// Between `fmi2EnterInitializationMode` and `fmi2ExitInitializationMode`.
-    Initialization,
-    /// Between steps.
-    StepComplete,
-    /// A step failed: values can be read, an earlier state restored.
-    StepFailed,
-    /// After `fmi2Terminate`.
-    Terminated,
-    /// After a panic.
-    Fatal,
-    /// Model Exchange: an event, or the first of them after `fmi2ExitInitializationMode`.
-    Event,
-    /// Model Exchange: the importer integrates.
-    ContinuousTime,
-}
-
-impl Phase {
-    const fn bit(self) -> u16 {
-        1 << self as u16
-    }
-
-    /// Whether instances of a kind ever stand here.
-    pub fn belongs_to(self, kind: InterfaceKind) -> bool {
-        match self {
-            Self::StepComplete | Self::StepFailed => kind == InterfaceKind::CoSimulation,
-            Self::Event | Self::ContinuousTime => kind == InterfaceKind::ModelExchange,
-            Self::Instantiated | Self::Initialization | Self::Terminated | Self::Fatal => true,
-        }
-    }
-}
-
-/// Who integrates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum InterfaceKind {
-    /// The instance.
-    CoSimulation,
-    /// The importer.
-    ModelExchange,
-}
-
-impl fmt::Display for InterfaceKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::CoSimulation => "co-simulation",
-            Self::ModelExchange => "Model Exchange",
-        })
-    }
-}
-
-impl fmt::Display for Phase {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Instantiated => "before fmi2EnterInitializationMode",
-            Self::Initialization => "in Initialization Mode",
-            Self::StepComplete => "after fmi2ExitInitializationMode",
-            Self::StepFailed => "after a failed step",
-            Self::Terminated => "after fmi2Terminate",
-            Self::Fatal => "after a breakdown",
-            Self::Event => "in Event Mode",
-            Self::ContinuousTime => "in Continuous-Time Mode",
-        })
-    }
-}
+use crate::instance::{InterfaceKind, Phase, Rule, Version};
 
 const INSTANTIATED: u16 = Phase::Instantiated.bit();
 const INITIALIZATION: u16 = Phase::Initialization.bit();
@@ -186,7 +116,7 @@ impl Call {
     }
 
     /// The kind of instance that the call is for, where it is not for either.
-    pub const fn kind(self) -> Option<InterfaceKind> {
+    const fn kind(self) -> Option<InterfaceKind> {
         match self {
             Self::EnterEventMode
             | Self::NewDiscreteStates
@@ -212,16 +142,22 @@ impl Call {
         }
     }
 
-    /// Phases in which the call is legal for an instance of a kind, in the order in which they are passed.
-    pub fn phases(self, kind: InterfaceKind) -> impl Iterator<Item = Phase> {
-        use Phase::{ContinuousTime, Event, Initialization, Instantiated, StepComplete, StepFailed, Terminated};
-        let all = [Instantiated, Initialization, Event, ContinuousTime, StepComplete, StepFailed, Terminated];
-        all.into_iter().filter(move |&phase| phase.belongs_to(kind) && self.is_legal(phase))
+    /// What the life cycle says of the call.
+    pub const fn rule(self) -> Rule {
+        let (name, phases) = self.row();
+        let never = "steps are never asynchronous, so there is none to cancel";
+        Rule { name, version: Version::Fmi2, kind: self.kind(), phases, never }
     }
 
     /// Whether the call is legal in a phase.
     pub const fn is_legal(self, phase: Phase) -> bool {
         self.row().1 & phase.bit() != 0
+    }
+}
+
+impl From<Call> for Rule {
+    fn from(call: Call) -> Self {
+        call.rule()
     }
 }
 

@@ -1,23 +1,9 @@
-//! FMI 2.0, co-simulation and Model Exchange: a [`Plant`](foldwing_engine::plant::Plant) and the variable table behind a life
-//! cycle.
-//!
-//! The crate `foldwing-fmu` turns C calls into calls of [`Instance`]; everything here is safe Rust and tested as such.
+//! FMI 2.0, co-simulation and Model Exchange: which of its functions is legal when. What they do is in
+//! [`instance`](crate::instance).
 
-mod error;
-mod exchange;
-mod instance;
 mod life_cycle;
-mod log;
-mod resource;
-mod state;
 
-pub use error::{CallError, InstantiationError, Status};
-pub use exchange::EventInfo;
-pub use instance::{Instance, Request, Setup};
-pub use life_cycle::{Call, InterfaceKind, Phase};
-pub use log::{LOG_CATEGORIES, Log, LogCategory, Sink};
-pub use resource::{MODEL_FILE, ResourceError, resource_path};
-pub use state::StateError;
+pub use life_cycle::Call;
 
 /// Every function that the standard demands of an FMU for co-simulation and Model Exchange, by its exact name (FMI 2.0.4,
 /// sections 2.1, 3.2 and 4.2).

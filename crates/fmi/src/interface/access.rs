@@ -67,6 +67,18 @@ pub enum AccessError {
         /// The refused order.
         order: i32,
     },
+    /// Another number of values than the variables have.
+    #[error(
+        "{given} values were passed for {variables} variables that have {own}: an array has a value for each element, row by row"
+    )]
+    Count {
+        /// Number of values passed.
+        given: usize,
+        /// Number of variables.
+        variables: usize,
+        /// Number of values that they have.
+        own: usize,
+    },
     /// NaN or infinite.
     #[error("variable {name} cannot be {value}: the value must be finite")]
     NotFinite {
@@ -123,7 +135,7 @@ pub enum Stage {
     Running,
 }
 
-/// The types of the interface.
+/// The types of the interface, as both versions of the standard name them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Real.
@@ -142,6 +154,16 @@ impl Kind {
         match self {
             Self::Real => "Real",
             Self::Integer => "Integer",
+            Self::Boolean => "Boolean",
+            Self::String => "String",
+        }
+    }
+
+    /// Name in FMI 3.0.
+    pub fn name_of_fmi3(self) -> &'static str {
+        match self {
+            Self::Real => "Float64",
+            Self::Integer => "Int32",
             Self::Boolean => "Boolean",
             Self::String => "String",
         }
@@ -207,7 +229,7 @@ pub(super) struct Slot {
     pub(super) place: Place,
     /// Outputs that the plant must have found before it is read.
     pub(super) needs: OutputSet,
-    kind: Kind,
+    pub(super) kind: Kind,
     settable: Settable,
     min: f64,
     max: f64,
@@ -236,6 +258,7 @@ impl Slot {
             Place::Duration(duration) => duration.read_s(plant.latency()),
             Place::State(state) => plant.exchange_state(state),
             Place::Derivative(state) => plant.exchange_derivative(state),
+            Place::Indicator(indicator) => plant.exchange_indicators().get(indicator).copied().unwrap_or(1.0),
         };
         match self.kind {
             Kind::Real | Kind::String => Value::Real(number),
@@ -287,6 +310,17 @@ impl Interface {
             Value::Integer(_) | Value::Boolean(_) => true,
         };
         if now && fits { Ok(slot) } else { Err(self.refusal(reference, value, slot)) }
+    }
+
+    /// Refuses a value for a row that is of one array with `head`, which has been checked: only the ranges can differ from values.
+    #[inline]
+    pub(super) fn check_beside(&self, head: &Slot, reference: u32, value: Value) -> Result<(), AccessError> {
+        match value {
+            Value::Real(number) if !(head.min <= number && number <= head.max) => {
+                Err(self.refusal(reference, value, head))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Whether all rows have the type asked for.

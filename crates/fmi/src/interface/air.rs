@@ -3,7 +3,7 @@
 use crate::interface::Variability;
 use crate::interface::cause::{Cause, Depends};
 use crate::interface::known::{Input, JointInput, JointParameter, Known, Parameter};
-use crate::interface::rows::wrench;
+use crate::interface::rows::{wrench, wrench_texts};
 use crate::interface::table::{POSITIVE, Shape, Table, Text, Type};
 use crate::interface::topology::Topology;
 use foldwing_engine::aero::RotorLoads;
@@ -27,16 +27,25 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology) {
     let depends = Depends::new([Cause::Air], [Cause::AirStart]);
     let force = "force of the air on the wing, {}, root frame";
     let moment = "moment of the air on the wing at the origin, {}, root frame";
-    wrench(table, (layout.air_total.place(0, 0), OutputSet::AIR), "aero", &depends, [force, moment]);
+    let texts = wrench_texts("aero", [force, moment]);
+    wrench(table, (layout.air_total.place(0, 0), OutputSet::AIR), &depends, texts);
     for (station, &(body, number)) in topology.stations.iter().enumerate() {
         if !air.surfaces.iter().any(|surface| surface.body == body) {
             continue;
         }
         let body = &topology.machine.bodies[body].name;
         let of = format!("of the air near station {number} of body {body}, {{}}, root frame");
-        let texts = [&*format!("force {of}"), &*format!("moment at the station {of}")];
+        let of_all = format!("of the air near the stations of body {body}, {{}}, root frame");
+        let [force, moment] = wrench_texts(
+            &format!("aero.load.{body}[{number}]"),
+            [&format!("force {of}"), &format!("moment at the station {of}")],
+        );
+        let texts = [
+            force.in_array(format!("aero.load.{body}.force"), format!("force {of_all}")),
+            moment.in_array(format!("aero.load.{body}.moment"), format!("moment at the station {of_all}")),
+        ];
         let at = (layout.air_stations.place(station, 0), OutputSet::AIR);
-        wrench(table, at, &format!("aero.load.{body}[{number}]"), &depends, texts);
+        wrench(table, at, &depends, texts);
     }
     if air.has_rotor() {
         let rows: [(&str, usize, &str, &str); 8] = [
@@ -92,7 +101,8 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology) {
     for (index, (surface, strip)) in strips.enumerate() {
         let body = &topology.machine.bodies[surface.body].name;
         let name = format!("aero.circulation.{body}[{strip}]");
-        let text = Text::new(name, format!("circulation of strip {strip} of body {body}"));
+        let text = Text::new(name, format!("circulation of strip {strip} of body {body}"))
+            .in_array(format!("aero.circulation.{body}"), format!("circulation of the strips of body {body}"));
         let at = (layout.circulation_m2_s.place(index, 0), OutputSet::AIR);
         table.output(at, Shape::Scalar, "Circulation", depends.clone(), text);
     }

@@ -97,45 +97,98 @@ impl Interface {
         (unknowns, values): (&[u32], &mut [f64]),
         (knowns, seeds): (&[u32], &[f64]),
     ) -> Result<(), DerivativeError> {
-        let outputs = unknowns.iter().map(|&unknown| self.output(unknown)).collect::<Result<Vec<_>, _>>()?;
-        for (&known, &value) in knowns.iter().zip(seeds) {
-            self.differentiable(known, stage)?;
-            if !value.is_finite() {
-                let name = format!("d({})", self.variables()[known as usize].name);
-                return Err(AccessError::NotFinite { name, value }.into());
-            }
-        }
-        let concerned = self.concerned(plant.machine(), stage, unknowns, knowns);
         let mut sums = vec![0.0; unknowns.len()];
-        for ((&known, &seed), concerned) in knowns.iter().zip(seeds).zip(concerned) {
-            if seed == 0.0 || !concerned.contains(&true) {
+        unknowns.iter().try_for_each(|&unknown| self.output(unknown).map(|_| ()))?;
+        for (&known, &seed) in knowns.iter().zip(seeds) {
+            self.differentiable(known, stage)?;
+            self.finite_seed(known, seed)?;
+        }
+        let wanted = |known: usize| seeds[known] != 0.0;
+        self.columns(plant, (stage, start_s), unknowns, knowns, wanted, |known, column, over| {
+            sums.iter_mut().zip(column).for_each(|(sum, entry)| *sum += seeds[known] * entry / over);
+        })?;
+        values.copy_from_slice(&sums);
+        Ok(())
+    }
+
+    /// `Σ seed · ∂unknown/∂known` per known: the transpose of [`Interface::directional_derivative`], with the same knowns,
+    /// unknowns and refusals.
+    pub fn adjoint_derivative(
+        &self,
+        plant: &mut Plant,
+        when: (Stage, f64),
+        (unknowns, seeds): (&[u32], &[f64]),
+        (knowns, values): (&[u32], &mut [f64]),
+    ) -> Result<(), DerivativeError> {
+        let mut sums = vec![0.0; knowns.len()];
+        for (&unknown, &seed) in unknowns.iter().zip(seeds) {
+            self.output(unknown)?;
+            self.finite_seed(unknown, seed)?;
+        }
+        self.columns(
+            plant,
+            when,
+            unknowns,
+            knowns,
+            |_| true,
+            |known, column, over| {
+                sums[known] = seeds.iter().zip(column).map(|(seed, entry)| seed * entry / over).sum();
+            },
+        )?;
+        values.copy_from_slice(&sums);
+        Ok(())
+    }
+
+    /// Refuses a seed that is not finite.
+    fn finite_seed(&self, reference: u32, value: f64) -> Result<(), AccessError> {
+        let name = || format!("d({})", self.variables()[reference as usize].name);
+        if value.is_finite() { Ok(()) } else { Err(AccessError::NotFinite { name: name(), value }) }
+    }
+
+    /// Columns `∂unknowns/∂known`, each times a divisor that is handed over with it; of knowns that no unknown depends on, and
+    /// of those that are not wanted, none.
+    fn columns(
+        &self,
+        plant: &mut Plant,
+        (stage, start_s): (Stage, f64),
+        unknowns: &[u32],
+        knowns: &[u32],
+        wanted: impl Fn(usize) -> bool,
+        mut take: impl FnMut(usize, &[f64], f64),
+    ) -> Result<(), DerivativeError> {
+        let outputs = unknowns.iter().map(|&unknown| self.output(unknown)).collect::<Result<Vec<_>, _>>()?;
+        knowns.iter().try_for_each(|&known| self.differentiable(known, stage))?;
+        let concerned = self.concerned(plant.machine(), stage, unknowns, knowns);
+        let mut column = vec![0.0; unknowns.len()];
+        for (number, (&known, concerned)) in knowns.iter().zip(concerned).enumerate() {
+            if !wanted(number) || !concerned.contains(&true) {
                 continue;
             }
-            let add = |sums: &mut [f64], outputs_there: &Outputs, weight: f64| {
-                for ((sum, &output), &concerned) in sums.iter_mut().zip(&outputs).zip(&concerned) {
+            column.fill(0.0);
+            let add = |column: &mut [f64], outputs_there: &Outputs, weight: f64| {
+                for ((entry, &output), &concerned) in column.iter_mut().zip(&outputs).zip(&concerned) {
                     if concerned {
-                        *sum += weight * outputs_there.values()[output];
+                        *entry += weight * outputs_there.values()[output];
                     }
                 }
             };
-            self.differentiable(known, stage)?;
-            match (stage, self.slots[known as usize].place) {
+            let over = match (stage, self.slots[known as usize].place) {
                 (Stage::Running, Place::Input(place)) => {
                     let slope = plant
                         .study()
                         .output_response(&|inputs: &mut Inputs, amount| inputs.values_mut()[place] += amount)?;
-                    add(&mut sums, &slope, seed);
+                    add(&mut column, &slope, 1.0);
+                    1.0
                 }
                 _ => {
-                    let mut column = vec![0.0; unknowns.len()];
                     let step = self.initial_differences(plant, start_s, known, &mut |outputs_there, weight| {
                         add(&mut column, outputs_there, weight);
                     })?;
-                    sums.iter_mut().zip(column).for_each(|(sum, entry)| *sum += seed * entry / (60.0 * step));
+                    60.0 * step
                 }
-            }
+            };
+            take(number, &column, over);
         }
-        values.copy_from_slice(&sums);
         Ok(())
     }
 

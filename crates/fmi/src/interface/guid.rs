@@ -14,7 +14,11 @@ pub fn guid(model_text: &str, variables: &[Variable]) -> String {
     for variable in variables {
         hash.update(row(variable).as_bytes());
     }
-    let digest = hash.finalize();
+    form(&hash.finalize())
+}
+
+/// The first 16 bytes of a digest as `{8-4-4-4-12}` hexadecimal digits.
+pub(super) fn form(digest: &[u8]) -> String {
     let hex: String = digest.iter().take(16).map(|byte| format!("{byte:02x}")).collect();
     format!("{{{}-{}-{}-{}-{}}}", &hex[0..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..32])
 }

@@ -5,6 +5,7 @@
 
 mod access;
 mod air;
+mod arrays;
 mod cause;
 mod counters;
 mod dependencies;
@@ -23,6 +24,7 @@ mod topology;
 mod units;
 
 pub use access::{AccessError, Kind, Scalar, Stage};
+pub use arrays::{Array, Selection, Whole};
 pub use derivatives::DerivativeError;
 pub use guid::guid;
 pub use linear::{GUSTS, LinearModel, LinearSignal, Reduction};
@@ -152,6 +154,7 @@ pub struct Interface {
     signals: Vec<Signal>,
     references: HashMap<String, u32>,
     nominals: Vec<f64>,
+    arrays: arrays::Arrays,
     /// The machine's air, if it has any, has linear models.
     linear_air: bool,
 }
@@ -169,13 +172,22 @@ impl Interface {
         Self::of(table, machine)
     }
 
+    /// The same with the event indicators behind the states, for Model Exchange of FMI 3.0.
+    pub fn with_states_and_indicators(machine: &Machine, plant: &Plant) -> Self {
+        let mut table = rows::build(machine);
+        states::add(&mut table, plant);
+        states::add_indicators(&mut table, plant);
+        Self::of(table, machine)
+    }
+
     fn of(table: table::Table, machine: &Machine) -> Self {
         let table::Table { variables, bounds, signals, depends, .. } = table;
         let nominals = variables.iter().filter_map(|row| row.nominal).collect();
         let slots = variables.iter().zip(&bounds).map(|(variable, bound)| Slot::new(variable, bound)).collect();
         let references = variables.iter().map(|row| (row.name.clone(), row.value_reference)).collect();
         let linear_air = machine.air.as_ref().is_some_and(foldwing_engine::machine::Air::is_linearised);
-        Self { variables, slots, bounds, depends, signals, references, nominals, linear_air }
+        let arrays = arrays::Arrays::new(&signals);
+        Self { variables, slots, bounds, depends, signals, references, nominals, arrays, linear_air }
     }
 
     /// All signals in the order of their rows: what FMI 2.0 flattens into [`Self::variables`].
@@ -219,22 +231,29 @@ impl Interface {
     }
 
     /// Outputs that a plant must have found before these rows are read; rows that do not exist need none.
-    pub fn needs(&self, references: &[u32]) -> OutputSet {
-        let slots = references.iter().filter_map(|&reference| self.slots.get(reference as usize));
+    pub fn needs(&self, selection: impl Selection) -> OutputSet {
+        let slots = selection.heads(self).filter_map(|reference| self.slots.get(reference as usize));
         slots.fold(OutputSet::NONE, |needs, slot| needs | slot.needs)
     }
 
     /// Reads many rows of one type; nothing is written to `values` unless all can be read.
     ///
-    /// `references` and `values` are equally long. The plant must have found what [`Interface::needs`] says. Allocates
-    /// nothing.
-    pub fn get_all<T: Scalar>(&self, plant: &Plant, references: &[u32], values: &mut [T]) -> Result<(), AccessError> {
-        self.check_kind(references, T::KIND)?;
-        debug_assert!(plant.provides(self.needs(references)), "outputs of an earlier time");
+    /// There is a value for each row. The plant must have found what [`Interface::needs`] says. Allocates nothing.
+    pub fn get_all<T: Scalar>(
+        &self,
+        plant: &Plant,
+        selection: impl Selection,
+        values: &mut [T],
+    ) -> Result<(), AccessError> {
+        selection.check(self, T::KIND, values.len())?;
+        debug_assert!(plant.provides(self.needs(selection)), "outputs of an earlier time");
         let outputs = plant.outputs();
-        for (&reference, value) in references.iter().zip(values) {
-            if let Some(read) = T::from_value(self.slots[reference as usize].read(plant, outputs)) {
-                *value = read;
+        let mut values = values.iter_mut();
+        for block in selection.blocks(self) {
+            for (&reference, value) in block.iter().zip(&mut values) {
+                if let Some(read) = T::from_value(self.slots[reference as usize].read(plant, outputs)) {
+                    *value = read;
+                }
             }
         }
         Ok(())
@@ -242,19 +261,36 @@ impl Interface {
 
     /// Sets many inputs and parameters of one type; if one is refused, none is set.
     ///
-    /// `references` and `values` are equally long. Allocates nothing unless it fails.
-    pub fn set_all<T: Scalar>(
+    /// There is a value for each row. Allocates nothing unless it fails.
+    pub fn set_all<T: Scalar, S: Selection>(
         &self,
         plant: &mut Plant,
-        references: &[u32],
+        selection: S,
         values: &[T],
         stage: Stage,
     ) -> Result<(), AccessError> {
-        for (&reference, &value) in references.iter().zip(values) {
-            self.check(reference, value.into_value(), stage)?;
+        if S::ALIKE {
+            selection.check(self, T::KIND, values.len())?;
         }
-        for (&reference, &value) in references.iter().zip(values) {
-            self.slots[reference as usize].write(plant, value.into_value());
+        let mut left = values;
+        for block in selection.blocks(self) {
+            let (these, others) = left.split_at(block.len().min(left.len()));
+            left = others;
+            let mut pairs = block.iter().zip(these).map(|(&reference, &value)| (reference, value.into_value()));
+            if S::ALIKE
+                && let Some((reference, value)) = pairs.next()
+            {
+                let head = self.check(reference, value, stage)?;
+                pairs.try_for_each(|(reference, value)| self.check_beside(head, reference, value))?;
+            } else {
+                pairs.try_for_each(|(reference, value)| self.check(reference, value, stage).map(|_| ()))?;
+            }
+        }
+        let mut values = values.iter();
+        for block in selection.blocks(self) {
+            for (&reference, &value) in block.iter().zip(&mut values) {
+                self.slots[reference as usize].write(plant, value.into_value());
+            }
         }
         Ok(())
     }

@@ -55,6 +55,8 @@ fn inputs(table: &mut Table, topology: &Topology) {
         let mut vector = |offset, key: &str, declared| {
             let name = format!("load.{}[{number}].{key}", body.name);
             let text = Text::new(name, format!("{key} on station {number} of body {}, {{}}, {frame}", body.name));
+            let of_all = format!("{key} on the stations of body {}, {{}}, {frame}", body.name);
+            let text = text.in_array(format!("load.{}.{key}", body.name), of_all);
             let place = layout.stations.place(station, offset);
             table.input(Input::Load(station), place, Shape::Vector, Type::Real(declared), text);
         };
@@ -87,6 +89,8 @@ fn outputs(table: &mut Table, topology: &Topology) {
         joints::spatial_outputs(table, topology, joint);
     }
     joints::clamped_outputs(table, topology);
+    let names: Vec<&str> = topology.machine.gauges.iter().map(|gauge| gauge.name.as_str()).collect();
+    let gauges = format!("strain of the gauges {}", names.join(", "));
     for (index, gauge) in topology.machine.gauges.iter().enumerate() {
         let body = &topology.machine.bodies[gauge.body].name;
         let [x, y, z] = gauge.direction.into();
@@ -98,7 +102,7 @@ fn outputs(table: &mut Table, topology: &Topology) {
         let meaning = format!("{what} on body {body} at {at} m, y = {y} m, z = {z} m");
         let mut depends = Depends::on_group(topology, gauge.body);
         depends.initial.push(Cause::Stiffness(gauge.body));
-        let text = Text::new(format!("gauge.{}.strain", gauge.name), meaning);
+        let text = Text::new(format!("gauge.{}.strain", gauge.name), meaning).in_array("gauge.strain", &*gauges);
         table.output((layout.gauges.place(index, 0), OutputSet::GAUGES), Shape::Scalar, "Strain", depends, text);
     }
     for (index, place) in topology.machine.section_loads.iter().enumerate() {
@@ -112,13 +116,8 @@ fn outputs(table: &mut Table, topology: &Topology) {
             format!("of the outboard part of body {body} on the inboard part at {at} m{side}, {{}}, section frame");
         let depends = Depends::on_group(topology, place.body);
         let (name, first) = (format!("section_load.{}", place.name), layout.section_loads.place(index, 0));
-        wrench(
-            table,
-            (first, OutputSet::SECTION_LOADS),
-            &name,
-            &depends,
-            [&format!("force {of}"), &format!("moment {of}")],
-        );
+        let texts = wrench_texts(&name, [&format!("force {of}"), &format!("moment {of}")]);
+        wrench(table, (first, OutputSet::SECTION_LOADS), &depends, texts);
     }
     for (index, closure) in topology.machine.closures.iter().enumerate() {
         loop_outputs(table, topology, index, &closure.name);
@@ -128,7 +127,7 @@ fn outputs(table: &mut Table, topology: &Topology) {
         "moment of the wing on the aircraft at the origin, {}, root frame",
     ];
     let root = (layout.root.place(0, 0), OutputSet::ROOT);
-    wrench(table, root, "root", &Depends::on_push(Reach::Root), [force, moment]);
+    wrench(table, root, &Depends::on_push(Reach::Root), wrench_texts("root", [force, moment]));
     for (tip, &body) in topology.tips.iter().enumerate() {
         let name = &topology.machine.bodies[body].name;
         let group = if topology.tips.len() == 1 { "tip".to_owned() } else { format!("tip_{name}") };
@@ -139,12 +138,14 @@ fn outputs(table: &mut Table, topology: &Topology) {
                 Motion::Place | Motion::Attitude => OutputSet::TIP_PLACES,
                 _ => OutputSet::TIP_MOTIONS,
             };
-            field.add(table, topology, (layout.tips.place(tip, field.offset), needs), body, &group, &of);
+            let at = (layout.tips.place(tip, field.offset), needs);
+            field.add(table, topology, (at, body), [&group, &of], None);
         }
     }
     for (station, &(body, number)) in topology.stations.iter().enumerate() {
         let name = &topology.machine.bodies[body].name;
         let (group, of) = (format!("station.{name}[{number}]"), format!("of station {number} of body {name}"));
+        let (groups, of_all) = (format!("station.{name}"), format!("of the stations of body {name}"));
         let fields = [POSITION, VELOCITY, ANGULAR_VELOCITY, ACCELERATION, ANGULAR_ACCELERATION, ROTATION];
         for field in fields {
             let needs = match field.motion {
@@ -152,7 +153,8 @@ fn outputs(table: &mut Table, topology: &Topology) {
                 Motion::Acceleration | Motion::AngularAcceleration => OutputSet::STATION_ACCELERATIONS,
                 Motion::Velocity | Motion::AngularVelocity => OutputSet::STATION_MOTIONS,
             };
-            field.add(table, topology, (layout.stations.place(station, field.offset), needs), body, &group, &of);
+            let at = (layout.stations.place(station, field.offset), needs);
+            field.add(table, topology, (at, body), [&group, &of], Some([&groups, &of_all]));
         }
     }
     energies(table, topology);
@@ -163,15 +165,17 @@ fn outputs(table: &mut Table, topology: &Topology) {
 pub(super) fn wrench(
     table: &mut Table,
     (first, needs): (usize, OutputSet),
-    name: &str,
     depends: &Depends,
-    [force, moment]: [&str; 2],
+    [force, moment]: [Text; 2],
 ) {
     let at = |offset: usize| (first + offset / size_of::<f64>(), needs);
-    let text = Text::new(format!("{name}.force"), force);
-    table.output(at(offset_of!(Wrench, force_n)), Shape::Vector, "Force", depends.clone(), text);
-    let text = Text::new(format!("{name}.moment"), moment);
-    table.output(at(offset_of!(Wrench, moment_n_m)), Shape::Vector, "Moment", depends.clone(), text);
+    table.output(at(offset_of!(Wrench, force_n)), Shape::Vector, "Force", depends.clone(), force);
+    table.output(at(offset_of!(Wrench, moment_n_m)), Shape::Vector, "Moment", depends.clone(), moment);
+}
+
+/// Names of the force and the moment of a wrench, with what each is.
+pub(super) fn wrench_texts(name: &str, [force, moment]: [&str; 2]) -> [Text; 2] {
+    [Text::new(format!("{name}.force"), force), Text::new(format!("{name}.moment"), moment)]
 }
 
 fn loop_outputs(table: &mut Table, topology: &Topology, closure: usize, name: &str) {
@@ -220,59 +224,41 @@ struct PointRow {
     motion: Motion,
 }
 
-const POSITION: PointRow =
-    PointRow::vector("position", offset_of!(PointOutputs, position_m), "Position", "position", Motion::Place);
-const VELOCITY: PointRow = PointRow::vector(
-    "velocity",
-    offset_of!(PointOutputs, velocity_m_s),
-    "Velocity",
-    "velocity relative to the root frame",
-    Motion::Velocity,
-);
-const ANGULAR_VELOCITY: PointRow = PointRow::vector(
-    "angular_velocity",
-    offset_of!(PointOutputs, angular_velocity_rad_s),
-    "AngularVelocity",
-    "angular velocity relative to the root frame",
-    Motion::AngularVelocity,
-);
-const ACCELERATION: PointRow = PointRow::vector(
-    "acceleration",
-    offset_of!(PointOutputs, acceleration_m_s2),
-    "Acceleration",
-    "inertial acceleration, without gravity,",
-    Motion::Acceleration,
-);
-const ANGULAR_ACCELERATION: PointRow = PointRow::vector(
-    "angular_acceleration",
-    offset_of!(PointOutputs, angular_acceleration_rad_s2),
-    "AngularAcceleration",
-    "inertial angular acceleration",
-    Motion::AngularAcceleration,
-);
-const ROTATION: PointRow = PointRow {
-    shape: Shape::Quaternion,
-    ..PointRow::vector(
-        "rotation",
-        offset_of!(PointOutputs, rotation),
-        "Ratio",
-        "quaternion from section to root, with continuous sign,",
-        Motion::Attitude,
-    )
-};
+macro_rules! point_rows {
+    ($($name:ident: $shape:ident $key:literal $field:ident $declared:literal $motion:ident $meaning:literal;)*) => {
+        $(const $name: PointRow = PointRow {
+            key: $key,
+            offset: offset_of!(PointOutputs, $field),
+            shape: Shape::$shape,
+            declared: $declared,
+            meaning: $meaning,
+            motion: Motion::$motion,
+        };)*
+    };
+}
+
+point_rows! {
+    POSITION: Vector "position" position_m "Position" Place "position";
+    VELOCITY: Vector "velocity" velocity_m_s "Velocity" Velocity "velocity relative to the root frame";
+    ANGULAR_VELOCITY: Vector "angular_velocity" angular_velocity_rad_s "AngularVelocity" AngularVelocity
+        "angular velocity relative to the root frame";
+    ACCELERATION: Vector "acceleration" acceleration_m_s2 "Acceleration" Acceleration
+        "inertial acceleration, without gravity,";
+    ANGULAR_ACCELERATION: Vector "angular_acceleration" angular_acceleration_rad_s2 "AngularAcceleration" AngularAcceleration
+        "inertial angular acceleration";
+    ROTATION: Quaternion "rotation" rotation "Ratio" Attitude "quaternion from section to root, with continuous sign,";
+}
 
 impl PointRow {
-    const fn vector(
-        key: &'static str,
-        offset: usize,
-        declared: &'static str,
-        meaning: &'static str,
-        motion: Motion,
-    ) -> Self {
-        Self { key, offset, shape: Shape::Vector, declared, meaning, motion }
-    }
-
-    fn add(&self, table: &mut Table, topology: &Topology, at: (usize, OutputSet), body: usize, group: &str, of: &str) {
+    /// `all`: the group of the array that the point belongs to, and what that is of.
+    fn add(
+        &self,
+        table: &mut Table,
+        topology: &Topology,
+        (at, body): ((usize, OutputSet), usize),
+        [group, of]: [&str; 2],
+        all: Option<[&str; 2]>,
+    ) {
         let by_state = |initial| Depends::new([Cause::Travel(body)], [initial]);
         let depends = match self.motion {
             Motion::Place => by_state(Cause::Folds(body)),
@@ -282,8 +268,14 @@ impl PointRow {
             Motion::Acceleration if topology.floats(body) => Depends::on_push(Reach::Flight(topology.group[body])),
             Motion::Acceleration | Motion::AngularAcceleration => Depends::on_group(topology, body),
         };
-        let meaning = format!("{} {of}, {{}}, root frame", self.meaning);
-        table.output(at, self.shape, self.declared, depends, Text::new(format!("{group}.{}", self.key), meaning));
+        let name = |group: &str| format!("{group}.{}", self.key);
+        let meaning = |of: &str| format!("{} {of}, {{}}, root frame", self.meaning);
+        let text = Text::new(name(group), meaning(of));
+        let text = match all {
+            Some([group, of]) => text.in_array(name(group), meaning(of)),
+            None => text,
+        };
+        table.output(at, self.shape, self.declared, depends, text);
     }
 }
 

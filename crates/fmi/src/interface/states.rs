@@ -48,6 +48,16 @@ pub(super) fn add(table: &mut Table, plant: &Plant) {
     }
 }
 
+/// Adds the row of the event indicators, which FMI 3.0 wants among the variables: an array.
+pub(super) fn add_indicators(table: &mut Table, plant: &Plant) {
+    for indicator in 0..plant.exchange_indicator_count() {
+        let number = indicator + 1;
+        let text = Text::new(format!("event_indicator[{number}]"), format!("event indicator {number}"))
+            .in_array("event_indicator", "event indicators: an event where one falls through zero");
+        table.state(Place::Indicator(indicator), "Ratio", None, None, text);
+    }
+}
+
 impl Interface {
     /// Whether the table has continuous states.
     pub fn has_states(&self) -> bool {

@@ -64,6 +64,17 @@ pub struct Signal {
     pub first_reference: u32,
     /// Place of its first number in the flat vector of inputs, parameters or outputs; `None` for time and locals.
     pub place: Option<usize>,
+    /// One sentence; `{}` stands for the component.
+    pub(super) meaning: String,
+    /// The array that it is an element of, beside others of its kind; without one it is a variable of its own in FMI 3.0.
+    pub(super) array: Option<ArrayText>,
+}
+
+/// Name and meaning of an array of signals; `{}` stands for the component.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct ArrayText {
+    pub name: String,
+    pub meaning: String,
 }
 
 /// Where a row's value stands.
@@ -85,6 +96,8 @@ pub(super) enum Place {
     State(usize),
     /// Its derivative in time.
     Derivative(usize),
+    /// An event indicator.
+    Indicator(usize),
 }
 
 /// What the table holds of a row beside its [`Variable`].
@@ -134,11 +147,18 @@ pub(super) struct Text {
     pub name: String,
     /// One sentence.
     pub meaning: String,
+    /// The array that the signal is an element of.
+    array: Option<ArrayText>,
 }
 
 impl Text {
     pub fn new(name: impl Into<String>, meaning: impl Into<String>) -> Self {
-        Self { name: name.into(), meaning: meaning.into() }
+        Self { name: name.into(), meaning: meaning.into(), array: None }
+    }
+
+    /// The next element of an array: signals of one array are alike in all but their place, and stand in its order.
+    pub fn in_array(self, name: impl Into<String>, meaning: impl Into<String>) -> Self {
+        Self { array: Some(ArrayText { name: name.into(), meaning: meaning.into() }), ..self }
     }
 }
 
@@ -299,6 +319,7 @@ impl Table {
                 derivative_of: None,
             });
         }
-        self.signals.push(Signal { name: text.name, shape, causality, first_reference, place: first });
+        let Text { name, meaning, array } = text;
+        self.signals.push(Signal { name, shape, causality, first_reference, place: first, meaning, array });
     }
 }

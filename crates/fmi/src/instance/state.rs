@@ -1,7 +1,7 @@
 //! Saved FMU states: a registry with checked handles, and bytes that carry their own identity.
 
-use crate::fmi2::error::Status;
-use crate::fmi2::life_cycle::{InterfaceKind, Phase};
+use crate::instance::error::Status;
+use crate::instance::phase::{InterfaceKind, Phase};
 use foldwing_engine::plant::Snapshot;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -51,7 +51,7 @@ pub enum StateError {
     },
     /// Cut off or padded.
     #[error(
-        "the serialised FMU state is damaged: {found} bytes instead of {expected}; pass all that fmi2SerializeFMUstate wrote"
+        "the serialised FMU state is damaged: {found} bytes instead of {expected}; pass all the bytes that were written when it was serialised"
     )]
     Length {
         /// Bytes given.
@@ -61,7 +61,7 @@ pub enum StateError {
     },
     /// Changed bytes.
     #[error(
-        "the serialised FMU state is damaged: its checksum does not match; pass the bytes as fmi2SerializeFMUstate wrote them"
+        "the serialised FMU state is damaged: its checksum does not match; pass the bytes as they were written when it was serialised"
     )]
     Checksum,
     /// Bytes that mean nothing.
@@ -69,7 +69,7 @@ pub enum StateError {
     Content(String),
     /// The buffer of the importer is too small.
     #[error(
-        "the buffer for the serialised FMU state has {given} bytes; {needed} are needed, as fmi2SerializedFMUstateSize says"
+        "the buffer for the serialised FMU state has {given} bytes; {needed} are needed, as the call for the size says"
     )]
     Buffer {
         /// Size of the buffer.

@@ -1,13 +1,13 @@
 //! What a call can answer, and why it was refused.
 
-use crate::fmi2::life_cycle::{Call, InterfaceKind, Phase};
-use crate::fmi2::resource::ResourceError;
-use crate::fmi2::state::StateError;
+use crate::instance::phase::{InterfaceKind, Phase, Rule, Version};
+use crate::instance::resource::ResourceError;
+use crate::instance::state::StateError;
 use crate::interface::AccessError;
 use foldwing_engine::plant::{NotHybrid, PlantError};
 use foldwing_file::ConfigError;
 
-/// Outcome of a call, `fmi2Status` without the asynchronous one.
+/// Outcome of a call: the statuses that both versions of the standard know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Status {
     /// Done.
@@ -26,18 +26,21 @@ pub enum Status {
 #[derive(Debug, thiserror::Error)]
 pub enum CallError {
     /// Out of order.
-    #[error("not legal {phase}{}", advice(*call, *kind, *phase))]
+    #[error("{}", call.refusal(*kind, *phase))]
     OutOfOrder {
         /// The call.
-        call: Call,
+        call: Rule,
         /// What the instance was made for.
         kind: InterfaceKind,
         /// Where the instance stands.
         phase: Phase,
     },
     /// Any call after a panic.
-    #[error("the instance broke down earlier; only fmi2FreeInstance is legal")]
-    Poisoned,
+    #[error("the instance broke down earlier; only {version}FreeInstance is legal")]
+    Poisoned {
+        /// Version of the standard.
+        version: Version,
+    },
     /// A pointer that must not be null.
     #[error("argument {argument} is null; that is legal for a length of 0 only")]
     NullPointer {
@@ -60,9 +63,13 @@ pub enum CallError {
     DerivativesInAir,
     /// What may not change while the importer integrates.
     #[error(
-        "variable {name} cannot be set in Continuous-Time Mode: only Real inputs can; set it in Event Mode, after fmi2EnterEventMode"
+        "variable {name} cannot be set {}: only continuous inputs can; set it in Event Mode, after {version}EnterEventMode", phase.phrase(*version)
     )]
     OnlyContinuousInputs {
+        /// Version of the standard.
+        version: Version,
+        /// Where the instance stands.
+        phase: Phase,
         /// Name of the variable.
         name: String,
     },
@@ -132,9 +139,11 @@ pub enum CallError {
     },
     /// Beyond the stop time.
     #[error(
-        "the step ends at t = {end_s} s, beyond the stop time {stop_s} s given to fmi2SetupExperiment; shorten it, or reset and give a later stop time"
+        "the step ends at t = {end_s} s, beyond the stop time {stop_s} s given to {}; shorten it, or reset and give a later stop time", version.experiment_call()
     )]
     BeyondStop {
+        /// Version of the standard.
+        version: Version,
         /// End of the refused step in s.
         end_s: f64,
         /// Stop time in s.
@@ -164,29 +173,13 @@ pub enum CallError {
     },
 }
 
-/// What to do where a call is out of order.
-fn advice(call: Call, kind: InterfaceKind, phase: Phase) -> String {
-    if let Some(other) = call.kind().filter(|&other| other != kind) {
-        return format!("; it belongs to {other}, and the instance was made for {kind}");
-    }
-    let legal: Vec<String> = call.phases(kind).map(|phase| phase.to_string()).collect();
-    let back = match phase {
-        Phase::StepFailed | Phase::Terminated => "; fmi2SetFMUstate with an earlier state or fmi2Reset leads back",
-        _ => "",
-    };
-    if legal.is_empty() {
-        return ": steps are never asynchronous, so there is none to cancel".to_owned();
-    }
-    format!("; it is legal {}{back}", legal.join(", "))
-}
-
 impl CallError {
     /// The status that the importer gets: a bad value is discarded, all else is an error.
     pub fn status(&self) -> Status {
         match self {
             Self::Access(error) if error.is_bad_value() => Status::Discard,
             Self::Argument { .. } | Self::StateNotFinite { .. } | Self::NoDerivatives(_) => Status::Discard,
-            Self::Poisoned => Status::Fatal,
+            Self::Poisoned { .. } => Status::Fatal,
             _ => Status::Error,
         }
     }
@@ -201,8 +194,11 @@ pub enum InstantiationError {
     /// Neither co-simulation nor Model Exchange.
     #[error("FMU type {0} is unknown: there are 0, Model Exchange, and 1, co-simulation")]
     WrongType(u32),
+    /// FMI 3.0 alone knows it.
+    #[error("no Scheduled Execution: this FMU has no clocks; instantiate it for co-simulation")]
+    NoScheduledExecution,
     /// Packaged without Model Exchange.
-    #[error("this FMU is for co-simulation only (FMU type 1): FMU type 0 was asked for; package it with --kinds cs,me")]
+    #[error("this FMU is for co-simulation only: Model Exchange was asked for; package it with --kinds cs,me")]
     NoModelExchange,
     /// Description and model do not belong together.
     #[error(

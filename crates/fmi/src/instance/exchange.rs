@@ -1,12 +1,13 @@
-//! Model Exchange: the importer integrates, the instance gives derivatives and makes events.
+//! Events in either kind, and Model Exchange: the importer integrates, the instance gives derivatives.
 
-use crate::fmi2::error::CallError;
-use crate::fmi2::instance::Instance;
-use crate::fmi2::life_cycle::{Call, InterfaceKind, Phase};
-use crate::fmi2::log::LogCategory;
+use crate::instance::Instance;
+use crate::instance::error::CallError;
+use crate::instance::log::LogCategory;
+use crate::instance::phase::{InterfaceKind, Phase};
+use crate::interface::Selection;
 use foldwing_engine::plant::{JointStatus, PlantError};
 
-/// What an event has led to, `fmi2EventInfo`: one update settles every event, and nothing here ever ends a simulation.
+/// What an event has led to: one update settles every event, and nothing here ever ends a simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EventInfo {
     /// The continuous states are others now.
@@ -16,37 +17,64 @@ pub struct EventInfo {
 }
 
 impl Instance {
-    /// `fmi2EnterEventMode`.
+    /// Goes into Event Mode.
     pub fn enter_event(&mut self) -> Result<(), CallError> {
-        self.found(|instance| instance.plant.system_mut().enter_exchange_event())?;
+        if self.kind == InterfaceKind::ModelExchange {
+            self.found(|instance| instance.plant.system_mut().enter_exchange_event())?;
+        }
         self.phase = Phase::Event;
         Ok(())
     }
 
-    /// `fmi2NewDiscreteStates`: makes all transitions of the event.
+    /// Makes all transitions of the event: what has been crossed, inputs and parameters that have changed.
     pub fn new_discrete_states(&mut self) -> Result<EventInfo, CallError> {
         let before: Option<Vec<JointStatus>> =
             self.log.wants(LogCategory::Events).then(|| self.plant.joint_statuses().collect());
-        let states_changed = self.plant.system_mut().make_exchange_event()?;
+        let (states_changed, time_s, next_s) = match self.kind {
+            InterfaceKind::ModelExchange => {
+                let changed = self.plant.system_mut().make_exchange_event()?;
+                let next_s = self.plant.system_mut().next_exchange_event_s();
+                (changed, self.plant.exchange_time_s(), next_s)
+            }
+            // kinks lie within steps, and nothing discrete changes there
+            InterfaceKind::CoSimulation => {
+                self.plant.make_event()?;
+                (false, self.plant.time_s(), f64::INFINITY)
+            }
+        };
         if let Some(before) = before {
-            self.tell_events(Call::NewDiscreteStates, self.plant.exchange_time_s(), &before);
+            self.tell_events(self.version.event_call(), time_s, &before);
         }
-        let next_s = self.plant.system_mut().next_exchange_event_s();
         Ok(EventInfo { states_changed, next_event_s: next_s.is_finite().then_some(next_s) })
     }
 
-    /// `fmi2EnterContinuousTimeMode`.
+    /// Goes into Step Mode, for the next step.
+    pub fn enter_step_mode(&mut self) {
+        self.phase = Phase::StepComplete;
+    }
+
+    /// Number of continuous states.
+    pub fn state_count(&self) -> usize {
+        self.plant.exchange_state_count()
+    }
+
+    /// Number of event indicators.
+    pub fn indicator_count(&self) -> usize {
+        self.plant.exchange_indicator_count()
+    }
+
+    /// Goes into Continuous-Time Mode.
     pub fn enter_continuous_time(&mut self) {
         self.plant.system_mut().leave_exchange_event();
         self.phase = Phase::ContinuousTime;
     }
 
-    /// `fmi2CompletedIntegratorStep`: true where the importer must enter Event Mode.
+    /// Ends a step of the importer's integrator: true where the importer must enter Event Mode.
     pub fn completed_integrator_step(&mut self) -> Result<bool, CallError> {
         self.found(|instance| instance.plant.system_mut().complete_exchange_step())
     }
 
-    /// `fmi2SetTime`, s.
+    /// Sets the time in s.
     pub fn set_time(&mut self, time_s: f64) -> Result<(), CallError> {
         if !time_s.is_finite() {
             return Err(CallError::Argument { argument: "time", value: time_s, allowed: "finite" });
@@ -55,7 +83,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2SetContinuousStates`.
+    /// Sets all continuous states.
     pub fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), CallError> {
         self.check_states(states.len())?;
         if let Some(state) = states.iter().position(|state| !state.is_finite()) {
@@ -66,7 +94,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2GetContinuousStates`.
+    /// All continuous states.
     pub fn continuous_states(&mut self, states: &mut [f64]) -> Result<(), CallError> {
         self.check_states(states.len())?;
         self.evaluate()?;
@@ -74,14 +102,14 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2GetNominalsOfContinuousStates`.
+    /// Typical magnitudes of all continuous states.
     pub fn nominals(&self, nominals: &mut [f64]) -> Result<(), CallError> {
         self.check_states(nominals.len())?;
         nominals.copy_from_slice(self.interface.nominals());
         Ok(())
     }
 
-    /// `fmi2GetDerivatives`.
+    /// Derivatives of all continuous states in time.
     pub fn derivatives(&mut self, derivatives: &mut [f64]) -> Result<(), CallError> {
         self.check_states(derivatives.len())?;
         self.evaluate()?;
@@ -90,11 +118,15 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2GetEventIndicators`.
+    /// All event indicators.
     pub fn event_indicators(&mut self, indicators: &mut [f64]) -> Result<(), CallError> {
         let own = self.plant.exchange_indicator_count();
         if indicators.len() != own {
-            return Err(CallError::Count { argument: "ni", given: indicators.len(), own });
+            return Err(CallError::Count {
+                argument: self.version.indicators_argument(),
+                given: indicators.len(),
+                own,
+            });
         }
         self.evaluate()?;
         self.found(|instance| instance.plant.system_mut().update_exchange())?;
@@ -104,29 +136,20 @@ impl Instance {
 
     fn check_states(&self, given: usize) -> Result<(), CallError> {
         let own = self.plant.exchange_state_count();
-        if given == own { Ok(()) } else { Err(CallError::Count { argument: "nx", given, own }) }
+        if given == own {
+            Ok(())
+        } else {
+            Err(CallError::Count { argument: self.version.states_argument(), given, own })
+        }
     }
 
     /// Brings the present to what the importer has set, where one of these rows is computed from it.
-    pub(super) fn update(&mut self, references: &[u32]) -> Result<(), CallError> {
-        let moves = || references.iter().any(|&reference| self.interface.moves(reference));
+    pub(super) fn update(&mut self, selection: impl Selection) -> Result<(), CallError> {
+        let moves = || selection.heads(&self.interface).any(|reference| self.interface.moves(reference));
         if self.kind == InterfaceKind::ModelExchange && !self.stale && moves() {
             self.found(|instance| instance.plant.system_mut().update_exchange())?;
         }
         Ok(())
-    }
-
-    /// Refuses what cannot change while the importer integrates.
-    pub(super) fn refuse_discrete(&self, references: &[u32]) -> Result<(), CallError> {
-        let discrete = |reference: &&u32| !self.interface.is_continuous_input(**reference);
-        match references.iter().find(discrete).filter(|_| self.phase == Phase::ContinuousTime) {
-            None => Ok(()),
-            Some(&reference) => {
-                let row = self.interface.variables().get(reference as usize);
-                let name = row.map_or_else(|| format!("of value reference {reference}"), |row| row.name.clone());
-                Err(CallError::OnlyContinuousInputs { name })
-            }
-        }
     }
 
     /// A trial of the importer's integrator that has no solution is refused, and another one may follow.

@@ -1,6 +1,6 @@
 //! Messages to the importer: categories, filter, text.
 
-use crate::fmi2::error::{CallError, Status};
+use crate::instance::error::{CallError, Status};
 
 /// Takes a message to the importer: status, category, text.
 pub type Sink = Box<dyn Fn(Status, LogCategory, &str)>;
@@ -56,7 +56,7 @@ impl Log {
         Self { sink, events: logging_on, warnings: logging_on }
     }
 
-    /// `fmi2SetDebugLogging`: no category means all of them. Unknown ones are refused and nothing changes.
+    /// No category means all of them. Unknown ones are refused and nothing changes.
     pub fn set_categories<'a>(
         &mut self,
         logging_on: bool,

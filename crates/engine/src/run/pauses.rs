@@ -1,0 +1,99 @@
+//! Steps that pause where the caller wants to be asked, and the events that it makes itself.
+
+use crate::run::Plant;
+use crate::system::PlantError;
+use crate::system::state::State;
+
+/// Where a communication step pauses before its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Pauses {
+    /// Where indicators of forces are crossed, before the transitions: [`Plant::make_event`] makes them, or else the next step.
+    pub at_events: bool,
+    /// At the end of each step of the integrator.
+    pub at_steps: bool,
+}
+
+/// How far a communication step has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reached {
+    /// Its end, or an event that lies there and was made.
+    End,
+    /// An event that waits to be made; it may lie at the end of the communication step.
+    Event,
+    /// The end of a step of the integrator within.
+    Step,
+}
+
+impl Plant {
+    /// What waits at the end of the integrator's step, where that lies after the present and within a communication step to
+    /// `end_s`.
+    pub(crate) fn pause(&self, pauses: Pauses, end_s: f64) -> Option<Reached> {
+        let State { now, ahead, .. } = &self.system.state;
+        if ahead.time_s <= now.time_s || ahead.time_s > end_s {
+            None
+        } else if pauses.at_events && self.event_waits() {
+            Some(Reached::Event)
+        } else if pauses.at_steps && ahead.time_s < end_s {
+            Some(Reached::Step)
+        } else {
+            None
+        }
+    }
+
+    /// Whether an indicator is crossed at the end of the integrator's step.
+    fn event_waits(&self) -> bool {
+        self.system.state.joints.iter().any(|joint| joint.crossed != 0)
+    }
+
+    /// Makes an event at the present time: the transitions of the forces whose indicators the last step has crossed here, then
+    /// inputs and parameters that have changed. Nothing happens where neither is due. Outputs belong to the time behind the
+    /// event. On an error nothing has changed. Allocates nothing.
+    pub fn make_event(&mut self) -> Result<(), PlantError> {
+        let State { now, ahead, .. } = &self.system.state;
+        let crossed = ahead.time_s <= now.time_s && self.event_waits();
+        let changed = self.system.inputs_changed();
+        if !(crossed || changed) {
+            return Ok(());
+        }
+        self.system.begin.copy_from(&self.system.state);
+        self.allow_work(0.0);
+        let outcome = self.cross(crossed).and_then(|()| self.follow(changed));
+        match outcome {
+            Ok(()) => {
+                let State { start, now, .. } = &mut self.system.state;
+                now.copy_from(start);
+                self.system.inputs_may_differ = false;
+            }
+            Err(_) => self.system.go_back_to_begin(),
+        }
+        self.system.state.arrive();
+        self.system.forget_outputs();
+        if outcome.is_ok() {
+            self.refuse_infinite(self.system.time_s())?;
+        }
+        self.system.provide(self.system.watched);
+        outcome
+    }
+
+    /// The transitions of what is crossed.
+    fn cross(&mut self, crossed: bool) -> Result<(), PlantError> {
+        if !crossed {
+            return Ok(());
+        }
+        let State { before, start, ahead, now, .. } = &mut self.system.state;
+        if ahead.time_s > start.time_s {
+            before.copy_from(start);
+        }
+        start.copy_from(ahead);
+        now.copy_from(ahead);
+        self.system.apply_events()?;
+        let State { start, now, .. } = &mut self.system.state;
+        now.copy_from(start);
+        Ok(())
+    }
+
+    /// Lets inputs and parameters that have changed act.
+    fn follow(&mut self, changed: bool) -> Result<(), PlantError> {
+        if changed { self.system.apply_inputs().and_then(|()| self.renew_air()) } else { Ok(()) }
+    }
+}

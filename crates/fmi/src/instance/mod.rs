@@ -1,0 +1,342 @@
+//! One instance behind either version of the standard: the life cycle around a plant and its variable table.
+//!
+//! The crate `foldwing-fmu` turns C calls into calls of [`Instance`]; everything here is safe Rust and tested as such. What
+//! differs between the versions (names, the call table, arrays, Event Mode) is in [`fmi2`](crate::fmi2) and
+//! [`fmi3`](crate::fmi3).
+
+mod error;
+mod exchange;
+mod log;
+mod phase;
+mod resource;
+mod state;
+mod step;
+mod values;
+
+pub use error::{CallError, InstantiationError, Status};
+pub use exchange::EventInfo;
+pub use log::{LOG_CATEGORIES, Log, LogCategory, Sink};
+pub use phase::{InterfaceKind, Phase, Rule, Version};
+pub use resource::{MODEL_FILE, ResourceError, resource_path};
+pub use state::StateError;
+
+pub use foldwing_engine::plant::Reached;
+
+use crate::instance::state::{Experiment, Registry, SavedState};
+use crate::interface::{Interface, Value, guid};
+use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::{OutputSet, Plant};
+use foldwing_file as config;
+use std::sync::Arc;
+
+/// One FMU instance.
+pub struct Instance {
+    machine: Arc<Machine>,
+    guid: String,
+    interface: Interface,
+    plant: Plant,
+    version: Version,
+    kind: InterfaceKind,
+    manner: Manner,
+    phase: Phase,
+    experiment: Experiment,
+    /// Start values changed since the last evaluation.
+    stale: bool,
+    step_failed: bool,
+    /// Time on the processor's clock that the present step has taken, in s, where steps are timed.
+    spent_s: f64,
+    /// Outputs that the importer has read since the last step, and between the two steps before.
+    read: OutputSet,
+    read_before: OutputSet,
+    states: Registry,
+    log: Log,
+}
+
+/// What an importer of FMI 3.0 co-simulation has agreed to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Manner {
+    /// It handles events in Event Mode.
+    pub event_mode: bool,
+    /// Steps may end before the time that was asked for.
+    pub early_return: bool,
+    /// It wants to hear of times within steps.
+    pub intermediate_update: bool,
+}
+
+/// Arguments of an instantiation.
+pub struct Request<'a> {
+    /// Version of the standard.
+    pub version: Version,
+    /// Name of the instance.
+    pub name: Option<&'a str>,
+    /// Kind of simulation: 0 is Model Exchange, 1 co-simulation.
+    pub fmu_type: u32,
+    /// GUID or instantiation token of the model description.
+    pub guid: Option<&'a str>,
+    /// Resource folder.
+    pub resource_location: Option<&'a str>,
+    /// What the importer has agreed to.
+    pub manner: Manner,
+}
+
+/// Times and tolerance that the importer gives before the initialisation, in s.
+#[derive(Debug, Clone, Copy)]
+pub struct Setup {
+    /// Tolerance, where defined.
+    pub tolerance: Option<f64>,
+    /// Start time.
+    pub start_s: f64,
+    /// Stop time, where defined.
+    pub stop_s: Option<f64>,
+}
+
+impl Instance {
+    /// An instance of the model in the resource folder, with a silent log.
+    pub fn new(request: &Request) -> Result<Self, InstantiationError> {
+        let kind = match request.fmu_type {
+            0 => InterfaceKind::ModelExchange,
+            1 => InterfaceKind::CoSimulation,
+            other => return Err(InstantiationError::WrongType(other)),
+        };
+        let Model { machine, plant, interface, guid } = Model::of(request)?;
+        if kind == InterfaceKind::ModelExchange && !interface.has_states() {
+            return Err(InstantiationError::NoModelExchange);
+        }
+        Ok(Self {
+            plant,
+            version: request.version,
+            kind,
+            manner: request.manner,
+            experiment: default_experiment(&machine),
+            machine,
+            guid,
+            interface,
+            phase: Phase::Instantiated,
+            stale: true,
+            step_failed: false,
+            spent_s: 0.0,
+            read: OutputSet::NONE,
+            read_before: OutputSet::NONE,
+            states: Registry::new(),
+            log: Log::new(None, false),
+        })
+    }
+
+    /// Whether a call is legal now.
+    pub fn permit(&self, call: Rule) -> Result<(), CallError> {
+        let kind = self.kind;
+        match self.phase {
+            Phase::Fatal => Err(CallError::Poisoned { version: self.version }),
+            phase if call.is_legal(phase) && call.kind.is_none_or(|of| of == kind) => Ok(()),
+            phase => Err(CallError::OutOfOrder { call, kind, phase }),
+        }
+    }
+
+    /// Tells the importer why a call was refused or failed.
+    pub fn report(&self, call: Rule, error: &CallError) -> Status {
+        let status = error.status();
+        self.log.refuse(status, &format!("{}: {error}", call.name));
+        status
+    }
+
+    /// After a panic nothing can be trusted any more.
+    pub fn poison(&mut self, call: Rule, cause: &str) -> Status {
+        self.phase = Phase::Fatal;
+        self.log.refuse(Status::Fatal, &format!("{}: internal error: {cause}", call.name));
+        Status::Fatal
+    }
+
+    /// What the importer has agreed to.
+    pub fn manner(&self) -> Manner {
+        self.manner
+    }
+
+    /// The log.
+    pub fn log_mut(&mut self) -> &mut Log {
+        &mut self.log
+    }
+
+    /// The variable table.
+    pub fn interface(&self) -> &Interface {
+        &self.interface
+    }
+
+    /// Takes times and tolerance of the experiment.
+    pub fn setup_experiment(&mut self, setup: Setup) -> Result<(), CallError> {
+        if !setup.start_s.is_finite() {
+            return Err(CallError::Argument { argument: "startTime", value: setup.start_s, allowed: "finite" });
+        }
+        if let Some(value) = setup.stop_s.filter(|&stop_s| !(stop_s.is_finite() && stop_s >= setup.start_s)) {
+            let allowed = "finite and not before startTime";
+            return Err(CallError::Argument { argument: "stopTime", value, allowed });
+        }
+        // in FMI 3.0 parameters are set first: one that the importer has set says more than a tolerance that it passes anyway
+        let own = self.plant.parameters().solver().tolerance;
+        let is_set = self.version == Version::Fmi3 && own != self.machine.solver.tolerance;
+        if let (Some(tolerance), Some(row), false) = (setup.tolerance, self.interface.find("solver.tolerance"), is_set)
+        {
+            self.interface.set(&mut self.plant, row.value_reference, Value::Real(tolerance))?;
+        }
+        self.experiment = Experiment { start_s: setup.start_s, stop_s: setup.stop_s };
+        self.stale = true;
+        Ok(())
+    }
+
+    /// Goes into Initialization Mode.
+    pub fn enter_initialization(&mut self) {
+        self.phase = Phase::Initialization;
+        self.stale = true;
+    }
+
+    /// Leaves Initialization Mode: for the first event where events are the importer's.
+    pub fn exit_initialization(&mut self) -> Result<(), CallError> {
+        self.evaluate()?;
+        self.phase = match self.kind {
+            InterfaceKind::CoSimulation if !self.manner.event_mode => Phase::StepComplete,
+            _ => Phase::Event,
+        };
+        Ok(())
+    }
+
+    /// Ends the simulation.
+    pub fn terminate(&mut self) {
+        self.phase = Phase::Terminated;
+    }
+
+    /// As freshly instantiated; saved states and the log's switches stay.
+    pub fn reset(&mut self) {
+        self.plant = unwatched(&self.machine);
+        self.experiment = default_experiment(&self.machine);
+        self.phase = Phase::Instantiated;
+        self.stale = true;
+        self.step_failed = false;
+    }
+
+    /// Saves the present state under the handle, or a new one for handle 0.
+    pub fn save_state(&mut self, handle: usize) -> Result<usize, CallError> {
+        let state = SavedState {
+            kind: self.kind,
+            phase: self.phase,
+            experiment: self.experiment,
+            stale: self.stale,
+            step_failed: self.step_failed,
+            plant: self.plant.snapshot(),
+        };
+        if handle == 0 {
+            return Ok(self.states.insert(state));
+        }
+        self.states.replace(handle, state)?;
+        Ok(handle)
+    }
+
+    /// Goes back to a saved state.
+    pub fn restore_state(&mut self, handle: usize) -> Result<(), CallError> {
+        let state = self.states.get(handle)?;
+        if state.kind != self.kind {
+            return Err(StateError::OtherKind { found: state.kind, expected: self.kind }.into());
+        }
+        let outside = state.plant.is_outside();
+        if outside && self.kind == InterfaceKind::CoSimulation
+            || !outside && !state.stale && self.kind == InterfaceKind::ModelExchange
+        {
+            return Err(StateError::Content(format!("its machine is not one of {}", self.kind)).into());
+        }
+        if !self.can_stand(state.phase) {
+            let here = state.phase.phrase(self.version);
+            return Err(StateError::Content(format!("it stands {here}, where this instance never is")).into());
+        }
+        self.plant.restore(&state.plant)?;
+        self.phase = state.phase;
+        self.experiment = state.experiment;
+        self.stale = state.stale;
+        self.step_failed = state.step_failed;
+        Ok(())
+    }
+
+    /// Forgets a saved state.
+    pub fn free_state(&mut self, handle: usize) -> Result<(), CallError> {
+        Ok(self.states.remove(handle)?)
+    }
+
+    /// Bytes of a saved state.
+    pub fn serialize_state(&self, handle: usize) -> Result<Vec<u8>, CallError> {
+        Ok(self.states.get(handle)?.to_bytes(&self.guid)?)
+    }
+
+    /// A saved state from bytes; returns its handle.
+    pub fn deserialize_state(&mut self, bytes: &[u8]) -> Result<usize, CallError> {
+        let state = SavedState::from_bytes(bytes, &self.guid)?;
+        Ok(self.states.insert(state))
+    }
+
+    /// Whether an importer can have brought the instance to a phase and saved it there.
+    fn can_stand(&self, phase: Phase) -> bool {
+        let of_mode = phase != Phase::Event || self.kind == InterfaceKind::ModelExchange || self.manner.event_mode;
+        phase.belongs_to(self.kind, self.version)
+            && of_mode
+            && !matches!(phase, Phase::IntermediateUpdate | Phase::Fatal)
+    }
+
+    /// Evaluates the start values if they changed.
+    fn evaluate(&mut self) -> Result<(), CallError> {
+        if self.stale {
+            self.plant.initialize(self.experiment.start_s)?;
+            if self.kind == InterfaceKind::ModelExchange {
+                self.plant.system_mut().begin_exchange()?;
+            }
+            self.stale = false;
+        }
+        Ok(())
+    }
+}
+
+/// The model in the resource folder, as an instance holds it.
+struct Model {
+    machine: Arc<Machine>,
+    plant: Plant,
+    interface: Interface,
+    guid: String,
+}
+
+impl Model {
+    /// Reads it; the table is the one that the GUID or the token names, with continuous states or without.
+    fn of(request: &Request) -> Result<Self, InstantiationError> {
+        if request.name.is_none_or(str::is_empty) {
+            return Err(InstantiationError::NoName);
+        }
+        let (text, path) = resource::read_model(request.resource_location)?;
+        let machine = Arc::new(config::parse(&text, &path.to_string_lossy())?);
+        let plant = unwatched(&machine);
+        let token = |interface: &Interface| match request.version {
+            Version::Fmi2 => guid(&text, interface.variables()),
+            Version::Fmi3 => interface.instantiation_token(&text),
+        };
+        let plain = Interface::new(&machine);
+        let own = token(&plain);
+        let given = request.guid.unwrap_or("(null)");
+        if given == own {
+            return Ok(Self { machine, plant, interface: plain, guid: own });
+        }
+        let interface = match request.version {
+            Version::Fmi2 => Interface::with_states(&machine, &plant),
+            Version::Fmi3 => Interface::with_states_and_indicators(&machine, &plant),
+        };
+        let guid = token(&interface);
+        match given == guid {
+            true => Ok(Self { machine, plant, interface, guid }),
+            false => Err(InstantiationError::Guid { given: given.to_owned(), own }),
+        }
+    }
+}
+
+/// A plant that finds outputs when they are read.
+fn unwatched(machine: &Arc<Machine>) -> Plant {
+    let mut plant = Plant::new(Arc::clone(machine));
+    plant.watch(OutputSet::NONE);
+    plant
+}
+
+/// Experiment of an importer that gives none.
+fn default_experiment(machine: &Machine) -> Experiment {
+    Experiment { start_s: machine.experiment.start_time_s, stop_s: None }
+}

@@ -1,0 +1,174 @@
+//! Values and derivatives of variables.
+
+use crate::instance::error::CallError;
+use crate::instance::{Instance, Phase};
+use crate::interface::{AccessError, DerivativeError, Kind, Scalar, Selection, Stage, Whole};
+use foldwing_engine::plant::Plant;
+
+/// Rows and their numbers.
+type Seeds<'a> = (&'a [u32], &'a [f64]);
+
+impl Instance {
+    /// Reads variables of one type; in Initialization Mode computed ones are evaluated first.
+    pub fn get<T: Scalar>(&mut self, selection: impl Selection, values: &mut [T]) -> Result<(), CallError> {
+        if self.stale && selection.heads(&self.interface).any(|reference| self.interface.is_computed(reference)) {
+            // a refused call changes nothing
+            selection.check(&self.interface, T::KIND, values.len())?;
+            self.evaluate()?;
+        }
+        self.update(selection)?;
+        let needs = self.interface.needs(selection);
+        self.read = self.read | needs;
+        // importers read the same variables after every step: one evaluation serves all their calls
+        if !self.plant.provides(needs) {
+            self.plant.provide(self.read | self.read_before);
+        }
+        Ok(self.interface.get_all(&self.plant, selection, values)?)
+    }
+
+    /// Sets inputs and parameters of one type: all of them or, on a refusal, none.
+    pub fn set<T: Scalar, S: Selection>(&mut self, selection: S, values: &[T]) -> Result<(), CallError> {
+        let stage = self.stage();
+        self.refuse_discrete(selection)?;
+        self.interface.set_all(&mut self.plant, selection, values, stage)?;
+        self.plant.system_mut().exchange_inputs_set();
+        self.stale |= stage == Stage::Starting && selection.heads(&self.interface).next().is_some();
+        Ok(())
+    }
+
+    /// Refuses what cannot change while time passes: in Continuous-Time Mode, and in steps of an importer that uses Event Mode.
+    fn refuse_discrete(&self, selection: impl Selection) -> Result<(), CallError> {
+        let passing = match self.phase {
+            Phase::ContinuousTime => true,
+            Phase::StepComplete => self.manner.event_mode,
+            _ => false,
+        };
+        if !passing {
+            return Ok(());
+        }
+        match selection.heads(&self.interface).find(|&reference| !self.interface.is_continuous_input(reference)) {
+            None => Ok(()),
+            Some(reference) => {
+                let row = self.interface.variables().get(reference as usize);
+                let name = row.map_or_else(|| format!("of value reference {reference}"), |row| row.name.clone());
+                Err(CallError::OnlyContinuousInputs { version: self.version, phase: self.phase, name })
+            }
+        }
+    }
+
+    /// Where setting and differentiating stand.
+    fn stage(&self) -> Stage {
+        match self.phase {
+            Phase::Instantiated | Phase::Initialization => Stage::Starting,
+            _ => Stage::Running,
+        }
+    }
+
+    /// Sets derivatives of inputs in time, for the next step only.
+    pub fn set_input_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &[f64],
+    ) -> Result<(), CallError> {
+        Ok(self.interface.set_input_rates(&mut self.plant, references, orders, values)?)
+    }
+
+    /// Derivatives of outputs in time.
+    pub fn output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &mut [f64],
+    ) -> Result<(), CallError> {
+        Ok(self.interface.output_rates(&mut self.plant, references, orders, values)?)
+    }
+
+    /// The same of arrays, with one order for each.
+    pub fn array_output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &mut [f64],
+    ) -> Result<(), CallError> {
+        let rows = self.rows_of(references, values.len())?;
+        let lengths = Whole(references).blocks(&self.interface).map(<[u32]>::len);
+        let orders: Vec<i32> =
+            orders.iter().zip(lengths).flat_map(|(&order, length)| std::iter::repeat_n(order, length)).collect();
+        self.output_derivatives(&rows, &orders, values)
+    }
+
+    /// Directional derivative of rows by rows.
+    pub fn directional_derivative(
+        &mut self,
+        unknowns: (&[u32], &mut [f64]),
+        knowns: Seeds<'_>,
+    ) -> Result<(), CallError> {
+        let when = (self.stage(), self.experiment.start_s);
+        self.differentiate(|instance, plant| instance.directional_derivative(plant, when, unknowns, knowns))
+    }
+
+    /// Directional derivative of arrays by arrays.
+    pub fn array_directional_derivative(
+        &mut self,
+        unknowns: (&[u32], &mut [f64]),
+        knowns: Seeds<'_>,
+    ) -> Result<(), CallError> {
+        let (of, by) = (self.rows_of(unknowns.0, unknowns.1.len())?, self.rows_of(knowns.0, knowns.1.len())?);
+        self.directional_derivative((&of, unknowns.1), (&by, knowns.1))
+    }
+
+    /// Adjoint derivative of arrays by arrays: `Σ seed · ∂unknown/∂known` per known.
+    pub fn array_adjoint_derivative(
+        &mut self,
+        unknowns: Seeds<'_>,
+        knowns: (&[u32], &mut [f64]),
+    ) -> Result<(), CallError> {
+        let (of, by) = (self.rows_of(unknowns.0, unknowns.1.len())?, self.rows_of(knowns.0, knowns.1.len())?);
+        let when = (self.stage(), self.experiment.start_s);
+        self.differentiate(|instance, plant| {
+            instance.adjoint_derivative(plant, when, (&of, unknowns.1), (&by, knowns.1))
+        })
+    }
+
+    /// Finds derivatives of a machine whose start values are evaluated.
+    fn differentiate(
+        &mut self,
+        find: impl FnOnce(&crate::interface::Interface, &mut Plant) -> Result<(), DerivativeError>,
+    ) -> Result<(), CallError> {
+        if self.machine.air.is_some() {
+            return Err(CallError::DerivativesInAir);
+        }
+        // a refused call changes nothing: the evaluation is undone with it
+        let before = self.stale.then(|| self.plant.snapshot());
+        let outcome = self.evaluate().and_then(|()| {
+            find(&self.interface, &mut self.plant).map_err(|error| match error {
+                DerivativeError::Access(error) => error.into(),
+                DerivativeError::Plant(error) => error.into(),
+            })
+        });
+        if let (Err(_), Some(before)) = (&outcome, before) {
+            self.plant.restore(&before)?;
+            self.stale = true;
+        }
+        outcome
+    }
+
+    /// Rows of arrays of real numbers, of which there are `count`.
+    fn rows_of(&self, references: &[u32], count: usize) -> Result<Vec<u32>, CallError> {
+        Whole(references).check(&self.interface, Kind::Real, count)?;
+        Ok(Whole(references).blocks(&self.interface).flatten().copied().collect())
+    }
+
+    /// There are no strings: every reference is refused.
+    pub fn no_strings(&self, references: &[u32]) -> Result<(), CallError> {
+        Ok(self.interface.check_kind(references, Kind::String)?)
+    }
+
+    /// There are no variables of some type of FMI 3.0: every reference is refused.
+    pub fn none_of_type(&self, references: &[u32], of: &'static str) -> Result<(), CallError> {
+        let found: Result<(), AccessError> =
+            references.iter().try_for_each(|&reference| self.interface.check_array_type(reference, of));
+        Ok(found?)
+    }
+}
