@@ -270,8 +270,8 @@ fn f306_adjoint_derivatives_are_the_transpose() {
                 rows,
             )
         });
-        for row in 0..rows {
-            forward[row * columns + column] = found[row];
+        for (row, value) in found.into_iter().enumerate() {
+            forward[row * columns + column] = value;
         }
     }
     assert!(forward.iter().filter(|entry| **entry != 0.0).count() > rows * columns / 4);

@@ -1,8 +1,9 @@
 //! The shared libraries that go into an archive, and the platforms they are for.
 
 use crate::packaging::PackageError;
+use foldwing_fmi::fmi2;
+use foldwing_fmi::fmi3;
 use foldwing_fmi::instance::Version;
-use foldwing_fmi::{fmi2, fmi3};
 use object::read::NameOrOrdinal;
 use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
 use object::{Architecture, BinaryFormat, FileKind, Object, ObjectKind};

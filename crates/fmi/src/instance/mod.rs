@@ -1,8 +1,7 @@
 //! One instance behind either version of the standard: the life cycle around a plant and its variable table.
 //!
 //! The crate `foldwing-fmu` turns C calls into calls of [`Instance`]; everything here is safe Rust and tested as such. What
-//! differs between the versions (names, the call table, arrays, Event Mode) is in [`fmi2`](crate::fmi2) and
-//! [`fmi3`](crate::fmi3).
+//! differs between the versions (names, the call table) is in the modules `fmi2` and `fmi3`.
 
 mod error;
 mod exchange;
