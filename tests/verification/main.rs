@@ -24,4 +24,5 @@ mod statics;
 mod strips;
 mod taylor;
 mod trees;
+mod turbine;
 mod whole;

@@ -16,6 +16,7 @@ pub(super) fn add(file: &ModelFile, lawless: &[&str], mut machine: MachineBuilde
             mass_kg: mass.mass_kg,
             offset_m: mass.offset_m.into(),
             inertia_kg_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+            moments_as_given: false,
         };
         machine = machine.mass(&mass.body, attached);
     }

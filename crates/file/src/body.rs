@@ -143,7 +143,9 @@ pub(super) fn build_rigid(name: &str, file: &RigidBodyFile) -> BodyBuilder {
         return body;
     }
     let [xx, yy, zz, xy, xz, yz] = file.inertia_kg_m2;
-    body.inertia(file.mass_kg, file.centre_of_mass_m, Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz))
+    let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    let body = body.inertia(file.mass_kg, file.centre_of_mass_m, tensor);
+    if file.moments_as_given { body.moments_as_given() } else { body }
 }
 
 /// The section along the body: uniform, tapered, or between two named ones; `None` where a problem was found.

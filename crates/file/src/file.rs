@@ -6,6 +6,7 @@
 use crate::air_file::{AirFile, GustFile, SurfaceFile};
 use crate::body::{BodyFile, LoadFrameFile};
 use crate::joint_file::JointFile;
+use crate::modal_body::ModalBodyFile;
 use crate::rotor_file::{PolarFile, TowerFile, WindFile};
 use crate::run::{ExperimentFile, SolverFile};
 use indexmap::IndexMap;
@@ -17,7 +18,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 #[schemars(
     title = "Foldwing model file",
-    extend("anyOf" = [{ "required": ["section", "body"] }, { "required": ["rigid_body"] }])
+    extend("anyOf" = [{ "required": ["section", "body"] }, { "required": ["rigid_body"] }, { "required": ["modal_body"] }])
 )]
 pub(super) struct ModelFile {
     /// Model name; names the FMU.
@@ -41,6 +42,9 @@ pub(super) struct ModelFile {
     /// sections nor beams.
     #[serde(default)]
     pub rigid_body: IndexMap<String, RigidBodyFile>,
+    /// Bodies that bend in given shapes by name, each held by exactly one joint at its inner end.
+    #[serde(default)]
+    pub modal_body: IndexMap<String, ModalBodyFile>,
     /// Joints by name; a joint's name is a group of the FMU's variables.
     #[schemars(extend("minProperties" = 1, "x-allowed" = "at least one table [joint.<name>]"))]
     pub joint: IndexMap<String, JointFile>,
@@ -97,6 +101,10 @@ pub(super) struct RigidBodyFile {
     /// Default: a point.
     #[serde(default)]
     pub inertia_kg_m2: [f64; 6],
+    /// The principal moments of `inertia_kg_m2` need only be positive: inertia that counts about some axes alone, such as that of a
+    /// generator's rotor about its shaft. No rigid body has such moments. Default false.
+    #[serde(default)]
+    pub moments_as_given: bool,
     /// Frames on the body by name: places where joints hold on, `parent_frame`.
     #[serde(default)]
     pub frame: IndexMap<String, FrameFile>,

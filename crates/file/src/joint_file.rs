@@ -187,6 +187,11 @@ pub(super) struct DriveFile {
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub inertia_kg_m2: f64,
+    /// Gear ratio of a revolute joint's motor: turns of its rotor per turn of the joint, negative where it turns the other way. The
+    /// rotor then also feels the turn of the joint's parent about the axis, and reacts on it: `inertia_kg_m2` over the ratio couples the
+    /// two. Default: so large a ratio that it does not matter.
+    #[schemars(extend("x-allowed" = "a finite ratio other than 0"))]
+    pub gear_ratio: Option<f64>,
     /// Start value of the commanded (neutral) angle `θ_cmd`.
     #[serde(default)]
     #[schemars(range(min = -360.0, max = 360.0))]

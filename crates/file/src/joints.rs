@@ -34,6 +34,7 @@ const REVOLUTE_DRIVE_KEYS: &[(&str, &str)] = &[
     ("torque_limit_N_m", "torque_limit_n_m"),
     ("rate_limit_deg_s", "rate_limit_rad_s"),
     ("inertia_kg_m2", "inertia_kg_m2"),
+    ("gear_ratio", "gear_ratio"),
     ("command_deg", "command_rad"),
 ];
 
@@ -60,9 +61,9 @@ pub(super) fn build_all(file: &ModelFile, checker: &mut Checker) -> Vec<JointBui
         .collect()
 }
 
-/// Names of all bodies: beams, then rigid bodies.
+/// Names of all bodies: beams, then rigid bodies, then modal ones.
 fn bodies(file: &ModelFile) -> impl Iterator<Item = &String> {
-    file.body.keys().chain(file.rigid_body.keys())
+    file.body.keys().chain(file.rigid_body.keys()).chain(file.modal_body.keys())
 }
 
 /// The joint of each body: children exist, differ from the parents, and no two joints hold the same child.
@@ -115,6 +116,9 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
         }
     }
     refuse_other_travel(name, joint, checker);
+    if joint.kind == JointType::Prismatic && checker.states(&["joint", name, "drive", "gear_ratio"]) {
+        checker.refuse(&["joint", name, "drive", "gear_ratio"], "this key only with type = \"revolute\"");
+    }
     let place = parent_frame(name, joint, file, checker);
     // of vectors in the frame that the joint holds on to
     let turned = |vector: Vector3<f64>| match place {
@@ -330,6 +334,7 @@ fn build_drive(drive: &DriveFile, travel: Travel) -> Drive {
         torque_limit_n_m: drive.torque_limit_n_m.unwrap_or(none.torque_limit_n_m),
         rate_limit_rad_s: drive.rate_limit_deg_s.map_or(none.rate_limit_rad_s, f64::to_radians),
         inertia_kg_m2: drive.inertia_kg_m2,
+        gear_ratio: drive.gear_ratio,
         command_rad: drive.command_deg.to_radians(),
     }
 }

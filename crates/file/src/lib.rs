@@ -9,6 +9,7 @@ mod air;
 mod air_file;
 mod attachments;
 mod body;
+mod copies;
 mod document;
 mod doubts;
 mod embedded;
@@ -21,6 +22,7 @@ mod json;
 mod letters;
 mod loops;
 mod meant;
+mod modal_body;
 mod polar_file;
 mod reference;
 mod rotor;
@@ -93,6 +95,7 @@ fn build(text: &str) -> Result<Machine, Vec<Problem>> {
     let document = Document::parse(text)?;
     letters::check(&document)?;
     structure::check(&document)?;
-    let file: ModelFile = toml::from_str(text).map_err(|error| vec![document.syntax_problem(&error)])?;
-    validate::machine(&file, &document)
+    let mut file: ModelFile = toml::from_str(text).map_err(|error| vec![document.syntax_problem(&error)])?;
+    let copies = copies::expand(&mut file);
+    validate::machine(&file, &document, &copies)
 }

@@ -123,7 +123,7 @@ impl<'a> Check<'_, 'a> {
                 // beams need both; a machine of rigid bodies neither
                 || self.path.is_empty()
                     && ["section", "body"].contains(&known)
-                    && !table.iter().any(|(key, _)| key.get_ref() == "rigid_body");
+                    && !table.iter().any(|(key, _)| ["rigid_body", "modal_body"].contains(&key.get_ref().as_ref()));
             let required = needed && !meant.contains(&known);
             if required && !table.iter().any(|(key, _)| key.get_ref() == known) {
                 self.path.push(known.to_owned());

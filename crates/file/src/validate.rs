@@ -1,11 +1,12 @@
 //! Third pass: the file told to a [`MachineBuilder`], and what that refuses told with the file's keys and lines.
 
+use crate::copies::Copies;
 use crate::document::{Document, key_text};
 use crate::error::{Fault, Problem};
 use crate::file::ModelFile;
 use crate::meant::did_you_mean;
 use crate::run::{MethodFile, ModeFile};
-use crate::{air, attachments, body, joints, loops, sections};
+use crate::{air, attachments, body, joints, loops, modal_body, sections};
 use foldwing_engine::machine::builder::MachineBuilder;
 use foldwing_engine::machine::fault::{Fault as MachineFault, Subject};
 use foldwing_engine::machine::units::quoted;
@@ -22,27 +23,47 @@ pub(super) struct Checker<'d, 'a> {
     problems: Vec<Problem>,
     /// Places of the machine where something stands in for what was refused here: faults at them follow from that.
     stand_ins: Vec<Vec<String>>,
+    /// Parts that the file says once and the machine has several times.
+    copies: &'d Copies,
 }
 
 impl Checker<'_, '_> {
     /// Refuses the value at `path`, or says that it is missing.
     pub fn refuse(&mut self, path: &[&str], allowed: impl Into<String>) {
-        self.problems.push(self.document.refusal(path, allowed.into()));
+        self.push(self.document.refusal(&self.stated(path), allowed.into()));
+    }
+
+    /// Path of what the file says for one of several copies.
+    fn stated<'p>(&'p self, path: &[&'p str]) -> Vec<&'p str> {
+        let mut path = path.to_vec();
+        if let Some(name) = path.get(1).and_then(|name| self.copies.names.get(*name)) {
+            path[1] = name;
+        }
+        path
+    }
+
+    /// What is wrong with all copies is told once.
+    fn push(&mut self, problem: Problem) {
+        if self.copies.names.is_empty() || !self.problems.contains(&problem) {
+            self.problems.push(problem);
+        }
     }
 
     /// Refuses what `value` describes, at `path`.
     pub fn refuse_as(&mut self, path: &[&str], value: impl Into<String>, allowed: impl Into<String>) {
         let fault = Fault::NotAllowed { value: value.into(), allowed: allowed.into() };
+        let path = &self.stated(path);
         let span = self
             .document
             .find(path)
             .map_or_else(|| self.document.span_of(path), |entry| self.document.value_span(entry.offset, entry.value));
-        self.problems.push(Problem { line: self.document.line_of(path), span, key: key_text(path), fault });
+        let problem = Problem { line: self.document.line_of(path), span, key: key_text(path), fault };
+        self.push(problem);
     }
 
     /// True where the file states the key.
     pub fn states(&self, path: &[&str]) -> bool {
-        self.document.find(path).is_some()
+        self.document.find(&self.stated(path)).is_some()
     }
 
     /// Refuses a name that refers to nothing; `known` are the names it may be.
@@ -84,7 +105,7 @@ impl Checker<'_, '_> {
 
     /// What is allowed where the file gives a function along a body by one number.
     fn plain_number(&self, path: &[&str]) -> Option<&'static str> {
-        let entry = self.document.find(path)?;
+        let entry = self.document.find(&self.stated(path))?;
         let number = matches!(entry.value.get_ref(), DeValue::Integer(_) | DeValue::Float(_));
         match path.last() {
             Some(&("width_taper" | "height_taper")) if number => Some("a finite factor > 0"),
@@ -126,6 +147,22 @@ impl Checker<'_, '_> {
                     path[2] = "centre_of_mass_m".to_owned();
                 }
             }
+            // so has a modal one
+            ("body", _) if path.get(1).is_some_and(|name| file.modal_body.contains_key(name)) => {
+                path[0] = "modal_body".to_owned();
+                // a shape stands in an array of its own kind
+                if let ("flap" | "edge", Some(field)) = (path[2].as_str(), path.get(3).cloned()) {
+                    let key = match field.as_str() {
+                        "coefficients" => "shapes",
+                        "damping_ratio" => "damping_ratios",
+                        _ => "start_m",
+                    };
+                    path[2] = format!("{}_{key}", path[2]);
+                    path.truncate(3);
+                } else if path[2] == "flap" {
+                    path[2] = "flap_shapes".to_owned();
+                }
+            }
             ("body", Some("natural_strain")) => {
                 let key = states(&["twist_1_m", "curvature_y_1_m", "curvature_z_1_m"], &path[..2]);
                 path[2] = key.unwrap_or("natural_curvature_1_m").to_owned();
@@ -156,6 +193,9 @@ const KEYS: &[(&str, &str)] = &[
     ("capture_rad", "capture_deg"),
     ("lower_rad", "lower_deg"),
     ("upper_rad", "upper_deg"),
+    ("twist_rad", "twist_deg"),
+    ("flap_stiffness_n_m2", "flap_stiffness_N_m2"),
+    ("edge_stiffness_n_m2", "edge_stiffness_N_m2"),
     ("zero_lift_angle_rad", "zero_lift_angle_deg"),
     ("stiffness_n_m_rad", "stiffness_N_m_rad"),
     ("damping_n_m_s_rad", "damping_N_m_s_rad"),
@@ -186,8 +226,12 @@ const WORDS: &[(&str, &str)] = &[
 ///
 /// # Errors
 /// All problems, in the order of the file.
-pub(super) fn machine(file: &ModelFile, document: &Document) -> Result<Machine, Vec<Problem>> {
-    let mut checker = Checker { document, problems: Vec::new(), stand_ins: Vec::new() };
+pub(super) fn machine(file: &ModelFile, document: &Document, copies: &Copies) -> Result<Machine, Vec<Problem>> {
+    let mut checker = Checker { document, problems: Vec::new(), stand_ins: Vec::new(), copies };
+    for (table, name, copy) in &copies.taken {
+        let allowed = format!("a table under another name: {copy:?} is one of the copies of {name:?}");
+        checker.refuse_as(&[table, copy], format!("the name {copy:?}"), allowed);
+    }
     let machine = describe(file, &mut checker).build();
     if let Err(refused) = &machine {
         refused.faults.iter().for_each(|fault| checker.tell(fault, file));
@@ -217,8 +261,13 @@ fn describe(file: &ModelFile, checker: &mut Checker) -> MachineBuilder {
         }
         machine = machine.body(body::build(name, body, law, checker), joint);
     }
-    for ((name, body), joint) in file.rigid_body.iter().zip(joints.split_off(file.body.len())) {
+    let mut others = joints.split_off(file.body.len());
+    let modal = others.split_off(file.rigid_body.len());
+    for ((name, body), joint) in file.rigid_body.iter().zip(others) {
         machine = machine.body(body::build_rigid(name, body), joint);
+    }
+    for ((name, body), joint) in file.modal_body.iter().zip(modal) {
+        machine = machine.body(modal_body::build(name, body, checker), joint);
     }
     machine = attachments::add(file, &lawless, machine);
     machine = loops::add(file, machine);

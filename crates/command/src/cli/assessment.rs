@@ -312,8 +312,11 @@ fn mass_properties(plant: &Plant) -> ([f64; 3], [f64; 6]) {
         let mesh_m = plant.mesh_m(index);
         for ends in mesh_m.windows(2) {
             let half_m = 0.5 * (ends[1] - ends[0]);
-            let places_m = GAUSS.map(|(at, _)| ends[0] + half_m * (1.0 + at));
-            for ((section, place_m), (_, weight)) in plant.sections(index, &places_m).iter().zip(places_m).zip(GAUSS) {
+            // the mass of a modal body lies at the middles of its cells
+            let rule: &[(f64, f64)] = if body.is_modal() { &[(0.0, 2.0)] } else { &GAUSS };
+            let places_m: Vec<f64> = rule.iter().map(|(at, _)| ends[0] + half_m * (1.0 + at)).collect();
+            let sections = plant.sections(index, &places_m);
+            for ((section, place_m), (_, weight)) in sections.iter().zip(places_m).zip(rule) {
                 let law = body.section.at(place_m);
                 let (length_m, position) = (weight * half_m, section.position_m);
                 let [y, z] = law.first_moment_kg;

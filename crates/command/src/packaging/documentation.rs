@@ -120,6 +120,15 @@ fn bodies_section(html: &mut String, machine: &Machine) {
                 row.extend([body.station_positions_m.len().to_string(), "–".to_owned(), "–".to_owned()]);
                 return row;
             }
+            if let Some(law) = body.section.modal() {
+                let mass_kg = number(law.mass_in_all_kg());
+                let mut row =
+                    vec![escape(&body.name).into_owned(), number(body.length_m), format!("{mass_kg} kg in all")];
+                row.extend(std::iter::repeat_n("–".to_owned(), 4));
+                row.push(format!("{} shapes, {} cells", law.modes(), law.cells));
+                row.extend([body.station_positions_m.len().to_string(), "–".to_owned(), "–".to_owned()]);
+                return row;
+            }
             // a section that varies is shown at both ends
             let ends = match body.section.is_uniform() {
                 true => vec![body.section.at(0.0)],

@@ -1,5 +1,6 @@
 //! How section and natural strain vary along a body.
 
+use crate::beam::modal::ModalLaw;
 use crate::beam::profile::Profile;
 use crate::beam::section::{Section, Solid};
 use crate::math::quadrature::gauss_pieces;
@@ -28,6 +29,14 @@ pub enum SectionLaw {
         /// Length of the body in m.
         length_m: f64,
     },
+    /// No sections that strain: the body bends in given shapes.
+    Modal(Box<ModalLaw>),
+}
+
+impl From<ModalLaw> for SectionLaw {
+    fn from(law: ModalLaw) -> Self {
+        Self::Modal(Box::new(law))
+    }
 }
 
 impl From<Section> for SectionLaw {
@@ -49,6 +58,7 @@ impl SectionLaw {
             Self::Uniform(section) => section.clone(),
             Self::Tapered { solid, width, height } => solid.stretched(width.at(s_m), height.at(s_m)).section(),
             Self::Between { inner, outer, length_m } => inner.towards(outer, s_m / length_m),
+            Self::Modal(law) => law.section(s_m),
         }
     }
 
@@ -56,7 +66,7 @@ impl SectionLaw {
     pub fn solid_at(&self, s_m: f64) -> Option<Solid> {
         match self {
             Self::Tapered { solid, width, height } => Some(solid.stretched(width.at(s_m), height.at(s_m))),
-            Self::Uniform(_) | Self::Between { .. } => None,
+            Self::Uniform(_) | Self::Between { .. } | Self::Modal(_) => None,
         }
     }
 
@@ -64,7 +74,7 @@ impl SectionLaw {
     pub fn kinks_m(&self) -> Vec<f64> {
         match self {
             Self::Tapered { width, height, .. } => [width.kinks_m(), height.kinks_m()].concat(),
-            Self::Uniform(_) | Self::Between { .. } => Vec::new(),
+            Self::Uniform(_) | Self::Between { .. } | Self::Modal(_) => Vec::new(),
         }
     }
 
@@ -73,7 +83,7 @@ impl SectionLaw {
         match self {
             Self::Uniform(_) => vec![0.0],
             Self::Tapered { width, height, .. } => [width.samples_m(length_m), height.samples_m(length_m)].concat(),
-            Self::Between { .. } => vec![0.0, length_m],
+            Self::Between { .. } | Self::Modal(_) => vec![0.0, length_m],
         }
     }
 
@@ -83,11 +93,15 @@ impl SectionLaw {
             Self::Uniform(_) => true,
             Self::Tapered { width, height, .. } => width.is_constant() && height.is_constant(),
             Self::Between { inner, outer, .. } => inner == outer,
+            Self::Modal(_) => false,
         }
     }
 
     /// Mass of a body of `length_m` in kg.
     pub fn mass_kg(&self, length_m: f64) -> f64 {
+        if let Self::Modal(law) = self {
+            return law.mass_in_all_kg();
+        }
         if self.is_uniform() {
             return self.at(0.0).mass_kg_m * length_m;
         }
@@ -108,6 +122,20 @@ impl SectionLaw {
                 outer: outer.scaled(mass_factor, stiffness_factor),
                 length_m: *length_m,
             },
+            Self::Modal(law) => {
+                let mut law = law.clone();
+                law.mass_factor *= mass_factor;
+                law.stiffness_factor *= stiffness_factor;
+                Self::Modal(law)
+            }
+        }
+    }
+
+    /// The shapes in which a modal body bends.
+    pub fn modal(&self) -> Option<&ModalLaw> {
+        match self {
+            Self::Modal(law) => Some(law),
+            _ => None,
         }
     }
 }

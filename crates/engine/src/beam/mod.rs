@@ -2,6 +2,7 @@
 
 pub mod element;
 pub mod law;
+pub mod modal;
 pub mod profile;
 pub mod recovery;
 pub mod section;

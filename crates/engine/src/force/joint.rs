@@ -276,7 +276,8 @@ impl JointForces {
         let axis = |row: usize| -> Vector3<f64> { twists.fixed_view::<3, 1>(row, 0).into_owned() };
         // unit axes of a slide and of a hinge; the other one is zero
         let (slide, hinge) = (axis(0), axis(3));
-        let along = self.torque_n_m(time_s, motion, work) - joint.drive_inertia * motion.a[c];
+        let carried = joint.drive_carried * work.joints[self.body].one_freedom().map_or(0.0, |one| one.carrier_rate);
+        let along = self.torque_n_m(time_s, motion, work) - joint.drive_inertia * (motion.a[c] + carried);
         on.force_n += slide * (along * slide.norm_squared() - slide.dot(&on.force_n));
         on.moment_n_m += hinge * (along * hinge.norm_squared() - hinge.dot(&on.moment_n_m));
     }

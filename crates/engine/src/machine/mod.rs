@@ -3,6 +3,7 @@
 //! Whoever needs the model needs this module alone. A [`Machine`] comes from [`Machine::builder`], in code or told by a model
 //! file; [`Machine::validate`] says what is wrong with one whose fields were set by hand.
 
+mod body_kind;
 pub mod builder;
 pub(crate) mod edges;
 pub mod fault;
@@ -22,6 +23,7 @@ pub use crate::aero::lattice::{LoadRule, WakeModel};
 use crate::aero::surface::{ChordLine, Profile};
 pub use crate::beam::element::ElementKind;
 pub use crate::beam::law::{NaturalStrain, SectionLaw};
+pub use crate::beam::modal::{MOST_MODES, ModalLaw, Shape};
 use crate::beam::recovery::{axial_row, gauge_row};
 pub use crate::force::latch::LatchKind;
 pub use crate::force::motor::UNLIMITED;
@@ -124,13 +126,6 @@ impl Machine {
     }
 }
 
-impl Body {
-    /// The body has no elements: one frame that carries masses, joints and loads.
-    pub fn is_rigid(&self) -> bool {
-        self.elements == 0
-    }
-}
-
 /// A point mass or rigid body fixed to a section.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AttachedMass {
@@ -144,6 +139,8 @@ pub struct AttachedMass {
     pub offset_m: Vector3<f64>,
     /// Inertia about the centre of gravity, section frame, kg·m².
     pub inertia_kg_m2: Matrix3<f64>,
+    /// Its principal moments need only be positive: inertia that counts about some axes alone, which no rigid body has.
+    pub moments_as_given: bool,
 }
 
 /// Joint between a body's inner end and its parent.
@@ -248,6 +245,9 @@ pub struct Drive {
     pub rate_limit_rad_s: f64,
     /// Moment of inertia that turns with the angle only, in kg·m².
     pub inertia_kg_m2: f64,
+    /// Ratio of the turn of the motor's rotor to that of the joint, negative where it turns the other way: the rotor then feels the turn
+    /// of what carries the joint about its axis. `None`, as for a large ratio: it does not. Of revolute joints only.
+    pub gear_ratio: Option<f64>,
     /// Start value of the command input in rad.
     pub command_rad: f64,
 }
@@ -262,6 +262,7 @@ impl Default for Drive {
             torque_limit_n_m: UNLIMITED,
             rate_limit_rad_s: UNLIMITED,
             inertia_kg_m2: 0.0,
+            gear_ratio: None,
             command_rad: 0.0,
         }
     }

@@ -204,6 +204,7 @@ impl From<LinearDrive> for Drive {
             torque_limit_n_m: drive.force_limit_n,
             rate_limit_rad_s: drive.rate_limit_m_s,
             inertia_kg_m2: drive.mass_kg,
+            gear_ratio: None,
             command_rad: drive.command_m,
         }
     }

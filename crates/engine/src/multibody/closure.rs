@@ -214,6 +214,12 @@ fn project_unit_force(model: &Model, work: &mut Workspace, closure: &Closure, ax
             let own = &work.bias[body.first_node + i];
             p = Pair { linear: own.linear + p.linear, angular: own.angular + p.angular + link.arm_m.cross(&p.linear) };
         }
+        if let (Some(modal), Some(scratch)) = (&body.modal, &work.modal[index]) {
+            modal.project(scratch, &p, out);
+            let own = &work.bias[body.first_node];
+            let moment = p.angular + scratch.arm.cross(&p.linear);
+            p = Pair { linear: own.linear + p.linear, angular: own.angular + moment };
+        }
         let joint = &work.joints[index];
         body.joint.project(joint, &p, out);
         joint.pass_on(&p.linear, &mut p.angular);

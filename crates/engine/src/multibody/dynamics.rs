@@ -59,8 +59,10 @@ fn sweep_forces<const PROJECT: bool>(
     residual: &mut [f64],
 ) {
     load_rates(model, work, environment);
-    for body in &model.bodies {
-        if body.slim_mass {
+    for (index, body) in model.bodies.iter().enumerate() {
+        if let (Some(modal), Some(scratch)) = (&body.modal, &work.modal[index]) {
+            modal.inertia_forces::<PROJECT>(scratch, &mut work.nodes[body.first_node], environment.root, residual);
+        } else if body.slim_mass {
             inertia_forces::<true>(model, body, work);
         } else {
             inertia_forces::<false>(model, body, work);
@@ -74,10 +76,14 @@ fn sweep_forces<const PROJECT: bool>(
         }
     }
     react_on_carriers(model, work, environment.damping);
+    let rotors_on_root = react_of_rotors::<PROJECT>(model, work, motion, environment.root, residual);
     for closure in &model.closures {
         closure.apply(work);
     }
     sweep_inward::<PROJECT>(model, work, residual);
+    if let Some(moment) = rotors_on_root {
+        work.root_moment += moment;
+    }
 }
 
 /// Rates of the nodal vectors that the mass multiplies, and the wrenches of attached masses, eq. (D5).
@@ -127,6 +133,40 @@ fn react_on_carriers(model: &Model, work: &mut Workspace, damping: &[Damping]) {
         let (force, moment) = damping_resultant(model, body, work, carrier);
         work.nodes[carrier].add_fixed(&(force * -damping.mass_1_s), &(moment * -damping.mass_1_s));
     }
+}
+
+/// What the rotors of drives with a gear feel of the turn of what carries them, and their reaction on it, eq. (D17). Returns the
+/// moment on the root, if any.
+fn react_of_rotors<const PROJECT: bool>(
+    model: &Model,
+    work: &mut Workspace,
+    motion: Motion,
+    root: &RootMotion,
+    residual: &mut [f64],
+) -> Option<Vector3<f64>> {
+    let mut on_root = None;
+    for (body, scratch) in model.bodies.iter().zip(&mut work.joints) {
+        let joint = &body.joint;
+        if joint.drive_carried == 0.0 {
+            continue;
+        }
+        let Some(one) = scratch.one_freedom_mut() else { continue };
+        let (spin, spin_rate) = match body.base {
+            Base::Root(_) => (Vector3::zeros(), Vector3::zeros()),
+            Base::Node(node) => (work.nodes[node].spin, work.nodes[node].spin_rate),
+        };
+        one.carrier_rate = one.axis.dot(&root.inertial_angular_acceleration_rad_s2(&spin, &spin_rate));
+        let coupling = joint.drive_inertia * joint.drive_carried;
+        if PROJECT {
+            residual[joint.coordinate] += coupling * one.carrier_rate;
+        }
+        let moment = one.axis * (coupling * (motion.a[joint.coordinate] + joint.drive_carried * one.carrier_rate));
+        match body.base {
+            Base::Root(_) => on_root = Some(on_root.unwrap_or_else(Vector3::zeros) + moment),
+            Base::Node(node) => work.nodes[node].add_fixed(&Vector3::zeros(), &moment),
+        }
+    }
+    on_root
 }
 
 /// `Σ f` and `Σ e × f` about the carrier of `f = M̂ ė`, `ė` relative to the carrier's rigid motion, of one body's beam.
@@ -254,6 +294,9 @@ pub(crate) fn wrench_of(rotation: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) -> 
 fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Damping], residual: &mut [f64]) {
     for (index, (body, damping)) in model.bodies.iter().zip(damping).enumerate() {
         body.joint.own_forces(&work.joints[index], motion, residual);
+        if let Some(modal) = &body.modal {
+            modal.own_forces(motion, residual);
+        }
         let beta = damping.stiffness_s;
         let mut write = |element: &Element, force: Vector4<f64>| {
             residual[element.coordinate..element.coordinate + 4].copy_from_slice(force.as_slice());
@@ -290,6 +333,16 @@ fn sweep_inward<const PROJECT: bool>(model: &Model, work: &mut Workspace, residu
     for (index, body) in model.bodies.iter().enumerate().rev() {
         let outer = &work.nodes[body.last_node()];
         let (mut force, mut moment) = (outer.force, outer.moment);
+        if let (Some(modal), Some(scratch)) = (&body.modal, &work.modal[index]) {
+            if PROJECT {
+                modal.project(scratch, &Pair { linear: force, angular: moment }, residual);
+            }
+            moment += scratch.arm.cross(&force);
+            let inner = &mut work.nodes[body.first_node];
+            inner.moment += moment;
+            inner.force += force;
+            (force, moment) = (inner.force, inner.moment);
+        }
         for i in (0..body.elements).rev() {
             let jacobian = work.jacobian(body.first_element + i);
             let arm = work.arms[body.first_element + i];

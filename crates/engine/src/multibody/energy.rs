@@ -3,8 +3,9 @@
 use crate::load::RootMotion;
 use crate::math::so3::hat;
 use crate::multibody::dynamics::{Damping, multiply};
+use crate::multibody::joint::JointWork;
 use crate::multibody::kinematics::strains;
-use crate::multibody::model::{Body, Model};
+use crate::multibody::model::{Base, Body, Model};
 use crate::multibody::workspace::{Node, Workspace};
 use nalgebra::{Matrix4, Vector3, Vector4};
 
@@ -60,6 +61,14 @@ pub fn kinetic(model: &Model, work: &Workspace, mut per_body: impl FnMut(usize, 
                 rates = outer;
             }
         }
+        if let (Some(modal), Some(scratch)) = (&body.modal, &work.modal[index]) {
+            let masses = modal.masses(scratch, &work.nodes[body.first_node]);
+            beam += masses.map(|(mass_kg, _, velocity)| 0.5 * mass_kg * velocity.norm_squared()).sum::<f64>();
+            if let Some(mass) = &model.nodes[body.last_node()].attached {
+                let rates = nodal_velocities(&work.nodes[body.last_node()]);
+                attached += 0.5 * quadratic(mass, &rates, &rates);
+            }
+        }
         per_body(index, beam);
         total += beam + attached;
     }
@@ -67,12 +76,39 @@ pub fn kinetic(model: &Model, work: &Workspace, mut per_body: impl FnMut(usize, 
 }
 
 /// Kinetic energy in J of what turns with the joint angles only, eq. (D16).
-pub fn kinetic_of_drives(model: &Model, v: &[f64]) -> f64 {
-    let driven = model.bodies.iter().map(|body| &body.joint).filter(|joint| joint.drive_inertia != 0.0);
-    driven.map(|joint| 0.5 * joint.drive_inertia * v[joint.coordinate].powi(2)).sum()
+pub fn kinetic_of_drives(model: &Model, work: &Workspace, v: &[f64]) -> f64 {
+    let driven = model.bodies.iter().zip(&work.joints).filter(|(body, _)| body.joint.drive_inertia != 0.0);
+    driven.map(|(body, scratch)| 0.5 * body.joint.drive_inertia * rotor_rate(body, scratch, work, v).powi(2)).sum()
 }
 
-/// Strain energy of the beams in J; linear elements with their coupling.
+/// Rate of a drive's rotor over its gear ratio in rad/s, or m/s of a slide, eq. (D17).
+fn rotor_rate(body: &Body, scratch: &JointWork, work: &Workspace, v: &[f64]) -> f64 {
+    let own = v[body.joint.coordinate];
+    match (body.joint.drive_carried, scratch.one_freedom(), body.base) {
+        (carried, Some(one), Base::Node(node)) if carried != 0.0 => {
+            own + carried * one.axis.dot(&work.nodes[node].spin)
+        }
+        _ => own,
+    }
+}
+
+/// Power in W of the inertia forces that a rotating root frame adds to the rotors of drives, as [`frame_power`].
+pub fn frame_power_of_drives(model: &Model, work: &Workspace, root: &RootMotion, v: &[f64]) -> f64 {
+    let mut power = 0.0;
+    for (body, scratch) in model.bodies.iter().zip(&work.joints).filter(|(body, _)| body.joint.drive_carried != 0.0) {
+        let Some(one) = scratch.one_freedom() else { continue };
+        let spin = match body.base {
+            Base::Root(_) => Vector3::zeros(),
+            Base::Node(node) => work.nodes[node].spin,
+        };
+        let added = root.inertial_angular_acceleration_rad_s2(&spin, &Vector3::zeros());
+        let coupling = body.joint.drive_inertia * body.joint.drive_carried;
+        power -= coupling * rotor_rate(body, scratch, work, v) * one.axis.dot(&added);
+    }
+    power
+}
+
+/// Strain energy of the beams and modal bodies in J; linear elements with their coupling.
 pub fn elastic(model: &Model, q: &[f64]) -> f64 {
     strain_form(model, |element| {
         let strain = strains(q, element.coordinate);
@@ -81,6 +117,12 @@ pub fn elastic(model: &Model, q: &[f64]) -> f64 {
     .into_iter()
     .sum::<f64>()
         * 0.5
+        + model.bodies.iter().filter_map(|body| body.modal.as_ref()).map(|modal| modal.elastic_j(q)).sum::<f64>()
+}
+
+/// What the damping of modal bodies takes, in W.
+pub fn modal_damping_power(model: &Model, v: &[f64]) -> f64 {
+    model.bodies.iter().filter_map(|body| body.modal.as_ref()).map(|modal| modal.damping_w(v)).sum()
 }
 
 /// `Σ β_body q̇ᵀ K q̇` in W.
@@ -113,12 +155,22 @@ fn strain_form<'a>(
 
 /// First moment of mass of the whole tree about the root's origin, `∫ r dm` in kg·m.
 pub fn first_moment_kg_m(model: &Model, work: &Workspace) -> Vector3<f64> {
-    sum_of_mass_rows(model, |node| nodal_vectors(&work.nodes[node]))
+    let mut sum = sum_of_mass_rows(model, |node| nodal_vectors(&work.nodes[node]));
+    for (body, scratch) in model.bodies.iter().zip(&work.modal) {
+        if let (Some(modal), Some(scratch)) = (&body.modal, scratch) {
+            for (mass_kg, position, _) in modal.masses(scratch, &work.nodes[body.first_node]) {
+                sum += position * mass_kg;
+            }
+        }
+    }
+    sum
 }
 
 /// Mass of the whole tree in kg.
 pub fn mass_kg(model: &Model) -> f64 {
-    sum_of_mass_rows(model, |_| [Vector3::x(), Vector3::zeros(), Vector3::zeros(), Vector3::zeros()]).x
+    let modal = model.bodies.iter().filter_map(|body| body.modal.as_ref());
+    let modal = modal.flat_map(|modal| &modal.element.masses).map(|point| point.mass_kg).sum::<f64>();
+    sum_of_mass_rows(model, |_| [Vector3::x(), Vector3::zeros(), Vector3::zeros(), Vector3::zeros()]).x + modal
 }
 
 /// `Σ uᵀ M̂ e` with `u` that picks positions: shape functions of the positions add up to one.
@@ -138,6 +190,9 @@ fn sum_of_mass_rows(model: &Model, vectors: impl Fn(usize) -> [Vector3<f64>; 4])
                 sum += row(cross, &e) + row(&cross.transpose(), &vectors(n + 1));
             }
         }
+        if let (Some(_), Some(attached)) = (&body.modal, &model.nodes[body.last_node()].attached) {
+            sum += row(attached, &vectors(body.last_node()));
+        }
     }
     sum
 }
@@ -149,7 +204,15 @@ pub fn frame_power(model: &Model, work: &Workspace, root: &RootMotion) -> f64 {
     let frame = hat(&root.angular_acceleration_rad_s2) + turn * turn;
     let turned = |node: usize| nodal_vectors(&work.nodes[node]).map(|vector| frame * vector);
     let mut power = 0.0;
-    for body in &model.bodies {
+    for (body, scratch) in model.bodies.iter().zip(&work.modal) {
+        if let (Some(modal), Some(scratch)) = (&body.modal, scratch) {
+            let masses = modal.masses(scratch, &work.nodes[body.first_node]);
+            power -= masses.map(|(mass_kg, r, v)| mass_kg * v.dot(&(frame * r))).sum::<f64>();
+            if let Some(attached) = &model.nodes[body.last_node()].attached {
+                power -=
+                    quadratic(attached, &nodal_velocities(&work.nodes[body.last_node()]), &turned(body.last_node()));
+            }
+        }
         for i in 0..=body.elements {
             let n = body.first_node + i;
             let rates = nodal_velocities(&work.nodes[n]);

@@ -88,6 +88,11 @@ fn factorize_tree(
         let stiffness = weights.stiffness + weights.damping * damping[index].stiffness_s;
         // what the outer half of a pair leaves for the inner one: coupling to the middle node, and stiffness
         let mut carried: Option<Carried> = None;
+        if let (Some(modal), Some(scratch)) = (&body.modal, &mut work.modal[index]) {
+            let outer = &work.inertia[body.last_node()];
+            let inertia = modal.eliminate(scratch, &work.nodes[body.first_node], outer, weights)?;
+            work.inertia[body.first_node].add(&inertia);
+        }
         for i in (0..body.elements).rev() {
             let e = body.first_element + i;
             let element = &model.elements[e];
@@ -108,18 +113,12 @@ fn factorize_tree(
             let mut factor = elimination.factor;
             factor.coupling = element.coupling * stiffness;
             work.element_factors[e] = factor;
-            let p = &mut work.inertia[n];
-            p.vv += elimination.inertia.vv;
-            p.vw += elimination.inertia.vw;
-            p.ww += elimination.inertia.ww;
+            work.inertia[n].add(&elimination.inertia);
         }
         let inertia = work.inertia[body.first_node];
         let passed = body.joint.eliminate(&mut work.joints[index], &inertia, weights, &tangents[index])?;
         if let Base::Node(node) = body.base {
-            let p = &mut work.inertia[node];
-            p.vv += passed.vv;
-            p.vw += passed.vw;
-            p.ww += passed.ww;
+            work.inertia[node].add(&passed);
         }
     }
     Ok(())
@@ -321,6 +320,11 @@ pub(crate) fn solve_tree(model: &Model, work: &mut Workspace, x: &mut [f64]) -> 
     work.bias.fill(Pair::ZERO);
     for (index, body) in model.bodies.iter().enumerate().rev() {
         let mut p = work.bias[body.last_node()];
+        if let (Some(modal), Some(scratch)) = (&body.modal, &mut work.modal[index]) {
+            let passed = modal.reduce(scratch, x, &p);
+            let own = &work.bias[body.first_node];
+            p = Pair { linear: own.linear + passed.linear, angular: own.angular + passed.angular };
+        }
         let pairs = body.kind == ElementKind::Linear;
         let mut from_sibling = Vector4::zeros();
         for i in (0..body.elements).rev() {
@@ -361,6 +365,11 @@ fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
         };
         body.joint.expand(&work.joints[index], x, &mut moved, &mut norm);
         work.bias[body.first_node] = moved;
+        if let (Some(modal), Some(scratch)) = (&body.modal, &work.modal[index]) {
+            moved = modal.expand(scratch, x, &moved);
+            work.bias[body.last_node()] = moved;
+            norm.include(&moved);
+        }
         let pairs = body.kind == ElementKind::Linear;
         let mut sibling = Vector4::zeros();
         for i in 0..body.elements {

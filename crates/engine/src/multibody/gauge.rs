@@ -182,7 +182,7 @@ pub fn section_wrench(
         here.moment -= here.fixed.angular;
     }
     let body = &model.bodies[body];
-    if node == body.first_node {
+    if node == body.first_node || body.modal.is_some() {
         return (here.force, here.moment);
     }
     let element = &model.elements[body.first_element + node - body.first_node - 1];

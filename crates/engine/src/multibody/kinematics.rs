@@ -37,7 +37,7 @@ pub fn sweep_motion(model: &Model, work: &mut Workspace, motion: Motion) {
 #[inline]
 fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion) {
     sweep_links::<RATES>(model, &mut work.local_links, &mut work.local_motions, motion);
-    for (body, joint) in model.bodies.iter().zip(&mut work.joints) {
+    for (index, (body, joint)) in model.bodies.iter().zip(&mut work.joints).enumerate() {
         let (offset_m, parent) = match &body.base {
             Base::Root(position_m) => (position_m, None),
             Base::Node(node) => (&body.offset_m, Some(work.nodes[*node])),
@@ -45,6 +45,10 @@ fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion)
         let node = &mut work.nodes[body.first_node];
         body.joint.carry::<RATES>((offset_m, &body.mount), joint, parent.as_ref(), node, motion);
 
+        if let (Some(modal), Some(scratch)) = (&body.modal, &mut work.modal[index]) {
+            let [inner, outer] = &mut work.nodes[body.first_node..body.first_node + 2] else { unreachable!() };
+            modal.carry::<RATES>(scratch, inner, outer, motion);
+        }
         for i in 0..body.elements {
             let e = body.first_element + i;
             let (links, lane) = (&work.local_links[e / LANES], e % LANES);

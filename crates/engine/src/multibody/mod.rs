@@ -7,6 +7,7 @@ pub mod factor;
 pub mod gauge;
 pub mod joint;
 pub mod kinematics;
+pub mod modal;
 pub mod model;
 pub mod norm;
 pub mod section_load;

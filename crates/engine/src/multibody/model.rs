@@ -5,9 +5,11 @@
 
 use crate::beam::element::{ElementElasticity, ElementKind, ElementMass};
 use crate::beam::law::{NaturalStrain, SectionLaw};
+use crate::beam::modal::ModalElement;
 use crate::load::LoadFrame;
 use crate::multibody::closure::{Closure, ClosureDescription};
 use crate::multibody::joint::{Joint, JointKind};
+use crate::multibody::modal::Modal;
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
 /// A body as the mesh maker needs it.
@@ -78,8 +80,10 @@ pub struct Body {
     pub first_node: usize,
     /// First of its (half-)elements.
     pub first_element: usize,
-    /// Number of (half-)elements.
+    /// Number of (half-)elements; none of a rigid and of a modal body.
     pub elements: usize,
+    /// The shapes in which a modal body bends, between its first node and the one at its outer end.
+    pub modal: Option<Box<Modal>>,
     /// Kind of element.
     pub kind: ElementKind,
     /// Natural strains along it.
@@ -102,7 +106,7 @@ pub fn couples_axis_only(mass: &Matrix4<f64>) -> bool {
 impl Body {
     /// Node at the outer end.
     pub fn last_node(&self) -> usize {
-        self.first_node + self.elements
+        self.first_node + self.elements + usize::from(self.modal.is_some())
     }
 
     /// Nodes that are frames of the beam: all but the middles of pairs.
@@ -240,7 +244,12 @@ impl Model {
 
     fn add_body(&mut self, description: &BodyDescription, base: Base, children_m: Vec<f64>) {
         let coordinate = self.coordinates;
-        let joint = Joint { kind: description.joint.mounted(&description.mount), coordinate, drive_inertia: 0.0 };
+        let joint = Joint {
+            kind: description.joint.mounted(&description.mount),
+            coordinate,
+            drive_inertia: 0.0,
+            drive_carried: 0.0,
+        };
         self.coordinates += joint.kind.coordinates();
         let body_index = self.bodies.len();
         let mut body = Body {
@@ -251,12 +260,19 @@ impl Model {
             first_node: self.nodes.len(),
             first_element: self.elements.len(),
             elements: 0,
+            modal: None,
             kind: description.kind,
             natural_strain: description.natural_strain.clone(),
             slim_mass: true,
             carrier: self.carrier_of(description),
             damps_attached: false,
         };
+        if let Some(law) = description.section.modal() {
+            let modal = Modal { element: ModalElement::new(law), coordinate: self.coordinates };
+            self.coordinates += modal.element.modes;
+            body.modal = Some(Box::new(modal));
+            body.kind = ElementKind::Constant;
+        }
         let section = match description.section.is_uniform() {
             true => SectionLaw::Uniform(description.section.at(0.0)),
             false => description.section.clone(),
@@ -293,6 +309,9 @@ impl Model {
                 self.nodes.push(NodeMass { beam: mass.outer, attached: None });
             }
         }
+        if body.modal.is_some() {
+            self.nodes.push(empty);
+        }
         self.bodies.push(body);
 
         for (position_m, mass) in &description.masses {
@@ -324,6 +343,9 @@ impl Model {
     /// Node nearest to a position on a body; exact at mesh boundaries.
     pub fn node_at(&self, body: usize, position_m: f64) -> usize {
         let body = &self.bodies[body];
+        if let Some(modal) = &body.modal {
+            return if position_m < 0.5 * modal.element.length_m { body.first_node } else { body.last_node() };
+        }
         let elements = &self.elements[body.first_element..body.first_element + body.elements];
         // a pair's middle node is not a frame of the beam: skip it
         let stride = if body.kind == ElementKind::Linear { 2 } else { 1 };
@@ -340,6 +362,11 @@ impl Model {
     pub fn locate(&self, body: usize, position_m: f64) -> (usize, f64) {
         let body_index = body;
         let body = &self.bodies[body];
+        if let Some(modal) = &body.modal {
+            let length_m = modal.element.length_m;
+            let snapped = [0.0, length_m].into_iter().find(|end| (position_m - end).abs() <= 1e-9 * length_m);
+            return (body.first_element, snapped.unwrap_or(position_m));
+        }
         if body.elements == 0 {
             return (body.first_element, 0.0);
         }
@@ -359,6 +386,9 @@ impl Model {
 
     /// Length in m of the element, or pair, that starts with `element`, and its number of pieces.
     pub fn span(&self, element: usize, body: usize) -> (f64, usize) {
+        if let Some(modal) = &self.bodies[body].modal {
+            return (modal.element.length_m, 1);
+        }
         match self.bodies[body].kind {
             ElementKind::Constant => (self.elements[element].length_m, 1),
             ElementKind::Linear => (self.elements[element].length_m + self.elements[element + 1].length_m, 2),
@@ -393,8 +423,8 @@ fn end_of(elements: &[Element]) -> f64 {
 
 /// Mesh boundaries from 0 to the body's length: every mass and child sits on one, the rest evenly between.
 fn mesh_boundaries(description: &BodyDescription, children_m: Vec<f64>) -> Vec<f64> {
-    if description.elements == 0 {
-        return vec![0.0]; // a rigid body is its node
+    if description.elements == 0 || description.section.modal().is_some() {
+        return vec![0.0]; // a rigid body is its node, a modal one has another at its end
     }
     let length_m = description.length_m;
     let near = 1e-9 * length_m;

@@ -33,6 +33,11 @@ pub fn kinematic_norm(model: &Model, work: &mut Workspace, change: &[f64]) -> f6
         body.joint.displace(&work.joints[index], change, &mut moved);
         norm.include(&moved);
         work.bias[body.first_node] = moved;
+        if let (Some(modal), Some(scratch)) = (&body.modal, &work.modal[index]) {
+            moved = modal.displaced(scratch, &moved, change);
+            work.bias[body.last_node()] = moved;
+            norm.include(&moved);
+        }
         for i in 0..body.elements {
             let (element, node) = (body.first_element + i, body.first_node + i);
             let strain = strains(change, model.elements[element].coordinate);
@@ -58,6 +63,10 @@ pub fn largest_share(model: &Model, work: &Workspace, change: &[f64]) -> usize {
             let mut moved = Pair::ZERO;
             body.joint.displace(&work.joints[index], change, &mut moved);
             offer(body.joint.coordinate, alone(&moved, model.reference_length_m));
+        }
+        if let (Some(modal), Some(scratch)) = (&body.modal, &work.modal[index]) {
+            let moved = modal.displaced(scratch, &Pair::ZERO, change);
+            offer(modal.coordinate, alone(&moved, model.reference_length_m));
         }
         for i in 0..body.elements {
             let element = body.first_element + i;

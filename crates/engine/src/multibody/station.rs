@@ -9,7 +9,7 @@ use crate::load::{LoadFrame, SectionMotion, Wrench};
 use crate::math::se3::{Link, LinkGeometry};
 use crate::multibody::kinematics::{Motion, strains};
 use crate::multibody::model::{Model, Station};
-use crate::multibody::workspace::Workspace;
+use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::{Matrix3, Vector3};
 
 /// One link of the way from the element's inner node to the station: its strain is
@@ -60,6 +60,9 @@ pub(crate) fn mix(coordinates: &[f64], first: usize, weights: [f64; 2]) -> [f64;
 pub fn motion(model: &Model, work: &Workspace, motion: Motion, station: &Station) -> SectionMotion {
     let first = first_coordinate(model, station);
     let node = &work.nodes[inner_node(model, station)];
+    if let Some(modal) = &model.bodies[station.body].modal {
+        return modal.motion_at(node, motion, station.offset_m);
+    }
     let mut point = SectionMotion {
         rotation: node.rotation,
         position_m: node.position,
@@ -93,6 +96,9 @@ pub struct Accelerated {
 pub fn accelerated(model: &Model, work: &Workspace, motion: Motion, station: &Station) -> Accelerated {
     let first = first_coordinate(model, station);
     let node = &work.nodes[inner_node(model, station)];
+    if let Some(modal) = &model.bodies[station.body].modal {
+        return modal.accelerated_at(node, motion, station.offset_m);
+    }
     let mut point = SectionMotion {
         rotation: node.rotation,
         position_m: node.position,
@@ -122,8 +128,12 @@ pub fn accelerated(model: &Model, work: &Workspace, motion: Motion, station: &St
 
 /// Attitude of a station, root ← section; poses of the nodes must be current in `work`.
 pub fn rotation(model: &Model, work: &Workspace, q: &[f64], station: &Station) -> Matrix3<f64> {
+    let node = &work.nodes[inner_node(model, station)];
+    if let Some(modal) = &model.bodies[station.body].modal {
+        return modal.place(node, &q[modal.range()], station.offset_m).rotation;
+    }
     let first = first_coordinate(model, station);
-    let mut rotation = work.nodes[inner_node(model, station)].rotation;
+    let mut rotation = node.rotation;
     let (steps, count) = steps(model, station);
     for step in &steps[..count] {
         rotation = LinkGeometry::new(&rotation, step.length_m, &mix(q, first, step.weights)).1.rotation;
@@ -149,6 +159,18 @@ pub(crate) fn apply(
             LoadFrame::Section => (rotation * load.force_n, rotation * load.moment_n_m),
         };
         work.nodes[node].add_fixed(&-force, &-moment);
+        return;
+    }
+    if let Some(modal) = &model.bodies[station.body].modal {
+        let place = modal.place(&work.nodes[node], &q[modal.range()], station.offset_m);
+        let (force, moment) = match station.frame {
+            LoadFrame::Root => (load.force_n, load.moment_n_m),
+            LoadFrame::Section => (place.rotation * load.force_n, place.rotation * load.moment_n_m),
+        };
+        let wrench = Pair { linear: -force, angular: -moment };
+        let passed = modal.project_at(&work.nodes[node], &place, &wrench, residual);
+        work.nodes[node].force += passed.linear;
+        work.nodes[node].moment += passed.angular;
         return;
     }
     let (steps, count) = steps(model, station);

@@ -4,6 +4,7 @@ use crate::math::local_link::{LANES, LocalJacobian, LocalLinks, LocalMotions};
 use crate::math::se3::Link;
 use crate::multibody::closure::ClosureFactor;
 use crate::multibody::joint::JointWork;
+use crate::multibody::modal::ModalWork;
 use crate::multibody::model::{Base, Model};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
@@ -75,6 +76,14 @@ pub struct ArticulatedInertia {
 }
 
 impl ArticulatedInertia {
+    /// Adds another one.
+    #[inline]
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.vv += other.vv;
+        self.vw += other.vw;
+        self.ww += other.ww;
+    }
+
     /// Nothing.
     pub const ZERO: Self = Self {
         vv: Matrix3::from_array_storage(ZERO_3),
@@ -125,6 +134,8 @@ pub struct Workspace {
     pub(crate) local_motions: Vec<LocalMotions>,
     /// Per body: its joint.
     pub joints: Vec<JointWork>,
+    /// Per body: what modal ones keep.
+    pub(crate) modal: Vec<Option<Box<ModalWork>>>,
     /// Reaction at the root's origin: inertia less loads of the whole wing, N and N·m.
     pub root_force: Vector3<f64>,
     /// Moment of the same about the origin.
@@ -166,6 +177,7 @@ impl Workspace {
                     JointWork::new(&body.joint, &body.mount, &body.offset_m, carried)
                 })
                 .collect(),
+            modal: model.bodies.iter().map(|body| body.modal.as_ref().map(|_| Box::new(ModalWork::new()))).collect(),
             root_force: zero,
             root_moment: zero,
             inertia: vec![ArticulatedInertia::ZERO; nodes],

@@ -8,6 +8,7 @@
 use crate::load::{RootMotion, Wrench};
 use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::kinematics::Motion;
+use crate::multibody::model::Body;
 use crate::multibody::tangent::Tangent;
 use crate::multibody::{Model, Workspace};
 use crate::solve::EquationsOfMotion;
@@ -132,6 +133,11 @@ impl Study<'_> {
         let mut matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
         let mut springs = DMatrix::zeros(now.q.len(), now.q.len());
         add_elastic(&mut springs, &self.system.equations.model, |_| 1.0);
+        for modal in self.system.equations.model.bodies.iter().filter_map(|body| body.modal.as_ref()) {
+            let (first, modes) = (modal.coordinate, modal.element.modes);
+            let own = modal.element.stiffness.view((0, 0), (modes, modes));
+            springs.view_mut((first, first), (modes, modes)).copy_from(&own);
+        }
         for joint in self.system.equations.forces.joints().iter().filter(|joint| !joint.held) {
             springs[(joint.coordinate, joint.coordinate)] += self.system.equations.tangents[joint.body].stiffness;
         }
@@ -275,10 +281,26 @@ impl Study<'_> {
             size.max(linear).max((re.1.norm_squared() + im.1.norm_squared()).sqrt())
         });
         let scale = if size > 0.0 { 1.0 / size } else { 1.0 };
-        let nodes = |part: &[(Vector3<f64>, Vector3<f64>)]| -> Vec<Vec<NodeMotion>> {
+        let nodes = |(x, part): &(Vec<f64>, Vec<(Vector3<f64>, Vector3<f64>)>)| -> Vec<Vec<NodeMotion>> {
             let motion =
                 |node: usize| NodeMotion { displacement_m: part[node].0 * scale, rotation_rad: part[node].1 * scale };
-            model.bodies.iter().map(|body| body.frames().map(motion).collect()).collect()
+            let of_body = |(index, body): (usize, &Body)| match &body.modal {
+                None => body.frames().map(motion).collect(),
+                Some(modal) => {
+                    let node = &self.system.equations.work.nodes[body.first_node];
+                    let q = &self.system.state.now.q[modal.range()];
+                    let moved = self.system.mesh_m(index).into_iter().map(|place_m| {
+                        modal.displaced_at(node, (q, place_m), &part[body.first_node], &x[modal.range()])
+                    });
+                    moved
+                        .map(|(linear, angular)| NodeMotion {
+                            displacement_m: linear * scale,
+                            rotation_rad: angular * scale,
+                        })
+                        .collect()
+                }
+            };
+            model.bodies.iter().enumerate().map(of_body).collect()
         };
         ModeShape {
             frequency_hz: mode.eigenvalue_1_s.norm() / std::f64::consts::TAU,
@@ -288,8 +310,8 @@ impl Study<'_> {
                 0.0 => [0.0; 5],
                 _ => self.energy_shares(&[&real.0, &imaginary.0]),
             },
-            real: nodes(&real.1),
-            imaginary: nodes(&imaginary.1),
+            real: nodes(&real),
+            imaginary: nodes(&imaginary),
             length_m: model.reference_length_m,
         }
     }
@@ -303,6 +325,13 @@ impl Study<'_> {
                 let force = element.stiffness * strain;
                 for k in 0..4 {
                     shares[k] += strain[k] * force[k];
+                }
+            }
+            for modal in self.system.equations.model.bodies.iter().filter_map(|body| body.modal.as_ref()) {
+                let first = modal.coordinate;
+                for i in modal.range() {
+                    let row = modal.range().map(|j| modal.element.stiffness[(i - first, j - first)] * x[j]);
+                    shares[if i - first < modal.element.flaps { 2 } else { 3 }] += x[i] * row.sum::<f64>();
                 }
             }
             for joint in self.system.equations.forces.joints().iter().filter(|joint| !joint.held) {
@@ -334,6 +363,9 @@ impl Bare {
         for element in &mut model.elements {
             element.stiffness = Matrix4::zeros();
             element.coupling = Matrix4::zeros();
+        }
+        for modal in model.bodies.iter_mut().filter_map(|body| body.modal.as_mut()) {
+            modal.element.stiffness.fill(0.0);
         }
         Self { work: system.equations.work.clone(), model }
     }

@@ -180,6 +180,9 @@ fn path_weights(model: &Model) -> Vec<f64> {
     for body in &model.bodies {
         let first = body.joint.coordinate;
         weights[first..first + body.joint.kind.translations()].fill(length_m.powi(-2));
+        if let Some(modal) = &body.modal {
+            weights[modal.range()].fill(length_m.powi(-2));
+        }
     }
     for element in &model.elements {
         weights[element.coordinate] = element.length_m / length_m;
@@ -418,6 +421,9 @@ impl Study<'_> {
                     _ => "give it a spring",
                 };
                 return format!("joint {:?}: {remedy}", described.joint.name);
+            }
+            if let Some(modal) = body.modal.as_ref().filter(|modal| modal.range().contains(&coordinate)) {
+                return format!("body {:?} in mode {}", described.name, coordinate - modal.coordinate + 1);
             }
             let elements =
                 &self.system.equations.model.elements[body.first_element..body.first_element + body.elements];

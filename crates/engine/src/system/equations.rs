@@ -99,7 +99,9 @@ impl Equations {
             model.bodies[index].damps_attached = body.damp_attached_masses;
         }
         for (index, revolute) in machine.one_freedoms() {
-            model.bodies[index].joint.drive_inertia = revolute.drive.inertia_kg_m2;
+            let joint = &mut model.bodies[index].joint;
+            joint.drive_inertia = revolute.drive.inertia_kg_m2;
+            joint.drive_carried = revolute.drive.gear_ratio.map_or(0.0, |ratio| 1.0 / ratio);
         }
         let load_stations = model.stations.len();
         AirCoupling::add_sections(machine, &mut model);
@@ -274,6 +276,7 @@ impl EquationsOfMotion for Equations {
         if damping.iter().any(|damping| damping.stiffness_s != 0.0) {
             powers.dissipated += energy::stiffness_damping_power(&self.model, v, damping);
         }
+        powers.dissipated += energy::modal_damping_power(&self.model, v);
         if damping.iter().any(|damping| damping.mass_1_s != 0.0) {
             energy::mass_damping_power(&self.model, &self.work, damping, |beam| powers.dissipated += beam);
         }
@@ -287,7 +290,8 @@ impl EquationsOfMotion for Equations {
             powers.work -= field.dot(&energy::first_moment_kg_m(&self.model, &self.work));
         }
         if self.root.rotates() {
-            powers.work += energy::frame_power(&self.model, &self.work, &self.root);
+            powers.work += energy::frame_power(&self.model, &self.work, &self.root)
+                + energy::frame_power_of_drives(&self.model, &self.work, &self.root, v);
         }
         if self.loaded {
             let motion = Motion { q, v, a: &[] };

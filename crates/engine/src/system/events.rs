@@ -41,8 +41,13 @@ impl System {
         }
         let loads = inputs.stations().iter().chain(self.state.applied_rates.stations());
         equations.loaded = equations.air.is_some() || loads.into_iter().any(|load| !load.is_zero());
-        for (damping, body) in equations.damping.iter_mut().zip(parameters.bodies()) {
-            *damping = Damping { mass_1_s: body.mass_damping_1_s, stiffness_s: body.stiffness_damping_s };
+        let bodies = equations.model.bodies.iter().zip(parameters.bodies());
+        for (damping, (body, parameters)) in equations.damping.iter_mut().zip(bodies) {
+            *damping = match body.modal {
+                // its shapes have damping ratios
+                Some(_) => Damping::default(),
+                None => Damping { mass_1_s: parameters.mass_damping_1_s, stiffness_s: parameters.stiffness_damping_s },
+            };
         }
         joint_forces::set(&mut equations.forces, inputs, parameters);
         for (joint, memory) in equations.forces.joints_mut().iter_mut().zip(joints) {

@@ -156,6 +156,9 @@ impl System {
                 };
                 name(first, format!("{joint}.{}", travel.coordinate()), quantity, NOMINAL);
             }
+            for (i, c) in body.modal.iter().flat_map(|modal| modal.range()).enumerate() {
+                name(c, format!("{}.mode[{}]", described.name, i + 1), CoordinateQuantity::Position, NOMINAL);
+            }
             for (i, element) in model.elements[body.first_element..][..body.elements].iter().enumerate() {
                 let of = |strain: &str| format!("{}.element[{}].{strain}", described.name, i + 1);
                 name(element.coordinate, of("epsilon_x"), CoordinateQuantity::Strain, NOMINAL_STRAIN);

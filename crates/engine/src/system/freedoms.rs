@@ -49,6 +49,12 @@ impl System {
                 let travel = described.joint.kind.one_freedom().map_or(Travel::Rotation, |(travel, _)| travel);
                 add(first, format!("{joint}.{}", travel.coordinate()), travel.units(), STEP_RAD);
             }
+            if let Some(modal) = &body.modal {
+                for (k, index) in modal.range().enumerate() {
+                    let step = STEP_RAD * modal.element.length_m;
+                    add(index, format!("{}.mode[{}]", described.name, k + 1), ["m", "m/s"], step);
+                }
+            }
             for i in 0..body.elements {
                 let element = &equations.model.elements[body.first_element + i];
                 for (k, strain) in STRAINS.iter().enumerate() {

@@ -1,5 +1,6 @@
 //! Whether numbers can have overflowed: a look at what goes in saves one at all that comes out.
 
+use crate::beam::modal::{ModalElement, ShapesAt};
 use crate::multibody::Model;
 use crate::multibody::gauge::GaugePoint;
 use crate::signal::{Inputs, JointParameters, Parameters};
@@ -82,5 +83,19 @@ pub(crate) fn model_is_moderate(model: &Model, gauges: &[GaugePoint]) -> bool {
                 && closure.offsets_m.iter().all(|offset| all(offset.as_slice()))
         })
         && gauges.iter().all(|gauge| all(gauge.row.as_slice()) && all(&[gauge.position_m]))
+        && model.bodies.iter().filter_map(|body| body.modal.as_ref()).all(|modal| modal_is_moderate(&modal.element))
         && within(model.reference_length_m, LARGEST_OF_MODEL)
+}
+
+/// The same of a body that bends in given shapes.
+fn modal_is_moderate(element: &ModalElement) -> bool {
+    let all = |values: &[f64]| all_within(values, LARGEST_OF_MODEL);
+    let shapes = |at: &ShapesAt| {
+        all(at.bend.as_flattened()) && all(at.slope_1_m.as_flattened()) && all(at.shortening_1_m.as_flattened())
+    };
+    all(element.stiffness.as_slice())
+        && all(element.damping.as_slice())
+        && all(&[element.length_m])
+        && shapes(&element.tip)
+        && element.masses.iter().all(|point| all(&[point.mass_kg]) && shapes(&point.shapes))
 }

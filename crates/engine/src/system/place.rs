@@ -93,6 +93,10 @@ impl System {
             if body.joint.range().contains(&coordinate) {
                 return format!("joint {}", machine.joint.name);
             }
+            if let Some(modal) = body.modal.as_ref().filter(|modal| modal.range().contains(&coordinate)) {
+                let mode = coordinate - modal.coordinate + 1;
+                return format!("mode {mode} of {} of body {}", modal.element.modes, machine.name);
+            }
             let elements = &model.elements[body.first_element..body.first_element + body.elements];
             let holds = |element: &Element| (element.coordinate..element.coordinate + 4).contains(&coordinate);
             if let Some(place) = elements.iter().position(holds) {

@@ -4,7 +4,7 @@ use crate::beam::element::ElementKind;
 use crate::beam::recovery::axial_row;
 use crate::load::LoadFrame;
 use crate::multibody::kinematics::Motion;
-use crate::multibody::model::Station;
+use crate::multibody::model::{Body, Station};
 use crate::multibody::{gauge, station};
 use crate::solve::tracking::Followed;
 use crate::system::System;
@@ -141,6 +141,10 @@ impl System {
     pub fn mesh_m(&self, body: usize) -> Vec<f64> {
         let model = &self.equations.model;
         let body = &model.bodies[body];
+        if let Some(modal) = &body.modal {
+            let (cells, length_m) = (modal.element.masses.len(), modal.element.length_m);
+            return (0..=cells).map(|k| length_m * k as f64 / cells as f64).collect();
+        }
         if body.elements == 0 {
             return vec![0.0];
         }
@@ -191,11 +195,21 @@ impl System {
                 strain: gauge::section_strain(model, work, motion, &self.equations.damping, index, place_m),
             }
         };
-        model
-            .bodies
-            .iter()
-            .enumerate()
-            .map(|(index, body)| body.frames().map(|node| section(index, node)).collect())
-            .collect()
+        let modal = |index: usize| -> Vec<SectionShape> {
+            let places_m = self.mesh_m(index);
+            let sections = self.sections(index, &places_m).into_iter().zip(places_m);
+            let shape = |(section, place_m): (SectionState, f64)| SectionShape {
+                place_m,
+                position_m: section.position_m,
+                rotation: section.rotation,
+                strain: Vector4::zeros(),
+            };
+            sections.map(shape).collect()
+        };
+        let shape = |(index, body): (usize, &Body)| match &body.modal {
+            Some(_) => modal(index),
+            None => body.frames().map(|node| section(index, node)).collect(),
+        };
+        model.bodies.iter().enumerate().map(shape).collect()
     }
 }

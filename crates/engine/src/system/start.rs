@@ -53,6 +53,13 @@ impl System {
             joints.push(state);
         }
 
+        for (body, described) in self.equations.model.bodies.iter().zip(&self.machine.bodies) {
+            if let (Some(modal), Some(law)) = (&body.modal, described.section.modal()) {
+                for (q, (_, shape)) in q[modal.range()].iter_mut().zip(law.shapes()) {
+                    *q = shape.start_m;
+                }
+            }
+        }
         for ((_, spatial), equations) in self.machine.spatials().zip(&self.equations.spatial) {
             equations.start(spatial, &q, &mut v);
         }

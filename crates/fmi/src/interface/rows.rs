@@ -397,7 +397,9 @@ fn parameters(table: &mut Table, topology: &Topology) {
     joints::parameters(table, topology);
     let beams = topology.machine.bodies.iter().enumerate().filter(|(_, body)| !body.is_rigid());
     for (index, body) in beams {
-        for &(key, field, offset, variability, declared, range, meaning) in BODY_PARAMETERS {
+        // shapes have damping ratios of their own
+        let count = if body.is_modal() { 2 } else { BODY_PARAMETERS.len() };
+        for &(key, field, offset, variability, declared, range, meaning) in &BODY_PARAMETERS[..count] {
             let name = &body.name;
             let text = Text::new(format!("body.{name}.{key}"), format!("{meaning}, body {name}"));
             let (known, at) = (Parameter::Body(index, field), layout.bodies.place(index, offset));

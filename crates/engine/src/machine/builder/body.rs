@@ -8,7 +8,7 @@ use crate::load::{LoadFrame, Wrench};
 use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::shortest;
 use crate::machine::validate::MOST_STATIONS_OF_BODY;
-use crate::machine::{AttachedMass, Body, Closure, ElementKind, Gauge, Joint, SectionLoad, SectionSide};
+use crate::machine::{AttachedMass, Body, Closure, ElementKind, Gauge, Joint, ModalLaw, SectionLoad, SectionSide};
 use nalgebra::{Matrix3, Vector3};
 
 /// Load stations of a body that says nothing about them.
@@ -60,6 +60,12 @@ impl Body {
         }
     }
 
+    /// A body that bends in given shapes, by its name. It has no load stations until some are given.
+    pub fn modal(name: impl Into<String>, law: ModalLaw) -> BodyBuilder {
+        let (length_m, cells) = (law.length_m, law.cells);
+        BodyBuilder { elements: cells, stations: Stations::Equal(0), ..Self::beam(name, length_m, law) }
+    }
+
     /// A rigid body by its name: a frame with one load station, without mass until [`BodyBuilder::inertia`] or attached masses
     /// give it one. Others hang on it aside of its frame by [`JointBuilder::offset_m`](super::JointBuilder::offset_m).
     pub fn rigid(name: impl Into<String>) -> BodyBuilder {
@@ -79,6 +85,14 @@ impl BodyBuilder {
         let (offset_m, inertia_kg_m2) = (centre_of_mass_m.into(), inertia_kg_m2.into());
         let own = AttachedMass { offset_m, inertia_kg_m2, ..AttachedMass::point(&self.name, 0.0, mass_kg) };
         Self { own_mass: Some(own), ..self }
+    }
+
+    /// The principal moments of [`Self::inertia`] need only be positive, as of inertia that counts about one axis alone.
+    pub fn moments_as_given(mut self) -> Self {
+        if let Some(own) = &mut self.own_mass {
+            own.moments_as_given = true;
+        }
+        self
     }
 
     /// Number of elements along the body: 1 to 1000. Must be said.
@@ -169,7 +183,7 @@ impl AttachedMass {
     /// A point mass in kg on the axis, at a distance in m from its body's inner end. Its offset and inertia can be set.
     pub fn point(name: impl Into<String>, position_m: f64, mass_kg: f64) -> Self {
         let (offset_m, inertia_kg_m2) = (Vector3::zeros(), Matrix3::zeros());
-        Self { name: name.into(), position_m, mass_kg, offset_m, inertia_kg_m2 }
+        Self { name: name.into(), position_m, mass_kg, offset_m, inertia_kg_m2, moments_as_given: false }
     }
 }
 

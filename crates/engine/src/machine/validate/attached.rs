@@ -30,7 +30,7 @@ pub(crate) fn has_outline(law: &SectionLaw) -> bool {
     match law {
         SectionLaw::Uniform(section) => known(section),
         SectionLaw::Between { inner, outer, .. } => known(inner) && known(outer),
-        SectionLaw::Tapered { .. } => true,
+        SectionLaw::Tapered { .. } | SectionLaw::Modal(_) => true,
     }
 }
 

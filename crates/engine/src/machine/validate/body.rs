@@ -6,7 +6,10 @@ use crate::beam::section::Section;
 use crate::machine::fault::{Checker, Range, array_text, is_finite};
 use crate::machine::units::shortest;
 use crate::machine::validate::MOST_STATIONS_OF_BODY;
-use crate::machine::validate::section::{asymmetry, has_second_moments, is_positive_definite, is_rigid_body, is_sound};
+use crate::machine::validate::modal;
+use crate::machine::validate::section::{
+    asymmetry, has_second_moments, is_not_negative, is_positive_definite, is_rigid_body, is_sound,
+};
 use crate::machine::{AttachedMass, Body};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -31,6 +34,14 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
     checker.number(&["body", name, "stiffness_damping_s"], body.stiffness_damping_s, Range::AtLeast(0.0));
     if !long {
         return; // nothing can be placed on it
+    }
+    if let Some(law) = body.section.modal() {
+        modal::check(body, law, checker);
+        stations(body, checker);
+        for mass in &body.masses {
+            attached_mass(mass, body, checker);
+        }
+        return;
     }
     section_law(body, checker);
     natural_strain(body, meshed, checker);
@@ -109,6 +120,8 @@ fn section_law(body: &Body, checker: &mut Checker) {
                 checker.refuse(&["body", name, "section", "length_m"], shortest(*stated_m), allowed);
             }
         }
+        // checked by itself
+        SectionLaw::Modal(_) => {}
         SectionLaw::Tapered { width, height, .. } => {
             let tapers = [("width_taper", width), ("height_taper", height)];
             for (key, taper) in tapers {
@@ -232,14 +245,22 @@ fn stations(body: &Body, checker: &mut Checker) {
 fn attached_mass(mass: &AttachedMass, body: &Body, checker: &mut Checker) {
     let name = mass.name.as_str();
     checker.on_body(&["mass", name, "position_m"], mass.position_m, body.length_m);
-    checker.number(&["mass", name, "mass_kg"], mass.mass_kg, Range::Above(0.0));
+    // inertia about one axis may belong to a body whose mass counts elsewhere
+    let least = if mass.moments_as_given { Range::AtLeast(0.0) } else { Range::Above(0.0) };
+    checker.number(&["mass", name, "mass_kg"], mass.mass_kg, least);
     checker.array(&["mass", name, "offset_m"], mass.offset_m.as_slice());
     let tensor = &mass.inertia_kg_m2;
     let symmetric = (tensor - tensor.transpose()).amax() <= 1e-9 * tensor.amax();
-    if !(tensor.iter().copied().all(is_finite) && symmetric && is_rigid_body(tensor)) {
+    let possible = if mass.moments_as_given { is_not_negative(tensor) } else { is_rigid_body(tensor) };
+    if !(tensor.iter().copied().all(is_finite) && symmetric && possible) {
         let parts = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|place| tensor[place]);
-        let allowed = "[Ixx, Iyy, Izz, Ixy, Ixz, Iyz] in kg·m² with principal moments >= 0, none larger than the sum \
-                       of the other two";
+        let allowed = match mass.moments_as_given {
+            true => "[Ixx, Iyy, Izz, Ixy, Ixz, Iyz] in kg·m² with principal moments >= 0",
+            false => {
+                "[Ixx, Iyy, Izz, Ixy, Ixz, Iyz] in kg·m² with principal moments >= 0, none larger than the sum of the \
+                 other two"
+            }
+        };
         checker.refuse(&["mass", name, "inertia_kg_m2"], array_text(&parts), allowed);
     }
 }

@@ -133,6 +133,24 @@ fn check_drive(name: &str, travel: Travel, drive: &Drive, checker: &mut Checker)
     ] {
         checker.number(&["joint", name, "drive", &travel.words(key)], value, range);
     }
+    let place = ["joint", name, "drive", "gear_ratio"];
+    match drive.gear_ratio {
+        Some(ratio) if travel == Travel::Translation => {
+            checker.refuse(
+                &place,
+                shortest(ratio),
+                "no gear ratio on a joint that slides: only rotors feel their carrier turn",
+            );
+        }
+        Some(ratio) if !(1e-6..=1e6).contains(&ratio.abs()) => {
+            checker.refuse(
+                &place,
+                shortest(ratio),
+                "a ratio of a magnitude from 1e-6 to 1e6, negative where the motor turns back",
+            );
+        }
+        _ => {}
+    }
 }
 
 fn check_latch(name: &str, travel: Travel, joint: &OneFreedom, latch: &Latch, checker: &mut Checker) {

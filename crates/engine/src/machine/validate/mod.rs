@@ -4,6 +4,7 @@ pub(crate) mod air;
 mod attached;
 pub(crate) mod body;
 pub mod joint;
+mod modal;
 pub mod section;
 
 use crate::machine::fault::{Checker, Fault, Range, array_text};
@@ -83,6 +84,7 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     for section_load in &machine.section_loads {
         attached::section_load(section_load, &machine.bodies, checker);
     }
+    modal::placed(machine, checker);
     let mut closures_hold = true;
     for closure in &machine.closures {
         closures_hold &= attached::closure(closure, &machine.bodies, checker);

@@ -67,6 +67,12 @@ pub(crate) fn is_rigid_body(tensor: &Matrix3<f64>) -> bool {
     moments.min() >= -INERTIA_TOLERANCE && moments.max() <= 0.5 * moments.sum() + INERTIA_TOLERANCE
 }
 
+/// True where the principal moments of a finite tensor are not negative.
+pub(crate) fn is_not_negative(tensor: &Matrix3<f64>) -> bool {
+    let scale = tensor.amax();
+    scale == 0.0 || (tensor / scale).symmetric_eigenvalues().min() >= -INERTIA_TOLERANCE
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -125,6 +125,9 @@ pub struct Joint {
     pub coordinate: usize,
     /// Inertia that moves with the coordinate only, of joints with one freedom, in kg·m² or kg: motor and gear, eq. (D16).
     pub drive_inertia: f64,
+    /// How far the drive's own turn counts the turn of what carries it, of revolute joints: the inverse of its gear ratio, 0 where the
+    /// inertia feels the coordinate alone, eq. (D17).
+    pub drive_carried: f64,
 }
 
 /// Scratch of one joint: its pose, and its factors.
@@ -168,6 +171,22 @@ impl JointWork {
     pub fn redundant(&self) -> Option<&RedundantWork> {
         match &self.freedoms {
             Freedoms::Redundant(work) => Some(work),
+            _ => None,
+        }
+    }
+
+    /// Of joints with one freedom.
+    pub(crate) fn one_freedom(&self) -> Option<&OneFreedom> {
+        match &self.freedoms {
+            Freedoms::One(one) => Some(one),
+            _ => None,
+        }
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn one_freedom_mut(&mut self) -> Option<&mut OneFreedom> {
+        match &mut self.freedoms {
+            Freedoms::One(one) => Some(one),
             _ => None,
         }
     }

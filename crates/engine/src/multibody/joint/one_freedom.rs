@@ -25,6 +25,9 @@ pub struct OneFreedom {
     /// `P s` of the screw `s`.
     pushed: Pair,
     right_hand: f64,
+    /// Angular acceleration about the axis of what carries the joint, as [`crate::multibody::dynamics`] has found it for a drive that
+    /// feels it, rad/s².
+    pub carrier_rate: f64,
 }
 
 impl OneFreedom {
@@ -35,6 +38,7 @@ impl OneFreedom {
             inverse_pivot: 0.0,
             pushed: Pair::ZERO,
             right_hand: 0.0,
+            carrier_rate: 0.0,
         }
     }
 
@@ -63,22 +67,28 @@ impl OneFreedom {
         weights: Weights,
         tangent: &FreedomTangent,
     ) -> Result<ArticulatedInertia, BadPivot> {
+        let mut inertia = *inertia;
+        // what the drive's rotor adds to the inertia of what carries it, eq. (D17)
+        let coupling = weights.mass * joint.drive_inertia * joint.drive_carried;
         if !tangent.free {
             (self.inverse_pivot, self.pushed) = (0.0, Pair::ZERO);
-            return Ok(*inertia);
+            self.add_rotor(&mut inertia, coupling * joint.drive_carried);
+            return Ok(inertia);
         }
         let (velocity, spin) = match self.freedom {
             Freedom::Rotation => (inertia.vw * self.axis, inertia.ww * self.axis),
             Freedom::Translation => (inertia.vv * self.axis, inertia.vw.tr_mul(&self.axis)),
         };
-        self.pushed = Pair { linear: velocity, angular: spin };
-        let pivot = self.project(&self.pushed)
+        let pivot = self.project(&Pair { linear: velocity, angular: spin })
             + weights.stiffness * tangent.stiffness
             + weights.damping * tangent.damping
             + weights.mass * joint.drive_inertia;
         if !(pivot > 0.0 && pivot.is_finite()) {
             return Err(BadPivot { coordinate: joint.coordinate });
         }
+        let spin = if coupling == 0.0 { spin } else { spin + self.axis * coupling };
+        self.add_rotor(&mut inertia, coupling * joint.drive_carried);
+        self.pushed = Pair { linear: velocity, angular: spin };
         let inverse_pivot = 1.0 / pivot;
         self.inverse_pivot = inverse_pivot;
         Ok(ArticulatedInertia {
@@ -86,6 +96,14 @@ impl OneFreedom {
             vw: inertia.vw - velocity * spin.transpose() * inverse_pivot,
             ww: inertia.ww - spin * spin.transpose() * inverse_pivot,
         })
+    }
+
+    /// Adds the moment of inertia of a drive's rotor about the axis.
+    #[inline]
+    fn add_rotor(&self, inertia: &mut ArticulatedInertia, moment: f64) {
+        if moment != 0.0 {
+            inertia.ww += self.axis * self.axis.transpose() * moment;
+        }
     }
 
     #[inline]

@@ -88,6 +88,12 @@ impl Tangent {
                 self.factors[e] = Some(factor);
                 outer[n] += passed;
             }
+            if let Some(modal) = &self.modal[index] {
+                let (factor, passed) = Factor::new(modal.block(&outer[body.last_node()]), &modal.sizes, modal.modes)
+                    .ok_or(SingularTangent { coordinate: modal.coordinate })?;
+                self.modal_factors[index] = Some(factor);
+                outer[body.first_node] += passed;
+            }
             let joint = &self.joints[index];
             let mut passed = joint.passed(&outer[body.first_node]);
             self.joint_factors[index] = None;
@@ -161,6 +167,12 @@ impl Tangent {
                 }
                 add(&mut self.wrenches[n], &wrench);
             }
+            if let (Some(modal), Some(factor)) = (&self.modal[index], &mut self.modal_factors[index]) {
+                let outer = twist(&self.wrenches[body.last_node()]);
+                factor.right = modal.read(x) - modal.partial.transpose() * outer;
+                let passed = modal.carried(&outer) + factor.ax * factor.solve(&factor.right);
+                add(&mut self.wrenches[body.first_node], &passed);
+            }
             let mut wrench = twist(&self.wrenches[body.first_node]);
             let joint = &self.joints[index];
             if let Some(factor) = &mut self.joint_factors[index] {
@@ -193,6 +205,11 @@ impl Tangent {
             }
             let mut moved = joint.displaced(x, &before);
             self.displaced[body.first_node] = pair(&moved);
+            if let (Some(modal), Some(factor)) = (&self.modal[index], &self.modal_factors[index]) {
+                let own = factor.solve(&(factor.right - factor.xa * moved));
+                x[modal.coordinate..modal.coordinate + modal.modes].copy_from_slice(&own.as_slice()[..modal.modes]);
+                self.displaced[body.last_node()] = pair(&modal.displaced(x, &moved));
+            }
             let stride = stride(body);
             for i in (0..body.elements).step_by(stride) {
                 let e = body.first_element + i;

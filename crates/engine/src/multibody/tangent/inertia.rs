@@ -9,7 +9,7 @@ impl Tangent {
     /// forces push away. Every elimination leaves its Schur complement, so the numbers of the pivot blocks add up
     /// (Sylvester); closed loops enter as a border. Exact for a symmetric tangent, that of loads with a potential.
     pub fn negative_directions(&self) -> usize {
-        let blocks = self.factors.iter().chain(&self.joint_factors).flatten();
+        let blocks = self.factors.iter().chain(&self.joint_factors).chain(&self.modal_factors).flatten();
         let tree: usize = blocks.map(|factor| factor.negative).sum();
         let Some(coupling) = &self.coupling else { return tree };
         let stiff = self.closures.iter().filter(|closure| closure.stiffness_n_m > 0.0).count();
@@ -53,6 +53,9 @@ impl Tangent {
             let joint = &self.joints[index];
             if let Some(factor) = &self.joint_factors[index] {
                 spread(factor, &mut scale[joint.coordinate..joint.coordinate + joint.freedoms]);
+            }
+            if let (Some(modal), Some(factor)) = (&self.modal[index], &self.modal_factors[index]) {
+                spread(factor, &mut scale[modal.coordinate..modal.coordinate + modal.modes]);
             }
             for e in body.first_element..body.first_element + body.elements {
                 if let Some(factor) = &self.factors[e] {

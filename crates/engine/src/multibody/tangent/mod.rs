@@ -14,6 +14,7 @@ mod closure;
 mod factor;
 mod inertia;
 mod joint;
+mod modal;
 
 pub use joint::JointTangent;
 
@@ -29,6 +30,7 @@ use block::{Block, Cross, LinkTangent, turned};
 use closure::{ClosureTangent, Coupling};
 use factor::{Factor, twist};
 use joint::JointBlock;
+use modal::ModalTangent;
 use nalgebra::{DMatrix, Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector4, Vector6};
 
 /// No solution: a pivot of the tangent vanishes.
@@ -61,9 +63,12 @@ pub struct Tangent {
     /// Station loads inside the element, or pair, that starts with this element.
     stations: Vec<Option<Box<Block>>>,
     joints: Vec<JointBlock>,
+    /// Per body: modal ones.
+    modal: Vec<Option<Box<ModalTangent>>>,
     /// Of the element, or pair, that starts with this element.
     factors: Vec<Option<Factor>>,
     joint_factors: Vec<Option<Factor>>,
+    modal_factors: Vec<Option<Factor>>,
     closures: Vec<ClosureTangent>,
     coupling: Option<Coupling>,
     displaced: Vec<Pair>,
@@ -82,6 +87,8 @@ impl Tangent {
             joints: vec![JointBlock::default(); bodies],
             factors: vec![None; elements],
             joint_factors: vec![None; bodies],
+            modal: vec![None; bodies],
+            modal_factors: vec![None; bodies],
             closures: Vec::new(),
             coupling: None,
             displaced: vec![Pair::ZERO; nodes],
@@ -131,6 +138,13 @@ impl Tangent {
                     });
                 }
             }
+            self.modal[index] = match (&body.modal, &work.modal[index]) {
+                (Some(modal), Some(scratch)) => {
+                    let nodes = [&work.nodes[body.first_node], &work.nodes[body.last_node()]];
+                    Some(Box::new(ModalTangent::new(modal, scratch, nodes, &frame)))
+                }
+                _ => None,
+            };
             let mut joint = surroundings.joints[index];
             joint.stiffness[(0, 0)] += shift_1_s2 * body.joint.drive_inertia;
             self.joints[index] = JointBlock::new(model, work, index, &joint);
@@ -166,6 +180,14 @@ impl Tangent {
                     let rotation = &work.nodes[node].rotation;
                     self.nodes[node] += follower(&(rotation * load.force_n), &(rotation * load.moment_n_m));
                 }
+                continue;
+            }
+            let body = &model.bodies[place.body];
+            if let (Some(modal), Some(scratch), Some(tangent)) =
+                (&body.modal, &work.modal[place.body], &mut self.modal[place.body])
+            {
+                let node = &work.nodes[body.first_node];
+                tangent.add_load(modal, scratch, node, place.offset_m, (load, place.frame));
                 continue;
             }
             let block = station_block(model, work, q, place, load);
@@ -221,6 +243,11 @@ impl Tangent {
                     add(&mut self.wrenches[a], &(block.ax * strains + block.aa * inner));
                 }
             }
+            if let Some(modal) = &self.modal[index] {
+                let outer = twist(&self.wrenches[body.last_node()]);
+                let passed = modal.push(x, &twist(&self.displaced[body.first_node]), &outer, y);
+                add(&mut self.wrenches[body.first_node], &passed);
+            }
             let wrench = twist(&self.wrenches[body.first_node]);
             let before = self.base_twist(body);
             let passed = self.joints[index].push(x, &before, &wrench, y);
@@ -244,6 +271,9 @@ impl Tangent {
         for (index, body) in model.bodies.iter().enumerate() {
             let mut moved = self.joints[index].displaced(x, &self.base_twist(body));
             self.displaced[body.first_node] = pair(&moved);
+            if let Some(modal) = &self.modal[index] {
+                self.displaced[body.last_node()] = pair(&modal.displaced(x, &moved));
+            }
             for i in 0..body.elements {
                 let e = body.first_element + i;
                 moved = self.links[e].displaced(&part::<4>(x, model.elements[e].coordinate), &moved);

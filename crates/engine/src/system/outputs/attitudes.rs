@@ -66,5 +66,7 @@ fn turn_between(equations: &Equations, from: &[f64], to: &[f64]) -> f64 {
         let c = element.coordinate;
         element.length_m * Vector3::new(change(c + 1), change(c + 2), change(c + 3)).norm()
     };
-    hinges + spatial + equations.model.elements.iter().map(bend).sum::<f64>()
+    let modal = equations.model.bodies.iter().filter_map(|body| body.modal.as_ref());
+    let modal: f64 = modal.map(|modal| modal.turn_between(from, to)).sum();
+    hinges + spatial + modal + equations.model.elements.iter().map(bend).sum::<f64>()
 }

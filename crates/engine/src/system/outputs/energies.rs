@@ -29,7 +29,7 @@ pub(crate) fn fill(output: &mut EnergyOutputs, present: &Present) {
     let (equations, motion) = (present.equations, present.motion);
     let (model, work) = (&equations.model, &equations.work);
     let penalty: f64 = model.closures.iter().map(|closure| closure.energy_j(work).0).sum();
-    let kinetic = energy::kinetic(model, work, |_, _| {}) + penalty + energy::kinetic_of_drives(model, motion.v);
+    let kinetic = energy::kinetic(model, work, |_, _| {}) + penalty + energy::kinetic_of_drives(model, work, motion.v);
     let potentials = equations.potentials(present.time_s(), motion.q);
     *output = EnergyOutputs {
         kinetic,

@@ -1,0 +1,350 @@
+//! Bending in a few given shapes: the blade and the tower of \[E\], their shapes, integrals and stations of mass.
+//!
+//! A body bends in flap (along its `z`) and in edge (along its `y`) by given polynomials, its axis shortens to second order in
+//! the deflections, and its mass lies on the axis. Integrals are sums over equal cells with the properties at their middles;
+//! running integrals are full cells and part of one, NOTATION eqs. (M1)–(M5).
+
+use crate::beam::profile::Profile;
+use crate::beam::section::Section;
+use nalgebra::{Matrix3, Matrix4, SMatrix, Vector3, Vector4};
+
+/// Most shapes of a body: what one elimination of the recursions holds.
+pub const MOST_MODES: usize = 8;
+
+/// One shape with its damping.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    /// Coefficients of `x²`, `x³`, … with `x` from 0 at the inner to 1 at the outer end; they add up to 1, so that the
+    /// coordinate is the outer end's deflection in m.
+    pub coefficients: Vec<f64>,
+    /// Damping ratio of the shape alone on the untwisted body without anything at its end.
+    pub damping_ratio: f64,
+    /// Deflection of the outer end at the start in m.
+    pub start_m: f64,
+}
+
+impl Shape {
+    /// `φ(x)`.
+    pub fn value(&self, x: f64) -> f64 {
+        self.sum(x, |power| (1.0, power))
+    }
+
+    /// `dφ/dx`.
+    pub fn slope(&self, x: f64) -> f64 {
+        self.sum(x, |power| (f64::from(power), power - 1))
+    }
+
+    /// `d²φ/dx²`.
+    pub fn curvature(&self, x: f64) -> f64 {
+        self.sum(x, |power| (f64::from(power * (power - 1)), power - 2))
+    }
+
+    fn sum(&self, x: f64, term: impl Fn(i32) -> (f64, i32)) -> f64 {
+        let powers = (2..).map(term);
+        self.coefficients.iter().zip(powers).map(|(c, (factor, power))| c * factor * x.powi(power)).sum()
+    }
+}
+
+/// A body that bends in given shapes, as the model says it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModalLaw {
+    /// Length in m.
+    pub length_m: f64,
+    /// Number of equal cells of the sums.
+    pub cells: usize,
+    /// Mass per length in kg/m over the distance from the inner end in m.
+    pub mass_kg_m: Profile,
+    /// Bending stiffness in flap in N·m².
+    pub flap_stiffness_n_m2: Profile,
+    /// Bending stiffness in edge in N·m².
+    pub edge_stiffness_n_m2: Profile,
+    /// Structural twist in rad, right-handed about the axis; `None` leaves the shapes the polynomials themselves.
+    pub twist_rad: Option<Profile>,
+    /// Shapes in flap.
+    pub flap: Vec<Shape>,
+    /// Shapes in edge; their coordinates stand behind those in flap.
+    pub edge: Vec<Shape>,
+    /// Factor of the mass.
+    pub mass_factor: f64,
+    /// Factor of the stiffness.
+    pub stiffness_factor: f64,
+}
+
+impl ModalLaw {
+    /// Number of shapes.
+    pub fn modes(&self) -> usize {
+        self.flap.len() + self.edge.len()
+    }
+
+    /// Mass in kg: sum over the cells.
+    pub fn mass_in_all_kg(&self) -> f64 {
+        let cell_m = self.cell_m();
+        self.middles_m().map(|s| self.mass_factor * self.mass_kg_m.at(s) * cell_m).sum()
+    }
+
+    /// What a section has where it is asked for like that of a beam: mass and bending stiffnesses.
+    pub(crate) fn section(&self, s_m: f64) -> Section {
+        let bending = [&self.flap_stiffness_n_m2, &self.edge_stiffness_n_m2];
+        let [flap, edge] = bending.map(|stiffness| self.stiffness_factor * stiffness.at(s_m));
+        Section {
+            stiffness: Matrix4::from_diagonal(&Vector4::new(0.0, 0.0, flap, edge)),
+            mass_kg_m: self.mass_factor * self.mass_kg_m.at(s_m),
+            first_moment_kg: [0.0; 2],
+            second_moment_kg_m: [0.0; 3],
+            half_width_m: 0.0,
+            half_height_m: 0.0,
+        }
+    }
+
+    fn cell_m(&self) -> f64 {
+        self.length_m / self.cells as f64
+    }
+
+    fn middles_m(&self) -> impl Iterator<Item = f64> {
+        let cell_m = self.cell_m();
+        (0..self.cells).map(move |k| (k as f64 + 0.5) * cell_m)
+    }
+
+    /// Directions of flap and edge in the section, `[y, z]`, eq. (M1).
+    fn directions(&self, s_m: f64) -> [[f64; 2]; 2] {
+        let (sine, cosine) = self.twist_rad.as_ref().map_or((0.0, 1.0), |twist| twist.at(s_m).sin_cos());
+        [[-sine, cosine], [cosine, sine]]
+    }
+
+    /// All shapes in the order of their coordinates, each with 0 in flap and 1 in edge.
+    pub fn shapes(&self) -> impl Iterator<Item = (usize, &Shape)> {
+        self.flap.iter().map(|shape| (0, shape)).chain(self.edge.iter().map(|shape| (1, shape)))
+    }
+}
+
+/// The shapes at one place: what bends and turns there per coordinate, NOTATION eq. (M2).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShapesAt {
+    /// Distance from the inner end in m.
+    pub place_m: f64,
+    /// Deflection `[y, z]` per coordinate.
+    pub bend: [[f64; 2]; MOST_MODES],
+    /// Slope of the deflection `[y, z]` per coordinate, 1/m.
+    pub slope_1_m: [[f64; 2]; MOST_MODES],
+    /// `S_ij`: shortening of the axis, twice, per product of two coordinates, 1/m.
+    pub shortening_1_m: [[f64; MOST_MODES]; MOST_MODES],
+}
+
+impl ShapesAt {
+    const ZERO: Self = Self {
+        place_m: 0.0,
+        bend: [[0.0; 2]; MOST_MODES],
+        slope_1_m: [[0.0; 2]; MOST_MODES],
+        shortening_1_m: [[0.0; MOST_MODES]; MOST_MODES],
+    };
+
+    /// `Σ_j S_ij x_j` per shape `i`.
+    #[inline]
+    pub fn shortened(&self, x: &[f64]) -> [f64; MOST_MODES] {
+        let mut sums = [0.0; MOST_MODES];
+        for (sum, row) in sums.iter_mut().zip(&self.shortening_1_m).take(x.len()) {
+            *sum = row.iter().zip(x).map(|(s, x)| s * x).sum();
+        }
+        sums
+    }
+
+    /// Place on the axis in the frame of the inner end in m, eq. (M2), from the coordinates and [`Self::shortened`] of them.
+    #[inline]
+    pub fn position_m(&self, q: &[f64], shortened: &[f64; MOST_MODES]) -> Vector3<f64> {
+        let mut position = Vector3::new(self.place_m, 0.0, 0.0);
+        for ((q, bend), s) in q.iter().zip(&self.bend).zip(shortened) {
+            position.x -= 0.5 * q * s;
+            position.y += q * bend[0];
+            position.z += q * bend[1];
+        }
+        position
+    }
+
+    /// Velocity of the place per rate of coordinate `i`, eq. (M4).
+    #[inline]
+    pub fn velocity(&self, i: usize, shortened: &[f64; MOST_MODES]) -> Vector3<f64> {
+        Vector3::new(-shortened[i], self.bend[i][0], self.bend[i][1])
+    }
+
+    /// Angular velocity of the section per rate of coordinate `i` in 1/m, eq. (M4).
+    #[inline]
+    pub fn spin_1_m(&self, i: usize) -> Vector3<f64> {
+        Vector3::new(0.0, -self.slope_1_m[i][1], self.slope_1_m[i][0])
+    }
+
+    /// Small angles of the section, eq. (M3).
+    #[inline]
+    pub fn angles_rad(&self, q: &[f64]) -> Vector3<f64> {
+        q.iter().enumerate().map(|(i, q)| self.spin_1_m(i) * *q).sum()
+    }
+}
+
+/// Rotation of small angles `t`, several at once: the nearest one to `I + [t]×`, eq. (M3). It turns by `atan |t|` about `t`.
+pub fn small_turn(t: &Vector3<f64>) -> Matrix3<f64> {
+    let square = t.norm_squared();
+    let norm = (1.0 + square).sqrt();
+    // (1 − 1/n)/t² without a difference of near numbers
+    let spread = 1.0 / (norm * (norm + 1.0));
+    t.cross_matrix() / norm + Matrix3::from_diagonal_element(1.0 / norm) + t * t.transpose() * spread
+}
+
+/// Change of the attitude of [`small_turn`] (rotation vector in the frame outside) per change of `t`.
+pub fn small_turn_slope(t: &Vector3<f64>) -> Matrix3<f64> {
+    let square = t.norm_squared();
+    let norm_squared = 1.0 + square;
+    let cross = t.cross_matrix();
+    // about t by atan|t|: the share along t is 1/(1 + t²), across it sin θ/|t| and (1 − cos θ)/t²
+    let norm = norm_squared.sqrt();
+    let (sine, versine) = (1.0 / norm, 1.0 / (norm * (norm + 1.0)));
+    // ttᵀ coefficient: (1/n² − 1/n)/t² = −1/(n²(n + 1))
+    let along = -1.0 / (norm_squared * (norm + 1.0));
+    Matrix3::from_diagonal_element(sine) + cross * versine + t * t.transpose() * along
+}
+
+/// Cell at its beginning: what the running integrals have reached, and how they go on.
+#[derive(Debug, Clone, PartialEq)]
+struct Cell {
+    start: ShapesAt,
+    middle: ShapesAt,
+    /// Second derivative of the deflection at the middle per coordinate, 1/m².
+    curvature_1_m2: [[f64; 2]; MOST_MODES],
+}
+
+/// A piece of mass on the axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MassPoint {
+    /// Mass in kg.
+    pub mass_kg: f64,
+    /// The shapes there.
+    pub shapes: ShapesAt,
+}
+
+/// A body that bends in given shapes, worked out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModalElement {
+    /// Length in m.
+    pub length_m: f64,
+    /// Number of shapes.
+    pub modes: usize,
+    /// Number of shapes in flap; the others bend in edge.
+    pub flaps: usize,
+    /// Mass of each cell, at its middle.
+    pub masses: Vec<MassPoint>,
+    /// The shapes at the outer end.
+    pub tip: ShapesAt,
+    /// Stiffness of the coordinates in N/m, eq. (M5).
+    pub stiffness: SMatrix<f64, MOST_MODES, MOST_MODES>,
+    /// Damping of the coordinates in N·s/m, eq. (M6); not symmetric where damping ratios over frequencies differ.
+    pub damping: SMatrix<f64, MOST_MODES, MOST_MODES>,
+    cell_m: f64,
+    cells: Vec<Cell>,
+    /// Polynomials of the shapes where there is no twist.
+    shapes: Option<Vec<(usize, Shape)>>,
+}
+
+impl ModalElement {
+    /// Works out a law. At most [`MOST_MODES`] shapes.
+    pub fn new(law: &ModalLaw) -> Self {
+        let shapes: Vec<(usize, Shape)> = law.shapes().map(|(kind, shape)| (kind, shape.clone())).collect();
+        let (modes, length_m, cell_m) = (shapes.len(), law.length_m, law.cell_m());
+        let mut element = Self {
+            length_m,
+            modes,
+            flaps: law.flap.len(),
+            masses: Vec::new(),
+            tip: ShapesAt::ZERO,
+            stiffness: SMatrix::zeros(),
+            damping: SMatrix::zeros(),
+            cell_m,
+            cells: Vec::new(),
+            shapes: law.twist_rad.is_none().then(|| shapes.clone()),
+        };
+        let mut start = ShapesAt::ZERO;
+        let mut untwisted = [0.0; MOST_MODES];
+        for (k, middle_m) in law.middles_m().enumerate() {
+            start.place_m = k as f64 * cell_m;
+            let (x, directions) = (middle_m / length_m, law.directions(middle_m));
+            let mut curvature_1_m2 = [[0.0; 2]; MOST_MODES];
+            for (curvature, (kind, shape)) in curvature_1_m2.iter_mut().zip(&shapes) {
+                *curvature = directions[*kind].map(|share| share * shape.curvature(x) / (length_m * length_m));
+            }
+            let mut cell = Cell { start, middle: ShapesAt::ZERO, curvature_1_m2 };
+            cell.middle = element.within(&cell, middle_m);
+            start = element.within(&cell, (k + 1) as f64 * cell_m);
+            let mass_kg = law.mass_factor * law.mass_kg_m.at(middle_m) * cell_m;
+            let bending = [&law.flap_stiffness_n_m2, &law.edge_stiffness_n_m2]
+                .map(|stiffness| law.stiffness_factor * stiffness.at(middle_m) * cell_m / length_m.powi(4));
+            for (i, (kind, shape)) in shapes.iter().enumerate() {
+                untwisted[i] += mass_kg * shape.value(x).powi(2);
+                for (j, (other_kind, other)) in shapes.iter().enumerate() {
+                    if kind == other_kind {
+                        element.stiffness[(i, j)] += bending[*kind] * shape.curvature(x) * other.curvature(x);
+                    }
+                }
+            }
+            element.masses.push(MassPoint { mass_kg, shapes: cell.middle });
+            element.cells.push(cell);
+        }
+        element.tip = start;
+        if law.twist_rad.is_none() {
+            // the coordinate is the deflection there, whatever the rounding of printed coefficients leaves
+            let directions = law.directions(length_m);
+            for (bend, (kind, _)) in element.tip.bend.iter_mut().zip(&shapes) {
+                *bend = directions[*kind];
+            }
+        }
+        for (j, (_, shape)) in shapes.iter().enumerate() {
+            let angular_1_s = (element.stiffness[(j, j)] / untwisted[j]).sqrt();
+            for i in 0..modes {
+                element.damping[(i, j)] = element.stiffness[(i, j)] * 2.0 * shape.damping_ratio / angular_1_s;
+            }
+        }
+        element
+    }
+
+    /// The shapes at a distance from the inner end in m; at the cells' middles and at the outer end those of the sums.
+    pub fn at(&self, place_m: f64) -> ShapesAt {
+        if place_m >= self.length_m {
+            return self.tip;
+        }
+        let cell = (place_m / self.length_m * self.cells.len() as f64) as usize;
+        self.within(&self.cells[cell.min(self.cells.len() - 1)], place_m)
+    }
+
+    /// The shapes at a place of a cell.
+    fn within(&self, cell: &Cell, place_m: f64) -> ShapesAt {
+        let start_m = cell.start.place_m;
+        let mut shapes = ShapesAt { place_m, ..ShapesAt::ZERO };
+        let way_m = place_m - start_m;
+        // slopes at the cell's middle carry the running integrals through it
+        let half_m = 0.5 * self.cell_m;
+        let mut middle = [[0.0; 2]; MOST_MODES];
+        for i in 0..self.modes {
+            match &self.shapes {
+                Some(polynomials) => {
+                    let (kind, shape) = &polynomials[i];
+                    let axis = 1 - kind;
+                    let x = |s_m: f64| s_m / self.length_m;
+                    middle[i][axis] = shape.slope(x(start_m + half_m)) / self.length_m;
+                    shapes.slope_1_m[i][axis] = shape.slope(x(place_m)) / self.length_m;
+                    shapes.bend[i][axis] = shape.value(x(place_m));
+                }
+                None => {
+                    for axis in 0..2 {
+                        let (slope, curvature) = (cell.start.slope_1_m[i][axis], cell.curvature_1_m2[i][axis]);
+                        middle[i][axis] = slope + curvature * half_m;
+                        shapes.slope_1_m[i][axis] = slope + curvature * way_m;
+                        shapes.bend[i][axis] = cell.start.bend[i][axis] + middle[i][axis] * way_m;
+                    }
+                }
+            }
+        }
+        for i in 0..self.modes {
+            for j in 0..self.modes {
+                let product = middle[i][0] * middle[j][0] + middle[i][1] * middle[j][1];
+                shapes.shortening_1_m[i][j] = cell.start.shortening_1_m[i][j] + product * way_m;
+            }
+        }
+        shapes
+    }
+}

@@ -1,0 +1,103 @@
+//! Forces of a modal body: elastic ones, and those of the mass on the way; its energies.
+
+use super::{Modal, ModalWork, inside, square};
+use crate::load::RootMotion;
+use crate::multibody::kinematics::Motion;
+use crate::multibody::workspace::Node;
+use nalgebra::{Matrix3, Vector3};
+
+/// A mass on the way and how it moves, frame of the inner end.
+struct Moving {
+    mass_kg: f64,
+    /// From the first node in m.
+    place: Vector3<f64>,
+    /// Velocity relative to that frame in m/s.
+    rate: Vector3<f64>,
+}
+
+impl Modal {
+    /// Elastic and damping forces of the shapes, eqs. (M5) and (M6); the first to write to these entries.
+    pub(crate) fn own_forces(&self, motion: Motion, residual: &mut [f64]) {
+        let (range, element) = (self.range(), &self.element);
+        let (q, v) = (&motion.q[range.clone()], &motion.v[range.clone()]);
+        for (i, out) in residual[range].iter_mut().enumerate() {
+            *out = (0..q.len()).map(|j| element.stiffness[(i, j)] * q[j] + element.damping[(i, j)] * v[j]).sum();
+        }
+    }
+
+    /// Inertia less weight of the mass on the way: on the first node, and with `PROJECT` on the coordinates, eq. (M9). The
+    /// first node holds the rates of its nodal vectors.
+    pub(crate) fn inertia_forces<const PROJECT: bool>(
+        &self,
+        work: &ModalWork,
+        node: &mut Node,
+        root: &RootMotion,
+        residual: &mut [f64],
+    ) {
+        let (modes, axes) = (self.element.modes, &node.rotation);
+        let origin = inside(axes, &node.load_rate[0]);
+        let [x, y, z] = [1, 2, 3].map(|k| inside(axes, &node.load_rate[k]));
+        let spread = Matrix3::from_columns(&[x, y, z]);
+        // twice: Coriolis
+        let spin = inside(axes, &(node.spin + root.angular_velocity_rad_s)) * 2.0;
+        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+        let (q, v, a) = (&work.q[..modes], &work.v[..modes], &work.a[..modes]);
+        for point in &self.element.masses {
+            let shapes = &point.shapes;
+            let (shortened, drawn) = (shapes.shortened(q), shapes.shortened(v));
+            let place = shapes.position_m(q, &shortened);
+            let (mut rate, mut second) = (Vector3::zeros(), Vector3::new(-square(&drawn, &work.v), 0.0, 0.0));
+            for i in 0..modes {
+                let partial = shapes.velocity(i, &shortened);
+                rate += partial * v[i];
+                second += partial * a[i];
+            }
+            let own = (origin + spread * place + spin.cross(&rate) + second) * point.mass_kg;
+            force += own;
+            moment += place.cross(&own);
+            if PROJECT {
+                for (i, out) in residual[self.range()].iter_mut().enumerate() {
+                    *out += shapes.velocity(i, &shortened).dot(&own);
+                }
+            }
+        }
+        node.force += axes * force;
+        node.moment += axes * moment;
+    }
+
+    fn moving(&self, work: &ModalWork) -> impl Iterator<Item = Moving> {
+        let modes = self.element.modes;
+        self.element.masses.iter().map(move |point| {
+            let shortened = point.shapes.shortened(&work.q[..modes]);
+            let rate = (0..modes).map(|i| point.shapes.velocity(i, &shortened) * work.v[i]).sum();
+            Moving { mass_kg: point.mass_kg, place: point.shapes.position_m(&work.q[..modes], &shortened), rate }
+        })
+    }
+
+    /// Masses on the way, each with position (m) and velocity (m/s) relative to the root frame, after a sweep.
+    pub(crate) fn masses(
+        &self,
+        work: &ModalWork,
+        node: &Node,
+    ) -> impl Iterator<Item = (f64, Vector3<f64>, Vector3<f64>)> {
+        self.moving(work).map(move |moving| {
+            let arm = node.rotation * moving.place;
+            let velocity = node.velocity + node.spin.cross(&arm) + node.rotation * moving.rate;
+            (moving.mass_kg, node.position + arm, velocity)
+        })
+    }
+
+    /// `Σ ½ qᵀK q` in J.
+    pub(crate) fn elastic_j(&self, q: &[f64]) -> f64 {
+        let q = &q[self.range()];
+        let row = |i: usize| (0..q.len()).map(|j| self.element.stiffness[(i, j)] * q[j]).sum::<f64>();
+        0.5 * (0..q.len()).map(|i| q[i] * row(i)).sum::<f64>()
+    }
+
+    /// `vᵀC v` in W: what the damping takes.
+    pub(crate) fn damping_w(&self, v: &[f64]) -> f64 {
+        let v = &v[self.range()];
+        let row = |i: usize| (0..v.len()).map(|j| self.element.damping[(i, j)] * v[j]).sum::<f64>();
+        (0..v.len()).map(|i| v[i] * row(i)).sum()
+    }
+}

@@ -1,0 +1,152 @@
+//! Bodies that bend in given shapes, in the recursions: a link with as many freedoms as shapes between the body's first
+//! node and the node at its outer end, and mass on the way, NOTATION eqs. (M1)–(M12).
+//!
+//! Velocities and accelerations are those of \[E\]: the section at the outer end turns at the rates of the slopes, resolved in
+//! the frame of the inner end, while its attitude follows from the slopes as small angles. Forces go to the coordinates by the
+//! same partial velocities.
+
+mod factor;
+mod forces;
+pub(crate) mod place;
+
+pub(crate) use factor::ModalFactor;
+
+use crate::beam::modal::{MOST_MODES, ModalElement, small_turn};
+use crate::multibody::kinematics::Motion;
+use crate::multibody::workspace::{Node, Pair};
+use nalgebra::{Matrix3, Vector3};
+
+/// A modal body's element with its place in `q`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Modal {
+    /// The element.
+    pub element: ModalElement,
+    /// Index of its first coordinate.
+    pub coordinate: usize,
+}
+
+/// What a sweep leaves of a modal body.
+#[derive(Debug, Clone)]
+pub struct ModalWork {
+    /// From the first node to the one at the outer end, root frame, m.
+    pub(crate) arm: Vector3<f64>,
+    /// Velocity of the outer end per rate of a coordinate, root frame.
+    pub(crate) velocity: [Vector3<f64>; MOST_MODES],
+    /// Its angular velocity per rate of a coordinate, root frame, 1/m.
+    pub(crate) spin: [Vector3<f64>; MOST_MODES],
+    /// Coordinates of the sweep.
+    pub(crate) q: [f64; MOST_MODES],
+    /// Rates of the sweep; zero after one of poses alone.
+    pub(crate) v: [f64; MOST_MODES],
+    /// Second rates of the sweep.
+    pub(crate) a: [f64; MOST_MODES],
+    pub(crate) factor: ModalFactor,
+}
+
+impl ModalWork {
+    pub(crate) fn new() -> Self {
+        let zero = [Vector3::zeros(); MOST_MODES];
+        Self {
+            arm: Vector3::zeros(),
+            velocity: zero,
+            spin: zero,
+            q: [0.0; MOST_MODES],
+            v: [0.0; MOST_MODES],
+            a: [0.0; MOST_MODES],
+            factor: ModalFactor::ZERO,
+        }
+    }
+}
+
+impl Modal {
+    /// Range of its coordinates in `q`.
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.coordinate..self.coordinate + self.element.modes
+    }
+
+    /// Moves the node at the outer end to where the shapes carry it, eqs. (M2)–(M4) and (M7).
+    pub(crate) fn carry<const RATES: bool>(
+        &self,
+        work: &mut ModalWork,
+        inner: &Node,
+        outer: &mut Node,
+        motion: Motion,
+    ) {
+        let (range, modes, tip) = (self.range(), self.element.modes, &self.element.tip);
+        work.q[..modes].copy_from_slice(&motion.q[range.clone()]);
+        let shortened = tip.shortened(&work.q[..modes]);
+        work.arm = inner.rotation * tip.position_m(&work.q[..modes], &shortened);
+        for i in 0..modes {
+            work.velocity[i] = inner.rotation * tip.velocity(i, &shortened);
+            work.spin[i] = inner.rotation * tip.spin_1_m(i);
+        }
+        outer.rotation = inner.rotation * small_turn(&tip.angles_rad(&work.q[..modes]));
+        outer.position = inner.position + work.arm;
+        if !RATES {
+            work.v = [0.0; MOST_MODES];
+            work.a = [0.0; MOST_MODES];
+            return;
+        }
+        work.v[..modes].copy_from_slice(&motion.v[range.clone()]);
+        work.a[..modes].copy_from_slice(&motion.a[range]);
+        let (velocity, spin) = work.moved(modes, &work.v);
+        let (second, spin_rate) = work.moved(modes, &work.a);
+        let swing = inner.spin.cross(&work.arm);
+        let drawn = -inner.rotation.column(0) * square(&tip.shortened(&work.v[..modes]), &work.v);
+        outer.velocity = inner.velocity + swing + velocity;
+        outer.spin = inner.spin + spin;
+        outer.acceleration = inner.acceleration
+            + inner.spin_rate.cross(&work.arm)
+            + inner.spin.cross(&(swing + velocity * 2.0))
+            + second
+            + drawn;
+        outer.spin_rate = inner.spin_rate + inner.spin.cross(&spin) + spin_rate;
+    }
+
+    /// Projections of a wrench at the outer end on the coordinates, added to `out`, eq. (M8).
+    #[inline]
+    pub(crate) fn project(&self, work: &ModalWork, wrench: &Pair, out: &mut [f64]) {
+        for (i, out) in out[self.range()].iter_mut().enumerate() {
+            *out += work.velocity[i].dot(&wrench.linear) + work.spin[i].dot(&wrench.angular);
+        }
+    }
+
+    /// Twist of the outer end from that of the first node and the change of the coordinates.
+    #[inline]
+    pub(crate) fn displaced(&self, work: &ModalWork, inner: &Pair, change: &[f64]) -> Pair {
+        let (linear, angular) = work.moved(self.element.modes, &change[self.range()]);
+        Pair { linear: inner.linear + inner.angular.cross(&work.arm) + linear, angular: inner.angular + angular }
+    }
+
+    /// Largest turn of the outer end in rad between two sets of coordinates.
+    pub(crate) fn turn_between(&self, from: &[f64], to: &[f64]) -> f64 {
+        let turn: Vector3<f64> =
+            self.range().enumerate().map(|(i, c)| self.element.tip.spin_1_m(i) * (to[c] - from[c])).sum();
+        turn.norm()
+    }
+}
+
+impl ModalWork {
+    /// Velocity and spin of the outer end relative to the first node for some rates.
+    #[inline]
+    fn moved(&self, modes: usize, rates: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+        let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
+        for (i, rate) in rates.iter().enumerate().take(modes) {
+            linear += self.velocity[i] * *rate;
+            angular += self.spin[i] * *rate;
+        }
+        (linear, angular)
+    }
+}
+
+/// `Σ a_i b_i`.
+#[inline]
+fn square(a: &[f64; MOST_MODES], b: &[f64; MOST_MODES]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// A vector in the frame of `axes`.
+#[inline]
+fn inside(axes: &Matrix3<f64>, vector: &Vector3<f64>) -> Vector3<f64> {
+    axes.tr_mul(vector)
+}

@@ -1,0 +1,343 @@
+//! Kane's own derivation as a comparator: partial velocities of every point assembled as in \[K\] (2)–(9), its equation (11) with
+//! the sign and the acceleration that belong there, and `M u̇ = f` solved as a whole. Shares no formula with the recursions: it
+//! has its own sums for the shapes, its own attitudes and its own assembly.
+
+use crate::trees::Random;
+use crate::turbine::machine::*;
+use foldwing::beam::modal::ModalLaw;
+use foldwing::machine::{JointKind, Machine, Parent};
+use foldwing::plant::Plant;
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Unit, Vector3};
+use std::sync::Arc;
+
+/// A frame as Kane's method knows it: origin and attitude, their partial velocities, and what is left of the accelerations where
+/// all speeds stay (\[K\] 5–8).
+#[derive(Clone)]
+struct Frame {
+    rotation: Matrix3<f64>,
+    position: Vector3<f64>,
+    /// `v_k` of the origin and `ω_k`, per speed.
+    velocity: Vec<Vector3<f64>>,
+    spin: Vec<Vector3<f64>>,
+    /// `Σ dv_k/dt u_k` and `Σ dω_k/dt u_k`.
+    rest: Vector3<f64>,
+    spin_rest: Vector3<f64>,
+    /// `ω`.
+    omega: Vector3<f64>,
+}
+
+impl Frame {
+    fn earth(speeds: usize) -> Self {
+        let zero = Vector3::zeros();
+        Self {
+            rotation: Matrix3::identity(),
+            position: zero,
+            velocity: vec![zero; speeds],
+            spin: vec![zero; speeds],
+            rest: zero,
+            spin_rest: zero,
+            omega: zero,
+        }
+    }
+
+    /// A point fixed to the frame, `arm` in the frame's axes.
+    fn moved(&self, arm: &Vector3<f64>) -> Self {
+        let arm = self.rotation * arm;
+        let mut frame = self.clone();
+        frame.position += arm;
+        frame.velocity.iter_mut().zip(&self.spin).for_each(|(v, w)| *v += w.cross(&arm));
+        frame.rest += self.spin_rest.cross(&arm) + self.omega.cross(&self.omega.cross(&arm));
+        frame
+    }
+
+    fn turned(mut self, rotation: &Matrix3<f64>) -> Self {
+        self.rotation *= rotation;
+        self
+    }
+
+    /// A frame that turns about an axis of this one with speed `k`.
+    fn hinged(mut self, axis: &Vector3<f64>, k: usize, angle: f64, speed: f64) -> Self {
+        let axis = self.rotation * axis;
+        self.spin[k] += axis;
+        self.spin_rest += self.omega.cross(&axis) * speed;
+        self.omega += axis * speed;
+        self.rotation = Rotation3::from_axis_angle(&Unit::new_normalize(axis), angle) * self.rotation;
+        self
+    }
+
+    /// A section of a bent body: deflections `u_i`, slopes `u_i'` (body axes) and shortening `S`, of coordinates from `first` on.
+    fn bent(&self, at: &Bent, first: usize, q: &[f64], u: &[f64]) -> Self {
+        let n = at.deflection.len();
+        let (q, u) = (&q[first..first + n], &u[first..first + n]);
+        let along = |a: &[f64], b: &[f64]| -> f64 {
+            (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| at.shortening[(i, j)] * a[i] * b[j]).sum()
+        };
+        let mut place = Vector3::new(at.place_m - 0.5 * along(q, q), 0.0, 0.0);
+        let (mut rate, mut angles) = (Vector3::zeros(), Vector3::zeros());
+        let mut partial = Vec::new();
+        for i in 0..n {
+            place += at.deflection[i] * q[i];
+            let drawn: f64 = (0..n).map(|j| at.shortening[(i, j)] * q[j]).sum();
+            let own = at.deflection[i] - Vector3::x() * drawn;
+            rate += own * u[i];
+            partial.push(own);
+            angles += Vector3::x().cross(&at.slope[i]) * q[i];
+        }
+        let mut frame = self.moved(&place);
+        let drawn = Vector3::x() * along(u, u);
+        frame.rest += self.rotation * -drawn + self.omega.cross(&(self.rotation * rate)) * 2.0;
+        for i in 0..n {
+            let turn = self.rotation * Vector3::x().cross(&at.slope[i]);
+            frame.velocity[first + i] += self.rotation * partial[i];
+            frame.spin[first + i] += turn;
+            frame.spin_rest += self.omega.cross(&turn) * u[i];
+        }
+        for i in 0..n {
+            frame.omega += self.rotation * Vector3::x().cross(&at.slope[i]) * u[i];
+        }
+        let angle = angles.norm();
+        if angle > 0.0 {
+            frame.rotation = self.rotation * Rotation3::from_axis_angle(&Unit::new_normalize(angles), angle.atan());
+        }
+        frame
+    }
+}
+
+/// Shapes at a place, summed here.
+struct Bent {
+    place_m: f64,
+    deflection: Vec<Vector3<f64>>,
+    slope: Vec<Vector3<f64>>,
+    shortening: DMatrix<f64>,
+}
+
+/// Masses, and the outer end; stiffness and damping.
+struct Shapes {
+    masses: Vec<(f64, Bent)>,
+    tip: Bent,
+    stiffness: DMatrix<f64>,
+    damping: DMatrix<f64>,
+}
+
+/// `φ`, `φ'`, `φ''` over `x`, by powers.
+fn powers(coefficients: &[f64], x: f64) -> [f64; 3] {
+    let mut sums = [0.0; 3];
+    for (k, c) in coefficients.iter().enumerate() {
+        let p = (k + 2) as i32;
+        sums[0] += c * x.powi(p);
+        sums[1] += c * f64::from(p) * x.powi(p - 1);
+        sums[2] += c * f64::from(p * (p - 1)) * x.powi(p - 2);
+    }
+    sums
+}
+
+/// ElastoDyn's sums, written for whole columns as `blade_modes_check.py` does.
+fn shapes(law: &ModalLaw) -> Shapes {
+    let (cells, length_m) = (law.cells, law.length_m);
+    let h = length_m / cells as f64;
+    let places: Vec<f64> = (0..cells).map(|k| (k as f64 + 0.5) * h).collect();
+    let modes: Vec<(bool, &Vec<f64>, f64)> = law
+        .flap
+        .iter()
+        .map(|shape| (false, &shape.coefficients, shape.damping_ratio))
+        .chain(law.edge.iter().map(|shape| (true, &shape.coefficients, shape.damping_ratio)))
+        .collect();
+    let n = modes.len();
+    let direction = |edge: bool, s: f64| {
+        let twist = law.twist_rad.as_ref().map_or(0.0, |twist| twist.at(s));
+        let flap = Rotation3::from_axis_angle(&Vector3::x_axis(), twist) * Vector3::z();
+        if edge { flap.cross(&Vector3::x()) } else { flap }
+    };
+    // running integral: full cells and half of the present one; the last entry is the whole
+    let running = |values: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
+        let before = |k: usize| values[..k].iter().sum::<Vector3<f64>>() * h;
+        let mut all: Vec<Vector3<f64>> = (0..cells).map(|k| before(k) + values[k] * (0.5 * h)).collect();
+        all.push(before(cells));
+        all
+    };
+    let (mut deflection, mut slope) = (Vec::new(), Vec::new());
+    for (edge, coefficients, _) in &modes {
+        if law.twist_rad.is_some() {
+            let bending: Vec<Vector3<f64>> = places
+                .iter()
+                .map(|s| direction(*edge, *s) * (powers(coefficients, s / length_m)[2] / length_m.powi(2)))
+                .collect();
+            let slopes = running(&bending);
+            deflection.push(running(&slopes[..cells]));
+            slope.push(slopes);
+        } else {
+            let at = |s: f64| powers(coefficients, s / length_m);
+            let all = || places.iter().copied().chain([length_m]);
+            // at the top the coordinate itself, [K] (2): printed coefficients add up to 1 within 1e-3
+            let value = |s: f64| if s == length_m { 1.0 } else { at(s)[0] };
+            deflection.push(all().map(|s| direction(*edge, s) * value(s)).collect());
+            slope.push(all().map(|s| direction(*edge, s) * (at(s)[1] / length_m)).collect());
+        }
+    }
+    let mut shortening = vec![DMatrix::zeros(n, n); cells + 1];
+    for i in 0..n {
+        for j in 0..n {
+            let product: Vec<Vector3<f64>> = (0..cells).map(|k| Vector3::x() * slope[i][k].dot(&slope[j][k])).collect();
+            for (k, sum) in running(&product).iter().enumerate() {
+                shortening[k][(i, j)] = sum.x;
+            }
+        }
+    }
+    let at = |k: usize, place_m: f64| Bent {
+        place_m,
+        deflection: deflection.iter().map(|all| all[k]).collect(),
+        slope: slope.iter().map(|all| all[k]).collect(),
+        shortening: shortening[k].clone(),
+    };
+    let masses = (0..cells).map(|k| (law.mass_kg_m.at(places[k]) * h, at(k, places[k]))).collect();
+    let (mut stiffness, mut damping) = (DMatrix::<f64>::zeros(n, n), DMatrix::<f64>::zeros(n, n));
+    for j in 0..n {
+        let mut plain = 0.0;
+        for s in &places {
+            let shape = powers(modes[j].1, s / length_m);
+            plain += law.mass_kg_m.at(*s) * h * shape[0].powi(2);
+            let rigidity = if modes[j].0 { &law.edge_stiffness_n_m2 } else { &law.flap_stiffness_n_m2 };
+            for i in (0..n).filter(|i| modes[*i].0 == modes[j].0) {
+                let other = powers(modes[i].1, s / length_m);
+                stiffness[(i, j)] += rigidity.at(*s) * h * other[2] * shape[2] / length_m.powi(4);
+            }
+        }
+        let frequency_hz: f64 = (stiffness[(j, j)] / plain).sqrt() / std::f64::consts::TAU;
+        for i in 0..n {
+            damping[(i, j)] = stiffness[(i, j)] * modes[j].2 / (std::f64::consts::PI * frequency_hz);
+        }
+    }
+    Shapes { masses, tip: at(cells, length_m), stiffness, damping }
+}
+
+/// `M u̇ = f` of the whole machine, \[K\] (9)–(11).
+struct Kane {
+    mass: DMatrix<f64>,
+    force: DVector<f64>,
+    gravity_m_s2: Vector3<f64>,
+}
+
+impl Kane {
+    /// A particle, or a rigid body with its centre at the frame's origin and `inertia` in its axes.
+    fn add(&mut self, mass_kg: f64, inertia: &Matrix3<f64>, at: &Frame) {
+        let inertia = at.rotation * inertia * at.rotation.transpose();
+        let gyro = inertia * at.spin_rest + at.omega.cross(&(inertia * at.omega));
+        for k in 0..self.force.len() {
+            self.force[k] += at.velocity[k].dot(&((self.gravity_m_s2 - at.rest) * mass_kg)) - at.spin[k].dot(&gyro);
+            for l in 0..self.force.len() {
+                self.mass[(k, l)] +=
+                    mass_kg * at.velocity[k].dot(&at.velocity[l]) + at.spin[k].dot(&(inertia * at.spin[l]));
+            }
+        }
+    }
+}
+
+impl Kane {
+    /// A rotor about an axis of its carrier, which turns `ratio` times as fast as speed `k`: \[K\]'s generator.
+    fn add_rotor(&mut self, inertia: f64, ratio: f64, axis: &Vector3<f64>, k: usize, carrier: &Frame) {
+        let axis = carrier.rotation * axis;
+        let mut spin: Vec<f64> = carrier.spin.iter().map(|spin| spin.dot(&axis)).collect();
+        spin[k] += ratio;
+        for i in 0..spin.len() {
+            self.force[i] -= inertia * spin[i] * carrier.spin_rest.dot(&axis);
+            for j in 0..spin.len() {
+                self.mass[(i, j)] += inertia * spin[i] * spin[j];
+            }
+        }
+    }
+}
+
+/// Accelerations of the machine's freedoms, in the order of the engine's: joints before shapes, body by body.
+fn accelerations(machine: &Machine, q: &[f64], u: &[f64]) -> DVector<f64> {
+    let n = q.len();
+    let mut kane = Kane { mass: DMatrix::zeros(n, n), force: DVector::zeros(n), gravity_m_s2: machine.gravity_m_s2 };
+    let mut ends: Vec<Frame> = Vec::new();
+    let mut next = 0;
+    for body in &machine.bodies {
+        let joint = &body.joint;
+        let mut frame = match joint.parent {
+            Parent::Root { position_m } => Frame::earth(n).moved(&position_m),
+            Parent::Body { index, .. } => ends[index].moved(&joint.offset_m),
+        };
+        if let JointKind::Revolute(hinge) = &joint.kind
+            && hinge.motion == foldwing::machine::JointMotion::Free
+        {
+            if let Some(ratio) = hinge.drive.gear_ratio {
+                kane.add_rotor(hinge.drive.inertia_kg_m2 / ratio.powi(2), ratio, &hinge.axis, next, &frame);
+            }
+            frame = frame.hinged(&hinge.axis, next, q[next], u[next]);
+            if let Some(spring) = &hinge.spring {
+                kane.force[next] -= spring.stiffness_n_m_rad * q[next] + spring.damping_n_m_s_rad * u[next];
+            }
+            next += 1;
+        }
+        frame = frame.turned(&joint.mount);
+        for mass in &body.masses {
+            kane.add(mass.mass_kg, &mass.inertia_kg_m2, &frame.moved(&mass.offset_m));
+        }
+        if body.is_modal() {
+            let shapes = shapes(law(body));
+            for (mass_kg, at) in &shapes.masses {
+                kane.add(*mass_kg, &Matrix3::zeros(), &frame.bent(at, next, q, u));
+            }
+            let modes = shapes.stiffness.nrows();
+            for i in 0..modes {
+                for j in 0..modes {
+                    kane.force[next + i] -=
+                        shapes.stiffness[(i, j)] * q[next + j] + shapes.damping[(i, j)] * u[next + j];
+                }
+            }
+            frame = frame.bent(&shapes.tip, next, q, u);
+            next += modes;
+        }
+        ends.push(frame);
+    }
+    assert_eq!(next, n);
+    kane.mass.cholesky().expect("a mass matrix").solve(&kane.force)
+}
+
+/// WT-06. Accelerations of the 16 coordinates at random states, rotor turning at 12 rpm and far from any equilibrium: equal to
+/// Kane's to 1e-12 of the largest acceleration of their kind (forces of 1e9 N·m cancel in the drive train).
+#[test]
+fn wt06_accelerations_are_those_of_kanes_equations() {
+    let machine = turbine();
+    let mut plant = Plant::new(Arc::new(machine.clone()));
+    plant.initialize(0.0).expect("a start");
+    let names: Vec<String> = plant.freedoms().into_iter().map(|freedom| freedom.name).collect();
+    let n = names.len();
+    assert_eq!(n, 16);
+    let mut worst_all = 0.0f64;
+    for seed in 1..=5 {
+        let mut random = Random::new(seed);
+        let mut states = vec![0.0; 2 * n];
+        for (k, name) in names.iter().enumerate() {
+            let (size, rate) = match name.as_str() {
+                "yaw.angle" => (0.2, 0.05),
+                "drive_train.angle" => (0.01, 0.2),
+                "shaft.angle" => (3.0, 0.1),
+                name if name.starts_with("tower") => (0.5, 1.0),
+                _ => (3.0, 4.0),
+            };
+            states[k] = size * random.symmetric();
+            states[n + k] = rate * random.symmetric();
+            if name == "shaft.angle" {
+                states[n + k] += 1.27;
+            }
+        }
+        let mut rates = vec![0.0; 2 * n];
+        let mut hybrid = plant.hybrid().expect("a hybrid system");
+        assert_eq!(hybrid.states(), 2 * n);
+        hybrid.set(0.0, &states);
+        hybrid.derivatives(&mut rates).expect("derivatives");
+        let expected = accelerations(&machine, &states[..n], &states[n..]);
+        let angular = |name: &str| name.ends_with(".angle");
+        for (k, name) in names.iter().enumerate() {
+            let of_kind = names.iter().zip(expected.iter()).filter(|(other, _)| angular(other) == angular(name));
+            let scale = of_kind.map(|(_, a)| a.abs()).fold(0.0, f64::max);
+            let error = (rates[n + k] - expected[k]).abs() / scale;
+            worst_all = worst_all.max(error);
+            assert!(error < 1e-12, "seed {seed}, {name}: {} for {}, {error:.1e}", rates[n + k], expected[k]);
+        }
+    }
+    println!("WT-06: {worst_all:.1e}");
+}

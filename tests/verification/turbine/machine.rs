@@ -1,0 +1,75 @@
+//! The example's machine, and its parts by name.
+
+use foldwing::config;
+use foldwing::machine::*;
+use foldwing::plant::Plant;
+use nalgebra::{Rotation3, Vector3};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// The text of the example.
+pub const TEXT: &str = include_str!("../../../examples/turbine/nrel_5mw.toml");
+
+/// The example.
+pub fn turbine() -> Machine {
+    config::parse(TEXT, "nrel_5mw.toml").unwrap_or_else(|refused| panic!("{refused}"))
+}
+
+/// What a modal body's law says.
+pub fn law(body: &Body) -> &ModalLaw {
+    body.section.modal().unwrap_or_else(|| panic!("{} is no modal body", body.name))
+}
+
+/// The same, to be changed.
+pub fn law_mut<'m>(machine: &'m mut Machine, name: &str) -> &'m mut ModalLaw {
+    let body = machine.bodies.iter_mut().find(|body| body.name == name).expect("a body of this name");
+    match &mut body.section {
+        SectionLaw::Modal(law) => law,
+        _ => panic!("{name} is no modal body"),
+    }
+}
+
+/// A revolute joint, to be changed.
+pub fn hinge_mut<'m>(machine: &'m mut Machine, name: &str) -> &'m mut OneFreedom {
+    let body = machine.bodies.iter_mut().find(|body| body.joint.name == name).expect("a joint of this name");
+    match &mut body.joint.kind {
+        JointKind::Revolute(hinge) => hinge,
+        _ => panic!("{name} is not revolute"),
+    }
+}
+
+/// The first blade alone, clamped 1.5 m above the origin, without gravity: on a root that turns about `x` it is a rotor's
+/// blade without cone and tilt.
+pub fn blade_alone() -> Machine {
+    let mut machine = turbine();
+    machine.bodies.retain(|body| body.name == "blade1");
+    let joint = &mut machine.bodies[0].joint;
+    joint.parent = Parent::Root { position_m: Vector3::new(0.0, 0.0, 1.5) };
+    joint.offset_m = Vector3::zeros();
+    joint.mount = Rotation3::new(Vector3::new(1.0, 0.0, 1.0).normalize() * PI).into_inner();
+    joint.kind = JointKind::Clamped;
+    machine.gravity_m_s2 = Vector3::zeros();
+    machine
+}
+
+/// A plant on a root that turns about `x`, initialised.
+pub fn spinning(machine: Machine, speed_rpm: f64) -> Plant {
+    let mut plant = Plant::new(Arc::new(machine));
+    plant.inputs_mut().root_mut().angular_velocity_rad_s = Vector3::new(speed_rpm * PI / 30.0, 0.0, 0.0);
+    plant.initialize(0.0).expect("a start");
+    plant
+}
+
+/// A table of `tests/reference/turbine`: names of the columns, and rows.
+pub fn table(text: &str) -> (Vec<&str>, Vec<Vec<f64>>) {
+    let mut lines = text.lines();
+    let names = lines.next().expect("a header").split(',').collect();
+    let row = |line: &str| line.split(',').map(|value| value.parse().expect("a number")).collect();
+    (names, lines.map(row).collect())
+}
+
+/// Where a freedom stands among [`foldwing::plant::Plant::free_state`].
+pub fn place(plant: &Plant, name: &str) -> usize {
+    let freedoms = plant.freedoms();
+    freedoms.iter().position(|freedom| freedom.name == name).unwrap_or_else(|| panic!("no freedom {name}"))
+}

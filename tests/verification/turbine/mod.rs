@@ -1,0 +1,10 @@
+//! The NREL 5 MW turbine without air: modal bodies, drive train and yaw, against OpenFAST and against Kane's equations in
+//! dense form. Case numbers WT-xx.
+
+mod bodies;
+mod kane;
+mod machine;
+mod modes;
+mod recursions;
+mod refusals;
+mod vacuum;
