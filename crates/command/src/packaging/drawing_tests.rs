@@ -52,6 +52,7 @@ pub(crate) fn two_body_machine() -> Machine {
             torque_limit_n_m: UNLIMITED,
             rate_limit_rad_s: UNLIMITED,
             inertia_kg_m2: 0.0,
+            gear_ratio: None,
             command_rad: 0.0,
         },
         spring: None,
