@@ -99,33 +99,6 @@ impl Air {
     }
 }
 
-impl Machine {
-    /// Bodies whose joint is revolute or prismatic, with that joint.
-    pub fn one_freedoms(&self) -> impl Iterator<Item = (usize, &OneFreedom)> {
-        let bodies = self.bodies.iter().enumerate();
-        bodies.filter_map(|(index, body)| body.joint.kind.one_freedom().map(|(_, joint)| (index, joint)))
-    }
-
-    /// Bodies whose joint is universal, ball or free, with that joint.
-    pub fn spatials(&self) -> impl Iterator<Item = (usize, &Spatial)> {
-        let bodies = self.bodies.iter().enumerate();
-        bodies.filter_map(|(index, body)| body.joint.kind.spatial().map(|joint| (index, joint)))
-    }
-
-    /// Bodies whose outer end is free: nothing hangs on it.
-    pub fn tip_bodies(&self) -> impl Iterator<Item = usize> {
-        let carries = |body: usize| {
-            self.bodies.iter().any(|child| match child.joint.parent {
-                Parent::Body { index, position_m } => {
-                    index == body && position_m >= self.bodies[body].length_m * (1.0 - 1e-9)
-                }
-                Parent::Root { .. } => false,
-            })
-        };
-        (0..self.bodies.len()).filter(move |&body| !carries(body))
-    }
-}
-
 /// A point mass or rigid body fixed to a section.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AttachedMass {
