@@ -43,6 +43,11 @@ pub(super) fn gauge(gauge: &Gauge, bodies: &[Body], checker: &mut Checker) {
         checker.refuse(&["gauge", name, "body"], format!("{:?}", body.name), allowed);
         return;
     }
+    if body.is_modal() {
+        let allowed = "a beam; this body bends in given shapes and has no strains of sections";
+        checker.refuse(&["gauge", name, "body"], format!("{:?}", body.name), allowed);
+        return;
+    }
     let law = &body.section;
     checker.on_body(&["gauge", name, "position_m"], gauge.position_m, body.length_m);
     if !section_stands(&body.name, checker) {

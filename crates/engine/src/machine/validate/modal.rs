@@ -107,10 +107,4 @@ pub(super) fn placed(machine: &Machine, checker: &mut Checker) {
             at_an_end(&["section_load", &place.name, "position_m"], place.position_m, body, checker);
         }
     }
-    for gauge in &machine.gauges {
-        if let Some(body) = modal(gauge.body) {
-            let allowed = "a beam; this body bends in given shapes and has no strains of sections";
-            checker.refuse(&["gauge", &gauge.name, "body"], format!("{:?}", body.name), allowed);
-        }
-    }
 }
