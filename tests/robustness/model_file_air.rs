@@ -232,7 +232,7 @@ fn tip_loss_of_strips() {
     };
     let strips = |text: &str| match machine(text).air.expect("air").options {
         AirOptions::Strips(strips) => strips,
-        AirOptions::Lattice(_) => panic!("a lattice"),
+        AirOptions::Lattice(_) | AirOptions::Rotor(_) => panic!("a lattice or a rotor"),
     };
     assert_eq!(strips(&air("", "")).tip_loss, None);
     assert_eq!(strips(&air("tip_loss = \"none\"", "")).tip_loss, None);

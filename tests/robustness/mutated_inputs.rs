@@ -165,7 +165,7 @@ fn is_large(machine: &Machine) -> bool {
         let panels = air.surfaces.iter().map(|surface| (surface.positions_m.len() - 1) * surface.chord_panels);
         let rows = match &air.options {
             AirOptions::Lattice(options) => options.wake_rows,
-            AirOptions::Strips(_) => 0,
+            AirOptions::Strips(_) | AirOptions::Rotor(_) => 0,
         };
         panels.sum::<usize>() > MOST_PANELS || rows > MOST_WAKE_ROWS || air.step_s < LEAST_AIR_STEP_S
     });

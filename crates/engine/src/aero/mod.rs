@@ -25,6 +25,7 @@ mod wide;
 
 pub use model::{AirModel, AirOptions, AirState};
 pub use rotor::bem::RotorLoads;
+pub use rotor::induction::EndRule;
 
 use crate::load::{SectionMotion, Wrench};
 use nalgebra::Vector3;

@@ -17,10 +17,10 @@ pub mod validate;
 pub use fault::{Fault, Refused};
 pub use one_freedom::{OneFreedom, Revolute};
 
-pub use crate::aero::AirOptions;
 use crate::aero::flow::Gust;
 pub use crate::aero::lattice::{LoadRule, WakeModel};
 use crate::aero::surface::{ChordLine, Profile};
+pub use crate::aero::{AirOptions, EndRule};
 pub use crate::beam::element::ElementKind;
 pub use crate::beam::law::{NaturalStrain, SectionLaw};
 pub use crate::beam::modal::{MOST_MODES, ModalLaw, Shape};
@@ -359,13 +359,6 @@ pub struct Air {
     pub surfaces: Vec<LiftingSurface>,
     /// Gusts.
     pub gusts: Vec<Gust>,
-}
-
-impl Air {
-    /// Whether it is that of a rotor.
-    pub fn has_rotor(&self) -> bool {
-        matches!(self.options, AirOptions::Rotor(_))
-    }
 }
 
 /// How air and structure agree on the loads at the end of an aerodynamic step.

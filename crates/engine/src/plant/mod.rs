@@ -13,6 +13,6 @@ pub use crate::study::{
 pub use crate::system::{
     AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, Freedom, Hybrid, JointOutputs,
     JointStatus, Jump, LatchOutputs, LoopOutputs, ModeShape, NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs,
-    PlantError, PointOutputs, SectionShape, SectionState, SectionStrain, Snapshot, SpatialOutputs, Statistics,
-    SurfaceGap, SurfaceLattice, System,
+    PlantError, PointOutputs, RotorLoads, SectionShape, SectionState, SectionStrain, Snapshot, SpatialOutputs,
+    Statistics, SurfaceGap, SurfaceLattice, System,
 };

@@ -25,6 +25,7 @@ mod statistics;
 mod strains;
 mod wake_rows;
 
+pub use crate::aero::RotorLoads;
 pub use air::{CLOSED_PANELS, SurfaceGap, SurfaceLattice};
 pub use error::PlantError;
 pub use exchange::{CoordinateName, CoordinateQuantity};

@@ -6,8 +6,7 @@ use crate::interface::known::{Input, JointInput, JointParameter, Known, Paramete
 use crate::interface::rows::{wrench, wrench_texts};
 use crate::interface::table::{POSITIVE, Shape, Table, Text, Type};
 use crate::interface::topology::Topology;
-use foldwing_engine::aero::RotorLoads;
-use foldwing_engine::plant::OutputSet;
+use foldwing_engine::plant::{OutputSet, RotorLoads};
 use std::mem::offset_of;
 
 /// Wind.
