@@ -177,7 +177,7 @@ fn wind(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, Failure> {
     let Some(air) = &machine.air else {
         return Err(refused("has no air; flutter needs [aerodynamics] with model = \"strip\" and surfaces"));
     };
-    if !air.is_linearised() {
+    if !air.options.is_linearised() {
         return Err(refused(
             "has the air of a lattice or a rotor, which has no linear model; use strips (aerodynamics.model = \"strip\"), or look at runs \
              in which a gust makes it swing",

@@ -6,7 +6,7 @@ use crate::cli::settings::plant_with;
 use crate::cli::{Failure, print, read_model, tell};
 use crate::report::{linear_json, write_mat, write_npz};
 use clap::builder::NonEmptyStringValueParser;
-use foldwing_engine::machine::{Air, Machine};
+use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Holding, Keep, NoReduction, Plant, PlantError};
 use foldwing_fmi::interface::{GUSTS, Interface, LinearModel, Variable};
 use std::io::{self, Cursor, Write};
@@ -101,7 +101,7 @@ fn gusts_of(names: &[String], machine: &Machine) -> Result<(Vec<usize>, Vec<Stri
     for name in names {
         let all = if name == "gust." || name == "gust.*" { vec![0, 1, 2] } else { named(name).into_iter().collect() };
         gusts.extend(all);
-        if gusts.is_empty() || machine.air.as_ref().is_some_and(Air::is_linearised) {
+        if gusts.is_empty() || machine.air.as_ref().is_some_and(|air| air.options.is_linearised()) {
             continue;
         }
         return Err(Failure::Usage(format!(

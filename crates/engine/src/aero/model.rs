@@ -23,6 +23,13 @@ pub enum AirOptions {
     Rotor(Box<RotorOptions>),
 }
 
+impl AirOptions {
+    /// Whether linear models have this air, with its lags: strips. The loads of lattices and rotors are held.
+    pub fn is_linearised(&self) -> bool {
+        matches!(self, Self::Strips(_))
+    }
+}
+
 /// A model of the air with its scratch.
 pub enum AirModel {
     /// Unsteady vortex lattice.

@@ -92,13 +92,6 @@ pub struct Body {
     pub joint: Joint,
 }
 
-impl Air {
-    /// Whether linear models have this air, with its lags: strips. The loads of a lattice are held.
-    pub fn is_linearised(&self) -> bool {
-        matches!(self.options, AirOptions::Strips(_))
-    }
-}
-
 /// A point mass or rigid body fixed to a section.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AttachedMass {
