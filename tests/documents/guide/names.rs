@@ -3,7 +3,9 @@
 use crate::guide::command_lines::pages;
 use crate::guide::variables::{everything, in_real_time, named, pattern, sliding, with_rigid_latch};
 use foldwing::config;
+use foldwing::instance::Version;
 use foldwing::interface::Interface;
+use foldwing::packaging::Kinds;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -49,6 +51,8 @@ fn variables() -> BTreeSet<String> {
     for model in ["folding_wing.toml", "folding_wing_in_tunnel.toml", "four_bar.toml"] {
         let path = crate::guide::in_package("examples/models").join(model);
         let (machine, _) = config::read(path).unwrap_or_else(|error| panic!("{error}"));
+        let kinds = Kinds { version: Version::Fmi3, co_simulation: true, model_exchange: machine.air.is_none() };
+        names.extend(kinds.interface(&machine).arrays().iter().map(|array| array.name.clone()));
         for row in Interface::new(&machine).variables() {
             names.insert(row.name.clone());
             names.insert(named(&machine, &row.name).replace("tip_<body>", "tip"));
