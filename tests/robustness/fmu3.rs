@@ -17,6 +17,9 @@ use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, CString};
 use std::ptr;
 
+/// A call of the interface.
+pub type Call = fn(fmi3Instance) -> fmi3Status;
+
 /// What the importer's functions write to.
 #[derive(Default)]
 pub struct Environment {
@@ -31,7 +34,7 @@ pub struct Environment {
     /// Time from which on it wants to return early, in s, and the time that it names.
     pub returns: Cell<Option<(f64, f64)>>,
     /// A call to make within a step, which must be refused.
-    pub intrudes: Cell<Option<fn(fmi3Instance) -> fmi3Status>>,
+    pub intrudes: Cell<Option<Call>>,
 }
 
 unsafe extern "C" fn record(

@@ -55,13 +55,13 @@ fn unknown_keys() {
     assert_eq!(
         message("[solver]", "[solvers]"),
         "wing.toml:47: key 'solvers' is unknown; perhaps solver is meant; allowed keys: name, description, \
-         gravity_m_s2, section, body, rigid_body, joint, loop, mass, load, gauge, section_load, aerodynamics, surface, gust, solver, experiment"
+         gravity_m_s2, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, section_load, aerodynamics, surface, gust, polar, wind, tower, solver, experiment"
     );
     assert_eq!(
         message("stiffness_N_m_rad", "stiffness"),
         "wing.toml:35: key 'joint.fold.drive.stiffness' is unknown; write stiffness_N_m_rad (N·m/rad); allowed \
          keys: stiffness_N_m_rad, damping_N_m_s_rad, constant_torque_N_m, torque_limit_N_m, rate_limit_deg_s, \
-         inertia_kg_m2, command_deg, stiffness_N_m, damping_N_s_m, constant_force_N, force_limit_N, rate_limit_m_s, \
+         inertia_kg_m2, gear_ratio, command_deg, stiffness_N_m, damping_N_s_m, constant_force_N, force_limit_N, rate_limit_m_s, \
          mass_kg, command_m"
     );
 }

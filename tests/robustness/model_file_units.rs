@@ -2,7 +2,7 @@
 
 use foldwing::config::{parse, schema};
 use foldwing::force::prescribed::Motion;
-use foldwing::machine::{JointKind, JointMotion, Machine};
+use foldwing::machine::{JointKind, JointMotion, Machine, SectionLaw};
 use std::collections::BTreeSet;
 
 /// A machine with every angle that a file can state.
@@ -96,6 +96,23 @@ incidence_deg = 30
 zero_lift_angle_deg = -3
 "#;
 
+/// A body that bends in a given shape.
+const MODAL: &str = r#"name = "Blade"
+[modal_body.blade]
+length_m = 10.0
+cells = 5
+stations = [0, 1]
+mass_kg_m = [10, 10]
+flap_stiffness_N_m2 = [1e6, 1e6]
+edge_stiffness_N_m2 = [2e6, 2e6]
+twist_deg = [12, -3]
+flap_shapes = [[1.0]]
+[joint.mount]
+type = "clamped"
+parent = "root"
+child = "blade"
+"#;
+
 fn read(text: &str) -> Machine {
     parse(text, "angles.toml").unwrap_or_else(|error| panic!("{error}"))
 }
@@ -118,14 +135,17 @@ fn keys_in_degrees(node: &serde_json::Value, found: &mut BTreeSet<String>) {
     }
 }
 
-/// No key in degrees is left out of the two files above.
+/// No key in degrees is left out of the files above.
 #[test]
 fn every_key_in_degrees_is_compared() {
     let mut keys = BTreeSet::new();
     keys_in_degrees(&serde_json::from_str(&schema()).expect("JSON"), &mut keys);
     assert!(keys.len() >= 12, "{keys:?}");
     for key in &keys {
-        assert!([MODEL, BALL_IN_AIR].iter().any(|text| text.contains(&format!("{key} = "))), "{key} is not compared");
+        assert!(
+            [MODEL, BALL_IN_AIR, MODAL].iter().any(|text| text.contains(&format!("{key} = "))),
+            "{key} is not compared"
+        );
     }
 }
 
@@ -172,4 +192,12 @@ fn angles_of_a_ball_joint_and_of_air_are_read_in_radians() {
     let forward = (chord.leading_m - chord.trailing_m).normalize();
     close("incidence_deg", forward.z.atan2(forward.y), 30.0);
     close("zero_lift_angle_deg", surface.profile.zero_lift_angle_rad, -3.0);
+}
+
+#[test]
+fn twist_of_a_modal_body_is_read_in_radians() {
+    let machine = read(MODAL);
+    let SectionLaw::Modal(law) = &machine.bodies[0].section else { panic!("a modal body") };
+    let twist = law.twist_rad.as_ref().expect("twist");
+    [(0.0, 12.0), (5.0, 4.5), (10.0, -3.0)].map(|(place_m, deg)| close("twist_deg", twist.at(place_m), deg));
 }

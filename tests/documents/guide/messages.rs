@@ -319,6 +319,13 @@ fn produced() -> Vec<String> {
         "trim wing.toml --free fold.command --balance tip.position.z",
         "trim wing.toml --free fold.command --balance fold.command=1",
         "trim wing.toml --free fold.command --balance tip.position.z=x",
+        "trim wing.toml --free fold.command --free fold.torque --balance tip.position.z=0",
+        "trim wing.toml --free fold.release --balance tip.position.z=0",
+        "trim wing.toml --free fold.command --balance energy.kinetic=1",
+        "modes wing.toml --csv x.csv",
+        "linearize tunnel.toml --inputs wind.velocity.z -o x.json",
+        "linearize wing.toml --inputs gust.z -o x.json",
+        "linearize goland.toml --reduce 9999 -o x.json",
         "sweep wing.toml --vary fold.command=1,3 --stop 0.001 --out done.csv",
         "check loaded.toml",
         "package failing.toml -o x.fmu --library LIBRARY",
@@ -334,7 +341,18 @@ fn produced() -> Vec<String> {
         assert!(!output.status.success() && stderr.starts_with("error: "), "{line} succeeds\n{stderr}");
         stderr
     });
-    said.chain(whole).collect()
+    // polars that cannot be extended
+    let polars = [
+        "[-10, -0.5, 0.1, 0], [100, 0.5, 0.5, 0]",
+        "[-100, 0, 0.5, 0], [20, 1, 0.2, 0]",
+        "[-20, 0, 0.1, 0], [20, 1, 3.2, 0]",
+    ];
+    let extended = polars.iter().map(|rows| {
+        let text = crate::guide::names::ROTOR
+            .replace("[-180, 0, 0.5, 0], [180, 0, 0.5, 0]]", &format!("{rows}]\naspect_ratio = 10"));
+        foldwing::config::parse(&text, "rotor.toml").expect_err(rows).to_string()
+    });
+    said.chain(whole).chain(extended).collect()
 }
 
 /// F-247. Every message that the page quotes is one of the program's: most are produced, the others stand in the source.

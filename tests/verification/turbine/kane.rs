@@ -92,8 +92,8 @@ impl Frame {
             frame.spin[first + i] += turn;
             frame.spin_rest += self.omega.cross(&turn) * u[i];
         }
-        for i in 0..n {
-            frame.omega += self.rotation * Vector3::x().cross(&at.slope[i]) * u[i];
+        for (slope, u) in at.slope.iter().zip(u).take(n) {
+            frame.omega += self.rotation * Vector3::x().cross(slope) * *u;
         }
         let angle = angles.norm();
         if angle > 0.0 {

@@ -135,14 +135,14 @@ Examples:
 pub(super) const TRIM: &str = "\
 Examples:
   foldwing trim flared_wing_tip.toml --free wind.velocity.z --balance root.force.z=0
-  foldwing trim flared_wing_tip.toml --free wind.velocity.z --balance root.moment.y=0 --set wind.velocity.y=-25";
+  foldwing trim flared_wing_tip.toml --free wind.velocity.z --balance root.moment.y=0";
 
 pub(super) const FLUTTER: &str = "\
 Examples:
   foldwing flutter goland_wing.toml --speeds 50:200:10
   foldwing flutter goland_wing.toml --speeds 50:200:25 --plot flutter --csv flutter.csv
   foldwing flutter goland_wing.toml --speeds 100:200:25 --over aero.density=0.8,1.0,1.225
-  foldwing flutter flared_wing_tip.toml --speeds 10:40:10 --set fold.release=0 --over file:joint.fold.start_angle_deg=0:80:3";
+  foldwing flutter flared_wing_tip.toml --speeds 10:40:10 --over fold.start_angle=0:1.4:3";
 
 pub(super) const MODES: &str = "\
 Examples:

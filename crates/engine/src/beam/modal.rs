@@ -330,11 +330,11 @@ impl ModalElement {
                     shapes.bend[i][axis] = shape.value(x(place_m));
                 }
                 None => {
-                    for axis in 0..2 {
+                    for (axis, middle) in middle[i].iter_mut().enumerate() {
                         let (slope, curvature) = (cell.start.slope_1_m[i][axis], cell.curvature_1_m2[i][axis]);
-                        middle[i][axis] = slope + curvature * half_m;
+                        *middle = slope + curvature * half_m;
                         shapes.slope_1_m[i][axis] = slope + curvature * way_m;
-                        shapes.bend[i][axis] = cell.start.bend[i][axis] + middle[i][axis] * way_m;
+                        shapes.bend[i][axis] = cell.start.bend[i][axis] + *middle * way_m;
                     }
                 }
             }

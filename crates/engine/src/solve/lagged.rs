@@ -44,6 +44,9 @@ const LAG: f64 = 0.5;
 /// Share of the eigenvalue above which its real part counts as growth.
 const GROWTH: f64 = 1e-6;
 
+/// Eigenvalues, and the vector of each.
+type Eigenpairs = (Vec<Complex<f64>>, Vec<DVector<Complex<f64>>>);
+
 impl Lagged {
     /// Equations without followers.
     pub fn without(second: SecondOrder) -> Self {
@@ -130,7 +133,7 @@ impl Lagged {
     }
 
     /// Eigenvalues over a basis of shapes with their vectors in it.
-    fn eigenvalues(&self, basis: &DMatrix<f64>) -> Result<(Vec<Complex<f64>>, Vec<DVector<Complex<f64>>>), NoModes> {
+    fn eigenvalues(&self, basis: &DMatrix<f64>) -> Result<Eigenpairs, NoModes> {
         let (n, m) = (basis.ncols(), self.lag.nrows());
         let within = |matrix: &DMatrix<f64>| basis.transpose() * matrix * basis;
         let inverse = within(&self.second.mass).try_inverse().ok_or(NoModes::Mass)?;

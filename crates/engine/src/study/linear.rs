@@ -26,6 +26,9 @@ use nalgebra::{Complex, DMatrix, DVector, Matrix4, Vector3};
 /// Sixth-order central difference: weights of the steps 1, 2, 3 over 60 steps.
 const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
 
+/// Coordinates of a mode, and how the nodes move: displacement in m, rotation in rad.
+type Shape = (Vec<f64>, Vec<(Vector3<f64>, Vector3<f64>)>);
+
 /// Which argument of the outputs changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Argument {
@@ -281,7 +284,7 @@ impl Study<'_> {
             size.max(linear).max((re.1.norm_squared() + im.1.norm_squared()).sqrt())
         });
         let scale = if size > 0.0 { 1.0 / size } else { 1.0 };
-        let nodes = |(x, part): &(Vec<f64>, Vec<(Vector3<f64>, Vector3<f64>)>)| -> Vec<Vec<NodeMotion>> {
+        let nodes = |(x, part): &Shape| -> Vec<Vec<NodeMotion>> {
             let motion =
                 |node: usize| NodeMotion { displacement_m: part[node].0 * scale, rotation_rad: part[node].1 * scale };
             let of_body = |(index, body): (usize, &Body)| match &body.modal {

@@ -47,8 +47,8 @@ impl InflowState {
             return next;
         }
         let (first, second) = ((-step_s / first_s).exp(), (-step_s / second_s).exp());
-        for axis in 0..2 {
-            let rate = (balanced_m_s[axis] - self.balanced_m_s[axis]) / step_s;
+        for (axis, balanced_m_s) in balanced_m_s.iter().enumerate() {
+            let rate = (balanced_m_s - self.balanced_m_s[axis]) / step_s;
             // behind the first lag: level + rate (t − τ1) + decay e^(−t/τ1)
             let level = self.balanced_m_s[axis] + DIRECT * first_s * rate;
             let decay = self.middle_m_s[axis] - level + rate * first_s;

@@ -237,7 +237,8 @@ impl Balance<'_> {
     fn root(&self, low: f64, high: f64) -> Option<f64> {
         let (mut a, mut b) = (high, low);
         let (mut fa, mut fb) = (self.residual(a), self.residual(b));
-        if !(fa * fb <= 0.0) {
+        // a product that is no number has no root either
+        if fa * fb > 0.0 || (fa * fb).is_nan() {
             return None;
         }
         let (mut c, mut fc);

@@ -87,6 +87,7 @@ impl Turbulence {
     ///
     /// # Errors
     /// Where a field cannot be.
+    #[expect(clippy::needless_range_loop, reason = "the component selects a spectrum as well as a place")]
     pub fn generate(&self) -> Result<TurbulenceBox, NoTurbulence> {
         self.check()?;
         let [across, upward] = self.points;

@@ -90,9 +90,9 @@ impl Modal {
             let tw = vwt * jv + p.ww * jw;
             uv[i] = axes * uv[i] + tv;
             uw[i] = axes * uw[i] + tw + d.cross(&tv);
-            for j in 0..=i {
-                x[i][j] += tv.dot(&work.velocity[j]) + tw.dot(&work.spin[j]);
-                x[i][j] += weights.stiffness * element.stiffness[(i, j)]
+            for (j, entry) in x[i].iter_mut().enumerate().take(i + 1) {
+                *entry += tv.dot(&work.velocity[j]) + tw.dot(&work.spin[j]);
+                *entry += weights.stiffness * element.stiffness[(i, j)]
                     + 0.5 * weights.damping * (element.damping[(i, j)] + element.damping[(j, i)]);
             }
         }
@@ -134,16 +134,16 @@ impl Modal {
         work.factor.solve(modes, &mut y);
         let mut linear = p.linear;
         let mut angular = p.angular + work.arm.cross(&p.linear);
-        for j in 0..modes {
-            linear -= work.factor.velocity[j] * y[j];
-            angular -= work.factor.spin[j] * y[j];
+        for (j, value) in y.iter().enumerate().take(modes) {
+            linear -= work.factor.velocity[j] * *value;
+            angular -= work.factor.spin[j] * *value;
         }
         Pair { linear, angular }
     }
 
     fn pull(&self, work: &ModalWork, p: &Pair, out: &mut [f64; MOST_MODES]) {
-        for i in 0..self.element.modes {
-            out[i] += work.velocity[i].dot(&p.linear) + work.spin[i].dot(&p.angular);
+        for (i, out) in out.iter_mut().enumerate().take(self.element.modes) {
+            *out += work.velocity[i].dot(&p.linear) + work.spin[i].dot(&p.angular);
         }
     }
 
@@ -151,8 +151,8 @@ impl Modal {
     pub(crate) fn expand(&self, work: &ModalWork, x: &mut [f64], moved: &Pair) -> Pair {
         let modes = self.element.modes;
         let mut y = work.factor.right;
-        for j in 0..modes {
-            y[j] -= work.factor.velocity[j].dot(&moved.linear) + work.factor.spin[j].dot(&moved.angular);
+        for (j, value) in y.iter_mut().enumerate().take(modes) {
+            *value -= work.factor.velocity[j].dot(&moved.linear) + work.factor.spin[j].dot(&moved.angular);
         }
         work.factor.solve(modes, &mut y);
         x[self.range()].copy_from_slice(&y[..modes]);

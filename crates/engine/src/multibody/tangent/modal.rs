@@ -64,8 +64,8 @@ impl ModalTangent {
         }
         let mut own = Block::zeros();
         let mut sizes = [1.0; 8];
-        for i in 0..modes {
-            sizes[i] = element.stiffness[(i, i)];
+        for (i, size) in sizes.iter_mut().enumerate().take(modes) {
+            *size = element.stiffness[(i, i)];
             for j in 0..modes {
                 own.xx[(i, j)] = element.stiffness[(i, j)];
             }
