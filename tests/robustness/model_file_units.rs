@@ -199,5 +199,6 @@ fn twist_of_a_modal_body_is_read_in_radians() {
     let machine = read(MODAL);
     let SectionLaw::Modal(law) = &machine.bodies[0].section else { panic!("a modal body") };
     let twist = law.twist_rad.as_ref().expect("twist");
-    [(0.0, 12.0), (5.0, 4.5), (10.0, -3.0)].map(|(place_m, deg)| close("twist_deg", twist.at(place_m), deg));
+    let places = [(0.0, 12.0), (5.0, 4.5), (10.0, -3.0)];
+    places.iter().for_each(|(place_m, deg)| close("twist_deg", twist.at(*place_m), *deg));
 }
