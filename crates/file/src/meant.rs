@@ -93,7 +93,7 @@ mod tests {
         assert_eq!(homes("capture_deg"), ["[joint.<name>.latch]"]);
         assert_eq!(homes("latch"), ["[joint.<name>]"]);
         assert_eq!(homes("gravity_m_s2"), ["the top of the file, before the first table"]);
-        assert_eq!(homes("mass_kg_m"), ["[section.<name>] with shape = \"explicit\""]);
+        assert_eq!(homes("mass_kg_m"), ["[section.<name>] with shape = \"explicit\"", "[modal_body.<name>]"]);
         assert!(homes("body").is_empty(), "gauges, masses, loads, surfaces and the top have it");
     }
 }
