@@ -459,6 +459,22 @@ fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     assert!(!succeeds(&on_model("linearize", &["--set", "fold.release=0", "-o", &file])).contains("without air"));
 }
 
+/// `check` counts the shapes of modal bodies, not the cells of their sums: the turbine of the paper has 16 freedoms, 13 of
+/// shapes and three of joints.
+#[test]
+fn check_counts_the_shapes_of_modal_bodies() {
+    let path = "examples/turbine/nrel_5mw.toml";
+    let json: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&["check", path, "--json"]))).unwrap();
+    assert_eq!(json["degrees_of_freedom"], 16);
+    let modal = |body: &&serde_json::Value| body["element_kind"] == "modal";
+    let bodies: Vec<_> = json["bodies"].as_array().unwrap().iter().filter(modal).collect();
+    let shapes: Vec<_> = bodies.iter().map(|body| body["degrees_of_freedom"].as_u64().unwrap()).collect();
+    assert_eq!(shapes, [4, 3, 3, 3]);
+    assert!(bodies.iter().all(|body| body["elements"] == 0));
+    let text = succeeds(&foldwing(&["check", path]));
+    assert!(text.contains("16 degrees of freedom") && text.contains(", 4 shapes,"), "{text}");
+}
+
 /// With strips the air is in linear models and modes: wind and a gust are inputs, lags are states, flutter is found.
 #[test]
 fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
@@ -499,7 +515,9 @@ fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
     let map: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&map))).unwrap();
     let speed = |i: usize| map["results"][i]["flutter"][0]["speed_m_s"].as_f64().unwrap();
     assert!(speed(0) > 1.05 * speed(1), "thinner air, later flutter: {map}");
-    refuses(&foldwing(&["flutter", goland, "--speeds", "0:10:1"]), 2, "0 < FROM < TO");
+    for speeds in ["0:10:1", "-50:50:25"] {
+        refuses(&foldwing(&["flutter", goland, "--speeds", speeds]), 2, "0 < FROM < TO");
+    }
     let tunnel = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/folding_wing_in_tunnel.toml");
     refuses(&foldwing(&["flutter", tunnel, "--speeds", "5:10:1"]), 2, "use strips");
     refuses(&foldwing(&["modes", goland, "--plot", &path("p")]), 2, "belong to --over");

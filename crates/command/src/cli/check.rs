@@ -202,7 +202,7 @@ impl Summary {
         for body in &self.bodies {
             let _ = writeln!(
                 text,
-                "  {}: {} m, {:.6} kg{}, {} {} elements, {} stations",
+                "  {}: {} m, {:.6} kg{}, {}, {} stations",
                 body.name,
                 body.length_m,
                 body.mass_kg,
@@ -210,8 +210,7 @@ impl Summary {
                     0.0 => String::new(),
                     mass_kg => format!(" and {mass_kg:.6} kg attached"),
                 },
-                body.elements,
-                body.element_kind,
+                body.structure(),
                 body.stations_m.len()
             );
         }
@@ -255,20 +254,30 @@ impl Summary {
 }
 
 impl BodySummary {
+    /// What the body is made of, in words.
+    fn structure(&self) -> String {
+        match self.element_kind {
+            "rigid" => "rigid".to_owned(),
+            "modal" => format!("{} shapes", self.degrees_of_freedom),
+            kind => format!("{} {kind} elements", self.elements),
+        }
+    }
+
     fn new(body: &Body) -> Self {
-        // A linear element is a pair of constant halves; each of those has four strains.
-        let (element_kind, strains) = match body.element {
-            ElementKind::Constant => ("constant", 4),
-            ElementKind::Linear => ("linear", 8),
+        let element_kind = match body.element {
+            _ if body.is_rigid() => "rigid",
+            _ if body.is_modal() => "modal",
+            ElementKind::Constant => "constant",
+            ElementKind::Linear => "linear",
         };
         Self {
             name: body.name.clone(),
             length_m: body.length_m,
             mass_kg: body.section.mass_kg(body.length_m),
             attached_mass_kg: body.masses.iter().fold(0.0, |sum, mass| sum + mass.mass_kg),
-            elements: body.elements,
+            elements: if body.is_beam() { body.elements } else { 0 },
             element_kind,
-            degrees_of_freedom: strains * body.elements,
+            degrees_of_freedom: body.elastic_freedoms(),
             stations_m: body.station_positions_m.clone(),
         }
     }

@@ -23,7 +23,7 @@ pub struct Arguments {
     /// Model file
     model: PathBuf,
     /// Speeds of the wind in m/s, along the wind of the model: FROM:TO:STEP
-    #[arg(long, value_name = "FROM:TO:STEP")]
+    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
     speeds: String,
     /// Speeds of flutter and divergence over a start value, a parameter or a key of the model file (`file:…`):
     /// KEY=FROM:TO:COUNT or KEY=A,B,…

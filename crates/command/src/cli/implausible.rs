@@ -1,7 +1,7 @@
 //! What a model or a run of it probably does not mean, by what it computes: sag, latches out of reach, times far from the motion.
 
 use crate::cli::assessment::{Assessment, Effort, Reach, efforts, frequencies_hz, short};
-use foldwing_engine::machine::Machine;
+use foldwing_engine::machine::{Body, Machine};
 use foldwing_engine::plant::Plant;
 
 /// Rows that a swing should have to be recognised in them.
@@ -10,9 +10,9 @@ const ROWS_PER_PERIOD: f64 = 4.0;
 const MOST_SAG: f64 = 0.5;
 /// Share of a swing below which nothing moves in a run.
 const LEAST_SWING: f64 = 0.01;
-/// Strains of the wing up to which a run looks for its modes: a few milliseconds; their cost grows with the third power, and
-/// `check` finds them at any size.
-const MOST_STRAINS: usize = 160;
+/// Elastic coordinates of the machine up to which a run looks for its modes, for the sake of time: their cost grows with
+/// the third power, and `check` finds them at any size.
+const MOST_ELASTIC_FREEDOMS: usize = 320;
 
 /// Times of a run, and where they are written.
 pub(super) struct Times {
@@ -55,7 +55,7 @@ pub(super) fn run(plant: &Plant, as_written: bool, run: &Times) -> Vec<String> {
     let has_latch = |row: usize| machine.one_freedoms().nth(row).is_some_and(|(_, joint)| joint.latch.is_some());
     let mut warnings: Vec<String> =
         efforts(machine, |row| open(row) && has_latch(row)).iter().filter_map(latch).collect();
-    if machine.bodies.iter().map(|body| 4 * body.elements).sum::<usize>() <= MOST_STRAINS {
+    if machine.bodies.iter().map(Body::elastic_freedoms).sum::<usize>() <= MOST_ELASTIC_FREEDOMS {
         warnings.extend(times(&frequencies_hz(machine), run));
     }
     warnings

@@ -148,11 +148,11 @@ fn bodies_section(html: &mut String, machine: &Machine) {
 }
 
 fn elements(body: &Body) -> String {
-    let kind = match body.element {
-        ElementKind::Constant => "constant",
-        ElementKind::Linear => "linear pairs",
-    };
-    format!("{} {kind}", body.elements)
+    match body.element {
+        _ if body.is_modal() => format!("{} shapes", body.elastic_freedoms()),
+        ElementKind::Constant => format!("{} constant", body.elements),
+        ElementKind::Linear => format!("{} linear pairs", body.elements),
+    }
 }
 
 fn joints_section(html: &mut String, machine: &Machine) {

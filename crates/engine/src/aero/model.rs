@@ -28,6 +28,11 @@ impl AirOptions {
     pub fn is_linearised(&self) -> bool {
         matches!(self, Self::Strips(_))
     }
+
+    /// Whether it is the air of a rotor.
+    pub fn is_rotor(&self) -> bool {
+        matches!(self, Self::Rotor(_))
+    }
 }
 
 /// A model of the air with its scratch.

@@ -1,5 +1,6 @@
 //! Kinds of bodies: rigid ones, modal ones and beams; bodies by what holds them and what hangs on them.
 
+use crate::beam::element::ElementKind;
 use crate::machine::{Body, Machine, OneFreedom, Parent, Spatial};
 
 impl Machine {
@@ -43,5 +44,15 @@ impl Body {
     /// The body is made of strain elements.
     pub fn is_beam(&self) -> bool {
         !self.is_rigid() && !self.is_modal()
+    }
+
+    /// Number of its elastic coordinates: four strains of each constant-strain element, eight of each linear one (two
+    /// halves), one of each shape of a modal body, none of a rigid one.
+    pub fn elastic_freedoms(&self) -> usize {
+        match (self.section.modal(), self.element) {
+            (Some(law), _) => law.modes(),
+            (None, ElementKind::Constant) => 4 * self.elements,
+            (None, ElementKind::Linear) => 8 * self.elements,
+        }
     }
 }

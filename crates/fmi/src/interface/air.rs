@@ -46,7 +46,7 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology) {
         let at = (layout.air_stations.place(station, 0), OutputSet::AIR);
         wrench(table, at, &depends, texts);
     }
-    if air.has_rotor() {
+    if air.options.is_rotor() {
         let rows: [(&str, usize, &str, &str); 8] = [
             (
                 "thrust",

@@ -9,15 +9,8 @@ use crate::aero::rotor::wind::WindField;
 use crate::machine::builder::surfaces::SurfaceBuilder;
 use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::shortest;
-use crate::machine::{Air, AirOptions, Body, LiftingSurface};
+use crate::machine::{Body, LiftingSurface};
 use nalgebra::Vector3;
-
-impl Air {
-    /// Whether it is that of a rotor.
-    pub fn has_rotor(&self) -> bool {
-        matches!(self.options, AirOptions::Rotor(_))
-    }
-}
 
 /// Settings of a rotor's air, for [`Air::rotor`](crate::machine::Air::rotor). Every surface of the machine is a blade of one
 /// rotor, with its stations and its sections' polars ([`SurfaceBuilder::blade`]).

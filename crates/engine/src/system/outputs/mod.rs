@@ -21,7 +21,7 @@ pub use spatial::SpatialOutputs;
 
 use crate::aero::RotorLoads;
 use crate::load::Wrench;
-use crate::machine::{Air, Machine};
+use crate::machine::Machine;
 use crate::multibody::kinematics::{Motion, sweep_motion, sweep_poses};
 use crate::signal::{Segment, are_finite, views};
 use crate::solve::EquationsOfMotion;
@@ -91,7 +91,10 @@ impl OutputLayout {
             air_total: Segment::append(&mut end, 1),
             air_stations: Segment::append(&mut end, if machine.air.is_some() { stations } else { 0 }),
             circulation_m2_s: Segment::append(&mut end, surfaces.map(|surface| surface.positions_m.len() - 1).sum()),
-            rotor: Segment::append(&mut end, usize::from(machine.air.as_ref().is_some_and(Air::has_rotor))),
+            rotor: Segment::append(
+                &mut end,
+                usize::from(machine.air.as_ref().is_some_and(|air| air.options.is_rotor())),
+            ),
             continuous: end,
             latches: Segment::append(&mut end, one_freedoms),
             end,
