@@ -1,8 +1,8 @@
 //! A rotor whose blades are surfaces of bodies: blade-element momentum theory on their sections as they move.
 //!
 //! The sections of all blades come first, blade by blade; one section of the hub follows, whose point is the rotor's apex.
-//! Each annulus stands across its blade as the blade is bent out of the plane, with the twist, the pitch and the bending in
-//! the plane taken out, as in AeroDyn. Loads go in straight lines from section to section.
+//! Each annulus is normal to its blade as bent out of the plane, without the twist, the pitch and the bending in the
+//! plane, as in AeroDyn. Loads are linear between sections.
 
 use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
@@ -28,7 +28,7 @@ pub struct RotorOptions {
     pub hub_body: usize,
     /// Unit vector along the shaft in the hub's frame, pointing downwind.
     pub shaft_axis: Vector3<f64>,
-    /// Whether the rotor turns about that vector by the right hand: clockwise for who looks downwind.
+    /// Whether the rotor turns about that vector by the right-hand rule: clockwise when looking downwind.
     pub clockwise: bool,
     /// Radius in m at which the blades begin, for the hub loss.
     pub hub_radius_m: f64,
@@ -38,23 +38,23 @@ pub struct RotorOptions {
     pub end_rule: EndRule,
     /// Whether the wake leans with the wind, eq. (B15).
     pub skewed_wake: bool,
-    /// Whether the induced velocity follows with the wake's delay, eqs. (B9) and (B10).
+    /// Whether the induced velocity lags behind the momentum balance as the wake does, eqs. (B9) and (B10).
     pub dynamic_inflow: bool,
-    /// Whether sections stall with delay, eqs. (B12)–(B14).
+    /// Whether sections have dynamic stall, eqs. (B12)–(B14).
     pub dynamic_stall: bool,
-    /// Polars, −180° to 180°.
+    /// Polars from −180° to 180°.
     pub polars: Vec<Polar>,
-    /// Surface by surface and section by section, the index of its polar.
+    /// Index of the polar of each section, surface by surface.
     pub sections: Vec<Vec<usize>>,
-    /// Surface by surface, the places of its sections from the root of the blade in m.
+    /// Distances of the sections from the root of the blade in m, surface by surface.
     pub positions_m: Vec<Vec<f64>>,
-    /// Tower that the wind goes around.
+    /// Tower whose influence on the wind is included.
     pub tower: Option<Tower>,
-    /// Field of the wind; without it the input's wind is everywhere.
+    /// Field of the wind; without it the wind of the input is the same everywhere.
     pub field: Option<WindField>,
 }
 
-/// What the rotor gives.
+/// Loads and coefficients of the rotor.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
 pub struct RotorLoads {
@@ -62,9 +62,9 @@ pub struct RotorLoads {
     pub thrust_n: f64,
     /// Torque of the air about the shaft, positive where it drives the rotor, in N·m.
     pub torque_n_m: f64,
-    /// Their power on the turning hub in W: torque times speed.
+    /// Power of the air on the turning hub in W: torque times speed.
     pub power_w: f64,
-    /// Speed of the hub about its shaft, positive where the rotor turns its way, in rad/s.
+    /// Speed of the hub about its shaft in rad/s, positive in the rotor's own sense of rotation.
     pub speed_rad_s: f64,
     /// Mean wind along the shaft over the sections of all blades, relative to the hub, in m/s.
     pub wind_m_s: f64,
@@ -79,7 +79,7 @@ pub struct RotorLoads {
 }
 
 impl RotorLoads {
-    /// Loads at a share of the way to others.
+    /// Linear interpolation: these loads at a `share` of 0, the `other` ones at 1.
     pub fn between(&self, other: &Self, share: f64) -> Self {
         let mut mixed = *self;
         let (numbers, ends): (&mut [f64], &[f64]) = (
@@ -105,7 +105,7 @@ pub struct SectionMemory {
 pub struct RotorState {
     /// Section by section of the blades.
     pub sections: Vec<SectionMemory>,
-    /// What the rotor gives at this time.
+    /// Loads of the rotor at this time.
     pub loads: RotorLoads,
 }
 
@@ -122,7 +122,7 @@ impl RotorState {
     }
 }
 
-/// What is fixed of a section.
+/// Constant data of a section.
 struct Section {
     chord: ChordLine,
     chord_m: f64,
@@ -203,7 +203,7 @@ impl Rotor {
         }
     }
 
-    /// Index of a blade whose axis lies along the shaft, so that it has no place in the disc; such a blade carries no load.
+    /// Index of a blade whose axis lies along the shaft, so that it is not in the disc; such a blade carries no load.
     pub fn blade_along_shaft(&self, motions: &[SectionMotion]) -> Option<usize> {
         let normal = motions[self.sections.len()].rotation * self.options.shaft_axis;
         self.blades.iter().position(|range| {
@@ -217,7 +217,7 @@ impl Rotor {
         RotorState { sections: vec![SectionMemory::default(); self.sections.len()], loads: RotorLoads::default() }
     }
 
-    /// State and loads at the start; the wake of an `established` flow has been there for long.
+    /// State and loads at the start; in an `established` flow the wake is fully developed.
     pub fn start(
         &mut self,
         motions: &[SectionMotion],
@@ -259,7 +259,7 @@ impl Rotor {
         let (mut induction, mut area) = (0.0, 0.0);
         for blade in 0..self.blades.len() {
             let range = self.blades[blade].clone();
-            // direction of the blade in the disc, from its root: bending in the plane does not turn the annuli
+            // direction of the blade in the disc, taken at its root: bending in the plane does not turn the annuli
             let root = motions[range.start].rotation.column(0).into_owned();
             let along = root - disc.normal * root.dot(&disc.normal);
             let Some(along) = along.try_normalize(1e-9) else { continue };
@@ -287,7 +287,7 @@ impl Rotor {
         state.loads = disc.loads;
     }
 
-    /// What all sections meet, into the scratch, and the disc.
+    /// Inflow of all sections into the scratch memory, and the disc.
     fn meet(&mut self, motions: &[SectionMotion], flow: &Flow) -> Disc {
         let hub = &motions[self.sections.len()];
         let normal = hub.rotation * self.options.shaft_axis;
@@ -322,7 +322,8 @@ impl Rotor {
         }
     }
 
-    /// Line load and moment of one section, into the scratch; its axial induction factor where the momentum balance holds.
+    /// Line load and moment of one section into the scratch memory; returns its axial induction factor where the momentum
+    /// balance has a solution.
     #[allow(clippy::too_many_arguments)] // one call, split off for its length
     fn section(
         &mut self,
@@ -426,13 +427,13 @@ impl Rotor {
     }
 }
 
-/// Where a step comes from.
+/// Where a step starts from.
 enum Past<'a> {
-    /// The flow has been there for long.
+    /// Flow and wake are fully developed.
     Settled,
-    /// The flow sets in: the wake has no induced velocity yet where it follows with delay.
+    /// The flow sets in: with dynamic inflow the wake has no induced velocity yet.
     Still,
-    /// A step before.
+    /// From the state at the end of the step before.
     Known { from: &'a RotorState, step_s: f64 },
 }
 

@@ -1,44 +1,45 @@
-//! Dynamic inflow: the induced velocity follows the momentum balance with the delay of the wake.
+//! Dynamic inflow: the induced velocity lags behind the momentum balance, as the wake does.
 //!
 //! Source: Øye's model as in Snel and Schepers, *Joint investigation of dynamic inflow effects and implementation of an
 //! engineering method*, ECN-C-94-107 (1995); the time constants with their limits are those of AeroDyn's `DBEMT_Mod` 2.
 
 use serde::{Deserialize, Serialize};
 
-/// Share `k` of the rate of the quasi-steady velocity that passes the first lag at once.
+/// Fraction `k` of the rate of the quasi-steady velocity that passes the first lag at once.
 const DIRECT: f64 = 0.6;
-/// Largest mean axial induction in the time constant: at 0.77 it would be infinite.
+/// Largest mean axial induction factor used in the time constant, which would be infinite at 0.77.
 const MOST_INDUCTION: f64 = 0.5;
-/// Smallest mean wind through the disc in the time constant, in m/s.
+/// Smallest mean wind through the disc used in the time constant, in m/s.
 const LEAST_WIND_M_S: f64 = 0.1;
 /// Largest time constant in s.
 const MOST_TIME_S: f64 = 100.0;
 
-/// Induced velocity of a node: of the momentum balance, after the first lag, and what acts.
+/// Induced velocity of a node: from the momentum balance, after the first lag, and after both.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct InflowState {
     /// Quasi-steady velocity at this time in m/s, axial and tangential.
     pub balanced_m_s: [f64; 2],
     /// After the first lag in m/s.
     pub middle_m_s: [f64; 2],
-    /// After both lags in m/s: what the section meets.
+    /// After both lags in m/s: the velocity at the section.
     pub acting_m_s: [f64; 2],
 }
 
-/// First time constant in s of a rotor of a radius, with a mean axial induction in a mean wind along the shaft, eq. (B9).
+/// First time constant in s of a rotor of a given radius, from the mean axial induction factor and the mean wind along
+/// the shaft, eq. (B9).
 pub fn time_constant_s(radius_m: f64, mean_induction: f64, wind_m_s: f64) -> f64 {
     let slowed_m_s = (1.0 - 1.3 * mean_induction.min(MOST_INDUCTION)) * wind_m_s.max(LEAST_WIND_M_S);
     (1.1 * radius_m / slowed_m_s).min(MOST_TIME_S)
 }
 
 impl InflowState {
-    /// Of a flow that has been there for long.
+    /// Of a fully developed flow.
     pub fn established(balanced_m_s: [f64; 2]) -> Self {
         Self { balanced_m_s, middle_m_s: balanced_m_s, acting_m_s: balanced_m_s }
     }
 
-    /// State a step later, where the momentum balance gives `balanced_m_s`, eq. (B10): exact for a balance that goes in a
-    /// straight line. `span` is the share of the radius at which the node stands.
+    /// State a step later, where the momentum balance gives `balanced_m_s`, eq. (B10): exact if the balance changes
+    /// linearly over the step. `span` is the radius of the node over that of the rotor.
     pub fn after(&self, balanced_m_s: [f64; 2], step_s: f64, first_s: f64, span: f64) -> Self {
         let share = 0.39 - 0.26 * span.min(1.0) * span.min(1.0);
         let second_s = share * first_s;
@@ -49,7 +50,7 @@ impl InflowState {
         let (first, second) = ((-step_s / first_s).exp(), (-step_s / second_s).exp());
         for (axis, balanced_m_s) in balanced_m_s.iter().enumerate() {
             let rate = (balanced_m_s - self.balanced_m_s[axis]) / step_s;
-            // behind the first lag: level + rate (t − τ1) + decay e^(−t/τ1)
+            // after the first lag: level + rate (t − τ1) + decay e^(−t/τ1)
             let level = self.balanced_m_s[axis] + DIRECT * first_s * rate;
             let decay = self.middle_m_s[axis] - level + rate * first_s;
             next.middle_m_s[axis] = level + rate * (step_s - first_s) + decay * first;
@@ -65,7 +66,7 @@ impl InflowState {
 mod tests {
     use super::*;
 
-    /// Both equations of Øye's model by Runge–Kutta with 2000 steps, for an input that bends: second order in the step.
+    /// Both equations of Øye's model by Runge–Kutta with 2000 steps, for a curved input: second order in the step.
     #[test]
     fn inflow_follows_oyes_equations() {
         let (first_s, span) = (7.0, 0.6f64);

@@ -1,7 +1,7 @@
 //! Dynamic stall: Beddoes and Leishman's model in the incompressible form with four states.
 //!
 //! Source: Hansen, Gaunaa and Madsen, *A Beddoes–Leishman type dynamic stall model in state-space and indicial formulations*,
-//! Risø-R-1354 (2004); AeroDyn has it as `UA_Mod` 4. What it lacks: the vortex of the leading edge.
+//! Risø-R-1354 (2004); it is `UA_Mod` 4 in AeroDyn. It does not model the leading-edge vortex.
 
 use crate::aero::polar::Polar;
 use crate::aero::rotor::lag::lag;
@@ -10,15 +10,16 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Amplitudes of the two terms of the wake's memory (Jones).
 const AMPLITUDES: [f64; 2] = [0.3, 0.7];
-/// Their rates per semi-chord of way.
+/// Their rates per semi-chord travelled.
 const RATES: [f64; 2] = [0.14, 0.53];
-/// Lag of the pressure in semi-chords of way.
+/// Lag of the pressure in semi-chords travelled.
 const PRESSURE_LAG: f64 = 1.7;
-/// Lag of the boundary layer in semi-chords of way.
+/// Lag of the boundary layer in semi-chords travelled.
 const SEPARATION_LAG: f64 = 3.0;
-/// Angle of attack in rad at which the model fades out, and half the width over which it does: AeroDyn's `UACutout`, 45°.
+/// Angle of attack in rad about which the model fades out (AeroDyn's `UACutout`, 45°), and half the width of the
+/// transition.
 const CUTOUT_RAD: [f64; 2] = [45.0 * PI / 180.0, 5.0 * PI / 180.0];
-/// Smallest speed in m/s in the time constants.
+/// Smallest speed in m/s used in the time constants.
 const LEAST_SPEED_M_S: f64 = 0.01;
 
 /// Static polar split into attached and separated flow, eq. (B12).
@@ -28,17 +29,17 @@ pub struct SplitPolar {
     pub polar: Polar,
     /// Angle of zero lift in rad.
     pub zero_lift_rad: f64,
-    /// Slope of the static lift there in 1/rad: lift of attached flow.
+    /// Slope of the static lift there in 1/rad: that of attached flow.
     pub slope_1_rad: f64,
-    /// Row by row: share of attached flow, and the lift of fully separated flow.
+    /// Row by row: degree of attachment, and the lift of fully separated flow.
     split: Vec<[f64; 2]>,
     /// Drag coefficient at the angle of zero lift.
     zero_lift_drag: f64,
 }
 
 impl SplitPolar {
-    /// Splits a static polar; `None` where its lift never rises through zero, as that of a cylinder: such a section has
-    /// its static coefficients.
+    /// Splits a static polar; `None` if its lift never rises through zero, as for a cylinder: such a section uses its
+    /// static coefficients.
     pub fn new(polar: Polar) -> Option<Self> {
         let zero_lift_rad = polar.zero_lift_angle_rad()?;
         let after = polar.rows.partition_point(|row| row.angle_rad <= zero_lift_rad).clamp(1, polar.rows.len() - 1);
@@ -59,7 +60,7 @@ impl SplitPolar {
                 }
             })
             .collect();
-        // Kirchhoff's relation turns at a quarter of the attached lift: from there on the flow is separated
+        // Kirchhoff's relation has its minimum at a quarter of the attached lift: below it the flow is separated
         let mut separate = |rows: &mut dyn Iterator<Item = usize>| {
             let mut separated = false;
             for row in rows {
@@ -75,7 +76,7 @@ impl SplitPolar {
         Some(Self { polar, zero_lift_rad, slope_1_rad, split, zero_lift_drag })
     }
 
-    /// Share of attached flow and lift of separated flow at an angle.
+    /// Degree of attachment and lift of separated flow at an angle.
     fn split_at(&self, angle_rad: f64) -> [f64; 2] {
         let rows = &self.polar.rows;
         let after = rows.partition_point(|row| row.angle_rad <= angle_rad);
@@ -87,7 +88,7 @@ impl SplitPolar {
     }
 }
 
-/// What a section meets at one instant.
+/// Inflow of a section at one instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct StallInflow {
     /// Relative speed at the quarter chord in m/s.
@@ -103,13 +104,13 @@ pub struct StallInflow {
 /// Memory of a section.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct StallState {
-    /// Downwash of the wake, two terms, in rad.
+    /// Two lagged terms of the wake's downwash, in rad.
     pub wake_rad: [f64; 2],
     /// Lift of attached flow after the lag of the pressure.
     pub lagged_lift: f64,
-    /// Share of attached flow after the lag of the boundary layer.
+    /// Degree of attachment after the lag of the boundary layer.
     pub attached: f64,
-    /// What the section met at this time.
+    /// Inflow at this time.
     pub met: StallInflow,
 }
 
@@ -125,7 +126,7 @@ pub struct Coefficients {
 }
 
 impl StallInflow {
-    /// Time in s in which the air passes a semi-chord.
+    /// Time in s in which the air travels a semi-chord.
     fn passing_s(&self) -> f64 {
         0.5 * self.chord_m / self.speed_m_s.max(LEAST_SPEED_M_S)
     }
@@ -138,7 +139,7 @@ impl StallInflow {
 }
 
 impl StallState {
-    /// Of a section that has met the same for long.
+    /// Steady state in a constant inflow.
     pub fn steady(met: StallInflow, split: &SplitPolar) -> Self {
         let rear_rad = met.rear_rad();
         let mut state = Self { met, wake_rad: AMPLITUDES.map(|amplitude| amplitude * rear_rad), ..Self::default() };
@@ -158,7 +159,7 @@ impl StallState {
             + PI * self.met.passing_s() * self.met.pitch_rate_rad_s
     }
 
-    /// State a step later, eq. (B13): each lag exact for an input that goes in a straight line, at the mean speed.
+    /// State a step later, eq. (B13): each lag exact for an input that changes linearly, at the mean speed.
     pub fn after(&self, met: StallInflow, step_s: f64, split: &SplitPolar) -> Self {
         let ways = 2.0 * step_s / (self.met.passing_s() + met.passing_s());
         let rear_rad = [self.met.rear_rad(), met.rear_rad()];
@@ -174,7 +175,7 @@ impl StallState {
         next
     }
 
-    /// Coefficients, eq. (B14); static ones beyond 50° of angle of attack, blended from 40° on.
+    /// Coefficients, eq. (B14); blended with the static ones between 40° and 50° of angle of attack, static beyond.
     pub fn coefficients(&self, split: &SplitPolar) -> Coefficients {
         let plain = split.polar.at(self.met.attack_rad);
         let static_row = Coefficients { lift: plain.lift, drag: plain.drag, moment: plain.moment };

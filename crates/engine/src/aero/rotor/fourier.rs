@@ -1,4 +1,4 @@
-//! Discrete Fourier transform of a power of two of points.
+//! Discrete Fourier transform of a power-of-two number of points.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Induced velocity of one annulus of a rotor: Ning's residual, with a bracket that always holds a root.
+//! Induced velocity of one annulus of a rotor: Ning's residual, with a bracket that always contains a root.
 //!
 //! Sources: Ning, *A simple solution method for the blade element momentum equations with guaranteed convergence*, Wind
 //! Energy 17 (2014); Buhl, NREL/TP-500-36834 (2005), for the thrust of heavily loaded annuli; Prandtl's losses as in Glauert.
@@ -6,19 +6,19 @@
 use crate::aero::polar::{Polar, PolarRow};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
-/// Smallest flow angle that is looked at, in rad; at zero the momentum balance is singular.
+/// Smallest flow angle considered, in rad; at zero the momentum balance is singular.
 const LEAST_ANGLE_RAD: f64 = 1e-6;
 /// Exponent of Prandtl's loss below which a node is an end: 1e-10 of the blade.
 const LEAST_EXPONENT: f64 = 1e-10;
 /// Iterations of the root finder; bisection alone would need 52.
 const MOST_ITERATIONS: usize = 100;
-/// Width of the bracket at which it ends, in rad.
+/// Width of the bracket at which the root finder stops, in rad.
 const TOLERANCE_RAD: f64 = 1e-14;
 
-/// What a node carries where Prandtl's loss is complete, at the very tip and at the very hub.
+/// Load of a node where Prandtl's loss is complete, at the very tip and at the very hub.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EndRule {
-    /// No load: circulation ends there.
+    /// No load: the circulation is zero there.
     #[default]
     ZeroLoad,
     /// The wind is stopped (a = 1) and the section carries the load of its motion in the plane of rotation: AeroDyn's rule.
@@ -37,7 +37,7 @@ pub struct Annulus {
 }
 
 impl Annulus {
-    /// Of a node at a radius, with both losses, eq. (B4).
+    /// Annulus of a node at a radius, with both losses, eq. (B4).
     pub fn new(blades: usize, chord_m: f64, radius_m: f64, hub_radius_m: f64, tip_radius_m: f64) -> Self {
         let half = 0.5 * blades as f64;
         Self {
@@ -67,10 +67,10 @@ impl Annulus {
     }
 }
 
-/// What a section meets without induction.
+/// Inflow of a section without induction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Approach {
-    /// Velocity of the air along the normal of the annulus, from the windward side positive, in m/s.
+    /// Velocity of the air along the normal of the annulus, positive from the windward side, in m/s.
     pub axial_m_s: f64,
     /// Velocity of the air against the section's motion in the plane of rotation, in m/s.
     pub tangential_m_s: f64,
@@ -83,9 +83,9 @@ pub struct Approach {
 pub struct Annular {
     /// Axial induced velocity in m/s, against the wind: `a Vx`.
     pub axial_loss_m_s: f64,
-    /// Tangential induced velocity in m/s, with the air that meets the section: `a' Vy`.
+    /// Tangential induced velocity in m/s, in the direction of the relative wind of the rotation: `a' Vy`.
     pub swirl_m_s: f64,
-    /// Whether the momentum balance was solved; otherwise there is no induction, or it is an end.
+    /// Whether the momentum balance was solved; otherwise there is no induction, or the node is an end.
     pub balanced: bool,
 }
 
@@ -108,14 +108,14 @@ pub struct SectionState {
 }
 
 impl SectionState {
-    /// Of a section that meets these velocities.
+    /// Coefficients of a section at these velocities.
     pub fn of(axial_m_s: f64, tangential_m_s: f64, chord_angle_rad: f64, polar: &Polar) -> Self {
         let flow_angle_rad = axial_m_s.atan2(tangential_m_s);
         let attack_rad = turn_back(flow_angle_rad - chord_angle_rad);
         Self { speed_m_s: axial_m_s.hypot(tangential_m_s), flow_angle_rad, attack_rad, row: polar.at(attack_rad) }
     }
 
-    /// Force per span over `ρ`, along the wind and along the drive (against `tangential_m_s`), in m³/s².
+    /// Force per span over `ρ`, along the wind and in the driving direction (against `tangential_m_s`), in m³/s².
     pub fn force_m3_s2(&self, chord_m: f64) -> [f64; 2] {
         let (sine, cosine) = self.flow_angle_rad.sin_cos();
         let pressure = 0.5 * chord_m * self.speed_m_s * self.speed_m_s;
@@ -126,7 +126,7 @@ impl SectionState {
     }
 }
 
-/// An angle taken to between −π and π: polars go once round, eq. (B2).
+/// An angle reduced to between −π and π: polars cover one turn, eq. (B2).
 pub fn turn_back(angle_rad: f64) -> f64 {
     angle_rad - std::f64::consts::TAU * (angle_rad / std::f64::consts::TAU).round()
 }
@@ -134,9 +134,9 @@ pub fn turn_back(angle_rad: f64) -> f64 {
 /// Momentum balance of an annulus, eqs. (B3)–(B6). Inflow from behind and from the trailing edge is solved as its
 /// mirror image.
 ///
-/// Of a thrust above 2 (of the dynamic pressure of the wind) Buhl's parabola has no windmill state; the annulus then is in
-/// the propeller-brake state, where the air passes it backward. Between both the induction jumps, as momentum theory does.
-/// Without wind the annulus hovers. Where no balance exists there is no induction, and the state says so.
+/// For a thrust coefficient above 2 Buhl's parabola has no windmill state; the annulus is then in the propeller-brake
+/// state, in which the air flows through it backward. Between the two the induction jumps, as in momentum theory. Without
+/// wind the annulus hovers. If no balance exists there is no induction, and the state says so.
 pub fn balance(annulus: &Annulus, polar: &Polar, approach: &Approach) -> Annular {
     let Approach { axial_m_s, tangential_m_s, chord_angle_rad } = *approach;
     let speed_m_s = axial_m_s.hypot(tangential_m_s);
@@ -173,7 +173,7 @@ pub fn balance(annulus: &Annulus, polar: &Polar, approach: &Approach) -> Annular
     }
 }
 
-/// An annulus met from the windward side and the leading edge, velocities over the speed of approach.
+/// An annulus with inflow from the windward side and the leading edge, velocities over the speed of approach.
 struct Balance<'a> {
     annulus: &'a Annulus,
     polar: &'a Polar,
@@ -198,7 +198,7 @@ impl Balance<'_> {
         }
     }
 
-    /// Coefficients along the wind and along the drive, of the mirrored section.
+    /// Coefficients along the wind and in the driving direction, of the mirrored section.
     fn coefficients(&self, sine: f64, cosine: f64) -> [f64; 2] {
         let [side, turn] = self.mirror;
         let attack_rad = turn_back((side * sine).atan2(turn * cosine) - self.chord_angle_rad);
@@ -207,7 +207,7 @@ impl Balance<'_> {
         [side * (lift * cosine + drag * sine), turn * (lift * sine - drag * cosine)]
     }
 
-    /// `sin φ/(1 − a)` and `cos φ/(1 + a')`, eqs. (B3)–(B5): the relative speed times either is the wind and the motion.
+    /// `sin φ/(1 − a)` and `cos φ/(1 + a')`, eqs. (B3)–(B5): the relative speed times these gives the wind and the speed of rotation.
     fn sides(&self, sine: f64, cosine: f64) -> [f64; 2] {
         let loss = self.annulus.loss(sine);
         let [normal, drive] = self.coefficients(sine, cosine);
@@ -233,11 +233,11 @@ impl Balance<'_> {
     }
 
     /// Root between two angles, by Chandrupatla's method: bisection where inverse quadratic interpolation is not safe.
-    /// `None` where the ends have one sign, or where the root is no state of the air.
+    /// `None` if both ends have the same sign, or if the root is not a state of the air.
     fn root(&self, low: f64, high: f64) -> Option<f64> {
         let (mut a, mut b) = (high, low);
         let (mut fa, mut fb) = (self.residual(a), self.residual(b));
-        // a product that is no number has no root either
+        // a product that is NaN has no root either
         if fa * fb > 0.0 || (fa * fb).is_nan() {
             return None;
         }
@@ -271,7 +271,8 @@ impl Balance<'_> {
     }
 }
 
-/// `1/(1 − a)` of an annulus that is passed in the direction of the wind, eqs. (B3) and (B5); continuous at 2/3.
+/// `1/(1 − a)` of an annulus through which the air flows in the direction of the wind, eqs. (B3) and (B5); continuous
+/// at 2/3.
 fn windmill(k: f64, loss: f64) -> f64 {
     if k <= 2.0 / 3.0 {
         return 1.0 + k;

@@ -1,9 +1,10 @@
-//! First-order lags over a step, exact for an input that goes in a straight line.
+//! First-order lags over a step, exact for an input that changes linearly.
 
-/// State at the end of a step of `ratio` time constants of `x' = (u − x)/τ`, where the input goes from `from` to `to`, eq. (B11).
+/// State of `x' = (u − x)/τ` at the end of a step of `ratio` time constants, with an input that changes linearly from
+/// `from` to `to`, eq. (B11).
 pub fn lag(state: f64, from: f64, to: f64, ratio: f64) -> f64 {
     let gone = -(-ratio).exp_m1();
-    // 1 − (1 − e^-z)/z; its series keeps digits that the difference loses
+    // 1 − (1 − e^-z)/z; its series keeps the digits that the difference loses
     let share = if ratio < 1e-3 { ratio * (0.5 - ratio * (1.0 / 6.0 - ratio / 24.0)) } else { 1.0 - gone / ratio };
     state + (from - state) * gone + (to - from) * share
 }

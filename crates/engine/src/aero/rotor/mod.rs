@@ -1,8 +1,8 @@
-//! Air of rotors: blade elements in the momentum balance of their annuli, and what changes the wind that they meet.
+//! Air of rotors: blade-element momentum theory, with models of the wake, the wind and the tower.
 //!
-//! What it does at the ends of a blade: where Prandtl's loss is complete (a node on the tip or on the hub) the annulus has
-//! no solution. [`EndRule::ZeroLoad`](induction::EndRule), the default, leaves such a node without load, as a lifting line
-//! ends; [`EndRule::Stopped`](induction::EndRule) is what AeroDyn does and exists for comparison with it.
+//! Ends of a blade: where Prandtl's loss is complete (a node on the tip or on the hub) the annulus has no solution.
+//! [`EndRule::ZeroLoad`](induction::EndRule), the default, leaves such a node without load, as at the end of a lifting
+//! line; [`EndRule::Stopped`](induction::EndRule) is what AeroDyn does and exists for comparison with it.
 
 pub mod bem;
 pub mod dynamic_inflow;

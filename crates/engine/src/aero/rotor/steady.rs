@@ -1,13 +1,13 @@
-//! A rigid rotor at constant speed in uniform axial wind: what it gives and what its blades carry.
+//! A rigid rotor at constant speed in uniform axial wind: its loads and those of its blades.
 
 use crate::aero::polar::Polar;
 use crate::aero::rotor::induction::{Annular, Annulus, Approach, EndRule, SectionState, balance};
 use std::f64::consts::PI;
 
-/// Tip-speed ratios between which induction fades in: at rest there is no wake of rings to balance, eq. (B7).
+/// Tip-speed ratios between which induction fades in: a rotor at rest does not have the wake of momentum theory, eq. (B7).
 const FADE: [f64; 2] = [1.0, 2.0];
 
-/// Node of a blade where the air is looked at.
+/// Node of a blade at which air loads are computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BladeNode {
     /// Distance from the shaft axis in m.
@@ -20,7 +20,7 @@ pub struct BladeNode {
     pub polar: usize,
 }
 
-/// A rotor whose blades stand straight in their plane. Loads go in straight lines from node to node.
+/// A rotor with straight blades in one plane. Loads are linear between nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SteadyRotor {
     /// Number of blades.
@@ -39,10 +39,10 @@ pub struct SteadyRotor {
     pub end_rule: EndRule,
 }
 
-/// What a node of a blade carries.
+/// Induction and loads of a node of a blade.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeLoad {
-    /// Axial induction factor; the wind itself at a stopped end.
+    /// Axial induction factor; 1 at a stopped end.
     pub axial_induction: f64,
     /// Tangential induction factor.
     pub tangential_induction: f64,
@@ -54,7 +54,7 @@ pub struct NodeLoad {
     pub driving_n_m: f64,
 }
 
-/// What the rotor gives.
+/// Loads of the rotor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SteadyLoads {
     /// Thrust along the wind in N.
@@ -71,14 +71,14 @@ pub struct SteadyLoads {
     pub nodes: Vec<NodeLoad>,
 }
 
-/// Share of the induction that a rotor at a tip-speed ratio has, eq. (B7): none below 1, all from 2 on, as in AeroDyn.
+/// Fraction of the induction at a tip-speed ratio, eq. (B7): none below 1, all from 2 on, as in AeroDyn.
 pub fn induction_share(tip_speed_ratio: f64) -> f64 {
     let [none, all] = FADE;
     let x = ((tip_speed_ratio.abs() - none) / (all - none)).clamp(0.0, 1.0);
     0.5 * (1.0 - (PI * x).cos())
 }
 
-/// What a section meets in its annulus, with a share of the induction, eq. (B7). `None` where an end carries no load.
+/// State of a section in its annulus, with a fraction of the induction, eq. (B7). `None` at an end without load.
 pub fn section(
     annulus: &Annulus,
     polar: &Polar,
@@ -97,7 +97,7 @@ pub fn section(
     Some((state, SectionState::of(axial_m_s, tangential_m_s, approach.chord_angle_rad, polar)))
 }
 
-/// Spreads line loads that are straight between places over these places, eq. (B8): forces and first moments are exact.
+/// Lumps line loads that are linear between places at these places, eq. (B8): forces and first moments are exact.
 /// Calls `add(node, other, metres)`: the node gets `metres` times the line load of `other`.
 pub fn lump(places_m: impl ExactSizeIterator<Item = f64> + Clone, mut add: impl FnMut(usize, usize, f64)) {
     for (node, (inner_m, outer_m)) in places_m.clone().zip(places_m.skip(1)).enumerate() {

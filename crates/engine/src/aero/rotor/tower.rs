@@ -13,7 +13,7 @@ const BAK_SHIFT: f64 = 0.1;
 /// Flow around the tower ahead of and beside it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Potential {
-    /// Not looked at.
+    /// Neglected.
     #[default]
     None,
     /// A cylinder in potential flow.
@@ -25,14 +25,14 @@ pub enum Potential {
 /// Flow behind the tower.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Shadow {
-    /// Not looked at.
+    /// Neglected.
     #[default]
     None,
     /// Powles' cosine.
     Powles,
 }
 
-/// A tower that stands straight, by rows along its height.
+/// A straight tower, by rows along its height.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tower {
     /// Foot in m.
@@ -48,8 +48,8 @@ pub struct Tower {
 }
 
 impl Tower {
-    /// What the tower adds to a wind at a point in m, eqs. (B16) and (B17), in m/s. Above the top and below the foot
-    /// nothing; inside the tower what its surface has.
+    /// Change of the wind by the tower at a point in m, eqs. (B16) and (B17), in m/s. Zero above the top and below the
+    /// foot; inside the tower it is the value at the surface.
     pub fn added_m_s(&self, point_m: &Vector3<f64>, wind_m_s: &Vector3<f64>) -> Vector3<f64> {
         let from_foot_m = point_m - self.foot_m;
         let height_m = from_foot_m.dot(&self.up);
@@ -84,7 +84,7 @@ impl Tower {
                 axial -= drag / width * (FRAC_PI_2 * y / width).cos().powi(2);
             }
         }
-        // no reversed wind: a shadow stops it at most
+        // no reversed wind: a shadow can at most stop it
         axial = axial.max(-1.0);
         if axial == -1.0 {
             lateral = 0.0;
@@ -102,7 +102,7 @@ impl Tower {
     }
 }
 
-/// Disturbance of a cylinder of radius one in a wind of one along x, in wind speeds.
+/// Disturbance by a cylinder of radius 1 in a wind of speed 1 along x.
 fn cylinder(x: f64, y: f64) -> (f64, f64) {
     let square = (x * x + y * y).powi(2);
     (-(x * x - y * y) / square, -2.0 * x * y / square)

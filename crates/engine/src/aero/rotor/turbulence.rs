@@ -1,8 +1,8 @@
 //! Turbulence from a seed: Kaimal's spectra with the exponential coherence of IEC 61400-1, by Veers' method.
 //!
 //! Sources: IEC 61400-1, edition 3 (2005), annex B; Veers, *Three-dimensional wind simulation*, SAND88-0152 (1988).
-//! The standard gives a coherence for the component along the wind alone; the other two are independent from point to
-//! point, as TurbSim's default has it.
+//! The standard gives a coherence for the component along the wind only; the other two are independent from point to
+//! point, as by default in TurbSim.
 
 use crate::aero::rotor::fourier::inverse;
 use crate::aero::rotor::turbulence_box::TurbulenceBox;
@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 /// Decay of the coherence with frequency.
 const DECAY: f64 = 12.0;
-/// Its decay with distance over the coherence's length.
+/// Its decay with distance over the coherence scale.
 const DISTANCE_DECAY: f64 = 0.12;
 /// Length scales of the components over the standard's parameter.
 const LENGTHS: [f64; 3] = [8.10, 2.70, 0.66];
@@ -19,7 +19,7 @@ const DEVIATIONS: [f64; 3] = [1.0, 0.8, 0.5];
 /// Coherence below which two points count as independent; the squares of a thousand such neighbours sum to 1e-5.
 const LEAST_COHERENCE: f64 = 1e-4;
 
-/// What turbulence is asked for.
+/// Parameters of the turbulence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turbulence {
     /// Seed: the same seed gives the same box.
@@ -30,22 +30,22 @@ pub struct Turbulence {
     pub power_exponent: f64,
     /// Standard deviation along the wind in m/s.
     pub deviation_m_s: f64,
-    /// Reference height in m, where the box has its middle.
+    /// Reference height in m, at which the box is centred.
     pub reference_height_m: f64,
-    /// Points across and upward.
+    /// Numbers of points across and upward.
     pub points: [usize; 2],
-    /// Distance of points in m, across and upward.
+    /// Spacing of the points in m, across and upward.
     pub spacing_m: [f64; 2],
-    /// Planes: a power of two.
+    /// Number of planes: a power of two.
     pub planes: usize,
     /// Time between them in s.
     pub plane_s: f64,
 }
 
-/// Why there is no such box.
+/// Why the box cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoTurbulence {
-    /// A field that cannot be.
+    /// A field has a value that is not allowed.
     #[error("{field} is {value}; {allowed}")]
     Field {
         /// Name of the field.
@@ -83,10 +83,10 @@ pub fn coherence(distance_m: f64, frequency_hz: f64, mean_m_s: f64, height_m: f6
 }
 
 impl Turbulence {
-    /// Makes the box. The frequencies are the multiples of one over its duration: it goes round.
+    /// Makes the box. The frequencies are multiples of one over its duration, so it is periodic.
     ///
     /// # Errors
-    /// Where a field cannot be.
+    /// If a field has a value that is not allowed.
     #[expect(clippy::needless_range_loop, reason = "the component selects a spectrum as well as a place")]
     pub fn generate(&self) -> Result<TurbulenceBox, NoTurbulence> {
         self.check()?;
@@ -163,7 +163,7 @@ impl Turbulence {
     /// Lower triangle whose product with its transpose is the coherence of all points.
     fn factor_coherence(&self, places: &[[f64; 2]], frequency_hz: f64, factor: &mut [f64]) {
         let count = places.len();
-        // the nearest neighbours: where they are independent, all are
+        // if the nearest neighbours are independent, all points are
         let nearest_m = self.spacing_m[0].min(self.spacing_m[1]);
         let bound = |distance_m: f64| coherence(distance_m, frequency_hz, self.mean_m_s, self.reference_height_m);
         if bound(nearest_m) < LEAST_COHERENCE {
@@ -184,7 +184,7 @@ impl Turbulence {
                     }
                     None => {
                         let sum: f64 = row_i[..j].iter().map(|a| a * a).sum();
-                        row_i[j] = (1.0 - sum).max(1e-12).sqrt(); // round-off of points that are nearly one
+                        row_i[j] = (1.0 - sum).max(1e-12).sqrt(); // round-off of points that nearly coincide
                     }
                 }
             }
@@ -253,7 +253,7 @@ mod tests {
         }
     }
 
-    /// Coefficient of a frequency at a point, by its sum.
+    /// Coefficient of a frequency at a point, as a direct sum.
     fn coefficient(grid: &TurbulenceBox, point: usize, component: usize, m: usize) -> [f64; 2] {
         let mut sum = [0.0; 2];
         for plane in 0..grid.planes {

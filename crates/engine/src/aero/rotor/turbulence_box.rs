@@ -1,17 +1,17 @@
 //! Turbulence on a grid across the wind, carried past by the mean wind (Taylor's frozen turbulence).
 
-/// A grid of velocities over time. Between its points straight lines; beyond its edges these hold.
+/// A grid of velocities over time. Linear between its points; beyond its edges the values there are held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TurbulenceBox {
-    /// Points across, from starboard to port (towards growing `y`, left when looking downwind).
+    /// Number of points across, from starboard to port (towards growing `y`, left when looking downwind).
     pub across: usize,
-    /// Points upward, from the bottom.
+    /// Number of points upward, from the bottom.
     pub upward: usize,
-    /// Planes over time.
+    /// Number of planes over time.
     pub planes: usize,
-    /// Distance of points across in m.
+    /// Spacing of points across in m.
     pub across_m: f64,
-    /// Distance of points upward in m.
+    /// Spacing of points upward in m.
     pub upward_m: f64,
     /// Time between planes in s.
     pub plane_s: f64,
@@ -19,7 +19,7 @@ pub struct TurbulenceBox {
     pub bottom_m: f64,
     /// Speed in m/s at which the planes travel.
     pub carried_m_s: f64,
-    /// Whether the planes go round: the last is followed by the first.
+    /// Whether the planes are periodic: the last is followed by the first.
     pub periodic: bool,
     /// Velocities in m/s, downwind, to port and upward, plane by plane from the first, row by row from the bottom, point by
     /// point from starboard.
@@ -34,7 +34,7 @@ impl TurbulenceBox {
     }
 
     /// Velocity in m/s, downwind, to port, upward, at a place: metres downwind of the reference point, to port, above the
-    /// ground; eq. (B20). A box that does not go round holds its first and last plane.
+    /// ground; eq. (B20). A box that is not periodic holds its first and last plane.
     pub fn at(&self, time_s: f64, downwind_m: f64, port_m: f64, height_m: f64) -> [f64; 3] {
         let plane = (time_s - downwind_m / self.carried_m_s) / self.plane_s;
         let (before, after, share) = if self.periodic {
@@ -62,10 +62,10 @@ impl TurbulenceBox {
     }
 }
 
-/// Neighbours of a place on a line of points, and the share of the upper one; at the ends the last point twice.
+/// Neighbours of a place on a line of points, and the weight of the upper one; at an end its point twice.
 fn between(place: f64, points: usize) -> (usize, usize, f64) {
     let last = points - 1;
-    let place = place.clamp(0.0, last as f64); // not a number: clamp keeps it, and the cast below takes it to 0
+    let place = place.clamp(0.0, last as f64); // clamp keeps NaN, and the cast below turns it into 0
     let lower = (place.floor() as usize).min(last);
     let upper = (lower + 1).min(last);
     (lower, upper, place - lower as f64)

@@ -1,14 +1,14 @@
 //! Polars on the full circle: Viterna and Corrigan's extension beyond stall.
 //!
 //! Source: Viterna and Corrigan, *Fixed pitch rotor performance of large horizontal axis wind turbines*, NASA CP-2230 (1981).
-//! How reversed and negative angles follow is the practice of AirfoilPrep (NREL): reflection with 0.7 of the lift.
+//! Reversed and negative angles follow the practice of AirfoilPrep (NREL): reflection with 0.7 of the lift.
 
 use crate::aero::polar::{Polar, PolarRow};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Share of the lift that a section keeps when its rear edge leads or its suction side is the flat one.
+/// Fraction of the lift that a section keeps when its rear edge leads or its suction side is the flat one.
 const REFLECTED_LIFT: f64 = 0.7;
-/// Spacing of the added rows in rad: straight lines between them miss the formulas by less than 0.002.
+/// Spacing of the added rows in rad: linear interpolation between them differs from the formulas by less than 0.002.
 const SPACING_RAD: f64 = 2.5 * PI / 180.0;
 /// Smallest drag coefficient of the extension: the formulas fall below zero near ±180°.
 const LEAST_DRAG: f64 = 1e-4;
@@ -16,10 +16,10 @@ const LEAST_DRAG: f64 = 1e-4;
 /// Why a polar cannot be extended.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NoExtension {
-    /// No rows at all.
+    /// There are no rows.
     #[error("a polar without rows")]
     Empty,
-    /// The last row is not a stalled section ahead of 90°.
+    /// The last row is not at stall below 90°.
     #[error(
         "the last angle is {0:.3} deg; Viterna's extension begins at stall, between 0 and 90 deg and above every other angle \
          in magnitude reached by a positive lift"
@@ -28,7 +28,7 @@ pub enum NoExtension {
     /// The first row lies beyond the reflected range.
     #[error("the first angle is {0:.3} deg; an extended polar begins between -90 deg and the last angle")]
     FirstAngle(f64),
-    /// The largest drag coefficient is no number that a plate across the flow may have.
+    /// The largest drag coefficient is not one that a plate across the flow can have.
     #[error("a largest drag coefficient of {0}; a plate across the flow has more than the last row, at most 3")]
     Drag(f64),
 }
@@ -38,19 +38,19 @@ pub fn drag_across(aspect_ratio: f64) -> f64 {
     1.11 + 0.018 * aspect_ratio.min(50.0)
 }
 
-/// Whether the rows go once round, from −180° to 180°, so that any angle can be met.
+/// Whether the rows cover the full circle, from −180° to 180°.
 pub fn is_full_circle(rows: &[PolarRow]) -> bool {
     let near = |row: Option<&PolarRow>, angle_rad: f64| row.is_some_and(|row| (row.angle_rad - angle_rad).abs() < 1e-6);
     near(rows.first(), -PI) && near(rows.last(), PI)
 }
 
-/// Rows from −180° to 180°: the given ones where they are, eq. (B1) elsewhere. `drag_across` is the drag coefficient at 90°.
+/// Rows from −180° to 180°: the given ones in their range, eq. (B1) elsewhere. `drag_across` is the drag coefficient at 90°.
 ///
-/// Moments follow from a centre of pressure that goes in straight lines from its place at the first and last row to half
-/// chord at ±90° and to three quarters at ±180°; Viterna and Corrigan say nothing about them.
+/// Moments follow from a centre of pressure that moves linearly from its place at the first and last row to half chord at
+/// ±90° and to three quarters at ±180°; Viterna and Corrigan do not treat them.
 ///
 /// # Errors
-/// Where the polar does not end at stall with positive lift between 0° and 90°, or begins below −90°.
+/// If the polar does not end at stall with positive lift between 0° and 90°, or begins below −90°.
 pub fn extend(rows: &[PolarRow], drag_across: f64) -> Result<Polar, NoExtension> {
     let (Some(low), Some(high)) = (rows.first(), rows.last()) else { return Err(NoExtension::Empty) };
     let stall_rad = high.angle_rad;
@@ -73,14 +73,14 @@ pub fn extend(rows: &[PolarRow], drag_across: f64) -> Result<Polar, NoExtension>
     Ok(Polar { rows: extended })
 }
 
-/// Coefficients of eq. (B1) with what it is fitted to.
+/// Coefficients of eq. (B1) with the rows that they continue.
 struct Law {
     stall_rad: f64,
     stall_lift: f64,
     drag_across: f64,
     lift_share: f64,
     drag_share: f64,
-    /// First given row: below it the lift goes straight to the reflected stall.
+    /// First given row: below it the lift is linear to the reflected stall.
     low: PolarRow,
     /// Centre of pressure behind the quarter chord, in chords, at the last and the first row.
     arm: [f64; 2],
@@ -104,7 +104,7 @@ impl Law {
         }
     }
 
-    /// Rows from one angle to another, without the last.
+    /// Rows from one angle to another, the last excluded.
     fn fill(&self, from_rad: f64, to_rad: f64, rows: &mut Vec<PolarRow>) {
         let count = ((to_rad - from_rad) / SPACING_RAD).ceil().max(0.0);
         for step in 0..count as usize {
@@ -133,7 +133,7 @@ impl Law {
             let sign = if reversed == negative { 1.0 } else { -1.0 };
             (if reversed || negative { sign * REFLECTED_LIFT * lift } else { lift }, drag)
         } else if reversed {
-            // attached from behind: straight to zero at ±180°
+            // attached from behind: linear to zero at ±180°
             let share = from_line_rad / self.stall_rad;
             let lift = REFLECTED_LIFT * self.stall_lift * share * if negative { 1.0 } else { -1.0 };
             (lift, self.stalled(self.stall_rad).1 * share * share + LEAST_DRAG)

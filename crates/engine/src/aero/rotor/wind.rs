@@ -1,12 +1,12 @@
-//! The wind as one field in space and time: shear, a table over time, and turbulence that is carried past.
+//! The wind as a field in space and time: shear, a table over time, and turbulence carried by the mean wind.
 
 use crate::aero::rotor::turbulence_box::TurbulenceBox;
 use nalgebra::Vector3;
 
-/// Height below which a profile is taken as it is there, in m: a power law is zero or infinite at the ground.
+/// Height in m below which a profile is constant: a power law is zero or infinite at the ground.
 const LEAST_HEIGHT_M: f64 = 0.01;
 
-/// Growth of the mean wind with height.
+/// Profile of the mean wind over height.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Shear {
     /// The same at all heights.
@@ -24,14 +24,14 @@ pub enum Shear {
     },
 }
 
-/// One row of a table over time, the columns of AeroDyn's uniform wind files.
+/// One row of a table over time, with the columns of AeroDyn's uniform wind files.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TableRow {
     /// Time in s.
     pub time_s: f64,
     /// Horizontal speed in m/s.
     pub speed_m_s: f64,
-    /// Direction in rad: the wind turns from downwind towards starboard (clockwise from above) where it grows.
+    /// Direction in rad: with growing values the wind turns from downwind towards starboard (clockwise from above).
     pub direction_rad: f64,
     /// Vertical speed in m/s.
     pub vertical_m_s: f64,
@@ -45,10 +45,11 @@ pub struct TableRow {
     pub gust_m_s: f64,
 }
 
-/// Wind over time at one height, with its shears, eq. (B19). Between rows straight lines; before the first and behind the last these hold.
+/// Wind over time at one height, with its shears, eq. (B19). Linear between rows; before the first and after the last row
+/// their values are held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WindTable {
-    /// Length in m over which linear shears are taken: the rotor's diameter.
+    /// Length in m to which linear shears refer: the diameter of the rotor.
     pub reference_length_m: f64,
     /// At least one row, times strictly ascending.
     pub rows: Vec<TableRow>,
@@ -76,7 +77,7 @@ impl WindTable {
     }
 }
 
-/// What makes the field.
+/// Source of the field.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     /// The wind of the input, with a profile over height.
@@ -87,23 +88,23 @@ pub enum Source {
     Box(Box<TurbulenceBox>),
 }
 
-/// A field of wind around a rotor, in a frame that stands on the ground.
+/// A field of wind around a rotor, in a frame fixed to the ground.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WindField {
-    /// What makes it.
+    /// Its source.
     pub source: Source,
-    /// Point on the ground below the reference point, where the grid has its middle and the table its origin, in m.
+    /// Point on the ground in m, below the reference point at which grid and table are centred.
     pub ground_m: Vector3<f64>,
     /// Unit vector upward.
     pub up: Vector3<f64>,
-    /// Unit vector downwind, level.
+    /// Horizontal unit vector downwind.
     pub downwind: Vector3<f64>,
     /// Height in m above the ground at which the wind has its reference speed.
     pub reference_height_m: f64,
 }
 
 impl WindField {
-    /// Velocity of the air in m/s at a time and place, eqs. (B18)–(B20), where the input says `input_m_s`.
+    /// Velocity of the air in m/s at a time and place, eqs. (B18)–(B20), with the wind of the input `input_m_s`.
     pub fn velocity_m_s(&self, time_s: f64, point_m: &Vector3<f64>, input_m_s: &Vector3<f64>) -> Vector3<f64> {
         let from_m = point_m - self.ground_m;
         let height_m = from_m.dot(&self.up);
@@ -131,7 +132,7 @@ impl WindField {
         }
     }
 
-    /// Speed at a height over that at the reference height, eq. (B18).
+    /// Ratio of the speed at a height to that at the reference height, eq. (B18).
     fn profile(&self, shear: &Shear, height_m: f64) -> f64 {
         let height_m = height_m.max(LEAST_HEIGHT_M);
         match *shear {
@@ -173,7 +174,7 @@ mod tests {
         assert_eq!(log.velocity_m_s(0.0, &(Vector3::z() * -90.0), &input).x, 0.0);
     }
 
-    /// The formula of the uniform wind files by hand.
+    /// The formula of the uniform wind files, written out.
     #[test]
     fn table_has_direction_shears_and_gust() {
         let row = |time_s, speed_m_s| TableRow {
