@@ -1,8 +1,8 @@
 //! A rotor whose blades are surfaces of bodies: blade-element momentum theory on their sections as they move.
 //!
-//! The sections of all blades come first, blade by blade; one section of the hub follows, whose point is the rotor's apex.
-//! Each annulus is normal to its blade as bent out of the plane, without the twist, the pitch and the bending in the
-//! plane, as in AeroDyn. Loads are linear between sections.
+//! The sections of all blades come first, blade by blade; one section of the hub follows, whose point is the rotor's
+//! apex. Each annulus is normal to its blade as bent out of the plane, without the twist, the pitch and the bending in
+//! the plane, as in AeroDyn. Loads are linear between sections.
 
 use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
@@ -322,8 +322,8 @@ impl Rotor {
         }
     }
 
-    /// Line load and moment of one section into the scratch memory; returns its axial induction factor where the momentum
-    /// balance has a solution.
+    /// Line load and moment of one section into the scratch memory; returns its axial induction factor where the
+    /// momentum balance has a solution.
     #[allow(clippy::too_many_arguments)] // one call, split off for its length
     fn section(
         &mut self,

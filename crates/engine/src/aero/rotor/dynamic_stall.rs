@@ -1,7 +1,7 @@
 //! Dynamic stall: Beddoes and Leishman's model in the incompressible form with four states.
 //!
-//! Source: Hansen, Gaunaa and Madsen, *A Beddoes–Leishman type dynamic stall model in state-space and indicial formulations*,
-//! Risø-R-1354 (2004); it is `UA_Mod` 4 in AeroDyn. It does not model the leading-edge vortex.
+//! Source: Hansen, Gaunaa and Madsen, *A Beddoes–Leishman type dynamic stall model in state-space and indicial
+//! formulations*, Risø-R-1354 (2004); it is `UA_Mod` 4 in AeroDyn. It does not model the leading-edge vortex.
 
 use crate::aero::polar::Polar;
 use crate::aero::rotor::lag::lag;

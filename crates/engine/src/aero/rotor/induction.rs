@@ -1,7 +1,8 @@
 //! Induced velocity of one annulus of a rotor: Ning's residual, with a bracket that always contains a root.
 //!
 //! Sources: Ning, *A simple solution method for the blade element momentum equations with guaranteed convergence*, Wind
-//! Energy 17 (2014); Buhl, NREL/TP-500-36834 (2005), for the thrust of heavily loaded annuli; Prandtl's losses as in Glauert.
+//! Energy 17 (2014); Buhl, NREL/TP-500-36834 (2005), for the thrust of heavily loaded annuli; Prandtl's losses as in
+//! Glauert.
 
 use crate::aero::polar::{Polar, PolarRow};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
@@ -21,7 +22,8 @@ pub enum EndRule {
     /// No load: the circulation is zero there.
     #[default]
     ZeroLoad,
-    /// The wind is stopped (a = 1) and the section carries the load of its motion in the plane of rotation: AeroDyn's rule.
+    /// The wind is stopped (a = 1) and the section carries the load of its motion in the plane of rotation: AeroDyn's
+    /// rule.
     Stopped,
 }
 
@@ -135,8 +137,8 @@ pub fn turn_back(angle_rad: f64) -> f64 {
 /// mirror image.
 ///
 /// For a thrust coefficient above 2 Buhl's parabola has no windmill state; the annulus is then in the propeller-brake
-/// state, in which the air flows through it backward. Between the two the induction jumps, as in momentum theory. Without
-/// wind the annulus hovers. If no balance exists there is no induction, and the state says so.
+/// state, in which the air flows through it backward. Between the two the induction jumps, as in momentum theory.
+/// Without wind the annulus hovers. If no balance exists there is no induction, and the state says so.
 pub fn balance(annulus: &Annulus, polar: &Polar, approach: &Approach) -> Annular {
     let Approach { axial_m_s, tangential_m_s, chord_angle_rad } = *approach;
     let speed_m_s = axial_m_s.hypot(tangential_m_s);
@@ -207,7 +209,8 @@ impl Balance<'_> {
         [side * (lift * cosine + drag * sine), turn * (lift * sine - drag * cosine)]
     }
 
-    /// `sin φ/(1 − a)` and `cos φ/(1 + a')`, eqs. (B3)–(B5): the relative speed times these gives the wind and the speed of rotation.
+    /// `sin φ/(1 − a)` and `cos φ/(1 + a')`, eqs. (B3)–(B5): the relative speed times these gives the wind and the
+    /// speed of rotation.
     fn sides(&self, sine: f64, cosine: f64) -> [f64; 2] {
         let loss = self.annulus.loss(sine);
         let [normal, drive] = self.coefficients(sine, cosine);

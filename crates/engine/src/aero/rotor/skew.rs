@@ -1,7 +1,7 @@
 //! Skewed wake: in oblique wind the induction is larger on the side towards which the wake leans.
 //!
-//! Source: Pitt and Peters, *Theoretical prediction of dynamic-inflow derivatives*, Vertica 5 (1981), for the gradient over
-//! the disc; Coleman, Feingold and Stempin, NACA ARR L5E10 (1945), and Burton et al. for the angle of the wake.
+//! Source: Pitt and Peters, *Theoretical prediction of dynamic-inflow derivatives*, Vertica 5 (1981), for the gradient
+//! over the disc; Coleman, Feingold and Stempin, NACA ARR L5E10 (1945), and Burton et al. for the angle of the wake.
 
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -29,9 +29,9 @@ impl Skew {
         Self { angle_rad: speed_m_s.atan2(axial_m_s), lean }
     }
 
-    /// Factor on the axial induction of a node at `arm` (from the shaft, over the radius of the disc, any direction in the
-    /// disc), eq. (B15). `induction` is the factor without skew. A wake that would lean by more than 90° is treated as leaning
-    /// by 90°.
+    /// Factor on the axial induction of a node at `arm` (from the shaft, over the radius of the disc, any direction in
+    /// the disc), eq. (B15). `induction` is the factor without skew. A wake that would lean by more than 90° is treated
+    /// as leaning by 90°.
     pub fn factor(&self, arm: &Vector3<f64>, induction: f64) -> f64 {
         let wake_rad = ((0.6 * induction + 1.0) * self.angle_rad).clamp(-0.5 * PI, 0.5 * PI);
         1.0 + GRADIENT * (0.5 * wake_rad).tan() * arm.dot(&self.lean)

@@ -4,7 +4,8 @@ use crate::aero::polar::Polar;
 use crate::aero::rotor::induction::{Annular, Annulus, Approach, EndRule, SectionState, balance};
 use std::f64::consts::PI;
 
-/// Tip-speed ratios between which induction fades in: a rotor at rest does not have the wake of momentum theory, eq. (B7).
+/// Tip-speed ratios between which induction fades in, eq. (B7): a rotor at rest does not have the wake of momentum
+/// theory.
 const FADE: [f64; 2] = [1.0, 2.0];
 
 /// Node of a blade at which air loads are computed.

@@ -1,8 +1,8 @@
 //! Influence of a tower on the wind around it: potential flow, and the shadow behind.
 //!
 //! Sources: potential flow around a cylinder, with the wake of Bak, Madsen and Johansen, *Influence from blade-tower
-//! interaction on fatigue loads and dynamics* (2001); the shadow of Powles, *The effects of tower shadow on the dynamics of
-//! a horizontal-axis wind turbine*, Wind Engineering 7 (1983). AeroDyn has the same choices.
+//! interaction on fatigue loads and dynamics* (2001); the shadow of Powles, *The effects of tower shadow on the
+//! dynamics of a horizontal-axis wind turbine*, Wind Engineering 7 (1983). AeroDyn has the same choices.
 
 use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_2, TAU};

@@ -57,8 +57,8 @@ pub enum NoTurbulence {
     },
 }
 
-/// Standard deviation in m/s of the normal turbulence model at a mean wind, for the intensity at 15 m/s (0.16, 0.14, 0.12 of
-/// the classes A, B, C), eq. (B21).
+/// Standard deviation in m/s of the normal turbulence model at a mean wind, for the intensity at 15 m/s (0.16, 0.14,
+/// 0.12 of the classes A, B, C), eq. (B21).
 pub fn normal_deviation_m_s(reference_intensity: f64, mean_m_s: f64) -> f64 {
     reference_intensity * (0.75 * mean_m_s + 5.6)
 }
@@ -75,8 +75,8 @@ pub fn kaimal_m2_s(component: usize, frequency_hz: f64, deviation_m_s: f64, mean
     4.0 * deviation_m_s * deviation_m_s * time_s / (1.0 + 6.0 * frequency_hz * time_s).powf(5.0 / 3.0)
 }
 
-/// Coherence of the wind along at two points at a distance in m across the wind, eq. (B22): the modulus of the cross spectrum
-/// over the spectrum.
+/// Coherence of the wind along at two points at a distance in m across the wind, eq. (B22): the modulus of the cross
+/// spectrum over the spectrum.
 pub fn coherence(distance_m: f64, frequency_hz: f64, mean_m_s: f64, height_m: f64) -> f64 {
     let length_m = LENGTHS[0] * length_parameter_m(height_m);
     (-DECAY * distance_m * (frequency_hz / mean_m_s).hypot(DISTANCE_DECAY / length_m)).exp()
@@ -264,8 +264,8 @@ mod tests {
         sum.map(|x| x / grid.planes as f64)
     }
 
-    /// Spectra of all components, over bands of frequencies and 8 seeds. With independent phases the mean of `n` periodograms has
-    /// a relative deviation of `1/√n` at most; the band is four of these.
+    /// Spectra of all components, over bands of frequencies and 8 seeds. With independent phases the mean of `n`
+    /// periodograms has a relative deviation of `1/√n` at most; the band is four of these.
     #[test]
     fn spectra_are_kaimals() {
         let boxes: Vec<TurbulenceBox> = (0..8).map(|seed| asked(seed).generate().unwrap()).collect();

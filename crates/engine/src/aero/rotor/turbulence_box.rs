@@ -21,8 +21,8 @@ pub struct TurbulenceBox {
     pub carried_m_s: f64,
     /// Whether the planes are periodic: the last is followed by the first.
     pub periodic: bool,
-    /// Velocities in m/s, downwind, to port and upward, plane by plane from the first, row by row from the bottom, point by
-    /// point from starboard.
+    /// Velocities in m/s, downwind, to port and upward, plane by plane from the first, row by row from the bottom,
+    /// point by point from starboard.
     pub velocity_m_s: Vec<[f32; 3]>,
 }
 
@@ -33,8 +33,8 @@ impl TurbulenceBox {
         gaps as f64 * self.plane_s
     }
 
-    /// Velocity in m/s, downwind, to port, upward, at a place: metres downwind of the reference point, to port, above the
-    /// ground; eq. (B20). A box that is not periodic holds its first and last plane.
+    /// Velocity in m/s, downwind, to port, upward, at a place: metres downwind of the reference point, to port, above
+    /// the ground; eq. (B20). A box that is not periodic holds its first and last plane.
     pub fn at(&self, time_s: f64, downwind_m: f64, port_m: f64, height_m: f64) -> [f64; 3] {
         let plane = (time_s - downwind_m / self.carried_m_s) / self.plane_s;
         let (before, after, share) = if self.periodic {

@@ -1,7 +1,7 @@
 //! Polars on the full circle: Viterna and Corrigan's extension beyond stall.
 //!
-//! Source: Viterna and Corrigan, *Fixed pitch rotor performance of large horizontal axis wind turbines*, NASA CP-2230 (1981).
-//! Reversed and negative angles follow the practice of AirfoilPrep (NREL): reflection with 0.7 of the lift.
+//! Source: Viterna and Corrigan, *Fixed pitch rotor performance of large horizontal axis wind turbines*, NASA CP-2230
+//! (1981). Reversed and negative angles follow the practice of AirfoilPrep (NREL): reflection with 0.7 of the lift.
 
 use crate::aero::polar::{Polar, PolarRow};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -44,10 +44,11 @@ pub fn is_full_circle(rows: &[PolarRow]) -> bool {
     near(rows.first(), -PI) && near(rows.last(), PI)
 }
 
-/// Rows from −180° to 180°: the given ones in their range, eq. (B1) elsewhere. `drag_across` is the drag coefficient at 90°.
+/// Rows from −180° to 180°: the given ones in their range, eq. (B1) elsewhere. `drag_across` is the drag coefficient at
+/// 90°.
 ///
-/// Moments follow from a centre of pressure that moves linearly from its place at the first and last row to half chord at
-/// ±90° and to three quarters at ±180°; Viterna and Corrigan do not treat them.
+/// Moments follow from a centre of pressure that moves linearly from its place at the first and last row to half chord
+/// at ±90° and to three quarters at ±180°; Viterna and Corrigan do not treat them.
 ///
 /// # Errors
 /// If the polar does not end at stall with positive lift between 0° and 90°, or begins below −90°.

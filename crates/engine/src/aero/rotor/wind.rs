@@ -45,8 +45,8 @@ pub struct TableRow {
     pub gust_m_s: f64,
 }
 
-/// Wind over time at one height, with its shears, eq. (B19). Linear between rows; before the first and after the last row
-/// their values are held.
+/// Wind over time at one height, with its shears, eq. (B19). Linear between rows; before the first and after the last
+/// row their values are held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WindTable {
     /// Length in m to which linear shears refer: the diameter of the rotor.
