@@ -1,14 +1,14 @@
-//! Bending in a few given shapes: the blade and the tower of \[E\], their shapes, integrals and stations of mass.
+//! Bending in a few given mode shapes: the blade and the tower of \[E\], with shapes, integrals and lumped masses.
 //!
-//! A body bends in flap (along its `z`) and in edge (along its `y`) by given polynomials, its axis shortens to second order in
-//! the deflections, and its mass lies on the axis. Integrals are sums over equal cells with the properties at their middles;
-//! running integrals are full cells and part of one, NOTATION eqs. (M1)–(M5).
+//! A body bends in flap (along its `z`) and in edge (along its `y`) by given polynomials, its axis shortens to second
+//! order in the deflections, and its mass lies on the axis. Integrals are sums over equal cells with the properties at
+//! their middles; running integrals are full cells and part of one, NOTATION eqs. (M1)–(M5).
 
 use crate::beam::profile::Profile;
 use crate::beam::section::Section;
 use nalgebra::{Matrix3, Matrix4, SMatrix, Vector3, Vector4};
 
-/// Most shapes of a body: what one elimination of the recursions holds.
+/// Maximum number of shapes of a body, set by the storage of the elimination in the recursions.
 pub const MOST_MODES: usize = 8;
 
 /// One shape with its damping.
@@ -17,7 +17,7 @@ pub struct Shape {
     /// Coefficients of `x²`, `x³`, … with `x` from 0 at the inner to 1 at the outer end; they add up to 1, so that the
     /// coordinate is the outer end's deflection in m.
     pub coefficients: Vec<f64>,
-    /// Damping ratio of the shape alone on the untwisted body without anything at its end.
+    /// Damping ratio of the shape alone on the untwisted body with a free end.
     pub damping_ratio: f64,
     /// Deflection of the outer end at the start in m.
     pub start_m: f64,
@@ -45,7 +45,7 @@ impl Shape {
     }
 }
 
-/// A body that bends in given shapes, as the model says it.
+/// A body that bends in given shapes, as described by the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalLaw {
     /// Length in m.
@@ -58,11 +58,11 @@ pub struct ModalLaw {
     pub flap_stiffness_n_m2: Profile,
     /// Bending stiffness in edge in N·m².
     pub edge_stiffness_n_m2: Profile,
-    /// Structural twist in rad, right-handed about the axis; `None` leaves the shapes the polynomials themselves.
+    /// Structural twist in rad, right-handed about the axis; with `None` the shapes are the polynomials themselves.
     pub twist_rad: Option<Profile>,
     /// Shapes in flap.
     pub flap: Vec<Shape>,
-    /// Shapes in edge; their coordinates stand behind those in flap.
+    /// Shapes in edge; their coordinates follow those in flap.
     pub edge: Vec<Shape>,
     /// Factor of the mass.
     pub mass_factor: f64,
@@ -82,7 +82,7 @@ impl ModalLaw {
         self.middles_m().map(|s| self.mass_factor * self.mass_kg_m.at(s) * cell_m).sum()
     }
 
-    /// What a section has where it is asked for like that of a beam: mass and bending stiffnesses.
+    /// The section at a place in the form of a beam's: mass and bending stiffnesses.
     pub(crate) fn section(&self, s_m: f64) -> Section {
         let bending = [&self.flap_stiffness_n_m2, &self.edge_stiffness_n_m2];
         let [flap, edge] = bending.map(|stiffness| self.stiffness_factor * stiffness.at(s_m));
@@ -117,7 +117,7 @@ impl ModalLaw {
     }
 }
 
-/// The shapes at one place: what bends and turns there per coordinate, NOTATION eq. (M2).
+/// The shapes at one place: deflection and slope per coordinate, NOTATION eq. (M2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShapesAt {
     /// Distance from the inner end in m.
@@ -126,7 +126,7 @@ pub struct ShapesAt {
     pub bend: [[f64; 2]; MOST_MODES],
     /// Slope of the deflection `[y, z]` per coordinate, 1/m.
     pub slope_1_m: [[f64; 2]; MOST_MODES],
-    /// `S_ij`: shortening of the axis, twice, per product of two coordinates, 1/m.
+    /// `S_ij`: twice the shortening of the axis per product of two coordinates, 1/m.
     pub shortening_1_m: [[f64; MOST_MODES]; MOST_MODES],
 }
 
@@ -148,7 +148,8 @@ impl ShapesAt {
         sums
     }
 
-    /// Place on the axis in the frame of the inner end in m, eq. (M2), from the coordinates and [`Self::shortened`] of them.
+    /// Place on the axis in the frame of the inner end in m, eq. (M2), from the coordinates and [`Self::shortened`] of
+    /// them.
     #[inline]
     pub fn position_m(&self, q: &[f64], shortened: &[f64; MOST_MODES]) -> Vector3<f64> {
         let mut position = Vector3::new(self.place_m, 0.0, 0.0);
@@ -179,11 +180,12 @@ impl ShapesAt {
     }
 }
 
-/// Rotation of small angles `t`, several at once: the nearest one to `I + [t]×`, eq. (M3). It turns by `atan |t|` about `t`.
+/// Rotation for several small angles `t` at once: the one nearest to `I + [t]×`, eq. (M3). It turns by `atan |t|` about
+/// `t`.
 pub fn small_turn(t: &Vector3<f64>) -> Matrix3<f64> {
     let square = t.norm_squared();
     let norm = (1.0 + square).sqrt();
-    // (1 − 1/n)/t² without a difference of near numbers
+    // (1 − 1/n)/t² without cancellation
     let spread = 1.0 / (norm * (norm + 1.0));
     t.cross_matrix() / norm + Matrix3::from_diagonal_element(1.0 / norm) + t * t.transpose() * spread
 }
@@ -201,7 +203,7 @@ pub fn small_turn_slope(t: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::from_diagonal_element(sine) + cross * versine + t * t.transpose() * along
 }
 
-/// Cell at its beginning: what the running integrals have reached, and how they go on.
+/// The running integrals at the beginning of a cell, and how they continue in it.
 #[derive(Debug, Clone, PartialEq)]
 struct Cell {
     start: ShapesAt,
@@ -210,7 +212,7 @@ struct Cell {
     curvature_1_m2: [[f64; 2]; MOST_MODES],
 }
 
-/// A piece of mass on the axis.
+/// A lumped mass on the axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MassPoint {
     /// Mass in kg.
@@ -219,7 +221,7 @@ pub struct MassPoint {
     pub shapes: ShapesAt,
 }
 
-/// A body that bends in given shapes, worked out.
+/// A body that bends in given shapes, with its integrals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalElement {
     /// Length in m.
@@ -234,16 +236,16 @@ pub struct ModalElement {
     pub tip: ShapesAt,
     /// Stiffness of the coordinates in N/m, eq. (M5).
     pub stiffness: SMatrix<f64, MOST_MODES, MOST_MODES>,
-    /// Damping of the coordinates in N·s/m, eq. (M6); not symmetric where damping ratios over frequencies differ.
+    /// Damping of the coordinates in N·s/m, eq. (M6); not symmetric if the ratios of damping to frequency differ.
     pub damping: SMatrix<f64, MOST_MODES, MOST_MODES>,
     cell_m: f64,
     cells: Vec<Cell>,
-    /// Polynomials of the shapes where there is no twist.
+    /// Polynomials of the shapes if there is no twist.
     shapes: Option<Vec<(usize, Shape)>>,
 }
 
 impl ModalElement {
-    /// Works out a law. At most [`MOST_MODES`] shapes.
+    /// Computes the integrals of a law with at most [`MOST_MODES`] shapes.
     pub fn new(law: &ModalLaw) -> Self {
         let shapes: Vec<(usize, Shape)> = law.shapes().map(|(kind, shape)| (kind, shape.clone())).collect();
         let (modes, length_m, cell_m) = (shapes.len(), law.length_m, law.cell_m());
@@ -287,7 +289,7 @@ impl ModalElement {
         }
         element.tip = start;
         if law.twist_rad.is_none() {
-            // the coordinate is the deflection there, whatever the rounding of printed coefficients leaves
+            // the coordinate is the deflection there, even if the printed coefficients are rounded
             let directions = law.directions(length_m);
             for (bend, (kind, _)) in element.tip.bend.iter_mut().zip(&shapes) {
                 *bend = directions[*kind];
@@ -302,7 +304,7 @@ impl ModalElement {
         element
     }
 
-    /// The shapes at a distance from the inner end in m; at the cells' middles and at the outer end those of the sums.
+    /// The shapes at a distance from the inner end in m; at mid-cells and at the outer end those used in the sums.
     pub fn at(&self, place_m: f64) -> ShapesAt {
         if place_m >= self.length_m {
             return self.tip;

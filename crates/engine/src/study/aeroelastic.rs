@@ -1,5 +1,5 @@
-//! The machine in air as a linear system: the structure with the loads that its motion calls forth, and the lags of the air
-//! as further states, NOTATION eqs. (L21) and (L22).
+//! The machine in air as a linear system: the structure with the air loads that its motion causes, and the lags of the
+//! air as further states, NOTATION eqs. (L21) and (L22).
 
 use crate::load::{SectionMotion, Wrench};
 use crate::multibody::kinematics::Motion;
@@ -17,9 +17,9 @@ use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 /// Motion of a section with its accelerations.
 type Section = (SectionMotion, [Vector3<f64>; 2]);
 
-/// What the air answers about a state, and what it does to the equations.
+/// Linear response of the air about a state, and its effect on the equations.
 pub(crate) struct Aeroelastic {
-    /// The air's answers.
+    /// Response of the air.
     pub slopes: AirSlopes,
     /// Change of the residual with wind, spin of the root frame and uniform gust.
     pub air_force: DMatrix<f64>,
@@ -28,8 +28,8 @@ pub(crate) struct Aeroelastic {
 }
 
 impl Study<'_> {
-    /// Mass, damping and stiffness with those of the air, and its followers. Without strips there are none, and the loads of
-    /// the air are held.
+    /// Mass, damping and stiffness with those of the air, and its lag states. Without strips there are none, and the
+    /// loads of the air are constant.
     pub(crate) fn lagged(&mut self, gusts: bool) -> Result<(Lagged, Option<Aeroelastic>), PlantError> {
         let second = self.second_order()?;
         if !self.system.air_is_linearised() {
@@ -78,8 +78,9 @@ impl Study<'_> {
         places.iter().map(section).collect()
     }
 
-    /// Derivatives of the motion of the sections by coordinates, rates and accelerations of the freedoms: exact, but about a
-    /// moving state sixth-order differences of velocities and accelerations by the coordinates.
+    /// Derivatives of the motion of the sections by coordinates, rates and accelerations of the freedoms: exact, except
+    /// about a moving state, where the derivatives of velocities and accelerations by the coordinates are sixth-order
+    /// differences.
     fn section_slopes(&mut self, freedoms: &[Freedom]) -> [DMatrix<f64>; 3] {
         let now = self.system.state.now.clone();
         let rest = now.v.iter().chain(&now.a).all(|rate| *rate == 0.0);
@@ -107,7 +108,7 @@ impl Study<'_> {
                 };
                 by[0].set_column(column, &sixth_order(&mut at, freedom.step));
             }
-            // places and turns follow the coordinates as velocities follow the rates
+            // positions and rotations follow the coordinates as velocities follow the rates
             for section in 0..sections {
                 for part in 0..6 {
                     let first = SECTION_VARIABLES * section + part;
@@ -143,8 +144,8 @@ impl Study<'_> {
     }
 }
 
-/// Velocities, angular velocities and accelerations in their places among the variables of the sections; places and turns
-/// follow from them.
+/// Velocities, angular velocities and accelerations in their places among the variables of the sections; positions and
+/// rotations follow from them.
 fn variables(sections: &[Section]) -> DVector<f64> {
     let of = |(motion, [acceleration, spin_rate]): &Section| {
         let none = Rotation3::<f64>::identity().scaled_axis();

@@ -1,4 +1,4 @@
-//! States of rest in air: structure and established flow that agree.
+//! Equilibria in air, where structure and established flow agree.
 
 use crate::solve::equilibrium::Effort;
 use crate::study::{Holding, Study};
@@ -6,14 +6,15 @@ use crate::system::PlantError;
 use crate::system::air::AirCoupling;
 use crate::system::air::start::refusal;
 
-/// Most iterations between air and structure at rest.
+/// Maximum number of iterations between air and structure at rest.
 const MOST_STATIC_ITERATIONS: usize = 100;
-/// Change of the loads at rest, relative to the largest, at which they agree: far above the statics' own error.
+/// Change of the loads at rest, relative to the largest, below which they count as converged: far above the error of
+/// the statics.
 const STATIC_TOLERANCE: f64 = 1e-9;
 
 impl Study<'_> {
-    /// Brings the machine to rest under the loads of an established flow, eq. (Q5), and hinges that only the air restores
-    /// by eq. (Q6); without air as [`crate::system::System::settle_at_rest`] does.
+    /// Brings the machine to rest under the loads of an established flow, eq. (Q5), and hinges that only the air
+    /// restores by eq. (Q6); without air as [`crate::system::System::settle_at_rest`] does.
     pub(crate) fn settle_in_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         if self.system.air.is_none() {
             return self.settle_at_rest(time_s, holding);
@@ -30,7 +31,7 @@ impl Study<'_> {
         if hinges.is_empty() { settled } else { self.coast(time_s, &hinges) }
     }
 
-    /// Structure under held loads and air about it in turn, until they agree: eq. (Q5).
+    /// Solves for the structure under constant loads and for the air about it in turn, until they agree: eq. (Q5).
     pub(crate) fn settle_with_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let start = self.system.state.now.q.clone();
         let joints = self.system.state.joints.clone();

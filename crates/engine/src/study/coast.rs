@@ -1,8 +1,9 @@
-//! States of rest of hinges that only the air restores: a fold that coasts where lift and weight balance about it.
+//! Equilibria of hinges that only the air restores: a fold that rests where lift and weight balance about it.
 //!
-//! [`crate::system::System::settle_in_air`] iterates between a structure that settles under held loads and the air about it. A hinge without
-//! spring does not settle under held loads. Here its angle is an outer unknown instead: at each angle it is held, air and
-//! structure come to rest together, and what torque remains on the hinge is driven to zero, NOTATION eq. (Q6).
+//! [`crate::system::System::settle_in_air`] iterates between a structure that settles under held loads and the air
+//! about it. A hinge without spring does not settle under constant loads. Here its angle is an outer unknown instead:
+//! the hinge is held at each angle, air and structure come to rest together, and the remaining torque on the hinge is
+//! brought to zero, NOTATION eq. (Q6).
 
 use crate::solve::EquationsOfMotion;
 use crate::solve::equilibrium::Effort;
@@ -11,17 +12,18 @@ use crate::study::statics::Holding;
 use crate::system::PlantError;
 use nalgebra::{DMatrix, DVector};
 
-/// Turn of a hinge in rad that one difference step makes; of a slide, way over the machine's length.
+/// Difference step of a hinge in rad; of a prismatic joint, its travel over the machine's length.
 const STEP_RAD: f64 = 1e-3;
-/// Longest turn of a hinge in one iteration in rad, or way of a slide over the machine's length: loads of the air change their sign within a few tenths.
+/// Longest step of a hinge in one iteration in rad, or of a prismatic joint over the machine's length: loads of the air
+/// change sign within a few tenths.
 const LONGEST_RAD: f64 = 0.2;
-/// Correction in rad, or way over the machine's length, at which the angles and positions are found.
+/// Correction in rad, or travel over the machine's length, below which the angles and positions are converged.
 const TOLERANCE_RAD: f64 = 1e-8;
-/// Most iterations: at the longest turn, two revolutions.
+/// Maximum number of iterations: with the longest step, two revolutions.
 const MOST_ITERATIONS: usize = 60;
 
 impl Study<'_> {
-    /// Hinges that turn freely at the present state, by their place in the equations.
+    /// Hinges that turn freely at the present state, by their index in the equations.
     pub(crate) fn free_hinges(&self) -> Vec<usize> {
         let joints = self.system.equations.forces.joints().iter().enumerate();
         joints.filter(|(_, joint)| !joint.held && !joint.is_latched()).map(|(i, _)| i).collect()
@@ -81,7 +83,7 @@ impl Study<'_> {
         DVector::from_iterator(hinges.len(), hinges.iter().map(angle))
     }
 
-    /// What one of the unknown angle stands for: 1 rad, or the machine's length in m of a joint that slides.
+    /// Unit of the unknown: 1 rad, or the machine's length in m for a prismatic joint.
     fn scale(&self, hinge: usize) -> f64 {
         let slides = self.system.equations.model.bodies[self.system.equations.forces.joints()[hinge].body]
             .joint
@@ -91,8 +93,8 @@ impl Study<'_> {
         if slides { self.system.equations.model.reference_length_m } else { 1.0 }
     }
 
-    /// Torques in N·m that would have to hold free hinges at rest, less those that their drives give; of slides the work on
-    /// the machine's length.
+    /// Torques in N·m needed to hold free hinges at rest, less those of their drives; for prismatic joints the force
+    /// times the machine's length.
     fn hinge_torques(&mut self, time_s: f64, hinges: &[usize]) -> DVector<f64> {
         let zero = vec![0.0; self.system.state.now.q.len()];
         self.system.equations.residual(time_s, &self.system.state.now.q, &zero, &zero, &mut self.system.scratch[0]);
@@ -102,7 +104,7 @@ impl Study<'_> {
         DVector::from_iterator(hinges.len(), hinges.iter().map(torque))
     }
 
-    /// Has forces stop the joints between the angles of `start` and those of rest; whether any does.
+    /// Lets forces stop the joints between the angles of `start` and those of rest; returns whether any does.
     fn caught(&mut self, hinges: &[usize], start: &mut [f64], to: &DVector<f64>) -> bool {
         let mut any = false;
         for (&hinge, to) in hinges.iter().zip(to) {
@@ -134,8 +136,8 @@ impl Study<'_> {
     }
 }
 
-/// Newton's step towards zero torque where that is stable; where it is not, a step of the same size that goes the way in
-/// which the torques push: by `|S|` of the polar decomposition in the place of the slopes `S`. `None` without slope.
+/// Newton's step towards zero torque where that is stable; where it is not, a step of the same size in the direction of
+/// the torques: with `|S|` of the polar decomposition instead of the slopes `S`. `None` without slope.
 fn downhill(slopes: &DMatrix<f64>, torque: &DVector<f64>) -> Option<DVector<f64>> {
     let stable = (slopes + slopes.transpose()).symmetric_eigenvalues().min() > 0.0;
     if stable {

@@ -64,7 +64,7 @@ impl Study<'_> {
         Ok(SecondOrder { mass: self.mass_matrix(&freedoms), damping: self.damping_matrix(&freedoms), stiffness })
     }
 
-    /// `BᵀMB`: residual of unit accelerations, nothing else acting.
+    /// `BᵀMB`: residual of unit accelerations with nothing else acting.
     fn mass_matrix(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
         let mut bare = Bare::new(self.system);
         for closure in &mut bare.model.closures {
@@ -176,8 +176,8 @@ impl Study<'_> {
         pick(&residual, &freedoms)
     }
 
-    /// Outputs at the present state with one argument changed by `amount` along a freedom, and with the present inputs.
-    /// The plant's state afterwards is the one before.
+    /// Outputs at the present state with one argument changed by `amount` along a degree of freedom, and with the
+    /// present inputs. The state of the plant is restored.
     pub fn outputs_beside(&mut self, change: Option<(Argument, &Freedom, f64)>) -> Outputs {
         let kept = self.system.state.now.clone();
         match change {
@@ -240,13 +240,13 @@ impl Study<'_> {
         }
     }
 
-    /// Modes of lowest frequency about the present state, with shapes; in the air of strips, while the loads of a lattice are
-    /// held.
+    /// Modes of lowest frequency about the present state, with shapes. They include the air of strips; the loads of a
+    /// lattice or a rotor are constant.
     pub fn modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
         self.modes_and_rest(count).map(|(modes, _)| modes)
     }
 
-    /// The same without air, whose loads are held: modes of the structure by itself, such as [`Study::undeformed`] is meant for.
+    /// The same with constant loads of the air: modes of the structure alone, for instance after [`Study::undeformed`].
     pub fn bare_modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
         let system = Lagged::without(self.second_order()?);
         let list = system.modes(count).map_err(|error| self.no_modes(&error))?;
@@ -258,8 +258,8 @@ impl Study<'_> {
         PlantError::Linearization { time_s: self.system.state.now.time_s, cause: error.to_string() }
     }
 
-    /// Modes in air with what tells divergence: the sign of the determinant of the stiffness at rest in the established flow,
-    /// `None` where a motion is free.
+    /// Modes in air, with the sign of the determinant of the static stiffness in the established flow, which changes at
+    /// divergence; `None` if a motion is free.
     pub fn modes_and_rest(&mut self, count: usize) -> Result<(Vec<ModeShape>, Option<bool>), PlantError> {
         let (system, _) = self.lagged(false)?;
         let list = system.modes(count).map_err(|error| self.no_modes(&error))?;
@@ -347,7 +347,7 @@ impl Study<'_> {
     }
 }
 
-/// The tree without its elastic forces: what is left is smooth in all arguments and of one scale.
+/// The tree without its elastic forces: the rest is smooth in all arguments and of one scale.
 pub(super) struct Bare {
     pub model: Model,
     work: Workspace,
@@ -380,7 +380,7 @@ impl Bare {
     }
 }
 
-/// Sign of the determinant; `None` where it is round-off.
+/// Sign of the determinant; `None` if it is round-off.
 fn determinant_is_positive(matrix: &DMatrix<f64>) -> Option<bool> {
     let n = matrix.nrows();
     let scale: Vec<f64> = (0..n).map(|i| matrix[(i, i)].abs().sqrt()).collect();
@@ -396,7 +396,7 @@ fn determinant_is_positive(matrix: &DMatrix<f64>) -> Option<bool> {
     (!singular).then_some((negative % 2 == 0) == even)
 }
 
-/// `−Re λ/|λ|`, 0 of what nothing resists.
+/// `−Re λ/|λ|`; 0 for `λ = 0`.
 fn damping_ratio(eigenvalue_1_s: Complex<f64>) -> f64 {
     let size = eigenvalue_1_s.norm();
     if size == 0.0 { 0.0 } else { -eigenvalue_1_s.re / size }

@@ -1,4 +1,5 @@
-//! Questions about one state of a machine: equilibria and their stability, modes, linear models, derivatives of outputs.
+//! Questions about one state of a machine: equilibria and their stability, modes, linear models, derivatives of
+//! outputs.
 
 mod aeroelastic;
 mod at_rest_in_air;
@@ -25,7 +26,7 @@ use statics::Quest;
 /// Questions about the present state of a system. Equilibria replace the state; all else leaves it as it was.
 pub struct Study<'a> {
     system: &'a mut System,
-    /// The search for a state of rest that is under way.
+    /// The current search for an equilibrium.
     quest: Quest,
 }
 

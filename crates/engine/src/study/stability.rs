@@ -1,4 +1,4 @@
-//! What a state of rest is worth: whether it is stable, where it would leave, and whether the mesh resolves it.
+//! Quality of an equilibrium: whether it is stable, in which direction it is left, and whether the mesh resolves it.
 
 use crate::multibody::kinematics::sweep_poses;
 use crate::multibody::tangent::Tangent;
@@ -8,13 +8,13 @@ use crate::system::PlantError;
 use crate::system::shape::ModeShape;
 use nalgebra::{Complex, Vector3};
 
-/// Asymmetry of a tangent that is taken for round-off: its loads have a potential.
+/// Asymmetry of a tangent up to which it counts as round-off, so that its loads have a potential.
 pub(crate) const SYMMETRIC: f64 = 1e-8;
 
-/// Modes that are looked at.
+/// Number of modes examined.
 const MODES: usize = 10;
 
-/// Coordinates beyond which motions are not looked at: the matrices are dense.
+/// Number of coordinates beyond which motions are not examined, because the matrices are dense.
 const MOST_COORDINATES: usize = 1200;
 
 /// Change of a beam's turn from element to element, in rad, beyond which the mesh is called coarse.
@@ -23,15 +23,15 @@ const COARSE_RAD: f64 = 0.5;
 /// Stability of a state of rest under the present inputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stability {
-    /// Negative pivots of the static tangent: directions in which the forces push away, eq. (L16). What they say is
-    /// exact where the loads have a potential.
+    /// Negative pivots of the static tangent: directions in which the forces push away, eq. (L16). This is exact if the
+    /// loads have a potential.
     pub negative_directions: usize,
     /// The loads have a potential: the tangent is symmetric. Loads that follow their sections have none, nor has air.
     pub potential: bool,
-    /// Something moves without resistance: the tangent is singular, and the modes alone tell.
+    /// Something moves without resistance: the tangent is singular, and only the modes decide.
     pub neutral: bool,
-    /// Motions that grow, fastest first, of the modes of lowest frequency: in the air of strips; the loads of a lattice are held
-    /// as they are.
+    /// Growing motions among the modes of lowest frequency, fastest first. They include the air of strips; the loads of
+    /// a lattice or a rotor are constant.
     pub growing: Vec<Growth>,
 }
 
@@ -42,7 +42,7 @@ impl Stability {
         if self.potential && !self.neutral { self.negative_directions } else { self.growing.len() }
     }
 
-    /// None of them.
+    /// Whether there are none.
     pub fn is_stable(&self) -> bool {
         self.unstable_directions() == 0
     }
@@ -73,7 +73,7 @@ pub struct Coarseness {
 }
 
 impl Coarseness {
-    /// The mesh is too coarse for the answer to be trusted.
+    /// The mesh is too coarse for a reliable result.
     pub fn is_coarse(&self) -> bool {
         self.turn_rad > COARSE_RAD
     }
@@ -98,8 +98,9 @@ impl Study<'_> {
         Ok(Stability { negative_directions, potential, neutral, growing })
     }
 
-    /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first: of the modes of lowest frequency,
-    /// one of each pair, in the air of strips; the loads of a lattice are held as they are. `None` for machines with too many coordinates to look.
+    /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first: among the modes of lowest
+    /// frequency, one of each pair. They include the air of strips; the loads of a lattice or a rotor are constant.
+    /// `None` for machines with too many coordinates.
     pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
         if self.system.coordinates() > MOST_COORDINATES {
             return Ok(None);
@@ -114,7 +115,7 @@ impl Study<'_> {
         Ok(list)
     }
 
-    /// Where a mode moves most.
+    /// Where the motion of a mode is largest.
     fn growth(&self, mode: &ModeShape) -> Growth {
         let mut growth =
             Growth { eigenvalue_1_s: mode.eigenvalue_1_s, body: 0, place_m: 0.0, direction: Vector3::zeros() };
@@ -132,7 +133,7 @@ impl Study<'_> {
         growth
     }
 
-    /// Where the present shape strains the mesh the most.
+    /// Where the curvature of the present shape changes most from element to element.
     pub fn coarseness(&self) -> Coarseness {
         let (q, model) = (&self.system.state.now.q, &self.system.equations.model);
         let mut worst = Coarseness { body: 0, place_m: 0.0, turn_rad: 0.0 };

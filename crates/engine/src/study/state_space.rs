@@ -16,8 +16,8 @@ pub struct InputSlope<'a> {
     /// Step of the central difference. Forces are quadratic in the root's rates and linear in all other inputs, so any
     /// step serves that does not cross a torque limit.
     pub step: f64,
-    /// What a unit of the input adds to a gust of one velocity everywhere, root frame, in m/s: gusts are no inputs of the
-    /// machine, so `add` then adds nothing. Strips alone feel it, with Küssner's lag.
+    /// What a unit of the input adds to a gust of one velocity everywhere, root frame, in m/s: gusts are not inputs of
+    /// the machine, so `add` then adds nothing. Only strips respond to it, with Küssner's lag.
     pub gust_m_s: Vector3<f64>,
 }
 
@@ -34,13 +34,14 @@ fn air_of(input: &InputSlope, inputs: &Inputs) -> [f64; 9] {
 }
 
 impl Study<'_> {
-    /// `A`, `B`, `C`, `D` about the present state with the present inputs, over [`crate::system::System::freedoms`] and their rates,
-    /// and over the followers of strips.
+    /// `A`, `B`, `C`, `D` about the present state with the present inputs, over [`crate::system::System::freedoms`] and
+    /// their rates, and over the lag states of strips.
     ///
-    /// `A` and `B` are exact, but for the stiffness about a moving state ([`Study::second_order`]) and for what the air
-    /// answers, which comes from differences good to about 1e-9; `C` and `D` come from differences of the instantaneous outputs ([`Study::output_slope`]). Events
-    /// and saturation stay as they are. Without strips the loads of the air are held. Outputs of accelerations and forces
-    /// leave out what the rate of the wind adds to them through the apparent mass.
+    /// `A` and `B` are exact, except for the stiffness about a moving state ([`Study::second_order`]) and for the
+    /// response of the air, which comes from differences good to about 1e-9. `C` and `D` come from differences of the
+    /// instantaneous outputs ([`Study::output_slope`]). Events and saturation stay as they are. Without strips the
+    /// loads of the air are constant. Outputs of accelerations and forces do not include what the rate of the wind adds
+    /// to them through the apparent mass.
     pub fn state_space(
         &mut self,
         inputs: &[InputSlope],
@@ -100,7 +101,8 @@ impl Study<'_> {
         })
     }
 
-    /// Changes of the outputs with the air's answers, column by column: they are linear in loads and circulations.
+    /// Changes of the outputs with the response of the air, column by column: they are linear in loads and
+    /// circulations.
     fn outputs_of_air(
         &mut self,
         answers: &DMatrix<f64>,
@@ -127,7 +129,7 @@ impl Study<'_> {
     }
 }
 
-/// A matrix of columns, with `rows` rows if there is none.
+/// A matrix of columns, with `rows` rows even if there are no columns.
 fn columns_of(columns: &[DVector<f64>], rows: usize) -> DMatrix<f64> {
     if columns.is_empty() { DMatrix::zeros(rows, 0) } else { DMatrix::from_columns(columns) }
 }

@@ -1,4 +1,4 @@
-//! Equilibrium of the machine at rest: what the loads do without time.
+//! Equilibrium of the machine at rest under its loads.
 
 use crate::force::set::Forces;
 use crate::load::{RootMotion, Wrench};
@@ -15,22 +15,22 @@ use crate::system::PlantError;
 use crate::system::equations::Equations;
 use nalgebra::Matrix3;
 
-/// Searches for rest before contacts that come and go are given up on.
+/// Number of searches for equilibrium after which contacts that open and close in turn are given up.
 const MOST_SEARCHES: usize = 100;
-/// Gap of a closed loop at rest over the machine's length beyond which it is no loop any more.
+/// Gap of a closed loop at rest over the machine's length beyond which the loop counts as torn.
 const TORN: f64 = 0.01;
 
-/// What holds the fold joints while the machine settles.
+/// What holds the joints while the machine settles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Holding {
-    /// Their release inputs: a released joint turns until its drive and latch balance the loads. If its enabled latch lies
-    /// on the way, it closes.
+    /// Their release inputs: a released joint turns until its drive and latch balance the loads. If its enabled latch
+    /// lies on the way, it closes.
     AsReleased,
-    /// Stoppers hold all joints at their start angles, but those whose latch is closed.
+    /// Stoppers hold all joints at their start angles, except those whose latch is closed.
     Stopped,
 }
 
-/// How the loads are brought on.
+/// How the loads are applied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LoadPath {
     /// The whole load at once, in steps where that fails, eq. (L9).
@@ -50,19 +50,19 @@ pub enum Branch {
     Stable,
 }
 
-/// How an equilibrium is looked for.
+/// How an equilibrium is sought.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Search {
-    /// How the loads are brought on.
+    /// How the loads are applied.
     pub path: LoadPath,
-    /// What an unstable equilibrium is worth.
+    /// Whether an unstable equilibrium is accepted.
     pub branch: Branch,
 }
 
 /// Why the answer does not lie on the path of equilibria.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Departure {
-    /// The equilibrium under the whole load is unstable in so many directions.
+    /// The equilibrium under the whole load is unstable, with this number of unstable directions.
     Unstable(usize),
     /// The path ends, or turns back, at this load factor.
     PathEnds(f64),
@@ -73,13 +73,13 @@ pub enum Departure {
 pub struct Rest {
     /// Load steps and iterations.
     pub effort: Effort,
-    /// What made the search leave the path.
+    /// Why the search left the path.
     pub departure: Option<Departure>,
     /// The path by arc length, point by point; empty otherwise.
     pub path: Vec<PathPoint>,
 }
 
-/// The search under way and what it has met.
+/// The current search and what it has found.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Quest {
     search: Search,
@@ -134,7 +134,7 @@ impl<'a> AtRest<'a> {
         }
     }
 
-    /// Goes on from what the search on the path has found to a stable state, if `q` is none and there is one.
+    /// Continues from the result of the search on the path to a stable state, if `q` is not stable and there is one.
     fn stabilise(
         &mut self,
         q: &mut [f64],
@@ -301,13 +301,13 @@ impl Study<'_> {
         self.system.state.now.v.fill(0.0);
         self.system.state.now.a.fill(0.0);
         self.system.conclude_start(time_s)?;
-        // what is left of the accelerations is round-off times stiffness
+        // the remaining accelerations are round-off times stiffness
         self.stand_still();
         Ok(effort)
     }
 
     /// Initialises at `time_s` without loads, gravity and root motion, which are set to zero, and stands still at the
-    /// start angles: the state about which the modes of the bare structure are meant.
+    /// start angles: the state for modes of the bare structure.
     pub fn undeformed(&mut self, time_s: f64) -> Result<(), PlantError> {
         *self.system.state.inputs.root_mut() = RootMotion::default();
         self.system.state.inputs.stations_mut().fill(Wrench::default());
@@ -319,7 +319,7 @@ impl Study<'_> {
         Ok(())
     }
 
-    /// Takes away the accelerations, with the outputs.
+    /// Sets the accelerations to zero and updates the outputs.
     fn stand_still(&mut self) {
         for point in [&mut self.system.state.now, &mut self.system.state.start, &mut self.system.state.ahead] {
             point.a.fill(0.0);
@@ -331,7 +331,7 @@ impl Study<'_> {
     /// Replaces the start coordinates by those of the equilibrium.
     ///
     /// A joint that would come to rest at the angle of its enabled latch or beyond cannot get there: the latch closes,
-    /// and the search begins anew with it. A rigid one then holds the joint at the edge of its window.
+    /// and the search starts again with it. A rigid one then holds the joint at the edge of its window.
     pub(crate) fn settle_at_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let mut start = self.system.state.now.q.clone();
         for _ in 0..MOST_SEARCHES {
@@ -384,8 +384,8 @@ impl Study<'_> {
         Ok(effort)
     }
 
-    /// Refuses a state of rest that only the stretched penalties of closed loops hold, as the search finds it for a
-    /// linkage that nothing keeps from turning.
+    /// Refuses an equilibrium that only the stretched penalty springs of closed loops hold; the search finds such a
+    /// state for a linkage that nothing keeps from turning.
     fn check_loops(&self, time_s: f64) -> Result<(), PlantError> {
         let limit_m = TORN * self.system.equations.model.reference_length_m;
         for (closure, described) in self.system.equations.model.closures.iter().zip(&self.system.machine.closures) {

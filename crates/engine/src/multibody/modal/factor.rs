@@ -1,4 +1,4 @@
-//! A modal body in the articulated-body recursion: its coordinates are eliminated by one Cholesky factor, NOTATION
+//! A modal body in the articulated-body recursion: its coordinates are eliminated with one Cholesky factor, NOTATION
 //! eqs. (M10) and (M11).
 
 use super::{Modal, ModalWork};
@@ -17,7 +17,7 @@ pub(crate) struct ModalFactor {
     velocity: [Vector3<f64>; MOST_MODES],
     /// Spin rows.
     spin: [Vector3<f64>; MOST_MODES],
-    /// Right side of the last inward sweep.
+    /// Right-hand side of the last inward sweep.
     right: [f64; MOST_MODES],
 }
 
@@ -47,8 +47,8 @@ impl ModalFactor {
 }
 
 impl Modal {
-    /// Eliminates the coordinates from the inertia `p` of the outer end and the mass on the way; returns what the first node
-    /// feels, eq. (M10). The damping enters by its symmetric part.
+    /// Eliminates the coordinates from the inertia `p` of the outer end and the mass in between; returns the inertia at
+    /// the first node, eq. (M10). Only the symmetric part of the damping enters.
     pub(crate) fn eliminate(
         &self,
         work: &mut ModalWork,
@@ -61,7 +61,7 @@ impl Modal {
         let mut x = [[0.0; MOST_MODES]; MOST_MODES];
         let mut uv = [Vector3::zeros(); MOST_MODES];
         let mut uw = [Vector3::zeros(); MOST_MODES];
-        // the mass on the way, in the frame of the inner end
+        // the mass between the ends, in the frame of the inner end
         let (mut mass, mut first, mut second) = (0.0, Vector3::zeros(), Matrix3::zeros());
         for point in &element.masses {
             let shapes = &point.shapes;
@@ -123,7 +123,8 @@ impl Modal {
         Ok(ArticulatedInertia { vv, vw, ww })
     }
 
-    /// Inward half of the solution: from the right side `p` at the outer end to that of the first node, without its own.
+    /// Inward half of the solution: from the right-hand side `p` at the outer end to that of the first node, without
+    /// its own.
     pub(crate) fn reduce(&self, work: &mut ModalWork, x: &[f64], p: &Pair) -> Pair {
         let modes = self.element.modes;
         let mut right = [0.0; MOST_MODES];

@@ -1,4 +1,4 @@
-//! Forces of a modal body: elastic ones, and those of the mass on the way; its energies.
+//! Forces of a modal body: elastic ones, and those of the mass between its ends; its energies.
 
 use super::{Modal, ModalWork, inside, square};
 use crate::load::RootMotion;
@@ -6,7 +6,7 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Vector3};
 
-/// A mass on the way and how it moves, frame of the inner end.
+/// A mass between the ends and its motion, frame of the inner end.
 struct Moving {
     mass_kg: f64,
     /// From the first node in m.
@@ -25,8 +25,8 @@ impl Modal {
         }
     }
 
-    /// Inertia less weight of the mass on the way: on the first node, and with `PROJECT` on the coordinates, eq. (M9). The
-    /// first node holds the rates of its nodal vectors.
+    /// Inertia less weight of the mass between the ends, eq. (M9): on the first node, and with `PROJECT` on the
+    /// coordinates. The first node holds the rates of its nodal vectors.
     pub(crate) fn inertia_forces<const PROJECT: bool>(
         &self,
         work: &ModalWork,
@@ -74,7 +74,7 @@ impl Modal {
         })
     }
 
-    /// Masses on the way, each with position (m) and velocity (m/s) relative to the root frame, after a sweep.
+    /// Masses between the ends, each with position (m) and velocity (m/s) relative to the root frame, after a sweep.
     pub(crate) fn masses(
         &self,
         work: &ModalWork,
@@ -94,7 +94,7 @@ impl Modal {
         0.5 * (0..q.len()).map(|i| q[i] * row(i)).sum::<f64>()
     }
 
-    /// `vᵀC v` in W: what the damping takes.
+    /// `vᵀC v` in W: the power dissipated by the damping.
     pub(crate) fn damping_w(&self, v: &[f64]) -> f64 {
         let v = &v[self.range()];
         let row = |i: usize| (0..v.len()).map(|j| self.element.damping[(i, j)] * v[j]).sum::<f64>();

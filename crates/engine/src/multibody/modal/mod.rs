@@ -1,9 +1,9 @@
-//! Bodies that bend in given shapes, in the recursions: a link with as many freedoms as shapes between the body's first
-//! node and the node at its outer end, and mass on the way, NOTATION eqs. (M1)–(M12).
+//! Bodies that bend in given shapes, in the recursions: a link with as many degrees of freedom as shapes between the
+//! body's first node and the node at its outer end, with mass in between, NOTATION eqs. (M1)–(M12).
 //!
-//! Velocities and accelerations are those of \[E\]: the section at the outer end turns at the rates of the slopes, resolved in
-//! the frame of the inner end, while its attitude follows from the slopes as small angles. Forces go to the coordinates by the
-//! same partial velocities.
+//! Velocities and accelerations are those of \[E\]: the section at the outer end turns at the rates of the slopes,
+//! resolved in the frame of the inner end, while its attitude follows from the slopes as small angles. Forces are
+//! projected on the coordinates with the same partial velocities.
 
 mod factor;
 mod forces;
@@ -25,7 +25,7 @@ pub struct Modal {
     pub coordinate: usize,
 }
 
-/// What a sweep leaves of a modal body.
+/// What a sweep stores for a modal body.
 #[derive(Debug, Clone)]
 pub struct ModalWork {
     /// From the first node to the one at the outer end, root frame, m.
@@ -36,7 +36,7 @@ pub struct ModalWork {
     pub(crate) spin: [Vector3<f64>; MOST_MODES],
     /// Coordinates of the sweep.
     pub(crate) q: [f64; MOST_MODES],
-    /// Rates of the sweep; zero after one of poses alone.
+    /// Rates of the sweep; zero after a sweep of poses only.
     pub(crate) v: [f64; MOST_MODES],
     /// Second rates of the sweep.
     pub(crate) a: [f64; MOST_MODES],
@@ -64,7 +64,7 @@ impl Modal {
         self.coordinate..self.coordinate + self.element.modes
     }
 
-    /// Moves the node at the outer end to where the shapes carry it, eqs. (M2)–(M4) and (M7).
+    /// Moves the node at the outer end with the shapes, eqs. (M2)–(M4) and (M7).
     pub(crate) fn carry<const RATES: bool>(
         &self,
         work: &mut ModalWork,
@@ -118,7 +118,7 @@ impl Modal {
         Pair { linear: inner.linear + inner.angular.cross(&work.arm) + linear, angular: inner.angular + angular }
     }
 
-    /// Largest turn of the outer end in rad between two sets of coordinates.
+    /// Largest rotation of the outer end in rad between two sets of coordinates.
     pub(crate) fn turn_between(&self, from: &[f64], to: &[f64]) -> f64 {
         let turn: Vector3<f64> =
             self.range().enumerate().map(|(i, c)| self.element.tip.spin_1_m(i) * (to[c] - from[c])).sum();

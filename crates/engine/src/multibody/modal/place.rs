@@ -63,7 +63,7 @@ impl Modal {
         }
     }
 
-    /// Displacement and turn of a place for those of the first node and a change of the body's own coordinates.
+    /// Displacement and rotation of a place for those of the first node and a change of the body's own coordinates.
     pub fn displaced_at(
         &self,
         node: &Node,
@@ -76,7 +76,8 @@ impl Modal {
         (linear + angular.cross(&place.arm) + velocity, angular + spin)
     }
 
-    /// Adds a wrench at a place, root frame, to the projections on the coordinates; returns it as the first node feels it.
+    /// Adds a wrench at a place, root frame, to the projections on the coordinates; returns the equivalent wrench on
+    /// the first node.
     pub(crate) fn project_at(&self, node: &Node, place: &Place, wrench: &Pair, out: &mut [f64]) -> Pair {
         for (i, out) in out[self.range()].iter_mut().enumerate() {
             let (velocity, spin) = place.partial(node, i);

@@ -1,7 +1,8 @@
 //! Modal bodies in the tangent: a block over their coordinates and the twist of their first node, NOTATION eq. (M12).
 //!
-//! Forces go to the coordinates by the partial velocities of \[E\]; attitudes change with the coordinates by the derivative of
-//! the small turn itself. The two differ in second order of the slopes, so this part of the tangent is not symmetric.
+//! Forces are projected on the coordinates with the partial velocities of \[E\]; attitudes change with the coordinates
+//! by the derivative of the small rotation itself. The two differ in second order of the slopes, so this part of the
+//! tangent is not symmetric.
 
 use crate::beam::modal::{MOST_MODES, small_turn_slope};
 use crate::load::{LoadFrame, Wrench};
@@ -13,7 +14,7 @@ use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 
 type Columns = SMatrix<f64, 6, MOST_MODES>;
 
-/// A modal body about its pose.
+/// The tangent of a modal body at its pose.
 #[derive(Debug, Clone)]
 pub(super) struct ModalTangent {
     /// Index of its first coordinate.
@@ -26,9 +27,9 @@ pub(super) struct ModalTangent {
     pub moved: Columns,
     /// From the first node to the outer end, m.
     arm: Vector3<f64>,
-    /// What does not depend on the tangent of the outer end.
+    /// The part that does not depend on the tangent of the outer end.
     own: Block,
-    /// Sizes of the pivots: the stiffnesses.
+    /// Scales of the pivots: the stiffnesses.
     pub sizes: [f64; 8],
 }
 
@@ -48,7 +49,7 @@ struct Acting<'a> {
 }
 
 impl ModalTangent {
-    /// About the pose in `work`, with the wrench that has arrived at the outer end. `frame` turns places into accelerations.
+    /// At the pose in `work`, with the wrench that acts on the outer end. `frame` gives accelerations from places.
     pub fn new(modal: &Modal, work: &ModalWork, [inner, outer]: [&Node; 2], frame: &Matrix3<f64>) -> Self {
         let (element, modes) = (&modal.element, modal.element.modes);
         let q = &work.q[..modes];
@@ -134,7 +135,7 @@ impl ModalTangent {
             partial: &partial,
             moved: &moved,
             arm: place.arm,
-            // loads count negative
+            // loads enter with a negative sign
             force: -force,
             moment: -moment,
             shortening_1_m: &place.shapes.shortening_1_m,
@@ -151,7 +152,7 @@ impl ModalTangent {
         shift(&self.arm)
     }
 
-    /// The coordinates out of a vector.
+    /// The body's coordinates in a vector.
     pub fn read(&self, x: &[f64]) -> SMatrix<f64, 8, 1> {
         let mut part = SMatrix::<f64, 8, 1>::zeros();
         part.as_mut_slice()[..self.modes].copy_from_slice(&x[self.coordinate..self.coordinate + self.modes]);
@@ -163,8 +164,8 @@ impl ModalTangent {
         self.shift() * inner + self.moved * self.read(x)
     }
 
-    /// Adds the changes of the forces on the coordinates to `y`; returns the change of the wrench of the first node, for
-    /// changes of the coordinates, of the first node's twist and of the wrench at the outer end.
+    /// Adds the changes of the forces on the coordinates to `y`; returns the change of the wrench of the first node,
+    /// for changes of the coordinates, of the first node's twist and of the wrench at the outer end.
     pub fn push(&self, x: &[f64], inner: &Vector6<f64>, outer: &Vector6<f64>, y: &mut [f64]) -> Vector6<f64> {
         let own = self.read(x);
         let forces = self.own.xx * own + self.own.xa * inner + self.partial.transpose() * outer;
@@ -197,7 +198,7 @@ impl ModalTangent {
 }
 
 impl Acting<'_> {
-    /// A wrench that stays as it is while the pose changes.
+    /// A wrench that does not change with the pose.
     fn add_geometry(&self, block: &mut Block) {
         let along = self.axis.dot(&self.force);
         for i in 0..MOST_MODES {
