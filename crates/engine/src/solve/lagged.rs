@@ -1,4 +1,4 @@
-//! Second-order equations with first-order followers, as structures in air are: their modes, NOTATION eq. (L22).
+//! Modes of second-order equations with first-order lag states, such as those of structures in air, NOTATION eq. (L22).
 //!
 //! `M q̈ + C q̇ + K q + G x = 0`, `ẋ = P q + R q̇ + L x`.
 
@@ -14,13 +14,13 @@ use nalgebra::{Complex, DMatrix, DVector};
 pub struct Lagged {
     /// `M`, `C` and `K`.
     pub second: SecondOrder,
-    /// `G`: change of the residual with the followers.
+    /// `G`: change of the residual with the lag states.
     pub force: DMatrix<f64>,
-    /// `P`: rates of the followers by the coordinates.
+    /// `P`: rates of the lag states by the coordinates.
     pub position: DMatrix<f64>,
     /// `R`: by the rates.
     pub rate: DMatrix<f64>,
-    /// `L`: by the followers themselves.
+    /// `L`: by the lag states themselves.
     pub lag: DMatrix<f64>,
 }
 
@@ -31,31 +31,32 @@ pub struct LaggedMode {
     pub eigenvalue_1_s: Complex<f64>,
     /// Shape over the coordinates; its largest entry is real.
     pub shape: DVector<Complex<f64>>,
-    /// Participation of the followers: 0 where they do not take part, 1 where nothing else does.
+    /// Participation of the lag states: 0 if they do not take part, 1 if nothing else does.
     pub lag_share: f64,
 }
 
-/// Corrections of an eigenvalue, relative to it, below which what is left is round-off.
+/// Relative correction of an eigenvalue below which the error is round-off.
 const CLOSE: f64 = 1e-10;
-/// Distance of an eigenvalue from one of the followers by themselves, relative to it, below which it is theirs.
+/// Relative distance from an eigenvalue of the lag states alone below which an eigenvalue is counted as theirs.
 const OWN: f64 = 1e-7;
-/// Participation of the followers beyond which a mode that does not grow is theirs, and no motion of the machine.
+/// Participation of the lag states beyond which a mode that does not grow is counted as theirs, not as a motion of the
+/// machine.
 const LAG: f64 = 0.5;
-/// Share of the eigenvalue above which its real part counts as growth.
+/// Real part over the magnitude of the eigenvalue above which a mode counts as growing.
 const GROWTH: f64 = 1e-6;
 
 /// Eigenvalues, and the vector of each.
 type Eigenpairs = (Vec<Complex<f64>>, Vec<DVector<Complex<f64>>>);
 
 impl Lagged {
-    /// Equations without followers.
+    /// Equations without lag states.
     pub fn without(second: SecondOrder) -> Self {
         let n = second.mass.nrows();
         let (wide, high) = (DMatrix::zeros(n, 0), DMatrix::zeros(0, n));
         Self { second, force: wide, position: high.clone(), rate: high, lag: DMatrix::zeros(0, 0) }
     }
 
-    /// Stiffness with followers that have come to rest, `K − G L⁻¹ P`; `None` where they do not come to rest.
+    /// Static stiffness with the lag states in equilibrium, `K − G L⁻¹ P`; `None` if they have no equilibrium.
     pub fn rest_stiffness(&self) -> Option<DMatrix<f64>> {
         if self.lag.nrows() == 0 {
             return Some(self.second.stiffness.clone());
@@ -64,10 +65,10 @@ impl Lagged {
         Some(&self.second.stiffness - &self.force * follow)
     }
 
-    /// The `count` modes of lowest frequency, ascending, without those of the followers themselves unless they grow.
+    /// The `count` modes of lowest frequency, ascending, without those of the lag states themselves unless they grow.
     ///
     /// # Errors
-    /// Where the mass matrix is not positive definite or the iteration fails.
+    /// If the mass matrix is not positive definite or the iteration fails.
     pub fn modes(&self, count: usize) -> Result<Vec<LaggedMode>, NoModes> {
         let SecondOrder { mass, damping, stiffness } = &self.second;
         if self.lag.nrows() == 0 || mass.nrows() == 0 {
@@ -113,8 +114,8 @@ impl Lagged {
         Ok(list)
     }
 
-    /// Undamped modes of lowest frequency of the structure with the air's mass and stiffness, of unit mass, as columns; and
-    /// the shift that made its stiffness positive.
+    /// Undamped modes of lowest frequency of the structure with the air's mass and stiffness, of unit mass, as columns;
+    /// and the shift that made its stiffness positive.
     fn basis(&self, most: usize) -> Result<(f64, DMatrix<f64>), NoModes> {
         let SecondOrder { mass, stiffness, .. } = &self.second;
         let (shift, root) = shifted_root(mass, stiffness)?;
@@ -159,7 +160,7 @@ impl Lagged {
     }
 
     /// Shape by inverse iteration over all coordinates, eigenvalue by the two-sided Rayleigh functional of
-    /// `T(λ) = λ²M + λC + K + G(λ − L)⁻¹(P + λR)`; participation of the followers from `T′`.
+    /// `T(λ) = λ²M + λC + K + G(λ − L)⁻¹(P + λR)`; participation of the lag states from `T′`.
     fn polish(&self, value: Complex<f64>, shape: DVector<Complex<f64>>) -> LaggedMode {
         let (mut eigenvalue, mut right) = (value, shape);
         let mut left = right.clone();
@@ -227,7 +228,7 @@ impl Lagged {
         right
     }
 
-    /// `yᴴTx`, `yᴴT′x` and the part of the followers in the latter.
+    /// `yᴴTx`, `yᴴT′x` and the contribution of the lag states to the latter.
     fn forms(
         &self,
         at: Complex<f64>,

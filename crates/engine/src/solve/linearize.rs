@@ -61,20 +61,20 @@ pub fn state_space(system: &SecondOrder, input_forces: &DMatrix<f64>, outputs: &
     Some(StateSpace { a, b, c, d })
 }
 
-/// Inputs of equations with followers, column by column.
+/// Inputs of equations with lag states, column by column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LaggedInputs {
     /// `F`: change of the residual.
     pub force: DMatrix<f64>,
     /// `I`: change of the residual with the rate of the input.
     pub impulse: DMatrix<f64>,
-    /// `E`: change of the followers' rates.
+    /// `E`: change of the lag states' rates.
     pub follow: DMatrix<f64>,
 }
 
-/// The linear model of equations with followers, NOTATION eq. (L23); `by_lag` are the outputs' slopes by the followers. States
-/// are the coordinates, their rates less what a jump of the inputs gives them at once (`−M⁻¹I u`), and the followers. `None`
-/// where the mass matrix has no inverse.
+/// The linear model of equations with lag states, NOTATION eq. (L23); `by_lag` are the outputs' slopes by the lag
+/// states. States are the coordinates, their rates without the immediate effect of a jump of the inputs (`−M⁻¹I u`), and
+/// the lag states. `None` if the mass matrix has no inverse.
 pub fn lagged_state_space(
     system: &Lagged,
     inputs: &LaggedInputs,

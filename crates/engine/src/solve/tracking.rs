@@ -1,4 +1,5 @@
-//! Modes over a quantity: which mode at one place is which at the next, and where one begins to grow, NOTATION eq. (L24).
+//! Modes over a quantity: which mode at one value is which at the next, and where one begins to grow, NOTATION eq.
+//! (L24).
 
 use nalgebra::Complex;
 
@@ -7,24 +8,24 @@ pub trait Followed {
     /// Eigenvalue in 1/s.
     fn eigenvalue_1_s(&self) -> Complex<f64>;
 
-    /// Likeness of the shapes, from 0 to 1: the modal assurance criterion, or 1 where the shapes cannot be compared.
+    /// Similarity of the shapes, from 0 to 1: the modal assurance criterion, or 1 if the shapes cannot be compared.
     fn likeness(&self, other: &Self) -> f64;
 }
 
 /// Distance beyond which two modes are not the same.
 const STRANGERS: f64 = 0.9;
-/// Distance beyond which the way between two places is halved to see which mode is which.
+/// Distance beyond which the interval between two places is halved to see which mode is which.
 const DOUBT: f64 = 0.25;
-/// Share of the eigenvalue above which its real part counts as growth.
+/// Real part over the magnitude of the eigenvalue above which a mode counts as growing.
 const GROWTH: f64 = 1e-6;
-/// Halvings of one interval at most.
+/// Maximum number of halvings of one interval.
 const MOST_HALVINGS: u32 = 4;
 /// Width of the interval in which a zero of the growth lies, over that of the sweep.
 const NARROW: f64 = 1e-10;
-/// Steps towards a zero.
+/// Maximum number of steps towards a zero.
 const MOST_STEPS: usize = 60;
 
-/// Modes at one place; every branch has one, or none where it is not among those found.
+/// Modes at one place; every branch has one, or none if it is not among those found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Place<M> {
     /// Value of the quantity.
@@ -42,18 +43,18 @@ pub struct Crossing<M> {
     pub at: f64,
     /// The mode there.
     pub mode: M,
-    /// It grows beyond; else it has grown before.
+    /// Whether the mode grows beyond this value; otherwise it grows before.
     pub begins: bool,
 }
 
-/// Whether a mode grows, beyond what round-off makes of one without damping.
+/// Whether a mode grows by more than the round-off of an undamped mode.
 fn grows<M: Followed>(mode: &M) -> bool {
     let value = mode.eigenvalue_1_s();
     value.re > GROWTH * value.norm()
 }
 
-/// How far a mode is from where a branch would be: by eigenvalue and by shape. Real and oscillating ones are far apart unless
-/// their eigenvalues are close.
+/// Distance of a mode from the predicted continuation of a branch: by eigenvalue and by shape. Real and oscillating
+/// ones are far apart unless their eigenvalues are close.
 fn distance<M: Followed>(branch: &M, expected: Complex<f64>, mode: &M) -> f64 {
     let value = mode.eigenvalue_1_s();
     let size = 0.5 * (value.norm() + expected.norm());
@@ -61,7 +62,7 @@ fn distance<M: Followed>(branch: &M, expected: Complex<f64>, mode: &M) -> f64 {
     apart + (1.0 - branch.likeness(mode))
 }
 
-/// For each branch the mode that goes on with it, closest pairs first; and the largest distance of those that do.
+/// For each branch the mode that continues it, closest pairs first; and the largest distance of these pairs.
 fn pairs<M: Followed>(branches: &[Option<(&M, Complex<f64>)>], modes: &[M]) -> (Vec<Option<usize>>, f64) {
     let mut list: Vec<(f64, usize, usize)> = Vec::new();
     for (i, branch) in branches.iter().enumerate() {
@@ -84,15 +85,15 @@ fn pairs<M: Followed>(branches: &[Option<(&M, Complex<f64>)>], modes: &[M]) -> (
 /// The modes of a sweep in branches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Branches<M> {
-    /// Places in the order of the sweep; those in between, which were looked at to tell modes apart, are left out.
+    /// Places in the order of the sweep, without those in between that served to distinguish modes.
     pub places: Vec<Place<M>>,
     /// The places and those in between.
     all: Vec<Place<M>>,
 }
 
 impl<M: Followed + Clone> Branches<M> {
-    /// Follows the modes that `modes_at` finds from place to place. Stops at the first place where it fails and returns what
-    /// was found, with the place and the error.
+    /// Follows the modes that `modes_at` finds from place to place. Stops at the first place where it fails and returns
+    /// what was found, with the place and the error.
     pub fn follow<E>(places: &[f64], modes_at: &mut impl FnMut(f64) -> Result<Vec<M>, E>) -> (Self, Option<(f64, E)>) {
         let mut found = Self { places: Vec::new(), all: Vec::new() };
         for &at in places {
@@ -112,7 +113,7 @@ impl<M: Followed + Clone> Branches<M> {
         (found, None)
     }
 
-    /// Continues to a place, with halvings of the way where it is in doubt which mode is which.
+    /// Continues to a place, and halves the interval where it is not clear which mode is which.
     fn go_on<E>(
         &mut self,
         at: f64,
@@ -133,7 +134,7 @@ impl<M: Followed + Clone> Branches<M> {
         Ok(())
     }
 
-    /// The last mode of each branch and where its eigenvalue would be at a place, by a straight line through the last two.
+    /// The last mode of each branch and its eigenvalue at a place, extrapolated linearly from the last two.
     fn expected(&self, at: f64) -> Vec<Option<(&M, Complex<f64>)>> {
         let count = self.all.iter().map(|place| place.modes.len()).max().unwrap_or(0);
         let of = |branch: usize| {
@@ -160,8 +161,8 @@ impl<M: Followed + Clone> Branches<M> {
         }
     }
 
-    /// Leaves out all branches but the first `count` of the first place, those of `crossings`, and those that grow anywhere.
-    /// Modes beyond `count` are worth asking for: others of lower frequency come in between on the way.
+    /// Keeps only the first `count` branches of the first place, those of `crossings`, and those that grow anywhere.
+    /// Ask for more than `count` modes: others of lower frequency may appear along the sweep.
     pub fn keep(&mut self, count: usize, crossings: &mut [Crossing<M>]) {
         let all = self.all.first().map_or(0, |place| place.modes.len());
         let ever = |branch: usize| self.all.iter().filter_map(|place| place.modes[branch].as_ref()).any(grows);
@@ -178,8 +179,9 @@ impl<M: Followed + Clone> Branches<M> {
         }
     }
 
-    /// Where branches begin or cease to grow, in the order of the sweep: between two places with a change of sign by false
-    /// position (Illinois), with the mode that belongs to the branch. An error of `modes_at` leaves a crossing out.
+    /// Where branches begin or cease to grow, in the order of the sweep: by false position (Illinois) between two
+    /// places with a change of sign, with the mode that belongs to the branch. If `modes_at` fails, the crossing is
+    /// left out.
     pub fn crossings<E>(&self, modes_at: &mut impl FnMut(f64) -> Result<Vec<M>, E>) -> Vec<Crossing<M>> {
         let mut list = Vec::new();
         let width = match (self.all.first(), self.all.last()) {
@@ -204,7 +206,7 @@ impl<M: Followed + Clone> Branches<M> {
     }
 }
 
-/// The zero of the growth of a mode between two places, at the second of which it grows, or else at the first.
+/// The zero of the growth rate of a mode between two places; it grows at the second if `begins`, otherwise at the first.
 fn zero<M: Followed + Clone, E>(
     mut ends: [(f64, M); 2],
     begins: bool,
@@ -244,7 +246,8 @@ fn zero<M: Followed + Clone, E>(
     None
 }
 
-/// Zero of a sign between two values, by halving: where a stiffness at rest becomes singular. `None` where there is no sign.
+/// Change of a sign between two values, by bisection: where a static stiffness becomes singular. `None` if there is no
+/// sign.
 pub fn change_of_sign<E>(
     [mut low, mut high]: [f64; 2],
     sign_low: bool,
@@ -278,8 +281,8 @@ mod tests {
         }
     }
 
-    /// Two modes whose frequencies cross at 1.05 without interaction, sorted by frequency: branches keep shapes, and the zero
-    /// of the growth of one, `x³ = 2`, is found to the last digits.
+    /// Two modes whose frequencies cross at 1.05 without interaction, sorted by frequency: branches keep shapes, and
+    /// the zero of the growth of one, `x³ = 2`, is found to the last digits.
     #[test]
     fn crossing_frequencies_are_told_apart_by_their_shapes() {
         let mut modes_at = |x: f64| -> Result<Vec<Mode>, ()> {
@@ -302,7 +305,7 @@ mod tests {
         assert!((crossings[0].at - 2f64.cbrt()).abs() < 1e-9, "{}", crossings[0].at);
     }
 
-    /// A mode without damping, whose growth is round-off of either sign, neither begins nor ceases to grow.
+    /// An undamped mode, whose growth rate is round-off of either sign, neither begins nor ceases to grow.
     #[test]
     fn round_off_is_no_growth() {
         let mut modes_at = |x: f64| -> Result<Vec<Mode>, ()> {

@@ -1,8 +1,8 @@
-//! Strips in continuous time: loads and rates of the lags at one instant, and their derivatives by the motion of the sections
-//! and by the air, NOTATION eqs. (W13) and (W14).
+//! Strips in continuous time: loads and rates of the lags at one instant, and their derivatives by the motion of the
+//! sections and by the air, NOTATION eqs. (W13) and (W14).
 //!
-//! What the steps of [`Strips::solve`] tend to as they shrink: the followers of (W6) obey `ẋ = b (2Q/c)(w − x)`, and the
-//! apparent mass of (W8) answers to the accelerations of the sections at the instant.
+//! The limit of the steps of [`Strips::solve`] as they shrink: the lag states of (W6) obey `ẋ = b (2Q/c)(w − x)`, and
+//! the apparent mass of (W8) responds to the accelerations of the sections at the instant.
 
 use crate::aero::flow::{Flow, Gust, GustShape};
 use crate::aero::strip::indicial::Lag;
@@ -15,19 +15,20 @@ use std::ops::Range;
 
 /// Rows that the loads of a section take: force and moment in its own frame.
 pub const LOAD_ROWS: usize = 6;
-/// Variables of a section's motion: place, turn, velocity, angular velocity, acceleration, angular acceleration, root frame.
+/// Variables of a section's motion: position, rotation, velocity, angular velocity, acceleration, angular acceleration,
+/// root frame.
 pub const MOTION_VARIABLES: usize = 18;
 /// Variables of the air that all strips share: wind, angular velocity of the root frame, uniform gust, root frame.
 pub const AIR_VARIABLES: usize = 9;
-/// Step of a difference over the strip's own scale: its span or chord, its relative speed. The seventh derivatives that the
-/// sixth-order rule drops weigh 1e-18 of that scale, round-off 1e-12.
+/// Step of a difference over the strip's own scale: its span or chord, its relative speed. The seventh derivatives that
+/// the sixth-order rule drops weigh 1e-18 of that scale, round-off 1e-12.
 const STEP: f64 = 1e-3;
-/// Slowest speed over the fastest of a strip on which steps in the velocity are based: a strip at the hub of a rotor, or
-/// in the eye of a turn, has none of its own.
+/// Lower bound of the speed on which difference steps in the velocity are based, over that of the fastest strip: a
+/// strip at the hub of a rotor, or at the centre of a turn, has no speed of its own.
 const SLOWEST: f64 = 1e-3;
 /// Sixth-order central difference: weights of the steps 1, 2, 3 over 60 steps.
 const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
-/// Distance in m at which the front of a gust lies that fills all space.
+/// Distance in m of the front of a gust that fills all space.
 const FAR_M: f64 = 1e12;
 
 /// Acceleration and angular acceleration of a section relative to the root frame, resolved in it, m/s² and rad/s².
@@ -42,17 +43,17 @@ pub struct Instant<'a> {
     pub accelerations: Vec<SectionAcceleration>,
     /// The air.
     pub flow: Flow<'a>,
-    /// A gust of one velocity everywhere, beside those of the flow, root frame, m/s.
+    /// A uniform gust in addition to those of the flow, root frame, m/s.
     pub gust_m_s: Vector3<f64>,
-    /// Followers of all strips in m/s, [`Strips::lags`].
+    /// Lag states of all strips in m/s, [`Strips::lags`].
     pub lags_m_s: Vec<f64>,
 }
 
-/// Loads of all sections in their own frames, six rows each, then rates of the followers in m/s², then circulations of the
-/// strips in m²/s.
+/// Loads of all sections in their own frames, six rows each, then rates of the lag states in m/s², then circulations of
+/// the strips in m²/s.
 pub type Answer = Vec<f64>;
 
-/// What a derivative is taken by.
+/// The variable of a derivative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variable {
     /// One of the [`MOTION_VARIABLES`] of a section.
@@ -62,28 +63,28 @@ pub enum Variable {
         /// Which of its variables.
         component: usize,
     },
-    /// One of the followers.
+    /// One of the lag states.
     Lag(usize),
     /// One of the [`AIR_VARIABLES`].
     Air(usize),
-    /// Rate of one of the first six of them, which acts on the apparent mass alone.
+    /// Rate of one of the first six of them, which acts only on the apparent mass.
     AirRate(usize),
 }
 
-/// Place of a follower.
+/// Place of a lag state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LagPlace {
     /// Strip, surface by surface.
     pub strip: usize,
-    /// Follows gusts and what the lifting line induces; else motion and wind.
+    /// True for gusts and the velocity induced by the lifting line; false for motion and wind.
     pub gust: bool,
     /// Which term of the fit.
     pub term: usize,
 }
 
 impl Strips {
-    /// The followers in the order of [`Instant::lags_m_s`]: strip by strip those of the motion, and those of gusts where the
-    /// model has a lifting line or `gusts` asks for them. None without lag.
+    /// The lag states in the order of [`Instant::lags_m_s`]: strip by strip those of the motion, and those of gusts
+    /// where the model has a lifting line or `gusts` asks for them. There are none without lag.
     pub fn lags(&self, gusts: bool) -> Vec<LagPlace> {
         if !self.options.unsteady {
             return Vec::new();
@@ -96,7 +97,7 @@ impl Strips {
         (0..self.strips.len()).flat_map(of).collect()
     }
 
-    /// Followers of motion and of gusts of one strip.
+    /// Lag states of motion and of gusts of one strip.
     fn lag_terms(&self, gusts: bool) -> [usize; 2] {
         let fit = self.options.fit;
         let gusts = gusts || self.line.is_some();
@@ -108,7 +109,7 @@ impl Strips {
         self.strips.len()
     }
 
-    /// Followers that a state remembers, in the order of [`Strips::lags`].
+    /// Lag states that a state remembers, in the order of [`Strips::lags`].
     pub fn lags_m_s(&self, state: &StripState, gusts: bool) -> Vec<f64> {
         let of = |place: LagPlace| {
             let history = &state.strips[place.strip];
@@ -117,7 +118,7 @@ impl Strips {
         self.lags(gusts).into_iter().map(of).collect()
     }
 
-    /// Loads, rates of the followers and circulations at an instant, eq. (W13).
+    /// Loads, rates of the lag states and circulations at an instant, eq. (W13).
     pub fn answer(&mut self, at: &Instant, gusts: bool) -> Answer {
         let mut answer = vec![0.0; self.rows(at, gusts)];
         self.answer_of(at, gusts, 0..self.strips.len(), &mut answer);
@@ -131,7 +132,7 @@ impl Strips {
             + self.strips.len()
     }
 
-    /// The same of some strips, or of all where a lifting line couples them; what others give to their sections is zero.
+    /// The same for some strips, or for all if a lifting line couples them; the loads of other strips are zero.
     fn answer_of(&mut self, at: &Instant, gusts: bool, strips: Range<usize>, answer: &mut Answer) {
         answer.fill(0.0);
         let strips = if self.line.is_some() { 0..self.strips.len() } else { strips };
@@ -198,9 +199,9 @@ impl Strips {
         }
     }
 
-    /// Derivative of the [`Answer`] at an instant: sixth-order central differences over the scale of the strips concerned,
-    /// eq. (W14); exact by accelerations, in which it is linear. Polars have corners: within 0.003 rad of one the derivative
-    /// is a mean over both sides.
+    /// Derivative of the [`Answer`] at an instant: sixth-order central differences over the scale of the strips
+    /// concerned, eq. (W14); exact for accelerations, in which it is linear. Polars have corners: within 0.003 rad of
+    /// one the derivative is a mean of both sides.
     pub fn slope(&mut self, at: &Instant, gusts: bool, variable: Variable) -> Answer {
         let strips = self.touched(at, gusts, variable);
         let scale = self.scale(at, strips.clone(), variable);
@@ -227,7 +228,7 @@ impl Strips {
         slope
     }
 
-    /// What apparent mass alone gives for a rate of the air.
+    /// Response of the apparent mass alone to a rate of the air.
     fn answer_of_air_rate(&mut self, at: &Instant, gusts: bool, component: usize, rate: f64, answer: &mut Answer) {
         answer.fill(0.0);
         debug_assert_eq!(answer.len(), self.rows(at, gusts));
@@ -252,7 +253,7 @@ impl Strips {
         }
     }
 
-    /// Strips whose answer a variable changes, a lifting line aside.
+    /// Strips whose response depends on a variable, apart from a lifting line.
     fn touched(&self, at: &Instant, gusts: bool, variable: Variable) -> Range<usize> {
         match variable {
             Variable::Motion { section, .. } => {
@@ -269,7 +270,7 @@ impl Strips {
         }
     }
 
-    /// Step of the difference. `None` where no air moves and nothing but apparent mass answers: the rest is quadratic in the
+    /// Step of the difference. `None` if no air moves and only the apparent mass responds: the rest is quadratic in the
     /// velocities.
     fn scale(&self, at: &Instant, strips: Range<usize>, variable: Variable) -> Option<f64> {
         let speed_m_s = |strip: &Strip| {
@@ -331,7 +332,8 @@ fn displace(at: &mut Instant, variable: Variable, shift: f64) {
     }
 }
 
-/// Loads of the apparent mass for the accelerations of the sections, eq. (W13): wind and turning of the root are constant.
+/// Loads of the apparent mass for the accelerations of the sections, eq. (W13): wind and rotation of the root are
+/// constant.
 fn add_apparent_mass(strip: &Strip, cut: &Cut, at: &Instant, flow: &Flow, loads: &mut [Wrench]) {
     let point = |end: usize, arm_m: &Vector3<f64>| {
         let (motion, [acceleration, spin_rate]) =

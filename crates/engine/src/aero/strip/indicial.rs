@@ -46,13 +46,13 @@ impl Fit {
 }
 
 impl Indicial {
-    /// Wagner's function by R. T. Jones (NACA Report 681, 1940), two terms: within 0.0097 of the exact one, which tends to
-    /// 1 more slowly than any exponential.
+    /// Wagner's function by R. T. Jones (NACA Report 681, 1940), two terms: within 0.0097 of the exact one, which tends
+    /// to 1 more slowly than any exponential.
     pub const WAGNER: Self =
         Self { weights: [0.165, 0.335, 0.0, 0.0, 0.0], rates: [0.0455, 0.3, 1.0, 1.0, 1.0], terms: 2 };
 
-    /// Küssner's function by R. T. Jones (the same report, infinite aspect ratio): within 0.0125 of the exact one from a
-    /// semi-chord on. It starts at 0.08, the exact one at 0 with an infinite slope.
+    /// Küssner's function by R. T. Jones (the same report, infinite aspect ratio): within 0.0125 of the exact one from
+    /// a semi-chord on. It starts at 0.08, the exact one at 0 with an infinite slope.
     pub const KUESSNER: Self =
         Self { weights: [0.236, 0.513, 0.171, 0.0, 0.0], rates: [0.058, 0.364, 2.42, 1.0, 1.0], terms: 3 };
 
@@ -64,8 +64,8 @@ impl Indicial {
         terms: 5,
     };
 
-    /// Küssner's function by five terms fitted to Sears' with the phase of the leading edge: within 0.0062 of it up to a
-    /// reduced frequency of 20 (Jones' fit within 0.038; its weights add up to 0.92), and 0 at the entry.
+    /// Küssner's function by five terms fitted to Sears' with the phase of the leading edge: within 0.0062 of it up to
+    /// a reduced frequency of 20 (Jones' fit within 0.038; its weights add up to 0.92), and 0 at the entry.
     pub const KUESSNER_FINE: Self = Self {
         weights: [0.058405, 0.338863, 0.370682, 0.151968, 0.080082],
         rates: [0.017491, 0.128321, 0.517404, 3.144492, 39.217024],
@@ -89,12 +89,12 @@ impl Indicial {
     }
 }
 
-/// First-order followers `x_i` of a downwash, `dx_i/ds = b_i (w − x_i)`.
+/// First-order lag states `x_i` of a downwash, `dx_i/ds = b_i (w − x_i)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Lag {
     /// Downwash at the last step in m/s.
     pub downwash_m_s: f64,
-    /// Followers in m/s.
+    /// Lag states in m/s.
     pub followers_m_s: [f64; TERMS],
 }
 
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// A step that lasts: followers give the fit itself, whatever the steps in between.
+    /// A sustained step: the lag states give the fit itself, whatever the steps in between.
     #[test]
     fn lag_after_a_sudden_start_is_the_indicial_function() {
         for indicial in [Fit::Jones, Fit::Fine].map(|fit| [*fit.wagner(), *fit.kuessner()]).concat() {

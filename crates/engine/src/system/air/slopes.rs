@@ -1,5 +1,5 @@
-//! Derivatives of what the air answers to small motions of the machine, its own followers and its inputs: strips alone have
-//! them, in continuous time, NOTATION eqs. (W13) and (W14).
+//! Derivatives of the response of the air to small motions of the machine, its lag states and its inputs: only strips
+//! have them, in continuous time, NOTATION eqs. (W13) and (W14).
 
 use crate::aero::strip::continuous::{
     AIR_VARIABLES, Instant, LOAD_ROWS, LagPlace, MOTION_VARIABLES, SectionAcceleration, Variable,
@@ -15,22 +15,22 @@ use nalgebra::{DMatrix, Vector3};
 pub(crate) const SECTION_VARIABLES: usize = MOTION_VARIABLES;
 /// Variables of the air: wind, angular velocity of the root frame, uniform gust.
 pub(crate) const AIR_INPUTS: usize = AIR_VARIABLES;
-/// The first of them, whose rates act too.
+/// Number of those, counted from the first, whose rates act too.
 pub(crate) const AIR_RATES: usize = 6;
 
-/// Answers of the air per unit of what causes them. Rows: loads of the sections in their frames (six each), rates of the
-/// followers in m/s², circulations of the strips in m²/s.
+/// Response of the air per unit of its causes. Rows: loads of the sections in their frames (six each), rates of the
+/// lag states in m/s², circulations of the strips in m²/s.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AirSlopes {
     /// Number of rows that are loads.
     pub load_rows: usize,
-    /// Names of the followers.
+    /// Names of the lag states.
     pub lags: Vec<String>,
-    /// Followers at the state in m/s.
+    /// Lag states at the state in m/s.
     pub lags_m_s: Vec<f64>,
-    /// By the freedoms: coordinates, rates, accelerations.
+    /// By the degrees of freedom: coordinates, rates, accelerations.
     pub motion: [DMatrix<f64>; 3],
-    /// By the followers.
+    /// By the lag states.
     pub lag: DMatrix<f64>,
     /// By wind, angular velocity of the root frame, and uniform gust.
     pub air: DMatrix<f64>,
@@ -39,14 +39,14 @@ pub(crate) struct AirSlopes {
 }
 
 impl System {
-    /// Whether the machine is in air that has linear models: strips.
+    /// Whether the machine is in air with linear models, that is, strips.
     pub fn air_is_linearised(&self) -> bool {
         self.air.as_ref().is_some_and(|air| matches!(air.model, AirModel::Strips(_)))
     }
 
-    /// Derivatives of the air's answer at the present state. `sections` holds motion and accelerations of all sections;
-    /// `by` their derivatives, [`SECTION_VARIABLES`] rows for each, by coordinates, rates and accelerations of the freedoms.
-    /// None without strips.
+    /// Derivatives of the response of the air at the present state. `sections` holds motion and accelerations of all
+    /// sections; `by` their derivatives, [`SECTION_VARIABLES`] rows for each, by coordinates, rates and accelerations
+    /// of the freedoms. `None` without strips.
     pub(crate) fn air_slopes(
         &mut self,
         sections: &[(SectionMotion, SectionAcceleration)],
@@ -109,7 +109,7 @@ impl System {
         })
     }
 
-    /// Names and values in m/s of the followers of strips at the present state, in the order of linear models.
+    /// Names and values in m/s of the lag states of strips at the present state, in the order of linear models.
     pub fn air_lags(&self, gusts: bool) -> Vec<(String, f64)> {
         let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return Vec::new() };
         let (AirModel::Strips(model), AirState::Strips(after)) = (&air.model, &history.after) else {
@@ -124,7 +124,7 @@ impl System {
         self.state.air.as_ref().map_or(0.0, |history| history.scale_n)
     }
 
-    /// Adds a multiple of an answer to the loads and circulations that the state holds; returns those before.
+    /// Adds a multiple of a response to the loads and circulations in the state; returns their previous values.
     pub(crate) fn add_to_air(&mut self, answer: &[f64], amount: f64) -> Option<AirHistory> {
         let history = self.state.air.as_mut()?;
         let kept = history.clone();
