@@ -73,8 +73,8 @@ pub struct LaggedInputs {
 }
 
 /// The linear model of equations with lag states, NOTATION eq. (L23); `by_lag` are the outputs' slopes by the lag
-/// states. States are the coordinates, their rates without the immediate effect of a jump of the inputs (`−M⁻¹I u`), and
-/// the lag states. `None` if the mass matrix has no inverse.
+/// states. States are the coordinates, their rates without the immediate effect of an input jump (`−M⁻¹I u`), and the
+/// lag states. `None` if the mass matrix has no inverse.
 pub fn lagged_state_space(
     system: &Lagged,
     inputs: &LaggedInputs,

@@ -1,5 +1,4 @@
-//! Modes over a quantity: which mode at one value is which at the next, and where one begins to grow, NOTATION eq.
-//! (L24).
+//! Modes over a quantity, NOTATION eq. (L24): which mode at one value is which at the next, and where one begins to grow.
 
 use nalgebra::Complex;
 
@@ -206,7 +205,7 @@ impl<M: Followed + Clone> Branches<M> {
     }
 }
 
-/// The zero of the growth rate of a mode between two places; it grows at the second if `begins`, otherwise at the first.
+/// The zero of the growth rate of a mode between two places; it grows at the second if `begins`, else at the first.
 fn zero<M: Followed + Clone, E>(
     mut ends: [(f64, M); 2],
     begins: bool,
