@@ -3,6 +3,7 @@
 //! A case plants one fault in a sound machine and names the place and a part of what is said. No other fault may be told.
 
 use foldwing::aero::AirOptions;
+use foldwing::aero::continuous_turbulence::Series;
 use foldwing::aero::flow::GustShape;
 use foldwing::aero::polar::{Polar, PolarRow};
 use foldwing::beam::law::SectionLaw;
@@ -19,6 +20,11 @@ fn plate() -> Solid {
 
 fn plate_by_numbers() -> Section {
     plate().section()
+}
+
+/// A gust of turbulence by hand.
+fn turbulence(spacing_m: f64, values: &[f64]) -> GustShape {
+    GustShape::Turbulence(Series { spacing_m, begin_m: 0.0, values: values.into() })
 }
 
 /// A body of every kind of joint, a loop, a gauge, a mass, a load; strips or a lattice around it.
@@ -547,6 +553,23 @@ fn air_around_it() {
                 "gust \"up\", length_m",
                 "a finite length > 0 m",
             ),
+            (
+                |m| air(m).gusts[0].shape = GustShape::Table([[1.0, 0.0], [1.0, 1.0]].into()),
+                "gust \"up\", table",
+                "distances ascending",
+            ),
+            (
+                |m| air(m).gusts[0].shape = GustShape::Table([[1.0, NAN]].into()),
+                "gust \"up\", table",
+                "of finite numbers",
+            ),
+            (
+                |m| air(m).gusts[0].shape = turbulence(0.0, &[0.0; 4]),
+                "gust \"up\", resolution_m",
+                "a finite length > 0 m",
+            ),
+            (|m| air(m).gusts[0].shape = turbulence(1.0, &[0.0; 3]), "gust \"up\", values", "at least 4"),
+            (|m| air(m).gusts[0].shape = turbulence(1.0, &[NAN; 4]), "gust \"up\", values", "finite numbers"),
         ],
     );
     check(

@@ -1,6 +1,7 @@
 //! Air: what is refused, whole messages, and what an accepted file means.
 
 use crate::model_file::{MODEL, message_of};
+use foldwing::aero::continuous_turbulence::{Component, ContinuousTurbulence, Spectrum};
 use foldwing::aero::flow::GustShape;
 use foldwing::config;
 use foldwing::machine::{AirOptions, Coupling, Machine, WakeModel};
@@ -101,6 +102,60 @@ fn gusts() {
         "wing.toml:63: key 'gust.up.direction' is missing; allowed: an array of 3 finite numbers, not all 0; its default \
          is the direction of wind_m_s"
     );
+}
+
+/// Turbulence along and across the way, its defaults, a table; keys of other shapes and skew turbulence are refused.
+#[test]
+fn gusts_of_turbulence_and_by_a_table() {
+    let gust = "[gust.rough]\nshape = \"von_karman\"\nvelocity_m_s = [0, 0, 2]\nscale_m = 0.5\nseed = 7\n";
+    let shape = |text: &str| machine(&format!("{AIR}{SURFACE}{text}")).air.expect("air").gusts[0].shape.clone();
+    let series = |spectrum, component, seed| {
+        let asked =
+            ContinuousTurbulence { spectrum, component, scale_m: 0.5, seed, length_m: None, resolution_m: None };
+        GustShape::Turbulence(asked.series().expect("a series"))
+    };
+    assert_eq!(shape(gust), series(Spectrum::VonKarman, Component::Transverse, 7));
+    let along = gust.replace("[0, 0, 2]", "[0, 2, 0]").replace("seed = 7\n", "").replace("von_karman", "dryden");
+    assert_eq!(shape(&along), series(Spectrum::Dryden, Component::Longitudinal, 0));
+    let GustShape::Turbulence(coarse) = shape(&format!("{gust}length_m = 10\nresolution_m = 0.1\n")) else {
+        panic!("turbulence")
+    };
+    assert_eq!((coarse.values.len(), coarse.spacing_m), (128, 10.0 / 128.0));
+    let table = "[gust.rough]\nshape = \"table\"\nvelocity_m_s = [0, 0, 2]\ntable = [[0, 0], [0.5, 1], [1, 0]]\n";
+    assert_eq!(shape(table), GustShape::Table([[0.0, 0.0], [0.5, 1.0], [1.0, 0.0]].into()));
+    for (text, expected) in [
+        (
+            gust.replace("[0, 0, 2]", "[0, 1, 2]"),
+            "wing.toml:64: key 'gust.rough.velocity_m_s': [0, 1, 2] is not allowed; allowed: a velocity along or across the \
+             way of the gust, whose spectra differ; write one gust for each, with seeds of their own",
+        ),
+        (
+            gust.replace("scale_m = 0.5\n", ""),
+            "wing.toml:62: key 'gust.rough.scale_m' is missing; allowed: a finite length > 0 m",
+        ),
+        (
+            format!("{gust}resolution_m = 1e-6\n"),
+            "wing.toml:67: key 'gust.rough.resolution_m': 1e-6 is not allowed; allowed: a length > 0 m, of which length_m \
+             has at most 1048576",
+        ),
+        (
+            gust.replace("von_karman", "sharp_edge"),
+            "wing.toml:65: key 'gust.rough.scale_m': 0.5 is not allowed; allowed: no such key: it is one of turbulence (shape = \
+             \"dryden\" or \"von_karman\")",
+        ),
+        (
+            table.replace("table = [[0, 0], [0.5, 1], [1, 0]]\n", ""),
+            "wing.toml:62: key 'gust.rough.table' is missing; allowed: rows [distance behind the front in m, share of \
+             velocity_m_s]",
+        ),
+        (
+            table.replace("[0.5, 1]", "[1.5, 1]"),
+            "wing.toml:65: key 'gust.rough.table': [[0, 0], [1.5, 1], [1, 0]] is not allowed; allowed: 1 to 100000 rows \
+             (distance in m, share) of finite numbers with distances ascending",
+        ),
+    ] {
+        assert_eq!(message(&format!("{AIR}{SURFACE}{text}")), expected);
+    }
 }
 
 /// Densities, winds, panels and steps without meaning.

@@ -1,19 +1,16 @@
 //! Air of the file: the tables `[aerodynamics]`, `[surface.<name>]` and `[gust.<name>]`.
 
-use crate::air_file::{
-    AirFile, AirModelFile, CouplingFile, GustFile, GustShapeFile, IndicialFile, LeadingEdgeFile, SurfaceFile,
-    TipLossFile,
-};
+use crate::air_file::{AirFile, AirModelFile, CouplingFile, IndicialFile, LeadingEdgeFile, SurfaceFile, TipLossFile};
 use crate::file::ModelFile;
 use crate::function::along_body;
+use crate::gust;
 use crate::rotor;
 use crate::validate::Checker;
-use foldwing_engine::aero::flow::GustShape;
 use foldwing_engine::aero::lattice::WakeModel;
 use foldwing_engine::aero::polar::{Polar, PolarRow};
 use foldwing_engine::aero::strip::indicial::Fit;
 use foldwing_engine::aero::surface::Profile;
-use foldwing_engine::machine::builder::{AirBuilder, GustBuilder, MachineBuilder, SurfaceBuilder};
+use foldwing_engine::machine::builder::{AirBuilder, MachineBuilder, SurfaceBuilder};
 use foldwing_engine::machine::{Air, Coupling, LiftingSurface};
 
 /// Adds air, surfaces and gusts to a machine. Surfaces on bodies whose section was refused are left out.
@@ -63,8 +60,9 @@ pub(super) fn add(
             None => checker.stands_in(&["air"]),
         }
     }
+    let wind_m_s = file.aerodynamics.as_ref().map_or([0.0; 3], |air| air.wind_m_s).into();
     for (name, gust) in &file.gust {
-        if let Some(gust) = build_gust(name, gust, checker) {
+        if let Some(gust) = gust::build(name, gust, &wind_m_s, checker) {
             machine = machine.gust(gust);
         }
     }
@@ -270,28 +268,4 @@ fn polar(name: &str, rows: &[[f64; 4]], checker: &mut Checker) -> Option<Polar> 
     }
     let row = |row: &[f64; 4]| PolarRow { angle_rad: row[0].to_radians(), lift: row[1], drag: row[2], moment: row[3] };
     Some(Polar { rows: rows.iter().map(row).collect() })
-}
-
-/// `None` where a problem was found.
-fn build_gust(name: &str, gust: &GustFile, checker: &mut Checker) -> Option<GustBuilder> {
-    let shape = match (gust.shape, gust.length_m) {
-        (GustShapeFile::SharpEdge, None) => GustShape::SharpEdge,
-        (GustShapeFile::OneMinusCosine, Some(length_m)) => GustShape::OneMinusCosine { length_m },
-        (GustShapeFile::SharpEdge, Some(_)) => {
-            checker.refuse(&["gust", name, "length_m"], "no length: a sharp edge has none");
-            return None;
-        }
-        (GustShapeFile::OneMinusCosine, None) => {
-            checker.refuse(&["gust", name, "length_m"], "a finite length > 0 m");
-            return None;
-        }
-    };
-    let mut built = GustBuilder::new(name, shape, gust.velocity_m_s).origin_m(gust.origin_m).start_s(gust.start_s);
-    if let Some(direction) = gust.direction {
-        built = built.direction(direction);
-    }
-    if let Some(speed_m_s) = gust.speed_m_s {
-        built = built.speed_m_s(speed_m_s);
-    }
-    Some(built)
 }

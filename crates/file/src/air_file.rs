@@ -245,11 +245,24 @@ pub(super) enum LeadingEdgeFile {
 pub(super) struct GustFile {
     /// Shape behind the front.
     pub shape: GustShapeFile,
-    /// Maximum added velocity, root frame.
+    /// Maximum added velocity, root frame; of turbulence its standard deviation, along or across the way of the gust; of a table
+    /// what a share of 1 stands for.
     pub velocity_m_s: [f64; 3],
-    /// Length of a `one_minus_cosine`.
+    /// Length of a `one_minus_cosine`; of turbulence the distance after which it repeats, default: 256 scales.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub length_m: Option<f64>,
+    /// Rows `[distance behind the front, share of velocity_m_s]` with ascending distances, linear between them; zero before the
+    /// first, the last share from there on. `table` only.
+    pub table: Option<Vec<[f64; 2]>>,
+    /// Scale of turbulence, which its large eddies have. Turbulence only, needed there.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub scale_m: Option<f64>,
+    /// The same seed gives the same turbulence; default: 0.
+    pub seed: Option<u64>,
+    /// Distance of the points at which turbulence is worked out; waves shorter than four of these are left out. Default: a 256th
+    /// of the scale.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub resolution_m: Option<f64>,
     /// Direction of travel, root frame, of any length except zero; default: that of `wind_m_s`.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub direction: Option<[f64; 3]>,
@@ -272,4 +285,10 @@ pub(super) enum GustShapeFile {
     SharpEdge,
     /// `(1 − cos)/2` over `length_m`.
     OneMinusCosine,
+    /// By a table over the distance behind the front.
+    Table,
+    /// Continuous turbulence with Dryden's spectrum.
+    Dryden,
+    /// Continuous turbulence with von Kármán's spectrum.
+    VonKarman,
 }

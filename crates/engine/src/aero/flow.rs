@@ -1,6 +1,8 @@
 //! The undisturbed air: wind, gusts, density, seen from a root frame that may rotate.
 
+use crate::aero::continuous_turbulence::Series;
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use std::sync::Arc;
 
 /// The undisturbed air at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,7 +74,7 @@ pub struct Gust {
     pub name: String,
     /// Shape along its way.
     pub shape: GustShape,
-    /// Largest added velocity, root frame, m/s.
+    /// Largest added velocity, root frame, m/s; of turbulence its standard deviation, of a table what a share of 1 stands for.
     pub velocity_m_s: Vector3<f64>,
     /// Unit vector along which it travels, root frame.
     pub direction: Vector3<f64>,
@@ -85,7 +87,7 @@ pub struct Gust {
 }
 
 /// Shape of a gust over the distance `ξ` behind its front.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum GustShape {
     /// Full velocity behind the front.
     SharpEdge,
@@ -94,26 +96,46 @@ pub enum GustShape {
         /// Length `H` in m.
         length_m: f64,
     },
+    /// Shares over the distance in m, ascending: linear between them, 0 before the first, the last beyond it.
+    Table(Arc<[[f64; 2]]>),
+    /// Turbulence behind the front.
+    Turbulence(Series),
 }
 
 impl Gust {
     /// Velocity that it adds at a time and point, in m/s.
     pub fn velocity_m_s(&self, time_s: f64, point_m: &Vector3<f64>) -> Vector3<f64> {
         let behind_m = self.speed_m_s * (time_s - self.start_s) - self.direction.dot(&(point_m - self.origin_m));
-        let share = match self.shape {
+        let share = match &self.shape {
             GustShape::SharpEdge => f64::from(u8::from(behind_m > 0.0)),
-            GustShape::OneMinusCosine { length_m } if behind_m > 0.0 && behind_m < length_m => {
+            GustShape::OneMinusCosine { length_m } if behind_m > 0.0 && behind_m < *length_m => {
                 0.5 * (1.0 - (std::f64::consts::TAU * behind_m / length_m).cos())
             }
             GustShape::OneMinusCosine { .. } => 0.0,
+            GustShape::Table(rows) => in_table(rows, behind_m),
+            GustShape::Turbulence(series) if behind_m > 0.0 => series.at(behind_m),
+            GustShape::Turbulence(_) => 0.0,
         };
         self.velocity_m_s * share
+    }
+}
+
+/// Share of a table at a distance.
+fn in_table(rows: &[[f64; 2]], distance_m: f64) -> f64 {
+    let after = rows.partition_point(|row| row[0] <= distance_m);
+    match (after.checked_sub(1).map(|before| rows[before]), rows.get(after)) {
+        (None, _) => 0.0,
+        (Some([_, share]), None) => share,
+        (Some([begin_m, begin]), Some([end_m, end])) => {
+            begin + (end - begin) * (distance_m - begin_m) / (end_m - begin_m)
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::aero::continuous_turbulence::{Component, ContinuousTurbulence, Spectrum};
 
     fn gust(shape: GustShape) -> Gust {
         Gust {
@@ -142,6 +164,35 @@ mod tests {
         assert_eq!((at(0.5), at(0.91)), (0.0, 0.0));
         approx::assert_relative_eq!(at(0.7), 3.0, max_relative = 1e-12);
         approx::assert_relative_eq!(at(0.6), 1.5, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn tables_are_linear_between_their_rows() {
+        let gust = gust(GustShape::Table([[0.5, 0.0], [1.0, 2.0], [2.0, -1.0]].into()));
+        let at = |behind_m: f64| gust.velocity_m_s(0.5 + behind_m / 10.0, &Vector3::new(0.0, 1.0, 0.0)).z;
+        for (behind_m, share) in
+            [(-1.0, 0.0), (0.2, 0.0), (0.75, 1.0), (1.0, 2.0), (1.5, 0.5), (2.0, -1.0), (9.0, -1.0)]
+        {
+            approx::assert_relative_eq!(at(behind_m), 3.0 * share, epsilon = 1e-12);
+        }
+    }
+
+    #[test]
+    fn turbulence_begins_at_its_front_and_travels() {
+        let asked = ContinuousTurbulence {
+            spectrum: Spectrum::Dryden,
+            component: Component::Transverse,
+            scale_m: 2.0,
+            seed: 3,
+            length_m: None,
+            resolution_m: None,
+        };
+        let series = asked.series().unwrap();
+        let gust = gust(GustShape::Turbulence(series.clone()));
+        assert_eq!(gust.velocity_m_s(0.4, &Vector3::new(0.0, 1.0, 0.0)).z, 0.0);
+        let here = gust.velocity_m_s(1.0, &Vector3::new(0.0, 1.0, 0.0)).z;
+        approx::assert_relative_eq!(here, 3.0 * series.at(5.0), max_relative = 1e-9);
+        approx::assert_relative_eq!(gust.velocity_m_s(1.3, &Vector3::new(0.0, -2.0, 0.0)).z, here, max_relative = 1e-9);
     }
 
     #[test]

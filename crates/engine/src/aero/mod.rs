@@ -5,7 +5,9 @@
 //! knows beams or integrators; the plant decides when a step is final.
 
 pub mod biot_savart;
+pub mod continuous_turbulence;
 pub mod flow;
+pub mod fourier;
 pub mod joined_edges;
 pub mod lattice;
 mod lattice_influence;
@@ -16,6 +18,7 @@ pub mod linear_system;
 mod model;
 pub mod near_sheets;
 pub mod polar;
+pub mod random;
 pub mod rear;
 pub mod rotor;
 pub mod strip;

@@ -7,7 +7,6 @@
 pub mod bem;
 pub mod dynamic_inflow;
 pub mod dynamic_stall;
-pub mod fourier;
 pub mod induction;
 pub mod lag;
 pub mod skew;

@@ -4,7 +4,8 @@
 //! The standard gives a coherence for the component along the wind only; the other two are independent from point to
 //! point, as by default in TurbSim.
 
-use crate::aero::rotor::fourier::inverse;
+use crate::aero::fourier::inverse;
+use crate::aero::random::Random;
 use crate::aero::rotor::turbulence_box::TurbulenceBox;
 use std::f64::consts::TAU;
 
@@ -114,7 +115,7 @@ impl Turbulence {
                 let size = (spectrum * share).sqrt();
                 let phases: Vec<[f64; 2]> = (0..count)
                     .map(|_| {
-                        let (sine, cosine) = (TAU * random.next()).sin_cos();
+                        let (sine, cosine) = (TAU * random.uniform()).sin_cos();
                         [size * cosine, size * sine]
                     })
                     .collect();
@@ -218,20 +219,6 @@ impl Turbulence {
         field("planes", self.planes as f64, fine, "a power of two from 8 to 1048576")?;
         let values = (across * upward * self.planes) as f64;
         field("planes", values, values <= 3e7, "at most 3e7 points times planes, whose bytes are twelve times that")
-    }
-}
-
-/// Vigna's SplitMix64.
-struct Random(u64);
-
-impl Random {
-    /// A number from 0 to 1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
     }
 }
 

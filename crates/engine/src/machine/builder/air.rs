@@ -194,7 +194,7 @@ pub struct GustBuilder {
 }
 
 impl GustBuilder {
-    /// A gust by its shape and its largest added velocity in m/s, root frame. It travels with the wind and passes the
+    /// A gust by its shape and its largest added velocity in m/s, root frame; of turbulence its standard deviation. It travels with the wind and passes the
     /// root's origin at 0 s unless told otherwise.
     pub fn new(name: impl Into<String>, shape: GustShape, velocity_m_s: impl Into<Vector3<f64>>) -> Self {
         Self {
@@ -244,7 +244,7 @@ impl GustBuilder {
         }
         Some(Gust {
             name: self.name.clone(),
-            shape: self.shape,
+            shape: self.shape.clone(),
             velocity_m_s: self.velocity_m_s,
             direction: unit,
             speed_m_s,

@@ -201,7 +201,26 @@ fn check_gust(gust: &Gust, checker: &mut Checker) {
     checker.array(&place("origin_m"), gust.origin_m.as_slice());
     checker.number(&place("start_s"), gust.start_s, Range::Finite);
     checker.number(&place("speed_m_s"), gust.speed_m_s, Range::Above(0.0));
-    if let GustShape::OneMinusCosine { length_m } = gust.shape {
-        checker.number(&place("length_m"), length_m, Range::Above(0.0));
+    match &gust.shape {
+        GustShape::SharpEdge => {}
+        GustShape::OneMinusCosine { length_m } => {
+            checker.number(&place("length_m"), *length_m, Range::Above(0.0));
+        }
+        GustShape::Table(rows) => {
+            let finite = (1..=100_000).contains(&rows.len()) && rows.iter().flatten().copied().all(is_finite);
+            if !(finite && rows.windows(2).all(|pair| pair[0][0] < pair[1][0])) {
+                let distances: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+                let allowed = "1 to 100000 rows (distance in m, share) of finite numbers with distances ascending";
+                checker.refuse(&place("table"), format!("distances {}", array_text(&distances)), allowed);
+            }
+        }
+        GustShape::Turbulence(series) => {
+            checker.number(&place("resolution_m"), series.spacing_m, Range::Above(0.0));
+            checker.array(&place("values"), &[series.begin_m]);
+            if series.values.len() < 4 || !series.values.iter().copied().all(is_finite) {
+                let count = format!("{} values", series.values.len());
+                checker.refuse(&place("values"), count, "at least 4 finite numbers");
+            }
+        }
     }
 }
