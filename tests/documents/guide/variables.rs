@@ -77,8 +77,9 @@ and `documentation/index.html` inside the FMU shows them as a table.
   unit. A quaternion `{w,x,y,z}` turns section components into root components; its sign is continuous.
 - Variables are Reals unless the row says otherwise. A value outside its range, or one that is not finite, is refused with
   `fmi2Discard` and changes nothing.
-- Inputs are held during a step, or run linearly if `fmi2SetRealInputDerivatives` sets their rates. Outputs belong to the end of the
-  last step, with the inputs that were used in it.
+- Inputs are held during a step, or run linearly if `fmi2SetRealInputDerivatives` sets their rates (FMI 2.0). Outputs belong to the present time and
+  to the inputs that are set: a force set between steps shows in accelerations and reactions that are read before the next step.
+  Loads of the air, stoppers and latches wait for the step.
 - **fixed** parameters can be set before the end of the initialisation, **tunable** ones at any time.
 ";
 
