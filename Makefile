@@ -36,7 +36,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-peers profile bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
+.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -121,11 +121,11 @@ wheel: build package-venv ## Build the Python package for this machine: $(TARGET
 	PATH="$(abspath $(PACKAGE_VENV))/bin:$$PATH" CARGO="$(CARGO)" FOLDWING_LIBRARY="$(abspath $(firstword $(wildcard $(TARGET)/release/*foldwing_fmu.so $(TARGET)/release/*foldwing_fmu.dylib)))" \
 	    $(PACKAGE_PYTHON) -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir $(WHEELS) .
 
-python: wheel ## Test the Python package from its wheel: what it computes and costs, its documentation, its types
+python: wheel ## Test the Python package from its wheel: what it computes, its documentation, its types
 	@$(PACKAGE_PYTHON) -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/*.whl
 	FOLDWING=$(abspath $(COMMAND)) $(abspath $(PACKAGE_PYTHON)) -m pytest -q tests/python $(PYTEST_ARGUMENTS)
 
-bench: bench-own bench-sweep bench-latency bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
+bench: bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
 
 bench-own: build ## Measure the recursions, the C functions, memory, other methods and the lattice
 	$(CARGO) bench --locked --bench kernels
@@ -152,6 +152,13 @@ bench-latency: build ## Measure single steps of 1 ms in real-time mode under tur
 	  echo "$$model"; \
 	  $$(chrt -f 80 true 2>/dev/null && echo chrt -f 80) $(COMMAND) latency $(TARGET)/$$model-real-time.toml --paced; \
 	done
+
+bench-python: wheel ## Measure what Python costs beside the command and the engine, and the gain of a sweep on two cores
+	@$(PACKAGE_PYTHON) -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/*.whl
+	@$(PACKAGE_PYTHON) studies/python_cost.py --foldwing $(COMMAND)
+
+bench-viewer: build venv ## Measure painting times, draw calls and triangles of the page of `--view`; needs Chromium
+	@$(VENV_PYTHON) studies/painting_time.py --foldwing $(COMMAND)
 
 bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/tables/exudyn.md, takes minutes
 	@$(PYTHON) tools/create_venv.py $(PEERS) --requirements python/requirements-peers.txt

@@ -1,12 +1,17 @@
-"""Runs of a comparison of cost and error, what they say about the targets, table and picture; for `compare_exudyn.py`."""
+"""Runs of a comparison of cost and error, what they say about the targets, table and picture; for `compare_exudyn.py`.
+
+Draws the picture again from the CSV of all runs: cost_report.py target/compare_exudyn.csv docs/pictures/cost_against_error.png
+"""
 import csv
 import datetime
 import math
 import os
 import platform
 import statistics
+import sys
 from dataclasses import dataclass, field
 from importlib.metadata import version
+from pathlib import Path
 
 import matplotlib
 
@@ -14,13 +19,17 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.ticker import NullFormatter
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "examples"))
+
+from house_style import BLUE, FAINT, GREEN, INK, ORANGE, SMALL, VERMILION, save, use  # noqa: E402
+
 METHOD_NAMES = {"esdirk4": "ESDIRK4", "esdirk3": "ESDIRK3", "tr_bdf2": "TR-BDF2", "generalized_alpha": "generalised-α"}
 MARKERS = {"esdirk4": "o", "esdirk3": "s", "tr_bdf2": "^", "generalized_alpha": "D", "dense": "x", "sparse": "+"}
 FAMILIES = {
-    ("Foldwing", "linear"): ("#0072b2", "Foldwing, pairs"),
-    ("Foldwing", "constant"): ("#009e73", "Foldwing, constant elements"),
-    ("Exudyn", "ge"): ("#d55e00", "Exudyn, geometrically exact"),
-    ("Exudyn", "cable"): ("#e69f00", "Exudyn, ANCF cable"),
+    ("Foldwing", "linear"): (BLUE, "Foldwing, pairs"),
+    ("Foldwing", "constant"): (GREEN, "Foldwing, constant elements"),
+    ("Exudyn", "ge"): (VERMILION, "Exudyn, geometrically exact"),
+    ("Exudyn", "cable"): (ORANGE, "Exudyn, ANCF cable"),
 }
 FRONTS = (
     'Fronts: no other setting of the family is cheaper and as sure. "Sure" is the largest first error of the setting and '
@@ -269,10 +278,26 @@ def write_runs(runs, path):
             table.writerow([*(getattr(run, key) for key in keys), *times, *(run.errors.get(name, "") for name in names)])
 
 
+def read_runs(path):
+    """The runs of a CSV that `write_runs` wrote: to draw again without measuring again."""
+    runs = []
+    with path.open(newline="") as file:
+        for row in csv.DictReader(file):
+            words = {name: row[name] for name in ("case", "program", "kind", "method", "label")}
+            run = Run(**words, elements=int(row["elements"]), step_s=float(row["step_s"]), tolerance=float(row["tolerance"]),
+                      output_s=float(row["output_s"]), measure=None)
+            run.steps, run.gave_up = int(row["steps"]), row["gave_up"] == "True"
+            run.times_s = [float(row["least_s"])] if row["least_s"] else []
+            run.errors = {name: float(row[name]) for name in ("RMS", "path", "latch", "peak") if row[name]}
+            runs.append(run)
+    return runs
+
+
 def draw(runs, path):
     """Cost over error: all runs as points, the fronts as lines."""
-    plt.rcParams.update({"font.size": 8, "axes.titlesize": 9, "axes.spines.top": False, "axes.spines.right": False})
-    figure, grid = plt.subplots(2, 2, figsize=(11, 8), layout="constrained")
+    use()
+    figure, grid = plt.subplots(2, 2, figsize=(12.5, 8.6))
+    figure.subplots_adjust(left=0.065, right=0.985, top=0.875, bottom=0.15, wspace=0.16, hspace=0.34)
     panels = (
         (grid[0, 0], "two_body", "RMS", 0.01, "Two-body system, 5 s: RMS(Z)", 1e-3),
         (grid[0, 1], "two_body", "path", 0.01, "Two-body system, 5 s: path of the free end", 1e-3),
@@ -288,25 +313,29 @@ def draw(runs, path):
                 part = [run for run in chosen if run.method == method]
                 axes.plot(
                     [1e3 * run.cost_s for run in part], [run.errors[error] for run in part], MARKERS[method],
-                    color=color, alpha=0.3, markersize=4, markeredgewidth=0.8, fillstyle="none",
+                    color=color, alpha=0.22, markersize=3.5, markeredgewidth=0.7, fillstyle="none",
                 )
             best = front(select(runs, case, program, output_s, (kind,)), error)
-            axes.plot([1e3 * run.cost_s for run, _ in best], [sure for _, sure in best], "-", color=color, linewidth=1.3)
+            axes.plot([1e3 * run.cost_s for run, _ in best], [sure for _, sure in best], "-", color=color, label=label)
             for run, sure in best:
                 axes.plot(1e3 * run.cost_s, sure, MARKERS[run.method], color=color, markersize=5)
-            axes.plot([], [], "-", color=color, label=label)
-        axes.axhline(limit, color="#808080", linewidth=0.8, linestyle=":")
-        axes.set(xscale="log", yscale="log", title=title, xlabel="processor time (ms)", ylabel="relative error")
+        axes.axhline(limit, color=FAINT, linewidth=1.0, linestyle=(0, (4, 3)))
+        axes.annotate("target", (1.0, limit), xycoords=("axes fraction", "data"), xytext=(0, 2), textcoords="offset points", ha="right",
+                      va="bottom", color=FAINT, fontsize=SMALL)
+        axes.set(xscale="log", yscale="log", title=title, xlabel="processor time (ms)", ylabel="relative error (–)")
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_ylim(bottom=max(1e-6, axes.get_ylim()[0]))
-        axes.grid(True, linewidth=0.3)
-    for method, name in METHOD_NAMES.items():
-        grid[0, 0].plot([], [], MARKERS[method], color="#404040", markersize=5, label=name)
-    for solver in ("dense", "sparse"):
-        grid[0, 0].plot([], [], MARKERS[solver], color="#404040", markersize=5, label=f"generalised-α, {solver} (Exudyn)")
-    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=5, frameon=False)
-    title = "Pale: every setting tried. Lines: the cheapest for each error that it and all finer ones keep. Dotted: target."
-    figure.suptitle(title, fontsize=10)
+    names = {**METHOD_NAMES, "dense": "generalised-α, dense (Exudyn)", "sparse": "generalised-α, sparse (Exudyn)"}
+    lines = [plt.Line2D([], [], color=color, label=label) for color, label in FAMILIES.values()]
+    marks = [plt.Line2D([], [], color=INK, linestyle="", marker=MARKERS[method], markersize=5, label=name) for method, name in names.items()]
+    figure.legend(handles=lines, loc="lower left", bbox_to_anchor=(0.05, 0.045), ncols=4)
+    figure.legend(handles=marks, loc="lower left", bbox_to_anchor=(0.05, 0.01), ncols=6)
+    figure.text(0.015, 0.955, "Cost against error: Foldwing and Exudyn", fontsize=13.5, color=INK, weight="bold")
+    words = "lines: the cheapest setting for each error that it and all finer ones keep; pale: every setting tried"
+    figure.text(0.015, 0.925, words, fontsize=SMALL + 0.5, color=FAINT)
     path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
+    save(figure, path)
+
+
+if __name__ == "__main__":
+    draw(read_runs(Path(sys.argv[1])), Path(sys.argv[2]))

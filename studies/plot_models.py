@@ -72,8 +72,13 @@ def roll_fold(foldwing, text):
         left.plot(x, z, color=color, linewidth=2.2, solid_capstyle="round")
         left.plot(x[PLACES::PLACES], z[PLACES::PLACES], "o", color="white", markeredgecolor=color, markersize=4.5)
         along = np.array([x[-1] - x[-2], z[-1] - z[-2]])
-        left.annotate(f"{time_s:.2f} s", (x[-1], z[-1]), xytext=17 * along / np.linalg.norm(along), textcoords="offset points",
-                      ha="center", va="center", fontsize=SMALL)
+        # the first three end among other lines: their words stand at the hinge that swings, where nothing else is
+        aside = {0.0: (-26, 13), 0.06: (-26, 4), 0.1: (26, 2)}.get(time_s)
+        end = 2 * PLACES - 1 if aside else -1
+        along = np.array([x[end] - x[end - 1], z[end] - z[end - 1]])
+        along = aside or 19 * along / np.linalg.norm(along)
+        left.annotate(f"{time_s:.2f} s", (x[end], z[end]), xytext=along, textcoords="offset points", ha="center", va="center", fontsize=SMALL,
+                      bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8})
     left.set(title="Shapes from the side", xlabel="x (m)", ylabel="z (m)", aspect="equal")
     left.margins(0.08)
     for (joint, color), height in zip((("fold_inner", BLUE), ("fold_outer", VERMILION)), (0.97, 0.86)):

@@ -99,7 +99,7 @@ def plot_views(result, lattices, path):
     for index, lattice in enumerate(lattices):
         place = [0.31 * (index % 2), 0.50 - 0.41 * (index // 2), 0.31, 0.46]
         draw_view(figure.add_axes(place, projection="3d"), lattice, norm, colours)
-    bar = figure.add_axes([0.1, 0.055, 0.4, 0.016])
+    bar = figure.add_axes([0.1, 0.028, 0.4, 0.016])
     figure.colorbar(plt.cm.ScalarMappable(norm, colours), cax=bar, orientation="horizontal").outline.set_visible(False)
     bar.set_title("circulation of the wake's rings (m²/s); the wing is grey", fontsize=SMALL, loc="left")
     bar.tick_params(labelsize=SMALL)
@@ -114,10 +114,10 @@ def plot_views(result, lattices, path):
         along = np.array([z[-1] - z[-2], x[-1] - x[-2]])
         along /= np.linalg.norm(along)
         if 0.01 < time_s < 0.19:  # the first two shapes end beside each other, and the last has words of its own
-            axes.annotate(f"{time_s:.2f}", (z[-1], x[-1]), fontsize=SMALL, color=INK, xytext=9 * along, textcoords="offset points",
+            axes.annotate(f"{time_s:.2f}", (z[-1], x[-1]), fontsize=SMALL, color=INK, xytext=14 * along, textcoords="offset points",
                           ha="center", va="center")
     z, x = (1e3 * result[f"tip.position.{axis}"][0] for axis in "zx")
-    axes.annotate("0 s", (z, x), fontsize=SMALL, color=INK, xytext=(-3, -13), textcoords="offset points")
+    axes.annotate("0 s", (z, x), fontsize=SMALL, color=INK, xytext=(3, -13), textcoords="offset points")
     z_mm, x_mm = (1e3 * value_at(result, f"tip.position.{axis}", PAPER_TIP_TIME_S) for axis in "zx")
     axes.plot(z_mm, x_mm, "o", color=INK, markersize=4.5, zorder=5)
     axes.annotate(f"tip at 0.20 s:\n{z_mm:.1f} mm", (z_mm, x_mm), fontsize=SMALL, color=INK, xytext=(6, -24), textcoords="offset points")
@@ -125,7 +125,7 @@ def plot_views(result, lattices, path):
                   xytext=(5, 0), textcoords="offset points")
     axes.set(xlabel="z (mm)", ylabel="x (mm)", title="Wing axis, every 0.02 s")
     axes.set_aspect("equal")
-    axes.set(xlim=(-195, 140), ylim=(-25, 330))
+    axes.set(xlim=(-205, 140), ylim=(-25, 330))
     figure.text(0.015, 0.945, "Deployment in a wind of 10 m/s, with the wake", fontsize=13.5, color=INK, weight="bold")
     save(figure, path)
 
@@ -151,7 +151,7 @@ def plot_histories(runs, path):
         lower.plot(result["time"], 1e3 * result["gauge.root.strain"], color=colour, linewidth=1.1)
         lower.plot(time_s, 1e3 * strain, "o", color=colour, markersize=5)
         below = strain < 0
-        lower.annotate(number(f"peak {1e3 * strain:.2f}·10⁻³\nat {time_s:.3f} s"), (time_s, 1e3 * strain), xytext=(0, -7 if below else 6),
+        lower.annotate(number(f"peak {1e3 * strain:.2f}·10⁻³\nat {time_s:.3f} s"), (time_s, 1e3 * strain), xytext=(0 if below else -12, -7 if below else 6),
                        textcoords="offset points", ha="center", va="top" if below else "bottom", color=colour, fontsize=SMALL)
         mark(lower, latch_s, "latch" if speed_m_s == 0 else "", colour, 0.97)
         lower.set(xlabel="time (s)", xlim=(0.0, 0.4))

@@ -22,7 +22,7 @@ sys.path.insert(0, str(ROOT / "examples"))
 from house_style import BLUE, FAINT, SKY, VERMILION, save, use  # noqa: E402
 
 UNCERTAINTY_DEG = 0.5  # of a digitised point, tests/reference/folding_wingtips/README.md
-OURS = {"lattice": (BLUE, "-", "Foldwing, vortex lattice"), "line": (SKY, "-", "Foldwing, strips with lifting line"), "strips": (SKY, ":", "Foldwing, strips without")}
+OURS = {"lattice": (BLUE, "-", "Foldwing, vortex lattice"), "line": (SKY, "-", "Foldwing, strips with lifting line"), "strips": (SKY, ":", "Foldwing, strips without lifting line")}
 
 
 def find(series, case, air, quantity=None, source=None, variant=""):
@@ -34,7 +34,7 @@ def find(series, case, air, quantity=None, source=None, variant=""):
     return None
 
 
-def panel(axes, series, case, title, x_label, y_label="fold angle, tip up (deg)", airs=("lattice", "line", "strips"), other=None,
+def panel(axes, series, case, title, x_label, y_label="fold angle, tip up (°)", airs=("lattice", "line", "strips"), other=None,
           quantity=None, source="experiment", variant="", band=True, uncertainty=UNCERTAINTY_DEG):
     """Measured points, the other program, ours."""
     one = find(series, case, "lattice", quantity, source, variant)
@@ -57,14 +57,14 @@ def panel(axes, series, case, title, x_label, y_label="fold angle, tip up (deg)"
     axes.set_ylabel(y_label)
 
 
-def legend(figure, axes):
+def legend(figure, axes, columns):
     """One legend below all panels, each label once."""
     known = {}
     for one in axes:
         handles, labels = one.get_legend_handles_labels()
         for handle, label in zip(handles, labels):
             known.setdefault(label, handle)
-    figure.legend(known.values(), known.keys(), loc="lower center", ncol=min(len(known), 4), frameon=False, fontsize=9)
+    figure.legend(known.values(), known.keys(), loc="lower left", bbox_to_anchor=(0.01, 0.0), ncol=min(len(known), columns), frameon=False)
 
 
 def front(series, output):
@@ -72,10 +72,10 @@ def front(series, output):
     axes = list(grid.flat)
     panel(axes[0], series, "LCO wing over speed, pitch 5", "LCO wing, flare 10°, pitch 5°", "airspeed (m/s)", other=("Healy's computation", "Healy's programs"))
     panel(axes[1], series, "LCO wing over speed, pitch 10", "LCO wing, flare 10°, pitch 10°", "airspeed (m/s)", other=("Healy's computation", "Healy's programs"))
-    panel(axes[2], series, "sideslip wing over sideslip, twist 0", "sideslip wing, flare 20°, pitch 3°, 22 m/s", "sideslip (deg)", other=("Healy's lattice", "Healy's programs"))
+    panel(axes[2], series, "sideslip wing over sideslip, twist 0", "sideslip wing, flare 20°, pitch 3°, 22 m/s", "sideslip (°)", other=("Healy's lattice", "Healy's programs"))
     panel(axes[3], series, "sideslip wing over speed, flare 20, pitch 10", "sideslip wing, flare 20°, pitch 10°", "airspeed (m/s)", other=("Healy's lattice", "Healy's programs"))
-    figure.suptitle("Folding wing tips in the wind tunnel: where they coast. Nothing is fitted.")
-    legend(figure, axes)
+    figure.suptitle("Folding wing tips in the wind tunnel: where they coast. Nothing is fitted.", x=0.01, ha="left", weight="bold")
+    legend(figure, axes, 3)
     figure.tight_layout(rect=(0, 0.08, 1, 0.98))
     save(figure, output / "wind_tunnel.png")
 
@@ -87,23 +87,24 @@ def sideslip(series, output):
         for row, variant in enumerate(("", "tip 2 deg nose down")):
             title = f"flare {flare}°, pitch {pitch}°" + (", tip 2° nose down" if variant else "")
             panel(grid[row][column], series, case, title, "airspeed (m/s)", other=("Healy's lattice", "Healy's lattice"), variant=variant, band=False)
-    legend(figure, list(grid.flat))
+    legend(figure, list(grid.flat), 5)
     figure.tight_layout(rect=(0, 0.07, 1, 1))
     save(figure, output / "wind_tunnel_sideslip.png")
 
 
 def pazy(series, output):
     figure, axes = plt.subplots(1, 4, figsize=(15, 3.9))
-    deflection, twist = "deflection of the tip, % of the length", "twist of the tip, deg"
-    panel(axes[0], series, "Pazy wing, bending test", "bending test", "tip mass (kg)", deflection, other=("UM/NAST", "UM/NAST"), quantity=deflection, airs=("lattice",), uncertainty=0.5)
-    panel(axes[1], series, "Pazy wing, torsion test", "torsion test", "tip mass (kg)", twist, other=("UM/NAST", "UM/NAST"), quantity=twist, airs=("lattice",), uncertainty=0.1)
+    deflection, twist = "deflection of the tip, % of the length", "twist of the tip, deg"  # names in the data
+    percent, degrees = "deflection of the tip (% of the length)", "twist of the tip (°)"
+    panel(axes[0], series, "Pazy wing, bending test", "bending test", "tip mass (kg)", percent, other=("UM/NAST", "UM/NAST"), quantity=deflection, airs=("lattice",), uncertainty=0.5)
+    panel(axes[1], series, "Pazy wing, torsion test", "torsion test", "tip mass (kg)", degrees, other=("UM/NAST", "UM/NAST"), quantity=twist, airs=("lattice",), uncertainty=0.1)
     wind = "Pazy wing in the wind, pitch 5"
-    panel(axes[2], series, wind, "in the wind, pitch 5°", "airspeed (m/s)", deflection, quantity="tip_deflection_percent_of_span", uncertainty=0.5)
+    panel(axes[2], series, wind, "in the wind, pitch 5°", "airspeed (m/s)", percent, quantity="tip_deflection_percent_of_span", uncertainty=0.5)
     theirs = find(series, wind, "lattice", "tip_deflection_percent_of_span", "UM/NAST")
     if theirs:
         axes[2].plot(theirs["x"], theirs["theirs"], color=FAINT, linestyle="--", linewidth=1.2, label="UM/NAST")
-    panel(axes[3], series, wind, "in the wind, pitch 5°", "airspeed (m/s)", twist, quantity="tip_twist_deg", uncertainty=0.1)
-    legend(figure, list(axes))
+    panel(axes[3], series, wind, "in the wind, pitch 5°", "airspeed (m/s)", degrees, quantity="tip_twist_deg", uncertainty=0.1)
+    legend(figure, list(axes), 5)
     figure.tight_layout(rect=(0, 0.12, 1, 1))
     save(figure, output / "wind_tunnel_pazy.png")
 

@@ -195,9 +195,9 @@ def write_wheel(platform, native, library, module, folder):
 
 
 def functions():
-    """Names of the functions that an FMU exports, from the list that packaging checks libraries with."""
-    text = (ROOT / "crates/fmi/src/fmi2/mod.rs").read_text()
-    return re.findall(r'^ +"(fmi2\w+)",$', text, re.M)
+    """Names of the functions that an FMU exports, of both versions, from the lists that packaging checks libraries with."""
+    texts = [(ROOT / "crates/fmi/src" / path).read_text() for path in ("fmi2/mod.rs", "fmi3/life_cycle.rs")]
+    return [name for text in texts for name in dict.fromkeys(re.findall(r'"(fmi[23]\w+)"(?:,$| )', text, re.M))]
 
 
 def hidden_paths(compiler):

@@ -16,24 +16,30 @@ from ._native import State, __version__, schema
 from .builder import Builder
 from .errors import FilesError, FoldwingError, ModelError, SimulationError, StaticsError, UsageError
 from .linear import LinearModel
-from .model import Model, Variable, load
+from .model import Model, load
 from .result import Result
 from .simulation import Simulation
+from .study import Flutter, Modes, Rest, Trim
 from .table import Table
+from .variable import Variable
 
 __all__ = [
     "Builder",
     "FilesError",
+    "Flutter",
     "FoldwingError",
     "LinearModel",
     "Model",
     "ModelError",
+    "Modes",
+    "Rest",
     "Result",
     "Simulation",
     "SimulationError",
     "State",
     "StaticsError",
     "Table",
+    "Trim",
     "UsageError",
     "Variable",
     "__version__",

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import signal
 import sys
+from pathlib import Path
 
 from . import _native
-from .model import library
+from .errors import FilesError
 
 
 def main() -> int:
@@ -15,6 +16,15 @@ def main() -> int:
     if hasattr(signal, "SIGPIPE"):
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     return _native.run_command(["foldwing", *sys.argv[1:]], library())
+
+
+def library() -> str:
+    """The shared library that goes into FMUs."""
+    folder = Path(__file__).parent
+    for name in ["libfoldwing_fmu.so", "foldwing_fmu.dll", "libfoldwing_fmu.dylib"]:
+        if (folder / name).is_file():
+            return str(folder / name)
+    raise FilesError(f"{folder}: holds no library for FMUs; install the wheel, or give libraries")
 
 
 if __name__ == "__main__":

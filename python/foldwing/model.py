@@ -6,44 +6,24 @@ import fnmatch
 import json
 import os
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from .command import library
 from .errors import FilesError, SimulationError, UsageError
 from .inputs import Inputs, Stimulus, table_of
 from .linear import LinearModel
 from .progress import bar
 from .result import Result
 from .simulation import Simulation
-from .study import Modes, Rest
+from .study import Flutter, Modes, Rest, Trim
 from .table import Table, grid_of
+from .variable import Start, Summary, Variable
 
-Start = Union[float, int, bool]
 Patterns = Union[str, Sequence[str]]
-
-
-class Variable(NamedTuple):
-    """A variable as the FMU has it."""
-
-    name: str
-    """Name, e.g. `fold.angle`."""
-    causality: str
-    """`input`, `output`, `parameter`, `local` or `independent`."""
-    variability: str
-    """`fixed`, `tunable`, `discrete` or `continuous`."""
-    type: str
-    """`Real`, `Integer` or `Boolean`."""
-    unit: str
-    """Unit, e.g. `N.m`; `1` or empty without one."""
-    start: Start
-    """Start value of inputs and parameters."""
-    range: Optional[Tuple[float, float]]
-    """Smallest and largest value allowed."""
-    description: str
-    """One sentence: meaning, frame, sign."""
 
 
 def load(path: Union[str, "os.PathLike[str]"]) -> Model:
@@ -333,6 +313,46 @@ class Model:
             raise UsageError(f"about={about!r}: allowed are equilibrium and undeformed")
         return Modes(json.loads(self._native.modes_json(list((set or {}).items()), about == "undeformed", count)))
 
+    def flutter(self, speeds: Iterable[float], count: int = 6, *, set: Optional[Mapping[str, Start]] = None) -> Flutter:
+        """Modes in air over the speed of the wind, with flutter and divergence, as `foldwing flutter` finds them: in air by strips.
+
+        Args:
+            speeds: in m/s, rising; between them modes are followed with as many more as it takes. The direction is the wind's.
+            count: number of modes to follow, of lowest frequency.
+            set: start values.
+
+        >>> found = load("examples/models/goland_wing.toml").flutter([130.0, 140.0], count=2)
+        >>> print(f"{found.flutter_m_s[0]:.2f} m/s")
+        137.41 m/s
+        """
+        wanted = np.ascontiguousarray(np.fromiter(speeds, dtype=np.float64))
+        return Flutter(self.name, json.loads(self._native.flutter_json(list((set or {}).items()), wanted, count)))
+
+    def trim(
+        self,
+        free: Union[str, Sequence[str]],
+        balance: Mapping[str, float],
+        *,
+        set: Optional[Mapping[str, Start]] = None,
+    ) -> Trim:
+        """Values of inputs and parameters for which outputs at rest are what they should be, as `foldwing trim` finds them.
+
+        Args:
+            free: names of inputs and parameters whose values are sought, as many as there are balances.
+            balance: outputs with the values that they shall have at rest, in SI units.
+            set: start values; of what is free the first guess.
+
+        >>> wing = load("examples/models/flared_wing_tip.toml")
+        >>> trim = wing.trim("wind.velocity.z", {"root.force.z": 0.0})
+        >>> rest = wing.static(set=trim.settings)
+        >>> bool(abs(rest.root_force_N[2]) < 1e-6)
+        True
+        """
+        names = [free] if isinstance(free, str) else list(free)
+        settings = dict(set or {})
+        balances = [(name, float(value)) for name, value in balance.items()]
+        return Trim(json.loads(self._native.trim_json(list(settings.items()), names, balances)), settings)
+
     def linearize(
         self,
         at: Union[str, float] = "equilibrium",
@@ -452,34 +472,6 @@ class Model:
             force=force,
         )
         return Path(output)
-
-
-class Summary(str):
-    """What `Model.check` says: a text, with the same in `data` as `foldwing check --json` has it."""
-
-    data: Dict[str, Any]
-
-    def __new__(cls, text: str, data: Dict[str, Any]) -> Summary:
-        summary = super().__new__(cls, text)
-        summary.data = data
-        return summary
-
-    @property
-    def notes(self) -> List[str]:
-        """What to know of the model although it is valid."""
-        return list(self.data["notes"])
-
-    def __repr__(self) -> str:
-        return str(self)
-
-
-def library() -> str:
-    """The shared library that goes into FMUs."""
-    folder = Path(__file__).parent
-    for name in ["libfoldwing_fmu.so", "foldwing_fmu.dll", "libfoldwing_fmu.dylib"]:
-        if (folder / name).is_file():
-            return str(folder / name)
-    raise FilesError(f"{folder}: holds no library for FMUs; install the wheel, or give libraries")
 
 
 def _plain(value: Any) -> Any:

@@ -1,11 +1,13 @@
-"""What statics and modes give."""
+"""What statics, modes, flutter and trim give."""
 
 from __future__ import annotations
 
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .variable import Start
 
 
 class Rest:
@@ -66,6 +68,66 @@ class Modes:
 
     def __repr__(self) -> str:
         return f"<foldwing.Modes of {self.data['name']}: {', '.join(f'{f:.4g}' for f in self.frequency_Hz)} Hz>"
+
+
+class Flutter:
+    """Modes over the speed of the wind. `data` has an entry of `results` of what `foldwing flutter --json` prints."""
+
+    def __init__(self, name: str, data: Dict[str, Any]) -> None:
+        self.name = name
+        """Name of the machine."""
+        self.data = data
+        """As the command prints it."""
+        self.speed_m_s: NDArray[np.float64] = np.array([place["speed_m_s"] for place in data["modes"]])
+        """Speeds in m/s, those asked for and those between that the modes needed, shape (speeds,)."""
+        nowhere = complex(np.nan, np.nan)
+        eigenvalues = [[nowhere if mode is None else complex(*mode) for mode in place["eigenvalues_1_s"]] for place in data["modes"]]
+        self.eigenvalues_1_s: NDArray[np.complex128] = np.array(eigenvalues)
+        """Eigenvalues in 1/s of each mode over the speed, NaN where it was not found, shape (speeds, modes)."""
+        self.flutter_m_s: NDArray[np.float64] = np.array([found["speed_m_s"] for found in data["flutter"] if found["begins"]])
+        """Speeds in m/s at which an oscillation begins to grow, shape (found,)."""
+        self.flutter_Hz: NDArray[np.float64] = np.array([found["frequency_Hz"] for found in data["flutter"] if found["begins"]])
+        """Their frequencies in Hz, shape (found,)."""
+        self.divergence_m_s: NDArray[np.float64] = np.array(data["divergence_m_s"], dtype=np.float64)
+        """Speeds of divergence in m/s, shape (found,)."""
+
+    @property
+    def frequency_Hz(self) -> NDArray[np.float64]:
+        """`|λ|/2π` in Hz, NaN where a mode does not oscillate, shape (speeds, modes)."""
+        size = np.abs(self.eigenvalues_1_s)
+        return np.where(self.eigenvalues_1_s.imag == 0.0, np.nan, size / (2.0 * np.pi))
+
+    @property
+    def damping_ratio(self) -> NDArray[np.float64]:
+        """`−Re λ/|λ|`, NaN where a mode does not oscillate, negative where it grows, shape (speeds, modes)."""
+        size = np.abs(self.eigenvalues_1_s)
+        oscillates = (self.eigenvalues_1_s.imag != 0.0) & (size > 0.0)
+        return np.where(oscillates, -self.eigenvalues_1_s.real / np.where(size > 0.0, size, 1.0), np.nan)
+
+    def __repr__(self) -> str:
+        flutter = ", ".join(f"flutter at {speed:.6g} m/s with {hertz:.6g} Hz" for speed, hertz in zip(self.flutter_m_s, self.flutter_Hz))
+        divergence = ", ".join(f"divergence at {speed:.6g} m/s" for speed in self.divergence_m_s)
+        none = f"neither flutter nor divergence up to {self.speed_m_s[-1]:g} m/s"
+        ended = f"; ended: {self.data['ended']['message']}" if self.data["ended"] else ""
+        return f"<foldwing.Flutter of {self.name}: {'; '.join(filter(None, [flutter, divergence])) or none}{ended}>"
+
+
+class Trim:
+    """A trim. `data` has everything that `foldwing trim --json` prints."""
+
+    def __init__(self, data: Dict[str, Any], settings: Mapping[str, Start]) -> None:
+        self.data = data
+        """As the command prints it."""
+        self.free: Dict[str, float] = dict(data["free"])
+        """Values found, by name."""
+        self.balances: Dict[str, float] = dict(data["balances"])
+        """What the outputs are at rest, by name."""
+        self.settings: Dict[str, Start] = {**settings, **self.free}
+        """The start values given with those found: `set=` of other studies and runs."""
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{name} = {value:.6g}" for name, value in self.free.items())
+        return f"<foldwing.Trim of {self.data['name']}: {found}>"
 
 
 def _named(entries: List[Dict[str, Any]], name: str) -> Dict[str, Any]:

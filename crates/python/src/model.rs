@@ -128,6 +128,35 @@ impl Model {
             .map_err(|error| refusal::statics(&error))
     }
 
+    /// An entry of `results` of what `foldwing flutter --json` prints.
+    fn flutter_json(
+        &self,
+        py: Python<'_>,
+        settings: Vec<(String, Bound<'_, PyAny>)>,
+        speeds_m_s: PyReadonlyArray1<'_, f64>,
+        count: usize,
+    ) -> PyResult<String> {
+        let plant = self.plant(&settings)?;
+        let speeds_m_s = speeds_m_s.as_array().to_vec();
+        py.detach(|| cli::flutter(plant, &speeds_m_s, count))
+            .map(|value| value.to_string())
+            .map_err(|failure| refusal::command(&failure))
+    }
+
+    /// What `foldwing trim --json` prints.
+    fn trim_json(
+        &self,
+        py: Python<'_>,
+        settings: Vec<(String, Bound<'_, PyAny>)>,
+        free: Vec<String>,
+        balances: Vec<(String, f64)>,
+    ) -> PyResult<String> {
+        let plant = self.plant(&settings)?;
+        py.detach(|| cli::trim(plant, &self.shared.interface, &free, &balances))
+            .map(|value| value.to_string())
+            .map_err(|failure| refusal::command(&failure))
+    }
+
     /// Writes an FMU.
     #[pyo3(signature = (output, *, model, libraries, linear, without_reference, force))]
     #[allow(clippy::too_many_arguments, reason = "named in Python")]

@@ -4,7 +4,7 @@ use crate::cli::Failure;
 use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::outlets::{Mark, Outlets};
 use crate::cli::sweep::{Experiment, Plan, columns};
-use crate::cli::{check, package as packages, stability, statics};
+use crate::cli::{check, flutter as flutters, package as packages, stability, statics, trim as trims};
 use crate::packaging::{self, Extras, Kinds, Library};
 use crate::report::InputTable;
 use foldwing_engine::machine::Machine;
@@ -56,6 +56,42 @@ pub fn modes(plant: &mut Plant, time_s: f64, undeformed: bool, count: usize) -> 
     let mut value = crate::cli::modes::as_json(plant, &modes, false);
     value["stability"] = stability::as_json(plant, &stability, departure);
     Ok(value)
+}
+
+/// Modes in air over the speed of the wind, flutter and divergence, as an entry of `results` of `foldwing flutter --json`.
+///
+/// `speeds_m_s` are positive and rise; the wind has the direction of the plant's. `count` modes of lowest frequency are followed.
+///
+/// # Errors
+/// Speeds or counts that are not allowed, a machine without air that has a linear model, no equilibrium at the first speed.
+pub fn flutter(plant: Plant, speeds_m_s: &[f64], count: usize) -> Result<Value, Failure> {
+    let refused = |cause: &str| Failure::Usage(format!("speeds: {cause}"));
+    let finite = speeds_m_s.iter().all(|speed| speed.is_finite() && *speed > 0.0);
+    if speeds_m_s.len() < 2 || !finite || speeds_m_s.windows(2).any(|pair| pair[1] <= pair[0]) {
+        return Err(refused("two or more speeds in m/s are needed that are positive and rise"));
+    }
+    if speeds_m_s.len() as f64 > flutters::MOST_SPEEDS {
+        return Err(refused(&format!("{} are more than {}", speeds_m_s.len(), flutters::MOST_SPEEDS)));
+    }
+    if !(1..=60).contains(&count) {
+        return Err(Failure::Usage(format!("count: {count} is not in 1..=60")));
+    }
+    Ok(flutters::as_json(&flutters::sweep(plant, speeds_m_s, count)?, None))
+}
+
+/// Values of inputs and parameters for which outputs at rest are what they should be, as `foldwing trim --json` prints them.
+///
+/// `free` are names, their values in the plant the first guesses; `balances` are outputs with their targets in SI units, as many.
+///
+/// # Errors
+/// Names that are none of a real input, parameter or output, and what the iteration says where it does not find a trim.
+pub fn trim(
+    plant: Plant,
+    interface: &Interface,
+    free: &[String],
+    balances: &[(String, f64)],
+) -> Result<Value, Failure> {
+    trims::found(interface, plant, free, balances)
 }
 
 /// What goes into an FMU, and where it goes.

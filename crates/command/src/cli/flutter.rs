@@ -15,7 +15,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Most speeds of a sweep.
-const MOST_SPEEDS: f64 = 10_000.0;
+pub(super) const MOST_SPEEDS: f64 = 10_000.0;
 
 #[derive(clap::Args)]
 #[command(after_long_help = crate::cli::help::FLUTTER)]
@@ -73,8 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let count = usize::from(arguments.count);
     let mut list = Vec::new();
     for value in &values {
-        let plant = || varied.plant(value);
-        list.push(sweep(&plant, &speeds_m_s, count)?);
+        list.push(sweep(varied.plant(value)?, &speeds_m_s, count)?);
     }
     let key = (!varied.key().is_empty()).then_some(varied.key());
     let tables: Vec<BranchTable> =
@@ -132,13 +131,8 @@ fn speeds(text: &str) -> Result<Vec<f64>, Failure> {
     Ok((0..whole).map(|i| from + i as f64 * step).chain([*to]).collect())
 }
 
-/// Modes over the speed, crossings and divergence of what `plant` gives.
-pub(super) fn sweep(
-    plant: &dyn Fn() -> Result<Plant, Failure>,
-    speeds_m_s: &[f64],
-    count: usize,
-) -> Result<Found, Failure> {
-    let mut plant = plant()?;
+/// Modes over the speed, crossings and divergence of a plant that is not yet initialised.
+pub(super) fn sweep(mut plant: Plant, speeds_m_s: &[f64], count: usize) -> Result<Found, Failure> {
     let direction = wind(plant.machine(), &plant)?;
     let mut signs: Vec<(f64, Option<bool>)> = Vec::new();
     let mut at = |speed_m_s: f64| -> Result<(Vec<ModeShape>, Option<bool>), PlantError> {
@@ -256,7 +250,7 @@ fn map(name: &str, key: &str, values: &[String], list: &[Found]) -> Option<Figur
 }
 
 /// The result for programs.
-fn as_json(found: &Found, value: Option<&str>) -> Value {
+pub(super) fn as_json(found: &Found, value: Option<&str>) -> Value {
     let crossing = |crossing: &Crossing<ModeShape>| {
         json!({
             "speed_m_s": crossing.at,

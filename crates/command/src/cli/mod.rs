@@ -45,7 +45,8 @@ mod trim;
 mod view;
 
 pub use calls::{
-    Packaging, SweepPlan, SweepRun, chosen, modes, package, points, rest, summary, summary_json, write_page,
+    Packaging, SweepPlan, SweepRun, chosen, flutter, modes, package, points, rest, summary, summary_json, trim,
+    write_page,
 };
 
 use clap::{CommandFactory, Parser, Subcommand};

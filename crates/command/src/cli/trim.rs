@@ -57,29 +57,12 @@ struct Trim<'a> {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, _) = read_model(&arguments.model)?;
     let interface = Interface::new(&machine);
-    let free = arguments.free.iter().map(|name| free_row(name, &interface)).collect::<Result<Vec<_>, _>>()?;
-    let balances = arguments.balance.iter().map(|text| balance(text, &interface)).collect::<Result<Vec<_>, _>>()?;
-    if free.len() != balances.len() {
-        return Err(Failure::Usage(format!(
-            "--free and --balance: {} free values for {} balances; as many of one as of the other are needed",
-            free.len(),
-            balances.len()
-        )));
-    }
+    let balances = arguments.balance.iter().map(|text| parsed(text)).collect::<Result<Vec<_>, _>>()?;
     let plant = plant_with(machine, &interface, &arguments.settings)?;
-    let mut trim = Trim { interface: &interface, plant, free, balances };
+    let mut trim = Trim::new(&interface, plant, &arguments.free, &balances)?;
     let (values, left, steps) = trim.find()?;
     if arguments.json {
-        let mut free = serde_json::Map::new();
-        for (row, value) in trim.free.iter().zip(values.iter()) {
-            free.insert(row.name.clone(), json!(value));
-        }
-        let mut balances = serde_json::Map::new();
-        for (own, value) in trim.balances.iter().zip(trim.outputs().iter()) {
-            balances.insert(own.row.name.clone(), json!(value));
-        }
-        let value = json!({ "name": trim.plant.machine().name, "free": free, "balances": balances, "steps": steps });
-        return print(&format!("{value:#}"));
+        return print(&format!("{:#}", trim.as_json(&values, steps)));
     }
     let mut text = format!("{} in trim after {steps} steps\n", trim.plant.machine().name);
     for (row, value) in trim.free.iter().zip(values.iter()) {
@@ -94,6 +77,26 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
+/// The trim of a plant that is not yet initialised, for programs.
+pub(super) fn found(
+    interface: &Interface,
+    plant: Plant,
+    free: &[String],
+    balances: &[(String, f64)],
+) -> Result<serde_json::Value, Failure> {
+    let mut trim = Trim::new(interface, plant, free, balances)?;
+    let (values, _, steps) = trim.find()?;
+    Ok(trim.as_json(&values, steps))
+}
+
+/// `NAME=VALUE` of a balance.
+fn parsed(text: &str) -> Result<(String, f64), Failure> {
+    let refused = |cause: &str| Failure::Usage(format!("--balance {text}: {cause}"));
+    let (name, value) = text.split_once('=').ok_or_else(|| refused("must be NAME=VALUE"))?;
+    let value = value.trim().parse().map_err(|_| refused("the value is not a finite number"))?;
+    Ok((name.to_owned(), value))
+}
+
 /// A real input or parameter.
 fn free_row<'a>(name: &str, interface: &'a Interface) -> Result<&'a Variable, Failure> {
     let row = interface.find(name).ok_or_else(|| unknown(name, "input or parameter", interface.variables()))?;
@@ -104,19 +107,49 @@ fn free_row<'a>(name: &str, interface: &'a Interface) -> Result<&'a Variable, Fa
     Err(Failure::Usage(format!("--free {name}: is not a real input or parameter; only their values can be sought")))
 }
 
-/// `NAME=VALUE` of a real output.
-fn balance<'a>(text: &str, interface: &'a Interface) -> Result<Balance<'a>, Failure> {
-    let refused = |cause: &str| Failure::Usage(format!("--balance {text}: {cause}"));
-    let (name, value) = text.split_once('=').ok_or_else(|| refused("must be NAME=VALUE"))?;
+/// A real output with the value that it shall have.
+fn balance<'a>((name, target): &(String, f64), interface: &'a Interface) -> Result<Balance<'a>, Failure> {
+    let refused = |cause: &str| Failure::Usage(format!("--balance {name}={target}: {cause}"));
     let row = interface.find(name).ok_or_else(|| unknown(name, "output", interface.variables()))?;
     if row.causality != Causality::Output || !matches!(row.value, Value::Real(_)) {
         return Err(refused("is not a real output"));
     }
-    let target = value.trim().parse().ok().filter(|value: &f64| value.is_finite());
-    Ok(Balance { row, target: target.ok_or_else(|| refused("the value is not a finite number"))? })
+    if !target.is_finite() {
+        return Err(refused("the value is not a finite number"));
+    }
+    Ok(Balance { row, target: *target })
 }
 
-impl Trim<'_> {
+impl<'a> Trim<'a> {
+    /// The problem: `free` are names, `balances` names with targets, as many of one as of the other.
+    fn new(
+        interface: &'a Interface,
+        plant: Plant,
+        free: &[String],
+        balances: &[(String, f64)],
+    ) -> Result<Self, Failure> {
+        let free = free.iter().map(|name| free_row(name, interface)).collect::<Result<Vec<_>, _>>()?;
+        let balances = balances.iter().map(|own| balance(own, interface)).collect::<Result<Vec<_>, _>>()?;
+        if free.len() != balances.len() || free.is_empty() {
+            return Err(Failure::Usage(format!(
+                "--free and --balance: {} free values for {} balances; as many of one as of the other are needed, and at least one",
+                free.len(),
+                balances.len()
+            )));
+        }
+        Ok(Self { interface, plant, free, balances })
+    }
+
+    /// The result for programs.
+    fn as_json(&self, values: &DVector<f64>, steps: usize) -> serde_json::Value {
+        let free: serde_json::Map<_, _> =
+            self.free.iter().zip(values.iter()).map(|(row, value)| (row.name.clone(), json!(value))).collect();
+        let outputs = self.outputs();
+        let balances: serde_json::Map<_, _> =
+            self.balances.iter().zip(outputs.iter()).map(|(own, value)| (own.row.name.clone(), json!(value))).collect();
+        json!({ "name": self.plant.machine().name, "free": free, "balances": balances, "steps": steps })
+    }
+
     /// Free values, what is left of the balances, and steps: Newton's iteration, with shorter steps where it does not lead
     /// nearer, NOTATION eq. (Q7).
     fn find(&mut self) -> Result<(DVector<f64>, DVector<f64>, usize), Failure> {

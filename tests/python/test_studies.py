@@ -1,0 +1,60 @@
+"""Statics, modes, flutter and trim: the numbers of the command."""
+
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+import foldwing as fw
+
+GOLAND, TIP = "examples/models/goland_wing.toml", "examples/models/flared_wing_tip.toml"
+
+
+def said(command, *words):
+    """What the command prints as JSON."""
+    return json.loads(subprocess.run([command, *words, "--json"], capture_output=True, text=True, check=True).stdout)
+
+
+def test_flutter_is_that_of_the_command(command):
+    theirs = said(command, "flutter", GOLAND, "--speeds", "125:145:10", "--count", "3")["results"][0]
+    found = fw.load(GOLAND).flutter([125.0, 135.0, 145.0], count=3)
+    assert found.data == theirs
+    assert found.flutter_m_s.tolist() == [flutter["speed_m_s"] for flutter in theirs["flutter"] if flutter["begins"]]
+    assert found.eigenvalues_1_s.shape == (len(found.speed_m_s), 3) and set(found.speed_m_s) >= {125.0, 135.0, 145.0}
+    # the second mode grows from the speed of flutter on, and only there
+    growing = found.damping_ratio[:, 1] < 0.0
+    assert np.array_equal(growing, found.speed_m_s > found.flutter_m_s[0])
+    assert found.frequency_Hz[0, 0] == pytest.approx(abs(found.eigenvalues_1_s[0, 0]) / (2.0 * np.pi), rel=1e-15)
+    assert "flutter at 137.405" in repr(found) and "neither" in repr(fw.load(GOLAND).flutter([20.0, 30.0], count=2))
+
+
+def test_trim_is_that_of_the_command_and_a_setting(command):
+    wing = fw.load(TIP)
+    words = ["--free", "wind.velocity.z", "--balance", "root.force.z=5", "--set", "fold.release=0"]
+    theirs = said(command, "trim", TIP, *words)
+    trim = wing.trim("wind.velocity.z", {"root.force.z": 5.0}, set={"fold.release": False})
+    assert trim.data == theirs and trim.settings == {"fold.release": False, **theirs["free"]}
+    assert wing.static(set=trim.settings).root_force_N[2] == pytest.approx(5.0, abs=1e-8)
+    assert "wind.velocity.z = " in repr(trim)
+
+
+def test_what_cannot_be_asked_is_refused_by_name(wing):
+    goland, tip = fw.load(GOLAND), fw.load(TIP)
+    for speeds in ([50.0], [60.0, 50.0], [0.0, 50.0], [50.0, float("nan")], [50.0, 50.0], []):
+        with pytest.raises(fw.UsageError, match="speeds: two or more speeds in m/s are needed that are positive and rise"):
+            goland.flutter(speeds)
+    with pytest.raises(fw.UsageError, match="count: 61 is not in 1..=60"):
+        goland.flutter([50.0, 60.0], count=61)
+    with pytest.raises(fw.UsageError, match="has no air; flutter needs"):
+        wing.flutter([5.0, 10.0])
+    with pytest.raises(fw.UsageError, match="wind.velocity.x"):
+        tip.trim("wind.velocty.x", {"root.force.z": 0.0})
+    with pytest.raises(fw.UsageError, match="is not a real output"):
+        tip.trim("wind.velocity.z", {"fold.torque": 0.0})
+    with pytest.raises(fw.UsageError, match="2 free values for 1 balances"):
+        tip.trim(["wind.velocity.z", "wind.velocity.y"], {"root.force.z": 0.0})
+    with pytest.raises(fw.UsageError, match="not a finite number"):
+        tip.trim("wind.velocity.z", {"root.force.z": float("inf")})
+    with pytest.raises(fw.StaticsError, match="no trim: .*root.force.x"):
+        tip.trim("fold.torque", {"root.force.x": 1e6})
