@@ -144,6 +144,16 @@ fn gusts_of_turbulence_and_by_a_table() {
              \"dryden\" or \"von_karman\")",
         ),
         (
+            table.replace("\"table\"", "\"sharp_edge\""),
+            "wing.toml:65: key 'gust.rough.table': [[0, 0], [0.5, 1], [1, 0]] is not allowed; allowed: no table: only a gust with \
+             shape = \"table\" has one",
+        ),
+        (
+            format!("{table}length_m = 1\n"),
+            "wing.toml:66: key 'gust.rough.length_m': 1 is not allowed; allowed: no length: the rows of the table have their \
+             distances",
+        ),
+        (
             table.replace("table = [[0, 0], [0.5, 1], [1, 0]]\n", ""),
             "wing.toml:62: key 'gust.rough.table' is missing; allowed: rows [distance behind the front in m, share of \
              velocity_m_s]",
