@@ -192,12 +192,12 @@ audit: build venv ## Repeat the audit of physics and numerics: studies/audit, do
 
 # with the checks for overflow and the assertions that a release build leaves out; a single step may take its 10⁶ internal
 # steps, a minute and more in this build
-robust: toolchain valgrind ## A million random calls, 30000 mutated models, a million steps, 100 killed importers
-	FOLDWING_CALLS=1000000 FOLDWING_WATCHDOG=900 $(CARGO) test --locked --test robustness -- --nocapture c01
+robust: toolchain valgrind ## A million random calls on each face, 30000 mutated models, a million steps, 100 killed importers
+	FOLDWING_CALLS=1000000 FOLDWING_WATCHDOG=900 $(CARGO) test --locked --test robustness -- --nocapture --skip valgrind random_calls::
 	FOLDWING_MUTATIONS=30000 $(CARGO) test --locked --test robustness -- --nocapture mutated_inputs::
 	FOLDWING_STEPS=1000000 FOLDWING_KILLS=50 $(CARGO) test --locked --test robustness -- --nocapture endurance::
 
-valgrind: toolchain ## Random calls under valgrind: no error, no leak
+valgrind: toolchain ## Random calls on each face under valgrind: no error, no leak
 	FOLDWING_VALGRIND_CALLS=3000 $(CARGO) test --locked --test robustness -- --nocapture c02
 
 notebook: package venv ## Run examples/deployment.ipynb and store in it what it shows

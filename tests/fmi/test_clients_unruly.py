@@ -167,7 +167,7 @@ def test_f143_what_cannot_be_run_is_refused(runner, make, wing, tmp_path):  # no
         (1, cut, "cut.fmu: not an FMU"),
         (1, make("empty", None), "not an FMU: no modelDescription.xml in the archive"),
         (1, make("torn", text[:900]), "not an FMU: modelDescription.xml"),
-        (1, make("three", text.replace('fmiVersion="2.0"', 'fmiVersion="3.0"')), "FMI 3.0; only FMI 2.0 can be run"),
+        (1, make("one", text.replace('fmiVersion="2.0"', 'fmiVersion="1.0"')), "FMI 1.0; only FMI 2.0 and FMI 3.0 can be run"),
         (1, make("exchange", exchange), "for model exchange only"),
         (1, make("nameless", text.replace('\n    guid="{unruly}"', "")), "no attribute guid"),
         (1, make("windows", files={"binaries/win32/unruly.dll": b"x"}), "the FMU has win32"),

@@ -631,3 +631,16 @@ fn x10_instances() {
     let place = format!("fmi2Instantiate: the model file \"{folder}/model.toml\" cannot be read: ");
     assert!(text.starts_with(&place), "{text}");
 }
+
+/// Event Mode of co-simulation belongs to importers that have asked for it: others would stand where no saved state can.
+#[test]
+fn event_mode_that_was_declined_is_refused() {
+    let fmu = crate::fmu3::Fmu3::started(crate::fmu3::Agreed::default());
+    let before = fmu.present();
+    assert_eq!(unsafe { foldwing_fmu::fmi3::exchange::fmi3EnterEventMode(fmu.instance) }, 3);
+    let told = "fmi3EnterEventMode: this instance was made without Event Mode: pass eventModeUsed = true to \
+                fmi3InstantiateCoSimulation";
+    assert_eq!(fmu.told(), told);
+    assert_eq!(fmu.present(), before);
+    fmu.step(0.0, 1e-3);
+}

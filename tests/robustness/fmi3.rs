@@ -11,19 +11,20 @@ use foldwing_fmu::fmi3::derivatives::*;
 use foldwing_fmu::fmi3::exchange::*;
 use foldwing_fmu::fmi3::functions::*;
 use foldwing_fmu::fmi3::states::*;
+pub use foldwing_fmu::fmi3::steps::fmi3EnterStepMode as enter_step;
 use foldwing_fmu::fmi3::steps::*;
 use foldwing_fmu::fmi3::values::*;
 use foldwing_fmu::functions::*;
 use std::ptr;
 
-const TWO_FOLDS: &str = include_str!("../../examples/models/three_bodies.toml");
-const FLYING: &str = include_str!("../../examples/models/flying_wing.toml");
+pub const TWO_FOLDS: &str = include_str!("../../examples/models/three_bodies.toml");
+pub const FLYING: &str = include_str!("../../examples/models/flying_wing.toml");
 const TUNNEL: &str = include_str!("../../examples/models/folding_wing_in_tunnel.toml");
 
 /// An importer that handles events itself.
-const EVENTS: Agreed = Agreed { event_mode: true, early_return: true, intermediate_update: false };
+pub const EVENTS: Agreed = Agreed { event_mode: true, early_return: true, intermediate_update: false };
 /// Communication step in s.
-const STEP_S: f64 = 1e-3;
+pub const STEP_S: f64 = 1e-3;
 
 /// F3-01. The same model at the same steps gives the same bits in both versions: every Real, between the steps too, through the
 /// latch, with moving inputs; in air and flying free as well.
@@ -393,6 +394,85 @@ fn f308_model_exchange_of_both_versions_has_the_same_bits() {
     }
 }
 
+/// An instance for Model Exchange that the test integrates by Euler's method, to a time.
+fn integrated(fmu: &Fmu3, states: &mut [f64], slope: &mut [f64], indicators: &mut [f64], steps: std::ops::Range<u32>) {
+    let (i, n) = (fmu.instance, states.len());
+    let (mut event, mut end) = (false, true);
+    for step in steps {
+        unsafe {
+            fmu.ok(fmi3GetContinuousStateDerivatives(i, slope.as_mut_ptr(), n));
+            states.iter_mut().zip(&*slope).for_each(|(state, slope)| *state += 1e-6 * slope);
+            fmu.ok(fmi3SetTime(i, 1e-6 * f64::from(step + 1)));
+            fmu.ok(fmi3SetContinuousStates(i, states.as_ptr(), n));
+            fmu.ok(fmi3GetEventIndicators(i, indicators.as_mut_ptr(), indicators.len()));
+            fmu.ok(fmi3CompletedIntegratorStep(i, true, &mut event, &mut end));
+        }
+        assert!(!event && !end);
+    }
+}
+
+/// An instance for Model Exchange at its beginning, with room for what an integrator needs.
+fn integrable() -> (Fmu3, Vec<f64>, Vec<f64>, Vec<f64>) {
+    let fmu = Fmu3::exchanged(WING);
+    fmu.start();
+    fmu.update();
+    let n = fmu.table.nominals().len();
+    let (mut states, mut indicators) = (vec![0.0; n], 0);
+    unsafe {
+        fmu.ok(fmi3EnterContinuousTimeMode(fmu.instance));
+        fmu.ok(fmi3GetContinuousStates(fmu.instance, states.as_mut_ptr(), n));
+        fmu.ok(fmi3GetNumberOfEventIndicators(fmu.instance, &mut indicators));
+    }
+    (fmu, states, vec![0.0; n], vec![0.0; indicators])
+}
+
+/// F3-16. Model Exchange of FMI 3.0: steps of the importer's integrator allocate nothing; from a saved state, as bytes in another
+/// instance too, the run repeats to the bit; eight instances in threads give these bits.
+#[test]
+fn f316_model_exchange_allocates_nothing_rolls_back_and_runs_in_threads() {
+    let (fmu, mut states, mut slope, mut indicators) = integrable();
+    integrated(&fmu, &mut states, &mut slope, &mut indicators, 0..50);
+    let before = allocations();
+    integrated(&fmu, &mut states, &mut slope, &mut indicators, 50..550);
+    assert_eq!(allocations() - before, 0, "allocations in 500 steps of the importer's");
+    // what one call gives whole, the variables give one by one
+    let rows = fmu.table.variables().iter().filter(|row| row.nominal.is_some());
+    let names: Vec<String> = rows.map(|row| row.name.clone()).collect();
+    fmu.ok(unsafe { fmi3GetContinuousStateDerivatives(fmu.instance, slope.as_mut_ptr(), slope.len()) });
+    for (i, name) in names.iter().enumerate() {
+        assert_eq!(fmu.get(name), [states[i]], "{name}");
+        assert_eq!(fmu.get(&format!("der({name})")), [slope[i]], "{name}");
+    }
+    let (here, at) = (fmu.save(), states.clone());
+    let bytes = fmu.serialize(here);
+    integrated(&fmu, &mut states, &mut slope, &mut indicators, 550..1000);
+    let (expected, end) = (fmu.bits(), states.clone());
+
+    let (other, ..) = integrable();
+    let mut handle = ptr::null_mut();
+    fmu.ok(unsafe { fmi3SetFMUState(fmu.instance, here) });
+    other.ok(unsafe { fmi3DeserializeFMUState(other.instance, bytes.as_ptr(), bytes.len(), &mut handle) });
+    other.ok(unsafe { fmi3SetFMUState(other.instance, handle) });
+    for again in [&fmu, &other] {
+        let n = states.len();
+        again.ok(unsafe { fmi3GetContinuousStates(again.instance, states.as_mut_ptr(), n) });
+        assert_eq!(states, at);
+        integrated(again, &mut states, &mut slope, &mut indicators, 550..1000);
+        assert_eq!(states, end);
+        assert_eq!(again.bits(), expected);
+    }
+
+    let whole = || {
+        let (fmu, mut states, mut slope, mut indicators) = integrable();
+        integrated(&fmu, &mut states, &mut slope, &mut indicators, 0..1000);
+        fmu.bits()
+    };
+    std::thread::scope(|scope| {
+        let running: Vec<_> = (0..8).map(|_| scope.spawn(whole)).collect();
+        running.into_iter().for_each(|thread| assert_eq!(thread.join().expect("no panic"), expected));
+    });
+}
+
 /// F3-09. After the first step nothing is allocated: in steps with events and updates, in getting and setting.
 #[test]
 fn f309_a_step_allocates_nothing() {
@@ -424,7 +504,7 @@ fn f309_a_step_allocates_nothing() {
 
 /// Where an instance stands, and what it was made for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Phase {
+pub enum Phase {
     Instantiated,
     Initialization,
     Event,
@@ -435,7 +515,8 @@ enum Phase {
 }
 
 impl Phase {
-    fn phrase(self) -> &'static str {
+    /// As messages name it.
+    pub fn phrase(self) -> &'static str {
         match self {
             Self::Instantiated => "before fmi3EnterInitializationMode",
             Self::Initialization => "in Initialization Mode",
@@ -449,14 +530,14 @@ impl Phase {
 }
 
 /// Phases of co-simulation with Event Mode, and of Model Exchange.
-const OF_STEPS: [Phase; 6] =
+pub const OF_STEPS: [Phase; 6] =
     [Phase::Instantiated, Phase::Initialization, Phase::Event, Phase::Step, Phase::Failed, Phase::Terminated];
-const OF_EXCHANGE: [Phase; 5] =
+pub const OF_EXCHANGE: [Phase; 5] =
     [Phase::Instantiated, Phase::Initialization, Phase::Event, Phase::Continuous, Phase::Terminated];
 
 /// FMI 3.0.2, sections 2.3, 3.2.1 and 4.2.1: which functions are legal, in the order of [`OF_STEPS`] and of [`OF_EXCHANGE`]. Every
 /// getter and setter has the row of `fmi3GetFloat64` or `fmi3SetFloat64`. A failed step leaves what FMI 2.0 has there.
-const TABLE: [(&str, &str, &str); 35] = [
+pub const TABLE: [(&str, &str, &str); 35] = [
     ("fmi3SetDebugLogging", "x x x x x x", "x x x x x"),
     ("fmi3EnterInitializationMode", "x - - - - -", "x - - - -"),
     ("fmi3ExitInitializationMode", "- x - - - -", "- x - - -"),
@@ -655,49 +736,6 @@ fn f311_no_instance_and_null_arguments() {
         assert!(none.is_null());
     }
     assert!(fmu.present() == before);
-}
-
-/// F3-12. Random calls, legal and illegal, of either kind: never a breakdown, one message for each refusal, and a call out of order
-/// has changed no bit. `FOLDWING_CALLS` sets the number.
-#[test]
-fn f312_random_calls() {
-    let calls = std::env::var("FOLDWING_CALLS").ok().and_then(|text| text.parse().ok()).unwrap_or(4_000_usize);
-    for exchange in [false, true] {
-        let mut random = fastrand::Rng::with_seed(3);
-        let (fmu, _) = in_phase(exchange, Phase::Event);
-        let arrays = u32::try_from(fmu.table.arrays().len()).expect("few");
-        let mut time_s = 0.0;
-        for number in 0..calls / 2 {
-            let before = fmu.present();
-            fmu.environment.messages.borrow_mut().clear();
-            let value = [0.0, 1.0, -1e200, 1e-3, f64::NAN][random.usize(0..5)];
-            let reference = random.u32(0..arrays + 2);
-            let length = fmu.table.arrays().get(reference as usize).map_or(1, |array| array.rows.len());
-            let count = length + usize::from(random.u8(0..9) == 0);
-            let mut values = vec![value; count];
-            let (name, status) = match random.u32(0..6) {
-                0 => ("set", unsafe { fmi3SetFloat64(fmu.instance, &reference, 1, values.as_ptr(), count) }),
-                1 => ("get", unsafe { fmi3GetFloat64(fmu.instance, &reference, 1, values.as_mut_ptr(), count) }),
-                2 => ("boolean", unsafe { fmi3SetBoolean(fmu.instance, &reference, 1, &(value != 0.0), 1) }),
-                _ => {
-                    let name = TABLE[random.usize(0..TABLE.len())].0;
-                    (name, call(&fmu, name, time_s))
-                }
-            };
-            let told: Vec<_> = fmu.environment.messages.borrow_mut().drain(..).collect();
-            assert!(status <= 3, "call {number}, {name}: {told:?}");
-            assert_eq!(told.len(), usize::from(status >= 2), "call {number}, {name}: {told:?}");
-            if told.iter().any(|message| message.2.contains("not legal")) || name == "set" && status >= 2 {
-                assert!(fmu.present() == before, "call {number}, {name} changed the state");
-            }
-            if status == 0 && matches!(name, "fmi3Reset" | "fmi3EnterInitializationMode") {
-                time_s = 0.0;
-            }
-            if status == 0 && name == "fmi3DoStep" {
-                time_s += STEP_S;
-            }
-        }
-    }
 }
 
 /// F3-13. Instances of both versions in eight threads give the bits that each gives alone.

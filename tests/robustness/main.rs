@@ -4,8 +4,10 @@ mod calls;
 #[path = "../verification/counting_allocator.rs"]
 mod counting_allocator;
 mod endurance;
+mod faces;
 mod failures;
 mod fmi3;
+mod fmi3_derivatives;
 mod fmi_allocation;
 mod fmi_calls;
 mod fmi_capabilities;
@@ -31,6 +33,7 @@ mod model_file_units;
 mod mutated_inputs;
 mod random_arguments;
 mod random_calls;
+mod random_faces;
 mod random_session;
 mod standard;
 mod watchdog;

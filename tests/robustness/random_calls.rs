@@ -2,11 +2,14 @@
 //!
 //! `FOLDWING_CALLS` sets their number, `FOLDWING_SEED` runs the one sequence that a failure names.
 
+use crate::random_faces::{self, Cast};
 use crate::random_session::{Session, Tally};
 use std::process::Command;
 
 /// Calls in a plain `cargo test`.
 const SHARE: usize = 20_000;
+/// The same on each of the other faces, which share what lies behind the calls.
+const SHARE_OF_FACE: usize = 3_000;
 /// Calls of one sequence, after which every instance is reset and compared with a fresh one.
 const SEQUENCE: usize = 150;
 /// Calls under valgrind, which is some forty times slower.
@@ -35,7 +38,42 @@ fn c01_random_calls() {
     println!("{tally}");
 }
 
-/// C-02. The same under valgrind's memcheck: no read or write outside what was allocated, nothing uninitialised used,
+/// A session of one of the other three faces.
+fn of_face(cast: Cast, share: usize) {
+    let calls = number("FOLDWING_CALLS").unwrap_or(share);
+    let guard = crate::watchdog::watch(number("FOLDWING_WATCHDOG").unwrap_or(60) as u64);
+    let mut session = random_faces::Session::new(cast);
+    let mut tally = random_faces::Tally::default();
+    let seeds = match number("FOLDWING_SEED") {
+        Some(seed) => seed as u64..seed as u64 + 1,
+        None => 0..calls.div_ceil(SEQUENCE) as u64,
+    };
+    for seed in seeds {
+        session.run(seed, SEQUENCE, &guard, &mut tally);
+    }
+    drop(session);
+    println!("{cast:?}: {tally}");
+}
+
+/// C-03. The same on co-simulation of FMI 3.0: with Event Mode and without, with early returns and intermediate updates.
+#[test]
+fn c03_random_calls_on_co_simulation_of_fmi3() {
+    of_face(Cast::Steps3, SHARE_OF_FACE);
+}
+
+/// C-04. The same on Model Exchange of FMI 2.0, with states and times that make no sense.
+#[test]
+fn c04_random_calls_on_model_exchange_of_fmi2() {
+    of_face(Cast::Exchange2, SHARE_OF_FACE);
+}
+
+/// C-05. The same on Model Exchange of FMI 3.0.
+#[test]
+fn c05_random_calls_on_model_exchange_of_fmi3() {
+    of_face(Cast::Exchange3, SHARE_OF_FACE);
+}
+
+/// C-02. All four under valgrind's memcheck: no read or write outside what was allocated, nothing uninitialised used,
 /// nothing leaked.
 #[test]
 fn c02_random_calls_under_valgrind() {
@@ -51,7 +89,7 @@ fn c02_random_calls_under_valgrind() {
         .args(["--errors-for-leak-kinds=definite,indirect,possible", "--error-exitcode=99", "--num-callers=40"])
         .arg(concat!("--suppressions=", env!("CARGO_MANIFEST_DIR"), "/tests/robustness/valgrind.supp"))
         .arg(std::env::current_exe().expect("a path"))
-        .args(["--exact", "random_calls::c01_random_calls", "--test-threads=1", "--nocapture"])
+        .args(["random_calls::", "--skip", "valgrind", "--test-threads=1", "--nocapture"])
         .env("FOLDWING_CALLS", calls.to_string())
         .env("FOLDWING_WATCHDOG", "600")
         .env_remove("FOLDWING_SEED");
@@ -59,8 +97,8 @@ fn c02_random_calls_under_valgrind() {
     let (told, summary) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success(), "{}\n{told}\n{summary}", output.status);
     assert!(summary.contains("ERROR SUMMARY: 0 errors"), "{summary}");
-    assert!(told.contains("1 passed"), "the test did not run: {told}");
-    println!("valgrind, {calls} calls:");
+    assert!(told.contains("4 passed"), "the test did not run: {told}");
+    println!("valgrind, {calls} calls of each face:");
     for line in summary.lines().filter(|line| line.contains("lost:") || line.contains("SUMMARY")) {
         println!("  {line}");
     }

@@ -27,7 +27,7 @@ const MOST_STATES: usize = 6;
 const ANY: &[fmi2Status] = &[fmi2OK, fmi2Discard, fmi2Error];
 
 /// Models by name: all that are shipped but the strips' twin, the lattice thinned out.
-fn models() -> Vec<(String, String)> {
+pub fn models() -> Vec<(String, String)> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models");
     let mut models: Vec<(String, String)> = std::fs::read_dir(folder)
         .expect("the models")

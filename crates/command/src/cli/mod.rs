@@ -68,8 +68,8 @@ fn version() -> &'static str {
 
 /// Flexible folding wings from short model files: FMUs, simulations, checks.
 ///
-/// A model file (TOML) describes a wing: sections, bodies, fold joints, gauges, air. Foldwing turns it into an FMU for FMI
-/// 2.0 co-simulation, a flexible wing that folds, unfolds and latches. It also simulates and studies the same wing
+/// A model file (TOML) describes a wing: sections, bodies, fold joints, gauges, air. Foldwing turns it into an FMU (FMI 2.0
+/// or 3.0, co-simulation and Model Exchange), a flexible wing that folds, unfolds and latches. It also simulates and studies the same wing
 /// itself, without an importer. No compiler is needed.
 #[derive(Parser)]
 #[command(name = "foldwing", version = version(), after_help = help::EXIT_CODES, after_long_help = help::ORDER_OF_WORK)]
@@ -116,7 +116,7 @@ enum Command {
     /// For hardware in the loop: median, 99 %, 99.9 % and slowest of the steps in wall time and in processor time, and a
     /// histogram. `solver.mode = "real_time"` in the model bounds the cost of a step.
     Latency(latency::Arguments),
-    /// Run an FMU of any tool (FMI 2.0 co-simulation) and write its outputs as CSV
+    /// Run an FMU of any tool (co-simulation of FMI 2.0 or 3.0) and write its outputs as CSV
     ///
     /// Foldwing's own FMUs give the same bytes as `simulate`. Needs a build with the feature `import`, which `make runner`
     /// makes; other builds say so.

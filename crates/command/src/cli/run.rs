@@ -13,7 +13,7 @@ use crate::import::{
     listen,
 };
 use crate::report::plots::Series;
-use crate::report::{InputTable, Recorder, number};
+use crate::report::{InputTable, Recorder};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::panic;
@@ -24,7 +24,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.variables {
         return print(&listing(&Fmu::describe(&arguments.fmu).map_err(refused)?));
     }
-    show_messages(arguments.log);
     let folder = tempfile::Builder::new().prefix("foldwing-run").tempdir();
     let folder = folder.map_err(|error| Failure::writing("the folder for temporary files", &error))?;
     let _leftover = Leftover::watch(folder.path());
@@ -37,6 +36,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let recorded = recorded(&arguments.outputs, description)?;
     let settings = settings(&arguments.settings, description)?;
     let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, &description.variables)).transpose()?;
+    show_messages(arguments.log, &description.model_name);
     let slave = fmu.instantiate(&description.model_name, arguments.log).map_err(refused)?;
 
     let read = [Some(arguments.fmu.as_path()), arguments.inputs.as_deref()];
@@ -51,9 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut run = Run { slave, description, inputs, readout, recorder: recorder.map_err(writing)?, series };
     let clock = Instant::now();
     run.slave.set_up(tolerance, grid.start_s, grid.stop_s).map_err(failed)?;
-    for (variable, value) in &settings {
-        run.slave.set(variable, value).map_err(set_refused)?;
-    }
+    run.slave.set(settings).map_err(set_refused)?;
     let outcome = run.through(&grid, &writing);
     if let Err(Failure::Files(_) | Failure::Closed) = outcome {
         return outcome.map(|_| ()); // nothing can be written: what stood there stays
@@ -74,8 +72,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Messages of FMUs go to standard error: with `everything` also those that are for information.
-fn show_messages(everything: bool) {
+fn show_messages(everything: bool, model_name: &str) {
+    let model_name = model_name.to_owned();
     listen(move |Message { instance, severity, text }| {
+        let instance = instance.as_ref().unwrap_or(&model_name);
         let word = match severity {
             Severity::Note if !everything => return,
             Severity::Note => "note",
@@ -139,10 +139,11 @@ fn checked(tolerance: Option<f64>) -> Result<Option<f64>, Failure> {
 /// Variables to write: those named, else all outputs.
 fn recorded<'a>(names: &[String], description: &'a Description) -> Result<Vec<&'a Variable>, Failure> {
     let variables = &description.variables;
+    let readable: Vec<&Variable> = variables.iter().filter(|variable| variable.kind != Kind::Opaque).collect();
     if names.is_empty() {
-        return Ok(variables.iter().filter(|variable| variable.causality == "output").collect());
+        return Ok(readable.into_iter().filter(|variable| variable.causality == "output").collect());
     }
-    chosen(names, &variables.iter().collect::<Vec<_>>(), "variable")
+    chosen(names, &readable, "variable")
 }
 
 /// By what a CSV of these variables is known. A table of inputs alone may be what somebody wrote for a run.
@@ -209,20 +210,15 @@ impl<W: Write> Run<'_, W> {
     /// Inputs of the step that begins at `time_s`.
     fn feed(&mut self, time_s: f64) -> Result<(), Failure> {
         let Some(table) = &self.inputs else { return Ok(()) };
-        for (position, value) in table.at(time_s) {
-            self.slave.set(&self.description.variables[position], &Datum::Number(value)).map_err(set_refused)?;
-        }
-        Ok(())
+        let variables = &self.description.variables;
+        let values = table.at(time_s).map(|(position, value)| (&variables[position], Datum::Number(value)));
+        self.slave.set(values).map_err(set_refused)
     }
 
     fn record(&mut self, time_s: f64, writing: &impl Fn(io::Error) -> Failure) -> Result<(), Failure> {
         self.slave.read(&mut self.readout).map_err(failed)?;
         if let Some(series) = &mut self.series {
-            let drawn = |datum| match datum {
-                Datum::Number(value) => number(&value),
-                Datum::Text(_) => f64::NAN,
-            };
-            series.include(time_s, self.readout.values().map(drawn));
+            series.include(time_s, self.readout.values().map(|datum| datum.real()));
         }
         self.recorder.record_cells(time_s, self.readout.values().map(|datum| datum.to_string())).map_err(writing)
     }
@@ -233,10 +229,14 @@ fn listing(description: &Description) -> String {
     let mut text = String::new();
     for variable in &description.variables {
         let kind = match &variable.kind {
+            Kind::Real | Kind::Integer | Kind::Opaque if let Some(element) = variable.element => {
+                format!("{:?}", element.native)
+            }
             Kind::Real => "Real".to_owned(),
             Kind::Integer => "Integer".to_owned(),
             Kind::Boolean => "Boolean".to_owned(),
             Kind::String => "String".to_owned(),
+            Kind::Opaque => "Binary".to_owned(),
             Kind::Enumeration(words) => {
                 let words: Vec<&str> = words.iter().map(|(word, _)| word.as_str()).collect();
                 format!("Enumeration of {}", words.join(", "))

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(after_long_help = crate::cli::help::RUN)]
 pub struct Arguments {
-    /// FMU: FMI 2.0, co-simulation
+    /// FMU: FMI 2.0 or 3.0, co-simulation
     pub fmu: PathBuf,
     /// CSV file to write; `-` is standard output
     #[arg(long, value_name = "OUT.csv", required_unless_present_any = ["variables", "plot"])]

@@ -1,7 +1,8 @@
 //! What an FMU says of itself: how to load it, its experiment, its variables with types, units and ranges.
 
 use crate::import::description_file::{Attributes, Root, ScalarVariable};
-use crate::report::{Channel, cell};
+use crate::import::description3::{self, Root3};
+use crate::report::{Channel, cell, number};
 use foldwing_fmi::interface::Value;
 use std::collections::HashMap;
 use std::fmt;
@@ -11,7 +12,7 @@ use std::fmt;
 pub struct Description {
     /// `modelName`.
     pub model_name: String,
-    /// `guid`, which the library compares with its own.
+    /// `guid` or `instantiationToken`, which the library compares with its own.
     pub guid: String,
     /// Name of the library without its ending.
     pub identifier: String,
@@ -45,8 +46,59 @@ pub enum Kind {
     Boolean,
     /// Text.
     String,
+    /// Bytes or a clock of FMI 3.0: neither read nor set.
+    Opaque,
     /// One of a list of words, each with its number.
     Enumeration(Vec<(String, i32)>),
+}
+
+/// Type of FMI 3.0, as its functions read and set it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs, reason = "names of the standard")]
+pub enum NativeType {
+    Float32,
+    Float64,
+    Int8,
+    UInt8,
+    Int16,
+    UInt16,
+    Int32,
+    UInt32,
+    Int64,
+    UInt64,
+    Boolean,
+    String,
+    Binary,
+    Clock,
+}
+
+impl NativeType {
+    /// Smallest and largest value of a whole number.
+    pub fn bounds(self) -> (Option<f64>, Option<f64>) {
+        let (least, most) = match self {
+            Self::Int8 => (f64::from(i8::MIN), f64::from(i8::MAX)),
+            Self::UInt8 => (0.0, f64::from(u8::MAX)),
+            Self::Int16 => (f64::from(i16::MIN), f64::from(i16::MAX)),
+            Self::UInt16 => (0.0, f64::from(u16::MAX)),
+            Self::Int32 => (f64::from(i32::MIN), f64::from(i32::MAX)),
+            Self::UInt32 => (0.0, f64::from(u32::MAX)),
+            Self::Int64 => (-(2_f64.powi(63)), 2_f64.powi(63)),
+            Self::UInt64 => (0.0, 2_f64.powi(64)),
+            _ => return (None, None),
+        };
+        (Some(least), Some(most))
+    }
+}
+
+/// Which element of a variable of FMI 3.0: a scalar is the only one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Element {
+    /// Type.
+    pub native: NativeType,
+    /// Place in row-major order.
+    pub place: usize,
+    /// Number of elements of the variable.
+    pub length: usize,
 }
 
 /// Unit of a variable and those it may be shown in.
@@ -88,6 +140,8 @@ pub struct Variable {
     pub range: Option<(f64, f64)>,
     /// Start value as it stands.
     pub start: Option<String>,
+    /// In FMI 3.0, where an array is a variable of several elements.
+    pub element: Option<Element>,
 }
 
 /// A value of any type.
@@ -95,8 +149,36 @@ pub struct Variable {
 pub enum Datum {
     /// Real, Integer, Enumeration or Boolean.
     Number(Value),
+    /// Integer or Enumeration beyond 32 bits.
+    Whole(i128),
     /// String.
     Text(String),
+}
+
+impl Datum {
+    /// A whole number of any size.
+    pub fn whole(value: i128) -> Self {
+        i32::try_from(value).map_or(Self::Whole(value), |value| Self::Number(Value::Integer(value)))
+    }
+
+    /// As a real number; NaN of a text.
+    pub fn real(&self) -> f64 {
+        match self {
+            Self::Number(value) => number(value),
+            Self::Whole(value) => *value as f64,
+            Self::Text(_) => f64::NAN,
+        }
+    }
+
+    /// As a whole number: 0 of what is none.
+    pub fn integer(&self) -> i128 {
+        match self {
+            Self::Number(Value::Integer(value)) => i128::from(*value),
+            Self::Number(Value::Boolean(value)) => i128::from(*value),
+            Self::Whole(value) => *value,
+            Self::Number(Value::Real(_)) | Self::Text(_) => 0,
+        }
+    }
 }
 
 /// The identifier names a file below `binaries`: it must not lead elsewhere.
@@ -113,6 +195,7 @@ impl fmt::Display for Datum {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Number(value) => f.write_str(&cell(value)),
+            Self::Whole(value) => value.fmt(f),
             Self::Text(text) => f.write_str(text),
         }
     }
@@ -123,7 +206,7 @@ impl Description {
     ///
     /// # Errors
     /// The name of what is missing or contradicts itself.
-    pub(super) fn new(root: Root) -> Result<Self, String> {
+    pub(super) fn new(root: Root, third: Option<Root3>) -> Result<Self, String> {
         let co_simulation = root.co_simulation.ok_or("no element CoSimulation")?;
         check_identifier(&co_simulation.identifier)?;
         let units = root.units.list.into_iter().map(|unit| {
@@ -137,17 +220,27 @@ impl Description {
         let units: HashMap<String, Unit> = units.collect();
         let types = root.types.list.into_iter().map(|declared| (declared.name, declared.attributes));
         let types: HashMap<String, Attributes> = types.collect();
-        let variables = root.variables.list.into_iter().map(|variable| Variable::new(variable, &types, &units));
+        let (token, absent) = match third {
+            Some(_) => (root.token, "no attribute instantiationToken"),
+            None => (root.guid, "no attribute guid"),
+        };
+        let variables = match third {
+            Some(third) => description3::variables(third, &units)?,
+            None => {
+                let list = root.variables.list.into_iter();
+                list.map(|variable| Variable::new(variable, &types, &units)).collect::<Result<_, _>>()?
+            }
+        };
         let experiment = root.experiment;
         let start_s = experiment.start.unwrap_or(0.0);
         let stop_s = experiment.stop.unwrap_or(start_s + 1.0);
         Ok(Self {
             model_name: root.model_name.ok_or("no attribute modelName")?,
-            guid: root.guid.ok_or("no attribute guid")?,
+            guid: token.ok_or(absent)?,
             identifier: co_simulation.identifier,
             varies_step: co_simulation.varies_step,
             experiment: Experiment { start_s, stop_s, step_s: experiment.step.unwrap_or((stop_s - start_s) / 500.0) },
-            variables: variables.collect::<Result<_, _>>()?,
+            variables,
         })
     }
 
@@ -201,6 +294,7 @@ impl Variable {
             unit,
             range,
             start: own.start,
+            element: None,
         })
     }
 
@@ -211,6 +305,7 @@ impl Variable {
     pub fn parse(&self, text: &str) -> Result<Datum, String> {
         let value = match &self.kind {
             Kind::Real => Value::Real(self.real(text)?),
+            Kind::Integer if self.element.is_some() => return self.whole(text),
             Kind::Integer => Value::Integer(whole(text)?),
             Kind::Enumeration(words) => match words.iter().find(|(word, _)| word == text) {
                 Some((_, number)) => Value::Integer(*number),
@@ -222,18 +317,56 @@ impl Variable {
                 _ => return Err(format!("`{text}` is not a Boolean; allowed are 0, 1, false and true")),
             },
             Kind::String => return Ok(Datum::Text(text.to_owned())),
+            Kind::Opaque => return Err(format!("`{text}`: no value of this type can be given")),
         };
         let number = match value {
             Value::Real(value) => Some(value),
             Value::Integer(value) => Some(f64::from(value)),
             Value::Boolean(_) => None,
         };
-        match (number, self.range) {
-            (Some(number), Some((min, max))) if !(min..=max).contains(&number) => {
+        match number {
+            Some(number) => self.within(text, number, Datum::Number(value)),
+            None => Ok(Datum::Number(value)),
+        }
+    }
+
+    /// A whole number of FMI 3.0, of up to 64 bits.
+    fn whole(&self, text: &str) -> Result<Datum, String> {
+        let value: i128 = text.parse().map_err(|_| format!("`{text}` is not a whole number"))?;
+        self.within(text, value as f64, Datum::whole(value))
+    }
+
+    fn within(&self, text: &str, number: f64, value: Datum) -> Result<Datum, String> {
+        match self.range {
+            Some((min, max)) if !(min..=max).contains(&number) => {
                 Err(format!("`{text}` is out of range; allowed is {min:?} to {max:?}{}", self.unit_after_number()))
             }
-            _ => Ok(Datum::Number(value)),
+            _ => Ok(value),
         }
+    }
+
+    /// Name of the whole variable, of which this may be an element.
+    pub fn array_name(&self) -> &str {
+        match self.element {
+            Some(element) if element.length > 1 => self.name.rfind('[').map_or(&self.name, |at| &self.name[..at]),
+            _ => &self.name,
+        }
+    }
+
+    /// Start value as the description has it; zero, no and nothing where it is silent.
+    pub fn start_value(&self) -> Datum {
+        let given = self.start.as_deref().and_then(|start| match self.kind {
+            // what stands there may lie outside the range, and is not asked
+            Kind::Real => start.parse().ok().map(|value| Datum::Number(Value::Real(value))),
+            Kind::Integer | Kind::Enumeration(_) => start.parse().ok().map(Datum::whole),
+            _ => self.parse(start).ok(),
+        });
+        given.unwrap_or(match self.kind {
+            Kind::Real => Datum::Number(Value::Real(0.0)),
+            Kind::Integer | Kind::Enumeration(_) => Datum::Number(Value::Integer(0)),
+            Kind::Boolean => Datum::Number(Value::Boolean(false)),
+            Kind::String | Kind::Opaque => Datum::Text(String::new()),
+        })
     }
 
     /// A real, converted to the variable's unit.
@@ -276,7 +409,7 @@ impl Channel for Variable {
             Kind::Real => Some(Value::Real(0.0)),
             Kind::Integer | Kind::Enumeration(_) => Some(Value::Integer(0)),
             Kind::Boolean => Some(Value::Boolean(false)),
-            Kind::String => None,
+            Kind::String | Kind::Opaque => None,
         }
     }
 

@@ -11,6 +11,8 @@ pub(super) struct Root {
     pub model_name: Option<String>,
     #[serde(rename = "@guid")]
     pub guid: Option<String>,
+    #[serde(rename = "@instantiationToken")]
+    pub token: Option<String>,
     #[serde(rename = "CoSimulation")]
     pub co_simulation: Option<CoSimulation>,
     #[serde(rename = "DefaultExperiment", default)]

@@ -36,7 +36,7 @@ const FOREIGN: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 
 fn foreign() -> Description {
     let root: Root = quick_xml::de::from_str(FOREIGN).expect("well-formed");
-    Description::new(root).expect("complete")
+    Description::new(root, None).expect("complete")
 }
 
 /// What the standard allows is read: foreign name spaces, annotations, attributes that we do not use.
@@ -97,6 +97,6 @@ fn incomplete_descriptions_are_refused() {
     ] {
         assert!(FOREIGN.contains(taken), "{taken}");
         let root: Root = quick_xml::de::from_str(&FOREIGN.replace(taken, put)).expect("well-formed");
-        assert_eq!(Description::new(root), Err(message.to_owned()));
+        assert_eq!(Description::new(root, None), Err(message.to_owned()));
     }
 }

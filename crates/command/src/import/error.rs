@@ -23,7 +23,7 @@ pub enum ImportError {
         cause: String,
     },
     /// Another version of the standard.
-    #[error("{path}: FMI {found}; only FMI 2.0 can be run", path = path.display())]
+    #[error("{path}: FMI {found}; only FMI 2.0 and FMI 3.0 can be run", path = path.display())]
     Version {
         /// The FMU.
         path: PathBuf,
@@ -66,15 +66,17 @@ pub enum ImportError {
         /// Name of the standard.
         function: &'static str,
     },
-    /// `fmi2Instantiate` gave no instance.
-    #[error("{path}: fmi2Instantiate returned no instance", path = path.display())]
+    /// The FMU gave no instance.
+    #[error("{path}: {function} returned no instance", path = path.display())]
     NotInstantiated {
         /// The FMU.
         path: PathBuf,
+        /// Name of the standard.
+        function: &'static str,
     },
 }
 
-/// What a function answered instead of `fmi2OK` or `fmi2Warning`.
+/// What a function answered instead of `fmi2OK` or `fmi2Warning`, or the same of FMI 3.0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
     /// Refused, nothing changed.
@@ -83,13 +85,15 @@ pub enum Fault {
     Error,
     /// Every instance of the FMU is lost; not even freeing is allowed.
     Fatal,
+    /// A step of FMI 3.0 that ended before its end, without having been allowed to.
+    Early,
     /// No status that can be handled: `fmi2Pending`, for steps are never asynchronous here, or none of the standard.
     Other,
 }
 
 /// A call that an FMU refused or failed in.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{call}: the FMU returned {answer}", answer = fault.name())]
+#[error("{call}: the FMU returned {answer}", answer = fault.name(&call[..4]))]
 pub struct CallError {
     /// Function, and what it was called for.
     pub call: String,
@@ -98,13 +102,15 @@ pub struct CallError {
 }
 
 impl Fault {
-    /// Name of the standard.
-    pub fn name(self) -> &'static str {
+    /// Name in the version of the standard whose names begin with `prefix`, `fmi2` or `fmi3`.
+    pub fn name(self, prefix: &str) -> String {
         match self {
-            Self::Discard => "fmi2Discard",
-            Self::Error => "fmi2Error",
-            Self::Fatal => "fmi2Fatal",
-            Self::Other => "fmi2Pending, which is not supported, or a status that FMI does not define",
+            Self::Discard => format!("{prefix}Discard"),
+            Self::Error => format!("{prefix}Error"),
+            Self::Fatal => format!("{prefix}Fatal"),
+            Self::Early => format!("{prefix}OK with earlyReturn"),
+            Self::Other if prefix == "fmi3" => "a status that FMI does not define".to_owned(),
+            Self::Other => "fmi2Pending, which is not supported, or a status that FMI does not define".to_owned(),
         }
     }
 }

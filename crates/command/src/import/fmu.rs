@@ -2,12 +2,18 @@
 
 use crate::import::description::Description;
 use crate::import::description_file::Root;
+use crate::import::description3::Root3;
 use crate::import::error::ImportError;
 use crate::import::image::check_images;
 use crate::import::slave::Slave;
+use crate::import::slave2::Slave2;
+use crate::import::slave3::Slave3;
 use crate::import::unpack::unpack;
 use fmi::fmi2::binding::Fmi2Binding;
 use fmi::fmi2::import::Fmi2Import;
+use fmi::fmi3::Fmi3Model;
+use fmi::fmi3::binding::Fmi3Binding;
+use fmi::fmi3::import::Fmi3Import;
 use fmi::traits::FmiImport;
 use quick_xml::escape::escape;
 use std::fs::{self, File};
@@ -23,12 +29,19 @@ const DESCRIPTION: &str = "modelDescription.xml";
 /// Bytes of a description that are read: hundreds of thousands of variables.
 const LONGEST_DESCRIPTION: u64 = 1 << 28;
 
-/// An FMI 2.0 co-simulation FMU whose library is there and loads.
+/// A co-simulation FMU whose library is there and loads.
 #[derive(Debug)]
 pub struct Fmu {
     path: PathBuf,
     description: Description,
-    import: Fmi2Import,
+    import: Import,
+}
+
+/// Its folder in the hands of the crate `fmi`.
+#[derive(Debug)]
+enum Import {
+    Fmi2(Fmi2Import),
+    Fmi3(Fmi3Import),
 }
 
 impl Fmu {
@@ -37,7 +50,7 @@ impl Fmu {
     /// # Errors
     /// All but those of [`Fmu::open`] about the library.
     pub fn describe(path: &Path) -> Result<Description, ImportError> {
-        Ok(read(path)?.1)
+        Ok(read(path)?.description)
     }
 
     /// Unpacks an FMU into a folder, which goes with it, and looks for its library.
@@ -46,10 +59,19 @@ impl Fmu {
     /// A file that cannot be read, is no FMU, is of another version or kind, or has no library for this platform, one
     /// that does not load, or one that lacks a function.
     pub fn open(path: &Path, folder: TempDir) -> Result<Self, ImportError> {
-        let (mut archive, description) = read(path)?;
+        let Archived { mut archive, third, description } = read(path)?;
         unpack(path, &mut archive, folder.path())?;
-        let import = import(folder, &description);
-        check_library(path, &import, &description.identifier)?;
+        let identifier = &description.identifier;
+        let import = if third {
+            beside_resources(folder.path()).map_err(|source| ImportError::File { path: path.to_owned(), source })?;
+            let import = of_fmi3(folder, &description);
+            check_library(path, &import, identifier, missing_function_of_fmi3)?;
+            Import::Fmi3(import)
+        } else {
+            let import = of_fmi2(folder, &description);
+            check_library(path, &import, identifier, missing_function)?;
+            Import::Fmi2(import)
+        };
         Ok(Self { path: path.to_owned(), description, import })
     }
 
@@ -64,14 +86,32 @@ impl Fmu {
     /// [`ImportError::NotInstantiated`]; why is told in the FMU's messages.
     pub fn instantiate(&self, name: &str, logging: bool) -> Result<Slave, ImportError> {
         let visible = false;
-        let instance = self.import.instantiate_cs(name, visible, logging);
-        let instance = instance.map_err(|_| ImportError::NotInstantiated { path: self.path.clone() })?;
-        Ok(Slave::new(instance))
+        let none = |function| ImportError::NotInstantiated { path: self.path.clone(), function };
+        match &self.import {
+            Import::Fmi2(import) => {
+                let instance = import.instantiate_cs(name, visible, logging);
+                Ok(Slave::Fmi2(Slave2::new(instance.map_err(|_| none("fmi2Instantiate"))?)))
+            }
+            Import::Fmi3(import) => {
+                let (event_mode, early_return) = (false, false);
+                let instance = import.instantiate_cs(name, visible, logging, event_mode, early_return, &[]);
+                let instance = instance.map_err(|_| none("fmi3InstantiateCoSimulation"))?;
+                Ok(Slave::Fmi3(Slave3::new(instance, &self.description.variables)))
+            }
+        }
     }
 }
 
+/// An archive with its description.
+struct Archived {
+    archive: ZipArchive<File>,
+    /// Of FMI 3.0.
+    third: bool,
+    description: Description,
+}
+
 /// The archive and its description.
-fn read(path: &Path) -> Result<(ZipArchive<File>, Description), ImportError> {
+fn read(path: &Path) -> Result<Archived, ImportError> {
     let failed = |source: io::Error| ImportError::File { path: path.to_owned(), source };
     let not_an_fmu = |cause: String| ImportError::NotAnFmu { path: path.to_owned(), cause };
     let file = File::open(path).map_err(failed)?;
@@ -89,18 +129,52 @@ fn read(path: &Path) -> Result<(ZipArchive<File>, Description), ImportError> {
     }
     let read = member.take(LONGEST_DESCRIPTION).read_to_string(&mut text);
     read.map_err(|error| not_an_fmu(format!("{DESCRIPTION}: {error}")))?;
-    let root: Root = quick_xml::de::from_str(text.trim_start_matches('\u{feff}'))
-        .map_err(|error| not_an_fmu(format!("{DESCRIPTION}: {error}")))?;
-    match root.version.as_deref() {
-        Some("2.0") => {}
+    let text = text.trim_start_matches('\u{feff}');
+    let of_text = |error: quick_xml::DeError| not_an_fmu(format!("{DESCRIPTION}: {error}"));
+    let root: Root = quick_xml::de::from_str(text).map_err(of_text)?;
+    let third = match root.version.as_deref() {
+        Some("2.0") => None,
+        // 3.0.1 and 3.0.2 write 3.0 as well; later minor versions keep the functions
+        Some(version) if is_third(version) => Some(quick_xml::de::from_str::<Root3>(text).map_err(of_text)?),
         Some(found) => return Err(ImportError::Version { path: path.to_owned(), found: found.to_owned() }),
         None => return Err(not_an_fmu(format!("{DESCRIPTION}: no attribute fmiVersion"))),
-    }
+    };
     if root.co_simulation.is_none() {
         return Err(ImportError::NoCoSimulation { path: path.to_owned() });
     }
-    let description = Description::new(root).map_err(|cause| not_an_fmu(format!("{DESCRIPTION}: {cause}")))?;
-    Ok((archive, description))
+    let is_third = third.is_some();
+    let description = Description::new(root, third).map_err(|cause| not_an_fmu(format!("{DESCRIPTION}: {cause}")))?;
+    Ok(Archived { archive, third: is_third, description })
+}
+
+/// A final version of FMI 3: `3.0`, `3.1`, but not `3.0-beta.2`.
+fn is_third(version: &str) -> bool {
+    version.strip_prefix("3.").is_some_and(|minor| minor.split('.').all(|part| part.parse::<u32>().is_ok()))
+}
+
+/// The crate passes the path of the resources without the separator that the standard has at its end, and some FMUs add the
+/// name of a file to it as it is. They find the file beside the folder, too.
+fn beside_resources(folder: &Path) -> io::Result<()> {
+    fn link(from: &Path, to: &Path) -> io::Result<()> {
+        if from.is_dir() {
+            fs::create_dir_all(to)?;
+            let mut entries = fs::read_dir(from)?;
+            return entries
+                .try_for_each(|entry| entry.and_then(|entry| link(&entry.path(), &to.join(entry.file_name()))));
+        }
+        fs::hard_link(from, to).or_else(|_| fs::copy(from, to).map(|_| ()))
+    }
+    let resources = folder.join("resources");
+    if !resources.is_dir() {
+        return fs::create_dir_all(&resources);
+    }
+    for entry in fs::read_dir(&resources)? {
+        let entry = entry?;
+        let mut beside = resources.clone().into_os_string();
+        beside.push(entry.file_name());
+        link(&entry.path(), Path::new(&beside))?;
+    }
+    Ok(())
 }
 
 pub(super) fn of_archive(path: &Path, error: ZipError) -> ImportError {
@@ -112,7 +186,7 @@ pub(super) fn of_archive(path: &Path, error: ZipError) -> ImportError {
 
 /// Hands the folder to the crate `fmi` with as much of the description as it needs to instantiate: its own reader
 /// refuses attributes that the standard allows.
-fn import(folder: TempDir, description: &Description) -> Fmi2Import {
+fn of_fmi2(folder: TempDir, description: &Description) -> Fmi2Import {
     let [name, guid, identifier] = [&description.model_name, &description.guid, &description.identifier].map(escape);
     let text = format!(
         "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"{name}\" guid=\"{guid}\"><CoSimulation \
@@ -121,8 +195,23 @@ fn import(folder: TempDir, description: &Description) -> Fmi2Import {
     Fmi2Import::new(folder, &text).expect("three texts in attributes, escaped")
 }
 
+/// The same of FMI 3.0.
+fn of_fmi3(folder: TempDir, description: &Description) -> Fmi3Import {
+    let [name, token, identifier] = [&description.model_name, &description.guid, &description.identifier].map(escape);
+    let text = format!(
+        "<fmiModelDescription fmiVersion=\"3.0\" modelName=\"{name}\" instantiationToken=\"{token}\"><CoSimulation \
+         modelIdentifier=\"{identifier}\"/><ModelVariables/><ModelStructure/></fmiModelDescription>"
+    );
+    Fmi3Import::new(folder, &text).expect("three texts in attributes, escaped")
+}
+
 /// Refuses what would otherwise stop the program in the middle of a run.
-fn check_library(path: &Path, import: &Fmi2Import, identifier: &str) -> Result<(), ImportError> {
+fn check_library<I: FmiImport>(
+    path: &Path,
+    import: &I,
+    identifier: &str,
+    missing_function: fn(&I::Binding) -> Option<&'static str>,
+) -> Result<(), ImportError> {
     let library = import.shared_lib_path(identifier).map(|path| path.display().to_string());
     let library = library.unwrap_or_else(|error| error.to_string());
     let file = import.archive_path().join(&library);
@@ -172,6 +261,47 @@ fn missing_function(binding: &Fmi2Binding) -> Option<&'static str> {
         fmi2DoStep,
         fmi2GetRealStatus,
         fmi2GetBooleanStatus,
+    ]
+    .into_iter()
+    .find_map(|(missing, function)| missing.then_some(function))
+}
+
+/// The same of FMI 3.0.
+fn missing_function_of_fmi3(binding: &Fmi3Binding) -> Option<&'static str> {
+    macro_rules! first_missing {
+        ($($function:ident),* $(,)?) => { [$((binding.$function.is_err(), stringify!($function))),*] };
+    }
+    first_missing![
+        fmi3InstantiateCoSimulation,
+        fmi3FreeInstance,
+        fmi3EnterInitializationMode,
+        fmi3ExitInitializationMode,
+        fmi3Terminate,
+        fmi3DoStep,
+        fmi3GetFloat32,
+        fmi3GetFloat64,
+        fmi3GetInt8,
+        fmi3GetUInt8,
+        fmi3GetInt16,
+        fmi3GetUInt16,
+        fmi3GetInt32,
+        fmi3GetUInt32,
+        fmi3GetInt64,
+        fmi3GetUInt64,
+        fmi3GetBoolean,
+        fmi3GetString,
+        fmi3SetFloat32,
+        fmi3SetFloat64,
+        fmi3SetInt8,
+        fmi3SetUInt8,
+        fmi3SetInt16,
+        fmi3SetUInt16,
+        fmi3SetInt32,
+        fmi3SetUInt32,
+        fmi3SetInt64,
+        fmi3SetUInt64,
+        fmi3SetBoolean,
+        fmi3SetString,
     ]
     .into_iter()
     .find_map(|(missing, function)| missing.then_some(function))

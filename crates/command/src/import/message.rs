@@ -18,8 +18,8 @@ pub enum Severity {
 /// A message of an FMU, with its arguments filled in.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
-    /// Name of the instance.
-    pub instance: String,
+    /// Name of the instance; messages of FMI 3.0 come without one.
+    pub instance: Option<String>,
     /// Its status.
     pub severity: Severity,
     /// Text, without the line feeds at its end that some FMUs send.
@@ -46,7 +46,9 @@ impl<F: Fn(&Message) + Send + Sync> Log for Listener<F> {
             Level::Debug | Level::Trace => Severity::Discard,
         };
         let text = record.args().to_string().trim_end().to_owned();
-        (self.0)(&Message { instance: record.target().to_owned(), severity, text });
+        // the crate passes the name on in FMI 2.0, and the category in its place in FMI 3.0
+        let instance = (record.module_path() != Some("fmu")).then(|| record.target().to_owned());
+        (self.0)(&Message { instance, severity, text });
     }
 
     fn flush(&self) {}

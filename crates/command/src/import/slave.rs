@@ -1,12 +1,9 @@
-//! One instance of a foreign FMU from its set-up to its end.
+//! One instance of a foreign FMU, whatever its version, from its set-up to its end.
 
-use crate::import::description::{Datum, Kind, Variable};
-use crate::import::error::{CallError, Fault};
-use fmi::fmi2::instance::{CoSimulation, Common, InstanceCS};
-use fmi::fmi2::{Fmi2Error, Fmi2Res};
-use foldwing_fmi::interface::Value;
-use std::ffi::CString;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use crate::import::description::{Datum, Variable};
+use crate::import::error::CallError;
+use crate::import::slave2::{Readout2, Slave2};
+use crate::import::slave3::{Readout3, Slave3};
 
 /// How a step ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,83 +16,45 @@ pub enum Step {
 
 /// An instance. It is terminated and freed when it goes out of scope, as far as its last answer allows.
 #[derive(Debug)]
-pub struct Slave {
-    /// `None` only while it is dropped.
-    instance: Option<InstanceCS>,
-    stepping: bool,
-    failed: Option<Fault>,
-    warnings: u64,
+pub enum Slave {
+    /// Of FMI 2.0.
+    Fmi2(Slave2),
+    /// Of FMI 3.0.
+    Fmi3(Slave3),
 }
 
 /// Variables to read together, and their values after a reading.
-#[derive(Debug, Default)]
-pub struct Readout {
-    /// Type and position in the list of that type, in the order of the variables.
-    places: Vec<(Type, usize)>,
-    reals: List<f64>,
-    integers: List<i32>,
-    booleans: List<i32>,
-    strings: List<CString>,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Type {
-    Real,
-    Integer,
-    Boolean,
-    String,
-}
-
-#[derive(Debug, Default)]
-struct List<T> {
-    references: Vec<u32>,
-    values: Vec<T>,
-}
-
-impl<T: Default> List<T> {
-    fn push(&mut self, reference: u32) -> usize {
-        self.references.push(reference);
-        self.values.push(T::default());
-        self.values.len() - 1
-    }
+#[derive(Debug)]
+pub enum Readout {
+    /// Of FMI 2.0.
+    Fmi2(Readout2),
+    /// Of FMI 3.0.
+    Fmi3(Readout3),
 }
 
 impl Readout {
-    /// Of some variables, in their order.
-    pub fn new<'a>(variables: impl IntoIterator<Item = &'a Variable>) -> Self {
-        let mut readout = Self::default();
-        for variable in variables {
-            let reference = variable.value_reference;
-            let place = match variable.kind {
-                Kind::Real => (Type::Real, readout.reals.push(reference)),
-                Kind::Integer | Kind::Enumeration(_) => (Type::Integer, readout.integers.push(reference)),
-                Kind::Boolean => (Type::Boolean, readout.booleans.push(reference)),
-                Kind::String => (Type::String, readout.strings.push(reference)),
-            };
-            readout.places.push(place);
-        }
-        readout
+    /// Of some variables of one FMU, in their order.
+    pub fn new<'a>(variables: impl IntoIterator<Item = &'a Variable> + Clone) -> Self {
+        let third = variables.clone().into_iter().any(|variable| variable.element.is_some());
+        if third { Self::Fmi3(Readout3::new(variables)) } else { Self::Fmi2(Readout2::new(variables)) }
     }
 
     /// Values of the last reading, in the order of the variables.
-    pub fn values(&self) -> impl Iterator<Item = Datum> + '_ {
-        self.places.iter().map(|&(kind, at)| match kind {
-            Type::Real => Datum::Number(Value::Real(self.reals.values[at])),
-            Type::Integer => Datum::Number(Value::Integer(self.integers.values[at])),
-            Type::Boolean => Datum::Number(Value::Boolean(self.booleans.values[at] != 0)),
-            Type::String => Datum::Text(self.strings.values[at].to_string_lossy().into_owned()),
-        })
+    pub fn values(&self) -> Box<dyn Iterator<Item = Datum> + '_> {
+        match self {
+            Self::Fmi2(readout) => Box::new(readout.values()),
+            Self::Fmi3(readout) => Box::new(readout.values()),
+        }
     }
 }
 
 impl Slave {
-    pub(super) fn new(instance: InstanceCS) -> Self {
-        Self { instance: Some(instance), stepping: false, failed: None, warnings: 0 }
-    }
-
-    /// Answers of `fmi2Warning` so far.
+    /// Answers of `fmi2Warning` or `fmi3Warning` so far.
     pub fn warnings(&self) -> u64 {
-        self.warnings
+        match self {
+            Self::Fmi2(slave) => slave.warnings(),
+            Self::Fmi3(slave) => slave.warnings(),
+        }
     }
 
     /// Times and, where one is wanted, tolerance of the experiment.
@@ -103,8 +62,13 @@ impl Slave {
     /// # Errors
     /// What the FMU answered.
     pub fn set_up(&mut self, tolerance: Option<f64>, start_s: f64, stop_s: f64) -> Result<(), CallError> {
-        let set_up = |instance: &mut InstanceCS| instance.setup_experiment(tolerance, start_s, Some(stop_s));
-        self.call(|| "fmi2SetupExperiment".to_owned(), set_up)
+        match self {
+            Self::Fmi2(slave) => slave.set_up(tolerance, start_s, stop_s),
+            Self::Fmi3(slave) => {
+                slave.set_up(tolerance, start_s, stop_s);
+                Ok(())
+            }
+        }
     }
 
     /// Enters Initialization Mode.
@@ -112,7 +76,10 @@ impl Slave {
     /// # Errors
     /// What the FMU answered.
     pub fn enter_initialization(&mut self) -> Result<(), CallError> {
-        self.call(|| "fmi2EnterInitializationMode".to_owned(), Common::enter_initialization_mode)
+        match self {
+            Self::Fmi2(slave) => slave.enter_initialization(),
+            Self::Fmi3(slave) => slave.enter_initialization(),
+        }
     }
 
     /// Leaves Initialization Mode; steps may follow.
@@ -120,34 +87,20 @@ impl Slave {
     /// # Errors
     /// What the FMU answered.
     pub fn exit_initialization(&mut self) -> Result<(), CallError> {
-        self.call(|| "fmi2ExitInitializationMode".to_owned(), Common::exit_initialization_mode)?;
-        self.stepping = true;
-        Ok(())
+        match self {
+            Self::Fmi2(slave) => slave.exit_initialization(),
+            Self::Fmi3(slave) => slave.exit_initialization(),
+        }
     }
 
-    /// Sets a variable.
+    /// Sets variables. Elements of one array of FMI 3.0 are set together, the others of that array as they were set last.
     ///
     /// # Errors
     /// What the FMU answered, with the variable's name and value.
-    pub fn set(&mut self, variable: &Variable, value: &Datum) -> Result<(), CallError> {
-        let reference = [variable.value_reference];
-        let setting = |function: &'static str| move || format!("{function} of {} to {value}", variable.name);
-        match value {
-            Datum::Number(Value::Real(value)) => {
-                self.call(setting("fmi2SetReal"), |instance| instance.set_real(&reference, &[*value]))
-            }
-            Datum::Number(Value::Integer(value)) => {
-                self.call(setting("fmi2SetInteger"), |instance| instance.set_integer(&reference, &[*value]))
-            }
-            Datum::Number(Value::Boolean(value)) => {
-                let value = [i32::from(*value)];
-                self.call(setting("fmi2SetBoolean"), |instance| instance.set_boolean(&reference, &value))
-            }
-            Datum::Text(text) => {
-                let text = [CString::new(text.replace('\0', " ")).unwrap_or_default()];
-                let set = |instance: &mut InstanceCS| instance.set_string(&reference, &text).map(|()| Fmi2Res::OK);
-                self.call(setting("fmi2SetString"), set)
-            }
+    pub fn set<'a>(&mut self, values: impl IntoIterator<Item = (&'a Variable, Datum)>) -> Result<(), CallError> {
+        match self {
+            Self::Fmi2(slave) => values.into_iter().try_for_each(|(variable, value)| slave.set(variable, &value)),
+            Self::Fmi3(slave) => slave.set(values),
         }
     }
 
@@ -156,84 +109,22 @@ impl Slave {
     /// # Errors
     /// What the FMU answered.
     pub fn read(&mut self, readout: &mut Readout) -> Result<(), CallError> {
-        let Readout { reals, integers, booleans, strings, .. } = readout;
-        if !reals.values.is_empty() {
-            self.call(|| "fmi2GetReal".to_owned(), |i| i.get_real(&reals.references, &mut reals.values))?;
+        match (self, readout) {
+            (Self::Fmi2(slave), Readout::Fmi2(readout)) => slave.read(readout),
+            (Self::Fmi3(slave), Readout::Fmi3(readout)) => slave.read(readout),
+            // nothing to read
+            _ => Ok(()),
         }
-        if !integers.values.is_empty() {
-            self.call(|| "fmi2GetInteger".to_owned(), |i| i.get_integer(&integers.references, &mut integers.values))?;
-        }
-        if !booleans.values.is_empty() {
-            self.call(|| "fmi2GetBoolean".to_owned(), |i| i.get_boolean(&booleans.references, &mut booleans.values))?;
-        }
-        if !strings.values.is_empty() {
-            let get = |instance: &mut InstanceCS| {
-                instance.get_string(&strings.references, &mut strings.values).map(|()| Fmi2Res::OK)
-            };
-            self.call(|| "fmi2GetString".to_owned(), get)?;
-        }
-        Ok(())
     }
 
     /// Steps from a communication point on.
     ///
     /// # Errors
-    /// What the FMU answered. `fmi2Discard` is an error unless the FMU says that it wants to end the simulation.
+    /// What the FMU answered. In FMI 2.0, `fmi2Discard` is an error unless the FMU says that it wants to end the simulation.
     pub fn step(&mut self, time_s: f64, step_s: f64) -> Result<Step, CallError> {
-        let step = |instance: &mut InstanceCS| instance.do_step(time_s, step_s, true);
-        match self.call(|| format!("fmi2DoStep from {time_s} s"), step) {
-            Err(error) if error.fault == Fault::Discard => self.ended().ok_or(error).map(Step::Ended),
-            Err(error) => Err(error),
-            Ok(()) => Ok(Step::Done),
-        }
-    }
-
-    /// Time in s at which the FMU wants to end the simulation, if it does.
-    fn ended(&mut self) -> Option<f64> {
-        let instance = self.instance.as_mut()?;
-        let ended = catch_unwind(AssertUnwindSafe(|| instance.terminated().unwrap_or(false))).unwrap_or(false);
-        let time_s = catch_unwind(AssertUnwindSafe(|| instance.last_successful_time().ok())).ok().flatten();
-        if ended { time_s } else { None }
-    }
-
-    /// The one place where an FMU's status becomes a `Result`. What cannot be called any more is remembered.
-    fn call(
-        &mut self,
-        name: impl FnOnce() -> String,
-        body: impl FnOnce(&mut InstanceCS) -> Result<Fmi2Res, Fmi2Error>,
-    ) -> Result<(), CallError> {
-        let instance = self.instance.as_mut().expect("taken by drop only");
-        // the crate panics on `fmi2Pending` and on a status that the standard does not have
-        let answer = catch_unwind(AssertUnwindSafe(|| body(instance)));
-        let fault = match answer {
-            Ok(Ok(Fmi2Res::OK)) => return Ok(()),
-            Ok(Ok(Fmi2Res::Warning)) => {
-                self.warnings += 1;
-                return Ok(());
-            }
-            Ok(Err(Fmi2Error::Discard)) => Fault::Discard,
-            Ok(Err(Fmi2Error::Error | Fmi2Error::TypesPlatformMismatch(_))) => Fault::Error,
-            Ok(Err(Fmi2Error::Fatal)) => Fault::Fatal,
-            Ok(Ok(Fmi2Res::Pending)) | Err(_) => Fault::Other,
-        };
-        if fault != Fault::Discard {
-            self.failed = Some(fault);
-        }
-        Err(CallError { call: name(), fault })
-    }
-}
-
-impl Drop for Slave {
-    fn drop(&mut self) {
-        let Some(mut instance) = self.instance.take() else { return };
-        match self.failed {
-            None if self.stepping => {
-                // what it answers changes nothing any more
-                let _ = catch_unwind(AssertUnwindSafe(|| instance.terminate()));
-            }
-            None | Some(Fault::Discard | Fault::Error) => {}
-            // after fmi2Fatal not even fmi2FreeInstance may be called, nor while a step may still be running
-            Some(Fault::Fatal | Fault::Other) => std::mem::forget(instance),
+        match self {
+            Self::Fmi2(slave) => slave.step(time_s, step_s),
+            Self::Fmi3(slave) => slave.step(time_s, step_s),
         }
     }
 }

@@ -299,7 +299,7 @@ impl System {
     }
 
     /// Makes the transitions of the event: of what is crossed, of a kink, of inputs and parameters that have changed; redundant
-    /// parameters return to their constraints. True where the states are others now. On an error nothing has changed.
+    /// parameters return to their constraints. True where the states are others now. On an error the states are those of before.
     pub fn make_exchange_event(&mut self) -> Result<bool, PlantError> {
         self.update_exchange()?;
         let mut crossed = std::mem::take(&mut self.told.crossed);
@@ -318,10 +318,18 @@ impl System {
         let (moved, accounts) = outside.states.split_at_mut(before.len() - ACCOUNTS);
         hybrid.read(moved);
         accounts.copy_from_slice(&hybrid.accounts_j());
+        let sound = outside.states.iter().all(|state| state.is_finite());
+        if !sound {
+            outside.states.copy_from_slice(&before);
+        }
         let changed = before != outside.states;
         self.told.derivatives = before;
         self.state.outside = Some(outside);
-        Ok(changed)
+        if sound {
+            Ok(changed)
+        } else {
+            Err(PlantError::NotFinite { time_s: self.exchange_time_s(), cause: self.largest_input() })
+        }
     }
 
     /// Time of the next event that is known before, in s; infinite where there is none.

@@ -221,7 +221,8 @@ impl System {
         self.inputs_may_differ = true;
         self.told.forget();
         self.adopt_state();
-        if self.state.initialized && !self.is_moderate() {
+        // what an importer's integrator has tried and saved comes back, however far it went: evaluating it is refused again
+        if self.state.initialized && !snapshot.is_outside() && !self.is_moderate() {
             self.evaluate();
             if !self.outputs.are_finite() {
                 self.state = own;

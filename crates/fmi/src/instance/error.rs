@@ -73,6 +73,9 @@ pub enum CallError {
         /// Name of the variable.
         name: String,
     },
+    /// Event Mode of co-simulation, which the importer has not asked for.
+    #[error("this instance was made without Event Mode: pass eventModeUsed = true to fmi3InstantiateCoSimulation")]
+    NoEventMode,
     /// A state that is no number.
     #[error("continuous state {name} cannot be {value}: the value must be finite")]
     StateNotFinite {

@@ -4,7 +4,7 @@ use crate::instance::Instance;
 use crate::instance::error::CallError;
 use crate::instance::log::LogCategory;
 use crate::instance::phase::{InterfaceKind, Phase};
-use crate::interface::Selection;
+use crate::interface::{Kind, Selection};
 use foldwing_engine::plant::{JointStatus, PlantError};
 
 /// What an event has led to: one update settles every event, and nothing here ever ends a simulation.
@@ -19,8 +19,12 @@ pub struct EventInfo {
 impl Instance {
     /// Goes into Event Mode.
     pub fn enter_event(&mut self) -> Result<(), CallError> {
-        if self.kind == InterfaceKind::ModelExchange {
-            self.found(|instance| instance.plant.system_mut().enter_exchange_event())?;
+        match self.kind {
+            InterfaceKind::ModelExchange => {
+                self.found(|instance| instance.plant.system_mut().enter_exchange_event())?;
+            }
+            InterfaceKind::CoSimulation if !self.manner.event_mode => return Err(CallError::NoEventMode),
+            InterfaceKind::CoSimulation => {}
         }
         self.phase = Phase::Event;
         Ok(())
@@ -143,10 +147,12 @@ impl Instance {
         }
     }
 
-    /// Brings the present to what the importer has set, where one of these rows is computed from it.
-    pub(super) fn update(&mut self, selection: impl Selection) -> Result<(), CallError> {
+    /// Brings the present to what the importer has set, where one of these rows, `count` of a type, is computed from it.
+    pub(super) fn update(&mut self, selection: impl Selection, kind: Kind, count: usize) -> Result<(), CallError> {
         let moves = || selection.heads(&self.interface).any(|reference| self.interface.moves(reference));
         if self.kind == InterfaceKind::ModelExchange && !self.stale && moves() {
+            // what is wrong with the call comes before what is wrong with the states
+            selection.check(&self.interface, kind, count)?;
             self.found(|instance| instance.plant.system_mut().update_exchange())?;
         }
         Ok(())

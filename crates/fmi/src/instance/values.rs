@@ -16,7 +16,7 @@ impl Instance {
             selection.check(&self.interface, T::KIND, values.len())?;
             self.evaluate()?;
         }
-        self.update(selection)?;
+        self.update(selection, T::KIND, values.len())?;
         let needs = self.interface.needs(selection);
         self.read = self.read | needs;
         // importers read the same variables after every step: one evaluation serves all their calls
