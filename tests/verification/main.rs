@@ -3,6 +3,7 @@
 
 mod bending;
 mod blades;
+mod breaking;
 mod capabilities;
 mod carried;
 mod conventional;
@@ -12,6 +13,7 @@ mod gauges;
 mod lattice;
 mod modes;
 mod oracle;
+mod pitch_link;
 mod plant;
 mod properties;
 mod recursion;

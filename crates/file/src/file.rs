@@ -5,6 +5,7 @@
 
 use crate::air_file::{AirFile, GustFile, SurfaceFile};
 use crate::body::{BodyFile, LoadFrameFile};
+use crate::failure_file::FailureFile;
 use crate::joint_file::JointFile;
 use crate::modal_body::ModalBodyFile;
 use crate::rotor_file::{PolarFile, TowerFile, WindFile};
@@ -63,6 +64,10 @@ pub(super) struct ModelFile {
     /// Places whose section loads are outputs, by name: `section_load.<name>.force` and `section_load.<name>.moment`.
     #[serde(default)]
     pub section_load: IndexMap<String, SectionLoadFile>,
+    /// Failures by name; the FMU's input is `failure.<name>.trigger`, its outputs are `failure.<name>.failed` and
+    /// `failure.<name>.time`.
+    #[serde(default)]
+    pub failure: IndexMap<String, FailureFile>,
     /// Air around the wing.
     pub aerodynamics: Option<AirFile>,
     /// Lifting surfaces by name, at most one per body.

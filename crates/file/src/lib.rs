@@ -14,6 +14,8 @@ mod document;
 mod doubts;
 mod embedded;
 mod error;
+mod failure_file;
+mod failures;
 mod file;
 mod function;
 mod gust;

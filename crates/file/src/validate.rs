@@ -6,7 +6,7 @@ use crate::error::{Fault, Problem};
 use crate::file::ModelFile;
 use crate::meant::did_you_mean;
 use crate::run::{MethodFile, ModeFile};
-use crate::{air, attachments, body, joints, loops, modal_body, sections};
+use crate::{air, attachments, body, failures, joints, loops, modal_body, sections};
 use foldwing_engine::machine::builder::MachineBuilder;
 use foldwing_engine::machine::fault::{Fault as MachineFault, Subject};
 use foldwing_engine::machine::units::quoted;
@@ -135,6 +135,11 @@ impl Checker<'_, '_> {
                     path[1] = name.clone();
                 }
             }
+            ("failure", Some("when")) => {
+                if let Some(key) = states(&failures::BOUNDS, &path[..3]) {
+                    path[3] = key.to_owned();
+                }
+            }
             ("joint", Some("offset_m")) => path[2] = "parent_offset_m".to_owned(),
             // a rigid body has a table of its own, and its mass no other; a fault of all bodies has no name
             ("body" | "mass", _)
@@ -207,6 +212,11 @@ const KEYS: &[(&str, &str)] = &[
     ("damping_n_s_m", "damping_N_s_m"),
     ("station_positions_m", "load_station_positions_m"),
     ("most_iterations", "max_iterations"),
+    ("to_rad", "to_deg"),
+    ("rate_rad_s", "rate_deg_s"),
+    ("slip_rad_s", "slip_deg_s"),
+    ("torque_n_m", "torque_N_m"),
+    ("force_n", "force_N"),
 ];
 
 /// Words of the machine's messages, and what stands for them in those of the file.
@@ -271,6 +281,7 @@ fn describe(file: &ModelFile, checker: &mut Checker) -> MachineBuilder {
     }
     machine = attachments::add(file, &lawless, machine);
     machine = loops::add(file, machine);
+    machine = failures::add(file, machine, checker);
     machine = air::add(file, &lawless, machine, checker);
     let experiment = &file.experiment;
     if checker.states(&["experiment", "step_s"]) {

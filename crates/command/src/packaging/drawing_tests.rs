@@ -81,6 +81,7 @@ pub(crate) fn two_body_machine() -> Machine {
         air: None,
         gauges: vec![],
         section_loads: vec![],
+        failures: vec![],
         gravity_m_s2: Vector3::new(-9.8, 0.0, 0.0),
         solver: Solver {
             method: Method::Esdirk3,

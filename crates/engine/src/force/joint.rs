@@ -3,6 +3,7 @@
 use crate::force::attitude::AttitudeSpring;
 use crate::force::drive::DriveTorque;
 use crate::force::external::External;
+use crate::force::friction::SlippingBrake;
 use crate::force::latch::{CatchingLatch, Latch};
 use crate::force::memory::{JointMemory, Told};
 use crate::force::motor::Motor;
@@ -210,7 +211,8 @@ impl JointForces {
     /// Marks the indicators as crossed that have been so at the start of a step already.
     pub fn mark_overdue(&self, at: &Point, memory: &mut JointMemory) {
         for (force, numbers) in self.numbered() {
-            for number in numbers.clone().filter(|_| !self.held) {
+            let sees = !self.held || matches!(force, Force::Watch(_)); // the stop itself may have passed a bound
+            for number in numbers.clone().filter(|_| sees) {
                 if force.is_overdue(number - numbers.start, &self.moving(at), memory) {
                     memory.crossed |= 1 << number;
                 }
@@ -239,6 +241,17 @@ impl JointForces {
             sum.add(force.take_inputs(told, &self.moving(now), own, memory));
         }
         sum
+    }
+
+    /// Whether the bound has been passed that a failure waits for.
+    pub fn has_tripped(&self, failure: usize, memory: &JointMemory) -> bool {
+        let trips = |force: &Force| matches!(force, Force::Watch(watch) if watch.failure == failure && watch.has_tripped(memory));
+        self.forces.iter().any(trips)
+    }
+
+    /// Brakes that failures bring on, to be changed.
+    pub fn slipping_brakes_mut(&mut self) -> impl Iterator<Item = &mut SlippingBrake> {
+        self.forces.iter_mut().filter_map(|force| if let Force::Slipping(brake) = force { Some(brake) } else { None })
     }
 
     /// Whether a force keeps the impulse that stops the joint.

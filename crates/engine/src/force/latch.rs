@@ -118,7 +118,7 @@ impl CatchingLatch {
         let mut outcome = Outcome::default();
         if memory.latch.closed && !told.latch_enable {
             memory.latch.closed = false;
-            outcome = Outcome { dissipated_j: self.latch.energy_j(now.angle_rad), events: 1 };
+            outcome = Outcome { dissipated_j: self.latch.energy_j(now.angle_rad), events: 1, failed: false };
         } else if !memory.latch.closed && told.latch_enable && {
             // the inputs may change at the crossing itself
             let arrived = self.latch.beyond_rad(now.angle_rad) <= CROSSING_S * now.rate_rad_s.abs();

@@ -14,6 +14,8 @@ pub struct JointMemory {
     pub latch: LatchState,
     /// Indicators that the integrator's present step crosses at its end, a bit each.
     pub crossed: u32,
+    /// Bounds on the motion that failures wait for and that have been passed, a bit each.
+    pub tripped: u32,
     /// Contact with stops, of joints that have some.
     pub contact: Contact,
     /// Neutral angle of the drive.

@@ -1,4 +1,4 @@
-//! What pushes on the freedoms of joints: motors, springs, latches, stoppers, prescribed motions, NOTATION eqs. (A1)–(A8).
+//! What pushes on the freedoms of joints: motors, springs, latches, stoppers, prescribed motions, NOTATION eqs. (A1)–(A10).
 //! A force may have indicators whose crossing is an event, transitions that dissipate energy, and kinks at known times.
 //!
 //! A force is one file and its arms in [`Force`]. The loop in time knows none of them by name: it asks for signed distances,
@@ -9,6 +9,7 @@ pub mod attitude;
 pub mod brake;
 pub mod drive;
 pub mod external;
+pub mod friction;
 pub mod joint;
 pub mod latch;
 pub mod memory;
@@ -17,6 +18,7 @@ pub mod prescribed;
 pub mod set;
 pub mod spring;
 pub mod stops;
+pub mod watch;
 
 use crate::multibody::Workspace;
 use crate::multibody::factor::FreedomTangent;
@@ -24,12 +26,14 @@ use crate::solve::Powers;
 use attitude::AttitudeSpring;
 use brake::Brake;
 use external::External;
+use friction::SlippingBrake;
 use latch::CatchingLatch;
 use memory::{JointMemory, Told};
 use motor::Motor;
 use prescribed::Law;
 use spring::Spring;
 use stops::TwoSidedStops;
+use watch::Watch;
 
 /// A force on the freedoms of one joint, by kind.
 #[derive(Debug, Clone)]
@@ -52,6 +56,10 @@ pub enum Force {
     Lock,
     /// Spring and damper of a universal or ball joint.
     Attitude(AttitudeSpring),
+    /// Brake that a failure brings on, eq. (A9).
+    Slipping(SlippingBrake),
+    /// Watches the motion for a failure.
+    Watch(Watch),
 }
 
 /// Where a force acts: a joint at an instant.
@@ -109,6 +117,8 @@ pub struct Outcome {
     pub dissipated_j: f64,
     /// Events that have happened.
     pub events: u64,
+    /// Something has failed: what the potentials lose is dissipated too.
+    pub failed: bool,
 }
 
 impl Outcome {
@@ -116,6 +126,7 @@ impl Outcome {
     pub fn add(&mut self, other: Self) {
         self.dissipated_j += other.dissipated_j;
         self.events += other.events;
+        self.failed |= other.failed;
     }
 }
 
@@ -129,7 +140,8 @@ impl Force {
             Self::Latch(latch) => latch.push(here, sum),
             Self::Stops(stops) => stops.push(here, sum),
             Self::Attitude(spring) => spring.push(here, sum),
-            Self::Brake(_) | Self::Prescribed(_) | Self::Lock => {}
+            Self::Slipping(brake) => brake.push(here, sum),
+            Self::Brake(_) | Self::Prescribed(_) | Self::Lock | Self::Watch(_) => {}
         }
     }
 
@@ -142,7 +154,8 @@ impl Force {
             Self::Prescribed(_) | Self::Lock => powers.work += holding_n_m * here.rate_rad_s,
             Self::Attitude(spring) => powers.dissipated += spring.dissipation_w(here.work, here.v),
             Self::Stops(stops) => stops.add_powers(here, powers),
-            Self::Latch(_) | Self::Brake(_) => {}
+            Self::Slipping(brake) => brake.add_powers(here, powers),
+            Self::Latch(_) | Self::Brake(_) | Self::Watch(_) => {}
         }
     }
 
@@ -154,7 +167,12 @@ impl Force {
             Self::Latch(latch) => stored.elastic += latch.stored_j(here.angle_rad),
             Self::Stops(stops) => stored.elastic += stops.stored_j(here.angle_rad),
             Self::Attitude(spring) => stored.drive += spring.potential_j(here.work),
-            Self::External(_) | Self::Brake(_) | Self::Prescribed(_) | Self::Lock => {}
+            Self::External(_)
+            | Self::Brake(_)
+            | Self::Prescribed(_)
+            | Self::Lock
+            | Self::Slipping(_)
+            | Self::Watch(_) => {}
         }
     }
 
@@ -164,7 +182,13 @@ impl Force {
             Self::Brake(brake) => brake.holds(memory),
             Self::Latch(latch) => latch.holds(memory),
             Self::Prescribed(_) | Self::Lock => true,
-            Self::Motor(_) | Self::Spring(_) | Self::External(_) | Self::Stops(_) | Self::Attitude(_) => false,
+            Self::Motor(_)
+            | Self::Spring(_)
+            | Self::External(_)
+            | Self::Stops(_)
+            | Self::Attitude(_)
+            | Self::Slipping(_)
+            | Self::Watch(_) => false,
         }
     }
 
@@ -186,6 +210,7 @@ impl Force {
             Self::Latch(latch) => latch.take_inputs(told, now, crossed != 0, memory),
             Self::Stops(stops) => stops.take_inputs(told, now, crossed, memory),
             Self::Brake(brake) => brake.take_inputs(told, memory),
+            Self::Watch(watch) if told.at_end && crossed != 0 => watch.transition(memory),
             _ => Outcome::default(),
         }
     }
@@ -195,6 +220,7 @@ impl Force {
         match self {
             Self::Motor(motor) => motor.next_kink_s(time_s),
             Self::Prescribed(law) => law.next_knot_s(time_s),
+            Self::Slipping(brake) => brake.next_kink_s(time_s),
             _ => f64::INFINITY,
         }
     }
@@ -226,7 +252,7 @@ impl Force {
     /// Number of its indicators: signed distances in rad whose fall through zero is an event.
     pub fn indicators(&self) -> usize {
         match self {
-            Self::Latch(_) => 1,
+            Self::Latch(_) | Self::Watch(_) => 1,
             Self::Stops(_) => 2,
             _ => 0,
         }
@@ -237,6 +263,7 @@ impl Force {
         match (self, indicator) {
             (Self::Latch(latch), 0) => latch.is_armed(start, memory),
             (Self::Stops(stops), 0 | 1) => stops.distance_rad(indicator, start, memory) > 0.0,
+            (Self::Watch(watch), 0) => watch.is_armed(start, memory),
             _ => false,
         }
     }
@@ -246,6 +273,7 @@ impl Force {
         match (self, indicator) {
             (Self::Latch(latch), 0) => latch.latch.gap_rad(start_rad, place.angle_rad()),
             (Self::Stops(stops), 0 | 1) => stops.distance_rad(indicator, place, memory),
+            (Self::Watch(watch), 0) => watch.distance_rad(place),
             _ => f64::INFINITY,
         }
     }
@@ -255,6 +283,7 @@ impl Force {
         match (self, indicator) {
             (Self::Latch(_), 0) => at.rate_rad_s.abs(),
             (Self::Stops(stops), 0 | 1) => stops.closing_rad_s(indicator, at, memory),
+            (Self::Watch(watch), 0) => watch.closing_rad_s(at),
             _ => 0.0,
         }
     }
@@ -263,7 +292,7 @@ impl Force {
     pub fn lands_beyond(&self) -> bool {
         match self {
             Self::Latch(latch) => latch.latch.is_rigid(),
-            Self::Stops(_) => true,
+            Self::Stops(_) | Self::Watch(_) => true,
             _ => false,
         }
     }
@@ -273,14 +302,17 @@ impl Force {
     pub fn is_overdue(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> bool {
         match self {
             Self::Stops(stops) => stops.is_overdue(indicator, at, memory),
+            Self::Watch(watch) => watch.is_overdue(at, memory),
             _ => false,
         }
     }
 
     /// Remembers what belongs to the start of a run.
     pub fn begin(&self, start: &Moving, memory: &mut JointMemory) {
-        if let Self::Stops(stops) = self {
-            stops.begin(start, memory);
+        match self {
+            Self::Stops(stops) => stops.begin(start, memory),
+            Self::Watch(watch) => watch.begin(start, memory),
+            _ => {}
         }
     }
 
@@ -289,6 +321,7 @@ impl Force {
         match (self, indicator) {
             (Self::Latch(_), 0) => CatchingLatch::transition(time_s, memory),
             (Self::Stops(stops), 0 | 1) => stops.transition(indicator, at, memory),
+            (Self::Watch(watch), 0) => watch.transition(memory),
             _ => Outcome::default(),
         }
     }

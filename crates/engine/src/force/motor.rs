@@ -19,6 +19,8 @@ pub struct Motor {
     pub pinned_n_m: Option<f64>,
     /// Piece of its limits that residuals stand on, eq. (T12); `None` where they follow from the state.
     pub piece: Option<Piece>,
+    /// It hears no commands any more: it has run away.
+    pub deaf: bool,
 }
 
 impl Motor {

@@ -6,6 +6,7 @@
 mod body_kind;
 pub mod builder;
 pub(crate) mod edges;
+pub mod failure;
 pub mod fault;
 mod joint_kind;
 mod one_freedom;
@@ -14,6 +15,7 @@ pub mod travel;
 pub mod units;
 pub mod validate;
 
+pub use failure::{Effect, Failure};
 pub use fault::{Fault, Refused};
 pub use one_freedom::{OneFreedom, Revolute};
 
@@ -51,6 +53,8 @@ pub struct Machine {
     pub section_loads: Vec<SectionLoad>,
     /// Air, if it is computed here.
     pub air: Option<Air>,
+    /// What may fail.
+    pub failures: Vec<Failure>,
     /// Gravity in the root frame, m/s².
     pub gravity_m_s2: Vector3<f64>,
     /// Time integration.

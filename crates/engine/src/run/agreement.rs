@@ -16,6 +16,7 @@ use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::air::start::{flow, refusal};
 use crate::system::air::{AirCoupling, AirHistory, Gain, Sample, StepLoads, gaps};
+use crate::system::failures::FailureMemory;
 use crate::system::state::State;
 use crate::system::{PlantError, Statistics, System};
 use nalgebra::Vector3;
@@ -272,10 +273,11 @@ impl Plant {
     fn go_back(&mut self) {
         let (trial, system) = (&self.trial, &mut self.system);
         let Statistics { air_solutions, iterations, trial_iterations, .. } = system.state.statistics;
-        let State { start, ahead, joints, statistics, .. } = &mut system.state;
+        let State { start, ahead, joints, failures, statistics, .. } = &mut system.state;
         start.copy_from(&trial.start);
         ahead.copy_from(&trial.start);
         joints.copy_from_slice(&trial.joints);
+        failures.copy_from_slice(&trial.failures);
         *statistics = Statistics {
             air_solutions,
             trial_iterations: trial_iterations + iterations - trial.statistics.iterations,
@@ -306,6 +308,7 @@ pub(super) struct Trial {
     start: Point,
     step_s: f64,
     joints: Vec<JointMemory>,
+    failures: Vec<FailureMemory>,
     statistics: Statistics,
     loads: StepLoads,
 }
@@ -318,6 +321,7 @@ impl Trial {
             start: Point::zeros(system.coordinates()),
             step_s: 0.0,
             joints: Vec::with_capacity(system.machine.bodies.len()),
+            failures: Vec::with_capacity(system.machine.failures.len()),
             statistics: Statistics::default(),
             loads: StepLoads::none(sections),
         }
@@ -327,6 +331,7 @@ impl Trial {
     fn save(&mut self, state: &State, loads: Option<&StepLoads>) {
         self.start.copy_from(&state.start);
         self.joints.clone_from(&state.joints);
+        self.failures.clone_from(&state.failures);
         (self.step_s, self.statistics) = (state.step_s, state.statistics);
         if let Some(loads) = loads {
             self.loads.copy_from(loads);

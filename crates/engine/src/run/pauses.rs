@@ -40,9 +40,10 @@ impl Plant {
         }
     }
 
-    /// Whether an indicator is crossed at the end of the integrator's step.
+    /// Whether an indicator is crossed at the end of the integrator's step, or something fails there.
     fn event_waits(&self) -> bool {
-        self.system.state.joints.iter().any(|joint| joint.crossed != 0)
+        let State { joints, ahead, .. } = &self.system.state;
+        joints.iter().any(|joint| joint.crossed != 0) || self.system.equations.failure_s <= ahead.time_s
     }
 
     /// Makes an event at the present time: the transitions of the forces whose indicators the last step has crossed here, then

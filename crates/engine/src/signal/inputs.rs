@@ -32,6 +32,8 @@ pub struct InputLayout {
     pub root: Segment<RootMotion>,
     /// See [`Inputs::wind_m_s`].
     pub wind_m_s: Segment<Vector3<f64>>,
+    /// See [`Inputs::failures`].
+    pub failures: Segment<Switch>,
     /// Length of the vector.
     end: usize,
 }
@@ -46,6 +48,7 @@ impl InputLayout {
             stations: Segment::append(&mut end, stations),
             root: Segment::append(&mut end, 1),
             wind_m_s: Segment::append(&mut end, 1),
+            failures: Segment::append(&mut end, machine.failures.len()),
             end,
         }
     }
@@ -114,6 +117,8 @@ impl Inputs {
         /// Total force and moment per station, bodies in model order, stations from the inner end outward,
         /// each in its body's `load_frame`.
         stations, stations_mut: [Wrench];
+        /// Per failure: on brings it about; off repairs nothing.
+        failures, failures_mut: [Switch];
         ;
         /// Gravity and motion of the root.
         root, root_mut: RootMotion;
@@ -149,12 +154,14 @@ impl Inputs {
     /// Whether a run can have them: finite, switches on or off.
     pub(crate) fn can_be(&self) -> bool {
         let valid = |joint: &JointInputs| joint.release.is_valid() && joint.latch_enable.is_valid();
-        are_finite(&self.values) && self.joints().iter().all(valid)
+        are_finite(&self.values)
+            && self.joints().iter().all(valid)
+            && self.failures().iter().all(|failure| failure.is_valid())
     }
 
     /// Whether a run can have them as rates: switches have none.
     pub(crate) fn can_be_rates(&self) -> bool {
         let still = |joint: &JointInputs| [joint.release, joint.latch_enable] == [Switch::OFF; 2];
-        self.joints().iter().all(still)
+        self.joints().iter().all(still) && self.failures().iter().all(|&failure| failure == Switch::OFF)
     }
 }

@@ -237,7 +237,7 @@ impl Equations {
         let limits = parameters.joints().iter().map(|joint| joint.rate_limit_rad_s);
         for ((joint, inputs), rate_limit_rad_s) in self.forces.joints_mut().iter_mut().zip(inputs.joints()).zip(limits)
         {
-            let Some(motor) = joint.motor_mut() else { continue };
+            let Some(motor) = joint.motor_mut().filter(|motor| !motor.deaf) else { continue };
             motor.slew.redirect(time_s, inputs.command_rad, 0.0, rate_limit_rad_s);
             if motor.slew.follows_at_once() {
                 motor.slew.from_rad = inputs.command_rad;

@@ -73,7 +73,10 @@ impl System {
     fn join_loops(&mut self) {
         if !self.equations.model.closures.is_empty() {
             let inertia_kg = LOOP_INERTIA * self.mass_kg();
-            for closure in &mut self.equations.model.closures {
+            // those that are open have no stiffness
+            for closure in
+                self.equations.model.closures.iter_mut().filter(|closure| closure.penalty.stiffness_n_m > 0.0)
+            {
                 closure.penalty.inertia_kg += inertia_kg;
             }
         }
@@ -84,6 +87,7 @@ impl System {
         for (closure, described) in self.equations.model.closures.iter_mut().zip(&self.machine.closures) {
             closure.penalty.inertia_kg = described.inertia_kg;
         }
+        self.weaken_loops();
     }
 
     /// Impulses of the forces that keep theirs (rigid latches that close now), their rows of `M Δv`, NOTATION eq. (A7).

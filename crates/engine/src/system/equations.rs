@@ -11,13 +11,14 @@ use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::factor::{self, FreedomTangent, Weights};
 use crate::multibody::gauge::Side;
 use crate::multibody::kinematics::Motion;
-use crate::multibody::model::{Attachment, BodyDescription};
+use crate::multibody::model::{Attachment, BodyDescription, Element};
 use crate::multibody::section_load::SectionPlace;
 use crate::multibody::{Model, Workspace, energy, norm, station};
 use crate::signal::{Inputs, Parameters};
 use crate::solve::{EquationsOfMotion, Powers, Singular};
 use crate::system::air::{AirCoupling, StepLoads};
 use crate::system::course::Course;
+use crate::system::failures;
 use crate::system::joint_forces;
 use crate::system::spatial::SpatialJoint;
 
@@ -47,6 +48,10 @@ pub(crate) struct Equations {
     /// Energies are booked; trial marches are undone, and their accounts with them.
     pub booked: bool,
     pub tangents: Vec<FreedomTangent>,
+    /// Time of the next failure that is known before, in s; infinite without one.
+    pub failure_s: f64,
+    /// Elements as they are before anything fails, of machines whose bodies may weaken.
+    pub sound: Vec<Element>,
     /// Places whose section loads are outputs.
     pub sections: Vec<SectionPlace>,
     scratch: Vec<f64>,
@@ -131,6 +136,8 @@ impl Equations {
             tangents,
             branch_s: 0.0,
             booked: true,
+            failure_s: f64::INFINITY,
+            sound: if failures::weaken_bodies(machine) { model.elements.clone() } else { Vec::new() },
             scratch: vec![0.0; model.coordinates],
             model,
         }
@@ -176,13 +183,16 @@ impl Equations {
 
     /// Whether a known kink lies exactly at `time_s`: rates or accelerations that are given may jump.
     pub fn kink_at(&self, time_s: f64) -> bool {
-        self.forces.kink_at(time_s)
+        self.forces.kink_at(time_s) || self.failure_s <= time_s
     }
 
     /// Next time after `time_s` at which a known kink lies: end of a slew, knot of a prescribed motion, end of an
     /// aerodynamic step.
     pub fn next_kink_s(&self, time_s: f64) -> f64 {
         let mut next = self.forces.next_kink_s(time_s);
+        if self.failure_s > time_s {
+            next = next.min(self.failure_s);
+        }
         if let Some(air) = self.air.as_ref().filter(|air| air.end_s > time_s) {
             next = next.min(air.end_s);
         }

@@ -8,8 +8,10 @@ use crate::solve::{EquationsOfMotion, Singular, control};
 use crate::system::PlantError;
 use crate::system::System;
 use crate::system::equations::Equations;
+use crate::system::failures;
 use crate::system::joint_forces;
 use crate::system::state::State;
+use std::sync::Arc;
 
 /// Share of the step before a crossing that the first step after it may have.
 const STEP_SHARE_AFTER_CROSSING: f64 = 0.1;
@@ -53,6 +55,7 @@ impl System {
         for (joint, memory) in equations.forces.joints_mut().iter_mut().zip(joints) {
             joint.recall(memory);
         }
+        self.impose_failures();
     }
 
     /// Whether inputs or parameters differ from those that the present step runs with. Inputs that run in time always
@@ -69,6 +72,7 @@ impl System {
         // interpolation leaves the constraints of joint parameters by its own error
         self.equations.project(&mut start.q, &mut start.v, &mut start.a);
         self.cut_step();
+        let machine = Arc::clone(&self.machine);
         self.event(|state, equations| {
             let time_s = state.start.time_s;
             let at_end = time_s >= state.ahead.time_s;
@@ -77,9 +81,9 @@ impl System {
             state.applied_from_s = time_s;
             state.applied_parameters.clone_from(&state.parameters);
             let mut outcome = Outcome::default();
-            let State { start, joints, inputs, rates, parameters, .. } = state;
+            let State { start, joints, failures, inputs, rates, parameters, .. } = state;
             for (i, (forces, memory)) in equations.forces.joints().iter().zip(joints).enumerate() {
-                let told = Told {
+                let mut told = Told {
                     time_s,
                     at_end,
                     release: inputs.joints()[i].release.is_on(),
@@ -88,10 +92,12 @@ impl System {
                     command_rate_rad_s: rates.joints()[i].command_rad,
                     rate_limit_rad_s: parameters.joints()[i].rate_limit_rad_s,
                 };
+                failures::tell(&machine.failures, failures, forces.body, memory, &mut told);
                 outcome.add(forces.take_inputs(&told, start, memory));
             }
             outcome
-        })
+        })?;
+        self.fail()
     }
 
     /// What happens at the end of a step: the transitions of the forces whose indicators it has crossed, and the kink that it
@@ -110,10 +116,13 @@ impl System {
         for (forces, memory) in self.equations.forces.joints().iter().zip(&mut self.state.joints) {
             forces.mark_overdue(&self.state.start, memory);
         }
-        if self.state.joints.iter().any(|joint| joint.crossed != 0) { self.make_transitions() } else { Ok(()) }
+        if self.state.joints.iter().any(|joint| joint.crossed != 0) {
+            self.make_transitions()?;
+        }
+        self.fail()
     }
 
-    fn make_transitions(&mut self) -> Result<(), PlantError> {
+    pub(crate) fn make_transitions(&mut self) -> Result<(), PlantError> {
         self.event(|state, equations| {
             let mut outcome = Outcome::default();
             for (forces, memory) in equations.forces.joints().iter().zip(&mut state.joints) {
@@ -124,7 +133,7 @@ impl System {
     }
 
     /// Changes the equations at `start` as [`System::discontinuity`] does, and shortens the next step by the jump.
-    fn event(&mut self, change: impl FnOnce(&mut State, &Equations) -> Outcome) -> Result<(), PlantError> {
+    pub(crate) fn event(&mut self, change: impl FnOnce(&mut State, &Equations) -> Outcome) -> Result<(), PlantError> {
         let jump = self.discontinuity(change)?;
         // what an impulse leaves behind are the rates that were there before: it rings in the stiffest modes and carries
         // nothing far, however large its accelerations are
@@ -161,9 +170,15 @@ impl System {
         let time_s = start.time_s;
         self.equations.residual(time_s, &start.q, &start.v, &start.a, old);
         let before = self.equations.potentials(time_s, &start.q).total();
-        let Outcome { dissipated_j, events } = change(&mut self.state, &self.equations);
+        let Outcome { mut dissipated_j, events, failed } = change(&mut self.state, &self.equations);
         self.state.statistics.events += events;
-        let stopped = self.stop_held_joints().map_err(|singular| self.no_accelerations(time_s, singular))?;
+        let mut stopped = self.stop_held_joints().map_err(|singular| self.no_accelerations(time_s, singular))?;
+        let of_loops_j = if failed {
+            let start = &self.state.start;
+            self.equations.loop_kinetic_at_j(time_s, [&start.q, &start.v, &start.a], &mut self.scratch[1])
+        } else {
+            0.0
+        };
         self.configure();
         self.equations.branch_s = time_s;
 
@@ -173,6 +188,11 @@ impl System {
         self.equations.residual(time_s, &start.q, &start.v, &start.a, new_residual);
         let after = self.equations.potentials(time_s, &start.q).total();
         new_residual.iter_mut().zip(old.iter()).for_each(|(new, old)| *new -= old);
+        if failed {
+            // a failure does no work: what springs and loops held is lost
+            dissipated_j += (before - after - dissipated_j).max(0.0);
+            stopped.lost_j += of_loops_j - self.equations.loop_kinetic_j();
+        }
         let jump = settle(&mut self.equations, new_residual, start);
         let jump = self.accelerations(time_s, jump)?;
         let start = &mut self.state.start;

@@ -15,11 +15,15 @@ use crate::machine::{JointMotion, Machine, OneFreedom};
 use crate::multibody::Model;
 use crate::multibody::joint::JointKind;
 use crate::signal::{Inputs, Parameters};
+use crate::system::failures;
 
 /// Forces on all joints of a machine; inputs and parameters come later.
 pub(crate) fn of_machine(machine: &Machine, model: &Model) -> Forces {
-    let joints =
-        machine.one_freedoms().map(|(body, own)| JointForces::new(body, &model.bodies[body].joint, of_joint(own)));
+    let joints = machine.one_freedoms().map(|(body, own)| {
+        let mut forces = of_joint(own);
+        forces.extend(failures::forces_on(machine, body));
+        JointForces::new(body, &model.bodies[body].joint, forces)
+    });
     let spatial = machine.spatials().map(|(body, _)| {
         let described = &model.bodies[body];
         let spring = AttitudeSpring::new(body, described.joint, described.mount);

@@ -10,6 +10,7 @@ mod error;
 pub(crate) mod events;
 mod exchange;
 mod failed_steps;
+pub(crate) mod failures;
 pub(crate) mod freedoms;
 mod hybrid;
 mod joint_forces;
@@ -32,8 +33,8 @@ pub use exchange::{CoordinateName, CoordinateQuantity};
 pub use freedoms::Freedom;
 pub use hybrid::{AccountRates, Hybrid, Jump, NotHybrid};
 pub use outputs::{
-    EnergyOutputs, JointOutputs, LatchOutputs, LoopOutputs, OutputLayout, OutputSet, Outputs, PointOutputs,
-    SpatialOutputs,
+    EnergyOutputs, FailureOutputs, JointOutputs, LatchOutputs, LoopOutputs, OutputLayout, OutputSet, Outputs,
+    PointOutputs, SpatialOutputs,
 };
 pub use shape::{ModeShape, NodeMotion, SectionShape, SectionState};
 pub use state::Snapshot;

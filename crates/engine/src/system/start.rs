@@ -2,11 +2,12 @@
 
 use crate::force::drive::Slew;
 use crate::force::latch::LatchState;
-use crate::force::memory::JointMemory;
+use crate::force::memory::{JointMemory, Told};
 use crate::force::stops::Contact;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::events::settle;
+use crate::system::failures::{self, FailureMemory};
 use crate::system::{PlantError, System};
 
 impl System {
@@ -16,6 +17,8 @@ impl System {
         let mut q = self.equations.model.natural_coordinates();
         let mut v = vec![0.0; q.len()];
         let mut joints = Vec::new();
+        self.state.failures = vec![FailureMemory::default(); self.machine.failures.len()];
+        failures::begin(&self.machine.failures, &self.state.inputs, time_s, &mut self.state.failures);
         let inputs = &self.state.inputs;
         for (((_, revolute), inputs), (parameters, equations)) in self
             .machine
@@ -26,19 +29,25 @@ impl System {
             let c = equations.coordinate;
             q[c] = parameters.start_angle_rad;
             let caught = equations.latch().is_some_and(|latch| latch.latch.catches(q[c]));
-            let told = revolute.latch.as_ref().is_some_and(|latch| latch.initially_closed);
-            let closed = inputs.latch_enable.is_on() && (caught || told && !equations.has_rigid_latch());
-            let state = JointMemory {
-                released: inputs.release.is_on(),
+            // by the description, wherever the joint is
+            let described = revolute.latch.as_ref().is_some_and(|latch| latch.initially_closed);
+            let mut told = Told {
+                time_s,
+                at_end: false,
+                release: inputs.release.is_on(),
+                latch_enable: inputs.latch_enable.is_on(),
+                command_rad: inputs.command_rad,
+                command_rate_rad_s: 0.0,
+                rate_limit_rad_s: parameters.rate_limit_rad_s,
+            };
+            let described = described && !equations.has_rigid_latch();
+            let closed = told.latch_enable && (caught || described);
+            let mut state = JointMemory {
+                released: told.release,
                 crossed: 0,
+                tripped: 0,
                 contact: Contact::default(),
-                latch: LatchState {
-                    closed,
-                    enabled: inputs.latch_enable.is_on(),
-                    time_s: -1.0,
-                    count: 0,
-                    impulse_n_m_s: 0.0,
-                },
+                latch: LatchState { closed, enabled: told.latch_enable, time_s: -1.0, count: 0, impulse_n_m_s: 0.0 },
                 slew: Slew {
                     from_rad: inputs.command_rad,
                     target_rad: inputs.command_rad,
@@ -47,6 +56,15 @@ impl System {
                     rate_limit_rad_s: parameters.rate_limit_rad_s,
                 },
             };
+            if !self.state.failures.is_empty() {
+                failures::begin_joint(
+                    &self.machine.failures,
+                    &self.state.failures,
+                    (equations.body, described),
+                    &mut told,
+                    &mut state,
+                );
+            }
             if !equations.is_held_in(&state) {
                 v[c] = revolute.start_rate_rad_s;
             }
@@ -92,9 +110,9 @@ impl System {
         let mut changed = false;
         for (forces, memory) in self.equations.forces.joints().iter().zip(&mut self.state.joints) {
             // the rates may be others than when the start was made
-            let contact = memory.contact;
+            let (contact, tripped) = (memory.contact, memory.tripped);
             forces.begin(&self.state.now, memory);
-            changed |= memory.contact != contact;
+            changed |= memory.contact != contact || memory.tripped != tripped;
         }
         if changed {
             self.configure();

@@ -6,6 +6,7 @@ use crate::signal::{Inputs, Parameters};
 use crate::solve::point::Point;
 use crate::system::air::AirHistory;
 use crate::system::exchange::Outside;
+use crate::system::failures::FailureMemory;
 use crate::system::{PlantError, Statistics};
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
@@ -43,6 +44,8 @@ pub(crate) struct State {
     pub step_s: f64,
     /// Per revolute joint.
     pub joints: Vec<JointMemory>,
+    /// Per failure.
+    pub failures: Vec<FailureMemory>,
     /// Last quaternions of universal, ball and free joints.
     pub spatial_rotations: Vec<UnitQuaternion<f64>>,
     /// Last quaternions of the tips, for a continuous sign.
@@ -77,6 +80,7 @@ impl State {
             now: Point::default(),
             step_s: 0.0,
             joints: Vec::new(),
+            failures: Vec::new(),
             spatial_rotations: Vec::new(),
             tip_rotations: Vec::new(),
             station_rotations: Vec::new(),
@@ -105,6 +109,7 @@ impl State {
         self.stages.clone_from(&other.stages);
         self.step_s = other.step_s;
         self.joints.clone_from(&other.joints);
+        self.failures.clone_from(&other.failures);
         self.spatial_rotations.clone_from(&other.spatial_rotations);
         self.tip_rotations.clone_from(&other.tip_rotations);
         self.station_rotations.clone_from(&other.station_rotations);
@@ -169,7 +174,8 @@ impl Snapshot {
         }
         let rotations = [&theirs.spatial_rotations, &theirs.tip_rotations, &theirs.station_rotations].map(Vec::len);
         let rotations_fit = rotations == [own.parameters.spatial().len(), tips, own.inputs.stations().len()];
-        if theirs.initialized && !(rotations_fit && theirs.joints.len() == own.inputs.joints().len()) {
+        let failures_fit = theirs.failures.len() == own.inputs.failures().len();
+        if theirs.initialized && !(rotations_fit && failures_fit && theirs.joints.len() == own.inputs.joints().len()) {
             return Err(PlantError::Snapshot("numbers of free ends or joint states differ".into()));
         }
         let air_fits = match (air, &theirs.air) {
@@ -237,6 +243,8 @@ impl State {
             "inputs"
         } else if !self.joints.iter().all(joint) {
             "latches or neutral angles"
+        } else if !self.failures.iter().all(FailureMemory::is_finite) {
+            "failures"
         } else if !rotations.into_iter().flatten().all(|rotation| finite(rotation.coords.as_slice())) {
             "attitudes"
         } else {

@@ -66,6 +66,8 @@ pub(super) enum Cause {
     KineticStart,
     /// Initial potential of the motors.
     DriveStart,
+    /// Inputs that bring failures about.
+    AnyFailure,
 }
 
 /// Bodies whose accelerations an output feels.

@@ -92,6 +92,10 @@ fn depends_initially_on(topology: &Topology, depends: &Depends, known: Known) ->
             Known::Input(_) | Known::Parameter(_) => true,
         };
     }
+    if let Known::Input(Input::Failure(_)) = known {
+        // at the start it changes what holds, drives and supports
+        return !depends.initial.is_empty();
+    }
     depends.initial.iter().any(|&cause| is_cause(topology, cause, known))
 }
 
@@ -127,6 +131,7 @@ fn is_cause(topology: &Topology, cause: Cause, known: Known) -> bool {
         Cause::AttitudeStart(body) => turned_initially(topology, body, known),
         Cause::KineticStart => moves_initially(topology, known),
         Cause::DriveStart => motor_stores(topology, known),
+        Cause::AnyFailure => matches!(known, Known::Input(Input::Failure(_))),
     }
 }
 
@@ -219,6 +224,8 @@ fn pushes(topology: &Topology, reach: Reach, known: Known) -> bool {
             }
             // The air's loads at a communication point are known already; wind acts on those to come.
             Input::Wind => false,
+            // through events, which change the state
+            Input::Failure(_) => false,
         },
         Known::Parameter(_) => false,
     }

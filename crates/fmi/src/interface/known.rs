@@ -28,6 +28,8 @@ pub(super) enum Input {
     RootAngularAcceleration,
     /// Velocity of the air.
     Wind,
+    /// Brings a failure about.
+    Failure(usize),
 }
 
 /// An input of a revolute or prismatic joint.

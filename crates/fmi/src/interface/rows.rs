@@ -9,7 +9,7 @@ use crate::interface::{Variability, air, counters, joints};
 use foldwing_engine::load::{LoadFrame, RootMotion, Wrench};
 use foldwing_engine::machine::{Machine, SectionSide};
 use foldwing_engine::plant::{
-    BodyParameters, EnergyOutputs, JointInputs, LoopOutputs, OutputSet, PointOutputs, SolverParameters,
+    BodyParameters, EnergyOutputs, FailureOutputs, JointInputs, LoopOutputs, OutputSet, PointOutputs, SolverParameters,
 };
 use std::mem::offset_of;
 
@@ -78,6 +78,12 @@ fn inputs(table: &mut Table, topology: &Topology) {
     let spin_up = "angular acceleration of the root frame";
     root(Input::RootAngularAcceleration, at, "root.angular_acceleration", "AngularAcceleration", spin_up);
     air::inputs(table, topology);
+    for (index, failure) in topology.machine.failures.iter().enumerate() {
+        let name = &failure.name;
+        let meaning = format!("failure {name}: true brings it about; false repairs nothing");
+        let (text, at) = (Text::new(format!("failure.{name}.trigger"), meaning), layout.failures.place(index, 0));
+        table.input(Input::Failure(index), at, Shape::Scalar, Type::Boolean, text);
+    }
 }
 
 fn outputs(table: &mut Table, topology: &Topology) {
@@ -159,6 +165,22 @@ fn outputs(table: &mut Table, topology: &Topology) {
     }
     energies(table, topology);
     air::outputs(table, topology);
+    for (index, failure) in topology.machine.failures.iter().enumerate() {
+        failure_outputs(table, index, &failure.name);
+    }
+}
+
+fn failure_outputs(table: &mut Table, index: usize, name: &str) {
+    let layout = table.outputs;
+    // by its own input, or by that of the failure that it follows
+    let depends = || Depends::new([], [Cause::AnyFailure]).settling(false);
+    let at = place!(layout.failures, index, FailureOutputs, failed);
+    let text = Text::new(format!("failure.{name}.failed"), format!("failure {name}: it has happened"));
+    table.event_output(at, Type::Boolean, depends(), text);
+    let at = place!(layout.failures, index, FailureOutputs, time_s);
+    let meaning = format!("failure {name}: time at which it happened, -1 before");
+    let text = Text::new(format!("failure.{name}.time"), meaning);
+    table.event_output(at, Type::Real("Time"), depends(), text);
 }
 
 /// Rows of a force and a moment that stand one after the other.

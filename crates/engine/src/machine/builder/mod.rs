@@ -2,6 +2,7 @@
 
 mod air;
 mod body;
+mod failure;
 mod joint;
 mod latch;
 mod rotor;
@@ -10,6 +11,7 @@ mod tree;
 
 pub use air::{AirBuilder, GustBuilder};
 pub use body::{BodyBuilder, ClosureBuilder, GaugeBuilder, SectionLoadBuilder};
+pub use failure::FailureBuilder;
 pub use joint::JointBuilder;
 pub use latch::LatchBuilder;
 pub use rotor::RotorSettings;
@@ -33,6 +35,7 @@ pub struct MachineBuilder {
     gauges: Vec<GaugeBuilder>,
     section_loads: Vec<SectionLoadBuilder>,
     closures: Vec<ClosureBuilder>,
+    failures: Vec<FailureBuilder>,
     air: Option<AirBuilder>,
     surfaces: Vec<SurfaceBuilder>,
     gusts: Vec<GustBuilder>,
@@ -63,6 +66,7 @@ impl Machine {
             gauges: Vec::new(),
             section_loads: Vec::new(),
             closures: Vec::new(),
+            failures: Vec::new(),
             air: None,
             surfaces: Vec::new(),
             gusts: Vec::new(),
@@ -117,6 +121,12 @@ impl MachineBuilder {
     /// Closes a loop.
     pub fn closure(mut self, closure: ClosureBuilder) -> Self {
         self.closures.push(closure);
+        self
+    }
+
+    /// Adds a failure.
+    pub fn failure(mut self, failure: FailureBuilder) -> Self {
+        self.failures.push(failure);
         self
     }
 
@@ -196,6 +206,7 @@ impl MachineBuilder {
             gauges: Vec::new(),
             section_loads: Vec::new(),
             air: None,
+            failures: Vec::new(),
             gravity_m_s2: self.gravity_m_s2,
             solver: self.solver.clone(),
             experiment: self.experiment(),
@@ -209,6 +220,11 @@ impl MachineBuilder {
             let index = self.index_of(&place, &section_load.body, &machine.bodies, checker);
             machine.section_loads.extend(index.map(|index| section_load.build(index)));
         }
+        let failures = &self.failures;
+        machine.failures = failures
+            .iter()
+            .filter_map(|failure| failure.build(&machine.bodies, &machine.closures, failures, checker))
+            .collect();
         validate::structure(&machine, checker);
         // air is placed on bodies that stand
         let stand = tree.holds && validate::stand(checker);

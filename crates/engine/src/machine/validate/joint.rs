@@ -23,6 +23,7 @@ pub const RESERVED: &[&str] = &[
     "station",
     "aero",
     "energy",
+    "failure",
     "solver",
     "body",
     "time",

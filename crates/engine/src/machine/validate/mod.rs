@@ -3,6 +3,7 @@
 pub(crate) mod air;
 mod attached;
 pub(crate) mod body;
+mod failure;
 pub mod joint;
 mod modal;
 pub mod section;
@@ -85,6 +86,7 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
         attached::section_load(section_load, &machine.bodies, checker);
     }
     modal::placed(machine, checker);
+    failure::check(machine, checker);
     let mut closures_hold = true;
     for closure in &machine.closures {
         closures_hold &= attached::closure(closure, &machine.bodies, checker);

@@ -2,6 +2,7 @@
 
 mod attitudes;
 mod energies;
+mod failures;
 mod feedthrough;
 mod joints;
 mod latches;
@@ -11,6 +12,7 @@ mod points;
 mod spatial;
 
 pub use energies::EnergyOutputs;
+pub use failures::FailureOutputs;
 pub use joints::JointOutputs;
 pub use latches::LatchOutputs;
 pub use loads::LoopOutputs;
@@ -64,6 +66,8 @@ pub struct OutputLayout {
     pub rotor: Segment<RotorLoads>,
     /// See [`Outputs::latches`].
     pub latches: Segment<LatchOutputs>,
+    /// See [`Outputs::failures`].
+    pub failures: Segment<FailureOutputs>,
     /// Number of the values that move with time; those behind change at events.
     continuous: usize,
     /// Length of the vector.
@@ -97,6 +101,7 @@ impl OutputLayout {
             ),
             continuous: end,
             latches: Segment::append(&mut end, one_freedoms),
+            failures: Segment::append(&mut end, machine.failures.len()),
             end,
         }
     }
@@ -117,6 +122,8 @@ impl Outputs {
         joints, joints_mut: [JointOutputs];
         /// Per revolute or prismatic joint: its latch.
         latches, latches_mut: [LatchOutputs];
+        /// Per failure, in the order of [`Machine::failures`].
+        failures, failures_mut: [FailureOutputs];
         /// Per universal, ball or free joint, in the order of [`System::spatial_joints`].
         spatial, spatial_mut: [SpatialOutputs];
         /// Per body: force and moment of the joint on the body's inner end, root frame, at that end.
@@ -153,6 +160,7 @@ impl Outputs {
         let layout = OutputLayout::new(machine);
         let mut outputs = Self { time_s: 0.0, layout, values: vec![0.0; layout.end] };
         outputs.latches_mut().fill(LatchOutputs::OPEN);
+        outputs.failures_mut().fill(FailureOutputs::NONE);
         let upright = SpatialOutputs { rotation: points::UPRIGHT, angular_velocity_rad_s: Vector3::zeros() };
         outputs.spatial_mut().fill(upright);
         outputs.tips_mut().fill(PointOutputs::BLANK);
@@ -165,7 +173,7 @@ impl Outputs {
         &self.layout
     }
 
-    /// All of them, SI units: first those that move with time, then those of [`Self::latches`]. Switches are 1 or 0,
+    /// All of them, SI units: first those that move with time, then those of [`Self::latches`] and [`Self::failures`]. Switches are 1 or 0,
     /// quaternions stand as `x, y, z, w`.
     #[inline]
     pub fn values(&self) -> &[f64] {
@@ -270,6 +278,7 @@ impl System {
         if wanted.meets(OutputSet::JOINTS) {
             joints::fill(outputs.joints_mut(), &present);
             latches::fill(outputs.latches_mut(), &present);
+            failures::fill(outputs.failures_mut(), &present);
         }
         if wanted.meets(OutputSet::HOLDING) {
             joints::fill_holding(outputs.joints_mut(), &present);

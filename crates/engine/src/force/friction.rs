@@ -1,0 +1,91 @@
+//! A brake that slips: a torque against the rate of its joint, grown over a ramp, NOTATION eq. (A9).
+
+use crate::force::{Here, Push};
+use crate::solve::Powers;
+
+/// Torque of a brake against the rate of its joint, NOTATION eq. (A9).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrictionBrake {
+    /// Torque in N·m, or force in N, once the brake is fully on.
+    pub torque_n_m: f64,
+    /// Time over which the torque grows from 0, in s.
+    pub ramp_s: f64,
+    /// Rate in rad/s or m/s beyond which the brake slips: below it the torque falls with the rate.
+    pub slip_rad_s: f64,
+}
+
+/// A brake that a failure brings on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlippingBrake {
+    /// Its torque.
+    pub brake: FrictionBrake,
+    /// Index of the failure.
+    pub failure: usize,
+    /// Time from which on its torque grows in s; infinite before the failure.
+    pub from_s: f64,
+}
+
+impl SlippingBrake {
+    /// A brake that is off.
+    pub fn off(brake: FrictionBrake, failure: usize) -> Self {
+        Self { brake, failure, from_s: f64::INFINITY }
+    }
+
+    /// Torque against the motion in N·m, were it to slip.
+    fn reach_n_m(&self, time_s: f64) -> f64 {
+        let on_s = time_s - self.from_s;
+        if on_s >= self.brake.ramp_s {
+            self.brake.torque_n_m
+        } else {
+            // not reached where the ramp has no length
+            self.brake.torque_n_m * (on_s / self.brake.ramp_s).max(0.0)
+        }
+    }
+
+    /// Torque on the outer body about `+θ` in N·m.
+    pub fn torque_n_m(&self, time_s: f64, rate_rad_s: f64) -> f64 {
+        -self.reach_n_m(time_s) * (rate_rad_s / self.brake.slip_rad_s).tanh()
+    }
+
+    /// Adds its torque and tangent.
+    pub fn push(&self, here: &Here, sum: &mut Push) {
+        if self.from_s.is_infinite() {
+            return;
+        }
+        let slip = (here.rate_rad_s / self.brake.slip_rad_s).tanh();
+        let reach_n_m = self.reach_n_m(here.time_s);
+        sum.torque_n_m -= reach_n_m * slip;
+        sum.tangent.damping += reach_n_m * (1.0 - slip * slip) / self.brake.slip_rad_s;
+    }
+
+    /// Adds what it dissipates.
+    pub fn add_powers(&self, here: &Here, powers: &mut Powers) {
+        if self.from_s.is_finite() {
+            powers.dissipated -= self.torque_n_m(here.time_s, here.rate_rad_s) * here.rate_rad_s;
+        }
+    }
+
+    /// End of the ramp after `time_s`, in s.
+    pub fn next_kink_s(&self, time_s: f64) -> f64 {
+        let end_s = self.from_s + self.brake.ramp_s;
+        if end_s > time_s { end_s } else { f64::INFINITY }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn torque_grows_over_the_ramp_and_opposes_the_motion() {
+        let brake = FrictionBrake { torque_n_m: 8.0, ramp_s: 2.0, slip_rad_s: 0.01 };
+        let off = SlippingBrake::off(brake, 0);
+        assert_eq!((off.torque_n_m(5.0, 1.0), off.next_kink_s(0.0)), (-0.0, f64::INFINITY));
+        let on = SlippingBrake { from_s: 1.0, ..off };
+        assert_eq!([1.0, 1.5, 3.0, 9.0].map(|t| on.torque_n_m(t, 1.0)), [-0.0, -2.0, -8.0, -8.0]);
+        assert_eq!(on.torque_n_m(9.0, -1.0), 8.0);
+        assert_eq!((on.next_kink_s(1.0), on.next_kink_s(3.0)), (3.0, f64::INFINITY));
+        let at_once = SlippingBrake { brake: FrictionBrake { ramp_s: 0.0, ..brake }, ..on };
+        assert_eq!(at_once.torque_n_m(1.0, 1.0), -8.0);
+    }
+}

@@ -1,0 +1,121 @@
+//! What watches the motion of a joint for a failure: an indicator that falls through zero where a bound is passed.
+
+use crate::force::latch::CROSSING_S;
+use crate::force::memory::JointMemory;
+use crate::force::{Moving, Outcome, Place};
+
+/// A bound that the motion of a joint passes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bound {
+    /// Body of the joint.
+    pub body: usize,
+    /// What is bounded.
+    pub quantity: Quantity,
+    /// Where the bound lies, in rad or rad/s, m or m/s.
+    pub value: f64,
+    /// Side on which the motion is beyond it.
+    pub side: Beyond,
+}
+
+/// What a bound bounds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Angle or position.
+    Angle,
+    /// Its rate.
+    Rate,
+}
+
+/// Side of a bound.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Beyond {
+    /// Larger values are beyond it.
+    Above,
+    /// Smaller values are beyond it.
+    Below,
+}
+
+impl Bound {
+    /// Way left to the bound; negative beyond it.
+    pub fn left(&self, angle_rad: impl FnOnce() -> f64, rate_rad_s: impl FnOnce() -> f64) -> f64 {
+        let value = match self.quantity {
+            Quantity::Angle => angle_rad(),
+            Quantity::Rate => rate_rad_s(),
+        };
+        match self.side {
+            Beyond::Above => self.value - value,
+            Beyond::Below => value - self.value,
+        }
+    }
+}
+
+/// A bound on the motion of a joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Watch {
+    /// The bound.
+    pub bound: Bound,
+    /// Its number among those on the joint.
+    pub number: u32,
+    /// Index of the failure that it brings about.
+    pub failure: usize,
+}
+
+impl Watch {
+    /// Whether the bound has been passed.
+    pub fn has_tripped(&self, memory: &JointMemory) -> bool {
+        memory.tripped & (1 << self.number) != 0
+    }
+
+    /// Way left to the bound, in rad or rad/s.
+    pub fn distance_rad(&self, place: &impl Place) -> f64 {
+        self.bound.left(|| place.angle_rad(), || place.rate_rad_s())
+    }
+
+    /// Whether the motion may still pass the bound.
+    pub fn is_armed(&self, start: &Moving, memory: &JointMemory) -> bool {
+        !self.has_tripped(memory) && self.distance_rad(start) > 0.0
+    }
+
+    /// How fast the way left falls.
+    pub fn closing_rad_s(&self, at: &Moving) -> f64 {
+        match self.bound.quantity {
+            Quantity::Angle => at.rate_rad_s.abs(),
+            Quantity::Rate => at.acceleration_rad_s2.abs(),
+        }
+    }
+
+    /// Whether the motion is beyond the bound already, by more than crossings are located.
+    pub fn is_overdue(&self, at: &Moving, memory: &JointMemory) -> bool {
+        !self.has_tripped(memory) && self.distance_rad(at) < -2.0 * CROSSING_S * self.closing_rad_s(at)
+    }
+
+    /// Remembers that the bound has been passed.
+    pub fn transition(&self, memory: &mut JointMemory) -> Outcome {
+        memory.tripped |= 1 << self.number;
+        Outcome::default()
+    }
+
+    /// Remembers what the start has passed already.
+    pub fn begin(&self, start: &Moving, memory: &mut JointMemory) {
+        if self.distance_rad(start) <= 0.0 {
+            self.transition(memory);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn way_left_falls_towards_the_bound_from_its_own_side() {
+        let watch =
+            |quantity, side| Watch { bound: Bound { body: 0, quantity, value: 2.0, side }, number: 0, failure: 0 };
+        let at = Moving { angle_rad: 1.5, rate_rad_s: -3.0, acceleration_rad_s2: 7.0 };
+        assert_eq!(watch(Quantity::Angle, Beyond::Above).distance_rad(&at), 0.5);
+        assert_eq!(watch(Quantity::Angle, Beyond::Below).distance_rad(&at), -0.5);
+        assert_eq!(watch(Quantity::Rate, Beyond::Below).distance_rad(&at), -5.0);
+        assert_eq!(watch(Quantity::Rate, Beyond::Above).closing_rad_s(&at), 7.0);
+        assert_eq!(watch(Quantity::Angle, Beyond::Above).closing_rad_s(&at), 3.0);
+    }
+}

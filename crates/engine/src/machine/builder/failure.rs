@@ -1,0 +1,182 @@
+//! Failures in code: what a table `[failure.<name>]` of the model file can say.
+
+use crate::machine::failure::{Beyond, Bound, Effect, Failure, FrictionBrake, Quantity};
+use crate::machine::fault::Checker;
+use crate::machine::{Body, Closure};
+
+/// What fails, by name.
+#[derive(Debug, Clone, PartialEq)]
+enum Target {
+    /// Of a joint.
+    Joint(String),
+    /// A closed loop.
+    Loop(String),
+    /// A beam.
+    Body(String),
+}
+
+/// A failure under construction: [`Failure::drive_dies`] and its neighbours. Its input may always bring it about.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FailureBuilder {
+    pub(super) name: String,
+    target: Target,
+    /// Its place in the machine is not known yet.
+    effect: Effect,
+    at_time_s: Option<f64>,
+    after: Option<String>,
+    when: Option<(String, Quantity, Beyond, f64)>,
+    delay_s: f64,
+}
+
+/// Stands for a place that is found by its name.
+const UNKNOWN: usize = usize::MAX;
+
+impl Failure {
+    fn of(name: impl Into<String>, target: Target, effect: Effect) -> FailureBuilder {
+        FailureBuilder { name: name.into(), target, effect, at_time_s: None, after: None, when: None, delay_s: 0.0 }
+    }
+
+    fn of_joint(name: impl Into<String>, joint: impl Into<String>, effect: Effect) -> FailureBuilder {
+        Self::of(name, Target::Joint(joint.into()), effect)
+    }
+
+    /// The motor of a joint gives no torque any more.
+    pub fn drive_dies(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
+        Self::of_joint(name, joint, Effect::DriveDies { body: UNKNOWN })
+    }
+
+    /// A joint is held where it is.
+    pub fn drive_jams(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
+        Self::of_joint(name, joint, Effect::DriveJams { body: UNKNOWN })
+    }
+
+    /// The neutral angle of a motor goes to `to_rad` at `rate_rad_s`, in rad and rad/s, or m and m/s, whatever is commanded.
+    pub fn drive_runs_away(
+        name: impl Into<String>,
+        joint: impl Into<String>,
+        to_rad: f64,
+        rate_rad_s: f64,
+    ) -> FailureBuilder {
+        Self::of_joint(name, joint, Effect::DriveRunsAway { body: UNKNOWN, to_rad, rate_rad_s })
+    }
+
+    /// The latch of a joint opens and does not close again.
+    pub fn latch_breaks(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
+        Self::of_joint(name, joint, Effect::LatchBreaks { body: UNKNOWN })
+    }
+
+    /// The open latch of a joint does not close.
+    pub fn latch_does_not_catch(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
+        Self::of_joint(name, joint, Effect::LatchDoesNotCatch { body: UNKNOWN })
+    }
+
+    /// The stopper of a joint lets go: a link that held it opens.
+    pub fn stopper_opens(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
+        Self::of_joint(name, joint, Effect::StopperOpens { body: UNKNOWN })
+    }
+
+    /// Spring and damper of a joint keep a share; 0 where the spring breaks.
+    pub fn spring_weakens(name: impl Into<String>, joint: impl Into<String>, remaining: f64) -> FailureBuilder {
+        Self::of_joint(name, joint, Effect::SpringWeakens { body: UNKNOWN, remaining })
+    }
+
+    /// The penalty of a closed loop keeps a share; 0 where the loop opens.
+    pub fn loop_weakens(name: impl Into<String>, closure: impl Into<String>, remaining: f64) -> FailureBuilder {
+        Self::of(name, Target::Loop(closure.into()), Effect::LoopWeakens { closure: UNKNOWN, remaining })
+    }
+
+    /// All stiffness of a beam keeps a share.
+    pub fn body_weakens(name: impl Into<String>, body: impl Into<String>, remaining: f64) -> FailureBuilder {
+        Self::of(name, Target::Body(body.into()), Effect::BodyWeakens { body: UNKNOWN, remaining })
+    }
+
+    /// A brake comes on at a joint.
+    pub fn brake_comes_on(name: impl Into<String>, joint: impl Into<String>, brake: FrictionBrake) -> FailureBuilder {
+        Self::of_joint(name, joint, Effect::BrakeComesOn { body: UNKNOWN, brake })
+    }
+}
+
+impl FailureBuilder {
+    /// Is brought about at a time in s.
+    pub fn at_time_s(self, time_s: f64) -> Self {
+        Self { at_time_s: Some(time_s), ..self }
+    }
+
+    /// Is brought about by another failure.
+    pub fn after(self, failure: impl Into<String>) -> Self {
+        Self { after: Some(failure.into()), ..self }
+    }
+
+    /// Is brought about where angle or rate of a joint passes a value in rad or rad/s, m or m/s.
+    pub fn when(self, joint: impl Into<String>, quantity: Quantity, side: Beyond, value: f64) -> Self {
+        Self { when: Some((joint.into(), quantity, side, value)), ..self }
+    }
+
+    /// Happens so long after it was brought about, in s. Default 0.
+    pub fn delay_s(self, delay_s: f64) -> Self {
+        Self { delay_s, ..self }
+    }
+
+    /// The failure of a machine; `None` where a name refers to nothing, which is refused.
+    pub(super) fn build(
+        &self,
+        bodies: &[Body],
+        closures: &[Closure],
+        failures: &[FailureBuilder],
+        checker: &mut Checker,
+    ) -> Option<Failure> {
+        let mut find = |key: &[&str], name: &str, what: &str, known: Vec<&str>| {
+            let found = known.iter().position(|known| *known == name);
+            if found.is_none() {
+                let place: Vec<&str> = ["failure", self.name.as_str()].into_iter().chain(key.iter().copied()).collect();
+                checker.unknown_name(&place, name, what, known);
+            }
+            found
+        };
+        let joints = || bodies.iter().map(|body| body.joint.name.as_str()).collect();
+        let target = match &self.target {
+            Target::Joint(name) => find(&["joint"], name, "a joint", joints()),
+            Target::Loop(name) => {
+                find(&["loop"], name, "a loop", closures.iter().map(|closure| closure.name.as_str()).collect())
+            }
+            Target::Body(name) => {
+                find(&["body"], name, "a body", bodies.iter().map(|body| body.name.as_str()).collect())
+            }
+        };
+        let others = || failures.iter().map(|failure| failure.name.as_str()).collect();
+        let after = self.after.as_ref().map(|name| find(&["after"], name, "a failure", others()));
+        let when = self.when.as_ref().map(|(joint, quantity, side, value)| {
+            let body = find(&["when", "joint"], joint, "a joint", joints())?;
+            Some(Bound { body, quantity: *quantity, value: *value, side: *side })
+        });
+        if after == Some(None) || when == Some(None) {
+            return None;
+        }
+        Some(Failure {
+            name: self.name.clone(),
+            effect: self.effect.at(target?),
+            at_time_s: self.at_time_s,
+            after: after.flatten(),
+            when: when.flatten(),
+            delay_s: self.delay_s,
+        })
+    }
+}
+
+impl Effect {
+    /// The same at a place that is known.
+    fn at(self, place: usize) -> Self {
+        match self {
+            Self::DriveDies { .. } => Self::DriveDies { body: place },
+            Self::DriveJams { .. } => Self::DriveJams { body: place },
+            Self::DriveRunsAway { to_rad, rate_rad_s, .. } => Self::DriveRunsAway { body: place, to_rad, rate_rad_s },
+            Self::LatchBreaks { .. } => Self::LatchBreaks { body: place },
+            Self::LatchDoesNotCatch { .. } => Self::LatchDoesNotCatch { body: place },
+            Self::StopperOpens { .. } => Self::StopperOpens { body: place },
+            Self::SpringWeakens { remaining, .. } => Self::SpringWeakens { body: place, remaining },
+            Self::LoopWeakens { remaining, .. } => Self::LoopWeakens { closure: place, remaining },
+            Self::BodyWeakens { remaining, .. } => Self::BodyWeakens { body: place, remaining },
+            Self::BrakeComesOn { brake, .. } => Self::BrakeComesOn { body: place, brake },
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Checks of failures: what they act on, what brings them about, numbers.
+
+use crate::machine::failure::{Bound, Effect, Failure};
+use crate::machine::fault::{Checker, Range};
+use crate::machine::units::shortest;
+use crate::machine::{Body, JointKind, JointMotion, Machine, OneFreedom, Travel};
+
+/// Most failures of a machine, and most bounds on the motion of one joint.
+const MOST_FAILURES: usize = 100;
+const MOST_BOUNDS: usize = 16;
+/// Fastest runaway in rad/s or m/s.
+const FASTEST: f64 = 1e6;
+/// Least share of its stiffness that a body may keep: with less the equations are no longer solvable in double precision.
+const LEAST_SHARE: f64 = 1e-6;
+
+/// All failures.
+pub(super) fn check(machine: &Machine, checker: &mut Checker) {
+    super::names("failure", machine.failures.iter().map(|failure| failure.name.as_str()), checker);
+    if machine.failures.len() > MOST_FAILURES {
+        let state = format!("{} failures", machine.failures.len());
+        checker.refuse_state(&["failure"], state, format!("at most {MOST_FAILURES}"));
+    }
+    for (index, failure) in machine.failures.iter().enumerate() {
+        check_one(machine, index, failure, checker);
+    }
+    for body in 0..machine.bodies.len() {
+        let mut bounds = machine.failures.iter().filter(|failure| failure.when.is_some_and(|bound| bound.body == body));
+        if let Some(failure) = bounds.nth(MOST_BOUNDS) {
+            let allowed = format!("at most {MOST_BOUNDS} failures that wait for the motion of one joint");
+            checker.refuse_state(&["failure", &failure.name, "when"], "one bound too many on its joint", allowed);
+        }
+    }
+}
+
+fn check_one(machine: &Machine, index: usize, failure: &Failure, checker: &mut Checker) {
+    let name = failure.name.as_str();
+    let place = |key| ["failure", name, key];
+    if let Some(at_s) = failure.at_time_s {
+        checker.number(&place("at_time_s"), at_s, Range::Finite);
+    }
+    checker.number(&place("delay_s"), failure.delay_s, Range::AtLeast(0.0));
+    if let Some(after) = failure.after
+        && (after == index || after >= machine.failures.len())
+    {
+        let found = machine.failures.get(after).map_or(format!("failure {after}"), |other| format!("{:?}", other.name));
+        checker.refuse(&place("after"), found, "the name of another failure");
+    }
+    effect(machine, name, &failure.effect, checker);
+    if let Some(bound) = &failure.when {
+        check_bound(machine, name, bound, checker);
+    }
+}
+
+/// A joint with one freedom that moves by its torques; refused otherwise.
+fn free_joint<'m>(
+    machine: &'m Machine,
+    place: &[&str],
+    body: usize,
+    checker: &mut Checker,
+) -> Option<(Travel, &'m OneFreedom)> {
+    let Some(Body { joint, .. }) = machine.bodies.get(body) else {
+        checker.refuse_state(place, format!("body {body}"), format!("one of the {} bodies", machine.bodies.len()));
+        return None;
+    };
+    let found = joint.kind.one_freedom().filter(|(_, own)| own.motion == JointMotion::Free);
+    if found.is_none() {
+        let allowed = "a revolute or prismatic joint with motion = \"free\"";
+        checker.refuse(place, format!("{:?}", joint.name), allowed);
+    }
+    found
+}
+
+fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker) {
+    let joint = ["failure", name, "joint"];
+    let share = |key: &str, value: f64, least: f64, checker: &mut Checker| {
+        checker.number(&["failure", name, key], value, Range::Within(least, 1.0));
+    };
+    match *effect {
+        Effect::DriveDies { body } | Effect::DriveJams { body } | Effect::StopperOpens { body } => {
+            free_joint(machine, &joint, body, checker);
+        }
+        Effect::DriveRunsAway { body, to_rad, rate_rad_s } => {
+            let Some((travel, own)) = free_joint(machine, &joint, body, checker) else { return };
+            checker.number(&["failure", name, &travel.words("to_rad")], to_rad, Range::Finite);
+            let key = travel.words("rate_rad_s");
+            if checker.number(&["failure", name, &key], rate_rad_s, Range::Above(0.0)) && rate_rad_s > FASTEST {
+                let allowed = travel.words(&format!("a rate up to {} rad/s", shortest(FASTEST)));
+                checker.refuse(&["failure", name, &key], shortest(rate_rad_s), allowed);
+            }
+            if own.drive.stiffness_n_m_rad == 0.0 {
+                let allowed = "a joint whose drive has a stiffness: without one a neutral angle moves nothing";
+                checker.refuse_state(&joint, "a drive without stiffness", travel.words(allowed));
+            }
+        }
+        Effect::LatchBreaks { body } | Effect::LatchDoesNotCatch { body } => {
+            let own = free_joint(machine, &joint, body, checker);
+            if own.is_some_and(|(_, own)| own.latch.is_none()) {
+                checker.refuse_state(&joint, "a joint without a latch", "a joint with a latch");
+            }
+        }
+        Effect::SpringWeakens { body, remaining } => {
+            share("remaining", remaining, 0.0, checker);
+            let spatial = machine.bodies.get(body).map(|body| &body.joint.kind);
+            if let Some(JointKind::Spatial(own)) = spatial {
+                if own.stiffness_n_m_rad == 0.0 && own.damping_n_m_s_rad == 0.0 {
+                    checker.refuse_state(&joint, "a joint without a spring", "a joint with a spring or a damper");
+                }
+                return;
+            }
+            let own = free_joint(machine, &joint, body, checker);
+            if own.is_some_and(|(_, own)| own.spring.is_none()) {
+                let allowed = "a joint with a spring of its own, [joint.<name>.spring]";
+                checker.refuse_state(&joint, "a joint without a spring", allowed);
+            }
+        }
+        Effect::LoopWeakens { closure, remaining } => {
+            share("remaining", remaining, 0.0, checker);
+            if closure >= machine.closures.len() {
+                let allowed = format!("one of the {} loops", machine.closures.len());
+                checker.refuse_state(&["failure", name, "loop"], format!("loop {closure}"), allowed);
+            }
+        }
+        Effect::BodyWeakens { body, remaining } => {
+            share("remaining", remaining, LEAST_SHARE, checker);
+            let place = ["failure", name, "body"];
+            match machine.bodies.get(body) {
+                Some(body) if body.is_rigid() || body.is_modal() => {
+                    checker.refuse(&place, format!("{:?}", body.name), "a beam, a table [body.<name>]");
+                }
+                None => {
+                    let allowed = format!("one of the {} bodies", machine.bodies.len());
+                    checker.refuse_state(&place, format!("body {body}"), allowed);
+                }
+                Some(_) => {}
+            }
+        }
+        Effect::BrakeComesOn { body, brake } => {
+            let Some((travel, _)) = free_joint(machine, &joint, body, checker) else { return };
+            for (key, value, range) in [
+                ("torque_n_m", brake.torque_n_m, Range::Above(0.0)),
+                ("ramp_s", brake.ramp_s, Range::AtLeast(0.0)),
+                ("slip_rad_s", brake.slip_rad_s, Range::Above(0.0)),
+            ] {
+                checker.number(&["failure", name, &travel.words(key)], value, range);
+            }
+        }
+    }
+}
+
+fn check_bound(machine: &Machine, name: &str, bound: &Bound, checker: &mut Checker) {
+    if free_joint(machine, &["failure", name, "when", "joint"], bound.body, checker).is_some() {
+        checker.number(&["failure", name, "when", "value"], bound.value, Range::Finite);
+    }
+}

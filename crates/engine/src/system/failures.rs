@@ -1,0 +1,342 @@
+//! Failures: when they happen, and what of the machine they change. A failure tells the forces of a joint something other than
+//! inputs and parameters do, or takes a share of a stiffness; events, impulses and accounts are those of every other event, NOTATION eq. (A10).
+
+use crate::force::Force;
+use crate::force::Outcome;
+use crate::force::friction::SlippingBrake;
+use crate::force::memory::{JointMemory, Told};
+use crate::force::watch::Watch;
+use crate::machine::Machine;
+use crate::machine::failure::{Effect, Failure};
+use crate::signal::Inputs;
+use crate::solve::EquationsOfMotion;
+use crate::system::equations::Equations;
+use crate::system::state::State;
+use crate::system::{PlantError, System};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// What is remembered of a failure.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct FailureMemory {
+    /// Time at which it was brought about in s.
+    pub brought_s: Option<f64>,
+    /// Time at which it happened in s.
+    pub failed_s: Option<f64>,
+}
+
+impl FailureMemory {
+    /// Whether its times are numbers.
+    pub fn is_finite(&self) -> bool {
+        [self.brought_s, self.failed_s].into_iter().flatten().all(f64::is_finite)
+    }
+
+    /// Whether it has happened.
+    pub fn has_failed(&self) -> bool {
+        self.failed_s.is_some()
+    }
+}
+
+/// Whether some failure takes stiffness from a body.
+pub(crate) fn weaken_bodies(machine: &Machine) -> bool {
+    machine.failures.iter().any(|failure| matches!(failure.effect, Effect::BodyWeakens { .. }))
+}
+
+/// Forces that failures bring to a joint: brakes that are off yet, and bounds that are watched.
+pub(crate) fn forces_on(machine: &Machine, body: usize) -> impl Iterator<Item = Force> {
+    let brakes = machine.failures.iter().enumerate().filter_map(move |(index, failure)| match failure.effect {
+        Effect::BrakeComesOn { body: on, brake } if on == body => {
+            Some(Force::Slipping(SlippingBrake::off(brake, index)))
+        }
+        _ => None,
+    });
+    let bounds = machine.failures.iter().enumerate().filter_map(move |(failure, described)| {
+        described.when.filter(|bound| bound.body == body).map(|bound| (failure, bound))
+    });
+    let watches = bounds.zip(0..).map(|((failure, bound), number)| Force::Watch(Watch { bound, number, failure }));
+    brakes.chain(watches)
+}
+
+/// Failures that are due at the start: by their inputs, or by a time that has passed. Motions follow when the start is known.
+pub(crate) fn begin(failures: &[Failure], inputs: &Inputs, time_s: f64, memories: &mut [FailureMemory]) {
+    let on = |index: usize| inputs.failures()[index].is_on();
+    bring_about(failures, memories, time_s, on, |_| false);
+}
+
+/// Has those failures happen that are due at a time; says whether any does.
+fn bring_about(
+    failures: &[Failure],
+    memories: &mut [FailureMemory],
+    time_s: f64,
+    is_on: impl Fn(usize) -> bool,
+    has_tripped: impl Fn(usize) -> bool,
+) -> bool {
+    let mut any = false;
+    // one may bring about another at once
+    for _ in 0..failures.len() {
+        let mut more = false;
+        for (index, failure) in failures.iter().enumerate() {
+            if memories[index].has_failed() {
+                continue;
+            }
+            if memories[index].brought_s.is_none() {
+                let at_s = failure.at_time_s.filter(|&at_s| at_s <= time_s).map(|_| time_s);
+                let after_s = failure.after.and_then(|other| memories[other].failed_s);
+                let now_s = (is_on(index) || has_tripped(index)).then_some(time_s);
+                memories[index].brought_s = [at_s, after_s, now_s].into_iter().flatten().reduce(f64::min);
+            }
+            if memories[index].brought_s.is_some_and(|brought_s| brought_s + failure.delay_s <= time_s) {
+                memories[index].failed_s = Some(time_s);
+                more = true;
+            }
+        }
+        any |= more;
+        if !more {
+            break;
+        }
+    }
+    any
+}
+
+/// Time of the next failure that is known before, in s.
+fn next_s(failures: &[Failure], memories: &[FailureMemory]) -> f64 {
+    let waiting = failures.iter().zip(memories).filter(|(_, memory)| !memory.has_failed());
+    let due = waiting.filter_map(|(failure, memory)| match (memory.brought_s, failure.at_time_s) {
+        (Some(brought_s), _) => Some(brought_s + failure.delay_s),
+        // it is brought about then, and what follows is known from there
+        (None, at_s) => at_s,
+    });
+    due.fold(f64::INFINITY, f64::min)
+}
+
+/// What failures have the forces on a joint be told in place of inputs and parameters. `body`: of the joint.
+pub(crate) fn tell(
+    failures: &[Failure],
+    memories: &[FailureMemory],
+    body: usize,
+    memory: &JointMemory,
+    told: &mut Told,
+) {
+    let failed = failures.iter().zip(memories).filter(|(_, memory)| memory.has_failed());
+    for (failure, _) in failed.filter(|(failure, _)| failure.effect.joint_of() == Some(body)) {
+        match failure.effect {
+            Effect::DriveRunsAway { to_rad, rate_rad_s, .. } => {
+                (told.command_rad, told.command_rate_rad_s) = (to_rad, 0.0);
+                told.rate_limit_rad_s = rate_rad_s;
+            }
+            Effect::LatchBreaks { .. } => told.latch_enable = false,
+            Effect::LatchDoesNotCatch { .. } => told.latch_enable &= memory.latch.closed,
+            Effect::StopperOpens { .. } => told.release = true,
+            _ => {}
+        }
+    }
+    // what jams stays so, whatever lets go
+    let jams = |failure: &Failure| matches!(failure.effect, Effect::DriveJams { body: on } if on == body);
+    if failures.iter().zip(memories).any(|(failure, memory)| memory.has_failed() && jams(failure)) {
+        told.release = false;
+    }
+}
+
+/// The memory of a joint at the start as failures have it that are there from the start on.
+pub(crate) fn begin_joint(
+    failures: &[Failure],
+    memories: &[FailureMemory],
+    (body, latched): (usize, bool),
+    told: &mut Told,
+    memory: &mut JointMemory,
+) {
+    // a latch that does not catch is open unless it is closed by the description
+    let catches = |failure: &Failure| !matches!(failure.effect, Effect::LatchDoesNotCatch { body: on } if on == body);
+    let fails = |(failure, memory): (&Failure, &FailureMemory)| memory.has_failed() && !catches(failure);
+    if !latched && failures.iter().zip(memories).any(fails) {
+        memory.latch.closed = false;
+    }
+    tell(failures, memories, body, memory, told);
+    memory.released = told.release;
+    memory.latch.enabled = told.latch_enable;
+    memory.latch.closed &= told.latch_enable;
+    (memory.slew.target_rad, memory.slew.rate_limit_rad_s) = (told.command_rad, told.rate_limit_rad_s);
+}
+
+impl System {
+    /// Has what is due at `start` fail, with what follows from that at once.
+    pub(crate) fn fail(&mut self) -> Result<(), PlantError> {
+        if self.state.failures.is_empty() {
+            return Ok(());
+        }
+        let machine = Arc::clone(&self.machine);
+        // an impulse of a failure may bring about another
+        for _ in 0..=machine.failures.len() {
+            if !self.bring_failures_about(&machine) {
+                break;
+            }
+            self.event(|state, equations| change(&machine, state, equations))?;
+            for (forces, memory) in self.equations.forces.joints().iter().zip(&mut self.state.joints) {
+                forces.mark_overdue(&self.state.start, memory);
+            }
+            if self.state.joints.iter().any(|joint| joint.crossed != 0) {
+                self.make_transitions()?;
+            }
+        }
+        self.equations.failure_s = next_s(&machine.failures, &self.state.failures);
+        Ok(())
+    }
+
+    /// Whether a failure happens at `start`.
+    fn bring_failures_about(&mut self, machine: &Machine) -> bool {
+        let State { start, joints, failures, applied_inputs, .. } = &mut self.state;
+        let forces = self.equations.forces.joints();
+        let tripped = |index: usize| {
+            machine.failures[index].when.is_some()
+                && forces.iter().zip(joints.iter()).any(|(joint, memory)| joint.has_tripped(index, memory))
+        };
+        let on = |index: usize| applied_inputs.failures()[index].is_on();
+        bring_about(&machine.failures, failures, start.time_s, on, tripped)
+    }
+
+    /// Brings the equations in line with what has failed. Allocates nothing.
+    pub(crate) fn impose_failures(&mut self) {
+        if self.machine.failures.is_empty() {
+            return;
+        }
+        let (failures, memories) = (&self.machine.failures, &self.state.failures);
+        let equations = &mut self.equations;
+        equations.failure_s = next_s(failures, memories);
+        // bounds that the start has passed
+        let waits = |index: usize| failures[index].when.is_some() && memories[index].brought_s.is_none();
+        let tripped = equations.forces.joints().iter().zip(&self.state.joints);
+        if tripped.clone().any(|(joint, memory)| (0..memories.len()).any(|i| waits(i) && joint.has_tripped(i, memory)))
+        {
+            equations.failure_s = f64::NEG_INFINITY;
+        }
+        for joint in equations.forces.joints_mut() {
+            for brake in joint.slipping_brakes_mut() {
+                brake.from_s = memories.get(brake.failure).and_then(|m| m.failed_s).unwrap_or(f64::INFINITY);
+            }
+            if let Some(motor) = joint.motor_mut() {
+                motor.deaf = false;
+            }
+        }
+        let weakened = !equations.sound.is_empty();
+        if weakened {
+            for (element, sound) in equations.model.elements.iter_mut().zip(&equations.sound) {
+                (element.stiffness, element.coupling) = (sound.stiffness, sound.coupling);
+                element.section_stiffness = sound.section_stiffness;
+            }
+        }
+        for (failure, _) in failures.iter().zip(memories).filter(|(_, memory)| memory.has_failed()) {
+            impose(&failure.effect, equations);
+        }
+        self.weaken_loops();
+    }
+
+    /// Gives closed loops the share of their penalties that failures have left.
+    pub(crate) fn weaken_loops(&mut self) {
+        for (failure, memory) in self.machine.failures.iter().zip(&self.state.failures) {
+            if let Effect::LoopWeakens { closure, remaining } = failure.effect {
+                let described = &self.machine.closures[closure];
+                let share = if memory.has_failed() { remaining } else { 1.0 };
+                let penalty = &mut self.equations.model.closures[closure].penalty;
+                penalty.inertia_kg = share * described.inertia_kg;
+                penalty.damping_n_s_m = share * described.damping_n_s_m;
+                penalty.stiffness_n_m = share * described.stiffness_n_m;
+            }
+        }
+    }
+}
+
+/// What of the equations a failure changes that has happened.
+fn impose(effect: &Effect, equations: &mut Equations) {
+    match *effect {
+        Effect::DriveDies { body } => {
+            if let Some(motor) = joint_on(equations, body).and_then(|joint| joint.motor_mut()) {
+                motor.drive.stiffness_n_m_rad = 0.0;
+                motor.drive.damping_n_m_s_rad = 0.0;
+                motor.drive.constant_torque_n_m = 0.0;
+            }
+        }
+        Effect::DriveRunsAway { body, .. } => {
+            if let Some(motor) = joint_on(equations, body).and_then(|joint| joint.motor_mut()) {
+                motor.deaf = true;
+            }
+        }
+        Effect::SpringWeakens { body, remaining } => {
+            if let Some(spring) = joint_on(equations, body).and_then(|joint| joint.spring_mut()) {
+                spring.stiffness_n_m_rad *= remaining;
+                spring.damping_n_m_s_rad *= remaining;
+            }
+            let spatial = equations.forces.spatial_mut().iter_mut().find(|joint| joint.body == body);
+            if let Some(spring) = spatial.and_then(|joint| joint.attitude_mut()) {
+                spring.stiffness_n_m_rad *= remaining;
+                spring.damping_n_m_s_rad *= remaining;
+            }
+        }
+        Effect::BodyWeakens { body, remaining } => {
+            let described = &equations.model.bodies[body];
+            let own = described.first_element..described.first_element + described.elements;
+            for element in &mut equations.model.elements[own] {
+                element.stiffness *= remaining;
+                element.coupling *= remaining;
+                element.section_stiffness.iter_mut().for_each(|stiffness| *stiffness *= remaining);
+            }
+        }
+        // told to the forces, set for brakes and loops as a whole
+        Effect::DriveJams { .. }
+        | Effect::LatchBreaks { .. }
+        | Effect::LatchDoesNotCatch { .. }
+        | Effect::StopperOpens { .. }
+        | Effect::LoopWeakens { .. }
+        | Effect::BrakeComesOn { .. } => {}
+    }
+}
+
+fn joint_on(equations: &mut Equations, body: usize) -> Option<&mut crate::force::joint::JointForces> {
+    equations.forces.joints_mut().iter_mut().find(|joint| joint.body == body)
+}
+
+/// Tells the forces of the joints on which something fails at `start`.
+fn change(machine: &Machine, state: &mut State, equations: &Equations) -> Outcome {
+    let time_s = state.start.time_s;
+    let fails_now = |memory: &FailureMemory| memory.failed_s == Some(time_s);
+    let count = state.failures.iter().filter(|memory| fails_now(memory)).count();
+    let mut outcome = Outcome { events: count as u64, failed: true, ..Outcome::default() };
+    let elapsed_s = time_s - state.applied_from_s;
+    let State { start, joints, failures, applied_inputs, applied_rates, applied_parameters, .. } = state;
+    for (i, (forces, memory)) in equations.forces.joints().iter().zip(joints).enumerate() {
+        let fails = |(failure, memory): (&Failure, &FailureMemory)| {
+            fails_now(memory) && failure.effect.joint_of() == Some(forces.body)
+        };
+        if !machine.failures.iter().zip(failures.iter()).any(fails) {
+            continue;
+        }
+        let (inputs, rates) = (&applied_inputs.joints()[i], &applied_rates.joints()[i]);
+        let mut told = Told {
+            time_s,
+            at_end: false,
+            release: inputs.release.is_on(),
+            latch_enable: inputs.latch_enable.is_on(),
+            command_rad: inputs.command_rad + rates.command_rad * elapsed_s,
+            command_rate_rad_s: rates.command_rad,
+            rate_limit_rad_s: applied_parameters.joints()[i].rate_limit_rad_s,
+        };
+        tell(&machine.failures, failures, forces.body, memory, &mut told);
+        outcome.add(forces.take_inputs(&told, start, memory));
+    }
+    outcome
+}
+
+impl Equations {
+    /// Kinetic energy of the penalties of closed loops at the motion of the last sweep, in J.
+    pub(crate) fn loop_kinetic_j(&self) -> f64 {
+        self.model.closures.iter().map(|closure| closure.energy_j(&self.work).0).sum()
+    }
+
+    /// The same at a motion.
+    pub(crate) fn loop_kinetic_at_j(&mut self, time_s: f64, [q, v, a]: [&[f64]; 3], scratch: &mut [f64]) -> f64 {
+        if self.model.closures.is_empty() {
+            return 0.0;
+        }
+        self.residual(time_s, q, v, a, scratch);
+        self.loop_kinetic_j()
+    }
+}

@@ -1,0 +1,29 @@
+//! Failures: what has happened of them.
+
+use crate::signal::Switch;
+use crate::system::failures::FailureMemory;
+use crate::system::outputs::Present;
+use bytemuck::{Pod, Zeroable};
+
+/// Outputs of one failure.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct FailureOutputs {
+    /// It has happened.
+    pub failed: Switch,
+    /// Time at which it did in s; −1 before.
+    pub time_s: f64,
+}
+
+impl FailureOutputs {
+    /// Of a failure that has not happened.
+    pub(crate) const NONE: Self = Self { failed: Switch::OFF, time_s: -1.0 };
+}
+
+/// States of the failures.
+pub(crate) fn fill(outputs: &mut [FailureOutputs], present: &Present) {
+    for (output, memory) in outputs.iter_mut().zip(&present.state.failures) {
+        let FailureMemory { failed_s, .. } = memory;
+        *output = FailureOutputs { failed: failed_s.is_some().into(), time_s: failed_s.unwrap_or(-1.0) };
+    }
+}

@@ -1,0 +1,65 @@
+"""Failures through FMPy: an importer triggers them, in FMI 2.0 and 3.0, co-simulation and Model Exchange."""
+
+import subprocess
+
+import numpy as np
+import pytest
+from conftest import ROOT
+from driving import Fmu
+from fmpy.validation import validate_fmu
+
+TRIGGER_S = 0.08
+
+
+@pytest.fixture(scope="module")
+def failing(foldwing, tmp_path_factory):
+    """FMU of a model of `examples/failures` of either version and both kinds, with `change` of its text."""
+    folder = tmp_path_factory.mktemp("failing")
+
+    def make(model, fmi, change=lambda text: text):
+        path = folder / f"{model}_{fmi}.toml"
+        path.write_text(change((ROOT / "examples/failures" / f"{model}.toml").read_text()))
+        fmu = folder / f"{model}_{fmi}.fmu"
+        command = [foldwing, "package", path, "-o", fmu, "--kinds", "cs,me", "--no-reference", "--fmi", fmi]
+        subprocess.run(command, check=True)
+        return Fmu(fmu, folder / f"{model}_{fmi}")
+
+    return make
+
+
+def only_by_input(text):
+    """The failure without its time."""
+    return text.replace("at_time_s = 0.05", "# at_time_s = 0.05")
+
+
+@pytest.mark.parametrize("fmi", ["2", "3"])
+@pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
+def test_f330_an_importer_triggers_a_failure(failing, fmi, kind):
+    """F-330. The trigger at 0.08 s keeps the latch open that closes at 0.122 s without it."""
+    fmu = failing("latch_does_not_catch", fmi, only_by_input)
+    assert validate_fmu(fmu.path) == []
+    dtype = [("time", float), ("failure.latch.trigger", bool)]
+    trigger = np.array([(0.0, False), (TRIGGER_S, False), (TRIGGER_S, True), (0.2, True)], dtype=dtype)
+    names = ["fold.latched", "failure.latch.failed", "failure.latch.time"]
+    arguments = {"stop_time": 0.15, "output_interval": 1e-3, "output": names, "fmi_type": kind}
+    sound = fmu.simulate(**arguments)
+    assert sound["fold.latched"][-1] and not sound["failure.latch.failed"][-1]
+    failed = fmu.simulate(input=trigger, **arguments)
+    assert not failed["fold.latched"][-1] and failed["failure.latch.failed"][-1]
+    print(f"fails at {failed['failure.latch.time'][-1]} s")
+    assert abs(failed["failure.latch.time"][-1] - TRIGGER_S) < 2e-3
+
+
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_f331_model_exchange_fails_as_co_simulation(failing, fmi):
+    """F-331. A bound on an angle is an event that FMPy's CVode locates: times agree to 1e-6 s, and angles after it to 1e-5 rad."""
+    fmu = failing("motor_dies", fmi)
+    names = ["fold.angle", "failure.motor.time", "energy.dissipated"]
+    arguments = {"stop_time": 0.1, "output_interval": 1e-4, "output": names}
+    found = fmu.simulate(fmi_type="ModelExchange", relative_tolerance=1e-9, **arguments)
+    expected = fmu.simulate(fmi_type="CoSimulation", start_values={"solver.tolerance": 1e-9}, **arguments)
+    differences = {name: abs(found[name][-1] - expected[name][-1]) for name in names}
+    print(differences)
+    assert expected["failure.motor.time"][-1] > 0
+    assert differences["failure.motor.time"] < 1e-6
+    assert differences["fold.angle"] < 1e-5 and differences["energy.dissipated"] < 1e-6

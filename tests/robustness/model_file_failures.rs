@@ -1,0 +1,92 @@
+//! Failures in the model file: what is refused, and what an accepted file means.
+
+use crate::model_file::{MODEL, message_of};
+use foldwing::config;
+use foldwing::machine::failure::{Beyond, Bound, Quantity};
+use foldwing::machine::{Effect, Failure};
+
+/// A failure behind the small model, whose fold joint holds its second body.
+fn model(lines: &str) -> String {
+    format!("{MODEL}[failure.motor]\n{lines}\n")
+}
+
+#[test]
+fn accepted_failures_mean_what_they_say() {
+    let text = model(
+        "kind = \"drive_runs_away\"\njoint = \"fold\"\nto_deg = 180\nrate_deg_s = 90\nat_time_s = 0.1\ndelay_s = 0.02\nwhen = { joint = \
+         \"fold\", rate_below_deg_s = -360 }",
+    ) + "[failure.latch]\nkind = \"latch_breaks\"\njoint = \"fold\"\nafter = \"motor\"\n";
+    let machine = config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}"));
+    let pi = std::f64::consts::PI;
+    let bound = Bound { body: 1, quantity: Quantity::Rate, value: -2.0 * pi, side: Beyond::Below };
+    assert_eq!(
+        machine.failures,
+        [
+            Failure {
+                name: "motor".into(),
+                effect: Effect::DriveRunsAway { body: 1, to_rad: pi, rate_rad_s: 0.5 * pi },
+                at_time_s: Some(0.1),
+                after: None,
+                when: Some(bound),
+                delay_s: 0.02,
+            },
+            Failure {
+                name: "latch".into(),
+                effect: Effect::LatchBreaks { body: 1 },
+                at_time_s: None,
+                after: Some(0),
+                when: None,
+                delay_s: 0.0,
+            },
+        ]
+    );
+}
+
+/// What is said of lines of a failure, and where.
+#[test]
+fn refusals_name_place_and_cure() {
+    for (lines, key, part) in [
+        ("kind = \"drive_dies\"", "failure.motor.joint", "the name of a joint"),
+        ("kind = \"drive_dies\"\njoint = \"fald\"", "failure.motor.joint", "did you mean \"fold\"?"),
+        ("kind = \"drive_dies\"\njoint = \"mount\"", "failure.motor.joint", "motion = \"free\""),
+        ("kind = \"drive_dyes\"\njoint = \"fold\"", "failure.motor.kind", "drive_dies"),
+        ("kind = \"drive_dies\"\njoint = \"fold\"\ndelay_s = -1", "failure.motor.delay_s", ">= 0"),
+        ("kind = \"drive_dies\"\njoint = \"fold\"\nafter = \"motor\"", "failure.motor.after", "another failure"),
+        ("kind = \"drive_dies\"\njoint = \"fold\"\nremaining = 0.5", "failure.motor.remaining", "this key only with"),
+        ("kind = \"drive_runs_away\"\njoint = \"fold\"\nrate_deg_s = 1", "failure.motor.to_deg", "a number"),
+        (
+            "kind = \"drive_runs_away\"\njoint = \"fold\"\nto_m = 1\nrate_deg_s = 1",
+            "failure.motor.to_m",
+            "write to_deg",
+        ),
+        (
+            "kind = \"drive_runs_away\"\njoint = \"fold\"\nto_deg = 1\nrate_deg_s = 1e9",
+            "failure.motor.rate_deg_s",
+            "a rate up to",
+        ),
+        ("kind = \"spring_breaks\"\njoint = \"fold\"", "failure.motor.joint", "[joint.<name>.spring]"),
+        ("kind = \"loop_opens\"\nloop = \"pin\"", "failure.motor.loop", "a loop"),
+        ("kind = \"body_weakens\"\nbody = \"outer\"", "failure.motor.remaining", "a share"),
+        ("kind = \"body_weakens\"\nbody = \"outer\"\nremaining = 0", "failure.motor.remaining", "0.000001"),
+        ("kind = \"brake_comes_on\"\njoint = \"fold\"", "failure.motor.torque_N_m", "a number"),
+        (
+            "kind = \"drive_jams\"\njoint = \"fold\"\nwhen = { joint = \"fold\" }",
+            "failure.motor.when",
+            "angle_above_deg",
+        ),
+        (
+            "kind = \"drive_jams\"\njoint = \"fold\"\nwhen = { joint = \"fold\", position_above_m = 1 }",
+            "failure.motor.when.position_above_m",
+            "angle_above_deg",
+        ),
+        (
+            "kind = \"drive_jams\"\njoint = \"fold\"\nwhen = { joint = \"mount\", angle_above_deg = 1 }",
+            "failure.motor.when.joint",
+            "motion = \"free\"",
+        ),
+    ] {
+        let message = message_of(&model(lines));
+        assert!(message.contains(&format!("key '{key}'")) && message.contains(part), "{lines}\n{message}");
+        assert_eq!(message.lines().count(), 1, "one fault: {message}");
+    }
+}
