@@ -54,6 +54,8 @@ def test_what_cannot_be_asked_is_refused_by_name(wing):
         tip.trim("wind.velocity.z", {"fold.torque": 0.0})
     with pytest.raises(fw.UsageError, match="2 free values for 1 balances"):
         tip.trim(["wind.velocity.z", "wind.velocity.y"], {"root.force.z": 0.0})
+    with pytest.raises(fw.UsageError, match="nothing is free"):
+        tip.trim([], {})
     with pytest.raises(fw.UsageError, match="not a finite number"):
         tip.trim("wind.velocity.z", {"root.force.z": float("inf")})
     with pytest.raises(fw.StaticsError, match="no trim: .*root.force.x"):

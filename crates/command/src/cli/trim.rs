@@ -130,12 +130,17 @@ impl<'a> Trim<'a> {
     ) -> Result<Self, Failure> {
         let free = free.iter().map(|name| free_row(name, interface)).collect::<Result<Vec<_>, _>>()?;
         let balances = balances.iter().map(|own| balance(own, interface)).collect::<Result<Vec<_>, _>>()?;
-        if free.len() != balances.len() || free.is_empty() {
+        if free.len() != balances.len() {
             return Err(Failure::Usage(format!(
-                "--free and --balance: {} free values for {} balances; as many of one as of the other are needed, and at least one",
+                "--free and --balance: {} free values for {} balances; as many of one as of the other are needed",
                 free.len(),
                 balances.len()
             )));
+        }
+        if free.is_empty() {
+            return Err(Failure::Usage(
+                "trim: nothing is free; name an input or parameter, and the output that it balances".to_owned(),
+            ));
         }
         Ok(Self { interface, plant, free, balances })
     }
