@@ -16,6 +16,7 @@ mod embedded;
 mod error;
 mod file;
 mod function;
+mod generator;
 mod joint_file;
 mod joints;
 mod json;
