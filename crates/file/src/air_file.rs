@@ -82,6 +82,9 @@ pub(super) struct AirFile {
     pub dynamic_inflow: bool,
     /// Whether sections stall with delay (Beddoes and Leishman, four states). `bem` only.
     pub dynamic_stall: bool,
+    /// Angle of attack of blades that bend in and out of the plane, and state of heavily loaded annuli, as AeroDyn has them; for
+    /// comparison. `bem` only.
+    pub as_aerodyn: bool,
 }
 
 impl Default for AirFile {
@@ -114,6 +117,7 @@ impl Default for AirFile {
             skewed_wake: false,
             dynamic_inflow: false,
             dynamic_stall: false,
+            as_aerodyn: false,
         }
     }
 }

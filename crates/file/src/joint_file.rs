@@ -1,6 +1,7 @@
 //! The joints of the model file: shape and descriptions, as in [`crate::file`]. Keys of prismatic joints stand
 //! beside those of revolute ones; [`PAIRS`] says which is which.
 
+use crate::generator::GeneratorFile;
 use foldwing_engine::machine::Travel;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -81,6 +82,8 @@ pub(super) struct JointFile {
     pub drive: Option<DriveFile>,
     /// Spring and damper of a revolute or prismatic joint itself, in addition to its motor.
     pub spring: Option<SpringFile>,
+    /// Generator of a revolute joint.
+    pub generator: Option<GeneratorFile>,
     /// Latch of a revolute or prismatic joint.
     pub latch: Option<LatchFile>,
     /// Stops of a revolute or prismatic joint.

@@ -186,6 +186,9 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
     if let Some(spring) = &joint.spring {
         built = built.spring(build_spring(spring, joint.travel()));
     }
+    if let Some(generator) = crate::generator::build(name, joint, checker) {
+        built = built.generator(generator);
+    }
     if let Some(latch) = joint.latch.as_ref().and_then(|latch| build_latch(name, latch, joint.travel(), checker)) {
         built = built.latch(latch);
     }

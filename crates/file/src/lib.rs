@@ -18,6 +18,7 @@ mod failure_file;
 mod failures;
 mod file;
 mod function;
+mod generator;
 mod gust;
 mod joint_file;
 mod joints;

@@ -15,8 +15,17 @@ use foldwing_engine::machine::builder::{AirBuilder, RotorSettings};
 use nalgebra::Vector3;
 
 /// Keys of `[aerodynamics]` and of `[surface.<name>]` that only a rotor reads.
-pub(super) const KEYS: &[&str] =
-    &["hub", "hub_radius_m", "shaft_axis", "turns", "end_rule", "skewed_wake", "dynamic_inflow", "dynamic_stall"];
+pub(super) const KEYS: &[&str] = &[
+    "hub",
+    "hub_radius_m",
+    "shaft_axis",
+    "turns",
+    "end_rule",
+    "skewed_wake",
+    "dynamic_inflow",
+    "dynamic_stall",
+    "as_aerodyn",
+];
 pub(super) const SURFACE_KEYS: &[&str] = &["stations_m", "polars"];
 
 /// Air of the file's rotor. `None` where a problem was found.
@@ -30,22 +39,23 @@ pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> O
     );
     let mut settings = RotorSettings::on(hub?, radius?);
     settings.shaft_axis = Vector3::from(air.shaft_axis);
-    settings.clockwise = air.turns == TurnsFile::Clockwise;
-    settings.end_rule = match air.end_rule {
+    settings.features.clockwise = air.turns == TurnsFile::Clockwise;
+    settings.features.end_rule = match air.end_rule {
         EndRuleFile::ZeroLoad => EndRule::ZeroLoad,
         EndRuleFile::Stopped => EndRule::Stopped,
     };
-    settings.skewed_wake = air.skewed_wake;
-    settings.dynamic_inflow = air.dynamic_inflow;
-    settings.dynamic_stall = air.dynamic_stall;
+    settings.features.skewed_wake = air.skewed_wake;
+    settings.features.dynamic_inflow = air.dynamic_inflow;
+    settings.features.dynamic_stall = air.dynamic_stall;
+    settings.features.as_aerodyn = air.as_aerodyn;
     for (name, polar) in &file.polar {
         settings.polars.push((name.clone(), full_circle(name, polar, checker)?));
     }
     if let Some(tower) = &file.tower {
-        settings.tower = Some(build_tower(tower, checker)?);
+        settings.features.tower = Some(build_tower(tower, checker)?);
     }
     if let Some(wind) = &file.wind {
-        settings.field = Some(field(wind, air, checker)?);
+        settings.features.field = Some(field(wind, air, checker)?);
     }
     Some(Air::rotor(settings))
 }

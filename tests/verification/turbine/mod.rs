@@ -8,3 +8,4 @@ mod modes;
 mod recursions;
 mod refusals;
 mod vacuum;
+mod wind;

@@ -146,9 +146,9 @@ fn describe(options: &AirOptions) -> String {
             format!("vortex lattice, {wake} wake of {} rows, {loads} loads{mirror}", lattice.wake_rows)
         }
         AirOptions::Rotor(rotor) => {
-            let skew = if rotor.skewed_wake { ", skewed wake" } else { "" };
-            let inflow = if rotor.dynamic_inflow { ", dynamic inflow" } else { "" };
-            let stall = if rotor.dynamic_stall { ", dynamic stall" } else { "" };
+            let skew = if rotor.features.skewed_wake { ", skewed wake" } else { "" };
+            let inflow = if rotor.features.dynamic_inflow { ", dynamic inflow" } else { "" };
+            let stall = if rotor.features.dynamic_stall { ", dynamic stall" } else { "" };
             format!("blade elements in momentum balance{skew}{inflow}{stall}")
         }
         AirOptions::Strips(strips) => {

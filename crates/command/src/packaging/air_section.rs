@@ -29,10 +29,10 @@ pub(super) fn write(html: &mut String, machine: &Machine) {
         AirOptions::Rotor(rotor) => format!(
             "Blade-element momentum theory on {} blades{}{}{}; {}.",
             air.surfaces.len(),
-            if rotor.skewed_wake { ", skewed wake" } else { "" },
-            if rotor.dynamic_inflow { ", dynamic inflow" } else { "" },
-            if rotor.dynamic_stall { ", dynamic stall" } else { "" },
-            match rotor.end_rule {
+            if rotor.features.skewed_wake { ", skewed wake" } else { "" },
+            if rotor.features.dynamic_inflow { ", dynamic inflow" } else { "" },
+            if rotor.features.dynamic_stall { ", dynamic stall" } else { "" },
+            match rotor.features.end_rule {
                 EndRule::ZeroLoad => "no load where the tip or hub loss is complete",
                 EndRule::Stopped => "the wind stopped where the tip or hub loss is complete",
             }

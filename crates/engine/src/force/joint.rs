@@ -4,6 +4,7 @@ use crate::force::attitude::AttitudeSpring;
 use crate::force::drive::DriveTorque;
 use crate::force::external::External;
 use crate::force::friction::SlippingBrake;
+use crate::force::generator::{Generator, GeneratorState};
 use crate::force::latch::{CatchingLatch, Latch};
 use crate::force::memory::{JointMemory, Told};
 use crate::force::motor::Motor;
@@ -329,6 +330,21 @@ impl JointForces {
     /// External torque.
     pub fn external_mut(&mut self) -> Option<&mut External> {
         self.find_mut(|force| if let Force::External(external) = force { Some(external) } else { None })
+    }
+
+    /// Generator.
+    pub fn generator(&self) -> Option<&Generator> {
+        self.find(|force| if let Force::Generator(generator) = force { Some(generator) } else { None })
+    }
+
+    /// Generator, to be changed.
+    pub fn generator_mut(&mut self) -> Option<&mut Generator> {
+        self.find_mut(|force| if let Force::Generator(generator) = force { Some(generator) } else { None })
+    }
+
+    /// What its generator gives at a state.
+    pub fn generated(&self, rate_rad_s: f64) -> Option<GeneratorState> {
+        self.generator().map(|generator| generator.at(rate_rad_s))
     }
 
     /// Latch.

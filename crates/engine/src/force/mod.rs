@@ -1,4 +1,4 @@
-//! What pushes on the freedoms of joints: motors, springs, latches, stoppers, prescribed motions, NOTATION eqs. (A1)–(A10).
+//! What pushes on the freedoms of joints: motors, springs, latches, stoppers, prescribed motions, NOTATION eqs. (A1)–(A11).
 //! A force may have indicators whose crossing is an event, transitions that dissipate energy, and kinks at known times.
 //!
 //! A force is one file and its arms in [`Force`]. The loop in time knows none of them by name: it asks for signed distances,
@@ -10,6 +10,7 @@ pub mod brake;
 pub mod drive;
 pub mod external;
 pub mod friction;
+pub mod generator;
 pub mod joint;
 pub mod latch;
 pub mod memory;
@@ -27,6 +28,7 @@ use attitude::AttitudeSpring;
 use brake::Brake;
 use external::External;
 use friction::SlippingBrake;
+use generator::Generator;
 use latch::CatchingLatch;
 use memory::{JointMemory, Told};
 use motor::Motor;
@@ -44,6 +46,8 @@ pub enum Force {
     Spring(Spring),
     /// Torque that the caller gives.
     External(External),
+    /// Generator whose torque follows the speed, eq. (A11).
+    Generator(Generator),
     /// Latch, eqs. (A3), (A7).
     Latch(CatchingLatch),
     /// Stops at either end of its way, eq. (A8).
@@ -137,6 +141,7 @@ impl Force {
             Self::Motor(motor) => motor.push(here, sum),
             Self::Spring(spring) => spring.push(here, sum),
             Self::External(external) => sum.torque_n_m += external.torque_n_m,
+            Self::Generator(generator) => generator.push(here, sum),
             Self::Latch(latch) => latch.push(here, sum),
             Self::Stops(stops) => stops.push(here, sum),
             Self::Attitude(spring) => spring.push(here, sum),
@@ -151,6 +156,7 @@ impl Force {
             Self::Motor(motor) => motor.add_powers(here, powers),
             Self::Spring(spring) => powers.dissipated += spring.dissipation_w(here.rate_rad_s),
             Self::External(external) => powers.work += external.torque_n_m * here.rate_rad_s,
+            Self::Generator(generator) => generator.add_powers(here, powers),
             Self::Prescribed(_) | Self::Lock => powers.work += holding_n_m * here.rate_rad_s,
             Self::Attitude(spring) => powers.dissipated += spring.dissipation_w(here.work, here.v),
             Self::Stops(stops) => stops.add_powers(here, powers),
@@ -168,6 +174,7 @@ impl Force {
             Self::Stops(stops) => stored.elastic += stops.stored_j(here.angle_rad),
             Self::Attitude(spring) => stored.drive += spring.potential_j(here.work),
             Self::External(_)
+            | Self::Generator(_)
             | Self::Brake(_)
             | Self::Prescribed(_)
             | Self::Lock
@@ -185,6 +192,7 @@ impl Force {
             Self::Motor(_)
             | Self::Spring(_)
             | Self::External(_)
+            | Self::Generator(_)
             | Self::Stops(_)
             | Self::Attitude(_)
             | Self::Slipping(_)

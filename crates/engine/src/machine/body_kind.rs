@@ -1,7 +1,7 @@
 //! Kinds of bodies: rigid ones, modal ones and beams; bodies by what holds them and what hangs on them.
 
 use crate::beam::element::ElementKind;
-use crate::machine::{Body, Machine, OneFreedom, Parent, Spatial};
+use crate::machine::{Body, GeneratorLaw, JointMotion, Machine, OneFreedom, Parent, Spatial};
 
 impl Machine {
     /// Bodies whose joint is revolute or prismatic, with that joint.
@@ -14,6 +14,17 @@ impl Machine {
     pub fn spatials(&self) -> impl Iterator<Item = (usize, &Spatial)> {
         let bodies = self.bodies.iter().enumerate();
         bodies.filter_map(|(index, body)| body.joint.kind.spatial().map(|joint| (index, joint)))
+    }
+
+    /// Generators on joints that turn freely: places among [`Machine::one_freedoms`], with their laws.
+    pub fn generators(&self) -> impl Iterator<Item = (usize, &GeneratorLaw)> {
+        let joints = self.one_freedoms().enumerate().filter(|(_, (_, joint))| joint.motion == JointMotion::Free);
+        joints.filter_map(|(index, (_, joint))| Some((index, joint.generator.as_ref()?)))
+    }
+
+    /// Bodies that bend in given shapes.
+    pub fn modal_bodies(&self) -> impl Iterator<Item = usize> {
+        (0..self.bodies.len()).filter(|&body| self.bodies[body].section.modal().is_some())
     }
 
     /// Bodies whose outer end is free: nothing hangs on it.

@@ -27,6 +27,7 @@ pub use crate::beam::element::ElementKind;
 pub use crate::beam::law::{NaturalStrain, SectionLaw};
 pub use crate::beam::modal::{MOST_MODES, ModalLaw, Shape};
 use crate::beam::recovery::{axial_row, gauge_row};
+pub use crate::force::generator::{Beyond, GeneratorLaw};
 pub use crate::force::latch::LatchKind;
 pub use crate::force::motor::UNLIMITED;
 pub use crate::force::prescribed::Motion;

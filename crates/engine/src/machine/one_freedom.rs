@@ -1,6 +1,6 @@
 //! Joints that turn about an axis or slide along it.
 
-use crate::machine::{Drive, JointMotion, Latch, Spring, Stops};
+use crate::machine::{Drive, GeneratorLaw, JointMotion, Latch, Spring, Stops};
 use nalgebra::Vector3;
 
 /// A joint with one freedom, which either turns about its axis or slides along it: [`Travel`](crate::machine::Travel).
@@ -25,6 +25,8 @@ pub struct OneFreedom {
     pub drive: Drive,
     /// Spring and damper of the joint itself, if the file states them.
     pub spring: Option<Spring>,
+    /// Generator on the motor's fast shaft, if the joint has one; of joints that turn.
+    pub generator: Option<GeneratorLaw>,
     /// Latch, if the joint has one.
     pub latch: Option<Latch>,
     /// Stops at the ends of its way, if the joint has some.
@@ -45,6 +47,7 @@ impl OneFreedom {
             release: true,
             drive: Drive::default(),
             spring: None,
+            generator: None,
             latch: None,
             stops: None,
         }

@@ -11,8 +11,8 @@ pub use crate::study::{
     change_of_sign, reduce, sampled,
 };
 pub use crate::system::{
-    AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, FailureOutputs, Freedom, Hybrid,
-    JointOutputs, JointStatus, Jump, LatchOutputs, LoopOutputs, ModeShape, NodeMotion, NotHybrid, OutputLayout,
-    OutputSet, Outputs, PlantError, PointOutputs, RotorLoads, SectionShape, SectionState, SectionStrain, Snapshot,
-    SpatialOutputs, Statistics, SurfaceGap, SurfaceLattice, System,
+    AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, FailureOutputs, Freedom,
+    GeneratorOutputs, Hybrid, JointOutputs, JointStatus, Jump, LatchOutputs, LoopOutputs, ModalOutputs, ModeShape,
+    NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs, PlantError, PointOutputs, RotorLoads, SectionShape,
+    SectionState, SectionStrain, Snapshot, SpatialOutputs, Statistics, SurfaceGap, SurfaceLattice, System,
 };

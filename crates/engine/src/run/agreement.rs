@@ -39,6 +39,10 @@ const MOST_STRAYED: u32 = 4;
 const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges: in 4 aerodynamic steps in a row the loads missed their \
      prediction by more than the largest of the run: the air is too heavy for one correction, write coupling = \"iterated\"";
 
+/// What is said where the loads of a rotor do not agree.
+const JUMPS: &str =
+    "; an annulus of the rotor may jump between windmill and propeller brake, write coupling = \"staggered\"";
+
 /// Time in s by which the caller's clock may be off an aerodynamic step's end that it means.
 fn round_off_s(time_s: f64, step_s: f64) -> f64 {
     SLIVER * step_s + CLOCK_ROUND_OFF * time_s.abs()
@@ -116,6 +120,9 @@ impl Plant {
         if let Some(change) = change {
             let mut cause =
                 format!("the loads still change by {change:.1e} of the largest after {most_trials} iterations");
+            if air.model.sees_instants() {
+                cause += JUMPS;
+            }
             if let Some(surface) =
                 gaps::blown_from_behind(&air.settings, &air.motions, &flow(&air.settings, state, end_s))
             {

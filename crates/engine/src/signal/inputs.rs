@@ -19,6 +19,8 @@ pub struct JointInputs {
     pub release: Switch,
     /// Latch may close; ignored by joints without a latch.
     pub latch_enable: Switch,
+    /// Generator is connected; ignored by joints without one.
+    pub generator_on: Switch,
 }
 
 /// Where the inputs of a machine stand in [`Inputs::values`].
@@ -84,6 +86,7 @@ impl Inputs {
                 torque_n_m: 0.0,
                 release: joint.release.into(),
                 latch_enable: joint.latch.as_ref().is_some_and(|latch| latch.enable).into(),
+                generator_on: joint.generator.as_ref().is_some_and(|generator| generator.connected).into(),
             };
         }
         let loads = machine.bodies.iter().flat_map(|body| {
@@ -153,7 +156,9 @@ impl Inputs {
 
     /// Whether a run can have them: finite, switches on or off.
     pub(crate) fn can_be(&self) -> bool {
-        let valid = |joint: &JointInputs| joint.release.is_valid() && joint.latch_enable.is_valid();
+        let valid = |joint: &JointInputs| {
+            [joint.release, joint.latch_enable, joint.generator_on].iter().all(|switch| switch.is_valid())
+        };
         are_finite(&self.values)
             && self.joints().iter().all(valid)
             && self.failures().iter().all(|failure| failure.is_valid())
@@ -161,7 +166,7 @@ impl Inputs {
 
     /// Whether a run can have them as rates: switches have none.
     pub(crate) fn can_be_rates(&self) -> bool {
-        let still = |joint: &JointInputs| [joint.release, joint.latch_enable] == [Switch::OFF; 2];
+        let still = |joint: &JointInputs| [joint.release, joint.latch_enable, joint.generator_on] == [Switch::OFF; 3];
         self.joints().iter().all(still) && self.failures().iter().all(|&failure| failure == Switch::OFF)
     }
 }

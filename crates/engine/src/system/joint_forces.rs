@@ -4,6 +4,7 @@ use crate::force::Force;
 use crate::force::attitude::AttitudeSpring;
 use crate::force::brake::Brake;
 use crate::force::external::External;
+use crate::force::generator::Generator;
 use crate::force::joint::JointForces;
 use crate::force::latch::{CatchingLatch, Latch};
 use crate::force::motor::Motor;
@@ -45,6 +46,9 @@ fn of_joint(own: &OneFreedom) -> Vec<Force> {
         JointMotion::Prescribed(motion) => vec![Force::Prescribed(Law::new(motion))],
         JointMotion::Locked => vec![Force::Lock],
     };
+    if let (Some(law), JointMotion::Free) = (&own.generator, &own.motion) {
+        forces.push(Force::Generator(Generator { law: law.clone(), connected: law.connected }));
+    }
     // before the latch, which a joint at rest on a stop may not reach
     if let Some(stops) = own.stops {
         forces.push(Force::Stops(TwoSidedStops { stops, contact: Contact::default() }));
@@ -77,6 +81,9 @@ pub(crate) fn set(forces: &mut Forces, inputs: &Inputs, parameters: &Parameters)
         }
         if let Some(external) = joint.external_mut() {
             external.torque_n_m = inputs.torque_n_m;
+        }
+        if let Some(generator) = joint.generator_mut() {
+            generator.connected = inputs.generator_on.is_on();
         }
         if let Some(latch) = joint.latch_mut() {
             latch.stiffness_n_m_rad = own.latch_stiffness_n_m_rad;

@@ -12,6 +12,8 @@ pub(super) enum Cause {
     Command(usize),
     /// Commands of all joints.
     AnyCommand,
+    /// Whether a joint's generator is connected.
+    Generator(usize),
     /// External torque of a joint.
     Torque(usize),
     /// Gravity and the root's linear acceleration.

@@ -105,6 +105,7 @@ fn is_cause(topology: &Topology, cause: Cause, known: Known) -> bool {
         Cause::Command(joint) => commands_joint(joint, known),
         Cause::AnyCommand => matches!(known, Known::Input(Input::Joint(_, JointInput::Command))),
         Cause::Torque(joint) => turns_joint(joint, known),
+        Cause::Generator(joint) => known == Known::Input(Input::Joint(joint, JointInput::GeneratorOn)),
         Cause::Weight => matches!(known, Known::Input(Input::Gravity | Input::RootAcceleration)),
         Cause::Prescribed(joint) => known == Known::Time && topology.is_prescribed(joint),
         Cause::Travel(body) => known == Known::Time && moved(topology, body),
@@ -214,7 +215,7 @@ fn pushes(topology: &Topology, reach: Reach, known: Known) -> bool {
                 || reach.loops(topology).any(|closure| stretched(topology, closure))
         }
         Known::Input(input) => match input {
-            Input::Joint(joint, JointInput::Command | JointInput::Torque) => {
+            Input::Joint(joint, JointInput::Command | JointInput::Torque | JointInput::GeneratorOn) => {
                 reach.holds(topology, topology.revolutes[joint])
             }
             Input::Joint(_, JointInput::Release | JointInput::LatchEnable) => false,

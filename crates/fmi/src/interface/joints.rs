@@ -5,13 +5,14 @@ use crate::interface::Variability;
 use crate::interface::cause::{Cause, Depends};
 use crate::interface::hinge_dependencies::starts_closed;
 use crate::interface::known::{JointParameter, Parameter, SpatialParameter};
-use crate::interface::rows::ParameterRow;
+use crate::interface::rows::{ParameterRow, wrench};
 use crate::interface::table::{NON_NEGATIVE, Shape, TURN, Table, Text, Type, place};
 use crate::interface::topology::Topology;
 use foldwing_engine::load::Wrench;
 use foldwing_engine::machine::Travel;
 use foldwing_engine::plant::{
-    JointOutputs, JointParameters, LatchOutputs, OutputSet, SpatialOutputs, SpatialParameters,
+    GeneratorOutputs, JointOutputs, JointParameters, LatchOutputs, ModalOutputs, OutputSet, SpatialOutputs,
+    SpatialParameters,
 };
 use std::mem::offset_of;
 
@@ -193,7 +194,50 @@ pub(super) fn revolute_outputs(table: &mut Table, topology: &Topology, joint: us
     if topology.is_free(joint) {
         torque_outputs(&mut add);
     }
+    generator_outputs(table, topology, joint);
     reaction_outputs(table, topology, topology.revolutes[joint]);
+}
+
+/// Outputs of a joint's generator, if it has one.
+fn generator_outputs(table: &mut Table, topology: &Topology, joint: usize) {
+    let Some(index) = topology.machine.generators().position(|(place, _)| place == joint) else { return };
+    let name = topology.joint_name(joint);
+    let mut add = |key: &str, offset, declared, depends, meaning: &str| {
+        let place = (table.outputs.generators.place(index, offset), OutputSet::JOINTS);
+        let text = Text::new(format!("{name}.generator_{key}"), format!("joint {name}: {meaning}"));
+        table.output(place, Shape::Scalar, declared, depends, text);
+    };
+    let turns = Depends::new([Cause::Prescribed(joint)], [Cause::StartRate(joint)]).settling(false);
+    let speed = "speed of the generator's shaft, behind the gearbox";
+    add("speed", offset_of!(GeneratorOutputs, speed_rad_s), "AngularVelocity", turns, speed);
+    let gives =
+        || Depends::new([Cause::Generator(joint)], [Cause::Generator(joint), Cause::StartRate(joint)]).settling(false);
+    let torque = "torque of the generator on its shaft, against the motion";
+    add("torque", offset_of!(GeneratorOutputs, torque_n_m), "Moment", gives(), torque);
+    add("power", offset_of!(GeneratorOutputs, power_w), "Power", gives(), "electrical power of the generator");
+}
+
+/// Outputs of bodies that bend in given shapes: deflection of the outer end and load at the inner end, in the frame there.
+pub(super) fn modal_outputs(table: &mut Table, topology: &Topology) {
+    let layout = table.outputs;
+    for (index, body) in topology.machine.modal_bodies().enumerate() {
+        let name = &topology.machine.bodies[body].name;
+        let of = "in the frame of the inner end: x along the body";
+        let text = Text::new(
+            format!("body.{name}.deflection"),
+            format!("displacement of the outer end of body {name} from where it is undeformed, {{}}, {of}"),
+        );
+        let at = (layout.modal.place(index, offset_of!(ModalOutputs, deflection_m)), OutputSet::TIP_PLACES);
+        table.output(at, Shape::Vector, "Position", Depends::new([], []).settling(false), text);
+        let [force, moment] = ["force", "moment"].map(|what| {
+            Text::new(
+                format!("body.{name}.root_{what}"),
+                format!("{what} of the joint on the inner end of body {name}, {{}}, {of}"),
+            )
+        });
+        let at = (layout.modal.place(index, offset_of!(ModalOutputs, root)), OutputSet::REACTIONS);
+        wrench(table, at, &Depends::on_group(topology, body), [force, moment]);
+    }
 }
 
 /// Rows of one revolute or prismatic joint.

@@ -43,6 +43,8 @@ pub(super) enum JointInput {
     Release,
     /// Latch may close.
     LatchEnable,
+    /// Generator is connected.
+    GeneratorOn,
 }
 
 /// A parameter; indices as in [`foldwing_engine::plant::Parameters`].

@@ -45,6 +45,10 @@ fn inputs(table: &mut Table, topology: &Topology) {
             let enable = offset_of!(JointInputs, latch_enable);
             add(JointInput::LatchEnable, enable, "latch_enable", Type::Boolean, "latch may close (false opens it)");
         }
+        if topology.revolute(joint).generator.is_some() {
+            let on = offset_of!(JointInputs, generator_on);
+            add(JointInput::GeneratorOn, on, "generator_on", Type::Boolean, "generator is connected");
+        }
     }
     for (station, &(body, number)) in topology.stations.iter().enumerate() {
         let body = &topology.machine.bodies[body];
@@ -95,6 +99,7 @@ fn outputs(table: &mut Table, topology: &Topology) {
         joints::spatial_outputs(table, topology, joint);
     }
     joints::clamped_outputs(table, topology);
+    joints::modal_outputs(table, topology);
     let names: Vec<&str> = topology.machine.gauges.iter().map(|gauge| gauge.name.as_str()).collect();
     let gauges = format!("strain of the gauges {}", names.join(", "));
     for (index, gauge) in topology.machine.gauges.iter().enumerate() {

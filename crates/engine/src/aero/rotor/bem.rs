@@ -9,9 +9,9 @@ use crate::aero::flow::Flow;
 use crate::aero::polar::Polar;
 use crate::aero::rotor::dynamic_inflow::{InflowState, time_constant_s};
 use crate::aero::rotor::dynamic_stall::{SplitPolar, StallInflow, StallState};
-use crate::aero::rotor::induction::{Annulus, Approach, EndRule, SectionState, balance};
+use crate::aero::rotor::induction::{Annulus, Approach, EndRule, SectionState, aerodyn_balance, balance};
 use crate::aero::rotor::skew::Skew;
-use crate::aero::rotor::steady::{induction_share, lump};
+use crate::aero::rotor::steady::induction_share;
 use crate::aero::rotor::tower::Tower;
 use crate::aero::rotor::wind::WindField;
 use crate::aero::surface::{ChordLine, Surface};
@@ -21,14 +21,10 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Settings of a rotor's air.
+/// What the air of a rotor takes into account: stated by whoever builds the machine, used as it is by the model.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RotorOptions {
-    /// Index into the machine's bodies of the one that turns with the blades.
-    pub hub_body: usize,
-    /// Unit vector along the shaft in the hub's frame, pointing downwind.
-    pub shaft_axis: Vector3<f64>,
-    /// Whether the rotor turns about that vector by the right-hand rule: clockwise when looking downwind.
+pub struct RotorFeatures {
+    /// Whether the rotor turns about its shaft axis by the right hand: clockwise for who looks downwind.
     pub clockwise: bool,
     /// Radius in m at which the blades begin, for the hub loss.
     pub hub_radius_m: f64,
@@ -42,16 +38,48 @@ pub struct RotorOptions {
     pub dynamic_inflow: bool,
     /// Whether sections have dynamic stall, eqs. (B12)–(B14).
     pub dynamic_stall: bool,
-    /// Polars from −180° to 180°.
+    /// Angle of attack of blades that bend both ways and state of heavily loaded annuli as AeroDyn has them, eq. (B23).
+    pub as_aerodyn: bool,
+    /// Tower that the wind goes around.
+    pub tower: Option<Tower>,
+    /// Field of the wind; without it the input's wind is everywhere.
+    pub field: Option<WindField>,
+}
+
+impl RotorFeatures {
+    /// A rotor that turns clockwise, whose blades begin at a radius in m; both losses, no load at the ends, no wake that leans or
+    /// lags, no dynamic stall, neither tower nor field.
+    pub fn of(hub_radius_m: f64) -> Self {
+        Self {
+            clockwise: true,
+            hub_radius_m,
+            losses: [true; 2],
+            end_rule: EndRule::ZeroLoad,
+            skewed_wake: false,
+            dynamic_inflow: false,
+            dynamic_stall: false,
+            as_aerodyn: false,
+            tower: None,
+            field: None,
+        }
+    }
+}
+
+/// Settings of a rotor's air.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RotorOptions {
+    /// Index into the machine's bodies of the one that turns with the blades.
+    pub hub_body: usize,
+    /// Unit vector along the shaft in the hub's frame, pointing downwind.
+    pub shaft_axis: Vector3<f64>,
+    /// Polars, −180° to 180°.
     pub polars: Vec<Polar>,
     /// Index of the polar of each section, surface by surface.
     pub sections: Vec<Vec<usize>>,
     /// Distances of the sections from the root of the blade in m, surface by surface.
     pub positions_m: Vec<Vec<f64>>,
-    /// Tower whose influence on the wind is included.
-    pub tower: Option<Tower>,
-    /// Field of the wind; without it the wind of the input is the same everywhere.
-    pub field: Option<WindField>,
+    /// What code and file say alike.
+    pub features: RotorFeatures,
 }
 
 /// Loads and coefficients of the rotor.
@@ -66,7 +94,7 @@ pub struct RotorLoads {
     pub power_w: f64,
     /// Speed of the hub about its shaft in rad/s, positive in the rotor's own sense of rotation.
     pub speed_rad_s: f64,
-    /// Mean wind along the shaft over the sections of all blades, relative to the hub, in m/s.
+    /// Mean wind along the shaft over the sections of all blades, relative to them, in m/s.
     pub wind_m_s: f64,
     /// Power over `½ρπR²U³`, with the present radius of the outermost section; 0 without wind.
     pub power_coefficient: f64,
@@ -177,11 +205,11 @@ impl Rotor {
         let mut sections = Vec::new();
         for (blade, surface) in surfaces.iter().enumerate() {
             let positions_m = &options.positions_m[blade];
-            let hub_m = options.hub_radius_m;
+            let hub_m = options.features.hub_radius_m;
             let tip_m = hub_m + positions_m[positions_m.len() - 1];
             for (section, chord) in surface.chords.iter().enumerate() {
                 let radius_m = hub_m + positions_m[section];
-                let [tip, hub] = options.losses;
+                let [tip, hub] = options.features.losses;
                 sections.push(Section {
                     chord: *chord,
                     chord_m: chord.length_m(),
@@ -197,7 +225,7 @@ impl Rotor {
         Self {
             blades: surfaces.iter().map(|surface| surface.sections.clone()).collect(),
             cuts: vec![NO_CUT; sections.len()],
-            splits: splits.map(|split| split.filter(|_| options.dynamic_stall)).collect(),
+            splits: splits.map(|split| split.filter(|_| options.features.dynamic_stall)).collect(),
             sections,
             options: options.clone(),
         }
@@ -291,25 +319,26 @@ impl Rotor {
     fn meet(&mut self, motions: &[SectionMotion], flow: &Flow) -> Disc {
         let hub = &motions[self.sections.len()];
         let normal = hub.rotation * self.options.shaft_axis;
-        let turn = if self.options.clockwise { 1.0 } else { -1.0 };
+        let turn = if self.options.features.clockwise { 1.0 } else { -1.0 };
         let (mut mean_m_s, mut radius_m) = (Vector3::zeros(), 0.0f64);
         for ((cut, section), motion) in self.cuts.iter_mut().zip(&self.sections).zip(motions) {
             let arm_m = motion.rotation * section.chord.at(0.25);
             let point_m = motion.position_m + arm_m;
             let air_m_s = undisturbed_m_s(&self.options, flow, &point_m);
-            mean_m_s += air_m_s;
-            let tower = self.options.tower.as_ref();
+            let tower = self.options.features.tower.as_ref();
             let added_m_s = tower.map_or_else(Vector3::zeros, |tower| tower.added_m_s(&point_m, &air_m_s));
             let from_apex_m = point_m - hub.position_m;
             let radial_m = from_apex_m - normal * from_apex_m.dot(&normal);
             radius_m = radius_m.max(radial_m.norm());
             let velocity_m_s = motion.velocity_m_s + motion.spin_rad_s.cross(&arm_m);
+            mean_m_s += air_m_s - velocity_m_s;
             *cut = Cut { arm_m, relative_m_s: air_m_s + added_m_s - velocity_m_s, radial_m, from_apex_m, ..NO_CUT };
         }
-        let met_m_s = mean_m_s / self.sections.len() as f64 - hub.velocity_m_s;
-        let wind_m_s = met_m_s.dot(&normal);
+        let met_m_s = mean_m_s / self.sections.len() as f64;
         let speed_rad_s = turn * (hub.spin_rad_s + flow.spin_rad_s).dot(&normal);
         let tip_m_s = (speed_rad_s * radius_m).abs();
+        // in still air the motions of the sections cancel but for round-off
+        let wind_m_s = Some(met_m_s.dot(&normal)).filter(|wind| wind.abs() > 1e-12 * tip_m_s).unwrap_or(0.0);
         let share = if wind_m_s == 0.0 && tip_m_s > 0.0 { 1.0 } else { induction_share(tip_m_s / wind_m_s.abs()) };
         let tip_speed_ratio = if wind_m_s == 0.0 { 0.0 } else { tip_m_s / wind_m_s.abs() };
         Disc {
@@ -317,7 +346,7 @@ impl Rotor {
             turn,
             share: if share.is_nan() { 0.0 } else { share },
             radius_m,
-            skew: self.options.skewed_wake.then(|| Skew::of(&met_m_s, &normal)),
+            skew: self.options.features.skewed_wake.then(|| Skew::of(&met_m_s, &normal)),
             loads: RotorLoads { speed_rad_s, wind_m_s, tip_speed_ratio, ..RotorLoads::default() },
         }
     }
@@ -338,8 +367,8 @@ impl Rotor {
     ) -> Option<f64> {
         let section = &self.sections[index];
         let cut = &mut self.cuts[index];
-        let tangent = motion.rotation.column(0).into_owned();
-        let tangent = (tangent - ahead * tangent.dot(ahead)).try_normalize(1e-9)?;
+        let axis = motion.rotation.column(0).into_owned();
+        let tangent = (axis - ahead * axis.dot(ahead)).try_normalize(1e-9)?;
         let normal = tangent.cross(ahead);
         let normal = if normal.dot(&disc.normal) < 0.0 { -normal } else { normal };
         let radius_m = cut.radial_m.norm();
@@ -349,24 +378,34 @@ impl Rotor {
             hub_exponent: section.exponents[1],
         };
         let chord = motion.rotation * (section.chord.leading_m - section.chord.trailing_m);
+        let chord_angle_rad = if self.options.features.as_aerodyn {
+            // from where the chord would lie in the disc, about the section's own axis
+            let level = (disc.normal.cross(&axis) * disc.turn).try_normalize(1e-9)?;
+            (-chord.dot(&(axis.cross(&level) * disc.turn))).atan2(chord.dot(&level))
+        } else {
+            (-chord.dot(&normal)).atan2(chord.dot(ahead))
+        };
         let approach = Approach {
             axial_m_s: cut.relative_m_s.dot(&normal),
             tangential_m_s: -cut.relative_m_s.dot(ahead),
-            chord_angle_rad: (-chord.dot(&normal)).atan2(chord.dot(ahead)),
+            chord_angle_rad,
         };
         let polar = &self.options.polars[section.polar];
-        let induced_m_s = match (annulus.is_end(), self.options.end_rule) {
+        let induced_m_s = match (annulus.is_end(), self.options.features.end_rule) {
             (true, EndRule::ZeroLoad) => return None,
             (true, EndRule::Stopped) => [approach.axial_m_s, 0.0],
             (false, _) => {
-                let free = balance(&annulus, polar, &approach);
+                let free = match self.options.features.as_aerodyn {
+                    true => aerodyn_balance(&annulus, polar, &approach),
+                    false => balance(&annulus, polar, &approach),
+                };
                 let balanced_m_s = [free.axial_loss_m_s, free.swirl_m_s];
                 memory.inflow = match past {
-                    Past::Known { from, step_s } if self.options.dynamic_inflow => {
+                    Past::Known { from, step_s } if self.options.features.dynamic_inflow => {
                         let span = radius_m / disc.radius_m;
                         from.sections[index].inflow.after(balanced_m_s, *step_s, first_s, span)
                     }
-                    Past::Still if self.options.dynamic_inflow => {
+                    Past::Still if self.options.features.dynamic_inflow => {
                         InflowState { balanced_m_s, ..InflowState::default() }
                     }
                     _ => InflowState::established(balanced_m_s),
@@ -412,16 +451,24 @@ impl Rotor {
     fn spread(&mut self, loads: &mut AirLoads, disc: &mut Disc) {
         let Self { blades, cuts, options, .. } = self;
         for (blade, range) in blades.iter().enumerate() {
-            lump(options.positions_m[blade].iter().copied(), |at, of, length_m| {
-                let (own, other) = (&cuts[range.start + at], &cuts[range.start + of]);
-                let force_n = other.line_n_m * length_m;
-                let load = &mut loads.circulatory[range.start + at];
-                load.add_force_at(&own.arm_m, &force_n);
-                load.moment_n_m += other.moment_n * length_m;
-                disc.loads.thrust_n += force_n.dot(&disc.normal);
-                let moment_n_m = own.from_apex_m.cross(&force_n) + other.moment_n * length_m;
-                disc.loads.torque_n_m += disc.turn * moment_n_m.dot(&disc.normal);
-            });
+            let (cuts, loads) = (&cuts[range.clone()], &mut loads.circulatory[range.clone()]);
+            for (inner, places_m) in options.positions_m[blade].windows(2).enumerate() {
+                let ends = [inner, inner + 1];
+                let length_m = places_m[1] - places_m[0];
+                let way = cuts[ends[1]].from_apex_m - cuts[ends[0]].from_apex_m;
+                let along = way.try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
+                for (own, other, sign) in [(ends[0], ends[1], 1.0), (ends[1], ends[0], -1.0)] {
+                    let (near, far) = (&cuts[own], &cuts[other]);
+                    let force_n = (near.line_n_m * 7.0 + far.line_n_m * 3.0) * (length_m / 20.0);
+                    let lever_n_m = (near.line_n_m * 3.0 + far.line_n_m * 2.0) * (sign * length_m * length_m / 60.0);
+                    let moment_n_m = (near.moment_n * 2.0 + far.moment_n) * (length_m / 6.0) + along.cross(&lever_n_m);
+                    loads[own].add_force_at(&near.arm_m, &force_n);
+                    loads[own].moment_n_m += moment_n_m;
+                    disc.loads.thrust_n += force_n.dot(&disc.normal);
+                    let about_apex_n_m = near.from_apex_m.cross(&force_n) + moment_n_m;
+                    disc.loads.torque_n_m += disc.turn * about_apex_n_m.dot(&disc.normal);
+                }
+            }
         }
         disc.loads.power_w = disc.loads.torque_n_m * disc.loads.speed_rad_s;
     }
@@ -440,7 +487,7 @@ enum Past<'a> {
 /// Velocity of the air without rotor and tower as seen from the root frame, in m/s.
 fn undisturbed_m_s(options: &RotorOptions, flow: &Flow, point_m: &Vector3<f64>) -> Vector3<f64> {
     let plain_m_s = flow.velocity_m_s(point_m);
-    match &options.field {
+    match &options.features.field {
         Some(field) => plain_m_s - flow.wind_m_s + field.velocity_m_s(flow.time_s, point_m, &flow.wind_m_s),
         None => plain_m_s,
     }

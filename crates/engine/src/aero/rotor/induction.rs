@@ -140,6 +140,25 @@ pub fn turn_back(angle_rad: f64) -> f64 {
 /// state, in which the air flows through it backward. Between the two the induction jumps, as in momentum theory.
 /// Without wind the annulus hovers. If no balance exists there is no induction, and the state says so.
 pub fn balance(annulus: &Annulus, polar: &Polar, approach: &Approach) -> Annular {
+    balance_by(annulus, polar, approach, false)
+}
+
+/// The same as AeroDyn solves it, eq. (B23): in the windmill state wherever its residual has a root there, which drag gives it
+/// always, with axial induction factors from −1 to 1.5 and tangential ones from −1 to 1. For comparison.
+pub fn aerodyn_balance(annulus: &Annulus, polar: &Polar, approach: &Approach) -> Annular {
+    let free = balance_by(annulus, polar, approach, true);
+    let within = |loss_m_s: f64, of_m_s: f64, most: f64| {
+        let ends = [-of_m_s, most * of_m_s];
+        loss_m_s.max(ends[0].min(ends[1])).min(ends[0].max(ends[1]))
+    };
+    Annular {
+        axial_loss_m_s: within(free.axial_loss_m_s, approach.axial_m_s, 1.5),
+        swirl_m_s: within(free.swirl_m_s, approach.tangential_m_s, 1.0),
+        ..free
+    }
+}
+
+fn balance_by(annulus: &Annulus, polar: &Polar, approach: &Approach, windmill_first: bool) -> Annular {
     let Approach { axial_m_s, tangential_m_s, chord_angle_rad } = *approach;
     let speed_m_s = axial_m_s.hypot(tangential_m_s);
     if annulus.is_end() || speed_m_s == 0.0 {
@@ -159,6 +178,7 @@ pub fn balance(annulus: &Annulus, polar: &Polar, approach: &Approach) -> Annular
         polar,
         chord_angle_rad,
         mirror,
+        windmill_first,
         axial: axial_m_s.abs() / speed_m_s,
         tangential: tangential_m_s.abs() / speed_m_s,
     };
@@ -181,6 +201,8 @@ struct Balance<'a> {
     polar: &'a Polar,
     chord_angle_rad: f64,
     mirror: [f64; 2],
+    /// Whether a root in the windmill state is taken whatever the thrust is.
+    windmill_first: bool,
     axial: f64,
     tangential: f64,
 }
@@ -190,7 +212,8 @@ impl Balance<'_> {
     fn flow_angle_rad(&self) -> Option<f64> {
         // a windmill state exists where the thrust at a flow angle of zero stays below what Buhl's parabola ends with
         let normal = self.coefficients(0.0, 1.0)[0];
-        if normal <= 0.0 || (0.5 * self.annulus.solidity * normal).sqrt() * self.tangential < self.axial {
+        let rooted = self.windmill_first && self.residual(LEAST_ANGLE_RAD) < 0.0;
+        if rooted || normal <= 0.0 || (0.5 * self.annulus.solidity * normal).sqrt() * self.tangential < self.axial {
             let quarter = self.residual(FRAC_PI_2);
             let [low, high] =
                 if quarter > 0.0 { [LEAST_ANGLE_RAD, FRAC_PI_2] } else { [FRAC_PI_2, PI - LEAST_ANGLE_RAD] };

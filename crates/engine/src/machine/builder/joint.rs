@@ -6,7 +6,8 @@ use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::{quoted, shortest};
 use crate::machine::validate::joint::{ACROSS, check_motion};
 use crate::machine::{
-    Drive, Joint, JointKind, JointMotion, Motion, OneFreedom, Parent, Spatial, SpatialFreedom, Spring, Stops, Travel,
+    Drive, GeneratorLaw, Joint, JointKind, JointMotion, Motion, OneFreedom, Parent, Spatial, SpatialFreedom, Spring,
+    Stops, Travel,
 };
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -64,6 +65,7 @@ pub struct JointBuilder {
     motion: Option<JointMotion>,
     drive: Option<Drive>,
     spring: Option<Spring>,
+    generator: Option<GeneratorLaw>,
     latch: Option<LatchBuilder>,
     stops: Option<Stops>,
 }
@@ -88,6 +90,7 @@ impl Joint {
             motion: None,
             drive: None,
             spring: None,
+            generator: None,
             latch: None,
             stops: None,
         }
@@ -122,8 +125,18 @@ impl Joint {
 
     /// Start, start rate and all the rest.
     fn one_freedom(name: impl Into<String>, kind: Type, joint: OneFreedom) -> (Option<f64>, Option<f64>, JointBuilder) {
-        let OneFreedom { axis, start_angle_rad, start_rate_rad_s, motion, release, drive, spring, latch, stops } =
-            joint;
+        let OneFreedom {
+            axis,
+            start_angle_rad,
+            start_rate_rad_s,
+            motion,
+            release,
+            drive,
+            spring,
+            generator,
+            latch,
+            stops,
+        } = joint;
         let prescribed = matches!(motion, JointMotion::Prescribed(_)); // by a law, which gives the start
         let builder = JointBuilder {
             axis,
@@ -131,6 +144,7 @@ impl Joint {
             release: Some(release),
             drive: Some(drive),
             spring,
+            generator,
             latch: latch.map(LatchBuilder::from),
             stops,
             ..Self::builder(name, kind)
@@ -266,6 +280,11 @@ impl JointBuilder {
         Self { stops: Some(stops), ..self }
     }
 
+    /// Generator on the fast shaft of a joint that turns.
+    pub fn generator(self, generator: GeneratorLaw) -> Self {
+        Self { generator: Some(generator), ..self }
+    }
+
     /// The joint on a parent that is known; what is refused leaves a stand-in.
     pub(super) fn build(&self, parent: Parent, start_time_s: f64, checker: &mut Checker) -> Joint {
         self.refuse_strangers(checker);
@@ -310,8 +329,12 @@ impl JointBuilder {
         ];
         let latch = self.latch.as_ref().map(|_| "a latch".to_owned());
         let stops = self.stops.map(|_| "stops".to_owned());
-        let machinery: [(&str, &[Type], Option<String>); 2] =
-            [("latch", &[Revolute, Prismatic], latch), ("stops", &[Revolute, Prismatic], stops)];
+        let generator = self.generator.as_ref().map(|_| "a generator".to_owned());
+        let machinery: [(&str, &[Type], Option<String>); 3] = [
+            ("latch", &[Revolute, Prismatic], latch),
+            ("stops", &[Revolute, Prismatic], stops),
+            ("generator", &[Revolute], generator),
+        ];
         for (key, types, found) in stated.into_iter().chain(machinery) {
             if let (Some(found), false) = (found, types.contains(&self.kind)) {
                 let names: Vec<&str> = types.iter().copied().map(Type::name).collect();
@@ -356,6 +379,7 @@ impl JointBuilder {
             release: self.release.unwrap_or(true),
             drive,
             spring,
+            generator: self.generator.clone(),
             latch: self.latch.as_ref().map(|latch| latch.build(name, travel, own_n_m_rad, checker)),
             stops: self.stops,
         }

@@ -1,11 +1,8 @@
 //! A rotor's air in code: which body is the hub, which polars the blades have, what the model looks at.
 
 use crate::aero::polar::Polar;
-use crate::aero::rotor::bem::RotorOptions;
-use crate::aero::rotor::induction::EndRule;
-use crate::aero::rotor::tower::Tower;
+use crate::aero::rotor::bem::{RotorFeatures, RotorOptions};
 use crate::aero::rotor::viterna::is_full_circle;
-use crate::aero::rotor::wind::WindField;
 use crate::machine::builder::surfaces::SurfaceBuilder;
 use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::shortest;
@@ -20,26 +17,10 @@ pub struct RotorSettings {
     pub hub: String,
     /// Direction of the shaft in the hub's frame, downwind, of any length but zero.
     pub shaft_axis: Vector3<f64>,
-    /// Whether the rotor turns about it by the right hand: clockwise for who looks downwind.
-    pub clockwise: bool,
-    /// Distance in m from the apex to the inner ends of the blades: hub loss, and where radii begin.
-    pub hub_radius_m: f64,
-    /// Prandtl's losses at tip and hub.
-    pub losses: [bool; 2],
-    /// Loads where the loss is complete.
-    pub end_rule: EndRule,
-    /// Skewed wake.
-    pub skewed_wake: bool,
-    /// Dynamic inflow.
-    pub dynamic_inflow: bool,
-    /// Dynamic stall.
-    pub dynamic_stall: bool,
     /// Polars by name, from −180° to 180°.
     pub polars: Vec<(String, Polar)>,
-    /// Tower that the wind goes around.
-    pub tower: Option<Tower>,
-    /// Field of the wind.
-    pub field: Option<WindField>,
+    /// What else the air takes into account.
+    pub features: RotorFeatures,
 }
 
 impl RotorSettings {
@@ -49,16 +30,8 @@ impl RotorSettings {
         Self {
             hub: hub.into(),
             shaft_axis: Vector3::x(),
-            clockwise: true,
-            hub_radius_m,
-            losses: [true; 2],
-            end_rule: EndRule::ZeroLoad,
-            skewed_wake: false,
-            dynamic_inflow: false,
-            dynamic_stall: false,
             polars: Vec::new(),
-            tower: None,
-            field: None,
+            features: RotorFeatures::of(hub_radius_m),
         }
     }
 
@@ -79,8 +52,8 @@ impl RotorSettings {
             checker.refuse(&["air", "shaft_axis"], found, "an array of 3 finite numbers, not all 0");
             return None;
         };
-        if !(self.hub_radius_m > 0.0 && self.hub_radius_m.is_finite()) {
-            checker.refuse(&["air", "hub_radius_m"], shortest(self.hub_radius_m), "a finite length > 0 m");
+        if !(self.features.hub_radius_m > 0.0 && self.features.hub_radius_m.is_finite()) {
+            checker.refuse(&["air", "hub_radius_m"], shortest(self.features.hub_radius_m), "a finite length > 0 m");
             return None;
         }
         for (name, polar) in &self.polars {
@@ -124,18 +97,10 @@ impl RotorSettings {
         Some(RotorOptions {
             hub_body,
             shaft_axis,
-            clockwise: self.clockwise,
-            hub_radius_m: self.hub_radius_m,
-            losses: self.losses,
-            end_rule: self.end_rule,
-            skewed_wake: self.skewed_wake,
-            dynamic_inflow: self.dynamic_inflow,
-            dynamic_stall: self.dynamic_stall,
             polars: self.polars.iter().map(|(_, polar)| polar.clone()).collect(),
             sections,
             positions_m: surfaces.iter().map(|surface| surface.positions_m.clone()).collect(),
-            tower: self.tower.clone(),
-            field: self.field.clone(),
+            features: self.features.clone(),
         })
     }
 }

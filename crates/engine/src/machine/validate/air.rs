@@ -67,7 +67,7 @@ fn check_rotor(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[Bo
         checker.refuse_state(&["air", "hub"], format!("body {}", options.hub_body), allowed);
     }
     unit_vector(&["air", "shaft_axis"], &options.shaft_axis, checker);
-    checker.number(&["air", "hub_radius_m"], options.hub_radius_m, Range::Above(0.0));
+    checker.number(&["air", "hub_radius_m"], options.features.hub_radius_m, Range::Above(0.0));
     let sizes = |count: usize| surfaces.get(count).map(|surface| surface.positions_m.len());
     let fits = options.sections.len() == surfaces.len()
         && options.positions_m.iter().zip(surfaces).all(|(own, surface)| *own == surface.positions_m)

@@ -4,8 +4,8 @@ use crate::machine::fault::{Checker, Range, array_text, is_finite};
 use crate::machine::units::shortest;
 use crate::machine::validate::unit_vector;
 use crate::machine::{
-    Drive, Joint, JointKind, JointMotion, Latch, LatchKind, Motion, OneFreedom, Parent, Spatial, SpatialFreedom,
-    Spring, Stops, Travel, UNLIMITED,
+    Beyond, Drive, GeneratorLaw, Joint, JointKind, JointMotion, Latch, LatchKind, Motion, OneFreedom, Parent, Spatial,
+    SpatialFreedom, Spring, Stops, Travel, UNLIMITED,
 };
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
@@ -95,6 +95,9 @@ fn check_one_freedom(name: &str, travel: Travel, joint: &OneFreedom, checker: &m
             checker.number(&["joint", name, "spring", &travel.words(key)], value, range);
         }
     }
+    if let Some(generator) = &joint.generator {
+        check_generator(name, joint, generator, checker);
+    }
     if let Some(latch) = &joint.latch {
         check_latch(name, travel, joint, latch, checker);
     }
@@ -151,6 +154,35 @@ fn check_drive(name: &str, travel: Travel, drive: &Drive, checker: &mut Checker)
             );
         }
         _ => {}
+    }
+}
+
+fn check_generator(name: &str, joint: &OneFreedom, law: &GeneratorLaw, checker: &mut Checker) {
+    let place = |key| ["joint", name, "generator", key];
+    if joint.motion != JointMotion::Free {
+        let allowed = "a generator only with motion = \"free\"";
+        checker.refuse_state(
+            &["joint", name, "generator"],
+            "a generator on a joint that does not turn freely",
+            allowed,
+        );
+    }
+    let rows = &law.rows;
+    let finite = rows.iter().flatten().copied().all(is_finite);
+    if !(finite && (1..=1000).contains(&rows.len()) && rows.windows(2).all(|pair| pair[0][0] < pair[1][0])) {
+        let allowed = "1 to 1000 rows [speed in rad/s, torque in N·m] of finite numbers with ascending speeds";
+        checker.refuse(&place("rows"), format!("{rows:?}"), allowed);
+    } else if law.beyond == Beyond::Power && rows[rows.len() - 1][0] <= 0.0 {
+        let allowed = "a last row at a speed > 0, where it holds its power beyond";
+        checker.refuse(&place("rows"), format!("{rows:?}"), allowed);
+    }
+    if let Some(gain) = law.square_gain_n_m_s2 {
+        checker.number(&place("square_gain_n_m_s2"), gain, Range::AtLeast(0.0));
+    }
+    checker.number(&place("efficiency"), law.efficiency, Range::Within(0.0, 1.0));
+    if !(1e-6..=1e6).contains(&law.gear_ratio.abs()) {
+        let allowed = "a ratio of a magnitude from 1e-6 to 1e6";
+        checker.refuse(&place("gear_ratio"), shortest(law.gear_ratio), allowed);
     }
 }
 

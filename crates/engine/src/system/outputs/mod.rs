@@ -4,6 +4,7 @@ mod attitudes;
 mod energies;
 mod failures;
 mod feedthrough;
+mod generators;
 mod joints;
 mod latches;
 mod loads;
@@ -13,6 +14,7 @@ mod spatial;
 
 pub use energies::EnergyOutputs;
 pub use failures::FailureOutputs;
+pub use generators::{GeneratorOutputs, ModalOutputs};
 pub use joints::JointOutputs;
 pub use latches::LatchOutputs;
 pub use loads::LoopOutputs;
@@ -64,6 +66,10 @@ pub struct OutputLayout {
     pub circulation_m2_s: Segment<f64>,
     /// See [`Outputs::rotor`].
     pub rotor: Segment<RotorLoads>,
+    /// See [`Outputs::generators`].
+    pub generators: Segment<GeneratorOutputs>,
+    /// See [`Outputs::modal`].
+    pub modal: Segment<ModalOutputs>,
     /// See [`Outputs::latches`].
     pub latches: Segment<LatchOutputs>,
     /// See [`Outputs::failures`].
@@ -99,6 +105,8 @@ impl OutputLayout {
                 &mut end,
                 usize::from(machine.air.as_ref().is_some_and(|air| air.options.is_rotor())),
             ),
+            generators: Segment::append(&mut end, machine.generators().count()),
+            modal: Segment::append(&mut end, machine.modal_bodies().count()),
             continuous: end,
             latches: Segment::append(&mut end, one_freedoms),
             failures: Segment::append(&mut end, machine.failures.len()),
@@ -146,6 +154,10 @@ impl Outputs {
         circulation_m2_s, circulation_m2_s_mut: [f64];
         /// What the air of a rotor gives; nothing without one.
         rotor, rotor_mut: [RotorLoads];
+        /// Per generator, in the order of their joints.
+        generators, generators_mut: [GeneratorOutputs];
+        /// Per modal body, in the order of the bodies.
+        modal, modal_mut: [ModalOutputs];
         ;
         /// Force and moment of the wing on the aircraft at the origin, root frame.
         root, root_mut: Wrench;
@@ -279,6 +291,7 @@ impl System {
             joints::fill(outputs.joints_mut(), &present);
             latches::fill(outputs.latches_mut(), &present);
             failures::fill(outputs.failures_mut(), &present);
+            generators::fill(outputs.generators_mut(), &present);
         }
         if wanted.meets(OutputSet::HOLDING) {
             joints::fill_holding(outputs.joints_mut(), &present);
@@ -288,6 +301,10 @@ impl System {
         }
         if wanted.meets(OutputSet::REACTIONS) {
             loads::fill_reactions(outputs.joint_reactions_mut(), &present);
+            for (index, place) in self.machine.modal_bodies().enumerate() {
+                let reaction = outputs.joint_reactions()[place];
+                generators::fill_root(&mut outputs.modal_mut()[index], place, &reaction, &present);
+            }
         }
         if wanted.meets(OutputSet::GAUGES) {
             loads::fill_gauges(outputs.gauges_mut(), &present, &self.gauges);
@@ -300,6 +317,9 @@ impl System {
         }
         if wanted.meets(OutputSet::ROOT) {
             loads::fill_root(outputs.root_mut(), &present);
+        }
+        if wanted.meets(OutputSet::TIP_PLACES) {
+            generators::fill_deflections(outputs.modal_mut(), &present);
         }
         points::fill_tips(outputs.tips_mut(), &present, &self.tip_bodies, wanted);
         points::fill_stations(outputs.stations_mut(), &present, wanted);

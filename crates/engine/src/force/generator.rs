@@ -1,0 +1,147 @@
+//! Generator on the fast shaft of a gearbox: its torque follows the speed by a law, eq. (A11).
+
+use crate::force::{Here, Push};
+use crate::solve::Powers;
+
+/// What a generator does beyond the last row of its table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Beyond {
+    /// Holds the torque of the last row.
+    #[default]
+    Torque,
+    /// Holds the power of the last row: the torque falls as the speed rises.
+    Power,
+}
+
+/// Torque of a generator over its speed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GeneratorLaw {
+    /// Turns of the generator per turn of the joint.
+    pub gear_ratio: f64,
+    /// Speed of the generator in rad/s and its torque against the motion in N·m; speeds ascend. Straight lines between rows.
+    pub rows: Vec<[f64; 2]>,
+    /// Gain in N·m·s²/rad² of a torque that grows with the square of the speed below the first row, and is zero where the
+    /// generator turns backward. Without it the torque of the first row holds there.
+    pub square_gain_n_m_s2: Option<f64>,
+    /// Beyond the last row.
+    pub beyond: Beyond,
+    /// Electrical power over mechanical power.
+    pub efficiency: f64,
+    /// Start value of the input that connects it.
+    pub connected: bool,
+}
+
+impl GeneratorLaw {
+    /// Torque against the motion in N·m at a speed of the generator in rad/s, and its slope in N·m·s.
+    pub fn torque_n_m(&self, speed_rad_s: f64) -> (f64, f64) {
+        let (Some(first), Some(last)) = (self.rows.first(), self.rows.last()) else { return (0.0, 0.0) };
+        if speed_rad_s < first[0] {
+            return match self.square_gain_n_m_s2 {
+                Some(gain) => {
+                    let speed_rad_s = speed_rad_s.max(0.0);
+                    (gain * speed_rad_s * speed_rad_s, 2.0 * gain * speed_rad_s)
+                }
+                None => (first[1], 0.0),
+            };
+        }
+        if speed_rad_s >= last[0] {
+            return match self.beyond {
+                Beyond::Torque => (last[1], 0.0),
+                Beyond::Power => {
+                    let torque_n_m = last[1] * last[0] / speed_rad_s;
+                    (torque_n_m, -torque_n_m / speed_rad_s)
+                }
+            };
+        }
+        let above = self.rows.partition_point(|row| row[0] <= speed_rad_s);
+        let [from, to] = [self.rows[above - 1], self.rows[above]];
+        let slope = (to[1] - from[1]) / (to[0] - from[0]);
+        (from[1] + slope * (speed_rad_s - from[0]), slope)
+    }
+}
+
+/// A generator at work.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Generator {
+    /// Its law.
+    pub law: GeneratorLaw,
+    /// Whether it is connected; otherwise it gives no torque.
+    pub connected: bool,
+}
+
+/// What a generator gives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GeneratorState {
+    /// Speed of its shaft in rad/s.
+    pub speed_rad_s: f64,
+    /// Torque against the motion in N·m, on its shaft.
+    pub torque_n_m: f64,
+    /// Slope of that torque over the speed in N·m·s.
+    pub slope_n_m_s: f64,
+    /// Electrical power in W.
+    pub power_w: f64,
+}
+
+impl Generator {
+    /// What it gives where its joint turns at a rate.
+    pub fn at(&self, rate_rad_s: f64) -> GeneratorState {
+        let speed_rad_s = self.law.gear_ratio * rate_rad_s;
+        let (torque_n_m, slope_n_m_s) = if self.connected { self.law.torque_n_m(speed_rad_s) } else { (0.0, 0.0) };
+        let power_w = self.law.efficiency * torque_n_m * speed_rad_s;
+        GeneratorState { speed_rad_s, torque_n_m, slope_n_m_s, power_w }
+    }
+
+    /// Adds its torque and tangent, eq. (A11).
+    pub fn push(&self, here: &Here, sum: &mut Push) {
+        let (state, ratio) = (self.at(here.rate_rad_s), self.law.gear_ratio);
+        sum.torque_n_m -= ratio * state.torque_n_m;
+        sum.tangent.damping += ratio * ratio * state.slope_n_m_s;
+    }
+
+    /// Adds what it takes out of the machine as work of the outside.
+    pub fn add_powers(&self, here: &Here, powers: &mut Powers) {
+        let state = self.at(here.rate_rad_s);
+        powers.work -= state.torque_n_m * state.speed_rad_s;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn law() -> GeneratorLaw {
+        GeneratorLaw {
+            gear_ratio: 97.0,
+            rows: vec![[120.0, 30_000.0], [123.0, 43_000.0], [130.0, 43_100.0]],
+            square_gain_n_m_s2: Some(30_000.0 / 120.0 / 120.0),
+            beyond: Beyond::Power,
+            efficiency: 0.944,
+            connected: true,
+        }
+    }
+
+    #[test]
+    fn torque_goes_on_without_jumps_and_has_its_slope() {
+        let law = law();
+        for knot in [120.0, 123.0, 130.0] {
+            let [below, above] = [-1e-9, 1e-9].map(|shift| law.torque_n_m(knot + shift).0);
+            approx::assert_relative_eq!(below, above, max_relative = 1e-8);
+        }
+        for speed in [-5.0, 0.0, 60.0, 121.0, 125.0, 150.0] {
+            let difference = (law.torque_n_m(speed + 1e-4).0 - law.torque_n_m(speed - 1e-4).0) / 2e-4;
+            approx::assert_relative_eq!(difference, law.torque_n_m(speed).1, epsilon = 1e-3, max_relative = 1e-6);
+        }
+        assert_eq!(law.torque_n_m(-5.0), (0.0, 0.0));
+        approx::assert_relative_eq!(law.torque_n_m(260.0).0 * 260.0, 43_100.0 * 130.0, max_relative = 1e-14);
+        let held = GeneratorLaw { square_gain_n_m_s2: None, beyond: Beyond::Torque, ..law };
+        assert_eq!([held.torque_n_m(0.0), held.torque_n_m(500.0)], [(30_000.0, 0.0), (43_100.0, 0.0)]);
+    }
+
+    #[test]
+    fn disconnected_generator_gives_nothing() {
+        let generator = Generator { law: law(), connected: false };
+        let state = generator.at(1.3);
+        assert_eq!([state.torque_n_m, state.power_w], [0.0, 0.0]);
+        approx::assert_relative_eq!(state.speed_rad_s, 126.1, max_relative = 1e-12);
+    }
+}

@@ -1,0 +1,57 @@
+//! Generators, and what modal bodies tell of themselves: deflection of the outer end, load at the inner end.
+
+use crate::load::Wrench;
+use crate::system::outputs::Present;
+use bytemuck::{Pod, Zeroable};
+use nalgebra::Vector3;
+
+/// Outputs of one generator.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+pub struct GeneratorOutputs {
+    /// Speed of its shaft, behind the gearbox, in rad/s.
+    pub speed_rad_s: f64,
+    /// Torque against the motion on its shaft in N·m.
+    pub torque_n_m: f64,
+    /// Electrical power in W.
+    pub power_w: f64,
+}
+
+/// Outputs of one modal body, in the frame of its inner end.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+pub struct ModalOutputs {
+    /// Displacement of the outer end from where it is undeformed, in m.
+    pub deflection_m: Vector3<f64>,
+    /// Force and moment of the joint on the inner end, at that end.
+    pub root: Wrench,
+}
+
+/// Generators, in the order of their joints.
+pub(crate) fn fill(outputs: &mut [GeneratorOutputs], present: &Present) {
+    let rates = present.motion.v;
+    let joints = present.equations.forces.joints().iter();
+    let states = joints.filter_map(|joint| joint.generated(rates[joint.coordinate]));
+    for (output, state) in outputs.iter_mut().zip(states) {
+        *output =
+            GeneratorOutputs { speed_rad_s: state.speed_rad_s, torque_n_m: state.torque_n_m, power_w: state.power_w };
+    }
+}
+
+/// Deflections of modal bodies, in the order of the bodies; poses must be current.
+pub(crate) fn fill_deflections(outputs: &mut [ModalOutputs], present: &Present) {
+    let work = &present.equations.work;
+    let bodies = present.equations.model.bodies.iter().filter_map(|body| Some((body, body.modal.as_ref()?)));
+    for (output, (body, modal)) in outputs.iter_mut().zip(bodies) {
+        let (inner, outer) = (&work.nodes[body.first_node], &work.nodes[body.last_node()]);
+        let way_m = inner.rotation.transpose() * (outer.position - inner.position);
+        output.deflection_m = way_m - Vector3::x() * modal.element.length_m;
+    }
+}
+
+/// Load at the inner end of a modal body, from that of its joint in the root frame.
+pub(crate) fn fill_root(output: &mut ModalOutputs, body: usize, reaction: &Wrench, present: &Present) {
+    let equations = present.equations;
+    let turned = equations.work.nodes[equations.model.bodies[body].first_node].rotation.transpose();
+    output.root = Wrench { force_n: turned * reaction.force_n, moment_n_m: turned * reaction.moment_n_m };
+}

@@ -1,0 +1,79 @@
+//! Generator of the file: its keys, and what the machine gets.
+
+use crate::joint_file::JointFile;
+use crate::validate::Checker;
+use foldwing_engine::machine::{Beyond, GeneratorLaw};
+use schemars::JsonSchema;
+use serde::Deserialize;
+use std::f64::consts::PI;
+
+/// Generator on the fast shaft of a revolute joint's motor: its torque follows the speed by a law. Speeds are those of the fast
+/// shaft, the joint's times `gear_ratio` of `[joint.<name>.drive]`; torque against the motion is positive.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GeneratorFile {
+    /// Rows `[speed in rpm, torque in N·m]`, speeds ascending, with straight lines between them.
+    #[serde(rename = "table_rpm_N_m")]
+    #[schemars(length(min = 1, max = 1000), extend("x-allowed" = "at least 1 row [speed in rpm, torque in N·m]"))]
+    pub table_rpm_n_m: Vec<[f64; 2]>,
+    /// Torque over the square of the speed below the first row, in N·m/rpm²; without it the torque of the first row holds there.
+    #[serde(rename = "square_gain_N_m_rpm2")]
+    #[schemars(range(min = 0.0))]
+    pub square_gain_n_m_rpm2: Option<f64>,
+    /// What holds beyond the last row, default `torque`.
+    #[serde(default)]
+    pub beyond: BeyondFile,
+    /// Electrical power over mechanical power, default 1.
+    #[serde(default = "whole")]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub efficiency: f64,
+    /// Start value of the input `<joint>.generator_on`: false disconnects it. Default true.
+    #[serde(default = "yes")]
+    pub on: bool,
+}
+
+/// What a generator holds beyond its table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum BeyondFile {
+    /// The torque of the last row.
+    #[default]
+    Torque,
+    /// The power of the last row.
+    Power,
+}
+
+fn whole() -> f64 {
+    1.0
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// The generator of a joint, if it has one. `None` also where something is refused.
+pub(super) fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<GeneratorLaw> {
+    let generator = joint.generator.as_ref()?;
+    let Some(gear_ratio) = joint.drive.as_ref().and_then(|drive| drive.gear_ratio) else {
+        let allowed = "a finite ratio other than 0 with a generator, whose speed it tells; 1.0 without a gearbox";
+        checker.refuse(&["joint", name, "drive", "gear_ratio"], allowed);
+        return None;
+    };
+    if !generator.table_rpm_n_m.windows(2).all(|pair| pair[0][0] < pair[1][0]) {
+        let allowed = "rows [speed in rpm, torque in N·m] with ascending speeds";
+        checker.refuse(&["joint", name, "generator", "table_rpm_N_m"], allowed);
+        return None;
+    }
+    let radians = PI / 30.0;
+    Some(GeneratorLaw {
+        gear_ratio,
+        rows: generator.table_rpm_n_m.iter().map(|[rpm, torque_n_m]| [rpm * radians, *torque_n_m]).collect(),
+        square_gain_n_m_s2: generator.square_gain_n_m_rpm2.map(|gain| gain / (radians * radians)),
+        beyond: match generator.beyond {
+            BeyondFile::Torque => Beyond::Torque,
+            BeyondFile::Power => Beyond::Power,
+        },
+        efficiency: generator.efficiency,
+        connected: generator.on,
+    })
+}
