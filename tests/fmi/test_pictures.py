@@ -108,6 +108,11 @@ def test_f183_chosen_outputs_are_drawn_by_unit(foldwing, tmp_path):
     assert "fold.angle (rad)" in texts and "fold.angle" in texts
     for path in (tmp_path / "a").iterdir():
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes(), path.name
+    # limits that are none are not drawn, so that what acts can be seen; an axis of several things says what has its unit
+    subprocess.run([foldwing, "simulate", MODEL, "--quiet", "--plot", tmp_path / "c", "--output", "fold.*"], check=True)
+    texts = {text.text.strip() for path in (tmp_path / "c").glob("outputs_*.svg") for text in etree.parse(path).getroot().iter(f"{SVG}text")}
+    assert {"moment (N·m)", "angle (rad)", "force (N)", "fold.latch_torque"} <= texts
+    assert not {"fold.torque_limit", "fold.rate_limit"} & texts and not any("e2" in text or "e30" in text for text in texts), texts
 
 
 def series(folder, stem):

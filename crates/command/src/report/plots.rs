@@ -2,7 +2,7 @@
 
 use crate::report::figure::{Curve, Figure, Look, PALETTE};
 use crate::report::recording::{Frame, MOST_POINTS, Recording, Thinning};
-use foldwing_engine::machine::Travel;
+use foldwing_engine::machine::{Travel, UNLIMITED};
 use foldwing_engine::plant::EnergyOutputs;
 use nalgebra::Vector3;
 
@@ -310,7 +310,8 @@ impl Series {
 
     /// Figures, one per unit in order of their first appearance, of at most as many curves as a figure tells apart.
     pub fn figures(&self, title: &str, measured: &[Measured], marks: &[(f64, String)]) -> Vec<Figure> {
-        let drawn = self.columns.iter().filter(|column| column.values.iter().any(|value| value.is_finite()));
+        // a limit that is none would leave no room for anything else
+        let drawn = self.columns.iter().filter(|column| column.values.iter().any(|value| value.abs() < UNLIMITED));
         let mut groups: Vec<(&str, Vec<&Column>)> = Vec::new();
         for column in drawn {
             let has_room = |(unit, group): &&mut (&str, Vec<&Column>)| *unit == column.unit && group.len() < CURVES;
@@ -340,7 +341,7 @@ impl Series {
         let quantity = match columns {
             [column] => column.name.clone(),
             columns if columns.iter().all(|column| last(&column.name) == common) => common,
-            _ => "value".to_owned(),
+            _ => quantity_of(unit).to_owned(),
         };
         Figure {
             title: title.to_owned(),
@@ -353,5 +354,24 @@ impl Series {
             marks: marks.to_vec(),
             ..Figure::default()
         }
+    }
+}
+
+/// What has a unit, where names say nothing in common.
+fn quantity_of(unit: &str) -> &'static str {
+    match unit {
+        "rad" => "angle",
+        "rad/s" => "angular velocity",
+        "rad/s2" => "angular acceleration",
+        "m" => "length",
+        "m/s" => "velocity",
+        "m/s2" => "acceleration",
+        "N" => "force",
+        "N.m" => "moment",
+        "J" => "energy",
+        "W" => "power",
+        "s" => "time",
+        "kg" => "mass",
+        _ => "value",
     }
 }

@@ -386,11 +386,16 @@ fn tidy(value: f64, range: &Range<f64>) -> String {
         return "0".to_owned();
     }
     let digits = (2.0 - span.log10()).ceil().clamp(0.0, 12.0) as usize;
-    let text = if value.abs() >= 1e6 { format!("{value:e}") } else { format!("{value:.digits$}") };
-    let text = if text.contains('.') && !text.contains('e') {
-        text.trim_end_matches('0').trim_end_matches('.')
+    let trimmed = |text: &str| match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text.to_owned(),
+    };
+    let text = if value.abs() >= 1e6 {
+        let digits = (2.0 + (value.abs() / span).log10().ceil()).clamp(0.0, 12.0) as usize;
+        let text = format!("{value:.digits$e}");
+        text.split_once('e').map_or_else(|| text.clone(), |(number, power)| format!("{}e{power}", trimmed(number)))
     } else {
-        &text
+        trimmed(&format!("{value:.digits$}"))
     };
     text.replace('-', "−")
 }
@@ -482,6 +487,8 @@ mod tests {
             (1e-20, 1.0, "0"),
             (0.00125, 0.004, "0.00125"),
             (300.0, 400.0, "300"),
+            (5.000000000000001e29, 1e30, "5e29"),
+            (-1_234_567.0, 1e3, "−1.234567e6"),
         ];
         for (value, span, text) in cases {
             assert_eq!(tidy(value, &(0.0..span)), text);
