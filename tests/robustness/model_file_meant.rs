@@ -42,7 +42,7 @@ fn misplaced_keys() {
          [joint.<name>.spring] or [joint.<name>.latch] or [joint.<name>.stops]; allowed keys: type, parent, child, parent_position_m, parent_frame, parent_offset_m, root_position_m, \
          mount_rotation_deg, axis, body_axis, start_angular_velocity_deg_s, start_velocity_m_s, start_angle_deg, \
          start_rate_deg_s, start_position_m, start_rate_m_s, release, motion, polynomial_deg, table_s_deg, \
-         polynomial_m, table_s_m, table_ends, drive, spring, latch, stops"
+         polynomial_m, table_s_m, table_ends, drive, spring, generator, latch, stops"
     );
     assert_eq!(
         message("load_stations = 4", "gravity_m_s2 = [0, 0, 0]"),
