@@ -2,7 +2,7 @@
 
 use crate::model_file::{MODEL, message_of};
 use foldwing::config;
-use foldwing::machine::failure::{Beyond, Bound, Quantity};
+use foldwing::machine::failure::{Bound, BoundSide, Quantity};
 use foldwing::machine::{Effect, Failure};
 
 /// A failure behind the small model, whose fold joint holds its second body.
@@ -18,7 +18,7 @@ fn accepted_failures_mean_what_they_say() {
     ) + "[failure.latch]\nkind = \"latch_breaks\"\njoint = \"fold\"\nafter = \"motor\"\n";
     let machine = config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}"));
     let pi = std::f64::consts::PI;
-    let bound = Bound { body: 1, quantity: Quantity::Rate, value: -2.0 * pi, side: Beyond::Below };
+    let bound = Bound { body: 1, quantity: Quantity::Rate, value: -2.0 * pi, side: BoundSide::Below };
     assert_eq!(
         machine.failures,
         [
@@ -67,7 +67,7 @@ fn refusals_name_place_and_cure() {
         ("kind = \"spring_breaks\"\njoint = \"fold\"", "failure.motor.joint", "[joint.<name>.spring]"),
         ("kind = \"loop_opens\"\nloop = \"pin\"", "failure.motor.loop", "a loop"),
         ("kind = \"body_weakens\"\nbody = \"outer\"", "failure.motor.remaining", "a share"),
-        ("kind = \"body_weakens\"\nbody = \"outer\"\nremaining = 0", "failure.motor.remaining", "0.000001"),
+        ("kind = \"body_weakens\"\nbody = \"outer\"\nremaining = 0", "failure.motor.remaining", "from 1e-6 to 1"),
         ("kind = \"brake_comes_on\"\njoint = \"fold\"", "failure.motor.torque_N_m", "a number"),
         (
             "kind = \"drive_jams\"\njoint = \"fold\"\nwhen = { joint = \"fold\" }",

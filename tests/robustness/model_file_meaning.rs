@@ -25,13 +25,13 @@ fn joint_names_that_clash() {
         message("[joint.mount]", "[joint.load]"),
         "wing.toml:24: key 'joint.load': the name \"load\" is not allowed; allowed: a name that does not start \
          with tip_ and is not one of load, gravity, root, wind, gauge, section_load, loop, tip, station, aero, energy, \
-         solver, body, time, der"
+         failure, solver, body, time, der"
     );
     assert_eq!(
         message("[joint.mount]", "[joint.tip_inner]"),
         "wing.toml:24: key 'joint.tip_inner': the name \"tip_inner\" is not allowed; allowed: a name that does \
          not start with tip_ and is not one of load, gravity, root, wind, gauge, section_load, loop, tip, station, aero, \
-         energy, solver, body, time, der"
+         energy, failure, solver, body, time, der"
     );
 }
 

@@ -2,7 +2,7 @@
 
 use foldwing::config::{parse, schema};
 use foldwing::force::prescribed::Motion;
-use foldwing::machine::{JointKind, JointMotion, Machine, SectionLaw};
+use foldwing::machine::{Effect, JointKind, JointMotion, Machine, SectionLaw};
 use std::collections::BTreeSet;
 
 /// A machine with every angle that a file can state.
@@ -113,6 +113,30 @@ parent = "root"
 child = "blade"
 "#;
 
+/// What fails, by angles and rates.
+const FAILING: &str = r#"
+[failure.away]
+kind = "drive_runs_away"
+joint = "fold"
+to_deg = 75
+rate_deg_s = 15
+when = { joint = "fold", angle_above_deg = 90 }
+[failure.back]
+kind = "drive_dies"
+joint = "fold"
+when = { joint = "fold", angle_below_deg = -30 }
+[failure.brake]
+kind = "brake_comes_on"
+joint = "fold"
+torque_N_m = 1.0
+slip_deg_s = 0.5
+when = { joint = "fold", rate_above_deg_s = 120 }
+[failure.slow]
+kind = "drive_dies"
+joint = "fold"
+when = { joint = "fold", rate_below_deg_s = -60 }
+"#;
+
 fn read(text: &str) -> Machine {
     parse(text, "angles.toml").unwrap_or_else(|error| panic!("{error}"))
 }
@@ -143,7 +167,7 @@ fn every_key_in_degrees_is_compared() {
     assert!(keys.len() >= 12, "{keys:?}");
     for key in &keys {
         assert!(
-            [MODEL, BALL_IN_AIR, MODAL].iter().any(|text| text.contains(&format!("{key} = "))),
+            [MODEL, BALL_IN_AIR, MODAL, FAILING].iter().any(|text| text.contains(&format!("{key} = "))),
             "{key} is not compared"
         );
     }
@@ -201,4 +225,23 @@ fn twist_of_a_modal_body_is_read_in_radians() {
     let twist = law.twist_rad.as_ref().expect("twist");
     let places = [(0.0, 12.0), (5.0, 4.5), (10.0, -3.0)];
     places.iter().for_each(|(place_m, deg)| close("twist_deg", twist.at(*place_m), *deg));
+}
+
+#[test]
+fn angles_of_failures_are_read_in_radians() {
+    let machine = read(&format!("{MODEL}{FAILING}"));
+    let Effect::DriveRunsAway { to_rad, rate_rad_s, .. } = machine.failures[0].effect else { panic!("runs away") };
+    close("to_deg", to_rad, 75.0);
+    close("rate_deg_s", rate_rad_s, 15.0);
+    let Effect::BrakeComesOn { brake, .. } = machine.failures[2].effect else { panic!("a brake") };
+    close("slip_deg_s", brake.slip_rad_s, 0.5);
+    let bounds = [
+        ("angle_above_deg", 90.0),
+        ("angle_below_deg", -30.0),
+        ("rate_above_deg_s", 120.0),
+        ("rate_below_deg_s", -60.0),
+    ];
+    for ((key, degrees), failure) in bounds.into_iter().zip(&machine.failures) {
+        close(key, failure.when.expect("a bound").value, degrees);
+    }
 }

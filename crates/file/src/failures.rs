@@ -5,7 +5,7 @@ use crate::file::ModelFile;
 use crate::joint_file::JointType;
 use crate::validate::Checker;
 use foldwing_engine::machine::builder::{FailureBuilder, MachineBuilder};
-use foldwing_engine::machine::failure::{Beyond, FrictionBrake, Quantity};
+use foldwing_engine::machine::failure::{BoundSide, FrictionBrake, Quantity};
 use foldwing_engine::machine::units::quoted;
 use foldwing_engine::machine::{Failure, Travel};
 
@@ -149,7 +149,7 @@ fn refuse_strangers(name: &str, failure: &FailureFile, checker: &mut Checker) {
 }
 
 /// What a bound bounds, on which side, and where it lies in SI.
-fn bound(name: &str, when: &WhenFile, file: &ModelFile, checker: &mut Checker) -> Option<(Quantity, Beyond, f64)> {
+fn bound(name: &str, when: &WhenFile, file: &ModelFile, checker: &mut Checker) -> Option<(Quantity, BoundSide, f64)> {
     let values = [
         when.angle_above_deg,
         when.angle_below_deg,
@@ -174,6 +174,6 @@ fn bound(name: &str, when: &WhenFile, file: &ModelFile, checker: &mut Checker) -
         return None;
     }
     let quantity = if index % 4 < 2 { Quantity::Angle } else { Quantity::Rate };
-    let side = if index % 2 == 0 { Beyond::Above } else { Beyond::Below };
+    let side = if index % 2 == 0 { BoundSide::Above } else { BoundSide::Below };
     Some((quantity, side, if turns { value.to_radians() } else { value }))
 }

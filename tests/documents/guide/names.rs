@@ -1,7 +1,7 @@
 //! What the pages quote exists: variables, keys of the model file, sections that links lead to.
 
 use crate::guide::command_lines::pages;
-use crate::guide::variables::{everything, in_real_time, named, pattern, sliding, with_rigid_latch};
+use crate::guide::variables::{everything, in_real_time, named, pattern, rotor, sliding, with_rigid_latch};
 use foldwing::config;
 use foldwing::instance::Version;
 use foldwing::interface::Interface;
@@ -45,7 +45,7 @@ fn words_of_the_schema() -> BTreeSet<String> {
 
 /// Names of variables: patterns, and those of the shipped wing with and without air.
 fn variables() -> BTreeSet<String> {
-    let tables = [everything(), in_real_time(), with_rigid_latch(), sliding(false), sliding(true)];
+    let tables = [everything(), in_real_time(), with_rigid_latch(), sliding(false), sliding(true), rotor()];
     let mut names: BTreeSet<String> =
         tables.iter().flat_map(Interface::variables).map(|row| pattern(&row.name).0).collect();
     for model in ["folding_wing.toml", "folding_wing_in_tunnel.toml", "four_bar.toml"] {
@@ -58,8 +58,8 @@ fn variables() -> BTreeSet<String> {
             names.insert(named(&machine, &row.name).replace("tip_<body>", "tip"));
         }
     }
-    let rotor = config::parse(ROTOR, "rotor.toml").unwrap_or_else(|error| panic!("{error}"));
-    names.extend(Interface::new(&rotor).variables().iter().map(|row| row.name.clone()));
+    let machine = config::parse(ROTOR, "rotor.toml").unwrap_or_else(|error| panic!("{error}"));
+    names.extend(Interface::new(&machine).variables().iter().map(|row| row.name.clone()));
     // a group stands for all that begin so: `root.acceleration`, `load.`
     let groups: Vec<String> =
         names.iter().flat_map(|name| name.match_indices('.').map(|(at, _)| name[..at].to_owned())).collect();

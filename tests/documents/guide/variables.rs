@@ -56,6 +56,9 @@ position_m = 0.01
 [section_load.sectionname]
 body = "bodyname"
 position_m = 0.05
+[failure.failurename]
+kind = "loop_opens"
+loop = "loopname"
 [aerodynamics]
 model = "strip"
 wind_m_s = [0, -10, 0]
@@ -65,11 +68,54 @@ body = "bodyname"
 strips = 1
 "#;
 
+/// A rotor with a generator and a modal blade.
+const ROTOR: &str = r#"
+name = "Rotor"
+[rigid_body.bodynamea]
+mass_kg = 10.0
+inertia_kg_m2 = [1.0, 1.0, 1.0, 0, 0, 0]
+[joint.jointname]
+type = "revolute"
+parent = "root"
+child = "bodynamea"
+axis = [1, 0, 0]
+drive = { gear_ratio = 97.0 }
+generator = { table_rpm_N_m = [[1000.0, 10.0]] }
+[modal_body.bodyname]
+length_m = 10.0
+cells = 5
+stations = [0, 1]
+mass_kg_m = [10, 10]
+flap_stiffness_N_m2 = [1e6, 1e6]
+edge_stiffness_N_m2 = [2e6, 2e6]
+flap_shapes = [[1.0]]
+[joint.jointnameb]
+type = "clamped"
+parent = "bodynamea"
+child = "bodyname"
+parent_offset_m = [0.0, 0.0, 0.5]
+mount_rotation_deg = [0, -90, 0]
+[aerodynamics]
+model = "bem"
+hub = "bodynamea"
+hub_radius_m = 0.5
+wind_m_s = [8.0, 0.0, 0.0]
+step_s = 0.02
+[surface.surfacename]
+body = "bodyname"
+axis_fraction = 0.25
+stations_m = [0.0, 10.0]
+polars = ["plate", "plate"]
+chord_m = 0.4
+[polar.plate]
+rows = [[-180, 0, 0.5, 0], [180, 0, 0.5, 0]]
+"#;
+
 const HEAD: &str = "\
 # All variables of the FMU
 
 This page is generated from the table that makes the FMU; a test keeps it current. `<joint>`, `<body>`, `<gauge>`,
-`<section>` and `<loop>` stand for names in the model file, `[i]` counts from 1. `{x,y,z}` stands for three variables: `gravity.{x,y,z}` are
+`<section>`, `<loop>` and `<name>` (of a failure) stand for names in the model file, `[i]` counts from 1. `{x,y,z}` stands for three variables: `gravity.{x,y,z}` are
 `gravity.x`, `gravity.y` and `gravity.z`. `foldwing check MODEL.toml --variables` lists those of a model with their start values,
 and `documentation/index.html` inside the FMU shows them as a table.
 
@@ -97,6 +143,11 @@ latch = { stiffness_ratio = 1e4 }
 
 /// Where the rows whose name begins so exist.
 const WHERE: &[(&str, &str)] = &[
+    ("<joint>.generator", "revolute joints with a generator"),
+    ("rotor.", "with the air of a rotor"),
+    ("failure.", "each failure"),
+    ("body.<body>.deflection", MODAL),
+    ("body.<body>.root_", MODAL),
     ("<joint>.latch_impulse", "revolute joints with a rigid latch"),
     ("<joint>.latch_stiffness", "revolute joints with an elastic latch"),
     ("<joint>.latch", "revolute joints with a latch that move freely"),
@@ -123,6 +174,9 @@ const WHERE: &[(&str, &str)] = &[
     ("tip_<body>", "each free end; `tip` where there is only one"),
     ("body.", "each body"),
 ];
+
+/// Bodies that bend in given shapes.
+const MODAL: &str = "each modal body";
 
 /// All revolute joints.
 const REVOLUTE: &str = "revolute joints";
@@ -158,6 +212,11 @@ pub fn everything() -> Interface {
     table(EVERYTHING)
 }
 
+/// The table of [`ROTOR`].
+pub fn rotor() -> Interface {
+    table(ROTOR)
+}
+
 /// The table of [`EVERYTHING`] in real-time mode, which has no air.
 pub fn in_real_time() -> Interface {
     let (still, _) = EVERYTHING.split_once("[aerodynamics]").unwrap();
@@ -187,6 +246,7 @@ fn generic(text: &str) -> String {
         ["a", "b", ""]
             .iter()
             .fold(text, |text, suffix| text.replace(&format!("{kind}name{suffix}"), &format!("<{kind}>")))
+            .replace("failurename", "<name>")
     })
 }
 
@@ -228,17 +288,24 @@ fn shortest(value: f64) -> String {
 }
 
 /// The rows of one causality; each pattern once.
-fn rows(interfaces: &[Interface; 5], causality: Causality) -> String {
-    let [ordinary, in_real_time, rigid, sliding, sliding_rigid] = interfaces;
+fn rows(interfaces: &[Interface; 6], causality: Causality) -> String {
+    let [ordinary, in_real_time, rigid, sliding, sliding_rigid, rotor] = interfaces;
     let mut seen = BTreeSet::new();
     let mut text = String::new();
-    let all = [(ordinary, false), (in_real_time, false), (rigid, false), (sliding, true), (sliding_rigid, true)];
+    let all = [
+        (ordinary, false),
+        (in_real_time, false),
+        (rigid, false),
+        (sliding, true),
+        (sliding_rigid, true),
+        (rotor, false),
+    ];
     let all =
         all.into_iter().flat_map(|(interface, slides)| interface.variables().iter().map(move |row| (row, slides)));
     for (variable, slides) in all.filter(|(variable, _)| variable.causality == causality) {
         let (name, component) = pattern(&variable.name);
         let slides = slides && variable.name.starts_with("jointname.");
-        let elsewhere = [ordinary, rigid, sliding, sliding_rigid];
+        let elsewhere = [ordinary, rigid, sliding, sliding_rigid, rotor];
         let only_in_real_time = elsewhere.iter().all(|interface| interface.find(&variable.name).is_none());
         let (place, meaning) = (place(variable, &name, slides), meaning(variable, component).replace('<', "\\<"));
         if !seen.insert((name.clone(), meaning.clone())) {
@@ -261,7 +328,7 @@ fn rows(interfaces: &[Interface; 5], causality: Causality) -> String {
 
 /// The page.
 fn page() -> String {
-    let interfaces = [everything(), in_real_time(), with_rigid_latch(), sliding(false), sliding(true)];
+    let interfaces = [everything(), in_real_time(), with_rigid_latch(), sliding(false), sliding(true), rotor()];
     let parts = [
         (
             Causality::Input,

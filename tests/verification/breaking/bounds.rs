@@ -3,7 +3,7 @@
 use crate::breaking::*;
 use foldwing::machine::Failure;
 use foldwing::machine::builder::JointBuilder;
-use foldwing::machine::failure::{Beyond, Quantity};
+use foldwing::machine::failure::{BoundSide, Quantity};
 
 const RATE_RAD_S: f64 = 3.0;
 
@@ -15,7 +15,8 @@ fn turning(joint: JointBuilder) -> JointBuilder {
 #[test]
 fn fl10_a_bound_on_the_angle_is_located() {
     for steps in [1, 9, 400] {
-        let jam = Failure::drive_jams("jam", "hinge").when("hinge", Quantity::Angle, Beyond::Above, 1.0).delay_s(0.05);
+        let jam =
+            Failure::drive_jams("jam", "hinge").when("hinge", Quantity::Angle, BoundSide::Above, 1.0).delay_s(0.05);
         let mut plant = begun(turning, jam);
         assert!(drift_j(&mut plant, 1.0, steps) < 1e-10);
         let found_s = failed_s(&plant, 0).expect("it fails");
@@ -29,7 +30,7 @@ fn fl10_a_bound_on_the_angle_is_located() {
 #[test]
 fn fl11_a_bound_on_the_rate_is_located() {
     let falls = |bound_rad_s: f64| {
-        let died = Failure::drive_dies("motor", "hinge").when("hinge", Quantity::Rate, Beyond::Below, bound_rad_s);
+        let died = Failure::drive_dies("motor", "hinge").when("hinge", Quantity::Rate, BoundSide::Below, bound_rad_s);
         let mut plant = begun(sprung, died);
         assert!(drift_j(&mut plant, 1.0, 10) < 1e-8);
         plant
@@ -48,7 +49,7 @@ fn fl11_a_bound_on_the_rate_is_located() {
 fn fl12_failures_follow_failures() {
     let failures = [
         Failure::drive_jams("first", "hinge").at_time_s(0.2),
-        Failure::drive_dies("second", "hinge").when("hinge", Quantity::Rate, Beyond::Below, 1.0),
+        Failure::drive_dies("second", "hinge").when("hinge", Quantity::Rate, BoundSide::Below, 1.0),
         Failure::drive_dies("third", "hinge").after("second").delay_s(0.125),
         Failure::drive_dies("fourth", "hinge").after("third"),
     ];
@@ -61,7 +62,7 @@ fn fl12_failures_follow_failures() {
 /// FL-13. A bound that the start has passed already fails at once, once the run goes on.
 #[test]
 fn fl13_a_bound_passed_at_the_start() {
-    let jam = Failure::drive_jams("jam", "hinge").when("hinge", Quantity::Rate, Beyond::Above, 1.0);
+    let jam = Failure::drive_jams("jam", "hinge").when("hinge", Quantity::Rate, BoundSide::Above, 1.0);
     let mut plant = begun(turning, jam);
     drift_j(&mut plant, 0.5, 5);
     assert_eq!(failed_s(&plant, 0), Some(0.0));

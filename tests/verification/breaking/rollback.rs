@@ -3,7 +3,7 @@
 use crate::breaking::*;
 use crate::counting_allocator::allocations;
 use foldwing::machine::Failure;
-use foldwing::machine::failure::{Beyond, FrictionBrake, Quantity};
+use foldwing::machine::failure::{BoundSide, FrictionBrake, Quantity};
 use foldwing::plant::{Outputs, Snapshot};
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ fn outputs_until(plant: &mut Plant, end_s: f64, steps: usize) -> Vec<Outputs> {
 fn fl20_rollback_over_failures_to_the_bit() {
     let brake = FrictionBrake { torque_n_m: 0.05, ramp_s: 0.1, slip_rad_s: 1e-2 };
     let failures = [
-        Failure::spring_weakens("spring", "hinge", 0.3).when("hinge", Quantity::Angle, Beyond::Below, 0.1),
+        Failure::spring_weakens("spring", "hinge", 0.3).when("hinge", Quantity::Angle, BoundSide::Below, 0.1),
         Failure::drive_runs_away("runaway", "hinge", 1.0, 2.0).at_time_s(0.31),
         Failure::brake_comes_on("brake", "hinge", brake).after("spring").delay_s(0.2),
         Failure::drive_jams("jam", "hinge").at_time_s(0.8),
@@ -60,7 +60,7 @@ fn fl21_snapshots_of_other_failures_are_refused() {
 fn fl22_failures_allocate_nothing() {
     let failures = [
         Failure::drive_dies("motor", "hinge").at_time_s(0.11),
-        Failure::drive_jams("jam", "hinge").when("hinge", Quantity::Angle, Beyond::Below, -1.0).delay_s(0.02),
+        Failure::drive_jams("jam", "hinge").when("hinge", Quantity::Angle, BoundSide::Below, -1.0).delay_s(0.02),
     ];
     let mut plant = start(rotor(sprung, &failures));
     plant.step(0.01).expect("runs");

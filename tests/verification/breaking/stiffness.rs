@@ -34,13 +34,22 @@ fn shipped(name: &str) -> String {
     std::fs::read_to_string(path).expect("a shipped model")
 }
 
-/// FL-26. A loop that opens lets its ends part; the account closes, and nothing pulls any more.
+/// FL-26. Loops that open let their ends part; the account closes, and nothing pulls any more. One of two that hold the same pin
+/// leaves the other to hold it.
 #[test]
 fn fl26_a_loop_opens() {
     let text = shipped("four_bar");
-    let name = text.split("[loop.").nth(1).and_then(|rest| rest.split(']').next()).expect("a loop");
-    let failure = format!("\n[failure.pin]\nkind = \"loop_opens\"\nloop = \"{name}\"\nat_time_s = 0.0403\n");
-    let mut plant = start(config::parse(&(text.clone() + &failure), "four_bar").unwrap_or_else(|e| panic!("{e}")));
+    let failing = |names: &[&str]| {
+        let opens =
+            |name| format!("\n[failure.{name}]\nkind = \"loop_opens\"\nloop = \"{name}\"\nat_time_s = 0.0403\n");
+        let failures: String = names.iter().map(opens).collect();
+        start(config::parse(&(text.clone() + &failures), "four_bar").unwrap_or_else(|e| panic!("{e}")))
+    };
+    let mut held = failing(&["front"]);
+    drift_j(&mut held, 0.2, 80);
+    let [front, back] = [0, 1].map(|index| held.outputs().loops()[index]);
+    assert!(front.force_n.norm() == 0.0 && back.force_n.norm() > 0.0 && front.gap_m.norm() < 1e-3);
+    let mut plant = failing(&["front", "back"]);
     let scale_j = plant.outputs().energy().total.abs().max(1e-3);
     let before = drift_j(&mut plant, 0.04, 20);
     assert!(plant.outputs().loops()[0].gap_m.norm() < 1e-3);

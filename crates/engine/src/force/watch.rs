@@ -14,7 +14,7 @@ pub struct Bound {
     /// Where the bound lies, in rad or rad/s, m or m/s.
     pub value: f64,
     /// Side on which the motion is beyond it.
-    pub side: Beyond,
+    pub side: BoundSide,
 }
 
 /// What a bound bounds.
@@ -28,7 +28,7 @@ pub enum Quantity {
 
 /// Side of a bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Beyond {
+pub enum BoundSide {
     /// Larger values are beyond it.
     Above,
     /// Smaller values are beyond it.
@@ -43,8 +43,8 @@ impl Bound {
             Quantity::Rate => rate_rad_s(),
         };
         match self.side {
-            Beyond::Above => self.value - value,
-            Beyond::Below => value - self.value,
+            BoundSide::Above => self.value - value,
+            BoundSide::Below => value - self.value,
         }
     }
 }
@@ -112,10 +112,10 @@ mod tests {
         let watch =
             |quantity, side| Watch { bound: Bound { body: 0, quantity, value: 2.0, side }, number: 0, failure: 0 };
         let at = Moving { angle_rad: 1.5, rate_rad_s: -3.0, acceleration_rad_s2: 7.0 };
-        assert_eq!(watch(Quantity::Angle, Beyond::Above).distance_rad(&at), 0.5);
-        assert_eq!(watch(Quantity::Angle, Beyond::Below).distance_rad(&at), -0.5);
-        assert_eq!(watch(Quantity::Rate, Beyond::Below).distance_rad(&at), -5.0);
-        assert_eq!(watch(Quantity::Rate, Beyond::Above).closing_rad_s(&at), 7.0);
-        assert_eq!(watch(Quantity::Angle, Beyond::Above).closing_rad_s(&at), 3.0);
+        assert_eq!(watch(Quantity::Angle, BoundSide::Above).distance_rad(&at), 0.5);
+        assert_eq!(watch(Quantity::Angle, BoundSide::Below).distance_rad(&at), -0.5);
+        assert_eq!(watch(Quantity::Rate, BoundSide::Below).distance_rad(&at), -5.0);
+        assert_eq!(watch(Quantity::Rate, BoundSide::Above).closing_rad_s(&at), 7.0);
+        assert_eq!(watch(Quantity::Angle, BoundSide::Above).closing_rad_s(&at), 3.0);
     }
 }

@@ -1,7 +1,7 @@
 //! Failures: what breaks, and when.
 
 pub use crate::force::friction::FrictionBrake;
-pub use crate::force::watch::{Beyond, Bound, Quantity};
+pub use crate::force::watch::{Bound, BoundSide, Quantity};
 
 /// A failure of a machine. It happens once, and nothing repairs it.
 ///

@@ -1,6 +1,6 @@
 //! Failures in code: what a table `[failure.<name>]` of the model file can say.
 
-use crate::machine::failure::{Beyond, Bound, Effect, Failure, FrictionBrake, Quantity};
+use crate::machine::failure::{Bound, BoundSide, Effect, Failure, FrictionBrake, Quantity};
 use crate::machine::fault::Checker;
 use crate::machine::{Body, Closure};
 
@@ -24,7 +24,7 @@ pub struct FailureBuilder {
     effect: Effect,
     at_time_s: Option<f64>,
     after: Option<String>,
-    when: Option<(String, Quantity, Beyond, f64)>,
+    when: Option<(String, Quantity, BoundSide, f64)>,
     delay_s: f64,
 }
 
@@ -108,7 +108,7 @@ impl FailureBuilder {
     }
 
     /// Is brought about where angle or rate of a joint passes a value in rad or rad/s, m or m/s.
-    pub fn when(self, joint: impl Into<String>, quantity: Quantity, side: Beyond, value: f64) -> Self {
+    pub fn when(self, joint: impl Into<String>, quantity: Quantity, side: BoundSide, value: f64) -> Self {
         Self { when: Some((joint.into(), quantity, side, value)), ..self }
     }
 
