@@ -24,7 +24,7 @@ from browser import Browser  # noqa: E402, it stands beside the tests
 
 MODELS = [*sorted((ROOT / "examples/models").glob("*.toml")), ROOT / "examples/flying_aircraft.toml", ROOT / "examples/turbine/nrel_5mw.toml"]
 STOP_S = {"nrel_5mw": 2.0}
-MOST_CALLS, MOST_TRIANGLES, LEAST_PER_S = 150, 40_000, 10.0
+MAXIMUM_CALLS, MAXIMUM_TRIANGLES, MINIMUM_PER_S = 150, 40_000, 10.0
 WIDTH, HEIGHT = 1400, 900
 ALL_ON = "document.querySelectorAll('#display input[type=checkbox]').forEach(box => { box.checked = box.id !== 'glass'; }), true"
 # Times in ms of so many pictures, each of another instant; reading a pixel waits until the picture is drawn.
@@ -62,10 +62,10 @@ def main() -> None:
             least, median = (of(opens["times"]) for of in (min, statistics.median))
             words = ", ".join(f"{of(full['times']):.0f}" for of in (min, statistics.median))
             print(f"| `{model.stem}` | {page.stat().st_size / 1e6:.1f} | {full['calls']} | {full['triangles']} | {least:.0f}, {median:.0f} "
-                  f"| {1e3 / least:.0f}{'' if 1e3 / least >= LEAST_PER_S else ' (**missed**)'} | {words} |", flush=True)
+                  f"| {1e3 / least:.0f}{'' if 1e3 / least >= MINIMUM_PER_S else ' (**missed**)'} | {words} |", flush=True)
             asked = {url for url in browser.requests() if not url.startswith("data:")} - {page.resolve().as_uri()}
-            for wrong, what in ((full["calls"] > MOST_CALLS, f"more than {MOST_CALLS} draw calls"),
-                                (full["triangles"] > MOST_TRIANGLES, f"more than {MOST_TRIANGLES} triangles"),
+            for wrong, what in ((full["calls"] > MAXIMUM_CALLS, f"more than {MAXIMUM_CALLS} draw calls"),
+                                (full["triangles"] > MAXIMUM_TRIANGLES, f"more than {MAXIMUM_TRIANGLES} triangles"),
                                 (bool(browser.complaints()), "the page writes to the console"),
                                 (bool(asked), f"the page asks for {asked}")):
                 failed += [f"{model.stem}: {what}"] if wrong else []

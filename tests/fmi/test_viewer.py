@@ -17,12 +17,12 @@ from PIL import Image
 ELSEWHERE = {"flying_aircraft": ROOT / "examples/flying_aircraft.toml", "nrel_5mw": ROOT / "examples/turbine/nrel_5mw.toml"}
 ALL = [*MODELS, *ELSEWHERE]
 VIEWED = ["folding_wing", "folding_wing_in_tunnel", "branched", "curved_blade", "four_bar", "double_pendulum", *ELSEWHERE]
-MOST_BYTES = 10_000_000
+MAXIMUM_BYTES = 10_000_000
 PATIENCE_S = 60.0
 MODEL = ROOT / "examples/models/folding_wing.toml"
 
 # Bounds of a picture: 20 of anything but bodies, and a few for each of those, twice for the shadow. The models need a third.
-MOST_CALLS, MOST_TRIANGLES = 150, 40_000
+MAXIMUM_CALLS, MAXIMUM_TRIANGLES = 150, 40_000
 
 # Colours of the stage: share of its pixels that are not background, and how many colours they have.
 PIXELS = """(() => {
@@ -152,7 +152,7 @@ def test_f190_page_plays_without_complaint(browser, pages, width, dark):
     """
     for model in VIEWED:
         page = pages / f"{model}.html"
-        assert page.stat().st_size < MOST_BYTES, model
+        assert page.stat().st_size < MAXIMUM_BYTES, model
         browser.open(page, width, 900, dark)
         browser.value("seek(0.4 * main.count), true")
         assert len(picture(browser)) > 1000
@@ -461,7 +461,7 @@ def test_f198_pictures_are_cheap(browser, pages):
     """
     for model in ALL:
         page = pages / f"{model}.html"
-        assert page.stat().st_size < MOST_BYTES, model
+        assert page.stat().st_size < MAXIMUM_BYTES, model
         browser.open(page)
         browser.value("document.querySelectorAll('#display input[type=checkbox]').forEach(box => { box.checked = box.id !== 'glass'; }), true")
         browser.value("seek(0.6 * main.count), true")
@@ -480,7 +480,7 @@ def test_f198_pictures_are_cheap(browser, pages):
         })()""")
         info = browser.value("({ calls: renderer.info.render.calls, triangles: renderer.info.render.triangles })")
         print(f"{model}: {info['calls']} calls, {info['triangles']} triangles, {best:.0f} ms, {page.stat().st_size / 1e6:.1f} MB")
-        assert info["calls"] <= MOST_CALLS and info["triangles"] <= MOST_TRIANGLES, (model, info)
+        assert info["calls"] <= MAXIMUM_CALLS and info["triangles"] <= MAXIMUM_TRIANGLES, (model, info)
         assert browser.complaints() == [], model
 
 

@@ -90,3 +90,17 @@ fn refusals_name_place_and_cure() {
         assert_eq!(message.lines().count(), 1, "one fault: {message}");
     }
 }
+
+/// One failure more than a joint's motion can bring about is refused at its bound.
+#[test]
+fn too_many_bounds_on_one_joint_are_refused() {
+    let one = |i: usize| {
+        let when = "when = { joint = \"fold\", angle_above_deg = 1 }";
+        format!("[failure.f{i}]\nkind = \"drive_dies\"\njoint = \"fold\"\n{when}\n")
+    };
+    let text = |count: usize| format!("{MODEL}{}", (0..count).map(one).collect::<String>());
+    let accepted = config::parse(&text(16), "wing.toml").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(accepted.failures.len(), 16);
+    let message = message_of(&text(17));
+    assert!(message.contains("key 'failure.f16.when'") && message.contains("at most 16 failures"), "{message}");
+}

@@ -18,11 +18,11 @@ const SHARE: usize = 1_500;
 /// Of these, one in so many goes through the command line too.
 const COMMAND_LINE: usize = 50;
 /// What is larger is only read: it would run for minutes, as its author wants.
-const MOST_ELEMENTS: usize = 300;
-const MOST_STATIONS: usize = 100;
-const MOST_PANELS: usize = 200;
-const MOST_WAKE_ROWS: usize = 100;
-const LEAST_AIR_STEP_S: f64 = 1e-5;
+const MAXIMUM_ELEMENTS: usize = 300;
+const MAXIMUM_STATIONS: usize = 100;
+const MAXIMUM_PANELS: usize = 200;
+const MAXIMUM_WAKE_ROWS: usize = 100;
+const MINIMUM_AIR_STEP_S: f64 = 1e-5;
 
 /// Values in the place of others.
 const VALUES: [&str; 40] = [
@@ -167,10 +167,10 @@ fn is_large(machine: &Machine) -> bool {
             AirOptions::Lattice(options) => options.wake_rows,
             AirOptions::Strips(_) | AirOptions::Rotor(_) => 0,
         };
-        panels.sum::<usize>() > MOST_PANELS || rows > MOST_WAKE_ROWS || air.step_s < LEAST_AIR_STEP_S
+        panels.sum::<usize>() > MAXIMUM_PANELS || rows > MAXIMUM_WAKE_ROWS || air.step_s < MINIMUM_AIR_STEP_S
     });
     let stations: usize = machine.bodies.iter().map(|body| body.station_positions_m.len()).sum();
-    elements > MOST_ELEMENTS || stations > MOST_STATIONS || air
+    elements > MAXIMUM_ELEMENTS || stations > MAXIMUM_STATIONS || air
 }
 
 /// The message of a refusal points into the file and is not endless.

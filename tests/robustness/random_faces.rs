@@ -16,7 +16,7 @@ use std::fmt;
 use std::ptr;
 
 /// Saved states that an instance keeps at most.
-const MOST_STATES: usize = 5;
+const MAXIMUM_STATES: usize = 5;
 /// Statuses.
 const OK: u32 = 0;
 const DISCARD: u32 = 2;
@@ -420,7 +420,7 @@ impl Actor {
             }
             _ => {}
         }
-        if self.saved.len() > MOST_STATES {
+        if self.saved.len() > MAXIMUM_STATES {
             let oldest = self.saved.remove(0).handle;
             self.freed.push(oldest);
             self.good(Ask::Free(oldest));

@@ -22,7 +22,7 @@ use std::ptr;
 const OF_EACH_MODEL: usize = 2;
 const IN_A_SEQUENCE: usize = 3;
 /// Saved states that an instance keeps at most.
-const MOST_STATES: usize = 6;
+const MAXIMUM_STATES: usize = 6;
 /// Any status that a call may have; only a panic gives `fmi2Fatal`.
 const ANY: &[fmi2Status] = &[fmi2OK, fmi2Discard, fmi2Error];
 
@@ -497,7 +497,7 @@ impl Actor {
 
     /// Keeps the number of saved states small.
     fn forget_the_oldest(&mut self) {
-        if self.states.len() > MOST_STATES {
+        if self.states.len() > MAXIMUM_STATES {
             let mut oldest = self.states.remove(0).handle;
             self.freed.push(oldest);
             self.fmu.ok(unsafe { fmi2FreeFMUstate(self.fmu.component, &mut oldest) });

@@ -18,13 +18,13 @@ const DENSITY_KG_M3: Range<f64> = 5.0..25e3;
 /// softer along the axis than any material.
 const BAR_SPEED_M_S: Range<f64> = 10.0..5e4;
 /// Length over thickness that beams without shear deformation need: `docs/guide/theory.md`.
-const LEAST_SLENDERNESS: f64 = 10.0;
+const MINIMUM_SLENDERNESS: f64 = 10.0;
 /// Length over width and over thickness beyond which nobody builds wings: one of the lengths is in another unit.
-const MOST_SLENDERNESS: f64 = 1000.0;
+const MAXIMUM_SLENDERNESS: f64 = 1000.0;
 /// Width or thickness over length beyond which one of them is in another unit.
-const MOST_WIDTH: f64 = 3.0;
+const MAXIMUM_WIDTH: f64 = 3.0;
 /// Masses on a body over the mass of that body.
-const MOST_ATTACHED: f64 = 1000.0;
+const MAXIMUM_ATTACHED: f64 = 1000.0;
 /// Magnitudes of gravity in m/s² that planets and tests have; 0 is one too.
 const GRAVITY_M_S2: Range<f64> = 1.5..100.0;
 /// Speed of wind in m/s above which the air's compressibility rules (a Mach number of 0.5).
@@ -147,15 +147,15 @@ impl Look<'_, '_> {
             let Some((keys, width_m, height_m, share)) = outline else { continue };
             let (length_m, thickness_m) = (body.length_m, width_m.min(height_m));
             let slender = |length_m: f64, thickness_m: f64| {
-                (LEAST_SLENDERNESS..MOST_SLENDERNESS).contains(&(length_m / thickness_m))
+                (MINIMUM_SLENDERNESS..MAXIMUM_SLENDERNESS).contains(&(length_m / thickness_m))
             };
             let too_large =
-                [width_m, height_m].into_iter().zip(keys).find(|(size_m, _)| *size_m > MOST_WIDTH * length_m);
+                [width_m, height_m].into_iter().zip(keys).find(|(size_m, _)| *size_m > MAXIMUM_WIDTH * length_m);
             if let Some((size_m, key)) = too_large {
                 let reason = format!("{} m on a body of {} m", number(size_m), number(length_m));
                 let advice = format!("millimetres? write {}", number(1e-3 * share * size_m));
                 self.doubt(&["section", &body.section, key], reason, advice);
-            } else if length_m > MOST_SLENDERNESS * width_m.max(height_m) {
+            } else if length_m > MAXIMUM_SLENDERNESS * width_m.max(height_m) {
                 let reason = format!(
                     "{} m long, but {} m wide and {} m thick",
                     number(length_m),
@@ -169,7 +169,7 @@ impl Look<'_, '_> {
                     format!("compare with width and height of section {:?}: all are in m", body.section)
                 };
                 self.doubt(&["body", name, "length_m"], reason, advice);
-            } else if length_m < LEAST_SLENDERNESS * thickness_m {
+            } else if length_m < MINIMUM_SLENDERNESS * thickness_m {
                 let thick = "the beams here do without shear deformation, for bodies ten times as long as thick";
                 let reason = format!("{} m long and {} m thick: {thick}", number(length_m), number(thickness_m));
                 let advice = "docs/guide/theory.md says what is left out; a rigid body may do";
@@ -186,7 +186,7 @@ impl Look<'_, '_> {
                 None => continue,
             };
             let own_kg = per_length * body.length_m;
-            if mass.mass_kg > MOST_ATTACHED * own_kg {
+            if mass.mass_kg > MAXIMUM_ATTACHED * own_kg {
                 let reason = format!("{} kg on a body of {} kg", number(mass.mass_kg), number(own_kg));
                 self.doubt(&["mass", name, "mass_kg"], reason, format!("grams? write {}", number(1e-3 * mass.mass_kg)));
             }

@@ -2,7 +2,7 @@
 
 use crate::document::{Document, key_text};
 use crate::error::{Fault, Problem};
-use crate::structure::MOST_PROBLEMS;
+use crate::structure::MAXIMUM_PROBLEMS;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -29,7 +29,7 @@ fn refused(letter: char) -> bool {
 }
 
 fn table(inside: &DeTable, path: &mut Vec<String>, document: &Document, problems: &mut Vec<Problem>) {
-    if path.len() > DEEPEST || problems.len() >= MOST_PROBLEMS {
+    if path.len() > DEEPEST || problems.len() >= MAXIMUM_PROBLEMS {
         return;
     }
     for (key, entry) in inside {

@@ -5,7 +5,7 @@ use crate::schema::{Node, properties, tagged};
 /// Likeness from which a word is offered that is further away by edits: `aero` for `aerodynamics`, `bodies` for `body`.
 const LIKENESS: f64 = 0.82;
 /// Most tables that a message names.
-const MOST_HOMES: usize = 4;
+const MAXIMUM_HOMES: usize = 4;
 
 /// The candidate nearest to `word` by edits, if it is near enough to be meant; else the one most alike, if it is very
 /// much so. Letters are compared without case, neighbours that are swapped count once.
@@ -45,7 +45,7 @@ pub(super) fn homes(top: Node, key: &str) -> Vec<String> {
             _ => visit(&format!("[{name}]"), property.resolve(), &mut look),
         }
     }
-    if found.len() > MOST_HOMES { Vec::new() } else { found }
+    if found.len() > MAXIMUM_HOMES { Vec::new() } else { found }
 }
 
 /// Looks at a table, its variants and the tables in it.

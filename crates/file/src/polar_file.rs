@@ -4,9 +4,9 @@ use foldwing_engine::aero::polar::{Polar, PolarRow};
 use std::str::SplitWhitespace;
 
 /// Most rows of one table: a thousandth of a degree all round would have 360 001.
-const MOST_ROWS: usize = 400_000;
+const MAXIMUM_ROWS: usize = 400_000;
 /// Most tables of one file.
-const MOST_TABLES: usize = 1000;
+const MAXIMUM_TABLES: usize = 1000;
 
 /// Tables of an airfoil.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,7 +111,7 @@ pub fn read_aerodyn(text: &str) -> Result<Vec<AirfoilTable>, PolarFault> {
         Err(fault(end, format!("the file ends before {}", if label.is_empty() { "its rows do" } else { label })))
     };
     let (line, count) = expect("NumTabs")?;
-    let tables = whole(line, "NumTabs", &count, MOST_TABLES)?;
+    let tables = whole(line, "NumTabs", &count, MAXIMUM_TABLES)?;
     let mut read = Vec::with_capacity(tables);
     for _ in 0..tables {
         let (line, value) = expect("Re")?;
@@ -137,7 +137,7 @@ pub fn read_aerodyn(text: &str) -> Result<Vec<AirfoilTable>, PolarFault> {
             other => return Err(fault(line, format!("InclUAdata is {other:?}; True or False"))),
         };
         let (unsteady, (line, count)) = unsteady;
-        let count = whole(line, "NumAlf", &count, MOST_ROWS)?;
+        let count = whole(line, "NumAlf", &count, MAXIMUM_ROWS)?;
         let mut rows = Vec::with_capacity(count);
         let mut columns = None;
         for _ in 0..count {
@@ -202,8 +202,8 @@ fn push(line: usize, [angle_deg, lift, drag, moment]: [f64; 4], rows: &mut Vec<P
             format!("an angle of {angle_deg} deg behind {earlier} deg; angles must ascend: sort the rows"),
         ));
     }
-    if rows.len() >= MOST_ROWS {
-        return Err(fault(line, format!("more than {MOST_ROWS} rows")));
+    if rows.len() >= MAXIMUM_ROWS {
+        return Err(fault(line, format!("more than {MAXIMUM_ROWS} rows")));
     }
     rows.push(PolarRow { angle_rad, lift, drag, moment });
     Ok(())

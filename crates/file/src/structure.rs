@@ -12,7 +12,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Problems that are told one by one.
-pub(super) const MOST_PROBLEMS: usize = 200;
+pub(super) const MAXIMUM_PROBLEMS: usize = 200;
 
 /// Longest name in bytes for which another one is offered.
 const LONGEST_NAME: usize = 80;
@@ -37,14 +37,14 @@ struct Check<'d, 'a> {
     document: &'d Document<'a>,
     path: Vec<String>,
     problems: Vec<Problem>,
-    /// Problems beyond [`MOST_PROBLEMS`].
+    /// Problems beyond [`MAXIMUM_PROBLEMS`].
     further: usize,
 }
 
 impl<'a> Check<'_, 'a> {
     /// True where another problem is only counted.
     fn is_full(&self) -> bool {
-        self.problems.len() >= MOST_PROBLEMS
+        self.problems.len() >= MAXIMUM_PROBLEMS
     }
 
     fn problem(&mut self, offset: usize, key: String, fault: Fault) {

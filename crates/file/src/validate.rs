@@ -135,7 +135,7 @@ impl Checker<'_, '_> {
                     path[1] = name.clone();
                 }
             }
-            ("failure", Some("when")) => {
+            ("failure", Some("when")) if path.get(3).is_some_and(|part| part == "value") => {
                 if let Some(key) = states(&failures::BOUNDS, &path[..3]) {
                     path[3] = key.to_owned();
                 }

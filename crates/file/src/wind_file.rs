@@ -4,7 +4,7 @@ use foldwing_engine::aero::rotor::turbulence_box::TurbulenceBox;
 use foldwing_engine::aero::rotor::wind::{TableRow, WindTable};
 
 /// Most velocities of a field: 1.2 GB of them.
-const MOST_VELOCITIES: usize = 100_000_000;
+const MAXIMUM_VELOCITIES: usize = 100_000_000;
 
 /// Why a file of wind is refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -97,7 +97,7 @@ fn positive(what: &'static str, value: f64) -> Result<f64, WindFault> {
 
 fn volume(planes: usize, upward: usize, across: usize) -> Result<usize, WindFault> {
     let count = planes.saturating_mul(upward).saturating_mul(across);
-    if count <= MOST_VELOCITIES {
+    if count <= MAXIMUM_VELOCITIES {
         return Ok(count);
     }
     let allowed = "at most 1e8 velocities; take a coarser grid or a shorter time";

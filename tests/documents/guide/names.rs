@@ -48,8 +48,13 @@ fn variables() -> BTreeSet<String> {
     let tables = [everything(), in_real_time(), with_rigid_latch(), sliding(false), sliding(true), rotor()];
     let mut names: BTreeSet<String> =
         tables.iter().flat_map(Interface::variables).map(|row| pattern(&row.name).0).collect();
-    for model in ["folding_wing.toml", "folding_wing_in_tunnel.toml", "four_bar.toml"] {
-        let path = crate::guide::in_package("examples/models").join(model);
+    for model in [
+        "models/folding_wing.toml",
+        "models/folding_wing_in_tunnel.toml",
+        "models/four_bar.toml",
+        "failures/latch_does_not_catch.toml",
+    ] {
+        let path = crate::guide::in_package("examples").join(model);
         let (machine, _) = config::read(path).unwrap_or_else(|error| panic!("{error}"));
         let kinds = Kinds { version: Version::Fmi3, co_simulation: true, model_exchange: machine.air.is_none() };
         names.extend(kinds.interface(&machine).arrays().iter().map(|array| array.name.clone()));

@@ -5,7 +5,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 /// Singular values of the record below this part of the largest are noise: the coupling leaves 1e-7 of the loads open.
 const NOISE: f64 = 1e-6;
 /// Exponentials that a record is taken apart into, at most.
-const MOST_POLES: usize = 12;
+const MAXIMUM_POLES: usize = 12;
 
 /// An exponential `exp(growth t) cos(frequency t + …)` of a record.
 #[derive(Debug, Clone, Copy)]
@@ -26,7 +26,7 @@ pub fn least_damped(samples: &[f64], interval_s: f64, band_rad_s: [f64; 2]) -> O
     let hankel = |shift: usize| DMatrix::from_fn(rows, columns, |i, j| samples[i + j + shift]);
     let svd = hankel(0).svd(true, true);
     let order = svd.singular_values.iter().take_while(|value| **value > NOISE * svd.singular_values[0]).count();
-    let order = order.min(MOST_POLES);
+    let order = order.min(MAXIMUM_POLES);
     let (left, right) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
     let scale = DMatrix::from_diagonal(&DVector::from_fn(order, |i, _| 1.0 / svd.singular_values[i]));
     let pencil = scale * left.columns(0, order).transpose() * hankel(1) * right.rows(0, order).transpose();

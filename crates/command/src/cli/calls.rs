@@ -70,8 +70,8 @@ pub fn flutter(plant: Plant, speeds_m_s: &[f64], count: usize) -> Result<Value, 
     if speeds_m_s.len() < 2 || !finite || speeds_m_s.windows(2).any(|pair| pair[1] <= pair[0]) {
         return Err(refused("two or more speeds in m/s are needed that are positive and rise"));
     }
-    if speeds_m_s.len() as f64 > flutters::MOST_SPEEDS {
-        return Err(refused(&format!("{} are more than {}", speeds_m_s.len(), flutters::MOST_SPEEDS)));
+    if speeds_m_s.len() as f64 > flutters::MAXIMUM_SPEEDS {
+        return Err(refused(&format!("{} are more than {}", speeds_m_s.len(), flutters::MAXIMUM_SPEEDS)));
     }
     if !(1..=60).contains(&count) {
         return Err(Failure::Usage(format!("count: {count} is not in 1..=60")));

@@ -15,7 +15,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Most speeds of a sweep.
-pub(super) const MOST_SPEEDS: f64 = 10_000.0;
+pub(super) const MAXIMUM_SPEEDS: f64 = 10_000.0;
 
 #[derive(clap::Args)]
 #[command(after_long_help = crate::cli::help::FLUTTER)]
@@ -124,8 +124,8 @@ fn speeds(text: &str) -> Result<Vec<f64>, Failure> {
         return Err(refused("speeds are positive and rise: 0 < FROM < TO, STEP > 0"));
     }
     let intervals = (to - from) / step;
-    if intervals > MOST_SPEEDS {
-        return Err(refused(&format!("{intervals:.0} speeds are more than {MOST_SPEEDS}")));
+    if intervals > MAXIMUM_SPEEDS {
+        return Err(refused(&format!("{intervals:.0} speeds are more than {MAXIMUM_SPEEDS}")));
     }
     let whole = (intervals - 1e-9).ceil() as usize;
     Ok((0..whole).map(|i| from + i as f64 * step).chain([*to]).collect())

@@ -37,7 +37,7 @@ pub(super) struct Grid {
 
 impl Grid {
     /// Most rows that a run may have: beyond it the step is surely a slip.
-    const MOST_STEPS: f64 = 1e9;
+    const MAXIMUM_STEPS: f64 = 1e9;
 
     /// From the command line, where it is silent from the default experiment.
     pub fn new(
@@ -57,10 +57,10 @@ impl Grid {
             return Err(Failure::Usage(format!("--stop {stop_s}: must be after the start time, {start_s} s")));
         }
         let steps = ((stop_s - start_s) / step_s - 1e-9).ceil().max(1.0);
-        if steps > Self::MOST_STEPS {
+        if steps > Self::MAXIMUM_STEPS {
             return Err(Failure::Usage(format!(
                 "--step {step_s}: {steps:.0} rows are more than {:.0}",
-                Self::MOST_STEPS
+                Self::MAXIMUM_STEPS
             )));
         }
         Ok(Self { start_s, stop_s, step_s, steps: steps as u64 })

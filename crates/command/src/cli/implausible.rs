@@ -7,12 +7,12 @@ use foldwing_engine::plant::Plant;
 /// Rows that a swing should have to be recognised in them.
 const ROWS_PER_PERIOD: f64 = 4.0;
 /// Share of the wing's extent beyond which a sag is worth a warning.
-const MOST_SAG: f64 = 0.5;
+const MAXIMUM_SAG: f64 = 0.5;
 /// Share of a swing below which nothing moves in a run.
-const LEAST_SWING: f64 = 0.01;
+const MINIMUM_SWING: f64 = 0.01;
 /// Elastic coordinates of the machine up to which a run looks for its modes, for the sake of time: their cost grows with
 /// the third power, and `check` finds them at any size.
-const MOST_ELASTIC_FREEDOMS: usize = 320;
+const MAXIMUM_ELASTIC_FREEDOMS: usize = 320;
 
 /// Times of a run, and where they are written.
 pub(super) struct Times {
@@ -28,7 +28,7 @@ pub(super) struct Times {
 /// Warnings about a model with its default experiment.
 pub(super) fn model(answer: &Assessment, machine: &Machine) -> Vec<String> {
     let mut warnings = Vec::new();
-    if let Some(sag) = answer.sag.as_ref().filter(|sag| sag.way_m > MOST_SAG * sag.extent_m) {
+    if let Some(sag) = answer.sag.as_ref().filter(|sag| sag.way_m > MAXIMUM_SAG * sag.extent_m) {
         warnings.push(format!(
             "the tip of {} sags by {:.4} m of {:.4} m under gravity: are moduli (Pa), lengths (m) and masses (kg) meant so?",
             sag.body, sag.way_m, sag.extent_m
@@ -55,7 +55,7 @@ pub(super) fn run(plant: &Plant, as_written: bool, run: &Times) -> Vec<String> {
     let has_latch = |row: usize| machine.one_freedoms().nth(row).is_some_and(|(_, joint)| joint.latch.is_some());
     let mut warnings: Vec<String> =
         efforts(machine, |row| open(row) && has_latch(row)).iter().filter_map(latch).collect();
-    if machine.bodies.iter().map(Body::elastic_freedoms).sum::<usize>() <= MOST_ELASTIC_FREEDOMS {
+    if machine.bodies.iter().map(Body::elastic_freedoms).sum::<usize>() <= MAXIMUM_ELASTIC_FREEDOMS {
         warnings.extend(times(&frequencies_hz(machine), run));
     }
     warnings
@@ -93,7 +93,7 @@ fn times(frequencies_hz: &[f64], run: &Times) -> Vec<String> {
             0.05 / hz
         ));
     }
-    if lasts_s * hz < LEAST_SWING {
+    if lasts_s * hz < MINIMUM_SWING {
         warnings.push(format!(
             "{} lasts {lasts_s} s, a hundredth of the slowest swing ({} Hz) or less: nothing moves in it; seconds are meant",
             run.stop_name,

@@ -10,9 +10,9 @@ use foldwing_file::{ConfigError, Doubt, Fault, Problem};
 use std::ops::Range;
 
 /// Problems of a file that are shown with their line; the further ones are one line each.
-const MOST_EXCERPTS: usize = 20;
+const MAXIMUM_EXCERPTS: usize = 20;
 /// Bytes of a line around the caret that are shown.
-const MOST_BYTES: usize = 160;
+const MAXIMUM_BYTES: usize = 160;
 /// Files of which a line is shown, in bytes.
 const LARGEST_FILE: u64 = 1 << 24;
 
@@ -79,7 +79,7 @@ fn problems(text: &str, error: &ConfigError) {
         return say(Level::ERROR, &error.to_string(), None, "", None);
     };
     for (n, problem) in problems.iter().enumerate() {
-        if n >= MOST_EXCERPTS || matches!(problem.fault, Fault::Further { .. }) {
+        if n >= MAXIMUM_EXCERPTS || matches!(problem.fault, Fault::Further { .. }) {
             say(Level::ERROR, &format!("{file}:{problem}"), None, "", None);
             continue;
         }
@@ -134,8 +134,8 @@ fn line_at<'t>(text: &'t str, span: &Range<usize>) -> Option<Excerpt<'t>> {
     let end = text[start..].find('\n').map_or(text.len(), |at| start + at);
     let line = before.matches('\n').count() + 1;
     let near = |at: usize| (at..=text.len()).find(|at| text.is_char_boundary(*at)).unwrap_or(text.len());
-    let from = near(begin.max(start.saturating_sub(MOST_BYTES / 2)));
-    let to = near(end.min(from + MOST_BYTES)).min(end).max(from);
+    let from = near(begin.max(start.saturating_sub(MAXIMUM_BYTES / 2)));
+    let to = near(end.min(from + MAXIMUM_BYTES)).min(end).max(from);
     let span = start.max(from) - from..span.end.clamp(start, to.max(start)) - from;
     let shown = text[from..to].trim_end();
     Some(Excerpt { line, span: span.start.min(shown.len())..span.end.min(shown.len()), text: shown })

@@ -16,9 +16,9 @@ const STEP: f64 = 1e-4;
 /// What may be left of a balance, over its size.
 const TOLERANCE: f64 = 1e-9;
 /// Newton steps.
-const MOST_STEPS: usize = 40;
+const MAXIMUM_STEPS: usize = 40;
 /// Halvings of a step that does not lead nearer.
-const MOST_HALVINGS: usize = 12;
+const MAXIMUM_HALVINGS: usize = 12;
 
 #[derive(clap::Args)]
 #[command(after_long_help = crate::cli::help::TRIM)]
@@ -170,7 +170,7 @@ impl<'a> Trim<'a> {
                 .zip(sizes.iter())
                 .fold(0.0f64, |most, (left, size)| most.max(if *size > 0.0 { left.abs() / size } else { 0.0 }))
         };
-        for steps in 0..MOST_STEPS {
+        for steps in 0..MAXIMUM_STEPS {
             if measure(&left, &sizes) <= TOLERANCE {
                 // the machine stands at these values
                 self.left(&values)?;
@@ -196,7 +196,7 @@ impl<'a> Trim<'a> {
                 return Err(self.failed("the balances do not change independently with the free values", &left));
             };
             let (before, mut share) = (measure(&left, &sizes), 1.0);
-            let nearer = (0..=MOST_HALVINGS).find_map(|_| {
+            let nearer = (0..=MAXIMUM_HALVINGS).find_map(|_| {
                 let beside = &values - &change * share;
                 share *= 0.5;
                 let found = self.left(&beside).ok()?;

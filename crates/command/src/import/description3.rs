@@ -5,7 +5,7 @@ use serde::Deserialize;
 use std::collections::HashMap;
 
 /// Elements of all arrays together that are listed.
-const MOST_ELEMENTS: usize = 1_000_000;
+const MAXIMUM_ELEMENTS: usize = 1_000_000;
 
 /// What FMI 3.0 writes in another way than FMI 2.0.
 #[derive(Deserialize)]
@@ -170,8 +170,8 @@ pub(super) fn variables(root: Root3, units: &HashMap<String, Unit>) -> Result<Ve
             lengths.push(length.ok_or_else(|| format!("variable {}: a dimension without a length", attributes.name))?);
         }
         let count = lengths.iter().try_fold(1_usize, |count, &length| count.checked_mul(length));
-        let count = count.filter(|count| count.saturating_add(found.len()) <= MOST_ELEMENTS).ok_or_else(|| {
-            format!("variable {}: more than {MOST_ELEMENTS} elements of arrays in all", attributes.name)
+        let count = count.filter(|count| count.saturating_add(found.len()) <= MAXIMUM_ELEMENTS).ok_or_else(|| {
+            format!("variable {}: more than {MAXIMUM_ELEMENTS} elements of arrays in all", attributes.name)
         })?;
         let one = Element { native: *native, place: 0, length: count };
         let whole = scalar(attributes, *words, one, &types, units)?;

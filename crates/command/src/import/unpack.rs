@@ -9,11 +9,11 @@ use zip::ZipArchive;
 use zip::read::ZipFile;
 
 /// Bytes that any FMU may have unpacked.
-const MOST_BYTES: u64 = 1 << 30;
+const MAXIMUM_BYTES: u64 = 1 << 30;
 /// Or so many times the archive, if that is more: a large FMU may be large, a small one that becomes large is a trap.
-const MOST_RATIO: u64 = 20;
+const MAXIMUM_RATIO: u64 = 20;
 /// Members that an FMU may have.
-const MOST_MEMBERS: usize = 100_000;
+const MAXIMUM_MEMBERS: usize = 100_000;
 
 /// Unpacks all members into a folder.
 ///
@@ -23,9 +23,9 @@ pub(super) fn unpack(fmu: &Path, archive: &mut ZipArchive<File>, folder: &Path) 
     let failed = |source: io::Error| ImportError::File { path: fmu.to_owned(), source };
     let refused = |cause: String| ImportError::NotAnFmu { path: fmu.to_owned(), cause };
     let packed = fs::metadata(fmu).map_err(failed)?.len();
-    let most = MOST_BYTES.max(packed.saturating_mul(MOST_RATIO));
-    if archive.len() > MOST_MEMBERS {
-        return Err(refused(format!("{} members; at most {MOST_MEMBERS} are unpacked", archive.len())));
+    let most = MAXIMUM_BYTES.max(packed.saturating_mul(MAXIMUM_RATIO));
+    if archive.len() > MAXIMUM_MEMBERS {
+        return Err(refused(format!("{} members; at most {MAXIMUM_MEMBERS} are unpacked", archive.len())));
     }
     let mut left = most;
     for index in 0..archive.len() {

@@ -12,7 +12,7 @@ use std::fmt::Write;
 /// Width of the drawing in user units (pixels at scale 1).
 const WIDTH: f64 = 880.0;
 /// Largest height in user units.
-const MOST_HEIGHT: f64 = 580.0;
+const MAXIMUM_HEIGHT: f64 = 580.0;
 /// Free border in user units.
 const MARGIN: f64 = 24.0;
 /// Length of the axes of the root frame in user units.
@@ -258,7 +258,7 @@ impl Canvas {
         let fit = |room: f64, length: f64| (room - border) / length.max(f64::MIN_POSITIVE);
         // a body of no extent at all is drawn at the size of a metre
         let scale = match right - left > 0.0 || bottom - top > 0.0 {
-            true => fit(WIDTH, right - left).min(fit(MOST_HEIGHT, bottom - top)),
+            true => fit(WIDTH, right - left).min(fit(MAXIMUM_HEIGHT, bottom - top)),
             false => WIDTH - border,
         };
         let mut canvas = Self { origin: [0.0; 2], scale, root, size: [0.0; 2] };

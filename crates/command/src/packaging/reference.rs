@@ -14,10 +14,10 @@ use std::sync::Arc;
 pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
 
 /// Most communication steps of a reference: enough to see the motion, small enough to travel.
-const MOST_STEPS: u64 = 400;
+const MAXIMUM_STEPS: u64 = 400;
 
 /// Most variables, as the rules of the FMI Cross-Check ask.
-const MOST_VARIABLES: usize = 10;
+const MAXIMUM_VARIABLES: usize = 10;
 
 /// Largest difference of a repeated run, as a share of each variable's range over the run. The same library on the same
 /// platform gives the same bits for the same inputs; importers that draw the straight lines between the rows of the stimuli
@@ -213,9 +213,9 @@ impl Grid {
         let experiment = &machine.experiment;
         let (start_s, stop_s) = (experiment.start_time_s, experiment.stop_time_s);
         let own = (((stop_s - start_s) / experiment.step_s).round() as u64).max(1);
-        let least = own.div_ceil(MOST_STEPS);
+        let least = own.div_ceil(MAXIMUM_STEPS);
         let multiple = (least..=2 * least).find(|multiple| own.is_multiple_of(*multiple));
-        let steps = multiple.map_or(own.min(MOST_STEPS), |multiple| own / multiple);
+        let steps = multiple.map_or(own.min(MAXIMUM_STEPS), |multiple| own / multiple);
         let step_s = (stop_s - start_s) / steps as f64;
         Self { start_s, stop_s, step_s, steps }
     }
@@ -246,7 +246,7 @@ pub(super) fn recorded(variables: &[Variable]) -> Vec<&Variable> {
         rows.extend(outputs().filter(|row| is(row, prefix, suffix)).take(most));
     }
     rows.extend(outputs().filter(|row| row.name == "energy.total"));
-    rows.truncate(MOST_VARIABLES);
+    rows.truncate(MAXIMUM_VARIABLES);
     rows
 }
 
@@ -373,7 +373,7 @@ mod tests {
             assert!(lines[0].starts_with("\"time\",\"fold.angle\","), "{}", lines[0]);
             // the wing moves in its plane of symmetry: what stands still is not there
             assert!(!lines[0].contains("tip.position.y"), "{}", lines[0]);
-            assert!(lines[0].split(',').count() <= 1 + MOST_VARIABLES);
+            assert!(lines[0].split(',').count() <= 1 + MAXIMUM_VARIABLES);
             assert!(lines[401].starts_with("0.4,"), "{}", lines[401]);
             assert!(experiment.result.len() < 100_000, "{} bytes", experiment.result.len());
         }

@@ -12,7 +12,7 @@ use std::fmt::Write;
 /// Columns of a view; with its indentation it fits into 80.
 const COLUMNS: usize = 76;
 /// Most rows of a view.
-const MOST_ROWS: usize = 22;
+const MAXIMUM_ROWS: usize = 22;
 /// Height of a character over its width.
 const ASPECT: f64 = 2.0;
 /// How bodies are filled, in turn.
@@ -133,7 +133,7 @@ impl Painter {
         // not a number where a point is not
         let span = (self.most_m - self.least_m).map(|length| if length >= 0.0 { length } else { f64::INFINITY });
         let columns = span.x / (COLUMNS - 1) as f64;
-        let rows = span.y.max(span.z) / ((MOST_ROWS - 1) as f64 * ASPECT);
+        let rows = span.y.max(span.z) / ((MAXIMUM_ROWS - 1) as f64 * ASPECT);
         self.scale_m = columns.max(rows);
         if self.scale_m <= 0.0 {
             self.scale_m = 1.0; // no extent at all

@@ -1,7 +1,7 @@
 //! The figures of a run: fold angles, strains, tip paths, shapes over time, energies; and of any variables over time.
 
 use crate::report::figure::{Curve, Figure, Look, PALETTE};
-use crate::report::recording::{Frame, MOST_POINTS, Recording, Thinning};
+use crate::report::recording::{Frame, MAXIMUM_POINTS, Recording, Thinning};
 use foldwing_engine::machine::{Travel, UNLIMITED};
 use foldwing_engine::plant::EnergyOutputs;
 use nalgebra::Vector3;
@@ -13,7 +13,7 @@ const SHAPES: usize = 9;
 const CURVES: usize = 2 * PALETTE.len();
 
 /// Changes of a switch over a run beyond which they are no instants to mark.
-const MOST_CHANGES: usize = 6;
+const MAXIMUM_CHANGES: usize = 6;
 
 /// Axes of the root frame.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -266,7 +266,7 @@ impl Series {
     pub fn new<'a>(variables: impl IntoIterator<Item = (&'a str, &'a str)>, steps: u64) -> Self {
         let column = |(name, unit): (&str, &str)| Column { name: name.into(), unit: unit.into(), values: Vec::new() };
         let columns = variables.into_iter().map(column).collect();
-        Self { time_s: Vec::new(), columns, thinning: Thinning::new(steps, MOST_POINTS) }
+        Self { time_s: Vec::new(), columns, thinning: Thinning::new(steps, MAXIMUM_POINTS) }
     }
 
     /// Takes the values of all variables, in their order; what is no number is not drawn (NaN).
@@ -284,7 +284,7 @@ impl Series {
         for (_, column) in self.columns.iter().enumerate().filter(|(number, _)| is_switch(*number)) {
             let changes = (1..column.values.len()).filter(|row| column.values[*row] != column.values[row - 1]);
             let changes: Vec<usize> = changes.collect();
-            if changes.len() > MOST_CHANGES {
+            if changes.len() > MAXIMUM_CHANGES {
                 continue;
             }
             let name = &column.name;

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 pub const FRAMES: u64 = 600;
 
 /// Points of a history that a recording keeps at most.
-pub(super) const MOST_POINTS: u64 = 200_000;
+pub(super) const MAXIMUM_POINTS: u64 = 200_000;
 
 /// Intervals along a body, at least: enough for smooth surfaces.
 const INTERVALS: usize = 16;
@@ -195,7 +195,7 @@ impl Recording {
             frames: Vec::new(),
             watch: Watch::new(plant.machine()),
             seen: 0,
-            points: Thinning::new(steps, MOST_POINTS),
+            points: Thinning::new(steps, MAXIMUM_POINTS),
             kept_frames: Thinning::new(steps, frames),
         }
     }

@@ -3,7 +3,7 @@
 use crate::report::recording::Thinning;
 
 /// Numbers that all signals of a run hold together at most, the times among them.
-const MOST_NUMBERS: u64 = 450_000;
+const MAXIMUM_NUMBERS: u64 = 450_000;
 
 /// Variables over time.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +21,7 @@ impl Signals {
     /// Of a run of so many steps.
     pub fn new(columns: impl IntoIterator<Item = (String, String)>, steps: u64) -> Self {
         let columns: Vec<_> = columns.into_iter().collect();
-        let most = (MOST_NUMBERS / (columns.len() as u64 + 1)).max(2);
+        let most = (MAXIMUM_NUMBERS / (columns.len() as u64 + 1)).max(2);
         Self { columns, rows: Vec::new(), points: 0, thinning: Thinning::new(steps, most) }
     }
 
@@ -54,7 +54,7 @@ mod tests {
                 signals.include(point as f64, (0..count).map(|_| 1.0));
             }
             assert_eq!((signals.points, signals.kept() as u64 == steps + 1), (steps + 1, whole));
-            assert!(signals.rows.len() as u64 <= MOST_NUMBERS + 2 * (count as u64 + 1), "{}", signals.rows.len());
+            assert!(signals.rows.len() as u64 <= MAXIMUM_NUMBERS + 2 * (count as u64 + 1), "{}", signals.rows.len());
             let last = signals.rows[signals.rows.len() - count - 1];
             assert_eq!((signals.rows[0], last), (0.0, steps as f32));
         }

@@ -9,7 +9,7 @@ use crate::beam::section::Section;
 use nalgebra::{Matrix3, Matrix4, SMatrix, Vector3, Vector4};
 
 /// Maximum number of shapes of a body, set by the storage of the elimination in the recursions.
-pub const MOST_MODES: usize = 8;
+pub const MAXIMUM_MODES: usize = 8;
 
 /// One shape with its damping.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,25 +123,25 @@ pub struct ShapesAt {
     /// Distance from the inner end in m.
     pub place_m: f64,
     /// Deflection `[y, z]` per coordinate.
-    pub bend: [[f64; 2]; MOST_MODES],
+    pub bend: [[f64; 2]; MAXIMUM_MODES],
     /// Slope of the deflection `[y, z]` per coordinate, 1/m.
-    pub slope_1_m: [[f64; 2]; MOST_MODES],
+    pub slope_1_m: [[f64; 2]; MAXIMUM_MODES],
     /// `S_ij`: twice the shortening of the axis per product of two coordinates, 1/m.
-    pub shortening_1_m: [[f64; MOST_MODES]; MOST_MODES],
+    pub shortening_1_m: [[f64; MAXIMUM_MODES]; MAXIMUM_MODES],
 }
 
 impl ShapesAt {
     const ZERO: Self = Self {
         place_m: 0.0,
-        bend: [[0.0; 2]; MOST_MODES],
-        slope_1_m: [[0.0; 2]; MOST_MODES],
-        shortening_1_m: [[0.0; MOST_MODES]; MOST_MODES],
+        bend: [[0.0; 2]; MAXIMUM_MODES],
+        slope_1_m: [[0.0; 2]; MAXIMUM_MODES],
+        shortening_1_m: [[0.0; MAXIMUM_MODES]; MAXIMUM_MODES],
     };
 
     /// `Σ_j S_ij x_j` per shape `i`.
     #[inline]
-    pub fn shortened(&self, x: &[f64]) -> [f64; MOST_MODES] {
-        let mut sums = [0.0; MOST_MODES];
+    pub fn shortened(&self, x: &[f64]) -> [f64; MAXIMUM_MODES] {
+        let mut sums = [0.0; MAXIMUM_MODES];
         for (sum, row) in sums.iter_mut().zip(&self.shortening_1_m).take(x.len()) {
             *sum = row.iter().zip(x).map(|(s, x)| s * x).sum();
         }
@@ -151,7 +151,7 @@ impl ShapesAt {
     /// Place on the axis in the frame of the inner end in m, eq. (M2), from the coordinates and [`Self::shortened`] of
     /// them.
     #[inline]
-    pub fn position_m(&self, q: &[f64], shortened: &[f64; MOST_MODES]) -> Vector3<f64> {
+    pub fn position_m(&self, q: &[f64], shortened: &[f64; MAXIMUM_MODES]) -> Vector3<f64> {
         let mut position = Vector3::new(self.place_m, 0.0, 0.0);
         for ((q, bend), s) in q.iter().zip(&self.bend).zip(shortened) {
             position.x -= 0.5 * q * s;
@@ -163,7 +163,7 @@ impl ShapesAt {
 
     /// Velocity of the place per rate of coordinate `i`, eq. (M4).
     #[inline]
-    pub fn velocity(&self, i: usize, shortened: &[f64; MOST_MODES]) -> Vector3<f64> {
+    pub fn velocity(&self, i: usize, shortened: &[f64; MAXIMUM_MODES]) -> Vector3<f64> {
         Vector3::new(-shortened[i], self.bend[i][0], self.bend[i][1])
     }
 
@@ -209,7 +209,7 @@ struct Cell {
     start: ShapesAt,
     middle: ShapesAt,
     /// Second derivative of the deflection at the middle per coordinate, 1/m².
-    curvature_1_m2: [[f64; 2]; MOST_MODES],
+    curvature_1_m2: [[f64; 2]; MAXIMUM_MODES],
 }
 
 /// A lumped mass on the axis.
@@ -235,9 +235,9 @@ pub struct ModalElement {
     /// The shapes at the outer end.
     pub tip: ShapesAt,
     /// Stiffness of the coordinates in N/m, eq. (M5).
-    pub stiffness: SMatrix<f64, MOST_MODES, MOST_MODES>,
+    pub stiffness: SMatrix<f64, MAXIMUM_MODES, MAXIMUM_MODES>,
     /// Damping of the coordinates in N·s/m, eq. (M6); not symmetric if the ratios of damping to frequency differ.
-    pub damping: SMatrix<f64, MOST_MODES, MOST_MODES>,
+    pub damping: SMatrix<f64, MAXIMUM_MODES, MAXIMUM_MODES>,
     cell_m: f64,
     cells: Vec<Cell>,
     /// Polynomials of the shapes if there is no twist.
@@ -245,7 +245,7 @@ pub struct ModalElement {
 }
 
 impl ModalElement {
-    /// Computes the integrals of a law with at most [`MOST_MODES`] shapes.
+    /// Computes the integrals of a law with at most [`MAXIMUM_MODES`] shapes.
     pub fn new(law: &ModalLaw) -> Self {
         let shapes: Vec<(usize, Shape)> = law.shapes().map(|(kind, shape)| (kind, shape.clone())).collect();
         let (modes, length_m, cell_m) = (shapes.len(), law.length_m, law.cell_m());
@@ -262,11 +262,11 @@ impl ModalElement {
             shapes: law.twist_rad.is_none().then(|| shapes.clone()),
         };
         let mut start = ShapesAt::ZERO;
-        let mut untwisted = [0.0; MOST_MODES];
+        let mut untwisted = [0.0; MAXIMUM_MODES];
         for (k, middle_m) in law.middles_m().enumerate() {
             start.place_m = k as f64 * cell_m;
             let (x, directions) = (middle_m / length_m, law.directions(middle_m));
-            let mut curvature_1_m2 = [[0.0; 2]; MOST_MODES];
+            let mut curvature_1_m2 = [[0.0; 2]; MAXIMUM_MODES];
             for (curvature, (kind, shape)) in curvature_1_m2.iter_mut().zip(&shapes) {
                 *curvature = directions[*kind].map(|share| share * shape.curvature(x) / (length_m * length_m));
             }
@@ -320,7 +320,7 @@ impl ModalElement {
         let way_m = place_m - start_m;
         // slopes at the cell's middle carry the running integrals through it
         let half_m = 0.5 * self.cell_m;
-        let mut middle = [[0.0; 2]; MOST_MODES];
+        let mut middle = [[0.0; 2]; MAXIMUM_MODES];
         for i in 0..self.modes {
             match &self.shapes {
                 Some(polynomials) => {

@@ -25,7 +25,7 @@ use crate::aero::surface::{ChordLine, Profile};
 pub use crate::aero::{AirOptions, EndRule};
 pub use crate::beam::element::ElementKind;
 pub use crate::beam::law::{NaturalStrain, SectionLaw};
-pub use crate::beam::modal::{MOST_MODES, ModalLaw, Shape};
+pub use crate::beam::modal::{MAXIMUM_MODES, ModalLaw, Shape};
 use crate::beam::recovery::{axial_row, gauge_row};
 pub use crate::force::generator::{Beyond, GeneratorLaw};
 pub use crate::force::latch::LatchKind;

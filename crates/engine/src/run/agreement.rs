@@ -29,12 +29,12 @@ const CLOCK_ROUND_OFF: f64 = 1e-11;
 const MOTION_SHARE: f64 = 0.1;
 /// Smallest displacement error in the kinematic norm that Newton's iteration is asked for: a thousand times the round-off
 /// of angles, since its last corrections are a hundred times what they leave.
-const LEAST_MOTION_TOLERANCE: f64 = 1e-12;
+const MINIMUM_MOTION_TOLERANCE: f64 = 1e-12;
 
 /// Aerodynamic steps in a row in which the prediction of the staggered coupling may miss the loads by more than the largest
 /// of the run: where it does so on and on, no prediction at all would be nearer, and each step makes it worse. A start
 /// against small loads takes two or three such steps.
-const MOST_STRAYED: u32 = 4;
+const MAXIMUM_STRAYED: u32 = 4;
 /// What is said then.
 const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges: in 4 aerodynamic steps in a row the loads missed their \
      prediction by more than the largest of the run: the air is too heavy for one correction, write coupling = \"iterated\"";
@@ -225,7 +225,7 @@ impl Plant {
         history.scale_n = history.scale_n.max(size_n);
         if air.settings.coupling == Coupling::Staggered {
             history.strayed = if change_n > history.scale_n { history.strayed + 1 } else { 0 };
-            if history.strayed >= MOST_STRAYED {
+            if history.strayed >= MAXIMUM_STRAYED {
                 return Err(refusal(begin_s, STAGGERED_DIVERGES));
             }
         }
@@ -248,7 +248,7 @@ impl Plant {
         history.motion_tolerance = match air.settings.coupling {
             Coupling::Iterated { tolerance, .. } if history.scale_n > 0.0 => {
                 let way_m = air.unnoticed_m(MOTION_SHARE * tolerance * history.scale_n, density_kg_m3);
-                (way_m / equations.model.reference_length_m).max(LEAST_MOTION_TOLERANCE)
+                (way_m / equations.model.reference_length_m).max(MINIMUM_MOTION_TOLERANCE)
             }
             _ => f64::INFINITY,
         };

@@ -22,14 +22,14 @@ const NEWTON_CEILING_EXACT: f64 = 1e-8;
 /// Cut of the step after Newton's iteration has failed.
 const FAILURE_CUT: f64 = 0.25;
 /// Internal steps after which the longest communication step ends, were each as long as it may be.
-const MOST_STEPS: u32 = 1_000_000;
+const MAXIMUM_STEPS: u32 = 1_000_000;
 /// Newton iterations that a communication step may cost, however short it is: five times what the trial marches of one
 /// aerodynamic step of the shipped tunnel take at a tolerance of 1e-8, and some seconds of the processor.
-const MOST_ITERATIONS: u64 = 200_000;
+const MAXIMUM_ITERATIONS: u64 = 200_000;
 /// The same for each second that it goes on.
-const MOST_ITERATIONS_1_S: f64 = 5e7;
+const MAXIMUM_ITERATIONS_1_S: f64 = 5e7;
 /// Most aerodynamic steps of one communication step: each costs many internal ones.
-const MOST_AIR_STEPS: u32 = 100_000;
+const MAXIMUM_AIR_STEPS: u32 = 100_000;
 /// Most steps spent on locating one crossing.
 const MAX_LOCATING_STEPS: usize = 40;
 /// Most steps spent on locating one crossing in real time: the tangent at the end of the first trial leaves the latch a
@@ -114,7 +114,7 @@ impl Plant {
 
     /// Gives the calls that follow the work that a communication step over `span_s` may cost.
     pub(crate) fn allow_work(&mut self, span_s: f64) {
-        self.most_work = MOST_ITERATIONS.saturating_add((MOST_ITERATIONS_1_S * span_s).round() as u64);
+        self.most_work = MAXIMUM_ITERATIONS.saturating_add((MAXIMUM_ITERATIONS_1_S * span_s).round() as u64);
         self.work_left = self.most_work;
     }
 
@@ -156,12 +156,12 @@ impl Plant {
     pub fn longest_step_s(&self) -> f64 {
         let structure_s =
             self.system.machine.solver.fixed_step_s.unwrap_or(self.system.state.parameters.solver().max_step_s)
-                * f64::from(MOST_STEPS);
+                * f64::from(MAXIMUM_STEPS);
         self.system
             .machine
             .air
             .as_ref()
-            .map_or(structure_s, |air| structure_s.min(air.step_s * f64::from(MOST_AIR_STEPS)))
+            .map_or(structure_s, |air| structure_s.min(air.step_s * f64::from(MAXIMUM_AIR_STEPS)))
     }
 
     /// Takes steps until one reaches `end_s`. Runs ahead of `end_s` only while the inputs stay as they are. Fixed steps

@@ -17,7 +17,7 @@ pub struct PathPoint {
 }
 
 /// Points of the path before the search gives up.
-const MOST_POINTS: usize = 4000;
+const MAXIMUM_POINTS: usize = 4000;
 
 /// First and longest step: turns in rad and load factor together.
 const LONGEST_STEP: f64 = 0.05;
@@ -26,7 +26,7 @@ const LONGEST_STEP: f64 = 0.05;
 const SHORTEST_STEP: f64 = 1e-7;
 
 /// Corrections per point; with fewer than the second number the next step is longer.
-const MOST_CORRECTIONS: usize = 10;
+const MAXIMUM_CORRECTIONS: usize = 10;
 const FEW_CORRECTIONS: usize = 4;
 
 /// Change of the load factor for its derivative: loads are linear in it.
@@ -52,7 +52,7 @@ pub fn trace(
     let (mut factor, mut step) = (0.0, LONGEST_STEP);
     let mut points: Vec<PathPoint> = Vec::new();
     let mut before: Option<Direction> = None;
-    while points.len() < MOST_POINTS {
+    while points.len() < MAXIMUM_POINTS {
         let (direction, negative_directions) =
             tangent(equations, q, factor, before.as_ref()).map_err(|cause| failed(factor, cause))?;
         points.push(PathPoint { factor, negative_directions, q: q.to_vec() });
@@ -84,7 +84,7 @@ pub fn trace(
         }
         before = Some(direction);
     }
-    Err(failed(factor, Cause::PathTooLong(MOST_POINTS)))
+    Err(failed(factor, Cause::PathTooLong(MAXIMUM_POINTS)))
 }
 
 /// Unit tangent at an equilibrium, onward, and the negative directions there.
@@ -137,7 +137,7 @@ fn advance(
         return Ok((1.0, 0));
     }
     let mut moved = 0.0;
-    for correction in 1..=MOST_CORRECTIONS {
+    for correction in 1..=MAXIMUM_CORRECTIONS {
         effort.iterations += 1;
         let mut along = load_rate(equations, q, factor);
         let mut change = vec![0.0; q.len()];
@@ -165,5 +165,5 @@ fn advance(
             return Ok((factor, correction));
         }
     }
-    Err(Cause::NotConverged { iterations: MOST_CORRECTIONS, correction: moved })
+    Err(Cause::NotConverged { iterations: MAXIMUM_CORRECTIONS, correction: moved })
 }

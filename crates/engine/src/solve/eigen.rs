@@ -16,7 +16,7 @@ pub struct Eigen {
 }
 
 /// QR sweeps after which an eigenvalue is given up.
-const MOST_SWEEPS: usize = 200;
+const MAXIMUM_SWEEPS: usize = 200;
 
 /// Eigenvalues and eigenvectors; `None` where the iteration does not converge or the matrix is not finite.
 pub fn eigen(matrix: &DMatrix<f64>) -> Option<Eigen> {
@@ -115,7 +115,7 @@ impl Work {
                 self.split_pair(n, shift);
                 (end, sweeps) = (n - 1, 0);
             } else {
-                if sweeps == MOST_SWEEPS {
+                if sweeps == MAXIMUM_SWEEPS {
                     return None;
                 }
                 let (mut x, mut y) = (self.h[(n, n)], self.h[(n - 1, n - 1)]);

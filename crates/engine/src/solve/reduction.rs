@@ -58,7 +58,7 @@ pub enum NoReduction {
 }
 
 /// Condition of the eigenvectors beyond which half of all digits are lost.
-const MOST_CONDITION: f64 = 1e9;
+const MAXIMUM_CONDITION: f64 = 1e9;
 /// Share of `|λ|` below which the real part of an eigenvalue is round-off: the motion does not decay.
 const NO_DECAY: f64 = 1e-10;
 /// Hankel singular values, relative to the largest, that are round-off of the Gramians.
@@ -101,7 +101,7 @@ impl Modal {
         let vectors = vectors.select_columns(&columns.collect::<Vec<_>>());
         let inverse = vectors.clone().try_inverse().ok_or(NoReduction::Defective { condition: f64::INFINITY })?;
         let condition = vectors.norm() * inverse.norm();
-        if !condition.is_finite() || condition > MOST_CONDITION * n as f64 {
+        if !condition.is_finite() || condition > MAXIMUM_CONDITION * n as f64 {
             return Err(NoReduction::Defective { condition });
         }
         let mut a = DMatrix::zeros(n, n);

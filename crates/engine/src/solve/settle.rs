@@ -6,7 +6,7 @@
 use crate::solve::equilibrium::{Cause, Effort, Settings, StaticEquations};
 
 /// Steps downhill before the search gives up.
-const MOST_STEPS: usize = 600;
+const MAXIMUM_STEPS: usize = 600;
 
 /// Longest step in the kinematic norm.
 const LONGEST_STEP: f64 = 0.2;
@@ -64,7 +64,7 @@ pub fn descend(
     let mut change = vec![0.0; q.len()];
     let mut before = change.clone();
     let (mut shift, mut longest) = (1.0, LONGEST_STEP);
-    for iteration in 1..=MOST_STEPS {
+    for iteration in 1..=MAXIMUM_STEPS {
         effort.iterations += 1;
         equations.residual(q, &mut change);
         if change.iter().any(|force| !force.is_finite()) {
@@ -91,7 +91,7 @@ pub fn descend(
         }
         before.copy_from_slice(&change);
     }
-    Err(Cause::NoStableState(MOST_STEPS))
+    Err(Cause::NoStableState(MAXIMUM_STEPS))
 }
 
 /// About the smallest shift that makes the matrix positive, found from `from`; the factors of it stand afterwards.

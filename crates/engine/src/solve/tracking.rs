@@ -18,11 +18,11 @@ const DOUBT: f64 = 0.25;
 /// Real part over the magnitude of the eigenvalue above which a mode counts as growing.
 const GROWTH: f64 = 1e-6;
 /// Maximum number of halvings of one interval.
-const MOST_HALVINGS: u32 = 4;
+const MAXIMUM_HALVINGS: u32 = 4;
 /// Width of the interval in which a zero of the growth lies, over that of the sweep.
 const NARROW: f64 = 1e-10;
 /// Maximum number of steps towards a zero.
-const MOST_STEPS: usize = 60;
+const MAXIMUM_STEPS: usize = 60;
 
 /// Modes at one place; every branch has one, or none if it is not among those found.
 #[derive(Debug, Clone, PartialEq)]
@@ -121,7 +121,7 @@ impl<M: Followed + Clone> Branches<M> {
     ) -> Result<(), E> {
         let modes = modes_at(at)?;
         let (of, worst) = pairs(&self.expected(at), &modes);
-        if worst > DOUBT && halvings < MOST_HALVINGS {
+        if worst > DOUBT && halvings < MAXIMUM_HALVINGS {
             let from = self.all.last().map_or(at, |place| place.at);
             self.go_on(0.5 * (from + at), modes_at, halvings + 1)?;
             return self.go_on(at, modes_at, halvings + 1);
@@ -218,7 +218,7 @@ fn zero<M: Followed + Clone, E>(
         if (i == 1) == begins { growth } else { growth.min(0.0) }
     });
     let mut last = 2;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAXIMUM_STEPS {
         let share = weights[0] / (weights[0] - weights[1]);
         let at = ends[0].0 + (ends[1].0 - ends[0].0) * share.clamp(1e-3, 1.0 - 1e-3);
         let part = (at - ends[0].0) / (ends[1].0 - ends[0].0);

@@ -7,7 +7,7 @@ use crate::system::air::AirCoupling;
 use crate::system::air::start::refusal;
 
 /// Maximum number of iterations between air and structure at rest.
-const MOST_STATIC_ITERATIONS: usize = 100;
+const MAXIMUM_STATIC_ITERATIONS: usize = 100;
 /// Change of the loads at rest, relative to the largest, below which they count as converged: far above the error of
 /// the statics.
 const STATIC_TOLERANCE: f64 = 1e-9;
@@ -40,7 +40,7 @@ impl Study<'_> {
         if let Some(air) = &mut self.system.air {
             air.acceleration.restart();
         }
-        for _ in 0..MOST_STATIC_ITERATIONS {
+        for _ in 0..MAXIMUM_STATIC_ITERATIONS {
             self.system.state.now.q.copy_from_slice(&start);
             self.system.state.joints.copy_from_slice(&joints);
             self.system.configure();
@@ -64,7 +64,8 @@ impl Study<'_> {
             air.write(&mut history.loads);
             history.loads.from.clone_from(&history.loads.to);
         }
-        let cause = format!("the loads at rest still change by {change:.1e} after {MOST_STATIC_ITERATIONS} iterations");
+        let cause =
+            format!("the loads at rest still change by {change:.1e} after {MAXIMUM_STATIC_ITERATIONS} iterations");
         Err(refusal(time_s, cause))
     }
 }

@@ -20,7 +20,7 @@ const LONGEST_RAD: f64 = 0.2;
 /// Correction in rad, or travel over the machine's length, below which the angles and positions are converged.
 const TOLERANCE_RAD: f64 = 1e-8;
 /// Maximum number of iterations: with the longest step, two revolutions.
-const MOST_ITERATIONS: usize = 60;
+const MAXIMUM_ITERATIONS: usize = 60;
 
 impl Study<'_> {
     /// Hinges that turn freely at the present state, by their index in the equations.
@@ -46,7 +46,7 @@ impl Study<'_> {
             study.settle_with_air(time_s, Holding::Stopped)
         };
         let mut largest_n_m = f64::NAN;
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..MAXIMUM_ITERATIONS {
             let effort = at(self, &start, &angles)?;
             let torque = self.hinge_torques(time_s, hinges);
             largest_n_m = torque.amax();

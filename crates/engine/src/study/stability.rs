@@ -15,7 +15,7 @@ pub(crate) const SYMMETRIC: f64 = 1e-8;
 const MODES: usize = 10;
 
 /// Number of coordinates beyond which motions are not examined, because the matrices are dense.
-const MOST_COORDINATES: usize = 1200;
+const MAXIMUM_COORDINATES: usize = 1200;
 
 /// Change of a beam's turn from element to element, in rad, beyond which the mesh is called coarse.
 const COARSE_RAD: f64 = 0.5;
@@ -93,7 +93,8 @@ impl Study<'_> {
         // air that answers to motion has no potential
         let blown = self.system.air_is_linearised() && self.system.state.applied_parameters.air_density_kg_m3() > 0.0;
         let potential = tangent.asymmetry(model) < SYMMETRIC && !blown;
-        let quiet = potential && !neutral && negative_directions == 0 || self.system.coordinates() > MOST_COORDINATES;
+        let quiet =
+            potential && !neutral && negative_directions == 0 || self.system.coordinates() > MAXIMUM_COORDINATES;
         let growing = if quiet { Vec::new() } else { self.growing()? };
         Ok(Stability { negative_directions, potential, neutral, growing })
     }
@@ -102,7 +103,7 @@ impl Study<'_> {
     /// frequency, one of each pair. They include the air of strips; the loads of a lattice or a rotor are constant.
     /// `None` for machines with too many coordinates.
     pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
-        if self.system.coordinates() > MOST_COORDINATES {
+        if self.system.coordinates() > MAXIMUM_COORDINATES {
             return Ok(None);
         }
         Ok(Some(self.growing()?.iter().map(|growth| growth.eigenvalue_1_s).collect()))

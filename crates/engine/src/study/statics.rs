@@ -16,7 +16,7 @@ use crate::system::equations::Equations;
 use nalgebra::Matrix3;
 
 /// Number of searches for equilibrium after which contacts that open and close in turn are given up.
-const MOST_SEARCHES: usize = 100;
+const MAXIMUM_SEARCHES: usize = 100;
 /// Gap of a closed loop at rest over the machine's length beyond which the loop counts as torn.
 const TORN: f64 = 0.01;
 
@@ -334,7 +334,7 @@ impl Study<'_> {
     /// and the search starts again with it. A rigid one then holds the joint at the edge of its window.
     pub(crate) fn settle_at_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let mut start = self.system.state.now.q.clone();
-        for _ in 0..MOST_SEARCHES {
+        for _ in 0..MAXIMUM_SEARCHES {
             self.system.state.now.q.copy_from_slice(&start);
             let effort = self.search(time_s, holding)?;
             let mut caught = false;
@@ -347,7 +347,7 @@ impl Study<'_> {
             }
             self.system.configure();
         }
-        let cause = format!("latches and stops change their state in each of {MOST_SEARCHES} searches for rest");
+        let cause = format!("latches and stops change their state in each of {MAXIMUM_SEARCHES} searches for rest");
         Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause })
     }
 

@@ -17,7 +17,7 @@ use std::sync::Arc;
 const STEP_SHARE_AFTER_CROSSING: f64 = 0.1;
 /// Way over the machine's length, or turn of a section in rad, that a jump of the accelerations may make within an
 /// aerodynamic step: light wings in a wind that is suddenly there make 1, by the twist of their sections.
-const MOST_LENGTHS: f64 = 100.0;
+const MAXIMUM_LENGTHS: f64 = 100.0;
 
 impl System {
     /// Undoes what a step has begun, but for the inputs and parameters as the caller has set them.
@@ -149,7 +149,7 @@ impl System {
     pub(crate) fn refuse_leap(&self, time_s: f64, jump_norm_1_s2: f64) -> Result<(), PlantError> {
         let Some(air) = &self.machine.air else { return Ok(()) };
         let (step_s, lengths) = (air.step_s, 0.5 * jump_norm_1_s2 * air.step_s * air.step_s);
-        if lengths <= MOST_LENGTHS {
+        if lengths <= MAXIMUM_LENGTHS {
             return Ok(());
         }
         Err(PlantError::Leap { time_s, lengths, step_s, cause: self.largest_input() })

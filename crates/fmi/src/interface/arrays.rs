@@ -1,7 +1,7 @@
 //! Variables of FMI 3.0: rows of the table under one name, in row-major order.
 
 use crate::interface::access::Kind;
-use crate::interface::{AccessError, Dependencies, DependencyKind, Interface, MOST_LISTED, Shape, Signal, Variable};
+use crate::interface::{AccessError, Dependencies, DependencyKind, Interface, MAXIMUM_LISTED, Shape, Signal, Variable};
 use sha2::{Digest, Sha256};
 use std::collections::HashMap;
 
@@ -204,7 +204,7 @@ impl Interface {
             }
             let running = joined(&mut rows().map(|row| row.running.as_slice()));
             let initial = joined(&mut rows().map(|row| row.initial.as_slice()));
-            let on_all = running.len().max(initial.len()) > MOST_LISTED;
+            let on_all = running.len().max(initial.len()) > MAXIMUM_LISTED;
             if on_all {
                 Dependencies { on_all, ..Dependencies::default() }
             } else {

@@ -17,7 +17,7 @@ use crate::interface::hinge_dependencies::{
 use crate::interface::known::{BodyParameter, Input, JointInput, JointParameter, Known, Parameter, SpatialParameter};
 use crate::interface::point_dependencies::{spins_initially, turned_initially, velocity_initially};
 use crate::interface::topology::{Topology, Turning};
-use crate::interface::{Dependencies, DependencyKind, MOST_LISTED, Stage};
+use crate::interface::{Dependencies, DependencyKind, MAXIMUM_LISTED, Stage};
 use foldwing_engine::machine::{Machine, StartState};
 
 /// The dependencies of outputs on knowns: pairs of a row and what it declares.
@@ -42,8 +42,8 @@ pub(super) fn find<'a>(
             .map(|&(reference, known)| (reference, initial(known)));
         // one more than allowed tells that there are more
         let (running, initial): (Vec<_>, Vec<_>) =
-            (running.take(MOST_LISTED + 1).collect(), initial.take(MOST_LISTED + 1).collect());
-        if running.len().max(initial.len()) > MOST_LISTED {
+            (running.take(MAXIMUM_LISTED + 1).collect(), initial.take(MAXIMUM_LISTED + 1).collect());
+        if running.len().max(initial.len()) > MAXIMUM_LISTED {
             return Dependencies { on_all: true, ..Dependencies::default() };
         }
         Dependencies { running, initial, on_all: false }

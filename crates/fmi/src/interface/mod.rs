@@ -137,13 +137,13 @@ pub struct Dependencies {
     pub running: Vec<(u32, DependencyKind)>,
     /// Rows that the initial value depends on, in Initialization Mode.
     pub initial: Vec<(u32, DependencyKind)>,
-    /// Of an output whose lists would be too long ([`MOST_LISTED`]): both are empty, and it counts as dependent on all knowns.
+    /// Of an output whose lists would be too long ([`MAXIMUM_LISTED`]): both are empty, and it counts as dependent on all knowns.
     pub on_all: bool,
 }
 
 /// Longest list of dependencies of a row. With thousands of inputs, accelerations and section loads at thousands of places
 /// would fill hundreds of megabytes; FMI lets a row without a list depend on everything.
-pub const MOST_LISTED: usize = 1_000;
+pub const MAXIMUM_LISTED: usize = 1_000;
 
 /// The table of one model.
 pub struct Interface {

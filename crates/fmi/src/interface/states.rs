@@ -1,7 +1,7 @@
 //! Rows of the continuous states and their derivatives in time, which Model Exchange exposes.
 
 use crate::interface::table::{Place, Table, Text};
-use crate::interface::{Dependencies, DependencyKind, Interface, MOST_LISTED, Variability};
+use crate::interface::{Dependencies, DependencyKind, Interface, MAXIMUM_LISTED, Variability};
 use foldwing_engine::plant::{CoordinateName, CoordinateQuantity, Plant};
 
 /// Declared types of a coordinate, of its rate and of the rate's rate.
@@ -93,7 +93,7 @@ impl Interface {
             match bound.place {
                 Place::Output(_) if row.variability == Variability::Continuous && !found.on_all => {
                     found.running.extend(states.iter().map(|&state| (state, DependencyKind::Dependent)));
-                    if found.running.len() > MOST_LISTED {
+                    if found.running.len() > MAXIMUM_LISTED {
                         *found = Dependencies { on_all: true, ..Dependencies::default() };
                     }
                 }

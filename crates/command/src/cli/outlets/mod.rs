@@ -22,7 +22,7 @@ use tempfile::NamedTempFile;
 const UNFINISHED: &str = ".foldwing-";
 
 /// Files of one folder that are named one by one.
-const MOST_NAMED: usize = 4;
+const MAXIMUM_NAMED: usize = 4;
 
 /// `--force`, the same for every command that writes.
 #[derive(Clone, clap::Args)]
@@ -102,7 +102,7 @@ impl Outlets {
         for file in finished.iter() {
             let folder = file.parent().unwrap_or(Path::new(""));
             let beside: Vec<&PathBuf> = finished.iter().filter(|other| other.parent() == Some(folder)).collect();
-            if beside.len() <= MOST_NAMED {
+            if beside.len() <= MAXIMUM_NAMED {
                 eprintln!("wrote {}", file.display());
             } else if !told.contains(&folder) {
                 told.push(folder);

@@ -8,7 +8,7 @@ use std::fs::File;
 use std::path::Path;
 
 /// Most variants of a sweep: beyond it a grid is surely a slip.
-const MOST_VARIANTS: usize = 1_000_000;
+const MAXIMUM_VARIANTS: usize = 1_000_000;
 /// What keys of the model file begin with; names of variables have no colon.
 const FILE_PREFIX: &str = "file:";
 
@@ -39,8 +39,8 @@ impl Plan {
                 .ok_or_else(|| refused("must be KEY=FROM:TO:COUNT or KEY=A,B,…".to_owned()))?;
             let values = axis(values).map_err(refused)?;
             count = count.saturating_mul(values.len());
-            if count > MOST_VARIANTS {
-                return Err(refused(format!("makes the grid larger than the {MOST_VARIANTS} variants allowed")));
+            if count > MAXIMUM_VARIANTS {
+                return Err(refused(format!("makes the grid larger than the {MAXIMUM_VARIANTS} variants allowed")));
             }
             keys.push(key.to_owned());
             axes.push(values);
@@ -72,8 +72,10 @@ impl Plan {
                     &record[column]
                 )));
             }
-            if rows.len() == MOST_VARIANTS {
-                return Err(Failure::Refused(format!("{name}:{line}: more than the {MOST_VARIANTS} variants allowed")));
+            if rows.len() == MAXIMUM_VARIANTS {
+                return Err(Failure::Refused(format!(
+                    "{name}:{line}: more than the {MAXIMUM_VARIANTS} variants allowed"
+                )));
             }
             rows.push(record.iter().map(str::to_owned).collect());
         }
@@ -91,9 +93,9 @@ impl Plan {
         interface: &Interface,
     ) -> Result<Self, Failure> {
         check_keys(&keys, place, interface)?;
-        if rows.is_empty() || rows.len() > MOST_VARIANTS {
+        if rows.is_empty() || rows.len() > MAXIMUM_VARIANTS {
             let count = rows.len();
-            return Err(Failure::Usage(format!("{place}: {count} variants; allowed are 1 to {MOST_VARIANTS}")));
+            return Err(Failure::Usage(format!("{place}: {count} variants; allowed are 1 to {MAXIMUM_VARIANTS}")));
         }
         if let Some(index) = rows.iter().position(|row| row.len() != keys.len()) {
             let (given, wanted) = (rows[index].len(), keys.len());
@@ -200,8 +202,8 @@ fn range(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
     };
     let (first, last) = (number(from)?, number(to)?);
     let count: usize = match count.trim().parse() {
-        Ok(count) if (2..=MOST_VARIANTS).contains(&count) => count,
-        _ => return Err(format!("`{count}` is not a number of values; allowed is 2 to {MOST_VARIANTS}")),
+        Ok(count) if (2..=MAXIMUM_VARIANTS).contains(&count) => count,
+        _ => return Err(format!("`{count}` is not a number of values; allowed is 2 to {MAXIMUM_VARIANTS}")),
     };
     let whole = [from, to].iter().all(|text| text.trim().parse::<i32>().is_ok());
     let value = |i: usize| {

@@ -36,7 +36,7 @@ pub struct Table {
 }
 
 /// Numbers that a table may have in a page; of longer ones rows are left out at equal intervals.
-const MOST_NUMBERS: usize = 300_000;
+const MAXIMUM_NUMBERS: usize = 300_000;
 
 impl Table {
     /// Reads CSV with a column `time` in s that ascends; lines that start with `#` are comments.
@@ -52,7 +52,7 @@ impl Table {
             rows.extend(table.columns.iter().map(|column| column.values[row] as f32));
         }
         let (width, count) = (names.len() + 1, rows.len() / (names.len() + 1));
-        let keep = count.min((MOST_NUMBERS / width).max(2));
+        let keep = count.min((MAXIMUM_NUMBERS / width).max(2));
         if keep < count {
             let row = |i: usize| (count - 1) * i / (keep - 1);
             rows = (0..keep).flat_map(|i| rows[width * row(i)..width * (row(i) + 1)].to_vec()).collect();
@@ -130,7 +130,7 @@ mod tests {
     fn long_tables_are_thinned() {
         let text: String = (0..400_000).fold("time,a\n".to_owned(), |text, i| text + &format!("{i},1\n"));
         let table = Table::read(text.as_bytes()).unwrap();
-        assert_eq!((table.count, table.kept()), (400_000, MOST_NUMBERS / 2));
+        assert_eq!((table.count, table.kept()), (400_000, MAXIMUM_NUMBERS / 2));
         assert_eq!((table.rows[0], table.rows[table.rows.len() - 2]), (0.0, 399_999.0));
     }
 }

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use serde_json::{Value, json};
 
 /// Numbers that the frames of all runs of a page hold at most: with signals and libraries a page of one run stays below 10 MB.
-pub(super) const MOST_NUMBERS: usize = 1_200_000;
+pub(super) const MAXIMUM_NUMBERS: usize = 1_200_000;
 
 /// Version of what `run.js` reads; a page of another version cannot be laid beside.
 pub(super) const FORMAT: u64 = 2;
@@ -28,7 +28,7 @@ impl PackedRun {
     /// A recording with its signals; frames are left out at equal intervals, never the first nor the last, until it is
     /// one of `runs` that share a page.
     pub fn new(recording: &Recording, signals: &Signals, runs: usize) -> Self {
-        let chosen = chosen(&recording.frames, &recording.scene.travels, MOST_NUMBERS / runs.max(1));
+        let chosen = chosen(&recording.frames, &recording.scene.travels, MAXIMUM_NUMBERS / runs.max(1));
         let mut numbers: Vec<f32> = signals.rows.clone();
         let mut begins = Vec::new();
         let mut rows = Vec::new();
@@ -207,13 +207,17 @@ mod tests {
     fn pages_are_bounded() {
         let short = recorded(shipped("folding_wing"), 2);
         let one = fixed_part(&short.frames[0], &short.scene.travels).len();
-        let count = 3 * MOST_NUMBERS / one;
+        let count = 3 * MAXIMUM_NUMBERS / one;
         let mut frames = vec![short.frames[1].clone(); count];
         frames[0] = short.frames[0].clone();
         frames[count - 1] = short.frames[2].clone();
-        let kept = chosen(&frames, &short.scene.travels, MOST_NUMBERS);
-        assert!(kept.len() * one <= MOST_NUMBERS && (kept.len() + 1) * one > MOST_NUMBERS, "{} frames", kept.len());
+        let kept = chosen(&frames, &short.scene.travels, MAXIMUM_NUMBERS);
+        assert!(
+            kept.len() * one <= MAXIMUM_NUMBERS && (kept.len() + 1) * one > MAXIMUM_NUMBERS,
+            "{} frames",
+            kept.len()
+        );
         assert_eq!((kept[0].time_s, kept[kept.len() - 1].time_s), (short.frames[0].time_s, short.frames[2].time_s));
-        assert!(chosen(&frames, &short.scene.travels, MOST_NUMBERS / 2).len() <= kept.len().div_ceil(2));
+        assert!(chosen(&frames, &short.scene.travels, MAXIMUM_NUMBERS / 2).len() <= kept.len().div_ceil(2));
     }
 }

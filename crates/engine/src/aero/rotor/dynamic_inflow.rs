@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 /// Fraction `k` of the rate of the quasi-steady velocity that passes the first lag at once.
 const DIRECT: f64 = 0.6;
 /// Largest mean axial induction factor used in the time constant, which would be infinite at 0.77.
-const MOST_INDUCTION: f64 = 0.5;
+const MAXIMUM_INDUCTION: f64 = 0.5;
 /// Smallest mean wind through the disc used in the time constant, in m/s.
-const LEAST_WIND_M_S: f64 = 0.1;
+const MINIMUM_WIND_M_S: f64 = 0.1;
 /// Largest time constant in s.
-const MOST_TIME_S: f64 = 100.0;
+const MAXIMUM_TIME_S: f64 = 100.0;
 
 /// Induced velocity of a node: from the momentum balance, after the first lag, and after both.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -28,8 +28,8 @@ pub struct InflowState {
 /// First time constant in s of a rotor of a given radius, from the mean axial induction factor and the mean wind along
 /// the shaft, eq. (B9).
 pub fn time_constant_s(radius_m: f64, mean_induction: f64, wind_m_s: f64) -> f64 {
-    let slowed_m_s = (1.0 - 1.3 * mean_induction.min(MOST_INDUCTION)) * wind_m_s.max(LEAST_WIND_M_S);
-    (1.1 * radius_m / slowed_m_s).min(MOST_TIME_S)
+    let slowed_m_s = (1.0 - 1.3 * mean_induction.min(MAXIMUM_INDUCTION)) * wind_m_s.max(MINIMUM_WIND_M_S);
+    (1.1 * radius_m / slowed_m_s).min(MAXIMUM_TIME_S)
 }
 
 impl InflowState {

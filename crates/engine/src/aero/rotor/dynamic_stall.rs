@@ -20,7 +20,7 @@ const SEPARATION_LAG: f64 = 3.0;
 /// transition.
 const CUTOUT_RAD: [f64; 2] = [45.0 * PI / 180.0, 5.0 * PI / 180.0];
 /// Smallest speed in m/s used in the time constants.
-const LEAST_SPEED_M_S: f64 = 0.01;
+const MINIMUM_SPEED_M_S: f64 = 0.01;
 
 /// Static polar split into attached and separated flow, eq. (B12).
 #[derive(Debug, Clone, PartialEq)]
@@ -128,7 +128,7 @@ pub struct Coefficients {
 impl StallInflow {
     /// Time in s in which the air travels a semi-chord.
     fn passing_s(&self) -> f64 {
-        0.5 * self.chord_m / self.speed_m_s.max(LEAST_SPEED_M_S)
+        0.5 * self.chord_m / self.speed_m_s.max(MINIMUM_SPEED_M_S)
     }
 
     /// Angle of attack at three quarters of the chord in rad.

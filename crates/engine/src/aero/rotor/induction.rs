@@ -8,11 +8,11 @@ use crate::aero::polar::{Polar, PolarRow};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
 /// Smallest flow angle considered, in rad; at zero the momentum balance is singular.
-const LEAST_ANGLE_RAD: f64 = 1e-6;
+const MINIMUM_ANGLE_RAD: f64 = 1e-6;
 /// Exponent of Prandtl's loss below which a node is an end: 1e-10 of the blade.
-const LEAST_EXPONENT: f64 = 1e-10;
+const MINIMUM_EXPONENT: f64 = 1e-10;
 /// Iterations of the root finder; bisection alone would need 52.
-const MOST_ITERATIONS: usize = 100;
+const MAXIMUM_ITERATIONS: usize = 100;
 /// Width of the bracket at which the root finder stops, in rad.
 const TOLERANCE_RAD: f64 = 1e-14;
 
@@ -65,7 +65,7 @@ impl Annulus {
 
     /// Whether the loss is complete at every flow angle.
     pub fn is_end(&self) -> bool {
-        self.tip_exponent.min(self.hub_exponent) < LEAST_EXPONENT
+        self.tip_exponent.min(self.hub_exponent) < MINIMUM_EXPONENT
     }
 }
 
@@ -212,14 +212,14 @@ impl Balance<'_> {
     fn flow_angle_rad(&self) -> Option<f64> {
         // a windmill state exists where the thrust at a flow angle of zero stays below what Buhl's parabola ends with
         let normal = self.coefficients(0.0, 1.0)[0];
-        let rooted = self.windmill_first && self.residual(LEAST_ANGLE_RAD) < 0.0;
+        let rooted = self.windmill_first && self.residual(MINIMUM_ANGLE_RAD) < 0.0;
         if rooted || normal <= 0.0 || (0.5 * self.annulus.solidity * normal).sqrt() * self.tangential < self.axial {
             let quarter = self.residual(FRAC_PI_2);
             let [low, high] =
-                if quarter > 0.0 { [LEAST_ANGLE_RAD, FRAC_PI_2] } else { [FRAC_PI_2, PI - LEAST_ANGLE_RAD] };
+                if quarter > 0.0 { [MINIMUM_ANGLE_RAD, FRAC_PI_2] } else { [FRAC_PI_2, PI - MINIMUM_ANGLE_RAD] };
             self.root(low, high)
         } else {
-            self.root(-FRAC_PI_2, -LEAST_ANGLE_RAD)
+            self.root(-FRAC_PI_2, -MINIMUM_ANGLE_RAD)
         }
     }
 
@@ -269,7 +269,7 @@ impl Balance<'_> {
         }
         let (mut c, mut fc);
         let mut share = 0.5;
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..MAXIMUM_ITERATIONS {
             let x = a + share * (b - a);
             let fx = self.residual(x);
             if (fx > 0.0) == (fa > 0.0) {

@@ -18,7 +18,7 @@ const LENGTHS: [f64; 3] = [8.10, 2.70, 0.66];
 /// Standard deviations of the components over that along the wind.
 const DEVIATIONS: [f64; 3] = [1.0, 0.8, 0.5];
 /// Coherence below which two points count as independent; the squares of a thousand such neighbours sum to 1e-5.
-const LEAST_COHERENCE: f64 = 1e-4;
+const MINIMUM_COHERENCE: f64 = 1e-4;
 
 /// Parameters of the turbulence.
 #[derive(Debug, Clone, PartialEq)]
@@ -167,7 +167,7 @@ impl Turbulence {
         // if the nearest neighbours are independent, all points are
         let nearest_m = self.spacing_m[0].min(self.spacing_m[1]);
         let bound = |distance_m: f64| coherence(distance_m, frequency_hz, self.mean_m_s, self.reference_height_m);
-        if bound(nearest_m) < LEAST_COHERENCE {
+        if bound(nearest_m) < MINIMUM_COHERENCE {
             factor.fill(0.0);
             (0..count).for_each(|i| factor[i * count + i] = 1.0);
             return;

@@ -11,7 +11,7 @@ const REFLECTED_LIFT: f64 = 0.7;
 /// Spacing of the added rows in rad: linear interpolation between them differs from the formulas by less than 0.002.
 const SPACING_RAD: f64 = 2.5 * PI / 180.0;
 /// Smallest drag coefficient of the extension: the formulas fall below zero near ±180°.
-const LEAST_DRAG: f64 = 1e-4;
+const MINIMUM_DRAG: f64 = 1e-4;
 
 /// Why a polar cannot be extended.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -137,7 +137,7 @@ impl Law {
             // attached from behind: linear to zero at ±180°
             let share = from_line_rad / self.stall_rad;
             let lift = REFLECTED_LIFT * self.stall_lift * share * if negative { 1.0 } else { -1.0 };
-            (lift, self.stalled(self.stall_rad).1 * share * share + LEAST_DRAG)
+            (lift, self.stalled(self.stall_rad).1 * share * share + MINIMUM_DRAG)
         } else {
             // between the reflected stall and the first row
             let (lift, drag) = self.stalled(self.stall_rad);
@@ -145,7 +145,7 @@ impl Law {
             let start = -REFLECTED_LIFT * lift;
             (start + (self.low.lift - start) * share, drag + (self.low.drag - drag) * share)
         };
-        let drag = drag.max(LEAST_DRAG);
+        let drag = drag.max(MINIMUM_DRAG);
         let normal = lift * angle_rad.cos() + drag * angle_rad.sin();
         PolarRow { angle_rad, lift, drag, moment: -self.arm_at(angle_rad) * normal }
     }

@@ -4,7 +4,7 @@ use crate::aero::rotor::turbulence_box::TurbulenceBox;
 use nalgebra::Vector3;
 
 /// Height in m below which a profile is constant: a power law is zero or infinite at the ground.
-const LEAST_HEIGHT_M: f64 = 0.01;
+const MINIMUM_HEIGHT_M: f64 = 0.01;
 
 /// Profile of the mean wind over height.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -134,7 +134,7 @@ impl WindField {
 
     /// Ratio of the speed at a height to that at the reference height, eq. (B18).
     fn profile(&self, shear: &Shear, height_m: f64) -> f64 {
-        let height_m = height_m.max(LEAST_HEIGHT_M);
+        let height_m = height_m.max(MINIMUM_HEIGHT_M);
         match *shear {
             Shear::None => 1.0,
             Shear::Power { exponent } => (height_m / self.reference_height_m).powf(exponent),

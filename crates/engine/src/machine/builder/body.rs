@@ -7,7 +7,7 @@ use crate::beam::section::{Material, Solid};
 use crate::load::{LoadFrame, Wrench};
 use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::shortest;
-use crate::machine::validate::MOST_STATIONS_OF_BODY;
+use crate::machine::validate::MAXIMUM_STATIONS_OF_BODY;
 use crate::machine::{AttachedMass, Body, Closure, ElementKind, Gauge, Joint, ModalLaw, SectionLoad, SectionSide};
 use nalgebra::{Matrix3, Vector3};
 
@@ -155,7 +155,7 @@ impl BodyBuilder {
         let station_positions_m: Vec<f64> = match &self.stations {
             Stations::At(positions_m) => positions_m.clone(),
             Stations::Equal(count) => {
-                let fits = checker.count(&["body", &self.name, "load_stations"], *count, 0, MOST_STATIONS_OF_BODY);
+                let fits = checker.count(&["body", &self.name, "load_stations"], *count, 0, MAXIMUM_STATIONS_OF_BODY);
                 let count = if fits { *count } else { 0 };
                 (0..count).map(|i| self.length_m * (i as f64 + 0.5) / count as f64).collect()
             }

@@ -5,7 +5,7 @@ use crate::beam::profile::Profile as Along;
 use crate::machine::edges::{RootEdge, free_edges, other_half};
 use crate::machine::fault::{Checker, Range, array_text};
 use crate::machine::units::shortest;
-use crate::machine::validate::air::MOST_STRIPS;
+use crate::machine::validate::air::MAXIMUM_STRIPS;
 use crate::machine::validate::body::{least_of, profile, section_stands};
 use crate::machine::{Body, LiftingSurface};
 use nalgebra::Vector3;
@@ -137,8 +137,8 @@ pub(super) fn draft<'b>(
         return None;
     }
     let length_m = bodies[body].length_m;
-    let counted = checker.count(&["surface", name, "strips"], surface.strips, 1, MOST_STRIPS)
-        & checker.count(&["surface", name, "chord_panels"], surface.chord_panels, 1, MOST_STRIPS);
+    let counted = checker.count(&["surface", name, "strips"], surface.strips, 1, MAXIMUM_STRIPS)
+        & checker.count(&["surface", name, "chord_panels"], surface.chord_panels, 1, MAXIMUM_STRIPS);
     let placed =
         axis(surface, length_m, checker) & slope(surface, length_m, checker) & stations(surface, length_m, checker);
     let chord_m = chord(surface, &bodies[body], checker)?;

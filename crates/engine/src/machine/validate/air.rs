@@ -13,11 +13,11 @@ use crate::machine::{Air, Body, Coupling, LiftingSurface};
 use std::f64::consts::PI;
 
 /// Most panels of a lattice: its matrix then takes 200 MB, and its factors half a minute.
-const MOST_PANELS: usize = 5_000;
+const MAXIMUM_PANELS: usize = 5_000;
 /// Most panels of a wake.
-const MOST_WAKE_PANELS: usize = 200_000;
+const MAXIMUM_WAKE_PANELS: usize = 200_000;
 /// Most strips of a surface, and most panels along its chord.
-pub(crate) const MOST_STRIPS: usize = 1_000;
+pub(crate) const MAXIMUM_STRIPS: usize = 1_000;
 
 /// The air around bodies.
 pub(super) fn check(air: &Air, bodies: &[Body], checker: &mut Checker) {
@@ -90,8 +90,8 @@ fn check_lifting_line(line: &LiftingLineOptions, surfaces: &[LiftingSurface], bo
         unit_vector(&["air", "mirror_normal"], normal, checker);
     }
     let strips: usize = surfaces.iter().map(|surface| surface.positions_m.len().saturating_sub(1)).sum();
-    if strips > MOST_STRIPS {
-        let allowed = format!("at most {MOST_STRIPS} strips of all surfaces together with a tip loss");
+    if strips > MAXIMUM_STRIPS {
+        let allowed = format!("at most {MAXIMUM_STRIPS} strips of all surfaces together with a tip loss");
         checker.refuse_state(&["surface"], format!("{strips} strips with a tip loss"), allowed);
     }
     let polar = surfaces.iter().find(|surface| surface.profile.polar.is_some());
@@ -113,11 +113,11 @@ pub(crate) fn lattice_size(
         strips = strips.saturating_add(own);
     }
     let wake_panels = wake_rows.saturating_mul(strips);
-    if panels > MOST_PANELS {
-        let allowed = format!("at most {MOST_PANELS} panels: strips times chord_panels, of all surfaces together");
+    if panels > MAXIMUM_PANELS {
+        let allowed = format!("at most {MAXIMUM_PANELS} panels: strips times chord_panels, of all surfaces together");
         checker.refuse_state(&["surface"], format!("a lattice of {panels} panels"), allowed);
-    } else if wake_panels > MOST_WAKE_PANELS {
-        let allowed = format!("at most {MOST_WAKE_PANELS} panels: wake_rows times the strips of all surfaces");
+    } else if wake_panels > MAXIMUM_WAKE_PANELS {
+        let allowed = format!("at most {MAXIMUM_WAKE_PANELS} panels: wake_rows times the strips of all surfaces");
         checker.refuse_state(&["air", "wake_rows"], format!("a wake of {wake_panels} panels"), allowed);
     } else {
         return true;
@@ -151,8 +151,8 @@ fn check_surface(
     }
     let positions_m = &surface.positions_m;
     let strips = positions_m.len().saturating_sub(1);
-    checker.count(&["surface", name, "strips"], strips, 1, MOST_STRIPS);
-    checker.count(&["surface", name, "chord_panels"], surface.chord_panels, 1, MOST_STRIPS);
+    checker.count(&["surface", name, "strips"], strips, 1, MAXIMUM_STRIPS);
+    checker.count(&["surface", name, "chord_panels"], surface.chord_panels, 1, MAXIMUM_STRIPS);
     let ascending = positions_m.windows(2).all(|pair| pair[0] < pair[1]);
     let on_body = positions_m.iter().all(|s| (0.0..=body.length_m * (1.0 + 1e-12)).contains(s));
     if !(ascending && on_body) {

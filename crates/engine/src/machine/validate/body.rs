@@ -5,7 +5,7 @@ use crate::beam::profile::Profile;
 use crate::beam::section::Section;
 use crate::machine::fault::{Checker, Range, array_text, is_finite};
 use crate::machine::units::shortest;
-use crate::machine::validate::MOST_STATIONS_OF_BODY;
+use crate::machine::validate::MAXIMUM_STATIONS_OF_BODY;
 use crate::machine::validate::modal;
 use crate::machine::validate::section::{
     asymmetry, has_second_moments, is_not_negative, is_positive_definite, is_rigid_body, is_sound,
@@ -223,8 +223,8 @@ fn stations(body: &Body, checker: &mut Checker) {
     let place = ["body", name, "station_positions_m"];
     let ascending = positions_m.windows(2).all(|pair| pair[0] < pair[1]);
     let on_body = positions_m.iter().all(|position| (0.0..=body.length_m).contains(position));
-    if positions_m.len() > MOST_STATIONS_OF_BODY {
-        let allowed = format!("at most {MOST_STATIONS_OF_BODY} load stations on a body");
+    if positions_m.len() > MAXIMUM_STATIONS_OF_BODY {
+        let allowed = format!("at most {MAXIMUM_STATIONS_OF_BODY} load stations on a body");
         checker.refuse_state(&place, format!("{} load stations", positions_m.len()), allowed);
     } else if !(ascending && on_body) {
         let length = shortest(body.length_m);

@@ -6,27 +6,27 @@ use crate::machine::units::shortest;
 use crate::machine::{Body, JointKind, JointMotion, Machine, OneFreedom, Travel};
 
 /// Most failures of a machine, and most bounds on the motion of one joint.
-const MOST_FAILURES: usize = 100;
-const MOST_BOUNDS: usize = 16;
+const MAXIMUM_FAILURES: usize = 100;
+const MAXIMUM_BOUNDS: usize = 16;
 /// Fastest runaway in rad/s or m/s.
 const FASTEST: f64 = 1e6;
 /// Least share of its stiffness that a body may keep: with less the equations are no longer solvable in double precision.
-const LEAST_SHARE: f64 = 1e-6;
+const MINIMUM_SHARE: f64 = 1e-6;
 
 /// All failures.
 pub(super) fn check(machine: &Machine, checker: &mut Checker) {
     super::names("failure", machine.failures.iter().map(|failure| failure.name.as_str()), checker);
-    if machine.failures.len() > MOST_FAILURES {
+    if machine.failures.len() > MAXIMUM_FAILURES {
         let state = format!("{} failures", machine.failures.len());
-        checker.refuse_state(&["failure"], state, format!("at most {MOST_FAILURES}"));
+        checker.refuse_state(&["failure"], state, format!("at most {MAXIMUM_FAILURES}"));
     }
     for (index, failure) in machine.failures.iter().enumerate() {
         check_one(machine, index, failure, checker);
     }
     for body in 0..machine.bodies.len() {
         let mut bounds = machine.failures.iter().filter(|failure| failure.when.is_some_and(|bound| bound.body == body));
-        if let Some(failure) = bounds.nth(MOST_BOUNDS) {
-            let allowed = format!("at most {MOST_BOUNDS} failures that wait for the motion of one joint");
+        if let Some(failure) = bounds.nth(MAXIMUM_BOUNDS) {
+            let allowed = format!("at most {MAXIMUM_BOUNDS} failures that wait for the motion of one joint");
             checker.refuse_state(&["failure", &failure.name, "when"], "one bound too many on its joint", allowed);
         }
     }
@@ -121,7 +121,7 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
             }
         }
         Effect::BodyWeakens { body, remaining } => {
-            share("remaining", remaining, LEAST_SHARE, checker);
+            share("remaining", remaining, MINIMUM_SHARE, checker);
             let place = ["failure", name, "body"];
             match machine.bodies.get(body) {
                 Some(body) if body.is_rigid() || body.is_modal() => {

@@ -17,11 +17,11 @@ use std::collections::BTreeSet;
 pub const IDENTIFIER_ALLOWED: &str = "an identifier: letters, digits and _, no digit first";
 
 /// Most load stations of a machine: its model description then has some ten megabytes.
-const MOST_STATIONS: usize = 2_000;
+const MAXIMUM_STATIONS: usize = 2_000;
 /// Most load stations of a body.
-pub(super) const MOST_STATIONS_OF_BODY: usize = 1_000;
+pub(super) const MAXIMUM_STATIONS_OF_BODY: usize = 1_000;
 /// Most elements of a machine: a step then takes a tenth of a second.
-const MOST_ELEMENTS: usize = 20_000;
+const MAXIMUM_ELEMENTS: usize = 20_000;
 
 /// True where a name has letters, digits and _ only, and begins with no digit.
 pub fn is_identifier(name: &str) -> bool {
@@ -184,13 +184,13 @@ fn is_clamped(body: &Body) -> bool {
 fn sizes(bodies: &[Body], checker: &mut Checker) {
     let sum = |count: fn(&Body) -> usize| bodies.iter().map(count).fold(0, usize::saturating_add);
     let stations = sum(|body| body.station_positions_m.len());
-    if stations > MOST_STATIONS {
-        let allowed = format!("at most {MOST_STATIONS} on all bodies together: each is 25 variables of the FMU");
+    if stations > MAXIMUM_STATIONS {
+        let allowed = format!("at most {MAXIMUM_STATIONS} on all bodies together: each is 25 variables of the FMU");
         checker.refuse_state(&["body"], format!("{stations} load stations"), allowed);
     }
     let elements = sum(|body| body.elements);
-    if elements > MOST_ELEMENTS {
-        let allowed = format!("at most {MOST_ELEMENTS} on all bodies together");
+    if elements > MAXIMUM_ELEMENTS {
+        let allowed = format!("at most {MAXIMUM_ELEMENTS} on all bodies together");
         checker.refuse_state(&["body"], format!("{elements} elements"), allowed);
     }
 }

@@ -1,6 +1,6 @@
 //! Checks of bodies that bend in given shapes, and of what may be placed on them.
 
-use crate::beam::modal::{MOST_MODES, ModalLaw, Shape};
+use crate::beam::modal::{MAXIMUM_MODES, ModalLaw, Shape};
 use crate::machine::fault::{Checker, Range, array_text, is_finite};
 use crate::machine::units::shortest;
 use crate::machine::validate::body::{least_of, profile};
@@ -10,7 +10,7 @@ use crate::machine::{Body, Machine, Parent};
 /// second shape).
 const SUM_TOLERANCE: f64 = 2e-3;
 /// Maximum number of coefficients of a shape.
-const MOST_COEFFICIENTS: usize = 20;
+const MAXIMUM_COEFFICIENTS: usize = 20;
 
 /// The law of a modal body whose length is valid.
 pub(super) fn check(body: &Body, law: &ModalLaw, checker: &mut Checker) {
@@ -21,8 +21,8 @@ pub(super) fn check(body: &Body, law: &ModalLaw, checker: &mut Checker) {
         return;
     }
     let modes = law.modes();
-    if modes == 0 || modes > MOST_MODES {
-        let allowed = format!("1 to {MOST_MODES} shapes, those in flap and in edge together");
+    if modes == 0 || modes > MAXIMUM_MODES {
+        let allowed = format!("1 to {MAXIMUM_MODES} shapes, those in flap and in edge together");
         checker.refuse_state(&["body", name, "flap"], format!("{modes} shapes"), allowed);
     }
     for (key, along, least) in [
@@ -63,11 +63,11 @@ fn one(place: &[&str], shape: &Shape, checker: &mut Checker) {
     let coefficients = &shape.coefficients;
     let sum: f64 = coefficients.iter().sum();
     let finite = !coefficients.is_empty()
-        && coefficients.len() <= MOST_COEFFICIENTS
+        && coefficients.len() <= MAXIMUM_COEFFICIENTS
         && coefficients.iter().copied().all(is_finite);
     if !finite || (sum - 1.0).abs() > SUM_TOLERANCE {
         let allowed = format!(
-            "1 to {MOST_COEFFICIENTS} coefficients of x², x³, … that add up to 1, so that the shape is 1 at the outer end"
+            "1 to {MAXIMUM_COEFFICIENTS} coefficients of x², x³, … that add up to 1, so that the shape is 1 at the outer end"
         );
         checker.refuse(&[place, &["coefficients"]].concat(), array_text(coefficients), allowed);
     }

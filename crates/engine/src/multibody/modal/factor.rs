@@ -2,7 +2,7 @@
 //! eqs. (M10) and (M11).
 
 use super::{Modal, ModalWork};
-use crate::beam::modal::MOST_MODES;
+use crate::beam::modal::MAXIMUM_MODES;
 use crate::math::so3::hat;
 use crate::multibody::factor::{BadPivot, Weights};
 use crate::multibody::workspace::{ArticulatedInertia, Node, Pair};
@@ -12,24 +12,24 @@ use nalgebra::{Matrix3, Vector3};
 #[derive(Debug, Clone)]
 pub(crate) struct ModalFactor {
     /// Lower Cholesky factor, with inverted diagonal.
-    cholesky: [[f64; MOST_MODES]; MOST_MODES],
+    cholesky: [[f64; MAXIMUM_MODES]; MAXIMUM_MODES],
     /// Coupling of the coordinates to the first node, velocity rows.
-    velocity: [Vector3<f64>; MOST_MODES],
+    velocity: [Vector3<f64>; MAXIMUM_MODES],
     /// Spin rows.
-    spin: [Vector3<f64>; MOST_MODES],
+    spin: [Vector3<f64>; MAXIMUM_MODES],
     /// Right-hand side of the last inward sweep.
-    right: [f64; MOST_MODES],
+    right: [f64; MAXIMUM_MODES],
 }
 
 impl ModalFactor {
     pub(crate) const ZERO: Self = Self {
-        cholesky: [[0.0; MOST_MODES]; MOST_MODES],
-        velocity: [Vector3::new(0.0, 0.0, 0.0); MOST_MODES],
-        spin: [Vector3::new(0.0, 0.0, 0.0); MOST_MODES],
-        right: [0.0; MOST_MODES],
+        cholesky: [[0.0; MAXIMUM_MODES]; MAXIMUM_MODES],
+        velocity: [Vector3::new(0.0, 0.0, 0.0); MAXIMUM_MODES],
+        spin: [Vector3::new(0.0, 0.0, 0.0); MAXIMUM_MODES],
+        right: [0.0; MAXIMUM_MODES],
     };
 
-    fn solve(&self, modes: usize, x: &mut [f64; MOST_MODES]) {
+    fn solve(&self, modes: usize, x: &mut [f64; MAXIMUM_MODES]) {
         let l = &self.cholesky;
         for i in 0..modes {
             for k in 0..i {
@@ -58,9 +58,9 @@ impl Modal {
     ) -> Result<ArticulatedInertia, BadPivot> {
         let (element, modes) = (&self.element, self.element.modes);
         let axes = &inner.rotation;
-        let mut x = [[0.0; MOST_MODES]; MOST_MODES];
-        let mut uv = [Vector3::zeros(); MOST_MODES];
-        let mut uw = [Vector3::zeros(); MOST_MODES];
+        let mut x = [[0.0; MAXIMUM_MODES]; MAXIMUM_MODES];
+        let mut uv = [Vector3::zeros(); MAXIMUM_MODES];
+        let mut uw = [Vector3::zeros(); MAXIMUM_MODES];
         // the mass between the ends, in the frame of the inner end
         let (mut mass, mut first, mut second) = (0.0, Vector3::zeros(), Matrix3::zeros());
         for point in &element.masses {
@@ -71,7 +71,7 @@ impl Modal {
             mass += own;
             first += place * own;
             second += place * place.transpose() * own;
-            let partial: [Vector3<f64>; MOST_MODES] =
+            let partial: [Vector3<f64>; MAXIMUM_MODES] =
                 std::array::from_fn(|i| if i < modes { shapes.velocity(i, &shortened) } else { Vector3::zeros() });
             for i in 0..modes {
                 let weighted = partial[i] * own;
@@ -127,7 +127,7 @@ impl Modal {
     /// its own.
     pub(crate) fn reduce(&self, work: &mut ModalWork, x: &[f64], p: &Pair) -> Pair {
         let modes = self.element.modes;
-        let mut right = [0.0; MOST_MODES];
+        let mut right = [0.0; MAXIMUM_MODES];
         right[..modes].copy_from_slice(&x[self.range()]);
         self.pull(work, p, &mut right);
         work.factor.right = right;
@@ -142,7 +142,7 @@ impl Modal {
         Pair { linear, angular }
     }
 
-    fn pull(&self, work: &ModalWork, p: &Pair, out: &mut [f64; MOST_MODES]) {
+    fn pull(&self, work: &ModalWork, p: &Pair, out: &mut [f64; MAXIMUM_MODES]) {
         for (i, out) in out.iter_mut().enumerate().take(self.element.modes) {
             *out += work.velocity[i].dot(&p.linear) + work.spin[i].dot(&p.angular);
         }
@@ -162,7 +162,7 @@ impl Modal {
 }
 
 /// Cholesky factor in place, with inverted diagonal; `None` at a pivot that is not positive or not finite.
-fn factorize(x: &mut [[f64; MOST_MODES]; MOST_MODES], modes: usize) -> Option<()> {
+fn factorize(x: &mut [[f64; MAXIMUM_MODES]; MAXIMUM_MODES], modes: usize) -> Option<()> {
     for j in 0..modes {
         let pivot = x[j][j] - (0..j).map(|k| x[j][k] * x[j][k]).sum::<f64>();
         if !(pivot > 0.0 && pivot.is_finite()) {

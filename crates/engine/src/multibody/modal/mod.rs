@@ -11,7 +11,7 @@ pub(crate) mod place;
 
 pub(crate) use factor::ModalFactor;
 
-use crate::beam::modal::{MOST_MODES, ModalElement, small_turn};
+use crate::beam::modal::{MAXIMUM_MODES, ModalElement, small_turn};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::workspace::{Node, Pair};
 use nalgebra::{Matrix3, Vector3};
@@ -31,28 +31,28 @@ pub struct ModalWork {
     /// From the first node to the one at the outer end, root frame, m.
     pub(crate) arm: Vector3<f64>,
     /// Velocity of the outer end per rate of a coordinate, root frame.
-    pub(crate) velocity: [Vector3<f64>; MOST_MODES],
+    pub(crate) velocity: [Vector3<f64>; MAXIMUM_MODES],
     /// Its angular velocity per rate of a coordinate, root frame, 1/m.
-    pub(crate) spin: [Vector3<f64>; MOST_MODES],
+    pub(crate) spin: [Vector3<f64>; MAXIMUM_MODES],
     /// Coordinates of the sweep.
-    pub(crate) q: [f64; MOST_MODES],
+    pub(crate) q: [f64; MAXIMUM_MODES],
     /// Rates of the sweep; zero after a sweep of poses only.
-    pub(crate) v: [f64; MOST_MODES],
+    pub(crate) v: [f64; MAXIMUM_MODES],
     /// Second rates of the sweep.
-    pub(crate) a: [f64; MOST_MODES],
+    pub(crate) a: [f64; MAXIMUM_MODES],
     pub(crate) factor: ModalFactor,
 }
 
 impl ModalWork {
     pub(crate) fn new() -> Self {
-        let zero = [Vector3::zeros(); MOST_MODES];
+        let zero = [Vector3::zeros(); MAXIMUM_MODES];
         Self {
             arm: Vector3::zeros(),
             velocity: zero,
             spin: zero,
-            q: [0.0; MOST_MODES],
-            v: [0.0; MOST_MODES],
-            a: [0.0; MOST_MODES],
+            q: [0.0; MAXIMUM_MODES],
+            v: [0.0; MAXIMUM_MODES],
+            a: [0.0; MAXIMUM_MODES],
             factor: ModalFactor::ZERO,
         }
     }
@@ -83,8 +83,8 @@ impl Modal {
         outer.rotation = inner.rotation * small_turn(&tip.angles_rad(&work.q[..modes]));
         outer.position = inner.position + work.arm;
         if !RATES {
-            work.v = [0.0; MOST_MODES];
-            work.a = [0.0; MOST_MODES];
+            work.v = [0.0; MAXIMUM_MODES];
+            work.a = [0.0; MAXIMUM_MODES];
             return;
         }
         work.v[..modes].copy_from_slice(&motion.v[range.clone()]);
@@ -141,7 +141,7 @@ impl ModalWork {
 
 /// `Σ a_i b_i`.
 #[inline]
-fn square(a: &[f64; MOST_MODES], b: &[f64; MOST_MODES]) -> f64 {
+fn square(a: &[f64; MAXIMUM_MODES], b: &[f64; MAXIMUM_MODES]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

@@ -1,7 +1,7 @@
 //! Places along a modal body: where loads act and motion is reported, NOTATION eqs. (M2)–(M4) and (M7).
 
 use super::{Modal, square};
-use crate::beam::modal::{MOST_MODES, ShapesAt, small_turn};
+use crate::beam::modal::{MAXIMUM_MODES, ShapesAt, small_turn};
 use crate::load::SectionMotion;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::station::Accelerated;
@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 /// A place of a modal body at some coordinates.
 pub(crate) struct Place {
     pub shapes: ShapesAt,
-    shortened: [f64; MOST_MODES],
+    shortened: [f64; MAXIMUM_MODES],
     /// From the first node in m, root frame.
     pub arm: Vector3<f64>,
     /// Root ← section.
@@ -48,7 +48,7 @@ impl Modal {
         let place = self.place(node, &motion.q[self.range()], place_m);
         let (v, a) = (&motion.v[self.range()], &motion.a[self.range()]);
         let ((velocity, spin), (second, spin_rate)) = (place.moved(node, v), place.moved(node, a));
-        let mut rates = [0.0; MOST_MODES];
+        let mut rates = [0.0; MAXIMUM_MODES];
         rates[..v.len()].copy_from_slice(v);
         let drawn = -node.rotation.column(0) * square(&place.shapes.shortened(v), &rates);
         let swing = node.spin.cross(&place.arm);

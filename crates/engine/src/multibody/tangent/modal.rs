@@ -4,7 +4,7 @@
 //! by the derivative of the small rotation itself. The two differ in second order of the slopes, so this part of the
 //! tangent is not symmetric.
 
-use crate::beam::modal::{MOST_MODES, small_turn_slope};
+use crate::beam::modal::{MAXIMUM_MODES, small_turn_slope};
 use crate::load::{LoadFrame, Wrench};
 use crate::math::so3::hat;
 use crate::multibody::modal::{Modal, ModalWork};
@@ -12,7 +12,7 @@ use crate::multibody::tangent::block::{Block, turned};
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 
-type Columns = SMatrix<f64, 6, MOST_MODES>;
+type Columns = SMatrix<f64, 6, MAXIMUM_MODES>;
 
 /// The tangent of a modal body at its pose.
 #[derive(Debug, Clone)]
@@ -43,7 +43,7 @@ struct Acting<'a> {
     /// Moment in the root frame.
     moment: Vector3<f64>,
     /// `S_ij` of the place: change of the partial velocities along the axis.
-    shortening_1_m: &'a [[f64; MOST_MODES]; MOST_MODES],
+    shortening_1_m: &'a [[f64; MAXIMUM_MODES]; MAXIMUM_MODES],
     /// Direction of the axis of the first node.
     axis: Vector3<f64>,
 }
@@ -189,7 +189,7 @@ impl ModalTangent {
             arm: self.arm,
             force: Vector3::zeros(),
             moment: Vector3::zeros(),
-            shortening_1_m: &[[0.0; MOST_MODES]; MOST_MODES],
+            shortening_1_m: &[[0.0; MAXIMUM_MODES]; MAXIMUM_MODES],
             axis: Vector3::zeros(),
         };
         acting.add_outer(outer, &mut block);
@@ -201,8 +201,8 @@ impl Acting<'_> {
     /// A wrench that does not change with the pose.
     fn add_geometry(&self, block: &mut Block) {
         let along = self.axis.dot(&self.force);
-        for i in 0..MOST_MODES {
-            for j in 0..MOST_MODES {
+        for i in 0..MAXIMUM_MODES {
+            for j in 0..MAXIMUM_MODES {
                 block.xx[(i, j)] -= along * self.shortening_1_m[i][j];
             }
             let (velocity, spin) = halves(self.partial, i);
