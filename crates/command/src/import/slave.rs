@@ -16,6 +16,7 @@ pub enum Step {
 
 /// An instance. It is terminated and freed when it goes out of scope, as far as its last answer allows.
 #[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "a run has one, and nothing copies it")]
 pub enum Slave {
     /// Of FMI 2.0.
     Fmi2(Slave2),
@@ -25,6 +26,7 @@ pub enum Slave {
 
 /// Variables to read together, and their values after a reading.
 #[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "a run has a few, and nothing copies it")]
 pub enum Readout {
     /// Of FMI 2.0.
     Fmi2(Readout2),

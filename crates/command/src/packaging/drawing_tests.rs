@@ -56,6 +56,7 @@ pub(crate) fn two_body_machine() -> Machine {
             command_rad: 0.0,
         },
         spring: None,
+        generator: None,
         stops: None,
         latch: Some(Latch {
             kind: LatchKind::Elastic,

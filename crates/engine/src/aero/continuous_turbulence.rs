@@ -36,7 +36,7 @@ pub enum Component {
 
 impl Spectrum {
     /// One-sided spectrum `Φ` in m over the wave number `Ω` in rad/m, for a standard deviation of 1 and a scale `L` in m:
-    /// its integral from 0 on is 1. Eq. (U13).
+    /// its integral from 0 on is 1, eq. (U13).
     pub fn density_m(self, component: Component, scale_m: f64, wave_number_rad_m: f64) -> f64 {
         let reach = scale_m * wave_number_rad_m;
         match (self, component) {
