@@ -4,7 +4,7 @@ use crate::fmi3::{self, OF_EXCHANGE, OF_STEPS, Phase};
 use crate::fmu::Fmu;
 use crate::fmu3::Fmu3;
 use crate::{calls, model_exchange};
-use foldwing::interface::{Interface, Kind};
+use foldwing::interface::{Interface, Kind, Value};
 use foldwing_fmu::exchange::*;
 use foldwing_fmu::fmi3::clocks::*;
 use foldwing_fmu::fmi3::derivatives::*;
@@ -272,6 +272,16 @@ impl Face {
             Self::Exchange2(fmu) => fmu.bits(),
             Self::Exchange3(fmu) | Self::Steps3(fmu) => fmu.bits(),
         }
+    }
+
+    /// Name of a Real, by its place in [`Face::bits`].
+    pub fn real(&self, place: usize) -> String {
+        let table = match self {
+            Self::Exchange2(fmu) => &fmu.table,
+            Self::Exchange3(fmu) | Self::Steps3(fmu) => &fmu.table,
+        };
+        let mut reals = table.variables().iter().filter(|row| matches!(row.value, Value::Real(_)));
+        reals.nth(place).map_or_else(String::new, |row| row.name.clone())
     }
 
     /// The phase as the instance names it, in the refusal of a call that is legal nowhere.

@@ -357,8 +357,8 @@ impl Actor {
         if let Ask::Step { time_s, step_s, event, early, last_s } = plan.ask {
             if !self.forged && (status == OK || self.phase == Phase::Failed) {
                 let bits = self.face.bits();
-                if bits.iter().any(|bits| !f64::from_bits(*bits).is_finite()) {
-                    return Err("a value is not finite".to_owned());
+                if let Some(real) = bits.iter().position(|bits| !f64::from_bits(*bits).is_finite()) {
+                    return Err(format!("{} is not finite", self.face.real(real)));
                 }
             }
             let end_s = time_s + step_s;

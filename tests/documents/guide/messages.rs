@@ -348,7 +348,7 @@ fn produced() -> Vec<String> {
         "[-20, 0, 0.1, 0], [20, 1, 3.2, 0]",
     ];
     let extended = polars.iter().map(|rows| {
-        let text = crate::guide::names::ROTOR
+        let text = crate::guide::variables::ROTOR
             .replace("[-180, 0, 0.5, 0], [180, 0, 0.5, 0]]", &format!("{rows}]\naspect_ratio = 10"));
         foldwing::config::parse(&text, "rotor.toml").expect_err(rows).to_string()
     });

@@ -63,57 +63,12 @@ fn variables() -> BTreeSet<String> {
             names.insert(named(&machine, &row.name).replace("tip_<body>", "tip"));
         }
     }
-    let machine = config::parse(ROTOR, "rotor.toml").unwrap_or_else(|error| panic!("{error}"));
-    names.extend(Interface::new(&machine).variables().iter().map(|row| row.name.clone()));
     // a group stands for all that begin so: `root.acceleration`, `load.`
     let groups: Vec<String> =
         names.iter().flat_map(|name| name.match_indices('.').map(|(at, _)| name[..at].to_owned())).collect();
     names.extend(groups);
     names
 }
-
-/// A machine with the air of a rotor.
-pub(super) const ROTOR: &str = r#"name = "Rotor"
-[section.tube]
-shape = "rectangle"
-width_m = 0.2
-height_m = 0.2
-young_Pa = 7e10
-shear_Pa = 2.7e10
-density_kg_m3 = 100.0
-[rigid_body.hub]
-mass_kg = 10.0
-inertia_kg_m2 = [1.0, 1.0, 1.0, 0, 0, 0]
-[joint.shaft]
-type = "revolute"
-parent = "root"
-child = "hub"
-axis = [1, 0, 0]
-[body.blade]
-length_m = 5.0
-elements = 1
-section = "tube"
-[joint.blade_root]
-type = "clamped"
-parent = "hub"
-child = "blade"
-parent_offset_m = [0.0, 0.0, 0.5]
-mount_rotation_deg = [0, -90, 0]
-[aerodynamics]
-model = "bem"
-hub = "hub"
-hub_radius_m = 0.5
-wind_m_s = [8.0, 0.0, 0.0]
-step_s = 0.02
-[surface.blade]
-body = "blade"
-axis_fraction = 0.25
-stations_m = [0.0, 5.0]
-polars = ["plate", "plate"]
-chord_m = 0.4
-[polar.plate]
-rows = [[-180, 0, 0.5, 0], [180, 0, 0.5, 0]]
-"#;
 
 /// Words in code that look like a name of ours and are someone else's.
 const FOREIGN: &[&str] = &[

@@ -69,7 +69,7 @@ strips = 1
 "#;
 
 /// A rotor with a generator and a modal blade.
-const ROTOR: &str = r#"
+pub const ROTOR: &str = r#"
 name = "Rotor"
 [rigid_body.bodynamea]
 mass_kg = 10.0
