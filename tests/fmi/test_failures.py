@@ -1,4 +1,4 @@
-"""Failures through FMPy: an importer triggers them, in FMI 2.0 and 3.0, co-simulation and Model Exchange."""
+"""Failures through FMPy, in FMI 2.0 and 3.0: an importer triggers them, and locates them in Model Exchange."""
 
 import subprocess
 
@@ -33,15 +33,17 @@ def only_by_input(text):
 
 
 @pytest.mark.parametrize("fmi", ["2", "3"])
-@pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
-def test_f330_an_importer_triggers_a_failure(failing, fmi, kind):
-    """F-330. The trigger at 0.08 s keeps the latch open that closes at 0.122 s without it."""
+def test_f330_an_importer_triggers_a_failure(failing, fmi):
+    """F-330. The trigger at 0.08 s keeps the latch open that closes at 0.122 s without it.
+
+    In co-simulation: FMPy sets Boolean inputs of Model Exchange outside Event Mode too, where the standard forbids it.
+    """
     fmu = failing("latch_does_not_catch", fmi, only_by_input)
     assert validate_fmu(fmu.path) == []
     dtype = [("time", float), ("failure.latch.trigger", bool)]
     trigger = np.array([(0.0, False), (TRIGGER_S, False), (TRIGGER_S, True), (0.2, True)], dtype=dtype)
     names = ["fold.latched", "failure.latch.failed", "failure.latch.time"]
-    arguments = {"stop_time": 0.15, "output_interval": 1e-3, "output": names, "fmi_type": kind}
+    arguments = {"stop_time": 0.15, "output_interval": 1e-3, "output": names, "fmi_type": "CoSimulation"}
     sound = fmu.simulate(**arguments)
     assert sound["fold.latched"][-1] and not sound["failure.latch.failed"][-1]
     failed = fmu.simulate(input=trigger, **arguments)
