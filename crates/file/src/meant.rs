@@ -4,7 +4,7 @@ use crate::schema::{Node, properties, tagged};
 
 /// Likeness from which a word is offered that is further away by edits: `aero` for `aerodynamics`, `bodies` for `body`.
 const LIKENESS: f64 = 0.82;
-/// Most tables that a message names.
+/// Maximum number of tables that a message names.
 const MAXIMUM_HOMES: usize = 4;
 
 /// The candidate nearest to `word` by edits, if it is near enough to be meant; else the one most alike, if it is very

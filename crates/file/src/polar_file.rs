@@ -3,9 +3,9 @@
 use foldwing_engine::aero::polar::{Polar, PolarRow};
 use std::str::SplitWhitespace;
 
-/// Most rows of one table: a thousandth of a degree all round would have 360 001.
+/// Maximum number of rows of one table: a thousandth of a degree all round would have 360 001.
 const MAXIMUM_ROWS: usize = 400_000;
-/// Most tables of one file.
+/// Maximum number of tables of one file.
 const MAXIMUM_TABLES: usize = 1000;
 
 /// Tables of an airfoil.

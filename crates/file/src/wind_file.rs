@@ -3,7 +3,7 @@
 use foldwing_engine::aero::rotor::turbulence_box::TurbulenceBox;
 use foldwing_engine::aero::rotor::wind::{TableRow, WindTable};
 
-/// Most velocities of a field: 1.2 GB of them.
+/// Maximum number of velocities of a field: 1.2 GB of them.
 const MAXIMUM_VELOCITIES: usize = 100_000_000;
 
 /// Why a file of wind is refused.

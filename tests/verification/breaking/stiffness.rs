@@ -88,3 +88,27 @@ fn fl27_a_beam_weakens() {
     let drift = drift_j(&mut plant, 0.115, 5);
     assert!(failed_s(&plant, 0) == Some(0.11) && drift < 1e-4, "energy account drifts by {drift:e} J");
 }
+
+/// FL-28. Failures of one load path multiply, and one that has not happened restores nothing: a loop that one failure opens stays
+/// open while another waits; two halves are a quarter, to the bit.
+#[test]
+fn fl28_failures_of_one_load_path_multiply() {
+    let text = shipped("four_bar");
+    let failing = |failures: &[(&str, f64, f64)]| {
+        let written = |&(name, at_s, remaining): &(&str, f64, f64)| {
+            format!(
+                "\n[failure.{name}]\nkind = \"loop_opens\"\nloop = \"front\"\nat_time_s = {at_s:?}\nremaining = {remaining:?}\n"
+            )
+        };
+        let failures: String = failures.iter().map(written).collect();
+        let mut plant = start(config::parse(&(text.clone() + &failures), "four_bar").unwrap_or_else(|e| panic!("{e}")));
+        drift_j(&mut plant, 0.1, 40);
+        plant.outputs().loops()[0].force_n.norm()
+    };
+    for order in [[("a", 0.02, 0.0), ("b", 5.0, 0.0)], [("a", 5.0, 0.0), ("b", 0.02, 0.0)]] {
+        assert_eq!(failing(&order), 0.0, "{order:?}");
+    }
+    let halves = failing(&[("a", 0.02, 0.5), ("b", 0.02, 0.5)]);
+    let quarter = failing(&[("a", 0.02, 0.25)]);
+    assert!(quarter > 0.0 && halves == quarter, "{halves} N, {quarter} N");
+}

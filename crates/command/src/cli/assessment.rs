@@ -59,7 +59,7 @@ pub(super) struct Effort {
     /// Largest effort of gravity about the joint on the way.
     gravity: f64,
     gravity_at: f64,
-    /// Least and largest effort of motor and spring towards the end of the way.
+    /// Smallest and largest effort of motor and spring towards the end of the way.
     drive: [f64; 2],
     pub end: f64,
     pub has_latch: bool,

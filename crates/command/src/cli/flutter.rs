@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Most speeds of a sweep.
+/// Maximum number of speeds of a sweep.
 pub(super) const MAXIMUM_SPEEDS: f64 = 10_000.0;
 
 #[derive(clap::Args)]

@@ -36,7 +36,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Most rows that a run may have: beyond it the step is surely a slip.
+    /// Maximum number of rows that a run may have: beyond it the step is surely a slip.
     const MAXIMUM_STEPS: f64 = 1e9;
 
     /// From the command line, where it is silent from the default experiment.

@@ -13,10 +13,10 @@ use std::sync::Arc;
 /// Folder of the layered standard inside the archive.
 pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
 
-/// Most communication steps of a reference: enough to see the motion, small enough to travel.
+/// Maximum number of communication steps of a reference: enough to see the motion, small enough to travel.
 const MAXIMUM_STEPS: u64 = 400;
 
-/// Most variables, as the rules of the FMI Cross-Check ask.
+/// Maximum number of variables, as the rules of the FMI Cross-Check ask.
 const MAXIMUM_VARIABLES: usize = 10;
 
 /// Largest difference of a repeated run, as a share of each variable's range over the run. The same library on the same

@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 /// Columns of a view; with its indentation it fits into 80.
 const COLUMNS: usize = 76;
-/// Most rows of a view.
+/// Maximum number of rows of a view.
 const MAXIMUM_ROWS: usize = 22;
 /// Height of a character over its width.
 const ASPECT: f64 = 2.0;

@@ -368,7 +368,7 @@ pub enum Coupling {
     Iterated {
         /// Change of the loads, relative to the largest so far, at which it ends.
         tolerance: f64,
-        /// Most iterations per aerodynamic step.
+        /// Maximum number of iterations per aerodynamic step.
         most_iterations: usize,
     },
 }
@@ -422,7 +422,7 @@ pub struct Solver {
     pub fixed_step_s: Option<f64>,
     /// Spectral radius at infinity of generalised-α.
     pub rho_infinity: f64,
-    /// Most Newton iterations of a stage in real-time mode, which repeats nothing; `None` otherwise.
+    /// Maximum number of Newton iterations of a stage in real-time mode, which repeats nothing; `None` otherwise.
     pub most_iterations: Option<usize>,
 }
 

@@ -28,11 +28,11 @@ const MAXIMUM_STEPS: u32 = 1_000_000;
 const MAXIMUM_ITERATIONS: u64 = 200_000;
 /// The same for each second that it goes on.
 const MAXIMUM_ITERATIONS_1_S: f64 = 5e7;
-/// Most aerodynamic steps of one communication step: each costs many internal ones.
+/// Maximum number of aerodynamic steps of one communication step: each costs many internal ones.
 const MAXIMUM_AIR_STEPS: u32 = 100_000;
-/// Most steps spent on locating one crossing.
+/// Maximum number of steps spent on locating one crossing.
 const MAX_LOCATING_STEPS: usize = 40;
-/// Most steps spent on locating one crossing in real time: the tangent at the end of the first trial leaves the latch a
+/// Maximum number of steps spent on locating one crossing in real time: the tangent at the end of the first trial leaves the latch a
 /// share of a step off that falls with the square of the step.
 const MAX_LOCATING_STEPS_REAL_TIME: usize = 2;
 /// Last correction, as a rotation in rad or a displacement over the machine's length, at which a stage of real-time mode is

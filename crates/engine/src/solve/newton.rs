@@ -31,7 +31,7 @@ pub enum NewtonError {
 pub struct Accuracy {
     /// Error of the displacement that may be left, in the kinematic norm.
     pub tolerance: f64,
-    /// Most iterations of a stage in real time: what they reach is accepted and counted. `None`: a stage that does not
+    /// Maximum number of iterations of a stage in real time: what they reach is accepted and counted. `None`: a stage that does not
     /// converge is an error.
     pub most_iterations: Option<usize>,
     /// The step's length is given, not chosen: a stage may take more iterations, with new factors wherever they contract
@@ -62,7 +62,7 @@ pub struct Effort {
     pub factorizations: u64,
     /// Stages accepted without convergence.
     pub unconverged: u64,
-    /// Most iterations of one stage.
+    /// Maximum number of iterations of one stage.
     pub largest: u64,
     /// Largest last correction of those stages, in the kinematic norm.
     pub rest: f64,
@@ -86,16 +86,16 @@ pub struct Stage<'a> {
     pub position_gain: f64,
 }
 
-/// Most iterations with one factorisation before the step is given up.
+/// Maximum number of iterations with one factorisation before the step is given up.
 const MAX_ITERATIONS: usize = 10;
 /// Fastest contraction that a cautious estimate counts on: a hundredth per iteration is usual.
 const CAUTIOUS_RATE: f64 = 0.01;
-/// Most iterations of a stage of a step whose length is given: at the slowest contraction that keeps its factors, a half,
+/// Maximum number of iterations of a stage of a step whose length is given: at the slowest contraction that keeps its factors, a half,
 /// they reduce the first correction by 1e-9.
 const MAX_ITERATIONS_PERSISTENT: usize = 30;
 /// Moves of forces with kinks in one stage before only the first of them moves at a time: then no cycle is left.
 const FREE_MOVES: usize = 6;
-/// Most moves of forces with kinks in one stage; each allows one more iteration.
+/// Maximum number of moves of forces with kinks in one stage; each allows one more iteration.
 const MAX_MOVES: usize = 40;
 
 /// Iterates until the estimated error of the displacement, in the kinematic norm, falls below `tolerance`.

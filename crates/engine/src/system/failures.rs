@@ -230,17 +230,24 @@ impl System {
         self.weaken_loops();
     }
 
-    /// Gives closed loops the share of their penalties that failures have left.
+    /// Gives closed loops the share of their penalties that failures have left: the product of what each that has happened leaves.
     pub(crate) fn weaken_loops(&mut self) {
-        for (failure, memory) in self.machine.failures.iter().zip(&self.state.failures) {
-            if let Effect::LoopWeakens { closure, remaining } = failure.effect {
-                let described = &self.machine.closures[closure];
-                let share = if memory.has_failed() { remaining } else { 1.0 };
-                let penalty = &mut self.equations.model.closures[closure].penalty;
-                penalty.inertia_kg = share * described.inertia_kg;
-                penalty.damping_n_s_m = share * described.damping_n_s_m;
-                penalty.stiffness_n_m = share * described.stiffness_n_m;
+        let (failures, memories) = (&self.machine.failures, &self.state.failures);
+        let left = |failure: &Failure, memory: &FailureMemory| match failure.effect {
+            Effect::LoopWeakens { closure, remaining } => {
+                Some((closure, if memory.has_failed() { remaining } else { 1.0 }))
             }
+            _ => None,
+        };
+        for (failure, memory) in failures.iter().zip(memories) {
+            let Some((closure, _)) = left(failure, memory) else { continue };
+            let described = &self.machine.closures[closure];
+            let of_loop = failures.iter().zip(memories).filter_map(|(failure, memory)| left(failure, memory));
+            let share: f64 = of_loop.filter(|&(of, _)| of == closure).map(|(_, share)| share).product();
+            let penalty = &mut self.equations.model.closures[closure].penalty;
+            penalty.inertia_kg = share * described.inertia_kg;
+            penalty.damping_n_s_m = share * described.damping_n_s_m;
+            penalty.stiffness_n_m = share * described.stiffness_n_m;
         }
     }
 }

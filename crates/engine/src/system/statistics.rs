@@ -36,7 +36,7 @@ pub struct Statistics {
     pub air_solutions: u64,
     /// Stages that real-time mode accepted without convergence.
     pub unconverged: u64,
-    /// Most Newton iterations of one stage.
+    /// Maximum number of Newton iterations of one stage.
     pub largest_iterations: u64,
     /// Longest row that a step of the air has given the wake, in panel chords; 0 without a lattice.
     pub longest_row_panels: f64,

@@ -21,7 +21,7 @@ pub(super) enum Counter {
     Events,
     /// Stages accepted without convergence.
     Unconverged,
-    /// Most iterations of one stage.
+    /// Maximum number of iterations of one stage.
     LargestIterations,
 }
 

@@ -7,7 +7,7 @@ use std::collections::HashSet;
 use std::fs::File;
 use std::path::Path;
 
-/// Most variants of a sweep: beyond it a grid is surely a slip.
+/// Maximum number of variants of a sweep: beyond it a grid is surely a slip.
 const MAXIMUM_VARIANTS: usize = 1_000_000;
 /// What keys of the model file begin with; names of variables have no colon.
 const FILE_PREFIX: &str = "file:";

@@ -12,11 +12,11 @@ use crate::machine::validate::{names, unit_vector};
 use crate::machine::{Air, Body, Coupling, LiftingSurface};
 use std::f64::consts::PI;
 
-/// Most panels of a lattice: its matrix then takes 200 MB, and its factors half a minute.
+/// Maximum number of panels of a lattice: its matrix then takes 200 MB, and its factors half a minute.
 const MAXIMUM_PANELS: usize = 5_000;
-/// Most panels of a wake.
+/// Maximum number of panels of a wake.
 const MAXIMUM_WAKE_PANELS: usize = 200_000;
-/// Most strips of a surface, and most panels along its chord.
+/// Maximum number of strips of a surface, and of panels along its chord.
 pub(crate) const MAXIMUM_STRIPS: usize = 1_000;
 
 /// The air around bodies.

@@ -148,7 +148,7 @@ fn section_law(body: &Body, checker: &mut Checker) {
     }
 }
 
-/// Least value of a function on a body; NaN where one is.
+/// Minimum value of a function on a body; NaN where one is.
 pub(crate) fn least_of(profile: &Profile, length_m: f64) -> f64 {
     let values = profile.samples_m(length_m).into_iter().map(|s| profile.at(s));
     values.fold(f64::INFINITY, |least, value| if value.is_nan() { value } else { least.min(value) })

@@ -5,12 +5,12 @@ use crate::machine::fault::{Checker, Range};
 use crate::machine::units::shortest;
 use crate::machine::{Body, JointKind, JointMotion, Machine, OneFreedom, Travel};
 
-/// Most failures of a machine, and most bounds on the motion of one joint.
+/// Maximum number of failures of a machine, and of bounds on the motion of one joint.
 const MAXIMUM_FAILURES: usize = 100;
 const MAXIMUM_BOUNDS: usize = 16;
 /// Fastest runaway in rad/s or m/s.
 const FASTEST: f64 = 1e6;
-/// Least share of its stiffness that a body may keep: with less the equations are no longer solvable in double precision.
+/// Minimum share of its stiffness that a body may keep: with less the equations are no longer solvable in double precision.
 const MINIMUM_SHARE: f64 = 1e-6;
 
 /// All failures.

@@ -16,11 +16,11 @@ use std::collections::BTreeSet;
 /// What names must look like.
 pub const IDENTIFIER_ALLOWED: &str = "an identifier: letters, digits and _, no digit first";
 
-/// Most load stations of a machine: its model description then has some ten megabytes.
+/// Maximum number of load stations of a machine: its model description then has some ten megabytes.
 const MAXIMUM_STATIONS: usize = 2_000;
-/// Most load stations of a body.
+/// Maximum number of load stations of a body.
 pub(super) const MAXIMUM_STATIONS_OF_BODY: usize = 1_000;
-/// Most elements of a machine: a step then takes a tenth of a second.
+/// Maximum number of elements of a machine: a step then takes a tenth of a second.
 const MAXIMUM_ELEMENTS: usize = 20_000;
 
 /// True where a name has letters, digits and _ only, and begins with no digit.

@@ -9,7 +9,7 @@ use crate::math::so3::hat;
 use crate::multibody::joint::JointKind;
 use nalgebra::{Matrix3, SMatrix, UnitQuaternion, Vector3};
 
-/// Most parameters of any joint.
+/// Maximum number of parameters of any joint.
 pub const MAX_PARAMETERS: usize = 9;
 
 impl JointKind {
