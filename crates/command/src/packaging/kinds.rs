@@ -38,7 +38,8 @@ impl fmt::Display for Kinds {
 impl Kinds {
     /// Refuses Model Exchange of machines whose states an importer cannot integrate.
     pub fn check(self, machine: &Machine) -> Result<(), NotHybrid> {
-        if self.model_exchange && machine.air.is_some() { Err(NotHybrid::Air) } else { Ok(()) }
+        let sampled = machine.air.as_ref().is_some_and(|air| !air.options.is_linearised());
+        if self.model_exchange && sampled { Err(NotHybrid::Air) } else { Ok(()) }
     }
 
     /// The table of variables: with the continuous states for Model Exchange.

@@ -70,7 +70,9 @@ impl Plant {
         let changed = self.system.inputs_changed();
         self.system.inputs_may_differ = false;
         let marches = changed || self.system.state.ahead.time_s <= end_s;
-        if marches {
+        // what a step of the integrator ran ahead to was looked at where it was taken, unless it is beyond measure
+        let guarded = marches || !self.system.stays_moderate();
+        if guarded {
             self.system.begin.copy_from(&self.system.state);
         }
         self.allow_work((end_s - self.system.state.now.time_s).max(0.0));
@@ -89,7 +91,7 @@ impl Plant {
         self.system.state.arrive();
         self.system.remember_far_turns();
         self.system.forget_outputs();
-        if marches && outcome.is_ok() {
+        if guarded && outcome.is_ok() {
             self.refuse_infinite(end_s)?;
         }
         self.system.provide(self.system.watched);

@@ -241,9 +241,14 @@ pub(crate) struct Jump {
 /// jump in 1/s². Leaves `point` alone where it is not finite.
 pub(crate) fn settle(equations: &mut Equations, residual: &mut [f64], point: &mut Point) -> Result<f64, Singular> {
     equations.factorize(1.0, 0.0, 0.0)?;
+    Ok(settle_by(equations, residual, point))
+}
+
+/// The same by factors of the mass matrix that the equations hold.
+pub(crate) fn settle_by(equations: &mut Equations, residual: &mut [f64], point: &mut Point) -> f64 {
     let jump = equations.solve(residual);
     if !jump.is_finite() {
-        return Ok(jump);
+        return jump;
     }
     for (i, step) in residual.iter().enumerate() {
         point.a[i] -= step;
@@ -253,5 +258,5 @@ pub(crate) fn settle(equations: &mut Equations, residual: &mut [f64], point: &mu
         point.auxiliary[joint.coordinate] = point.a[joint.coordinate];
     }
     point.powers = equations.powers(point.time_s, &point.q, &point.v, &point.a);
-    Ok(jump)
+    jump
 }

@@ -17,7 +17,7 @@ const ACCOUNTS: usize = 2;
 pub(crate) struct Outside {
     /// Time in s.
     time_s: f64,
-    /// Coordinates that move, their rates, the accounts.
+    /// Coordinates that move, their rates, lag states of strips, the accounts.
     states: Vec<f64>,
     /// In Event Mode: what has been crossed has not been acted on yet.
     entered: bool,
@@ -36,10 +36,10 @@ impl Clone for Outside {
 }
 
 impl Outside {
-    /// Whether a run of a machine with so many moving coordinates can have set this.
-    pub fn fits(&self, initialized: bool, moving: usize) -> bool {
+    /// Whether a run of a machine with so many states can have set this.
+    pub fn fits(&self, initialized: bool, states: usize) -> bool {
         initialized
-            && self.states.len() == 2 * moving + ACCOUNTS
+            && self.states.len() == states
             && self.time_s.is_finite()
             && self.states.iter().all(|state| state.is_finite())
     }
@@ -105,7 +105,7 @@ const NOMINAL_STRAIN: f64 = 1e-2;
 const NOMINAL_RATE_1_S: f64 = 10.0;
 
 impl System {
-    /// Hands the initialised machine to an integrator from outside, in its first event. Refused for machines in air.
+    /// Hands the initialised machine to an integrator from outside, in its first event. Refused in the air of a lattice or a rotor.
     pub fn begin_exchange(&mut self) -> Result<(), NotHybrid> {
         let hybrid = self.hybrid()?;
         let moved = hybrid.states();
@@ -120,9 +120,14 @@ impl System {
         Ok(())
     }
 
-    /// Number of continuous states: coordinates that move, their rates, work and dissipation.
+    /// Number of continuous states: coordinates that move, their rates, lag states of strips, work and dissipation.
     pub fn exchange_state_count(&self) -> usize {
-        2 * self.moving.len() + ACCOUNTS
+        2 * self.moving.len() + self.lag_count() + ACCOUNTS
+    }
+
+    /// Names of the lag states, in the order of the states.
+    pub fn exchange_lags(&self) -> Vec<String> {
+        self.lag_names()
     }
 
     /// Number of event indicators: those of forces, then two for each motor.
@@ -178,24 +183,28 @@ impl System {
     /// A continuous state: as the integrator from outside has set it, or of the machine's own motion.
     pub fn exchange_state(&self, state: usize) -> f64 {
         let (now, n) = (&self.state.now, self.moving.len());
+        let lags = 2 * n + self.lag_count();
         match &self.state.outside {
             Some(outside) => outside.states[state],
             None if !self.state.initialized => 0.0,
             None if state < n => now.q[self.moving[state]],
             None if state < 2 * n => now.v[self.moving[state - n]],
-            None => [now.work, now.dissipated][state - 2 * n],
+            None if state < lags => self.own_lag(state - 2 * n)[0],
+            None => [now.work, now.dissipated][state - lags],
         }
     }
 
     /// The derivative of a continuous state in time, as [`System::update_exchange`] has found it, or of the machine's own motion.
     pub fn exchange_derivative(&self, state: usize) -> f64 {
         let (now, n) = (&self.state.now, self.moving.len());
+        let lags = 2 * n + self.lag_count();
         match &self.state.outside {
             Some(_) => self.told.derivatives.get(state).copied().unwrap_or(0.0),
             None if !self.state.initialized => 0.0,
             None if state < n => now.v[self.moving[state]],
             None if state < 2 * n => now.a[self.moving[state - n]],
-            None => [now.powers.work, now.powers.dissipated][state - 2 * n],
+            None if state < lags => self.own_lag(state - 2 * n)[1],
+            None => [now.powers.work, now.powers.dissipated][state - lags],
         }
     }
 

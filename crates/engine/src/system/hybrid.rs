@@ -4,16 +4,17 @@
 use crate::force::latch::CROSSING_S;
 use crate::solve::EquationsOfMotion;
 use crate::system::PlantError;
+use crate::system::air::continuous::ContinuousAir;
 use crate::system::equations::Equations;
 use crate::system::events::settle;
 use crate::system::outputs::Outputs;
 use crate::system::state::State;
 use crate::system::{OutputSet, System};
 
-/// An initialised machine without air, to be integrated from outside.
+/// An initialised machine without air or in that of strips, to be integrated from outside.
 ///
-/// Its states are the coordinates that forces may move, then their rates; their number stays the same, whatever is held
-/// meanwhile. Coordinates of universal, ball and free joints are redundant parameters: [`Hybrid::complete`] brings them back
+/// Its states are the coordinates that forces may move, then their rates, then the lag states of strips; their number stays the
+/// same, whatever is held meanwhile. Coordinates of universal, ball and free joints are redundant parameters: [`Hybrid::complete`] brings them back
 /// to their constraints. Between events derivatives are smooth in states and time, but for the limits of motors, which have no
 /// indicator.
 pub struct Hybrid<'a> {
@@ -44,25 +45,27 @@ pub enum NotHybrid {
     /// `Plant::initialize` has not succeeded.
     #[error("the machine is not initialised; initialise it first")]
     Uninitialized,
-    /// Panels, strips and wake have states of their own.
+    /// Panels, wake and rotors are advanced by steps of their own.
     #[error(
-        "the machine's air has states that only its own steps advance; leave out [aerodynamics], or step the machine"
+        "the machine's air is advanced by steps of its own: a lattice is sampled, and so is a rotor; write model = \"strip\" in \
+         [aerodynamics], leave it out, or step the machine"
     )]
     Air,
 }
 
 impl System {
-    /// The machine as a hybrid system at the present time. Refused before `Plant::initialize` and in air, whose state only
-    /// steps of the machine's own know.
+    /// The machine as a hybrid system at the present time. Refused before `Plant::initialize` and in the air of a lattice or a
+    /// rotor, whose state only steps of the machine's own know.
     pub fn hybrid(&mut self) -> Result<Hybrid<'_>, NotHybrid> {
         if !self.state.initialized {
             return Err(NotHybrid::Uninitialized);
         }
-        if self.air.is_some() {
+        if !self.air_is_continuous() {
             return Err(NotHybrid::Air);
         }
         // crossings that the machine's own steps have found ahead are not the integrator's
         self.state.joints.iter_mut().for_each(|joint| joint.crossed = 0);
+        self.hand_air_over();
         let mut hybrid = self.as_hybrid();
         hybrid.complete();
         Ok(hybrid)
@@ -83,7 +86,7 @@ impl System {
 impl Hybrid<'_> {
     /// Number of continuous states.
     pub fn states(&self) -> usize {
-        2 * self.system.moving.len()
+        2 * self.system.moving.len() + self.system.lag_count()
     }
 
     /// Present time in s.
@@ -95,22 +98,33 @@ impl Hybrid<'_> {
     pub fn read(&self, states: &mut [f64]) {
         let now = &self.system.state.now;
         self.copy_to(states, &now.q, &now.v);
+        let lags = &mut states[2 * self.system.moving.len()..];
+        lags.copy_from_slice(self.air().map_or(&[], |air| &air.lags_m_s));
     }
 
+    /// Coordinates that move and their rates, or rates and accelerations.
     fn copy_to(&self, states: &mut [f64], of_coordinates: &[f64], of_rates: &[f64]) {
-        let (first, second) = states.split_at_mut(states.len() / 2);
-        for (i, &c) in self.system.moving.iter().enumerate() {
-            (first[i], second[i]) = (of_coordinates[c], of_rates[c]);
+        let moving = &self.system.moving;
+        for (i, &c) in moving.iter().enumerate() {
+            (states[i], states[moving.len() + i]) = (of_coordinates[c], of_rates[c]);
         }
+    }
+
+    fn air(&self) -> Option<&ContinuousAir> {
+        self.system.air.as_ref()?.continuous.as_ref()
     }
 
     /// Goes to a time with its states. Allocates nothing, as the rest of this.
     ///
     /// Returns how far redundant parameters were off their constraints.
     pub fn set(&mut self, time_s: f64, states: &[f64]) -> f64 {
-        let System { state, equations, moving, .. } = &mut *self.system;
+        let System { state, equations, moving, air, .. } = &mut *self.system;
         let now = &mut state.now;
-        let (first, second) = states.split_at(states.len() / 2);
+        let (first, rest) = states.split_at(moving.len());
+        let (second, lags_m_s) = rest.split_at(moving.len());
+        if let Some(air) = air.as_mut().and_then(|air| air.continuous.as_mut()) {
+            air.lags_m_s.copy_from_slice(lags_m_s);
+        }
         for (i, &c) in moving.iter().enumerate() {
             (now.q[c], now.v[c]) = (first[i], second[i]);
         }
@@ -140,6 +154,7 @@ impl Hybrid<'_> {
 
     /// Derivatives of the states at the present, in O(n) by the mass matrix, with the rates of the energy accounts.
     pub fn derivatives(&mut self, derivatives: &mut [f64]) -> Result<AccountRates, PlantError> {
+        let in_air = self.system.air.is_some();
         let System { equations, state, scratch, .. } = &mut *self.system;
         let now = &mut state.now;
         // found from nothing, so that asking twice gives the same bits
@@ -147,11 +162,17 @@ impl Hybrid<'_> {
         now.auxiliary.fill(0.0);
         equations.prescribe(now.time_s, &mut now.q, &mut now.v, &mut now.a);
         equations.project(&mut now.q, &mut now.v, &mut now.a);
-        equations.residual(now.time_s, &now.q, &now.v, &now.a, &mut scratch[0]);
-        let jump = settle(equations, &mut scratch[0], now);
-        self.system.accelerations(self.time_s(), jump)?;
+        if in_air {
+            self.system.settle_in_air()?;
+        } else {
+            equations.residual(now.time_s, &now.q, &now.v, &now.a, &mut scratch[0]);
+            let jump = settle(equations, &mut scratch[0], now);
+            self.system.accelerations(self.time_s(), jump)?;
+        }
         let now = &self.system.state.now;
         self.copy_to(derivatives, &now.v, &now.a);
+        let lag_rates = &mut derivatives[2 * self.system.moving.len()..];
+        lag_rates.copy_from_slice(self.air().map_or(&[], |air| air.lag_rates_m_s2()));
         Ok(AccountRates { dissipated_w: now.powers.dissipated, work_w: now.powers.work })
     }
 

@@ -4,7 +4,9 @@ use crate::beam::modal::{ModalElement, ShapesAt};
 use crate::multibody::Model;
 use crate::multibody::gauge::GaugePoint;
 use crate::signal::{Inputs, JointParameters, Parameters};
+use crate::solve::point::Point;
 use crate::system::System;
+use crate::system::state::State;
 
 /// Largest magnitude in SI units of coordinates, their derivatives, inputs and parameters with which no output
 /// overflows, where the model's own numbers are moderate: outputs are products of at most ten of them.
@@ -24,23 +26,36 @@ fn all_within(values: &[f64], limit: f64) -> bool {
 }
 
 impl System {
-    /// Whether all outputs must be finite, judged by what they are made of; never for machines with air.
+    /// Whether all outputs of the present must be finite, judged by what they are made of; never for machines with air.
     pub(crate) fn is_moderate(&self) -> bool {
-        let now = &self.state.now;
-        let coordinates = || now.q.iter().chain(&now.v).chain(&now.a);
-        self.air.is_none()
-            && self.model_is_moderate
-            && coordinates().all(|&value| within(value, LARGEST))
-            && self.state.joints.iter().all(|joint| {
+        self.air.is_none() && self.rest_is_moderate() && coordinates_are_moderate(&self.state.now)
+    }
+
+    /// The same for the present and all times until the end of the integrator's step; loads of the air, which have been looked
+    /// at with the step, left out.
+    pub(crate) fn stays_moderate(&self) -> bool {
+        let State { now, ahead, .. } = &self.state;
+        self.rest_is_moderate() && [now, ahead].into_iter().all(coordinates_are_moderate)
+    }
+
+    /// Whether all is but the coordinates.
+    fn rest_is_moderate(&self) -> bool {
+        let state = &self.state;
+        self.model_is_moderate
+            && state.joints.iter().all(|joint| {
                 let slew = &joint.slew;
                 [slew.from_rad, slew.target_rad, slew.target_rate_rad_s, slew.start_s]
                     .into_iter()
                     .all(|value| within(value, LARGEST))
             })
-            && [now.work, now.dissipated].into_iter().all(|account| within(account, LARGEST_ACCOUNT))
-            && [&self.state.applied_inputs, &self.state.applied_rates].into_iter().all(inputs_are_moderate)
-            && parameters_are_moderate(&self.state.applied_parameters)
+            && [&state.applied_inputs, &state.applied_rates].into_iter().all(inputs_are_moderate)
+            && parameters_are_moderate(&state.applied_parameters)
     }
+}
+
+fn coordinates_are_moderate(at: &Point) -> bool {
+    at.q.iter().chain(&at.v).chain(&at.a).all(|&value| within(value, LARGEST))
+        && [at.work, at.dissipated].into_iter().all(|account| within(account, LARGEST_ACCOUNT))
 }
 
 /// Whether inputs are so small that no output overflows for them.

@@ -217,7 +217,13 @@ impl System {
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), PlantError> {
         let air = self.air.as_ref().map(|air| &air.blank);
         let stages = self.continuation.inner_stages();
-        snapshot.check(&self.state, (self.coordinates(), self.moving.len()), self.tip_bodies.len(), stages, air)?;
+        snapshot.check(
+            &self.state,
+            (self.coordinates(), self.exchange_state_count()),
+            self.tip_bodies.len(),
+            stages,
+            air,
+        )?;
         let own = std::mem::replace(&mut self.state, snapshot.state().clone());
         self.inputs_may_differ = true;
         self.told.forget();

@@ -140,14 +140,13 @@ impl Snapshot {
         &self.0
     }
 
-    /// Refuses a snapshot whose vectors do not have the lengths of this model's, which has `coordinates`, of which so many
-    /// are `moving`, `tips`
-    /// and so many `stages` within a step.
+    /// Refuses a snapshot whose vectors do not have the lengths of this model's, which has `coordinates`, so many continuous
+    /// `states` and `tips`, and so many `stages` within a step.
     /// `air` is a history of the air with the sizes of this model's.
     pub(crate) fn check(
         &self,
         own: &State,
-        (coordinates, moving): (usize, usize),
+        (coordinates, states): (usize, usize),
         tips: usize,
         stages: usize,
         air: Option<&AirHistory>,
@@ -187,7 +186,7 @@ impl Snapshot {
             return Err(PlantError::Snapshot("numbers of panels, strips or rows of the wake differ".into()));
         }
         if let Some(outside) = &theirs.outside
-            && !outside.fits(theirs.initialized, moving)
+            && !outside.fits(theirs.initialized, states)
         {
             return Err(PlantError::Snapshot("states of an integrator from outside that no run can reach".into()));
         }

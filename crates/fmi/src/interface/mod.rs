@@ -154,6 +154,8 @@ pub struct Interface {
     signals: Vec<Signal>,
     references: HashMap<String, u32>,
     nominals: Vec<f64>,
+    /// Coordinates among the continuous states, before their rates.
+    coordinates: usize,
     arrays: arrays::Arrays,
     /// The machine's air, if it has any, has linear models.
     linear_air: bool,
@@ -162,32 +164,32 @@ pub struct Interface {
 impl Interface {
     /// The table of a machine. Row 0 is `time`.
     pub fn new(machine: &Machine) -> Self {
-        Self::of(rows::build(machine), machine)
+        Self::of(rows::build(machine), machine, 0)
     }
 
     /// The table with the continuous states and their derivatives at its end, for Model Exchange. `plant` is of the machine.
     pub fn with_states(machine: &Machine, plant: &Plant) -> Self {
         let mut table = rows::build(machine);
-        states::add(&mut table, plant);
-        Self::of(table, machine)
+        let coordinates = states::add(&mut table, plant);
+        Self::of(table, machine, coordinates)
     }
 
     /// The same with the event indicators behind the states, for Model Exchange of FMI 3.0.
     pub fn with_states_and_indicators(machine: &Machine, plant: &Plant) -> Self {
         let mut table = rows::build(machine);
-        states::add(&mut table, plant);
+        let coordinates = states::add(&mut table, plant);
         states::add_indicators(&mut table, plant);
-        Self::of(table, machine)
+        Self::of(table, machine, coordinates)
     }
 
-    fn of(table: table::Table, machine: &Machine) -> Self {
+    fn of(table: table::Table, machine: &Machine, coordinates: usize) -> Self {
         let table::Table { variables, bounds, signals, depends, .. } = table;
         let nominals = variables.iter().filter_map(|row| row.nominal).collect();
         let slots = variables.iter().zip(&bounds).map(|(variable, bound)| Slot::new(variable, bound)).collect();
         let references = variables.iter().map(|row| (row.name.clone(), row.value_reference)).collect();
         let linear_air = machine.air.as_ref().is_some_and(|air| air.options.is_linearised());
         let arrays = arrays::Arrays::new(&signals);
-        Self { variables, slots, bounds, depends, signals, references, nominals, arrays, linear_air }
+        Self { variables, slots, bounds, depends, signals, references, nominals, coordinates, arrays, linear_air }
     }
 
     /// All signals in the order of their rows: what FMI 2.0 flattens into [`Self::variables`].

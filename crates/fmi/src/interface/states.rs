@@ -18,9 +18,11 @@ fn types(quantity: CoordinateQuantity) -> [&'static str; 3] {
 /// Accounts that are states, their meaning and what they are typically, J.
 const ACCOUNTS: [(&str, &str); 2] = [("work", "work of the inputs"), ("dissipated", "energy dissipated")];
 const NOMINAL_ENERGY_J: f64 = 1.0;
+/// Typical magnitude of a lag state in m/s.
+const NOMINAL_LAG_M_S: f64 = 1.0;
 
-/// Adds the rows: all states, then the derivatives in the same order.
-pub(super) fn add(table: &mut Table, plant: &Plant) {
+/// Adds the rows: all states, then the derivatives in the same order. Returns the number of coordinates, whose rates follow them.
+pub(super) fn add(table: &mut Table, plant: &Plant) -> usize {
     let coordinates = plant.exchange_coordinates();
     let first = table.variables.len();
     let reference = |state: usize| u32::try_from(first + state).ok();
@@ -39,6 +41,10 @@ pub(super) fn add(table: &mut Table, plant: &Plant) {
         let [_, own, rate] = types(*quantity);
         add(table, format!("state_rate.{name}"), [own, rate], nominal[1], &format!("rate of {name}"));
     }
+    for name in plant.exchange_lags() {
+        let meaning = format!("lag of the lift, {name}");
+        add(table, format!("state.{name}"), ["Velocity", "Acceleration"], NOMINAL_LAG_M_S, &meaning);
+    }
     for (name, meaning) in ACCOUNTS {
         add(table, format!("state.energy.{name}"), ["Energy", "Power"], NOMINAL_ENERGY_J, meaning);
     }
@@ -46,6 +52,7 @@ pub(super) fn add(table: &mut Table, plant: &Plant) {
         let text = Text::new(format!("der({name})"), format!("derivative of {name} in time"));
         table.state(Place::Derivative(state), declared, None, reference(state), text);
     }
+    coordinates.len()
 }
 
 /// Adds the row of the event indicators, which FMI 3.0 wants among the variables: an array.
@@ -88,7 +95,7 @@ impl Interface {
         }
         let states: Vec<u32> =
             self.variables.iter().filter(|row| row.nominal.is_some()).map(|row| row.value_reference).collect();
-        let coordinates = states.len() / 2 - 1;
+        let coordinates = self.coordinates;
         for ((found, row), bound) in found.iter_mut().zip(&self.variables).zip(&self.bounds) {
             match bound.place {
                 Place::Output(_) if row.variability == Variability::Continuous && !found.on_all => {

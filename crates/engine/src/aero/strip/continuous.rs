@@ -10,6 +10,7 @@ use crate::aero::strip::section::{Cut, Strip};
 use crate::aero::strip::{Inflow, StripState, Strips};
 use crate::load::{SectionMotion, Wrench};
 use nalgebra::{Rotation3, Vector3};
+use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -38,15 +39,15 @@ pub type SectionAcceleration = [Vector3<f64>; 2];
 #[derive(Debug, Clone)]
 pub struct Instant<'a> {
     /// Motion of all sections.
-    pub motions: Vec<SectionMotion>,
+    pub motions: Cow<'a, [SectionMotion]>,
     /// Their accelerations.
-    pub accelerations: Vec<SectionAcceleration>,
+    pub accelerations: Cow<'a, [SectionAcceleration]>,
     /// The air.
     pub flow: Flow<'a>,
     /// A uniform gust in addition to those of the flow, root frame, m/s.
     pub gust_m_s: Vector3<f64>,
     /// Lag states of all strips in m/s, [`Strips::lags`].
-    pub lags_m_s: Vec<f64>,
+    pub lags_m_s: Cow<'a, [f64]>,
 }
 
 /// Loads of all sections in their own frames, six rows each, then rates of the lag states in m/s², then circulations of
@@ -118,34 +119,74 @@ impl Strips {
         self.lags(gusts).into_iter().map(of).collect()
     }
 
+    /// Number of lag states, as many as [`Strips::lags`] names.
+    pub fn lag_count(&self, gusts: bool) -> usize {
+        self.lag_terms(gusts).iter().sum::<usize>() * self.strips.len()
+    }
+
+    /// A lag state that a state remembers, in m/s.
+    pub fn lag_m_s(&self, state: &StripState, gusts: bool, lag: usize) -> f64 {
+        let [motion, gust] = self.lag_terms(gusts);
+        let (history, term) = (&state.strips[lag / (motion + gust)], lag % (motion + gust));
+        let own = if term < motion { &history.motion } else { &history.gust };
+        own.followers_m_s[if term < motion { term } else { term - motion }]
+    }
+
     /// Loads, rates of the lag states and circulations at an instant, eq. (W13).
     pub fn answer(&mut self, at: &Instant, gusts: bool) -> Answer {
-        let mut answer = vec![0.0; self.rows(at, gusts)];
-        self.answer_of(at, gusts, 0..self.strips.len(), &mut answer);
+        let mut answer = vec![0.0; self.rows(at.motions.len(), gusts)];
+        self.respond(at, gusts, &mut answer);
         answer
     }
 
+    /// The same into an answer of [`Strips::rows`] entries. Allocates nothing without a uniform gust.
+    pub fn respond(&mut self, at: &Instant, gusts: bool, answer: &mut [f64]) {
+        self.answer_of(at, gusts, 0..self.strips.len(), answer);
+    }
+
+    /// What a state is to remember of the instant that [`Strips::respond`] was asked for last, with its lag states and answer:
+    /// steps can go on from there.
+    pub fn remember(&self, lags_m_s: &[f64], gusts: bool, answer: &[f64], state: &mut StripState) {
+        let [motion, gust] = self.lag_terms(gusts);
+        let circulations = &answer[answer.len() - self.strips.len()..];
+        let strips = state.strips.iter_mut().zip(&self.inflows).zip(circulations);
+        for (index, ((history, now), circulation_m2_s)) in strips.enumerate() {
+            let own = &lags_m_s[index * (motion + gust)..][..motion + gust];
+            let mut lags = [Lag::established(now.downwash_m_s), Lag::established(now.gust_downwash_m_s)];
+            lags[0].followers_m_s[..motion].copy_from_slice(&own[..motion]);
+            lags[1].followers_m_s[..gust].copy_from_slice(&own[motion..]);
+            *history = now.history(lags[0], lags[1]);
+            history.circulation_m2_s = *circulation_m2_s;
+        }
+    }
+
     /// Length of an [`Answer`].
-    fn rows(&self, at: &Instant, gusts: bool) -> usize {
-        LOAD_ROWS * at.motions.len()
-            + self.lag_terms(gusts).iter().sum::<usize>() * self.strips.len()
-            + self.strips.len()
+    pub fn rows(&self, sections: usize, gusts: bool) -> usize {
+        LOAD_ROWS * sections + self.lag_count(gusts) + self.strips.len()
     }
 
     /// The same for some strips, or for all if a lifting line couples them; the loads of other strips are zero.
-    fn answer_of(&mut self, at: &Instant, gusts: bool, strips: Range<usize>, answer: &mut Answer) {
+    fn answer_of(&mut self, at: &Instant, gusts: bool, strips: Range<usize>, answer: &mut [f64]) {
         answer.fill(0.0);
         let strips = if self.line.is_some() { 0..self.strips.len() } else { strips };
-        let gust = [Gust {
-            name: String::new(),
-            shape: GustShape::SharpEdge,
-            velocity_m_s: at.gust_m_s,
-            direction: Vector3::x(),
-            speed_m_s: 0.0,
-            origin_m: Vector3::x() * FAR_M,
-            start_s: 0.0,
-        }];
-        let all: Vec<Gust> = at.flow.gusts.iter().chain(&gust).cloned().collect();
+        let uniform = |gusts: &[Gust]| {
+            let gust = Gust {
+                name: String::new(),
+                shape: GustShape::SharpEdge,
+                velocity_m_s: at.gust_m_s,
+                direction: Vector3::x(),
+                speed_m_s: 0.0,
+                origin_m: Vector3::x() * FAR_M,
+                start_s: 0.0,
+            };
+            gusts.iter().chain([&gust]).cloned().collect::<Vec<Gust>>()
+        };
+        // only differences have a uniform gust; what an integrator asks for allocates nothing
+        let all = if at.gust_m_s == Vector3::zeros() {
+            Cow::Borrowed(at.flow.gusts)
+        } else {
+            Cow::Owned(uniform(at.flow.gusts))
+        };
         let flow = Flow { gusts: &all, ..at.flow };
         let terms = self.lag_terms(gusts);
         let lag = |strip: usize, now_m_s: f64, gust: bool| {
@@ -167,7 +208,9 @@ impl Strips {
             });
         }
         let sections = at.motions.len();
-        let mut loads = vec![Wrench::default(); sections];
+        let mut loads = std::mem::take(&mut self.section_loads);
+        loads.clear();
+        loads.resize(sections, Wrench::default());
         for (index, now) in strips.zip(&self.inflows) {
             let strip = &self.strips[index];
             let profile = &self.profiles[strip.surface];
@@ -192,11 +235,12 @@ impl Strips {
             let circulations = LOAD_ROWS * sections + (terms[0] + terms[1]) * self.strips.len();
             answer[circulations + index] = section.circulation_m2_s;
         }
-        for ((load, motion), rows) in loads.iter().zip(&at.motions).zip(answer.chunks_exact_mut(LOAD_ROWS)) {
+        for ((load, motion), rows) in loads.iter().zip(at.motions.iter()).zip(answer.chunks_exact_mut(LOAD_ROWS)) {
             let turned = motion.rotation.transpose();
             rows[..3].copy_from_slice((turned * load.force_n).as_slice());
             rows[3..].copy_from_slice((turned * load.moment_n_m).as_slice());
         }
+        self.section_loads = loads;
     }
 
     /// Derivative of the [`Answer`] at an instant: sixth-order central differences over the scale of the strips
@@ -205,7 +249,7 @@ impl Strips {
     pub fn slope(&mut self, at: &Instant, gusts: bool, variable: Variable) -> Answer {
         let strips = self.touched(at, gusts, variable);
         let scale = self.scale(at, strips.clone(), variable);
-        let mut slope = vec![0.0; self.rows(at, gusts)];
+        let mut slope = vec![0.0; self.rows(at.motions.len(), gusts)];
         let Some(step) = scale else { return slope };
         let mut side = slope.clone();
         let linear = matches!(variable, Variable::Motion { component: 12.., .. } | Variable::AirRate(_));
@@ -229,9 +273,9 @@ impl Strips {
     }
 
     /// Response of the apparent mass alone to a rate of the air.
-    fn answer_of_air_rate(&mut self, at: &Instant, gusts: bool, component: usize, rate: f64, answer: &mut Answer) {
+    fn answer_of_air_rate(&mut self, at: &Instant, gusts: bool, component: usize, rate: f64, answer: &mut [f64]) {
         answer.fill(0.0);
-        debug_assert_eq!(answer.len(), self.rows(at, gusts));
+        debug_assert_eq!(answer.len(), self.rows(at.motions.len(), gusts));
         if !self.options.apparent_mass {
             return;
         }
@@ -246,7 +290,7 @@ impl Strips {
             let difference_m_s2 = cut.up.dot(&(trailing - leading));
             push(strip, &cut, at.flow.density_kg_m3, [middle_m_s2, difference_m_s2], &mut loads);
         }
-        for ((load, motion), rows) in loads.iter().zip(&at.motions).zip(answer.chunks_exact_mut(LOAD_ROWS)) {
+        for ((load, motion), rows) in loads.iter().zip(at.motions.iter()).zip(answer.chunks_exact_mut(LOAD_ROWS)) {
             let turned = motion.rotation.transpose();
             rows[..3].copy_from_slice((turned * load.force_n).as_slice());
             rows[3..].copy_from_slice((turned * load.moment_n_m).as_slice());
@@ -313,16 +357,16 @@ fn displace(at: &mut Instant, variable: Variable, shift: f64) {
     };
     match variable {
         Variable::Motion { section, component } => {
-            let (motion, axis) = (&mut at.motions[section], axis(component));
+            let (motion, axis) = (&mut at.motions.to_mut()[section], axis(component));
             match component / 3 {
                 0 => motion.position_m += axis,
                 1 => motion.rotation = Rotation3::new(axis).into_inner() * motion.rotation,
                 2 => motion.velocity_m_s += axis,
                 3 => motion.spin_rad_s += axis,
-                part => at.accelerations[section][part - 4] += axis,
+                part => at.accelerations.to_mut()[section][part - 4] += axis,
             }
         }
-        Variable::Lag(lag) => at.lags_m_s[lag] += shift,
+        Variable::Lag(lag) => at.lags_m_s.to_mut()[lag] += shift,
         Variable::Air(component) => match component / 3 {
             0 => at.flow.wind_m_s += axis(component),
             1 => at.flow.spin_rad_s += axis(component),

@@ -15,7 +15,7 @@ mod tests;
 use crate::aero::AirLoads;
 use crate::aero::flow::{AirPath, Flow};
 use crate::aero::surface::{Profile, Surface};
-use crate::load::SectionMotion;
+use crate::load::{SectionMotion, Wrench};
 use indicial::{Fit, Lag};
 use lifting_line::{LiftingLine, LiftingLineOptions, StripEdges, StripEquation};
 use nalgebra::Vector3;
@@ -107,6 +107,8 @@ pub struct Strips {
     line: Option<LiftingLine>,
     /// Scratch: what the strips meet.
     inflows: Vec<Inflow>,
+    /// Scratch: loads of the sections.
+    section_loads: Vec<Wrench>,
 }
 
 impl Strips {
@@ -119,6 +121,7 @@ impl Strips {
             first: Vec::new(),
             line: None,
             inflows: Vec::new(),
+            section_loads: Vec::new(),
         };
         for (index, surface) in surfaces.into_iter().enumerate() {
             model.first.push(model.strips.len());

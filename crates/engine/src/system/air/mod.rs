@@ -1,5 +1,6 @@
 //! Air around the machine: its loads over time, what the state remembers of it, what is reported of it.
 
+pub(crate) mod continuous;
 pub(crate) mod gaps;
 pub(crate) mod slopes;
 pub(crate) mod start;
@@ -18,6 +19,7 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::{Model, station};
 use crate::solve::acceleration::Anderson;
 use crate::solve::point::Point;
+use crate::system::air::continuous::ContinuousAir;
 use crate::system::equations::Equations;
 use crate::system::outputs::Outputs;
 use nalgebra::Vector3;
@@ -229,6 +231,8 @@ pub(crate) struct AirCoupling {
     pub guess: Vec<f64>,
     pub residual: Vec<f64>,
     pub acceleration: Anderson,
+    /// Of strips: loads that belong to the instant, for integrators from outside.
+    pub continuous: Option<ContinuousAir>,
     /// Longest chord in m.
     pub length_m: f64,
     /// Widest strip in m.
@@ -289,7 +293,9 @@ impl AirCoupling {
             structure_step_s: 0.0,
             strayed: 0,
         };
+        let gusts = !settings.gusts.is_empty();
         Some(Self {
+            continuous: ContinuousAir::new(&model, sections, gusts),
             model,
             shares: shares(machine, &settings.surfaces),
             blank,

@@ -67,11 +67,11 @@ impl System {
         let ends = [before, after].map(|state| model.lags_m_s(state, gusts));
         let lags_m_s: Vec<f64> = ends[0].iter().zip(&ends[1]).map(|(a, b)| a + (b - a) * share).collect();
         let at = Instant {
-            motions: sections.iter().map(|(motion, _)| *motion).collect(),
-            accelerations: sections.iter().map(|(_, acceleration)| *acceleration).collect(),
+            motions: sections.iter().map(|(motion, _)| *motion).collect::<Vec<_>>().into(),
+            accelerations: sections.iter().map(|(_, acceleration)| *acceleration).collect::<Vec<_>>().into(),
             flow: flow(&air.settings, &self.state, self.state.now.time_s),
             gust_m_s: Vector3::zeros(),
-            lags_m_s: lags_m_s.clone(),
+            lags_m_s: lags_m_s.clone().into(),
         };
         let rows = model.answer(&at, gusts).len();
         let mut motion = by.map(|matrix| DMatrix::zeros(rows, matrix.ncols()));
@@ -117,6 +117,13 @@ impl System {
         };
         let names = model.lags(gusts).iter().map(|place| self.lag_name(place)).collect::<Vec<_>>();
         names.into_iter().zip(model.lags_m_s(after, gusts)).collect()
+    }
+
+    /// Names of the lag states that an integrator from outside sees.
+    pub(crate) fn lag_names(&self) -> Vec<String> {
+        let Some(air) = &self.air else { return Vec::new() };
+        let (AirModel::Strips(model), Some(continuous)) = (&air.model, &air.continuous) else { return Vec::new() };
+        model.lags(continuous.gusts).iter().map(|place| self.lag_name(place)).collect()
     }
 
     /// Largest load of the air so far in N.

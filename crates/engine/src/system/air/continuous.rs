@@ -1,0 +1,224 @@
+//! The air of strips in a hybrid system: loads and rates of the lag states belong to the instant, and the apparent mass to the
+//! accelerations that it helps to find, NOTATION eqs. (W13) and (W15).
+
+use crate::aero::AirModel;
+use crate::aero::AirState;
+use crate::aero::strip::Strips;
+use crate::aero::strip::continuous::{Instant, LOAD_ROWS, SectionAcceleration};
+use crate::load::Wrench;
+use crate::multibody::kinematics::Motion;
+use crate::multibody::station;
+use crate::solve::EquationsOfMotion;
+use crate::solve::acceleration::Anderson;
+use crate::system::air::start::{flow, refusal};
+use crate::system::air::{AirCoupling, AirHistory, Gain, Sample};
+use crate::system::events::settle_by;
+use crate::system::{PlantError, System};
+use nalgebra::Vector3;
+use std::borrow::Cow;
+
+/// Corrections of the accelerations by the apparent mass. With Anderson's acceleration an apparent mass of ten times the
+/// structure's takes some thirty.
+const MAXIMUM_CORRECTIONS: usize = 100;
+/// Change of the loads over the largest at which the accelerations are found: what round-off leaves of it.
+const AGREED: f64 = 1e-12;
+
+/// Scratch of strips whose loads belong to the instant, and their lag states.
+pub(crate) struct ContinuousAir {
+    /// Gusts have lag states of their own.
+    pub gusts: bool,
+    /// Lag states in m/s, in the order of [`Strips::lags`].
+    pub lags_m_s: Vec<f64>,
+    accelerations: Vec<SectionAcceleration>,
+    answer: Vec<f64>,
+    guess: Vec<f64>,
+    residual: Vec<f64>,
+    anderson: Anderson,
+}
+
+impl ContinuousAir {
+    /// Of a model of the air that has a continuous form; `None` for others.
+    pub fn new(model: &AirModel, sections: usize, gusts: bool) -> Option<Self> {
+        let AirModel::Strips(strips) = model else { return None };
+        let loads = LOAD_ROWS * sections;
+        Some(Self {
+            gusts,
+            lags_m_s: vec![0.0; strips.lag_count(gusts)],
+            accelerations: vec![[Vector3::zeros(); 2]; sections],
+            answer: vec![0.0; strips.rows(sections, gusts)],
+            guess: vec![0.0; loads],
+            residual: vec![0.0; loads],
+            anderson: Anderson::new(loads),
+        })
+    }
+
+    /// Rates of the lag states in m/s², as the accelerations were found last.
+    pub fn lag_rates_m_s2(&self) -> &[f64] {
+        &self.answer[self.guess.len()..][..self.lags_m_s.len()]
+    }
+
+    /// Size of the change from the guess to the answer and of the answer in N; moments count by `length_m`.
+    fn compare(&mut self, length_m: f64) -> (f64, f64) {
+        let (mut change_n, mut size_n) = (0.0_f64, 0.0_f64);
+        for (row, (residual, (answer, guess))) in
+            self.residual.iter_mut().zip(self.answer.iter().zip(&self.guess)).enumerate()
+        {
+            let share = if row % LOAD_ROWS < 3 { 1.0 } else { 1.0 / length_m };
+            *residual = answer - guess;
+            change_n = change_n.max(residual.abs() * share);
+            size_n = size_n.max(answer.abs() * share);
+        }
+        // `max` drops NaN: say it explicitly
+        let sound = self.residual.iter().all(|entry| entry.is_finite());
+        (if sound { change_n } else { f64::NAN }, size_n)
+    }
+}
+
+/// Wrenches of sections from their rows.
+fn write(rows: &[f64], loads: &mut [Wrench]) {
+    for (load, row) in loads.iter_mut().zip(rows.chunks_exact(LOAD_ROWS)) {
+        load.force_n.copy_from_slice(&row[..3]);
+        load.moment_n_m.copy_from_slice(&row[3..]);
+    }
+}
+
+impl System {
+    /// Whether the machine's air, if there is any, can be part of a hybrid system.
+    pub(crate) fn air_is_continuous(&self) -> bool {
+        self.air.as_ref().is_none_or(|air| air.continuous.is_some())
+    }
+
+    /// Number of lag states of the air in a hybrid system.
+    pub(crate) fn lag_count(&self) -> usize {
+        self.air.as_ref().and_then(|air| air.continuous.as_ref()).map_or(0, |continuous| continuous.lags_m_s.len())
+    }
+
+    /// A lag state at the present of the machine's own motion, in m/s, and its rate in m/s²: on a straight line over the aerodynamic
+    /// step.
+    pub(crate) fn own_lag(&self, lag: usize) -> [f64; 2] {
+        let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return [0.0; 2] };
+        let AirCoupling { model: AirModel::Strips(strips), continuous: Some(continuous), settings, .. } = &**air else {
+            return [0.0; 2];
+        };
+        let of = |state: &AirState| match state {
+            AirState::Strips(state) => strips.lag_m_s(state, continuous.gusts, lag),
+            _ => 0.0,
+        };
+        let [before, after] = [&history.before, &history.after].map(of);
+        if history.steps == 0 {
+            return [after, 0.0];
+        }
+        let share = (1.0 - (history.loads.end_s - self.state.now.time_s) / settings.step_s).clamp(0.0, 1.0);
+        [before + (after - before) * share, (after - before) / settings.step_s]
+    }
+
+    /// Takes the lag states over from the machine's own steps, which end at the present.
+    pub(crate) fn hand_air_over(&mut self) {
+        for lag in 0..self.lag_count() {
+            let [own_m_s, _] = self.own_lag(lag);
+            if let Some(continuous) = self.air.as_mut().and_then(|air| air.continuous.as_mut()) {
+                continuous.lags_m_s[lag] = own_m_s;
+            }
+        }
+        let time_s = self.state.now.time_s;
+        if let Some(history) = &mut self.state.air {
+            (history.loads.begin_s, history.loads.end_s) = (time_s, time_s);
+            self.configure();
+        }
+    }
+
+    /// Finds the accelerations of the present in air, with loads and rates of the lag states that belong to them: `M a + r(L) = 0`
+    /// and `L = L(a)`, eq. (W15). The equations must be prescribed and projected. Allocates nothing.
+    pub(crate) fn settle_in_air(&mut self) -> Result<(), PlantError> {
+        let Self { equations, state, scratch, air, .. } = self;
+        let (time_s, none) = (state.now.time_s, Ok(()));
+        let Some(air) = air else { return none };
+        let AirCoupling { model: AirModel::Strips(strips), motions, continuous: Some(own), settings, length_m, .. } =
+            &mut **air
+        else {
+            return none;
+        };
+        own.guess.fill(0.0);
+        own.anderson.restart();
+        let mut found = false;
+        for correction in 0..MAXIMUM_CORRECTIONS {
+            let now = &state.now;
+            equations.residual(time_s, &now.q, &now.v, &now.a, &mut scratch[0]);
+            let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
+            let places = &equations.model.stations[equations.load_stations..];
+            for ((observed, acceleration), place) in motions.iter_mut().zip(&mut own.accelerations).zip(places) {
+                let section = station::accelerated(&equations.model, &equations.work, motion, place);
+                *observed = section.motion;
+                *acceleration = [section.acceleration_m_s2, section.spin_rate_rad_s2];
+            }
+            let at = Instant {
+                motions: Cow::Borrowed(motions),
+                accelerations: Cow::Borrowed(&own.accelerations),
+                flow: flow(settings, state, time_s),
+                gust_m_s: Vector3::zeros(),
+                lags_m_s: Cow::Borrowed(&own.lags_m_s),
+            };
+            strips.respond(&at, own.gusts, &mut own.answer);
+            let (change_n, size_n) = own.compare(*length_m);
+            if !change_n.is_finite() {
+                return Err(refusal(time_s, "its loads are not finite"));
+            }
+            // the first guess is none at all: its accelerations are not those of any loads
+            found = correction > 0 && change_n <= AGREED * size_n;
+            if found {
+                break;
+            }
+            if correction == 0 {
+                let loads = own.guess.len();
+                own.guess.copy_from_slice(&own.answer[..loads]);
+            } else {
+                own.anderson.next(&mut own.guess, &own.residual);
+            }
+            let Some(history) = &mut state.air else { return none };
+            write(&own.guess, &mut history.loads.to);
+            history.loads.from.copy_from_slice(&history.loads.to);
+            history.loads.impulsive.fill(Wrench::default());
+            (history.loads.begin_s, history.loads.end_s) = (time_s, time_s);
+            history.scale_n = history.scale_n.max(size_n);
+            if let Some(loads) = &mut equations.air {
+                loads.copy_from(&history.loads);
+            }
+            let now = &mut state.now;
+            equations.residual(time_s, &now.q, &now.v, &now.a, &mut scratch[0]);
+            let jump = match correction {
+                0 => equations.factorize(1.0, 0.0, 0.0).map(|()| settle_by(equations, &mut scratch[0], now)),
+                _ => Ok(settle_by(equations, &mut scratch[0], now)),
+            };
+            if !matches!(jump, Ok(jump) if jump.is_finite()) {
+                return self.accelerations(time_s, jump).map(|_| ());
+            }
+        }
+        if !found {
+            let cause = format!(
+                "accelerations and apparent mass do not agree after {MAXIMUM_CORRECTIONS} corrections: the air is too heavy for the \
+                 structure; write apparent_mass = false"
+            );
+            return Err(refusal(time_s, cause));
+        }
+        if let Some(history) = &mut state.air {
+            remember(strips, own, history);
+            for (end, motion) in history.end.iter_mut().zip(motions.iter()) {
+                *end = Sample::steady(motion);
+            }
+            history.begin.copy_from_slice(&history.end);
+            history.start_s = time_s;
+        }
+        none
+    }
+}
+
+/// Brings a history to the instant: steps of the machine's own can go on from there.
+fn remember(strips: &Strips, own: &ContinuousAir, history: &mut AirHistory) {
+    for state in [&mut history.before, &mut history.after] {
+        if let AirState::Strips(state) = state {
+            strips.remember(&own.lags_m_s, own.gusts, &own.answer, state);
+        }
+    }
+    history.at_begin.copy_from_slice(&history.loads.to);
+    (history.carried_m, history.gain, history.steps) = (Vector3::zeros(), Gain::default(), 0);
+}

@@ -1,0 +1,125 @@
+"""Has an importer that is neither ours nor FMPy, the crate fmi-rs, validate and run every shipped model in all four forms; `make importers`.
+
+  python studies/second_importer.py --foldwing COMMAND --importer PROGRAM [--table FILE]
+
+FMI 2.0 and 3.0, co-simulation and Model Exchange. Co-simulation is compared with `foldwing simulate` at the same communication points,
+Model Exchange, integrated there by Runge and Kutta's fourth order with located events, with `foldwing simulate` at a tolerance of 1e-10.
+The difference of an output is over its largest magnitude in the run. Fails where a form that the model can have does not run, a finding
+is printed, or a bound of `ALLOWED` is passed.
+"""
+
+import argparse
+import csv
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Dict, List, Optional
+
+ROOT = Path(__file__).resolve().parents[1]
+MODELS = sorted((ROOT / "examples/models").glob("*.toml"))
+FORMS = [(2, "cs"), (3, "cs"), (2, "me"), (3, "me")]
+STEPS = 60
+# equal times give equal bits; fmi-rs adds up its times where ours are multiples of the step, which moves them by round-off
+ALLOWED = {"cs": 1e-9, "me": 1e-5}
+# latch times by an integrator of the importer against ours at 1e-10, in s
+ALLOWED_LATCH_S = 1e-6
+# a step of Runge and Kutta below the limit of stability of the stiffest strain of the shipped models
+STEP_S = 4e-6
+STOP_S = {"cs": 0.3, "me": 0.15}
+
+
+def columns(path: Path) -> Dict[str, List[float]]:
+    """Columns of numbers of a CSV file; those that hold text or arrays are left out."""
+    with open(path, newline="", encoding="utf-8") as stream:
+        head, *rows = list(csv.reader(stream))
+    found = {}
+    for name, cells in zip(head, zip(*rows)):
+        try:
+            found[name] = [float({"true": "1", "false": "0"}.get(cell, cell)) for cell in cells]
+        except ValueError:
+            continue
+    return found
+
+
+def largest_difference(ours: Dict[str, List[float]], theirs: Dict[str, List[float]]) -> Dict[str, float]:
+    """Over the largest magnitude in the run, by output, at the times that both have; the last row of a time counts."""
+    last = {round(time, 12): row for row, time in enumerate(theirs["time"])}
+    rows = [(row, last[round(time, 12)]) for row, time in enumerate(ours["time"]) if round(time, 12) in last]
+    found = {}
+    for name in ours.keys() & theirs.keys() - {"time"}:
+        scale = max(abs(value) for value in ours[name])
+        apart = max(abs(ours[name][i] - theirs[name][j]) for i, j in rows)
+        if scale > 1e-9:
+            found[name] = apart / scale
+    return found
+
+
+def run(command: List[str]) -> Optional[str]:
+    """What a command says where it fails."""
+    done = subprocess.run(command, capture_output=True, text=True)
+    return None if done.returncode == 0 else (done.stdout + done.stderr).strip()
+
+
+def check(model: Path, version: int, kind: str, foldwing: str, importer: str, folder: Path) -> List[str]:
+    """One row of the table: model, form, outputs compared, largest difference with its output, latch times, what is wrong."""
+    archive, theirs, ours = folder / f"{model.stem}{version}{kind}.fmu", folder / "theirs.csv", folder / "ours.csv"
+    form = f"FMI {version}.0, {'co-simulation' if kind == 'cs' else 'Model Exchange'}"
+    package = [foldwing, "package", str(model), "--fmi", str(version), "--kinds", kind, "--no-reference", "-o", str(archive)]
+    refusal = run(package)
+    if refusal is not None:
+        if kind == "me" and "lattice" in refusal:
+            return [model.stem, form, "", "", "", "refused: a lattice is sampled"]
+        raise SystemExit(f"{model.stem}, {form}: {refusal}")
+    stop_s = STOP_S[kind]
+    step_s = stop_s / STEPS
+    finding = run([importer, str(archive), kind, repr(stop_s), repr(step_s), repr(STEP_S), str(theirs)])
+    if finding is not None:
+        return [model.stem, form, "", "", "", f"**{finding}**"]
+    command = [foldwing, "simulate", str(model), "--stop", repr(stop_s), "--step", repr(step_s), "--csv", str(ours)]
+    if kind == "me":
+        command += ["--set", "solver.tolerance=1e-10"]
+    failure = run(command)
+    if failure is not None:
+        raise SystemExit(f"{model.stem}: {failure}")
+    mine, other = columns(ours), columns(theirs)
+    apart = largest_difference(mine, other)
+    latches = [name for name in apart if name.endswith(".latch_time") and mine[name][-1] >= 0.0]
+    late_s = max((abs(mine[name][-1] - other[name][-1]) for name in latches), default=None)
+    compared = {name: value for name, value in apart.items() if name not in latches}
+    worst = max(compared, key=lambda name: compared[name])
+    wrong = []
+    if compared[worst] > ALLOWED[kind]:
+        wrong.append(f"**more than {ALLOWED[kind]:g}**")
+    if late_s is not None and late_s > ALLOWED_LATCH_S:
+        wrong.append(f"**latch later by more than {ALLOWED_LATCH_S:g} s**")
+    latch = "" if late_s is None else f"{late_s:.1e}"
+    return [model.stem, form, str(len(apart)), f"{compared[worst]:.1e} (`{worst}`)", latch, "; ".join(wrong) or "runs"]
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--foldwing", required=True)
+    parser.add_argument("--importer", required=True)
+    parser.add_argument("--table", type=Path, help="Markdown file to write the table to")
+    parser.add_argument("--only", help="a part of the names of models")
+    arguments = parser.parse_args()
+    lines = ["| model | form | outputs | largest difference | latch, s | |", "|---|---|---|---|---|---|"]
+    wrong = False
+    with tempfile.TemporaryDirectory() as folder:
+        for model in MODELS:
+            if arguments.only and arguments.only not in model.stem:
+                continue
+            for version, kind in FORMS:
+                row = check(model, version, kind, arguments.foldwing, arguments.importer, Path(folder))
+                wrong |= "**" in row[-1]
+                lines.append("| " + " | ".join(row) + " |")
+                print(lines[-1], flush=True)
+    if arguments.table:
+        head = "Made by `make importers`: fmi-rs 0.3.4 beside `foldwing simulate`, differences over the largest magnitude of each output.\n"
+        arguments.table.write_text("# A second importer\n\n" + head + "\n" + "\n".join(lines) + "\n", encoding="utf-8")
+    return int(wrong)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
