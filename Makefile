@@ -36,7 +36,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
+.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile importers bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -192,6 +192,11 @@ audit: build venv ## Repeat the audit of physics and numerics: studies/audit, do
 
 # with the checks for overflow and the assertions that a release build leaves out; a single step may take its 10⁶ internal
 # steps, a minute and more in this build
+importers: build ## Have an importer that is not ours run every shipped model in all four forms: docs/tables/importers.md
+	$(CARGO) build --release --locked --manifest-path tools/second_importer/Cargo.toml --target-dir $(TARGET)/second_importer
+	@$(PYTHON) studies/second_importer.py --foldwing $(COMMAND) --importer $(TARGET)/second_importer/release/second_importer \
+	    --table docs/tables/importers.md
+
 robust: toolchain valgrind ## A million random calls on each face, 30000 mutated models, a million steps, 100 killed importers
 	FOLDWING_CALLS=1000000 FOLDWING_WATCHDOG=900 $(CARGO) test --locked --test robustness -- --nocapture --skip valgrind random_calls::
 	FOLDWING_MUTATIONS=30000 $(CARGO) test --locked --test robustness -- --nocapture mutated_inputs::

@@ -91,7 +91,8 @@ def test_f332_strips_are_part_of_the_equations(model, exchanged):
         moved = np.ptp(expected[name])
         difference = np.abs(found[name] - expected[name]).max()
         print(f"{model} {name}: {difference:.1e} of {moved:.1e}")
-        assert difference < 0.01 * moved + 1e-9, name
+        # CVode leaves 1e-7 m of what stands still
+        assert difference < 0.01 * moved + 1e-7, name
 
 
 @pytest.mark.parametrize("model", sorted(SAMPLED))

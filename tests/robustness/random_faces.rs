@@ -98,7 +98,7 @@ pub struct Session {
 impl Session {
     /// Fresh instances of every model that the face takes: two of each, for the state of a twin is tried too.
     pub fn new(cast: Cast) -> Self {
-        let fits = |text: &str| cast == Cast::Steps3 || !text.contains("[aerodynamics]");
+        let fits = |text: &str| cast == Cast::Steps3 || !text.contains("model = \"uvlm\"");
         let actors = models()
             .iter()
             .filter(|(_, text)| fits(text))

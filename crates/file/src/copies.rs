@@ -2,6 +2,7 @@
 
 use crate::file::ModelFile;
 use crate::joint_file::JointFile;
+use foldwing_engine::math::so3::rotation_vector;
 use indexmap::IndexMap;
 use nalgebra::{Rotation3, Vector3};
 use std::collections::BTreeMap;
@@ -105,5 +106,5 @@ fn turn(joint: &mut JointFile, angle_rad: f64) {
     joint.axis = joint.axis.map(turned);
     joint.parent_offset_m = joint.parent_offset_m.map(turned);
     let mount = Rotation3::new(Vector3::from(joint.mount_rotation_deg).map(f64::to_radians));
-    joint.mount_rotation_deg = (turn * mount).scaled_axis().map(f64::to_degrees).into();
+    joint.mount_rotation_deg = rotation_vector((turn * mount).matrix()).map(f64::to_degrees).into();
 }

@@ -7,8 +7,9 @@ use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{
     Body, ElementKind, JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel, UNLIMITED,
 };
+use foldwing_engine::math::so3::rotation_vector;
 use foldwing_fmi::interface::{Causality, TYPES, UNITS, Value, Variability, Variable};
-use nalgebra::{Matrix3, Rotation3};
+use nalgebra::Matrix3;
 use quick_xml::escape::escape;
 use std::fmt::Write;
 
@@ -224,7 +225,7 @@ fn spatial(joint: &Spatial, mount: &Matrix3<f64>) -> Vec<String> {
         SpatialFreedom::Ball => "ball".to_owned(),
         SpatialFreedom::Free => "free".to_owned(),
     };
-    let mut row = vec![kind, vector(Rotation3::from_matrix_unchecked(*mount).scaled_axis().as_slice())];
+    let mut row = vec![kind, vector(rotation_vector(mount).as_slice())];
     let drive = [joint.stiffness_n_m_rad, joint.damping_n_m_s_rad];
     row.extend(drive.map(|value| if joint.freedom == SpatialFreedom::Free { String::new() } else { number(value) }));
     row.extend(["", "", ""].map(str::to_owned));
@@ -417,7 +418,7 @@ mod tests {
     #[test]
     fn joints_of_several_freedoms_are_described() {
         let mut machine = two_body_machine();
-        machine.bodies[1].joint.mount = *Rotation3::new(nalgebra::Vector3::new(0.0, 0.5, 0.0)).matrix();
+        machine.bodies[1].joint.mount = *nalgebra::Rotation3::new(nalgebra::Vector3::new(0.0, 0.5, 0.0)).matrix();
         let joint = |freedom| {
             JointKind::Spatial(Box::new(Spatial {
                 freedom,

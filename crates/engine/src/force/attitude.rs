@@ -1,10 +1,10 @@
 //! Spring and damper of a universal or ball joint.
 
 use crate::force::{Here, Push};
-use crate::math::so3::hat;
+use crate::math::so3::{hat, rotation_vector};
 use crate::multibody::Workspace;
 use crate::multibody::joint::{Joint, JointKind, RedundantWork};
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 /// Spring and damper on the freedoms of a universal or ball joint.
 #[derive(Debug, Clone)]
@@ -105,7 +105,7 @@ impl AttitudeSpring {
             }
             _ => {
                 let relative = rotation * self.neutral.transpose();
-                Rotation3::from_matrix_unchecked(relative).scaled_axis()
+                rotation_vector(&relative)
             }
         }
     }

@@ -2,6 +2,10 @@
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
+/// Cosine of the angle beyond which a rotation vector comes from the quaternion: nearer to half a turn the skew part of the matrix
+/// loses digits, 1 of 16 here.
+const NEARLY_HALF_A_TURN: f64 = -0.99;
+
 /// Cross-product matrix: `hat(a) b = a × b`, NOTATION eq. (K1).
 #[inline]
 pub fn hat(a: &Vector3<f64>) -> Matrix3<f64> {
@@ -25,16 +29,20 @@ pub fn quaternion_near(rotation: &Matrix3<f64>, previous: &UnitQuaternion<f64>) 
     }
 }
 
-/// Rotation vector in rad of a rotation by less than half a turn, accurate to round-off however small it is.
+/// Rotation vector in rad of a rotation, up to half a turn long, accurate to round-off however small it is; of two for half a turn
+/// either. For a matrix whose trace round-off has put above 3 too, where the arc cosine of nalgebra's rotations has no value.
 pub fn rotation_vector(rotation: &Matrix3<f64>) -> Vector3<f64> {
     let skew = Vector3::new(
         rotation[(2, 1)] - rotation[(1, 2)],
         rotation[(0, 2)] - rotation[(2, 0)],
         rotation[(1, 0)] - rotation[(0, 1)],
     ) * 0.5;
-    let sine = skew.norm();
-    let angle = sine.atan2(0.5 * (rotation.trace() - 1.0));
-    if sine > 0.0 { skew * (angle / sine) } else { skew }
+    let (sine, cosine) = (skew.norm(), 0.5 * (rotation.trace() - 1.0));
+    if cosine < NEARLY_HALF_A_TURN {
+        // the skew part has lost the axis
+        return UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation)).scaled_axis();
+    }
+    if sine > 0.0 { skew * (sine.atan2(cosine) / sine) } else { skew }
 }
 
 #[cfg(test)]
@@ -53,11 +61,24 @@ mod tests {
     #[test]
     fn rotation_vector_is_accurate_for_small_and_large_turns() {
         let axis = Vector3::new(0.6, -0.48, 0.64);
-        for angle in [0.0, 1e-12, 1e-8, 1e-3, 1.0, 3.0] {
+        for angle in [0.0, 1e-12, 1e-8, 1e-3, 1.0, 2.6, 2.7, 3.0, PI - 1e-7] {
             let found = rotation_vector(&rotation_about(&axis, angle));
             // entries of the matrix carry round-off of 1; near half a turn the sine loses a digit
             assert!((found - axis * angle).norm() < 1e-15_f64.max(4e-15 * angle), "{angle}: {found}");
         }
+    }
+
+    /// Exactly half a turn about any axis; and a matrix whose trace is a bit above 3, which a product of rotations may have.
+    #[test]
+    fn rotation_vector_of_half_a_turn_and_of_round_off() {
+        for axis in
+            [Vector3::x(), Vector3::y(), Vector3::z(), Vector3::new(0.6, -0.48, 0.64), Vector3::new(0.0, 0.6, -0.8)]
+        {
+            let half = rotation_vector(&(axis * axis.transpose() * 2.0 - Matrix3::identity()));
+            assert!((half.norm() - PI).abs() < 1e-14 && half.cross(&axis).norm() < 1e-14, "{axis}: {half}");
+        }
+        let above = Matrix3::identity() * (1.0 + f64::EPSILON) + hat(&Vector3::new(1e-12, 0.0, 0.0));
+        assert!((rotation_vector(&above) - Vector3::new(1e-12, 0.0, 0.0)).norm() < 1e-20);
     }
 
     #[test]

@@ -3,12 +3,13 @@
 use crate::beam::element::ElementKind;
 use crate::beam::recovery::axial_row;
 use crate::load::LoadFrame;
+use crate::math::so3::rotation_vector;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Body, Station};
 use crate::multibody::{gauge, station};
 use crate::solve::tracking::Followed;
 use crate::system::System;
-use nalgebra::{Complex, Matrix3, Rotation3, Vector3, Vector4};
+use nalgebra::{Complex, Matrix3, Vector3, Vector4};
 
 /// Share of `|λ|` below which the real part of an eigenvalue is round-off.
 const GROWTH: f64 = 1e-6;
@@ -29,7 +30,7 @@ pub struct SectionShape {
 impl SectionShape {
     /// Rotation vector of the section in rad, root frame.
     pub fn rotation_vector_rad(&self) -> Vector3<f64> {
-        Rotation3::from_matrix_unchecked(self.rotation).scaled_axis()
+        rotation_vector(&self.rotation)
     }
 }
 
