@@ -275,7 +275,10 @@ impl Actor {
             }
         }
         let status = self.face.make(&mut plan.ask, plan.hole);
-        let told: Vec<_> = self.face.told().into_iter().filter(|told| told.1 != "logEvents").collect();
+        // a step may give advice beside its outcome
+        let advises = matches!(plan.ask, Ask::Step { .. });
+        let beside = |told: &(u32, String, String)| told.1 == "logEvents" || advises && told.1 == "logStatusWarning";
+        let told: Vec<_> = self.face.told().into_iter().filter(|told| !beside(told)).collect();
         let complaint =
             |what: &str| format!("{name} {}: {what}; status {status}, {told:?}, {:?}", was.phrase(), plan.ask);
         let right = if legal { plan.right.as_slice() } else { &[ERROR] };
