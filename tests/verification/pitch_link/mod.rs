@@ -4,6 +4,7 @@
 //! Cases are numbered PL-xx.
 
 mod air;
+mod design;
 mod failing;
 mod growth;
 mod in_wind;
