@@ -5,10 +5,10 @@ use crate::file::ModelFile;
 use crate::rotor_file::{
     EndRuleFile, PitchRateFile, PolarFile, PotentialFile, ShadowFile, SpreadFile, TowerFile, TurnsFile, WindFile,
 };
-use foldwing_engine::aero::rotor::options::{PitchRate, Spread};
 use crate::validate::Checker;
 use foldwing_engine::aero::polar::{Polar, PolarRow};
 use foldwing_engine::aero::rotor::induction::EndRule;
+use foldwing_engine::aero::rotor::options::{PitchRate, Spread};
 use foldwing_engine::aero::rotor::tower::{Potential, Shadow, Tower};
 use foldwing_engine::aero::rotor::turbulence::Turbulence;
 use foldwing_engine::aero::rotor::viterna::{drag_across, extend, extend_both, is_full_circle};
@@ -88,10 +88,14 @@ fn refuse_rivals(air: &AirFile, checker: &mut Checker) {
         ("end_rule", air.end_rule == EndRuleFile::Stopped),
     ];
     for (key, _) in stated.into_iter().filter(|(_, stated)| *stated && air.inflow_lag_s.is_some()) {
-        checker.refuse(&["aerodynamics", key], "this setting only without inflow_lag_s, which replaces the momentum balance");
+        checker.refuse(
+            &["aerodynamics", key],
+            "this setting only without inflow_lag_s, which replaces the momentum balance",
+        );
     }
     if air.dynamic_stall && air.pitch_rate != PitchRateFile::None {
-        checker.refuse(&["aerodynamics", "pitch_rate"], "\"none\" with dynamic_stall, which has the rate in its states");
+        checker
+            .refuse(&["aerodynamics", "pitch_rate"], "\"none\" with dynamic_stall, which has the rate in its states");
     }
 }
 

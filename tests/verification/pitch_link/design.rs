@@ -60,7 +60,10 @@ fn pl09_what_the_papers_figure_shows() {
         let half = usize::from(time_s > 0.8);
         largest_deg[half] = largest_deg[half].max(pitch_deg);
     }
-    println!("without stall to {largest_deg:.1?} degrees in the first two cycles, with it to {:.1}", -swing(0.8, 1.6, 3)[0]);
+    println!(
+        "without stall to {largest_deg:.1?} degrees in the first two cycles, with it to {:.1}",
+        -swing(0.8, 1.6, 3)[0]
+    );
     assert!(largest_deg[1] > 1.3 * -swing(0.8, 1.6, 3)[0], "stall is the limit: {largest_deg:?}");
 }
 
@@ -152,7 +155,11 @@ fn pl11_the_scenario_table() {
         let rows = series(blade_in_wind(pitch_kg_m2), 8.0);
         let half = rows.iter().find(|row| row[4] <= 2.0).expect("it slows")[0];
         let peak = |column: usize| rows.iter().map(|row| row[column].to_degrees()).fold(f64::NEG_INFINITY, f64::max);
-        println!("{pitch_kg_m2} kg·m²: half speed after {half:.2} s, pitch to {:.2}, flap to {:.3} degrees", peak(3), peak(2));
+        println!(
+            "{pitch_kg_m2} kg·m²: half speed after {half:.2} s, pitch to {:.2}, flap to {:.3} degrees",
+            peak(3),
+            peak(2)
+        );
         // rows every 50 ms
         assert!((half - half_s).abs() < 0.051, "{half} s");
     }

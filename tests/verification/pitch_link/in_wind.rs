@@ -36,7 +36,9 @@ fn row(plant: &Plant) -> [f64; 7] {
 /// PL-07. `foldwing simulate examples/failures/pitch_link_in_wind.toml` gives the series of the independent solution.
 #[test]
 fn pl07_the_model_file_gives_the_series() {
-    for (pitch_kg_m2, file) in [(0.0, "pitch_link_J0.csv"), (30.0, "pitch_link_J30.csv"), (300.0, "pitch_link_J300.csv")] {
+    for (pitch_kg_m2, file) in
+        [(0.0, "pitch_link_J0.csv"), (30.0, "pitch_link_J30.csv"), (300.0, "pitch_link_J300.csv")]
+    {
         let rows = series(blade_in_wind(pitch_kg_m2), 8.0);
         let (early, late) = misses(&rows, file);
         println!("{pitch_kg_m2} kg·m²: {early:.1e} rad until 2 s, {late:.1e} of the peaks until 8 s");

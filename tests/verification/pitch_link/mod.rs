@@ -5,6 +5,7 @@
 
 mod air;
 mod design;
+mod edges;
 mod failing;
 mod growth;
 mod in_wind;

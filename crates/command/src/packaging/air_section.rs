@@ -1,8 +1,8 @@
 //! Air on the documentation page.
 
 use crate::packaging::documentation::{number, table, vector};
-use foldwing_engine::machine::Machine;
 use foldwing_engine::aero::rotor::options::PitchRate;
+use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{AirOptions, Coupling, EndRule, LoadRule, WakeModel};
 use quick_xml::escape::escape;
 
@@ -30,9 +30,10 @@ pub(super) fn write(html: &mut String, machine: &Machine) {
         AirOptions::Rotor(rotor) => format!(
             "Blade-element momentum theory on {} blades{}{}{}{}{}; {}.",
             rotor.features.blades.unwrap_or(air.surfaces.len()),
-            rotor.features.inflow_lag_s.map_or(String::new(), |lag_s| {
-                format!(", induced velocity with a lag of {} s", number(lag_s))
-            }),
+            rotor
+                .features
+                .inflow_lag_s
+                .map_or(String::new(), |lag_s| { format!(", induced velocity with a lag of {} s", number(lag_s)) }),
             match rotor.features.pitch_rate {
                 PitchRate::None => "",
                 PitchRate::Hub => ", pitch rate against the hub",

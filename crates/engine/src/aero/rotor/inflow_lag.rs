@@ -192,7 +192,11 @@ mod tests {
         let (coarse, fine) = (error(10), error(20));
         assert!(coarse < 1e-2 && (3.4..4.6).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
         let steady = annulus.settled();
-        approx::assert_relative_eq!(annulus.balanced_m_s(steady.acting_m_s[0]), steady.acting_m_s[0], max_relative = 1e-12);
+        approx::assert_relative_eq!(
+            annulus.balanced_m_s(steady.acting_m_s[0]),
+            steady.acting_m_s[0],
+            max_relative = 1e-12
+        );
         assert!(steady.acting_m_s[0] > 1.0, "{steady:?}");
         // steps as long as the time constant, the longest that a machine may have
         let far = (0..40).fold(annulus.still(), |state, _| annulus.after(&state, 0.8));

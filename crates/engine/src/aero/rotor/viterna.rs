@@ -28,7 +28,9 @@ pub enum NoExtension {
     )]
     NotStalled(f64),
     /// The first row is not at negative stall above −90°.
-    #[error("the first angle is {0:.3} deg; a polar from stall to stall begins at the negative one, between -90 and 0 deg with a negative lift")]
+    #[error(
+        "the first angle is {0:.3} deg; a polar from stall to stall begins at the negative one, between -90 and 0 deg with a negative lift"
+    )]
     NotStalledBelow(f64),
     /// The first row lies beyond the reflected range.
     #[error("the first angle is {0:.3} deg; an extended polar begins between -90 deg and the last angle")]
@@ -284,13 +286,18 @@ mod tests {
             let (s, c) = stall.angle_rad.abs().sin_cos();
             let on = (sign * 40f64).to_radians();
             let (sine, cosine) = on.abs().sin_cos();
-            let lift = across * sine * cosine + (sign * stall.lift - across * s * c) * s / (c * c) * cosine * cosine / sine;
+            let lift =
+                across * sine * cosine + (sign * stall.lift - across * s * c) * s / (c * c) * cosine * cosine / sine;
             let drag = across * sine * sine + (stall.drag - across * s * s) / c * cosine;
             let found = polar.at(on);
             // straight lines between rows 0.25 degrees apart
             approx::assert_relative_eq!(found.lift, sign * lift, max_relative = 2e-4);
             approx::assert_relative_eq!(found.drag, drag, max_relative = 2e-4);
-            approx::assert_relative_eq!(found.moment, -0.25 * sign * (lift * cosine + drag * sine), max_relative = 2e-4);
+            approx::assert_relative_eq!(
+                found.moment,
+                -0.25 * sign * (lift * cosine + drag * sine),
+                max_relative = 2e-4
+            );
             let half = polar.at(stall.angle_rad + sign * 0.5 * shift_rad);
             let normal = half.lift * half.angle_rad.cos() + half.drag * half.angle_rad.sin();
             approx::assert_relative_eq!(half.moment, 0.5 * stall.moment - 0.125 * normal, max_relative = 2e-4);
@@ -300,7 +307,9 @@ mod tests {
         }
         for pair in polar.rows.windows(2).filter(|pair| pair[0].angle_rad.abs() > 0.25) {
             let gap = pair[1].angle_rad - pair[0].angle_rad;
-            assert!((pair[1].lift - pair[0].lift).abs() < 6.0 * gap && (pair[1].moment - pair[0].moment).abs() < 4.0 * gap);
+            assert!(
+                (pair[1].lift - pair[0].lift).abs() < 6.0 * gap && (pair[1].moment - pair[0].moment).abs() < 4.0 * gap
+            );
         }
         let reversed = [row(2.0, 0.4, 0.01), row(12.0, 1.6, 0.05)];
         assert!(matches!(extend_both(&reversed, across, shift_rad), Err(NoExtension::NotStalledBelow(_))));

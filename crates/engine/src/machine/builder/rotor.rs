@@ -53,7 +53,8 @@ impl RotorSettings {
             return None;
         };
         let machine = surfaces.len();
-        if let Some(blades) = self.features.blades.filter(|blades| *blades == 0 || blades % machine.max(1) != 0 || *blades > 100)
+        if let Some(blades) =
+            self.features.blades.filter(|blades| *blades == 0 || blades % machine.max(1) != 0 || *blades > 100)
         {
             let allowed = format!("a multiple of {machine}, the blades of the machine, up to 100");
             checker.refuse(&["air", "blades"], blades.to_string(), allowed);
