@@ -8,7 +8,7 @@ use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
 use crate::aero::rotor::dynamic_inflow::{InflowState, time_constant_s};
 use crate::aero::rotor::dynamic_stall::{SplitPolar, StallInflow, StallState};
-use crate::aero::rotor::induction::{Annulus, Approach, EndRule, SectionState, aerodyn_balance, balance};
+use crate::aero::rotor::induction::{Annulus, Approach, EndRule, aerodyn_balance, balance};
 use crate::aero::rotor::inflow_lag::{Lagging, Meeting};
 pub use crate::aero::rotor::options::{PitchRate, RotorFeatures, RotorOptions, Spread};
 use crate::aero::rotor::skew::Skew;
