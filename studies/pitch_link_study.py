@@ -42,7 +42,9 @@ class Runs:
         self.text = MODEL.read_text(encoding="utf-8")
 
     def call(self, *arguments):
-        subprocess.run([self.foldwing, *arguments], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=self.folder)
+        done = subprocess.run([self.foldwing, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=self.folder, check=False)
+        if done.returncode:
+            raise SystemExit(f"foldwing {' '.join(map(str, arguments))}: {done.stderr}")
 
     def simulate(self, text, *options):
         """Columns of a run of a model text."""
@@ -59,7 +61,7 @@ class Runs:
         text = re.sub(r"\[failure\.link\].*?(?=\[aerodynamics\])", "", self.text, flags=re.DOTALL)
         text = re.sub(r"^inertia_kg_m2 = 30\.0.*$", f"inertia_kg_m2 = {inertia_kg_m2!r}", text, flags=re.MULTILINE)
         text = re.sub(r"\[joint\.shaft\.drive\].*?(?=\[joint\.flap\])", "", text, flags=re.DOTALL)
-        turning = f'motion = "prescribed"\npolynomial_deg = [0.0, {np.degrees(speed_rad_s)!r}]'
+        turning = f'motion = "prescribed"\npolynomial_deg = [0.0, {float(np.degrees(speed_rad_s))!r}]'
         return re.sub(r"^start_rate_deg_s = .*$", turning, text, flags=re.MULTILINE)
 
     def steady(self, speed_rad_s):
@@ -71,7 +73,7 @@ class Runs:
     def released(self, speed_rad_s, inertia_kg_m2, steady):
         """Options and text of the blade that stands still in the air of the steady rotor and may pitch."""
         text = self.at_speed(speed_rad_s, inertia_kg_m2).replace("release = false", "release = true")
-        return text, ("--set", f"flap.start_angle={steady[0]!r}", "--set", f"pitch.constant_torque={-steady[2]!r}")
+        return text, ("--set", f"flap.start_angle={float(steady[0])!r}", "--set", f"pitch.constant_torque={float(-steady[2])!r}")
 
     def root(self, speed_rad_s, inertia_kg_m2, steady):
         """Least damped root that swings, 1/s and rad/s, by the linear model in air."""
@@ -84,7 +86,7 @@ class Runs:
     def growth(self, speed_rad_s, inertia_kg_m2, steady):
         """Growth rate of a small swing in time, 1/s: by its peaks."""
         text, options = self.released(speed_rad_s, inertia_kg_m2, steady)
-        run = self.simulate(text, *options, "--set", f"pitch.start_angle={np.radians(-2.001)!r}", "--stop", "6", "--output", "pitch.angle")
+        run = self.simulate(text, *options, "--set", f"pitch.start_angle={float(np.radians(-2.001))!r}", "--stop", "6", "--output", "pitch.angle")
         time, swing = run["time"], run["pitch.angle"] - np.radians(-2.0)
         middle = np.arange(1, len(swing) - 1)
         peaks = [i for i in middle if abs(swing[i]) >= abs(swing[i - 1]) and abs(swing[i]) > abs(swing[i + 1]) and time[i] > 2.5]
@@ -104,15 +106,15 @@ class Runs:
         rows = []
         for speed_rad_s in SPEEDS_RAD_S:
             half = ('[failure.half]\nkind = "spring_breaks"\njoint = "flap"\nremaining = 1.0\n'
-                    f'when = {{ joint = "shaft", rate_below_deg_s = {np.degrees(speed_rad_s / 2.0)!r} }}\n\n')
+                    f'when = {{ joint = "shaft", rate_below_deg_s = {float(np.degrees(speed_rad_s / 2.0))!r} }}\n\n')
             text = self.text.replace("[aerodynamics]", limits + half + "[aerodynamics]")
-            text = re.sub(r"^start_rate_deg_s = .*$", f"start_rate_deg_s = {np.degrees(speed_rad_s)!r}", text, flags=re.MULTILINE)
+            text = re.sub(r"^start_rate_deg_s = .*$", f"start_rate_deg_s = {float(np.degrees(speed_rad_s))!r}", text, flags=re.MULTILINE)
             (self.folder / "sweep.toml").write_text(text, encoding="utf-8")
             table = f"sweep_{speed_rad_s}.csv"
             outputs = "failure.half.time," + ",".join(f"failure.flap{index}.time" for index in range(len(LIMITS_DEG)))
             flap, torque, _ = steady[speed_rad_s]
             self.call("sweep", "sweep.toml", "--vary", "file:joint.pitch.drive.inertia_kg_m2=" + ",".join(map(str, INERTIAS_KG_M2)),
-                      "--set", f"flap.start_angle={flap!r}", "--set", f"shaft.constant_torque={torque!r}", "--output", outputs, "--out", table)
+                      "--set", f"flap.start_angle={float(flap)!r}", "--set", f"shaft.constant_torque={float(torque)!r}", "--output", outputs, "--out", table)
             with (self.folder / table).open(encoding="utf-8") as lines:
                 for row in csv.DictReader(lines):
                     if row["status"] != "done":

@@ -33,7 +33,9 @@ fn pl09_what_the_papers_figure_shows() {
     println!("pitch swings through {widths:.1?} degrees, flap through {flaps:.2?}");
     assert!(widths[0] > 20.0 && widths[1] > widths[0] + 5.0, "it grows for two cycles: {widths:?}");
     assert!(flaps[1] > 1.1 * flaps[0], "flap grows with it: {flaps:?}");
-    assert!(widths[2] < widths[1] + 5.0 && widths[3] < widths[1] + 5.0, "and no more then: {widths:?}");
+    // from half as much again per cycle to a tenth, and back
+    assert!(widths[2] < 1.2 * widths[1] && widths[3] < widths[1], "and hardly more then: {widths:?}");
+    assert!(flaps[2] < 1.2 * flaps[1], "nor does flap: {flaps:?}");
     // each of the first cycles enters the negative stall, at -10 degrees
     for cycle in 0..4 {
         let from_s = 0.8 * f64::from(cycle);
@@ -87,8 +89,9 @@ fn pl10_growth_over_the_inertia_and_in_time() {
     let inertias = [0.0, 20.0, 50.0, 100.0, 150.0];
     // the root that flutters is the one of the higher frequency
     let flutter = |pitch_kg_m2: f64| {
-        let of = roots(pitch_kg_m2, 4.0);
-        of.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).expect("a root")
+        let of = roots(blade_in_wind(pitch_kg_m2), 4.0, true);
+        let flutter = *of.iter().max_by(|a, b| a.1.total_cmp(&b.1)).expect("a root");
+        (flutter.0, of.iter().filter(|root| **root != flutter).map(|root| root.0).fold(f64::NEG_INFINITY, f64::max))
     };
     let growths = inertias.map(|pitch_kg_m2| flutter(pitch_kg_m2).0);
     assert!(growths.windows(2).all(|pair| pair[1] < pair[0] - 0.1), "{growths:?}");
@@ -100,15 +103,16 @@ fn pl10_growth_over_the_inertia_and_in_time() {
     println!("neutral at {low:.2} kg·m²");
     assert!((low - 105.7).abs() < 5.0, "{low}");
     for (pitch_kg_m2, growth) in inertias.into_iter().zip(growths) {
-        let measured = growth_in_time(pitch_kg_m2);
+        // until the other swing is gone to e^-7 of it
+        let measured = growth_in_time(pitch_kg_m2, 7.0 / (growth - flutter(pitch_kg_m2).1));
         println!("{pitch_kg_m2} kg·m²: {measured:+.4} 1/s in time, root {growth:+.4}");
-        // a swing of 1e-3 degrees, peaks read at 5 ms: 1e-5 of a peak; the next root is gone to e^-6 of it
+        // steps of 5 ms of the air: (6.6 · 0.005)²/12 of the frequency is 6e-4 1/s
         assert!((measured - growth).abs() < 5e-3, "{measured} {growth}");
     }
 }
 
-/// Growth rate in 1/s of a small swing about the steady rotation, from its peaks.
-fn growth_in_time(pitch_kg_m2: f64) -> f64 {
+/// Growth rate in 1/s of a small swing about the steady rotation, from its peaks in the three seconds from a time on.
+fn growth_in_time(pitch_kg_m2: f64, from_s: f64) -> f64 {
     let mut machine = blade_in_wind(pitch_kg_m2);
     machine.failures.clear();
     machine.solver.tolerance = 1e-10;
@@ -128,12 +132,13 @@ fn growth_in_time(pitch_kg_m2: f64) -> f64 {
     let mut plant = start(machine);
     let swing = |plant: &foldwing::plant::Plant| plant.outputs().joints()[2].angle_rad + 2f64.to_radians();
     let mut values = vec![swing(&plant)];
-    for i in 1..=1200 {
-        plant.step(5e-3 * f64::from(i)).expect("runs");
+    let first = (from_s / 5e-3) as usize;
+    for i in 1..=first + 600 {
+        plant.step(5e-3 * i as f64).expect("runs");
         values.push(swing(&plant));
     }
     let mut peaks: Vec<(f64, f64)> = Vec::new();
-    for i in 600..values.len() - 1 {
+    for i in first.max(1)..values.len() - 1 {
         let [a, b, c] = [values[i - 1], values[i], values[i + 1]].map(f64::abs);
         if b >= a && b > c {
             peaks.push((5e-3 * i as f64, (b + (a - c).powi(2) / (8.0 * (2.0 * b - a - c))).ln()));

@@ -1,10 +1,12 @@
 //! The air of the failing blade at its edges: what is refused by name, limits, values a thousand times larger.
 
+use super::air::{Induced, loads};
 use super::joint_of;
 use crate::plant::machines::start;
 use foldwing::aero::rotor::options::{PitchRate, Spread};
 use foldwing::config;
-use foldwing::machine::{AirOptions, Machine};
+use foldwing::machine::{AirOptions, JointMotion, Machine, Motion};
+use nalgebra::Vector3;
 use std::path::Path;
 
 fn text() -> String {
@@ -30,10 +32,18 @@ fn machine(changes: &[(&str, &str)]) -> Machine {
 fn pl14_what_does_not_go_together_is_refused() {
     let lag = "inflow_lag_s = 0.8";
     for (from, to, expected) in [
-        (lag, "inflow_lag_s = 0.004", "key 'aerodynamics.inflow_lag_s': 0.004 is not allowed; allowed: a finite time >= 0.005 s"),
+        (
+            lag,
+            "inflow_lag_s = 0.004",
+            "key 'aerodynamics.inflow_lag_s': 0.004 is not allowed; allowed: a finite time >= 0.005 s",
+        ),
         (lag, "inflow_lag_s = 0.0", "key 'aerodynamics.inflow_lag_s': 0"),
         (lag, "inflow_lag_s = -1.0", "key 'aerodynamics.inflow_lag_s': -1"),
-        (lag, "inflow_lag_s = 0.8\ndynamic_inflow = true", "only without inflow_lag_s, which replaces the momentum balance"),
+        (
+            lag,
+            "inflow_lag_s = 0.8\ndynamic_inflow = true",
+            "only without inflow_lag_s, which replaces the momentum balance",
+        ),
         (lag, "inflow_lag_s = 0.8\nskewed_wake = true", "key 'aerodynamics.skewed_wake'"),
         (lag, "inflow_lag_s = 0.8\nas_aerodyn = true", "key 'aerodynamics.as_aerodyn'"),
         (lag, "inflow_lag_s = 0.8\nend_rule = \"stopped\"", "key 'aerodynamics.end_rule'"),
@@ -57,7 +67,9 @@ fn pl14_what_does_not_go_together_is_refused() {
     // the same keys without a rotor
     for (key, value) in [("inflow_lag_s", "0.8"), ("blades", "2"), ("pitch_rate", "\"hub\""), ("spread", "\"cells\"")] {
         let without = format!("[aerodynamics]\nmodel = \"none\"\n{key} = {value}\n");
-        let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/slender_wing.toml")).expect("a model");
+        let text =
+            std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/slender_wing.toml"))
+                .expect("a model");
         let text = text.replacen("[aerodynamics]\n", &format!("[aerodynamics]\n{key} = {value}\n"), 1);
         let message = config::parse(&text, "wing").expect_err(key).to_string();
         assert!(message.contains("this key only with model = \"bem\""), "{without}: {message}");
@@ -69,20 +81,27 @@ fn pl14_what_does_not_go_together_is_refused() {
 fn pl15_a_blade_stands_for_others() {
     let of = |machine: Machine| {
         let mut plant = start(machine);
+        let steady = plant.outputs().rotor()[0];
         plant.step(0.5).expect("runs");
-        (plant.outputs().joints()[2].angle_rad, plant.outputs().rotor()[0])
+        (plant.outputs().joints()[2].angle_rad, steady)
     };
     let (two_rad, two) = of(machine(&[]));
     let (one_rad, one) = of(machine(&[("blades = 2", "blades = 1")]));
     // four thin blades for two: the same chord in all, half as much each
-    let (four_rad, four) = of(machine(&[
+    let (_, four) = of(machine(&[
         ("blades = 2", "blades = 4"),
         ("chord_m = { table = [[0.0, 1.71], [20.25, 0.9]] }", "chord_m = { table = [[0.0, 0.855], [20.25, 0.45]] }"),
     ]));
     assert!((two_rad - one_rad).abs() > 1e-4, "induction follows the number of blades: {two_rad} {one_rad}");
     assert!(two.induction > 1.5 * one.induction, "{} {}", two.induction, one.induction);
-    assert!((four.induction - two.induction).abs() < 0.35 * two.induction && four_rad != two_rad);
-    assert!(two.thrust_n > 1.6 * one.thrust_n && two.thrust_n < 2.0 * one.thrust_n, "{} {}", two.thrust_n, one.thrust_n);
+    assert!((four.induction / two.induction - 1.0).abs() < 1e-9, "{} {}", four.induction, two.induction);
+    assert!((four.thrust_n / two.thrust_n - 1.0).abs() < 1e-9, "{} {}", four.thrust_n, two.thrust_n);
+    assert!(
+        two.thrust_n > 1.6 * one.thrust_n && two.thrust_n < 2.0 * one.thrust_n,
+        "{} {}",
+        two.thrust_n,
+        one.thrust_n
+    );
 }
 
 /// PL-16. Limits. Still air, wind from behind and a wind a thousand times stronger run; a rotor at rest in no wind feels nothing; cells and
@@ -101,7 +120,10 @@ fn pl16_limits() {
         Ok(()) => assert!(plant.outputs().joints().iter().all(|joint| joint.angle_rad.is_finite())),
         Err(error) => assert!(!error.to_string().is_empty()),
     }
-    let mut still = machine(&[(wind, "wind_m_s = [0.0, 0.0, 0.0]"), ("start_rate_deg_s = 229.1831180523293", "start_rate_deg_s = 0.0")]);
+    let mut still = machine(&[
+        (wind, "wind_m_s = [0.0, 0.0, 0.0]"),
+        ("start_rate_deg_s = 229.1831180523293", "start_rate_deg_s = 0.0"),
+    ]);
     joint_of(&mut still, "shaft").drive.constant_torque_n_m = 0.0;
     joint_of(&mut still, "flap").start_angle_rad = 0.0;
     let mut plant = start(still);
@@ -113,7 +135,8 @@ fn pl16_limits() {
         let text = text();
         let begin = text.find("stations_m").expect("stations");
         let end = text[begin..].find("\n\n").expect("an end") + begin;
-        let stations = format!("stations_m = [{}]\npolars = [{}]", places.join(", "), vec!["\"profile\""; 81].join(", "));
+        let stations =
+            format!("stations_m = [{}]\npolars = [{}]", places.join(", "), vec!["\"profile\""; 81].join(", "));
         let text = format!("{}{stations}{}", &text[..begin], &text[end..]).replace("spread = \"cells\"", spread);
         let plant = start(config::parse(&text, "blade").unwrap_or_else(|error| panic!("{error}")));
         plant.outputs().rotor()[0].thrust_n
@@ -123,20 +146,30 @@ fn pl16_limits() {
     assert!((cells / lines - 1.0).abs() < 5e-4, "{cells} {lines}");
     let mut turning = machine(&[]);
     turning.failures.clear();
+    // what accelerates would pull at the link too
+    joint_of(&mut turning, "shaft").motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.0, 4.0]));
+    joint_of(&mut turning, "shaft").start_rate_rad_s = 0.0;
+    joint_of(&mut turning, "flap").motion = JointMotion::Locked;
     let hold = |machine: &Machine| start(machine.clone()).outputs().joints()[2].holding_torque_n_m;
     let hub = hold(&turning);
     let AirOptions::Rotor(rotor) = &mut turning.air.as_mut().expect("air").options else { panic!("a rotor") };
     assert_eq!((rotor.features.pitch_rate, rotor.features.spread), (PitchRate::Hub, Spread::Cells));
     rotor.features.pitch_rate = PitchRate::Air;
     let air = hold(&turning);
-    // Ω sin β = 0.044 rad/s damps nose up: −π/16 ρ c³ W Ω sin β over the blade, and a little lift on an axis at the quarter chord
-    let expected = -(0..10).map(|i| 2.25 + 2.025 * (f64::from(i) + 0.5)).fold(0.0, |sum, r| {
-        let (chord_m, speed_m_s) = (1.8 - 0.9 * r / 22.5, (4.0 * r).hypot(11.0));
-        sum + std::f64::consts::PI / 16.0 * 1.225 * f64::powi(chord_m, 3) * speed_m_s * 4.0 * 0.0109988f64.sin() * 2.025
-    });
+    // the reference's air with Ω sin β for the rate of pitch
+    let flap_rad = 0.6301876f64.to_radians();
+    let moment = |rate_rad_s: f64| {
+        let (q, rates) = (Vector3::new(0.0, flap_rad, (-2f64).to_radians()), Vector3::new(4.0, 0.0, rate_rad_s));
+        let mut induced = Induced::zeros();
+        for _ in 0..4000 {
+            induced += 0.05 * 0.8 * loads(&q, &rates, &induced).1;
+        }
+        loads(&q, &rates, &induced).0[2]
+    };
+    let expected = moment(4.0 * flap_rad.sin()) - moment(0.0);
     println!("rate in the air: {:.2} N·m, by hand {expected:.2}", hub - air);
-    // the hand's speed has an induction of 2 m/s throughout: 1 % of the speed
-    assert!((hub - air - -expected).abs() < 0.03 * expected.abs(), "{hub} {air} {expected}");
+    // slopes of the polar's rows
+    assert!((hub - air - expected).abs() < 0.01 * expected.abs() && expected < -15.0, "{hub} {air} {expected}");
 }
 
 /// PL-17. Dynamic stall on the same blade: in the steady rotor it is the static polar, after the failure stall comes later and the swing
@@ -188,5 +221,6 @@ fn pl18_a_blade_that_bends() {
     let [none, some, many] = [0.0, 30.0, 300.0].map(of);
     println!("strain at the root before and after, pitch at 6 s: {none:?} {some:?} {many:?}");
     assert!((none.0 - many.0).abs() < 1e-3 * many.0, "the link holds alike before: {} {}", none.0, many.0);
-    assert!(none.1 > 1.1 * some.1 && some.1 > many.1, "{none:?} {some:?} {many:?}");
+    assert!(none.1 > 1.01 * some.1 && some.1 > 1.05 * many.1, "{none:?} {some:?} {many:?}");
+    assert!(many.1 > 2.0 * many.0, "the jump alone: {many:?}");
 }
