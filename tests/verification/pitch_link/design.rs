@@ -106,7 +106,7 @@ fn pl10_growth_over_the_inertia_and_in_time() {
         // until the other swing is gone to e^-7 of it
         let measured = growth_in_time(pitch_kg_m2, 7.0 / (growth - flutter(pitch_kg_m2).1));
         println!("{pitch_kg_m2} kg·m²: {measured:+.4} 1/s in time, root {growth:+.4}");
-        // steps of 5 ms of the air: (6.6 · 0.005)²/12 of the frequency is 6e-4 1/s
+        // steps of the air of 2.5 ms: (7 · 0.0025)²/12 of the frequency is 2e-4 1/s
         assert!((measured - growth).abs() < 5e-3, "{measured} {growth}");
     }
 }

@@ -34,8 +34,8 @@ fn pl14_what_does_not_go_together_is_refused() {
     for (from, to, expected) in [
         (
             lag,
-            "inflow_lag_s = 0.004",
-            "key 'aerodynamics.inflow_lag_s': 0.004 is not allowed; allowed: a finite time >= 0.005 s",
+            "inflow_lag_s = 0.002",
+            "key 'aerodynamics.inflow_lag_s': 0.002 is not allowed; allowed: a finite time >= 0.0025 s",
         ),
         (lag, "inflow_lag_s = 0.0", "key 'aerodynamics.inflow_lag_s': 0"),
         (lag, "inflow_lag_s = -1.0", "key 'aerodynamics.inflow_lag_s': -1"),
