@@ -179,6 +179,8 @@ validate: package venv ## Compare with the methods of the paper, sweep on Dask, 
 	$(VENV_PYTHON) examples/gust.py --foldwing $(COMMAND) --picture docs/pictures/gust.png
 	$(VENV_PYTHON) examples/identify_damping.py --fmu $(FMU) --picture docs/pictures/identified_damping.png
 	$(VENV_PYTHON) studies/plot_models.py --foldwing $(COMMAND) --output docs/pictures
+	$(VENV_PYTHON) studies/plot_failures.py --foldwing $(COMMAND) --output docs/pictures
+	$(VENV_PYTHON) studies/pitch_link_study.py --foldwing $(COMMAND) --output docs/pictures --table docs/tables/pitch_link.md
 	$(VENV_PYTHON) studies/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
 	@$(PYTHON) tools/create_venv.py $(DASK) --requirements python/requirements-dask.txt
 	$(DASK)/bin/python examples/sweep_dask.py --fmu $(FMU) --foldwing $(COMMAND)

@@ -251,6 +251,9 @@ fn build_surface(
             }
         }
     }
+    if let Some(length_m) = surface.length_m {
+        built = built.length_m(length_m);
+    }
     Some(match surface.leading_edge {
         LeadingEdgeFile::Plus => built,
         LeadingEdgeFile::Minus => built.leading_edge_minus_y(),

@@ -1,7 +1,7 @@
 //! Air around the machine: the tables `[aerodynamics]`, `[surface.<name>]` and `[gust.<name>]` of the model file.
 
 use crate::function::FunctionFile;
-use crate::rotor_file::{EndRuleFile, TurnsFile};
+use crate::rotor_file::{EndRuleFile, PitchRateFile, SpreadFile, TurnsFile};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -80,6 +80,19 @@ pub(super) struct AirFile {
     pub skewed_wake: bool,
     /// Whether the induced velocity follows with the delay of the wake (Øye). `bem` only.
     pub dynamic_inflow: bool,
+    /// Time constant with which the induced velocity of each annulus follows that of momentum theory for the load that acts,
+    /// without losses and swirl; instead of the momentum balance. At least the aerodynamic step. `bem` only.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub inflow_lag_s: Option<f64>,
+    /// Blades of the rotor: a multiple of the surfaces, each of which then stands for others that move like it; default: the
+    /// surfaces. `bem` only.
+    #[schemars(range(min = 1, max = 100))]
+    pub blades: Option<usize>,
+    /// What sections feel of their turning about the span, as thin aerofoils in quasi-steady flow: the angle of attack of three
+    /// quarters of the chord, and a damping moment. `dynamic_stall` has its own. `bem` only.
+    pub pitch_rate: PitchRateFile,
+    /// How loads between stations follow from those at the stations. `bem` only.
+    pub spread: SpreadFile,
     /// Whether sections stall with delay (Beddoes and Leishman, four states). `bem` only.
     pub dynamic_stall: bool,
     /// Angle of attack of blades that bend in and out of the plane, and state of heavily loaded annuli, as AeroDyn has them; for
@@ -116,6 +129,10 @@ impl Default for AirFile {
             end_rule: EndRuleFile::ZeroLoad,
             skewed_wake: false,
             dynamic_inflow: false,
+            inflow_lag_s: None,
+            blades: None,
+            pitch_rate: PitchRateFile::None,
+            spread: SpreadFile::Linear,
             dynamic_stall: false,
             as_aerodyn: false,
         }
@@ -186,6 +203,9 @@ pub(super) struct SurfaceFile {
     /// Strips along the span; panels of the lattice along the span. Needed but for a blade, which has `stations_m`.
     #[schemars(range(min = 1, max = 1000))]
     pub strips: Option<usize>,
+    /// Length of a blade on a rigid body, along the body's x axis from its origin. `bem` only, needed there on rigid bodies.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub length_m: Option<f64>,
     /// Places along a blade, from the body's inner end, where the air is looked at; loads go in straight lines between them.
     /// `bem` only, needed there.
     #[schemars(length(min = 2, max = 1000))]

@@ -2,13 +2,16 @@
 
 use crate::air_file::AirFile;
 use crate::file::ModelFile;
-use crate::rotor_file::{EndRuleFile, PolarFile, PotentialFile, ShadowFile, TowerFile, TurnsFile, WindFile};
+use crate::rotor_file::{
+    EndRuleFile, PitchRateFile, PolarFile, PotentialFile, ShadowFile, SpreadFile, TowerFile, TurnsFile, WindFile,
+};
 use crate::validate::Checker;
 use foldwing_engine::aero::polar::{Polar, PolarRow};
 use foldwing_engine::aero::rotor::induction::EndRule;
+use foldwing_engine::aero::rotor::options::{PitchRate, Spread};
 use foldwing_engine::aero::rotor::tower::{Potential, Shadow, Tower};
 use foldwing_engine::aero::rotor::turbulence::Turbulence;
-use foldwing_engine::aero::rotor::viterna::{drag_across, extend, is_full_circle};
+use foldwing_engine::aero::rotor::viterna::{drag_across, extend, extend_both, is_full_circle};
 use foldwing_engine::aero::rotor::wind::{Shear, Source, TableRow, WindField, WindTable};
 use foldwing_engine::machine::Air;
 use foldwing_engine::machine::builder::{AirBuilder, RotorSettings};
@@ -23,10 +26,14 @@ pub(super) const KEYS: &[&str] = &[
     "end_rule",
     "skewed_wake",
     "dynamic_inflow",
+    "inflow_lag_s",
+    "blades",
+    "pitch_rate",
+    "spread",
     "dynamic_stall",
     "as_aerodyn",
 ];
-pub(super) const SURFACE_KEYS: &[&str] = &["stations_m", "polars"];
+pub(super) const SURFACE_KEYS: &[&str] = &["stations_m", "polars", "length_m"];
 
 /// Air of the file's rotor. `None` where a problem was found.
 pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> Option<AirBuilder> {
@@ -46,6 +53,18 @@ pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> O
     };
     settings.features.skewed_wake = air.skewed_wake;
     settings.features.dynamic_inflow = air.dynamic_inflow;
+    settings.features.inflow_lag_s = air.inflow_lag_s;
+    settings.features.blades = air.blades;
+    settings.features.pitch_rate = match air.pitch_rate {
+        PitchRateFile::None => PitchRate::None,
+        PitchRateFile::Hub => PitchRate::Hub,
+        PitchRateFile::Air => PitchRate::Air,
+    };
+    settings.features.spread = match air.spread {
+        SpreadFile::Linear => Spread::Linear,
+        SpreadFile::Cells => Spread::Cells,
+    };
+    refuse_rivals(air, checker);
     settings.features.dynamic_stall = air.dynamic_stall;
     settings.features.as_aerodyn = air.as_aerodyn;
     for (name, polar) in &file.polar {
@@ -58,6 +77,26 @@ pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> O
         settings.features.field = Some(field(wind, air, checker)?);
     }
     Some(Air::rotor(settings))
+}
+
+/// Refuses keys that do not go together.
+fn refuse_rivals(air: &AirFile, checker: &mut Checker) {
+    let stated = [
+        ("dynamic_inflow", air.dynamic_inflow),
+        ("skewed_wake", air.skewed_wake),
+        ("as_aerodyn", air.as_aerodyn),
+        ("end_rule", air.end_rule == EndRuleFile::Stopped),
+    ];
+    for (key, _) in stated.into_iter().filter(|(_, stated)| *stated && air.inflow_lag_s.is_some()) {
+        checker.refuse(
+            &["aerodynamics", key],
+            "this setting only without inflow_lag_s, which replaces the momentum balance",
+        );
+    }
+    if air.dynamic_stall && air.pitch_rate != PitchRateFile::None {
+        checker
+            .refuse(&["aerodynamics", "pitch_rate"], "\"none\" with dynamic_stall, which has the rate in its states");
+    }
 }
 
 fn needed<T: Clone>(value: &Option<T>, path: &[&str], allowed: &str, checker: &mut Checker) -> Option<T> {
@@ -97,6 +136,18 @@ fn full_circle(name: &str, polar: &PolarFile, checker: &mut Checker) -> Option<P
     }
     let row = |row: &[f64; 4]| PolarRow { angle_rad: row[0].to_radians(), lift: row[1], drag: row[2], moment: row[3] };
     let rows: Vec<PolarRow> = rows.iter().map(row).collect();
+    let path = ["polar", name, "pressure_shift_deg"];
+    match polar.pressure_shift_deg {
+        Some(shift_deg) if !(shift_deg > 0.0 && shift_deg <= 80.0) => {
+            checker.refuse(&path, "an angle > 0 deg, at most 80");
+            return None;
+        }
+        Some(_) if polar.aspect_ratio.is_none() => {
+            checker.refuse(&path, "this key only with aspect_ratio");
+            return None;
+        }
+        _ => {}
+    }
     match polar.aspect_ratio {
         Some(_) if is_full_circle(&rows) => {
             checker.refuse(
@@ -105,7 +156,10 @@ fn full_circle(name: &str, polar: &PolarFile, checker: &mut Checker) -> Option<P
             );
             None
         }
-        Some(ratio) => match extend(&rows, drag_across(ratio)) {
+        Some(ratio) => match match polar.pressure_shift_deg {
+            Some(shift_deg) => extend_both(&rows, drag_across(ratio), shift_deg.to_radians()),
+            None => extend(&rows, drag_across(ratio)),
+        } {
             Ok(polar) => Some(polar),
             Err(reason) => {
                 checker.refuse_as(

@@ -13,6 +13,28 @@ pub(super) enum EndRuleFile {
     Stopped,
 }
 
+/// Turning of a section about its span that a section without dynamic stall feels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum PitchRateFile {
+    /// None.
+    None,
+    /// Against the hub.
+    Hub,
+    /// In the air: a coned blade that goes round turns in it besides.
+    Air,
+}
+
+/// Loads between the stations of a blade.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum SpreadFile {
+    /// In straight lines between stations, none beyond the first and the last.
+    Linear,
+    /// Each station carries the load of its cell, which reaches half way to its neighbours and to the ends of the blade.
+    Cells,
+}
+
 /// Sense in which a rotor turns, for who looks downwind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -39,6 +61,11 @@ pub(super) struct PolarFile {
     /// Aspect ratio of the blade: extends rows that end at stall to the full circle by Viterna's formulas.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub aspect_ratio: Option<f64>,
+    /// The rows go from the negative to the positive stall, and Viterna's formulas extend both ends: over this angle beyond either
+    /// stall the centre of pressure goes to half chord. With `aspect_ratio` only, at most 80. Default: rows that end at the positive
+    /// stall, and the reflected half of it for negative angles.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub pressure_shift_deg: Option<f64>,
 }
 
 /// Wind as a field, with `model = "bem"`: what it adds to, or does to, the wind of the input.

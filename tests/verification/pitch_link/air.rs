@@ -25,7 +25,7 @@ pub fn chord_m(share: f64) -> f64 {
 }
 
 /// Lift, drag and moment coefficients at an angle of attack: linear, then by Viterna and Corrigan.
-fn polar(angle_rad: f64) -> [f64; 3] {
+pub fn polar(angle_rad: f64) -> [f64; 3] {
     let alpha = (angle_rad + PI).rem_euclid(2.0 * PI) - PI;
     let linear = |alpha: f64| LIFT_SLOPE * (alpha - ZERO_LIFT_DEG.to_radians());
     let (mut lift, mut drag) = (linear(alpha), DRAG + 0.01 * linear(alpha).powi(2));

@@ -68,7 +68,7 @@ fn motion(pitch_kg_m2: f64) -> Vec<[f64; 7]> {
 }
 
 /// Largest misses of the angles until 2 s, and of each variable over its largest magnitude until 8 s.
-fn misses(rows: &[[f64; 7]], file: &str) -> (f64, f64) {
+pub fn misses(rows: &[[f64; 7]], file: &str) -> (f64, f64) {
     let reference = reference_rows(file);
     assert_eq!(reference.len(), rows.len());
     let (mut early, mut late) = (0.0f64, 0.0f64);

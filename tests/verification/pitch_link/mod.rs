@@ -4,8 +4,11 @@
 //! Cases are numbered PL-xx.
 
 mod air;
+mod design;
+mod edges;
 mod failing;
 mod growth;
+mod in_wind;
 mod momenta;
 
 use foldwing::config;
@@ -28,11 +31,16 @@ struct Lamina {
 
 /// The shipped blade with gears of an inertia in kg·m² left in the pitch circuit.
 fn blade(pitch_kg_m2: f64) -> Machine {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/failures/pitch_link.toml");
-    let text = std::fs::read_to_string(path).expect("a shipped model");
-    let mut machine = config::parse(&text, "pitch_link").unwrap_or_else(|error| panic!("{error}"));
+    let mut machine = shipped("pitch_link");
     joint_of(&mut machine, "pitch").drive.inertia_kg_m2 = pitch_kg_m2;
     machine
+}
+
+/// A model of `examples/failures`.
+fn shipped(name: &str) -> Machine {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("examples/failures/{name}.toml"));
+    let text = std::fs::read_to_string(path).expect("a shipped model");
+    config::parse(&text, name).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn joint_of<'m>(machine: &'m mut Machine, name: &str) -> &'m mut OneFreedom {

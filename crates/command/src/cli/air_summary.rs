@@ -1,5 +1,6 @@
 //! Air in the summary of `foldwing check`.
 
+use foldwing_engine::aero::rotor::options::PitchRate;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{AirOptions, Coupling, LoadRule, Parent, WakeModel};
 use foldwing_engine::plant::{CLOSED_PANELS, SurfaceGap};
@@ -149,7 +150,17 @@ fn describe(options: &AirOptions) -> String {
             let skew = if rotor.features.skewed_wake { ", skewed wake" } else { "" };
             let inflow = if rotor.features.dynamic_inflow { ", dynamic inflow" } else { "" };
             let stall = if rotor.features.dynamic_stall { ", dynamic stall" } else { "" };
-            format!("blade elements in momentum balance{skew}{inflow}{stall}")
+            let induced = match rotor.features.inflow_lag_s {
+                Some(lag_s) => format!("blade elements with an induced velocity that lags by {lag_s} s"),
+                None => "blade elements in momentum balance".to_owned(),
+            };
+            let rate = match rotor.features.pitch_rate {
+                PitchRate::None => "",
+                PitchRate::Hub => ", pitch rate against the hub",
+                PitchRate::Air => ", pitch rate in the air",
+            };
+            let like = rotor.features.blades.map_or(String::new(), |blades| format!(", {blades} like blades"));
+            format!("{induced}{like}{skew}{inflow}{rate}{stall}")
         }
         AirOptions::Strips(strips) => {
             let lag = if strips.unsteady { "unsteady" } else { "quasi-steady" };

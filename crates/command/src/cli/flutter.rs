@@ -171,9 +171,9 @@ fn wind(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, Failure> {
     let Some(air) = &machine.air else {
         return Err(refused("has no air; flutter needs [aerodynamics] with model = \"strip\" and surfaces"));
     };
-    if !air.options.is_linearised() {
+    if !air.options.is_linearised() || air.options.is_rotor() {
         return Err(refused(
-            "has the air of a lattice or a rotor, which has no linear model; use strips (aerodynamics.model = \"strip\"), or look at runs \
+            "has the air of a lattice, which has no linear model, or of a rotor, which turns; use strips (aerodynamics.model = \"strip\"), or look at runs \
              in which a gust makes it swing",
         ));
     }

@@ -105,7 +105,7 @@ fn gusts_of(names: &[String], machine: &Machine) -> Result<(Vec<usize>, Vec<Stri
             continue;
         }
         return Err(Failure::Usage(format!(
-            "--inputs {name}: gusts are inputs of linear models with strips alone (aerodynamics.model = \"strip\")"
+            "--inputs {name}: gusts are inputs of linear models with strips alone (aerodynamics.model = \"strip\"), or with a rotor that has inflow_lag_s"
         )));
     }
     gusts.sort_unstable();

@@ -1,6 +1,7 @@
 //! Air on the documentation page.
 
 use crate::packaging::documentation::{number, table, vector};
+use foldwing_engine::aero::rotor::options::PitchRate;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{AirOptions, Coupling, EndRule, LoadRule, WakeModel};
 use quick_xml::escape::escape;
@@ -27,12 +28,22 @@ pub(super) fn write(html: &mut String, machine: &Machine) {
             })
         ),
         AirOptions::Rotor(rotor) => format!(
-            "Blade-element momentum theory on {} blades{}{}{}; {}.",
-            air.surfaces.len(),
+            "Blade-element momentum theory on {} blades{}{}{}{}{}; {}.",
+            rotor.features.blades.unwrap_or(air.surfaces.len()),
+            rotor
+                .features
+                .inflow_lag_s
+                .map_or(String::new(), |lag_s| { format!(", induced velocity with a lag of {} s", number(lag_s)) }),
+            match rotor.features.pitch_rate {
+                PitchRate::None => "",
+                PitchRate::Hub => ", pitch rate against the hub",
+                PitchRate::Air => ", pitch rate in the air",
+            },
             if rotor.features.skewed_wake { ", skewed wake" } else { "" },
             if rotor.features.dynamic_inflow { ", dynamic inflow" } else { "" },
             if rotor.features.dynamic_stall { ", dynamic stall" } else { "" },
             match rotor.features.end_rule {
+                _ if rotor.features.inflow_lag_s.is_some() => "no losses at tip and hub",
                 EndRule::ZeroLoad => "no load where the tip or hub loss is complete",
                 EndRule::Stopped => "the wind stopped where the tip or hub loss is complete",
             }

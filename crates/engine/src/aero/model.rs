@@ -24,9 +24,14 @@ pub enum AirOptions {
 }
 
 impl AirOptions {
-    /// Whether linear models have this air, with its lags: strips. The loads of lattices and rotors are held.
+    /// Whether linear models have this air, with its lags: strips, and rotors whose induced velocity lags without dynamic stall.
+    /// The loads of lattices and other rotors are held.
     pub fn is_linearised(&self) -> bool {
-        matches!(self, Self::Strips(_))
+        match self {
+            Self::Lattice(_) => false,
+            Self::Strips(_) => true,
+            Self::Rotor(options) => options.features.is_linearised(),
+        }
     }
 
     /// Whether it is the air of a rotor.

@@ -43,6 +43,9 @@ pub fn first_frames(bodies: &[Body], stand: impl Fn(&OneFreedom) -> f64) -> Vec<
 /// closes to 1e-4 of its radius.
 pub fn along(body: &Body, first: &Frame, distance_m: f64) -> Frame {
     const STEPS: usize = 200;
+    if body.is_rigid() {
+        return *first;
+    }
     let step = distance_m / STEPS as f64;
     let mut frame = *first;
     for i in 0..STEPS {

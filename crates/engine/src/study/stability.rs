@@ -30,8 +30,8 @@ pub struct Stability {
     pub potential: bool,
     /// Something moves without resistance: the tangent is singular, and only the modes decide.
     pub neutral: bool,
-    /// Growing motions among the modes of lowest frequency, fastest first. They include the air of strips; the loads of
-    /// a lattice or a rotor are constant.
+    /// Growing motions among the modes of lowest frequency, fastest first. They include the air of strips,
+    /// and of a rotor whose induced velocity lags; other loads of the air are constant.
     pub growing: Vec<Growth>,
 }
 
@@ -100,7 +100,8 @@ impl Study<'_> {
     }
 
     /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first: among the modes of lowest
-    /// frequency, one of each pair. They include the air of strips; the loads of a lattice or a rotor are constant.
+    /// frequency, one of each pair. They include the air of strips, and of a rotor whose
+    /// induced velocity lags; other loads of the air are constant.
     /// `None` for machines with too many coordinates.
     pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
         if self.system.coordinates() > MAXIMUM_COORDINATES {

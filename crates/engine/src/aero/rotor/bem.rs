@@ -6,81 +6,19 @@
 
 use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
-use crate::aero::polar::Polar;
 use crate::aero::rotor::dynamic_inflow::{InflowState, time_constant_s};
 use crate::aero::rotor::dynamic_stall::{SplitPolar, StallInflow, StallState};
-use crate::aero::rotor::induction::{Annulus, Approach, EndRule, SectionState, aerodyn_balance, balance};
+use crate::aero::rotor::induction::{Annulus, Approach, EndRule, aerodyn_balance, balance};
+use crate::aero::rotor::inflow_lag::{Lagging, Meeting};
+pub use crate::aero::rotor::options::{PitchRate, RotorFeatures, RotorOptions, Spread};
 use crate::aero::rotor::skew::Skew;
 use crate::aero::rotor::steady::induction_share;
-use crate::aero::rotor::tower::Tower;
-use crate::aero::rotor::wind::WindField;
 use crate::aero::surface::{ChordLine, Surface};
 use crate::load::SectionMotion;
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
-
-/// What the air of a rotor takes into account: stated by whoever builds the machine, used as it is by the model.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RotorFeatures {
-    /// Whether the rotor turns about its shaft axis by the right hand: clockwise for who looks downwind.
-    pub clockwise: bool,
-    /// Radius in m at which the blades begin, for the hub loss.
-    pub hub_radius_m: f64,
-    /// Prandtl's losses at tip and hub.
-    pub losses: [bool; 2],
-    /// Loads where the loss is complete.
-    pub end_rule: EndRule,
-    /// Whether the wake leans with the wind, eq. (B15).
-    pub skewed_wake: bool,
-    /// Whether the induced velocity lags behind the momentum balance as the wake does, eqs. (B9) and (B10).
-    pub dynamic_inflow: bool,
-    /// Whether sections have dynamic stall, eqs. (B12)–(B14).
-    pub dynamic_stall: bool,
-    /// Angle of attack of blades that bend both ways and state of heavily loaded annuli as AeroDyn has them, eq. (B23).
-    pub as_aerodyn: bool,
-    /// Tower that the wind goes around.
-    pub tower: Option<Tower>,
-    /// Field of the wind; without it the input's wind is everywhere.
-    pub field: Option<WindField>,
-}
-
-impl RotorFeatures {
-    /// A rotor that turns clockwise, whose blades begin at a radius in m; both losses, no load at the ends, no wake that leans or
-    /// lags, no dynamic stall, neither tower nor field.
-    pub fn of(hub_radius_m: f64) -> Self {
-        Self {
-            clockwise: true,
-            hub_radius_m,
-            losses: [true; 2],
-            end_rule: EndRule::ZeroLoad,
-            skewed_wake: false,
-            dynamic_inflow: false,
-            dynamic_stall: false,
-            as_aerodyn: false,
-            tower: None,
-            field: None,
-        }
-    }
-}
-
-/// Settings of a rotor's air.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RotorOptions {
-    /// Index into the machine's bodies of the one that turns with the blades.
-    pub hub_body: usize,
-    /// Unit vector along the shaft in the hub's frame, pointing downwind.
-    pub shaft_axis: Vector3<f64>,
-    /// Polars, −180° to 180°.
-    pub polars: Vec<Polar>,
-    /// Index of the polar of each section, surface by surface.
-    pub sections: Vec<Vec<usize>>,
-    /// Distances of the sections from the root of the blade in m, surface by surface.
-    pub positions_m: Vec<Vec<f64>>,
-    /// What code and file say alike.
-    pub features: RotorFeatures,
-}
 
 /// Loads and coefficients of the rotor.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, Serialize, Deserialize)]
@@ -155,24 +93,29 @@ struct Section {
     chord: ChordLine,
     chord_m: f64,
     polar: usize,
+    /// Radius of the straight blade in m.
+    radius_m: f64,
     /// `B (R − r)/(2 r)` and `B (r − r_h)/(2 r_h)` of the straight blade.
     exponents: [f64; 2],
 }
 
 /// A section at one instant, before induction.
 #[derive(Clone, Copy)]
-struct Cut {
-    arm_m: Vector3<f64>,
+pub(super) struct Cut {
+    pub(super) arm_m: Vector3<f64>,
     relative_m_s: Vector3<f64>,
+    /// Wind along the shaft against the hub, without the tower, in m/s.
+    wind_m_s: f64,
     radial_m: Vector3<f64>,
-    from_apex_m: Vector3<f64>,
-    line_n_m: Vector3<f64>,
-    moment_n: Vector3<f64>,
+    pub(super) from_apex_m: Vector3<f64>,
+    pub(super) line_n_m: Vector3<f64>,
+    pub(super) moment_n: Vector3<f64>,
 }
 
 const NO_CUT: Cut = Cut {
     arm_m: Vector3::new(0.0, 0.0, 0.0),
     relative_m_s: Vector3::new(0.0, 0.0, 0.0),
+    wind_m_s: 0.0,
     radial_m: Vector3::new(0.0, 0.0, 0.0),
     from_apex_m: Vector3::new(0.0, 0.0, 0.0),
     line_n_m: Vector3::new(0.0, 0.0, 0.0),
@@ -181,27 +124,32 @@ const NO_CUT: Cut = Cut {
 
 /// Blade-element momentum theory on moving blades.
 pub struct Rotor {
-    options: RotorOptions,
-    blades: Vec<std::ops::Range<usize>>,
+    pub(super) options: RotorOptions,
+    pub(super) blades: Vec<std::ops::Range<usize>>,
+    /// Blades of the rotor over those of the machine.
+    pub(super) like: f64,
     sections: Vec<Section>,
     splits: Vec<Option<SplitPolar>>,
-    cuts: Vec<Cut>,
+    pub(super) cuts: Vec<Cut>,
 }
 
 /// The disc at one instant.
-struct Disc {
-    normal: Vector3<f64>,
-    turn: f64,
+pub(super) struct Disc {
+    pub(super) normal: Vector3<f64>,
+    pub(super) turn: f64,
     share: f64,
     radius_m: f64,
+    /// Angular velocity of the hub, root frame, rad/s.
+    hub_rad_s: Vector3<f64>,
     skew: Option<Skew>,
-    loads: RotorLoads,
+    pub(super) loads: RotorLoads,
 }
 
 impl Rotor {
     /// A rotor on these surfaces, one per blade.
     pub fn new(surfaces: &[Surface], options: &RotorOptions) -> Self {
-        let half = 0.5 * surfaces.len() as f64;
+        let blades = options.features.blades.unwrap_or(surfaces.len()) as f64;
+        let half = 0.5 * blades;
         let mut sections = Vec::new();
         for (blade, surface) in surfaces.iter().enumerate() {
             let positions_m = &options.positions_m[blade];
@@ -214,6 +162,7 @@ impl Rotor {
                     chord: *chord,
                     chord_m: chord.length_m(),
                     polar: options.sections[blade][section],
+                    radius_m,
                     exponents: [
                         if tip { half * (tip_m - radius_m) / radius_m } else { f64::INFINITY },
                         if hub && hub_m > 0.0 { half * (radius_m - hub_m) / hub_m } else { f64::INFINITY },
@@ -224,6 +173,7 @@ impl Rotor {
         let splits = options.polars.iter().map(|polar| SplitPolar::new(polar.clone()));
         Self {
             blades: surfaces.iter().map(|surface| surface.sections.clone()).collect(),
+            like: blades / surfaces.len().max(1) as f64,
             cuts: vec![NO_CUT; sections.len()],
             splits: splits.map(|split| split.filter(|_| options.features.dynamic_stall)).collect(),
             sections,
@@ -238,6 +188,16 @@ impl Rotor {
             let along = motions[range.start].rotation.column(0).into_owned();
             (along - normal * along.dot(&normal)).norm() < 1e-6
         })
+    }
+
+    /// Quarter chord of a section in its frame, in m.
+    pub(super) fn quarter_m(&self, section: usize) -> Vector3<f64> {
+        self.sections[section].chord.at(0.25)
+    }
+
+    /// Chord of a section in m.
+    pub(super) fn chord_m(&self, section: usize) -> f64 {
+        self.sections[section].chord_m
     }
 
     /// A state of the right size, without air.
@@ -270,7 +230,7 @@ impl Rotor {
         self.look(motions, flow, Past::Known { from, step_s }, to, loads);
     }
 
-    fn look(
+    pub(super) fn look(
         &mut self,
         motions: &[SectionMotion],
         flow: &Flow,
@@ -332,7 +292,9 @@ impl Rotor {
             radius_m = radius_m.max(radial_m.norm());
             let velocity_m_s = motion.velocity_m_s + motion.spin_rad_s.cross(&arm_m);
             mean_m_s += air_m_s - velocity_m_s;
-            *cut = Cut { arm_m, relative_m_s: air_m_s + added_m_s - velocity_m_s, radial_m, from_apex_m, ..NO_CUT };
+            let relative_m_s = air_m_s + added_m_s - velocity_m_s;
+            let wind_m_s = (air_m_s - hub.velocity_m_s).dot(&normal);
+            *cut = Cut { arm_m, relative_m_s, wind_m_s, radial_m, from_apex_m, ..NO_CUT };
         }
         let met_m_s = mean_m_s / self.sections.len() as f64;
         let speed_rad_s = turn * (hub.spin_rad_s + flow.spin_rad_s).dot(&normal);
@@ -346,6 +308,7 @@ impl Rotor {
             turn,
             share: if share.is_nan() { 0.0 } else { share },
             radius_m,
+            hub_rad_s: hub.spin_rad_s,
             skew: self.options.features.skewed_wake.then(|| Skew::of(&met_m_s, &normal)),
             loads: RotorLoads { speed_rad_s, wind_m_s, tip_speed_ratio, ..RotorLoads::default() },
         }
@@ -373,7 +336,7 @@ impl Rotor {
         let normal = if normal.dot(&disc.normal) < 0.0 { -normal } else { normal };
         let radius_m = cut.radial_m.norm();
         let annulus = Annulus {
-            solidity: 0.5 * self.blades.len() as f64 * section.chord_m / (PI * radius_m.max(1e-9)),
+            solidity: 0.5 * self.like * self.blades.len() as f64 * section.chord_m / (PI * radius_m.max(1e-9)),
             tip_exponent: section.exponents[0],
             hub_exponent: section.exponents[1],
         };
@@ -391,10 +354,34 @@ impl Rotor {
             chord_angle_rad,
         };
         let polar = &self.options.polars[section.polar];
-        let induced_m_s = match (annulus.is_end(), self.options.features.end_rule) {
-            (true, EndRule::ZeroLoad) => return None,
-            (true, EndRule::Stopped) => [approach.axial_m_s, 0.0],
-            (false, _) => {
+        let pitching = ahead.cross(&normal);
+        let meeting = Meeting {
+            approach,
+            polar,
+            chord_m: section.chord_m,
+            pitch_rate_rad_s: match self.options.features.pitch_rate {
+                PitchRate::None => 0.0,
+                PitchRate::Hub => (motion.spin_rad_s - disc.hub_rad_s).dot(&pitching),
+                PitchRate::Air => (motion.spin_rad_s + flow.spin_rad_s).dot(&pitching),
+            },
+        };
+        let lag_s = self.options.features.inflow_lag_s;
+        let (induced_m_s, meeting) = match (lag_s, annulus.is_end(), self.options.features.end_rule) {
+            (Some(time_s), ..) => {
+                let lean = normal.dot(&disc.normal);
+                let share_1_m = self.like * self.blades.len() as f64 / (PI * section.radius_m);
+                let lagging = Lagging { meeting, wind_m_s: cut.wind_m_s, lean, share_1_m, time_s };
+                memory.inflow = match past {
+                    Past::Known { from, step_s } => lagging.after(&from.sections[index].inflow, *step_s),
+                    Past::Still => lagging.still(),
+                    Past::Settled => lagging.settled(),
+                    Past::Given(induced_m_s) => lagging.given(induced_m_s[index]),
+                };
+                ([lean * memory.inflow.acting_m_s[0], 0.0], lagging.meeting)
+            }
+            (None, true, EndRule::ZeroLoad) => return None,
+            (None, true, EndRule::Stopped) => ([disc.share * approach.axial_m_s, 0.0], meeting),
+            (None, false, _) => {
                 let free = match self.options.features.as_aerodyn {
                     true => aerodyn_balance(&annulus, polar, &approach),
                     false => balance(&annulus, polar, &approach),
@@ -417,17 +404,15 @@ impl Rotor {
                     }
                     _ => 1.0,
                 };
-                [axial_m_s * factor, swirl_m_s]
+                ([axial_m_s * factor, swirl_m_s].map(|velocity_m_s| disc.share * velocity_m_s), meeting)
             }
-        }
-        .map(|velocity_m_s| disc.share * velocity_m_s);
-        let met_m_s = [approach.axial_m_s - induced_m_s[0], approach.tangential_m_s + induced_m_s[1]];
-        let mut state = SectionState::of(met_m_s[0], met_m_s[1], approach.chord_angle_rad, polar);
+        };
+        let mut state = meeting.state(induced_m_s);
         if let Some(split) = &self.splits[section.polar] {
             let met = StallInflow {
                 speed_m_s: state.speed_m_s,
                 attack_rad: state.attack_rad,
-                pitch_rate_rad_s: (motion.spin_rad_s + flow.spin_rad_s).dot(&ahead.cross(&normal)),
+                pitch_rate_rad_s: (motion.spin_rad_s + flow.spin_rad_s).dot(&pitching),
                 chord_m: section.chord_m,
             };
             memory.stall = match past {
@@ -440,48 +425,24 @@ impl Rotor {
         let [along, drive] = state.force_m3_s2(section.chord_m);
         cut.line_n_m = (normal * along + ahead * drive) * flow.density_kg_m3;
         let moment = 0.5 * flow.density_kg_m3 * (section.chord_m * state.speed_m_s).powi(2) * state.row.moment;
-        cut.moment_n = ahead.cross(&normal) * moment;
+        cut.moment_n = pitching * moment;
         let wind_m_s = disc.loads.wind_m_s;
-        (!annulus.is_end() && wind_m_s != 0.0)
+        ((lag_s.is_some() || !annulus.is_end()) && wind_m_s != 0.0)
             .then(|| memory.inflow.acting_m_s[0] / approach.axial_m_s)
             .filter(|a| a.is_finite())
-    }
-
-    /// Spreads the line loads over the sections, eq. (B8), and sums thrust and torque.
-    fn spread(&mut self, loads: &mut AirLoads, disc: &mut Disc) {
-        let Self { blades, cuts, options, .. } = self;
-        for (blade, range) in blades.iter().enumerate() {
-            let (cuts, loads) = (&cuts[range.clone()], &mut loads.circulatory[range.clone()]);
-            for (inner, places_m) in options.positions_m[blade].windows(2).enumerate() {
-                let ends = [inner, inner + 1];
-                let length_m = places_m[1] - places_m[0];
-                let way = cuts[ends[1]].from_apex_m - cuts[ends[0]].from_apex_m;
-                let along = way.try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
-                for (own, other, sign) in [(ends[0], ends[1], 1.0), (ends[1], ends[0], -1.0)] {
-                    let (near, far) = (&cuts[own], &cuts[other]);
-                    let force_n = (near.line_n_m * 7.0 + far.line_n_m * 3.0) * (length_m / 20.0);
-                    let lever_n_m = (near.line_n_m * 3.0 + far.line_n_m * 2.0) * (sign * length_m * length_m / 60.0);
-                    let moment_n_m = (near.moment_n * 2.0 + far.moment_n) * (length_m / 6.0) + along.cross(&lever_n_m);
-                    loads[own].add_force_at(&near.arm_m, &force_n);
-                    loads[own].moment_n_m += moment_n_m;
-                    disc.loads.thrust_n += force_n.dot(&disc.normal);
-                    let about_apex_n_m = near.from_apex_m.cross(&force_n) + moment_n_m;
-                    disc.loads.torque_n_m += disc.turn * about_apex_n_m.dot(&disc.normal);
-                }
-            }
-        }
-        disc.loads.power_w = disc.loads.torque_n_m * disc.loads.speed_rad_s;
     }
 }
 
 /// Where a step starts from.
-enum Past<'a> {
+pub(super) enum Past<'a> {
     /// Flow and wake are fully developed.
     Settled,
     /// The flow sets in: with dynamic inflow the wake has no induced velocity yet.
     Still,
     /// From the state at the end of the step before.
     Known { from: &'a RotorState, step_s: f64 },
+    /// At an instant with these induced velocities in m/s, which lag, eq. (B24).
+    Given(&'a [f64]),
 }
 
 /// Velocity of the air without rotor and tower as seen from the root frame, in m/s.

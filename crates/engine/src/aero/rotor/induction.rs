@@ -5,7 +5,7 @@
 //! Glauert.
 
 use crate::aero::polar::{Polar, PolarRow};
-use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_8, PI};
 
 /// Smallest flow angle considered, in rad; at zero the momentum balance is singular.
 const MINIMUM_ANGLE_RAD: f64 = 1e-6;
@@ -15,6 +15,9 @@ const MINIMUM_EXPONENT: f64 = 1e-10;
 const MAXIMUM_ITERATIONS: usize = 100;
 /// Width of the bracket at which the root finder stops, in rad.
 const TOLERANCE_RAD: f64 = 1e-14;
+
+/// Smallest speed in m/s by which the rate of a section is divided: thin-aerofoil theory holds for small ratios.
+const MINIMUM_SPEED_M_S: f64 = 1.0;
 
 /// Load of a node where Prandtl's loss is complete, at the very tip and at the very hub.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -115,6 +118,15 @@ impl SectionState {
         let flow_angle_rad = axial_m_s.atan2(tangential_m_s);
         let attack_rad = turn_back(flow_angle_rad - chord_angle_rad);
         Self { speed_m_s: axial_m_s.hypot(tangential_m_s), flow_angle_rad, attack_rad, row: polar.at(attack_rad) }
+    }
+
+    /// The same section as it turns about its span, nose up, by `turning_m_s`: rate in rad/s times chord in m. The angle of attack is
+    /// that of three quarters of the chord, the direction of the force that of the quarter; the moment is damped, eq. (B25).
+    pub fn turning(self, turning_m_s: f64, polar: &Polar) -> Self {
+        let ratio = turning_m_s / self.speed_m_s.max(MINIMUM_SPEED_M_S);
+        let attack_rad = turn_back(self.attack_rad + 0.5 * ratio);
+        let row = polar.at(attack_rad);
+        Self { attack_rad, row: PolarRow { moment: row.moment - FRAC_PI_8 * ratio, ..row }, ..self }
     }
 
     /// Force per span over `ρ`, along the wind and in the driving direction (against `tangential_m_s`), in m³/s².

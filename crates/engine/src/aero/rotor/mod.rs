@@ -5,11 +5,15 @@
 //! line; [`EndRule::Stopped`](induction::EndRule) is what AeroDyn does and exists for comparison with it.
 
 pub mod bem;
+mod continuous;
 pub mod dynamic_inflow;
 pub mod dynamic_stall;
 pub mod induction;
+pub mod inflow_lag;
 pub mod lag;
+pub mod options;
 pub mod skew;
+mod spread;
 pub mod steady;
 pub mod tower;
 pub mod turbulence;

@@ -10,6 +10,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 const REFLECTED_LIFT: f64 = 0.7;
 /// Spacing of the added rows in rad: linear interpolation between them differs from the formulas by less than 0.002.
 const SPACING_RAD: f64 = 2.5 * PI / 180.0;
+/// Spacing of the rows from stall to stall and beyond: straight lines between them are off by less than 2e-4.
+const FINE_RAD: f64 = 0.25 * PI / 180.0;
 /// Smallest drag coefficient of the extension: the formulas fall below zero near ±180°.
 const MINIMUM_DRAG: f64 = 1e-4;
 
@@ -25,6 +27,11 @@ pub enum NoExtension {
          in magnitude reached by a positive lift"
     )]
     NotStalled(f64),
+    /// The first row is not at negative stall above −90°.
+    #[error(
+        "the first angle is {0:.3} deg; a polar from stall to stall begins at the negative one, between -90 and 0 deg with a negative lift"
+    )]
+    NotStalledBelow(f64),
     /// The first row lies beyond the reflected range.
     #[error("the first angle is {0:.3} deg; an extended polar begins between -90 deg and the last angle")]
     FirstAngle(f64),
@@ -71,6 +78,57 @@ pub fn extend(rows: &[PolarRow], drag_across: f64) -> Result<Polar, NoExtension>
     let below = extended.len();
     law.fill(stall_rad, PI, &mut extended);
     extended.remove(below); // the last given row itself
+    Ok(Polar { rows: extended })
+}
+
+/// Rows from −180° to 180° of a polar that goes from stall to stall: the formulas of eq. (B1) beyond either end up to ±90°, from
+/// there on the drag of a plate across the flow and no lift, eq. (B28). Beyond either stall the moment coefficient goes over
+/// `shift_rad` from that of the stall to that of a centre of pressure at half chord.
+///
+/// # Errors
+/// If the rows do not go from a negative lift between −90° and 0° to a positive one between 0° and 90°.
+pub fn extend_both(rows: &[PolarRow], drag_across: f64, shift_rad: f64) -> Result<Polar, NoExtension> {
+    let (Some(low), Some(high)) = (rows.first(), rows.last()) else { return Err(NoExtension::Empty) };
+    let stalls = [(1.0, high), (-1.0, low)].map(|(sign, row)| PolarRow {
+        angle_rad: sign * row.angle_rad,
+        lift: sign * row.lift,
+        ..*row
+    });
+    let stalled = |row: &PolarRow| row.angle_rad > 0.0 && row.angle_rad < FRAC_PI_2 && row.lift > 0.0;
+    if !stalled(&stalls[0]) {
+        return Err(NoExtension::NotStalled(high.angle_rad.to_degrees()));
+    }
+    if !stalled(&stalls[1]) {
+        return Err(NoExtension::NotStalledBelow(low.angle_rad.to_degrees()));
+    }
+    if !(drag_across > high.drag.max(low.drag) && drag_across <= 3.0) {
+        return Err(NoExtension::Drag(drag_across));
+    }
+    let side = |sign: f64, stall: &PolarRow| {
+        let law = Law::new(stall, stall, drag_across);
+        let at = move |size_rad: f64| {
+            let (lift, drag) = if size_rad < FRAC_PI_2 { law.stalled(size_rad) } else { (0.0, drag_across) };
+            let gone = ((size_rad - stall.angle_rad) / shift_rad).min(1.0);
+            let normal = sign * (lift * size_rad.cos() + drag * size_rad.sin());
+            let moment = stall.moment * (1.0 - gone) - 0.25 * gone * normal;
+            PolarRow { angle_rad: sign * size_rad, lift: sign * lift, drag: drag.max(MINIMUM_DRAG), moment }
+        };
+        let mut ends = vec![stall.angle_rad, stall.angle_rad + shift_rad, FRAC_PI_2, PI];
+        ends.retain(|end| *end <= PI);
+        ends.sort_by(f64::total_cmp);
+        ends.dedup();
+        let mut angles = Vec::new();
+        for pair in ends.windows(2) {
+            let count = ((pair[1] - pair[0]) / FINE_RAD).ceil().max(1.0);
+            angles.extend((1..count as usize).map(|step| pair[0] + (pair[1] - pair[0]) * step as f64 / count));
+            angles.push(pair[1]);
+        }
+        angles.into_iter().map(at).collect::<Vec<_>>()
+    };
+    let mut extended = side(-1.0, &stalls[1]);
+    extended.reverse();
+    extended.extend_from_slice(rows);
+    extended.extend(side(1.0, &stalls[0]));
     Ok(Polar { rows: extended })
 }
 
@@ -214,6 +272,50 @@ mod tests {
         let (first, last) = (polar.rows[0], polar.rows[polar.rows.len() - 1]);
         assert!((first.lift - last.lift).abs() < 1e-12 && (first.drag - last.drag).abs() < 1e-12);
         assert!((first.moment - last.moment).abs() < 1e-12);
+    }
+
+    /// Both sides by the formulas, the moment over the shift, a plate beyond 90°; rows kept, nothing jumps.
+    #[test]
+    fn both_stalls_are_extended() {
+        let given = [row(-10.0, -0.6, 0.03), row(0.0, 0.4, 0.008), row(12.0, 1.6, 0.05)];
+        let (across, shift_rad) = (drag_across(15.0), 10f64.to_radians());
+        let polar = extend_both(&given, across, shift_rad).unwrap();
+        assert!(is_full_circle(&polar.rows) && polar.at(0.0) == given[1]);
+        assert!(polar.rows.windows(2).all(|pair| pair[0].angle_rad < pair[1].angle_rad));
+        for (sign, stall) in [(1.0, &given[2]), (-1.0, &given[0])] {
+            let (s, c) = stall.angle_rad.abs().sin_cos();
+            let on = (sign * 40f64).to_radians();
+            let (sine, cosine) = on.abs().sin_cos();
+            let lift =
+                across * sine * cosine + (sign * stall.lift - across * s * c) * s / (c * c) * cosine * cosine / sine;
+            let drag = across * sine * sine + (stall.drag - across * s * s) / c * cosine;
+            let found = polar.at(on);
+            // straight lines between rows 0.25 degrees apart
+            approx::assert_relative_eq!(found.lift, sign * lift, max_relative = 2e-4);
+            approx::assert_relative_eq!(found.drag, drag, max_relative = 2e-4);
+            approx::assert_relative_eq!(
+                found.moment,
+                -0.25 * sign * (lift * cosine + drag * sine),
+                max_relative = 2e-4
+            );
+            let half = polar.at(stall.angle_rad + sign * 0.5 * shift_rad);
+            let normal = half.lift * half.angle_rad.cos() + half.drag * half.angle_rad.sin();
+            approx::assert_relative_eq!(half.moment, 0.5 * stall.moment - 0.125 * normal, max_relative = 2e-4);
+            let beyond = polar.at(sign * 120f64.to_radians());
+            approx::assert_relative_eq!(beyond.drag, across, max_relative = 1e-12);
+            assert_eq!(beyond.lift, 0.0);
+        }
+        for pair in polar.rows.windows(2).filter(|pair| pair[0].angle_rad.abs() > 0.25) {
+            let gap = pair[1].angle_rad - pair[0].angle_rad;
+            assert!(
+                (pair[1].lift - pair[0].lift).abs() < 6.0 * gap && (pair[1].moment - pair[0].moment).abs() < 4.0 * gap
+            );
+        }
+        let reversed = [row(2.0, 0.4, 0.01), row(12.0, 1.6, 0.05)];
+        assert!(matches!(extend_both(&reversed, across, shift_rad), Err(NoExtension::NotStalledBelow(_))));
+        assert!(matches!(extend_both(&given[..2], across, shift_rad), Err(NoExtension::NotStalled(_))));
+        assert!(matches!(extend_both(&given, 0.01, shift_rad), Err(NoExtension::Drag(_))));
+        assert!(matches!(extend_both(&[], across, shift_rad), Err(NoExtension::Empty)));
     }
 
     #[test]

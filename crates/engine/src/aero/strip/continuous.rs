@@ -349,7 +349,7 @@ impl Strips {
 }
 
 /// Changes one variable of an instant.
-fn displace(at: &mut Instant, variable: Variable, shift: f64) {
+pub(crate) fn displace(at: &mut Instant, variable: Variable, shift: f64) {
     let axis = |component: usize| {
         let mut axis = Vector3::zeros();
         axis[component % 3] = shift;

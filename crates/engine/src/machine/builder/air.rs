@@ -351,6 +351,11 @@ pub(super) fn build(
             threads: air.threads,
         })
     } else if let Some(rotor) = &air.rotor {
+        if let Some(lag_s) = rotor.features.inflow_lag_s.filter(|lag_s| *lag_s < step_s) {
+            let allowed = format!("a finite time >= {} s, the aerodynamic step", shortest(step_s));
+            checker.refuse(&["air", "inflow_lag_s"], shortest(lag_s), allowed);
+            return None;
+        }
         AirOptions::Rotor(Box::new(rotor.options(blades, &surfaces, bodies, checker)?))
     } else {
         AirOptions::Strips(StripOptions {

@@ -52,6 +52,18 @@ impl RotorSettings {
             checker.refuse(&["air", "shaft_axis"], found, "an array of 3 finite numbers, not all 0");
             return None;
         };
+        let machine = surfaces.len();
+        if let Some(blades) =
+            self.features.blades.filter(|blades| *blades == 0 || blades % machine.max(1) != 0 || *blades > 100)
+        {
+            let allowed = format!("a multiple of {machine}, the blades of the machine, up to 100");
+            checker.refuse(&["air", "blades"], blades.to_string(), allowed);
+            return None;
+        }
+        if let Some(lag_s) = self.features.inflow_lag_s.filter(|lag_s| !(*lag_s > 0.0 && lag_s.is_finite())) {
+            checker.refuse(&["air", "inflow_lag_s"], shortest(lag_s), "a finite time > 0 s");
+            return None;
+        }
         if !(self.features.hub_radius_m > 0.0 && self.features.hub_radius_m.is_finite()) {
             checker.refuse(&["air", "hub_radius_m"], shortest(self.features.hub_radius_m), "a finite length > 0 m");
             return None;
@@ -100,6 +112,13 @@ impl RotorSettings {
             polars: self.polars.iter().map(|(_, polar)| polar.clone()).collect(),
             sections,
             positions_m: surfaces.iter().map(|surface| surface.positions_m.clone()).collect(),
+            lengths_m: surfaces
+                .iter()
+                .map(|surface| {
+                    let own = blades.iter().find(|blade| blade.body == bodies[surface.body].name);
+                    own.and_then(|blade| blade.length_m).unwrap_or(bodies[surface.body].length_m)
+                })
+                .collect(),
             features: self.features.clone(),
         })
     }

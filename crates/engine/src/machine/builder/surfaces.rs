@@ -25,6 +25,8 @@ pub struct SurfaceBuilder {
     chord_m: Option<Along>,
     incidence_deg: Along,
     profile: Profile,
+    /// Of a blade on a rigid body: its length in m.
+    pub(super) length_m: Option<f64>,
     /// Of a rotor's blade: places of its sections in m, and the name of each one's polar.
     pub(super) blade: Option<(Vec<f64>, Vec<String>)>,
 }
@@ -43,6 +45,7 @@ impl LiftingSurface {
             chord_m: None,
             incidence_deg: Along::constant(0.0),
             profile: Profile::THIN,
+            length_m: None,
             blade: None,
         }
     }
@@ -87,6 +90,11 @@ impl SurfaceBuilder {
         Self { strips: stations_m.len().saturating_sub(1), blade: Some((stations_m, polars)), ..self }
     }
 
+    /// Length in m of a rotor's blade on a rigid body, along the body's x axis from its origin.
+    pub fn length_m(self, length_m: f64) -> Self {
+        Self { length_m: Some(length_m), ..self }
+    }
+
     /// Profile, for strip theory. Default a thin plate.
     pub fn profile(self, profile: Profile) -> Self {
         Self { profile, ..self }
@@ -98,6 +106,8 @@ pub(super) struct Draft<'b> {
     pub surface: &'b SurfaceBuilder,
     body: usize,
     chord_m: Along,
+    /// The body has one frame, from which all chords are counted.
+    rigid: bool,
 }
 
 impl Draft<'_> {
@@ -107,9 +117,10 @@ impl Draft<'_> {
         let (chord_m, incidence_rad) = (self.chord_m.at(s), incidence_deg.at(s).to_radians());
         let axis_fraction = axis_fraction.at(s);
         let forward = Vector3::new(0.0, forward * incidence_rad.cos(), incidence_rad.sin());
+        let from_frame_m = Vector3::x() * if self.rigid { s } else { 0.0 };
         ChordLine {
-            leading_m: forward * (axis_fraction * chord_m),
-            trailing_m: forward * ((axis_fraction - 1.0) * chord_m),
+            leading_m: from_frame_m + forward * (axis_fraction * chord_m),
+            trailing_m: from_frame_m + forward * ((axis_fraction - 1.0) * chord_m),
         }
     }
 }
@@ -128,22 +139,41 @@ pub(super) fn draft<'b>(
         checker.unknown_name(&place, name, "a body", bodies.iter().map(|body| body.name.as_str()));
         return None;
     };
-    if bodies[body].is_rigid() {
-        checker.refuse(&place, format!("{name:?}"), "a body that bends; this one is rigid");
+    let rigid = bodies[body].is_rigid();
+    if rigid && surface.blade.is_none() {
+        checker.refuse(&place, format!("{name:?}"), "a body that bends, or a rotor's blade; this one is rigid");
         return None;
     }
     if surfaces[..index].iter().any(|other| other.body == name) {
         checker.refuse(&place, format!("{name:?}"), "a body without a surface; one is on this one");
         return None;
     }
-    let length_m = bodies[body].length_m;
+    let length_m = length_m(surface, &bodies[body], checker)?;
     let counted = checker.count(&["surface", name, "strips"], surface.strips, 1, MAXIMUM_STRIPS)
         & checker.count(&["surface", name, "chord_panels"], surface.chord_panels, 1, MAXIMUM_STRIPS);
     let placed =
         axis(surface, length_m, checker) & slope(surface, length_m, checker) & stations(surface, length_m, checker);
-    let chord_m = chord(surface, &bodies[body], checker)?;
+    let chord_m = chord(surface, &bodies[body], length_m, checker)?;
     let turned = profile(&["surface", name, "incidence_deg"], &surface.incidence_deg, length_m, checker);
-    (counted && placed && turned).then_some(Draft { surface, body, chord_m })
+    (counted && placed && turned).then_some(Draft { surface, body, chord_m, rigid })
+}
+
+/// Length of a surface: that of its body, or of a blade on a rigid one.
+fn length_m(surface: &SurfaceBuilder, body: &Body, checker: &mut Checker) -> Option<f64> {
+    let place = ["surface", surface.body.as_str(), "length_m"];
+    match (surface.length_m, body.is_rigid()) {
+        (None, false) => Some(body.length_m),
+        (Some(length_m), true) if length_m > 0.0 && length_m.is_finite() => Some(length_m),
+        (Some(length_m), false) => {
+            checker.refuse(&place, shortest(length_m), "this key only on a rigid body; others have a length");
+            None
+        }
+        (stated, true) => {
+            let found = stated.map_or_else(|| "none".to_owned(), shortest);
+            checker.refuse(&place, found, "a finite length > 0 m: a rigid body has none");
+            None
+        }
+    }
 }
 
 /// Whether the stations of a blade ascend on the body.
@@ -212,9 +242,8 @@ fn negative(function: &Along) -> Along {
 }
 
 /// Chord along the body: stated, or the width of its section.
-fn chord(surface: &SurfaceBuilder, body: &Body, checker: &mut Checker) -> Option<Along> {
+fn chord(surface: &SurfaceBuilder, body: &Body, length_m: f64, checker: &mut Checker) -> Option<Along> {
     let place = ["surface", surface.body.as_str(), "chord_m"];
-    let length_m = body.length_m;
     if !(length_m > 0.0 && length_m < f64::INFINITY) {
         return None; // refused with the body
     }
@@ -224,6 +253,10 @@ fn chord(surface: &SurfaceBuilder, body: &Body, checker: &mut Checker) -> Option
                 return None;
             }
             chord_m.clone()
+        }
+        None if body.is_rigid() => {
+            checker.refuse(&place, "none", "a finite length > 0 m: a rigid body has no section to take it from");
+            return None;
         }
         None if !section_stands(&body.name, checker) => return None,
         None => {

@@ -72,6 +72,7 @@ fn check_rotor(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[Bo
     let fits = options.sections.len() == surfaces.len()
         && options.positions_m.iter().zip(surfaces).all(|(own, surface)| *own == surface.positions_m)
         && options.positions_m.len() == surfaces.len()
+        && options.lengths_m.len() == surfaces.len()
         && options.sections.iter().enumerate().all(|(blade, polars)| {
             Some(polars.len()) == sizes(blade) && polars.iter().all(|polar| *polar < options.polars.len())
         });
@@ -154,7 +155,9 @@ fn check_surface(
     checker.count(&["surface", name, "strips"], strips, 1, MAXIMUM_STRIPS);
     checker.count(&["surface", name, "chord_panels"], surface.chord_panels, 1, MAXIMUM_STRIPS);
     let ascending = positions_m.windows(2).all(|pair| pair[0] < pair[1]);
-    let on_body = positions_m.iter().all(|s| (0.0..=body.length_m * (1.0 + 1e-12)).contains(s));
+    // a rigid body has no length; its chords are counted from its frame
+    let length_m = if body.is_rigid() { f64::INFINITY } else { body.length_m };
+    let on_body = positions_m.iter().all(|s| (0.0..=length_m * (1.0 + 1e-12)).contains(s));
     if !(ascending && on_body) {
         let allowed = format!("ascending lengths from 0 to {} m, the length of the body", body.length_m);
         checker.refuse(&["surface", name, "positions_m"], array_text(positions_m), allowed);

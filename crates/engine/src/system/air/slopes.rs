@@ -1,11 +1,14 @@
-//! Derivatives of the response of the air to small motions of the machine, its lag states and its inputs: only strips
-//! have them, in continuous time, NOTATION eqs. (W13) and (W14).
+//! Derivatives of the response of the air to small motions of the machine, its lag states and its inputs: strips have them, NOTATION
+//! eqs. (W13) and (W14), and rotors whose induced velocity lags, eq. (B27); in continuous time.
 
+use crate::aero::rotor::bem::Rotor;
+use crate::aero::strip::Strips;
 use crate::aero::strip::continuous::{
     AIR_VARIABLES, Instant, LOAD_ROWS, LagPlace, MOTION_VARIABLES, SectionAcceleration, Variable,
 };
 use crate::aero::{AirModel, AirState};
 use crate::load::SectionMotion;
+use crate::machine;
 use crate::system::System;
 use crate::system::air::start::flow;
 use crate::system::air::{AirHistory, StepLoads};
@@ -38,15 +41,57 @@ pub(crate) struct AirSlopes {
     pub air_rate: DMatrix<f64>,
 }
 
+/// A model of the air with derivatives.
+enum Continuous<'a> {
+    Strips(&'a mut Strips),
+    Rotor(&'a mut Rotor),
+}
+
+impl<'a> Continuous<'a> {
+    fn of(model: &'a mut AirModel) -> Option<Self> {
+        match model {
+            AirModel::Strips(strips) => Some(Self::Strips(strips)),
+            AirModel::Rotor(rotor) if rotor.is_linearised() => Some(Self::Rotor(rotor)),
+            _ => None,
+        }
+    }
+
+    /// Lag states of a state in m/s; `None` where the air has no derivatives.
+    fn lags_m_s(model: &AirModel, state: &AirState, gusts: bool) -> Option<Vec<f64>> {
+        match (model, state) {
+            (AirModel::Strips(strips), AirState::Strips(state)) => Some(strips.lags_m_s(state, gusts)),
+            (AirModel::Rotor(rotor), AirState::Rotor(state)) if rotor.is_linearised() => {
+                Some(state.sections.iter().map(|memory| memory.inflow.acting_m_s[0]).collect())
+            }
+            _ => None,
+        }
+    }
+
+    /// Rows of a response.
+    fn rows(&mut self, at: &Instant, gusts: bool) -> usize {
+        match self {
+            Self::Strips(strips) => strips.answer(at, gusts).len(),
+            Self::Rotor(rotor) => rotor.answer(at).len(),
+        }
+    }
+
+    fn slope(&mut self, at: &Instant, gusts: bool, variable: Variable) -> Vec<f64> {
+        match self {
+            Self::Strips(strips) => strips.slope(at, gusts, variable),
+            Self::Rotor(rotor) => rotor.slope(at, variable),
+        }
+    }
+}
+
 impl System {
-    /// Whether the machine is in air with linear models, that is, strips.
+    /// Whether the machine is in air with linear models: strips, and rotors whose induced velocity lags.
     pub fn air_is_linearised(&self) -> bool {
-        self.air.as_ref().is_some_and(|air| matches!(air.model, AirModel::Strips(_)))
+        self.air.as_ref().is_some_and(|air| air.settings.options.is_linearised())
     }
 
     /// Derivatives of the response of the air at the present state. `sections` holds motion and accelerations of all
     /// sections; `by` their derivatives, [`SECTION_VARIABLES`] rows for each, by coordinates, rates and accelerations
-    /// of the freedoms. `None` without strips.
+    /// of the freedoms. `None` where the air has none.
     pub(crate) fn air_slopes(
         &mut self,
         sections: &[(SectionMotion, SectionAcceleration)],
@@ -55,16 +100,14 @@ impl System {
     ) -> Option<AirSlopes> {
         let air = self.air.as_mut()?;
         let history = self.state.air.as_ref()?;
-        let AirModel::Strips(model) = &mut air.model else { return None };
-        let (AirState::Strips(before), AirState::Strips(after)) = (&history.before, &history.after) else {
-            return None;
-        };
         let step_s = air.settings.step_s;
         let share = match history.steps {
             0 => 1.0,
             _ => (1.0 - (history.loads.end_s - self.state.now.time_s) / step_s).clamp(0.0, 1.0),
         };
-        let ends = [before, after].map(|state| model.lags_m_s(state, gusts));
+        let ends = [&history.before, &history.after].map(|state| Continuous::lags_m_s(&air.model, state, gusts));
+        let [Some(before), Some(after)] = ends else { return None };
+        let ends = [before, after];
         let lags_m_s: Vec<f64> = ends[0].iter().zip(&ends[1]).map(|(a, b)| a + (b - a) * share).collect();
         let at = Instant {
             motions: sections.iter().map(|(motion, _)| *motion).collect::<Vec<_>>().into(),
@@ -73,7 +116,8 @@ impl System {
             gust_m_s: Vector3::zeros(),
             lags_m_s: lags_m_s.clone().into(),
         };
-        let rows = model.answer(&at, gusts).len();
+        let mut model = Continuous::of(&mut air.model)?;
+        let rows = model.rows(&at, gusts);
         let mut motion = by.map(|matrix| DMatrix::zeros(rows, matrix.ncols()));
         for section in 0..sections.len() {
             for component in 0..SECTION_VARIABLES {
@@ -90,17 +134,16 @@ impl System {
                 }
             }
         }
-        let places = model.lags(gusts);
         let mut columns = |variables: Vec<Variable>| {
             let slopes: Vec<f64> = variables.iter().flat_map(|variable| model.slope(&at, gusts, *variable)).collect();
             DMatrix::from_vec(rows, variables.len(), slopes)
         };
-        let lag = columns((0..places.len()).map(Variable::Lag).collect());
+        let lag = columns((0..lags_m_s.len()).map(Variable::Lag).collect());
         let air_columns = columns((0..AIR_INPUTS).map(Variable::Air).collect());
         let air_rate = columns((0..AIR_RATES).map(Variable::AirRate).collect());
         Some(AirSlopes {
             load_rows: LOAD_ROWS * sections.len(),
-            lags: places.iter().map(|place| self.lag_name(place)).collect(),
+            lags: self.lag_names(gusts),
             lags_m_s,
             motion,
             lag,
@@ -112,11 +155,24 @@ impl System {
     /// Names and values in m/s of the lag states of strips at the present state, in the order of linear models.
     pub fn air_lags(&self, gusts: bool) -> Vec<(String, f64)> {
         let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return Vec::new() };
-        let (AirModel::Strips(model), AirState::Strips(after)) = (&air.model, &history.after) else {
-            return Vec::new();
-        };
-        let names = model.lags(gusts).iter().map(|place| self.lag_name(place)).collect::<Vec<_>>();
-        names.into_iter().zip(model.lags_m_s(after, gusts)).collect()
+        let values = Continuous::lags_m_s(&air.model, &history.after, gusts).unwrap_or_default();
+        self.lag_names(gusts).into_iter().zip(values).collect()
+    }
+
+    /// Names of the lag states, in the order of linear models.
+    fn lag_names(&self, gusts: bool) -> Vec<String> {
+        match self.air.as_ref().map(|air| &air.model) {
+            Some(AirModel::Strips(model)) => model.lags(gusts).iter().map(|place| self.lag_name(place)).collect(),
+            Some(AirModel::Rotor(model)) if model.is_linearised() => {
+                let blades = self.machine.air.iter().flat_map(|air| &air.surfaces);
+                let of = |blade: &machine::LiftingSurface| {
+                    let body = self.machine.bodies[blade.body].name.clone();
+                    (1..=blade.positions_m.len()).map(move |station| format!("{body}.station[{station}].induced"))
+                };
+                blades.flat_map(of).collect()
+            }
+            _ => Vec::new(),
+        }
     }
 
     /// Names of the lag states that an integrator from outside sees.

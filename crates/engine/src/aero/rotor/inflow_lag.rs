@@ -1,0 +1,205 @@
+//! Induced velocity of annuli that follows the load with a lag, eq. (B24): the simple model of dynamic inflow.
+//!
+//! Momentum theory for the load that acts at present, with a straight line for heavily loaded annuli (Glauert), and one time
+//! constant. Without losses at the ends and without swirl.
+
+use crate::aero::polar::Polar;
+use crate::aero::rotor::dynamic_inflow::InflowState;
+use crate::aero::rotor::induction::{Approach, SectionState};
+use crate::aero::rotor::lag::lag;
+use std::f64::consts::FRAC_1_SQRT_2;
+
+/// Thrust coefficient from which Glauert's straight line holds, and the induction factor there.
+const LINE: [f64; 2] = [0.96, 0.4];
+/// Its slope: induction factor over thrust coefficient.
+const SLOPE: f64 = 0.5;
+/// Thrust coefficient at which it ends.
+const LINE_END: f64 = 2.0;
+/// Passes over load and lag within a step: each leaves a share `h/2τ` times the slope of the momentum law.
+const PASSES: usize = 4;
+/// Share of the difference that a pass towards the steady state goes, and most passes.
+const RELAXATION: f64 = 0.3;
+const SETTLING_PASSES: usize = 500;
+
+/// Velocity in m/s that an annulus loses along the shaft at a wind along it and a load `B F'/(πρr)` in m²/s², `F'` the force of a
+/// blade per span along the shaft; eq. (B24). Wind from behind is the mirror image.
+///
+/// Up to a thrust coefficient of 0.96 it is that of momentum theory, then a straight line; beyond 2 it goes straight with the wind
+/// to that of hover.
+pub fn momentum_m_s(wind_m_s: f64, load_m2_s2: f64) -> f64 {
+    if wind_m_s < 0.0 {
+        return -momentum_m_s(-wind_m_s, -load_m2_s2);
+    }
+    let pressure_m2_s2 = wind_m_s * wind_m_s;
+    if load_m2_s2 <= LINE[0] * pressure_m2_s2 {
+        // ½ (V − √(V² − K)), without cancellation
+        let root_m_s = (pressure_m2_s2 - load_m2_s2).sqrt();
+        return if load_m2_s2 == 0.0 { 0.0 } else { 0.5 * load_m2_s2 / (wind_m_s + root_m_s) };
+    }
+    if load_m2_s2 <= LINE_END * pressure_m2_s2 {
+        return LINE[1] * wind_m_s + SLOPE * (load_m2_s2 / wind_m_s - LINE[0] * wind_m_s);
+    }
+    let end = LINE[1] + SLOPE * (LINE_END - LINE[0]);
+    0.5 * load_m2_s2.sqrt() + (end - FRAC_1_SQRT_2) * wind_m_s
+}
+
+/// What a section meets but for the induced velocity.
+pub struct Meeting<'a> {
+    /// Air at the section.
+    pub approach: Approach,
+    /// Its coefficients.
+    pub polar: &'a Polar,
+    /// Its chord in m.
+    pub chord_m: f64,
+    /// Rate at which it turns about its span, nose up, in rad/s, eq. (B25).
+    pub pitch_rate_rad_s: f64,
+}
+
+impl Meeting<'_> {
+    /// The section behind an axial and a tangential induced velocity in m/s.
+    pub fn state(&self, induced_m_s: [f64; 2]) -> SectionState {
+        let Approach { axial_m_s, tangential_m_s, chord_angle_rad } = self.approach;
+        let met_m_s = [axial_m_s - induced_m_s[0], tangential_m_s + induced_m_s[1]];
+        let state = SectionState::of(met_m_s[0], met_m_s[1], chord_angle_rad, self.polar);
+        if self.pitch_rate_rad_s == 0.0 {
+            return state;
+        }
+        state.turning(self.pitch_rate_rad_s * self.chord_m, self.polar)
+    }
+}
+
+/// An annulus whose induced velocity lags.
+pub struct Lagging<'a> {
+    /// The section that loads it.
+    pub meeting: Meeting<'a>,
+    /// Wind along the shaft, against the hub, in m/s.
+    pub wind_m_s: f64,
+    /// Cosine of the angle between the shaft and the normal of the annulus.
+    pub lean: f64,
+    /// `B/(πr)` in 1/m, `r` the radius of the straight blade.
+    pub share_1_m: f64,
+    /// Time constant in s.
+    pub time_s: f64,
+}
+
+impl Lagging<'_> {
+    /// Velocity in m/s that momentum theory gives along the shaft for the load behind an induced velocity along it.
+    pub fn balanced_m_s(&self, induced_m_s: f64) -> f64 {
+        let state = self.meeting.state([self.lean * induced_m_s, 0.0]);
+        let [along_m3_s2, _] = state.force_m3_s2(self.meeting.chord_m);
+        momentum_m_s(self.wind_m_s, self.share_1_m * self.lean * along_m3_s2)
+    }
+
+    /// Steady state.
+    pub fn settled(&self) -> InflowState {
+        let mut induced_m_s = 0.0;
+        for _ in 0..SETTLING_PASSES {
+            let change_m_s = RELAXATION * (self.balanced_m_s(induced_m_s) - induced_m_s);
+            induced_m_s += change_m_s;
+            if change_m_s.abs() <= 1e-15 * self.wind_m_s.abs() {
+                break;
+            }
+        }
+        InflowState::established([induced_m_s, 0.0])
+    }
+
+    /// At an instant with an induced velocity.
+    pub fn given(&self, induced_m_s: f64) -> InflowState {
+        let balanced_m_s = [self.balanced_m_s(induced_m_s), 0.0];
+        InflowState { balanced_m_s, middle_m_s: balanced_m_s, acting_m_s: [induced_m_s, 0.0] }
+    }
+
+    /// Of a flow that sets in: no induced velocity yet.
+    pub fn still(&self) -> InflowState {
+        InflowState { balanced_m_s: [self.balanced_m_s(0.0), 0.0], ..InflowState::default() }
+    }
+
+    /// State a step later, eq. (B11): exact if momentum theory's velocity goes in a straight line over it.
+    pub fn after(&self, from: &InflowState, step_s: f64) -> InflowState {
+        let (acting_m_s, balanced_m_s) = (from.acting_m_s[0], from.balanced_m_s[0]);
+        let ratio = step_s / self.time_s;
+        let mut next = lag(acting_m_s, balanced_m_s, balanced_m_s, ratio);
+        let mut to_m_s = balanced_m_s;
+        for _ in 0..PASSES {
+            to_m_s = self.balanced_m_s(next);
+            next = lag(acting_m_s, balanced_m_s, to_m_s, ratio);
+        }
+        InflowState { balanced_m_s: [to_m_s, 0.0], middle_m_s: [to_m_s, 0.0], acting_m_s: [next, 0.0] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aero::polar::PolarRow;
+
+    /// `4a(1 − a)` up to 0.96, the line through (0.96, 0.4) and (2, 0.92), hover in still air; joined without jumps, mirrored.
+    #[test]
+    fn momentum_theory_goes_from_propeller_to_hover() {
+        for a in [-0.5, -0.1, 0.0, 0.2, 0.4f64] {
+            approx::assert_relative_eq!(momentum_m_s(3.0, 9.0 * 4.0 * a * (1.0 - a)), 3.0 * a, epsilon = 1e-14);
+        }
+        approx::assert_relative_eq!(momentum_m_s(3.0, 9.0 * 1.48), 3.0 * 0.66, max_relative = 1e-14);
+        // hover: dT = 4πρ r v² dr
+        approx::assert_relative_eq!(momentum_m_s(0.0, 4.0 * 1.7f64.powi(2)), 1.7, max_relative = 1e-14);
+        for (wind_m_s, load_m2_s2) in [(3.0f64, 9.0 * 0.96), (3.0, 9.0 * 2.0), (0.0, 5.0), (0.0, -5.0), (3.0, 0.0)] {
+            let ends = [-1e-12, 1e-12].map(|shift| momentum_m_s(wind_m_s + shift, load_m2_s2 * (1.0 + shift)));
+            assert!((ends[1] - ends[0]).abs() < 1e-10, "{wind_m_s} {load_m2_s2}: {ends:?}");
+            let back = momentum_m_s(-wind_m_s, -load_m2_s2);
+            approx::assert_relative_eq!(back, -momentum_m_s(wind_m_s, load_m2_s2), epsilon = 1e-14);
+        }
+        assert_eq!(momentum_m_s(0.0, 0.0), 0.0);
+    }
+
+    fn plate() -> Polar {
+        let rows = (-180..=180).map(|degree| {
+            let angle_rad = f64::from(degree).to_radians();
+            let lift = std::f64::consts::TAU * angle_rad.sin() * angle_rad.cos();
+            PolarRow { angle_rad, lift, drag: 0.01 + 1.5 * angle_rad.sin().powi(2), moment: 0.0 }
+        });
+        Polar { rows: rows.collect() }
+    }
+
+    /// The lag's equation by Runge–Kutta with 4000 steps from rest to the steady state: second order in the step.
+    #[test]
+    fn the_lag_follows_its_equation_at_second_order() {
+        let polar = plate();
+        let annulus = Lagging {
+            meeting: Meeting {
+                approach: Approach { axial_m_s: 11.0, tangential_m_s: 55.0, chord_angle_rad: 0.05 },
+                polar: &polar,
+                chord_m: 1.4,
+                pitch_rate_rad_s: 0.0,
+            },
+            wind_m_s: 11.0,
+            lean: 0.99,
+            share_1_m: 2.0 / (std::f64::consts::PI * 12.0),
+            time_s: 0.8,
+        };
+        let rate = |v: f64| (annulus.balanced_m_s(v) - v) / annulus.time_s;
+        let (mut v, h) = (0.0, 0.5 / 4000.0);
+        for _ in 0..4000 {
+            let k1 = rate(v);
+            let k2 = rate(v + 0.5 * h * k1);
+            let k3 = rate(v + 0.5 * h * k2);
+            v += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + rate(v + h * k3));
+        }
+        let error = |steps: u32| {
+            let step_s = 0.5 / f64::from(steps);
+            let end = (0..steps).fold(annulus.still(), |state, _| annulus.after(&state, step_s));
+            (end.acting_m_s[0] - v).abs()
+        };
+        let (coarse, fine) = (error(10), error(20));
+        assert!(coarse < 1e-2 && (3.4..4.6).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
+        let steady = annulus.settled();
+        approx::assert_relative_eq!(
+            annulus.balanced_m_s(steady.acting_m_s[0]),
+            steady.acting_m_s[0],
+            max_relative = 1e-12
+        );
+        assert!(steady.acting_m_s[0] > 1.0, "{steady:?}");
+        // steps as long as the time constant, the longest that a machine may have
+        let far = (0..40).fold(annulus.still(), |state, _| annulus.after(&state, 0.8));
+        approx::assert_relative_eq!(far.acting_m_s[0], steady.acting_m_s[0], max_relative = 1e-6);
+    }
+}

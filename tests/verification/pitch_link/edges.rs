@@ -1,0 +1,226 @@
+//! The air of the failing blade at its edges: what is refused by name, limits, values a thousand times larger.
+
+use super::air::{Induced, loads};
+use super::joint_of;
+use crate::plant::machines::start;
+use foldwing::aero::rotor::options::{PitchRate, Spread};
+use foldwing::config;
+use foldwing::machine::{AirOptions, JointMotion, Machine, Motion};
+use nalgebra::Vector3;
+use std::path::Path;
+
+fn text() -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/failures/pitch_link_in_wind.toml");
+    std::fs::read_to_string(path).expect("a shipped model")
+}
+
+fn machine_of(changes: &[(&str, &str)]) -> Result<Machine, String> {
+    let mut text = text();
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}");
+        text = text.replace(from, to);
+    }
+    config::parse(&text, "blade").map_err(|error| error.to_string())
+}
+
+fn machine(changes: &[(&str, &str)]) -> Machine {
+    machine_of(changes).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// PL-14. What does not go together is refused with its key, and the cure.
+#[test]
+fn pl14_what_does_not_go_together_is_refused() {
+    let lag = "inflow_lag_s = 0.8";
+    for (from, to, expected) in [
+        (
+            lag,
+            "inflow_lag_s = 0.002",
+            "key 'aerodynamics.inflow_lag_s': 0.002 is not allowed; allowed: a finite time >= 0.0025 s",
+        ),
+        (lag, "inflow_lag_s = 0.0", "key 'aerodynamics.inflow_lag_s': 0"),
+        (lag, "inflow_lag_s = -1.0", "key 'aerodynamics.inflow_lag_s': -1"),
+        (
+            lag,
+            "inflow_lag_s = 0.8\ndynamic_inflow = true",
+            "only without inflow_lag_s, which replaces the momentum balance",
+        ),
+        (lag, "inflow_lag_s = 0.8\nskewed_wake = true", "key 'aerodynamics.skewed_wake'"),
+        (lag, "inflow_lag_s = 0.8\nas_aerodyn = true", "key 'aerodynamics.as_aerodyn'"),
+        (lag, "inflow_lag_s = 0.8\nend_rule = \"stopped\"", "key 'aerodynamics.end_rule'"),
+        (lag, "inflow_lag_s = 0.8\ndynamic_stall = true", "key 'aerodynamics.pitch_rate'"),
+        ("blades = 2", "blades = 0", "key 'aerodynamics.blades'"),
+        ("blades = 2", "blades = 101", "key 'aerodynamics.blades'"),
+        ("pitch_rate = \"hub\"", "pitch_rate = \"shaft\"", "key 'aerodynamics.pitch_rate'"),
+        ("spread = \"cells\"", "spread = \"cell\"", "key 'aerodynamics.spread'"),
+        ("length_m = 20.25", "length_m = 0.0", "key 'surface.blade.length_m'"),
+        ("length_m = 20.25", "length_m = 19.0", "key 'surface.blade.stations_m'"),
+        ("length_m = 20.25\n", "", "a rigid body has none"),
+        ("chord_m = { table = [[0.0, 1.71], [20.25, 0.9]] }\n", "", "a rigid body has no section to take it from"),
+        ("pressure_shift_deg = 10.0", "pressure_shift_deg = 0.0", "key 'polar.profile.pressure_shift_deg'"),
+        ("pressure_shift_deg = 10.0", "pressure_shift_deg = 81.0", "an angle > 0 deg, at most 80"),
+        ("aspect_ratio = 15.0\n", "", "key 'polar.profile.pressure_shift_deg'"),
+        ("    [-10, ", "    [-95, ", "a polar from stall to stall begins at the negative one"),
+    ] {
+        let message = machine_of(&[(from, to)]).expect_err(to);
+        assert!(message.contains(expected), "{to}: {message}");
+    }
+    // the same keys without a rotor
+    for (key, value) in [("inflow_lag_s", "0.8"), ("blades", "2"), ("pitch_rate", "\"hub\""), ("spread", "\"cells\"")] {
+        let without = format!("[aerodynamics]\nmodel = \"none\"\n{key} = {value}\n");
+        let text =
+            std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/slender_wing.toml"))
+                .expect("a model");
+        let text = text.replacen("[aerodynamics]\n", &format!("[aerodynamics]\n{key} = {value}\n"), 1);
+        let message = config::parse(&text, "wing").expect_err(key).to_string();
+        assert!(message.contains("this key only with model = \"bem\""), "{without}: {message}");
+    }
+}
+
+/// PL-15. One blade that stands for two, and two blades that move alike, load the air and the shaft the same.
+#[test]
+fn pl15_a_blade_stands_for_others() {
+    let of = |machine: Machine| {
+        let mut plant = start(machine);
+        let steady = plant.outputs().rotor()[0];
+        plant.step(0.5).expect("runs");
+        (plant.outputs().joints()[2].angle_rad, steady)
+    };
+    let (two_rad, two) = of(machine(&[]));
+    let (one_rad, one) = of(machine(&[("blades = 2", "blades = 1")]));
+    // four thin blades for two: the same chord in all, half as much each
+    let (_, four) = of(machine(&[
+        ("blades = 2", "blades = 4"),
+        ("chord_m = { table = [[0.0, 1.71], [20.25, 0.9]] }", "chord_m = { table = [[0.0, 0.855], [20.25, 0.45]] }"),
+    ]));
+    assert!((two_rad - one_rad).abs() > 1e-4, "induction follows the number of blades: {two_rad} {one_rad}");
+    assert!(two.induction > 1.5 * one.induction, "{} {}", two.induction, one.induction);
+    assert!((four.induction / two.induction - 1.0).abs() < 1e-9, "{} {}", four.induction, two.induction);
+    assert!((four.thrust_n / two.thrust_n - 1.0).abs() < 1e-9, "{} {}", four.thrust_n, two.thrust_n);
+    assert!(
+        two.thrust_n > 1.6 * one.thrust_n && two.thrust_n < 2.0 * one.thrust_n,
+        "{} {}",
+        two.thrust_n,
+        one.thrust_n
+    );
+}
+
+/// PL-16. Limits. Still air, wind from behind and a wind a thousand times stronger run; a rotor at rest in no wind feels nothing; cells and
+/// straight lines agree as the stations get dense; the rate in the air has Ω sin β besides that against the hub.
+#[test]
+fn pl16_limits() {
+    let wind = "wind_m_s = [0.0, 0.0, 13.0]";
+    for other in ["wind_m_s = [0.0, 0.0, 0.0]", "wind_m_s = [0.0, 0.0, -13.0]", "wind_m_s = [0.0, 13.0, 0.0]"] {
+        let mut plant = start(machine(&[(wind, other)]));
+        plant.step(1.0).unwrap_or_else(|error| panic!("{other}: {error}"));
+        assert!(plant.outputs().rotor()[0].thrust_n.is_finite());
+    }
+    // dynamic pressure 1e6 times as large: it runs, or the failure to do so has a name
+    let mut plant = start(machine(&[(wind, "wind_m_s = [0.0, 0.0, 13000.0]")]));
+    match plant.step(0.05) {
+        Ok(()) => assert!(plant.outputs().joints().iter().all(|joint| joint.angle_rad.is_finite())),
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+    let mut still = machine(&[
+        (wind, "wind_m_s = [0.0, 0.0, 0.0]"),
+        ("start_rate_deg_s = 229.1831180523293", "start_rate_deg_s = 0.0"),
+    ]);
+    joint_of(&mut still, "shaft").drive.constant_torque_n_m = 0.0;
+    joint_of(&mut still, "flap").start_angle_rad = 0.0;
+    let mut plant = start(still);
+    plant.step(0.5).expect("runs");
+    assert_eq!(plant.outputs().rotor()[0].thrust_n, 0.0);
+    // straight lines see the blade from its first to its last station: with stations from end to end and dense both agree
+    let dense = |spread: &str| {
+        let places: Vec<String> = (0..=80).map(|i| format!("{}", 20.25 * f64::from(i) / 80.0)).collect();
+        let text = text();
+        let begin = text.find("stations_m").expect("stations");
+        let end = text[begin..].find("\n\n").expect("an end") + begin;
+        let stations =
+            format!("stations_m = [{}]\npolars = [{}]", places.join(", "), vec!["\"profile\""; 81].join(", "));
+        let text = format!("{}{stations}{}", &text[..begin], &text[end..]).replace("spread = \"cells\"", spread);
+        let plant = start(config::parse(&text, "blade").unwrap_or_else(|error| panic!("{error}")));
+        plant.outputs().rotor()[0].thrust_n
+    };
+    let (cells, lines) = (dense("spread = \"cells\""), dense("spread = \"linear\""));
+    // both of second order in cells of 0.25 m on 20 m: some 1e-4
+    assert!((cells / lines - 1.0).abs() < 5e-4, "{cells} {lines}");
+    let mut turning = machine(&[]);
+    turning.failures.clear();
+    // what accelerates would pull at the link too
+    joint_of(&mut turning, "shaft").motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.0, 4.0]));
+    joint_of(&mut turning, "shaft").start_rate_rad_s = 0.0;
+    joint_of(&mut turning, "flap").motion = JointMotion::Locked;
+    let hold = |machine: &Machine| start(machine.clone()).outputs().joints()[2].holding_torque_n_m;
+    let hub = hold(&turning);
+    let AirOptions::Rotor(rotor) = &mut turning.air.as_mut().expect("air").options else { panic!("a rotor") };
+    assert_eq!((rotor.features.pitch_rate, rotor.features.spread), (PitchRate::Hub, Spread::Cells));
+    rotor.features.pitch_rate = PitchRate::Air;
+    let air = hold(&turning);
+    // the reference's air with Ω sin β for the rate of pitch
+    let flap_rad = 0.6301876f64.to_radians();
+    let moment = |rate_rad_s: f64| {
+        let (q, rates) = (Vector3::new(0.0, flap_rad, (-2f64).to_radians()), Vector3::new(4.0, 0.0, rate_rad_s));
+        let mut induced = Induced::zeros();
+        for _ in 0..4000 {
+            induced += 0.05 * 0.8 * loads(&q, &rates, &induced).1;
+        }
+        loads(&q, &rates, &induced).0[2]
+    };
+    let expected = moment(4.0 * flap_rad.sin()) - moment(0.0);
+    println!("rate in the air: {:.2} N·m, by hand {expected:.2}", hub - air);
+    // slopes of the polar's rows
+    assert!((hub - air - expected).abs() < 0.01 * expected.abs() && expected < -15.0, "{hub} {air} {expected}");
+}
+
+/// PL-17. Dynamic stall on the same blade: in the steady rotor it is the static polar, after the failure stall comes later and the swing
+/// is another one, but the blade is held and goes to feather all the same.
+#[test]
+fn pl17_dynamic_stall() {
+    let of = |changes: &[(&str, &str)]| {
+        let mut machine = machine(changes);
+        joint_of(&mut machine, "pitch").drive.inertia_kg_m2 = 30.0;
+        let mut plant = start(machine);
+        let steady = plant.outputs().rotor()[0].thrust_n;
+        let mut least_deg = f64::INFINITY;
+        for i in 1..=600 {
+            plant.step(0.01 * f64::from(i)).expect("runs");
+            if i <= 240 {
+                least_deg = least_deg.min(plant.outputs().joints()[2].angle_rad.to_degrees());
+            }
+        }
+        let joints = plant.outputs().joints();
+        (steady, least_deg, joints[2].angle_rad.to_degrees(), joints[0].rate_rad_s)
+    };
+    let plain = of(&[]);
+    let dynamic = of(&[("pitch_rate = \"hub\"", "dynamic_stall = true")]);
+    println!("static {plain:.2?}, dynamic {dynamic:.2?}: thrust, pitch down to 2.4 s, pitch and rotor speed at 6 s");
+    // the coned blade turns at Ω sin β in the air, which the static one counts against the hub: 0.1 % of the lift
+    assert!((dynamic.0 / plain.0 - 1.0).abs() < 5e-3, "{plain:?} {dynamic:?}");
+    assert!((dynamic.1 - plain.1).abs() > 1.0, "{plain:?} {dynamic:?}");
+    assert!(dynamic.1 < -15.0 && dynamic.2 < -40.0 && dynamic.3 < 2.0, "{dynamic:?}");
+}
+
+/// PL-18. The same failure on a beam: a stiff beam moves as the rigid blade of its mass does, and the strain at the root after the failure
+/// falls with the inertia that stays.
+#[test]
+fn pl18_a_blade_that_bends() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/failures/pitch_link_flexible.toml");
+    let text = std::fs::read_to_string(path).expect("a shipped model");
+    let of = |pitch_kg_m2: f64| {
+        let mut machine = config::parse(&text, "blade").unwrap_or_else(|error| panic!("{error}"));
+        joint_of(&mut machine, "pitch").drive.inertia_kg_m2 = pitch_kg_m2;
+        let mut plant = start(machine);
+        let (mut before, mut after) = (0.0f64, 0.0f64);
+        for i in 1..=120 {
+            plant.step(0.05 * f64::from(i)).expect("runs");
+            let strain = plant.outputs().gauges()[0].abs();
+            if i <= 60 { before = before.max(strain) } else { after = after.max(strain) }
+        }
+        (before, after, plant.outputs().joints()[1].angle_rad.to_degrees())
+    };
+    let [none, some, many] = [0.0, 30.0, 300.0].map(of);
+    println!("strain at the root before and after, pitch at 6 s: {none:?} {some:?} {many:?}");
+    assert!((none.0 - many.0).abs() < 1e-3 * many.0, "the link holds alike before: {} {}", none.0, many.0);
+    assert!(none.1 > 1.01 * some.1 && some.1 > 1.05 * many.1, "{none:?} {some:?} {many:?}");
+    assert!(many.1 > 2.0 * many.0, "the jump alone: {many:?}");
+}
