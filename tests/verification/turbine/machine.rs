@@ -38,6 +38,15 @@ pub fn hinge_mut<'m>(machine: &'m mut Machine, name: &str) -> &'m mut OneFreedom
     }
 }
 
+/// A prismatic joint, to be changed.
+pub fn slide_mut<'m>(machine: &'m mut Machine, name: &str) -> &'m mut OneFreedom {
+    let body = machine.bodies.iter_mut().find(|body| body.joint.name == name).expect("a joint of this name");
+    match &mut body.joint.kind {
+        JointKind::Prismatic(slide) => slide,
+        _ => panic!("{name} is not prismatic"),
+    }
+}
+
 /// The first blade alone, clamped 1.5 m above the origin, without gravity: on a root that turns about `x` it is a rotor's
 /// blade without cone and tilt.
 pub fn blade_alone() -> Machine {

@@ -8,4 +8,5 @@ mod modes;
 mod recursions;
 mod refusals;
 mod vacuum;
+mod whirl;
 mod wind;
