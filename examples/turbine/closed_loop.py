@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
-from nrel_controller import RPM, Controller
+from nrel_controller import RATED_POWER_W, RPM, Controller
 
 FOLDER = Path(__file__).resolve().parent
 MODEL = FOLDER / "nrel_5mw_wind.toml"
@@ -70,7 +70,7 @@ def as_in_map(text, wind_m_s, speed_rpm, pitch_deg):
 class Turbine:
     """The FMU of a model text, stepped with the controller."""
 
-    def __init__(self, foldwing, text, folder):
+    def __init__(self, foldwing, text, folder, rated_W):
         model, fmu = Path(folder) / "turbine.toml", Path(folder) / "turbine.fmu"
         model.write_text(text.replace('"polars/', f'"{FOLDER.as_posix()}/polars/'), encoding="utf-8")
         subprocess.run([str(foldwing), "package", str(model), "-o", str(fmu), "--no-reference"], check=True, capture_output=True)
@@ -84,7 +84,7 @@ class Turbine:
         self.slave.setBoolean([self.references["shaft.generator_on"]], [False])
         self.slave.exitInitializationMode()
         self.recorded = [name for name in RECORDED if name in self.references]  # without a tower it has no deflection
-        self.controller = Controller(*self.get([FAST, PITCHES[0]]))
+        self.controller = Controller(*self.get([FAST, PITCHES[0]]), rated_W)
         self.commands = [self.references[name] for name in ["shaft.torque", *(f"pitch{blade}.command" for blade in (1, 2, 3))]]
 
     def get(self, names):
@@ -110,10 +110,10 @@ class Turbine:
         self.slave.freeInstance()
 
 
-def fly(foldwing, text, duration_s):
-    """Histories of a run of a model text, and the seconds that it took."""
+def fly(foldwing, text, duration_s, rated_W=RATED_POWER_W):
+    """Histories of a run of a model text, and the seconds of the processor that it took."""
     with tempfile.TemporaryDirectory() as folder:
-        turbine = Turbine(foldwing, text, folder)
+        turbine = Turbine(foldwing, text, folder, rated_W)
         began = time.process_time()
         try:
             return turbine.run(duration_s), time.process_time() - began
@@ -140,40 +140,55 @@ def summary(name, run, seconds):
             f"{seconds / run['time'][-1]:.4f} s of the processor per second")
 
 
-def operating_points(foldwing, map_file=MAP):
-    """For each operating point of the map: what OpenFAST has, and what the closed loop comes to rest at."""
-    text = MODEL.read_text(encoding="utf-8")
-    with open(map_file, encoding="utf-8") as file:
+def rest(foldwing, row, settle_s, rated_W=RATED_POWER_W):
+    """Means over the last seconds of a run under the conditions of an operating point; it starts off it, so that it is found, not kept."""
+    wind, rpm, pitch = row["WindSpeed_m_per_s"], row["RotorSpeed_RPM"], row["Pitch_deg"]
+    text = as_in_map(MODEL.read_text(encoding="utf-8"), wind, 0.97 * rpm, max(pitch - 1.0, 0.0))
+    run, _ = fly(foldwing, text, settle_s, rated_W)
+    last = run["time"] > settle_s - MEAN_S
+    if np.ptp(run[SPEED][last]) > 1e-5 * run[SPEED][-1]:
+        raise SystemExit(f"no steady state at {wind} m/s within {settle_s} s")
+    return {"rpm": run[SPEED][last].mean() / RPM, "pitch": math.degrees(run["pitch1.angle"][last].mean()),
+            "power": run["rotor.power"][last].mean(), "thrust": run["rotor.thrust"][last].mean()}
+
+
+def operating_points(foldwing, winds_m_s=None, settle_s=SETTLE_S):
+    """For each operating point of the map, or those of some winds: what OpenFAST has, and where the closed loop comes to rest; above
+    rated wind also where it does with the power of the map, which is up to a twentieth above the rated one there."""
+    with open(MAP, encoding="utf-8") as file:
         rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
     speeds = [row["WindSpeed_m_per_s"] for row in rows]
     ascending = next((i for i in range(1, len(rows)) if speeds[i] < speeds[i - 1]), len(rows))  # then come points without a controller
-    found = []
+    points = []
     for row in rows[:ascending]:
-        wind, rpm, pitch = row["WindSpeed_m_per_s"], row["RotorSpeed_RPM"], row["Pitch_deg"]
-        # the start is off, so that the point is found, not kept
-        run, _ = fly(foldwing, as_in_map(text, wind, 0.97 * rpm, max(pitch - 1.0, 0.0)), SETTLE_S)
-        last = run["time"] > SETTLE_S - MEAN_S
-        mean = {name: column[last].mean() for name, column in run.items()}
-        moved = np.ptp(run[SPEED][last]) / mean[SPEED]
-        found.append({
-            "wind": wind, "moved": moved,
-            "rpm": (mean[SPEED] / RPM, rpm), "pitch": (math.degrees(mean["pitch1.angle"]), pitch),
-            "power": (mean["rotor.power"], row["RtFldMxh_Nm"] * rpm * RPM), "thrust": (mean["rotor.thrust"], row["RtFldFxh_N"]),
+        if winds_m_s is not None and row["WindSpeed_m_per_s"] not in winds_m_s:
+            continue
+        power = row["RtFldMxh_Nm"] * row["RotorSpeed_RPM"] * RPM
+        points.append({
+            "wind": row["WindSpeed_m_per_s"],
+            "map": {"rpm": row["RotorSpeed_RPM"], "pitch": row["Pitch_deg"], "power": power, "thrust": row["RtFldFxh_N"]},
+            "own": rest(foldwing, row, settle_s),
+            "at_power": rest(foldwing, row, settle_s, power) if row["Pitch_deg"] > 0.0 else None,
         })
-    return found
+    return points
 
 
 def table(points):
-    """The operating points as a table in Markdown."""
-    lines = ["| wind, m/s | rotor, rpm | OpenFAST | | pitch, deg | OpenFAST | | power, MW | OpenFAST | | thrust, kN | OpenFAST | |",
-             "|---|---|---|---|---|---|---|---|---|---|---|---|---|"]
+    """The operating points as a table in Markdown: values of the closed loop, and how far they are off the map."""
+    def off(point, kind, name):
+        if point[kind] is None:
+            return ""
+        own, reference = point[kind][name], point["map"][name]
+        return (f"{own - reference:+.3f}°" if name == "pitch" else f"{100.0 * (own / reference - 1.0):+.2f} %").replace("-", "−")
+
+    lines = ["| wind, m/s | rotor, rpm | off | pitch, deg | off | power, MW | off | thrust, kN | off | pitch at the map's power, off | thrust there, off |",
+             "|---|---|---|---|---|---|---|---|---|---|---|"]
     for point in points:
         cells = [f"{point['wind']:g}"]
         for name, factor, digits in (("rpm", 1.0, 4), ("pitch", 1.0, 3), ("power", 1e-6, 4), ("thrust", 1e-3, 2)):
-            own, reference = (factor * value for value in point[name])
-            off = f"{own - reference:+.3f}" if name == "pitch" else f"{100 * (own / reference - 1):+.2f} %"
-            cells += [f"{own:.{digits}f}", f"{reference:.{digits}f}", off]
-        lines.append(f"| {' | '.join(cells)} |".replace("-", "−").replace("−−−", "---"))
+            cells += [f"{factor * point['own'][name]:.{digits}f}", off(point, "own", name)]
+        cells += [off(point, "at_power", "pitch"), off(point, "at_power", "thrust")]
+        lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 

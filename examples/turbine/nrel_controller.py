@@ -27,31 +27,32 @@ MINIMUM_PITCH_RAD, MAXIMUM_PITCH_RAD = 0.0, math.radians(90.0)
 MAXIMUM_PITCH_RATE_RAD_S = math.radians(8.0)
 
 
-def torque_N_m(speed_rad_s, pitch_rad):
+def torque_N_m(speed_rad_s, pitch_rad, rated_W=RATED_POWER_W):
     """Torque of the generator in N·m at its filtered speed in rad/s and the pitch in rad: regions 1 to 3 of section 7.2."""
     rpm = speed_rad_s / RPM
     if pitch_rad >= REGION_3_PITCH_RAD or rpm >= REGION_3_RPM:
-        return RATED_POWER_W / max(speed_rad_s, CUT_IN_RPM * RPM)  # 3: constant power
+        return rated_W / max(speed_rad_s, CUT_IN_RPM * RPM)  # 3: constant power
     if rpm <= CUT_IN_RPM:
         return 0.0  # 1: the wind speeds the rotor up
     if rpm < REGION_2_RPM:  # 1½: a straight line to region 2
         return SQUARE_GAIN_N_M_RPM2 * REGION_2_RPM**2 * (rpm - CUT_IN_RPM) / (REGION_2_RPM - CUT_IN_RPM)
     # 2½: a straight line from zero torque at the synchronous speed to that of region 3; it crosses the square between the two
     synchronous_rpm = REGION_3_RPM / (1.0 + SLIP)
-    slope = RATED_POWER_W / (REGION_3_RPM * RPM) / (REGION_3_RPM - synchronous_rpm)
+    slope = rated_W / (REGION_3_RPM * RPM) / (REGION_3_RPM - synchronous_rpm)
     return max(SQUARE_GAIN_N_M_RPM2 * rpm**2, slope * (rpm - synchronous_rpm))
 
 
 class Controller:
     """The controller in steps: a low-pass filter, the torque law, a PI law of pitch with gains scheduled by the pitch.
 
-    `pitch_rad` is the pitch at the start, which the integral then stands for.
+    `pitch_rad` is the pitch at the start, which the integral then stands for; `rated_W` the mechanical power that region 3 holds.
     """
 
-    def __init__(self, speed_rad_s, pitch_rad=0.0):
+    def __init__(self, speed_rad_s, pitch_rad=0.0, rated_W=RATED_POWER_W):
+        self.rated_W = rated_W
         self.speed_rad_s = speed_rad_s
         self.pitch_rad = pitch_rad
-        self.torque_N_m = torque_N_m(speed_rad_s, pitch_rad)
+        self.torque_N_m = torque_N_m(speed_rad_s, pitch_rad, rated_W)
         self.integral_rad = pitch_rad / (gain(pitch_rad) * INTEGRAL)
 
     def step(self, speed_rad_s, step_s):
@@ -59,7 +60,7 @@ class Controller:
         kept = math.exp(-2.0 * math.pi * CORNER_HZ * step_s)  # section 7.1, eq. (7-1)
         self.speed_rad_s = (1.0 - kept) * speed_rad_s + kept * self.speed_rad_s
 
-        wanted = min(torque_N_m(self.speed_rad_s, self.pitch_rad), MAXIMUM_TORQUE_N_M)
+        wanted = min(torque_N_m(self.speed_rad_s, self.pitch_rad, self.rated_W), MAXIMUM_TORQUE_N_M)
         self.torque_N_m = approach(self.torque_N_m, wanted, MAXIMUM_TORQUE_RATE_N_M_S * step_s)
 
         now = gain(self.pitch_rad)

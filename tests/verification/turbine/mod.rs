@@ -5,6 +5,7 @@ mod bodies;
 mod kane;
 mod machine;
 mod modes;
+mod operation;
 mod recursions;
 mod refusals;
 mod vacuum;

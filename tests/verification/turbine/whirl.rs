@@ -25,21 +25,7 @@ fn whirls(
 
 /// The rotor of the example on a stand that does not move, without cone and tilt, its shaft turned at a given speed.
 fn rotor_on_a_stand() -> Machine {
-    let (before, rest) = TEXT.split_once("# Tower: ").expect("a tower");
-    let (_, rest) = rest.split_once("# Nacelle: ").expect("a nacelle");
-    let (nacelle, rest) = rest.split_once("[joint.yaw]").expect("a yaw joint");
-    let (_, rest) = rest.split_once("# The shaft's end").expect("a generator");
-    let yaw = "[joint.yaw]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"nacelle\"\n";
-    let mut text = format!("{before}# {nacelle}{yaw}\n# {rest}").replace("rotation_deg = [0.0, 5.0, 0.0]", "");
-    for (key, value) in [
-        ("parent_offset_m = [-0.0654", "parent_offset_m = [0.0, 0.0, 1.5]"),
-        ("axis = [0.0436", "axis = [0.0, 0.0, -1.0]"),
-        ("mount_rotation_deg = [124.4", "mount_rotation_deg = [127.27922061357854, 0.0, 127.27922061357854]"),
-    ] {
-        let start = text.find(key).unwrap_or_else(|| panic!("{key}"));
-        let end = start + text[start..].find('\n').expect("a line");
-        text.replace_range(start..end, value);
-    }
+    let text = on_a_stand(TEXT);
     let mut machine = config::parse(&text, "stand.toml").unwrap_or_else(|refused| panic!("{refused}"));
     hinge_mut(&mut machine, "shaft").motion = JointMotion::Locked;
     hinge_mut(&mut machine, "drive_train").motion = JointMotion::Locked;
@@ -197,7 +183,7 @@ fn wt19_ground_resonance_is_colemans() {
     for blades in [3, 4, 5] {
         let rotor = Resonance::of(blades);
         let machine = rotor.machine();
-        for speed_rad_s in [2.0, 8.0, 15.0, 19.0, 21.0, 22.0, 23.0, 25.0, 30.0, 60.0, -15.0] {
+        for speed_rad_s in [1.0, 8.0, 15.0, 19.0, 21.0, 22.0, 23.0, 25.0, 30.0, 60.0, -15.0] {
             let modes = whirls(&machine, None, speed_rad_s, 2 * blades + 3).expect("modes");
             for root in rotor.closed_form(speed_rad_s) {
                 // e^{iωt} in the plane: λ = iω, or its conjugate where it turns backward
