@@ -6,7 +6,6 @@ use crate::cli::settings::read_plant;
 use crate::cli::sweep::axis;
 use crate::cli::{Failure, print, tell};
 use crate::report::figure::{Curve, Figure, Look};
-use foldwing_engine::machine::Wrench;
 use foldwing_engine::plant::{Branches, ModeShape, Plant, PlantError};
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -129,7 +128,7 @@ fn check_loads(plant: &Plant) -> Result<(), Failure> {
             }
         }
     }
-    if plant.inputs().stations().iter().any(|load| *load != Wrench::default()) {
+    if plant.inputs().stations().iter().any(|load| load.force_n.norm() + load.moment_n_m.norm() != 0.0) {
         return refused("a load station carries a load".to_owned());
     }
     Ok(())

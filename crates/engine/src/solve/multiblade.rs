@@ -7,8 +7,8 @@ use crate::solve::linearize::SecondOrder;
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Shares of two whirls that differ by less than this, of their sum, are those of a standing motion.
-const STANDING: f64 = 1e-6;
+/// Shares of two whirls that differ by less than this, of their sum, are those of a standing motion: neither direction leads.
+const STANDING: f64 = 0.1;
 
 /// How equal blades move relative to each other, as seen from the ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -78,6 +78,13 @@ impl Multiblade {
         }
     }
 
+    /// What the transformed stiffness lacks of positive, over the mass, in 1/s²: `n²Ω²` of the blades' finest wave, and as much again three
+    /// times, for what gyroscopic forces add.
+    pub fn shift_1_s2(&self, speed_rad_s: f64) -> f64 {
+        let waves = (self.blades.len().saturating_sub(1) / 2) as f64;
+        4.0 * (waves * speed_rad_s).powi(2)
+    }
+
     /// The motion of the coordinates at an azimuth, of components.
     pub fn coordinates(&self, components: &DVector<Complex<f64>>, azimuth_rad: f64) -> DVector<Complex<f64>> {
         let [t, ..] = self.matrices(components.len(), azimuth_rad);
@@ -86,7 +93,13 @@ impl Multiblade {
 
     /// Shares of the motions in a mode, eq. (L26): coordinate of the first blade, or of what is no blade, the blades' whirl, and
     /// the share in `Σ m |z|²` with the diagonal of the transformed mass; the shares add up to 1.
-    pub fn shares(&self, shape: &DVector<Complex<f64>>, mass: &DMatrix<f64>) -> Vec<(usize, Option<Whirl>, f64)> {
+    /// Forward is the way in which the rotor turns at `speed_rad_s`.
+    pub fn shares(
+        &self,
+        shape: &DVector<Complex<f64>>,
+        mass: &DMatrix<f64>,
+        speed_rad_s: f64,
+    ) -> Vec<(usize, Option<Whirl>, f64)> {
         let count = self.blades.len();
         let size = |i: usize| mass[(i, i)] * shape[i].norm_sqr();
         let mut list: Vec<(usize, Option<Whirl>, f64)> = (0..shape.len())
@@ -100,7 +113,7 @@ impl Multiblade {
             for waves in 1..=(count - 1) / 2 {
                 let (cosine, sine) = (at(2 * waves - 1), at(2 * waves));
                 let weight = 0.5 * mass[(cosine, cosine)];
-                let turned = Complex::i() * shape[sine];
+                let turned = Complex::new(0.0, 1.0_f64.copysign(speed_rad_s)) * shape[sine];
                 let forward = weight * (shape[cosine] + turned).norm_sqr();
                 let backward = weight * (shape[cosine] - turned).norm_sqr();
                 if (forward - backward).abs() <= STANDING * (forward + backward) {
@@ -142,7 +155,7 @@ fn entries(component: usize, blades: usize, blade: usize, azimuth_rad: f64) -> [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solve::lagged::Lagged;
+    use crate::solve::modes::modes_beyond;
 
     /// Blades that do not feel each other and are fixed to the hub, `q̈ + 2ζω q̇ + ω² q = 0`: from the ground each wave has the
     /// eigenvalues `λ ± i n Ω`, and its names; with any number of blades.
@@ -156,11 +169,12 @@ mod tests {
                 SecondOrder { mass: of(2.0), damping: of(4.0 * zeta * omega), stiffness: of(2.0 * omega * omega) };
             for azimuth in [0.0, 0.4, 2.0] {
                 let seen = rotor.transform(&system, azimuth, speed);
-                let modes = Lagged::without(seen.clone()).modes(count).unwrap();
+                let matrices = [&seen.mass, &seen.damping, &seen.stiffness];
+                let modes = modes_beyond(matrices, count, rotor.shift_1_s2(speed)).unwrap();
                 assert_eq!(modes.len(), count);
                 let (re, im) = (-zeta * omega, omega * (1.0 - zeta * zeta).sqrt());
                 for mode in modes {
-                    let shares = rotor.shares(&mode.shape, &seen.mass);
+                    let shares = rotor.shares(&mode.shape, &seen.mass, speed);
                     let (_, whirl, share) = shares.iter().max_by(|a, b| a.2.total_cmp(&b.2)).unwrap();
                     let travel = match whirl.unwrap() {
                         Whirl::Collective | Whirl::Differential => 0.0,

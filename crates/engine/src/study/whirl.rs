@@ -2,8 +2,9 @@
 
 use crate::multibody::norm::kinematic_norm;
 use crate::solve::EquationsOfMotion;
-use crate::solve::lagged::{Lagged, LaggedMode};
+use crate::solve::lagged::LaggedMode;
 use crate::solve::linearize::SecondOrder;
+use crate::solve::modes::modes_beyond;
 use crate::solve::multiblade::{Multiblade, Whirl};
 use crate::study::{Rotor, Study};
 use crate::system::PlantError;
@@ -59,11 +60,14 @@ impl Study<'_> {
             let other = self.seen(&blades, azimuth_rad, shaft, speed_rad_s)?;
             self.check_isotropy(&freedoms, [&seen, &other], speed_rad_s).map_err(refused)?;
         }
-        let list = Lagged::without(seen.clone()).modes(count).map_err(|error| refused(error.to_string()))?;
+        let matrices = [&seen.mass, &seen.damping, &seen.stiffness];
+        let list = modes_beyond(matrices, count, blades.shift_1_s2(speed_rad_s))
+            .map_err(|error| refused(error.to_string()))?;
         let modes = list.into_iter().map(|mode| {
-            let shares = blades.shares(&mode.shape, &seen.mass);
+            let shares = blades.shares(&mode.shape, &seen.mass, speed_rad_s);
             let shape = blades.coordinates(&mode.shape, 0.0);
-            let mut shape = self.mode_shape(LaggedMode { shape, ..mode }, &freedoms);
+            let mut shape =
+                self.mode_shape(LaggedMode { shape, eigenvalue_1_s: mode.eigenvalue_1_s, lag_share: 0.0 }, &freedoms);
             shape.whirl = self.named(&freedoms, rotor, &shares);
             shape
         });
