@@ -38,6 +38,14 @@ ENERGIES = ["energy.total", "energy.work", "energy.dissipated"]
 RECORDED = ["rotor.wind", SPEED, FAST, "rotor.thrust", "rotor.power", "pitch1.angle", "body.blade1.deflection.z", "body.tower.deflection.z",
             "body.blade1.root_moment.y", *ENERGIES]
 
+HEAD = """# Operating points of the turbine in closed loop
+
+Where the loop of `examples/turbine/closed_loop.py` comes to rest, under the conditions of OpenFAST's map of operating points
+(`openfast_aeromap_flexible.csv`: blades bend; no cone, tilt, tower motion and gravity; AeroDyn's rules), from a speed 3 % and a pitch 1 degree off;
+"off" is the distance from the map. Above rated wind the map takes more than the rated power of 5.2966 MW out of the wind, so that the loop needs more pitch
+and has less thrust; the last two columns are the same loop with the map's power for the rated one.
+"""
+
 
 def steady(text, wind_m_s):
     """The model text in a steady, even wind."""
@@ -235,7 +243,7 @@ def main():
         text = table(operating_points(arguments.foldwing))
         print(text, end="")
         if arguments.table:
-            arguments.table.write_text(text, encoding="utf-8")
+            arguments.table.write_text(f"{HEAD}Written by `make turbine`, {time.strftime('%Y-%m-%d')}.\n\n{text}", encoding="utf-8")
         return
     text = MODEL.read_text(encoding="utf-8")
     runs = {}

@@ -36,9 +36,9 @@ fn at_point(wind_m_s: f64, speed_rpm: f64, pitch_deg: f64) -> Plant {
     plant
 }
 
-/// WT-21. The flexible rotor over wind: thrust and torque, and the tip's deflection, of OpenFAST's steady states. The aims are those of
-/// the issue: deflection 1.5 % (how loads reach the structural nodes moves it by 0.5 %), coefficients 1 % there, here what was seen
-/// and as much again: what the reference's mapping of loads does to the twist-free deflections moves them by parts in a thousand.
+/// WT-21. The flexible rotor over wind: thrust and torque, and the tip's deflection, of OpenFAST's steady states. How line loads reach its
+/// structural nodes moves OpenFAST's own deflections by 0.5 %, with the load on flexible blades behind them; three parts in a thousand of
+/// the map's largest are allowed, and two of the coefficients, twice what is seen.
 #[test]
 fn wt21_flexible_rotor_over_wind() {
     let (names, rows) = table(include_str!("../../reference/turbine/openfast_aeromap_flexible.csv"));
@@ -69,8 +69,8 @@ fn wt21_flexible_rotor_over_wind() {
         worst.iter_mut().zip(own).for_each(|(worst, own)| *worst = worst.max(own));
     }
     println!("WT-21: thrust {:.1e}, torque {:.1e}, tip {:.1e}, {:.1e}", worst[0], worst[1], worst[2], worst[3]);
-    assert!(worst[0] < 1e-2 && worst[1] < 1e-2, "coefficients off by {worst:?}");
-    assert!(worst[2] < 1.5e-2 && worst[3] < 1.5e-2, "deflections off by {worst:?}");
+    assert!(worst[0] < 2e-3 && worst[1] < 2e-3, "coefficients off by {worst:?}");
+    assert!(worst[2] < 3e-3 && worst[3] < 3e-3, "deflections off by {worst:?}");
 }
 
 /// WT-22. A shaft that has turned a million times: the turbine moves on as one that has not. The angle then has 1e-9 rad for its last

@@ -224,6 +224,14 @@ impl BranchTable<'_> {
         list
     }
 
+    /// What moves in a branch at the larger part of the places.
+    fn usual_motion(&self, branch: usize) -> Option<String> {
+        let names: Vec<String> =
+            self.branches.places.iter().filter_map(|place| place.modes[branch].as_ref().and_then(motion)).collect();
+        let count = |name: &String| names.iter().filter(|other| *other == name).count();
+        names.iter().max_by_key(|name| count(name)).cloned()
+    }
+
     /// Damping and frequency over the quantity, and the paths of the eigenvalues.
     pub fn figures(&self, name: &str, marks: &[(f64, String)]) -> Vec<(&'static str, Figure)> {
         let curves = |point: &dyn Fn(f64, &ModeShape) -> [f64; 2]| -> Vec<Curve> {
@@ -233,8 +241,8 @@ impl BranchTable<'_> {
                     .places
                     .iter()
                     .filter_map(|place| place.modes[branch].as_ref().map(|mode| point(place.at, mode)));
-                let last = self.motions(branch).pop().map_or_else(|| format!("mode {}", branch + 1), |(_, name)| name);
-                Curve::nth(branch, last, found.collect())
+                let name = self.usual_motion(branch).unwrap_or_else(|| format!("mode {}", branch + 1));
+                Curve::nth(branch, name, found.collect())
             };
             (0..self.count()).map(of).collect()
         };
