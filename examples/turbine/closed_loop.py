@@ -75,12 +75,23 @@ def as_in_map(text, wind_m_s, speed_rpm, pitch_deg):
     return steady(text, wind_m_s)
 
 
+def in_real_time(text):
+    """The model text in real-time mode, air and structure on steps of 5 ms: every step costs the same."""
+    text = text.replace("step_s = 0.02\n# The loads", "step_s = 0.005\n# The loads")
+    return re.sub(r"(?ms)^\[solver\].*?(?=^\[)", '[solver]\nmode = "real_time"\nfixed_step_s = 0.005\n\n', text)
+
+
+def with_polars(text):
+    """The model text with the whole paths of the polars' files, so that it can stand anywhere."""
+    return text.replace('"polars/', f'"{FOLDER.as_posix()}/polars/')
+
+
 class Turbine:
     """The FMU of a model text, stepped with the controller."""
 
     def __init__(self, foldwing, text, folder, rated_W):
         model, fmu = Path(folder) / "turbine.toml", Path(folder) / "turbine.fmu"
-        model.write_text(text.replace('"polars/', f'"{FOLDER.as_posix()}/polars/'), encoding="utf-8")
+        model.write_text(with_polars(text), encoding="utf-8")
         subprocess.run([str(foldwing), "package", str(model), "-o", str(fmu), "--no-reference"], check=True, capture_output=True)
         description = read_model_description(str(fmu))
         self.references = {variable.name: variable.valueReference for variable in description.modelVariables}
@@ -237,8 +248,13 @@ def main():
     parser.add_argument("--picture", type=Path, help="file for the histories")
     parser.add_argument("--points", action="store_true", help="compare operating points with OpenFAST's map instead")
     parser.add_argument("--table", type=Path, help="file for the table of --points")
+    parser.add_argument("--real-time", type=Path, help="file for the model under turbulence in real-time mode, for `foldwing latency`; nothing is run")
     arguments = parser.parse_args()
 
+    if arguments.real_time:
+        text = in_real_time(turbulent(MODEL.read_text(encoding="utf-8"), arguments.mean, arguments.seed, arguments.duration))
+        arguments.real_time.write_text(with_polars(text), encoding="utf-8")
+        return
     if arguments.points:
         text = table(operating_points(arguments.foldwing))
         print(text, end="")
