@@ -123,7 +123,7 @@ impl Multiblade {
                     list.push((at(0), Some(Whirl::Backward(waves)), backward));
                 }
             }
-            if count % 2 == 0 {
+            if count.is_multiple_of(2) {
                 list.push((at(0), Some(Whirl::Differential), size(at(count - 1))));
             }
         }
@@ -141,8 +141,8 @@ fn entries(component: usize, blades: usize, blade: usize, azimuth_rad: f64) -> [
     if component == 0 {
         return [1.0, 0.0, 0.0];
     }
-    if component + 1 == blades && blades % 2 == 0 {
-        return [if blade % 2 == 0 { 1.0 } else { -1.0 }, 0.0, 0.0];
+    if component + 1 == blades && blades.is_multiple_of(2) {
+        return [if blade.is_multiple_of(2) { 1.0 } else { -1.0 }, 0.0, 0.0];
     }
     let waves = component.div_ceil(2) as f64;
     let (sine, cosine) = (waves * azimuth_rad).sin_cos();

@@ -134,7 +134,7 @@ fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[B
     angles.sort_by(|a, b| a.0.total_cmp(&b.0));
     let apart_rad = TAU / angles.len() as f64;
     let off =
-        angles.iter().enumerate().find(|(k, (angle_rad, _))| !((angle_rad - *k as f64 * apart_rad).abs() <= PLACE_RAD));
+        angles.iter().enumerate().find(|(k, (angle_rad, _))| (angle_rad - *k as f64 * apart_rad).abs() > PLACE_RAD);
     if let Some((_, (angle_rad, body))) = off {
         let (name, first) = (&bodies[*body].name, &bodies[first.body].name);
         let found = format!("{name} {:.1} deg from {first} about the shaft", angle_rad.to_degrees());
