@@ -1,4 +1,4 @@
-//! Air of the file: the tables `[aerodynamics]`, `[surface.<name>]` and `[gust.<name>]`.
+//! Air of the file: the tables `[aerodynamics]`, `[surface.<name>]`, `[flap.<name>]` and `[gust.<name>]`.
 
 use crate::air_file::{AirFile, AirModelFile, CouplingFile, IndicialFile, LeadingEdgeFile, SurfaceFile, TipLossFile};
 use crate::file::ModelFile;
@@ -10,7 +10,7 @@ use foldwing_engine::aero::lattice::WakeModel;
 use foldwing_engine::aero::polar::{Polar, PolarRow};
 use foldwing_engine::aero::strip::indicial::Fit;
 use foldwing_engine::aero::surface::Profile;
-use foldwing_engine::machine::builder::{AirBuilder, MachineBuilder, SurfaceBuilder};
+use foldwing_engine::machine::builder::{AirBuilder, FlapBuilder, MachineBuilder, SurfaceBuilder};
 use foldwing_engine::machine::{Air, Coupling, LiftingSurface};
 
 /// Adds air, surfaces and gusts to a machine. Surfaces on bodies whose section was refused are left out.
@@ -37,6 +37,7 @@ pub(super) fn add(
         None => {
             let stray = file.surface.keys().next().map(|name| ["surface", name]);
             let stray = stray.or(file.gust.keys().next().map(|name| ["gust", name]));
+            let stray = stray.or(file.flap.keys().next().map(|name| ["flap", name]));
             if let Some(path) = stray {
                 checker.refuse_as(&path, "a table without air", "a model file with [aerodynamics]");
             }
@@ -59,6 +60,12 @@ pub(super) fn add(
             Some(built) => machine = machine.surface(built),
             None => checker.stands_in(&["air"]),
         }
+    }
+    for (name, flap) in &file.flap {
+        let built = FlapBuilder::new(name, &flap.body, [flap.from_m, flap.to_m], flap.hinge_fraction)
+            .limits_rad([flap.lower_deg, flap.upper_deg].map(f64::to_radians))
+            .command_rad(flap.command_deg.to_radians());
+        machine = machine.flap(built);
     }
     let wind_m_s = file.aerodynamics.as_ref().map_or([0.0; 3], |air| air.wind_m_s).into();
     for (name, gust) in &file.gust {

@@ -10,8 +10,10 @@
 //! far as their circulations agree.
 
 use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet, blocks};
+use crate::aero::flap::HingeMoment;
 use crate::aero::flow::Flow;
 use crate::aero::joined_edges::Edge;
+use crate::aero::lattice_flaps::LatticeFlaps;
 use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::linear_system::LinearSystem;
 use crate::aero::near_sheets::{Facing, Gap, NoCirculation};
@@ -115,6 +117,10 @@ pub struct VortexLattice {
     pub(super) built: bool,
     /// Corners that its factors belong to, where there are any: those of the first motion of a step serve the others.
     pub(super) factored_corner_m: Vec<Vector3<f64>>,
+    pub(super) flaps: LatticeFlaps,
+    /// Angles of the flaps that the matrix and its factors belong to.
+    pub(super) matrix_angle_rad: Vec<f64>,
+    pub(super) factored_angle_rad: Vec<f64>,
     pub(super) factored: bool,
     pub(super) factors: Factors,
     pub(super) right: Vec<f64>,
@@ -187,6 +193,9 @@ impl VortexLattice {
             matrix_corner_m: vec![Vector3::zeros(); corners],
             built: false,
             factored_corner_m: vec![Vector3::zeros(); corners],
+            flaps: LatticeFlaps::default(),
+            matrix_angle_rad: Vec::new(),
+            factored_angle_rad: Vec::new(),
             factored: false,
             factors: Factors::Due,
             right: vec![0.0; panels],
@@ -225,6 +234,7 @@ impl VortexLattice {
             edge_m_s: vec![Vector3::zeros(); self.wake_columns],
             left_m: vec![Vector3::zeros(); self.wake_columns],
             sheds: true,
+            hinges: self.no_hinge_moments(),
         }
     }
 
@@ -251,6 +261,7 @@ impl VortexLattice {
         state.wake_circulation_m2_s.fill(0.0);
         state.wake_node_m.fill(Vector3::zeros());
         self.place(motions, None, state);
+        self.turn_flaps(motions, state);
         self.look_from_panels(state);
         let established = established && self.lay_straight_wake(flow, state);
         self.factors = Factors::Due;
@@ -267,6 +278,7 @@ impl VortexLattice {
             self.factored = false;
         }
         loads.clear();
+        state.hinges.fill(HingeMoment::default());
         lattice_loads::circulatory(self, motions, flow, state, loads);
         Ok(())
     }
@@ -288,13 +300,15 @@ impl VortexLattice {
         loads: &mut AirLoads,
     ) -> Result<(), NoCirculation> {
         self.place(motions, Some((flow, step_s)), to);
+        self.turn_flaps(motions, to);
         self.look_from_panels(to);
         self.influence(to, false)?;
         self.relative_velocity(flow, to, 0..to.wake_rows.min(NEAR_ROWS));
         self.circulate(to)?;
         loads.clear();
+        to.hinges.fill(HingeMoment::default());
         lattice_loads::circulatory(self, motions, flow, to, loads);
-        lattice_loads::impulsive(self, motions, flow, step_s, [from, to], loads);
+        lattice_loads::impulsive(self, motions, flow, step_s, (from, to), loads);
         Ok(())
     }
 

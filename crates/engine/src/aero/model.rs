@@ -1,6 +1,7 @@
 //! The models of the air behind one face.
 
 use crate::aero::AirLoads;
+use crate::aero::flap::{Deflection, Flap, HingeMoment};
 use crate::aero::flow::{AirPath, Flow};
 use crate::aero::joined_edges::Edge;
 use crate::aero::lattice::{LatticeOptions, VortexLattice};
@@ -70,6 +71,24 @@ impl AirModel {
     pub fn join(&mut self, edges: [Edge; 2]) {
         if let Self::Lattice(lattice) = self {
             lattice.join(edges);
+        }
+    }
+
+    /// Gives surfaces flaps, at rest at angle 0, before any state is made; blades of rotors have none.
+    pub fn add_flaps(&mut self, flaps: &[Flap]) {
+        match self {
+            Self::Lattice(lattice) => lattice.add_flaps(flaps),
+            Self::Strips(strips) => strips.add_flaps(flaps),
+            Self::Rotor(_) => {}
+        }
+    }
+
+    /// Angles of the flaps at the instant of the next [`AirModel::start`] or [`AirModel::solve`], which read them.
+    pub fn deflect(&mut self, deflections: &[Deflection]) {
+        match self {
+            Self::Lattice(lattice) => lattice.deflect(deflections),
+            Self::Strips(strips) => strips.deflect(deflections),
+            Self::Rotor(_) => {}
         }
     }
 
@@ -191,6 +210,15 @@ impl AirState {
             (Self::Strips(own), Self::Strips(other)) => own.copy_from(other),
             (Self::Rotor(own), Self::Rotor(other)) => own.copy_from(other),
             _ => unreachable!("a state belongs to its model"),
+        }
+    }
+
+    /// Hinge moments of the flaps.
+    pub fn hinge_moments(&self) -> &[HingeMoment] {
+        match self {
+            Self::Lattice(state) => &state.hinges,
+            Self::Strips(state) => &state.hinges,
+            Self::Rotor(_) => &[],
         }
     }
 

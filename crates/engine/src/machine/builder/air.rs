@@ -1,4 +1,5 @@
-//! Air in code: what the tables `[aerodynamics]`, `[surface.<name>]` and `[gust.<name>]` of the model file can say.
+//! Air in code: what the tables `[aerodynamics]`, `[surface.<name>]`, `[flap.<name>]` and `[gust.<name>]` of the model file
+//! can say.
 
 use crate::aero::AirOptions;
 use crate::aero::flow::{Gust, GustShape};
@@ -6,6 +7,7 @@ use crate::aero::lattice::{LatticeOptions, LoadRule, WakeModel};
 use crate::aero::strip::StripOptions;
 use crate::aero::strip::indicial::Fit;
 use crate::aero::strip::lifting_line::LiftingLineOptions;
+use crate::machine::builder::flap::{self, FlapBuilder};
 use crate::machine::builder::rotor::RotorSettings;
 use crate::machine::builder::surfaces::{SurfaceBuilder, draft, place_all};
 use crate::machine::edges::fastest_m_s;
@@ -258,7 +260,7 @@ impl GustBuilder {
 /// Bodies that `stand` not are not looked at further than by name.
 pub(super) fn build(
     air: Option<&AirBuilder>,
-    surfaces: &[SurfaceBuilder],
+    (surfaces, flaps): (&[SurfaceBuilder], &[FlapBuilder]),
     gusts: &[GustBuilder],
     bodies: &[Body],
     stand: bool,
@@ -268,8 +270,9 @@ pub(super) fn build(
     let Some(air) = air else {
         let stray = surfaces.first().map(|surface| ["surface", surface.body.as_str()]);
         let stray = stray.or(gusts.first().map(|gust| ["gust", gust.name.as_str()]));
+        let stray = stray.or(flaps.first().map(|flap| ["flap", flap.name.as_str()]));
         if let Some(place) = stray {
-            checker.refuse_state(&place, "a surface or gust without air", "a machine with air");
+            checker.refuse_state(&place, "a surface, gust or flap without air", "a machine with air");
         }
         return None;
     };
@@ -279,7 +282,13 @@ pub(super) fn build(
         drafts.into_iter().collect()
     };
     let gusts: Vec<Option<Gust>> = gusts.iter().map(|gust| gust.build(&air.wind_m_s, checker)).collect();
+    let whole = air.model == Model::Rotor || flap::check(flaps, surfaces, bodies, air.model == Model::Lattice, checker);
     if air.model == Model::None {
+        return None;
+    }
+    if let (Model::Rotor, Some(flap)) = (air.model, flaps.first()) {
+        let allowed = "no flaps with the air of a rotor; flaps only with strips or a lattice";
+        checker.refuse_state(&["flap", flap.name.as_str()], "a flap on a rotor's blade", allowed);
         return None;
     }
     if surfaces.is_empty() {
@@ -307,6 +316,9 @@ pub(super) fn build(
         },
     };
     let drafts = drafts?;
+    if !whole {
+        return None;
+    }
     let gusts = gusts.into_iter().collect::<Option<Vec<_>>>()?;
     if !stand {
         return None;
@@ -318,8 +330,8 @@ pub(super) fn build(
             return None;
         }
     }
-    let blades = surfaces;
-    let surfaces = place_all(&drafts, (lattice, lattice || air.tip_loss), bodies, mirror);
+    let builders = surfaces;
+    let surfaces = place_all(&drafts, flaps, (lattice, lattice || air.tip_loss), bodies, mirror, checker)?;
     let smallest_m = surfaces
         .iter()
         .flat_map(|surface| surface.chords.iter().map(|chord| chord.length_m() / surface.chord_panels as f64))
@@ -351,7 +363,7 @@ pub(super) fn build(
             threads: air.threads,
         })
     } else if let Some(rotor) = &air.rotor {
-        AirOptions::Rotor(Box::new(rotor.options(blades, &surfaces, bodies, checker)?))
+        AirOptions::Rotor(Box::new(rotor.options(builders, &surfaces, bodies, checker)?))
     } else {
         AirOptions::Strips(StripOptions {
             unsteady: air.unsteady,
@@ -372,6 +384,7 @@ pub(super) fn build(
         coupling: air.coupling,
         established: air.established,
         reports_circulation: air.reports_circulation,
+        flaps: flap::build(flaps, builders, &surfaces, bodies),
         surfaces,
         gusts,
     })
