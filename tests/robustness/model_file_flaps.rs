@@ -69,3 +69,31 @@ fn flaps_that_cannot_be() {
     let lattice = |text: &str| text.replace("strip\"", "uvlm\"").replace("= 0.75", "= 0.8");
     refused(&lattice, &["flap.f.hinge_fraction", "0.8", "chord_panels = 4", "chord_panels = 5"]);
 }
+
+/// Ground and speed of sound: whole keys, across mirrors, with models of the air that know them.
+#[test]
+fn grounds_and_speeds_of_sound_that_cannot_be() {
+    let refused = |keys: &str, more: &str, parts: &[&str]| {
+        let message = message_of(&format!("{MODEL}{}{keys}{SURFACE}{more}", AIR.replace("strip", "uvlm")));
+        assert!(parts.iter().all(|part| message.contains(part)), "{message}\nlacks some of {parts:?}");
+    };
+    refused("ground_normal = [0, 0, 1]\n", "", &["aerodynamics.ground_distance_m", "both"]);
+    refused("ground_distance_m = 1.0\n", "", &["aerodynamics.ground_normal", "both"]);
+    refused("ground_normal = [0, 0, 0]\nground_distance_m = 1.0\n", "", &["aerodynamics.ground_normal", "not all 0"]);
+    let tilted = "mirror_normal = [1, 0, 0]\nground_normal = [1, 0, 1]\nground_distance_m = 1.0\n";
+    refused(tilted, "", &["aerodynamics.ground_normal", "across mirror_normal"]);
+    refused("speed_of_sound_m_s = 0.0\n", "", &["aerodynamics.speed_of_sound_m_s", "> 0"]);
+    let message = message_of(&format!("{MODEL}{AIR}ground_normal = [0, 0, 1]\nground_distance_m = 1.0\n{SURFACE}"));
+    assert!(message.contains("ground_normal") && message.contains("uvlm"), "{message}");
+    let polar = "polar = [[-10.0, -1.0, 0.01, 0.0], [10.0, 1.0, 0.01, 0.0]]\n";
+    let message = message_of(&format!("{MODEL}{AIR}speed_of_sound_m_s = 340.0\n{SURFACE}{polar}"));
+    assert!(message.contains("surface.in.polar") && message.contains("Mach"), "{message}");
+    let air = machine(&format!(
+        "{}mirror_normal = [2, 0, 0]\nground_normal = [0, 0, 3]\nground_distance_m = 1.0\nspeed_of_sound_m_s = 340.0\n{SURFACE}",
+        AIR.replace("strip", "uvlm")
+    ));
+    let air = air.air.expect("air");
+    let foldwing::machine::AirOptions::Lattice(options) = &air.options else { panic!("a lattice") };
+    assert_eq!(options.ground.map(|ground| (ground.normal.z, ground.distance_m)), Some((1.0, 1.0)));
+    assert_eq!(options.speed_of_sound_m_s, Some(340.0));
+}

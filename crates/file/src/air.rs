@@ -111,6 +111,13 @@ fn refuse_keys_without_effect(air: &AirFile, file: &ModelFile, checker: &mut Che
         }
     }
     refuse_rotor_keys(air, file, checker);
+    if air.ground_normal.is_some() != air.ground_distance_m.is_some() {
+        let [given, missing] = match air.ground_normal {
+            Some(_) => ["ground_normal", "ground_distance_m"],
+            None => ["ground_distance_m", "ground_normal"],
+        };
+        checker.refuse(&["aerodynamics", missing], format!("this key with {given}: the ground needs both"));
+    }
     if air.coupling == CouplingFile::Staggered {
         for key in ["coupling_tolerance", "coupling_iterations"] {
             if checker.states(&["aerodynamics", key]) {
@@ -126,7 +133,11 @@ fn refuse_rotor_keys(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
         file.surface.keys().flat_map(move |name| keys.iter().map(move |key| ["surface", name, key]))
     };
     if air.model == AirModelFile::Bem {
-        for key in STRIP_KEYS.iter().chain(SPAN_KEYS).chain(&["leading_edge_suction", "report_circulation"]) {
+        for key in STRIP_KEYS.iter().chain(SPAN_KEYS).chain(&[
+            "leading_edge_suction",
+            "report_circulation",
+            "speed_of_sound_m_s",
+        ]) {
             if checker.states(&["aerodynamics", key]) {
                 checker.refuse(&["aerodynamics", key], "this key only with model = \"strip\" or \"uvlm\"");
             }
@@ -161,7 +172,7 @@ fn refuse_rotor_keys(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
 }
 
 /// Keys of `[aerodynamics]` and of `[surface.<name>]` that only the lattice reads, and those that only strips read.
-const LATTICE_KEYS: &[&str] = &["free_wake", "wake_rows", "threads"];
+const LATTICE_KEYS: &[&str] = &["free_wake", "wake_rows", "threads", "ground_normal", "ground_distance_m"];
 /// Keys of `[aerodynamics]` that the lattice and a lifting line read.
 const SPAN_KEYS: &[&str] = &["mirror_normal", "core_radius_m"];
 const LATTICE_SURFACE_KEYS: &[&str] = &["chord_panels"];
@@ -199,6 +210,12 @@ fn build(base: AirBuilder, air: &AirFile) -> AirBuilder {
     }
     if let Some(normal) = air.mirror_normal {
         built = built.mirror_normal(normal);
+    }
+    if let (Some(normal), Some(distance_m)) = (air.ground_normal, air.ground_distance_m) {
+        built = built.ground(normal, distance_m);
+    }
+    if let Some(speed_m_s) = air.speed_of_sound_m_s {
+        built = built.speed_of_sound_m_s(speed_m_s);
     }
     if let Some(radius_m) = air.core_radius_m {
         built = built.core_radius_m(radius_m);

@@ -48,6 +48,16 @@ pub(super) struct AirFile {
     /// a tip loss.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub mirror_normal: Option<[f64; 3]>,
+    /// Normal of the ground, from it towards the wing: a second mirror, across `mirror_normal` where there is one. Lattice only, with
+    /// `ground_distance_m`.
+    #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
+    pub ground_normal: Option<[f64; 3]>,
+    /// Distance of the root's origin above the ground. Lattice only, needed with `ground_normal`.
+    pub ground_distance_m: Option<f64>,
+    /// Speed of sound: lift and moments grow by Prandtl and Glauert's rule; default: incompressible air. Strips without polars, and the
+    /// lattice.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub speed_of_sound_m_s: Option<f64>,
     /// Whether the wake moves with its own flow too; otherwise it moves with the wind only. Lattice only.
     pub free_wake: bool,
     /// Rows of panels that the wake keeps, besides that of an established flow; older ones are dropped. Lattice only.
@@ -104,6 +114,9 @@ impl Default for AirFile {
             indicial: IndicialFile::Jones,
             tip_loss: TipLossFile::None,
             mirror_normal: None,
+            ground_normal: None,
+            ground_distance_m: None,
+            speed_of_sound_m_s: None,
             free_wake: false,
             wake_rows: 100,
             core_radius_m: None,

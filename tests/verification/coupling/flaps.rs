@@ -214,7 +214,7 @@ fn q70_flaps_go_down_on_both_sides() {
         let text = format!(
             "name = \"Side\"\n[section.s]\nshape = \"rectangle\"\nwidth_m = 0.2\nheight_m = 0.01\ndensity_kg_m3 = 1000.0\n\
              young_Pa = 1e10\ntorsional_rigidity_N_m2 = 50.0\n[body.wing]\nlength_m = 1.0\nsection = \"s\"\nelements = 4\n\
-             [joint.root]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"wing\"\n[aerodynamics]\nmodel = \"strip\"\n\
+             [joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"wing\"\n[aerodynamics]\nmodel = \"strip\"\n\
              wind_m_s = [0.0, {:?}, 0.0]\n[surface.wing]\nbody = \"wing\"\nstrips = 4\nleading_edge = \"{side}\"\n\
              [flap.f]\nbody = \"wing\"\nfrom_m = 0.5\nto_m = 1.0\nhinge_fraction = 0.7\ncommand_deg = 2.0\n\
              [experiment]\nstop_time_s = 0.1\nstep_s = 1e-3\nstart = \"equilibrium\"\n",

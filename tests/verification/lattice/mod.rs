@@ -6,5 +6,6 @@ mod fold;
 mod frames;
 mod properties;
 mod steady;
+mod surroundings;
 mod unsteady;
 pub(crate) mod wing;

@@ -94,8 +94,8 @@ fn w41_steady_flaps_follow_thin_aerofoil_theory() {
         let expected = glauert(hinge);
         println!("W-41 hinge {hinge}: {:?} against {expected:?}", [lift, moment, hinge_moment]);
         for (found, expected) in [lift, moment, hinge_moment].into_iter().zip(expected) {
-            // Simpson's rule and the series leave 1e-6 of the largest
-            assert!((found - expected).abs() < 1e-5 * expected.abs().max(1e-3), "{hinge}: {found} against {expected}");
+            // the series, cut off behind 400 terms, leaves 1e-6
+            assert!((found - expected).abs() < 2e-6, "{hinge}: {found} against {expected}");
         }
     }
 }
@@ -303,5 +303,37 @@ fn w45_tapered_flaps_take_the_cosine_of_their_hinge() {
     let lift_n: f64 = loads.circulatory.iter().map(|load| load.force_n.z).sum();
     approx::assert_relative_eq!(lift_n, pressure_pa * mean_m * lift * cosine * angle_rad, max_relative = 1e-5);
     let expected_n_m = pressure_pa * mean_m.powi(2) * hinge_moment * cosine.powi(2) * angle_rad;
-    approx::assert_relative_eq!(state.hinges[0].circulatory_n_m, expected_n_m, max_relative = 1e-5);
+    // of the series again, 1e-6 over a coefficient of 0.06
+    approx::assert_relative_eq!(state.hinges[0].circulatory_n_m, expected_n_m, max_relative = 5e-5);
+}
+
+/// W-46. Prandtl and Glauert: lift, moment and hinge moment of a plate with its flap over `√(1 − M²)`; at Mach 1 the air refuses. Apparent
+/// mass and what a suction and a leaning flap pull stay in balance: no drag either.
+#[test]
+fn w46_compressible_strips_follow_prandtl_and_glauert() {
+    let plain = Plate::default();
+    let still = steady(&plain, 0.75, 0.02, 0.01);
+    for mach in [0.2, 0.5, 0.8] {
+        let speed_of_sound_m_s = Some(plain.speed_m_s / mach);
+        let options = StripOptions { speed_of_sound_m_s, ..StripOptions::default() };
+        let found = steady(&Plate { options, ..plain.clone() }, 0.75, 0.02, 0.01);
+        let beta = (1.0_f64 - mach * mach).sqrt();
+        for (found, still) in [
+            (found.lift_n_m, still.lift_n_m),
+            (found.moment_n, still.moment_n),
+            (found.hinge_n, still.hinge_n),
+            (found.thrust_n_m, still.thrust_n_m),
+        ] {
+            approx::assert_relative_eq!(found * beta, still, max_relative = 1e-12);
+        }
+    }
+    for (share, fine) in [(0.999, true), (1.0, false), (50.0, false)] {
+        let options = StripOptions { speed_of_sound_m_s: Some(plain.speed_m_s / share), ..StripOptions::default() };
+        let mut air =
+            foldwing::aero::AirModel::new(vec![plain.surface()], &foldwing::aero::AirOptions::Strips(options));
+        let (mut state, mut loads) = (air.blank_state(), AirLoads::still(2));
+        let started =
+            air.start(&Plate::sections(Motion::default()), &plain.flow(0.0, &[]), true, &mut state, &mut loads);
+        assert_eq!(started.is_ok(), fine, "{share}: {started:?}");
+    }
 }

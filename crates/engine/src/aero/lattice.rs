@@ -12,7 +12,9 @@
 use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet, blocks};
 use crate::aero::flap::HingeMoment;
 use crate::aero::flow::Flow;
+use crate::aero::images::{Plane, Stretch};
 use crate::aero::joined_edges::Edge;
+use crate::aero::lattice_far::mean_relative_m_s;
 use crate::aero::lattice_flaps::LatticeFlaps;
 use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::linear_system::LinearSystem;
@@ -60,6 +62,10 @@ pub struct LatticeOptions {
     pub load_rule: LoadRule,
     /// Normal of a mirror plane through the origin of the root frame.
     pub mirror_normal: Option<Vector3<f64>>,
+    /// Ground across that plane, eq. (U23).
+    pub ground: Option<Plane>,
+    /// Speed of sound in m/s, for Prandtl and Glauert's rule, eq. (U22); without it the air is incompressible.
+    pub speed_of_sound_m_s: Option<f64>,
     /// Threads for induced velocities; the results are the same bits for every number.
     pub threads: usize,
 }
@@ -121,6 +127,9 @@ pub struct VortexLattice {
     /// Angles of the flaps that the matrix and its factors belong to.
     pub(super) matrix_angle_rad: Vec<f64>,
     pub(super) factored_angle_rad: Vec<f64>,
+    /// Stretching that they belong to.
+    pub(super) matrix_stretch: Option<Stretch>,
+    pub(super) factored_stretch: Option<Stretch>,
     pub(super) factored: bool,
     pub(super) factors: Factors,
     pub(super) right: Vec<f64>,
@@ -178,6 +187,8 @@ impl VortexLattice {
             kernel: Kernel {
                 core_squared_m2: options.core_radius_m * options.core_radius_m,
                 mirror_normal: options.mirror_normal.map(|normal| normal.normalize()),
+                ground: options.ground,
+                stretch: None,
             },
             arch: Arch::new(),
             arms: vec![vec![Arm::default(); 2 * widest]; if pool.is_some() { threads } else { 1 }],
@@ -196,6 +207,8 @@ impl VortexLattice {
             flaps: LatticeFlaps::default(),
             matrix_angle_rad: Vec::new(),
             factored_angle_rad: Vec::new(),
+            matrix_stretch: None,
+            factored_stretch: None,
             factored: false,
             factors: Factors::Due,
             right: vec![0.0; panels],
@@ -235,6 +248,7 @@ impl VortexLattice {
             left_m: vec![Vector3::zeros(); self.wake_columns],
             sheds: true,
             hinges: self.no_hinge_moments(),
+            relative_m_s: Vector3::zeros(),
         }
     }
 
@@ -260,8 +274,11 @@ impl VortexLattice {
         state.far_wake_m_s.fill(Vector3::zeros());
         state.wake_circulation_m2_s.fill(0.0);
         state.wake_node_m.fill(Vector3::zeros());
+        state.relative_m_s = mean_relative_m_s(motions, flow);
+        self.compress(motions, flow, state)?;
         self.place(motions, None, state);
         self.turn_flaps(motions, state);
+        self.above_ground(state)?;
         self.look_from_panels(state);
         let established = established && self.lay_straight_wake(flow, state);
         self.factors = Factors::Due;
@@ -299,8 +316,11 @@ impl VortexLattice {
         to: &mut LatticeState,
         loads: &mut AirLoads,
     ) -> Result<(), NoCirculation> {
+        to.relative_m_s = mean_relative_m_s(motions, flow);
+        self.compress(motions, flow, to)?;
         self.place(motions, Some((flow, step_s)), to);
         self.turn_flaps(motions, to);
+        self.above_ground(to)?;
         self.look_from_panels(to);
         self.influence(to, false)?;
         self.relative_velocity(flow, to, 0..to.wake_rows.min(NEAR_ROWS));

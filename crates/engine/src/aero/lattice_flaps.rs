@@ -143,18 +143,19 @@ impl VortexLattice {
         }
     }
 
-    /// Whether the influence matrix is that of the present angles.
+    /// Whether the influence matrix is that of the present angles and stretching.
     pub(super) fn matrix_has_angles(&self) -> bool {
-        same(&self.matrix_angle_rad, self.flaps.deflections())
+        self.matrix_stretch == self.kernel.stretch && same(&self.matrix_angle_rad, self.flaps.deflections())
     }
 
-    /// Whether the factors are those of the present angles.
+    /// Whether the factors are those of the present angles and stretching.
     pub(super) fn factors_have_angles(&self) -> bool {
-        same(&self.factored_angle_rad, self.flaps.deflections())
+        self.factored_stretch == self.kernel.stretch && same(&self.factored_angle_rad, self.flaps.deflections())
     }
 
     /// The influence matrix has been built for the present angles.
     pub(super) fn keep_matrix_angles(&mut self) {
+        self.matrix_stretch = self.kernel.stretch;
         for (kept, now) in self.matrix_angle_rad.iter_mut().zip(&self.flaps.deflections) {
             *kept = now.angle_rad;
         }

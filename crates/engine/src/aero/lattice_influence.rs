@@ -32,6 +32,7 @@ impl VortexLattice {
         self.factored = false;
         self.system.factorize(self.arch)?;
         self.factored_corner_m.copy_from_slice(&self.matrix_corner_m);
+        self.factored_stretch = self.matrix_stretch;
         self.factored_angle_rad.copy_from_slice(&self.matrix_angle_rad);
         self.factored = true;
         Ok(())

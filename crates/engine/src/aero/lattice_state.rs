@@ -39,6 +39,8 @@ pub struct LatticeState {
     pub left_m: Vec<Vector3<f64>>,
     /// Whether a row was shed in the step that ends here; true at the start.
     pub sheds: bool,
+    /// Mean velocity of the air relative to the sections, root frame, m/s: along it compressible air is stretched.
+    pub relative_m_s: Vector3<f64>,
     /// Hinge moments, one for each flap.
     pub hinges: Vec<HingeMoment>,
 }
@@ -61,6 +63,7 @@ impl LatticeState {
         self.left_m.clone_from(&other.left_m);
         self.sheds = other.sheds;
         self.hinges.clone_from(&other.hinges);
+        self.relative_m_s = other.relative_m_s;
     }
 
     /// Whether another state can belong to the same lattice.

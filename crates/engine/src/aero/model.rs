@@ -104,7 +104,8 @@ impl AirModel {
     /// State and loads at the start: of a flow that has been there for long (`established`), or that sets in.
     ///
     /// # Errors
-    /// Where panels of the lattice coincide or two of its sheets are closed.
+    /// Where panels of the lattice coincide or two of its sheets are closed, a surface lies below the ground, or with a speed of
+    /// sound meets air at Mach 1.
     pub fn start(
         &mut self,
         motions: &[SectionMotion],
@@ -119,7 +120,7 @@ impl AirModel {
             }
             (Self::Strips(strips), AirState::Strips(state)) => {
                 strips.start(motions, flow, established, state, loads);
-                Ok(())
+                strips.sonic().map_or(Ok(()), |sonic| Err(NoCirculation::Sonic(sonic)))
             }
             (Self::Rotor(rotor), AirState::Rotor(state)) => {
                 rotor.start(motions, flow, established, state, loads);
@@ -147,7 +148,8 @@ impl AirModel {
     /// other motions.
     ///
     /// # Errors
-    /// Where panels of the lattice coincide or two of its sheets are closed.
+    /// Where panels of the lattice coincide or two of its sheets are closed, a surface lies below the ground, or with a speed of
+    /// sound meets air at Mach 1.
     pub fn solve(
         &mut self,
         from: &AirState,
@@ -163,7 +165,7 @@ impl AirModel {
             }
             (Self::Strips(strips), AirState::Strips(from), AirState::Strips(to)) => {
                 strips.solve(from, motions, flow, step_s, to, loads);
-                Ok(())
+                strips.sonic().map_or(Ok(()), |sonic| Err(NoCirculation::Sonic(sonic)))
             }
             (Self::Rotor(rotor), AirState::Rotor(from), AirState::Rotor(to)) => {
                 rotor.solve(from, motions, flow, step_s, to, loads);

@@ -222,16 +222,21 @@ impl Inflow {
         // the downwash that the circulation answers to by now, as that of a plate
         let lagged_m_s = circulation_m2_s / (PI * self.cut.chord_m);
         let own_m_s = flap.downwash_m_s;
-        let couple_m2_s2 =
-            PI * v_m_s * own_m_s + t4 * v_m_s.powi(2) * angle_rad + (t1 - t8 - c * t4) * v_m_s * b_m * rate_rad_s;
+        // lagged ones have it in their circulation
+        let compression = self.compression;
+        let couple_m2_s2 = compression
+            * (PI * v_m_s * own_m_s + t4 * v_m_s.powi(2) * angle_rad + (t1 - t8 - c * t4) * v_m_s * b_m * rate_rad_s);
         let hinge_m2_s2 = v_m_s.abs() * lagged_m_s * blend(t12, t11)
-            - v_m_s * t4 * (0.25 * bias * difference_m_s + own_m_s)
-            - t9 * v_m_s * difference_m_s
-            + t5 / PI * v_m_s.powi(2) * angle_rad;
+            + compression
+                * (t5 / PI * v_m_s.powi(2) * angle_rad
+                    - v_m_s * t4 * (0.25 * bias * difference_m_s + own_m_s)
+                    - t9 * v_m_s * difference_m_s);
         // force of the flap across the chord: what its pressure sums up to without accelerations
         let own_m2_s2 = v_m_s.abs() * lagged_m_s * blend(arc_rad - sine, arc_rad + sine)
-            + v_m_s * sine * (0.25 * (bias - c) * difference_m_s + own_m_s)
-            - v_m_s * sine / PI * (v_m_s * angle_rad * arc_rad + 0.5 * b_m * rate_rad_s * (sine - arc_rad * c));
+            + compression
+                * (v_m_s * sine * (0.25 * (bias - c) * difference_m_s + own_m_s)
+                    - v_m_s * sine / PI
+                        * (v_m_s * angle_rad * arc_rad + 0.5 * b_m * rate_rad_s * (sine - arc_rad * c)));
         let own_n_m = if plate { 2.0 * density_kg_m3 * b_m * own_m2_s2 } else { 0.0 };
         FlapLoads {
             middle_n_m: -density_kg_m3 * b_m.powi(2) * t4 * v_m_s * rate_rad_s,

@@ -5,6 +5,7 @@
 //! zero lift or by a polar. Nothing here stalls without a polar. A lifting line through all strips may add what the wing's
 //! finite span takes away.
 
+mod compressible;
 pub mod continuous;
 pub mod flap;
 pub mod indicial;
@@ -18,6 +19,7 @@ use crate::aero::flap::HingeMoment;
 use crate::aero::flow::{AirPath, Flow};
 use crate::aero::surface::{Profile, Surface};
 use crate::load::SectionMotion;
+use compressible::compression;
 use flap::{Controls, FlapInflow, MassRates, StripFlap};
 use indicial::{Fit, Lag};
 use lifting_line::{LiftingLine, LiftingLineOptions, StripEdges, StripEquation};
@@ -41,11 +43,20 @@ pub struct StripOptions {
     /// Loss of lift towards the ends of the wing and induced drag, by a lifting line; without it every strip is one of an
     /// endless wing. Not with polars.
     pub tip_loss: Option<LiftingLineOptions>,
+    /// Speed of sound in m/s, for Prandtl and Glauert's rule, eq. (U22); without it the air is incompressible. Not with polars.
+    pub speed_of_sound_m_s: Option<f64>,
 }
 
 impl Default for StripOptions {
     fn default() -> Self {
-        Self { unsteady: true, apparent_mass: true, fit: Fit::Jones, leading_edge_suction: true, tip_loss: None }
+        Self {
+            unsteady: true,
+            apparent_mass: true,
+            fit: Fit::Jones,
+            leading_edge_suction: true,
+            tip_loss: None,
+            speed_of_sound_m_s: None,
+        }
     }
 }
 
@@ -137,7 +148,9 @@ impl Strips {
                 let chords = [surface.chords[strip], surface.chords[strip + 1]];
                 let slopes = &surface.profile.lift_slopes_1_rad;
                 let lift_slope_1_rad = slopes.get(strip).copied().unwrap_or(surface.profile.lift_slope_1_rad);
-                model.strips.push(Strip { sections: [inner, inner + 1], chords, surface: index, lift_slope_1_rad });
+                let speed_of_sound_m_s = options.speed_of_sound_m_s.unwrap_or(f64::INFINITY);
+                let sections = [inner, inner + 1];
+                model.strips.push(Strip { sections, chords, surface: index, lift_slope_1_rad, speed_of_sound_m_s });
             }
             model.profiles.push(surface.profile);
         }
@@ -243,7 +256,7 @@ impl Strips {
         for (at, (equation, now)) in line.equations.iter_mut().zip(inflows.iter()).enumerate() {
             let plain_m_s = effective_m_s(at, now, now.gust_downwash_m_s);
             *equation = StripEquation {
-                slope_m: 0.5 * now.cut.chord_m * strips[at].lift_slope_1_rad,
+                slope_m: 0.5 * now.cut.chord_m * strips[at].lift_slope_1_rad * now.compression,
                 effective_m_s: plain_m_s,
                 gain: effective_m_s(at, now, now.gust_downwash_m_s + 1.0) - plain_m_s,
             };
@@ -355,6 +368,8 @@ struct Inflow {
     difference_m_s: f64,
     /// The strip's flap.
     flap: Option<FlapInflow>,
+    /// Pressures over those of incompressible air, eq. (U22).
+    compression: f64,
 }
 
 impl Inflow {
@@ -387,6 +402,7 @@ impl Inflow {
             gust_downwash_m_s: gust_m_s.dot(&up),
             difference_m_s,
             flap,
+            compression: compression(along_m_s.hypot(across_m_s) / strip.speed_of_sound_m_s),
             cut,
         }
     }
@@ -415,17 +431,22 @@ impl Inflow {
         density_kg_m3: f64,
     ) -> SectionLoads {
         let chord_m = self.cut.chord_m;
-        let curvature_n =
-            -PI / 16.0 * density_kg_m3 * chord_m.powi(2) * self.along_m_s * self.bias * self.difference_m_s;
+        let curvature_n = -PI / 16.0
+            * density_kg_m3
+            * chord_m.powi(2)
+            * self.along_m_s
+            * self.bias
+            * self.difference_m_s
+            * self.compression;
         let (circulation_m2_s, force_n_m, fraction, moment_n) = match &profile.polar {
             None => {
-                let half_slope_m = 0.5 * chord_m * strip.lift_slope_1_rad;
+                let half_slope_m = 0.5 * chord_m * strip.lift_slope_1_rad * self.compression;
                 let circulation_m2_s = half_slope_m * effective_m_s;
                 let edge_m_s = effective_m_s - self.bias * (0.25 * self.difference_m_s + self.flap_edge_m_s());
                 let suction_n_m = if suction { half_slope_m * edge_m_s.powi(2) * self.bias } else { 0.0 };
                 let fraction = 0.5 - 0.25 * self.bias;
                 let force_n_m = self.up * (self.along_m_s.abs() * circulation_m2_s) - self.aft * suction_n_m;
-                let moment_n = 0.5 * (chord_m * self.along_m_s).powi(2) * profile.moment_coefficient;
+                let moment_n = 0.5 * (chord_m * self.along_m_s).powi(2) * profile.moment_coefficient * self.compression;
                 (circulation_m2_s, force_n_m + self.drag_m3_s2(fraction, profile.drag_coefficient), fraction, moment_n)
             }
             Some(polar) => {

@@ -3,6 +3,7 @@
 
 use crate::aero::AirOptions;
 use crate::aero::flow::{Gust, GustShape};
+use crate::aero::images::Plane;
 use crate::aero::lattice::{LatticeOptions, LoadRule, WakeModel};
 use crate::aero::strip::StripOptions;
 use crate::aero::strip::indicial::Fit;
@@ -11,12 +12,14 @@ use crate::machine::builder::flap::{self, FlapBuilder};
 use crate::machine::builder::rotor::RotorSettings;
 use crate::machine::builder::surfaces::{SurfaceBuilder, draft, place_all};
 use crate::machine::edges::fastest_m_s;
-use crate::machine::fault::{Checker, array_text};
+use crate::machine::fault::{Checker, Range, array_text};
 use crate::machine::units::shortest;
 use crate::machine::validate::air::lattice_size;
 use crate::machine::{Air, Body, Coupling};
 use nalgebra::Vector3;
 
+/// Cosine between the normals of two mirrors up to which they stand across.
+const ACROSS: f64 = 1e-9;
 /// Core radius over the smallest panel's chord where none is stated.
 const CORE_SHARE: f64 = 1e-2;
 
@@ -45,6 +48,8 @@ pub struct AirBuilder {
     tip_loss: bool,
     leading_edge_suction: Option<bool>,
     mirror_normal: Option<Vector3<f64>>,
+    ground: Option<(Vector3<f64>, f64)>,
+    speed_of_sound_m_s: Option<f64>,
     wake: WakeModel,
     wake_rows: usize,
     core_radius_m: Option<f64>,
@@ -68,6 +73,8 @@ impl Air {
             tip_loss: false,
             leading_edge_suction: None,
             mirror_normal: None,
+            ground: None,
+            speed_of_sound_m_s: None,
             wake: WakeModel::Prescribed,
             wake_rows: 100,
             core_radius_m: None,
@@ -161,6 +168,17 @@ impl AirBuilder {
         Self { mirror_normal: Some(normal.into()), ..self }
     }
 
+    /// Ground under a lattice: its normal towards the wing, of any length but zero and across that of a mirror plane, and the distance of the
+    /// root's origin above it in m. Default none.
+    pub fn ground(self, normal: impl Into<Vector3<f64>>, distance_m: f64) -> Self {
+        Self { ground: Some((normal.into(), distance_m)), ..self }
+    }
+
+    /// Speed of sound in m/s, for Prandtl and Glauert's rule. Default none: incompressible air.
+    pub fn speed_of_sound_m_s(self, speed_of_sound_m_s: f64) -> Self {
+        Self { speed_of_sound_m_s: Some(speed_of_sound_m_s), ..self }
+    }
+
     /// How the wake of the lattice moves. Default [`WakeModel::Prescribed`].
     pub fn wake(self, wake: WakeModel) -> Self {
         Self { wake, ..self }
@@ -180,6 +198,31 @@ impl AirBuilder {
     /// Threads for the influence of the wake; the result does not depend on it. Lattice only. Default 1.
     pub fn threads(self, threads: usize) -> Self {
         Self { threads, ..self }
+    }
+}
+
+impl AirBuilder {
+    /// The ground as a plane; `None` where it is refused.
+    fn ground_plane(&self, mirror: Option<Vector3<f64>>, checker: &mut Checker) -> Option<Option<Plane>> {
+        let Some((normal, distance_m)) = self.ground else { return Some(None) };
+        if self.model != Model::Lattice {
+            let allowed = "ground under a lattice alone";
+            checker.refuse_state(&["air", "ground_normal"], "ground under another model of the air", allowed);
+            return None;
+        }
+        let place = ["air", "ground_normal"];
+        let Some(unit) = normal.try_normalize(0.0).filter(|unit| unit.norm() > 0.5) else {
+            checker.refuse(&place, array_text(normal.as_slice()), "an array of 3 finite numbers, not all 0");
+            return None;
+        };
+        if mirror.is_some_and(|mirror| mirror.dot(&unit).abs() > ACROSS) {
+            let allowed = "a normal across mirror_normal: images of images close only at a right angle";
+            checker.refuse(&place, array_text(normal.as_slice()), allowed);
+            return None;
+        }
+        checker
+            .number(&["air", "ground_distance_m"], distance_m, Range::Finite)
+            .then_some(Some(Plane { normal: unit, distance_m }))
     }
 }
 
@@ -315,6 +358,7 @@ pub(super) fn build(
             }
         },
     };
+    let ground = air.ground_plane(mirror, checker)?;
     let drafts = drafts?;
     if !whole {
         return None;
@@ -360,6 +404,8 @@ pub(super) fn build(
                 LoadRule::Bernoulli
             },
             mirror_normal: mirror,
+            ground,
+            speed_of_sound_m_s: air.speed_of_sound_m_s,
             threads: air.threads,
         })
     } else if let Some(rotor) = &air.rotor {
@@ -374,6 +420,7 @@ pub(super) fn build(
                 core_radius_m: air.core_radius_m.unwrap_or(CORE_SHARE * shortest_m),
                 mirror_normal: mirror,
             }),
+            speed_of_sound_m_s: air.speed_of_sound_m_s,
         })
     };
     Some(Air {

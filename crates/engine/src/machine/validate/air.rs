@@ -43,9 +43,25 @@ pub(super) fn check(air: &Air, bodies: &[Body], checker: &mut Checker) {
         AirOptions::Rotor(options) => check_rotor(options, &air.surfaces, bodies, checker),
     }
     check_flaps(air, checker);
+    check_sound(air, bodies, checker);
     names("gust", air.gusts.iter().map(|gust| gust.name.as_str()), checker);
     for gust in &air.gusts {
         check_gust(gust, checker);
+    }
+}
+
+fn check_sound(air: &Air, bodies: &[Body], checker: &mut Checker) {
+    let sound_m_s = match &air.options {
+        AirOptions::Lattice(options) => options.speed_of_sound_m_s,
+        AirOptions::Strips(options) => options.speed_of_sound_m_s,
+        AirOptions::Rotor(_) => None,
+    };
+    let Some(sound_m_s) = sound_m_s else { return };
+    checker.number(&["air", "speed_of_sound_m_s"], sound_m_s, Range::Above(0.0));
+    let polar = air.surfaces.iter().find(|surface| surface.profile.polar.is_some());
+    if let Some(body) = polar.and_then(|surface| bodies.get(surface.body)) {
+        let allowed = "a polar of its Mach number without speed_of_sound_m_s, or lift_slope_1_rad with it";
+        checker.refuse_state(&["surface", body.name.as_str(), "polar"], "a polar with a speed of sound", allowed);
     }
 }
 
