@@ -51,6 +51,8 @@ fn run(wake: WakeModel, threads: usize) -> (f64, Vec<f64>) {
         core_radius_m: 1e-3,
         load_rule: LoadRule::KuttaJoukowski,
         mirror_normal: None,
+        ground: None,
+        speed_of_sound_m_s: None,
         threads,
     };
     let mut lattice = VortexLattice::new(vec![surface], options);
@@ -95,6 +97,8 @@ fn bending(wake_rows: usize) -> (f64, f64) {
         core_radius_m: 1e-3,
         load_rule: LoadRule::Bernoulli,
         mirror_normal: None,
+        ground: None,
+        speed_of_sound_m_s: None,
         threads: 1,
     };
     let mut lattice = VortexLattice::new(vec![surface], options);

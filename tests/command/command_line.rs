@@ -670,3 +670,28 @@ fn trim_finds_the_wind_that_carries_the_wing() {
     let nothing = foldwing(&["trim", flared, "--free", "fold.command", "--balance", "root.force.z=0"]);
     refuses(&nothing, 3, "the balances do not change independently");
 }
+
+/// Trim of a control surface: the angle at which the aileron floats, by strips and by the lattice; a balance that no angle within
+/// the limits reaches is refused.
+#[test]
+fn trim_finds_the_angle_at_which_an_aileron_floats() {
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/aileron/folding_aileron.toml"));
+    let text = text.unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let found = ["strip", "uvlm"].map(|model| {
+        let path = folder.path().join(format!("{model}.toml"));
+        let lattice = text.replace("model = \"strip\"", "model = \"uvlm\"").replace("indicial = \"fine\"\n", "");
+        std::fs::write(&path, if model == "uvlm" { &lattice } else { &text }).unwrap();
+        let path = path.to_str().unwrap();
+        let free = ["trim", path, "--free", "aero.flap.aileron.command", "--balance"];
+        let call = [&free[..], &["aero.flap.aileron.hinge_moment=0", "--json"]].concat();
+        let found: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&call))).unwrap();
+        // 1e-2 N·m are on the hinge at angle 0
+        assert!(found["balances"]["aero.flap.aileron.hinge_moment"].as_f64().unwrap().abs() <= 1e-9, "{found}");
+        let call = [&free[..], &["root.moment.y=-1000"]].concat();
+        refuses(&foldwing(&call), 3, "no step leads nearer");
+        found["free"]["aero.flap.aileron.command"].as_f64().unwrap()
+    });
+    // it floats up in the wind that lifts the wing
+    assert!(found.iter().all(|angle_rad| (-0.2..-0.005).contains(angle_rad)), "{found:?}");
+}

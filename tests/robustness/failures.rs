@@ -519,7 +519,7 @@ fn x09_states() {
     );
     refused(
         &changed(8, 1),
-        "fmi2DeSerializeFMUstate: the serialised FMU state has version 1; this library reads version 7: serialise it again \
+        "fmi2DeSerializeFMUstate: the serialised FMU state has version 1; this library reads version 8: serialise it again \
          with this one",
     );
     refused(

@@ -731,7 +731,7 @@ fn parts_by_name() {
             inner().closure(Closure::between("pin", ["root", "inner"], 1.0)),
             "two bodies: a loop cannot be closed on the root",
         ),
-        (inner().surface(LiftingSurface::on("inner", 4)), "surface \"inner\": a surface or gust without air"),
+        (inner().surface(LiftingSurface::on("inner", 4)), "surface \"inner\": a surface, gust or flap without air"),
         (inner().air(Air::strips()), "air, model: air without a surface"),
         (inner().air(Air::strips()).surface(LiftingSurface::on("x", 4)), "surface \"x\", body: \"x\""),
         (

@@ -24,6 +24,7 @@ mod model_file;
 mod model_file_accepted;
 mod model_file_air;
 mod model_file_failures;
+mod model_file_flaps;
 mod model_file_functions;
 mod model_file_joints;
 mod model_file_keys;

@@ -55,7 +55,7 @@ fn unknown_keys() {
     assert_eq!(
         message("[solver]", "[solvers]"),
         "wing.toml:47: key 'solvers' is unknown; perhaps solver is meant; allowed keys: name, description, \
-         gravity_m_s2, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, section_load, failure, aerodynamics, surface, gust, polar, wind, tower, solver, experiment"
+         gravity_m_s2, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, section_load, failure, aerodynamics, surface, flap, gust, polar, wind, tower, solver, experiment"
     );
     assert_eq!(
         message("stiffness_N_m_rad", "stiffness"),

@@ -3,7 +3,7 @@
 use crate::model_file::message;
 
 const TOP: &str = "name, description, gravity_m_s2, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, section_load, \
-                   failure, aerodynamics, surface, gust, polar, wind, tower, solver, experiment";
+                   failure, aerodynamics, surface, flap, gust, polar, wind, tower, solver, experiment";
 const BODY: &str = "length_m, section, outer_section, width_taper, height_taper, element, elements, \
                     natural_curvature_1_m, twist_1_m, curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, \
                     damp_attached_masses, stiffness_damping_s, load_stations, load_station_positions_m, load_frame";

@@ -1,4 +1,4 @@
-//! Air of the file: the tables `[aerodynamics]`, `[surface.<name>]` and `[gust.<name>]`.
+//! Air of the file: the tables `[aerodynamics]`, `[surface.<name>]`, `[flap.<name>]` and `[gust.<name>]`.
 
 use crate::air_file::{AirFile, AirModelFile, CouplingFile, IndicialFile, LeadingEdgeFile, SurfaceFile, TipLossFile};
 use crate::file::ModelFile;
@@ -10,7 +10,7 @@ use foldwing_engine::aero::lattice::WakeModel;
 use foldwing_engine::aero::polar::{Polar, PolarRow};
 use foldwing_engine::aero::strip::indicial::Fit;
 use foldwing_engine::aero::surface::Profile;
-use foldwing_engine::machine::builder::{AirBuilder, MachineBuilder, SurfaceBuilder};
+use foldwing_engine::machine::builder::{AirBuilder, FlapBuilder, MachineBuilder, SurfaceBuilder};
 use foldwing_engine::machine::{Air, Coupling, LiftingSurface};
 
 /// Adds air, surfaces and gusts to a machine. Surfaces on bodies whose section was refused are left out.
@@ -37,6 +37,7 @@ pub(super) fn add(
         None => {
             let stray = file.surface.keys().next().map(|name| ["surface", name]);
             let stray = stray.or(file.gust.keys().next().map(|name| ["gust", name]));
+            let stray = stray.or(file.flap.keys().next().map(|name| ["flap", name]));
             if let Some(path) = stray {
                 checker.refuse_as(&path, "a table without air", "a model file with [aerodynamics]");
             }
@@ -59,6 +60,12 @@ pub(super) fn add(
             Some(built) => machine = machine.surface(built),
             None => checker.stands_in(&["air"]),
         }
+    }
+    for (name, flap) in &file.flap {
+        let built = FlapBuilder::new(name, &flap.body, [flap.from_m, flap.to_m], flap.hinge_fraction)
+            .limits_rad([flap.lower_deg, flap.upper_deg].map(f64::to_radians))
+            .command_rad(flap.command_deg.to_radians());
+        machine = machine.flap(built);
     }
     let wind_m_s = file.aerodynamics.as_ref().map_or([0.0; 3], |air| air.wind_m_s).into();
     for (name, gust) in &file.gust {
@@ -104,6 +111,13 @@ fn refuse_keys_without_effect(air: &AirFile, file: &ModelFile, checker: &mut Che
         }
     }
     refuse_rotor_keys(air, file, checker);
+    if air.ground_normal.is_some() != air.ground_distance_m.is_some() {
+        let [given, missing] = match air.ground_normal {
+            Some(_) => ["ground_normal", "ground_distance_m"],
+            None => ["ground_distance_m", "ground_normal"],
+        };
+        checker.refuse(&["aerodynamics", missing], format!("this key with {given}: the ground needs both"));
+    }
     if air.coupling == CouplingFile::Staggered {
         for key in ["coupling_tolerance", "coupling_iterations"] {
             if checker.states(&["aerodynamics", key]) {
@@ -119,7 +133,11 @@ fn refuse_rotor_keys(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
         file.surface.keys().flat_map(move |name| keys.iter().map(move |key| ["surface", name, key]))
     };
     if air.model == AirModelFile::Bem {
-        for key in STRIP_KEYS.iter().chain(SPAN_KEYS).chain(&["leading_edge_suction", "report_circulation"]) {
+        for key in STRIP_KEYS.iter().chain(SPAN_KEYS).chain(&[
+            "leading_edge_suction",
+            "report_circulation",
+            "speed_of_sound_m_s",
+        ]) {
             if checker.states(&["aerodynamics", key]) {
                 checker.refuse(&["aerodynamics", key], "this key only with model = \"strip\" or \"uvlm\"");
             }
@@ -154,7 +172,7 @@ fn refuse_rotor_keys(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
 }
 
 /// Keys of `[aerodynamics]` and of `[surface.<name>]` that only the lattice reads, and those that only strips read.
-const LATTICE_KEYS: &[&str] = &["free_wake", "wake_rows", "threads"];
+const LATTICE_KEYS: &[&str] = &["free_wake", "wake_rows", "threads", "ground_normal", "ground_distance_m"];
 /// Keys of `[aerodynamics]` that the lattice and a lifting line read.
 const SPAN_KEYS: &[&str] = &["mirror_normal", "core_radius_m"];
 const LATTICE_SURFACE_KEYS: &[&str] = &["chord_panels"];
@@ -192,6 +210,12 @@ fn build(base: AirBuilder, air: &AirFile) -> AirBuilder {
     }
     if let Some(normal) = air.mirror_normal {
         built = built.mirror_normal(normal);
+    }
+    if let (Some(normal), Some(distance_m)) = (air.ground_normal, air.ground_distance_m) {
+        built = built.ground(normal, distance_m);
+    }
+    if let Some(speed_m_s) = air.speed_of_sound_m_s {
+        built = built.speed_of_sound_m_s(speed_m_s);
     }
     if let Some(radius_m) = air.core_radius_m {
         built = built.core_radius_m(radius_m);

@@ -1,4 +1,5 @@
-//! Air around the machine: the tables `[aerodynamics]`, `[surface.<name>]` and `[gust.<name>]` of the model file.
+//! Air around the machine: the tables `[aerodynamics]`, `[surface.<name>]`, `[flap.<name>]` and `[gust.<name>]` of the model
+//! file.
 
 use crate::function::FunctionFile;
 use crate::rotor_file::{EndRuleFile, PitchRateFile, SpreadFile, TurnsFile};
@@ -47,6 +48,16 @@ pub(super) struct AirFile {
     /// a tip loss.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub mirror_normal: Option<[f64; 3]>,
+    /// Normal of the ground, from it towards the wing: a second mirror, across `mirror_normal` where there is one. Lattice only, with
+    /// `ground_distance_m`.
+    #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
+    pub ground_normal: Option<[f64; 3]>,
+    /// Distance of the root's origin above the ground. Lattice only, needed with `ground_normal`.
+    pub ground_distance_m: Option<f64>,
+    /// Speed of sound: lift and moments grow by Prandtl and Glauert's rule; default: incompressible air. Strips without polars, and the
+    /// lattice.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub speed_of_sound_m_s: Option<f64>,
     /// Whether the wake moves with its own flow too; otherwise it moves with the wind only. Lattice only.
     pub free_wake: bool,
     /// Rows of panels that the wake keeps, besides that of an established flow; older ones are dropped. Lattice only.
@@ -116,6 +127,9 @@ impl Default for AirFile {
             indicial: IndicialFile::Jones,
             tip_loss: TipLossFile::None,
             mirror_normal: None,
+            ground_normal: None,
+            ground_distance_m: None,
+            speed_of_sound_m_s: None,
             free_wake: false,
             wake_rows: 100,
             core_radius_m: None,
@@ -261,6 +275,42 @@ pub(super) enum LeadingEdgeFile {
     /// Towards the section's `−y`.
     #[serde(rename = "-y")]
     Minus,
+}
+
+/// Flap: the rear part of a lifting surface between two places, which turns about a hinge. The FMU's inputs are
+/// `aero.flap.<name>.command` and `aero.flap.<name>.command_rate`, its outputs `aero.flap.<name>.angle`, `aero.flap.<name>.rate` and
+/// `aero.flap.<name>.hinge_moment`. Strips and lattice only.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FlapFile {
+    /// Body on whose surface it lies.
+    pub body: String,
+    /// Distance from the body's inner end at which it begins. Strips end where flaps end.
+    pub from_m: f64,
+    /// Distance from the body's inner end at which it ends.
+    pub to_m: f64,
+    /// Place of the hinge on the chord, from the leading edge, as a fraction of the chord between 0 and 1. In a lattice it lies
+    /// on a line between panels: times `chord_panels` it is a whole number.
+    pub hinge_fraction: f64,
+    /// Angle at the start, and start value of the input; positive angles move the trailing edge towards the section's `−z`.
+    #[serde(default)]
+    pub command_deg: f64,
+    /// Smallest angle. A command beyond it is refused.
+    #[serde(default = "minus_thirty")]
+    #[schemars(range(min = -60.0, max = 60.0))]
+    pub lower_deg: f64,
+    /// Largest angle. A command beyond it is refused.
+    #[serde(default = "thirty")]
+    #[schemars(range(min = -60.0, max = 60.0))]
+    pub upper_deg: f64,
+}
+
+fn minus_thirty() -> f64 {
+    -30.0
+}
+
+fn thirty() -> f64 {
+    30.0
 }
 
 /// A frozen gust that travels through the air.

@@ -51,7 +51,7 @@ pub(super) fn expand(file: &mut ModelFile) -> Copies {
                 );
             )*};
         }
-        carried!(mass, load, gauge, section_load, surface);
+        carried!(mass, load, gauge, section_load, surface, flap);
     }
     copies
 }

@@ -3,7 +3,7 @@
 //! Ranges that one key states alone stand here as JSON schema keywords (`minimum`, `exclusiveMinimum`, …) and are
 //! enforced from there; `x-allowed` overrides the wording of error messages where a range cannot say it.
 
-use crate::air_file::{AirFile, GustFile, SurfaceFile};
+use crate::air_file::{AirFile, FlapFile, GustFile, SurfaceFile};
 use crate::body::{BodyFile, LoadFrameFile};
 use crate::failure_file::FailureFile;
 use crate::joint_file::JointFile;
@@ -73,6 +73,9 @@ pub(super) struct ModelFile {
     /// Lifting surfaces by name, at most one per body.
     #[serde(default)]
     pub surface: IndexMap<String, SurfaceFile>,
+    /// Flaps of lifting surfaces by name.
+    #[serde(default)]
+    pub flap: IndexMap<String, FlapFile>,
     /// Gusts by name.
     #[serde(default)]
     pub gust: IndexMap<String, GustFile>,

@@ -66,6 +66,11 @@ report_circulation = true
 [surface.surfacename]
 body = "bodyname"
 strips = 1
+[flap.flapname]
+body = "bodyname"
+from_m = 0.0
+to_m = 0.2
+hinge_fraction = 0.75
 "#;
 
 /// A rotor with a generator and a modal blade.
@@ -115,7 +120,7 @@ const HEAD: &str = "\
 # All variables of the FMU
 
 This page is generated from the table that makes the FMU; a test keeps it current. `<joint>`, `<body>`, `<gauge>`,
-`<section>`, `<loop>` and `<name>` (of a failure) stand for names in the model file, `[i]` counts from 1. `{x,y,z}` stands for three variables: `gravity.{x,y,z}` are
+`<section>`, `<loop>` and `<name>` (of a failure or a flap) stand for names in the model file, `[i]` counts from 1. `{x,y,z}` stands for three variables: `gravity.{x,y,z}` are
 `gravity.x`, `gravity.y` and `gravity.z`. `foldwing check MODEL.toml --variables` lists those of a model with their start values,
 and `documentation/index.html` inside the FMU shows them as a table.
 
@@ -146,6 +151,7 @@ const WHERE: &[(&str, &str)] = &[
     ("<joint>.generator", "revolute joints with a generator"),
     ("rotor.", "with the air of a rotor"),
     ("failure.", "each failure"),
+    ("aero.flap.", "each flap"),
     ("body.<body>.deflection", MODAL),
     ("body.<body>.root_", MODAL),
     ("<joint>.latch_impulse", "revolute joints with a rigid latch"),
@@ -247,6 +253,7 @@ fn generic(text: &str) -> String {
             .iter()
             .fold(text, |text, suffix| text.replace(&format!("{kind}name{suffix}"), &format!("<{kind}>")))
             .replace("failurename", "<name>")
+            .replace("flapname", "<name>")
     })
 }
 

@@ -5,6 +5,7 @@
 mod agreement;
 mod clock;
 mod edges;
+mod flaps;
 mod flutter;
 mod frames;
 mod goland;

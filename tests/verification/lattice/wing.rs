@@ -18,6 +18,8 @@ pub fn options() -> LatticeOptions {
         core_radius_m: 1e-4,
         load_rule: LoadRule::Bernoulli,
         mirror_normal: None,
+        ground: None,
+        speed_of_sound_m_s: None,
         threads: 1,
     }
 }

@@ -1,6 +1,7 @@
 //! Strip theory against the classical theory of thin aerofoils, and the invariances that any air must have.
 
 mod allocation;
+mod flaps;
 mod goland;
 mod invariance;
 mod plate;

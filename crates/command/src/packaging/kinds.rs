@@ -38,7 +38,7 @@ impl fmt::Display for Kinds {
 impl Kinds {
     /// Refuses Model Exchange of machines whose states an importer cannot integrate.
     pub fn check(self, machine: &Machine) -> Result<(), NotHybrid> {
-        let sampled = machine.air.as_ref().is_some_and(|air| !air.options.is_linearised());
+        let sampled = machine.air.as_ref().is_some_and(|air| !air.options.is_continuous());
         if self.model_exchange && sampled { Err(NotHybrid::Air) } else { Ok(()) }
     }
 

@@ -8,6 +8,7 @@
 //! Lanes run over the points, never over the segments, so results do not depend on the width of the machine's vectors
 //! nor on the number of threads.
 
+use crate::aero::images::{Plane, Stretch};
 use nalgebra::Vector3;
 use std::array::from_fn;
 use std::f64::consts::PI;
@@ -50,7 +51,7 @@ impl Block {
 
     /// Mirrored at the plane through the origin with this unit normal.
     #[inline(always)]
-    fn mirrored(&self, normal: &Vector3<f64>) -> Self {
+    pub(super) fn mirrored(&self, normal: &Vector3<f64>) -> Self {
         let mut image = *self;
         for lane in 0..LANES {
             let along = self.xyz[0][lane] * normal.x + self.xyz[1][lane] * normal.y + self.xyz[2][lane] * normal.z;
@@ -174,6 +175,10 @@ pub struct Kernel {
     pub core_squared_m2: f64,
     /// Unit normal of a mirror plane through the origin.
     pub mirror_normal: Option<Vector3<f64>>,
+    /// Ground, across the mirror plane: a second mirror, eq. (U23).
+    pub ground: Option<Plane>,
+    /// Of compressible air.
+    pub stretch: Option<Stretch>,
 }
 
 impl Kernel {
@@ -197,6 +202,15 @@ impl Kernel {
                 let image = self.sheet(sheet, nodes_m, filaments, &points_m.mirrored(normal), arms);
                 velocity_m_s.add(1.0 / (4.0 * PI), &image.mirrored(normal));
             }
+            if let Some(ground) = &self.ground {
+                let below_m = points_m.below(ground);
+                let image = self.sheet(sheet, nodes_m, filaments, &below_m, arms);
+                velocity_m_s.add(1.0 / (4.0 * PI), &image.mirrored(&ground.normal));
+                if let Some(normal) = &self.mirror_normal {
+                    let image = self.sheet(sheet, nodes_m, filaments, &below_m.mirrored(normal), arms);
+                    velocity_m_s.add(1.0 / (4.0 * PI), &image.mirrored(normal).mirrored(&ground.normal));
+                }
+            }
         }
     }
 
@@ -218,7 +232,7 @@ impl Kernel {
             let nodes = &nodes_m[first..first + columns];
             let spanwise = &filaments.spanwise[sheet.ring(row, 0)..][..sheet.strips];
             for (column, node) in nodes.iter().enumerate() {
-                here[column] = Arm::new(points_m, node, self.core_squared_m2);
+                here[column] = self.arm(points_m, node);
                 if column > 0 {
                     let unit = segment(&here[column - 1], &here[column], self.core_squared_m2);
                     sum.add(spanwise[column - 1], &unit);
@@ -233,7 +247,25 @@ impl Kernel {
             }
             std::mem::swap(&mut ahead, &mut here);
         }
-        sum
+        match &self.stretch {
+            Some(stretch) => sum.stretched(stretch),
+            None => sum,
+        }
+    }
+
+    /// From a node to points, stretched in compressible air.
+    #[inline(always)]
+    fn arm(&self, points_m: &Block, node_m: &Vector3<f64>) -> Arm {
+        match &self.stretch {
+            None => Arm::new(points_m, node_m, self.core_squared_m2),
+            Some(stretch) => {
+                let mut way_m = *points_m;
+                for (coordinates, place) in way_m.xyz.iter_mut().zip(node_m.iter()) {
+                    coordinates.iter_mut().for_each(|coordinate| *coordinate -= place);
+                }
+                Arm::new(&way_m.stretched(stretch), &Vector3::zeros(), self.core_squared_m2)
+            }
+        }
     }
 
     /// Velocity in m/s of a straight segment of unit circulation at some points, without its image.
@@ -264,6 +296,14 @@ impl Kernel {
             let images = [points_m.mirrored(normal), normals.mirrored(normal)];
             self.pass(sheet, nodes_m, [&images[0], &images[1]], arms, matrix, (rows, first), &column);
         }
+        if let Some(ground) = &self.ground {
+            let (below_m, turned) = (points_m.below(ground), normals.mirrored(&ground.normal));
+            self.pass(sheet, nodes_m, [&below_m, &turned], arms, matrix, (rows, first), &column);
+            if let Some(normal) = &self.mirror_normal {
+                let images = [below_m.mirrored(normal), turned.mirrored(normal)];
+                self.pass(sheet, nodes_m, [&images[0], &images[1]], arms, matrix, (rows, first), &column);
+            }
+        }
     }
 
     /// The same without images, points and normals in one array. Every entry is read and written once: a ring is complete
@@ -280,6 +320,12 @@ impl Kernel {
         (rows, first): (usize, usize),
         column: &impl Fn(usize, usize) -> usize,
     ) {
+        // the stretched velocity along a normal is the velocity along the stretched normal
+        let stretched = match &self.stretch {
+            Some(stretch) => normals.stretched(stretch),
+            None => *normals,
+        };
+        let normals = &stretched;
         let along = |velocity: &Block| -> Lane {
             from_fn(|lane| {
                 velocity.xyz[0][lane] * normals.xyz[0][lane]
@@ -293,7 +339,7 @@ impl Kernel {
             let nodes = &nodes_m[sheet.node(row, 0)..][..columns];
             let mut inner = [0.0; LANES];
             for (at, node) in nodes.iter().enumerate() {
-                here[at] = Arm::new(points_m, node, self.core_squared_m2);
+                here[at] = self.arm(points_m, node);
                 if at > 0 {
                     here[at].spanwise = along(&segment(&here[at - 1], &here[at], self.core_squared_m2));
                 }
@@ -319,7 +365,7 @@ impl Kernel {
 mod tests {
     use super::*;
 
-    const NO_CORE: Kernel = Kernel { core_squared_m2: 0.0, mirror_normal: None };
+    const NO_CORE: Kernel = Kernel { core_squared_m2: 0.0, mirror_normal: None, ground: None, stretch: None };
 
     /// Velocity at a point of a sheet with some rings of unit circulation.
     fn velocity(
@@ -362,7 +408,7 @@ mod tests {
         let height_m = 0.3;
         let point_m = Vector3::new(0.0, 0.0, height_m);
         for core_m in [0.0, 0.1] {
-            let kernel = Kernel { core_squared_m2: core_m * core_m, mirror_normal: None };
+            let kernel = Kernel { core_squared_m2: core_m * core_m, mirror_normal: None, ground: None, stretch: None };
             let got = velocity(kernel, 1, 1, &nodes_m, point_m);
             let expected = height_m / (2.0 * PI * (height_m * height_m + core_m * core_m));
             assert!((got.norm() - expected).abs() < 1e-3, "{got} for {expected}");
@@ -398,7 +444,7 @@ mod tests {
     #[test]
     fn velocity_is_smooth_through_the_core() {
         let core_m = 0.05;
-        let kernel = Kernel { core_squared_m2: core_m * core_m, mirror_normal: None };
+        let kernel = Kernel { core_squared_m2: core_m * core_m, mirror_normal: None, ground: None, stretch: None };
         for point_m in [Vector3::new(-0.5, 0.5, 0.0), Vector3::new(0.1, 0.5, 0.0), Vector3::new(0.9, 0.5, 0.0)] {
             let at = velocity(kernel, 1, 1, &rectangle(1.0, 1.0), point_m);
             let near = velocity(kernel, 1, 1, &rectangle(1.0, 1.0), point_m + Vector3::repeat(1e-6));

@@ -10,8 +10,12 @@
 //! far as their circulations agree.
 
 use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet, blocks};
+use crate::aero::flap::HingeMoment;
 use crate::aero::flow::Flow;
+use crate::aero::images::{Plane, Stretch};
 use crate::aero::joined_edges::Edge;
+use crate::aero::lattice_far::mean_relative_m_s;
+use crate::aero::lattice_flaps::LatticeFlaps;
 use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::linear_system::LinearSystem;
 use crate::aero::near_sheets::{Facing, Gap, NoCirculation};
@@ -58,6 +62,10 @@ pub struct LatticeOptions {
     pub load_rule: LoadRule,
     /// Normal of a mirror plane through the origin of the root frame.
     pub mirror_normal: Option<Vector3<f64>>,
+    /// Ground across that plane, eq. (U23).
+    pub ground: Option<Plane>,
+    /// Speed of sound in m/s, for Prandtl and Glauert's rule, eq. (U22); without it the air is incompressible.
+    pub speed_of_sound_m_s: Option<f64>,
     /// Threads for induced velocities; the results are the same bits for every number.
     pub threads: usize,
 }
@@ -115,6 +123,13 @@ pub struct VortexLattice {
     pub(super) built: bool,
     /// Corners that its factors belong to, where there are any: those of the first motion of a step serve the others.
     pub(super) factored_corner_m: Vec<Vector3<f64>>,
+    pub(super) flaps: LatticeFlaps,
+    /// Angles of the flaps that the matrix and its factors belong to.
+    pub(super) matrix_angle_rad: Vec<f64>,
+    pub(super) factored_angle_rad: Vec<f64>,
+    /// Stretching that they belong to.
+    pub(super) matrix_stretch: Option<Stretch>,
+    pub(super) factored_stretch: Option<Stretch>,
     pub(super) factored: bool,
     pub(super) factors: Factors,
     pub(super) right: Vec<f64>,
@@ -172,6 +187,8 @@ impl VortexLattice {
             kernel: Kernel {
                 core_squared_m2: options.core_radius_m * options.core_radius_m,
                 mirror_normal: options.mirror_normal.map(|normal| normal.normalize()),
+                ground: options.ground,
+                stretch: None,
             },
             arch: Arch::new(),
             arms: vec![vec![Arm::default(); 2 * widest]; if pool.is_some() { threads } else { 1 }],
@@ -187,6 +204,11 @@ impl VortexLattice {
             matrix_corner_m: vec![Vector3::zeros(); corners],
             built: false,
             factored_corner_m: vec![Vector3::zeros(); corners],
+            flaps: LatticeFlaps::default(),
+            matrix_angle_rad: Vec::new(),
+            factored_angle_rad: Vec::new(),
+            matrix_stretch: None,
+            factored_stretch: None,
             factored: false,
             factors: Factors::Due,
             right: vec![0.0; panels],
@@ -225,6 +247,8 @@ impl VortexLattice {
             edge_m_s: vec![Vector3::zeros(); self.wake_columns],
             left_m: vec![Vector3::zeros(); self.wake_columns],
             sheds: true,
+            hinges: self.no_hinge_moments(),
+            relative_m_s: Vector3::zeros(),
         }
     }
 
@@ -250,7 +274,11 @@ impl VortexLattice {
         state.far_wake_m_s.fill(Vector3::zeros());
         state.wake_circulation_m2_s.fill(0.0);
         state.wake_node_m.fill(Vector3::zeros());
+        state.relative_m_s = mean_relative_m_s(motions, flow);
+        self.compress(motions, flow, state)?;
         self.place(motions, None, state);
+        self.turn_flaps(motions, state);
+        self.above_ground(state)?;
         self.look_from_panels(state);
         let established = established && self.lay_straight_wake(flow, state);
         self.factors = Factors::Due;
@@ -267,6 +295,7 @@ impl VortexLattice {
             self.factored = false;
         }
         loads.clear();
+        state.hinges.fill(HingeMoment::default());
         lattice_loads::circulatory(self, motions, flow, state, loads);
         Ok(())
     }
@@ -287,14 +316,19 @@ impl VortexLattice {
         to: &mut LatticeState,
         loads: &mut AirLoads,
     ) -> Result<(), NoCirculation> {
+        to.relative_m_s = mean_relative_m_s(motions, flow);
+        self.compress(motions, flow, to)?;
         self.place(motions, Some((flow, step_s)), to);
+        self.turn_flaps(motions, to);
+        self.above_ground(to)?;
         self.look_from_panels(to);
         self.influence(to, false)?;
         self.relative_velocity(flow, to, 0..to.wake_rows.min(NEAR_ROWS));
         self.circulate(to)?;
         loads.clear();
+        to.hinges.fill(HingeMoment::default());
         lattice_loads::circulatory(self, motions, flow, to, loads);
-        lattice_loads::impulsive(self, motions, flow, step_s, [from, to], loads);
+        lattice_loads::impulsive(self, motions, flow, step_s, (from, to), loads);
         Ok(())
     }
 

@@ -10,9 +10,11 @@ impl VortexLattice {
     /// The influence matrix for the present geometry, with its factors where they are due. The same geometry again costs
     /// nothing.
     pub(super) fn influence(&mut self, state: &LatticeState, established: bool) -> Result<(), NoCirculation> {
-        let is_factored = !established && self.factored && self.factored_corner_m == state.corner_m;
+        let is_factored =
+            !established && self.factored && self.factored_corner_m == state.corner_m && self.factors_have_angles();
         if !is_factored {
-            if established || !self.built || self.matrix_corner_m != state.corner_m {
+            let is_built = self.built && self.matrix_corner_m == state.corner_m && self.matrix_has_angles();
+            if established || !is_built {
                 self.build(state, established)?;
             }
             if self.factors != Factors::Kept {
@@ -30,6 +32,8 @@ impl VortexLattice {
         self.factored = false;
         self.system.factorize(self.arch)?;
         self.factored_corner_m.copy_from_slice(&self.matrix_corner_m);
+        self.factored_stretch = self.matrix_stretch;
+        self.factored_angle_rad.copy_from_slice(&self.matrix_angle_rad);
         self.factored = true;
         Ok(())
     }
@@ -65,6 +69,7 @@ impl VortexLattice {
         }
         self.built = !established;
         self.matrix_corner_m.copy_from_slice(&state.corner_m);
+        self.keep_matrix_angles();
         Ok(())
     }
 
@@ -102,7 +107,7 @@ impl VortexLattice {
                 }
             }
         }
-        let own = self.factored_corner_m == state.corner_m;
+        let own = self.factored_corner_m == state.corner_m && self.factors_have_angles();
         if own || !self.system.solve_with_factors_near_by(self.arch, &self.right, &mut self.solution) {
             if !own {
                 self.factors = Factors::OfEach;

@@ -22,7 +22,7 @@ pub(super) fn circulatory(
     lattice: &mut VortexLattice,
     motions: &[SectionMotion],
     flow: &Flow,
-    state: &LatticeState,
+    state: &mut LatticeState,
     loads: &mut AirLoads,
 ) {
     match lattice.options.load_rule {
@@ -32,8 +32,11 @@ pub(super) fn circulatory(
     let density = flow.density_kg_m3;
     let mut panel = 0;
     let mut segment = 0;
-    for ((surface, sheet), wake) in lattice.surfaces.iter().zip(&lattice.bound).zip(&lattice.wake) {
+    let flaps = &lattice.flaps;
+    let mut hinges = std::mem::take(&mut state.hinges);
+    for (at, ((surface, sheet), wake)) in lattice.surfaces.iter().zip(&lattice.bound).zip(&lattice.wake).enumerate() {
         let first = surface.sections.start;
+        let point_m = |column: usize, place_m: &Vector3<f64>| motions[first + column].point_m(place_m);
         // part of a chordwise segment that lies on the body
         let on_body = |row: usize, column: usize| {
             if row + 1 == sheet.rows { 0.75 / (0.75 + state.rear_panels[wake.node(0, column)]) } else { 1.0 }
@@ -48,6 +51,8 @@ pub(super) fn circulatory(
                 let lead = lattice.bound_filaments.spanwise[sheet.ring(row, strip)] * spanwise_m;
                 let lead_points = [&surface.chords[strip].at(front), &surface.chords[strip + 1].at(front)];
                 let sections = [first + strip, first + strip + 1];
+                let flap = flaps.of_panel(panel);
+                let lead_m = 0.5 * (point_m(strip, lead_points[0]) + point_m(strip + 1, lead_points[1]));
                 let project = |velocity: Vector3<f64>, vortex: &Vector3<f64>, normal: Option<Vector3<f64>>| {
                     let force_n = density * velocity.cross(vortex);
                     normal.map_or(force_n, |normal| normal * normal.dot(&force_n))
@@ -55,11 +60,14 @@ pub(super) fn circulatory(
                 match lattice.options.load_rule {
                     LoadRule::Bernoulli => {
                         let ring = sheet.ring(row, strip);
-                        let normal = Some(state.area_m2[ring].normalize());
+                        let normal = Some(lattice.normals[panel / LANES].get(panel % LANES));
                         let bound_m_s = lattice.velocities[panel / LANES].get(panel % LANES);
                         let velocity = lattice.relative_m_s[ring] + bound_m_s;
                         let force_n = project(velocity, &lead, normal);
                         split_between(&mut loads.circulatory, motions, sections, lead_points, &force_n);
+                        if let Some(flap) = flap {
+                            hinges[flap].circulatory_n_m += flaps.moment_n_m(at, strip, &lead_m, &force_n);
+                        }
                         for column in [strip, strip + 1] {
                             let tip = column == 0 || column == sheet.strips;
                             let share = on_body(row, column) * if tip { 1.0 } else { 0.5 };
@@ -70,12 +78,19 @@ pub(super) fn circulatory(
                             let motion = &motions[first + column];
                             let arm_m = motion.rotation * surface.chords[column].at(middle);
                             loads.circulatory[first + column].add_force_at(&arm_m, &force_n);
+                            if let Some(flap) = flap {
+                                let place_m = motion.position_m + arm_m;
+                                hinges[flap].circulatory_n_m += flaps.moment_n_m(at, strip, &place_m, &force_n);
+                            }
                         }
                     }
                     LoadRule::KuttaJoukowski => {
                         let velocity = lattice.velocities[segment / LANES].get(segment % LANES);
                         let force_n = project(velocity, &lead, None);
                         split_between(&mut loads.circulatory, motions, sections, lead_points, &force_n);
+                        if let Some(flap) = flap {
+                            hinges[flap].circulatory_n_m += flaps.moment_n_m(at, strip, &lead_m, &force_n);
+                        }
                         segment += 1;
                     }
                 }
@@ -90,11 +105,21 @@ pub(super) fn circulatory(
                     let arm_m = motions[first + column].rotation * surface.chords[column].at(middle);
                     let force_n = density * velocity.cross(&vortex);
                     loads.circulatory[first + column].add_force_at(&arm_m, &force_n);
+                    // half to each of the strips beside it
+                    for strip in [column.wrapping_sub(1), column] {
+                        if let Some(flap) = flaps.of_strip(at, row, strip, sheet.rows) {
+                            let place_m = motions[first + column].position_m + arm_m;
+                            let own_n_m = flaps.moment_n_m(at, strip, &place_m, &force_n);
+                            let beside = if column == 0 || column == sheet.strips { 1.0 } else { 0.5 };
+                            hinges[flap].circulatory_n_m += beside * own_n_m;
+                        }
+                    }
                     segment += 1;
                 }
             }
         }
     }
+    state.hinges = hinges;
     if lattice.options.load_rule == LoadRule::KuttaJoukowski {
         lattice.join_loads(motions, density, state, loads);
     }
@@ -107,11 +132,11 @@ pub(super) fn impulsive(
     motions: &[SectionMotion],
     flow: &Flow,
     step_s: f64,
-    [from, to]: [&LatticeState; 2],
+    (from, to): (&LatticeState, &mut LatticeState),
     loads: &mut AirLoads,
 ) {
     let path = AirPath::new(flow, step_s);
-    for (surface, sheet) in lattice.surfaces.iter().zip(&lattice.bound) {
+    for (at, (surface, sheet)) in lattice.surfaces.iter().zip(&lattice.bound).enumerate() {
         for row in 0..sheet.rows {
             let part = part_on_body(sheet.rows, row);
             let middle = VortexLattice::chord_fraction(sheet.rows, row) + 0.5 * part / sheet.rows as f64;
@@ -123,6 +148,10 @@ pub(super) fn impulsive(
                 let points = [&surface.chords[strip].at(middle), &surface.chords[strip + 1].at(middle)];
                 let force_n = -flow.density_kg_m3 * rate_m2_s2 * area_m2;
                 split_between(&mut loads.impulsive, motions, [first, first + 1], points, &force_n);
+                if let Some(flap) = lattice.flaps.of_panel(lattice.first_panel[at] + row * sheet.strips + strip) {
+                    let point_m = 0.5 * (motions[first].point_m(points[0]) + motions[first + 1].point_m(points[1]));
+                    to.hinges[flap].impulsive_n_m += lattice.flaps.moment_n_m(at, strip, &point_m, &force_n);
+                }
             }
         }
     }

@@ -1,5 +1,6 @@
 //! What the lattice remembers: bound rings, their nodes and the wake.
 
+use crate::aero::flap::HingeMoment;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -38,6 +39,10 @@ pub struct LatticeState {
     pub left_m: Vec<Vector3<f64>>,
     /// Whether a row was shed in the step that ends here; true at the start.
     pub sheds: bool,
+    /// Mean velocity of the air relative to the sections, root frame, m/s: along it compressible air is stretched.
+    pub relative_m_s: Vector3<f64>,
+    /// Hinge moments, one for each flap.
+    pub hinges: Vec<HingeMoment>,
 }
 
 impl LatticeState {
@@ -57,6 +62,8 @@ impl LatticeState {
         self.edge_m_s.clone_from(&other.edge_m_s);
         self.left_m.clone_from(&other.left_m);
         self.sheds = other.sheds;
+        self.hinges.clone_from(&other.hinges);
+        self.relative_m_s = other.relative_m_s;
     }
 
     /// Whether another state can belong to the same lattice.
@@ -71,6 +78,7 @@ impl LatticeState {
             && self.wake_node_m.len() == other.wake_node_m.len()
             && self.wake_circulation_m2_s.len() == other.wake_circulation_m2_s.len()
             && [&other.edge_m, &other.edge_m_s, &other.left_m].iter().all(|edge| edge.len() == self.edge_m.len())
+            && self.hinges.len() == other.hinges.len()
             && other.wake_rows <= self.wake_circulation_m2_s.len()
             && (other.wake_rows > 0 || !other.established)
     }

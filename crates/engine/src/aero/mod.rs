@@ -6,10 +6,14 @@
 
 pub mod biot_savart;
 pub mod continuous_turbulence;
+pub mod flap;
 pub mod flow;
 pub mod fourier;
+pub mod images;
 pub mod joined_edges;
 pub mod lattice;
+mod lattice_far;
+mod lattice_flaps;
 mod lattice_influence;
 mod lattice_loads;
 mod lattice_near;

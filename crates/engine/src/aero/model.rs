@@ -1,6 +1,7 @@
 //! The models of the air behind one face.
 
 use crate::aero::AirLoads;
+use crate::aero::flap::{Deflection, Flap, HingeMoment};
 use crate::aero::flow::{AirPath, Flow};
 use crate::aero::joined_edges::Edge;
 use crate::aero::lattice::{LatticeOptions, VortexLattice};
@@ -32,6 +33,11 @@ impl AirOptions {
             Self::Strips(_) => true,
             Self::Rotor(options) => options.features.is_linearised(),
         }
+    }
+
+    /// Whether its loads can belong to the instant, with lag states that an integrator from outside takes: strips.
+    pub fn is_continuous(&self) -> bool {
+        matches!(self, Self::Strips(_))
     }
 
     /// Whether it is the air of a rotor.
@@ -78,6 +84,24 @@ impl AirModel {
         }
     }
 
+    /// Gives surfaces flaps, at rest at angle 0, before any state is made; blades of rotors have none.
+    pub fn add_flaps(&mut self, flaps: &[Flap]) {
+        match self {
+            Self::Lattice(lattice) => lattice.add_flaps(flaps),
+            Self::Strips(strips) => strips.add_flaps(flaps),
+            Self::Rotor(_) => {}
+        }
+    }
+
+    /// Angles of the flaps at the instant of the next [`AirModel::start`] or [`AirModel::solve`], which read them.
+    pub fn deflect(&mut self, deflections: &[Deflection]) {
+        match self {
+            Self::Lattice(lattice) => lattice.deflect(deflections),
+            Self::Strips(strips) => strips.deflect(deflections),
+            Self::Rotor(_) => {}
+        }
+    }
+
     /// A state of the right size, without air.
     pub fn blank_state(&self) -> AirState {
         match self {
@@ -90,7 +114,8 @@ impl AirModel {
     /// State and loads at the start: of a flow that has been there for long (`established`), or that sets in.
     ///
     /// # Errors
-    /// Where panels of the lattice coincide or two of its sheets are closed.
+    /// Where panels of the lattice coincide or two of its sheets are closed, a surface lies below the ground, or with a speed of
+    /// sound meets air at Mach 1.
     pub fn start(
         &mut self,
         motions: &[SectionMotion],
@@ -105,7 +130,7 @@ impl AirModel {
             }
             (Self::Strips(strips), AirState::Strips(state)) => {
                 strips.start(motions, flow, established, state, loads);
-                Ok(())
+                strips.sonic().map_or(Ok(()), |sonic| Err(NoCirculation::Sonic(sonic)))
             }
             (Self::Rotor(rotor), AirState::Rotor(state)) => {
                 rotor.start(motions, flow, established, state, loads);
@@ -133,7 +158,8 @@ impl AirModel {
     /// other motions.
     ///
     /// # Errors
-    /// Where panels of the lattice coincide or two of its sheets are closed.
+    /// Where panels of the lattice coincide or two of its sheets are closed, a surface lies below the ground, or with a speed of
+    /// sound meets air at Mach 1.
     pub fn solve(
         &mut self,
         from: &AirState,
@@ -149,7 +175,7 @@ impl AirModel {
             }
             (Self::Strips(strips), AirState::Strips(from), AirState::Strips(to)) => {
                 strips.solve(from, motions, flow, step_s, to, loads);
-                Ok(())
+                strips.sonic().map_or(Ok(()), |sonic| Err(NoCirculation::Sonic(sonic)))
             }
             (Self::Rotor(rotor), AirState::Rotor(from), AirState::Rotor(to)) => {
                 rotor.solve(from, motions, flow, step_s, to, loads);
@@ -196,6 +222,15 @@ impl AirState {
             (Self::Strips(own), Self::Strips(other)) => own.copy_from(other),
             (Self::Rotor(own), Self::Rotor(other)) => own.copy_from(other),
             _ => unreachable!("a state belongs to its model"),
+        }
+    }
+
+    /// Hinge moments of the flaps.
+    pub fn hinge_moments(&self) -> &[HingeMoment] {
+        match self {
+            Self::Lattice(state) => &state.hinges,
+            Self::Strips(state) => &state.hinges,
+            Self::Rotor(_) => &[],
         }
     }
 

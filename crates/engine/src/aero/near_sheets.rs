@@ -54,7 +54,18 @@ pub struct CrossedSheets {
     pub depth_m: f64,
 }
 
-/// Why the lattice has no circulation.
+/// A part of a surface meets air at Mach 1 or beyond.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sonic {
+    /// Index of the surface.
+    pub surface: usize,
+    /// Its strip, from the inner end.
+    pub strip: usize,
+    /// Mach number.
+    pub mach: f64,
+}
+
+/// Why the air has no solution.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NoCirculation {
     /// Its equations have no unique solution.
@@ -63,6 +74,12 @@ pub enum NoCirculation {
     /// Two of its sheets lie closer to each other than it can tell apart.
     #[error("{0:?}")]
     Closed(ClosedSheets),
+    /// Prandtl and Glauert's rule ends at Mach 1.
+    #[error("Mach {:.3} in the air of a surface", .0.mach)]
+    Sonic(Sonic),
+    /// The ground lies above a part of a surface, by its index.
+    #[error("a part of a surface lies below the ground")]
+    BelowGround(usize),
 }
 
 /// A point that sees another sheet from above its control points.

@@ -40,6 +40,7 @@ impl VortexLattice {
     /// established flow stays behind all that as the one ring that it is: it takes nothing in.
     pub fn convect(&mut self, from: &LatticeState, flow: &Flow, step_s: f64, to: &mut LatticeState) {
         self.factors = Factors::Due;
+        self.stretch_along(&from.relative_m_s);
         let (columns, strips) = (self.wake_columns, self.wake_strips);
         let nodes = (from.wake_rows + 1) * columns;
         let free = self.options.wake == WakeModel::Free;

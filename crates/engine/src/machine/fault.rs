@@ -12,7 +12,7 @@ pub struct Place(pub Vec<String>);
 
 /// Kinds of which a machine has several, each with a name.
 const NAMED: &[&str] =
-    &["body", "joint", "loop", "mass", "load", "gauge", "section_load", "surface", "gust", "failure"];
+    &["body", "joint", "loop", "mass", "load", "gauge", "section_load", "surface", "gust", "failure", "flap"];
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -19,6 +19,7 @@ pub use failure::{Effect, Failure};
 pub use fault::{Fault, Refused};
 pub use one_freedom::{OneFreedom, Revolute};
 
+use crate::aero::flap::Flap;
 use crate::aero::flow::Gust;
 pub use crate::aero::lattice::{LoadRule, WakeModel};
 use crate::aero::surface::{ChordLine, Profile};
@@ -357,6 +358,8 @@ pub struct Air {
     pub surfaces: Vec<LiftingSurface>,
     /// Gusts.
     pub gusts: Vec<Gust>,
+    /// Flaps, in the order in which they were added.
+    pub flaps: Vec<Flap>,
 }
 
 /// How air and structure agree on the loads at the end of an aerodynamic step.

@@ -2,8 +2,8 @@
 
 pub use crate::run::{Latency, Pauses, Plant, Reached};
 pub use crate::signal::{
-    BodyParameters, Count, FACTOR_RANGE, InputLayout, Inputs, JointInputs, JointParameters, ParameterLayout,
-    Parameters, SolverParameters, SpatialParameters, Switch,
+    BodyParameters, Count, FACTOR_RANGE, FlapInputs, InputLayout, Inputs, JointInputs, JointParameters,
+    ParameterLayout, Parameters, SolverParameters, SpatialParameters, Switch,
 };
 pub use crate::study::{
     Argument, Branch, Branches, Coarseness, Crossing, Departure, Followed, Growth, Holding, InputSlope, Keep, LoadPath,
@@ -11,8 +11,9 @@ pub use crate::study::{
     Study, Whirl, change_of_sign, reduce, sampled,
 };
 pub use crate::system::{
-    AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, FailureOutputs, Freedom,
-    GeneratorOutputs, Hybrid, JointOutputs, JointStatus, Jump, LatchOutputs, LoopOutputs, ModalOutputs, ModeShape,
-    NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs, PlantError, PointOutputs, RotorLoads, SectionShape,
-    SectionState, SectionStrain, Snapshot, SpatialOutputs, Statistics, SurfaceGap, SurfaceLattice, System, WhirlShare,
+    AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, FailureOutputs, FlapOutputs,
+    Freedom, GeneratorOutputs, Hybrid, JointOutputs, JointStatus, Jump, LatchOutputs, LoopOutputs, ModalOutputs,
+    ModeShape, NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs, PlantError, PointOutputs, RotorLoads,
+    SectionShape, SectionState, SectionStrain, Snapshot, SpatialOutputs, Statistics, SurfaceGap, SurfaceLattice,
+    System, WhirlShare,
 };

@@ -212,6 +212,7 @@ impl Plant {
         marched?;
         state.statistics.air_solutions += 1;
         let density_kg_m3 = state.applied_parameters.air_density_kg_m3();
+        air.deflect(state, end_s)?;
         let AirCoupling { model, settings, motions, loads, .. } = &mut *air;
         let flow = flow(settings, state, end_s);
         let Some(history) = &mut state.air else { return Ok(None) };

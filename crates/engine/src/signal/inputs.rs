@@ -23,6 +23,16 @@ pub struct JointInputs {
     pub generator_on: Switch,
 }
 
+/// Inputs of one flap.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+pub struct FlapInputs {
+    /// Angle in rad; positive moves the trailing edge towards the section's `−z`.
+    pub command_rad: f64,
+    /// Its rate in rad/s, which the caller keeps in line with the angle.
+    pub command_rate_rad_s: f64,
+}
+
 /// Where the inputs of a machine stand in [`Inputs::values`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct InputLayout {
@@ -36,6 +46,8 @@ pub struct InputLayout {
     pub wind_m_s: Segment<Vector3<f64>>,
     /// See [`Inputs::failures`].
     pub failures: Segment<Switch>,
+    /// See [`Inputs::flaps`].
+    pub flaps: Segment<FlapInputs>,
     /// Length of the vector.
     end: usize,
 }
@@ -51,6 +63,7 @@ impl InputLayout {
             root: Segment::append(&mut end, 1),
             wind_m_s: Segment::append(&mut end, 1),
             failures: Segment::append(&mut end, machine.failures.len()),
+            flaps: Segment::append(&mut end, machine.air.as_ref().map_or(0, |air| air.flaps.len())),
             end,
         }
     }
@@ -95,6 +108,10 @@ impl Inputs {
         });
         inputs.stations_mut().iter_mut().zip(loads).for_each(|(own, load)| *own = load);
         inputs.root_mut().gravity_m_s2 = machine.gravity_m_s2;
+        let flaps = machine.air.iter().flat_map(|air| &air.flaps);
+        for (own, flap) in inputs.flaps_mut().iter_mut().zip(flaps) {
+            own.command_rad = flap.command_rad;
+        }
         *inputs.wind_m_s_mut() = machine.air.as_ref().map_or(Vector3::zeros(), |air| air.wind_m_s);
         inputs
     }
@@ -122,6 +139,8 @@ impl Inputs {
         stations, stations_mut: [Wrench];
         /// Per failure: on brings it about; off repairs nothing.
         failures, failures_mut: [Switch];
+        /// Per flap, in the order of [`crate::machine::Air::flaps`].
+        flaps, flaps_mut: [FlapInputs];
         ;
         /// Gravity and motion of the root.
         root, root_mut: RootMotion;

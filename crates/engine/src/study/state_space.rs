@@ -1,6 +1,6 @@
 //! The linear model between chosen inputs and outputs, NOTATION eqs. (L12) and (L23).
 
-use crate::signal::Inputs;
+use crate::signal::{FlapInputs, Inputs};
 use crate::solve::linearize::{LaggedInputs, OutputSlopes, StateSpace, lagged_state_space};
 use crate::study::Study;
 use crate::study::aeroelastic::Aeroelastic;
@@ -21,16 +21,20 @@ pub struct InputSlope<'a> {
     pub gust_m_s: Vector3<f64>,
 }
 
-/// Variables of the air that an input changes per unit.
-fn air_of(input: &InputSlope, inputs: &Inputs) -> [f64; 9] {
+/// Variables of the air that an input changes per unit, in the order of `AirSlopes::air`.
+fn air_of(input: &InputSlope, inputs: &Inputs) -> Vec<f64> {
     let mut ends = [inputs.clone(), inputs.clone()];
     (input.add)(&mut ends[0], input.step);
     (input.add)(&mut ends[1], -input.step);
     let scale = 0.5 / input.step;
     let wind = (ends[0].wind_m_s() - ends[1].wind_m_s()) * scale;
     let spin = (ends[0].root().angular_velocity_rad_s - ends[1].root().angular_velocity_rad_s) * scale;
-    let gust = input.gust_m_s;
-    [wind.x, wind.y, wind.z, spin.x, spin.y, spin.z, gust.x, gust.y, gust.z]
+    let flaps = |read: fn(&FlapInputs) -> f64| {
+        let ends = ends[0].flaps().iter().zip(ends[1].flaps());
+        ends.map(|(above, below)| (read(above) - read(below)) * scale).collect::<Vec<_>>()
+    };
+    let (angles, rates) = (flaps(|flap| flap.command_rad), flaps(|flap| flap.command_rate_rad_s));
+    [wind.as_slice(), spin.as_slice(), &rates, input.gust_m_s.as_slice(), &angles].concat()
 }
 
 impl Study<'_> {
@@ -76,8 +80,7 @@ impl Study<'_> {
         let mut follow = DMatrix::zeros(system.lag.nrows(), inputs.len());
         if let Some(Aeroelastic { slopes: answers, air_force, air_rate_force, .. }) = &air {
             let kept = self.system.inputs().clone();
-            let shares: Vec<DVector<f64>> =
-                inputs.iter().map(|input| DVector::from(air_of(input, &kept).to_vec())).collect();
+            let shares: Vec<DVector<f64>> = inputs.iter().map(|input| DVector::from(air_of(input, &kept))).collect();
             if !shares.is_empty() {
                 let share = DMatrix::from_columns(&shares);
                 force += air_force * &share;

@@ -127,7 +127,8 @@ impl System {
 
     /// Names of the lag states, in the order of the states.
     pub fn exchange_lags(&self) -> Vec<String> {
-        self.lag_names()
+        let continuous = self.air.as_ref().and_then(|air| air.continuous.as_ref());
+        continuous.map_or(Vec::new(), |air| self.lag_names(air.gusts))
     }
 
     /// Number of event indicators: those of forces, then two for each motor.

@@ -243,6 +243,7 @@ impl Hybrid<'_> {
             }
         }
         applied.stations_mut().copy_from_slice(inputs.stations());
+        applied.flaps_mut().copy_from_slice(inputs.flaps());
         *applied.root_mut() = *inputs.root();
         *applied.wind_m_s_mut() = *inputs.wind_m_s();
         *applied_from_s = now.time_s;

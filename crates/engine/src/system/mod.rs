@@ -33,8 +33,8 @@ pub use exchange::{CoordinateName, CoordinateQuantity};
 pub use freedoms::Freedom;
 pub use hybrid::{AccountRates, Hybrid, Jump, NotHybrid};
 pub use outputs::{
-    EnergyOutputs, FailureOutputs, GeneratorOutputs, JointOutputs, LatchOutputs, LoopOutputs, ModalOutputs,
-    OutputLayout, OutputSet, Outputs, PointOutputs, SpatialOutputs,
+    EnergyOutputs, FailureOutputs, FlapOutputs, GeneratorOutputs, JointOutputs, LatchOutputs, LoopOutputs,
+    ModalOutputs, OutputLayout, OutputSet, Outputs, PointOutputs, SpatialOutputs,
 };
 pub use shape::{ModeShape, NodeMotion, SectionShape, SectionState, WhirlShare};
 pub use state::Snapshot;

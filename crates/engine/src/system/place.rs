@@ -131,6 +131,10 @@ impl System {
                 offer(*value, unit, &|| format!("{name}.{axis}"));
             }
         }
+        for (flap, described) in inputs.flaps().iter().zip(self.machine.air.iter().flat_map(|air| &air.flaps)) {
+            offer(flap.command_rad, "rad", &|| format!("aero.flap.{}.command", described.name));
+            offer(flap.command_rate_rad_s, "rad/s", &|| format!("aero.flap.{}.command_rate", described.name));
+        }
         for (joint, &body) in inputs.joints().iter().zip(&self.revolute_joints) {
             let described = &self.machine.bodies[body].joint;
             let (name, travel) = (&described.name, described.kind.one_freedom().map(|(travel, _)| travel));

@@ -10,7 +10,7 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 /// First bytes of a serialised state.
 const MAGIC: [u8; 8] = *b"FOLDWING";
 /// Version of the serialised form: raise it with every change of [`SavedState`] or of what it contains.
-const VERSION: u16 = 7;
+const VERSION: u16 = 8;
 /// Length of a GUID with its braces.
 const GUID_LENGTH: usize = 38;
 /// Magic, version, GUID, length of the payload, CRC-32 of all but the checksum itself.

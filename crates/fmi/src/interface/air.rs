@@ -6,7 +6,7 @@ use crate::interface::known::{Input, JointInput, JointParameter, Known, Paramete
 use crate::interface::rows::{wrench, wrench_texts};
 use crate::interface::table::{POSITIVE, Shape, Table, Text, Type};
 use crate::interface::topology::Topology;
-use foldwing_engine::plant::{OutputSet, RotorLoads};
+use foldwing_engine::plant::{FlapInputs, FlapOutputs, OutputSet, RotorLoads};
 use std::mem::offset_of;
 
 /// Wind.
@@ -17,6 +17,39 @@ pub(super) fn inputs(table: &mut Table, topology: &Topology) {
         let text = Text::new("wind.velocity", meaning);
         table.input(Input::Wind, place, Shape::Vector, Type::Real("Velocity"), text);
     }
+}
+
+/// Angles of flaps and their rates.
+pub(super) fn flap_inputs(table: &mut Table, topology: &Topology) {
+    let layout = *table.inputs.layout();
+    for (index, flap) in topology.machine.air.iter().flat_map(|air| &air.flaps).enumerate() {
+        let name = &flap.name;
+        let at = |offset| layout.flaps.place(index, offset);
+        let meaning = format!("flap {name}: commanded angle, trailing edge towards -z of the section positive");
+        let text = Text::new(format!("aero.flap.{name}.command"), meaning);
+        let place = at(offset_of!(FlapInputs, command_rad));
+        table.input(Input::Flap(index), place, Shape::Scalar, Type::Real("Angle"), text);
+        let meaning = format!("flap {name}: rate of the commanded angle, which the caller keeps in line with it");
+        let text = Text::new(format!("aero.flap.{name}.command_rate"), meaning);
+        let place = at(offset_of!(FlapInputs, command_rate_rad_s));
+        table.input(Input::FlapRate(index), place, Shape::Scalar, Type::Real("AngularVelocity"), text);
+    }
+}
+
+/// Angles, rates and hinge moments of flaps.
+fn flap_outputs(table: &mut Table, index: usize, name: &str) {
+    let layout = table.outputs;
+    let at = |offset| (layout.flaps.place(index, offset), OutputSet::AIR);
+    let own = |cause| Depends::new([cause], [cause]).settling(false);
+    let text = Text::new(format!("aero.flap.{name}.angle"), format!("flap {name}: angle"));
+    table.output(at(offset_of!(FlapOutputs, angle_rad)), Shape::Scalar, "Angle", own(Cause::Flap(index)), text);
+    let text = Text::new(format!("aero.flap.{name}.rate"), format!("flap {name}: rate of the angle"));
+    let rate = own(Cause::FlapRate(index));
+    table.output(at(offset_of!(FlapOutputs, rate_rad_s)), Shape::Scalar, "AngularVelocity", rate, text);
+    let meaning = format!("flap {name}: moment of the air about the hinge, positive along positive angles");
+    let text = Text::new(format!("aero.flap.{name}.hinge_moment"), meaning);
+    let air = Depends::new([Cause::Air], [Cause::AirStart]);
+    table.output(at(offset_of!(FlapOutputs, hinge_moment_n_m)), Shape::Scalar, "Moment", air, text);
 }
 
 /// Loads of the air, and circulations on request.
@@ -92,6 +125,9 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology) {
             table.output(at, Shape::Scalar, kind, depends.clone(), Text::new(format!("rotor.{name}"), meaning));
         }
     }
+    for (index, flap) in air.flaps.iter().enumerate() {
+        flap_outputs(table, index, &flap.name);
+    }
     if !air.reports_circulation {
         return;
     }
@@ -127,7 +163,7 @@ pub(super) fn blows_initially(topology: &Topology, known: Known) -> bool {
     topology.machine.air.is_some()
         && match known {
             Known::Time => topology.machine.air.as_ref().is_some_and(|air| !air.gusts.is_empty()),
-            Known::Input(Input::Wind | Input::RootAngularVelocity) => true,
+            Known::Input(Input::Wind | Input::RootAngularVelocity | Input::Flap(_) | Input::FlapRate(_)) => true,
             Known::Input(Input::Joint(joint, JointInput::Release)) => topology.turns_at_start(joint),
             Known::Parameter(Parameter::AirDensity) => true,
             Known::Parameter(Parameter::Joint(_, field)) => field == JointParameter::StartAngle,

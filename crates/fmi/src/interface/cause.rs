@@ -68,6 +68,10 @@ pub(super) enum Cause {
     KineticStart,
     /// Initial potential of the motors.
     DriveStart,
+    /// Angle of a flap.
+    Flap(usize),
+    /// Rate of a flap.
+    FlapRate(usize),
     /// Inputs that bring failures about.
     AnyFailure,
 }

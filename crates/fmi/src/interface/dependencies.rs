@@ -132,6 +132,8 @@ fn is_cause(topology: &Topology, cause: Cause, known: Known) -> bool {
         Cause::AttitudeStart(body) => turned_initially(topology, body, known),
         Cause::KineticStart => moves_initially(topology, known),
         Cause::DriveStart => motor_stores(topology, known),
+        Cause::Flap(flap) => known == Known::Input(Input::Flap(flap)),
+        Cause::FlapRate(flap) => known == Known::Input(Input::FlapRate(flap)),
         Cause::AnyFailure => matches!(known, Known::Input(Input::Failure(_))),
     }
 }
@@ -224,7 +226,7 @@ fn pushes(topology: &Topology, reach: Reach, known: Known) -> bool {
                 reach.feels(topology, input)
             }
             // The air's loads at a communication point are known already; wind acts on those to come.
-            Input::Wind => false,
+            Input::Wind | Input::Flap(_) | Input::FlapRate(_) => false,
             // through events, which change the state
             Input::Failure(_) => false,
         },

@@ -273,8 +273,8 @@ fn is_polynomial(machine: &Machine, known: Known) -> bool {
                 Input::Load(_) | Input::Gravity | Input::RootAcceleration | Input::RootAngularAcceleration,
             ) => true,
             Known::Input(Input::RootAngularVelocity) => machine.air.is_none(),
-            Known::Input(Input::Joint(..) | Input::Wind | Input::Failure(_)) | Known::Parameter(_) | Known::Time => {
-                false
-            }
+            Known::Input(Input::Joint(..) | Input::Wind | Input::Failure(_) | Input::Flap(_) | Input::FlapRate(_))
+            | Known::Parameter(_)
+            | Known::Time => false,
         }
 }

@@ -30,6 +30,10 @@ pub(super) enum Input {
     Wind,
     /// Brings a failure about.
     Failure(usize),
+    /// Angle of a flap.
+    Flap(usize),
+    /// Rate of a flap.
+    FlapRate(usize),
 }
 
 /// An input of a revolute or prismatic joint.

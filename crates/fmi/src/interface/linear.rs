@@ -84,12 +84,14 @@ pub const GUSTS: [&str; 3] = ["gust.x", "gust.y", "gust.z"];
 const DRIVE_STEP: f64 = 1e-4;
 
 impl Interface {
-    /// Real inputs of the table, which a linear model may have: all, but with a lattice the wind, which acts through loads that
-    /// the model holds.
+    /// Real inputs of the table, which a linear model may have: all, but with a lattice wind and flaps, which act through loads
+    /// that the model holds.
     pub fn real_inputs(&self) -> impl Iterator<Item = &Variable> {
-        let wind =
-            |row: &&Variable| !self.linear_air && self.known(row.value_reference) == Some(Known::Input(Input::Wind));
-        self.reals(Causality::Input).filter(move |row| !wind(row))
+        let of_air = |row: &&Variable| {
+            let known = self.known(row.value_reference);
+            matches!(known, Some(Known::Input(Input::Wind | Input::Flap(_) | Input::FlapRate(_))))
+        };
+        self.reals(Causality::Input).filter(move |row| self.linear_air || !of_air(row))
     }
 
     /// Real outputs of the table, which a linear model may have.

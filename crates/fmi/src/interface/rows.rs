@@ -88,6 +88,7 @@ fn inputs(table: &mut Table, topology: &Topology) {
         let (text, at) = (Text::new(format!("failure.{name}.trigger"), meaning), layout.failures.place(index, 0));
         table.input(Input::Failure(index), at, Shape::Scalar, Type::Boolean, text);
     }
+    air::flap_inputs(table, topology);
 }
 
 fn outputs(table: &mut Table, topology: &Topology) {

@@ -35,7 +35,7 @@ impl Rotor {
         let flow = Flow { wind_m_s: at.flow.wind_m_s + at.gust_m_s, ..at.flow };
         self.look(&at.motions, &flow, Past::Given(&at.lags_m_s), &mut state, &mut loads);
         let (rows, rates) = answer.split_at_mut(LOAD_ROWS * sections);
-        for ((rows, load), motion) in rows.chunks_exact_mut(LOAD_ROWS).zip(&loads.circulatory).zip(&at.motions) {
+        for ((rows, load), motion) in rows.chunks_exact_mut(LOAD_ROWS).zip(&loads.circulatory).zip(at.motions.iter()) {
             let turned = motion.rotation.transpose();
             rows[..3].copy_from_slice((turned * load.force_n).as_slice());
             rows[3..].copy_from_slice((turned * load.moment_n_m).as_slice());
@@ -96,7 +96,9 @@ impl Rotor {
                 }
                 _ => Some(STEP * slowest_m_s),
             },
-            Variable::AirRate(_) => None,
+            Variable::AirRate(_) | Variable::FlapAngle(_) | Variable::FlapRate(_) | Variable::FlapAcceleration(_) => {
+                None
+            }
         }
     }
 

@@ -4,7 +4,9 @@
 //! The limit of the steps of [`Strips::solve`] as they shrink: the lag states of (W6) obey `ẋ = b (2Q/c)(w − x)`, and
 //! the apparent mass of (W8) responds to the accelerations of the sections at the instant.
 
+use crate::aero::flap::{Deflection, HingeMoment};
 use crate::aero::flow::{Flow, Gust, GustShape};
+use crate::aero::strip::flap::MassRates;
 use crate::aero::strip::indicial::Lag;
 use crate::aero::strip::section::{Cut, Strip};
 use crate::aero::strip::{Inflow, StripState, Strips};
@@ -48,10 +50,14 @@ pub struct Instant<'a> {
     pub gust_m_s: Vector3<f64>,
     /// Lag states of all strips in m/s, [`Strips::lags`].
     pub lags_m_s: Cow<'a, [f64]>,
+    /// Angles and rates of the flaps.
+    pub flaps: Cow<'a, [Deflection]>,
+    /// Rates of these rates in rad/s².
+    pub flap_rad_s2: Cow<'a, [f64]>,
 }
 
 /// Loads of all sections in their own frames, six rows each, then rates of the lag states in m/s², then circulations of
-/// the strips in m²/s.
+/// the strips in m²/s, then hinge moments of the flaps in N·m.
 pub type Answer = Vec<f64>;
 
 /// The variable of a derivative.
@@ -70,6 +76,12 @@ pub enum Variable {
     Air(usize),
     /// Rate of one of the first six of them, which acts only on the apparent mass.
     AirRate(usize),
+    /// Angle of a flap.
+    FlapAngle(usize),
+    /// Rate of a flap.
+    FlapRate(usize),
+    /// Rate of the rate of a flap, which acts only on the apparent mass.
+    FlapAcceleration(usize),
 }
 
 /// Place of a lag state.
@@ -148,7 +160,8 @@ impl Strips {
     /// steps can go on from there.
     pub fn remember(&self, lags_m_s: &[f64], gusts: bool, answer: &[f64], state: &mut StripState) {
         let [motion, gust] = self.lag_terms(gusts);
-        let circulations = &answer[answer.len() - self.strips.len()..];
+        let end = answer.len() - self.flap_count();
+        let circulations = &answer[end - self.strips.len()..end];
         let strips = state.strips.iter_mut().zip(&self.inflows).zip(circulations);
         for (index, ((history, now), circulation_m2_s)) in strips.enumerate() {
             let own = &lags_m_s[index * (motion + gust)..][..motion + gust];
@@ -158,16 +171,20 @@ impl Strips {
             *history = now.history(lags[0], lags[1]);
             history.circulation_m2_s = *circulation_m2_s;
         }
+        for (hinge, moment_n_m) in state.hinges.iter_mut().zip(&answer[end..]) {
+            *hinge = HingeMoment { circulatory_n_m: *moment_n_m, impulsive_n_m: 0.0 };
+        }
     }
 
     /// Length of an [`Answer`].
     pub fn rows(&self, sections: usize, gusts: bool) -> usize {
-        LOAD_ROWS * sections + self.lag_count(gusts) + self.strips.len()
+        LOAD_ROWS * sections + self.lag_count(gusts) + self.strips.len() + self.flap_count()
     }
 
     /// The same for some strips, or for all if a lifting line couples them; the loads of other strips are zero.
     fn answer_of(&mut self, at: &Instant, gusts: bool, strips: Range<usize>, answer: &mut [f64]) {
         answer.fill(0.0);
+        self.deflect(&at.flaps);
         let strips = if self.line.is_some() { 0..self.strips.len() } else { strips };
         let uniform = |gusts: &[Gust]| {
             let gust = Gust {
@@ -197,9 +214,12 @@ impl Strips {
             lag
         };
         self.inflows.clear();
-        let (own, profiles) = (&self.strips, &self.profiles);
-        let meet = |strip: &Strip| Inflow::of(strip, &profiles[strip.surface], &at.motions, &flow);
-        self.inflows.extend(own[strips.clone()].iter().map(meet));
+        let (own, profiles, controls) = (&self.strips, &self.profiles, &self.controls);
+        let meet = |index: usize| {
+            let strip = &own[index];
+            Inflow::of(strip, &profiles[strip.surface], controls.on(index), &at.motions, &flow)
+        };
+        self.inflows.extend(strips.clone().map(meet));
         if self.line.is_some() {
             self.meet(&at.motions, &flow);
             let options = self.options;
@@ -211,6 +231,7 @@ impl Strips {
         let mut loads = std::mem::take(&mut self.section_loads);
         loads.clear();
         loads.resize(sections, Wrench::default());
+        let hinges = answer.len() - self.flap_count();
         for (index, now) in strips.zip(&self.inflows) {
             let strip = &self.strips[index];
             let profile = &self.profiles[strip.surface];
@@ -220,8 +241,16 @@ impl Strips {
                 now.section_loads(strip, profile, self.options.leading_edge_suction, effective_m_s, flow.density_kg_m3);
             strip.add_force(&mut loads, &now.cut, section.fraction, &(section.force_n_m * now.cut.span_m));
             strip.add_moment(&mut loads, &now.cut, section.moment_n * now.cut.span_m);
+            let mut hinge_n_m =
+                now.add_flap(strip, section.circulation_m2_s, flow.density_kg_m3, profile.polar.is_none(), &mut loads);
             if self.options.apparent_mass {
-                add_apparent_mass(strip, &now.cut, at, &flow, &mut loads);
+                let rates = add_apparent_mass(strip, &now.cut, at, &flow, &mut loads);
+                let flap_rad_s2 = now.flap.map_or(0.0, |flap| flap.share * at.flap_rad_s2[flap.flap]);
+                let rates = MassRates { flap_rad_s2, ..rates };
+                hinge_n_m += now.add_flap_mass(strip, flow.density_kg_m3, &now.cut.up, &rates, &mut loads);
+            }
+            if let Some(flap) = &now.flap {
+                answer[hinges + flap.flap] += hinge_n_m;
             }
             let way_1_s = 2.0 * now.speed_m_s / now.cut.chord_m;
             let fits = [self.options.fit.wagner(), self.options.fit.kuessner()];
@@ -252,7 +281,10 @@ impl Strips {
         let mut slope = vec![0.0; self.rows(at.motions.len(), gusts)];
         let Some(step) = scale else { return slope };
         let mut side = slope.clone();
-        let linear = matches!(variable, Variable::Motion { component: 12.., .. } | Variable::AirRate(_));
+        let linear = matches!(
+            variable,
+            Variable::Motion { component: 12.., .. } | Variable::AirRate(_) | Variable::FlapAcceleration(_)
+        );
         let weights: &[f64] = if linear { &[30.0] } else { &WEIGHTS };
         for (i, weight) in weights.iter().enumerate() {
             for sign in [1.0, -1.0] {
@@ -311,6 +343,9 @@ impl Strips {
                 lag / per_strip..lag / per_strip + 1
             }
             Variable::Air(_) | Variable::AirRate(_) => 0..self.strips.len(),
+            Variable::FlapAngle(flap) | Variable::FlapRate(flap) | Variable::FlapAcceleration(flap) => {
+                self.flap_strips(flap)
+            }
         }
     }
 
@@ -343,7 +378,9 @@ impl Strips {
                 0..3 | 6..9 => moving(STEP * speed_m_s),
                 _ => moving(STEP * speed_m_s / at.motions.iter().map(|m| m.position_m.norm()).fold(chord_m, f64::max)),
             },
-            Variable::AirRate(_) => Some(1.0),
+            Variable::FlapAngle(_) => moving(STEP),
+            Variable::FlapRate(_) => moving(STEP * speed_m_s / chord_m),
+            Variable::AirRate(_) | Variable::FlapAcceleration(_) => Some(1.0),
         }
     }
 }
@@ -373,12 +410,15 @@ pub(crate) fn displace(at: &mut Instant, variable: Variable, shift: f64) {
             _ => at.gust_m_s += axis(component),
         },
         Variable::AirRate(_) => {}
+        Variable::FlapAngle(flap) => at.flaps.to_mut()[flap].angle_rad += shift,
+        Variable::FlapRate(flap) => at.flaps.to_mut()[flap].rate_rad_s += shift,
+        Variable::FlapAcceleration(flap) => at.flap_rad_s2.to_mut()[flap] += shift,
     }
 }
 
 /// Loads of the apparent mass for the accelerations of the sections, eq. (W13): wind and rotation of the root are
-/// constant.
-fn add_apparent_mass(strip: &Strip, cut: &Cut, at: &Instant, flow: &Flow, loads: &mut [Wrench]) {
+/// constant. Returns the rates that it answers to, without those of a flap.
+fn add_apparent_mass(strip: &Strip, cut: &Cut, at: &Instant, flow: &Flow, loads: &mut [Wrench]) -> MassRates {
     let point = |end: usize, arm_m: &Vector3<f64>| {
         let (motion, [acceleration, spin_rate]) =
             (&at.motions[strip.sections[end]], &at.accelerations[strip.sections[end]]);
@@ -407,6 +447,7 @@ fn add_apparent_mass(strip: &Strip, cut: &Cut, at: &Instant, flow: &Flow, loads:
     let middle_m_s2 = up_rate.dot(&cut.air_m_s(0.5)) + cut.up.dot(&(0.5 * (leading_m_s2 + trailing_m_s2)));
     let pitching_m_s2 = up_rate.dot(&difference_m_s) + cut.up.dot(&(trailing_m_s2 - leading_m_s2));
     push(strip, cut, flow.density_kg_m3, [middle_m_s2, pitching_m_s2], loads);
+    MassRates { middle_m_s2, difference_m_s2: pitching_m_s2, flap_rad_s2: 0.0 }
 }
 
 /// Force and moment of the apparent mass, eq. (W8), for the rates of `w_½` and of `n·Δ` in m/s².

@@ -130,6 +130,8 @@ impl LiftingLine {
             kernel: Kernel {
                 core_squared_m2: options.core_radius_m * options.core_radius_m,
                 mirror_normal: options.mirror_normal,
+                ground: None,
+                stretch: None,
             },
             arch: Arch::new(),
             rows,

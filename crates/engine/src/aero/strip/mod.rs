@@ -5,7 +5,9 @@
 //! zero lift or by a polar. Nothing here stalls without a polar. A lifting line through all strips may add what the wing's
 //! finite span takes away.
 
+mod compressible;
 pub mod continuous;
+pub mod flap;
 pub mod indicial;
 pub mod lifting_line;
 pub mod section;
@@ -13,9 +15,12 @@ pub mod section;
 mod tests;
 
 use crate::aero::AirLoads;
+use crate::aero::flap::HingeMoment;
 use crate::aero::flow::{AirPath, Flow};
 use crate::aero::surface::{Profile, Surface};
 use crate::load::{SectionMotion, Wrench};
+use compressible::compression;
+use flap::{Controls, FlapInflow, MassRates, StripFlap};
 use indicial::{Fit, Lag};
 use lifting_line::{LiftingLine, LiftingLineOptions, StripEdges, StripEquation};
 use nalgebra::Vector3;
@@ -38,11 +43,20 @@ pub struct StripOptions {
     /// Loss of lift towards the ends of the wing and induced drag, by a lifting line; without it every strip is one of an
     /// endless wing. Not with polars.
     pub tip_loss: Option<LiftingLineOptions>,
+    /// Speed of sound in m/s, for Prandtl and Glauert's rule, eq. (U22); without it the air is incompressible. Not with polars.
+    pub speed_of_sound_m_s: Option<f64>,
 }
 
 impl Default for StripOptions {
     fn default() -> Self {
-        Self { unsteady: true, apparent_mass: true, fit: Fit::Jones, leading_edge_suction: true, tip_loss: None }
+        Self {
+            unsteady: true,
+            apparent_mass: true,
+            fit: Fit::Jones,
+            leading_edge_suction: true,
+            tip_loss: None,
+            speed_of_sound_m_s: None,
+        }
     }
 }
 
@@ -75,6 +89,8 @@ pub struct StripHistory {
     pub up: Vector3<f64>,
     /// Circulation in m²/s that the lift stands for.
     pub circulation_m2_s: f64,
+    /// Rate of the strip's flap in its cut in rad/s; 0 without one.
+    pub flap_rate_rad_s: f64,
 }
 
 /// Everything that later loads depend on.
@@ -82,17 +98,20 @@ pub struct StripHistory {
 pub struct StripState {
     /// One entry per strip, surface by surface, inner strip first.
     pub strips: Vec<StripHistory>,
+    /// Hinge moments, one entry per flap.
+    pub hinges: Vec<HingeMoment>,
 }
 
 impl StripState {
     /// Takes over another state of the same model without allocation.
     pub fn copy_from(&mut self, other: &Self) {
         self.strips.copy_from_slice(&other.strips);
+        self.hinges.copy_from_slice(&other.hinges);
     }
 
     /// Whether a state has the sizes of this one.
     pub fn fits(&self, other: &Self) -> bool {
-        self.strips.len() == other.strips.len()
+        self.strips.len() == other.strips.len() && self.hinges.len() == other.hinges.len()
     }
 }
 
@@ -105,6 +124,7 @@ pub struct Strips {
     /// Index of the first strip of each surface.
     first: Vec<usize>,
     line: Option<LiftingLine>,
+    controls: Controls,
     /// Scratch: what the strips meet.
     inflows: Vec<Inflow>,
     /// Scratch: loads of the sections.
@@ -120,6 +140,7 @@ impl Strips {
             profiles: Vec::new(),
             first: Vec::new(),
             line: None,
+            controls: Controls::default(),
             inflows: Vec::new(),
             section_loads: Vec::new(),
         };
@@ -130,7 +151,9 @@ impl Strips {
                 let chords = [surface.chords[strip], surface.chords[strip + 1]];
                 let slopes = &surface.profile.lift_slopes_1_rad;
                 let lift_slope_1_rad = slopes.get(strip).copied().unwrap_or(surface.profile.lift_slope_1_rad);
-                model.strips.push(Strip { sections: [inner, inner + 1], chords, surface: index, lift_slope_1_rad });
+                let speed_of_sound_m_s = options.speed_of_sound_m_s.unwrap_or(f64::INFINITY);
+                let sections = [inner, inner + 1];
+                model.strips.push(Strip { sections, chords, surface: index, lift_slope_1_rad, speed_of_sound_m_s });
             }
             model.profiles.push(surface.profile);
         }
@@ -141,7 +164,10 @@ impl Strips {
 
     /// A state to be filled by [`Strips::start`].
     pub fn blank_state(&self) -> StripState {
-        StripState { strips: vec![StripHistory::default(); self.strips.len()] }
+        StripState {
+            strips: vec![StripHistory::default(); self.strips.len()],
+            hinges: vec![HingeMoment::default(); self.controls.flaps.len()],
+        }
     }
 
     /// Sets the state at the start and the circulatory loads there; impulsive loads are zero.
@@ -161,9 +187,10 @@ impl Strips {
         self.meet(motions, flow);
         let options = self.options;
         self.add_induced(|_, now, gust_m_s| options.effective_m_s(&lag(now.downwash_m_s), &lag(gust_m_s)));
+        state.hinges.fill(HingeMoment::default());
         for ((strip, now), history) in self.strips.iter().zip(&self.inflows).zip(&mut state.strips) {
             *history = now.history(lag(now.downwash_m_s), lag(now.gust_downwash_m_s));
-            self.add_circulatory(strip, now, flow, history, loads);
+            self.add_circulatory(strip, now, flow, history, &mut state.hinges, loads);
         }
     }
 
@@ -198,23 +225,27 @@ impl Strips {
             let (motion, gust) = lags(&from.strips[strip], now, gust_m_s);
             options.effective_m_s(&motion, &gust)
         });
+        to.hinges.fill(HingeMoment::default());
         for (((strip, now), before), after) in
             self.strips.iter().zip(&self.inflows).zip(&from.strips).zip(&mut to.strips)
         {
             let (motion, gust) = lags(before, now, now.gust_downwash_m_s);
             *after = now.history(motion, gust);
-            self.add_circulatory(strip, now, flow, after, loads);
+            self.add_circulatory(strip, now, flow, after, &mut to.hinges, loads);
             if options.apparent_mass && step_s > 0.0 {
-                add_impulsive(strip, now, flow, [before, after], step_s, loads);
+                add_impulsive(strip, now, flow, [before, after], step_s, &mut to.hinges, loads);
             }
         }
     }
 
     /// What all strips meet, into the scratch, and the lifting line through them, if there is one.
     fn meet(&mut self, motions: &[SectionMotion], flow: &Flow) {
-        let Self { strips, profiles, inflows, line, .. } = self;
+        let Self { strips, profiles, inflows, line, controls, .. } = self;
         inflows.clear();
-        inflows.extend(strips.iter().map(|strip| Inflow::of(strip, &profiles[strip.surface], motions, flow)));
+        let meet = |(index, strip): (usize, &Strip)| {
+            Inflow::of(strip, &profiles[strip.surface], controls.on(index), motions, flow)
+        };
+        inflows.extend(strips.iter().enumerate().map(meet));
         if let Some(line) = line {
             let edges = strips.iter().zip(inflows).map(|(strip, now)| StripEdges::of(strip, motions, flow, now.bias));
             line.look(strips, edges, |strip| profiles[strip.surface].zero_lift_angle_rad.sin_cos());
@@ -228,7 +259,7 @@ impl Strips {
         for (at, (equation, now)) in line.equations.iter_mut().zip(inflows.iter()).enumerate() {
             let plain_m_s = effective_m_s(at, now, now.gust_downwash_m_s);
             *equation = StripEquation {
-                slope_m: 0.5 * now.cut.chord_m * strips[at].lift_slope_1_rad,
+                slope_m: 0.5 * now.cut.chord_m * strips[at].lift_slope_1_rad * now.compression,
                 effective_m_s: plain_m_s,
                 gain: effective_m_s(at, now, now.gust_downwash_m_s + 1.0) - plain_m_s,
             };
@@ -251,6 +282,7 @@ impl Strips {
         now: &Inflow,
         flow: &Flow,
         history: &mut StripHistory,
+        hinges: &mut [HingeMoment],
         loads: &mut AirLoads,
     ) {
         let profile = &self.profiles[strip.surface];
@@ -261,6 +293,12 @@ impl Strips {
         history.circulation_m2_s = section.circulation_m2_s;
         strip.add_force(&mut loads.circulatory, &now.cut, section.fraction, &(section.force_n_m * span_m));
         strip.add_moment(&mut loads.circulatory, &now.cut, section.moment_n * span_m);
+        if let Some(flap) = &now.flap {
+            let plate = profile.polar.is_none();
+            let loads = &mut loads.circulatory;
+            hinges[flap.flap].circulatory_n_m +=
+                now.add_flap(strip, section.circulation_m2_s, flow.density_kg_m3, plate, loads);
+        }
     }
 }
 
@@ -271,16 +309,24 @@ fn add_impulsive(
     flow: &Flow,
     [before, after]: [&StripHistory; 2],
     step_s: f64,
+    hinges: &mut [HingeMoment],
     loads: &mut AirLoads,
 ) {
     let semi_chord_m = 0.5 * now.cut.chord_m;
     let mass_kg_m = PI * flow.density_kg_m3 * semi_chord_m.powi(2);
-    let force_n = mass_kg_m * (after.middle_m_s - before.middle_m_s) / step_s * now.cut.span_m;
+    let middle_m_s2 = (after.middle_m_s - before.middle_m_s) / step_s;
+    let force_n = mass_kg_m * middle_m_s2 * now.cut.span_m;
     let pitching_m_s2 = (after.difference_m_s - before.difference_m_s) / step_s;
     let moment_n_m = -mass_kg_m * semi_chord_m / 16.0 * pitching_m_s2 * now.cut.span_m;
     let mean_up = 0.5 * (AirPath::new(flow, step_s).turned(&before.up) + after.up);
     strip.add_force(&mut loads.impulsive, &now.cut, 0.5, &(mean_up * force_n));
     strip.add_moment(&mut loads.impulsive, &now.cut, moment_n_m);
+    if let Some(flap) = &now.flap {
+        let flap_rad_s2 = (after.flap_rate_rad_s - before.flap_rate_rad_s) / step_s;
+        let rates = MassRates { middle_m_s2, difference_m_s2: pitching_m_s2, flap_rad_s2 };
+        hinges[flap.flap].impulsive_n_m +=
+            now.add_flap_mass(strip, flow.density_kg_m3, &mean_up, &rates, &mut loads.impulsive);
+    }
 }
 
 /// `γ` of eq. (W4): 1 where the air comes from the leading edge, −1 from the trailing edge, 0 where it comes from below
@@ -317,16 +363,20 @@ struct Inflow {
     speed_m_s: f64,
     /// Which edge leads, from 1 to −1.
     bias: f64,
-    /// Upward velocity at the control point, without gusts, in m/s.
+    /// Upward velocity at the control point, without gusts, and what the flap adds to it, in m/s.
     downwash_m_s: f64,
     /// Upward velocity of the gust and of the lifting line in m/s.
     gust_downwash_m_s: f64,
     /// Upward velocity at the trailing less that at the leading edge, without gusts, in m/s.
     difference_m_s: f64,
+    /// The strip's flap.
+    flap: Option<FlapInflow>,
+    /// Pressures over those of incompressible air, eq. (U22).
+    compression: f64,
 }
 
 impl Inflow {
-    fn of(strip: &Strip, profile: &Profile, motions: &[SectionMotion], flow: &Flow) -> Self {
+    fn of(strip: &Strip, profile: &Profile, flap: Option<StripFlap>, motions: &[SectionMotion], flow: &Flow) -> Self {
         let cut = strip.cut(motions, flow);
         let (sine, cosine) = profile.zero_lift_angle_rad.sin_cos();
         let aft = cut.aft * cosine + cut.up * sine;
@@ -339,6 +389,11 @@ impl Inflow {
         let middle_m_s = calm_m_s + gust_m_s;
         let (along_m_s, across_m_s) = (middle_m_s.dot(&aft), middle_m_s.dot(&up));
         let bias = bias(along_m_s, across_m_s, difference_m_s);
+        let flap = flap.map(|flap| {
+            let flap = flap.in_cut(strip, &cut, motions);
+            FlapInflow { downwash_m_s: flap.circulating_m_s(cut.chord_m, along_m_s, bias), ..flap }
+        });
+        let own_m_s = flap.map_or(0.0, |flap| flap.downwash_m_s);
         Self {
             aft,
             up,
@@ -346,9 +401,11 @@ impl Inflow {
             along_m_s,
             speed_m_s: along_m_s.hypot(across_m_s),
             bias,
-            downwash_m_s: cut.air_m_s(0.5 + 0.25 * bias).dot(&up),
+            downwash_m_s: cut.air_m_s(0.5 + 0.25 * bias).dot(&up) + own_m_s,
             gust_downwash_m_s: gust_m_s.dot(&up),
             difference_m_s,
+            flap,
+            compression: compression(along_m_s.hypot(across_m_s) / strip.speed_of_sound_m_s),
             cut,
         }
     }
@@ -363,6 +420,7 @@ impl Inflow {
             difference_m_s: (self.cut.trailing_air_m_s - self.cut.leading_air_m_s).dot(&self.cut.up),
             up: self.cut.up,
             circulation_m2_s: 0.0,
+            flap_rate_rad_s: self.flap.map_or(0.0, |flap| flap.rate_rad_s),
         }
     }
 
@@ -376,17 +434,22 @@ impl Inflow {
         density_kg_m3: f64,
     ) -> SectionLoads {
         let chord_m = self.cut.chord_m;
-        let curvature_n =
-            -PI / 16.0 * density_kg_m3 * chord_m.powi(2) * self.along_m_s * self.bias * self.difference_m_s;
+        let curvature_n = -PI / 16.0
+            * density_kg_m3
+            * chord_m.powi(2)
+            * self.along_m_s
+            * self.bias
+            * self.difference_m_s
+            * self.compression;
         let (circulation_m2_s, force_n_m, fraction, moment_n) = match &profile.polar {
             None => {
-                let half_slope_m = 0.5 * chord_m * strip.lift_slope_1_rad;
+                let half_slope_m = 0.5 * chord_m * strip.lift_slope_1_rad * self.compression;
                 let circulation_m2_s = half_slope_m * effective_m_s;
-                let edge_m_s = effective_m_s - 0.25 * self.bias * self.difference_m_s;
+                let edge_m_s = effective_m_s - self.bias * (0.25 * self.difference_m_s + self.flap_edge_m_s());
                 let suction_n_m = if suction { half_slope_m * edge_m_s.powi(2) * self.bias } else { 0.0 };
                 let fraction = 0.5 - 0.25 * self.bias;
                 let force_n_m = self.up * (self.along_m_s.abs() * circulation_m2_s) - self.aft * suction_n_m;
-                let moment_n = 0.5 * (chord_m * self.along_m_s).powi(2) * profile.moment_coefficient;
+                let moment_n = 0.5 * (chord_m * self.along_m_s).powi(2) * profile.moment_coefficient * self.compression;
                 (circulation_m2_s, force_n_m + self.drag_m3_s2(fraction, profile.drag_coefficient), fraction, moment_n)
             }
             Some(polar) => {

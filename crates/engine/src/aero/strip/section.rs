@@ -16,6 +16,8 @@ pub struct Strip {
     pub surface: usize,
     /// Slope of its lift coefficient in 1/rad.
     pub lift_slope_1_rad: f64,
+    /// Speed of sound in m/s; infinite where the air counts as incompressible.
+    pub speed_of_sound_m_s: f64,
 }
 
 /// A strip at one instant, root frame. The section is cut across the quarter-chord line, eqs. (W1) and (W2).

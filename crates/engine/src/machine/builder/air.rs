@@ -1,20 +1,25 @@
-//! Air in code: what the tables `[aerodynamics]`, `[surface.<name>]` and `[gust.<name>]` of the model file can say.
+//! Air in code: what the tables `[aerodynamics]`, `[surface.<name>]`, `[flap.<name>]` and `[gust.<name>]` of the model file
+//! can say.
 
 use crate::aero::AirOptions;
 use crate::aero::flow::{Gust, GustShape};
+use crate::aero::images::Plane;
 use crate::aero::lattice::{LatticeOptions, LoadRule, WakeModel};
 use crate::aero::strip::StripOptions;
 use crate::aero::strip::indicial::Fit;
 use crate::aero::strip::lifting_line::LiftingLineOptions;
+use crate::machine::builder::flap::{self, FlapBuilder};
 use crate::machine::builder::rotor::RotorSettings;
 use crate::machine::builder::surfaces::{SurfaceBuilder, draft, place_all};
 use crate::machine::edges::fastest_m_s;
-use crate::machine::fault::{Checker, array_text};
+use crate::machine::fault::{Checker, Range, array_text};
 use crate::machine::units::shortest;
 use crate::machine::validate::air::lattice_size;
 use crate::machine::{Air, Body, Coupling};
 use nalgebra::Vector3;
 
+/// Cosine between the normals of two mirrors up to which they stand across.
+const ACROSS: f64 = 1e-9;
 /// Core radius over the smallest panel's chord where none is stated.
 const CORE_SHARE: f64 = 1e-2;
 
@@ -43,6 +48,8 @@ pub struct AirBuilder {
     tip_loss: bool,
     leading_edge_suction: Option<bool>,
     mirror_normal: Option<Vector3<f64>>,
+    ground: Option<(Vector3<f64>, f64)>,
+    speed_of_sound_m_s: Option<f64>,
     wake: WakeModel,
     wake_rows: usize,
     core_radius_m: Option<f64>,
@@ -66,6 +73,8 @@ impl Air {
             tip_loss: false,
             leading_edge_suction: None,
             mirror_normal: None,
+            ground: None,
+            speed_of_sound_m_s: None,
             wake: WakeModel::Prescribed,
             wake_rows: 100,
             core_radius_m: None,
@@ -159,6 +168,17 @@ impl AirBuilder {
         Self { mirror_normal: Some(normal.into()), ..self }
     }
 
+    /// Ground under a lattice: its normal towards the wing, of any length but zero and across that of a mirror plane, and the distance of the
+    /// root's origin above it in m. Default none.
+    pub fn ground(self, normal: impl Into<Vector3<f64>>, distance_m: f64) -> Self {
+        Self { ground: Some((normal.into(), distance_m)), ..self }
+    }
+
+    /// Speed of sound in m/s, for Prandtl and Glauert's rule. Default none: incompressible air.
+    pub fn speed_of_sound_m_s(self, speed_of_sound_m_s: f64) -> Self {
+        Self { speed_of_sound_m_s: Some(speed_of_sound_m_s), ..self }
+    }
+
     /// How the wake of the lattice moves. Default [`WakeModel::Prescribed`].
     pub fn wake(self, wake: WakeModel) -> Self {
         Self { wake, ..self }
@@ -178,6 +198,31 @@ impl AirBuilder {
     /// Threads for the influence of the wake; the result does not depend on it. Lattice only. Default 1.
     pub fn threads(self, threads: usize) -> Self {
         Self { threads, ..self }
+    }
+}
+
+impl AirBuilder {
+    /// The ground as a plane; `None` where it is refused.
+    fn ground_plane(&self, mirror: Option<Vector3<f64>>, checker: &mut Checker) -> Option<Option<Plane>> {
+        let Some((normal, distance_m)) = self.ground else { return Some(None) };
+        if self.model != Model::Lattice {
+            let allowed = "ground under a lattice alone";
+            checker.refuse_state(&["air", "ground_normal"], "ground under another model of the air", allowed);
+            return None;
+        }
+        let place = ["air", "ground_normal"];
+        let Some(unit) = normal.try_normalize(0.0).filter(|unit| unit.norm() > 0.5) else {
+            checker.refuse(&place, array_text(normal.as_slice()), "an array of 3 finite numbers, not all 0");
+            return None;
+        };
+        if mirror.is_some_and(|mirror| mirror.dot(&unit).abs() > ACROSS) {
+            let allowed = "a normal across mirror_normal: images of images close only at a right angle";
+            checker.refuse(&place, array_text(normal.as_slice()), allowed);
+            return None;
+        }
+        checker
+            .number(&["air", "ground_distance_m"], distance_m, Range::Finite)
+            .then_some(Some(Plane { normal: unit, distance_m }))
     }
 }
 
@@ -258,7 +303,7 @@ impl GustBuilder {
 /// Bodies that `stand` not are not looked at further than by name.
 pub(super) fn build(
     air: Option<&AirBuilder>,
-    surfaces: &[SurfaceBuilder],
+    (surfaces, flaps): (&[SurfaceBuilder], &[FlapBuilder]),
     gusts: &[GustBuilder],
     bodies: &[Body],
     stand: bool,
@@ -268,8 +313,9 @@ pub(super) fn build(
     let Some(air) = air else {
         let stray = surfaces.first().map(|surface| ["surface", surface.body.as_str()]);
         let stray = stray.or(gusts.first().map(|gust| ["gust", gust.name.as_str()]));
+        let stray = stray.or(flaps.first().map(|flap| ["flap", flap.name.as_str()]));
         if let Some(place) = stray {
-            checker.refuse_state(&place, "a surface or gust without air", "a machine with air");
+            checker.refuse_state(&place, "a surface, gust or flap without air", "a machine with air");
         }
         return None;
     };
@@ -279,7 +325,13 @@ pub(super) fn build(
         drafts.into_iter().collect()
     };
     let gusts: Vec<Option<Gust>> = gusts.iter().map(|gust| gust.build(&air.wind_m_s, checker)).collect();
+    let whole = air.model == Model::Rotor || flap::check(flaps, surfaces, bodies, air.model == Model::Lattice, checker);
     if air.model == Model::None {
+        return None;
+    }
+    if let (Model::Rotor, Some(flap)) = (air.model, flaps.first()) {
+        let allowed = "no flaps with the air of a rotor; flaps only with strips or a lattice";
+        checker.refuse_state(&["flap", flap.name.as_str()], "a flap on a rotor's blade", allowed);
         return None;
     }
     if surfaces.is_empty() {
@@ -306,7 +358,11 @@ pub(super) fn build(
             }
         },
     };
+    let ground = air.ground_plane(mirror, checker)?;
     let drafts = drafts?;
+    if !whole {
+        return None;
+    }
     let gusts = gusts.into_iter().collect::<Option<Vec<_>>>()?;
     if !stand {
         return None;
@@ -318,8 +374,8 @@ pub(super) fn build(
             return None;
         }
     }
-    let blades = surfaces;
-    let surfaces = place_all(&drafts, (lattice, lattice || air.tip_loss), bodies, mirror);
+    let builders = surfaces;
+    let surfaces = place_all(&drafts, flaps, (lattice, lattice || air.tip_loss), bodies, mirror, checker)?;
     let smallest_m = surfaces
         .iter()
         .flat_map(|surface| surface.chords.iter().map(|chord| chord.length_m() / surface.chord_panels as f64))
@@ -348,6 +404,8 @@ pub(super) fn build(
                 LoadRule::Bernoulli
             },
             mirror_normal: mirror,
+            ground,
+            speed_of_sound_m_s: air.speed_of_sound_m_s,
             threads: air.threads,
         })
     } else if let Some(rotor) = &air.rotor {
@@ -356,7 +414,7 @@ pub(super) fn build(
             checker.refuse(&["air", "inflow_lag_s"], shortest(lag_s), allowed);
             return None;
         }
-        AirOptions::Rotor(Box::new(rotor.options(blades, &surfaces, bodies, checker)?))
+        AirOptions::Rotor(Box::new(rotor.options(builders, &surfaces, bodies, checker)?))
     } else {
         AirOptions::Strips(StripOptions {
             unsteady: air.unsteady,
@@ -367,6 +425,7 @@ pub(super) fn build(
                 core_radius_m: air.core_radius_m.unwrap_or(CORE_SHARE * shortest_m),
                 mirror_normal: mirror,
             }),
+            speed_of_sound_m_s: air.speed_of_sound_m_s,
         })
     };
     Some(Air {
@@ -377,6 +436,7 @@ pub(super) fn build(
         coupling: air.coupling,
         established: air.established,
         reports_circulation: air.reports_circulation,
+        flaps: flap::build(flaps, builders, &surfaces, bodies),
         surfaces,
         gusts,
     })

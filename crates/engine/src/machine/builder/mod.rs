@@ -3,6 +3,7 @@
 mod air;
 mod body;
 mod failure;
+mod flap;
 mod joint;
 mod latch;
 mod rotor;
@@ -12,6 +13,7 @@ mod tree;
 pub use air::{AirBuilder, GustBuilder};
 pub use body::{BodyBuilder, ClosureBuilder, GaugeBuilder, SectionLoadBuilder};
 pub use failure::FailureBuilder;
+pub use flap::FlapBuilder;
 pub use joint::JointBuilder;
 pub use latch::LatchBuilder;
 pub use rotor::RotorSettings;
@@ -39,6 +41,7 @@ pub struct MachineBuilder {
     air: Option<AirBuilder>,
     surfaces: Vec<SurfaceBuilder>,
     gusts: Vec<GustBuilder>,
+    flaps: Vec<FlapBuilder>,
     solver: Solver,
     experiment: Experiment,
     step_s: Option<f64>,
@@ -70,6 +73,7 @@ impl Machine {
             air: None,
             surfaces: Vec::new(),
             gusts: Vec::new(),
+            flaps: Vec::new(),
             solver: Solver::default(),
             experiment: Experiment::default(),
             step_s: None,
@@ -144,6 +148,12 @@ impl MachineBuilder {
     /// Adds a gust.
     pub fn gust(mut self, gust: GustBuilder) -> Self {
         self.gusts.push(gust);
+        self
+    }
+
+    /// Adds a flap to the surface of a body.
+    pub fn flap(mut self, flap: FlapBuilder) -> Self {
+        self.flaps.push(flap);
         self
     }
 
@@ -228,9 +238,10 @@ impl MachineBuilder {
         validate::structure(&machine, checker);
         // air is placed on bodies that stand
         let stand = tree.holds && validate::stand(checker);
-        let (surfaces, gusts) = (&self.surfaces, &self.gusts);
+        names("flap", self.flaps.iter().map(|flap| flap.name.as_str()), checker);
+        let on_wing = (self.surfaces.as_slice(), self.flaps.as_slice());
         let air = self.air.as_ref();
-        machine.air = air::build(air, surfaces, gusts, &machine.bodies, stand, start_time_s, checker);
+        machine.air = air::build(air, on_wing, &self.gusts, &machine.bodies, stand, start_time_s, checker);
         validate::surroundings(&machine, checker);
         machine
     }

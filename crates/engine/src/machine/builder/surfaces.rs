@@ -2,6 +2,7 @@
 
 use crate::aero::surface::{ChordLine, Profile};
 use crate::beam::profile::Profile as Along;
+use crate::machine::builder::flap::FlapBuilder;
 use crate::machine::edges::{RootEdge, free_edges, other_half};
 use crate::machine::fault::{Checker, Range, array_text};
 use crate::machine::units::shortest;
@@ -12,6 +13,8 @@ use nalgebra::Vector3;
 
 /// Inset of a free edge of the lattice in panels: uniform lattices that reach the tip converge only as `1/N`.
 const INSET_PANELS: f64 = 0.25;
+/// Distance over a body's length below which two places are the same.
+const NEAR: f64 = 1e-9;
 
 /// Lifting surface of a body under construction: [`LiftingSurface::on`].
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +24,7 @@ pub struct SurfaceBuilder {
     pub(super) chord_panels: usize,
     axis_fraction: Along,
     lift_slope_1_rad: Option<Along>,
-    forward: f64,
+    pub(super) forward: f64,
     chord_m: Option<Along>,
     incidence_deg: Along,
     profile: Profile,
@@ -290,34 +293,50 @@ fn chord(surface: &SurfaceBuilder, body: &Body, length_m: f64, checker: &mut Che
 /// a wing ends.
 pub(super) fn place_all(
     drafts: &[Draft],
+    flaps: &[FlapBuilder],
     (lattice, spans): (bool, bool),
     bodies: &[Body],
     mirror: Option<Vector3<f64>>,
-) -> Vec<LiftingSurface> {
+    checker: &mut Checker,
+) -> Option<Vec<LiftingSurface>> {
     let edges: Vec<RootEdge> =
         drafts.iter().map(|draft| RootEdge { body: draft.body, chord: draft.chord_line(0.0) }).collect();
     let free = |draft: &Draft| if spans { free_edges(draft.body, &edges, bodies, mirror) } else { [false; 2] };
-    let mut surfaces: Vec<LiftingSurface> = drafts.iter().map(|draft| place(draft, free(draft), bodies)).collect();
+    let placed = drafts.iter().map(|draft| place(draft, flaps, free(draft), bodies, checker));
+    // all of them, so that every refusal is told
+    let mut surfaces: Vec<LiftingSurface> = placed.collect::<Vec<_>>().into_iter().collect::<Option<_>>()?;
     for surface in &mut surfaces {
         surface.other_half = other_half(surface.body, &edges, bodies).filter(|_| lattice);
     }
     surfaces.sort_by_key(|surface| surface.body);
-    surfaces
+    Some(surfaces)
 }
 
-/// Edges of the strips along the span and their chord lines.
-fn place(draft: &Draft, free: [bool; 2], bodies: &[Body]) -> LiftingSurface {
-    let length_m = bodies[draft.body].length_m;
-    let strips = draft.surface.strips;
-    let inset = free.map(|free| if free { INSET_PANELS } else { 0.0 });
-    let width_m = length_m / (strips as f64 + inset[0] + inset[1]);
-    let uniform = (0..=strips).map(|edge| match edge == strips && !free[1] {
-        true => length_m,
-        false => (inset[0] + edge as f64) * width_m,
-    });
-    let positions_m: Vec<f64> = match &draft.surface.blade {
+/// Edges of the strips along the span and their chord lines; the ends of flaps are such edges.
+fn place(
+    draft: &Draft,
+    flaps: &[FlapBuilder],
+    free: [bool; 2],
+    bodies: &[Body],
+    checker: &mut Checker,
+) -> Option<LiftingSurface> {
+    let (surface, length_m) = (draft.surface, bodies[draft.body].length_m);
+    let positions_m: Vec<f64> = match &surface.blade {
         Some((stations_m, _)) => stations_m.clone(),
-        None => uniform.collect(),
+        None => {
+            let ends = flaps.iter().filter(|flap| flap.is_on(&surface.body)).flat_map(|flap| flap.ends_m(length_m));
+            let mut breaks_m: Vec<f64> = ends.filter(|place_m| *place_m > 0.0 && *place_m < length_m).collect();
+            breaks_m.sort_by(f64::total_cmp);
+            breaks_m.dedup_by(|later, earlier| *later - *earlier <= NEAR * length_m);
+            let parts = breaks_m.len() + 1;
+            if surface.strips < parts {
+                let allowed =
+                    format!("at least {parts} strips: the ends of the flaps cut the surface into as many parts");
+                checker.refuse(&["surface", &surface.body, "strips"], surface.strips, allowed);
+                return None;
+            }
+            edges_m(length_m, &breaks_m, surface.strips, free)
+        }
     };
     let chords = positions_m.iter().map(|&s| draft.chord_line(s)).collect();
     let mut profile = draft.surface.profile.clone();
@@ -329,12 +348,47 @@ fn place(draft: &Draft, free: [bool; 2], bodies: &[Body]) -> LiftingSurface {
         }
         None => {}
     }
-    LiftingSurface {
+    Some(LiftingSurface {
         body: draft.body,
         other_half: None,
         positions_m,
         chords,
         chord_panels: draft.surface.chord_panels,
         profile,
+    })
+}
+
+/// Edges of strips on a body with edges at given places: every part between these is cut evenly and has its share of the
+/// strips, at least one. The lattice of a free end stands a quarter of a strip away from it.
+fn edges_m(length_m: f64, breaks_m: &[f64], strips: usize, free: [bool; 2]) -> Vec<f64> {
+    let ends_m: Vec<f64> = [0.0].iter().chain(breaks_m).chain(&[length_m]).copied().collect();
+    let parts = ends_m.len() - 1;
+    let counts = shares(&ends_m, strips);
+    let mut edges_m = Vec::with_capacity(strips + 1);
+    for part in 0..parts {
+        let [begin_m, end_m] = [ends_m[part], ends_m[part + 1]];
+        let inset =
+            [free[0] && part == 0, free[1] && part + 1 == parts].map(|free| if free { INSET_PANELS } else { 0.0 });
+        let width_m = (end_m - begin_m) / (counts[part] as f64 + inset[0] + inset[1]);
+        edges_m.extend((0..counts[part]).map(|edge| begin_m + (inset[0] + edge as f64) * width_m));
+        if part + 1 == parts {
+            edges_m.push(if free[1] { begin_m + (inset[0] + counts[part] as f64) * width_m } else { end_m });
+        }
     }
+    edges_m
+}
+
+/// How many of the strips each part between consecutive ends has: by its length, at least one, all together as many as there
+/// are. `strips` is at least the number of parts.
+fn shares(ends_m: &[f64], strips: usize) -> Vec<usize> {
+    let widths_m: Vec<f64> = ends_m.windows(2).map(|ends| ends[1] - ends[0]).collect();
+    let mut counts = vec![1; widths_m.len()];
+    // the next strip goes where strips are widest
+    for _ in counts.len()..strips {
+        let width_m = |part: usize| widths_m[part] / counts[part] as f64;
+        let widest =
+            (0..counts.len()).fold(0, |widest, part| if width_m(part) > width_m(widest) { part } else { widest });
+        counts[widest] += 1;
+    }
+    counts
 }

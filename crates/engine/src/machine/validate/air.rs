@@ -44,9 +44,67 @@ pub(super) fn check(air: &Air, bodies: &[Body], checker: &mut Checker) {
         AirOptions::Strips(_) => {}
         AirOptions::Rotor(options) => check_rotor(options, &air.surfaces, bodies, checker),
     }
+    check_flaps(air, checker);
+    check_sound(air, bodies, checker);
     names("gust", air.gusts.iter().map(|gust| gust.name.as_str()), checker);
     for gust in &air.gusts {
         check_gust(gust, checker);
+    }
+}
+
+fn check_sound(air: &Air, bodies: &[Body], checker: &mut Checker) {
+    let sound_m_s = match &air.options {
+        AirOptions::Lattice(options) => options.speed_of_sound_m_s,
+        AirOptions::Strips(options) => options.speed_of_sound_m_s,
+        AirOptions::Rotor(_) => None,
+    };
+    let Some(sound_m_s) = sound_m_s else { return };
+    checker.number(&["air", "speed_of_sound_m_s"], sound_m_s, Range::Above(0.0));
+    let polar = air.surfaces.iter().find(|surface| surface.profile.polar.is_some());
+    if let Some(body) = polar.and_then(|surface| bodies.get(surface.body)) {
+        let allowed = "a polar of its Mach number without speed_of_sound_m_s, or lift_slope_1_rad with it";
+        checker.refuse_state(&["surface", body.name.as_str(), "polar"], "a polar with a speed of sound", allowed);
+    }
+}
+
+fn check_flaps(air: &Air, checker: &mut Checker) {
+    for (index, flap) in air.flaps.iter().enumerate() {
+        let place = |key| ["flap", flap.name.as_str(), key];
+        let Some(surface) = air.surfaces.get(flap.surface) else {
+            let allowed = format!("one of the {} surfaces, counted from 0", air.surfaces.len());
+            checker.refuse_state(&place("surface"), format!("surface {}", flap.surface), allowed);
+            continue;
+        };
+        let strips = surface.positions_m.len().saturating_sub(1);
+        if flap.strips.is_empty() || flap.strips.end > strips {
+            let allowed = format!("at least one of the strips from 0 to {strips}");
+            checker.refuse_state(&place("strips"), format!("strips {:?}", flap.strips), allowed);
+        }
+        let meets = |other: &crate::aero::flap::Flap| {
+            other.surface == flap.surface
+                && other.strips.start < flap.strips.end
+                && flap.strips.start < other.strips.end
+        };
+        if air.flaps[..index].iter().any(meets) {
+            checker.refuse_state(
+                &place("strips"),
+                "a flap that overlaps another one",
+                "flaps side by side on a surface",
+            );
+        }
+        if !(flap.hinge_fraction > 0.0 && flap.hinge_fraction < 1.0) {
+            checker.refuse(&place("hinge_fraction"), flap.hinge_fraction, "a fraction of the chord > 0 and < 1");
+        }
+        if flap.downward.abs() != 1.0 {
+            checker.refuse(&place("downward"), flap.downward, "1 or -1");
+        }
+        if !(flap.lower_rad..=flap.upper_rad).contains(&flap.command_rad) || flap.lower_rad >= flap.upper_rad {
+            checker.refuse_state(
+                &place("command_rad"),
+                "limits that do not hold the start value",
+                "lower_rad <= command_rad <= upper_rad",
+            );
+        }
     }
 }
 

@@ -34,6 +34,8 @@ pub(crate) struct ContinuousAir {
     guess: Vec<f64>,
     residual: Vec<f64>,
     anderson: Anderson,
+    /// Rates of the rates of the flaps in rad/s²: an integrator from outside does not tell them.
+    flap_rad_s2: Vec<f64>,
 }
 
 impl ContinuousAir {
@@ -49,6 +51,7 @@ impl ContinuousAir {
             guess: vec![0.0; loads],
             residual: vec![0.0; loads],
             anderson: Anderson::new(loads),
+            flap_rad_s2: vec![0.0; strips.flap_count()],
         })
     }
 
@@ -133,8 +136,16 @@ impl System {
         let Self { equations, state, scratch, air, .. } = self;
         let (time_s, none) = (state.now.time_s, Ok(()));
         let Some(air) = air else { return none };
-        let AirCoupling { model: AirModel::Strips(strips), motions, continuous: Some(own), settings, length_m, .. } =
-            &mut **air
+        air.deflect(state, time_s)?;
+        let AirCoupling {
+            model: AirModel::Strips(strips),
+            motions,
+            continuous: Some(own),
+            settings,
+            length_m,
+            deflections,
+            ..
+        } = &mut **air
         else {
             return none;
         };
@@ -157,6 +168,8 @@ impl System {
                 flow: flow(settings, state, time_s),
                 gust_m_s: Vector3::zeros(),
                 lags_m_s: Cow::Borrowed(&own.lags_m_s),
+                flaps: Cow::Borrowed(deflections),
+                flap_rad_s2: Cow::Borrowed(&own.flap_rad_s2),
             };
             strips.respond(&at, own.gusts, &mut own.answer);
             let (change_n, size_n) = own.compare(*length_m);

@@ -28,6 +28,23 @@ pub struct SurfaceGap {
 pub(crate) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failure: NoCirculation) -> PlantError {
     match failure {
         NoCirculation::Singular(_) => PlantError::Air { time_s, cause: failure.to_string() },
+        NoCirculation::Sonic(sonic) => {
+            let body = &machine.bodies[air.surfaces[sonic.surface].body].name;
+            let cause = format!(
+                "strip {} of body {body} meets the air at Mach {:.3}; speed_of_sound_m_s makes use of Prandtl and Glauert's \
+                 rule, which holds below Mach 1 and well below where shocks form: lower the speed",
+                sonic.strip + 1,
+                sonic.mach
+            );
+            PlantError::Air { time_s, cause }
+        }
+        NoCirculation::BelowGround(surface) => {
+            let body = &machine.bodies[air.surfaces[surface].body].name;
+            let cause = format!(
+                "the surface of body {body} reaches below the ground; raise the wing or enlarge ground_distance_m"
+            );
+            PlantError::Air { time_s, cause }
+        }
         NoCirculation::Closed(closed) => PlantError::ClosedSheets {
             time_s,
             bodies: closed.surfaces.map(|surface| machine.bodies[air.surfaces[surface].body].name.clone()),

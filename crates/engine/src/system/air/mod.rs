@@ -1,6 +1,7 @@
 //! Air around the machine: its loads over time, what the state remembers of it, what is reported of it.
 
 pub(crate) mod continuous;
+pub(crate) mod controls;
 pub(crate) mod gaps;
 pub(crate) mod slopes;
 pub(crate) mod start;
@@ -9,6 +10,7 @@ mod view;
 pub use gaps::{CLOSED_PANELS, SurfaceGap};
 pub use view::SurfaceLattice;
 
+use crate::aero::flap::Deflection;
 use crate::aero::joined_edges::Edge;
 use crate::aero::surface::Surface;
 use crate::aero::{AirLoads, AirModel, AirOptions, AirState};
@@ -227,6 +229,8 @@ pub(crate) struct AirCoupling {
     pub model: AirModel,
     pub settings: machine::Air,
     pub motions: Vec<SectionMotion>,
+    /// Angles of the flaps.
+    pub deflections: Vec<Deflection>,
     pub loads: AirLoads,
     pub guess: Vec<f64>,
     pub residual: Vec<f64>,
@@ -275,6 +279,7 @@ impl AirCoupling {
         };
         let unknowns = 2 * ENTRIES * sections;
         let mut model = AirModel::new(surfaces, &settings.options);
+        model.add_flaps(&settings.flaps);
         joined_edges(machine, &settings.surfaces).into_iter().for_each(|edges| model.join(edges));
         let none = vec![Wrench::default(); sections];
         let blank = AirHistory {
@@ -299,6 +304,7 @@ impl AirCoupling {
             model,
             shares: shares(machine, &settings.surfaces),
             blank,
+            deflections: vec![Deflection::default(); settings.flaps.len()],
             settings,
             motions: vec![still; sections],
             loads: AirLoads::still(sections),
@@ -341,6 +347,8 @@ impl AirCoupling {
                 [&history.before, &history.after].map(|air| self.model.strip_circulation_m2_s(air, surface, strip));
             *circulation = before + (after - before) * share;
         }
+        let hinges = [history.before.hinge_moments(), history.after.hinge_moments()];
+        self.report_flaps(equations, hinges, (now.time_s, share), outputs);
         let ends = (history.before.rotor_loads(), history.after.rotor_loads());
         if let (Some(rotor), (Some(before), Some(after))) = (outputs.rotor_mut().first_mut(), ends) {
             *rotor = before.between(after, share);

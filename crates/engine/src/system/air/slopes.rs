@@ -10,16 +10,15 @@ use crate::aero::{AirModel, AirState};
 use crate::load::SectionMotion;
 use crate::machine;
 use crate::system::System;
+use crate::system::air::controls::deflections;
 use crate::system::air::start::flow;
 use crate::system::air::{AirHistory, StepLoads};
 use nalgebra::{DMatrix, Vector3};
 
 /// Variables of the motion of a section.
 pub(crate) const SECTION_VARIABLES: usize = MOTION_VARIABLES;
-/// Variables of the air: wind, angular velocity of the root frame, uniform gust.
-pub(crate) const AIR_INPUTS: usize = AIR_VARIABLES;
-/// Number of those, counted from the first, whose rates act too.
-pub(crate) const AIR_RATES: usize = 6;
+/// Components of wind and of the angular velocity of the root frame, whose rates act too.
+const AIR_RATES: usize = 6;
 
 /// Response of the air per unit of its causes. Rows: loads of the sections in their frames (six each), rates of the
 /// lag states in m/s², circulations of the strips in m²/s.
@@ -35,9 +34,9 @@ pub(crate) struct AirSlopes {
     pub motion: [DMatrix<f64>; 3],
     /// By the lag states.
     pub lag: DMatrix<f64>,
-    /// By wind, angular velocity of the root frame, and uniform gust.
+    /// By wind, angular velocity of the root frame, rates of the flaps, uniform gust, angles of the flaps.
     pub air: DMatrix<f64>,
-    /// By the rates of the first two.
+    /// By the rates of the first three.
     pub air_rate: DMatrix<f64>,
 }
 
@@ -115,6 +114,8 @@ impl System {
             flow: flow(&air.settings, &self.state, self.state.now.time_s),
             gust_m_s: Vector3::zeros(),
             lags_m_s: lags_m_s.clone().into(),
+            flaps: deflections(&air.settings, &self.state.applied_inputs).collect::<Vec<_>>().into(),
+            flap_rad_s2: vec![0.0; air.settings.flaps.len()].into(),
         };
         let mut model = Continuous::of(&mut air.model)?;
         let rows = model.rows(&at, gusts);
@@ -139,8 +140,12 @@ impl System {
             DMatrix::from_vec(rows, variables.len(), slopes)
         };
         let lag = columns((0..lags_m_s.len()).map(Variable::Lag).collect());
-        let air_columns = columns((0..AIR_INPUTS).map(Variable::Air).collect());
-        let air_rate = columns((0..AIR_RATES).map(Variable::AirRate).collect());
+        let flaps = 0..at.flaps.len();
+        let shared = (0..AIR_RATES).map(Variable::Air).chain(flaps.clone().map(Variable::FlapRate));
+        let shared = shared.chain((AIR_RATES..AIR_VARIABLES).map(Variable::Air));
+        let air_columns = columns(shared.chain(flaps.clone().map(Variable::FlapAngle)).collect());
+        let rates = (0..AIR_RATES).map(Variable::AirRate);
+        let air_rate = columns(rates.chain(flaps.map(Variable::FlapAcceleration)).collect());
         Some(AirSlopes {
             load_rows: LOAD_ROWS * sections.len(),
             lags: self.lag_names(gusts),
@@ -160,7 +165,7 @@ impl System {
     }
 
     /// Names of the lag states, in the order of linear models.
-    fn lag_names(&self, gusts: bool) -> Vec<String> {
+    pub(crate) fn lag_names(&self, gusts: bool) -> Vec<String> {
         match self.air.as_ref().map(|air| &air.model) {
             Some(AirModel::Strips(model)) => model.lags(gusts).iter().map(|place| self.lag_name(place)).collect(),
             Some(AirModel::Rotor(model)) if model.is_linearised() => {
@@ -173,13 +178,6 @@ impl System {
             }
             _ => Vec::new(),
         }
-    }
-
-    /// Names of the lag states that an integrator from outside sees.
-    pub(crate) fn lag_names(&self) -> Vec<String> {
-        let Some(air) = &self.air else { return Vec::new() };
-        let (AirModel::Strips(model), Some(continuous)) = (&air.model, &air.continuous) else { return Vec::new() };
-        model.lags(continuous.gusts).iter().map(|place| self.lag_name(place)).collect()
     }
 
     /// Largest load of the air so far in N.
@@ -200,9 +198,13 @@ impl System {
                 load.moment_n_m += Vector3::from_column_slice(&entries[3..]) * amount;
             }
         }
+        let (rest, hinges) = rest.split_at(rest.len() - history.after.hinge_moments().len());
         let circulations = &rest[rest.len() - strips.sum::<usize>()..];
         for state in [&mut history.before, &mut history.after] {
             if let AirState::Strips(state) = state {
+                for (moment, hinge) in state.hinges.iter_mut().zip(hinges) {
+                    moment.circulatory_n_m += hinge * amount;
+                }
                 for (strip, circulation) in state.strips.iter_mut().zip(circulations) {
                     strip.circulation_m2_s += circulation * amount;
                 }

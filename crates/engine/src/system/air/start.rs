@@ -31,6 +31,7 @@ impl System {
         let now = &self.state.now;
         self.equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
         air.observe(&self.equations, now);
+        air.deflect(&self.state, time_s)?;
         let mut history = air.blank.clone();
         let AirCoupling { model, settings, motions, loads, .. } = &mut **air;
         if let AirModel::Rotor(rotor) = model

@@ -4,6 +4,7 @@ mod attitudes;
 mod energies;
 mod failures;
 mod feedthrough;
+mod flaps;
 mod generators;
 mod joints;
 mod latches;
@@ -14,6 +15,7 @@ mod spatial;
 
 pub use energies::EnergyOutputs;
 pub use failures::FailureOutputs;
+pub use flaps::FlapOutputs;
 pub use generators::{GeneratorOutputs, ModalOutputs};
 pub use joints::JointOutputs;
 pub use latches::LatchOutputs;
@@ -66,6 +68,8 @@ pub struct OutputLayout {
     pub circulation_m2_s: Segment<f64>,
     /// See [`Outputs::rotor`].
     pub rotor: Segment<RotorLoads>,
+    /// See [`Outputs::flaps`].
+    pub flaps: Segment<FlapOutputs>,
     /// See [`Outputs::generators`].
     pub generators: Segment<GeneratorOutputs>,
     /// See [`Outputs::modal`].
@@ -105,6 +109,7 @@ impl OutputLayout {
                 &mut end,
                 usize::from(machine.air.as_ref().is_some_and(|air| air.options.is_rotor())),
             ),
+            flaps: Segment::append(&mut end, machine.air.as_ref().map_or(0, |air| air.flaps.len())),
             generators: Segment::append(&mut end, machine.generators().count()),
             modal: Segment::append(&mut end, machine.modal_bodies().count()),
             continuous: end,
@@ -154,6 +159,8 @@ impl Outputs {
         circulation_m2_s, circulation_m2_s_mut: [f64];
         /// What the air of a rotor gives; nothing without one.
         rotor, rotor_mut: [RotorLoads];
+        /// Per flap, in the order of [`crate::machine::Air::flaps`].
+        flaps, flaps_mut: [FlapOutputs];
         /// Per generator, in the order of their joints.
         generators, generators_mut: [GeneratorOutputs];
         /// Per modal body, in the order of the bodies.

@@ -1,0 +1,300 @@
+//! Flaps on strips: increments of lift, moment and hinge moment by thin-aerofoil theory, steady and with the rates of the
+//! flap, NOTATION eqs. (U15) to (U19).
+//!
+//! The circulatory part goes through the downwash that the lift answers to, with its lag; the rest answers at once.
+
+use crate::aero::flap::{Deflection, Flap};
+use crate::aero::strip::section::{Cut, Strip};
+use crate::aero::strip::{Inflow, Strips};
+use crate::load::{SectionMotion, Wrench};
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+use std::ops::Range;
+
+/// Theodorsen's constants of a hinge (NACA Report 496, pages 5 and 6), about half chord: eq. (U15).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hinge {
+    /// Place of the hinge on the chord, from the leading edge.
+    pub fraction: f64,
+    /// Place behind half chord in semi-chords.
+    pub c: f64,
+    /// `√(1 − c²)`.
+    pub sine: f64,
+    /// `arccos c`.
+    pub arc_rad: f64,
+    /// `T₁`.
+    pub t1: f64,
+    /// `T₃`.
+    pub t3: f64,
+    /// `T₄`.
+    pub t4: f64,
+    /// `T₅`.
+    pub t5: f64,
+    /// `T₇`.
+    pub t7: f64,
+    /// `T₈`.
+    pub t8: f64,
+    /// `T₉` about half chord.
+    pub t9: f64,
+    /// `T₁₀`.
+    pub t10: f64,
+    /// `T₁₁`.
+    pub t11: f64,
+    /// `T₁₂`.
+    pub t12: f64,
+}
+
+impl Hinge {
+    /// Of a hinge at a fraction of the chord, between 0 and 1.
+    pub fn at(fraction: f64) -> Self {
+        let c = 2.0 * fraction - 1.0;
+        let (sine, arc) = ((1.0 - c * c).sqrt(), c.acos());
+        Self {
+            fraction,
+            c,
+            sine,
+            arc_rad: arc,
+            t1: -sine * (2.0 + c * c) / 3.0 + c * arc,
+            t3: -(0.125 + c * c) * arc * arc + 0.25 * c * sine * arc * (7.0 + 2.0 * c * c)
+                - 0.125 * sine * sine * (5.0 * c * c + 4.0),
+            t4: -arc + c * sine,
+            t5: -sine * sine - arc * arc + 2.0 * c * sine * arc,
+            t7: -(0.125 + c * c) * arc + 0.125 * c * sine * (7.0 + 2.0 * c * c),
+            t8: -sine * (2.0 * c * c + 1.0) / 3.0 + c * arc,
+            t9: sine.powi(3) / 6.0,
+            t10: sine + arc,
+            t11: arc * (1.0 - 2.0 * c) + sine * (2.0 - c),
+            t12: sine * (2.0 + c) - arc * (2.0 * c + 1.0),
+        }
+    }
+}
+
+/// Flaps of the strips, with their angles at the instant that is looked at.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Controls {
+    /// Flaps.
+    pub flaps: Vec<Flap>,
+    /// Constants of their hinges.
+    hinges: Vec<Hinge>,
+    /// Angles and rates.
+    deflections: Vec<Deflection>,
+    /// Flap of each strip; empty without flaps.
+    of_strip: Vec<Option<usize>>,
+}
+
+impl Controls {
+    /// The flap of a strip.
+    pub fn on(&self, strip: usize) -> Option<StripFlap<'_>> {
+        let flap = (*self.of_strip.get(strip)?)?;
+        let (hinge, deflection) = (&self.hinges[flap], self.deflections[flap]);
+        Some(StripFlap { hinge, flap, downward: self.flaps[flap].downward, deflection })
+    }
+}
+
+impl Strips {
+    /// Gives strips flaps, at rest at angle 0. Before any state is made.
+    pub fn add_flaps(&mut self, flaps: &[Flap]) {
+        let mut of_strip = vec![None; self.strips.len()];
+        for (index, flap) in flaps.iter().enumerate() {
+            of_strip[self.first[flap.surface]..][flap.strips.clone()].fill(Some(index));
+        }
+        self.controls = Controls {
+            hinges: flaps.iter().map(|flap| Hinge::at(flap.hinge_fraction)).collect(),
+            deflections: vec![Deflection::default(); flaps.len()],
+            of_strip: if flaps.is_empty() { Vec::new() } else { of_strip },
+            flaps: flaps.to_vec(),
+        };
+    }
+
+    /// Number of flaps.
+    pub fn flap_count(&self) -> usize {
+        self.controls.flaps.len()
+    }
+
+    /// Strips of a flap among all strips.
+    pub(super) fn flap_strips(&self, flap: usize) -> Range<usize> {
+        let Flap { surface, strips, .. } = &self.controls.flaps[flap];
+        self.first[*surface] + strips.start..self.first[*surface] + strips.end
+    }
+
+    /// Angles of the flaps, which [`Strips::start`] and [`Strips::solve`] read as those of their instant.
+    pub fn deflect(&mut self, deflections: &[Deflection]) {
+        self.controls.deflections.copy_from_slice(deflections);
+    }
+}
+
+/// A flap as the air of its strip meets it; the angle is that of the section's cut, positive against the normal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FlapInflow {
+    /// Constants of its hinge.
+    pub hinge: Hinge,
+    /// Index of the flap.
+    pub flap: usize,
+    /// Angle in the cut in rad.
+    pub angle_rad: f64,
+    /// Its rate in rad/s.
+    pub rate_rad_s: f64,
+    /// Angle in the cut over the flap's own: the hinge's cosine with the quarter-chord line, with the sign of
+    /// [`crate::aero::flap::Flap::downward`].
+    pub share: f64,
+    /// What it adds to the downwash in m/s, eq. (U16).
+    pub downwash_m_s: f64,
+}
+
+/// What a flap adds to the loads of its section, per span.
+struct FlapLoads {
+    /// Force across the zero-lift line at half chord in N/m.
+    middle_n_m: f64,
+    /// Nose-up moment in N.
+    moment_n: f64,
+    /// Force at the hinge that turns the flap's own force across the flap, in N/m.
+    tilt_n_m: Vector3<f64>,
+    /// Moment about the hinge, positive with the angle in the cut, in N.
+    hinge_n: f64,
+}
+
+/// A flap of a strip with what it does at one instant.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct StripFlap<'a> {
+    /// Constants of its hinge.
+    pub hinge: &'a Hinge,
+    /// Index of the flap.
+    pub flap: usize,
+    /// Sign of its angle in the cut.
+    pub downward: f64,
+    /// Angle and rate.
+    pub deflection: Deflection,
+}
+
+impl StripFlap<'_> {
+    /// As the air meets it, without its downwash.
+    pub fn in_cut(&self, strip: &Strip, cut: &Cut, motions: &[SectionMotion]) -> FlapInflow {
+        let hinge_m = |end: usize| {
+            let [leading_m, trailing_m] = cut.arms_m[end];
+            motions[strip.sections[end]].position_m + leading_m + (trailing_m - leading_m) * self.hinge.fraction
+        };
+        let along_m = hinge_m(1) - hinge_m(0);
+        let share = self.downward * cut.up.cross(&cut.aft).dot(&along_m) / along_m.norm();
+        FlapInflow {
+            hinge: *self.hinge,
+            flap: self.flap,
+            angle_rad: share * self.deflection.angle_rad,
+            rate_rad_s: share * self.deflection.rate_rad_s,
+            share,
+            downwash_m_s: 0.0,
+        }
+    }
+}
+
+impl FlapInflow {
+    /// Downwash by which the circulation answers to the flap in m/s, eq. (U16): Kutta's condition at the trailing edge, and
+    /// at the leading edge where the air comes from behind.
+    pub fn circulating_m_s(&self, chord_m: f64, along_m_s: f64, bias: f64) -> f64 {
+        let Hinge { sine, arc_rad, t10, t11, t12, .. } = self.hinge;
+        let (turning_m_s, rising_m_s) = (along_m_s * self.angle_rad, 0.25 * chord_m * self.rate_rad_s);
+        let from_front_m_s = t10 * turning_m_s + t11 * rising_m_s;
+        let from_behind_m_s = (arc_rad - sine) * turning_m_s + t12 * rising_m_s;
+        (0.5 * (1.0 + bias) * from_front_m_s + 0.5 * (1.0 - bias) * from_behind_m_s) / PI
+    }
+
+    /// What the flap takes from the strength of the leading edge's singularity beside its downwash in m/s, eq. (U18).
+    pub fn edge_m_s(&self, chord_m: f64, along_m_s: f64) -> f64 {
+        let Hinge { sine, t4, .. } = self.hinge;
+        (sine * along_m_s * self.angle_rad - 0.25 * t4 * chord_m * self.rate_rad_s) / PI
+    }
+}
+
+impl Inflow {
+    /// What the flap takes from the upstream edge's singularity beside its downwash, in m/s.
+    pub(super) fn flap_edge_m_s(&self) -> f64 {
+        self.flap.map_or(0.0, |flap| flap.edge_m_s(self.cut.chord_m, self.along_m_s))
+    }
+
+    /// Loads of the flap per span beside those of its downwash, eqs. (U17) to (U19).
+    ///
+    /// `plate`: of a plate, whose forces stand across its parts; the drag of polars contains that.
+    fn flap_loads(&self, flap: &FlapInflow, circulation_m2_s: f64, density_kg_m3: f64, plate: bool) -> FlapLoads {
+        let Hinge { c, sine, arc_rad, t1, t4, t5, t8, t9, t12, t11, .. } = flap.hinge;
+        let b_m = 0.5 * self.cut.chord_m;
+        let (v_m_s, bias, difference_m_s) = (self.along_m_s, self.bias, self.difference_m_s);
+        let (angle_rad, rate_rad_s) = (flap.angle_rad, flap.rate_rad_s);
+        let blend = |front: f64, behind: f64| 0.5 * (1.0 + bias) * front + 0.5 * (1.0 - bias) * behind;
+        // the downwash that the circulation answers to by now, as that of a plate
+        let lagged_m_s = circulation_m2_s / (PI * self.cut.chord_m);
+        let own_m_s = flap.downwash_m_s;
+        // lagged ones have it in their circulation
+        let compression = self.compression;
+        let couple_m2_s2 = compression
+            * (PI * v_m_s * own_m_s + t4 * v_m_s.powi(2) * angle_rad + (t1 - t8 - c * t4) * v_m_s * b_m * rate_rad_s);
+        let hinge_m2_s2 = v_m_s.abs() * lagged_m_s * blend(t12, t11)
+            + compression
+                * (t5 / PI * v_m_s.powi(2) * angle_rad
+                    - v_m_s * t4 * (0.25 * bias * difference_m_s + own_m_s)
+                    - t9 * v_m_s * difference_m_s);
+        // force of the flap across the chord: what its pressure sums up to without accelerations
+        let own_m2_s2 = v_m_s.abs() * lagged_m_s * blend(arc_rad - sine, arc_rad + sine)
+            + compression
+                * (v_m_s * sine * (0.25 * (bias - c) * difference_m_s + own_m_s)
+                    - v_m_s * sine / PI
+                        * (v_m_s * angle_rad * arc_rad + 0.5 * b_m * rate_rad_s * (sine - arc_rad * c)));
+        let own_n_m = if plate { 2.0 * density_kg_m3 * b_m * own_m2_s2 } else { 0.0 };
+        FlapLoads {
+            middle_n_m: -density_kg_m3 * b_m.powi(2) * t4 * v_m_s * rate_rad_s,
+            moment_n: -density_kg_m3 * b_m.powi(2) * couple_m2_s2,
+            tilt_n_m: (self.aft * angle_rad.sin() + self.up * (angle_rad.cos() - 1.0)) * own_n_m,
+            hinge_n: -density_kg_m3 * b_m.powi(2) * hinge_m2_s2,
+        }
+    }
+
+    /// Adds the loads of the strip's flap beside those of its downwash; returns its hinge moment in N·m.
+    pub(super) fn add_flap(
+        &self,
+        strip: &Strip,
+        circulation_m2_s: f64,
+        density_kg_m3: f64,
+        plate: bool,
+        loads: &mut [Wrench],
+    ) -> f64 {
+        let Some(flap) = &self.flap else { return 0.0 };
+        let span_m = self.cut.span_m;
+        let own = self.flap_loads(flap, circulation_m2_s, density_kg_m3, plate);
+        strip.add_force(loads, &self.cut, 0.5, &(self.up * (own.middle_n_m * span_m)));
+        strip.add_force(loads, &self.cut, flap.hinge.fraction, &(own.tilt_n_m * span_m));
+        strip.add_moment(loads, &self.cut, own.moment_n * span_m);
+        flap.share * own.hinge_n * span_m
+    }
+
+    /// Adds the loads of the apparent mass that the flap moves, for its acceleration in the cut along a normal; returns the
+    /// hinge moment in N·m of that and of the section's own motion, eq. (U19).
+    pub(super) fn add_flap_mass(
+        &self,
+        strip: &Strip,
+        density_kg_m3: f64,
+        up: &Vector3<f64>,
+        rates: &MassRates,
+        loads: &mut [Wrench],
+    ) -> f64 {
+        let Some(flap) = &self.flap else { return 0.0 };
+        let Hinge { c, t1, t3, t7, .. } = flap.hinge;
+        let (b_m, span_m) = (0.5 * self.cut.chord_m, self.cut.span_m);
+        let MassRates { middle_m_s2, difference_m_s2, flap_rad_s2 } = *rates;
+        let force_n = -density_kg_m3 * b_m.powi(3) * t1 * flap_rad_s2 * span_m;
+        let moment_n_m = density_kg_m3 * b_m.powi(4) * (t7 + c * t1) * flap_rad_s2 * span_m;
+        strip.add_force(loads, &self.cut, 0.5, &(up * force_n));
+        strip.add_moment(loads, &self.cut, moment_n_m);
+        let hinge_m2_s2 =
+            -t1 * b_m * middle_m_s2 - 0.5 * (t7 + c * t1) * b_m * difference_m_s2 - t3 / PI * b_m.powi(2) * flap_rad_s2;
+        -flap.share * density_kg_m3 * b_m.powi(2) * hinge_m2_s2 * span_m
+    }
+}
+
+/// Rates that the apparent mass of a strip with a flap answers to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct MassRates {
+    /// Of the upward velocity at half chord in m/s².
+    pub middle_m_s2: f64,
+    /// Of the upward velocity at the trailing less that at the leading edge in m/s².
+    pub difference_m_s2: f64,
+    /// Of the flap's rate in the cut in rad/s².
+    pub flap_rad_s2: f64,
+}

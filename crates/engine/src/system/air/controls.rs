@@ -1,0 +1,88 @@
+//! Flaps of the machine: their angles from the inputs, their hinge moments for the outputs.
+
+use crate::aero::flap::{Deflection, Flap};
+use crate::machine::Air;
+use crate::signal::{FlapInputs, Inputs};
+use crate::system::PlantError;
+use crate::system::air::AirCoupling;
+use crate::system::air::start::refusal;
+use crate::system::equations::Equations;
+use crate::system::outputs::{FlapOutputs, Outputs};
+use crate::system::state::State;
+
+/// Angle over its limit by round-off of a caller who works it out in degrees.
+const ROUND_OFF_RAD: f64 = 1e-12;
+
+/// Angles and rates that inputs give the flaps.
+pub(crate) fn deflections<'a>(air: &'a Air, inputs: &'a Inputs) -> impl Iterator<Item = Deflection> + 'a {
+    debug_assert_eq!(air.flaps.len(), inputs.flaps().len());
+    inputs.flaps().iter().map(deflection)
+}
+
+fn deflection(inputs: &FlapInputs) -> Deflection {
+    Deflection { angle_rad: inputs.command_rad, rate_rad_s: inputs.command_rate_rad_s }
+}
+
+/// Inputs of a flap at `elapsed_s` after those given, with their rates per second.
+fn later(inputs: &FlapInputs, rates: &FlapInputs, elapsed_s: f64) -> Deflection {
+    Deflection {
+        angle_rad: inputs.command_rad + rates.command_rad * elapsed_s,
+        rate_rad_s: inputs.command_rate_rad_s + rates.command_rate_rad_s * elapsed_s,
+    }
+}
+
+/// Whether a flap may stand at an angle.
+fn check(flap: &Flap, angle_rad: f64, time_s: f64) -> Result<(), PlantError> {
+    if (flap.lower_rad - ROUND_OFF_RAD..=flap.upper_rad + ROUND_OFF_RAD).contains(&angle_rad) {
+        return Ok(());
+    }
+    let Flap { name, lower_rad, upper_rad, .. } = flap;
+    let degrees = [*lower_rad, *upper_rad].map(f64::to_degrees);
+    let cause = format!(
+        "aero.flap.{name}.command puts flap {name} at {angle_rad} rad; allowed: from {lower_rad:.6} to {upper_rad:.6} rad, \
+         its lower_deg = {:.6} and upper_deg = {:.6}",
+        degrees[0], degrees[1]
+    );
+    Err(refusal(time_s, cause))
+}
+
+impl AirCoupling {
+    /// Tells the model of the air where the flaps stand at a time of the present communication step.
+    ///
+    /// # Errors
+    /// Where one stands beyond its limits.
+    pub fn deflect(&mut self, state: &State, time_s: f64) -> Result<(), PlantError> {
+        if self.settings.flaps.is_empty() {
+            return Ok(());
+        }
+        let elapsed_s = time_s - state.applied_from_s;
+        let inputs = state.applied_inputs.flaps().iter().zip(state.applied_rates.flaps());
+        for ((own, flap), (inputs, rates)) in self.deflections.iter_mut().zip(&self.settings.flaps).zip(inputs) {
+            *own = later(inputs, rates, elapsed_s);
+            check(flap, own.angle_rad, time_s)?;
+        }
+        self.model.deflect(&self.deflections);
+        Ok(())
+    }
+
+    /// Outputs of the flaps at a time; `share` of the aerodynamic step has passed.
+    pub(super) fn report_flaps(
+        &self,
+        equations: &Equations,
+        hinges: [&[crate::aero::flap::HingeMoment]; 2],
+        (time_s, share): (f64, f64),
+        outputs: &mut Outputs,
+    ) {
+        let course = &equations.course;
+        let inputs = course.base.flaps().iter().zip(course.rates.flaps());
+        let hinges = hinges[0].iter().zip(hinges[1]);
+        for ((output, (inputs, rates)), (before, after)) in outputs.flaps_mut().iter_mut().zip(inputs).zip(hinges) {
+            let now = later(inputs, rates, time_s - course.from_s);
+            *output = FlapOutputs {
+                angle_rad: now.angle_rad,
+                rate_rad_s: now.rate_rad_s,
+                hinge_moment_n_m: before.between(after, share),
+            };
+        }
+    }
+}
