@@ -330,6 +330,7 @@ fn produced() -> Vec<String> {
         "linearize goland.toml --reduce 9999 -o x.json",
         "sweep wing.toml --vary fold.command=1,3 --stop 0.001 --out done.csv",
         "check loaded.toml",
+        "package tunnel.toml --kinds me -o x.fmu --library LIBRARY",
         "package failing.toml -o x.fmu --library LIBRARY",
     ];
     let slips = SLIPS.iter().chain(SLIPS_WITH_FMUS).chain(&more).chain(rotor_slips::LINES);
@@ -348,6 +349,8 @@ fn produced() -> Vec<String> {
         "[-10, -0.5, 0.1, 0], [100, 0.5, 0.5, 0]",
         "[-100, 0, 0.5, 0], [20, 1, 0.2, 0]",
         "[-20, 0, 0.1, 0], [20, 1, 3.2, 0]",
+        "",
+        "[10, 0.5, 0.1, 0], [20, 1, 0.2, 0]",
     ];
     let extended = polars.iter().map(|rows| {
         let text = crate::guide::variables::ROTOR

@@ -98,6 +98,8 @@ const FOREIGN: &[&str] = &[
     "gust.y",
     "gust.z",
     "wing.strip[1].gust_lag[1]",
+    "state.wing.strip[3].lag[1]",
+    "gust_lag",
     // states of reduced linear models
     "balanced_1",
     "modal_1",

@@ -1,8 +1,8 @@
 //! Air on the documentation page.
 
 use crate::packaging::documentation::{number, table, vector};
-use foldwing_engine::aero::rotor::options::PitchRate;
 use foldwing_engine::machine::Machine;
+use foldwing_engine::machine::PitchRate;
 use foldwing_engine::machine::{AirOptions, Coupling, EndRule, LoadRule, WakeModel};
 use quick_xml::escape::escape;
 

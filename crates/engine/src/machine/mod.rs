@@ -22,6 +22,7 @@ pub use one_freedom::{OneFreedom, Revolute};
 use crate::aero::flap::Flap;
 use crate::aero::flow::Gust;
 pub use crate::aero::lattice::{LoadRule, WakeModel};
+pub use crate::aero::rotor::options::PitchRate;
 use crate::aero::surface::{ChordLine, Profile};
 pub use crate::aero::{AirOptions, EndRule};
 pub use crate::beam::element::ElementKind;
