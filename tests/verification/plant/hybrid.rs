@@ -196,6 +196,39 @@ fn hy03_derivatives_in_air_are_those_of_the_linear_model() {
     assert!(worst < 1e-6, "{worst:e}");
 }
 
+/// HY-04. A flap in a hybrid system: at the equilibrium of a deflected aileron nothing moves, and its hinge moment is that of statics;
+/// deflected further it moves the wing at once, twice as much by twice the angle.
+#[test]
+fn hy04_a_flap_acts_between_events() {
+    let mut plant = Plant::new(Arc::new(machine(include_str!("../../../examples/aileron/folding_aileron.toml"))));
+    plant.inputs_mut().flaps_mut()[0].command_rad = 0.05;
+    plant.study().equilibrium(0.0, Holding::AsReleased).expect("an equilibrium");
+    let hinge_n_m = plant.outputs().flaps()[0].hinge_moment_n_m;
+    let mut hybrid = plant.hybrid().expect("strips");
+    let mut states = vec![0.0; hybrid.states()];
+    hybrid.read(&mut states);
+    let mut slope = |command_rad: f64| {
+        hybrid.system_mut().inputs_mut().flaps_mut()[0].command_rad = command_rad;
+        hybrid.follow_inputs();
+        hybrid.set(0.0, &states);
+        let mut slope = vec![0.0; states.len()];
+        hybrid.derivatives(&mut slope).expect("derivatives");
+        (nalgebra::DVector::from_vec(slope), hybrid.outputs().flaps()[0].hinge_moment_n_m)
+    };
+    let [still, further, twice] = [0.05, 0.06, 0.07].map(&mut slope);
+    let (moves, twice_moves) = (further.0.norm(), twice.0.norm());
+    println!("HY-04 still {:.1e}, moved {moves:.1e}, ratio {}", still.0.norm() / moves, twice_moves / moves);
+    assert!(still.0.norm() < 1e-6 * moves);
+    assert!(
+        (still.1 - hinge_n_m).abs() < 1e-9 * hinge_n_m.abs() && further.1 < still.1,
+        "{} {} {hinge_n_m}",
+        still.1,
+        further.1
+    );
+    // the loads turn with the flap: quadratic in the angle
+    assert!((twice_moves / moves - 2.0).abs() < 0.02);
+}
+
 /// HY-01. The shipped wing, integrated from outside by Runge and Kutta's method at 4 µs, latches when co-simulation at a tolerance of
 /// 1e-9 says, and has its energies: to 1e-7 s and 1e-7 J, some ten times what the two leave.
 #[test]
