@@ -22,7 +22,7 @@ pub use one_freedom::{OneFreedom, Revolute};
 use crate::aero::flow::Gust;
 pub use crate::aero::lattice::{LoadRule, WakeModel};
 use crate::aero::surface::{ChordLine, Profile};
-pub use crate::aero::{AirOptions, EndRule};
+pub use crate::aero::{AirOptions, EndRule, PitchRate};
 pub use crate::beam::element::ElementKind;
 pub use crate::beam::law::{NaturalStrain, SectionLaw};
 pub use crate::beam::modal::{MAXIMUM_MODES, ModalLaw, Shape};
