@@ -2,7 +2,7 @@
 
 use foldwing::config::{parse, schema};
 use foldwing::force::prescribed::Motion;
-use foldwing::machine::{Effect, JointKind, JointMotion, Machine, SectionLaw};
+use foldwing::machine::{AirOptions, Effect, JointKind, JointMotion, Machine, SectionLaw};
 use std::collections::BTreeSet;
 
 /// A machine with every angle that a file can state.
@@ -137,6 +137,9 @@ joint = "fold"
 when = { joint = "fold", rate_below_deg_s = -60 }
 "#;
 
+/// A polar from stall to stall.
+const STALLED: &str = include_str!("../../examples/failures/pitch_link_in_wind.toml");
+
 fn read(text: &str) -> Machine {
     parse(text, "angles.toml").unwrap_or_else(|error| panic!("{error}"))
 }
@@ -167,10 +170,20 @@ fn every_key_in_degrees_is_compared() {
     assert!(keys.len() >= 12, "{keys:?}");
     for key in &keys {
         assert!(
-            [MODEL, BALL_IN_AIR, MODAL, FAILING].iter().any(|text| text.contains(&format!("{key} = "))),
+            [MODEL, BALL_IN_AIR, MODAL, FAILING, STALLED].iter().any(|text| text.contains(&format!("{key} = "))),
             "{key} is not compared"
         );
     }
+}
+
+/// The moment's kink lies that angle beyond the stall at 12 degrees: there is a row.
+#[test]
+fn angle_of_the_pressure_shift_is_read_in_radians() {
+    let machine = read(STALLED);
+    let Some(AirOptions::Rotor(rotor)) = machine.air.as_ref().map(|air| &air.options) else { panic!("a rotor") };
+    let beyond = rotor.polars[0].rows.iter().map(|row| row.angle_rad);
+    let nearest = beyond.min_by(|a, b| (a - 22f64.to_radians()).abs().total_cmp(&(b - 22f64.to_radians()).abs()));
+    close("pressure_shift_deg", nearest.expect("rows"), 22.0);
 }
 
 #[test]

@@ -74,7 +74,7 @@ fn with_fine_polar(mut machine: Machine) -> Machine {
     let AirOptions::Rotor(rotor) = &mut machine.air.as_mut().expect("air").options else { panic!("a rotor") };
     let row = |i: i32| {
         let angle_rad = std::f64::consts::PI * f64::from(i) / 9000.0;
-        let [lift, drag, moment] = polar(angle_rad.clamp(-3.141592, 3.141592));
+        let [lift, drag, moment] = polar(angle_rad);
         PolarRow { angle_rad, lift, drag, moment }
     };
     rotor.polars = vec![Polar { rows: (-9000..=9000).map(row).collect() }];

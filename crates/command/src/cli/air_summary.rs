@@ -1,8 +1,7 @@
 //! Air in the summary of `foldwing check`.
 
 use foldwing_engine::machine::Machine;
-use foldwing_engine::machine::PitchRate;
-use foldwing_engine::machine::{AirOptions, Coupling, LoadRule, Parent, WakeModel};
+use foldwing_engine::machine::{AirOptions, Coupling, LoadRule, Parent, PitchRate, WakeModel};
 use foldwing_engine::plant::{CLOSED_PANELS, SurfaceGap};
 use serde::Serialize;
 use std::fmt::Write;

@@ -2,8 +2,7 @@
 
 use crate::packaging::documentation::{number, table, vector};
 use foldwing_engine::machine::Machine;
-use foldwing_engine::machine::PitchRate;
-use foldwing_engine::machine::{AirOptions, Coupling, EndRule, LoadRule, WakeModel};
+use foldwing_engine::machine::{AirOptions, Coupling, EndRule, LoadRule, PitchRate, WakeModel};
 use quick_xml::escape::escape;
 
 /// Nothing where the air is not computed here.

@@ -33,6 +33,7 @@ mod wide;
 pub use model::{AirModel, AirOptions, AirState};
 pub use rotor::bem::RotorLoads;
 pub use rotor::induction::EndRule;
+pub use rotor::options::PitchRate;
 
 use crate::load::{SectionMotion, Wrench};
 use nalgebra::Vector3;
