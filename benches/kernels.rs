@@ -135,7 +135,7 @@ fn biot_savart(criterion: &mut Criterion) {
     let circulation_m2_s: Vec<_> = (0..rings).map(|i| (0.3 * i as f64).sin()).collect();
     let mut filaments = Filaments::new(rings + strips, nodes_m.len());
     filaments.gather(&sheet, &circulation_m2_s);
-    let kernel = Kernel { core_squared_m2: 1e-6, mirror_normal: None };
+    let kernel = Kernel { core_squared_m2: 1e-6, mirror_normal: None, ground: None, stretch: None };
     let mut points = Block::default();
     for lane in 0..LANES {
         points.set(lane, &Vector3::new(-0.5, 1.0 + lane as f64, 0.2));

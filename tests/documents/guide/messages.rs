@@ -289,6 +289,13 @@ fn produced() -> Vec<String> {
     write("pendulum.toml", shipped("double_pendulum.toml").as_bytes());
     FILES.iter().for_each(|(name, text)| write(name, text));
     rotor_slips::files().iter().for_each(|(name, text)| write(name, text.as_bytes()));
+    // a flap beyond its limits, a wing beyond the speed of sound, one below the ground
+    let aileron = fs::read_to_string(in_package("examples/aileron/folding_aileron.toml")).unwrap();
+    write("aileron.toml", aileron.as_bytes());
+    let keys = |keys: &str| aileron.replace("indicial = \"fine\"", keys);
+    write("fast.toml", keys("speed_of_sound_m_s = 10.0").as_bytes());
+    let ground = "ground_normal = [0.0, 0.0, 1.0]\nground_distance_m = -1.0";
+    write("low.toml", keys(ground).replace("\"strip\"", "\"uvlm\"").as_bytes());
     // a model whose own experiment fails, and one with a load where no station is
     let failing = model.replace("[experiment]", "[solver]\nmin_step_s = 1e-3\ntolerance = 1e-9\n[experiment]");
     write("failing.toml", failing.as_bytes());
@@ -325,6 +332,9 @@ fn produced() -> Vec<String> {
         "trim wing.toml --free fold.release --balance tip.position.z=0",
         "trim wing.toml --free fold.command --balance energy.kinetic=1",
         "modes wing.toml --csv x.csv",
+        "static aileron.toml --set aero.flap.aileron.command=1",
+        "static fast.toml",
+        "static low.toml",
         "linearize tunnel.toml --inputs wind.velocity.z -o x.json",
         "linearize wing.toml --inputs gust.z -o x.json",
         "linearize goland.toml --reduce 9999 -o x.json",

@@ -26,7 +26,7 @@ fn u47_compressible_wings_are_longer_ones() {
     };
     for load_rule in [LoadRule::Bernoulli, LoadRule::KuttaJoukowski] {
         for mach in [0.3, 0.6, 0.8] {
-            let beta = (1.0 - mach * mach as f64).sqrt();
+            let beta = (1.0_f64 - mach * mach).sqrt();
             for (span_m, exact) in
                 [(6.0, lift_n(6.0 * beta, 0.0, load_rule) / (beta * beta)), (1e5, lift_n(1e5, 0.0, load_rule) / beta)]
             {

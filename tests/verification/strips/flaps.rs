@@ -145,16 +145,15 @@ fn pressures(plate: &Plate, hinge: f64, k: f64, answer: Complex<f64>) -> [Comple
     // integrals of the potential over the whole plate in closed form of its first two terms, over the flap by quadrature
     let whole = strengths[0] * (b * 0.5 * PI);
     let arm = strengths[1] * (0.5 * b * 0.25 * PI);
-    let over_flap = |f: &dyn Fn(f64) -> f64| {
+    let over_flap = |f: &dyn Fn(f64) -> f64| -> Complex<f64> {
         let cells = 400;
         let width = end / f64::from(cells);
-        let sum: Complex<f64> = (0..cells)
+        (0..cells)
             .map(|cell| {
                 let phi = (f64::from(cell) + 0.5) * width;
                 potential(phi) * (f(phi.cos()) * phi.sin() * width)
             })
-            .sum();
-        sum
+            .sum()
     };
     let kutta = simpson(end, &|phi| inside(phi) * (1.0 + phi.cos())) / PI;
     // Δp = 2ρ (φ̇ + V/b ∂φ/∂x) + 2ρVQ (C (1 − x) + x)/√(1 − x²), lift ∫ b dx, moment −∫ x b² dx, hinge −∫ (x − c) b² dx

@@ -1,11 +1,10 @@
 //! Flaps in code: what a table `[flap.<name>]` of the model file can say.
 
 use crate::aero::flap::Flap;
-use crate::machine::LiftingSurface;
 use crate::machine::builder::surfaces::SurfaceBuilder;
 use crate::machine::fault::{Checker, Range};
 use crate::machine::units::{quoted, shortest};
-use crate::machine::{Air, Body};
+use crate::machine::{Body, LiftingSurface};
 use std::f64::consts::FRAC_PI_6;
 
 /// Distance over a body's length below which two places are the same.
@@ -204,11 +203,4 @@ pub(super) fn build(
         })
     };
     flaps.iter().filter_map(of).collect()
-}
-
-impl Air {
-    /// The flap of a name.
-    pub fn flap(&self, name: &str) -> Option<usize> {
-        self.flaps.iter().position(|flap| flap.name == name)
-    }
 }
