@@ -36,7 +36,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
+.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -213,6 +213,16 @@ wind-tunnel: build venv ## Wings that were measured, at every measured point: do
 
 aircraft: package venv ## Couple two wings with an aircraft by several ways: docs/tables/aircraft.md, takes minutes
 	$(VENV_PYTHON) studies/aircraft_study.py --foldwing $(COMMAND) --fmu $(FMU) --table docs/tables/aircraft.md --pictures docs/pictures
+
+turbine: build venv ## Close the loop around the turbine's FMU for ten minutes, find its operating points, draw its Campbell diagram, time its steps
+	@mkdir -p $(TARGET)/campbell
+	$(VENV_PYTHON) examples/turbine/closed_loop.py --foldwing $(COMMAND) --picture docs/pictures/turbine_closed_loop.png
+	$(VENV_PYTHON) examples/turbine/closed_loop.py --foldwing $(COMMAND) --points --table docs/tables/turbine.md
+	$(COMMAND) modes examples/turbine/nrel_5mw.toml --about undeformed --over rotor_speed_rpm=0:18:19 --count 13 \
+	    --plot $(TARGET)/campbell --csv $(TARGET)/campbell/campbell.csv
+	cp $(TARGET)/campbell/campbell.png docs/pictures/campbell.png
+	$(VENV_PYTHON) examples/turbine/closed_loop.py --foldwing $(COMMAND) --real-time $(TARGET)/turbine_real_time.toml
+	$(COMMAND) latency $(TARGET)/turbine_real_time.toml --steps 100000 --step 5e-3
 
 site: ## Build the documentation with typeset equations in $(TARGET)/site: it opens from the disk and loads nothing from a network
 	@$(PYTHON) tools/create_venv.py $(SITE) --requirements python/requirements-site.txt

@@ -1,0 +1,88 @@
+"""Controller of the NREL 5 MW reference turbine: generator torque over speed, and pitch of all blades together.
+
+Written from the equations and Table 7-2 of Jonkman, Butterfield, Musial and Scott, Definition of a 5-MW Reference Wind Turbine
+for Offshore System Development, NREL/TP-500-38060 (2009), chapter 7. Numbers are those of that table unless said otherwise.
+"""
+
+import math
+
+RPM = math.pi / 30.0  # rad/s
+
+CORNER_HZ = 0.25  # of the low-pass filter of the generator speed
+RATED_SPEED_RAD_S = 1173.7 * RPM  # of the generator: where the pitch holds it
+RATED_POWER_W = 5.296610e6  # mechanical, at the generator
+SQUARE_GAIN_N_M_RPM2 = 0.0255764  # region 2: torque over the square of the speed, maximum power
+CUT_IN_RPM = 670.0  # region 1 ends: no torque below (section 7.2)
+REGION_2_RPM = 871.0  # region 2 begins, 30 % above (section 7.2)
+REGION_3_RPM = 1161.963  # region 3 begins, 99 % of the rated speed
+SLIP = 0.10  # region 2½: an induction machine of this slip
+MAXIMUM_TORQUE_N_M = 47_402.91  # 10 % above rated
+MAXIMUM_TORQUE_RATE_N_M_S = 15_000.0
+REGION_3_PITCH_RAD = math.radians(1.0)  # beyond it the power is held, whatever the speed
+
+PROPORTIONAL_S = 0.01882681  # rad of pitch per rad/s of speed, at pitch 0
+INTEGRAL = 0.008068634  # rad of pitch per rad of the generator
+DOUBLED_RAD = math.radians(6.302336)  # pitch at which the power is twice as sensitive to it as at pitch 0
+MINIMUM_PITCH_RAD, MAXIMUM_PITCH_RAD = 0.0, math.radians(90.0)
+MAXIMUM_PITCH_RATE_RAD_S = math.radians(8.0)
+
+
+def torque_N_m(speed_rad_s, pitch_rad, rated_W=RATED_POWER_W):
+    """Torque of the generator in N·m at its filtered speed in rad/s and the pitch in rad: regions 1 to 3 of section 7.2."""
+    rpm = speed_rad_s / RPM
+    if pitch_rad >= REGION_3_PITCH_RAD or rpm >= REGION_3_RPM:
+        return rated_W / max(speed_rad_s, CUT_IN_RPM * RPM)  # 3: constant power
+    if rpm <= CUT_IN_RPM:
+        return 0.0  # 1: the wind speeds the rotor up
+    if rpm < REGION_2_RPM:  # 1½: a straight line to region 2
+        return SQUARE_GAIN_N_M_RPM2 * REGION_2_RPM**2 * (rpm - CUT_IN_RPM) / (REGION_2_RPM - CUT_IN_RPM)
+    # 2½: a straight line from zero torque at the synchronous speed to that of region 3; it crosses the square between the two
+    synchronous_rpm = REGION_3_RPM / (1.0 + SLIP)
+    slope = rated_W / (REGION_3_RPM * RPM) / (REGION_3_RPM - synchronous_rpm)
+    return max(SQUARE_GAIN_N_M_RPM2 * rpm**2, slope * (rpm - synchronous_rpm))
+
+
+class Controller:
+    """The controller in steps: a low-pass filter, the torque law, a PI law of pitch with gains scheduled by the pitch.
+
+    `pitch_rad` is the pitch at the start, which the integral then stands for; `rated_W` the mechanical power that region 3 holds.
+    """
+
+    def __init__(self, speed_rad_s, pitch_rad=0.0, rated_W=RATED_POWER_W):
+        self.rated_W = rated_W
+        self.speed_rad_s = speed_rad_s
+        self.pitch_rad = pitch_rad
+        self.torque_N_m = torque_N_m(speed_rad_s, pitch_rad, rated_W)
+        self.integral_rad = pitch_rad / (gain(pitch_rad) * INTEGRAL)
+
+    def step(self, speed_rad_s, step_s):
+        """Torque in N·m and pitch command in rad for the next `step_s` seconds, from the generator's speed in rad/s."""
+        kept = math.exp(-2.0 * math.pi * CORNER_HZ * step_s)  # section 7.1, eq. (7-1)
+        self.speed_rad_s = (1.0 - kept) * speed_rad_s + kept * self.speed_rad_s
+
+        wanted = min(torque_N_m(self.speed_rad_s, self.pitch_rad, self.rated_W), MAXIMUM_TORQUE_N_M)
+        self.torque_N_m = approach(self.torque_N_m, wanted, MAXIMUM_TORQUE_RATE_N_M_S * step_s)
+
+        now = gain(self.pitch_rad)
+        error = self.speed_rad_s - RATED_SPEED_RAD_S
+        bounds = (bound / (now * INTEGRAL) for bound in (MINIMUM_PITCH_RAD, MAXIMUM_PITCH_RAD))
+        self.integral_rad = clamp(self.integral_rad + error * step_s, *bounds)  # stops where the pitch does
+        wanted = now * (PROPORTIONAL_S * error + INTEGRAL * self.integral_rad)
+        wanted = clamp(wanted, MINIMUM_PITCH_RAD, MAXIMUM_PITCH_RAD)
+        self.pitch_rad = approach(self.pitch_rad, wanted, MAXIMUM_PITCH_RATE_RAD_S * step_s)
+        return self.torque_N_m, self.pitch_rad
+
+
+def gain(pitch_rad):
+    """Factor on the gains of pitch 0: the power is the more sensitive to the pitch the larger that is (section 7.3)."""
+    return 1.0 / (1.0 + pitch_rad / DOUBLED_RAD)
+
+
+def clamp(value, low, high):
+    """The value within its bounds."""
+    return min(max(value, low), high)
+
+
+def approach(value, wanted, largest):
+    """The value moved towards the wanted one, by no more than `largest`."""
+    return value + clamp(wanted - value, -largest, largest)
