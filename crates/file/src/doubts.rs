@@ -29,6 +29,8 @@ const MAXIMUM_ATTACHED: f64 = 1000.0;
 const GRAVITY_M_S2: Range<f64> = 1.5..100.0;
 /// Speed of wind in m/s above which the air's compressibility rules (a Mach number of 0.5).
 const WIND_M_S: f64 = 170.0;
+/// Widest step in degrees between two rows of a polar whose values differ: measured ones have 10 and less.
+const POLAR_STEP_DEG: f64 = 20.0;
 /// Rows over the default experiment.
 const ROWS: Range<f64> = 10.0..1e7;
 /// An angle that is a multiple of this in degrees, to [`ROUND_DEG`], if its number is taken for rad.
@@ -62,6 +64,7 @@ pub fn doubts(text: &str) -> Vec<Doubt> {
     look.bodies(&file);
     look.angles(&file);
     look.surroundings(&file);
+    look.rotor(&file);
     look.found.sort_by_key(|doubt| doubt.span.start);
     look.found
 }
@@ -211,6 +214,29 @@ impl Look<'_, '_> {
                     self.doubt(path, reason, format!("rad? write {}", number(meant_deg)));
                 }
             }
+        }
+    }
+
+    /// Holes in polars, and winds that end before the run does.
+    fn rotor(&mut self, file: &ModelFile) {
+        for (name, polar) in &file.polar {
+            let rows = polar.rows.iter().flatten().collect::<Vec<_>>();
+            let hole = rows.windows(2).find(|pair| {
+                let differ = (1..4).any(|k| pair[0][k] != pair[1][k]);
+                differ && pair[1][0] - pair[0][0] > POLAR_STEP_DEG
+            });
+            if let Some([from, to]) = hole {
+                let reason = format!("no row between {} and {} deg", number(from[0]), number(to[0]));
+                let advice = "the coefficients run straight across; add the rows that are missing";
+                self.doubt(&["polar", name, if polar.file.is_some() { "file" } else { "rows" }], reason, advice);
+            }
+        }
+        let table = file.wind.as_ref().and_then(|wind| wind.table.as_deref()).unwrap_or_default();
+        let stop_s = file.experiment.stop_time_s;
+        // one row is a steady wind
+        if let Some(end_s) = table.last().map(|row| row[0]).filter(|end_s| table.len() > 1 && *end_s < stop_s) {
+            let reason = format!("the wind ends at {} s, the run at {} s", number(end_s), number(stop_s));
+            self.doubt(&["wind", "table"], reason, "the last row holds from there on; was the table cut short?");
         }
     }
 

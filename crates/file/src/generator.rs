@@ -1,11 +1,12 @@
 //! Generator of the file: its keys, and what the machine gets.
 
-use crate::joint_file::JointFile;
+use crate::joint_file::{JointFile, JointType};
 use crate::validate::Checker;
 use foldwing_engine::machine::{Beyond, GeneratorLaw};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 
 /// Generator on the fast shaft of a revolute joint's motor: its torque follows the speed by a law. Speeds are those of the fast
 /// shaft, the joint's times `gear_ratio` of `[joint.<name>.drive]`; torque against the motion is positive.
@@ -14,7 +15,7 @@ use std::f64::consts::PI;
 pub(super) struct GeneratorFile {
     /// Rows `[speed in rpm, torque in N·m]`, speeds ascending, with straight lines between them.
     #[serde(rename = "table_rpm_N_m")]
-    #[schemars(length(min = 1, max = 1000), extend("x-allowed" = "at least 1 row [speed in rpm, torque in N·m]"))]
+    #[schemars(length(min = 1, max = 1000), extend("x-allowed" = "1 to 1000 rows [speed in rpm, torque in N·m] of finite numbers, speeds ascending"))]
     pub table_rpm_n_m: Vec<[f64; 2]>,
     /// Torque over the square of the speed below the first row, in N·m/rpm²; without it the torque of the first row holds there.
     #[serde(rename = "square_gain_N_m_rpm2")]
@@ -43,6 +44,9 @@ pub(super) enum BeyondFile {
     Power,
 }
 
+/// Magnitudes of gear ratios that a drive may have.
+const MAGNITUDES: RangeInclusive<f64> = 1e-6..=1e6;
+
 fn whole() -> f64 {
     1.0
 }
@@ -54,7 +58,10 @@ fn yes() -> bool {
 /// The generator of a joint, if it has one. `None` also where something is refused.
 pub(super) fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<GeneratorLaw> {
     let generator = joint.generator.as_ref()?;
-    let Some(gear_ratio) = joint.drive.as_ref().and_then(|drive| drive.gear_ratio) else {
+    let stated = joint.drive.as_ref().and_then(|drive| drive.gear_ratio);
+    // joints that do not turn have no generator, which the machine's builder tells
+    let assumed = (joint.kind != JointType::Revolute).then_some(1.0);
+    let Some(gear_ratio) = stated.or(assumed) else {
         let allowed = "a finite ratio other than 0 with a generator, whose speed it tells; 1.0 without a gearbox";
         checker.refuse(&["joint", name, "drive", "gear_ratio"], allowed);
         return None;
@@ -63,6 +70,15 @@ pub(super) fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> Opt
         let allowed = "rows [speed in rpm, torque in N·m] with ascending speeds";
         checker.refuse(&["joint", name, "generator", "table_rpm_N_m"], allowed);
         return None;
+    }
+    let last = generator.table_rpm_n_m.last().map_or(0.0, |row| row[0]);
+    if generator.beyond == BeyondFile::Power && last <= 0.0 {
+        let allowed = "a last row at a speed > 0, where its power is held beyond; or beyond = \"torque\"";
+        checker.refuse(&["joint", name, "generator", "table_rpm_N_m"], allowed);
+        return None;
+    }
+    if !MAGNITUDES.contains(&gear_ratio.abs()) {
+        return None; // refused with the drive
     }
     let radians = PI / 30.0;
     Some(GeneratorLaw {

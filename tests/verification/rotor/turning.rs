@@ -277,3 +277,18 @@ fn steps_do_not_allocate() {
     plant.step(0.6).unwrap();
     assert_eq!(allocations(), before);
 }
+
+/// A rotor of three blades from which one is missing is refused by name; so is one with a blade off its place.
+#[test]
+fn rotor_with_a_blade_missing_is_refused() {
+    let whole = model("[8, 0, 0]", 1.0, 0.0, "step_s = 0.02\n", "");
+    let (kept, rest) = whole.split_once("[body.blade2]").unwrap();
+    let (_, polars) = rest.split_once("[polar.").unwrap();
+    let missing = format!("{kept}[polar.{polars}");
+    let folder = format!("{}/tests/reference/turbine", env!("CARGO_MANIFEST_DIR"));
+    let text = foldwing::config::with_polars(missing, folder.as_ref(), "rotor.toml").unwrap();
+    let told = foldwing::config::parse(&text, "rotor.toml").expect_err("two blades of three").to_string();
+    for word in ["blade1 120.0 deg from blade0 about the shaft", "180.0 deg apart as there are 2", "is one missing"] {
+        assert!(told.contains(word), "{word:?} is missing in {told}");
+    }
+}

@@ -1,12 +1,19 @@
 //! What is refused about modal bodies and copies, with place, value and cure.
 
-use crate::turbine::machine::TEXT;
+use crate::turbine::machine::{TEXT, WIND_TEXT, hinge_mut, windy, with_polars};
 use foldwing::config;
+use foldwing::plant::Plant;
+use std::sync::Arc;
 
 /// The example with one change, refused.
 fn refusal(from: &str, to: &str) -> String {
-    assert!(TEXT.contains(from), "the example has {from:?}");
-    match config::parse(&TEXT.replacen(from, to, 1), "turbine.toml") {
+    refusal_of(TEXT, from, to)
+}
+
+/// A text with one change, refused.
+fn refusal_of(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "the example has {from:?}");
+    match config::parse(&text.replacen(from, to, 1), "turbine.toml") {
         Ok(_) => panic!("{to:?} was accepted"),
         Err(refused) => refused.to_string(),
     }
@@ -59,4 +66,149 @@ fn wt07_refusals_name_place_and_cure() {
     let told = config::parse(&gauge, "turbine.toml").expect_err("a gauge on a modal body").to_string();
     assert!(told.contains("has no strains of sections"), "{told}");
     assert_eq!(told.matches("gauge.root").count(), 1, "{told}");
+}
+
+/// WT-24. Every bad value of a generator, with its key and what is allowed.
+#[test]
+fn wt24_bad_generators_are_named() {
+    let text = with_polars(WIND_TEXT);
+    let table = "table_rpm_N_m = [[1150.878, 33876.63], [1173.7, 43093.55]]";
+    let rows = "1 to 1000 rows [speed in rpm, torque in N·m]";
+    let many =
+        format!("table_rpm_N_m = [{}]", (0..1001).map(|row| format!("[{row}, 1]")).collect::<Vec<_>>().join(", "));
+    let key = "joint.shaft.generator.table_rpm_N_m";
+    for (from, to, words) in [
+        (table, "table_rpm_N_m = [[1173.7, 43093.55], [1150.878, 33876.63]]", &[key, "ascending speeds"][..]),
+        (table, "table_rpm_N_m = [[1150, 33876.63], [1150, 43093.55]]", &[key, "ascending speeds"]),
+        (table, "table_rpm_N_m = []", &[key, rows]),
+        (table, "table_rpm_N_m = [[1150.878, 33876.63, 1.0]]", &[key, rows]),
+        (table, "table_rpm_N_m = [[1150.878, nan]]", &[key, rows]),
+        (table, "table_rpm_N_m = [[inf, 33876.63]]", &[key, rows]),
+        (table, "table_rpm_N_m = [[1, 1e300], [2, 1e305]]", &[key, rows]),
+        (table, &many, &[key, rows]),
+        (table, "", &[key, "missing", rows]),
+        (
+            "square_gain_N_m_rpm2 = 0.0255764",
+            "square_gain_N_m_rpm2 = -1.0",
+            &["generator.square_gain_N_m_rpm2", ">= 0"],
+        ),
+        (
+            "square_gain_N_m_rpm2 = 0.0255764",
+            "square_gain_N_m_rpm2 = inf",
+            &["generator.square_gain_N_m_rpm2", "finite"],
+        ),
+        ("beyond = \"torque\"", "beyond = \"speed\"", &["generator.beyond", "\"torque\" or \"power\""]),
+        ("efficiency = 0.944", "efficiency = 1.2", &["generator.efficiency", "from 0 to 1"]),
+        ("efficiency = 0.944", "efficiency = -0.1", &["generator.efficiency", "from 0 to 1"]),
+        ("efficiency = 0.944", "efficiency = nan", &["generator.efficiency", "from 0 to 1"]),
+        ("efficiency = 0.944", "on = \"yes\"", &["generator.on", "true or false"]),
+        ("efficiency = 0.944", "eficiency = 0.9", &["generator.eficiency", "efficiency"]),
+        ("gear_ratio = 97.0", "", &["joint.shaft.drive.gear_ratio", "missing", "1.0 without a gearbox"]),
+        ("gear_ratio = 97.0", "gear_ratio = 0.0", &["joint.shaft.drive.gear_ratio", "1e-6 to 1e6"]),
+        ("gear_ratio = 97.0", "gear_ratio = nan", &["joint.shaft.drive.gear_ratio"]),
+        ("start_rate_deg_s = 72.6", "motion = \"locked\"", &["joint.shaft.generator", "motion = \"free\""]),
+        (
+            "[joint.base]\ntype = \"clamped\"",
+            "[joint.base]\ntype = \"clamped\"\ngenerator = { table_rpm_N_m = [[1, 2]] }",
+            &["joint.base.generator", "revolute"],
+        ),
+    ] {
+        let told = refusal_of(&text, from, to);
+        for word in words {
+            assert!(told.contains(word), "{to:.60}: {word:?} is missing in\n{told:.900}");
+        }
+        // one mistake is told once, at a key that the file knows
+        assert_eq!(
+            told.matches("is not allowed").count()
+                + told.matches("is missing").count()
+                + told.matches("is unknown").count(),
+            1,
+            "{told:.900}"
+        );
+        assert!(!told.contains("generator.rows") && !told.contains("generator.gear_ratio"), "{told:.900}");
+    }
+    // power held from a speed that is none
+    let to = "table_rpm_N_m = [[-20.0, 5.0], [-10.0, 3.0]]";
+    let told = refusal_of(&text.replace("beyond = \"torque\"", "beyond = \"power\""), table, to);
+    assert!(told.contains(key) && told.contains("a last row at a speed > 0"), "{told:.900}");
+}
+
+/// WT-25. A rotor whose blades are not all there: copies without a surface are named.
+#[test]
+fn wt25_blades_without_air_are_named() {
+    let text = with_polars(WIND_TEXT);
+    let told = refusal_of(&text, "[surface.blade]\nbody = \"blade\" ", "[surface.blade]\nbody = \"blade1\" ");
+    for word in ["surface", "blade2, a blade like blade1, without a surface", "body = \"blade\" stands for all copies"]
+    {
+        assert!(told.contains(word), "{word:?} is missing in\n{told:.900}");
+    }
+    // two blades and one are rotors
+    for count in ["count = 1 ", "count = 2 ", "count = 5 "] {
+        windy(&WIND_TEXT.replacen("count = 3 ", count, 1));
+    }
+}
+
+/// WT-26. Polars with holes, and winds cut short: what cannot be read is refused, what can be read but is not meant is told.
+#[test]
+fn wt26_holes_in_polars_and_winds_are_named() {
+    let sound = with_polars(WIND_TEXT);
+    assert_eq!(config::doubts(&sound).iter().map(|doubt| doubt.key.clone()).collect::<Vec<_>>(), Vec::<String>::new());
+    let polar = "[polar.cylinder1]\nfile = \"polars/cylinder1.csv\"";
+    let with = |rows: &str| with_polars(&WIND_TEXT.replacen(polar, &format!("[polar.cylinder1]\nrows = {rows}"), 1));
+    for (rows, words) in [
+        (
+            "[[-180, 0, 0.5, 0], [0, nan, 0.5, 0], [180, 0, 0.5, 0]]",
+            &["polar.cylinder1.rows", "[angle of attack in deg"][..],
+        ),
+        (
+            "[[-180, 0, 0.5, 0], [10, 0, 0.5, 0], [5, 0, 0.5, 0], [180, 0, 0.5, 0]]",
+            &["polar.cylinder1.rows", "ascending"],
+        ),
+        ("[[-20, 0, 0.5, 0], [20, 0, 0.5, 0]]", &["polar.cylinder1.rows", "from -20", "aspect_ratio"]),
+        ("[]", &["polar.cylinder1.rows", "at least 1 row"]),
+    ] {
+        let told = config::parse(&with(rows), "turbine.toml").expect_err("a polar that is none").to_string();
+        for word in words {
+            assert!(told.contains(word), "{rows}: {word:?} is missing in\n{told:.600}");
+        }
+    }
+    // rows left out of a polar that is not the same all round
+    let text = with("[[-180, 0, 0.5, 0], [-20, -0.9, 0.3, 0], [20, 0.9, 0.3, 0], [180, 0, 0.5, 0]]");
+    let doubts = config::doubts(&text);
+    assert_eq!(doubts.len(), 1, "{doubts:?}");
+    assert!(
+        doubts[0].key.starts_with("polar.cylinder1") && doubts[0].reason == "no row between -180 and -20 deg",
+        "{doubts:?}"
+    );
+    // a polar that is the same all round needs no rows between
+    assert_eq!(config::doubts(&with("[[-180, 0, 0.5, 0], [180, 0, 0.5, 0]]")), Vec::new());
+
+    let wind = "[wind]\nreference_height_m = 90.0\nreference_length_m = 126.0\ntable = ROWS\n\n[surface.blade]";
+    let blown = |rows: &str| sound.replacen("[surface.blade]", &wind.replace("ROWS", rows), 1);
+    let told = config::parse(&blown("[[0, 8, 0, 0, 0, 0.2, 0, 0], [10, 9, 0, 0, 0, 0.2, 0]]"), "turbine.toml");
+    assert!(told.expect_err("a row cut short").to_string().contains("wind.table"));
+    let doubts = config::doubts(&blown("[[0, 8, 0, 0, 0, 0.2, 0, 0], [10, 9, 0, 0, 0, 0.2, 0, 0]]"));
+    assert_eq!(doubts.len(), 1, "{doubts:?}");
+    assert!(doubts[0].reason == "the wind ends at 10 s, the run at 60 s", "{doubts:?}");
+}
+
+/// WT-27. A pitch beyond the polar's range has a load: angles of attack go round. Pitched by a whole turn, and by 200 and -160 deg, the
+/// air does the same to round-off.
+#[test]
+fn wt27_pitch_goes_round() {
+    let thrust_n = |pitch_deg: f64| {
+        let mut machine = windy(WIND_TEXT);
+        for blade in 1..=3 {
+            let pitch = hinge_mut(&mut machine, &format!("pitch{blade}"));
+            (pitch.start_angle_rad, pitch.drive.command_rad) = (pitch_deg.to_radians(), pitch_deg.to_radians());
+        }
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).expect("a start");
+        plant.step(0.1).expect("a tenth of a second");
+        plant.outputs().rotor()[0].thrust_n
+    };
+    for (one, other) in [(0.0, 360.0), (200.0, -160.0), (-90.0, 270.0)] {
+        let pair = [thrust_n(one), thrust_n(other)];
+        assert!(pair[0].is_finite() && (pair[0] / pair[1] - 1.0).abs() < 1e-9, "{one} and {other} deg: {pair:?}");
+    }
 }

@@ -8,9 +8,11 @@ use crate::aero::rotor::viterna::is_full_circle;
 use crate::aero::strip::StripOptions;
 use crate::aero::strip::lifting_line::LiftingLineOptions;
 use crate::machine::fault::{Checker, Range, array_text, is_finite};
+use crate::machine::pose::first_frames;
 use crate::machine::validate::{names, unit_vector};
-use crate::machine::{Air, Body, Coupling, LiftingSurface};
-use std::f64::consts::PI;
+use crate::machine::{Air, Body, Coupling, LiftingSurface, Parent};
+use nalgebra::Vector3;
+use std::f64::consts::{PI, TAU};
 
 /// Most panels of a lattice: its matrix then takes 200 MB, and its factors half a minute.
 const MAXIMUM_PANELS: usize = 5_000;
@@ -81,6 +83,67 @@ fn check_rotor(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[Bo
     }
     if let Some(polar) = options.polars.iter().position(|polar| !is_full_circle(&polar.rows)) {
         checker.refuse_state(&["polar"], format!("polar {polar}"), "polars from -pi to pi");
+    }
+    if options.hub_body < bodies.len() && surfaces.iter().all(|surface| surface.body < bodies.len()) {
+        check_blades(options, surfaces, bodies, checker);
+    }
+}
+
+/// Angle in rad by which a blade may stand off its place about the shaft: blades of rotors that exist are set to a degree.
+const PLACE_RAD: f64 = 5.0 * PI / 180.0;
+
+/// Refuses a rotor with a blade that is missing, or that has no surface: momentum balances annuli of equal blades, spaced evenly.
+fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[Body], checker: &mut Checker) {
+    let turns = |body: usize| {
+        let mut at = body;
+        while at != options.hub_body {
+            match bodies[at].joint.parent {
+                Parent::Body { index, .. } if index < at => at = index,
+                _ => return false,
+            }
+        }
+        true
+    };
+    let has_surface = |body: usize| surfaces.iter().any(|surface| surface.body == body);
+    let alike = |a: &Body, b: &Body| a.length_m == b.length_m && a.elements == b.elements && a.section == b.section;
+    let bare = (0..bodies.len()).filter(|&body| !has_surface(body) && bodies[body].length_m > 0.0 && turns(body));
+    for body in bare {
+        if let Some(surface) = surfaces.iter().find(|surface| alike(&bodies[surface.body], &bodies[body])) {
+            let (name, blade) = (&bodies[body].name, &bodies[surface.body].name);
+            let allowed = "a surface on every blade of a rotor; body = \"blade\" stands for all copies of a blade";
+            checker.refuse_state(&["surface"], format!("{name}, a blade like {blade}, without a surface"), allowed);
+            return;
+        }
+    }
+    let frames = first_frames(bodies, |joint| joint.start_angle_rad);
+    let axis = frames[options.hub_body].attitude * options.shaft_axis;
+    let across = |surface: &LiftingSurface| {
+        let along: Vector3<f64> = frames[surface.body].attitude.column(0).into();
+        along - axis * along.dot(&axis)
+    };
+    let Some(first) = surfaces.first() else { return };
+    let zero = across(first);
+    let mut angles: Vec<(f64, usize)> = surfaces
+        .iter()
+        .map(|surface| {
+            let own = across(surface);
+            let angle_rad = axis.dot(&zero.cross(&own)).atan2(zero.dot(&own)).rem_euclid(TAU);
+            (if TAU - angle_rad < PLACE_RAD { 0.0 } else { angle_rad }, surface.body)
+        })
+        .collect();
+    angles.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let apart_rad = TAU / angles.len() as f64;
+    let off =
+        angles.iter().enumerate().find(|(k, (angle_rad, _))| (angle_rad - *k as f64 * apart_rad).abs() > PLACE_RAD);
+    if let Some((_, (angle_rad, body))) = off {
+        let (name, first) = (&bodies[*body].name, &bodies[first.body].name);
+        let found = format!("{name} {:.1} deg from {first} about the shaft", angle_rad.to_degrees());
+        let allowed = format!(
+            "blades spaced evenly about the shaft, {:.1} deg apart as there are {}: is one missing, or an angle wrong?",
+            apart_rad.to_degrees(),
+            angles.len()
+        );
+        checker.refuse_state(&["surface"], found, allowed);
     }
 }
 

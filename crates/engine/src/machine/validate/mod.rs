@@ -10,7 +10,7 @@ pub mod section;
 
 use crate::machine::fault::{Checker, Fault, Range, array_text};
 use crate::machine::units::shortest;
-use crate::machine::{Body, Experiment, Machine, Method, Parent, Solver};
+use crate::machine::{Air, AirOptions, Body, Coupling, Experiment, Machine, Method, Parent, Solver};
 use std::collections::BTreeSet;
 
 /// What names must look like.
@@ -107,7 +107,7 @@ pub(super) fn surroundings(machine: &Machine, checker: &mut Checker) {
     if let Some(air) = &machine.air {
         air::check(air, &machine.bodies, checker);
     }
-    solver(&machine.solver, machine.air.is_some(), checker);
+    solver(&machine.solver, machine.air.as_ref(), checker);
     experiment(&machine.experiment, checker);
 }
 
@@ -195,7 +195,7 @@ fn sizes(bodies: &[Body], checker: &mut Checker) {
     }
 }
 
-fn solver(solver: &Solver, in_air: bool, checker: &mut Checker) {
+fn solver(solver: &Solver, air: Option<&Air>, checker: &mut Checker) {
     checker.number(&["solver", "tolerance"], solver.tolerance, Range::Within(1e-12, 1e-1));
     checker.number(&["solver", "rho_infinity"], solver.rho_infinity, Range::Within(0.0, 1.0));
     let positive = checker.number(&["solver", "max_step_s"], solver.max_step_s, Range::Above(0.0))
@@ -226,8 +226,11 @@ fn solver(solver: &Solver, in_air: bool, checker: &mut Checker) {
     }
     let Some(most_iterations) = solver.most_iterations else { return };
     checker.count(&["solver", "most_iterations"], most_iterations, 1, 10);
-    if in_air {
-        let allowed = "\"accurate\" for a machine in air: its iteration with the structure is not bounded";
+    // a rotor whose loads are found once per step costs the same at every step
+    let bounded = |air: &Air| matches!(air.options, AirOptions::Rotor(_)) && air.coupling == Coupling::Staggered;
+    if air.is_some_and(|air| !bounded(air)) {
+        let allowed = "\"accurate\" for a machine in air, but for a rotor with coupling = \"staggered\": the iteration of air and structure \
+                       is not bounded";
         checker.refuse(&["solver", "mode"], "\"real_time\"", allowed);
     }
     if solver.method != Method::Sdirk2 {
