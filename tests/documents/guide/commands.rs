@@ -76,6 +76,7 @@ fn f246_the_lines_of_the_guide_run() {
     for name in ["goland_wing.toml", "flared_wing_tip.toml"] {
         std::fs::copy(in_package("examples/models").join(name), folder.path().join(name)).unwrap();
     }
+    std::fs::copy(in_package("examples/turbine/nrel_5mw.toml"), folder.path().join("turbine.toml")).unwrap();
     std::fs::write(folder.path().join("commands.csv"), "time, fold.command\n0, 0\n0.1, 0.1\n").unwrap();
     std::fs::write(folder.path().join("measured.csv"), "time,fold.angle\n0,2.9\n0.1,0.8\n").unwrap();
     std::fs::write(folder.path().join("samples.csv"), "fold.start_angle\n1.0\n2.0\n").unwrap();

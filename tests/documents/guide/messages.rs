@@ -6,6 +6,7 @@
 
 use crate::guide::commands::foldwing;
 use crate::guide::in_package;
+use crate::guide::rotor_slips;
 use std::fs;
 use std::path::Path;
 
@@ -287,6 +288,7 @@ fn produced() -> Vec<String> {
     write("four_bar.toml", shipped("four_bar.toml").as_bytes());
     write("pendulum.toml", shipped("double_pendulum.toml").as_bytes());
     FILES.iter().for_each(|(name, text)| write(name, text));
+    rotor_slips::files().iter().for_each(|(name, text)| write(name, text.as_bytes()));
     // a model whose own experiment fails, and one with a load where no station is
     let failing = model.replace("[experiment]", "[solver]\nmin_step_s = 1e-3\ntolerance = 1e-9\n[experiment]");
     write("failing.toml", failing.as_bytes());
@@ -330,7 +332,7 @@ fn produced() -> Vec<String> {
         "check loaded.toml",
         "package failing.toml -o x.fmu --library LIBRARY",
     ];
-    let slips = SLIPS.iter().chain(SLIPS_WITH_FMUS).chain(&more);
+    let slips = SLIPS.iter().chain(SLIPS_WITH_FMUS).chain(&more).chain(rotor_slips::LINES);
     // the command shows the parts of a file's problem in different places; importers log it as a line
     let whole = FILES.iter().filter(|(name, _)| name.ends_with(".toml")).filter_map(|(name, text)| {
         Some(foldwing::config::parse(std::str::from_utf8(text).ok()?, name).err()?.to_string())
@@ -352,7 +354,7 @@ fn produced() -> Vec<String> {
             .replace("[-180, 0, 0.5, 0], [180, 0, 0.5, 0]]", &format!("{rows}]\naspect_ratio = 10"));
         foldwing::config::parse(&text, "rotor.toml").expect_err(rows).to_string()
     });
-    said.chain(whole).chain(extended).collect()
+    said.chain(whole).chain(extended).chain(rotor_slips::refused()).collect()
 }
 
 /// F-247. Every message that the page quotes is one of the program's: most are produced, the others stand in the source.

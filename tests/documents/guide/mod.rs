@@ -4,6 +4,7 @@ mod command_lines;
 mod commands;
 mod messages;
 mod names;
+mod rotor_slips;
 mod variables;
 
 #[allow(dead_code, reason = "`main` and what it prints")]

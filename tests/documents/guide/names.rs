@@ -108,6 +108,9 @@ const FOREIGN: &[&str] = &[
     "velocity_m_s",
     "circulation_m2_s",
     "end_time",
+    // what `modes --over` calls a rotor's speed, and a joint of the turbine
+    "rotor_speed_rpm",
+    "drive_train",
     "fold_angles",
     "fold_torques",
     "root_moment",

@@ -10,6 +10,20 @@ use std::sync::Arc;
 /// The text of the example.
 pub const TEXT: &str = include_str!("../../../examples/turbine/nrel_5mw.toml");
 
+/// The text of the example in wind.
+pub const WIND_TEXT: &str = include_str!("../../../examples/turbine/nrel_5mw_wind.toml");
+
+/// A text beside the example in wind, with the polars in their files.
+pub fn with_polars(text: &str) -> String {
+    let folder = format!("{}/examples/turbine", env!("CARGO_MANIFEST_DIR"));
+    config::with_polars(text.to_owned(), folder.as_ref(), "nrel_5mw_wind.toml").expect("polars")
+}
+
+/// Its machine.
+pub fn windy(text: &str) -> Machine {
+    config::parse(&with_polars(text), "nrel_5mw_wind.toml").unwrap_or_else(|refused| panic!("{refused}"))
+}
+
 /// The example.
 pub fn turbine() -> Machine {
     config::parse(TEXT, "nrel_5mw.toml").unwrap_or_else(|refused| panic!("{refused}"))
@@ -36,6 +50,37 @@ pub fn hinge_mut<'m>(machine: &'m mut Machine, name: &str) -> &'m mut OneFreedom
         JointKind::Revolute(hinge) => hinge,
         _ => panic!("{name} is not revolute"),
     }
+}
+
+/// A prismatic joint, to be changed.
+pub fn slide_mut<'m>(machine: &'m mut Machine, name: &str) -> &'m mut OneFreedom {
+    let body = machine.bodies.iter_mut().find(|body| body.joint.name == name).expect("a joint of this name");
+    match &mut body.joint.kind {
+        JointKind::Prismatic(slide) => slide,
+        _ => panic!("{name} is not prismatic"),
+    }
+}
+
+/// An example's text with its rotor on a stand that does not move, without tower, yaw, tilt and cone: the conditions of OpenFAST's map
+/// of operating points.
+pub fn on_a_stand(text: &str) -> String {
+    let (before, rest) = text.split_once("# Tower: ").expect("a tower");
+    let (_, rest) = rest.split_once("# Nacelle: ").expect("a nacelle");
+    let (nacelle, rest) = rest.split_once("[joint.yaw]").expect("a yaw joint");
+    let (_, rest) = rest.split_once("# The shaft's end").expect("a generator");
+    let yaw = "[joint.yaw]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"nacelle\"\n";
+    let mut text = format!("{before}# {nacelle}{yaw}\n# {rest}").replace("rotation_deg = [0.0, 5.0, 0.0]", "");
+    for (key, value) in [
+        ("gravity_m_s2", "gravity_m_s2 = [0.0, 0.0, 0.0]"),
+        ("parent_offset_m = [-0.0654", "parent_offset_m = [0.0, 0.0, 1.5]"),
+        ("axis = [0.0436", "axis = [0.0, 0.0, -1.0]"),
+        ("mount_rotation_deg = [124.4", "mount_rotation_deg = [127.27922061357854, 0.0, 127.27922061357854]"),
+    ] {
+        let start = text.find(key).unwrap_or_else(|| panic!("{key}"));
+        let end = start + text[start..].find('\n').expect("a line");
+        text.replace_range(start..end, value);
+    }
+    text
 }
 
 /// The first blade alone, clamped 1.5 m above the origin, without gravity: on a root that turns about `x` it is a rotor's

@@ -14,14 +14,7 @@ const RPM: f64 = PI / 30.0;
 
 /// The example in wind.
 fn in_wind() -> Machine {
-    let text = include_str!("../../../examples/turbine/nrel_5mw_wind.toml").to_owned();
-    let folder = format!("{}/examples/turbine", env!("CARGO_MANIFEST_DIR"));
-    let text = config_text(text, &folder);
-    foldwing::config::parse(&text, "nrel_5mw_wind.toml").unwrap_or_else(|refused| panic!("{refused}"))
-}
-
-fn config_text(text: String, folder: &str) -> String {
-    foldwing::config::with_polars(text, folder.as_ref(), "nrel_5mw_wind.toml").expect("polars")
+    windy(WIND_TEXT)
 }
 
 /// The example as the reference has it: AeroDyn's rule for the ends of the blades, pitch held.

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Names of the figures.
-const FIGURES: [&str; 4] = ["damping", "frequency", "root_locus", "flutter_map"];
+const FIGURES: [&str; 5] = ["damping", "frequency", "root_locus", "flutter_map", "campbell"];
 /// Columns of the CSV behind the quantities.
 const COLUMNS: [&str; 5] = ["mode", "frequency_Hz", "damping_ratio", "eigenvalue_re_1_s", "eigenvalue_im_1_s"];
 
@@ -96,16 +96,7 @@ impl Varied {
 
     /// Its values as numbers, ascending or descending.
     pub fn numbers(&self) -> Result<Vec<f64>, Failure> {
-        let key = self.key();
-        let refused = |cause: String| Failure::Usage(format!("--over {key}: {cause}"));
-        let values = self.values();
-        let numbers: Option<Vec<f64>> = values.iter().map(|value| value.parse().ok()).collect();
-        let numbers = numbers.ok_or_else(|| refused("modes are followed over numbers alone".to_owned()))?;
-        let steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        if numbers.len() < 2 || !(steps.iter().all(|step| *step > 0.0) || steps.iter().all(|step| *step < 0.0)) {
-            return Err(refused("needs two or more values that rise or fall".to_owned()));
-        }
-        Ok(numbers)
+        numbers(self.key(), &self.values())
     }
 
     /// A plant at a value.
@@ -131,6 +122,18 @@ impl Varied {
     }
 }
 
+/// Values of `--over KEY` as numbers that rise or fall.
+pub(super) fn numbers(key: &str, values: &[String]) -> Result<Vec<f64>, Failure> {
+    let refused = |cause: String| Failure::Usage(format!("--over {key}: {cause}"));
+    let numbers: Option<Vec<f64>> = values.iter().map(|value| value.parse().ok()).collect();
+    let numbers = numbers.ok_or_else(|| refused("modes are followed over numbers alone".to_owned()))?;
+    let steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    if numbers.len() < 2 || !(steps.iter().all(|step| *step > 0.0) || steps.iter().all(|step| *step < 0.0)) {
+        return Err(refused("needs two or more values that rise or fall".to_owned()));
+    }
+    Ok(numbers)
+}
+
 /// Modes in branches over a quantity, with its name and unit for people.
 pub(super) struct BranchTable<'a> {
     /// Name of the quantity.
@@ -144,6 +147,11 @@ pub(super) struct BranchTable<'a> {
 impl BranchTable<'_> {
     fn label(&self) -> String {
         if self.unit.is_empty() { self.quantity.to_owned() } else { format!("{} ({})", self.quantity, self.unit) }
+    }
+
+    /// The modes are those of a rotor that turns, and their motions have names.
+    fn is_rotor(&self) -> bool {
+        self.branches.places.iter().flat_map(|place| place.modes.iter().flatten()).any(|mode| !mode.whirl.is_empty())
     }
 
     fn count(&self) -> usize {
@@ -179,7 +187,8 @@ impl BranchTable<'_> {
         } else {
             format!("{}_{}", self.quantity, self.unit.replace('/', "_"))
         };
-        first.map(str::to_owned).into_iter().chain([quantity]).chain(COLUMNS.map(str::to_owned)).collect()
+        let motion = self.is_rotor().then(|| "motion".to_owned());
+        first.map(str::to_owned).into_iter().chain([quantity]).chain(COLUMNS.map(str::to_owned)).chain(motion).collect()
     }
 
     /// Rows of the CSV; `first` is the value of a further quantity that all of them share.
@@ -197,10 +206,30 @@ impl BranchTable<'_> {
                     real(mode.eigenvalue_1_s.re),
                     real(mode.eigenvalue_1_s.im),
                 ];
-                rows.push(first.map(str::to_owned).into_iter().chain(own).collect());
+                rows.push(first.map(str::to_owned).into_iter().chain(own).chain(motion(mode)).collect());
             }
         }
         rows
+    }
+
+    /// What moves in a branch, of a rotor: the names in the order of the sweep, each with the first value that has it.
+    pub fn motions(&self, branch: usize) -> Vec<(f64, String)> {
+        let mut list: Vec<(f64, String)> = Vec::new();
+        for place in &self.branches.places {
+            let Some(name) = place.modes[branch].as_ref().and_then(motion) else { continue };
+            if list.last().is_none_or(|(_, last)| *last != name) {
+                list.push((place.at, name));
+            }
+        }
+        list
+    }
+
+    /// What moves in a branch at the larger part of the places.
+    fn usual_motion(&self, branch: usize) -> Option<String> {
+        let names: Vec<String> =
+            self.branches.places.iter().filter_map(|place| place.modes[branch].as_ref().and_then(motion)).collect();
+        let count = |name: &String| names.iter().filter(|other| *other == name).count();
+        names.iter().max_by_key(|name| count(name)).cloned()
     }
 
     /// Damping and frequency over the quantity, and the paths of the eigenvalues.
@@ -212,7 +241,8 @@ impl BranchTable<'_> {
                     .places
                     .iter()
                     .filter_map(|place| place.modes[branch].as_ref().map(|mode| point(place.at, mode)));
-                Curve::nth(branch, format!("mode {}", branch + 1), found.collect())
+                let name = self.usual_motion(branch).unwrap_or_else(|| format!("mode {}", branch + 1));
+                Curve::nth(branch, name, found.collect())
             };
             (0..self.count()).map(of).collect()
         };
@@ -239,6 +269,11 @@ impl BranchTable<'_> {
             (FIGURES[2], locus),
         ]
     }
+}
+
+/// What moves most in a mode of a rotor that turns; nothing for other machines.
+fn motion(mode: &ModeShape) -> Option<String> {
+    mode.whirl.first().map(|share| if mode.is_free() { format!("{share}, free") } else { share.to_string() })
 }
 
 /// Modes to look for where so many are to be followed: real ones and heavily damped ones come in between on the way.

@@ -149,7 +149,8 @@ Examples:
   foldwing modes wing.toml
   foldwing modes wing.toml --about undeformed --count 4 --set fold.start_angle=0
   foldwing modes wing.toml --set fold.release=0 --set root.angular_velocity.z=20 --json
-  foldwing modes wing.toml --set fold.release=0 --over root.angular_velocity.z=0:40:5 --plot modes";
+  foldwing modes wing.toml --set fold.release=0 --over root.angular_velocity.z=0:40:5 --plot modes
+  foldwing modes turbine.toml --about undeformed --over rotor_speed_rpm=0:18:19 --plot campbell";
 
 pub(super) const LINEARIZE: &str = "\
 Examples:

@@ -5,6 +5,7 @@ mod assessment;
 mod beside;
 mod branches;
 mod calls;
+mod campbell;
 mod check;
 mod choice;
 mod compare;

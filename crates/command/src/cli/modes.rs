@@ -4,7 +4,7 @@ use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, pool,
 use crate::cli::outlets::{Force, Mark, Outlets};
 use crate::cli::settings::read_plant;
 use crate::cli::statics::BranchOption;
-use crate::cli::{Failure, print, stability, tell};
+use crate::cli::{Failure, campbell, print, stability, tell};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::plant::{Branches, Holding, ModeShape, NodeMotion, Plant, Search};
 use serde_json::{Value, json};
@@ -28,9 +28,13 @@ pub struct Arguments {
     /// Start value of an input or parameter, e.g. `root.angular_velocity.z=20`, `fold.release=0`; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// Follow the modes over a start value, a parameter or a key of the model file (`file:…`): KEY=FROM:TO:COUNT or KEY=A,B,…
+    /// Follow the modes over a start value, a parameter or a key of the model file (`file:…`): KEY=FROM:TO:COUNT or KEY=A,B,…;
+    /// over rotor_speed_rpm they are those of a rotor that turns, as the ground sees them (Campbell diagram)
     #[arg(long, value_name = "KEY=VALUES", conflicts_with = "json", value_parser = NonEmptyStringValueParser::new())]
     over: Option<String>,
+    /// Joint that is the rotor's shaft, for --over rotor_speed_rpm; default: the only one that turns without limit and carries a hub
+    #[arg(long, value_name = "JOINT", requires = "over", value_parser = NonEmptyStringValueParser::new())]
+    shaft: Option<String>,
     #[command(flatten)]
     branches: BranchArguments,
     /// Print JSON with mode shapes for programs
@@ -109,6 +113,21 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Follows the modes over a quantity.
 fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
+    if let Some(("", values)) = over.strip_prefix(campbell::KEY).and_then(|rest| rest.split_once('=')) {
+        let asked = campbell::Asked {
+            model: &arguments.model,
+            settings: &arguments.settings,
+            values,
+            shaft: arguments.shaft.as_deref(),
+            bare: arguments.about == About::Undeformed,
+            count: arguments.count,
+            branches: &arguments.branches,
+        };
+        return campbell::run(&asked, &mut outlets);
+    }
+    if arguments.shaft.is_some() {
+        return Err(Failure::Usage(format!("--shaft belongs to --over {}=…", campbell::KEY)));
+    }
     arguments.branches.check(&outlets)?;
     let varied = Varied::new(&arguments.model, &arguments.settings, Some(over))?;
     let numbers = varied.numbers()?;

@@ -7,12 +7,12 @@ pub use crate::signal::{
 };
 pub use crate::study::{
     Argument, Branch, Branches, Coarseness, Crossing, Departure, Followed, Growth, Holding, InputSlope, Keep, LoadPath,
-    NoReduction, PathPoint, Place, Reduced, Rest, Search, SecondOrder, Stability, StateSpace, StaticEffort, Study,
-    change_of_sign, reduce, sampled,
+    NoReduction, PathPoint, Place, Reduced, Rest, Rotor, Search, SecondOrder, Stability, StateSpace, StaticEffort,
+    Study, Whirl, change_of_sign, reduce, sampled,
 };
 pub use crate::system::{
     AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, FailureOutputs, Freedom,
     GeneratorOutputs, Hybrid, JointOutputs, JointStatus, Jump, LatchOutputs, LoopOutputs, ModalOutputs, ModeShape,
     NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs, PlantError, PointOutputs, RotorLoads, SectionShape,
-    SectionState, SectionStrain, Snapshot, SpatialOutputs, Statistics, SurfaceGap, SurfaceLattice, System,
+    SectionState, SectionStrain, Snapshot, SpatialOutputs, Statistics, SurfaceGap, SurfaceLattice, System, WhirlShare,
 };

@@ -118,7 +118,7 @@ impl Lagged {
     /// and the shift that made its stiffness positive.
     fn basis(&self, most: usize) -> Result<(f64, DMatrix<f64>), NoModes> {
         let SecondOrder { mass, stiffness, .. } = &self.second;
-        let (shift, root) = shifted_root(mass, stiffness)?;
+        let (shift, root) = shifted_root(mass, stiffness, 0.0)?;
         let half = root.solve_lower_triangular(mass).ok_or(NoModes::Iteration)?;
         let whole = root.solve_lower_triangular(&half.transpose()).ok_or(NoModes::Iteration)?;
         let eigen = ((&whole + whole.transpose()) * 0.5).symmetric_eigen();

@@ -13,6 +13,7 @@ pub mod generalized_alpha;
 pub mod lagged;
 pub mod linearize;
 pub mod modes;
+pub mod multiblade;
 pub mod newton;
 pub mod point;
 pub mod reduction;

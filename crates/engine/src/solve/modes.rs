@@ -53,10 +53,20 @@ pub fn modes(
     stiffness: &DMatrix<f64>,
     count: usize,
 ) -> Result<Vec<Mode>, NoModes> {
+    modes_beyond([mass, damping, stiffness], count, 0.0)
+}
+
+/// The same for a stiffness `K` that may be negative by as much as `shift_1_s2` times the mass, as that of a rotor seen from the ground:
+/// `K + shift M` is then far from singular. A shift found by trial may not be.
+pub fn modes_beyond(
+    [mass, damping, stiffness]: [&DMatrix<f64>; 3],
+    count: usize,
+    shift_1_s2: f64,
+) -> Result<Vec<Mode>, NoModes> {
     if mass.nrows() == 0 {
         return Ok(Vec::new());
     }
-    let (shift, root) = shifted_root(mass, stiffness)?;
+    let (shift, root) = shifted_root(mass, stiffness, shift_1_s2)?;
     let scaled = |matrix: &DMatrix<f64>| -> DMatrix<f64> {
         let half = root.solve_lower_triangular(matrix).unwrap_or_else(|| matrix.clone());
         let whole = root.solve_lower_triangular(&half.transpose());
@@ -85,14 +95,18 @@ pub fn modes(
     Ok(list)
 }
 
-/// Cholesky factor of the symmetric part of `K + σM` with the smallest `σ` tried that makes it positive definite.
-pub(super) fn shifted_root(mass: &DMatrix<f64>, stiffness: &DMatrix<f64>) -> Result<(f64, DMatrix<f64>), NoModes> {
+/// Cholesky factor of the symmetric part of `K + σM` with the smallest `σ` tried, from `first` on, that makes it positive definite.
+pub(super) fn shifted_root(
+    mass: &DMatrix<f64>,
+    stiffness: &DMatrix<f64>,
+    first: f64,
+) -> Result<(f64, DMatrix<f64>), NoModes> {
     if mass.clone().cholesky().is_none() {
         return Err(NoModes::Mass);
     }
     let symmetric = (stiffness + stiffness.transpose()) * 0.5;
     let fastest = (0..mass.nrows()).fold(0.0f64, |fastest, i| fastest.max(symmetric[(i, i)].abs() / mass[(i, i)]));
-    let mut shift = 0.0;
+    let mut shift = first;
     for _ in 0..40 {
         let matrix = &symmetric + mass * shift;
         // pivots that are only round-off are not a stiffness

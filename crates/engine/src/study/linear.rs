@@ -120,7 +120,8 @@ impl Study<'_> {
         matrix
     }
 
-    fn moving_stiffness(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
+    /// Change of the residual with the coordinates about a moving state.
+    pub(super) fn moving_stiffness(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
         let mut bare = Bare::new(self.system);
         let now = &self.system.state.now;
         let stations: &[Wrench] = if self.system.equations.loaded { &self.system.equations.stations } else { &[] };
@@ -268,7 +269,7 @@ impl Study<'_> {
         Ok((list.into_iter().map(|mode| self.mode_shape(mode, &freedoms)).collect(), sign))
     }
 
-    fn mode_shape(&self, mode: LaggedMode, freedoms: &[Freedom]) -> ModeShape {
+    pub(super) fn mode_shape(&self, mode: LaggedMode, freedoms: &[Freedom]) -> ModeShape {
         let model = &self.system.equations.model;
         let mut tangent = Tangent::new(model);
         self.system.equations.linearize_at_rest(&mut tangent, &self.system.state.now.q);
@@ -316,6 +317,7 @@ impl Study<'_> {
             real: nodes(&real),
             imaginary: nodes(&imaginary),
             length_m: model.reference_length_m,
+            whirl: Vec::new(),
         }
     }
 

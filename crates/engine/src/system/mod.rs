@@ -36,7 +36,7 @@ pub use outputs::{
     EnergyOutputs, FailureOutputs, GeneratorOutputs, JointOutputs, LatchOutputs, LoopOutputs, ModalOutputs,
     OutputLayout, OutputSet, Outputs, PointOutputs, SpatialOutputs,
 };
-pub use shape::{ModeShape, NodeMotion, SectionShape, SectionState};
+pub use shape::{ModeShape, NodeMotion, SectionShape, SectionState, WhirlShare};
 pub use state::Snapshot;
 pub use statistics::{JointStatus, Statistics};
 pub use strains::SectionStrain;

@@ -6,6 +6,7 @@ use crate::load::LoadFrame;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Body, Station};
 use crate::multibody::{gauge, station};
+use crate::solve::multiblade::Whirl;
 use crate::solve::tracking::Followed;
 use crate::system::System;
 use nalgebra::{Complex, Matrix3, Rotation3, Vector3, Vector4};
@@ -60,6 +61,28 @@ pub struct ModeShape {
     pub imaginary: Vec<Vec<NodeMotion>>,
     /// Length of the machine in m, over which displacements count.
     pub length_m: f64,
+    /// What moves, of a rotor that turns, largest share first; empty for other machines.
+    pub whirl: Vec<WhirlShare>,
+}
+
+/// Part of a mode of a rotor that turns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WhirlShare {
+    /// What moves, e.g. `blade flap 1` or `tower edge 1`.
+    pub part: String,
+    /// How the blades move relative to each other; `None` of what is no blade.
+    pub whirl: Option<Whirl>,
+    /// Its share; all add up to 1.
+    pub share: f64,
+}
+
+impl std::fmt::Display for WhirlShare {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.whirl {
+            Some(whirl) => write!(f, "{} {whirl}", self.part),
+            None => f.write_str(&self.part),
+        }
+    }
 }
 
 impl ModeShape {

@@ -4,7 +4,7 @@ mod journal;
 mod plan;
 mod variant;
 
-pub(super) use plan::Plan;
+pub(super) use plan::{Plan, axis};
 pub(super) use variant::{Experiment, columns};
 
 use crate::cli::choice::chosen;

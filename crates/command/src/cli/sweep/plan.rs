@@ -180,7 +180,7 @@ fn check_keys(keys: &[String], place: &str, interface: &Interface) -> Result<(),
 }
 
 /// Values of one key: `FROM:TO:COUNT` or `A,B,…`.
-fn axis(text: &str) -> Result<Vec<String>, String> {
+pub(in crate::cli) fn axis(text: &str) -> Result<Vec<String>, String> {
     if let [from, to, count] = text.split(':').collect::<Vec<_>>()[..] {
         return range(from, to, count);
     }

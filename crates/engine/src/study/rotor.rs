@@ -1,0 +1,155 @@
+//! Which part of a machine is a rotor: a shaft, a hub and equal blades, spaced evenly around the shaft.
+
+use crate::machine::{JointKind, Machine, OneFreedom, Parent};
+use crate::study::Study;
+use crate::system::PlantError;
+use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::TAU;
+
+/// Turn in rad by which a blade may be off its place.
+const PLACE_RAD: f64 = 1e-6;
+
+/// A rotor of equal blades.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rotor {
+    /// Body behind the joint that is the shaft.
+    pub(super) shaft: usize,
+    /// Bodies of every blade, inner ones first; a blade stands ahead of the one before it.
+    pub(super) blades: Vec<Vec<usize>>,
+}
+
+impl Rotor {
+    /// Number of blades.
+    pub fn blades(&self) -> usize {
+        self.blades.len()
+    }
+}
+
+/// Bodies that a body carries.
+fn children(machine: &Machine, of: usize) -> Vec<usize> {
+    let carried =
+        |body: &usize| matches!(machine.bodies[*body].joint.parent, Parent::Body { index, .. } if index == of);
+    (0..machine.bodies.len()).filter(carried).collect()
+}
+
+/// A body and all that it carries, inner ones first.
+fn tree(machine: &Machine, of: usize) -> Vec<usize> {
+    let mut list = vec![of];
+    let mut next = 0;
+    while next < list.len() {
+        list.extend(children(machine, list[next]));
+        next += 1;
+    }
+    list
+}
+
+/// The first body outward from a shaft that carries several: the hub.
+fn hub(machine: &Machine, shaft: usize) -> Option<usize> {
+    let mut body = shaft;
+    loop {
+        match children(machine, body)[..] {
+            [] => return None,
+            [only] => body = only,
+            _ => return Some(body),
+        }
+    }
+}
+
+/// A joint that nothing keeps from turning round: a shaft, if it carries a hub.
+fn turns(joint: &JointKind) -> bool {
+    let free = |joint: &OneFreedom| {
+        joint.spring.is_none() && joint.drive.stiffness_n_m_rad == 0.0 && joint.stops.is_none() && joint.latch.is_none()
+    };
+    matches!(joint, JointKind::Revolute(joint) if free(joint))
+}
+
+/// The body behind the shaft: of the joint named, or of the only one that can be it.
+fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, String> {
+    if let Some(name) = named {
+        let body = machine.bodies.iter().position(|body| body.joint.name == name);
+        let body = body.ok_or_else(|| format!("--shaft {name}: the model has no joint of this name"))?;
+        return match machine.bodies[body].joint.kind {
+            JointKind::Revolute(_) => Ok(body),
+            _ => Err(format!("--shaft {name}: the joint is not revolute, and only such a joint is a shaft")),
+        };
+    }
+    let may_be = |body: &usize| turns(&machine.bodies[*body].joint.kind) && hub(machine, *body).is_some();
+    let list: Vec<usize> = (0..machine.bodies.len()).filter(may_be).collect();
+    match list[..] {
+        [only] => Ok(only),
+        [] => Err("the model has no rotor: no revolute joint without spring, drive stiffness, stops and latch carries a body with \
+                   several others on it; name the joint with --shaft"
+            .to_owned()),
+        _ => {
+            let names: Vec<&str> = list.iter().map(|body| machine.bodies[*body].joint.name.as_str()).collect();
+            Err(format!("each of the joints {} may be the shaft; choose one with --shaft", names.join(", ")))
+        }
+    }
+}
+
+impl Study<'_> {
+    /// The rotor of the machine at its start angles, which this takes it to ([`Study::undeformed`]). `shaft` names its joint; without
+    /// a name it is the only joint that turns without limit and carries a hub, a body with several others on it.
+    ///
+    /// # Errors
+    /// If there is no rotor, or its blades do not stand around the shaft like one turned by equal angles.
+    pub fn rotor(&mut self, time_s: f64, shaft: Option<&str>) -> Result<Rotor, PlantError> {
+        self.undeformed(time_s)?;
+        self.find_rotor(shaft).map_err(|cause| PlantError::Linearization { time_s, cause })
+    }
+
+    fn find_rotor(&self, shaft: Option<&str>) -> Result<Rotor, String> {
+        let machine = &self.system.machine;
+        let shaft = shaft_of(machine, shaft)?;
+        let joint = &machine.bodies[shaft].joint;
+        let hub = hub(machine, shaft).ok_or_else(|| {
+            format!(
+                "the joint {} carries no hub, a body with two or more blades on it; choose another with --shaft",
+                joint.name
+            )
+        })?;
+        let JointKind::Revolute(hinge) = &joint.kind else {
+            return Err(format!("the joint {} is not revolute", joint.name));
+        };
+        let sections = self.system.shape();
+        let attitude = |body: usize| -> Matrix3<f64> { sections[body][0].rotation };
+        let axis: Vector3<f64> = attitude(shaft) * joint.mount.transpose() * hinge.axis;
+        let across = axis.cross(&Vector3::ith(axis.iamin(), 1.0)).normalize();
+        let roots = children(machine, hub);
+        let mut placed = Vec::new();
+        for &root in &roots {
+            let turn = attitude(root) * attitude(roots[0]).transpose();
+            let turned = turn * across;
+            let angle_rad = axis.dot(&across.cross(&turned)).atan2(across.dot(&turned));
+            let (first, own) = (&machine.bodies[roots[0]].name, &machine.bodies[root].name);
+            if (turn * axis - axis).norm() > PLACE_RAD {
+                return Err(format!(
+                    "{own} on {} does not stand like {first} turned about the joint {}: all that the hub carries must be equal blades, \
+                     at equal start angles",
+                    machine.bodies[hub].name, joint.name
+                ));
+            }
+            placed.push((angle_rad.rem_euclid(TAU), tree(machine, root)));
+        }
+        // round-off below a whole turn is none
+        placed
+            .iter_mut()
+            .filter(|(angle_rad, _)| TAU - *angle_rad < PLACE_RAD)
+            .for_each(|(angle_rad, _)| *angle_rad = 0.0);
+        placed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (k, (angle_rad, bodies)) in placed.iter().enumerate() {
+            let wanted_rad = TAU * k as f64 / placed.len() as f64;
+            if (angle_rad - wanted_rad).abs() > PLACE_RAD {
+                return Err(format!(
+                    "{} stands {:.4} deg ahead of {}: {} blades are spaced evenly, by {:.4} deg; is one missing?",
+                    machine.bodies[bodies[0]].name,
+                    angle_rad.to_degrees(),
+                    machine.bodies[placed[0].1[0]].name,
+                    placed.len(),
+                    360.0 / placed.len() as f64
+                ));
+            }
+        }
+        Ok(Rotor { shaft, blades: placed.into_iter().map(|(_, bodies)| bodies).collect() })
+    }
+}

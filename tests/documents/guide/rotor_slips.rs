@@ -1,0 +1,83 @@
+//! Slips with rotors: models and lines of `modes --over rotor_speed_rpm`, and refusals of a rotor's parts.
+
+/// Lines in a folder with the files of [`files`] and `wing.toml`.
+pub const LINES: &[&str] = &[
+    "modes turbine.toml --over rotor_speed_rpm=0:10:2",
+    "modes wing.toml --about undeformed --over rotor_speed_rpm=0:10:2 --shaft none",
+    "modes wing.toml --shaft fold --over fold.command=0:1:2",
+    "modes turbine.toml --about undeformed --over rotor_speed_rpm=0:10:2 --shaft base",
+    "modes turbine.toml --about undeformed --over rotor_speed_rpm=0:10:2 --shaft pitch1",
+    "modes still.toml --over rotor_speed_rpm=0:10:2",
+    "modes twin.toml --over rotor_speed_rpm=0:10:2",
+    "modes unlike.toml --over rotor_speed_rpm=1:10:2",
+    "modes gap.toml --over rotor_speed_rpm=0:10:2",
+    "modes tilted.toml --over rotor_speed_rpm=0:10:2",
+    "modes clamped.toml --over rotor_speed_rpm=0:10:2",
+    "modes loose.toml --over rotor_speed_rpm=0:10:2",
+    "modes rotor.toml --over rotor_speed_rpm=0,inf",
+];
+
+const HEAD: &str = "name = \"rotor\"\ngravity_m_s2 = [0, 0, 0]\n";
+const TAIL: &str = "[experiment]\nstop_time_s = 1.0\nstep_s = 0.01\n";
+
+fn hub(joint: &str, axis: &str) -> String {
+    format!(
+        "[rigid_body.hub{joint}]\nmass_kg = 1.0\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]\n\
+         [joint.{joint}]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"hub{joint}\"\naxis = {axis}\n"
+    )
+}
+
+fn blade(joint: &str, number: u32, turn: &str, mass_kg: f64, kind: &str) -> String {
+    format!(
+        "[rigid_body.blade{joint}{number}]\nmass_kg = {mass_kg:?}\ncentre_of_mass_m = [0, 1, 0]\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]\n\
+         [joint.lag{joint}{number}]\nparent = \"hub{joint}\"\nchild = \"blade{joint}{number}\"\nmount_rotation_deg = {turn}\n{kind}\n"
+    )
+}
+
+const HINGE: &str = "type = \"revolute\"\naxis = [1, 0, 0]\nspring = { stiffness_N_m_rad = 10.0 }";
+
+/// Models by name.
+pub fn files() -> Vec<(&'static str, String)> {
+    let one = |turns: [&str; 3], mass_kg: f64, kind: &str| {
+        let shaft = hub("shaft", "[1, 0, 0]");
+        let rest = blade("shaft", 1, turns[0], 1.0, HINGE) + &blade("shaft", 2, turns[1], 1.0, HINGE);
+        format!("{HEAD}{shaft}{rest}{}{TAIL}", blade("shaft", 3, turns[2], mass_kg, kind))
+    };
+    let even = ["[0, 0, 0]", "[120, 0, 0]", "[240, 0, 0]"];
+    let alone = hub("shaft", "[1, 0, 0]");
+    let pair = |joint: &str| {
+        hub(joint, "[1, 0, 0]")
+            + &blade(joint, 1, "[0, 0, 0]", 1.0, HINGE)
+            + &blade(joint, 2, "[180, 0, 0]", 1.0, HINGE)
+    };
+    let loose = "type = \"revolute\"\naxis = [1, 0, 0]";
+    let unsprung = one(even, 1.0, HINGE).replace(HINGE, loose);
+    vec![
+        ("turbine.toml", include_str!("../../../examples/turbine/nrel_5mw.toml").to_owned()),
+        ("rotor.toml", one(even, 1.0, HINGE)),
+        ("unlike.toml", one(even, 1.5, HINGE)),
+        ("gap.toml", one(["[0, 0, 0]", "[90, 0, 0]", "[180, 0, 0]"], 1.0, HINGE)),
+        ("tilted.toml", one(["[0, 0, 0]", "[120, 0, 0]", "[240, 10, 0]"], 1.0, HINGE)),
+        ("clamped.toml", one(even, 1.0, "type = \"clamped\"")),
+        ("loose.toml", unsprung),
+        ("still.toml", format!("{HEAD}{alone}{TAIL}")),
+        ("twin.toml", format!("{HEAD}{}{}{TAIL}", pair("left"), pair("right"))),
+    ]
+}
+
+/// What is said to rotors and generators that are refused.
+pub fn refused() -> Vec<String> {
+    let rotor = crate::guide::variables::ROTOR;
+    let second = |mount: &str| {
+        format!(
+            "[modal_body.second]\nlength_m = 10.0\ncells = 5\nstations = [0, 1]\nmass_kg_m = [10, 10]\nflap_stiffness_N_m2 = [1e6, 1e6]\n\
+             edge_stiffness_N_m2 = [2e6, 2e6]\nflap_shapes = [[1.0]]\n[joint.second]\ntype = \"clamped\"\nparent = \"bodynamea\"\n\
+             child = \"second\"\nmount_rotation_deg = {mount}\n"
+        )
+    };
+    let surface = "[surface.second]\nbody = \"second\"\naxis_fraction = 0.25\nstations_m = [0.0, 10.0]\npolars = [\"plate\", \"plate\"]\nchord_m = 0.4\n";
+    let power = rotor.replace("[[1000.0, 10.0]]", "[[-10.0, 10.0]], beyond = \"power\"");
+    let texts =
+        [format!("{rotor}{}", second("[0, -90, 0]")), format!("{rotor}{}{surface}", second("[0, -90, 0]")), power];
+    texts.iter().map(|text| foldwing::config::parse(text, "rotor.toml").expect_err(text).to_string()).collect()
+}

@@ -1,0 +1,160 @@
+//! The turbine in wind at work: operating points beside OpenFAST, a shaft that has turned a million times, real time.
+
+use crate::counting_allocator::allocations;
+use crate::turbine::machine::*;
+use crate::whole::is_whole;
+use foldwing::aero::EndRule;
+use foldwing::machine::*;
+use foldwing::plant::Plant;
+use nalgebra::Vector3;
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+const RPM: f64 = PI / 30.0;
+
+/// The rotor on a stand under AeroDyn's rules, at a given speed and pitch. Its blades are damped to settle soon, which moves no
+/// steady state.
+fn at_point(wind_m_s: f64, speed_rpm: f64, pitch_deg: f64) -> Plant {
+    let mut machine = windy(&on_a_stand(WIND_TEXT));
+    let air = machine.air.as_mut().expect("air");
+    air.wind_m_s = Vector3::new(wind_m_s, 0.0, 0.0);
+    let AirOptions::Rotor(options) = &mut air.options else { panic!("a rotor") };
+    (options.features.end_rule, options.features.as_aerodyn) = (EndRule::Stopped, true);
+    for blade in 1..=3 {
+        let pitch = hinge_mut(&mut machine, &format!("pitch{blade}"));
+        (pitch.motion, pitch.drive, pitch.start_angle_rad) =
+            (JointMotion::Locked, Drive::default(), pitch_deg.to_radians());
+        let law = law_mut(&mut machine, &format!("blade{blade}"));
+        law.flap.iter_mut().chain(&mut law.edge).for_each(|shape| shape.damping_ratio = 0.5);
+    }
+    hinge_mut(&mut machine, "drive_train").motion = JointMotion::Locked;
+    let shaft = hinge_mut(&mut machine, "shaft");
+    shaft.motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.0, speed_rpm * RPM]));
+    (shaft.start_rate_rad_s, shaft.generator) = (0.0, None);
+    let mut plant = Plant::new(Arc::new(machine));
+    plant.initialize(0.0).expect("a start");
+    plant
+}
+
+/// WT-21. The flexible rotor over wind: thrust and torque, and the tip's deflection, of OpenFAST's steady states. How line loads reach its
+/// structural nodes moves OpenFAST's own deflections by 0.5 %, with the load on flexible blades behind them; three parts in a thousand of
+/// the map's largest are allowed, and two of the coefficients, twice what is seen.
+#[test]
+fn wt21_flexible_rotor_over_wind() {
+    let (names, rows) = table(include_str!("../../reference/turbine/openfast_aeromap_flexible.csv"));
+    let column = |name: &str| names.iter().position(|known| *known == name).expect("a column");
+    let of = |row: &[f64], name: &str| row[column(name)];
+    let mut worst = [0.0f64; 4];
+    for row in &rows {
+        let (wind, speed, pitch) = (row[0], row[1], row[2]);
+        if !is_whole() && ![7.0, 11.0, 15.0].contains(&wind) {
+            continue;
+        }
+        let mut plant = at_point(wind, speed, pitch);
+        plant.step(20.0).expect("twenty seconds");
+        let outputs = plant.outputs();
+        let (air, tip) = (outputs.rotor()[0], outputs.modal()[0].deflection_m);
+        // out of the rotor's plane and in it: the blade's frame is pitched about its axis, towards feather
+        let (sine, cosine) = pitch.to_radians().sin_cos();
+        let (out, within) = (tip.z * cosine - tip.y * sine, -(tip.y * cosine + tip.z * sine));
+        let thrust = air.thrust_n / of(row, "RtFldFxh_N") - 1.0;
+        let torque = air.torque_n_m / of(row, "RtFldMxh_Nm") - 1.0;
+        let [out_off, in_off] = [out - of(row, "OoPDefl1_m"), within - of(row, "IPDefl1_m")];
+        println!(
+            "WT-21 {wind:4} m/s {speed:7.4} rpm {pitch:7.4} deg: thrust {thrust:+.1e}, torque {torque:+.1e}, tip {out:.4} m ({out_off:+.4}), \
+             {within:.4} m ({in_off:+.4})"
+        );
+        // deflections over the largest of the map, 6.5 and 0.84 m: some pass through zero
+        let own = [thrust.abs(), torque.abs(), out_off.abs() / 6.481, in_off.abs() / 0.839];
+        worst.iter_mut().zip(own).for_each(|(worst, own)| *worst = worst.max(own));
+    }
+    println!("WT-21: thrust {:.1e}, torque {:.1e}, tip {:.1e}, {:.1e}", worst[0], worst[1], worst[2], worst[3]);
+    assert!(worst[0] < 2e-3 && worst[1] < 2e-3, "coefficients off by {worst:?}");
+    assert!(worst[2] < 3e-3 && worst[3] < 3e-3, "deflections off by {worst:?}");
+}
+
+/// WT-22. A shaft that has turned a million times: the turbine moves on as one that has not. The angle then has 1e-9 rad for its last
+/// digit, 6e-8 m at the tips, which is all that may differ over 2 s; it is not wrapped.
+#[test]
+fn wt22_a_million_turns_change_nothing() {
+    let run = |turns: f64| {
+        let mut machine = windy(WIND_TEXT);
+        hinge_mut(&mut machine, "shaft").start_angle_rad = TAU * turns;
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).expect("a start");
+        plant.step(2.0).expect("two seconds");
+        let state = plant.free_state();
+        (state.0[place(&plant, "shaft.angle")], plant.outputs().rotor()[0], plant.outputs().modal()[1].deflection_m)
+    };
+    let (angle, air, tip) = run(0.0);
+    let (far_angle, far_air, far_tip) = run(1e6);
+    println!("WT-22: angle {:.1e} rad, tip {:.1e} m", far_angle - TAU * 1e6 - angle, (far_tip - tip).norm());
+    assert!((far_angle - TAU * 1e6 - angle).abs() < 1e-7);
+    assert!((far_tip - tip).norm() < 1e-6 && (far_air.speed_rad_s / air.speed_rad_s - 1.0).abs() < 1e-7);
+}
+
+/// The example in real-time mode, with turbulence, on steps of 5 ms of air and structure.
+fn in_real_time(real_time: bool) -> Plant {
+    let turbulence = "[wind]\nreference_height_m = 90.0\ndownwind = [1, 0, 0]\nshear_exponent = 0.2\n[wind.turbulence]\nseed = 7\n\
+                      mean_m_s = 12.0\ndeviation_m_s = 2.0\npoints = [7, 7]\nspacing_m = [24.0, 24.0]\nplanes = 64\nplane_s = 0.25\n\n[surface.blade]";
+    let text = WIND_TEXT
+        .replace("[surface.blade]", turbulence)
+        .replace("wind_m_s = [11.4, 0.0, 0.0]", "wind_m_s = [0.0, 0.0, 0.0]")
+        .replace("step_s = 0.02\n# The loads", "step_s = 0.005\n# The loads");
+    let (before, rest) = text.split_once("[solver]").expect("a solver");
+    let (solver, after) = rest.split_once("[experiment]").expect("an experiment");
+    let solver = if real_time { "\nmode = \"real_time\"\nfixed_step_s = 0.005\n" } else { solver };
+    let mut plant = Plant::new(Arc::new(windy(&format!("{before}[solver]{solver}[experiment]{after}"))));
+    plant.initialize(0.0).expect("a start");
+    plant
+}
+
+/// WT-23. Real time at 5 ms under turbulence, with pitch and torque set at every step as a controller sets them: the work per step is
+/// bounded, nothing is repeated or allocated, and the motion is that of the accurate mode: over 8 s the rotor's speed to 1e-4, tip and
+/// tower to 2 % of their largest; steps of 5 ms damp the pitch drives' 29 Hz and resolve the blades' 1 Hz to their square, 1e-3.
+#[test]
+fn wt23_real_time_at_five_milliseconds() {
+    let run = |mut plant: Plant| {
+        let (mut rows, mut most) = (Vec::new(), 0);
+        for step in 1..=1600u32 {
+            let time_s = 0.005 * f64::from(step);
+            let joints = plant.machine().one_freedoms().map(|(body, _)| body).collect::<Vec<_>>();
+            let place = |plant: &Plant, name: &str| {
+                joints.iter().position(|body| plant.machine().bodies[*body].joint.name == name).expect("a joint")
+            };
+            let (shaft, pitch) = (place(&plant, "shaft"), place(&plant, "pitch1"));
+            plant.inputs_mut().joints_mut()[shaft].torque_n_m = -97.0 * 1e3 * (0.7 * time_s).sin();
+            plant.inputs_mut().joints_mut()[pitch].command_rad = 0.02 * (1.0 - (0.5 * time_s).cos());
+            let (before, iterations) = (allocations(), plant.statistics());
+            plant.step(time_s).expect("a step");
+            assert_eq!(allocations(), before, "allocated at {time_s} s");
+            let after = plant.statistics();
+            most = most
+                .max(after.iterations + after.trial_iterations - iterations.iterations - iterations.trial_iterations);
+            let outputs = plant.outputs();
+            rows.push([
+                outputs.rotor()[0].speed_rad_s,
+                outputs.modal()[1].deflection_m.z,
+                outputs.modal()[0].deflection_m.z,
+            ]);
+        }
+        (rows, most, plant.statistics())
+    };
+    let (real_time, most, statistics) = run(in_real_time(true));
+    let (accurate, ..) = run(in_real_time(false));
+    let off = |column: usize| {
+        let largest = accurate.iter().map(|row| row[column].abs()).fold(0.0, f64::max);
+        real_time.iter().zip(&accurate).map(|(a, b)| (a[column] - b[column]).abs()).fold(0.0, f64::max) / largest
+    };
+    println!(
+        "WT-23: speed {:.1e}, tip {:.1e}, tower {:.1e}; {most} iterations in the worst step, {} stages unconverged",
+        off(0),
+        off(1),
+        off(2),
+        statistics.unconverged
+    );
+    // one march on trial and one for good, two stages each, four iterations at most
+    assert!(most <= 16, "{most} iterations in a step");
+    assert_eq!((statistics.rejections, statistics.failures), (0, 0));
+    assert!(off(0) < 1e-4 && off(1) < 0.02 && off(2) < 0.02);
+}
