@@ -174,6 +174,9 @@ impl Study<'_> {
             let largest = (0..n).map(own).fold(0.0, f64::max);
             let excess = |i: usize, j: usize| {
                 let change = (a[(i, j)] - b[(i, j)]).abs() / (root(i) * root(j));
+                if change == 0.0 {
+                    return 0.0; // of a machine at rest without damping, over nothing
+                }
                 change / ((own(i) * own(j)).sqrt() + ROUND_OFF / ISOTROPIC * largest)
             };
             let places = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
