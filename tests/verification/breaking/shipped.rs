@@ -51,6 +51,18 @@ fn fl31_the_latch_does_not_catch() {
     assert!(!failing.1.outputs().latches()[0].closed.is_on() && failing.0 < -0.5, "{} rad", failing.0);
 }
 
+/// FL-33. A latch that is closed when it fails to catch stays closed: it breaks only by `latch_breaks`.
+#[test]
+fn fl33_a_closed_latch_need_not_catch() {
+    let [mut failing, _] = both("latch_does_not_catch");
+    failing.failures[0].at_time_s = Some(0.14);
+    let mut plant = start(failing);
+    drift_j(&mut plant, 0.16, 20);
+    assert_eq!(failed_s(&plant, 0), Some(0.14));
+    let latch = plant.outputs().latches()[0];
+    assert!(latch.closed.is_on() && latch.count.get() == 1 && latch.time_s < 0.14, "{latch:?}");
+}
+
 /// FL-32. One side of an aircraft unfolds: it rolls as the sound one does not, and momentum stays.
 #[test]
 fn fl32_one_side_unfolds() {

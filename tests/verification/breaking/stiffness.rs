@@ -112,3 +112,19 @@ fn fl28_failures_of_one_load_path_multiply() {
     let quarter = failing(&[("a", 0.02, 0.25)]);
     assert!(quarter > 0.0 && halves == quarter, "{halves} N, {quarter} N");
 }
+
+/// FL-29. A spring that breaks takes its damper with it: the rotor turns on at the rate that it has.
+#[test]
+fn fl29_a_spring_breaks_with_its_damper() {
+    let stiffness_n_m_rad = INERTIA_KG_M2 * FREQUENCY_RAD_S.powi(2);
+    let joint = |joint: JointBuilder| {
+        let spring = Spring { stiffness_n_m_rad, damping_n_m_s_rad: 0.1 * stiffness_n_m_rad, ..Spring::default() };
+        joint.spring(spring).start_angle_rad(START_RAD)
+    };
+    let mut plant = begun(joint, Failure::spring_weakens("spring", "hinge", 0.0).at_time_s(0.1));
+    drift_j(&mut plant, 0.2, 3);
+    let rate_rad_s = plant.outputs().joints()[0].rate_rad_s;
+    drift_j(&mut plant, 1.0, 5);
+    let end_rad_s = plant.outputs().joints()[0].rate_rad_s;
+    assert!(rate_rad_s < -0.1 && (end_rad_s - rate_rad_s).abs() < 1e-9, "{rate_rad_s} {end_rad_s} rad/s");
+}

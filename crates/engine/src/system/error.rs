@@ -89,6 +89,14 @@ pub enum PlantError {
         /// What failed.
         cause: String,
     },
+    /// The air cannot meet the machine where it stands: a flap beyond its limits, Mach 1, the ground.
+    #[error("no loads of the air at t = {time_s} s: {cause}")]
+    Surroundings {
+        /// Time in s.
+        time_s: f64,
+        /// What is wrong, and the cure.
+        cause: String,
+    },
     /// Two lattices lie on each other.
     #[error(
         "no loads of the air at t = {time_s} s: the lattices of {} and {} lie on each other, {gap_m:.1e} m or {gap_panels:.2} \

@@ -211,7 +211,7 @@ impl System {
                 "accelerations and apparent mass do not agree after {MAXIMUM_CORRECTIONS} corrections: the air is too heavy for the \
                  structure; write apparent_mass = false"
             );
-            return Err(refusal(time_s, cause));
+            return Err(PlantError::Surroundings { time_s, cause });
         }
         if let Some(history) = &mut state.air {
             remember(strips, own, history);

@@ -43,7 +43,7 @@ fn check(flap: &Flap, angle_rad: f64, time_s: f64) -> Result<(), PlantError> {
          its lower_deg = {:.6} and upper_deg = {:.6}",
         degrees[0], degrees[1]
     );
-    Err(refusal(time_s, cause))
+    Err(PlantError::Surroundings { time_s, cause })
 }
 
 impl AirCoupling {

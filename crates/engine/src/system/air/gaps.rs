@@ -36,14 +36,14 @@ pub(crate) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failur
                 sonic.strip + 1,
                 sonic.mach
             );
-            PlantError::Air { time_s, cause }
+            PlantError::Surroundings { time_s, cause }
         }
         NoCirculation::BelowGround(surface) => {
             let body = &machine.bodies[air.surfaces[surface].body].name;
             let cause = format!(
                 "the surface of body {body} reaches below the ground; raise the wing or enlarge ground_distance_m"
             );
-            PlantError::Air { time_s, cause }
+            PlantError::Surroundings { time_s, cause }
         }
         NoCirculation::Closed(closed) => PlantError::ClosedSheets {
             time_s,
