@@ -14,7 +14,7 @@ pub const LINES: &[&str] = &[
     "modes tilted.toml --over rotor_speed_rpm=0:10:2",
     "modes clamped.toml --over rotor_speed_rpm=0:10:2",
     "modes loose.toml --over rotor_speed_rpm=0:10:2",
-    "modes rotor.toml --over rotor_speed_rpm=0,inf",
+    "modes rotor.toml --over rotor_speed_rpm=inf,1",
 ];
 
 const HEAD: &str = "name = \"rotor\"\ngravity_m_s2 = [0, 0, 0]\n";
