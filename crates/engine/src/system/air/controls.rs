@@ -5,7 +5,6 @@ use crate::machine::Air;
 use crate::signal::{FlapInputs, Inputs};
 use crate::system::PlantError;
 use crate::system::air::AirCoupling;
-use crate::system::air::start::refusal;
 use crate::system::equations::Equations;
 use crate::system::outputs::{FlapOutputs, Outputs};
 use crate::system::state::State;
