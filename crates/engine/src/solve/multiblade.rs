@@ -202,9 +202,10 @@ mod tests {
         let z = DVector::from_vec([5.0, 1.0, 2.0, -3.0].map(|x| Complex::new(x, 0.5)).to_vec());
         let q = rotor.coordinates(&z, 0.3);
         assert_eq!(q[0], z[0]);
+        // sums of numbers of the size of 5 lose a few of its last bits, 9e-16 each
         let sum: Complex<f64> = q.rows(1, 3).iter().sum();
-        assert!((sum / 3.0 - z[1]).norm() < 1e-15);
+        assert!((sum / 3.0 - z[1]).norm() < 1e-14);
         let cosines: Complex<f64> = (0..3).map(|k| q[1 + k] * (0.3 + TAU * k as f64 / 3.0).cos()).sum();
-        assert!((cosines * (2.0 / 3.0) - z[2]).norm() < 1e-15);
+        assert!((cosines * (2.0 / 3.0) - z[2]).norm() < 1e-14);
     }
 }

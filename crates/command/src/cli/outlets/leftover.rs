@@ -1,5 +1,6 @@
 //! Temporary files and folders that go with a command that is interrupted.
 
+#[cfg(unix)]
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};

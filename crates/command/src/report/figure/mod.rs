@@ -38,7 +38,7 @@ const NAME_LINE: u32 = 17;
 /// Room for a letter of a mark's words, in tenths of a user unit.
 const MARK_LETTER: u32 = 72;
 /// Names that are longer lose their middle.
-const LONGEST_NAME: usize = 21;
+const LONGEST_NAME: usize = 24;
 
 /// Font of labels; browsers that lack it take the one most like it.
 const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
