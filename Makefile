@@ -192,13 +192,13 @@ audit: build venv ## Repeat the audit of physics and numerics: studies/audit, do
 	    echo "== $$script"; FOLDWING=$(abspath $(COMMAND)) $(abspath $(VENV_PYTHON)) $$script; \
 	done
 
-# with the checks for overflow and the assertions that a release build leaves out; a single step may take its 10⁶ internal
-# steps, a minute and more in this build
 importers: build ## Have an importer that is not ours run every shipped model in all four forms: docs/tables/importers.md
 	$(CARGO) build --release --locked --manifest-path tools/second_importer/Cargo.toml --target-dir $(TARGET)/second_importer
 	@$(PYTHON) studies/second_importer.py --foldwing $(COMMAND) --importer $(TARGET)/second_importer/release/second_importer \
 	    --table docs/tables/importers.md
 
+# with the checks for overflow and the assertions that a release build leaves out; a single step may take its 10⁶ internal
+# steps, a minute and more in this build
 robust: toolchain valgrind ## A million random calls on each face, 30000 mutated models, a million steps, 100 killed importers
 	FOLDWING_CALLS=1000000 FOLDWING_WATCHDOG=900 $(CARGO) test --locked --test robustness -- --nocapture --skip valgrind random_calls::
 	FOLDWING_MUTATIONS=30000 $(CARGO) test --locked --test robustness -- --nocapture mutated_inputs::

@@ -250,8 +250,8 @@ impl Look<'_, '_> {
         }
         if let Some(air) = &file.aerodynamics {
             let wind = magnitude(&air.wind_m_s);
-            if wind > WIND_M_S {
-                let reason = format!("at {} m/s air is compressed, which no model of the air here knows", number(wind));
+            if wind > WIND_M_S && air.speed_of_sound_m_s.is_none() {
+                let reason = format!("at {} m/s air is compressed; speed_of_sound_m_s counts that in", number(wind));
                 self.doubt(&["aerodynamics", "wind_m_s"], reason, format!("km/h? that is {} m/s", number(wind / 3.6)));
             }
         }

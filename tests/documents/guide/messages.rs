@@ -360,7 +360,6 @@ fn produced() -> Vec<String> {
         "[-100, 0, 0.5, 0], [20, 1, 0.2, 0]",
         "[-20, 0, 0.1, 0], [20, 1, 3.2, 0]",
         "",
-        "[10, 0.5, 0.1, 0], [20, 1, 0.2, 0]",
     ];
     let extended = polars.iter().map(|rows| {
         let text = crate::guide::variables::ROTOR

@@ -4,7 +4,7 @@ use crate::turbine::machine::*;
 use foldwing::config;
 use foldwing::machine::{JointMotion, Machine};
 use foldwing::plant::{ModeShape, Plant, PlantError, Whirl};
-use nalgebra::{Complex, DMatrix, Rotation3, Vector3};
+use nalgebra::{Complex, DMatrix};
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 use std::sync::Arc;
@@ -65,60 +65,6 @@ fn wt17_blades_on_a_stand_whirl_with_the_speed() {
     }
     println!("WT-17: eigenvalues {worst:.1e}");
     assert!(worst < 2e-5, "off by {worst:.1e}");
-}
-
-/// Blades that are beams of strain, without damping, on a hub that is held; `alone`: the first of them on the root itself.
-fn beams(blades: usize, alone: bool) -> Machine {
-    let mut text = "name = \"beams\"\ngravity_m_s2 = [0, 0, 0]\n[section.spar]\nshape = \"rectangle\"\nwidth_m = 0.5\nheight_m = 0.1\n\
-                    young_Pa = 7e10\nshear_Pa = 2.6e10\ndensity_kg_m3 = 2700\n"
-        .to_owned();
-    if !alone {
-        text += "[rigid_body.hub]\nmass_kg = 500.0\ninertia_kg_m2 = [100.0, 100.0, 100.0, 0, 0, 0]\n[joint.shaft]\ntype = \"revolute\"\n\
-                 parent = \"root\"\nchild = \"hub\"\naxis = [1, 0, 0]\nmotion = \"locked\"\n";
-    }
-    for k in 0..blades {
-        // the beam's x outward, first along the root's z
-        let around = Rotation3::from_axis_angle(&Vector3::x_axis(), TAU * k as f64 / blades as f64);
-        let mount = (around * Rotation3::from_axis_angle(&Vector3::y_axis(), -0.5 * PI)).scaled_axis() * (180.0 / PI);
-        let parent = if alone { "root" } else { "hub" };
-        write!(
-            text,
-            "[body.blade{k}]\nlength_m = 10.0\nelements = 3\nsection = \"spar\"\n\
-             [joint.root{k}]\ntype = \"clamped\"\nparent = \"{parent}\"\nchild = \"blade{k}\"\nmount_rotation_deg = {:?}\n",
-            mount.as_slice()
-        )
-        .expect("text");
-    }
-    text += "[experiment]\nstop_time_s = 1.0\nstep_s = 0.01\n";
-    config::parse(&text, "beams.toml").unwrap_or_else(|refused| panic!("{refused}"))
-}
-
-/// WT-17. The same with beams: eigenvalues of one on a root that turns, and `± iΩ`. Two blades have no whirl, and their modes are those
-/// of one, twice. Both sides use the same tangent by differences, whose error is 1e-11 of the stretch's stiffness, 1e-7 of the bending's.
-#[test]
-fn wt17_beams_whirl_as_modal_blades_do() {
-    let mut worst = 0.0f64;
-    for (blades, speed_rpm) in [(3, 0.0), (3, 60.0), (4, 60.0), (2, 60.0)] {
-        let speed_rad_s = speed_rpm * RPM;
-        let one = spinning(beams(1, true), speed_rpm).study().modes(3).expect("modes of a blade");
-        let modes = whirls(&beams(blades, false), None, speed_rad_s, 3 * blades + 6).expect("modes");
-        for blade in &one {
-            let kinds: &[(Whirl, f64)] = match blades {
-                2 => &[(Whirl::Collective, 0.0), (Whirl::Differential, 0.0)],
-                _ => &[(Whirl::Collective, 0.0), (Whirl::Forward(1), 1.0), (Whirl::Backward(1), -1.0)],
-            };
-            for (whirl, sign) in kinds {
-                let value = blade.eigenvalue_1_s + Complex::new(0.0, sign * speed_rad_s);
-                let expected = if value.im < 0.0 { value.conj() } else { value };
-                // what coincides mixes: all at rest, collective and differential always
-                let named = |mode: &&ModeShape| speed_rad_s == 0.0 || *sign == 0.0 || share(mode, *whirl) > 0.99;
-                let off = |mode: &ModeShape| (mode.eigenvalue_1_s - expected).norm() / blade.eigenvalue_1_s.norm();
-                worst = worst.max(modes.iter().filter(named).map(off).fold(f64::MAX, f64::min));
-            }
-        }
-    }
-    println!("WT-17: beams {worst:.1e}");
-    assert!(worst < 1e-7, "off by {worst:.1e}");
 }
 
 /// WT-18. The example at rest: the modes that the ground sees are those of the machine, found without any transformation, to round-off of

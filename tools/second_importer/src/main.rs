@@ -27,14 +27,15 @@ impl Run {
     fn read() -> Option<Self> {
         let words: Vec<String> = std::env::args().skip(1).collect();
         let [archive, kind, stop_s, interval_s, step_s, table] = words.as_slice() else { return None };
-        Some(Self {
-            archive: archive.into(),
-            exchange: kind == "me",
-            stop_s: stop_s.parse().ok()?,
-            interval_s: interval_s.parse().ok()?,
-            step_s: step_s.parse().ok()?,
-            table: table.into(),
-        })
+        let exchange = match kind.as_str() {
+            "cs" => false,
+            "me" => true,
+            _ => return None,
+        };
+        let [stop_s, interval_s, step_s] = [stop_s, interval_s, step_s].map(|word| word.parse::<f64>().ok());
+        let (archive, table) = (archive.into(), table.into());
+        let run = Self { archive, exchange, stop_s: stop_s?, interval_s: interval_s?, step_s: step_s?, table };
+        [run.stop_s, run.interval_s, run.step_s].iter().all(|time_s| *time_s > 0.0).then_some(run)
     }
 
     /// Findings of the validation; runs the FMU where there are none.

@@ -36,6 +36,8 @@ impl Study<'_> {
     /// # Errors
     /// If there is no steady state, or the equations seen from the ground change as the rotor turns: the rotor is not isotropic,
     /// or has two blades on something that is not. The message names the coordinates.
+    ///
+    /// The machine is left as [`Study::undeformed`] leaves it, on an error too.
     pub fn whirl_modes(
         &mut self,
         time_s: f64,
@@ -44,6 +46,19 @@ impl Study<'_> {
         count: usize,
     ) -> Result<Vec<ModeShape>, PlantError> {
         self.undeformed(time_s)?;
+        let found = self.turning_modes(time_s, rotor, speed_rad_s, count);
+        self.undeformed(time_s)?;
+        found
+    }
+
+    /// The same, and leaves the machine in the steady state.
+    fn turning_modes(
+        &mut self,
+        time_s: f64,
+        rotor: &Rotor,
+        speed_rad_s: f64,
+        count: usize,
+    ) -> Result<Vec<ModeShape>, PlantError> {
         let refused = |cause: String| PlantError::Linearization { time_s, cause };
         if !speed_rad_s.is_finite() {
             return Err(refused(format!("the rotor's speed is {speed_rad_s} rad/s, not a finite number")));

@@ -47,7 +47,7 @@ pub enum NotHybrid {
     Uninitialized,
     /// Panels, wake and rotors are advanced by steps of their own.
     #[error(
-        "the machine's air is advanced by steps of its own: a lattice is sampled, and so is a rotor; write model = \"strip\" in \
+        "lattices and rotors advance in steps of their own, which an integrator from outside cannot take; write model = \"strip\" in \
          [aerodynamics], leave it out, or step the machine"
     )]
     Air,
@@ -118,13 +118,10 @@ impl Hybrid<'_> {
     ///
     /// Returns how far redundant parameters were off their constraints.
     pub fn set(&mut self, time_s: f64, states: &[f64]) -> f64 {
-        let System { state, equations, moving, air, .. } = &mut *self.system;
+        self.system.set_lags(&states[2 * self.system.moving.len()..]);
+        let System { state, equations, moving, .. } = &mut *self.system;
         let now = &mut state.now;
-        let (first, rest) = states.split_at(moving.len());
-        let (second, lags_m_s) = rest.split_at(moving.len());
-        if let Some(air) = air.as_mut().and_then(|air| air.continuous.as_mut()) {
-            air.lags_m_s.copy_from_slice(lags_m_s);
-        }
+        let (first, second) = states[..2 * moving.len()].split_at(moving.len());
         for (i, &c) in moving.iter().enumerate() {
             (now.q[c], now.v[c]) = (first[i], second[i]);
         }

@@ -144,6 +144,15 @@ impl Strips {
         own.followers_m_s[if term < motion { term } else { term - motion }]
     }
 
+    /// Puts lag states in m/s into a state.
+    pub fn set_lags(&self, lags_m_s: &[f64], gusts: bool, state: &mut StripState) {
+        let [motion, gust] = self.lag_terms(gusts);
+        for (history, own) in state.strips.iter_mut().zip(lags_m_s.chunks_exact((motion + gust).max(1))) {
+            history.motion.followers_m_s[..motion].copy_from_slice(&own[..motion]);
+            history.gust.followers_m_s[..gust].copy_from_slice(&own[motion..]);
+        }
+    }
+
     /// Loads, rates of the lag states and circulations at an instant, eq. (W13).
     pub fn answer(&mut self, at: &Instant, gusts: bool) -> Answer {
         let mut answer = vec![0.0; self.rows(at.motions.len(), gusts)];

@@ -134,13 +134,13 @@ pub(super) fn check(
 /// A hinge in a lattice lies between two rows of panels.
 fn check_row(flap: &FlapBuilder, chord_panels: usize, checker: &mut Checker) {
     let rows = flap.hinge_fraction * chord_panels as f64;
-    if (rows - rows.round()).abs() <= NEAR * chord_panels as f64 && rows.round() >= 1.0 {
+    let fits = |panels: usize| {
+        let (rows, all) = (flap.hinge_fraction * panels as f64, panels as f64);
+        (rows - rows.round()).abs() <= NEAR * all && rows.round() >= 1.0 && rows.round() < all
+    };
+    if fits(chord_panels) {
         return;
     }
-    let fits = |panels: usize| {
-        let rows = flap.hinge_fraction * panels as f64;
-        (rows - rows.round()).abs() <= NEAR * panels as f64 && rows.round() >= 1.0
-    };
     let cure = match (chord_panels.max(1)..=100).find(|&panels| fits(panels)) {
         Some(panels) => format!("for example chord_panels = {panels}"),
         None => "no count up to 100 has one there".to_owned(),
@@ -156,9 +156,9 @@ fn check_row(flap: &FlapBuilder, chord_panels: usize, checker: &mut Checker) {
 /// Limits around the start value, below a right angle.
 fn limits(flap: &FlapBuilder, checker: &mut Checker) {
     let place = |key| ["flap", flap.name.as_str(), key];
-    let most = 60.0_f64.to_radians();
-    let within = checker.number(&place("lower_rad"), flap.lower_rad, Range::Within(-most, most))
-        & checker.number(&place("upper_rad"), flap.upper_rad, Range::Within(-most, most));
+    let maximum_rad = 60.0_f64.to_radians();
+    let within = checker.number(&place("lower_rad"), flap.lower_rad, Range::Within(-maximum_rad, maximum_rad))
+        & checker.number(&place("upper_rad"), flap.upper_rad, Range::Within(-maximum_rad, maximum_rad));
     if !within {
         return;
     }

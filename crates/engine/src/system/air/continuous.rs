@@ -1,17 +1,17 @@
 //! The air of strips in a hybrid system: loads and rates of the lag states belong to the instant, and the apparent mass to the
 //! accelerations that it helps to find, NOTATION eqs. (W13) and (W15).
 
-use crate::aero::AirModel;
-use crate::aero::AirState;
+use crate::aero::near_sheets::NoCirculation;
 use crate::aero::strip::Strips;
 use crate::aero::strip::continuous::{Instant, LOAD_ROWS, SectionAcceleration};
+use crate::aero::{AirModel, AirState};
 use crate::load::Wrench;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::station;
 use crate::solve::EquationsOfMotion;
 use crate::solve::acceleration::Anderson;
 use crate::system::air::start::{flow, refusal};
-use crate::system::air::{AirCoupling, AirHistory, Gain, Sample};
+use crate::system::air::{AirCoupling, AirHistory, Gain, Sample, gaps};
 use crate::system::events::settle_by;
 use crate::system::{PlantError, System};
 use nalgebra::Vector3;
@@ -22,6 +22,9 @@ use std::borrow::Cow;
 const MAXIMUM_CORRECTIONS: usize = 100;
 /// Change of the loads over the largest at which the accelerations are found: what round-off leaves of it.
 const AGREED: f64 = 1e-12;
+/// The same of the accelerations over what round-off makes of them: where the air is light or still beside the structure, its loads
+/// are lost in the round-off of the structure's.
+const AGREED_NOISES: f64 = 4.0;
 
 /// Scratch of strips whose loads belong to the instant, and their lag states.
 pub(crate) struct ContinuousAir {
@@ -130,10 +133,24 @@ impl System {
         }
     }
 
+    /// Takes lag states in m/s from outside: the state remembers them, whether their rates are asked for or not.
+    pub(crate) fn set_lags(&mut self, lags_m_s: &[f64]) {
+        let Some(air) = &mut self.air else { return };
+        let AirCoupling { model: AirModel::Strips(strips), continuous: Some(own), .. } = &mut **air else { return };
+        own.lags_m_s.copy_from_slice(lags_m_s);
+        if let Some(history) = &mut self.state.air {
+            for state in [&mut history.before, &mut history.after] {
+                if let AirState::Strips(state) = state {
+                    strips.set_lags(lags_m_s, own.gusts, state);
+                }
+            }
+        }
+    }
+
     /// Finds the accelerations of the present in air, with loads and rates of the lag states that belong to them: `M a + r(L) = 0`
     /// and `L = L(a)`, eq. (W15). The equations must be prescribed and projected. Allocates nothing.
     pub(crate) fn settle_in_air(&mut self) -> Result<(), PlantError> {
-        let Self { equations, state, scratch, air, .. } = self;
+        let Self { equations, state, scratch, air, machine, .. } = self;
         let (time_s, none) = (state.now.time_s, Ok(()));
         let Some(air) = air else { return none };
         air.deflect(state, time_s)?;
@@ -181,6 +198,8 @@ impl System {
             if found {
                 break;
             }
+            // the residual of accelerations that obey these very loads is round-off
+            let noise_1_s2 = if correction > 0 { equations.solve(&mut scratch[0]) } else { 0.0 };
             if correction == 0 {
                 let loads = own.guess.len();
                 own.guess.copy_from_slice(&own.answer[..loads]);
@@ -202,14 +221,21 @@ impl System {
                 0 => equations.factorize(1.0, 0.0, 0.0).map(|()| settle_by(equations, &mut scratch[0], now)),
                 _ => Ok(settle_by(equations, &mut scratch[0], now)),
             };
-            if !matches!(jump, Ok(jump) if jump.is_finite()) {
-                return self.accelerations(time_s, jump).map(|_| ());
+            match jump {
+                Ok(jump) if jump.is_finite() => found = correction > 0 && jump <= AGREED_NOISES * noise_1_s2,
+                _ => return self.accelerations(time_s, jump).map(|_| ()),
             }
+            if found {
+                break;
+            }
+        }
+        if let Some(sonic) = strips.sonic() {
+            return Err(gaps::failure(machine, settings, time_s, NoCirculation::Sonic(sonic)));
         }
         if !found {
             let cause = format!(
-                "accelerations and apparent mass do not agree after {MAXIMUM_CORRECTIONS} corrections: the air is too heavy for the \
-                 structure; write apparent_mass = false"
+                "accelerations and apparent mass did not converge in {MAXIMUM_CORRECTIONS} corrections; if the air is heavy for the \
+                 structure, write apparent_mass = false"
             );
             return Err(PlantError::Surroundings { time_s, cause });
         }

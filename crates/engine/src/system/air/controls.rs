@@ -36,10 +36,11 @@ fn check(flap: &Flap, angle_rad: f64, time_s: f64) -> Result<(), PlantError> {
         return Ok(());
     }
     let Flap { name, lower_rad, upper_rad, .. } = flap;
-    let degrees = [*lower_rad, *upper_rad].map(f64::to_degrees);
+    // as the file says them, without the last bits of the conversion
+    let degrees = [*lower_rad, *upper_rad].map(|rad| (rad.to_degrees() * 1e6).round() / 1e6);
     let cause = format!(
         "aero.flap.{name}.command puts flap {name} at {angle_rad} rad; allowed: from {lower_rad:.6} to {upper_rad:.6} rad, \
-         its lower_deg = {:.6} and upper_deg = {:.6}",
+         its lower_deg = {} and upper_deg = {}",
         degrees[0], degrees[1]
     );
     Err(PlantError::Surroundings { time_s, cause })

@@ -31,8 +31,8 @@ pub(crate) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failur
         NoCirculation::Sonic(sonic) => {
             let body = &machine.bodies[air.surfaces[sonic.surface].body].name;
             let cause = format!(
-                "strip {} of body {body} meets the air at Mach {:.3}; speed_of_sound_m_s makes use of Prandtl and Glauert's \
-                 rule, which holds below Mach 1 and well below where shocks form: lower the speed",
+                "strip {} of body {body} meets the air at Mach {:.3}; Prandtl and Glauert's rule (speed_of_sound_m_s) \
+                 holds only below Mach 1, before shocks form; lower the speed",
                 sonic.strip + 1,
                 sonic.mach
             );
