@@ -36,7 +36,7 @@ ALLOWED_STRIPS = 2e-2
 ALLOWED_LATCH_S = 1e-6
 # steps of Runge and Kutta below the limit of stability of the stiffest strain
 STEP_S = 4e-6
-SHORTER_S = {"flared_wing_tip": 1e-6, "roll_fold": 1e-6, "three_bodies": 1e-6}
+SHORTER_S = {"flared_wing_tip": 5e-7, "roll_fold": 1e-6, "three_bodies": 1e-6}
 STOP_S = {"cs": 0.3, "me": 0.15}
 
 

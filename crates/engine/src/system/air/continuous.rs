@@ -17,8 +17,7 @@ use crate::system::{PlantError, System};
 use nalgebra::Vector3;
 use std::borrow::Cow;
 
-/// Corrections of the accelerations by the apparent mass. With Anderson's acceleration an apparent mass of ten times the
-/// structure's takes some thirty.
+/// Corrections of the accelerations by the apparent mass after which they are given up.
 const MAXIMUM_CORRECTIONS: usize = 100;
 /// Change of the loads over the largest at which the accelerations are found: what round-off leaves of it.
 const AGREED: f64 = 1e-12;
