@@ -214,6 +214,49 @@ fn wt19_ground_resonance_is_colemans() {
     assert!(growing >= 3, "{growing} roots grow: the band is missed");
 }
 
+/// WT-28. Thin uniform rods on hinges at the share `e` of the radius, without springs: flap `ν² = 1 + 3/2 e/(1 − e)`, lag
+/// `ν² = 3/2 e/(1 − e)` per turn (the closed forms of helicopter books, e.g. Johnson, Helicopter Theory, section 5); the
+/// rod's inertia about itself, 1e-9 kg m², moves them by 1e-11 of themselves.
+#[test]
+fn wt28_hinges_at_an_offset() {
+    let (radius_m, speed_rad_s) = (10.0, 20.0);
+    let mut worst = 0.0f64;
+    for offset in [0.02, 0.1, 0.4] {
+        for (flaps, own) in [(true, 1.0), (false, 0.0)] {
+            let length_m = (1.0 - offset) * radius_m;
+            let across = 30.0 * length_m * length_m / 12.0;
+            let mut text = "name = \"hinged\"\ngravity_m_s2 = [0, 0, 0]\n[rigid_body.hub]\nmass_kg = 100.0\ninertia_kg_m2 = [20.0, 20.0, 20.0, 0, 0, 0]\n\
+                 [joint.shaft]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"hub\"\naxis = [1, 0, 0]\nmotion = \"locked\"\n"
+                .to_owned();
+            for k in 0..3 {
+                let (sine, cosine) = (TAU * f64::from(k) / 3.0).sin_cos();
+                let axis = if flaps { [0.0, -sine, cosine] } else { [1.0, 0.0, 0.0] };
+                write!(
+                    text,
+                    "[rigid_body.blade{k}]\nmass_kg = 30.0\ncentre_of_mass_m = [0, {:?}, 0]\ninertia_kg_m2 = [{across:?}, 1e-9, {across:?}, 0, 0, 0]\n\
+                     [joint.hinge{k}]\ntype = \"revolute\"\nparent = \"hub\"\nchild = \"blade{k}\"\naxis = {axis:?}\n\
+                     mount_rotation_deg = [{:?}, 0, 0]\nparent_offset_m = [0, {:?}, {:?}]\n",
+                    0.5 * length_m,
+                    120.0 * f64::from(k),
+                    offset * radius_m * cosine,
+                    offset * radius_m * sine
+                )
+                .expect("text");
+            }
+            text += "[experiment]\nstop_time_s = 1.0\nstep_s = 0.01\n";
+            let machine = config::parse(&text, "hinged.toml").unwrap_or_else(|refused| panic!("{refused}"));
+            let modes = whirls(&machine, None, speed_rad_s, 3).expect("modes");
+            let per_turn = (own + 1.5 * offset / (1.0 - offset)).sqrt();
+            let collective =
+                modes.iter().find(|mode| share(mode, Whirl::Collective) > 0.99).expect("a collective mode");
+            let found = collective.eigenvalue_1_s;
+            worst = worst.max((found.im / (per_turn * speed_rad_s) - 1.0).abs()).max(found.re.abs() / speed_rad_s);
+        }
+    }
+    println!("WT-28: {worst:.1e}");
+    assert!(worst < 1e-10, "off by {worst:.1e}");
+}
+
 /// A text with one change.
 fn changed(text: &str, from: &str, to: &str) -> String {
     assert!(text.contains(from), "the rotor has {from:?}");
