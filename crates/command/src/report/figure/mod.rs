@@ -493,7 +493,7 @@ mod tests {
         for (value, span, text) in cases {
             assert_eq!(tidy(value, &(0.0..span)), text);
         }
-        assert_eq!(short("station.outer[4].position.x"), "station.ou…position.x");
+        assert_eq!(short("station.outer[4].position.x"), "station.oute…].position.x");
         assert_eq!(short("fold.angle"), "fold.angle");
     }
 }
