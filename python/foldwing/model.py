@@ -331,15 +331,18 @@ class Model:
     def trim(
         self,
         free: Union[str, Sequence[str]],
-        balance: Mapping[str, float],
+        balance: Optional[Mapping[str, float]] = None,
         *,
         set: Optional[Mapping[str, Start]] = None,
     ) -> Trim:
         """Values of inputs and parameters for which outputs at rest are what they should be, as `foldwing trim` finds them.
 
         Args:
-            free: names of inputs and parameters whose values are sought, as many as there are balances.
-            balance: outputs with the values that they shall have at rest, in SI units.
+            free: names of inputs and parameters whose values are sought, as many as there are balances. Names with commas between
+                share a value, `-name` takes the opposite one; `attitude.roll`, `attitude.pitch` and `attitude.yaw` turn the machine
+                against gravity and wind.
+            balance: outputs with the values that they shall have at rest, in SI units. Forces and moments on free joints are
+                balanced without being named.
             set: start values; of what is free the first guess.
 
         >>> wing = load("examples/models/flared_wing_tip.toml")
@@ -350,7 +353,7 @@ class Model:
         """
         names = [free] if isinstance(free, str) else list(free)
         settings = dict(set or {})
-        balances = [(name, float(value)) for name, value in balance.items()]
+        balances = [(name, float(value)) for name, value in (balance or {}).items()]
         return Trim(json.loads(self._native.trim_json(list(settings.items()), names, balances)), settings)
 
     def linearize(

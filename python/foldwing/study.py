@@ -122,7 +122,7 @@ class Trim:
         """Values found, by name."""
         self.balances: Dict[str, float] = dict(data["balances"])
         """What the outputs are at rest, by name."""
-        self.settings: Dict[str, Start] = {**settings, **self.free}
+        self.settings: Dict[str, Start] = {**settings, **data["settings"]}
         """The start values given with those found: `set=` of other studies and runs."""
 
     def __repr__(self) -> str:

@@ -34,7 +34,8 @@ def test_trim_is_that_of_the_command_and_a_setting(command):
     words = ["--free", "wind.velocity.z", "--balance", "root.force.z=5", "--set", "fold.release=0"]
     theirs = said(command, "trim", TIP, *words)
     trim = wing.trim("wind.velocity.z", {"root.force.z": 5.0}, set={"fold.release": False})
-    assert trim.data == theirs and trim.settings == {"fold.release": False, **theirs["free"]}
+    assert trim.data == theirs and trim.settings == {"fold.release": False, **theirs["settings"]}
+    assert theirs["settings"] == theirs["free"]
     assert wing.static(set=trim.settings).root_force_N[2] == pytest.approx(5.0, abs=1e-8)
     assert "wind.velocity.z = " in repr(trim)
 

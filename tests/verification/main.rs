@@ -9,6 +9,7 @@ mod carried;
 mod conventional;
 mod counting_allocator;
 mod coupling;
+mod flight;
 mod gauges;
 mod lattice;
 mod modes;

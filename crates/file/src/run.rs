@@ -108,8 +108,8 @@ pub(super) struct ExperimentFile {
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub step_s: f64,
     /// State at the start: `unstrained`, where gravity and loads act suddenly; or `equilibrium`, at rest under them.
-    /// While the wing settles, stoppers hold the joints at their start angles, except joints with a closed latch;
-    /// joints that are released let go at the start.
+    /// While the wing settles, stoppers hold the joints at their start angles, except joints with a closed latch, and free
+    /// joints are held where they start; joints that are released let go at the start.
     pub start: StartFile,
 }
 

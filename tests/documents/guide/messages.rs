@@ -331,6 +331,8 @@ fn produced() -> Vec<String> {
         "trim wing.toml --free fold.command --free fold.torque --balance tip.position.z=0",
         "trim wing.toml --free fold.release --balance tip.position.z=0",
         "trim wing.toml --free fold.command --balance energy.kinetic=1",
+        "trim wing.toml --free attitude.pitch --balance tip.position.z=0",
+        "trim wing.toml --free fold.command,fold.torque --balance tip.position.z=0",
         "modes wing.toml --csv x.csv",
         "static aileron.toml --set aero.flap.aileron.command=1",
         "static fast.toml",

@@ -72,6 +72,9 @@ fn variables() -> BTreeSet<String> {
 
 /// Words in code that look like a name of ours and are someone else's.
 const FOREIGN: &[&str] = &[
+    "attitude.roll",
+    "attitude.pitch",
+    "attitude.yaw",
     "fmudialog.createBusType",
     "m.A",
     "m.B",

@@ -102,7 +102,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "damping"
     );
     for (i, mode) in modes.iter().enumerate() {
-        let _ = writeln!(text, "{:4} {}  {}", i + 1, frequency(mode), shares(mode));
+        let name = mode.flight.map_or(String::new(), |flight| format!("{flight}: "));
+        let _ = writeln!(text, "{:4} {}  {name}{}", i + 1, frequency(mode), shares(mode));
     }
     if let Some(stability) = &stability {
         text.push_str(&stability::text(&plant, stability, departure));
@@ -238,6 +239,7 @@ pub(super) fn as_json(plant: &Plant, modes: &[ModeShape], bare: bool) -> Value {
                 "grows": mode.grows(),
                 "eigenvalue_1_s": [mode.eigenvalue_1_s.re, mode.eigenvalue_1_s.im],
                 "energy_shares": shares,
+                "flight_mode": mode.flight.map(|flight| flight.to_string()),
                 "shape": nodes(&mode.real),
                 "shape_imaginary": nodes(&mode.imaginary),
             })

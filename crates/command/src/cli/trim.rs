@@ -1,10 +1,11 @@
 //! `foldwing trim`: values of inputs and parameters for which outputs at rest are what they should be.
 
+use crate::cli::attitude::{Attitude, Turn};
 use crate::cli::settings::{apply_setting, plant_with};
 use crate::cli::simulate::unknown;
 use crate::cli::{Failure, print, read_model};
 use clap::builder::NonEmptyStringValueParser;
-use foldwing_engine::plant::{Holding, Plant};
+use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::{Causality, Interface, Value, Variable};
 use nalgebra::{DMatrix, DVector};
 use serde_json::json;
@@ -19,17 +20,23 @@ const TOLERANCE: f64 = 1e-9;
 const MAXIMUM_STEPS: usize = 40;
 /// Halvings of a step that does not lead nearer.
 const MAXIMUM_HALVINGS: usize = 12;
+/// Smallest singular value of the slopes over the largest, above which the free values count as independent: their differences
+/// are good to about 1e-7.
+const INDEPENDENT: f64 = 1e-6;
 
 #[derive(clap::Args)]
 #[command(after_long_help = crate::cli::help::TRIM)]
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Input or parameter whose value is sought; as many as there are balances
+    /// Input or parameter whose value is sought, or `attitude.roll`, `attitude.pitch`, `attitude.yaw`, which turn the machine
+    /// against gravity and wind; as many as there are balances. Names with commas between share a value, `-NAME` takes the
+    /// opposite one
     #[arg(long, value_name = "NAME", required = true, value_parser = NonEmptyStringValueParser::new())]
     free: Vec<String>,
-    /// Output and the value that it shall have at rest, in SI units; may be repeated
-    #[arg(long, value_name = "NAME=VALUE", required = true, value_parser = NonEmptyStringValueParser::new())]
+    /// Output and the value that it shall have at rest, in SI units; may be repeated. The forces and moments on free joints
+    /// are balanced without being named
+    #[arg(long, value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     balance: Vec<String>,
     /// Start value of an input or parameter; of those that are free the first guess; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
@@ -45,12 +52,40 @@ struct Balance<'a> {
     target: f64,
 }
 
+/// What is sought.
+enum Unknown<'a> {
+    /// The value of inputs or parameters, of the first one; each takes it with its sign.
+    Value { name: String, rows: Vec<(f64, &'a Variable)> },
+    /// A turn of the machine against gravity and wind.
+    Turn(Turn),
+}
+
+impl Unknown<'_> {
+    fn name(&self) -> &str {
+        match self {
+            Self::Value { name, .. } => name,
+            Self::Turn(turn) => turn.name(),
+        }
+    }
+
+    fn unit(&self) -> &str {
+        match self {
+            Self::Value { rows, .. } => rows[0].1.unit(),
+            Self::Turn(_) => "rad",
+        }
+    }
+}
+
 /// The machine at rest as a function of the free values.
 struct Trim<'a> {
     interface: &'a Interface,
     plant: Plant,
-    free: Vec<&'a Variable>,
+    free: Vec<Unknown<'a>>,
     balances: Vec<Balance<'a>>,
+    /// Names of the loads on free joints, which must vanish, with their units.
+    loads: Vec<(String, &'static str)>,
+    /// What the turns of the machine turn.
+    attitude: Attitude,
 }
 
 /// Finds the trim.
@@ -65,14 +100,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return print(&format!("{:#}", trim.as_json(&values, steps)));
     }
     let mut text = format!("{} in trim after {steps} steps\n", trim.plant.machine().name);
-    for (row, value) in trim.free.iter().zip(values.iter()) {
-        let _ = writeln!(text, "{} = {value:?} {}", row.name, row.unit());
+    for (free, value) in trim.free.iter().zip(values.iter()) {
+        let _ = writeln!(text, "{} = {value:?} {}", free.name(), free.unit());
     }
-    for ((own, value), left) in trim.balances.iter().zip(trim.outputs().iter()).zip(left.iter()) {
+    for ((own, value), left) in trim.balances.iter().zip(trim.outputs()).zip(left.iter()) {
         let _ = writeln!(text, "{}: {value:.9e} {}, off by {:.1e}", own.row.name, own.row.unit(), left.abs());
     }
+    for ((name, unit), left) in trim.loads.iter().zip(left.iter().skip(trim.balances.len())) {
+        let _ = writeln!(text, "{name}: {:.1e} {unit}", left.abs());
+    }
     let settings: Vec<String> =
-        trim.free.iter().zip(values.iter()).map(|(row, value)| format!("--set {}={value:?}", row.name)).collect();
+        trim.settings(&values).iter().map(|(name, value)| format!("--set {name}={value:?}")).collect();
     let _ = write!(text, "for other commands: {}", settings.join(" "));
     print(&text)
 }
@@ -97,14 +135,26 @@ fn parsed(text: &str) -> Result<(String, f64), Failure> {
     Ok((name.to_owned(), value))
 }
 
-/// A real input or parameter.
-fn free_row<'a>(name: &str, interface: &'a Interface) -> Result<&'a Variable, Failure> {
-    let row = interface.find(name).ok_or_else(|| unknown(name, "input or parameter", interface.variables()))?;
-    let changes = matches!(row.causality, Causality::Input | Causality::Parameter);
-    if changes && matches!(row.value, Value::Real(_)) {
-        return Ok(row);
+/// A real input or parameter, several that share a value, or a turn.
+fn unknown_of<'a>(name: &str, interface: &'a Interface) -> Result<Unknown<'a>, Failure> {
+    if let Some(turn) = Turn::named(name) {
+        return Ok(Unknown::Turn(turn));
     }
-    Err(Failure::Usage(format!("--free {name}: is not a real input or parameter; only their values can be sought")))
+    let refused = |cause: &str| Failure::Usage(format!("--free {name}: {cause}"));
+    let signed = |part: &str| {
+        let (sign, part) = part.strip_prefix('-').map_or((1.0, part), |part| (-1.0, part));
+        let row = interface.find(part).ok_or_else(|| unknown(part, "input or parameter", interface.variables()))?;
+        let changes = matches!(row.causality, Causality::Input | Causality::Parameter);
+        if changes && matches!(row.value, Value::Real(_)) {
+            return Ok((sign, row));
+        }
+        Err(refused("is not a real input or parameter; only their values can be sought"))
+    };
+    let rows = name.split(',').map(|part| signed(part.trim())).collect::<Result<Vec<_>, _>>()?;
+    if rows.iter().any(|(_, row)| row.unit() != rows[0].1.unit()) {
+        return Err(refused("values with different units cannot be the same"));
+    }
+    Ok(Unknown::Value { name: name.to_owned(), rows })
 }
 
 /// A real output with the value that it shall have.
@@ -121,18 +171,24 @@ fn balance<'a>((name, target): &(String, f64), interface: &'a Interface) -> Resu
 }
 
 impl<'a> Trim<'a> {
-    /// The problem: `free` are names, `balances` names with targets, as many of one as of the other.
+    /// The problem: `free` are names, `balances` names with targets, as many of one as of the other; machines with free
+    /// joints may have more free values, for the loads on these.
     fn new(
         interface: &'a Interface,
         plant: Plant,
         free: &[String],
         balances: &[(String, f64)],
     ) -> Result<Self, Failure> {
-        let free = free.iter().map(|name| free_row(name, interface)).collect::<Result<Vec<_>, _>>()?;
+        let free = free.iter().map(|name| unknown_of(name, interface)).collect::<Result<Vec<_>, _>>()?;
         let balances = balances.iter().map(|own| balance(own, interface)).collect::<Result<Vec<_>, _>>()?;
-        if free.len() != balances.len() {
+        let loads: Vec<_> = plant.flying_joints().iter().flat_map(|joint| loads_on(joint)).collect();
+        if free.len() < balances.len() || free.len() > balances.len() + loads.len() {
+            let needed = match loads.len() {
+                0 => "as many of one as of the other are needed".to_owned(),
+                loads => format!("from {} to {} free values are needed", balances.len().max(1), balances.len() + loads),
+            };
             return Err(Failure::Usage(format!(
-                "--free and --balance: {} free values for {} balances; as many of one as of the other are needed",
+                "--free and --balance: {} free values for {} balances; {needed}",
                 free.len(),
                 balances.len()
             )));
@@ -142,41 +198,68 @@ impl<'a> Trim<'a> {
                 "trim: nothing is free; name an input or parameter, and the output that it balances".to_owned(),
             ));
         }
-        Ok(Self { interface, plant, free, balances })
+        let attitude = Attitude::of(&plant);
+        if let Some(turn) = free.iter().find_map(|free| if let Unknown::Turn(turn) = free { Some(turn) } else { None })
+        {
+            attitude.check(*turn)?;
+        }
+        Ok(Self { interface, plant, free, balances, loads, attitude })
     }
 
     /// The result for programs.
     fn as_json(&self, values: &DVector<f64>, steps: usize) -> serde_json::Value {
         let free: serde_json::Map<_, _> =
-            self.free.iter().zip(values.iter()).map(|(row, value)| (row.name.clone(), json!(value))).collect();
+            self.free.iter().zip(values.iter()).map(|(free, value)| (free.name().to_owned(), json!(value))).collect();
         let outputs = self.outputs();
         let balances: serde_json::Map<_, _> =
             self.balances.iter().zip(outputs.iter()).map(|(own, value)| (own.row.name.clone(), json!(value))).collect();
-        json!({ "name": self.plant.machine().name, "free": free, "balances": balances, "steps": steps })
+        let settings: serde_json::Map<_, _> =
+            self.settings(values).into_iter().map(|(name, value)| (name, json!(value))).collect();
+        json!({
+            "name": self.plant.machine().name, "free": free, "balances": balances, "settings": settings, "steps": steps,
+        })
+    }
+
+    /// Start values of inputs and parameters that put the machine into the state of the free values.
+    fn settings(&self, values: &DVector<f64>) -> Vec<(String, f64)> {
+        let mut list = Vec::new();
+        let mut attitude = self.attitude.clone();
+        let (mut turns, mut sought) = ([0.0; 3], Vec::new());
+        for (free, &value) in self.free.iter().zip(values.iter()) {
+            match free {
+                Unknown::Value { rows, .. } => {
+                    for (sign, row) in rows {
+                        if attitude.take(&row.name, sign * value) {
+                            sought.push(row.name.as_str());
+                        } else {
+                            list.push((row.name.clone(), sign * value));
+                        }
+                    }
+                }
+                Unknown::Turn(turn) => turns[*turn as usize] = value,
+            }
+        }
+        let turned = self.free.iter().any(|free| matches!(free, Unknown::Turn(_)));
+        list.extend(attitude.turned(turns).into_iter().filter(|(name, _)| turned || sought.contains(&name.as_str())));
+        list
     }
 
     /// Free values, what is left of the balances, and steps: Newton's iteration, with shorter steps where it does not lead
-    /// nearer, NOTATION eq. (Q7).
+    /// nearer, NOTATION eq. (Q7); with more balances than free values, as the loads of a flight that is symmetric, by least
+    /// squares.
     fn find(&mut self) -> Result<(DVector<f64>, DVector<f64>, usize), Failure> {
         let count = self.free.len();
-        let mut values = DVector::from_iterator(count, self.free.iter().map(|row| self.value(row)));
+        let mut values = DVector::from_iterator(count, self.free.iter().map(|free| self.value_of(free)));
         let mut left = self.left(&values)?;
-        let mut sizes = DVector::from_iterator(
-            count,
-            self.balances.iter().zip(left.iter()).map(|(own, left)| own.target.abs().max(left.abs())),
-        );
-        let measure = |left: &DVector<f64>, sizes: &DVector<f64>| {
-            left.iter()
-                .zip(sizes.iter())
-                .fold(0.0f64, |most, (left, size)| most.max(if *size > 0.0 { left.abs() / size } else { 0.0 }))
-        };
+        let rows = left.len();
+        let mut sizes = self.sizes(&left);
         for steps in 0..MAXIMUM_STEPS {
             if measure(&left, &sizes) <= TOLERANCE {
                 // the machine stands at these values
                 self.left(&values)?;
                 return Ok((values, left, steps));
             }
-            let mut slopes = DMatrix::zeros(count, count);
+            let mut slopes = DMatrix::zeros(rows, count);
             for i in 0..count {
                 let step = STEP * values[i].abs().max(1.0);
                 let [above, below] = [1.0, -1.0].map(|sign| {
@@ -187,12 +270,11 @@ impl<'a> Trim<'a> {
                 slopes.set_column(i, &((above? - below?) / (2.0 * step)));
             }
             // of a balance that is zero in the beginning, what the free values move
-            for (i, size) in sizes.iter_mut().enumerate() {
+            for (i, size) in sizes.iter_mut().enumerate().take(self.balances.len()) {
                 let moved = (0..count).map(|j| slopes[(i, j)].abs() * values[j].abs().max(1.0)).fold(0.0, f64::max);
                 *size = size.max(1e-3 * moved);
             }
-            let change = slopes.lu().solve(&left).filter(|change| change.iter().all(|x| x.is_finite()));
-            let Some(change) = change else {
+            let Some(change) = step_towards(&slopes, &left, &sizes) else {
                 return Err(self.failed("the balances do not change independently with the free values", &left));
             };
             let (before, mut share) = (measure(&left, &sizes), 1.0);
@@ -203,19 +285,29 @@ impl<'a> Trim<'a> {
                 (measure(&found, &sizes) < before).then_some((beside, found))
             });
             let Some(found) = nearer else {
-                return Err(self.failed("no step leads nearer", &left));
+                return Err(self.failed("no values beside these leave less", &left));
             };
             (values, left) = found;
         }
         Err(self.failed("the iteration does not end", &left))
     }
 
+    /// What each balance counts against: its target or first distance; of loads on free joints the weight or the largest load.
+    fn sizes(&mut self, left: &DVector<f64>) -> DVector<f64> {
+        let study = self.plant.study();
+        let (size_n, length_m) = (study.flight_scale_n(), study.flight_length_m());
+        let balances = self.balances.iter().zip(left.iter()).map(|(own, left)| own.target.abs().max(left.abs()));
+        let loads = (0..self.loads.len()).map(|i| if i % 6 < 3 { size_n } else { size_n * length_m });
+        DVector::from_iterator(left.len(), balances.chain(loads))
+    }
+
     fn failed(&self, cause: &str, left: &DVector<f64>) -> Failure {
-        let list: Vec<String> = self
-            .balances
-            .iter()
+        let outputs = self.balances.iter().map(|own| (own.row.name.as_str(), own.row.unit()));
+        let loads = self.loads.iter().map(|(name, unit)| (name.as_str(), *unit));
+        let list: Vec<String> = outputs
+            .chain(loads)
             .zip(left.iter())
-            .map(|(own, left)| format!("{} {left:+.3e} {}", own.row.name, own.row.unit()))
+            .map(|((name, unit), left)| format!("{name} {left:+.3e} {unit}"))
             .collect();
         Failure::Statics(format!(
             "no trim: {cause}; left of the balances: {}; give other first guesses with --set, or other free values",
@@ -223,21 +315,33 @@ impl<'a> Trim<'a> {
         ))
     }
 
-    /// The machine at rest for free values; what is left of the balances.
+    /// The machine at rest for free values; what is left of the balances, and the loads on free joints.
     fn left(&mut self, values: &DVector<f64>) -> Result<DVector<f64>, Failure> {
-        for (row, value) in self.free.iter().zip(values.iter()) {
-            apply_setting("--free", &format!("{}={value:?}", row.name), self.interface, &mut self.plant)?;
+        for (name, value) in self.settings(values) {
+            apply_setting("--free", &format!("{name}={value:?}"), self.interface, &mut self.plant)?;
         }
         let time_s = self.plant.machine().experiment.start_time_s;
-        let rest = self.plant.study().equilibrium(time_s, Holding::AsReleased);
-        rest.map_err(|error| Failure::Statics(error.to_string()))?;
-        let targets = DVector::from_iterator(self.balances.len(), self.balances.iter().map(|own| own.target));
-        Ok(self.outputs() - targets)
+        let rest = self.plant.study().rest_held_in_flight(time_s);
+        let loads = rest.map_err(|error| Failure::Statics(error.to_string()))?;
+        let outputs = self.outputs();
+        let balances = self.balances.iter().zip(outputs.iter()).map(|(own, value)| value - own.target);
+        let loads = loads
+            .iter()
+            .flat_map(|load| load.force_n.iter().chain(load.moment_n_m.iter()).copied().collect::<Vec<_>>());
+        Ok(DVector::from_vec(balances.chain(loads).collect()))
     }
 
     /// Outputs of the balances.
-    fn outputs(&self) -> DVector<f64> {
-        DVector::from_iterator(self.balances.len(), self.balances.iter().map(|own| self.value(own.row)))
+    fn outputs(&self) -> Vec<f64> {
+        self.balances.iter().map(|own| self.value(own.row)).collect()
+    }
+
+    /// First guess of an unknown.
+    fn value_of(&self, free: &Unknown) -> f64 {
+        match free {
+            Unknown::Value { rows, .. } => rows[0].0 * self.value(rows[0].1),
+            Unknown::Turn(_) => 0.0,
+        }
     }
 
     fn value(&self, row: &Variable) -> f64 {
@@ -246,4 +350,41 @@ impl<'a> Trim<'a> {
             _ => 0.0,
         }
     }
+}
+
+/// Names of the loads on a free joint, with their units.
+fn loads_on(joint: &str) -> impl Iterator<Item = (String, &'static str)> {
+    let named =
+        |part: &'static str, unit: &'static str| ["x", "y", "z"].map(|axis| (format!("{joint}: {part} {axis}"), unit));
+    named("force", "N").into_iter().chain(named("moment", "N.m"))
+}
+
+/// Largest balance over its size.
+fn measure(left: &DVector<f64>, sizes: &DVector<f64>) -> f64 {
+    left.iter()
+        .zip(sizes.iter())
+        .fold(0.0f64, |largest, (left, size)| largest.max(if *size > 0.0 { left.abs() / size } else { 0.0 }))
+}
+
+/// Change of the free values that leaves the least of the balances over their sizes; `None` where these do not tell.
+fn step_towards(slopes: &DMatrix<f64>, left: &DVector<f64>, sizes: &DVector<f64>) -> Option<DVector<f64>> {
+    let (mut rows, mut right) = (slopes.clone(), left.clone());
+    for (i, size) in sizes.iter().enumerate().filter(|(_, size)| **size > 0.0) {
+        rows.row_mut(i).unscale_mut(*size);
+        right[i] /= size;
+    }
+    let change = if rows.is_square() {
+        rows.lu().solve(&right)
+    } else {
+        // columns of one size, so that a value without effect shows
+        let columns: Vec<f64> = rows.column_iter().map(|column| column.norm()).collect();
+        for (mut column, size) in rows.column_iter_mut().zip(&columns) {
+            column.unscale_mut(if *size > 0.0 { *size } else { 1.0 });
+        }
+        let parts = rows.svd(true, true);
+        let independent = parts.singular_values.min() > INDEPENDENT * parts.singular_values.max();
+        let found = if independent { parts.solve(&right, 0.0).ok() } else { None };
+        found.map(|found| DVector::from_iterator(columns.len(), found.iter().zip(&columns).map(|(x, size)| x / size)))
+    };
+    change.filter(|change| change.iter().all(|x| x.is_finite()))
 }

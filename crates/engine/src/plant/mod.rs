@@ -6,14 +6,14 @@ pub use crate::signal::{
     ParameterLayout, Parameters, SolverParameters, SpatialParameters, Switch,
 };
 pub use crate::study::{
-    Argument, Branch, Branches, Coarseness, Crossing, Departure, Followed, Growth, Holding, InputSlope, Keep, LoadPath,
-    NoReduction, PathPoint, Place, Reduced, Rest, Rotor, Search, SecondOrder, Stability, StateSpace, StaticEffort,
-    Study, Whirl, change_of_sign, reduce, sampled,
+    Argument, Branch, Branches, Coarseness, Crossing, Departure, FlightLoad, Followed, Growth, Holding, InputSlope,
+    Keep, LoadPath, NoReduction, PathPoint, Place, Reduced, Rest, Rotor, Search, SecondOrder, Stability, StateSpace,
+    StaticEffort, Study, Whirl, change_of_sign, reduce, sampled,
 };
 pub use crate::system::{
     AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, FailureOutputs, FlapOutputs,
-    Freedom, GeneratorOutputs, Hybrid, JointOutputs, JointStatus, Jump, LatchOutputs, LoopOutputs, ModalOutputs,
-    ModeShape, NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs, PlantError, PointOutputs, RotorLoads,
-    SectionShape, SectionState, SectionStrain, Snapshot, SpatialOutputs, Statistics, SurfaceGap, SurfaceLattice,
-    System, WhirlShare,
+    FlightMode, Freedom, GeneratorOutputs, Hybrid, JointOutputs, JointStatus, Jump, LatchOutputs, LoopOutputs,
+    ModalOutputs, ModeShape, NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs, PlantError, PointOutputs,
+    RotorLoads, SectionShape, SectionState, SectionStrain, Snapshot, SpatialOutputs, Statistics, SurfaceGap,
+    SurfaceLattice, System, WhirlShare,
 };

@@ -45,8 +45,23 @@ const LAG: f64 = 0.5;
 /// Real part over the magnitude of the eigenvalue above which a mode counts as growing.
 const GROWTH: f64 = 1e-6;
 
+/// Relative distance from an eigenvalue of the lag states alone within which others of theirs lie.
+const CROWD: f64 = 1e-2;
+/// Rounds with a basis of shapes that is extended in between.
+const MAXIMUM_ROUNDS: usize = 4;
+/// Dimension of the Krylov space of slow motions.
+const KRYLOV: usize = 16;
+/// Eigenvalue over the square root of the shift that the stiffness needs, below which it is round-off: the differences behind the
+/// matrices are good to 1e-9, and a double zero shows the root of that.
+const SLOWEST: f64 = 1e-4;
+/// Part of a direction, of length 1, that must be new for the basis of shapes: one that is round-off of the rest spoils it.
+const NEW: f64 = 1e-6;
+
 /// Eigenvalues, and the vector of each.
 type Eigenpairs = (Vec<Complex<f64>>, Vec<DVector<Complex<f64>>>);
+
+/// An eigenvalue in 1/s with its shape.
+type Guess = (Complex<f64>, DVector<Complex<f64>>);
 
 impl Lagged {
     /// Equations without lag states.
@@ -80,13 +95,83 @@ impl Lagged {
             };
             return Ok(list.into_iter().map(plain).collect());
         }
-        let (shift, basis) = self.basis(4 * count + SPARE_MODES)?;
-        let (values, shapes) = self.eigenvalues(&basis)?;
+        let (shift, mut basis) = self.basis(4 * count + SPARE_MODES)?;
+        let limits = [SLOWEST * shift.sqrt(), FREE_MOTION.powi(2) * shift];
         let own = eigen(&balanced_rows(&self.lag).0).ok_or(NoModes::Iteration)?.values;
-        let free = FREE_MOTION * shift.sqrt();
+        for round in 1.. {
+            let (list, lacking) = self.modes_over(&basis, &own, limits, count)?;
+            let fastest_1_s = lacking.iter().fold(0.0f64, |fastest, (value, _)| fastest.max(value.norm()));
+            if lacking.is_empty()
+                || round == MAXIMUM_ROUNDS
+                || !extend(&mut basis, &self.slow_shapes(fastest_1_s, &lacking), &self.second.mass)
+            {
+                return Ok(list);
+            }
+        }
+        Err(NoModes::Iteration)
+    }
+
+    /// Shapes of the Krylov space of the inverse about a real `at_1_s`, from the sum of some shapes on: it holds the motions that
+    /// are slower, which the air may bend as no undamped mode does.
+    fn slow_shapes(&self, at_1_s: f64, start: &[Guess]) -> Vec<DVector<f64>> {
+        let (n, lags) = (self.position.ncols(), self.lag.nrows());
+        let SecondOrder { mass, damping, stiffness } = &self.second;
+        let own = (DMatrix::identity(lags, lags) * at_1_s - &self.lag).lu();
+        let drive = &self.position + &self.rate * at_1_s;
+        let Some(follow) = own.solve(&drive) else { return Vec::new() };
+        let factors = (mass * at_1_s.powi(2) + damping * at_1_s + stiffness + &self.force * follow).lu();
+        // (A - at) z = b, of z = (q, dq/dt, x)
+        let solved = |b: &DVector<f64>| -> Option<DVector<f64>> {
+            let (b_q, b_v, b_x) = (b.rows(0, n), b.rows(n, n), b.rows(2 * n, lags));
+            let by_lag = own.solve(&(&self.rate * b_q - b_x))?;
+            let right = -(mass * (b_v + b_q * at_1_s) + damping * b_q + &self.force * by_lag);
+            let q = factors.solve(&right)?;
+            let v = &q * at_1_s + b_q;
+            let x = own.solve(&(&self.position * &q + &self.rate * &v - b_x))?;
+            let mut z = DVector::zeros(2 * n + lags);
+            z.rows_mut(0, n).copy_from(&q);
+            z.rows_mut(n, n).copy_from(&v);
+            z.rows_mut(2 * n, lags).copy_from(&x);
+            Some(z)
+        };
+        let mut z = DVector::zeros(2 * n + lags);
+        for (value, shape) in start {
+            z.rows_mut(0, n).zip_apply(shape, |sum, x| *sum += x.re + x.im);
+            z.rows_mut(n, n).zip_apply(shape, |sum, x| *sum += (x * value).re + (x * value).im);
+        }
+        let (mut space, mut shapes): (Vec<DVector<f64>>, _) = (Vec::new(), Vec::new());
+        for _ in 0..KRYLOV {
+            let size = z.norm();
+            let Some(mut next) = solved(&z.unscale(size)) else { break };
+            for _ in 0..2 {
+                for known in &space {
+                    next -= known * known.dot(&next);
+                }
+            }
+            if !(next.norm() > 0.0 && next.norm().is_finite()) {
+                break;
+            }
+            space.push(next.normalize());
+            shapes.extend([next.rows(0, n).into_owned(), next.rows(n, n).into_owned()]);
+            z = next;
+        }
+        shapes
+    }
+
+    /// The modes over a basis of shapes, each polished over all coordinates; and values and shapes over the basis of those for
+    /// which that did not converge.
+    fn modes_over(
+        &self,
+        basis: &DMatrix<f64>,
+        own: &[Complex<f64>],
+        [free, still_1_s2]: [f64; 2],
+        count: usize,
+    ) -> Result<(Vec<LaggedMode>, Vec<Guess>), NoModes> {
+        let (values, shapes) = self.eigenvalues(basis)?;
         let mut order: Vec<usize> = (0..values.len()).filter(|&i| values[i].im >= 0.0).collect();
         order.sort_by(|&i, &j| values[i].norm().total_cmp(&values[j].norm()));
-        let mut list = Vec::new();
+        let mut list = self.still(basis, still_1_s2);
+        let mut lacking = Vec::new();
         for i in order {
             if list.len() >= count {
                 break;
@@ -97,21 +182,35 @@ impl Lagged {
             if !grows && nearest <= OWN * value.norm() {
                 continue;
             }
-            let shape = &Basis(&basis) * &shapes[i];
             if value.norm() <= free {
-                // what nothing resists comes out as round-off; the two states of it are one mode
-                list.push(LaggedMode { eigenvalue_1_s: Complex::new(0.0, 0.0), shape: scaled(shape), lag_share: 0.0 });
+                // the states of motions that nothing resists, which are in the list
                 continue;
             }
-            let mode = self.polish(value, shape);
+            let shape = &Basis(basis) * &shapes[i];
+            let (mode, converged) = self.polish(value, shape.clone());
+            // lag states of strips alike crowd about their poles, and are not motions
+            if !converged && mode.lag_share <= LAG && nearest > CROWD * value.norm() {
+                lacking.push((value, shape));
+            }
             if mode.lag_share <= LAG || mode.eigenvalue_1_s.re > GROWTH * mode.eigenvalue_1_s.norm() {
                 list.push(mode);
             }
         }
-        let zeros = list.iter().filter(|mode| mode.eigenvalue_1_s.norm() == 0.0).count();
-        list.drain(..zeros / 2);
         list.sort_by(|a, b| a.eigenvalue_1_s.norm().total_cmp(&b.eigenvalue_1_s.norm()));
-        Ok(list)
+        Ok((list, lacking))
+    }
+
+    /// Motions that nothing resists: the null space of the static stiffness.
+    fn still(&self, basis: &DMatrix<f64>, limit_1_s2: f64) -> Vec<LaggedMode> {
+        let stiffness = self.rest_stiffness().unwrap_or_else(|| self.second.stiffness.clone());
+        let parts = (basis.transpose() * stiffness * basis).svd(false, true);
+        let Some(rows) = parts.v_t else { return Vec::new() };
+        let null = (0..rows.nrows()).filter(|&i| parts.singular_values[i] <= limit_1_s2);
+        let mode = |i: usize| {
+            let shape = (basis * rows.row(i).transpose()).map(|x| Complex::new(x, 0.0));
+            LaggedMode { eigenvalue_1_s: Complex::new(0.0, 0.0), shape: scaled(shape), lag_share: 0.0 }
+        };
+        null.map(mode).collect()
     }
 
     /// Undamped modes of lowest frequency of the structure with the air's mass and stiffness, of unit mass, as columns;
@@ -161,10 +260,12 @@ impl Lagged {
 
     /// Shape by inverse iteration over all coordinates, eigenvalue by the two-sided Rayleigh functional of
     /// `T(λ) = λ²M + λC + K + G(λ − L)⁻¹(P + λR)`; participation of the lag states from `T′`.
-    fn polish(&self, value: Complex<f64>, shape: DVector<Complex<f64>>) -> LaggedMode {
+    ///
+    /// Also returns whether the iteration converged.
+    fn polish(&self, value: Complex<f64>, shape: DVector<Complex<f64>>) -> (LaggedMode, bool) {
         let (mut eigenvalue, mut right) = (value, shape);
         let mut left = right.clone();
-        let mut lag_share = 1.0;
+        let (mut lag_share, mut converged) = (1.0, false);
         for pass in 0..8 {
             let near = eigenvalue * (1.0 + 1e-9);
             let follow = self.follow(near);
@@ -190,6 +291,7 @@ impl Lagged {
             }
             eigenvalue -= step;
             if pass > 0 && step.norm() < CLOSE * eigenvalue.norm() {
+                converged = true;
                 break;
             }
         }
@@ -197,7 +299,7 @@ impl Lagged {
         if value.im == 0.0 {
             eigenvalue.im = 0.0;
         }
-        LaggedMode { eigenvalue_1_s: eigenvalue, shape: scaled(right), lag_share }
+        (LaggedMode { eigenvalue_1_s: eigenvalue, shape: scaled(right), lag_share }, converged)
     }
 
     /// `(λ − L)⁻¹(P + λR)`.
@@ -250,6 +352,29 @@ impl Lagged {
         let slope = at * m * 2.0 + c + of(&self.behind(at, column(rates))) + lag_part;
         (residual, slope, lag_part)
     }
+}
+
+/// Adds directions to a basis that is orthonormal in the mass; whether any was new.
+fn extend(basis: &mut DMatrix<f64>, directions: &[DVector<f64>], mass: &DMatrix<f64>) -> bool {
+    let before = basis.ncols();
+    for direction in directions {
+        let size = direction.dot(&(mass * direction)).sqrt();
+        if !(size.is_finite() && size > 0.0) {
+            continue;
+        }
+        let mut part = direction / size;
+        for _ in 0..2 {
+            let along = basis.transpose() * (mass * &part);
+            part -= &*basis * along;
+        }
+        let left = part.dot(&(mass * &part)).sqrt();
+        if left > NEW && basis.ncols() < basis.nrows() {
+            let last = basis.ncols();
+            *basis = std::mem::replace(basis, DMatrix::zeros(0, 0)).insert_column(last, 0.0);
+            basis.set_column(last, &(part / left));
+        }
+    }
+    basis.ncols() > before
 }
 
 /// The shape with its largest entry 1.

@@ -16,6 +16,7 @@ use crate::solve::lagged::{Lagged, LaggedMode};
 use crate::solve::linearize::SecondOrder;
 use crate::solve::modes::NoModes;
 use crate::study::Study;
+use crate::study::flight::tell_lateral_apart;
 use crate::system::Outputs;
 use crate::system::PlantError;
 use crate::system::System;
@@ -266,7 +267,9 @@ impl Study<'_> {
         let list = system.modes(count).map_err(|error| self.no_modes(&error))?;
         let sign = system.rest_stiffness().and_then(|stiffness| determinant_is_positive(&stiffness));
         let freedoms = self.system.freedoms();
-        Ok((list.into_iter().map(|mode| self.mode_shape(mode, &freedoms)).collect(), sign))
+        let mut shapes: Vec<ModeShape> = list.into_iter().map(|mode| self.mode_shape(mode, &freedoms)).collect();
+        tell_lateral_apart(&mut shapes);
+        Ok((shapes, sign))
     }
 
     pub(super) fn mode_shape(&self, mode: LaggedMode, freedoms: &[Freedom]) -> ModeShape {
@@ -306,7 +309,7 @@ impl Study<'_> {
             };
             model.bodies.iter().enumerate().map(of_body).collect()
         };
-        ModeShape {
+        let mut shape = ModeShape {
             frequency_hz: mode.eigenvalue_1_s.norm() / std::f64::consts::TAU,
             damping_ratio: damping_ratio(mode.eigenvalue_1_s),
             eigenvalue_1_s: mode.eigenvalue_1_s,
@@ -318,7 +321,10 @@ impl Study<'_> {
             imaginary: nodes(&imaginary),
             length_m: model.reference_length_m,
             whirl: Vec::new(),
-        }
+            flight: None,
+        };
+        shape.flight = self.system.flight_mode(&shape);
+        shape
     }
 
     /// Shares of stretch, twist, flap, lag and joints in the elastic energy of a motion.

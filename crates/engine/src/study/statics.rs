@@ -270,6 +270,9 @@ impl Equations {
             let spring = joint.attitude().map_or_else(Matrix3::zeros, |spring| spring.stiffness(&self.work));
             joints[joint.body] = JointTangent { free: true, stiffness: spring };
         }
+        for joint in self.spatial.iter().filter(|joint| joint.held) {
+            joints[joint.body] = JointTangent::HELD;
+        }
         joints
     }
 }
@@ -292,10 +295,12 @@ impl Study<'_> {
         self.quest = Quest { search, ..Quest::default() };
         let effort = self.come_to_rest(time_s, holding);
         let Quest { departure, path, .. } = std::mem::take(&mut self.quest);
-        Ok(Rest { effort: effort?, departure, path })
+        let effort = effort?;
+        self.refuse_unbalanced_flight(time_s)?;
+        Ok(Rest { effort, departure, path })
     }
 
-    fn come_to_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
+    pub(super) fn come_to_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         self.system.start(time_s);
         let effort = self.settle_in_air(time_s, holding)?;
         self.system.state.now.v.fill(0.0);
@@ -362,6 +367,10 @@ impl Study<'_> {
                 joint.held = true;
             }
         }
+        // what flies is held: how it balances is the question of the trim, eq. (Q8)
+        for joint in &mut equations.spatial {
+            joint.held = joint.flies;
+        }
         let mut at_rest = AtRest::new(equations, time_s, &now.q);
         let quest = &mut self.quest;
         let settings = Settings::default();
@@ -378,6 +387,9 @@ impl Study<'_> {
         }
         let Target { forces, .. } = at_rest.target;
         self.system.equations.forces = forces;
+        for joint in &mut self.system.equations.spatial {
+            joint.held = false;
+        }
         self.system.configure();
         let effort = found.map_err(|error| self.no_equilibrium(time_s, &error))?;
         self.check_loops(time_s)?;
@@ -417,7 +429,7 @@ impl Study<'_> {
             if body.joint.range().contains(&coordinate) {
                 let remedy = match body.joint.kind.freedoms() {
                     1 => "give it a spring, close its latch, or hold it (release = false)",
-                    6 => "a free body has no equilibrium",
+                    6 => "a loop leaves this free body something to move in; give the loop's bodies springs",
                     _ => "give it a spring",
                 };
                 return format!("joint {:?}: {remedy}", described.joint.name);

@@ -242,6 +242,9 @@ impl EquationsOfMotion for Equations {
         };
         dynamics::residual(&self.model, &mut self.work, Motion { q, v, a }, environment, residual);
         self.forces.apply(time_s, [q, v], &self.work, residual, &mut self.tangents);
+        for joint in self.spatial.iter().filter(|joint| joint.held) {
+            residual[joint.range()].fill(0.0);
+        }
     }
 
     fn take_pieces(&mut self, time_s: f64, q: &[f64], v: &[f64]) {

@@ -142,6 +142,21 @@ pub enum PlantError {
         /// Why.
         cause: String,
     },
+    /// Nothing holds a free joint in the state of rest that was found.
+    #[error(
+        "no steady flight at t = {time_s} s: {force_n:.3e} N and {moment_n_m:.3e} N m are left on the free joint {joint:?}; find a \
+         trim, or let the experiment start unstrained"
+    )]
+    Flight {
+        /// Time in s.
+        time_s: f64,
+        /// Its name.
+        joint: String,
+        /// Magnitude of the force that would have to hold it in N.
+        force_n: f64,
+        /// Magnitude of the moment about it that would have to hold it in N·m.
+        moment_n_m: f64,
+    },
     /// No linear model of the present state.
     #[error("no linearisation at t = {time_s} s: {cause}")]
     Linearization {

@@ -36,7 +36,7 @@ pub use outputs::{
     EnergyOutputs, FailureOutputs, FlapOutputs, GeneratorOutputs, JointOutputs, LatchOutputs, LoopOutputs,
     ModalOutputs, OutputLayout, OutputSet, Outputs, PointOutputs, SpatialOutputs,
 };
-pub use shape::{ModeShape, NodeMotion, SectionShape, SectionState, WhirlShare};
+pub use shape::{FlightMode, ModeShape, NodeMotion, SectionShape, SectionState, WhirlShare};
 pub use state::Snapshot;
 pub use statistics::{JointStatus, Statistics};
 pub use strains::SectionStrain;
@@ -150,6 +150,12 @@ impl System {
     /// Mass of the wing in kg, with the mass factors of the last initialisation.
     pub fn mass_kg(&self) -> f64 {
         crate::multibody::energy::mass_kg(&self.equations.model)
+    }
+
+    /// Names of the free joints that alone connect what they carry to the root: nothing holds it.
+    pub fn flying_joints(&self) -> Vec<&str> {
+        let flying = self.equations.spatial.iter().filter(|joint| joint.flies);
+        flying.map(|joint| self.machine.bodies[joint.body].joint.name.as_str()).collect()
     }
 
     /// Inputs of the coming step.

@@ -64,6 +64,8 @@ pub struct ModeShape {
     pub length_m: f64,
     /// What moves, of a rotor that turns, largest share first; empty for other machines.
     pub whirl: Vec<WhirlShare>,
+    /// What the mode is called where the whole machine flies; `None` of other modes.
+    pub flight: Option<FlightMode>,
 }
 
 /// Part of a mode of a rotor that turns.
@@ -75,6 +77,33 @@ pub struct WhirlShare {
     pub whirl: Option<Whirl>,
     /// Its share; all add up to 1.
     pub share: f64,
+}
+
+/// Mode of a machine that flies as one, by its motion against the steady flight, NOTATION eq. (Q10).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FlightMode {
+    /// Height and speed in turn, at nearly the same angle of attack.
+    Phugoid,
+    /// The angle of attack and the pitch, at nearly the same speed.
+    ShortPeriod,
+    /// Sideslip, yaw and roll in turn.
+    DutchRoll,
+    /// Roll alone, which the wing damps.
+    RollSubsidence,
+    /// Bank and heading together, slowly.
+    Spiral,
+}
+
+impl std::fmt::Display for FlightMode {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Phugoid => "phugoid",
+            Self::ShortPeriod => "short period",
+            Self::DutchRoll => "dutch roll",
+            Self::RollSubsidence => "roll subsidence",
+            Self::Spiral => "spiral",
+        })
+    }
 }
 
 impl std::fmt::Display for WhirlShare {

@@ -1,7 +1,6 @@
 //! Universal, ball and free joints in the plant: start, attitude, projection.
 
-use crate::machine::Machine;
-use crate::machine::Spatial;
+use crate::machine::{Machine, Parent, Spatial};
 use crate::multibody::joint::{Joint, JointKind, RedundantWork};
 use crate::multibody::{Model, Workspace};
 use nalgebra::{Matrix3, Vector3};
@@ -13,12 +12,23 @@ pub(crate) struct SpatialJoint {
     pub body: usize,
     /// Its parameters.
     joint: Joint,
+    /// Nothing but this joint connects what it carries to the root, and it lets all of it move.
+    pub flies: bool,
+    /// It is held where it is while the rest of the machine settles, eq. (Q8).
+    pub held: bool,
 }
 
 impl SpatialJoint {
     /// The joints of a machine.
     pub fn of_machine(machine: &Machine, model: &Model) -> Vec<Self> {
-        machine.spatials().map(|(body, _)| Self { body, joint: model.bodies[body].joint }).collect()
+        let of = |(body, _): (usize, &Spatial)| {
+            let joint = model.bodies[body].joint;
+            let looped = machine.closures.iter().flat_map(|closure| closure.places);
+            let flies =
+                joint.kind == JointKind::Free && !looped.into_iter().any(|(end, _)| carries(machine, body, end));
+            Self { body, joint, flies, held: false }
+        };
+        machine.spatials().map(of).collect()
     }
 
     /// Start rates of the parameters that agree with the start velocities; `q` holds the start attitude.
@@ -54,8 +64,26 @@ impl SpatialJoint {
         self.joint.range()
     }
 
+    /// Force in N and moment in N·m about the joint that would have to hold the joint, of a residual: parent's frame.
+    pub fn holding(&self, residual: &[f64]) -> [Vector3<f64>; 2] {
+        let first = self.range().start;
+        [0, 3].map(|part| Vector3::from_column_slice(&residual[first + part..first + part + 3]))
+    }
+
     fn spin(&self, parameters: &RedundantWork, v: &[f64]) -> Vector3<f64> {
         let rates = &v[self.range()];
         parameters.pose.spin(&self.joint.kind, rates, rates).0
+    }
+}
+
+/// Whether `body` is `end` or lies between it and the root.
+fn carries(machine: &Machine, body: usize, end: usize) -> bool {
+    let mut at = end;
+    loop {
+        match machine.bodies[at].joint.parent {
+            _ if at == body => return true,
+            Parent::Body { index, .. } => at = index,
+            Parent::Root { .. } => return false,
+        }
     }
 }

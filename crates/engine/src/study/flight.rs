@@ -1,0 +1,148 @@
+//! Machines that fly: a steady flight is a state of rest in a frame that flies along, NOTATION eq. (Q8).
+
+use crate::solve::EquationsOfMotion;
+use crate::study::Study;
+use crate::study::statics::Holding;
+use crate::system::shape::{ModeShape, NodeMotion};
+use crate::system::{FlightMode, PlantError, System};
+use nalgebra::{Complex, Vector3};
+
+/// What may be left on a free joint at rest, over the weight of the machine, or the loads on it where they are larger;
+/// moments count over the machine's length: a thousand times what a trim leaves.
+const BALANCED: f64 = 1e-6;
+
+/// What would have to hold a free joint at rest: zero where the machine is in trim.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlightLoad {
+    /// Body that the joint carries.
+    pub body: usize,
+    /// Force in N, parent's frame.
+    pub force_n: Vector3<f64>,
+    /// Moment about the joint in N·m, parent's frame.
+    pub moment_n_m: Vector3<f64>,
+}
+
+impl Study<'_> {
+    /// [`Study::equilibrium`] with the free joints held where they start; returns what would have to hold them.
+    ///
+    /// # Errors
+    /// If the rest of the machine has no equilibrium.
+    pub fn rest_held_in_flight(&mut self, time_s: f64) -> Result<Vec<FlightLoad>, PlantError> {
+        self.come_to_rest(time_s, Holding::AsReleased)?;
+        Ok(self.flight_loads(time_s))
+    }
+
+    /// Forces in N that count as the size of what balances in flight: the machine's weight or the largest load on it.
+    pub fn flight_scale_n(&self) -> f64 {
+        let equations = &self.system.equations;
+        let weight_n = self.system.mass_kg() * equations.root.apparent_gravity_m_s2().norm();
+        let loads = equations.stations.iter().map(|load| load.force_n.norm());
+        loads.fold(weight_n, f64::max)
+    }
+
+    /// Length in m over which moments count in [`Study::flight_scale_n`].
+    pub fn flight_length_m(&self) -> f64 {
+        self.system.equations.model.reference_length_m
+    }
+
+    /// What would have to hold the free joints at the present state of rest.
+    fn flight_loads(&mut self, time_s: f64) -> Vec<FlightLoad> {
+        if !self.system.equations.spatial.iter().any(|joint| joint.flies) {
+            return Vec::new();
+        }
+        let zero = vec![0.0; self.system.state.now.q.len()];
+        let mut residual = zero.clone();
+        self.system.equations.residual(time_s, &self.system.state.now.q, &zero, &zero, &mut residual);
+        let flying = self.system.equations.spatial.iter().filter(|joint| joint.flies);
+        let load = flying.map(|joint| {
+            let [force_n, moment_n_m] = joint.holding(&residual);
+            FlightLoad { body: joint.body, force_n, moment_n_m }
+        });
+        load.collect()
+    }
+
+    /// Refuses a state of rest in which something would have to hold a free joint.
+    pub(super) fn refuse_unbalanced_flight(&mut self, time_s: f64) -> Result<(), PlantError> {
+        for load in self.flight_loads(time_s) {
+            let size_n = self.flight_scale_n();
+            let FlightLoad { body, force_n, moment_n_m } = load;
+            // comparisons written so that NaN is refused
+            let balanced =
+                force_n.norm() <= BALANCED * size_n && moment_n_m.norm() <= BALANCED * size_n * self.flight_length_m();
+            if !balanced {
+                let joint = self.system.machine.bodies[body].joint.name.clone();
+                let (force_n, moment_n_m) = (force_n.norm(), moment_n_m.norm());
+                return Err(PlantError::Flight { time_s, joint, force_n, moment_n_m });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Of two lateral modes that do not oscillate, the slower one is the spiral: strong dihedral makes it turn too little to be known
+/// by its own motion.
+pub(super) fn tell_lateral_apart(modes: &mut [ModeShape]) {
+    let lateral = |mode: &ModeShape| matches!(mode.flight, Some(FlightMode::Spiral | FlightMode::RollSubsidence));
+    let rate = |mode: &ModeShape| mode.eigenvalue_1_s.norm();
+    let slowest = modes.iter().filter(|mode| lateral(mode)).map(rate).fold(f64::INFINITY, f64::min);
+    if modes.iter().filter(|mode| lateral(mode)).count() > 1 {
+        for mode in modes.iter_mut().filter(|mode| lateral(mode)) {
+            let spiral = mode.eigenvalue_1_s.norm() == slowest;
+            mode.flight = Some(if spiral { FlightMode::Spiral } else { FlightMode::RollSubsidence });
+        }
+    }
+}
+
+impl System {
+    /// Names a mode of a machine that one free joint carries through the air; `None` of other modes and machines.
+    pub(super) fn flight_mode(&self, mode: &ModeShape) -> Option<FlightMode> {
+        let mut flying = self.equations.spatial.iter().filter(|joint| joint.flies);
+        let (Some(joint), None) = (flying.next(), flying.next()) else { return None };
+        let wind_m_s = self.state.applied_inputs.wind_m_s();
+        let speed_m_s = wind_m_s.norm();
+        if self.machine.air.is_none() || mode.is_free() {
+            return None;
+        }
+        let ahead = (-wind_m_s).try_normalize(0.0)?;
+        let right = self.equations.root.gravity_m_s2.cross(&ahead).try_normalize(0.0)?;
+        let down = ahead.cross(&right);
+        let complex = |read: &dyn Fn(&NodeMotion) -> Vector3<f64>, body: usize, section: usize| {
+            let [re, im] = [&mode.real, &mode.imaginary].map(|part| read(&part[body][section]));
+            Vector3::from_fn(|k, _| Complex::new(re[k], im[k]))
+        };
+        let (displacement, rotation) = (|node: &NodeMotion| node.displacement_m, |node: &NodeMotion| node.rotation_rad);
+        let (way, turn) = (complex(&displacement, joint.body, 0), complex(&rotation, joint.body, 0));
+        // how far the sections move as one, and by bending
+        let shape = self.shape();
+        let origin_m = shape[joint.body][0].position_m;
+        let (mut rigid_m, mut bending_m) = (0.0f64, 0.0f64);
+        for (body, sections) in shape.iter().enumerate() {
+            for (section, place) in sections.iter().enumerate() {
+                let moved = complex(&displacement, body, section);
+                let arm = (place.position_m - origin_m).map(|x| Complex::new(x, 0.0));
+                let rigid = way + turn.cross(&arm);
+                rigid_m = rigid_m.max(rigid.norm());
+                bending_m = bending_m.max((moved - rigid).norm());
+            }
+        }
+        if bending_m > rigid_m {
+            return None;
+        }
+        let along =
+            |axis: &Vector3<f64>, vector: &Vector3<Complex<f64>>| vector.dot(&axis.map(|x| Complex::new(x, 0.0)));
+        let per_speed = mode.eigenvalue_1_s / speed_m_s;
+        let (roll, pitch, yaw) = (along(&ahead, &turn), along(&right, &turn), along(&down, &turn));
+        let (speed, slip, sink) =
+            (along(&ahead, &way) * per_speed, along(&right, &way) * per_speed, along(&down, &way) * per_speed);
+        let attack = pitch + sink;
+        let symmetric = pitch.norm() + speed.norm() + sink.norm();
+        let lateral = roll.norm() + yaw.norm() + slip.norm();
+        Some(match (symmetric > lateral, mode.is_real()) {
+            (true, _) if speed.norm() > attack.norm() => FlightMode::Phugoid,
+            (true, _) => FlightMode::ShortPeriod,
+            (false, false) => FlightMode::DutchRoll,
+            (false, true) if yaw.norm() > roll.norm() => FlightMode::Spiral,
+            (false, true) => FlightMode::RollSubsidence,
+        })
+    }
+}
