@@ -256,7 +256,7 @@ fn rt13_flap_damping() {
 }
 
 /// RT-14. Thrust after a step of pitch in hover: with `τ = (8/3π)/(4 λ0 Ω)`, the apparent mass of the air at a disc (`⅔ · 4 ρ R³`) over its
-/// momentum, the lag gives the response of Pitt and Peters' uniform state, `(8/3π) λ'/Ω + 2 λ² = C_T`.
+/// momentum, the lag gives the response of Pitt and Peters' uniform state, `(8/3π) λ'/Ω + 2 λ² = C_T`, NOTATION eq. (B29).
 #[test]
 fn rt14_a_step_of_pitch_in_hover() {
     let tip_rad = 0.5f64.to_radians();
