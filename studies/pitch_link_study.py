@@ -33,12 +33,25 @@ LIMITS_DEG = np.round(np.arange(0.4, 2.0, 0.05), 2)  # flap angles whose passing
 SHOWN = ((0.0, VERMILION), (30.0, BLUE), (300.0, GREEN))
 
 
+def changed(text, pattern, new):
+    """A model text in which the one place that a pattern fits is replaced; none, or several, end the study."""
+    text, count = re.subn(pattern, lambda _: new, text, flags=re.MULTILINE | re.DOTALL)
+    if count != 1:
+        raise SystemExit(f"{count} places of the model fit {pattern!r}; one is needed")
+    return text
+
+
+def with_inertia(text, inertia_kg_m2):
+    """The model with another inertia of the gears."""
+    return changed(text, r"(?<=\[joint\.pitch\.drive\]\ninertia_kg_m2 = )[-+.e0-9]+", repr(float(inertia_kg_m2)))
+
+
 class Runs:
     """The command on variants of the model."""
 
-    def __init__(self, foldwing):
+    def __init__(self, foldwing, folder):
         self.foldwing = foldwing.resolve()
-        self.folder = Path(tempfile.mkdtemp())
+        self.folder = folder
         self.text = MODEL.read_text(encoding="utf-8")
 
     def call(self, *arguments):
@@ -58,21 +71,21 @@ class Runs:
 
     def at_speed(self, speed_rad_s, inertia_kg_m2):
         """The model without failures, its shaft turned at a speed."""
-        text = re.sub(r"\[failure\.link\].*?(?=\[aerodynamics\])", "", self.text, flags=re.DOTALL)
-        text = re.sub(r"^inertia_kg_m2 = 30\.0.*$", f"inertia_kg_m2 = {float(inertia_kg_m2)!r}", text, flags=re.MULTILINE)
-        text = re.sub(r"\[joint\.shaft\.drive\].*?(?=\[joint\.flap\])", "", text, flags=re.DOTALL)
+        text = changed(self.text, r"\[failure\.link\].*?(?=\[aerodynamics\])", "")
+        text = with_inertia(text, inertia_kg_m2)
+        text = changed(text, r"\[joint\.shaft\.drive\].*?(?=\[joint\.flap\])", "")
         turning = f'motion = "prescribed"\npolynomial_deg = [0.0, {float(np.degrees(speed_rad_s))!r}]'
-        return re.sub(r"^start_rate_deg_s = .*$", turning, text, flags=re.MULTILINE)
+        return changed(text, r"^start_rate_deg_s = [^\n]*", turning)
 
     def steady(self, speed_rad_s):
         """Flap angle in rad, torque of the air on one blade and holding torque of the pitch in N·m of the steady rotor, pitch held."""
-        text = self.at_speed(speed_rad_s, 30.0).replace("stop_time_s = 8.0", "stop_time_s = 15.0")
+        text = changed(self.at_speed(speed_rad_s, 30.0), r"^stop_time_s = 8\.0", "stop_time_s = 15.0")
         run = self.simulate(text, "--output", "flap.angle,rotor.torque,pitch.holding_torque")
         return run["flap.angle"][-1], run["rotor.torque"][-1] / 2.0, run["pitch.holding_torque"][-1]
 
     def released(self, speed_rad_s, inertia_kg_m2, steady):
         """Options and text of the blade that stands still in the air of the steady rotor and may pitch."""
-        text = self.at_speed(speed_rad_s, inertia_kg_m2).replace("release = false", "release = true")
+        text = changed(self.at_speed(speed_rad_s, inertia_kg_m2), r"^release = false", "release = true")
         return text, ("--set", f"flap.start_angle={float(steady[0])!r}", "--set", f"pitch.constant_torque={float(-steady[2])!r}")
 
     def roots(self, speed_rad_s, inertia_kg_m2, steady):
@@ -109,8 +122,8 @@ class Runs:
                 watched += [(f"flap{index}", "flap", f"angle_above_deg = {limit}") for index, limit in enumerate(limits_deg)]
                 noted = "".join(f'[failure.{name}]\nkind = "spring_breaks"\njoint = "flap"\nremaining = 1.0\nwhen = {{ joint = "{joint}", {bound} }}\n\n'
                                 for name, joint, bound in watched)
-                text = self.text.replace("[aerodynamics]", noted + "[aerodynamics]")
-                text = re.sub(r"^start_rate_deg_s = .*$", f"start_rate_deg_s = {float(np.degrees(speed_rad_s))!r}", text, flags=re.MULTILINE)
+                text = changed(self.text, r"^\[aerodynamics\]", noted + "[aerodynamics]")
+                text = changed(text, r"^start_rate_deg_s = [^\n]*", f"start_rate_deg_s = {float(np.degrees(speed_rad_s))!r}")
                 (self.folder / "sweep.toml").write_text(text, encoding="utf-8")
                 table = f"sweep_{speed_rad_s}_{limits_deg[0]}.csv"
                 self.call("sweep", "sweep.toml", "--vary", "file:joint.pitch.drive.inertia_kg_m2=" + ",".join(map(str, INERTIAS_KG_M2)),
@@ -134,7 +147,7 @@ def histories(runs):
     figure.subplots_adjust(left=0.09, right=0.86, top=0.95, bottom=0.08, hspace=0.28)
     columns = {}
     for inertia_kg_m2, colour in SHOWN:
-        text = re.sub(r"^inertia_kg_m2 = 30\.0.*$", f"inertia_kg_m2 = {float(inertia_kg_m2)!r}", runs.text, flags=re.MULTILINE)
+        text = with_inertia(runs.text, inertia_kg_m2)
         run = columns[inertia_kg_m2] = runs.simulate(text, "--output", "flap.angle,pitch.angle,shaft.angular_velocity")
         for place, name in zip(axes, ("flap.angle", "pitch.angle")):
             place.plot(run["time"], np.degrees(run[name]), color=colour, label=f"{inertia_kg_m2:.0f} kg·m²")
@@ -194,17 +207,18 @@ def main():
     parser.add_argument("--table", type=Path, required=True)
     arguments = parser.parse_args()
     use()
-    runs = Runs(arguments.foldwing)
-    figure, columns = histories(runs)
-    save(figure, arguments.output / "pitch_link.png")
-    steady = {speed: runs.steady(speed) for speed in SPEEDS_RAD_S}
-    roots = np.array([[runs.roots(speed, inertia, steady[speed])[0].real for inertia in INERTIAS_KG_M2] for speed in SPEEDS_RAD_S])
-    growths = {inertia: runs.growth(4.0, inertia, steady[4.0]) for inertia in (0.0, 30.0, 60.0, 100.0, 150.0)}
-    half_s, largest_deg = runs.sweep(steady)
-    save(design(SPEEDS_RAD_S, INERTIAS_KG_M2, roots, growths, largest_deg), arguments.output / "pitch_link_map.png")
-    text = table(columns, half_s, largest_deg, roots, growths)
-    arguments.table.write_text(text, encoding="utf-8")
-    print(text)
+    with tempfile.TemporaryDirectory() as folder:
+        runs = Runs(arguments.foldwing, Path(folder))
+        figure, columns = histories(runs)
+        save(figure, arguments.output / "pitch_link.png")
+        steady = {speed: runs.steady(speed) for speed in SPEEDS_RAD_S}
+        roots = np.array([[runs.roots(speed, inertia, steady[speed])[0].real for inertia in INERTIAS_KG_M2] for speed in SPEEDS_RAD_S])
+        growths = {inertia: runs.growth(4.0, inertia, steady[4.0]) for inertia in (0.0, 30.0, 60.0, 100.0, 150.0)}
+        half_s, largest_deg = runs.sweep(steady)
+        save(design(SPEEDS_RAD_S, INERTIAS_KG_M2, roots, growths, largest_deg), arguments.output / "pitch_link_map.png")
+        text = table(columns, half_s, largest_deg, roots, growths)
+        arguments.table.write_text(text, encoding="utf-8")
+        print(text)
 
 
 if __name__ == "__main__":

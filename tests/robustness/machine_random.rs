@@ -82,7 +82,7 @@ impl Dice {
             }
             _ => {
                 let outer = Section { mass_kg_m: self.number(0.1, 1.0), ..solid.section() };
-                SectionLaw::Between { inner: solid.section(), outer, length_m }
+                SectionLaw::between(solid.section(), outer, length_m)
             }
         }
     }

@@ -265,16 +265,16 @@ fn sections_and_masses() {
             (
                 |m| {
                     let section = plate_by_numbers();
-                    m.bodies[4].section = SectionLaw::Between { inner: section.clone(), outer: section, length_m: 0.2 };
+                    m.bodies[4].section = SectionLaw::between(section.clone(), section, 0.2);
                 },
-                "body \"kite\", section, length_m",
-                "0.15 m, the length of the body",
+                "body \"kite\", section, position_m",
+                "2 to 1000 positions that ascend from 0 to 0.15 m, the length of the body",
             ),
             (
                 |m| {
                     let (inner, mut outer) = (plate_by_numbers(), plate_by_numbers());
                     outer.mass_kg_m = 0.0;
-                    m.bodies[4].section = SectionLaw::Between { inner, outer, length_m: 0.15 };
+                    m.bodies[4].section = SectionLaw::between(inner, outer, 0.15);
                 },
                 "body \"kite\", outer_section",
                 "positive, finite numbers in SI",

@@ -28,23 +28,23 @@ fn syntax_errors() {
 fn unknown_keys() {
     assert_eq!(
         message("length_m = 0.15", "length = 0.15"),
-        "wing.toml:16: key 'body.inner.length' is unknown; write length_m (m); allowed keys: length_m, section, \
+        "wing.toml:16: key 'body.inner.length' is unknown; write length_m (m); allowed keys: count, length_m, section, \
          outer_section, width_taper, height_taper, element, elements, natural_curvature_1_m, twist_1_m, \
-         curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, load_stations, \
+         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, strain_damping_shares, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
         message("length_m = 0.15", "length_mm = 150"),
-        "wing.toml:16: key 'body.inner.length_mm' is unknown; write length_m (m); allowed keys: length_m, \
+        "wing.toml:16: key 'body.inner.length_mm' is unknown; write length_m (m); allowed keys: count, length_m, \
          section, outer_section, width_taper, height_taper, element, elements, natural_curvature_1_m, twist_1_m, \
-         curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, load_stations, \
+         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, strain_damping_shares, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
         message("elements = 2\nload", "lenght_m = 1\nelements = 2\nload"),
-        "wing.toml:18: key 'body.inner.lenght_m' is unknown; perhaps length_m is meant; allowed keys: length_m, \
+        "wing.toml:18: key 'body.inner.lenght_m' is unknown; perhaps length_m is meant; allowed keys: count, length_m, \
          section, outer_section, width_taper, height_taper, element, elements, natural_curvature_1_m, twist_1_m, \
-         curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, load_stations, \
+         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, strain_damping_shares, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
@@ -79,7 +79,7 @@ fn missing_keys() {
     );
     assert_eq!(
         message("shape = \"rectangle\"\n", ""),
-        "wing.toml:3: key 'section.plate.shape' is missing; allowed: \"rectangle\" or \"ellipse\" or \"explicit\""
+        "wing.toml:3: key 'section.plate.shape' is missing; allowed: \"rectangle\" or \"ellipse\" or \"explicit\" or \"table\""
     );
     assert_eq!(
         message("axis = [0, 2, 0]\n", ""),
@@ -151,7 +151,7 @@ fn choices() {
     assert_eq!(
         message("\"rectangle\"", "\"rectangel\""),
         "wing.toml:4: key 'section.plate.shape': \"rectangel\" is not allowed; allowed: \"rectangle\" or \
-         \"ellipse\" or \"explicit\" (did you mean \"rectangle\"?)"
+         \"ellipse\" or \"explicit\" or \"table\" (did you mean \"rectangle\"?)"
     );
     assert_eq!(
         message("\"clamped\"", "\"welded\""),

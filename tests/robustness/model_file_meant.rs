@@ -4,9 +4,9 @@ use crate::model_file::message;
 
 const TOP: &str = "name, description, gravity_m_s2, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, section_load, \
                    failure, aerodynamics, surface, flap, gust, polar, wind, tower, solver, experiment";
-const BODY: &str = "length_m, section, outer_section, width_taper, height_taper, element, elements, \
-                    natural_curvature_1_m, twist_1_m, curvature_y_1_m, curvature_z_1_m, mass_damping_1_s, \
-                    damp_attached_masses, stiffness_damping_s, load_stations, load_station_positions_m, load_frame";
+const BODY: &str = "count, length_m, section, outer_section, width_taper, height_taper, element, elements, \
+                    natural_curvature_1_m, twist_1_m, curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, \
+                    damp_attached_masses, stiffness_damping_s, strain_damping_shares, load_stations, load_station_positions_m, load_frame";
 
 /// Tables: swapped letters, plurals, beginnings.
 #[test]
@@ -67,7 +67,7 @@ fn misplaced_keys() {
 fn a_misspelt_shape() {
     assert_eq!(
         message("shape = \"rectangle\"", "shpae = \"rectangle\""),
-        "wing.toml:3: key 'section.plate.shape' is missing; allowed: \"rectangle\" or \"ellipse\" or \"explicit\"; \
+        "wing.toml:3: key 'section.plate.shape' is missing; allowed: \"rectangle\" or \"ellipse\" or \"explicit\" or \"table\"; \
          perhaps shpae is shape misspelt"
     );
 }
@@ -92,7 +92,7 @@ fn choices() {
             "\"explicit\"",
             "\"explict\"",
             "wing.toml:11: key 'section.spar.shape': \"explict\" is not allowed; allowed: \"rectangle\" or \"ellipse\" \
-             or \"explicit\" (did you mean \"explicit\"?)",
+             or \"explicit\" or \"table\" (did you mean \"explicit\"?)",
         ),
         (
             "load_stations = 4",

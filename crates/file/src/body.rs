@@ -2,13 +2,16 @@
 
 use crate::file::RigidBodyFile;
 use crate::function::{FunctionFile, along_body};
-use crate::sections::{Built, Sections};
+use crate::sections::{Built, Sections, Stations};
+use crate::stations::AxisAlong;
 use crate::validate::Checker;
-use foldwing_engine::beam::law::SectionLaw;
+use foldwing_engine::beam::axis::NaturalShape;
+use foldwing_engine::beam::law::{SectionLaw, SectionStation};
 use foldwing_engine::beam::profile::Profile;
-use foldwing_engine::beam::section::{Material, Solid};
+use foldwing_engine::beam::section::{Material, Section, Solid};
 use foldwing_engine::load::LoadFrame;
 use foldwing_engine::machine::builder::BodyBuilder;
+use foldwing_engine::machine::units::shortest;
 use foldwing_engine::machine::{Body, ElementKind};
 use nalgebra::Matrix3;
 use schemars::JsonSchema;
@@ -18,6 +21,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct BodyFile {
+    /// Number of bodies like this one, each with a joint and all that hangs on it, evenly about the parent's `x` axis: their names
+    /// end in 1, 2, …, and so do those of joints, masses and loads on them. Default: one, with the name as it stands.
+    #[schemars(range(min = 1, max = 12))]
+    pub count: Option<usize>,
     /// Arc length of the undeformed axis.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub length_m: f64,
@@ -44,6 +51,11 @@ pub(super) struct BodyFile {
     pub curvature_y_1_m: Option<FunctionFile>,
     /// Natural curvature `κz` along the body; positive bends the axis towards `+y`.
     pub curvature_z_1_m: Option<FunctionFile>,
+    /// Axis without loads by points, and the twist of the sections along it; instead of the curvatures above.
+    pub axis: Option<AxisAlong>,
+    /// File beside the model file that has it, as CSV whose columns are called like the keys of `axis`, or BeamDyn's primary file.
+    /// Its columns take the key's place when the model file is read.
+    pub axis_file: Option<String>,
     /// Mass-proportional damping `α`, on motion relative to the root or, behind a free joint, to the first frame of the
     /// body that flies. Acts on the beam only, unless `damp_attached_masses` is set.
     #[serde(default)]
@@ -56,6 +68,9 @@ pub(super) struct BodyFile {
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub stiffness_damping_s: f64,
+    /// Shares of `stiffness_damping_s` in stretch, twist, curvature about `y` (flap) and about `z` (lag), default 1 each.
+    #[schemars(inner(range(min = 0.0)))]
+    pub strain_damping_shares: Option<[f64; 4]>,
     /// Number of load stations at the centres of equal strips, default 4.
     #[schemars(range(min = 0, max = 1000))]
     pub load_stations: Option<usize>,
@@ -121,8 +136,13 @@ pub(super) fn build(name: &str, file: &BodyFile, law: Option<SectionLaw>, checke
         .mass_damping_1_s(file.mass_damping_1_s)
         .damp_attached_masses(file.damp_attached_masses)
         .stiffness_damping_s(file.stiffness_damping_s)
+        .strain_damping_shares(file.strain_damping_shares.unwrap_or([1.0; 4]))
         .load_frame(file.load_frame.into());
-    if let Some(curvature_1_m) = natural_curvature(name, file, checker) {
+    if file.axis.is_some() || file.axis_file.is_some() {
+        if let Some(shape) = natural_shape(name, file, checker) {
+            body = body.natural_shape(shape);
+        }
+    } else if let Some(curvature_1_m) = natural_curvature(name, file, checker) {
         body = body.natural_curvature_along_1_m(curvature_1_m);
     }
     if let (Some(_), Some(_)) = (&file.load_station_positions_m, file.load_stations) {
@@ -172,9 +192,22 @@ pub(super) fn section_law(
         return None;
     }
     let inner = inner?;
+    if let (Built::Table(_), Some((key, _))) = (inner, tapered) {
+        checker.refuse(&["body", name, key], "a body whose section is no table: a table says itself how it varies");
+        return None;
+    }
+    let alone = outer.as_ref().is_none_or(|outer| !matches!(outer, Some(Built::Table(_))));
+    if outer.is_some() && !(alone && !matches!(inner, Built::Table(_))) {
+        checker
+            .refuse(&["body", name, "outer_section"], "sections that are no tables: a table reaches from end to end");
+        return None;
+    }
+    if let Built::Table(stations) = inner {
+        return table_law(name, file, stations, checker);
+    }
     if let Some(outer) = outer {
-        let [inner, outer] = [inner, outer?].map(Built::section);
-        return Some(SectionLaw::Between { inner, outer, length_m: file.length_m });
+        let (inner, outer) = (inner.section()?, outer?.section()?);
+        return Some(SectionLaw::between(inner, outer, file.length_m));
     }
     match (inner, tapered) {
         (Built::Solid(solid), _) => Some(SectionLaw::Tapered { solid: *solid, width: width?, height: height? }),
@@ -182,6 +215,51 @@ pub(super) fn section_law(
         (Built::Explicit(_), Some((key, _))) => {
             let allowed = "a body whose section is a rectangle or an ellipse; other sections vary by outer_section";
             checker.refuse(&["body", name, key], allowed);
+            None
+        }
+        (Built::Table(_), _) => None, // above
+    }
+}
+
+/// The sections of a table at their places on a body, from end to end.
+fn table_law(name: &str, file: &BodyFile, stations: &Stations, checker: &mut Checker) -> Option<SectionLaw> {
+    let positions_m = stations.places.on_body(file.length_m);
+    if positions_m.last() != Some(&file.length_m) {
+        let last = positions_m.last().copied().unwrap_or_default();
+        let allowed = format!("{} m, the last station of section {:?}", shortest(last), file.section);
+        checker.refuse(&["body", name, "length_m"], allowed);
+        return None;
+    }
+    let station = |(position_m, section): (f64, &Section)| SectionStation { position_m, section: section.clone() };
+    Some(SectionLaw::Table(positions_m.into_iter().zip(&stations.sections).map(station).collect()))
+}
+
+/// The shape without loads by the axis of the file; `None` where a problem was found.
+fn natural_shape(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<NaturalShape> {
+    let rivals = ["natural_curvature_1_m", "twist_1_m", "curvature_y_1_m", "curvature_z_1_m"];
+    if let Some(key) = rivals.into_iter().find(|key| checker.states(&["body", name, key])) {
+        checker.refuse(&["body", name, key], "either an axis or curvatures, not both");
+        return None;
+    }
+    let axis = match (&file.axis, &file.axis_file) {
+        (Some(axis), None) => axis,
+        (Some(_), Some(_)) => {
+            checker.refuse(&["body", name, "axis_file"], "either axis or axis_file, not both");
+            return None;
+        }
+        _ => {
+            let allowed = "a file beside a model file that is read from its own file; a text alone has axis";
+            checker.refuse(&["body", name, "axis_file"], allowed);
+            return None;
+        }
+    };
+    let axis = axis.on_body(name, file.length_m, checker)?;
+    match axis.natural_shape() {
+        Ok(shape) => Some(shape),
+        Err(steep) => {
+            let found = format!("an axis that leaves no way along x at {} m", shortest(steep.position_m));
+            let allowed = "points no further apart than the arc between them, on an axis that turns by less than a right angle from x";
+            checker.refuse_as(&["body", name, "axis"], found, allowed);
             None
         }
     }

@@ -20,8 +20,9 @@ pub(super) struct Copies {
 /// Replaces every body with a `count`, and all that hangs on it, by its copies.
 pub(super) fn expand(file: &mut ModelFile) -> Copies {
     let mut copies = Copies::default();
-    let counted: Vec<(String, usize)> =
-        file.modal_body.iter().filter_map(|(name, body)| Some((name.clone(), body.count?))).collect();
+    let modal = file.modal_body.iter().filter_map(|(name, body)| Some((name.clone(), body.count?)));
+    let beams = file.body.iter().filter_map(|(name, body)| Some((name.clone(), body.count?)));
+    let counted: Vec<(String, usize)> = modal.chain(beams).collect();
     for (name, count) in counted {
         let family = family_of(&name, file);
         let has = |body: &String| family.contains(body);

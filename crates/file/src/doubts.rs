@@ -100,6 +100,7 @@ impl Look<'_, '_> {
                         self.doubt(&["section", name, "density_kg_m3"], reason, advice);
                     }
                 }
+                SectionFile::Table(_) => {} // its numbers come from programs
                 SectionFile::Explicit(section) => {
                     let axial_n = section.axial_stiffness_n.or(section.stiffness_si.map(|matrix| matrix[0][0]));
                     let Some(axial_n) = axial_n else { continue };
@@ -145,7 +146,7 @@ impl Look<'_, '_> {
                     .half_width_m
                     .zip(section.half_height_m)
                     .map(|(width, height)| (["half_width_m", "half_height_m"], 2.0 * width, 2.0 * height, 0.5)),
-                None => None,
+                Some(SectionFile::Table(_)) | None => None,
             };
             let Some((keys, width_m, height_m, share)) = outline else { continue };
             let (length_m, thickness_m) = (body.length_m, width_m.min(height_m));
@@ -186,7 +187,7 @@ impl Look<'_, '_> {
                     solid.density_kg_m3 * solid.width_m * solid.height_m
                 }
                 Some(SectionFile::Explicit(section)) => section.mass_kg_m,
-                None => continue,
+                Some(SectionFile::Table(_)) | None => continue,
             };
             let own_kg = per_length * body.length_m;
             if mass.mass_kg > MAXIMUM_ATTACHED * own_kg {

@@ -1,7 +1,8 @@
-//! Polars of other files, taken into the text of the model file: what rides in an FMU needs no other file.
+//! Polars, sections and axes of other files, taken into the text of the model file: what rides in an FMU needs no other file.
 
 use crate::error::{Fault, Problem};
 use crate::polar_file::read_polars;
+use crate::station_file::{read_axis, read_sections};
 use indexmap::IndexMap;
 use serde::Deserialize;
 use std::fmt::Write;
@@ -12,35 +13,50 @@ use toml::Spanned;
 #[derive(Deserialize, Default)]
 #[serde(default)]
 struct Wanted {
-    polar: IndexMap<String, WantedPolar>,
+    polar: IndexMap<String, WantedFile>,
+    section: IndexMap<String, WantedFile>,
+    body: IndexMap<String, WantedAxis>,
 }
 
 #[derive(Deserialize, Default)]
 #[serde(default)]
-struct WantedPolar {
+struct WantedFile {
     file: Option<Spanned<String>>,
 }
 
-/// The text with `file = "…"` of every polar replaced by `rows = […]` on the same line, so that lines keep their numbers. Files
-/// are looked for in `folder`. A text that does not read as a model is left as it is: later passes say why.
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct WantedAxis {
+    axis_file: Option<Spanned<String>>,
+}
+
+/// Reads a file into the key that takes its place; else what a file must be.
+type Reader = fn(&Path) -> Result<String, String>;
+
+/// The text with `file = "…"` of every polar, and of every section and axis that names one, replaced by what the file says, on the
+/// same line, so that lines keep their numbers. Files are looked for in `folder`. A text that does not read as a model is left as
+/// it is: later passes say why.
 ///
 /// # Errors
-/// A file that cannot be read, or whose polar is refused, at the line of its key.
-pub(super) fn with_polars(text: String, folder: &Path) -> Result<String, Vec<Problem>> {
+/// A file that cannot be read, or whose contents are refused, at the line of its key.
+pub(super) fn with_files(text: String, folder: &Path) -> Result<String, Vec<Problem>> {
     let Ok(wanted) = toml::from_str::<Wanted>(&text) else { return Ok(text) };
+    let polars = wanted.polar.into_iter().map(|(name, file)| ("polar", name, "file", file.file, rows as Reader));
+    let sections = wanted.section.into_iter().map(|(name, file)| ("section", name, "file", file.file, along as Reader));
+    let axes = wanted.body.into_iter().map(|(name, file)| ("body", name, "axis_file", file.axis_file, axis as Reader));
     let mut places = Vec::new();
     let mut problems = Vec::new();
-    for (name, polar) in wanted.polar {
-        let Some(file) = polar.file else { continue };
+    for (table, name, key, file, read) in polars.chain(sections).chain(axes) {
+        let Some(file) = file else { continue };
         let span = file.span();
-        let start = text[..span.start].rfind("file").unwrap_or(span.start);
-        match rows(&folder.join(file.get_ref())) {
+        let start = text[..span.start].rfind(key).unwrap_or(span.start);
+        match read(&folder.join(file.get_ref())) {
             Ok(rows) => places.push((start..span.end, rows)),
             Err(reason) => problems.push(Problem {
                 line: text[..span.start].matches('\n').count() + 1,
                 fault: Fault::NotAllowed { value: text[span.clone()].to_owned(), allowed: reason },
                 span,
-                key: format!("polar.{name}.file"),
+                key: format!("{table}.{name}.{key}"),
             }),
         }
     }
@@ -53,6 +69,24 @@ pub(super) fn with_polars(text: String, folder: &Path) -> Result<String, Vec<Pro
         whole.replace_range(span, &rows);
     }
     Ok(whole)
+}
+
+/// `along = { … }` of a file of sections.
+fn along(path: &Path) -> Result<String, String> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|reason| format!("a file of sections beside the model file ({}: {reason})", path.display()))?;
+    let table = read_sections(&text)
+        .map_err(|fault| format!("sections as CSV or in BeamDyn's file of a blade ({}: {fault})", path.display()))?;
+    Ok(table.text("along"))
+}
+
+/// `axis = { … }` of a file of an axis.
+fn axis(path: &Path) -> Result<String, String> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|reason| format!("a file of an axis beside the model file ({}: {reason})", path.display()))?;
+    let table = read_axis(&text)
+        .map_err(|fault| format!("an axis as CSV or in BeamDyn's primary file ({}: {fault})", path.display()))?;
+    Ok(table.text("axis"))
 }
 
 /// `rows = [[…], …]` of a file's first table; else what a file must be.

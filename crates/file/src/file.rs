@@ -10,6 +10,7 @@ use crate::joint_file::JointFile;
 use crate::modal_body::ModalBodyFile;
 use crate::rotor_file::{PolarFile, TowerFile, WindFile};
 use crate::run::{ExperimentFile, SolverFile};
+use crate::stations::SectionsAlong;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -144,6 +145,8 @@ pub(super) enum SectionFile {
     /// Any section, by its stiffness and inertia: either the four stiffnesses with optional couplings, or
     /// `stiffness_SI`.
     Explicit(Box<ExplicitSection>),
+    /// Sections along a body, by their stiffness and inertia at stations, linear between them: `along` or a `file`.
+    Table(Box<TableSection>),
 }
 
 /// Solid section of one isotropic material.
@@ -233,6 +236,17 @@ pub(super) struct ExplicitSection {
     /// Largest `|z|` of the outline; gauges need it.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub half_height_m: Option<f64>,
+}
+
+/// Sections along a body.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TableSection {
+    /// File beside the model file that has them, as CSV whose columns are called like the keys of `along`, or BeamDyn's file of a
+    /// blade. Its columns take the key's place when the model file is read, so an FMU needs no other file.
+    pub file: Option<String>,
+    /// The properties at the stations.
+    pub along: Option<SectionsAlong>,
 }
 
 /// Holds two points of two bodies together by the penalty force `m g̈ + c ġ + k g` on the gap `g` between them:

@@ -8,6 +8,7 @@
 mod air;
 mod air_file;
 mod attachments;
+mod beamdyn_file;
 mod body;
 mod copies;
 mod document;
@@ -34,15 +35,19 @@ mod rotor_file;
 mod run;
 mod schema;
 mod sections;
+mod station_file;
+mod stations;
 mod structure;
 mod validate;
 mod wind_file;
 
+pub use beamdyn_file::condensed_stiffness;
 pub use doubts::{Doubt, doubts};
 pub use error::{ConfigError, Fault, Problem};
 pub use polar_file::{AirfoilTable, PolarFault, read_aerodyn, read_csv, read_polars};
 pub use reference::reference;
 pub use schema::schema;
+pub use station_file::{StationFault, StationTable, read_axis, read_sections};
 pub use wind_file::{BladedSettings, WindFault, read_bladed, read_turbsim, read_wind_table, write_turbsim};
 
 use document::Document;
@@ -59,7 +64,7 @@ pub fn parse(text: &str, file_name: &str) -> Result<Machine, ConfigError> {
     build(text).map_err(|problems| ConfigError::Refused { file: file_name.to_owned(), problems })
 }
 
-/// Reads a model file; returns the machine and the file's text with the polars of other files in it, which rides in the FMU's
+/// Reads a model file; returns the machine and the file's text with what it takes from other files in it, which rides in the FMU's
 /// resources.
 ///
 /// # Errors
@@ -70,20 +75,20 @@ pub fn read(path: impl AsRef<Path>) -> Result<(Machine, String), ConfigError> {
     match std::fs::read_to_string(path) {
         Ok(text) => {
             let folder = path.parent().unwrap_or(Path::new(""));
-            let text = with_polars(text, folder, &file)?;
+            let text = with_files(text, folder, &file)?;
             Ok((parse(&text, &file)?, text))
         }
         Err(source) => Err(ConfigError::Read { file, source }),
     }
 }
 
-/// The text of a model file with the rows of polars that it names by `file`, looked for in a folder; lines keep their numbers.
+/// The text of a model file with what other files say that it names (polars, sections, axes), looked for in a folder; lines keep
+/// their numbers.
 ///
 /// # Errors
-/// [`ConfigError::Refused`] where a file cannot be read or its polar is refused, at the line of its key.
-pub fn with_polars(text: String, folder: &Path, file_name: &str) -> Result<String, ConfigError> {
-    embedded::with_polars(text, folder)
-        .map_err(|problems| ConfigError::Refused { file: file_name.to_owned(), problems })
+/// [`ConfigError::Refused`] where a file cannot be read or its contents are refused, at the line of its key.
+pub fn with_files(text: String, folder: &Path, file_name: &str) -> Result<String, ConfigError> {
+    embedded::with_files(text, folder).map_err(|problems| ConfigError::Refused { file: file_name.to_owned(), problems })
 }
 
 /// The text of a model file with the keys of a JSON object, in their order.

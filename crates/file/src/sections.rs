@@ -1,6 +1,7 @@
 //! Sections of the file to [`Section`]: outlines, stiffness matrices, inertia.
 
-use crate::file::{ExplicitSection, SectionFile, SolidSection};
+use crate::file::{ExplicitSection, SectionFile, SolidSection, TableSection};
+use crate::stations::Places;
 use crate::validate::Checker;
 use foldwing_engine::beam::section::{Material, Outline, Section, Solid};
 use foldwing_engine::machine::validate::section::{are_second_moments, asymmetry, is_positive_definite, is_sound};
@@ -16,14 +17,25 @@ pub(super) enum Built {
     Solid(Solid),
     /// By its properties; half width and half height are 0 where they are not stated.
     Explicit(Section),
+    /// Several along a body.
+    Table(Stations),
+}
+
+/// Sections along a body.
+pub(super) struct Stations {
+    /// Where they are.
+    pub places: Places,
+    /// The sections there.
+    pub sections: Vec<Section>,
 }
 
 impl Built {
-    /// Its properties.
-    pub fn section(&self) -> Section {
+    /// Its properties, if they are the same everywhere.
+    pub fn section(&self) -> Option<Section> {
         match self {
-            Self::Solid(solid) => solid.section(),
-            Self::Explicit(section) => section.clone(),
+            Self::Solid(solid) => Some(solid.section()),
+            Self::Explicit(section) => Some(section.clone()),
+            Self::Table(_) => None,
         }
     }
 }
@@ -34,13 +46,33 @@ pub(super) fn build(name: &str, section: &SectionFile, checker: &mut Checker) ->
         SectionFile::Rectangle(file) => Built::Solid(solid(name, Outline::Rectangle, file, checker)?),
         SectionFile::Ellipse(file) => Built::Solid(solid(name, Outline::Ellipse, file, checker)?),
         SectionFile::Explicit(explicit) => build_explicit(name, explicit, checker)?,
+        SectionFile::Table(table) => return build_table(name, table, checker).map(Built::Table),
     };
-    if !is_sound(&built.section()) {
+    if built.section().is_some_and(|section| !is_sound(&section)) {
         let allowed = "dimensions and material whose mass, inertia and stiffness are positive, finite numbers in SI";
         checker.refuse_as(&["section", name], "a section of such dimensions", allowed);
         return None;
     }
     Some(built)
+}
+
+fn build_table(name: &str, table: &TableSection, checker: &mut Checker) -> Option<Stations> {
+    match (&table.along, &table.file) {
+        (Some(along), None) => along.stations(name, checker),
+        (Some(_), Some(_)) => {
+            checker.refuse(&["section", name, "file"], "either along or file, not both");
+            None
+        }
+        (None, Some(_)) => {
+            let allowed = "a file beside a model file that is read from its own file; a text alone has along";
+            checker.refuse(&["section", name, "file"], allowed);
+            None
+        }
+        (None, None) => {
+            checker.refuse(&["section", name, "along"], "a table of properties at stations, or a file");
+            None
+        }
+    }
 }
 
 fn solid(name: &str, outline: Outline, file: &SolidSection, checker: &mut Checker) -> Option<Solid> {

@@ -55,11 +55,7 @@ const CURVATURE_Z: [f64; 3] = [0.5, -0.6, 1.1];
 
 /// Stiffness falls linearly to less than half with all couplings, twist and curvatures are polynomials.
 fn blade() -> BodyDescription {
-    let section = SectionLaw::Between {
-        inner: coupled(inner_stiffness()),
-        outer: coupled(outer_stiffness()),
-        length_m: LENGTH_M,
-    };
+    let section = SectionLaw::between(coupled(inner_stiffness()), coupled(outer_stiffness()), LENGTH_M);
     let natural = NaturalStrain([
         Profile::constant(0.0),
         Profile::Polynomial(TWIST.to_vec()),

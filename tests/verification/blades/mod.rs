@@ -7,3 +7,4 @@ mod boundary_value;
 mod elements;
 mod product;
 mod sets;
+mod stations;

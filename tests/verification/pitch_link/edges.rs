@@ -104,6 +104,22 @@ fn pl15_a_blade_stands_for_others() {
     );
 }
 
+/// PL-19. Torque and power of the rotor are those of all its blades: twice what holds the shaft of one of two at its speed.
+#[test]
+fn pl19_torque_of_like_blades() {
+    let mut turning = machine(&[]);
+    turning.failures.clear();
+    joint_of(&mut turning, "shaft").motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.0, 4.0]));
+    joint_of(&mut turning, "shaft").start_rate_rad_s = 0.0;
+    joint_of(&mut turning, "shaft").drive.constant_torque_n_m = 0.0;
+    joint_of(&mut turning, "flap").motion = JointMotion::Locked;
+    let plant = start(turning);
+    let (rotor, held_n_m) = (plant.outputs().rotor()[0], plant.outputs().joints()[0].holding_torque_n_m);
+    println!("torque {:.1} N·m, one blade {held_n_m:.1}", rotor.torque_n_m);
+    assert!((rotor.torque_n_m / (2.0 * held_n_m.abs()) - 1.0).abs() < 1e-9, "{} {held_n_m}", rotor.torque_n_m);
+    assert!((rotor.power_w / (4.0 * rotor.torque_n_m.abs()) - 1.0).abs() < 1e-12, "{}", rotor.power_w);
+}
+
 /// PL-16. Limits. Still air, wind from behind and a wind a thousand times stronger run; a rotor at rest in no wind feels nothing; cells and
 /// straight lines agree as the stations get dense; the rate in the air has Ω sin β besides that against the hub.
 #[test]

@@ -10,6 +10,7 @@ mod failing;
 mod growth;
 mod in_wind;
 mod momenta;
+mod rotor_5mw;
 
 use foldwing::config;
 use foldwing::machine::{JointKind, Machine, OneFreedom};

@@ -1,5 +1,6 @@
 //! Air of rotors: RT-01 and following. Reference numbers: `tests/reference/turbine`.
 
+mod hover;
 mod steady;
 mod turning;
 mod unsteady;

@@ -65,7 +65,7 @@ fn model(wind: &str, speed_rad_s: f64, pitch_deg: f64, air: &str, tables: &str) 
 
 fn machine(text: String) -> Machine {
     let folder = format!("{}/tests/reference/turbine", env!("CARGO_MANIFEST_DIR"));
-    let text = foldwing::config::with_polars(text, folder.as_ref(), "rotor.toml").unwrap();
+    let text = foldwing::config::with_files(text, folder.as_ref(), "rotor.toml").unwrap();
     foldwing::config::parse(&text, "rotor.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -221,7 +221,7 @@ fn faulty_rotors_are_refused_by_name() {
     let with = |from: &str, to: &str| {
         let changed = sound.replacen(from, to, 1);
         assert_ne!(changed, sound, "{from}");
-        let read = foldwing::config::with_polars(changed, folder.as_ref(), "rotor.toml");
+        let read = foldwing::config::with_files(changed, folder.as_ref(), "rotor.toml");
         match read.and_then(|text| foldwing::config::parse(&text, "rotor.toml")) {
             Ok(_) => "nothing refused".to_owned(),
             Err(error) => error.to_string(),
@@ -286,7 +286,7 @@ fn rotor_with_a_blade_missing_is_refused() {
     let (_, polars) = rest.split_once("[polar.").unwrap();
     let missing = format!("{kept}[polar.{polars}");
     let folder = format!("{}/tests/reference/turbine", env!("CARGO_MANIFEST_DIR"));
-    let text = foldwing::config::with_polars(missing, folder.as_ref(), "rotor.toml").unwrap();
+    let text = foldwing::config::with_files(missing, folder.as_ref(), "rotor.toml").unwrap();
     let told = foldwing::config::parse(&text, "rotor.toml").expect_err("two blades of three").to_string();
     for word in ["blade1 120.0 deg from blade0 about the shaft", "180.0 deg apart as there are 2", "is one missing"] {
         assert!(told.contains(word), "{word:?} is missing in {told}");

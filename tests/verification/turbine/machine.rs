@@ -16,7 +16,7 @@ pub const WIND_TEXT: &str = include_str!("../../../examples/turbine/nrel_5mw_win
 /// A text beside the example in wind, with the polars in their files.
 pub fn with_polars(text: &str) -> String {
     let folder = format!("{}/examples/turbine", env!("CARGO_MANIFEST_DIR"));
-    config::with_polars(text.to_owned(), folder.as_ref(), "nrel_5mw_wind.toml").expect("polars")
+    config::with_files(text.to_owned(), folder.as_ref(), "nrel_5mw_wind.toml").expect("polars")
 }
 
 /// Its machine.

@@ -289,7 +289,7 @@ fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
     })?;
     // from standard input: files beside the working directory
     let folder = path.parent().unwrap_or(Path::new(""));
-    let text = match config::with_polars(text.clone(), folder, &shown) {
+    let text = match config::with_files(text.clone(), folder, &shown) {
         Ok(text) => text,
         Err(error) => return Err(Failure::Model { text, error }),
     };

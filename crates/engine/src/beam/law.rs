@@ -2,7 +2,7 @@
 
 use crate::beam::modal::ModalLaw;
 use crate::beam::profile::Profile;
-use crate::beam::section::{Section, Solid};
+use crate::beam::section::{Material, Section, Solid};
 use crate::math::quadrature::gauss_pieces;
 use nalgebra::Vector4;
 
@@ -20,17 +20,20 @@ pub enum SectionLaw {
         /// Factor `λ₃(s)` of the height.
         height: Profile,
     },
-    /// Stiffness, inertia and outline linear between two sections, NOTATION eq. (S6).
-    Between {
-        /// At the inner end.
-        inner: Section,
-        /// At the outer end.
-        outer: Section,
-        /// Length of the body in m.
-        length_m: f64,
-    },
+    /// Stiffness, inertia and outline linear between sections at stations, the first at the inner end and the last at the
+    /// outer one, NOTATION eq. (S6). Every integral over an element is split at the stations.
+    Table(Vec<SectionStation>),
     /// No sections that strain: the body bends in given shapes.
     Modal(Box<ModalLaw>),
+}
+
+/// A section and its place on a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SectionStation {
+    /// Distance from the body's inner end in m.
+    pub position_m: f64,
+    /// Section there.
+    pub section: Section,
 }
 
 impl From<ModalLaw> for SectionLaw {
@@ -52,12 +55,18 @@ impl From<Solid> for SectionLaw {
 }
 
 impl SectionLaw {
+    /// Linear from a section at the inner end to one at the outer end of a body of `length_m`.
+    pub fn between(inner: Section, outer: Section, length_m: f64) -> Self {
+        let station = |position_m, section| SectionStation { position_m, section };
+        Self::Table(vec![station(0.0, inner), station(length_m, outer)])
+    }
+
     /// Section at `s_m` from the inner end.
     pub fn at(&self, s_m: f64) -> Section {
         match self {
             Self::Uniform(section) => section.clone(),
             Self::Tapered { solid, width, height } => solid.stretched(width.at(s_m), height.at(s_m)).section(),
-            Self::Between { inner, outer, length_m } => inner.towards(outer, s_m / length_m),
+            Self::Table(stations) => between_stations(stations, s_m),
             Self::Modal(law) => law.section(s_m),
         }
     }
@@ -66,7 +75,7 @@ impl SectionLaw {
     pub fn solid_at(&self, s_m: f64) -> Option<Solid> {
         match self {
             Self::Tapered { solid, width, height } => Some(solid.stretched(width.at(s_m), height.at(s_m))),
-            Self::Uniform(_) | Self::Between { .. } | Self::Modal(_) => None,
+            Self::Uniform(_) | Self::Table(_) | Self::Modal(_) => None,
         }
     }
 
@@ -74,7 +83,8 @@ impl SectionLaw {
     pub fn kinks_m(&self) -> Vec<f64> {
         match self {
             Self::Tapered { width, height, .. } => [width.kinks_m(), height.kinks_m()].concat(),
-            Self::Uniform(_) | Self::Between { .. } | Self::Modal(_) => Vec::new(),
+            Self::Table(stations) => stations.iter().map(|station| station.position_m).collect(),
+            Self::Uniform(_) | Self::Modal(_) => Vec::new(),
         }
     }
 
@@ -83,7 +93,8 @@ impl SectionLaw {
         match self {
             Self::Uniform(_) => vec![0.0],
             Self::Tapered { width, height, .. } => [width.samples_m(length_m), height.samples_m(length_m)].concat(),
-            Self::Between { .. } | Self::Modal(_) => vec![0.0, length_m],
+            Self::Table(_) => self.kinks_m(),
+            Self::Modal(_) => vec![0.0, length_m],
         }
     }
 
@@ -92,7 +103,7 @@ impl SectionLaw {
         match self {
             Self::Uniform(_) => true,
             Self::Tapered { width, height, .. } => width.is_constant() && height.is_constant(),
-            Self::Between { inner, outer, .. } => inner == outer,
+            Self::Table(stations) => stations.windows(2).all(|pair| pair[0].section == pair[1].section),
             Self::Modal(_) => false,
         }
     }
@@ -117,11 +128,13 @@ impl SectionLaw {
                 width: width.clone(),
                 height: height.clone(),
             },
-            Self::Between { inner, outer, length_m } => Self::Between {
-                inner: inner.scaled(mass_factor, stiffness_factor),
-                outer: outer.scaled(mass_factor, stiffness_factor),
-                length_m: *length_m,
-            },
+            Self::Table(stations) => {
+                let scaled = |station: &SectionStation| SectionStation {
+                    section: station.section.scaled(mass_factor, stiffness_factor),
+                    ..*station
+                };
+                Self::Table(stations.iter().map(scaled).collect())
+            }
             Self::Modal(law) => {
                 let mut law = law.clone();
                 law.mass_factor *= mass_factor;
@@ -137,6 +150,19 @@ impl SectionLaw {
             Self::Modal(law) => Some(law),
             _ => None,
         }
+    }
+}
+
+/// Section at a place by straight lines between stations; that of the nearest one beyond them.
+fn between_stations(stations: &[SectionStation], s_m: f64) -> Section {
+    let after = stations.partition_point(|station| station.position_m <= s_m).clamp(1, stations.len().max(2) - 1);
+    match (stations.get(after - 1), stations.get(after)) {
+        (Some(inner), Some(outer)) => {
+            let share = (s_m - inner.position_m) / (outer.position_m - inner.position_m);
+            inner.section.towards(&outer.section, share.clamp(0.0, 1.0))
+        }
+        (Some(only), None) | (None, Some(only)) => only.section.clone(),
+        (None, None) => Solid::rectangle(1.0, 1.0, Material::isotropic(1.0, 0.0, 1.0)).section(),
     }
 }
 

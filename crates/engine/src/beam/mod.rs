@@ -1,5 +1,6 @@
 //! Cross-sections and beam elements: constant stiffness and constant inertia, laws along a body, strain recovery.
 
+pub mod axis;
 pub mod element;
 pub mod law;
 pub mod modal;

@@ -8,6 +8,9 @@ pub enum Profile {
     /// Straight lines through rows `[s, value]` in ascending order of `s`; constant before the first and after the
     /// last. Every integral over an element is split at the rows, so that the kinks cost no accuracy there.
     Table(Vec<[f64; 2]>),
+    /// Pieces `[start, c0, c1, c2, c3]` in ascending order of their starts in m: `Σ c_i (s − start)ⁱ` from there to the next
+    /// start. Integrals are split at the starts.
+    Pieces(Vec<[f64; 5]>),
 }
 
 impl Profile {
@@ -33,6 +36,13 @@ impl Profile {
                     (None, None) => 0.0,
                 }
             }
+            Self::Pieces(pieces) => {
+                let piece = pieces.partition_point(|piece| piece[0] <= s_m).max(1) - 1;
+                pieces.get(piece).map_or(0.0, |[start, c0, c1, c2, c3]| {
+                    let t = s_m - start;
+                    c0 + t * (c1 + t * (c2 + t * c3))
+                })
+            }
         }
     }
 
@@ -41,6 +51,7 @@ impl Profile {
         match self {
             Self::Polynomial(_) => Vec::new(),
             Self::Table(rows) => rows.iter().map(|row| row[0]).collect(),
+            Self::Pieces(pieces) => pieces.iter().map(|piece| piece[0]).collect(),
         }
     }
 
@@ -49,6 +60,7 @@ impl Profile {
         match self {
             Self::Polynomial(coefficients) => coefficients.iter().skip(1).all(|c| *c == 0.0),
             Self::Table(rows) => rows.windows(2).all(|pair| pair[0][1] == pair[1][1]),
+            Self::Pieces(pieces) => pieces.iter().all(|piece| piece[1] == pieces[0][1] && piece[2..] == [0.0; 3]),
         }
     }
 

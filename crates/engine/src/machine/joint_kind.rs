@@ -2,6 +2,7 @@
 
 use crate::machine::{JointKind, JointMotion, OneFreedom, Spatial, SpatialFreedom, Travel};
 use crate::multibody::joint;
+use nalgebra::Matrix3;
 
 impl JointKind {
     /// The joint as the recursions over the tree know it.
@@ -34,6 +35,15 @@ impl JointKind {
         match self {
             Self::Spatial(joint) => Some(joint),
             Self::Clamped | Self::Revolute(_) | Self::Prismatic(_) => None,
+        }
+    }
+
+    /// Turns what is given in the body's frame: the second axis of a universal joint.
+    pub(crate) fn turn_body_axis(&mut self, turn: &Matrix3<f64>) {
+        if let Self::Spatial(joint) = self
+            && let SpatialFreedom::Universal { body_axis, .. } = &mut joint.freedom
+        {
+            *body_axis = turn * *body_axis;
         }
     }
 

@@ -24,8 +24,9 @@ use crate::aero::flow::Gust;
 pub use crate::aero::lattice::{LoadRule, WakeModel};
 use crate::aero::surface::{ChordLine, Profile};
 pub use crate::aero::{AirOptions, EndRule, PitchRate};
+pub use crate::beam::axis::Axis;
 pub use crate::beam::element::ElementKind;
-pub use crate::beam::law::{NaturalStrain, SectionLaw};
+pub use crate::beam::law::{NaturalStrain, SectionLaw, SectionStation};
 pub use crate::beam::modal::{MAXIMUM_MODES, ModalLaw, Shape};
 use crate::beam::recovery::{axial_row, gauge_row};
 pub use crate::force::generator::{Beyond, GeneratorLaw};
@@ -86,6 +87,8 @@ pub struct Body {
     pub damp_attached_masses: bool,
     /// Stiffness-proportional damping `β` in s.
     pub stiffness_damping_s: f64,
+    /// Shares of it in the strains `(εx, κx, κy, κz)`, ≥ 0.
+    pub strain_damping_shares: Vector4<f64>,
     /// Distances of the load stations from the body's inner end in m, ascending.
     pub station_positions_m: Vec<f64>,
     /// Frame of the station loads.

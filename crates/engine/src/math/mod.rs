@@ -4,3 +4,4 @@ pub mod local_link;
 pub mod quadrature;
 pub mod se3;
 pub mod so3;
+pub mod spline;

@@ -298,6 +298,10 @@ fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Da
             modal.own_forces(motion, residual);
         }
         let beta = damping.stiffness_s;
+        if let (Some(roots), true) = (&body.damping_roots, beta != 0.0) {
+            shared_elastic_forces(model, body, (beta, roots), motion, residual);
+            continue;
+        }
         let mut write = |element: &Element, force: Vector4<f64>| {
             residual[element.coordinate..element.coordinate + 4].copy_from_slice(force.as_slice());
         };
@@ -316,6 +320,31 @@ fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Da
                 }
             }
         }
+    }
+}
+
+/// The same where the strains have shares of their own in the damping: `K (ε − ε₀) + β S K S ε̇`, eq. (D8).
+fn shared_elastic_forces(
+    model: &Model,
+    body: &Body,
+    (beta, roots): (f64, &Vector4<f64>),
+    motion: Motion,
+    residual: &mut [f64],
+) {
+    let elements = &model.elements[body.first_element..body.first_element + body.elements];
+    for (i, element) in elements.iter().enumerate() {
+        let mut force = Vector4::zeros();
+        let mut damped = Vector4::zeros();
+        let mut add = |block: &Matrix4<f64>, of: &Element| {
+            force += block * excess_strain(of, motion, 0.0);
+            damped += block * roots.component_mul(&Vector4::from(strains(motion.v, of.coordinate)));
+        };
+        add(&element.stiffness, element);
+        if body.kind == ElementKind::Linear {
+            add(&element.coupling, &elements[i ^ 1]);
+        }
+        force += roots.component_mul(&damped) * beta;
+        residual[element.coordinate..element.coordinate + 4].copy_from_slice(force.as_slice());
     }
 }
 

@@ -110,7 +110,7 @@ pub fn frame_power_of_drives(model: &Model, work: &Workspace, root: &RootMotion,
 
 /// Strain energy of the beams and modal bodies in J; linear elements with their coupling.
 pub fn elastic(model: &Model, q: &[f64]) -> f64 {
-    strain_form(model, |element| {
+    strain_form(model, |_, element| {
         let strain = strains(q, element.coordinate);
         Vector4::from_fn(|i, _| strain[i] - element.natural_strain[i])
     })
@@ -127,26 +127,29 @@ pub fn modal_damping_power(model: &Model, v: &[f64]) -> f64 {
 
 /// `Σ β_body q̇ᵀ K q̇` in W.
 pub fn stiffness_damping_power(model: &Model, v: &[f64], damping: &[Damping]) -> f64 {
-    strain_form(model, |element| Vector4::from(strains(v, element.coordinate)))
-        .into_iter()
-        .zip(damping)
-        .map(|(form, damping)| form * damping.stiffness_s)
-        .sum()
+    strain_form(model, |body, element| {
+        let rates = Vector4::from(strains(v, element.coordinate));
+        body.damping_roots.map_or(rates, |roots| roots.component_mul(&rates))
+    })
+    .into_iter()
+    .zip(damping)
+    .map(|(form, damping)| form * damping.stiffness_s)
+    .sum()
 }
 
 /// `xᵀ K x` per body.
 fn strain_form<'a>(
     model: &'a Model,
-    vector: impl Fn(&crate::multibody::model::Element) -> Vector4<f64> + 'a,
+    vector: impl Fn(&Body, &crate::multibody::model::Element) -> Vector4<f64> + 'a,
 ) -> impl IntoIterator<Item = f64> + 'a {
     model.bodies.iter().map(move |body| {
         let elements = &model.elements[body.first_element..body.first_element + body.elements];
         let mut form = 0.0;
         for (i, element) in elements.iter().enumerate() {
-            let x = vector(element);
+            let x = vector(body, element);
             form += x.dot(&(element.stiffness * x));
             if i % 2 == 1 {
-                form += 2.0 * x.dot(&(element.coupling * vector(&elements[i - 1])));
+                form += 2.0 * x.dot(&(element.coupling * vector(body, &elements[i - 1])));
             }
         }
         form

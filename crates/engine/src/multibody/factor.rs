@@ -85,7 +85,7 @@ fn factorize_tree(
     }
     for (index, body) in model.bodies.iter().enumerate().rev() {
         let scale = weights.mass + weights.damping * damping[index].mass_1_s;
-        let stiffness = weights.stiffness + weights.damping * damping[index].stiffness_s;
+        let stiffness = body.damped_weights(weights.stiffness, weights.damping * damping[index].stiffness_s);
         // what the outer half of a pair leaves for the inner one: coupling to the middle node, and stiffness
         let mut carried: Option<Carried> = None;
         if let (Some(modal), Some(scratch)) = (&body.modal, &mut work.modal[index]) {
@@ -104,14 +104,14 @@ fn factorize_tree(
                 &work.link(model, e, n),
                 (inner, outer),
                 &work.inertia[n + 1],
-                (scale, stiffness),
+                (scale, &stiffness),
                 carried.take().as_ref(),
             )?;
             if outer_half {
-                carried = Some(Carried::new(element, stiffness, &elimination.factor));
+                carried = Some(Carried::new(element, &stiffness, &elimination.factor));
             }
             let mut factor = elimination.factor;
-            factor.coupling = element.coupling * stiffness;
+            factor.coupling = element.coupling.component_mul(&stiffness);
             work.element_factors[e] = factor;
             work.inertia[n].add(&elimination.inertia);
         }
@@ -148,8 +148,8 @@ struct Carried {
 
 impl Carried {
     /// `G = −U X⁻¹ D_BA`, `ΔD = −D_AB X⁻¹ D_BA`, eq. (D14).
-    fn new(element: &Element, stiffness: f64, factor: &ElementFactor) -> Self {
-        let coupling = element.coupling * stiffness;
+    fn new(element: &Element, stiffness: &Matrix4<f64>, factor: &ElementFactor) -> Self {
+        let coupling = element.coupling.component_mul(stiffness);
         let solved = Matrix4::from_columns(
             &[0, 1, 2, 3].map(|j| back(&factor.cholesky, forward(&factor.cholesky, coupling.column(j).into_owned()))),
         );
@@ -184,7 +184,7 @@ fn eliminate(
     link: &crate::math::se3::Link,
     (inner, outer): (&Node, &Node),
     p: &ArticulatedInertia,
-    (scale, stiffness): (f64, f64),
+    (scale, stiffness): (f64, &Matrix4<f64>),
     carried: Option<&Carried>,
 ) -> Result<Elimination, BadPivot> {
     let zero = Vector3::zeros();
@@ -219,7 +219,7 @@ fn eliminate(
         uv[j] = tv[j] + jv[j] * mass - s_outer.cross(&jw[j]);
         uw[j] = tw[j] + d.cross(&tv[j]) + s_inner.cross(&jv[j]) + jw[j] * trace - wt * jw[j];
     }
-    let mut x = element.stiffness * stiffness;
+    let mut x = element.stiffness.component_mul(stiffness);
     for i in 0..4 {
         for j in 0..=i {
             let mut entry = jv[i].dot(&tv[j]) + jw[i].dot(&tw[j]);

@@ -130,13 +130,24 @@ fn recovered(model: &Model, work: &Workspace, motion: Motion, beta: f64, body: u
     let raw = |of: &dyn Fn(&Element) -> Vector4<f64>, sigma: f64| on_line(halves, of, sigma);
     let strain = |half: &Element| Vector4::from(strains(motion.q, half.coordinate)) - half.natural_strain;
     let rate = |half: &Element| Vector4::from(strains(motion.v, half.coordinate));
+    let roots = model.bodies[body].damping_roots;
+    // strain that would need the damping's stress: the rate itself where all shares are 1
+    let viscous = |rate: Vector4<f64>, stiffness: &Matrix4<f64>| match &roots {
+        None => rate,
+        Some(roots) => {
+            let stress = roots.component_mul(&(stiffness * roots.component_mul(&rate)));
+            nalgebra::Cholesky::new(*stiffness).map_or(rate, |factor| factor.solve(&stress))
+        }
+    };
     let sigma = offset_m / (2.0 * halves[0].length_m);
     let [at_inner, at_outer] = [halves[0].section_stiffness[0], halves[1].section_stiffness[1]];
     let values = [
-        end_strain(model, work, body, (first_node, Side::Outboard), &at_inner) - raw(&rate, 0.0) * beta,
+        end_strain(model, work, body, (first_node, Side::Outboard), &at_inner)
+            - viscous(raw(&rate, 0.0), &at_inner) * beta,
         raw(&strain, GAUSS_2[0]),
         raw(&strain, GAUSS_2[1]),
-        end_strain(model, work, body, (first_node + 2, Side::Inboard), &at_outer) - raw(&rate, 1.0) * beta,
+        end_strain(model, work, body, (first_node + 2, Side::Inboard), &at_outer)
+            - viscous(raw(&rate, 1.0), &at_outer) * beta,
     ];
     cubic(&values, sigma)
 }

@@ -94,6 +94,8 @@ pub struct Body {
     pub carrier: Option<usize>,
     /// Mass-proportional damping acts on its attached masses too.
     pub damps_attached: bool,
+    /// Square roots of the shares of stiffness-proportional damping per strain; `None` where all are 1.
+    pub damping_roots: Option<Vector4<f64>>,
 }
 
 /// Whether a mass block couples the nodal vectors `r` and `r_x` with each other and no others: sections whose mass line is
@@ -104,6 +106,16 @@ pub fn couples_axis_only(mass: &Matrix4<f64>) -> bool {
 }
 
 impl Body {
+    /// Weights of a stiffness block where the stiffness counts `elastic` and its damping `viscous`, NOTATION eq. (D8):
+    /// `elastic + viscous s_i s_j`, entry by entry.
+    #[inline]
+    pub fn damped_weights(&self, elastic: f64, viscous: f64) -> Matrix4<f64> {
+        match &self.damping_roots {
+            None => Matrix4::from_element(elastic + viscous),
+            Some(roots) => Matrix4::from_fn(|i, j| elastic + viscous * (roots[i] * roots[j])),
+        }
+    }
+
     /// Node at the outer end.
     pub fn last_node(&self) -> usize {
         self.first_node + self.elements + usize::from(self.modal.is_some())
@@ -266,6 +278,7 @@ impl Model {
             slim_mass: true,
             carrier: self.carrier_of(description),
             damps_attached: false,
+            damping_roots: None,
         };
         if let Some(law) = description.section.modal() {
             let modal = Modal { element: ModalElement::new(law), coordinate: self.coordinates };

@@ -106,8 +106,9 @@ impl Study<'_> {
         });
         let mut matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
         let mut diagonal = DMatrix::zeros(now.q.len(), now.q.len());
-        add_elastic(&mut diagonal, &self.system.equations.model, |body| {
-            self.system.equations.damping[body].stiffness_s
+        let model = &self.system.equations.model;
+        add_elastic(&mut diagonal, model, |body| {
+            model.bodies[body].damped_weights(0.0, self.system.equations.damping[body].stiffness_s)
         });
         for joint in self.system.equations.forces.joints().iter().filter(|joint| !joint.held) {
             diagonal[(joint.coordinate, joint.coordinate)] += self.system.equations.tangents[joint.body].damping;
@@ -137,7 +138,7 @@ impl Study<'_> {
         });
         let mut matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
         let mut springs = DMatrix::zeros(now.q.len(), now.q.len());
-        add_elastic(&mut springs, &self.system.equations.model, |_| 1.0);
+        add_elastic(&mut springs, &self.system.equations.model, |_| Matrix4::from_element(1.0));
         for modal in self.system.equations.model.bodies.iter().filter_map(|body| body.modal.as_ref()) {
             let (first, modes) = (modal.coordinate, modal.element.modes);
             let own = modal.element.stiffness.view((0, 0), (modes, modes));
@@ -411,13 +412,13 @@ fn damping_ratio(eigenvalue_1_s: Complex<f64>) -> f64 {
 }
 
 /// Adds the elastic stiffness of all elements, weighted per body.
-fn add_elastic(matrix: &mut DMatrix<f64>, model: &Model, weight: impl Fn(usize) -> f64) {
+fn add_elastic(matrix: &mut DMatrix<f64>, model: &Model, weight: impl Fn(usize) -> Matrix4<f64>) {
     for (index, body) in model.bodies.iter().enumerate() {
         for i in 0..body.elements {
             let element = &model.elements[body.first_element + i];
             let mut add = |column: usize, block: &Matrix4<f64>| {
                 let mut view = matrix.view_mut((element.coordinate, column), (4, 4));
-                view += block * weight(index);
+                view += block.component_mul(&weight(index));
             };
             add(element.coordinate, &element.stiffness);
             if element.coupling != Matrix4::zeros() {

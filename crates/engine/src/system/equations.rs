@@ -102,6 +102,9 @@ impl Equations {
         let mut model = Model::with_closures(&descriptions, &closures);
         for (index, body) in machine.bodies.iter().enumerate() {
             model.bodies[index].damps_attached = body.damp_attached_masses;
+            let shares = &body.strain_damping_shares;
+            model.bodies[index].damping_roots =
+                (*shares != nalgebra::Vector4::repeat(1.0)).then(|| shares.map(f64::sqrt));
         }
         for (index, revolute) in machine.one_freedoms() {
             let joint = &mut model.bodies[index].joint;

@@ -46,7 +46,7 @@ pub struct RotorFeatures {
     /// Whether the induced velocity lags behind the momentum balance as the wake does, eqs. (B9) and (B10).
     pub dynamic_inflow: bool,
     /// Time constant in s with which the induced velocity follows the load of the annulus, eq. (B24), instead of the momentum
-    /// balance; without losses and swirl.
+    /// balance; without losses and swirl. In hover eq. (B29) has it.
     pub inflow_lag_s: Option<f64>,
     /// Whether sections have dynamic stall, eqs. (B12)–(B14).
     pub dynamic_stall: bool,

@@ -1,6 +1,7 @@
 //! Bodies in code, and what sits on them: what the tables `[body.<name>]`, `[mass.<name>]`, `[gauge.<name>]`,
 //! `[section_load.<name>]` and `[loop.<name>]` of the model file can say.
 
+use crate::beam::axis::NaturalShape;
 use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::profile::Profile;
 use crate::beam::section::{Material, Solid};
@@ -9,7 +10,7 @@ use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::shortest;
 use crate::machine::validate::MAXIMUM_STATIONS_OF_BODY;
 use crate::machine::{AttachedMass, Body, Closure, ElementKind, Gauge, Joint, ModalLaw, SectionLoad, SectionSide};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3, Vector4};
 
 /// Load stations of a body that says nothing about them.
 const DEFAULT_STATIONS: usize = 4;
@@ -32,9 +33,11 @@ pub struct BodyBuilder {
     element: ElementKind,
     elements: usize,
     natural_strain: NaturalStrain,
+    first: Matrix3<f64>,
     mass_damping_1_s: f64,
     damp_attached_masses: bool,
     stiffness_damping_s: f64,
+    strain_damping_shares: Vector4<f64>,
     stations: Stations,
     load_frame: LoadFrame,
     own_mass: Option<AttachedMass>,
@@ -51,9 +54,11 @@ impl Body {
             element: ElementKind::Linear,
             elements: 0,
             natural_strain: [0.0; 4].into(),
+            first: Matrix3::identity(),
             mass_damping_1_s: 0.0,
             damp_attached_masses: false,
             stiffness_damping_s: 0.0,
+            strain_damping_shares: Vector4::repeat(1.0),
             stations: Stations::Equal(DEFAULT_STATIONS),
             load_frame: LoadFrame::Root,
             own_mass: None,
@@ -120,6 +125,12 @@ impl BodyBuilder {
         Self { natural_strain, ..self }
     }
 
+    /// Shape without loads by the axis of a body, [`Axis::natural_shape`](crate::beam::axis::Axis::natural_shape); its first
+    /// section stands in the body's frame, which the joint holds.
+    pub fn natural_shape(self, shape: NaturalShape) -> Self {
+        Self { natural_strain: shape.strain, first: shape.first, ..self }
+    }
+
     /// Mass-proportional damping in 1/s. Default 0.
     pub fn mass_damping_1_s(self, damping_1_s: f64) -> Self {
         Self { mass_damping_1_s: damping_1_s, ..self }
@@ -133,6 +144,11 @@ impl BodyBuilder {
     /// Stiffness-proportional damping in s. Default 0.
     pub fn stiffness_damping_s(self, damping_s: f64) -> Self {
         Self { stiffness_damping_s: damping_s, ..self }
+    }
+
+    /// Shares of the stiffness-proportional damping in stretch, twist, flap and lag, `(εx, κx, κy, κz)`. Default 1.
+    pub fn strain_damping_shares(self, shares: impl Into<Vector4<f64>>) -> Self {
+        Self { strain_damping_shares: shares.into(), ..self }
     }
 
     /// Load stations at the centres of so many equal strips, 0 to 1000. Default 4.
@@ -151,7 +167,11 @@ impl BodyBuilder {
     }
 
     /// The body on a joint; too many load stations are refused and left out.
-    pub(super) fn build(&self, joint: Joint, checker: &mut Checker) -> Body {
+    pub(super) fn build(&self, mut joint: Joint, checker: &mut Checker) -> Body {
+        if self.first != Matrix3::identity() {
+            joint.mount *= self.first;
+            joint.kind.turn_body_axis(&self.first.transpose());
+        }
         let station_positions_m: Vec<f64> = match &self.stations {
             Stations::At(positions_m) => positions_m.clone(),
             Stations::Equal(count) => {
@@ -170,6 +190,7 @@ impl BodyBuilder {
             mass_damping_1_s: self.mass_damping_1_s,
             damp_attached_masses: self.damp_attached_masses,
             stiffness_damping_s: self.stiffness_damping_s,
+            strain_damping_shares: self.strain_damping_shares,
             station_loads: vec![Wrench::default(); station_positions_m.len()],
             station_positions_m,
             load_frame: self.load_frame,

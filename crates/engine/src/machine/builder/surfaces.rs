@@ -241,6 +241,9 @@ fn negative(function: &Along) -> Along {
     match function {
         Along::Polynomial(coefficients) => Along::Polynomial(coefficients.iter().map(|c| -c).collect()),
         Along::Table(rows) => Along::Table(rows.iter().map(|row| [row[0], -row[1]]).collect()),
+        Along::Pieces(pieces) => {
+            Along::Pieces(pieces.iter().map(|[start, a, b, c, d]| [*start, -a, -b, -c, -d]).collect())
+        }
     }
 }
 

@@ -29,7 +29,7 @@ pub(crate) fn has_outline(law: &SectionLaw) -> bool {
     let known = |section: &Section| section.half_width_m > 0.0 && section.half_height_m > 0.0;
     match law {
         SectionLaw::Uniform(section) => known(section),
-        SectionLaw::Between { inner, outer, .. } => known(inner) && known(outer),
+        SectionLaw::Table(stations) => stations.iter().all(|station| known(&station.section)),
         SectionLaw::Tapered { .. } | SectionLaw::Modal(_) => true,
     }
 }

@@ -1,6 +1,6 @@
 //! Checks of bodies: mesh, section and natural shape along them, load stations, masses.
 
-use crate::beam::law::{NaturalStrain, SectionLaw};
+use crate::beam::law::{NaturalStrain, SectionLaw, SectionStation};
 use crate::beam::profile::Profile;
 use crate::beam::section::Section;
 use crate::machine::fault::{Checker, Range, array_text, is_finite};
@@ -13,6 +13,9 @@ use crate::machine::validate::section::{
 use crate::machine::{AttachedMass, Body};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
+
+/// Sections along one body.
+pub(crate) const MAXIMUM_SECTION_STATIONS: usize = 1000;
 
 /// Natural strains as places name them.
 const STRAINS: [&str; 4] = ["stretch", "twist_1_m", "curvature_y_1_m", "curvature_z_1_m"];
@@ -32,6 +35,11 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
     let meshed = checker.count(&["body", name, "elements"], body.elements, 1, 1000);
     checker.number(&["body", name, "mass_damping_1_s"], body.mass_damping_1_s, Range::AtLeast(0.0));
     checker.number(&["body", name, "stiffness_damping_s"], body.stiffness_damping_s, Range::AtLeast(0.0));
+    let shares = body.strain_damping_shares.as_slice();
+    if !shares.iter().all(|share| is_finite(*share) && *share >= 0.0) {
+        let allowed = "4 finite shares >= 0, of stretch, twist, flap and lag";
+        checker.refuse(&["body", name, "strain_damping_shares"], array_text(shares), allowed);
+    }
     if !long {
         return; // nothing can be placed on it
     }
@@ -83,6 +91,20 @@ pub(crate) fn profile(place: &[&str], profile: &Profile, length_m: f64, checker:
             }
             fits
         }
+        Profile::Pieces(pieces) => {
+            let finite = !pieces.is_empty() && pieces.iter().flatten().copied().all(is_finite);
+            let ascending = pieces.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+            let on_body = pieces.iter().all(|piece| (0.0..length_m).contains(&piece[0]));
+            let fits = finite && ascending && on_body;
+            if !fits {
+                let allowed = format!(
+                    "pieces [start, c0, c1, c2, c3] of finite numbers with starts ascending from 0 to below {} m",
+                    shortest(length_m)
+                );
+                checker.refuse_state(place, format!("{} pieces that are none", pieces.len()), allowed);
+            }
+            fits
+        }
         Profile::Table(rows) => {
             let finite = !rows.is_empty() && rows.iter().flatten().copied().all(is_finite);
             let ascending = rows.windows(2).all(|pair| pair[0][0] < pair[1][0]);
@@ -112,14 +134,7 @@ fn section_law(body: &Body, checker: &mut Checker) {
     let (name, length_m) = (body.name.as_str(), body.length_m);
     match &body.section {
         SectionLaw::Uniform(section) => explicit(&["body", name, "section"], section, checker),
-        SectionLaw::Between { inner, outer, length_m: stated_m } => {
-            explicit(&["body", name, "section"], inner, checker);
-            explicit(&["body", name, "outer_section"], outer, checker);
-            if stated_m != &length_m {
-                let allowed = format!("{} m, the length of the body", shortest(length_m));
-                checker.refuse(&["body", name, "section", "length_m"], shortest(*stated_m), allowed);
-            }
-        }
+        SectionLaw::Table(stations) => table(name, stations, length_m, checker),
         // checked by itself
         SectionLaw::Modal(_) => {}
         SectionLaw::Tapered { width, height, .. } => {
@@ -177,6 +192,29 @@ fn explicit(place: &[&str], section: &Section, checker: &mut Checker) {
     if !outline.iter().all(|half| (0.0..=f64::MAX).contains(half)) {
         let allowed = "half width and half height >= 0 m, 0 where the outline is not known";
         checker.refuse(&[place, &["half_width_m"]].concat(), array_text(&outline), allowed);
+    }
+}
+
+/// Sections at stations from end to end. Of two stations the outer one is that of `outer_section`.
+fn table(name: &str, stations: &[SectionStation], length_m: f64, checker: &mut Checker) {
+    let positions_m: Vec<f64> = stations.iter().map(|station| station.position_m).collect();
+    let ascending = positions_m.windows(2).all(|pair| pair[0] < pair[1]);
+    let ends = positions_m.first() == Some(&0.0) && positions_m.last() == Some(&length_m) && positions_m.len() > 1;
+    if !(ascending && ends && positions_m.len() <= MAXIMUM_SECTION_STATIONS) {
+        let allowed = format!(
+            "2 to {MAXIMUM_SECTION_STATIONS} positions that ascend from 0 to {} m, the length of the body",
+            shortest(length_m)
+        );
+        checker.refuse(&["body", name, "section", "position_m"], array_text(&positions_m), allowed);
+        return;
+    }
+    for (index, station) in stations.iter().enumerate() {
+        let found = checker.faults.len();
+        let key = if stations.len() == 2 && index == 1 { "outer_section" } else { "section" };
+        explicit(&["body", name, key], &station.section, checker);
+        if checker.faults.len() > found {
+            return; // one station tells it
+        }
     }
 }
 

@@ -1,0 +1,160 @@
+//! The axis of a body that is bent and twisted without loads, given by points.
+
+use crate::beam::law::NaturalStrain;
+use crate::beam::profile::Profile;
+use crate::math::spline::CubicSpline;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+/// Points of a body's axis without loads, in the body's frame, and the twist of its sections there; NOTATION eqs. (S10), (S11).
+///
+/// | symbol | field        | shape | unit |
+/// |--------|--------------|-------|------|
+/// | `s_j`  | `stations_m` | n     | m, arc length from the inner end, ascending from 0 to the length |
+/// | `y_j`, `z_j` | `y_m`, `z_m` | n | m, 0 at the inner end |
+/// | `ϑ_j`  | `twist_rad`  | n     | rad, right-handed about the axis |
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// Arc lengths of the points.
+    pub stations_m: Vec<f64>,
+    /// Coordinates across, along the body's `y`.
+    pub y_m: Vec<f64>,
+    /// Coordinates across, along the body's `z`.
+    pub z_m: Vec<f64>,
+    /// Angles of the sections about the axis.
+    pub twist_rad: Vec<f64>,
+}
+
+/// What cannot be about an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TooSteep {
+    /// Arc length in m where the points are further apart than the arc between them.
+    pub position_m: f64,
+}
+
+/// Axis and its natural strain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NaturalShape {
+    /// Twist and curvatures along it.
+    pub strain: NaturalStrain,
+    /// Attitude of the first section in the body's frame: body ← section.
+    pub first: Matrix3<f64>,
+}
+
+impl Axis {
+    /// Curvatures and first section of the natural cubic splines through the points. The curvatures are cubic in every interval
+    /// between stations, through their exact values at four places; those of a straight axis are exact.
+    ///
+    /// # Errors
+    /// A place where the splines leave no room along `x`: the slope across is 1 or more.
+    pub fn natural_shape(&self) -> Result<NaturalShape, TooSteep> {
+        let splines = [&self.y_m, &self.z_m, &self.twist_rad].map(|values| CubicSpline::new(&self.stations_m, values));
+        let [y, z, twist] = &splines;
+        let straight = [&self.y_m, &self.z_m].iter().all(|values| values.iter().all(|value| *value == 0.0));
+        let untwisted = self.twist_rad.iter().all(|angle| *angle == self.twist_rad[0]);
+        let first = section_at(0.0, [y, z, twist])?;
+        if straight && untwisted {
+            return Ok(NaturalShape { strain: NaturalStrain::from([0.0; 4]), first: first.attitude });
+        }
+        let mut pieces = [const { Vec::new() }; 3];
+        for pair in self.stations_m.windows(2) {
+            let length_m = pair[1] - pair[0];
+            let mut values = [Vector3::zeros(); 4];
+            for (i, value) in values.iter_mut().enumerate() {
+                *value = section_at(pair[0] + length_m * i as f64 / 3.0, [y, z, twist])?.curvature_1_m;
+            }
+            for (component, pieces) in pieces.iter_mut().enumerate() {
+                let [a, b, c, d] = values.map(|value| value[component]);
+                pieces.push(cubic_through(pair[0], length_m, [a, b, c, d]));
+            }
+        }
+        let [x, y, z] = pieces.map(|pieces| match pieces.iter().all(|piece| piece[1..] == [0.0; 4]) {
+            true => Profile::constant(0.0),
+            false => Profile::Pieces(pieces),
+        });
+        Ok(NaturalShape { strain: NaturalStrain([Profile::constant(0.0), x, y, z]), first: first.attitude })
+    }
+}
+
+/// A section of the axis.
+struct AxisSection {
+    attitude: Matrix3<f64>,
+    curvature_1_m: Vector3<f64>,
+}
+
+/// Section whose `x` is the tangent, turned from the body's frame by the smallest rotation and then by the twist; its curvature
+/// in its own frame, NOTATION eq. (S11).
+fn section_at(s_m: f64, [y, z, twist]: [&CubicSpline; 3]) -> Result<AxisSection, TooSteep> {
+    let ([y1, y2], [z1, z2]) = (y.slopes(s_m), z.slopes(s_m));
+    let x1 = (1.0 - y1 * y1 - z1 * z1).max(0.0).sqrt();
+    if x1 < 1e-3 {
+        return Err(TooSteep { position_m: s_m });
+    }
+    let tangent = Vector3::new(x1, y1, z1);
+    let bend = Vector3::new(-(y1 * y2 + z1 * z2) / x1, y2, z2);
+    let across = tangent.cross(&bend);
+    let spin = across - tangent * (across.x / (1.0 + x1)) + tangent * twist.slopes(s_m)[0];
+    let tilt = Rotation3::rotation_between(&Vector3::x(), &tangent).unwrap_or_default();
+    let attitude = (tilt * Rotation3::from_axis_angle(&Vector3::x_axis(), twist.at(s_m))).into_inner();
+    Ok(AxisSection { attitude, curvature_1_m: attitude.transpose() * spin })
+}
+
+/// `[start, c0, c1, c2, c3]` of the cubic through values at 0, ⅓, ⅔ and 1 of an interval.
+fn cubic_through(start_m: f64, length_m: f64, [a, b, c, d]: [f64; 4]) -> [f64; 5] {
+    let first = -5.5 * a + 9.0 * b - 4.5 * c + d;
+    let second = 9.0 * a - 22.5 * b + 18.0 * c - 4.5 * d;
+    let third = -4.5 * a + 13.5 * b - 13.5 * c + 4.5 * d;
+    [start_m, a, first / length_m, second / length_m.powi(2), third / length_m.powi(3)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bent() -> Axis {
+        let stations_m: Vec<f64> = (0..=20).map(|i| 0.5 * f64::from(i)).collect();
+        let along = |f: &dyn Fn(f64) -> f64| stations_m.iter().map(|s| f(*s)).collect();
+        Axis {
+            y_m: along(&|s| 0.02 * s * s),
+            z_m: along(&|s| 0.3 * (0.4 * s).sin() + 0.1 * s),
+            twist_rad: along(&|s| 0.3 - 0.05 * s),
+            stations_m: stations_m.clone(),
+        }
+    }
+
+    /// The strain, integrated from the first section, leads back to the points and the twist.
+    #[test]
+    fn strain_leads_back_to_the_points() {
+        let axis = bent();
+        let shape = axis.natural_shape().unwrap();
+        let (mut attitude, mut position_m) = (shape.first, Vector3::zeros());
+        let steps = 20_000;
+        let step_m = 10.0 / f64::from(steps);
+        for i in 0..steps {
+            let strain = shape.strain.at(step_m * (f64::from(i) + 0.5));
+            let half = Rotation3::new(Vector3::new(strain[1], strain[2], strain[3]) * (0.5 * step_m)).into_inner();
+            let middle = attitude * half;
+            position_m += middle.column(0) * step_m;
+            attitude = middle * half;
+        }
+        let splines = [&axis.y_m, &axis.z_m, &axis.twist_rad].map(|values| CubicSpline::new(&axis.stations_m, values));
+        let end = section_at(10.0, [&splines[0], &splines[1], &splines[2]]).unwrap();
+        // the cubics of the curvature are off by the fourth power of the intervals
+        assert!((attitude - end.attitude).amax() < 1e-6, "{}", attitude - end.attitude);
+        let tip = Vector3::new(position_m.x, axis.y_m[20], axis.z_m[20]);
+        assert!((position_m - tip).amax() < 2e-6, "{position_m} {tip}");
+        assert!(position_m.x < 9.99, "an arc is longer than what it spans");
+    }
+
+    #[test]
+    fn straight_axes_have_no_curvature_and_steep_ones_are_refused() {
+        let mut axis = bent();
+        axis.y_m.fill(0.0);
+        axis.z_m.fill(0.0);
+        axis.twist_rad.fill(0.25);
+        let shape = axis.natural_shape().unwrap();
+        assert_eq!(shape.strain, NaturalStrain::from([0.0; 4]));
+        assert_eq!(shape.first, Rotation3::from_axis_angle(&Vector3::x_axis(), 0.25).into_inner());
+        axis.y_m = axis.stations_m.iter().map(|s| 1.2 * s).collect();
+        assert_eq!(axis.natural_shape(), Err(TooSteep { position_m: 0.0 }));
+    }
+}

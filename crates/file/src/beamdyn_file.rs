@@ -1,0 +1,264 @@
+//! BeamDyn's files: sections of a blade by 6×6 matrices, its axis by key points.
+//!
+//! BeamDyn's axes are `x` downwind, `y` towards the trailing edge, `z` along the blade; here `x` runs along the blade, `y` towards
+//! the leading edge, `z` downwind: `(x, y, z) = (z, −y, x)` of BeamDyn's. BeamDyn's twist turns against its `z`.
+
+use crate::station_file::{StationFault, StationTable, fault};
+use crate::stations::MAXIMUM_STATIONS;
+use foldwing_engine::math::quadrature::gauss_pieces;
+use foldwing_engine::math::spline::CubicSpline;
+use nalgebra::{Matrix2, Matrix4, Matrix6, SMatrix};
+
+/// Asymmetry and stray entries that are taken for rounding, of the geometric mean of the diagonal.
+const ROUNDING: f64 = 1e-6;
+
+/// True where a text is BeamDyn's: its first line says so.
+pub(super) fn is_beamdyn(text: &str) -> bool {
+    text.lines().next().is_some_and(|line| line.to_ascii_uppercase().contains("BEAMDYN"))
+}
+
+/// 4×4 stiffness of `(εx, κx, κy, κz)` that a 6×6 one of `(γx, γy, εz, κx, κy, κz)` in BeamDyn's axes leaves where no shear force
+/// acts: the shear strains take the values that shear forces of zero give them, NOTATION eq. (S9). `None` where the stiffness
+/// of shear is not positive definite.
+pub fn condensed_stiffness(full: &Matrix6<f64>) -> Option<Matrix4<f64>> {
+    let shear: Matrix2<f64> = full.fixed_view::<2, 2>(0, 0).into_owned();
+    let mixed: SMatrix<f64, 2, 4> = full.fixed_view::<2, 4>(0, 2).into_owned();
+    let inverse = shear.cholesky()?.inverse();
+    let kept = full.fixed_view::<4, 4>(2, 2) - mixed.transpose() * inverse * mixed;
+    // (εz, κx, κy, κz) of BeamDyn to (εx, κx, κy, κz)
+    let turn = Matrix4::new(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0);
+    Some(turn * kept * turn.transpose())
+}
+
+/// Lines of a file, read from the front.
+struct Lines<'t> {
+    lines: std::iter::Enumerate<std::str::Lines<'t>>,
+    last: usize,
+}
+
+impl<'t> Lines<'t> {
+    fn of(text: &'t str) -> Self {
+        Self { lines: text.lines().enumerate(), last: text.lines().count() }
+    }
+
+    /// The next line with something on it.
+    fn next(&mut self, due: &str) -> Result<(usize, &'t str), StationFault> {
+        let next = self.lines.find(|(_, line)| !line.trim().is_empty());
+        let (index, line) =
+            next.ok_or_else(|| fault(self.last + 1, format!("cut short: the file ends before {due}")))?;
+        Ok((index + 1, line))
+    }
+
+    /// The value that stands before a label.
+    fn labelled(&mut self, label: &str) -> Result<(usize, usize), StationFault> {
+        loop {
+            let (line, text) = self.next(label)?;
+            let mut words = text.split_whitespace();
+            let (value, name) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+            if name.eq_ignore_ascii_case(label) {
+                let count: Option<usize> = value.parse().ok();
+                let count = count.filter(|count| (1..=MAXIMUM_STATIONS).contains(count));
+                let reason = format!("{label} is {value:?}; a whole number from 1 to {MAXIMUM_STATIONS} is needed");
+                return count.map(|count| (line, count)).ok_or_else(|| fault(line, reason));
+            }
+        }
+    }
+
+    /// So many numbers at the front of the next line.
+    fn numbers<const N: usize>(&mut self, due: &str) -> Result<(usize, [f64; N]), StationFault> {
+        let (line, text) = self.next(due)?;
+        let mut words = text.split_whitespace();
+        let mut values = [0.0; N];
+        for (place, value) in values.iter_mut().enumerate() {
+            let word = words.next().ok_or_else(|| fault(line, format!("{place} numbers where {due} has {N}")))?;
+            *value = number(line, due, word)?;
+        }
+        Ok((line, values))
+    }
+
+    fn matrix(&mut self, due: &str) -> Result<(usize, Matrix6<f64>), StationFault> {
+        let (mut matrix, mut first) = (Matrix6::zeros(), 0);
+        for row in 0..6 {
+            let (line, values) = self.numbers::<6>(due)?;
+            matrix.set_row(row, &values.into());
+            first = if row == 0 { line } else { first };
+        }
+        Ok((first, matrix))
+    }
+}
+
+fn number(line: usize, due: &str, word: &str) -> Result<f64, StationFault> {
+    let value: Option<f64> = word.replace(['d', 'D'], "e").parse().ok();
+    let finite = value.filter(|value| value.is_finite());
+    finite.ok_or_else(|| fault(line, format!("{word:?} in {due}; a finite number is needed")))
+}
+
+/// Sections of a blade from BeamDyn's file of one, as columns of `[section.<name>.along]`.
+///
+/// # Errors
+/// A file cut short, values that are no numbers, stations that do not ascend from 0 to 1, matrices that are not symmetric, or not
+/// those of a section.
+pub(super) fn read_blade(text: &str) -> Result<StationTable, StationFault> {
+    let mut lines = Lines::of(text);
+    let (_, count) = lines.labelled("station_total")?;
+    loop {
+        let (_, line) = lines.next("its distributed properties")?;
+        if line.to_ascii_uppercase().contains("DISTRIBUTED PROPERTIES") {
+            break;
+        }
+    }
+    let names = [
+        "share",
+        "axial_stiffness_N",
+        "torsional_rigidity_N_m2",
+        "flap_stiffness_N_m2",
+        "lag_stiffness_N_m2",
+        "coupling_axial_twist_N_m",
+        "coupling_axial_flap_N_m",
+        "coupling_axial_lag_N_m",
+        "coupling_twist_flap_N_m2",
+        "coupling_twist_lag_N_m2",
+        "coupling_flap_lag_N_m2",
+        "mass_kg_m",
+        "centre_of_mass_y_m",
+        "centre_of_mass_z_m",
+        "second_moment_yy_kg_m",
+        "second_moment_yz_kg_m",
+        "second_moment_zz_kg_m",
+    ];
+    let mut columns: Vec<Vec<f64>> = vec![Vec::with_capacity(count); names.len()];
+    for station in 1..=count {
+        let (line, [share]) = lines.numbers(&format!("station {station} of {count}"))?;
+        if let Some(last) = columns[0].last().filter(|last| **last >= share) {
+            return Err(fault(
+                line,
+                format!("station {station} at {share} behind {last}; stations ascend from 0 to 1"),
+            ));
+        }
+        let (line, stiffness) = lines.matrix(&format!("the stiffness of station {station}"))?;
+        symmetric(line, "the stiffness", &stiffness)?;
+        let condensed = condensed_stiffness(&stiffness).ok_or_else(|| {
+            fault(line, format!("station {station}: the stiffness of shear is not positive definite"))
+        })?;
+        let (line, inertia) = lines.matrix(&format!("the inertia of station {station}"))?;
+        symmetric(line, "the inertia", &inertia)?;
+        let [mass, y, z, yy, yz, zz] = lamina(line, &inertia)?;
+        let k = |row, column| condensed[(row, column)];
+        let couplings = [k(0, 1), k(0, 2), k(0, 3), k(1, 2), k(1, 3), k(2, 3)];
+        let values = [share, k(0, 0), k(1, 1), k(2, 2), k(3, 3)].into_iter().chain(couplings);
+        let values = values.chain([mass, y, z, yy, yz, zz]);
+        columns.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+    }
+    Ok(StationTable { names: names.map(str::to_owned).to_vec(), columns })
+}
+
+/// Refuses a matrix that is not symmetric.
+fn symmetric(line: usize, what: &str, matrix: &Matrix6<f64>) -> Result<(), StationFault> {
+    for (row, column) in (0..6).flat_map(|row| (0..row).map(move |column| (row, column))) {
+        let (lower, upper) = (matrix[(row, column)], matrix[(column, row)]);
+        let scale = (matrix[(row, row)] * matrix[(column, column)]).abs().sqrt();
+        if (lower - upper).abs() > ROUNDING * scale {
+            let place = format!("{lower} in row {}, column {} and {upper} in its mirror image", row + 1, column + 1);
+            return Err(fault(line, format!("{what} is not symmetric: {place}")));
+        }
+    }
+    Ok(())
+}
+
+/// Mass per length, centre and central moments `[m, y, z, yy, yz, zz]` in the axes used here of a 6×6 inertia, which must be that
+/// of a thin slice.
+fn lamina(line: usize, inertia: &Matrix6<f64>) -> Result<[f64; 6], StationFault> {
+    let mass = inertia[(0, 0)];
+    let refuse = |reason: String| Err(fault(line, format!("the inertia is not that of a section: {reason}")));
+    if !(mass > 0.0) {
+        return refuse(format!("a mass of {mass}; it must be > 0"));
+    }
+    let (x_cm, y_cm) = (inertia[(1, 5)] / mass, -inertia[(0, 5)] / mass);
+    let mut expected = Matrix6::zeros();
+    for (row, column, value) in [
+        (0, 0, mass),
+        (1, 1, mass),
+        (2, 2, mass),
+        (0, 5, -mass * y_cm),
+        (1, 5, mass * x_cm),
+        (2, 3, mass * y_cm),
+        (2, 4, -mass * x_cm),
+        (3, 3, inertia[(3, 3)]),
+        (3, 4, inertia[(3, 4)]),
+        (4, 4, inertia[(4, 4)]),
+        (5, 5, inertia[(3, 3)] + inertia[(4, 4)]),
+    ] {
+        expected[(row, column)] = value;
+        expected[(column, row)] = value;
+    }
+    for (row, column) in (0..6).flat_map(|row| (0..=row).map(move |column| (row, column))) {
+        let (found, due) = (inertia[(row, column)], expected[(row, column)]);
+        let scale = (inertia[(row, row)] * inertia[(column, column)]).abs().sqrt();
+        // polar moments are often rounded by themselves
+        let allowed = if (row, column) == (5, 5) { 1e-2 } else { 1e-3 };
+        if (found - due).abs() > allowed * scale {
+            return refuse(format!("{found} in row {}, column {}, where a thin slice has {due}", row + 1, column + 1));
+        }
+    }
+    let (y, z) = (-y_cm, x_cm);
+    let central = [inertia[(3, 3)] - mass * y * y, inertia[(3, 4)] - mass * y * z, inertia[(4, 4)] - mass * z * z];
+    Ok([mass, y, z, central[0], central[1], central[2]])
+}
+
+/// Axis of a blade from BeamDyn's primary file, as columns of `[body.<name>.axis]`: arc lengths of the key points along natural
+/// cubic splines over the chords between them, and the points with their twist.
+///
+/// # Errors
+/// A file cut short, values that are no numbers, several members, points that coincide, a first point that is not the origin.
+pub(super) fn read_key_points(text: &str) -> Result<StationTable, StationFault> {
+    let mut lines = Lines::of(text);
+    let (line, members) = lines.labelled("member_total")?;
+    if members != 1 {
+        return Err(fault(line, format!("member_total is {members}; blades of one member are read")));
+    }
+    let (line, count) = lines.labelled("kp_total")?;
+    if count < 2 {
+        return Err(fault(line, format!("kp_total is {count}; at least 2 key points are needed")));
+    }
+    loop {
+        let (_, line) = lines.next("its key points")?;
+        if line.contains("initial_twist") {
+            break;
+        }
+    }
+    lines.next("its key points")?; // units
+    let mut points = [const { Vec::new() }; 4];
+    let mut chord_m: Vec<f64> = Vec::with_capacity(count);
+    for index in 0..count {
+        let (line, values) = lines.numbers::<4>(&format!("key point {} of {count}", index + 1))?;
+        let step_m = match index.checked_sub(1) {
+            Some(last) => {
+                (0..3).map(|axis| (values[axis] - points[axis][last]) as f64).map(|d| d * d).sum::<f64>().sqrt()
+            }
+            None if values[..3] != [0.0; 3] => {
+                return Err(fault(line, "the first key point is not the origin, where the blade begins"));
+            }
+            None => 0.0,
+        };
+        if index > 0 && step_m == 0.0 {
+            return Err(fault(line, format!("key points {index} and {} coincide", index + 1)));
+        }
+        chord_m.push(chord_m.last().copied().unwrap_or_default() + step_m);
+        points.iter_mut().zip(values).for_each(|(column, value): (&mut Vec<f64>, f64)| column.push(value));
+    }
+    let [x, y, z, twist] = points;
+    let splines = [&x, &y, &z].map(|values| CubicSpline::new(&chord_m, values));
+    let mut s_m = vec![0.0];
+    for pair in chord_m.windows(2) {
+        let speed = |at: f64| splines.iter().map(|spline| spline.slopes(at)[0].powi(2)).sum::<f64>().sqrt();
+        let arc_m: f64 = gauss_pieces(pair[0], pair[1], &[]).iter().map(|(at, weight)| speed(*at) * weight).sum();
+        s_m.push(s_m[s_m.len() - 1] + arc_m);
+    }
+    let straight = |values: &[f64]| values.iter().all(|value| *value == 0.0);
+    if straight(&x) && straight(&y) {
+        s_m = z; // to the last digit
+    }
+    let negative = |values: &[f64]| values.iter().map(|value| 0.0 - value).collect::<Vec<f64>>();
+    let names = ["s_m", "y_m", "z_m", "twist_deg"].map(str::to_owned).to_vec();
+    Ok(StationTable { names, columns: vec![s_m, negative(&y), x, negative(&twist)] })
+}

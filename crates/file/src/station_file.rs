@@ -1,0 +1,170 @@
+//! Sections and axes of other files: CSV, and BeamDyn's.
+
+use crate::beamdyn_file;
+use crate::stations::MAXIMUM_STATIONS;
+use std::fmt::Write;
+
+/// Why a file of stations is refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("line {line}: {reason}")]
+pub struct StationFault {
+    /// Line from 1.
+    pub line: usize,
+    /// What is wrong with it.
+    pub reason: String,
+}
+
+/// Keys of `[section.<name>.along]`.
+pub(super) const SECTION_COLUMNS: &[&str] = &[
+    "share",
+    "s_m",
+    "axial_stiffness_N",
+    "torsional_rigidity_N_m2",
+    "flap_stiffness_N_m2",
+    "lag_stiffness_N_m2",
+    "coupling_axial_twist_N_m",
+    "coupling_axial_flap_N_m",
+    "coupling_axial_lag_N_m",
+    "coupling_twist_flap_N_m2",
+    "coupling_twist_lag_N_m2",
+    "coupling_flap_lag_N_m2",
+    "tension_centre_y_m",
+    "tension_centre_z_m",
+    "mass_kg_m",
+    "centre_of_mass_y_m",
+    "centre_of_mass_z_m",
+    "second_moment_yy_kg_m",
+    "second_moment_yz_kg_m",
+    "second_moment_zz_kg_m",
+    "half_width_m",
+    "half_height_m",
+];
+
+/// Keys of `[body.<name>.axis]`.
+pub(super) const AXIS_COLUMNS: &[&str] = &["share", "s_m", "y_m", "z_m", "twist_deg"];
+
+/// Numbers in columns.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct StationTable {
+    /// Names of the columns, as the keys of the model file are called.
+    pub names: Vec<String>,
+    /// The columns.
+    pub columns: Vec<Vec<f64>>,
+}
+
+impl StationTable {
+    /// A column by its name.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        let index = self.names.iter().position(|known| known == name)?;
+        self.columns.get(index).map(Vec::as_slice)
+    }
+
+    /// `key = { name = [...], … }`, one line of TOML.
+    pub(super) fn text(&self, key: &str) -> String {
+        let mut text = format!("{key} = {{ ");
+        for (index, (name, column)) in self.names.iter().zip(&self.columns).enumerate() {
+            let comma = if index == 0 { "" } else { ", " };
+            let numbers: Vec<String> = column.iter().map(|value| format!("{value:?}")).collect();
+            // writing to a text does not fail
+            let _ = write!(text, "{comma}{name} = [{}]", numbers.join(", "));
+        }
+        text + " }"
+    }
+}
+
+/// Reads sections along a body: CSV whose first row names columns as the keys of `[section.<name>.along]`, or BeamDyn's file of a
+/// blade, whose 6×6 stiffness is condensed to 4×4, NOTATION eq. (S9).
+///
+/// # Errors
+/// Text that is neither, rows of other lengths, what is not a finite number, unknown columns, files cut short, matrices that a
+/// section cannot have.
+pub fn read_sections(text: &str) -> Result<StationTable, StationFault> {
+    match beamdyn_file::is_beamdyn(text) {
+        true => beamdyn_file::read_blade(text),
+        false => read_columns(text, SECTION_COLUMNS, AXIS_COLUMNS),
+    }
+}
+
+/// Reads the axis of a body: CSV whose first row names columns as the keys of `[body.<name>.axis]`, or BeamDyn's primary file.
+///
+/// # Errors
+/// As [`read_sections`].
+pub fn read_axis(text: &str) -> Result<StationTable, StationFault> {
+    match beamdyn_file::is_beamdyn(text) {
+        true => beamdyn_file::read_key_points(text),
+        false => read_columns(text, AXIS_COLUMNS, SECTION_COLUMNS),
+    }
+}
+
+pub(super) fn fault(line: usize, reason: impl Into<String>) -> StationFault {
+    StationFault { line, reason: reason.into() }
+}
+
+/// The columns in `own`; those in `other` are left to another reader of the same file.
+fn read_columns(text: &str, own: &[&str], other: &[&str]) -> Result<StationTable, StationFault> {
+    let mut rows = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
+    let mut rows = rows.by_ref().filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+    let (line, header) = rows.next().ok_or_else(|| fault(1, "an empty file"))?;
+    let names: Vec<&str> = header.split(',').map(str::trim).collect();
+    for (index, name) in names.iter().enumerate() {
+        if !own.contains(name) && !other.contains(name) {
+            return Err(fault(line, format!("no column is called {name:?}; known are {}", own.join(", "))));
+        }
+        if names[..index].contains(name) {
+            return Err(fault(line, format!("the column {name} stands twice")));
+        }
+    }
+    let mut columns = vec![Vec::new(); names.len()];
+    let mut count = 0;
+    for (line, row) in rows {
+        let fields: Vec<&str> = row.split(',').map(str::trim).collect();
+        if fields.len() != names.len() {
+            return Err(fault(line, format!("{} fields where the header has {}", fields.len(), names.len())));
+        }
+        for ((column, field), name) in columns.iter_mut().zip(&fields).zip(&names) {
+            let value: Option<f64> = field.parse().ok().filter(|value: &f64| value.is_finite());
+            column.push(value.ok_or_else(|| fault(line, format!("{name} is {field:?}; a finite number is needed")))?);
+        }
+        count += 1;
+        if count > MAXIMUM_STATIONS {
+            return Err(fault(line, format!("more than {MAXIMUM_STATIONS} rows")));
+        }
+    }
+    if count < 2 {
+        return Err(fault(text.lines().count() + 1, "fewer than two rows behind the header"));
+    }
+    let kept = names.iter().zip(columns).filter(|(name, _)| own.contains(name));
+    let (names, columns) = kept.map(|(name, column)| ((*name).to_owned(), column)).unzip();
+    Ok(StationTable { names, columns })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_file_serves_sections_and_axis() {
+        let text = "# source\nshare, mass_kg_m, twist_deg\n0, 10, -13.3\n\n1, 2, 0\n";
+        let sections = read_sections(text).unwrap();
+        assert_eq!(sections.names, ["share", "mass_kg_m"]);
+        assert_eq!(sections.column("mass_kg_m"), Some([10.0, 2.0].as_slice()));
+        let axis = read_axis(text).unwrap();
+        assert_eq!(axis.text("axis"), "axis = { share = [0.0, 1.0], twist_deg = [-13.3, 0.0] }");
+    }
+
+    #[test]
+    fn faulty_files_are_refused_by_line_and_name() {
+        for (text, line, reason) in [
+            ("", 1, "an empty file"),
+            ("share,mas_kg_m\n0,1\n1,1\n", 1, "no column is called \"mas_kg_m\""),
+            ("share,share\n0,1\n1,1\n", 1, "the column share stands twice"),
+            ("share,mass_kg_m\n0,1\n1\n", 3, "1 fields where the header has 2"),
+            ("share,mass_kg_m\n0,1\n1,\n", 3, "mass_kg_m is \"\""),
+            ("share,mass_kg_m\n0,1\n1,inf\n", 3, "mass_kg_m is \"inf\""),
+            ("share,mass_kg_m\n0,1\n", 3, "fewer than two rows"),
+        ] {
+            let fault = read_sections(text).unwrap_err();
+            assert!(fault.line == line && fault.reason.starts_with(reason), "{fault}");
+        }
+    }
+}

@@ -1,0 +1,324 @@
+//! What varies along a body by stations: properties of its sections, points of its axis.
+
+use crate::sections::Stations;
+use crate::validate::Checker;
+use foldwing_engine::beam::axis::Axis;
+use foldwing_engine::beam::section::Section;
+use foldwing_engine::machine::units::shortest;
+use foldwing_engine::machine::validate::section::{are_second_moments, is_positive_definite, is_sound};
+use nalgebra::{Matrix4, Vector4};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Sections in a table, and points of an axis.
+pub(super) const MAXIMUM_STATIONS: usize = 1000;
+
+/// Places along a body.
+pub(super) enum Places {
+    /// As shares of the length, from 0 to 1.
+    Shares(Vec<f64>),
+    /// As lengths in m from the inner end.
+    Lengths(Vec<f64>),
+}
+
+impl Places {
+    /// In m from the inner end of a body of `length_m`.
+    pub fn on_body(&self, length_m: f64) -> Vec<f64> {
+        match self {
+            Self::Shares(shares) => shares.iter().map(|share| share * length_m).collect(),
+            Self::Lengths(lengths_m) => lengths_m.clone(),
+        }
+    }
+
+    fn count(&self) -> usize {
+        match self {
+            Self::Shares(places) | Self::Lengths(places) => places.len(),
+        }
+    }
+}
+
+/// Properties of sections at stations along a body: arrays of equal length. Stiffness is that about the tension centre, moments
+/// of mass are those about the centre of mass.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SectionsAlong {
+    /// Places of the stations as shares of the body's length, ascending from 0 to 1.
+    #[schemars(extend("x-allowed" = "an array of 2 to 1000 finite numbers from 0 to 1"))]
+    pub share: Option<Vec<f64>>,
+    /// Places of the stations in m from the inner end, ascending from 0 to the body's length; instead of `share`.
+    #[schemars(extend("x-allowed" = "an array of 2 to 1000 finite lengths in m"))]
+    pub s_m: Option<Vec<f64>>,
+    /// Axial stiffness `EA`.
+    #[serde(rename = "axial_stiffness_N")]
+    #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
+    pub axial_stiffness_n: Vec<f64>,
+    /// Torsional rigidity `GJ`.
+    #[serde(rename = "torsional_rigidity_N_m2")]
+    #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
+    pub torsional_rigidity_n_m2: Vec<f64>,
+    /// Bending stiffness `EI_y` about `y` (flap).
+    #[serde(rename = "flap_stiffness_N_m2")]
+    #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
+    pub flap_stiffness_n_m2: Vec<f64>,
+    /// Bending stiffness `EI_z` about `z` (lag).
+    #[serde(rename = "lag_stiffness_N_m2")]
+    #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
+    pub lag_stiffness_n_m2: Vec<f64>,
+    /// Coupling of stretch and twist, default 0.
+    #[serde(rename = "coupling_axial_twist_N_m")]
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub coupling_axial_twist_n_m: Option<Vec<f64>>,
+    /// Coupling of stretch and curvature about `y`, default 0.
+    #[serde(rename = "coupling_axial_flap_N_m")]
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub coupling_axial_flap_n_m: Option<Vec<f64>>,
+    /// Coupling of stretch and curvature about `z`, default 0.
+    #[serde(rename = "coupling_axial_lag_N_m")]
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub coupling_axial_lag_n_m: Option<Vec<f64>>,
+    /// Coupling of twist and curvature about `y` (bend–twist), default 0.
+    #[serde(rename = "coupling_twist_flap_N_m2")]
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub coupling_twist_flap_n_m2: Option<Vec<f64>>,
+    /// Coupling of twist and curvature about `z`, default 0.
+    #[serde(rename = "coupling_twist_lag_N_m2")]
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub coupling_twist_lag_n_m2: Option<Vec<f64>>,
+    /// Coupling of the two curvatures, default 0.
+    #[serde(rename = "coupling_flap_lag_N_m2")]
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub coupling_flap_lag_n_m2: Option<Vec<f64>>,
+    /// `y` of the tension centre from the beam axis, default 0.
+    #[schemars(extend("x-allowed" = "an array of finite lengths in m, one per station"))]
+    pub tension_centre_y_m: Option<Vec<f64>>,
+    /// `z` of the tension centre from the beam axis, default 0.
+    #[schemars(extend("x-allowed" = "an array of finite lengths in m, one per station"))]
+    pub tension_centre_z_m: Option<Vec<f64>>,
+    /// Mass per length.
+    #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
+    pub mass_kg_m: Vec<f64>,
+    /// `y` of the centre of mass from the beam axis, default 0.
+    #[schemars(extend("x-allowed" = "an array of finite lengths in m, one per station"))]
+    pub centre_of_mass_y_m: Option<Vec<f64>>,
+    /// `z` of the centre of mass from the beam axis, default 0.
+    #[schemars(extend("x-allowed" = "an array of finite lengths in m, one per station"))]
+    pub centre_of_mass_z_m: Option<Vec<f64>>,
+    /// Second moment of mass per length `∫ρy² dA` about the centre of mass.
+    #[schemars(extend("x-allowed" = "an array of numbers >= 0, one per station"))]
+    pub second_moment_yy_kg_m: Vec<f64>,
+    /// Mixed moment of mass per length `∫ρyz dA` about the centre of mass, default 0.
+    #[schemars(extend("x-allowed" = "an array of finite numbers, one per station"))]
+    pub second_moment_yz_kg_m: Option<Vec<f64>>,
+    /// Second moment of mass per length `∫ρz² dA` about the centre of mass.
+    #[schemars(extend("x-allowed" = "an array of numbers >= 0, one per station"))]
+    pub second_moment_zz_kg_m: Vec<f64>,
+    /// Largest `|y|` of the outline; gauges need it.
+    #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
+    pub half_width_m: Option<Vec<f64>>,
+    /// Largest `|z|` of the outline; gauges need it.
+    #[schemars(extend("x-allowed" = "an array of numbers > 0, one per station"))]
+    pub half_height_m: Option<Vec<f64>>,
+}
+
+/// Points of a body's axis without loads, and the twist of its sections there: arrays of equal length. Natural cubic splines over
+/// the arc length go through them.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AxisAlong {
+    /// Places of the points as shares of the body's length, its arc length, ascending from 0 to 1.
+    #[schemars(extend("x-allowed" = "an array of 2 to 1000 finite numbers from 0 to 1"))]
+    pub share: Option<Vec<f64>>,
+    /// Arc lengths of the points in m, ascending from 0 to the body's length; instead of `share`.
+    #[schemars(extend("x-allowed" = "an array of 2 to 1000 finite lengths in m"))]
+    pub s_m: Option<Vec<f64>>,
+    /// Coordinates along the body's `y`, 0 at the inner end. Default 0: a straight axis.
+    #[schemars(extend("x-allowed" = "an array of finite lengths in m, one per point"))]
+    pub y_m: Option<Vec<f64>>,
+    /// Coordinates along the body's `z`, 0 at the inner end. Default 0: a straight axis.
+    #[schemars(extend("x-allowed" = "an array of finite lengths in m, one per point"))]
+    pub z_m: Option<Vec<f64>>,
+    /// Angles of the sections about the axis, right-handed; the first counts too. Default 0.
+    #[schemars(extend("x-allowed" = "an array of finite numbers in deg, one per point"))]
+    pub twist_deg: Option<Vec<f64>>,
+}
+
+/// Places that ascend from 0; refused at `path` where they do not.
+fn places(path: &[&str], share: Option<&Vec<f64>>, s_m: Option<&Vec<f64>>, checker: &mut Checker) -> Option<Places> {
+    let at = |key| [path, &[key]].concat();
+    let (key, values) = match (share, s_m) {
+        (Some(values), None) => ("share", values),
+        (None, Some(values)) => ("s_m", values),
+        (Some(_), Some(_)) => {
+            checker.refuse(&at("s_m"), "either share or s_m, not both");
+            return None;
+        }
+        (None, None) => {
+            checker.refuse(&at("share"), "places as shares of the length from 0 to 1, or as lengths s_m");
+            return None;
+        }
+    };
+    let fine = (2..=MAXIMUM_STATIONS).contains(&values.len())
+        && values.windows(2).all(|pair| pair[0] < pair[1])
+        && values.first() == Some(&0.0)
+        && (key == "s_m" || values.last() == Some(&1.0));
+    if !fine {
+        let end = if key == "share" { "from 0 to 1" } else { "from 0 to the length of the body" };
+        let found = match values.windows(2).find(|pair| pair[0] >= pair[1]) {
+            Some(pair) => format!("{} behind {}", shortest(pair[1]), shortest(pair[0])),
+            None => match (values.first(), values.last()) {
+                (Some(first), Some(last)) => {
+                    format!("{} places from {} to {}", values.len(), shortest(*first), shortest(*last))
+                }
+                _ => "no places".to_owned(),
+            },
+        };
+        checker.refuse_as(&at(key), found, format!("2 to {MAXIMUM_STATIONS} places that ascend {end}"));
+        return None;
+    }
+    Some(if key == "share" { Places::Shares(values.clone()) } else { Places::Lengths(values.clone()) })
+}
+
+impl SectionsAlong {
+    /// The sections; `None` where a problem was found.
+    pub fn stations(&self, name: &str, checker: &mut Checker) -> Option<Stations> {
+        let path = ["section", name, "along"];
+        let places = places(&path, self.share.as_ref(), self.s_m.as_ref(), checker)?;
+        let count = places.count();
+        let at = |key: &'static str| ["section", name, "along", key];
+        let mut sound = true;
+        let mut column = |key: &'static str, values: Option<&Vec<f64>>, positive: bool| -> Vec<f64> {
+            let Some(values) = values else { return vec![0.0; count] };
+            if values.len() != count {
+                let found = format!("an array of {}", values.len());
+                checker.refuse_as(&at(key), found, format!("an array of {count} numbers, one per station"));
+            } else if let Some(bad) = values.iter().find(|value| !value.is_finite() || positive && **value <= 0.0) {
+                let allowed = if positive { "numbers > 0" } else { "finite numbers" };
+                checker.refuse_as(&at(key), shortest(*bad), allowed);
+            } else {
+                return values.clone();
+            }
+            sound = false;
+            vec![0.0; count]
+        };
+        let own = [
+            column("axial_stiffness_N", Some(&self.axial_stiffness_n), true),
+            column("torsional_rigidity_N_m2", Some(&self.torsional_rigidity_n_m2), true),
+            column("flap_stiffness_N_m2", Some(&self.flap_stiffness_n_m2), true),
+            column("lag_stiffness_N_m2", Some(&self.lag_stiffness_n_m2), true),
+        ];
+        let couplings = [
+            ((0, 1), column("coupling_axial_twist_N_m", self.coupling_axial_twist_n_m.as_ref(), false)),
+            ((0, 2), column("coupling_axial_flap_N_m", self.coupling_axial_flap_n_m.as_ref(), false)),
+            ((0, 3), column("coupling_axial_lag_N_m", self.coupling_axial_lag_n_m.as_ref(), false)),
+            ((1, 2), column("coupling_twist_flap_N_m2", self.coupling_twist_flap_n_m2.as_ref(), false)),
+            ((1, 3), column("coupling_twist_lag_N_m2", self.coupling_twist_lag_n_m2.as_ref(), false)),
+            ((2, 3), column("coupling_flap_lag_N_m2", self.coupling_flap_lag_n_m2.as_ref(), false)),
+        ];
+        let tension_y_m = column("tension_centre_y_m", self.tension_centre_y_m.as_ref(), false);
+        let tension_z_m = column("tension_centre_z_m", self.tension_centre_z_m.as_ref(), false);
+        let mass_kg_m = column("mass_kg_m", Some(&self.mass_kg_m), true);
+        let centre_y_m = column("centre_of_mass_y_m", self.centre_of_mass_y_m.as_ref(), false);
+        let centre_z_m = column("centre_of_mass_z_m", self.centre_of_mass_z_m.as_ref(), false);
+        let yy = column("second_moment_yy_kg_m", Some(&self.second_moment_yy_kg_m), false);
+        let yz = column("second_moment_yz_kg_m", self.second_moment_yz_kg_m.as_ref(), false);
+        let zz = column("second_moment_zz_kg_m", Some(&self.second_moment_zz_kg_m), false);
+        let half_width_m = column("half_width_m", self.half_width_m.as_ref(), true);
+        let half_height_m = column("half_height_m", self.half_height_m.as_ref(), true);
+        if self.half_width_m.is_some() != self.half_height_m.is_some() {
+            let missing = if self.half_width_m.is_none() { "half_width_m" } else { "half_height_m" };
+            checker.refuse(&at(missing), "half_width_m and half_height_m together, or neither");
+            return None;
+        }
+        if !sound {
+            return None;
+        }
+        let mut sections = Vec::with_capacity(count);
+        for i in 0..count {
+            let mut centred = Matrix4::from_diagonal(&Vector4::from_fn(|strain, _| own[strain][i]));
+            for ((row, column), values) in &couplings {
+                centred[(*row, *column)] = values[i];
+                centred[(*column, *row)] = values[i];
+            }
+            let stiffness = about_axis(&centred, [tension_y_m[i], tension_z_m[i]]);
+            let (mass, y, z) = (mass_kg_m[i], centre_y_m[i], centre_z_m[i]);
+            let section = Section {
+                stiffness,
+                mass_kg_m: mass,
+                first_moment_kg: [mass * y, mass * z],
+                second_moment_kg_m: [yy[i] + mass * y * y, yz[i] + mass * y * z, zz[i] + mass * z * z],
+                half_width_m: half_width_m[i],
+                half_height_m: half_height_m[i],
+            };
+            let (key, found, allowed) = if !are_second_moments([yy[i], yz[i], zz[i]]) {
+                let found = format!("[{}, {}, {}]", shortest(yy[i]), shortest(yz[i]), shortest(zz[i]));
+                ("second_moment_yy_kg_m", found, "moments yy >= 0, zz >= 0, yy + zz > 0 and yz² <= yy zz")
+            } else if !is_positive_definite(&stiffness) {
+                (
+                    "axial_stiffness_N",
+                    "a stiffness that is not positive definite".to_owned(),
+                    "couplings that leave it so",
+                )
+            } else if !is_sound(&section) {
+                (
+                    "mass_kg_m",
+                    "a section".to_owned(),
+                    "mass, inertia and stiffness that are positive, finite numbers in SI",
+                )
+            } else {
+                sections.push(section);
+                continue;
+            };
+            checker.refuse_as(&at(key), format!("{found} at station {}", i + 1), allowed);
+            return None;
+        }
+        Some(Stations { places, sections })
+    }
+}
+
+/// Stiffness about the beam axis of a section given about its tension centre `[y, z]`: the stretch there is
+/// `εx + z κy − y κz`, NOTATION eqs. (K7), (S9).
+fn about_axis(centred: &Matrix4<f64>, [y_m, z_m]: [f64; 2]) -> Matrix4<f64> {
+    if y_m == 0.0 && z_m == 0.0 {
+        return *centred;
+    }
+    let mut shift = Matrix4::identity();
+    (shift[(0, 2)], shift[(0, 3)]) = (z_m, -y_m);
+    shift.transpose() * centred * shift
+}
+
+impl AxisAlong {
+    /// The axis of a body of `length_m`; `None` where a problem was found.
+    pub fn on_body(&self, name: &str, length_m: f64, checker: &mut Checker) -> Option<Axis> {
+        let path = ["body", name, "axis"];
+        let places = places(&path, self.share.as_ref(), self.s_m.as_ref(), checker)?;
+        let stations_m = places.on_body(length_m);
+        let last_m = stations_m.last().copied().unwrap_or_default();
+        // a file of points gives the arc length by an integral: as many digits as somebody types
+        if (last_m - length_m).abs() > 1e-4 * length_m {
+            let allowed = format!("{} m, the arc length of the axis", shortest(last_m));
+            checker.refuse(&["body", name, "length_m"], allowed);
+            return None;
+        }
+        let mut sound = true;
+        let mut column = |key: &'static str, values: Option<&Vec<f64>>, factor: f64| -> Vec<f64> {
+            let Some(values) = values else { return vec![0.0; stations_m.len()] };
+            let (found, allowed) = if values.len() != stations_m.len() {
+                let allowed = format!("an array of {} numbers, one per point", stations_m.len());
+                (format!("an array of {}", values.len()), allowed)
+            } else if let Some(bad) = values.iter().find(|value| !value.is_finite()) {
+                (shortest(*bad), "finite numbers".to_owned())
+            } else if key != "twist_deg" && values[0] != 0.0 {
+                (shortest(values[0]), "0 at the inner end, which the joint holds".to_owned())
+            } else {
+                return values.iter().map(|value| value * factor).collect();
+            };
+            checker.refuse_as(&["body", name, "axis", key], found, allowed);
+            sound = false;
+            vec![0.0; stations_m.len()]
+        };
+        let y_m = column("y_m", self.y_m.as_ref(), 1.0);
+        let z_m = column("z_m", self.z_m.as_ref(), 1.0);
+        let twist_rad = column("twist_deg", self.twist_deg.as_ref(), 1f64.to_radians());
+        sound.then_some(Axis { stations_m: stations_m.clone(), y_m, z_m, twist_rad })
+    }
+}
