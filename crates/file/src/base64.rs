@@ -23,7 +23,7 @@ pub(super) fn decoded(text: &str) -> Option<Vec<u8>> {
         values[usize::from(*letter)] = value as u8;
     }
     let code = text.trim_end_matches('=').as_bytes();
-    if text.len() % 4 != 0 || text.len() - code.len() > 2 {
+    if !text.len().is_multiple_of(4) || text.len() - code.len() > 2 {
         return None;
     }
     let mut bytes = Vec::with_capacity(code.len() / 4 * 3 + 2);
