@@ -170,7 +170,7 @@ fn symmetric(line: usize, what: &str, matrix: &Matrix6<f64>) -> Result<(), Stati
 fn lamina(line: usize, inertia: &Matrix6<f64>) -> Result<[f64; 6], StationFault> {
     let mass = inertia[(0, 0)];
     let refuse = |reason: String| Err(fault(line, format!("the inertia is not that of a section: {reason}")));
-    if !(mass > 0.0) {
+    if mass <= 0.0 {
         return refuse(format!("a mass of {mass}; it must be > 0"));
     }
     let (x_cm, y_cm) = (inertia[(1, 5)] / mass, -inertia[(0, 5)] / mass);
@@ -227,14 +227,12 @@ pub(super) fn read_key_points(text: &str) -> Result<StationTable, StationFault> 
         }
     }
     lines.next("its key points")?; // units
-    let mut points = [const { Vec::new() }; 4];
+    let mut points: [Vec<f64>; 4] = [const { Vec::new() }; 4];
     let mut chord_m: Vec<f64> = Vec::with_capacity(count);
     for index in 0..count {
         let (line, values) = lines.numbers::<4>(&format!("key point {} of {count}", index + 1))?;
         let step_m = match index.checked_sub(1) {
-            Some(last) => {
-                (0..3).map(|axis| (values[axis] - points[axis][last]) as f64).map(|d| d * d).sum::<f64>().sqrt()
-            }
+            Some(last) => (0..3).map(|axis| values[axis] - points[axis][last]).map(|d| d * d).sum::<f64>().sqrt(),
             None if values[..3] != [0.0; 3] => {
                 return Err(fault(line, "the first key point is not the origin, where the blade begins"));
             }
@@ -244,7 +242,7 @@ pub(super) fn read_key_points(text: &str) -> Result<StationTable, StationFault> 
             return Err(fault(line, format!("key points {index} and {} coincide", index + 1)));
         }
         chord_m.push(chord_m.last().copied().unwrap_or_default() + step_m);
-        points.iter_mut().zip(values).for_each(|(column, value): (&mut Vec<f64>, f64)| column.push(value));
+        points.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
     }
     let [x, y, z, twist] = points;
     let splines = [&x, &y, &z].map(|values| CubicSpline::new(&chord_m, values));

@@ -196,8 +196,10 @@ pub(super) fn section_law(
         checker.refuse(&["body", name, key], "a body whose section is no table: a table says itself how it varies");
         return None;
     }
-    let alone = outer.as_ref().is_none_or(|outer| !matches!(outer, Some(Built::Table(_))));
-    if outer.is_some() && !(alone && !matches!(inner, Built::Table(_))) {
+    let is_table = |built: &Built| matches!(built, Built::Table(_));
+    if let Some(outer) = &outer
+        && (is_table(inner) || outer.is_some_and(is_table))
+    {
         checker
             .refuse(&["body", name, "outer_section"], "sections that are no tables: a table reaches from end to end");
         return None;

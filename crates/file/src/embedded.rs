@@ -1,8 +1,11 @@
 //! Polars, sections and axes of other files, taken into the text of the model file: what rides in an FMU needs no other file.
 
+use crate::base64;
 use crate::error::{Fault, Problem};
 use crate::polar_file::read_polars;
 use crate::station_file::{read_axis, read_sections};
+use crate::wind_file::{read_turbsim, read_wind_table};
+use foldwing_engine::aero::rotor::wind::TableRow;
 use indexmap::IndexMap;
 use serde::Deserialize;
 use std::fmt::Write;
@@ -16,6 +19,15 @@ struct Wanted {
     polar: IndexMap<String, WantedFile>,
     section: IndexMap<String, WantedFile>,
     body: IndexMap<String, WantedAxis>,
+    wind: WantedWind,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct WantedWind {
+    table_file: Option<Spanned<String>>,
+    field_file: Option<Spanned<String>>,
+    reference_length_m: Option<f64>,
 }
 
 #[derive(Deserialize, Default)]
@@ -31,7 +43,7 @@ struct WantedAxis {
 }
 
 /// Reads a file into the key that takes its place; else what a file must be.
-type Reader = fn(&Path) -> Result<String, String>;
+type Reader<'r> = &'r dyn Fn(&Path) -> Result<String, String>;
 
 /// The text with `file = "…"` of every polar, and of every section and axis that names one, replaced by what the file says, on the
 /// same line, so that lines keep their numbers. Files are looked for in `folder`. A text that does not read as a model is left as
@@ -41,12 +53,18 @@ type Reader = fn(&Path) -> Result<String, String>;
 /// A file that cannot be read, or whose contents are refused, at the line of its key.
 pub(super) fn with_files(text: String, folder: &Path) -> Result<String, Vec<Problem>> {
     let Ok(wanted) = toml::from_str::<Wanted>(&text) else { return Ok(text) };
-    let polars = wanted.polar.into_iter().map(|(name, file)| ("polar", name, "file", file.file, rows as Reader));
-    let sections = wanted.section.into_iter().map(|(name, file)| ("section", name, "file", file.file, along as Reader));
-    let axes = wanted.body.into_iter().map(|(name, file)| ("body", name, "axis_file", file.axis_file, axis as Reader));
+    let polars = wanted.polar.into_iter().map(|(name, file)| ("polar", name, "file", file.file, &rows as Reader));
+    let sections =
+        wanted.section.into_iter().map(|(name, file)| ("section", name, "file", file.file, &along as Reader));
+    let axes = wanted.body.into_iter().map(|(name, file)| ("body", name, "axis_file", file.axis_file, &axis as Reader));
+    let WantedWind { table_file, field_file, reference_length_m } = wanted.wind;
+    // a table without its length is refused by a later pass
+    let table: Reader = &move |path| wind_table(path, reference_length_m.filter(|length| *length > 0.0).unwrap_or(1.0));
+    let wind = [("table_file", table_file, table), ("field_file", field_file, &wind_field as Reader)];
+    let wind = wind.into_iter().map(|(key, file, read)| ("wind", String::new(), key, file, read));
     let mut places = Vec::new();
     let mut problems = Vec::new();
-    for (table, name, key, file, read) in polars.chain(sections).chain(axes) {
+    for (table, name, key, file, read) in polars.chain(sections).chain(axes).chain(wind) {
         let Some(file) = file else { continue };
         let span = file.span();
         let start = text[..span.start].rfind(key).unwrap_or(span.start);
@@ -56,7 +74,7 @@ pub(super) fn with_files(text: String, folder: &Path) -> Result<String, Vec<Prob
                 line: text[..span.start].matches('\n').count() + 1,
                 fault: Fault::NotAllowed { value: text[span.clone()].to_owned(), allowed: reason },
                 span,
-                key: format!("{table}.{name}.{key}"),
+                key: [table, &name, key].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("."),
             }),
         }
     }
@@ -78,6 +96,32 @@ fn along(path: &Path) -> Result<String, String> {
     let table = read_sections(&text)
         .map_err(|fault| format!("sections as CSV or in BeamDyn's file of a blade ({}: {fault})", path.display()))?;
     Ok(table.text("along"))
+}
+
+/// `table = [[…], …]` of a table of wind over time.
+fn wind_table(path: &Path, reference_length_m: f64) -> Result<String, String> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|reason| format!("a table of wind beside the model file ({}: {reason})", path.display()))?;
+    let table = read_wind_table(&text, reference_length_m).map_err(|fault| {
+        format!("a table in the columns of AeroDyn's uniform wind files ({}: {fault})", path.display())
+    })?;
+    let row = |row: &TableRow| {
+        // degrees as they stood in the file, not as they come back from radians
+        let direction_deg = (row.direction_rad.to_degrees() * 1e9).round() / 1e9;
+        let shears = [row.horizontal_shear, row.power_exponent, row.vertical_shear, row.gust_m_s];
+        let values = [row.time_s, row.speed_m_s, direction_deg, row.vertical_m_s].into_iter().chain(shears);
+        format!("[{}]", values.map(|value| format!("{value:?}")).collect::<Vec<_>>().join(", "))
+    };
+    Ok(format!("table = [{}]", table.rows.iter().map(row).collect::<Vec<_>>().join(", ")))
+}
+
+/// `field = "…"` of a full field of TurbSim.
+fn wind_field(path: &Path) -> Result<String, String> {
+    let bytes = std::fs::read(path)
+        .map_err(|reason| format!("a full field of TurbSim beside the model file ({}: {reason})", path.display()))?;
+    read_turbsim(&bytes)
+        .map_err(|fault| format!("a whole full field of TurbSim, .bts ({}: {fault})", path.display()))?;
+    Ok(format!("field = \"{}\"", base64::encoded(&bytes)))
 }
 
 /// `axis = { … }` of a file of an axis.

@@ -8,6 +8,7 @@
 mod air;
 mod air_file;
 mod attachments;
+mod base64;
 mod beamdyn_file;
 mod body;
 mod copies;

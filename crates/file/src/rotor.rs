@@ -1,11 +1,13 @@
 //! Air of a rotor from the file: settings, polars, wind and tower.
 
 use crate::air_file::AirFile;
+use crate::base64;
 use crate::file::ModelFile;
 use crate::rotor_file::{
     EndRuleFile, PitchRateFile, PolarFile, PotentialFile, ShadowFile, SpreadFile, TowerFile, TurnsFile, WindFile,
 };
 use crate::validate::Checker;
+use crate::wind_file::read_turbsim;
 use foldwing_engine::aero::polar::{Polar, PolarRow};
 use foldwing_engine::aero::rotor::induction::EndRule;
 use foldwing_engine::aero::rotor::options::{PitchRate, Spread};
@@ -226,19 +228,31 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
         checker.refuse(&["wind", "downwind"], "a direction that is not upward");
         return None;
     };
+    let files = [
+        ("table_file", "table", wind.table_file.is_some(), wind.table.is_some()),
+        ("field_file", "field", wind.field_file.is_some(), wind.field.is_some()),
+    ];
+    if let Some((key, becomes, _, twice)) = files.into_iter().find(|(_, _, stated, _)| *stated) {
+        let allowed = match twice {
+            true => format!("either {key} or {becomes}, not both"),
+            false => format!("a file beside a model file that is read from its own file; a text alone has {becomes}"),
+        };
+        checker.refuse(&["wind", key], allowed);
+        return None;
+    }
     let stated: Vec<&str> = [
         ("shear_exponent", wind.shear_exponent.is_some()),
         ("roughness_m", wind.roughness_m.is_some()),
         ("table", wind.table.is_some()),
         ("turbulence", wind.turbulence.is_some()),
+        ("field", wind.field.is_some()),
     ]
     .into_iter()
     .filter_map(|(key, stated)| stated.then_some(key))
     .collect();
     let both = stated == ["shear_exponent", "turbulence"]; // the profile of the box
     if stated.len() > 1 && !both {
-        let allowed =
-            "one of shear_exponent, roughness_m, table and turbulence; shear_exponent and turbulence go together";
+        let allowed = "one of shear_exponent, roughness_m, table, field and turbulence; shear_exponent and turbulence go together";
         checker.refuse(&["wind", stated[1]], allowed);
         return None;
     }
@@ -263,6 +277,19 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
             Ok(grid) => Source::Box(Box::new(grid)),
             Err(reason) => {
                 checker.refuse_as(&["wind", "turbulence"], reason.to_string(), "turbulence that can be");
+                return None;
+            }
+        }
+    } else if let Some(field) = &wind.field {
+        let read = base64::decoded(field).map(|bytes| read_turbsim(&bytes));
+        match read {
+            Some(Ok(grid)) => Source::Box(Box::new(grid)),
+            Some(Err(fault)) => {
+                checker.refuse_as(&["wind", "field"], fault.to_string(), "the bytes of a whole file of TurbSim, .bts");
+                return None;
+            }
+            None => {
+                checker.refuse(&["wind", "field"], "base64 of a file of TurbSim; field_file takes the file itself");
                 return None;
             }
         }

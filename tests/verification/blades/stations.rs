@@ -76,7 +76,7 @@ fn wt31_axis_in_a_table() {
     };
     let shape = axis.natural_shape().unwrap();
     let body = BodyDescription {
-        mount: shape.first,
+        mount: shape.ends.first,
         ..description(LENGTH_M, section(rows()[0].section.stiffness).into(), shape.strain)
     };
     let found = [4, 8, 16].map(|n| {

@@ -8,6 +8,8 @@ mod modes;
 mod operation;
 mod recursions;
 mod refusals;
+mod strain;
 mod vacuum;
 mod whirl;
 mod wind;
+mod wind_files;

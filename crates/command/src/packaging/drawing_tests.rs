@@ -22,6 +22,7 @@ fn body(name: &str, joint: Joint) -> Body {
         mass_damping_1_s: 2.5,
         damp_attached_masses: false,
         stiffness_damping_s: 0.0,
+        axis: None,
         strain_damping_shares: nalgebra::Vector4::repeat(1.0),
         station_positions_m: vec![0.05, 0.1],
         station_loads: vec![],

@@ -2,6 +2,7 @@
 
 use crate::beam::law::NaturalStrain;
 use crate::beam::profile::Profile;
+use crate::math::quadrature::gauss_pieces;
 use crate::math::spline::CubicSpline;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -36,8 +37,17 @@ pub struct TooSteep {
 pub struct NaturalShape {
     /// Twist and curvatures along it.
     pub strain: NaturalStrain,
-    /// Attitude of the first section in the body's frame: body ← section.
+    /// Its ends.
+    pub ends: AxisEnds,
+}
+
+/// Ends of an axis without loads in the body's frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisEnds {
+    /// Attitude of the first section: body ← section.
     pub first: Matrix3<f64>,
+    /// Place of the outer end from the inner one in m.
+    pub outer_m: Vector3<f64>,
 }
 
 impl Axis {
@@ -52,8 +62,16 @@ impl Axis {
         let straight = [&self.y_m, &self.z_m].iter().all(|values| values.iter().all(|value| *value == 0.0));
         let untwisted = self.twist_rad.iter().all(|angle| *angle == self.twist_rad[0]);
         let first = section_at(0.0, [y, z, twist])?;
+        let length_m = self.stations_m[self.stations_m.len() - 1];
+        let mut ends = AxisEnds { first: first.attitude, outer_m: Vector3::x() * length_m };
         if straight && untwisted {
-            return Ok(NaturalShape { strain: NaturalStrain::from([0.0; 4]), first: first.attitude });
+            return Ok(NaturalShape { strain: NaturalStrain::from([0.0; 4]), ends });
+        }
+        if !straight {
+            ends.outer_m = Vector3::new(0.0, y.at(length_m), z.at(length_m));
+            for (s_m, weight) in gauss_pieces(0.0, length_m, &self.stations_m) {
+                ends.outer_m.x += section_at(s_m, [y, z, twist])?.attitude[(0, 0)] * weight;
+            }
         }
         let mut pieces = [const { Vec::new() }; 3];
         for pair in self.stations_m.windows(2) {
@@ -71,7 +89,7 @@ impl Axis {
             true => Profile::constant(0.0),
             false => Profile::Pieces(pieces),
         });
-        Ok(NaturalShape { strain: NaturalStrain([Profile::constant(0.0), x, y, z]), first: first.attitude })
+        Ok(NaturalShape { strain: NaturalStrain([Profile::constant(0.0), x, y, z]), ends })
     }
 }
 
@@ -126,7 +144,7 @@ mod tests {
     fn strain_leads_back_to_the_points() {
         let axis = bent();
         let shape = axis.natural_shape().unwrap();
-        let (mut attitude, mut position_m) = (shape.first, Vector3::zeros());
+        let (mut attitude, mut position_m) = (shape.ends.first, Vector3::zeros());
         let steps = 20_000;
         let step_m = 10.0 / f64::from(steps);
         for i in 0..steps {
@@ -142,6 +160,7 @@ mod tests {
         assert!((attitude - end.attitude).amax() < 1e-6, "{}", attitude - end.attitude);
         let tip = Vector3::new(position_m.x, axis.y_m[20], axis.z_m[20]);
         assert!((position_m - tip).amax() < 2e-6, "{position_m} {tip}");
+        assert!((position_m - shape.ends.outer_m).amax() < 2e-6);
         assert!(position_m.x < 9.99, "an arc is longer than what it spans");
     }
 
@@ -153,7 +172,7 @@ mod tests {
         axis.twist_rad.fill(0.25);
         let shape = axis.natural_shape().unwrap();
         assert_eq!(shape.strain, NaturalStrain::from([0.0; 4]));
-        assert_eq!(shape.first, Rotation3::from_axis_angle(&Vector3::x_axis(), 0.25).into_inner());
+        assert_eq!(shape.ends.first, Rotation3::from_axis_angle(&Vector3::x_axis(), 0.25).into_inner());
         axis.y_m = axis.stations_m.iter().map(|s| 1.2 * s).collect();
         assert_eq!(axis.natural_shape(), Err(TooSteep { position_m: 0.0 }));
     }

@@ -22,9 +22,11 @@ impl Machine {
         joints.filter_map(|(index, (_, joint))| Some((index, joint.generator.as_ref()?)))
     }
 
-    /// Bodies that bend in given shapes.
-    pub fn modal_bodies(&self) -> impl Iterator<Item = usize> {
-        (0..self.bodies.len()).filter(|&body| self.bodies[body].section.modal().is_some())
+    /// Bodies that have a frame of their own in which they tell how they bend: modal ones, and beams whose axis was given by
+    /// points.
+    pub fn framed_bodies(&self) -> impl Iterator<Item = usize> {
+        let framed = |body: &Body| body.is_modal() || body.axis.is_some();
+        (0..self.bodies.len()).filter(move |&body| framed(&self.bodies[body]))
     }
 
     /// Bodies whose outer end is free: nothing hangs on it.

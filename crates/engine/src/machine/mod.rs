@@ -24,7 +24,7 @@ use crate::aero::flow::Gust;
 pub use crate::aero::lattice::{LoadRule, WakeModel};
 use crate::aero::surface::{ChordLine, Profile};
 pub use crate::aero::{AirOptions, EndRule, PitchRate};
-pub use crate::beam::axis::Axis;
+pub use crate::beam::axis::{Axis, AxisEnds};
 pub use crate::beam::element::ElementKind;
 pub use crate::beam::law::{NaturalStrain, SectionLaw, SectionStation};
 pub use crate::beam::modal::{MAXIMUM_MODES, ModalLaw, Shape};
@@ -81,6 +81,8 @@ pub struct Body {
     pub elements: usize,
     /// Natural strains `(εx, κx, κy, κz)` along the body: initial stretch (–), twist and curvatures (1/m).
     pub natural_strain: NaturalStrain,
+    /// Ends of the axis that the natural strain comes from, if it was given by points; the joint's mount includes its first attitude.
+    pub axis: Option<AxisEnds>,
     /// Mass-proportional damping `α` in 1/s.
     pub mass_damping_1_s: f64,
     /// It acts on the attached masses too.

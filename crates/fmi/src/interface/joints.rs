@@ -217,10 +217,10 @@ fn generator_outputs(table: &mut Table, topology: &Topology, joint: usize) {
     add("power", offset_of!(GeneratorOutputs, power_w), "Power", gives(), "electrical power of the generator");
 }
 
-/// Outputs of bodies that bend in given shapes: deflection of the outer end and load at the inner end, in the frame there.
+/// Outputs of bodies that bend in given shapes and of beams with an axis given by points: deflection of the outer end and load at the inner end, in the frame there.
 pub(super) fn modal_outputs(table: &mut Table, topology: &Topology) {
     let layout = table.outputs;
-    for (index, body) in topology.machine.modal_bodies().enumerate() {
+    for (index, body) in topology.machine.framed_bodies().enumerate() {
         let name = &topology.machine.bodies[body].name;
         let of = "in the frame of the inner end: x along the body";
         let text = Text::new(

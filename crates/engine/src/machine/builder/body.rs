@@ -1,7 +1,7 @@
 //! Bodies in code, and what sits on them: what the tables `[body.<name>]`, `[mass.<name>]`, `[gauge.<name>]`,
 //! `[section_load.<name>]` and `[loop.<name>]` of the model file can say.
 
-use crate::beam::axis::NaturalShape;
+use crate::beam::axis::{AxisEnds, NaturalShape};
 use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::profile::Profile;
 use crate::beam::section::{Material, Solid};
@@ -33,7 +33,7 @@ pub struct BodyBuilder {
     element: ElementKind,
     elements: usize,
     natural_strain: NaturalStrain,
-    first: Matrix3<f64>,
+    axis: Option<AxisEnds>,
     mass_damping_1_s: f64,
     damp_attached_masses: bool,
     stiffness_damping_s: f64,
@@ -54,7 +54,7 @@ impl Body {
             element: ElementKind::Linear,
             elements: 0,
             natural_strain: [0.0; 4].into(),
-            first: Matrix3::identity(),
+            axis: None,
             mass_damping_1_s: 0.0,
             damp_attached_masses: false,
             stiffness_damping_s: 0.0,
@@ -128,7 +128,7 @@ impl BodyBuilder {
     /// Shape without loads by the axis of a body, [`Axis::natural_shape`](crate::beam::axis::Axis::natural_shape); its first
     /// section stands in the body's frame, which the joint holds.
     pub fn natural_shape(self, shape: NaturalShape) -> Self {
-        Self { natural_strain: shape.strain, first: shape.first, ..self }
+        Self { natural_strain: shape.strain, axis: Some(shape.ends), ..self }
     }
 
     /// Mass-proportional damping in 1/s. Default 0.
@@ -168,9 +168,9 @@ impl BodyBuilder {
 
     /// The body on a joint; too many load stations are refused and left out.
     pub(super) fn build(&self, mut joint: Joint, checker: &mut Checker) -> Body {
-        if self.first != Matrix3::identity() {
-            joint.mount *= self.first;
-            joint.kind.turn_body_axis(&self.first.transpose());
+        if let Some(axis) = &self.axis {
+            joint.mount *= axis.first;
+            joint.kind.turn_body_axis(&axis.first.transpose());
         }
         let station_positions_m: Vec<f64> = match &self.stations {
             Stations::At(positions_m) => positions_m.clone(),
@@ -187,6 +187,7 @@ impl BodyBuilder {
             element: self.element,
             elements: self.elements,
             natural_strain: self.natural_strain.clone(),
+            axis: self.axis,
             mass_damping_1_s: self.mass_damping_1_s,
             damp_attached_masses: self.damp_attached_masses,
             stiffness_damping_s: self.stiffness_damping_s,

@@ -1,6 +1,7 @@
-//! Generators, and what modal bodies tell of themselves: deflection of the outer end, load at the inner end.
+//! Generators, and what bodies with a frame of their own tell of themselves: deflection of the outer end, load at the inner end.
 
 use crate::load::Wrench;
+use crate::machine::Machine;
 use crate::system::outputs::Present;
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
@@ -17,7 +18,7 @@ pub struct GeneratorOutputs {
     pub power_w: f64,
 }
 
-/// Outputs of one modal body, in the frame of its inner end.
+/// Outputs of one modal body, or one beam whose axis was given by points, in the body's frame at its inner end.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct ModalOutputs {
@@ -38,20 +39,29 @@ pub(crate) fn fill(outputs: &mut [GeneratorOutputs], present: &Present) {
     }
 }
 
-/// Deflections of modal bodies, in the order of the bodies; poses must be current.
-pub(crate) fn fill_deflections(outputs: &mut [ModalOutputs], present: &Present) {
+/// Deflections of bodies with a frame, in the order of the bodies; poses must be current.
+pub(crate) fn fill_deflections(outputs: &mut [ModalOutputs], machine: &Machine, present: &Present) {
     let work = &present.equations.work;
-    let bodies = present.equations.model.bodies.iter().filter_map(|body| Some((body, body.modal.as_ref()?)));
-    for (output, (body, modal)) in outputs.iter_mut().zip(bodies) {
+    for (output, index) in outputs.iter_mut().zip(machine.framed_bodies()) {
+        let (body, described) = (&present.equations.model.bodies[index], &machine.bodies[index]);
         let (inner, outer) = (&work.nodes[body.first_node], &work.nodes[body.last_node()]);
         let way_m = inner.rotation.transpose() * (outer.position - inner.position);
-        output.deflection_m = way_m - Vector3::x() * modal.element.length_m;
+        output.deflection_m = match &described.axis {
+            Some(axis) => axis.first * way_m - axis.outer_m,
+            None => way_m - Vector3::x() * described.length_m,
+        };
     }
 }
 
-/// Load at the inner end of a modal body, from that of its joint in the root frame.
-pub(crate) fn fill_root(output: &mut ModalOutputs, body: usize, reaction: &Wrench, present: &Present) {
+/// Load at the inner end of a body with a frame, from that of its joint in the root frame.
+pub(crate) fn fill_root(
+    output: &mut ModalOutputs,
+    (body, machine): (usize, &Machine),
+    reaction: &Wrench,
+    present: &Present,
+) {
     let equations = present.equations;
-    let turned = equations.work.nodes[equations.model.bodies[body].first_node].rotation.transpose();
+    let section = equations.work.nodes[equations.model.bodies[body].first_node].rotation.transpose();
+    let turned = machine.bodies[body].axis.map_or(section, |axis| axis.first * section);
     output.root = Wrench { force_n: turned * reaction.force_n, moment_n_m: turned * reaction.moment_n_m };
 }

@@ -111,7 +111,7 @@ impl OutputLayout {
             ),
             flaps: Segment::append(&mut end, machine.air.as_ref().map_or(0, |air| air.flaps.len())),
             generators: Segment::append(&mut end, machine.generators().count()),
-            modal: Segment::append(&mut end, machine.modal_bodies().count()),
+            modal: Segment::append(&mut end, machine.framed_bodies().count()),
             continuous: end,
             latches: Segment::append(&mut end, one_freedoms),
             failures: Segment::append(&mut end, machine.failures.len()),
@@ -308,9 +308,9 @@ impl System {
         }
         if wanted.meets(OutputSet::REACTIONS) {
             loads::fill_reactions(outputs.joint_reactions_mut(), &present);
-            for (index, place) in self.machine.modal_bodies().enumerate() {
+            for (index, place) in self.machine.framed_bodies().enumerate() {
                 let reaction = outputs.joint_reactions()[place];
-                generators::fill_root(&mut outputs.modal_mut()[index], place, &reaction, &present);
+                generators::fill_root(&mut outputs.modal_mut()[index], (place, &self.machine), &reaction, &present);
             }
         }
         if wanted.meets(OutputSet::GAUGES) {
@@ -326,7 +326,7 @@ impl System {
             loads::fill_root(outputs.root_mut(), &present);
         }
         if wanted.meets(OutputSet::TIP_PLACES) {
-            generators::fill_deflections(outputs.modal_mut(), &present);
+            generators::fill_deflections(outputs.modal_mut(), &self.machine, &present);
         }
         points::fill_tips(outputs.tips_mut(), &present, &self.tip_bodies, wanted);
         points::fill_stations(outputs.stations_mut(), &present, wanted);
