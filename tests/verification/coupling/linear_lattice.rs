@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// Aerodynamic steps of the inputs' bump and of the record. The wind makes one panel in a step.
 const BUMP: u32 = 24;
-const END: u32 = 60;
+const END: u32 = 40;
 const STEP_S: f64 = 2.5e-3;
 const SPEED_M_S: f64 = 20.0;
 
@@ -18,30 +18,22 @@ const SPEED_M_S: f64 = 20.0;
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Bump {
     Gust,
-    Wind,
     Aileron,
-    AileronRate,
-    Force,
 }
 
 impl Bump {
-    /// Size, small against wind and weight: in m/s, rad, rad/s and N.
+    /// Size, small against wind and chord: in m/s and rad.
     fn size(self) -> f64 {
         match self {
-            Self::Gust | Self::Wind => 0.2,
+            Self::Gust => 0.2,
             Self::Aileron => 1e-2,
-            Self::AileronRate => 1.0,
-            Self::Force => 0.1,
         }
     }
 
     fn add(self, inputs: &mut Inputs, amount: f64) {
         match self {
             Self::Gust => {}
-            Self::Wind => inputs.wind_m_s_mut().z += amount,
             Self::Aileron => inputs.flaps_mut()[0].command_rad += amount,
-            Self::AileronRate => inputs.flaps_mut()[0].command_rate_rad_s += amount,
-            Self::Force => inputs.stations_mut()[2].force_n.z += amount,
         }
     }
 }
@@ -66,7 +58,7 @@ fn machine(fold_deg: f64, incidence_deg: f64, suction: bool, gust_m_s: f64) -> M
         .replace(
             "model = \"strip\"\n",
             &format!(
-                "model = \"uvlm\"\nstep_s = {STEP_S:?}\nwake_rows = 64\ncoupling_tolerance = 1e-9\nmirror_normal = [1.0, 0.0, 0.0]\n\
+                "model = \"uvlm\"\nstep_s = {STEP_S:?}\nwake_rows = 44\ncoupling_tolerance = 1e-9\nmirror_normal = [1.0, 0.0, 0.0]\n\
                  leading_edge_suction = {suction}\n"
             ),
         );
@@ -147,23 +139,13 @@ fn off(wing: [f64; 2], suction: bool, kind: Bump) -> [f64; 3] {
     })
 }
 
-/// Q-71. The wake is longer than the record: in time its last ring grows, in the linear model it always reaches far. Deployed and folded by 60°, without lift and with it, with and without suction: tip, root strain and hinge moment after a
-/// travelling gust, wind, aileron and force.
+/// Q-71. Folded by 60° with suction and deployed without: tip, root strain and hinge moment after a travelling gust and after the
+/// aileron. The wake is longer than the record: in time its last ring grows, in the linear model it always reaches far.
 #[test]
 fn q71_small_inputs_move_the_linear_lattice_as_the_machine() {
-    for (fold_deg, incidence_deg, suction) in [
-        (60.0, 0.0, true),
-        (0.0, 0.0, false),
-        (60.0, 0.0, false),
-        (0.0, 0.0, true),
-        (0.0, 2.0, true),
-        (60.0, 2.0, true),
-        (60.0, 2.0, false),
-    ] {
-        for kind in [Bump::Gust, Bump::Aileron, Bump::Wind, Bump::AileronRate, Bump::Force] {
-            let short =
-                incidence_deg == 0.0 && suction && fold_deg == 60.0 && matches!(kind, Bump::Gust | Bump::Aileron);
-            if !is_whole() && !short {
+    for (fold_deg, incidence_deg, suction) in [(60.0, 0.0, true), (0.0, 0.0, false)] {
+        for kind in [Bump::Gust, Bump::Aileron] {
+            if !is_whole() && !suction {
                 continue;
             }
             let found = off([fold_deg, incidence_deg], suction, kind);

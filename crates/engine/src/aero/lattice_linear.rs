@@ -38,7 +38,7 @@ pub enum NoLinearLattice {
     #[error("{0}")]
     Flow(NoCirculation),
     /// The wake moves with what it induces.
-    #[error("a free wake has no steady shape; write wake = \"prescribed\"")]
+    #[error("a free wake has no steady shape; write free_wake = false")]
     FreeWake,
     /// No wake at all.
     #[error("wake_rows = 0 leaves no wake to be linear in; give the wake rows")]
@@ -156,9 +156,9 @@ impl VortexLattice {
         let longest_m = chord_m.fold(0.0, f64::max);
         let speed_m_s = flow.wind_m_s.norm();
         let mut columns = Vec::new();
-        for section in 0..motions.len() {
+        for (section, kept) in motions.iter().copied().enumerate() {
             for part in 0..SECTION_PARTS {
-                let (axis, kept) = (Vector3::ith(part % 3, 1.0), motions[section]);
+                let axis = Vector3::ith(part % 3, 1.0);
                 let step = STEP * [panel_m, panel_m / longest_m, speed_m_s, speed_m_s / longest_m][part / 3];
                 columns.extend(self.difference(&mut about, step, &mut |about, amount| {
                     let motion = &mut about.motions[section];
@@ -322,7 +322,7 @@ impl VortexLattice {
         Ok(slope)
     }
 
-    /// By gusts that travel with the wind.
+    /// By gusts that travel with the wind, eq. (U26).
     fn gust_slopes(&mut self, about: &About, rows: usize) -> Result<DMatrix<f64>, NoCirculation> {
         let flow = about.flow;
         let speed_m_s = flow.wind_m_s.norm();

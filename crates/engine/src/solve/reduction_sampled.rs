@@ -133,7 +133,8 @@ mod tests {
                 .map(|i| 0.0314159 * f64::from(i))
                 .map(|turn| (answer(&model, turn) - answer(&reduced.model, turn)).norm());
             let (off, bound) = (off.fold(0.0, f64::max), reduced.error_bound.unwrap());
-            assert!(off <= bound + 1e-8 && (order < 8 || off < 1e-8), "{order}: {off} {bound}");
+            // all states: what the root of round-off leaves
+            assert!(off <= bound + 1e-8 && (order < 8 || off < 1e-7), "{order}: {off} {bound}");
         }
         let growing = StateSpace { a: &model.a * 1.05, ..model.clone() };
         assert_eq!(reduce_sampled(&growing, 3, Keep::Balanced), Err(NoReduction::Grows));

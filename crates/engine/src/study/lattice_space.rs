@@ -1,14 +1,13 @@
 //! The machine in the air of a vortex lattice as a linear system in discrete time, NOTATION eqs. (L27) to (L29): one step is an
 //! aerodynamic step, and what agrees within it in a simulation, (Q1), (Q2) and (Q4), agrees here.
 
-use crate::aero::lattice_linear::{LatticeSlopes, SECTION_PARTS};
 use crate::solve::held::{HeldStructure, held_structure};
 use crate::solve::linearize::{SecondOrder, StateSpace};
 use crate::study::Study;
 use crate::study::linear::Argument;
 use crate::study::state_space::{InputSlope, air_of, columns_of};
-use crate::system::air::VELOCITY_WEIGHTS;
 use crate::system::air::slopes::SECTION_VARIABLES;
+use crate::system::air::{LatticeSlopes, SECTION_PARTS, VELOCITY_WEIGHTS};
 use crate::system::freedoms::Freedom;
 use crate::system::{Outputs, PlantError};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -69,7 +68,7 @@ impl Layout {
 impl Study<'_> {
     /// The machine with its lattice about the present state, which must be one of rest, in steps of the air.
     ///
-    /// Inputs hold over a step, as those of [`crate::run::Plant::step`] do: wind and flaps act at its end. A gust input is the
+    /// Inputs hold over a step, as those of a simulation's step do: wind and flaps act at its end. A gust input is the
     /// velocity, at the end of the step, of a gust that travels with the wind, where it meets the foremost point of the lattice.
     /// Outputs are read at the ends of steps, with the loads of the step that ends.
     ///
@@ -160,7 +159,7 @@ impl Study<'_> {
         })
     }
 
-    /// `C` and `D`.
+    /// `C` and `D`, eq. (L29).
     fn sampled_outputs(
         &mut self,
         coupled: &Coupled,
@@ -290,7 +289,7 @@ impl Coupled<'_> {
                 }
             }
         }
-        // nodes of the wake go with the wind
+        // nodes of the wake go with the wind, eq. (U25)
         let edges = layout.edge.len();
         let mut node = DMatrix::zeros(slopes.node.ncols(), wide);
         for row in 0..node.nrows() {
@@ -337,7 +336,7 @@ impl Coupled<'_> {
         let mut before = DMatrix::zeros(rest, wide);
         before.columns_mut(layout.bound.start, panels).copy_from(&-&rate);
         (0..loads).for_each(|row| before[(row, layout.load.start + row)] = 0.5);
-        // the structure under them
+        // the structure under them, eq. (L28)
         let moved = by_place + by_velocity * (own / step_s);
         let mut acting = &before + &taken * &answer;
         let mut pushed = force * acting.rows(0, loads);

@@ -8,7 +8,7 @@ use crate::system::air::start::{flow, refusal};
 use crate::system::{PlantError, System};
 
 impl System {
-    /// Whether the machine is in the air of a lattice with a linear model in discrete time, [`crate::study::Study::lattice_space`].
+    /// Whether the machine is in the air of a lattice with a linear model in discrete time.
     pub fn has_linear_lattice(&self) -> bool {
         self.air.as_ref().is_some_and(|air| matches!(air.settings.options, AirOptions::Lattice(_)))
     }

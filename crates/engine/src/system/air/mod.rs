@@ -8,6 +8,7 @@ pub(crate) mod slopes;
 pub(crate) mod start;
 mod view;
 
+pub(crate) use crate::aero::lattice_linear::{LatticeSlopes, SECTION_PARTS};
 pub use gaps::{CLOSED_PANELS, SurfaceGap};
 pub use view::SurfaceLattice;
 
