@@ -125,7 +125,7 @@ def swings(result, rest_strain):
     return [float(np.sqrt(np.mean(off[(time >= begin) & (time < end)] ** 2))) for begin, end in parts]
 
 
-def draw(free, damped, path):
+def draw(free, damped, states, path):
     """Root strain with and without the feedback, and the moment."""
     import matplotlib
 
@@ -136,7 +136,7 @@ def draw(free, damped, path):
     use()
     figure, (upper, lower) = plt.subplots(2, 1, figsize=(7.6, 5.2), sharex=True, height_ratios=(2, 1), layout="constrained")
     upper.plot(free["time"], 1e3 * free[GAUGE], color=FAINT, linewidth=1.0, label="left alone")
-    upper.plot(damped["time"], 1e3 * damped[GAUGE], color=BLUE, linewidth=1.4, label="LQG on 20 states")
+    upper.plot(damped["time"], 1e3 * damped[GAUGE], color=BLUE, linewidth=1.4, label=f"LQG on {states} states")
     upper.set(ylabel="strain at the root gauge (10⁻³)", title="The wing unfolds in the tunnel, latches and meets a gust\n")
     upper.legend(loc="lower right")
     lower.plot(damped["time"], 1e3 * damped[ACTUATOR], color=BLUE, linewidth=1.0, drawstyle="steps-post")
@@ -176,7 +176,7 @@ def main():
     report["largest_moment_N_m"] = float(np.abs(damped[ACTUATOR]).max())
     print(json.dumps(report, indent=2))
     if arguments.picture:
-        draw(free, damped, arguments.picture)
+        draw(free, damped, len(small[0]), arguments.picture)
 
 
 if __name__ == "__main__":
