@@ -174,6 +174,7 @@ validate: package venv ## Compare with the methods of the paper, sweep on Dask, 
 	$(CARGO) test --locked --test verification -- --nocapture capabilities::
 	$(VENV_PYTHON) studies/plot_input_derivatives.py $(TARGET)/verification docs/pictures
 	$(VENV_PYTHON) examples/damp_latched_wing.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/damped_latched_wing.png
+	$(VENV_PYTHON) examples/damp_wing_in_tunnel.py --foldwing $(COMMAND) --fmu $(TUNNEL_FMU) --picture docs/pictures/damped_wing_in_tunnel.png
 	$(VENV_PYTHON) examples/fold_from_csv.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/fold_from_csv.png
 	$(VENV_PYTHON) examples/soft_fold.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/soft_fold.png
 	$(VENV_PYTHON) examples/gust.py --foldwing $(COMMAND) --picture docs/pictures/gust.png

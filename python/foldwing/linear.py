@@ -77,7 +77,8 @@ class LinearModel:
         A, B, C, D = native.matrices()
         states, inputs, outputs = ([Signal(**row) for row in described[key]] for key in ("states", "inputs", "outputs"))
         return cls(
-            A, B, C, D, states=states, inputs=inputs, outputs=outputs, state=described["state"], about=native.about()
+            A, B, C, D, states=states, inputs=inputs, outputs=outputs, state=described["state"], about=native.about(),
+            dt=described.get("step_s"),
         )
 
     @property
@@ -118,25 +119,23 @@ class LinearModel:
         return self._with(A, B, self.C, self.D, self.states, dt, self.error_bound)
 
     def reduce(self, order: int, *, method: str = "balanced") -> LinearModel:
-        """A model with fewer states and the same gain at rest.
+        """A model with fewer states; in continuous time with the same gain at rest.
 
         Args:
             order: number of states.
-            method: `balanced` keeps what carries most from the inputs to the outputs, and knows a bound on its error; `modal`
+            method: of models with `dt` `balanced` only, and all their motions must decay. `balanced` keeps what carries most from the inputs to the outputs, and knows a bound on its error; `modal`
                 keeps the slowest modes.
         """
-        if self.dt is not None:
-            raise UsageError("reduce: the model is sampled; reduce it before discretize")
         if method not in ("balanced", "modal"):
             raise UsageError(f"method={method!r}: allowed are balanced and modal")
-        A, B, C, D, bound, _ = _native.reduced(self.A, self.B, self.C, self.D, order, method == "modal")
+        A, B, C, D, bound, _ = _native.reduced(self.A, self.B, self.C, self.D, order, method == "modal", self.dt is not None)
         states = [Signal(f"{method}_{i + 1}", "1", 0.0) for i in range(len(A))]
-        return self._with(A, B, C, D, states, None, bound)
+        return self._with(A, B, C, D, states, self.dt, bound)
 
     def hankel_singular_values(self) -> NDArray[np.float64]:
         """How much each balanced state carries from the inputs to the outputs, largest first; motions that do not decay count
         as infinite."""
-        values = _native.reduced(self.A, self.B, self.C, self.D, len(self.A), False)[5]
+        values = _native.reduced(self.A, self.B, self.C, self.D, len(self.A), False, self.dt is not None)[5]
         return np.asarray(values)
 
     def _with(

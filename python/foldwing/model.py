@@ -363,6 +363,7 @@ class Model:
         inputs: Patterns = (),
         outputs: Patterns = (),
         set: Optional[Mapping[str, Start]] = None,
+        lattice: bool = False,
     ) -> LinearModel:
         """The linear model about a state, between real inputs and outputs.
 
@@ -371,6 +372,8 @@ class Model:
             inputs: names and patterns; by default all real inputs.
             outputs: names and patterns; by default all real outputs.
             set: start values.
+            lattice: with a vortex lattice its air too: the model is in discrete time, `dt` is the aerodynamic step, wind, flaps and
+                the velocities `gust.x`, `gust.y`, `gust.z` of a gust that travels with the wind are inputs.
 
         >>> wing = load("examples/models/folding_wing.toml")
         >>> model = wing.linearize(inputs="fold.torque", outputs="gauge.root.strain", set={"fold.release": False})
@@ -389,12 +392,19 @@ class Model:
             simulation.start(begin)
             if at > begin:
                 simulation.step_to(at)
-        return self.linearized(simulation, inputs=inputs, outputs=outputs)
+        return self.linearized(simulation, inputs=inputs, outputs=outputs, lattice=lattice)
 
-    def linearized(self, simulation: Simulation, *, inputs: Patterns = (), outputs: Patterns = ()) -> LinearModel:
-        """The linear model about the present state of a simulation of this machine."""
+    def linearized(
+        self, simulation: Simulation, *, inputs: Patterns = (), outputs: Patterns = (), lattice: bool = False
+    ) -> LinearModel:
+        """The linear model about the present state of a simulation of this machine; `lattice` as in `linearize`."""
+        gusts: List[int] = []
+        if lattice:
+            inputs = [inputs] if isinstance(inputs, str) else list(inputs)
+            gusts = [axis for axis, name in enumerate(("gust.x", "gust.y", "gust.z")) if name in inputs]
+            inputs = [name for name in inputs if name not in ("gust.x", "gust.y", "gust.z")]
         chosen = [self._real(inputs, "input"), self._real(outputs, "output")]
-        return LinearModel._of(_native.LinearModel(simulation, *chosen))
+        return LinearModel._of(_native.LinearModel(simulation, *chosen, lattice, gusts))
 
     def _real(self, patterns: Patterns, causality: str) -> List[str]:
         if len(patterns) == 0:

@@ -4,7 +4,7 @@ use crate::refusal;
 use crate::simulation::Simulation;
 use foldwing_command::cli;
 use foldwing_command::report::linear_json;
-use foldwing_engine::plant::{Keep, NoReduction, Reduced, StateSpace, reduce, sampled};
+use foldwing_engine::plant::{Keep, NoReduction, Reduced, StateSpace, reduce, reduce_sampled, sampled};
 use foldwing_fmi::interface;
 use nalgebra::DMatrix;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
@@ -18,20 +18,37 @@ pub struct LinearModel {
 
 #[pymethods]
 impl LinearModel {
-    /// About the present state of a simulation, between the real inputs and outputs that names and prefixes choose.
+    /// About the present state of a simulation, between the real inputs and outputs that names and prefixes choose; `lattice`: in discrete
+    /// time, in the air of a lattice, with the components `gusts` of a travelling gust as further inputs.
     #[new]
     fn new(
         py: Python<'_>,
         mut simulation: PyRefMut<'_, Simulation>,
         inputs: Vec<String>,
         outputs: Vec<String>,
+        lattice: bool,
+        gusts: Vec<usize>,
     ) -> PyResult<Self> {
         let (plant, shared) = simulation.parts();
         let failed = |failure: cli::Failure| refusal::command(&failure);
-        let inputs = cli::chosen(&inputs, shared.interface.real_inputs(), "real input").map_err(failed)?;
+        let inputs = match lattice {
+            true => {
+                let offered = shared.interface.real_inputs_in_air();
+                if inputs.is_empty() && !gusts.is_empty() {
+                    Ok(Vec::new())
+                } else {
+                    cli::chosen(&inputs, offered, "real input")
+                }
+            }
+            false => cli::chosen(&inputs, shared.interface.real_inputs(), "real input"),
+        }
+        .map_err(failed)?;
         let outputs = cli::chosen(&outputs, shared.interface.real_outputs(), "real output").map_err(failed)?;
         let model = py
-            .detach(|| shared.interface.linearize(plant, &inputs, &outputs))
+            .detach(|| match lattice {
+                true => shared.interface.linearize_lattice(plant, &inputs, &gusts, &outputs),
+                false => shared.interface.linearize(plant, &inputs, &outputs),
+            })
             .map_err(|error| refusal::statics(&error))?;
         Ok(Self { model })
     }
@@ -76,6 +93,7 @@ type Reduction<'py> = (
 
 /// A model with `order` states: the slowest modes, or balanced.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "arguments of a function in Python")]
 pub fn reduced<'py>(
     py: Python<'py>,
     a: PyReadonlyArray2<'py, f64>,
@@ -84,11 +102,13 @@ pub fn reduced<'py>(
     d: PyReadonlyArray2<'py, f64>,
     order: usize,
     modal: bool,
+    is_sampled: bool,
 ) -> PyResult<Reduction<'py>> {
     let model = StateSpace { a: matrix(&a), b: matrix(&b), c: matrix(&c), d: matrix(&d) };
     let keep = if modal { Keep::Modes } else { Keep::Balanced };
-    let Reduced { model, error_bound, hankel } =
-        py.detach(|| reduce(&model, order, keep)).map_err(|error| refused(&error))?;
+    let Reduced { model, error_bound, hankel } = py
+        .detach(|| if is_sampled { reduce_sampled(&model, order, keep) } else { reduce(&model, order, keep) })
+        .map_err(|error| refused(&error))?;
     let [a, b, c, d] = [array(py, &model.a)?, array(py, &model.b)?, array(py, &model.c)?, array(py, &model.d)?];
     Ok((a, b, c, d, error_bound, hankel))
 }

@@ -12,6 +12,7 @@ mod goland;
 mod identification;
 mod light_tips;
 mod linear_flutter;
+mod linear_lattice;
 mod linear_response;
 mod narrow_gaps;
 mod twist;

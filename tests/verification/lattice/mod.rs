@@ -4,6 +4,7 @@ mod allocation;
 mod flaps;
 mod fold;
 mod frames;
+mod linear;
 mod properties;
 mod steady;
 mod surroundings;

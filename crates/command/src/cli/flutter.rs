@@ -139,6 +139,9 @@ pub(super) fn sweep(mut plant: Plant, speeds_m_s: &[f64], count: usize) -> Resul
         *plant.inputs_mut().wind_m_s_mut() = direction * speed_m_s;
         let time_s = plant.machine().experiment.start_time_s;
         plant.study().equilibrium(time_s, Holding::AsReleased)?;
+        if plant.has_linear_lattice() {
+            return plant.study().lattice_modes_and_rest(pool(count));
+        }
         plant.study().modes_and_rest(pool(count))
     };
     let (mut branches, ended) = Branches::follow(speeds_m_s, &mut |speed_m_s| {
@@ -171,10 +174,10 @@ fn wind(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, Failure> {
     let Some(air) = &machine.air else {
         return Err(refused("has no air; flutter needs [aerodynamics] with model = \"strip\" and surfaces"));
     };
-    if !air.options.is_linearised() || air.options.is_rotor() {
+    if air.options.is_rotor() {
         return Err(refused(
-            "has the air of a lattice, which has no linear model, or of a rotor, which turns; use strips (aerodynamics.model = \"strip\"), or look at runs \
-             in which a gust makes it swing",
+            "has the air of a rotor, which turns; use strips or a lattice (aerodynamics.model = \"strip\" or \"uvlm\"), or look at runs in which a \
+             gust makes it swing",
         ));
     }
     if !air.established {

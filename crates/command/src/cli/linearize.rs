@@ -29,6 +29,9 @@ pub struct Arguments {
     /// Start value of an input or parameter; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
+    /// With a vortex lattice: its air too, as a model in discrete time, one step of the air to the next; wind, flaps and `gust.` are inputs
+    #[arg(long)]
+    lattice: bool,
     /// Keep the slowest modes, so many states; the others follow at once, and the gain at rest stays
     #[arg(long, value_name = "STATES", conflicts_with = "reduce")]
     modes: Option<usize>,
@@ -56,17 +59,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let place = Outlets::new(arguments.force.force, [arguments.model.as_path()]).place(&arguments.output, mark)?;
     let (machine, _) = read_model(&arguments.model)?;
     let interface = Interface::new(&machine);
-    let (gusts, names) = gusts_of(&arguments.inputs, &machine)?;
+    let (gusts, names) = gusts_of(&arguments.inputs, &machine, arguments.lattice)?;
     let inputs = match names.is_empty() && !gusts.is_empty() {
         true => Vec::new(),
+        false if arguments.lattice => chosen(&names, interface.real_inputs_in_air(), "real input")?,
         false => chosen(&names, interface.real_inputs(), "real input")?,
     };
     let outputs = chosen(&arguments.outputs, interface.real_outputs(), "real output")?;
     let mut plant = plant_with(machine, &interface, &arguments.settings)?;
     reach("--at", &arguments.at, &mut plant)?;
-    let model = interface
-        .linearize_in_gusts(&mut plant, &inputs, &gusts, &outputs)
-        .map_err(|error| Failure::Statics(error.to_string()))?;
+    let model = match arguments.lattice {
+        true => interface.linearize_lattice(&mut plant, &inputs, &gusts, &outputs),
+        false => interface.linearize_in_gusts(&mut plant, &inputs, &gusts, &outputs),
+    };
+    let model = model.map_err(|error| Failure::Statics(error.to_string()))?;
     let model = match (arguments.modes, arguments.reduce) {
         (Some(order), _) => fewer(&model, "--modes", order, Keep::Modes)?,
         (_, Some(order)) => fewer(&model, "--reduce", order, Keep::Balanced)?,
@@ -75,6 +81,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut outlet = place.open()?;
     write(&model, &mut outlet).map_err(|error| outlet.failure(&error))?;
     outlet.finish()?;
+    let in_air = match model.step_s {
+        Some(step_s) => format!(", in air, in discrete time with steps of {step_s} s"),
+        None => ", in air".to_owned(),
+    };
     print(&format!(
         "{}: {} states{}, {} inputs, {} outputs{}, written to {}\n{}",
         plant.machine().name,
@@ -85,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         if model.without_air {
             ", without air (its loads are held; no wind)"
         } else if plant.machine().air.is_some() {
-            ", in air"
+            &in_air
         } else {
             ""
         },
@@ -95,17 +105,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Components of a uniform gust among the names of inputs, and the other names.
-fn gusts_of(names: &[String], machine: &Machine) -> Result<(Vec<usize>, Vec<String>), Failure> {
+fn gusts_of(names: &[String], machine: &Machine, lattice: bool) -> Result<(Vec<usize>, Vec<String>), Failure> {
     let named = |name: &String| GUSTS.iter().position(|gust| name == gust);
     let mut gusts: Vec<usize> = Vec::new();
     for name in names {
         let all = if name == "gust." || name == "gust.*" { vec![0, 1, 2] } else { named(name).into_iter().collect() };
         gusts.extend(all);
-        if gusts.is_empty() || machine.air.as_ref().is_some_and(|air| air.options.is_linearised()) {
+        if gusts.is_empty() || lattice || machine.air.as_ref().is_some_and(|air| air.options.is_linearised()) {
             continue;
         }
         return Err(Failure::Usage(format!(
-            "--inputs {name}: gusts are inputs of linear models with strips alone (aerodynamics.model = \"strip\"), or with a rotor that has inflow_lag_s"
+            "--inputs {name}: gusts are inputs of linear models with strips alone (aerodynamics.model = \"strip\"), with a rotor that has \
+             inflow_lag_s, or with --lattice of those with a vortex lattice"
         )));
     }
     gusts.sort_unstable();
@@ -145,8 +156,8 @@ pub(super) fn chosen<'a>(
         let named = rows.iter().any(|row| row.name.starts_with(name.trim_end_matches(['*', '.'])));
         if !named {
             return Err(Failure::Usage(format!(
-                "--inputs {name}: linear models of lattices and rotors are without air, they hold its loads; choose other inputs, take the \
-                 answer to wind from runs, or use strips (aerodynamics.model = \"strip\")"
+                "--inputs {name}: linear models of lattices and rotors are without air, they hold its loads; choose other inputs, \
+                 take --lattice where the air is a lattice's, or use strips (aerodynamics.model = \"strip\")"
             )));
         }
     }

@@ -22,6 +22,9 @@ pub struct Arguments {
     /// Which equilibrium to use if the one on the load path is unstable
     #[arg(long, value_enum, default_value = "path")]
     branch: BranchOption,
+    /// With a vortex lattice: in its air, not under constant loads
+    #[arg(long, conflicts_with = "over")]
+    lattice: bool,
     /// Number of modes
     #[arg(long, default_value_t = 10)]
     count: usize,
@@ -83,10 +86,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let bare = arguments.about == About::Undeformed;
     let modes = match bare {
         true => plant.study().bare_modes(arguments.count).map_err(failed)?,
+        false if arguments.lattice => plant.study().lattice_modes_and_rest(arguments.count).map_err(failed)?.0,
         false => plant.study().modes(arguments.count).map_err(failed)?,
     };
+    let in_lattice = arguments.lattice && !bare;
     if arguments.json {
         let mut value = as_json(&plant, &modes, bare);
+        if in_lattice {
+            value["without_air"] = false.into();
+        }
         if let Some(stability) = &stability {
             value["stability"] = stability::as_json(&plant, stability, departure);
         }
@@ -96,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "{} about its {} state{}\n{:>4} {:>14} {:>10}  elastic energy\n",
         plant.machine().name,
         if arguments.about == About::Undeformed { "undeformed" } else { "equilibrium" },
-        air_in_words(&plant, bare),
+        if in_lattice { ", in the air of its lattice" } else { air_in_words(&plant, bare) },
         "mode",
         "frequency Hz",
         "damping"

@@ -10,7 +10,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 /// A linear model as JSON: `time_s`, `without_air` (the machine is in air, the model holds its loads), `state` (whether it is
 /// an equilibrium, joints, inputs that act, `growing_1_s`), `states`, `inputs`, `outputs` (name, unit, value about which it is linear) and
-/// the matrices `A`, `B`, `C`, `D` row by row; where states were left out, `reduction` (`method`, `states_before`, `error_bound`).
+/// the matrices `A`, `B`, `C`, `D` row by row; where states were left out, `reduction` (`method`, `states_before`, `error_bound`); of a model in discrete time its step, `step_s`.
 pub fn linear_json(model: &LinearModel) -> Value {
     let signals = |list: &[LinearSignal]| -> Vec<Value> {
         let entry = |signal: &LinearSignal| json!({ "name": signal.name, "unit": signal.unit, "value": signal.value });
@@ -33,6 +33,9 @@ pub fn linear_json(model: &LinearModel) -> Value {
         "C": rows(&matrices.c),
         "D": rows(&matrices.d),
     });
+    if let Some(step_s) = model.step_s {
+        value["step_s"] = json!(step_s);
+    }
     if let Some(reduction) = &model.reduction {
         value["reduction"] = json!({
             "method": reduction.method(),
@@ -66,7 +69,7 @@ fn state(point: &OperatingPoint) -> Value {
     })
 }
 
-/// Writes a linear model for `numpy.load`: `A`, `B`, `C`, `D`, `x0`, `u0`, `y0`, `time_s`, `without_air` (1 or 0), and the
+/// Writes a linear model for `numpy.load`: `A`, `B`, `C`, `D`, `x0`, `u0`, `y0`, `time_s`, of a model in discrete time `step_s`, `without_air` (1 or 0), and the
 /// names and units `state_names`, `state_units`, … as arrays of text; of the operating point `equilibrium` (0 or 1), `joint_names`,
 /// `joint_angles_rad` (in m of prismatic joints), `joint_motions`, `joint_latches`, `acting_names`, `acting_values`, `acting_units`, and `growing_1_s`, a row of
 /// real and imaginary part for each eigenvalue that grows (NaN where nobody has looked). Equal models give equal bytes.
@@ -97,6 +100,9 @@ pub fn write_npz<W: Write + Seek>(model: &LinearModel, target: W) -> io::Result<
     }
     let point = &model.point;
     member("time_s", numbers(&[point.time_s], "()"))?;
+    if let Some(step_s) = model.step_s {
+        member("step_s", numbers(&[step_s], "()"))?;
+    }
     if let Some(reduction) = &model.reduction {
         member("error_bound", numbers(&[reduction.error_bound.unwrap_or(f64::NAN)], "()"))?;
     }

@@ -22,7 +22,7 @@ const CELL_CLASS: u32 = 1;
 const CHAR_CLASS: u32 = 4;
 const DOUBLE_CLASS: u32 = 6;
 
-/// Writes a linear model for `load`: `A`, `B`, `C`, `D`, the columns `x0`, `u0`, `y0`, the number `time_s` with the rest of the
+/// Writes a linear model for `load`: `A`, `B`, `C`, `D`, the columns `x0`, `u0`, `y0`, the number `time_s`, of a model in discrete time its step `step_s`, with the rest of the
 /// operating point as in [`crate::report::write_npz`], the number `without_air` (1 or 0), and the names and units `state_names`,
 /// `state_units`, … as columns of cells, as `ss` takes them.
 pub fn write_mat<W: Write>(model: &LinearModel, mut target: W) -> io::Result<()> {
@@ -34,6 +34,9 @@ pub fn write_mat<W: Write>(model: &LinearModel, mut target: W) -> io::Result<()>
         target.write_all(&numbers(name, matrix))?;
     }
     write_point(&model.point, &mut target)?;
+    if let Some(step_s) = model.step_s {
+        target.write_all(&numbers("step_s", &DMatrix::from_element(1, 1, step_s)))?;
+    }
     target.write_all(&numbers("without_air", &DMatrix::from_element(1, 1, f64::from(u8::from(model.without_air)))))?;
     for (what, short, signals) in
         [("state", "x0", &model.states), ("input", "u0", &model.inputs), ("output", "y0", &model.outputs)]

@@ -410,7 +410,7 @@ impl VortexLattice {
     /// Velocity of the air relative to the panels at their collocation points, with the wake and without bound vortices.
     ///
     /// Rows beyond [`NEAR_ROWS`] have been summed by [`convect`](Self::convect).
-    fn relative_velocity(&mut self, flow: &Flow, state: &LatticeState, near: Range<usize>) {
+    pub(super) fn relative_velocity(&mut self, flow: &Flow, state: &LatticeState, near: Range<usize>) {
         let panels = self.right.len();
         self.gather_wake(state, near);
         self.velocities[..blocks(panels)].fill(Block::default());

@@ -15,6 +15,7 @@ pub mod lattice;
 mod lattice_far;
 mod lattice_flaps;
 mod lattice_influence;
+pub mod lattice_linear;
 mod lattice_loads;
 mod lattice_near;
 pub mod lattice_state;

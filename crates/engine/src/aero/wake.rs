@@ -15,7 +15,7 @@ pub(super) const SHED_PANELS: f64 = 0.05;
 
 /// Share of that way by which round-off may miss it: the way of a round number of steps can be the way itself, and then
 /// must shed in every frame.
-const SHED_ROUND_OFF: f64 = 1e-9;
+pub(super) const SHED_ROUND_OFF: f64 = 1e-9;
 
 /// Relative speed of air and edge, over the speeds that it is the difference of, below which both move together.
 const REST_SHARE: f64 = 1e-9;

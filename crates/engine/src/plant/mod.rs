@@ -7,8 +7,8 @@ pub use crate::signal::{
 };
 pub use crate::study::{
     Argument, Branch, Branches, Coarseness, Crossing, Departure, FlightLoad, Followed, Growth, Holding, InputSlope,
-    Keep, LoadPath, NoReduction, PathPoint, Place, Reduced, Rest, Rotor, Search, SecondOrder, Stability, StateSpace,
-    StaticEffort, Study, Whirl, change_of_sign, reduce, sampled,
+    Keep, LoadPath, NoReduction, PathPoint, Place, Reduced, Rest, Rotor, SampledSpace, Search, SecondOrder, Stability,
+    StateSpace, StaticEffort, Study, Whirl, change_of_sign, reduce, reduce_sampled, sampled,
 };
 pub use crate::system::{
     AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, FailureOutputs, FlapOutputs,

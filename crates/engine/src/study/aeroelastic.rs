@@ -38,7 +38,7 @@ impl Study<'_> {
         let freedoms = self.system.freedoms();
         let sections = self.sections_at(&self.system.state.now.q.clone(), None, None);
         let by = self.section_slopes(&freedoms);
-        let Some(slopes) = self.system.air_slopes(&sections, [&by[0], &by[1], &by[2]], gusts) else {
+        let Some(slopes) = self.system.air_slopes(&sections, [&by[0], &by[1], &by[2]], gusts)? else {
             return Ok((Lagged::without(second), None));
         };
         let rows = slopes.load_rows;
@@ -64,7 +64,7 @@ impl Study<'_> {
     }
 
     /// Sections for coordinates, and for the present rates and accelerations or others.
-    fn sections_at(&mut self, q: &[f64], v: Option<&[f64]>, a: Option<&[f64]>) -> Vec<Section> {
+    pub(super) fn sections_at(&mut self, q: &[f64], v: Option<&[f64]>, a: Option<&[f64]>) -> Vec<Section> {
         let now = self.system.state.now.clone();
         let (v, a) = (v.unwrap_or(&now.v), a.unwrap_or(&now.a));
         let equations = &mut self.system.equations;
@@ -81,7 +81,7 @@ impl Study<'_> {
     /// Derivatives of the motion of the sections by coordinates, rates and accelerations of the freedoms: exact, except
     /// about a moving state, where the derivatives of velocities and accelerations by the coordinates are sixth-order
     /// differences.
-    fn section_slopes(&mut self, freedoms: &[Freedom]) -> [DMatrix<f64>; 3] {
+    pub(super) fn section_slopes(&mut self, freedoms: &[Freedom]) -> [DMatrix<f64>; 3] {
         let now = self.system.state.now.clone();
         let rest = now.v.iter().chain(&now.a).all(|rate| *rate == 0.0);
         let sections = self.system.equations.model.stations.len() - self.system.equations.load_stations;
@@ -121,7 +121,7 @@ impl Study<'_> {
     }
 
     /// Change of the residual with loads on the sections, column by column.
-    fn residual_of_loads(&self, columns: &DMatrix<f64>, freedoms: &[Freedom]) -> DMatrix<f64> {
+    pub(super) fn residual_of_loads(&self, columns: &DMatrix<f64>, freedoms: &[Freedom]) -> DMatrix<f64> {
         let mut bare = Bare::new(self.system);
         for closure in &mut bare.model.closures {
             closure.penalty.stiffness_n_m = 0.0;

@@ -390,7 +390,7 @@ impl Bare {
 }
 
 /// Sign of the determinant; `None` if it is round-off.
-fn determinant_is_positive(matrix: &DMatrix<f64>) -> Option<bool> {
+pub(super) fn determinant_is_positive(matrix: &DMatrix<f64>) -> Option<bool> {
     let n = matrix.nrows();
     let scale: Vec<f64> = (0..n).map(|i| matrix[(i, i)].abs().sqrt()).collect();
     let scaled = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] / (scale[i] * scale[j]));

@@ -22,7 +22,7 @@ pub struct InputSlope<'a> {
 }
 
 /// Variables of the air that an input changes per unit, in the order of `AirSlopes::air`.
-fn air_of(input: &InputSlope, inputs: &Inputs) -> Vec<f64> {
+pub(super) fn air_of(input: &InputSlope, inputs: &Inputs) -> Vec<f64> {
     let mut ends = [inputs.clone(), inputs.clone()];
     (input.add)(&mut ends[0], input.step);
     (input.add)(&mut ends[1], -input.step);
@@ -106,7 +106,7 @@ impl Study<'_> {
 
     /// Changes of the outputs with the response of the air, column by column: they are linear in loads and
     /// circulations.
-    fn outputs_of_air(
+    pub(super) fn outputs_of_air(
         &mut self,
         answers: &DMatrix<f64>,
         count: usize,
@@ -133,6 +133,6 @@ impl Study<'_> {
 }
 
 /// A matrix of columns, with `rows` rows even if there are no columns.
-fn columns_of(columns: &[DVector<f64>], rows: usize) -> DMatrix<f64> {
+pub(super) fn columns_of(columns: &[DVector<f64>], rows: usize) -> DMatrix<f64> {
     if columns.is_empty() { DMatrix::zeros(rows, 0) } else { DMatrix::from_columns(columns) }
 }

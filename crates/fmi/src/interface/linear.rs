@@ -5,7 +5,7 @@ use crate::interface::operating_point::OperatingPoint;
 use crate::interface::table::Place;
 use crate::interface::{Causality, Interface, Value, Variable};
 use foldwing_engine::plant::{
-    InputSlope, Inputs, Keep, NoReduction, Outputs, Plant, PlantError, Reduced, StateSpace, reduce,
+    InputSlope, Inputs, Keep, NoReduction, Outputs, Plant, PlantError, Reduced, StateSpace, reduce, reduce_sampled,
 };
 use nalgebra::{DVector, Vector3};
 
@@ -28,7 +28,8 @@ pub struct LinearModel {
     /// The machine is in the air of a lattice, whose loads the model holds: it says nothing of wind, aerodynamic damping and
     /// flutter. False with strips, whose answers and lags are in it.
     pub without_air: bool,
-    /// States: free coordinates, then their rates, then what follows the air of strips.
+    /// States: free coordinates, then their rates, then what follows the air: lags of strips; of a lattice rates as the air sees them,
+    /// circulations and loads, as changes.
     pub states: Vec<LinearSignal>,
     /// Inputs.
     pub inputs: Vec<LinearSignal>,
@@ -38,6 +39,8 @@ pub struct LinearModel {
     pub matrices: StateSpace,
     /// How the states became fewer, where they did.
     pub reduction: Option<Reduction>,
+    /// Step in s of a model in discrete time, `δx⁺ = A δx + B δu`: that of a lattice with its air, [`Interface::linearize_lattice`].
+    pub step_s: Option<f64>,
 }
 
 /// How a linear model lost states.
@@ -68,7 +71,10 @@ impl LinearModel {
     /// # Errors
     /// Orders that are not possible, and models whose modes do not span the states.
     pub fn reduced(&self, order: usize, keep: Keep) -> Result<Self, NoReduction> {
-        let Reduced { model, error_bound, .. } = reduce(&self.matrices, order, keep)?;
+        let Reduced { model, error_bound, .. } = match self.step_s {
+            None => reduce(&self.matrices, order, keep)?,
+            Some(_) => reduce_sampled(&self.matrices, order, keep)?,
+        };
         let reduction = Reduction { keep, whole: self.states.len(), error_bound };
         let state =
             |i: usize| LinearSignal { name: format!("{}_{i}", reduction.method()), unit: "1".to_owned(), value: 0.0 };
@@ -92,6 +98,11 @@ impl Interface {
             matches!(known, Some(Known::Input(Input::Wind | Input::Flap(_) | Input::FlapRate(_))))
         };
         self.reals(Causality::Input).filter(move |row| self.linear_air || !of_air(row))
+    }
+
+    /// Real inputs of the table, all of them: with a lattice for [`Interface::linearize_lattice`].
+    pub fn real_inputs_in_air(&self) -> impl Iterator<Item = &Variable> {
+        self.reals(Causality::Input)
     }
 
     /// Real outputs of the table, which a linear model may have.
@@ -126,6 +137,32 @@ impl Interface {
         inputs: &[&Variable],
         gusts: &[usize],
         outputs: &[&Variable],
+    ) -> Result<LinearModel, PlantError> {
+        self.linear_model(plant, inputs, gusts, outputs, false)
+    }
+
+    /// Linear model in discrete time of a machine in the air of a lattice, about a state of rest, in steps of the air, NOTATION eqs.
+    /// (L27) to (L29): wind, gusts that travel with it, flaps and all other real inputs, held over a step.
+    ///
+    /// # Errors
+    /// Other machines, states of motion, and flows without a steady straight wake.
+    pub fn linearize_lattice(
+        &self,
+        plant: &mut Plant,
+        inputs: &[&Variable],
+        gusts: &[usize],
+        outputs: &[&Variable],
+    ) -> Result<LinearModel, PlantError> {
+        self.linear_model(plant, inputs, gusts, outputs, true)
+    }
+
+    fn linear_model(
+        &self,
+        plant: &mut Plant,
+        inputs: &[&Variable],
+        gusts: &[usize],
+        outputs: &[&Variable],
+        sampled: bool,
     ) -> Result<LinearModel, PlantError> {
         let place = |row: &&&Variable| self.slots[row.value_reference as usize].place;
         let real_inputs: Vec<(usize, bool)> = inputs
@@ -166,7 +203,11 @@ impl Interface {
             .collect();
         let read =
             |values: &Outputs| DVector::from_iterator(rows.len(), rows.iter().map(|&place| values.values()[place]));
-        let matrices = plant.study().state_space(&slopes, &read)?;
+        let sampled = if sampled { Some(plant.study().lattice_space(&slopes, &read)?) } else { None };
+        let matrices = match &sampled {
+            Some(sampled) => sampled.matrices.clone(),
+            None => plant.study().state_space(&slopes, &read)?,
+        };
         let point = self.operating_point(plant)?;
 
         let values = read(plant.outputs());
@@ -178,7 +219,7 @@ impl Interface {
         };
         let freedoms = plant.freedoms();
         let (positions, rates) = plant.free_state();
-        let states = freedoms
+        let states: Vec<LinearSignal> = freedoms
             .iter()
             .zip(&positions)
             .map(|(freedom, &value)| LinearSignal { name: freedom.name.clone(), unit: freedom.unit.to_owned(), value })
@@ -193,6 +234,15 @@ impl Interface {
                 value,
             }))
             .collect();
+        let states = match &sampled {
+            None => states,
+            Some(sampled) => {
+                let rest = sampled.states[2 * sampled.freedoms..].iter();
+                let rest =
+                    rest.map(|(name, unit)| LinearSignal { name: name.clone(), unit: (*unit).to_owned(), value: 0.0 });
+                states.into_iter().take(2 * sampled.freedoms).chain(rest).collect()
+            }
+        };
         let gusts = gusts.iter().map(|component| LinearSignal {
             name: GUSTS[*component].to_owned(),
             unit: "m/s".to_owned(),
@@ -200,7 +250,8 @@ impl Interface {
         });
         Ok(LinearModel {
             point,
-            without_air: plant.machine().air.is_some() && !plant.air_is_linearised(),
+            without_air: plant.machine().air.is_some() && !plant.air_is_linearised() && sampled.is_none(),
+            step_s: sampled.map(|sampled| sampled.step_s),
             states,
             inputs: inputs.iter().map(|row| signal(row, present(&row))).chain(gusts).collect(),
             outputs: outputs.iter().zip(values.iter()).map(|(row, &value)| signal(row, value)).collect(),

@@ -3,10 +3,12 @@
 pub(crate) mod continuous;
 pub(crate) mod controls;
 pub(crate) mod gaps;
+mod lattice_slopes;
 pub(crate) mod slopes;
 pub(crate) mod start;
 mod view;
 
+pub(crate) use crate::aero::lattice_linear::{LatticeSlopes, SECTION_PARTS};
 pub use gaps::{CLOSED_PANELS, SurfaceGap};
 pub use view::SurfaceLattice;
 
@@ -36,7 +38,7 @@ const ROUND_OFF: f64 = 1e-14;
 
 /// Weights of eq. (Q4): of the mean velocity over the step, of that over the step before, and of the velocity that the
 /// air saw at its start. Second order; jumps die out by half per step.
-const VELOCITY_WEIGHTS: [f64; 3] = [1.75, -0.25, -0.5];
+pub(crate) const VELOCITY_WEIGHTS: [f64; 3] = [1.75, -0.25, -0.5];
 
 /// Loads of the air in an aerodynamic step, per section and in its frame.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -1,6 +1,7 @@
 //! Derivatives of the response of the air to small motions of the machine, its lag states and its inputs: strips have them, NOTATION
 //! eqs. (W13) and (W14), and rotors whose induced velocity lags, eq. (B27); in continuous time.
 
+use crate::aero::near_sheets::NoCirculation;
 use crate::aero::rotor::bem::Rotor;
 use crate::aero::strip::Strips;
 use crate::aero::strip::continuous::{
@@ -9,10 +10,11 @@ use crate::aero::strip::continuous::{
 use crate::aero::{AirModel, AirState};
 use crate::load::SectionMotion;
 use crate::machine;
-use crate::system::System;
 use crate::system::air::controls::deflections;
+use crate::system::air::gaps;
 use crate::system::air::start::flow;
 use crate::system::air::{AirHistory, StepLoads};
+use crate::system::{PlantError, System};
 use nalgebra::{DMatrix, Vector3};
 
 /// Variables of the motion of a section.
@@ -91,21 +93,23 @@ impl System {
     /// Derivatives of the response of the air at the present state. `sections` holds motion and accelerations of all
     /// sections; `by` their derivatives, [`SECTION_VARIABLES`] rows for each, by coordinates, rates and accelerations
     /// of the freedoms. `None` where the air has none.
+    ///
+    /// # Errors
+    /// Where strips with a speed of sound meet air at Mach 1 or beyond.
     pub(crate) fn air_slopes(
         &mut self,
         sections: &[(SectionMotion, SectionAcceleration)],
         by: [&DMatrix<f64>; 3],
         gusts: bool,
-    ) -> Option<AirSlopes> {
-        let air = self.air.as_mut()?;
-        let history = self.state.air.as_ref()?;
+    ) -> Result<Option<AirSlopes>, PlantError> {
+        let (Some(air), Some(history)) = (self.air.as_mut(), self.state.air.as_ref()) else { return Ok(None) };
         let step_s = air.settings.step_s;
         let share = match history.steps {
             0 => 1.0,
             _ => (1.0 - (history.loads.end_s - self.state.now.time_s) / step_s).clamp(0.0, 1.0),
         };
         let ends = [&history.before, &history.after].map(|state| Continuous::lags_m_s(&air.model, state, gusts));
-        let [Some(before), Some(after)] = ends else { return None };
+        let [Some(before), Some(after)] = ends else { return Ok(None) };
         let ends = [before, after];
         let lags_m_s: Vec<f64> = ends[0].iter().zip(&ends[1]).map(|(a, b)| a + (b - a) * share).collect();
         let at = Instant {
@@ -117,8 +121,14 @@ impl System {
             flaps: deflections(&air.settings, &self.state.applied_inputs).collect::<Vec<_>>().into(),
             flap_rad_s2: vec![0.0; air.settings.flaps.len()].into(),
         };
-        let mut model = Continuous::of(&mut air.model)?;
+        let Some(mut model) = Continuous::of(&mut air.model) else { return Ok(None) };
         let rows = model.rows(&at, gusts);
+        if let Continuous::Strips(strips) = &model
+            && let Some(sonic) = strips.sonic()
+        {
+            let failure = NoCirculation::Sonic(sonic);
+            return Err(gaps::failure(&self.machine, &air.settings, self.state.now.time_s, failure));
+        }
         let mut motion = by.map(|matrix| DMatrix::zeros(rows, matrix.ncols()));
         for section in 0..sections.len() {
             for component in 0..SECTION_VARIABLES {
@@ -146,7 +156,7 @@ impl System {
         let air_columns = columns(shared.chain(flaps.clone().map(Variable::FlapAngle)).collect());
         let rates = (0..AIR_RATES).map(Variable::AirRate);
         let air_rate = columns(rates.chain(flaps.map(Variable::FlapAcceleration)).collect());
-        Some(AirSlopes {
+        Ok(Some(AirSlopes {
             load_rows: LOAD_ROWS * sections.len(),
             lags: self.lag_names(gusts),
             lags_m_s,
@@ -154,7 +164,7 @@ impl System {
             lag,
             air: air_columns,
             air_rate,
-        })
+        }))
     }
 
     /// Names and values in m/s of the lag states of strips at the present state, in the order of linear models.
@@ -201,6 +211,14 @@ impl System {
         let (rest, hinges) = rest.split_at(rest.len() - history.after.hinge_moments().len());
         let circulations = &rest[rest.len() - strips.sum::<usize>()..];
         for state in [&mut history.before, &mut history.after] {
+            if let (AirState::Lattice(state), Some(AirModel::Lattice(lattice))) =
+                (&mut *state, self.air.as_ref().map(|air| &air.model))
+            {
+                for (moment, hinge) in state.hinges.iter_mut().zip(hinges) {
+                    moment.circulatory_n_m += hinge * amount;
+                }
+                lattice.add_strip_circulations(state, circulations, amount);
+            }
             if let AirState::Strips(state) = state {
                 for (moment, hinge) in state.hinges.iter_mut().zip(hinges) {
                     moment.circulatory_n_m += hinge * amount;

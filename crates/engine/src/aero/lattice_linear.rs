@@ -1,0 +1,463 @@
+//! The lattice about a steady flow: derivatives of what it answers by motion, air, flaps and wake, eqs. (U24) to (U26).
+//!
+//! After Maraniello and Palacios, State-space realizations and internal balancing in potential-flow aerodynamics with arbitrary
+//! kinematics, AIAA Journal 57 (2019). The wake is straight and has its whole length, its last row reaches far behind the wing; its
+//! circulations are states, and where it has circulation in the steady flow the displacements of its nodes are. Circulations of the
+//! wing follow from the motion at the end of a step by (U4) and are eliminated.
+
+use crate::aero::flap::{Deflection, HingeMoment};
+use crate::aero::flow::{Flow, Gust, GustShape};
+use crate::aero::lattice::{Factors, VortexLattice, WakeModel};
+use crate::aero::lattice_state::LatticeState;
+use crate::aero::near_sheets::NoCirculation;
+use crate::aero::wake::{SHED_PANELS, SHED_ROUND_OFF};
+use crate::aero::{AirLoads, lattice_loads};
+use crate::load::{SectionMotion, Wrench};
+use nalgebra::{DMatrix, Rotation3, Vector3};
+
+/// Variables of a section's motion: position in m, rotation vector in rad, velocity in m/s, angular velocity in rad/s, three each.
+pub const SECTION_PARTS: usize = 12;
+/// Entries of a wrench.
+const ENTRIES: usize = 6;
+/// Fourth-order central differences: weights of the steps ±1 and ±2, over 12 steps.
+const WEIGHTS: [f64; 2] = [8.0, -1.0];
+/// Step of the differences, in panel chords, in rad of a panel's turn over its chord, and in speeds of the wind. What the lattice
+/// answers is smooth on the scale of a panel: the error is some 1e-11, round-off about as much.
+const STEP: f64 = 1e-3;
+/// Rows of nodes behind the trailing edge whose displacements are known one by one; those further behind move with the last of them.
+const MOVING_ROWS: usize = 16;
+/// Circulation of the wake, over that of a wing at an angle of attack of one, below which displacements of its nodes change nothing.
+const NO_CIRCULATION: f64 = 1e-12;
+/// Speed of the root frame's turning over that of the wind below which the flow is steady.
+const STEADY_SHARE: f64 = 1e-12;
+
+/// Why a lattice has no linear model.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NoLinearLattice {
+    /// The flow itself has no solution.
+    #[error("{0}")]
+    Flow(NoCirculation),
+    /// The wake moves with what it induces.
+    #[error("a free wake has no steady shape; write free_wake = false")]
+    FreeWake,
+    /// No wake at all.
+    #[error("wake_rows = 0 leaves no wake to be linear in; give the wake rows")]
+    NoWake,
+    /// The root frame turns.
+    #[error("the root turns at {0} rad/s, so that the wake is no straight one; hold the root's angular velocity at 0")]
+    Turning(f64),
+    /// The air does not carry the wake away fast enough.
+    #[error(
+        "the wind makes {panels:.4} panel chords in an aerodynamic step, and the wake gets a row only every {SHED_PANELS}; take a longer \
+         step_s, or more wind"
+    )]
+    Slow {
+        /// Way of the wind in a step in chords of the shortest panel.
+        panels: f64,
+    },
+}
+
+impl From<NoCirculation> for NoLinearLattice {
+    fn from(error: NoCirculation) -> Self {
+        Self::Flow(error)
+    }
+}
+
+/// Derivatives of the answers of a lattice at the end of a step. Rows of an answer: circulations of the panels in m²/s, in the
+/// order of the equations; circulatory loads of the sections in their frames, force in N and moment in N·m; circulatory hinge
+/// moments of the flaps in N·m; places of the last corners, where the wake begins, root frame, m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LatticeSlopes {
+    /// Panels of all surfaces.
+    pub panels: usize,
+    /// Sections.
+    pub sections: usize,
+    /// Flaps.
+    pub flaps: usize,
+    /// Panels at the trailing edge, strip by strip.
+    pub trailing: Vec<usize>,
+    /// Rows of the wake, of as many rings as there are strips.
+    pub wake_rows: usize,
+    /// Last corners: columns of nodes of the wake.
+    pub edges: usize,
+    /// By [`SECTION_PARTS`] variables of each section.
+    pub section: DMatrix<f64>,
+    /// By the velocity of the wind and the angular velocity of the root frame (three columns each), the rates of the flaps and their
+    /// angles. The wake stays where it is.
+    pub air: DMatrix<f64>,
+    /// By gusts that travel with the wind: components of the velocity at the places that the wind reaches 0, 1, 2… steps after the
+    /// foremost point of the lattice, linear in between; three columns for each place.
+    pub gust: DMatrix<f64>,
+    /// By the circulations of the wake, row by row from the trailing edge.
+    pub wake: DMatrix<f64>,
+    /// By displacements of the nodes of the wake in m, row by row behind the last corners, three for each node; rows further behind
+    /// than these move with the last. Without columns where the wake has no circulation.
+    pub node: DMatrix<f64>,
+    /// Rows of loads and hinge moments of an answer that the rates of the panels' circulations in m²/s² make, as means over a
+    /// step: eq. (U8).
+    pub impulse: DMatrix<f64>,
+}
+
+impl LatticeSlopes {
+    /// Rows of an answer.
+    pub fn rows(&self) -> usize {
+        self.edge_row() + 3 * self.edges
+    }
+
+    /// The first row of an answer that is a place.
+    pub fn edge_row(&self) -> usize {
+        self.panels + ENTRIES * self.sections + self.flaps
+    }
+
+    /// Rows of nodes whose displacements count.
+    pub fn node_rows(&self) -> usize {
+        self.node.ncols() / (3 * self.edges).max(1)
+    }
+
+    /// Places of travelling gusts.
+    pub fn gust_places(&self) -> usize {
+        self.gust.ncols() / 3
+    }
+}
+
+/// What stays the same while one variable after another changes.
+struct About<'a> {
+    state: LatticeState,
+    motions: Vec<SectionMotion>,
+    deflections: Vec<Deflection>,
+    flow: Flow<'a>,
+    step_s: f64,
+}
+
+impl VortexLattice {
+    /// Derivatives about the steady flow around sections at rest, in steps of `step_s`. `gusts`: by travelling gusts too.
+    ///
+    /// # Errors
+    /// [`NoLinearLattice`].
+    pub fn linear(
+        &mut self,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        step_s: f64,
+        gusts: bool,
+    ) -> Result<LatticeSlopes, NoLinearLattice> {
+        let mut state = self.blank_state();
+        self.steady(motions, flow, step_s, &mut state)?;
+        let mut about = About {
+            state,
+            motions: motions.to_vec(),
+            deflections: self.flaps.deflections().to_vec(),
+            flow: *flow,
+            step_s,
+        };
+        self.factors = Factors::OfEach;
+        let panel_m = self.shed_way_m() / SHED_PANELS;
+        let chord_m = self.surfaces.iter().flat_map(|surface| &surface.chords).map(|chord| chord.length_m());
+        let longest_m = chord_m.fold(0.0, f64::max);
+        let speed_m_s = flow.wind_m_s.norm();
+        let mut columns = Vec::new();
+        for (section, kept) in motions.iter().copied().enumerate() {
+            for part in 0..SECTION_PARTS {
+                let axis = Vector3::ith(part % 3, 1.0);
+                let step = STEP * [panel_m, panel_m / longest_m, speed_m_s, speed_m_s / longest_m][part / 3];
+                columns.extend(self.difference(&mut about, step, &mut |about, amount| {
+                    let motion = &mut about.motions[section];
+                    *motion = kept;
+                    match part / 3 {
+                        0 => motion.position_m += amount * axis,
+                        1 => motion.rotation = Rotation3::new(amount * axis).into_inner() * kept.rotation,
+                        2 => motion.velocity_m_s += amount * axis,
+                        _ => motion.spin_rad_s += amount * axis,
+                    }
+                })?);
+            }
+        }
+        let rows = columns.len() / (SECTION_PARTS * motions.len()).max(1);
+        let section = DMatrix::from_vec(rows, SECTION_PARTS * motions.len(), std::mem::take(&mut columns));
+        let wind_m_s = flow.wind_m_s;
+        for part in 0..3 {
+            columns.extend(self.difference(&mut about, STEP * speed_m_s, &mut |about, amount| {
+                about.flow.wind_m_s = wind_m_s + amount * Vector3::ith(part, 1.0);
+            })?);
+        }
+        let spin_rad_s = flow.spin_rad_s;
+        for part in 0..3 {
+            columns.extend(self.difference(&mut about, STEP * speed_m_s / longest_m, &mut |about, amount| {
+                about.flow.spin_rad_s = spin_rad_s + amount * Vector3::ith(part, 1.0);
+            })?);
+        }
+        let flaps = about.deflections.clone();
+        for (flap, kept) in flaps.iter().enumerate() {
+            columns.extend(self.difference(&mut about, STEP * speed_m_s / longest_m, &mut |about, amount| {
+                about.deflections[flap].rate_rad_s = kept.rate_rad_s + amount;
+            })?);
+        }
+        for (flap, kept) in flaps.iter().enumerate() {
+            columns.extend(self.difference(&mut about, STEP, &mut |about, amount| {
+                about.deflections[flap].angle_rad = kept.angle_rad + amount;
+            })?);
+        }
+        let air = DMatrix::from_vec(rows, 6 + 2 * flaps.len(), columns);
+        let gust = if gusts { self.gust_slopes(&about, rows)? } else { DMatrix::zeros(rows, 0) };
+        let wake = self.wake_slopes(&mut about, rows)?;
+        let node = self.node_slopes(&mut about, rows)?;
+        let trailing = self.bound.iter().zip(&self.first_panel).flat_map(|(sheet, first)| {
+            let last = first + (sheet.rows - 1) * sheet.strips;
+            last..last + sheet.strips
+        });
+        let trailing = trailing.collect();
+        // the factors are those of the last motion that was tried
+        (self.factored, self.built, self.factors) = (false, false, Factors::Due);
+        Ok(LatticeSlopes {
+            panels: self.right.len(),
+            sections: motions.len(),
+            flaps: flaps.len(),
+            trailing,
+            wake_rows: about.state.wake_rows,
+            edges: self.wake_columns,
+            section,
+            air,
+            gust,
+            wake,
+            node,
+            impulse: self.impulse_slopes(&about),
+        })
+    }
+
+    /// Steady flow with the whole wake: rows as long as the way of the wind in a step, the last one very long.
+    fn steady(
+        &mut self,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        step_s: f64,
+        state: &mut LatticeState,
+    ) -> Result<(), NoLinearLattice> {
+        if self.options.wake == WakeModel::Free {
+            return Err(NoLinearLattice::FreeWake);
+        }
+        if self.options.wake_rows == 0 {
+            return Err(NoLinearLattice::NoWake);
+        }
+        let spin_rad_s = flow.spin_rad_s.norm();
+        let largest_m = motions.iter().map(|motion| motion.position_m.norm()).fold(0.0, f64::max);
+        if spin_rad_s * largest_m > STEADY_SHARE * flow.wind_m_s.norm() {
+            return Err(NoLinearLattice::Turning(spin_rad_s));
+        }
+        let panels = flow.wind_m_s.norm() * step_s * SHED_PANELS / self.shed_way_m();
+        if panels < SHED_PANELS * (1.0 - SHED_ROUND_OFF) {
+            return Err(NoLinearLattice::Slow { panels });
+        }
+        state.relative_m_s = crate::aero::lattice_far::mean_relative_m_s(motions, flow);
+        self.compress(motions, flow, state)?;
+        // the last corners lie where those of a step do
+        state.wake_rows = 1;
+        self.place(motions, Some((flow, step_s)), state);
+        self.turn_flaps(motions, state);
+        self.above_ground(state)?;
+        self.look_from_panels(state);
+        self.lay_straight_wake(flow, state);
+        self.factors = Factors::Due;
+        self.influence(state, true)?;
+        self.relative_velocity(flow, state, 0..0);
+        self.circulate(state)?;
+        (self.factored, self.built) = (false, false);
+        let (rows, columns) = (self.options.wake_rows, self.wake_columns);
+        let way_m = flow.wind_m_s * step_s;
+        state.wake_node_m.copy_within(columns..2 * columns, rows * columns);
+        for row in 1..rows {
+            for column in 0..columns {
+                state.wake_node_m[row * columns + column] = state.wake_node_m[column] + way_m * row as f64;
+            }
+        }
+        (state.wake_rows, state.established) = (rows, false);
+        (0..rows).for_each(|row| self.shed_into(row, state));
+        Ok(())
+    }
+
+    /// What the lattice answers, appended to `rows`.
+    fn answer(&mut self, about: &mut About, rows: &mut Vec<f64>) -> Result<(), NoCirculation> {
+        let About { state, motions, deflections, flow, step_s } = about;
+        self.deflect(deflections);
+        state.relative_m_s = crate::aero::lattice_far::mean_relative_m_s(motions, flow);
+        self.compress(motions, flow, state)?;
+        self.place(motions, Some((flow, *step_s)), state);
+        self.turn_flaps(motions, state);
+        self.above_ground(state)?;
+        self.look_from_panels(state);
+        self.influence(state, false)?;
+        self.relative_velocity(flow, state, 0..state.wake_rows);
+        self.circulate(state)?;
+        let mut loads = AirLoads::still(motions.len());
+        state.hinges.fill(HingeMoment::default());
+        lattice_loads::circulatory(self, motions, flow, state, &mut loads);
+        rows.extend_from_slice(&self.solution);
+        in_sections(motions, &loads.circulatory, rows);
+        rows.extend(state.hinges.iter().map(|hinge| hinge.circulatory_n_m));
+        rows.extend(state.wake_node_m[..self.wake_columns].iter().flat_map(|node| [node.x, node.y, node.z]));
+        Ok(())
+    }
+
+    /// Fourth-order difference of the answer; `change` puts a variable at its value plus an amount.
+    fn difference(
+        &mut self,
+        about: &mut About,
+        step: f64,
+        change: &mut dyn FnMut(&mut About, f64),
+    ) -> Result<Vec<f64>, NoCirculation> {
+        let mut slope: Vec<f64> = Vec::new();
+        let mut rows = Vec::new();
+        for (i, weight) in (1..).zip(WEIGHTS) {
+            for sign in [1.0, -1.0] {
+                rows.clear();
+                change(about, sign * f64::from(i) * step);
+                self.answer(about, &mut rows)?;
+                slope.resize(rows.len(), 0.0);
+                slope.iter_mut().zip(&rows).for_each(|(slope, row)| *slope += sign * weight * row / (12.0 * step));
+            }
+        }
+        change(about, 0.0);
+        // circulations and corners of the steady flow again
+        rows.clear();
+        self.answer(about, &mut rows)?;
+        Ok(slope)
+    }
+
+    /// By gusts that travel with the wind, eq. (U26).
+    fn gust_slopes(&mut self, about: &About, rows: usize) -> Result<DMatrix<f64>, NoCirculation> {
+        let flow = about.flow;
+        let speed_m_s = flow.wind_m_s.norm();
+        let (direction, way_m) = (flow.wind_m_s / speed_m_s, speed_m_s * about.step_s);
+        let corners_m = &about.state.corner_m;
+        let along_m = |point_m: &Vector3<f64>| direction.dot(point_m);
+        let foremost_m = corners_m.iter().map(along_m).fold(f64::INFINITY, f64::min);
+        let hindmost_m = corners_m.iter().map(along_m).fold(f64::NEG_INFINITY, f64::max);
+        let places = ((hindmost_m - foremost_m) / way_m * (1.0 - 1e-12)).ceil() as usize + 1;
+        let mut columns = Vec::new();
+        for place in 0..places {
+            for part in 0..3 {
+                // at the instant that is looked at, the front has passed the foremost point by as many steps and one
+                let shape = [[0.0, 0.0], [way_m, 1.0], [2.0 * way_m, 0.0]];
+                let gust = |velocity_m_s: f64| Gust {
+                    name: String::new(),
+                    shape: GustShape::Table(shape.into()),
+                    velocity_m_s: Vector3::ith(part, velocity_m_s),
+                    direction,
+                    speed_m_s,
+                    origin_m: direction * (foremost_m + (place as f64 + 1.0) * way_m),
+                    start_s: flow.time_s,
+                };
+                let ends = [1.0, -1.0].map(|sign| {
+                    let mut gusts = flow.gusts.to_vec();
+                    gusts.push(gust(sign * STEP * speed_m_s));
+                    let mut beside = About {
+                        state: about.state.clone(),
+                        motions: about.motions.clone(),
+                        deflections: about.deflections.clone(),
+                        flow: Flow { gusts: &gusts, ..flow },
+                        step_s: about.step_s,
+                    };
+                    let mut answer = Vec::new();
+                    self.answer(&mut beside, &mut answer).map(|()| answer)
+                });
+                let [above, below] = ends;
+                let pairs = above?.into_iter().zip(below?);
+                columns.extend(pairs.map(|(above, below)| (above - below) / (2.0 * STEP * speed_m_s)));
+            }
+        }
+        Ok(DMatrix::from_vec(rows, 3 * places, columns))
+    }
+
+    /// By the circulations of the wake, of which the loads are quadratic: central differences are exact, the longer their step the less
+    /// round-off they have.
+    fn wake_slopes(&mut self, about: &mut About, rows: usize) -> Result<DMatrix<f64>, NoCirculation> {
+        let rings = about.state.wake_rows * self.wake_strips;
+        let speed_m_s = about.flow.wind_m_s.norm();
+        let step_m2_s = speed_m_s * self.shed_way_m() / SHED_PANELS;
+        let mut matrix = DMatrix::zeros(rows, rings);
+        let mut answer = Vec::with_capacity(rows);
+        for ring in 0..rings {
+            let kept = about.state.wake_circulation_m2_s[ring];
+            for sign in [1.0, -1.0] {
+                answer.clear();
+                about.state.wake_circulation_m2_s[ring] = kept + sign * step_m2_s;
+                self.answer(about, &mut answer)?;
+                for (slope, row) in matrix.column_mut(ring).iter_mut().zip(&answer) {
+                    *slope += sign * row / (2.0 * step_m2_s);
+                }
+            }
+            about.state.wake_circulation_m2_s[ring] = kept;
+        }
+        Ok(matrix)
+    }
+
+    /// By displacements of the nodes of the wake.
+    fn node_slopes(&mut self, about: &mut About, rows: usize) -> Result<DMatrix<f64>, NoCirculation> {
+        let columns = self.wake_columns;
+        let panel_m = self.shed_way_m() / SHED_PANELS;
+        let scale_m2_s = about.flow.wind_m_s.norm() * panel_m;
+        if about.state.wake_circulation_m2_s.iter().all(|ring| ring.abs() <= NO_CIRCULATION * scale_m2_s) {
+            return Ok(DMatrix::zeros(rows, 0));
+        }
+        let last = about.state.wake_rows;
+        let moving = MOVING_ROWS.min(last);
+        let mut slopes = Vec::new();
+        for row in 1..=moving {
+            let moved = row..if row == moving { last + 1 } else { row + 1 };
+            for column in 0..columns {
+                let kept_m: Vec<_> = moved.clone().map(|row| about.state.wake_node_m[row * columns + column]).collect();
+                for part in 0..3 {
+                    slopes.extend(self.difference(about, STEP * panel_m, &mut |about, amount| {
+                        for (row, kept_m) in moved.clone().zip(&kept_m) {
+                            about.state.wake_node_m[row * columns + column] = kept_m + amount * Vector3::ith(part, 1.0);
+                        }
+                    })?);
+                }
+            }
+        }
+        Ok(DMatrix::from_vec(rows, 3 * columns * moving, slopes))
+    }
+
+    /// Loads of unit rates of the panels' circulations.
+    fn impulse_slopes(&self, about: &About) -> DMatrix<f64> {
+        let panels = self.right.len();
+        let mut columns = Vec::new();
+        let mut from = about.state.clone();
+        from.circulation_m2_s.fill(0.0);
+        let mut to = from.clone();
+        let mut loads = AirLoads::still(about.motions.len());
+        for (sheet, first) in self.bound.iter().zip(&self.first_panel) {
+            for panel in 0..sheet.rows * sheet.strips {
+                debug_assert!(first + panel < panels);
+                let ring = sheet.first_ring + panel;
+                to.circulation_m2_s[ring] = 1.0;
+                to.hinges.fill(HingeMoment::default());
+                loads.clear();
+                lattice_loads::impulsive(self, &about.motions, &about.flow, 1.0, (&from, &mut to), &mut loads);
+                to.circulation_m2_s[ring] = 0.0;
+                in_sections(&about.motions, &loads.impulsive, &mut columns);
+                columns.extend(to.hinges.iter().map(|hinge| hinge.impulsive_n_m));
+            }
+        }
+        DMatrix::from_vec(ENTRIES * about.motions.len() + about.deflections.len(), panels, columns)
+    }
+
+    /// Adds to the circulation of a state's strips; `by_strip` in m²/s, strip by strip.
+    pub(crate) fn add_strip_circulations(&self, state: &mut LatticeState, by_strip_m2_s: &[f64], amount: f64) {
+        let mut strip = 0;
+        for sheet in &self.bound {
+            for own in 0..sheet.strips {
+                state.circulation_m2_s[sheet.ring(sheet.rows - 1, own)] += by_strip_m2_s[strip] * amount;
+                strip += 1;
+            }
+        }
+    }
+}
+
+/// Appends loads in the frames of their sections.
+fn in_sections(motions: &[SectionMotion], loads: &[Wrench], rows: &mut Vec<f64>) {
+    for (motion, load) in motions.iter().zip(loads) {
+        let turned = motion.rotation.transpose();
+        rows.extend_from_slice((turned * load.force_n).as_slice());
+        rows.extend_from_slice((turned * load.moment_n_m).as_slice());
+    }
+}

@@ -1,0 +1,68 @@
+//! The linear lattice of a machine: its derivatives about the present place, and the names of its states.
+
+use crate::aero::lattice_linear::{LatticeSlopes, NoLinearLattice};
+use crate::aero::{AirModel, AirOptions};
+use crate::load::SectionMotion;
+use crate::system::air::gaps;
+use crate::system::air::start::{flow, refusal};
+use crate::system::{PlantError, System};
+
+impl System {
+    /// Whether the machine is in the air of a lattice with a linear model in discrete time.
+    pub fn has_linear_lattice(&self) -> bool {
+        self.air.as_ref().is_some_and(|air| matches!(air.settings.options, AirOptions::Lattice(_)))
+    }
+
+    /// Derivatives of the lattice about the steady flow around sections at rest; `None` without a lattice.
+    ///
+    /// # Errors
+    /// Where the lattice has no steady flow with a straight wake.
+    pub(crate) fn lattice_slopes(
+        &mut self,
+        motions: &[SectionMotion],
+        gusts: bool,
+    ) -> Result<Option<LatticeSlopes>, PlantError> {
+        let time_s = self.state.now.time_s;
+        let Some(air) = self.air.as_mut() else { return Ok(None) };
+        air.deflect(&self.state, time_s)?;
+        let AirModel::Lattice(lattice) = &mut air.model else { return Ok(None) };
+        let settings = &air.settings;
+        let flow = flow(settings, &self.state, time_s);
+        let slopes = lattice.linear(motions, &flow, settings.step_s, gusts).map_err(|error| match error {
+            NoLinearLattice::Flow(error) => gaps::failure(&self.machine, settings, time_s, error),
+            error => refusal(time_s, format!("the lattice has no linear model: {error}")),
+        });
+        // the flaps as they stand
+        air.model.deflect(&air.deflections);
+        slopes.map(Some)
+    }
+
+    /// Aerodynamic step in s; `None` without air.
+    pub fn air_step_s(&self) -> Option<f64> {
+        self.air.as_ref().map(|air| air.settings.step_s)
+    }
+
+    /// Names of all panels of the lattice, `wing.panel[row][strip]`, surface by surface, row by row from the leading edge; and of its
+    /// strips, `wing.strip[3]`.
+    pub(crate) fn lattice_names(&self) -> [Vec<String>; 2] {
+        let (mut panels, mut strips) = (Vec::new(), Vec::new());
+        for surface in self.machine.air.iter().flat_map(|air| &air.surfaces) {
+            let (name, own) = (&self.machine.bodies[surface.body].name, surface.positions_m.len() - 1);
+            for row in 1..=surface.chord_panels {
+                panels.extend((1..=own).map(|strip| format!("{name}.panel[{row}][{strip}]")));
+            }
+            strips.extend((1..=own).map(|strip| format!("{name}.strip[{strip}]")));
+        }
+        [panels, strips]
+    }
+
+    /// Names of the sections of the surfaces, `wing.section[3]`.
+    pub(crate) fn section_names(&self) -> Vec<String> {
+        let surfaces = self.machine.air.iter().flat_map(|air| &air.surfaces);
+        let of = |surface: &crate::machine::LiftingSurface| {
+            let name = self.machine.bodies[surface.body].name.clone();
+            (1..=surface.positions_m.len()).map(move |section| format!("{name}.section[{section}]"))
+        };
+        surfaces.flat_map(of).collect()
+    }
+}

@@ -1,0 +1,219 @@
+//! Q-71: the linear model of a machine with a lattice, in discrete time, against small motions of the nonlinear one in time.
+
+use crate::coupling::goland::{Goland, LATTICE_WITH_SUCTION};
+use crate::whole::is_whole;
+use foldwing::config;
+use foldwing::machine::Machine;
+use foldwing::plant::{Holding, InputSlope, Inputs, Outputs, Plant, SampledSpace};
+use nalgebra::{DVector, Vector3};
+use std::sync::Arc;
+
+/// Aerodynamic steps of the inputs' bump and of the record. The wind makes one panel in a step.
+const BUMP: u32 = 24;
+const END: u32 = 40;
+const STEP_S: f64 = 2.5e-3;
+const SPEED_M_S: f64 = 20.0;
+
+/// Which input has the bump.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Bump {
+    Gust,
+    Aileron,
+}
+
+impl Bump {
+    /// Size, small against wind and chord: in m/s and rad.
+    fn size(self) -> f64 {
+        match self {
+            Self::Gust => 0.2,
+            Self::Aileron => 1e-2,
+        }
+    }
+
+    fn add(self, inputs: &mut Inputs, amount: f64) {
+        match self {
+            Self::Gust => {}
+            Self::Aileron => inputs.flaps_mut()[0].command_rad += amount,
+        }
+    }
+}
+
+/// `(1 − cos)/2` over [`BUMP`] steps.
+fn bump(step: u32) -> f64 {
+    if step < BUMP { 0.5 * (1.0 - (std::f64::consts::TAU * f64::from(step) / f64::from(BUMP)).cos()) } else { 0.0 }
+}
+
+/// The shipped wing with a folding tip and an aileron in the air of a lattice, the tip held at an angle. The gust travels with the
+/// wind and reaches the foremost line of the lattice at time 0.
+fn machine(fold_deg: f64, incidence_deg: f64, suction: bool, gust_m_s: f64) -> Machine {
+    let text = include_str!("../../../examples/aileron/folding_aileron.toml");
+    let way_m = SPEED_M_S * STEP_S;
+    let rows: Vec<String> = (0..=BUMP).map(|i| format!("[{:?}, {:?}]", f64::from(i) * way_m, bump(i))).collect();
+    let text = text
+        .replace("start_angle_deg = 0.0", &format!("start_angle_deg = {fold_deg:?}"))
+        .replace("incidence_deg = 2.0", &format!("incidence_deg = {incidence_deg:?}"))
+        .replace("strips = 6\n", "strips = 6\nchord_panels = 4\n")
+        .replace("strips = 8\n", "strips = 8\nchord_panels = 4\n")
+        .replace("indicial = \"fine\"\n", "")
+        .replace(
+            "model = \"strip\"\n",
+            &format!(
+                "model = \"uvlm\"\nstep_s = {STEP_S:?}\nwake_rows = 44\ncoupling_tolerance = 1e-9\nmirror_normal = [1.0, 0.0, 0.0]\n\
+                 leading_edge_suction = {suction}\n"
+            ),
+        );
+    let text = text.replace(
+        "[experiment]",
+        &format!(
+            "[gust.bump]\nshape = \"table\"\ntable = [{}]\nvelocity_m_s = [0.0, 0.0, {gust_m_s:?}]\n\
+             origin_m = [0.0, {:?}, 0.0]\n[experiment]",
+            rows.join(", "),
+            // a quarter of the first panel behind the leading edge
+            0.07 - 0.2 / 16.0,
+        ),
+    );
+    config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// Height of the tip, bending strain, hinge moment.
+fn read(outputs: &Outputs) -> DVector<f64> {
+    DVector::from_vec(vec![outputs.tips()[0].position_m.z, outputs.gauges()[0], outputs.flaps()[0].hinge_moment_n_m])
+}
+
+fn started(machine: Machine) -> Plant {
+    let mut plant = Plant::new(Arc::new(machine));
+    plant.parameters_mut().solver_mut().tolerance = 1e-9;
+    // the first answers to a jump contain frequencies that steps of the air's length do not follow
+    plant.parameters_mut().solver_mut().max_step_s = STEP_S / 8.0;
+    plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+    plant
+}
+
+/// Outputs at the ends of the steps.
+fn marched(wing: [f64; 2], suction: bool, kind: Bump, size: f64) -> Vec<DVector<f64>> {
+    let gust_m_s = if kind == Bump::Gust { size } else { 0.0 };
+    let mut plant = started(machine(wing[0], wing[1], suction, gust_m_s));
+    let kept = plant.inputs().clone();
+    (0..END)
+        .map(|i| {
+            plant.inputs_mut().clone_from(&kept);
+            kind.add(plant.inputs_mut(), size * bump(i + 1));
+            plant.step(f64::from(i + 1) * STEP_S).unwrap_or_else(|error| panic!("{error}"));
+            read(plant.outputs())
+        })
+        .collect()
+}
+
+/// The same of the linear model.
+fn linear(model: &SampledSpace, size: f64) -> Vec<DVector<f64>> {
+    let m = &model.matrices;
+    let mut x = DVector::zeros(m.a.nrows());
+    (0..END)
+        .map(|i| {
+            let u = DVector::from_element(1, size * bump(i + 1));
+            x = &m.a * &x + &m.b * &u;
+            &m.c * &x + &m.d * &u
+        })
+        .collect()
+}
+
+/// Linear model of one input.
+fn model(wing: [f64; 2], suction: bool, kind: Bump) -> SampledSpace {
+    let mut plant = started(machine(wing[0], wing[1], suction, 0.0));
+    plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
+    let add = |inputs: &mut Inputs, amount: f64| kind.add(inputs, amount);
+    let gust_m_s = if kind == Bump::Gust { Vector3::z() } else { Vector3::zeros() };
+    let input = InputSlope { add: &add, step: 1e-3, gust_m_s };
+    plant.study().lattice_space(&[input], &read).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Largest difference of each output over its largest value.
+fn off(wing: [f64; 2], suction: bool, kind: Bump) -> [f64; 3] {
+    let expected = linear(&model(wing, suction, kind), kind.size());
+    // what is even in the input is no part of a linear model
+    let ends = [kind.size(), -kind.size()].map(|size| marched(wing, suction, kind, size));
+    std::array::from_fn(|output| {
+        let size = expected.iter().map(|y| y[output].abs()).fold(0.0, f64::max);
+        let odd = |i: usize| 0.5 * (ends[0][i][output] - ends[1][i][output]);
+        (0..expected.len()).map(|i| (expected[i][output] - odd(i)).abs()).fold(0.0, f64::max) / size
+    })
+}
+
+/// Q-71. Folded by 60° with suction and deployed without: tip, root strain and hinge moment after a travelling gust and after the
+/// aileron. The wake is longer than the record: in time its last ring grows, in the linear model it always reaches far.
+#[test]
+fn q71_small_inputs_move_the_linear_lattice_as_the_machine() {
+    for (fold_deg, incidence_deg, suction) in [(60.0, 0.0, true), (0.0, 0.0, false)] {
+        for kind in [Bump::Gust, Bump::Aileron] {
+            if !is_whole() && !suction {
+                continue;
+            }
+            let found = off([fold_deg, incidence_deg], suction, kind);
+            println!(
+                "Q-71 fold {fold_deg} deg, incidence {incidence_deg} deg, suction {suction}, {kind:?}: off {:.2e} {:.2e} {:.2e}",
+                found[0], found[1], found[2]
+            );
+            // hinge moments contain second differences of the structure's motion, and so more of the error of its steps
+            let allowed = [1e-4, 1e-4, 5e-4];
+            assert!(
+                found.iter().zip(allowed).all(|(off, allowed)| *off < allowed),
+                "{fold_deg} {incidence_deg} {suction} {kind:?}: {found:?}"
+            );
+        }
+    }
+}
+
+/// Growth rate in 1/s and frequency in rad/s of the mode that flutters, by the linear lattice: the least damped one near it.
+fn eigenvalue(goland: &Goland, speed_m_s: f64) -> [f64; 2] {
+    let machine = Goland { gust_m_s: 0.0, ..*goland }.machine(speed_m_s, |structure| structure);
+    let mut plant = Plant::new(Arc::new(machine));
+    plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
+    let (modes, _) = plant.study().lattice_modes_and_rest(3).unwrap_or_else(|error| panic!("{error}"));
+    let near = modes.iter().map(|mode| mode.eigenvalue_1_s).filter(|value| value.im > 40.0 && value.im < 110.0);
+    let found = near.max_by(|a, b| a.re.total_cmp(&b.re)).unwrap_or_else(|| panic!("no mode at {speed_m_s} m/s"));
+    [found.re, found.im]
+}
+
+/// Flutter speed in m/s and frequency in rad/s between two speeds, by false position and halving.
+fn flutter(goland: &Goland, mut low_m_s: f64, mut high_m_s: f64) -> [f64; 2] {
+    let (mut low, mut high) = (eigenvalue(goland, low_m_s), eigenvalue(goland, high_m_s));
+    assert!(low[0] < 0.0 && high[0] > 0.0, "no flutter between {low_m_s} and {high_m_s} m/s: {low:?} {high:?}");
+    while high_m_s - low_m_s > 1e-4 * low_m_s {
+        let share = (low[0] / (low[0] - high[0])).clamp(0.02, 0.98);
+        // a little beyond the secant's zero, so that both ends close in
+        let side = if share < 0.5 { 1.02 } else { 0.98 };
+        let middle_m_s = low_m_s + (high_m_s - low_m_s) * (share * side).clamp(0.01, 0.99);
+        let middle = eigenvalue(goland, middle_m_s);
+        if middle[0] < 0.0 { (low_m_s, low) = (middle_m_s, middle) } else { (high_m_s, high) = (middle_m_s, middle) }
+    }
+    [low_m_s, low[1]]
+}
+
+/// Q-72. Goland's wing: flutter by the linear lattice against marching of the same lattice, with the mesh finer and finer, and beside the 166 m/s of
+/// the literature. Short: the coarsest mesh.
+#[test]
+fn q72_goland_flutters_in_the_linear_lattice_where_it_does_in_time() {
+    let coarse = Goland::lattice(2, 4);
+    let found = flutter(&coarse, 165.0, 195.0);
+    let marched = coarse.flutter(found[0].round(), 0.03);
+    let off: [f64; 2] = std::array::from_fn(|i| found[i] / marched[i] - 1.0);
+    println!("Q-72 2 x 4 panels: {found:.3?} (m/s, rad/s), marched {marched:.3?}, {off:+.5?}");
+    assert!(off.iter().all(|off| off.abs() < 3e-3), "{off:?}");
+    if is_whole() {
+        for (air, name) in [(Goland::lattice(4, 8).air, "pressures"), (LATTICE_WITH_SUCTION, "suction")] {
+            for (panels, strips) in [(4, 8), (8, 8), (8, 16)] {
+                let goland = Goland { air, ..Goland::lattice(panels, strips) };
+                let found = flutter(&goland, 150.0, 195.0);
+                println!(
+                    "Q-72 {name}, {panels} x {strips} panels: {found:.3?}, {:+.4} from 166 m/s",
+                    found[0] / 166.0 - 1.0
+                );
+            }
+        }
+        let middle = Goland::lattice(4, 8);
+        let (found, marched) = (flutter(&middle, 165.0, 195.0), middle.flutter(177.0, 0.03));
+        let off: [f64; 2] = std::array::from_fn(|i| found[i] / marched[i] - 1.0);
+        println!("Q-72 4 x 8 panels: {found:.3?} (m/s, rad/s), marched {marched:.3?}, {off:+.5?}");
+        assert!(off.iter().all(|off| off.abs() < 3e-3), "{off:?}");
+    }
+}
