@@ -285,6 +285,8 @@ fn produced() -> Vec<String> {
     write("sudden.toml", goland.replace("model = \"strip\"", "model = \"strip\"\nestablished = false").as_bytes());
     write("goland.toml", goland.as_bytes());
     write("tunnel.toml", shipped("folding_wing_in_tunnel.toml").as_bytes());
+    let free = shipped("folding_wing_in_tunnel.toml").replace("model = \"uvlm\"", "model = \"uvlm\"\nfree_wake = true");
+    write("free.toml", free.as_bytes());
     write("four_bar.toml", shipped("four_bar.toml").as_bytes());
     write("pendulum.toml", shipped("double_pendulum.toml").as_bytes());
     FILES.iter().for_each(|(name, text)| write(name, text));
@@ -323,6 +325,9 @@ fn produced() -> Vec<String> {
         "linearize tunnel.toml --lattice --at 0.01 -o x.json",
         "linearize wing.toml --lattice -o x.json",
         "linearize tunnel.toml --lattice --set root.angular_velocity.z=1 -o x.json",
+        "linearize tunnel.toml --lattice --set wind.velocity.y=-0.01 -o x.json",
+        "linearize tunnel.toml --lattice --modes 4 -o x.json",
+        "linearize free.toml --lattice -o x.json",
         "flutter sudden.toml --speeds 1:2:1",
         "flutter goland.toml --speeds 1:2:1 --set wind.velocity.y=0",
         "modes wing.toml --over file:solver.method=esdirk3,esdirk4",
