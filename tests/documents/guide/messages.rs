@@ -287,6 +287,8 @@ fn produced() -> Vec<String> {
     write("tunnel.toml", shipped("folding_wing_in_tunnel.toml").as_bytes());
     let free = shipped("folding_wing_in_tunnel.toml").replace("model = \"uvlm\"", "model = \"uvlm\"\nfree_wake = true");
     write("free.toml", free.as_bytes());
+    let aircraft = include_str!("../../../examples/flight/folding_aircraft.toml");
+    write("aircraft.toml", aircraft.as_bytes());
     write("four_bar.toml", shipped("four_bar.toml").as_bytes());
     write("pendulum.toml", shipped("double_pendulum.toml").as_bytes());
     FILES.iter().for_each(|(name, text)| write(name, text));
@@ -318,6 +320,7 @@ fn produced() -> Vec<String> {
         assert!(call(line).status.success(), "{line}");
     }
     let more = [
+        "static aircraft.toml",
         "flutter goland.toml --speeds 5",
         "flutter goland.toml --speeds 0:1:1",
         "flutter goland.toml --speeds 1:1e9:1e-3",

@@ -15,6 +15,9 @@ pub const LINES: &[&str] = &[
     "modes clamped.toml --over rotor_speed_rpm=0:10:2",
     "modes loose.toml --over rotor_speed_rpm=0:10:2",
     "modes rotor.toml --over rotor_speed_rpm=inf,1",
+    "flutter blown.toml --speeds 5:10:1",
+    "check windy.toml",
+    "check bare.toml",
 ];
 
 const HEAD: &str = "name = \"rotor\"\ngravity_m_s2 = [0, 0, 0]\n";
@@ -50,6 +53,7 @@ pub fn files() -> Vec<(&'static str, String)> {
             + &blade(joint, 1, "[0, 0, 0]", 1.0, HINGE)
             + &blade(joint, 2, "[180, 0, 0]", 1.0, HINGE)
     };
+    let blown = crate::guide::variables::ROTOR;
     let loose = "type = \"revolute\"\naxis = [1, 0, 0]";
     let unsprung = one(even, 1.0, HINGE).replace(HINGE, loose);
     vec![
@@ -62,8 +66,15 @@ pub fn files() -> Vec<(&'static str, String)> {
         ("loose.toml", unsprung),
         ("still.toml", format!("{HEAD}{alone}{TAIL}")),
         ("twin.toml", format!("{HEAD}{}{}{TAIL}", pair("left"), pair("right"))),
+        ("blown.toml", format!("{blown}{TAIL}")),
+        ("windy.toml", format!("{blown}[wind]\nreference_height_m = 20.0\nfield_file = \"short.bts\"\n{TAIL}")),
+        ("short.bts", "short".to_owned()),
+        ("bare.toml", format!("{}{TAIL}", blown.replace(POLAR, "file = \"bare.csv\""))),
+        ("bare.csv", "alpha_deg,cl,cd,cm\n".to_owned()),
     ]
 }
+
+const POLAR: &str = "rows = [[-180, 0, 0.5, 0], [180, 0, 0.5, 0]]";
 
 /// What is said to rotors and generators that are refused.
 pub fn refused() -> Vec<String> {
@@ -77,7 +88,12 @@ pub fn refused() -> Vec<String> {
     };
     let surface = "[surface.second]\nbody = \"second\"\naxis_fraction = 0.25\nstations_m = [0.0, 10.0]\npolars = [\"plate\", \"plate\"]\nchord_m = 0.4\n";
     let power = rotor.replace("[[1000.0, 10.0]]", "[[-10.0, 10.0]], beyond = \"power\"");
-    let texts =
-        [format!("{rotor}{}", second("[0, -90, 0]")), format!("{rotor}{}{surface}", second("[0, -90, 0]")), power];
+    let alone = rotor.replace(POLAR, "file = \"plate.csv\"");
+    let texts = [
+        format!("{rotor}{}", second("[0, -90, 0]")),
+        format!("{rotor}{}{surface}", second("[0, -90, 0]")),
+        power,
+        alone,
+    ];
     texts.iter().map(|text| foldwing::config::parse(text, "rotor.toml").expect_err(text).to_string()).collect()
 }
