@@ -49,7 +49,7 @@ impl Attitude {
         given[..3].copy_from_slice(gravity.as_slice());
         given[3..].copy_from_slice(wind.as_slice());
         let axes = Unit::try_new(gravity, 0.0).and_then(|down| {
-            let ahead = Unit::try_new(down.dot(&wind) * down.into_inner() - wind, LEVEL * wind.norm())?;
+            let ahead = Unit::try_new(down.dot(wind) * down.into_inner() - wind, LEVEL * wind.norm())?;
             Some(Matrix3::from_columns(&[ahead.into_inner(), down.cross(&ahead), down.into_inner()]))
         });
         Self { given, axes }
