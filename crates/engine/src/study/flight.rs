@@ -1,5 +1,6 @@
 //! Machines that fly: a steady flight is a state of rest in a frame that flies along, NOTATION eq. (Q8).
 
+use crate::load::Wrench;
 use crate::solve::EquationsOfMotion;
 use crate::study::Study;
 use crate::study::statics::Holding;
@@ -32,12 +33,13 @@ impl Study<'_> {
         Ok(self.flight_loads(time_s))
     }
 
-    /// Forces in N that count as the size of what balances in flight: the machine's weight or the largest load on it.
+    /// Forces in N that count as the size of what balances in flight: the machine's weight or the largest load on it, moments
+    /// over the machine's length.
     pub fn flight_scale_n(&self) -> f64 {
         let equations = &self.system.equations;
         let weight_n = self.system.mass_kg() * equations.root.apparent_gravity_m_s2().norm();
-        let loads = equations.stations.iter().map(|load| load.force_n.norm());
-        loads.fold(weight_n, f64::max)
+        let size_n = |load: &Wrench| load.force_n.norm().max(load.moment_n_m.norm() / self.flight_length_m());
+        equations.stations.iter().map(size_n).fold(weight_n, f64::max)
     }
 
     /// Length in m over which moments count in [`Study::flight_scale_n`].
