@@ -747,7 +747,8 @@ fn trim_balances_a_free_aircraft() {
     let lame = foldwing(&[&lame[..], &["--free", "load.fuselage[1].force.x"]].concat());
     refuses(&lame, 3, "flight: moment x");
     // with one tip folded it flies banked, with six free values for six loads
-    let folded = ["--set", "fold_left.start_angle=1.0472", "--free", "attitude.roll", "--free", "aero.flap.rudder.command"];
+    let folded =
+        ["--set", "fold_left.start_angle=1.0472", "--free", "attitude.roll", "--free", "aero.flap.rudder.command"];
     let ailerons = ["--free", "aero.flap.aileron_left.command,-aero.flap.aileron_right.command"];
     let found = succeeds(&foldwing(&[&free[..], &folded, &ailerons, &["--json"]].concat()));
     let found: serde_json::Value = serde_json::from_str(&found).unwrap();

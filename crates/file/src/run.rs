@@ -27,7 +27,7 @@ pub(super) struct SolverFile {
     #[schemars(range(min = 0.0, max = 1.0))]
     pub rho_infinity: f64,
     /// `accurate`, or `real_time`: fixed steps, by default of 1 ms, with the method `sdirk2` and bounded work; nothing is
-    /// repeated. In air for rotors with `coupling = "staggered"` only.
+    /// repeated. In air only with `coupling = "staggered"`.
     pub mode: ModeFile,
     /// Maximum number of Newton iterations per stage in real-time mode; an unconverged result is accepted and counted.
     #[schemars(range(min = 1, max = 10))]

@@ -15,5 +15,6 @@ mod linear_flutter;
 mod linear_lattice;
 mod linear_response;
 mod narrow_gaps;
+mod real_time;
 mod twist;
 pub(crate) mod wings;

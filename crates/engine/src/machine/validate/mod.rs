@@ -10,7 +10,7 @@ pub mod section;
 
 use crate::machine::fault::{Checker, Fault, Range, array_text};
 use crate::machine::units::shortest;
-use crate::machine::{Air, AirOptions, Body, Coupling, Experiment, Machine, Method, Parent, Solver};
+use crate::machine::{Air, Body, Coupling, Experiment, Machine, Method, Parent, Solver};
 use std::collections::BTreeSet;
 
 /// What names must look like.
@@ -226,11 +226,10 @@ fn solver(solver: &Solver, air: Option<&Air>, checker: &mut Checker) {
     }
     let Some(most_iterations) = solver.most_iterations else { return };
     checker.count(&["solver", "most_iterations"], most_iterations, 1, 10);
-    // a rotor whose loads are found once per step costs the same at every step
-    let bounded = |air: &Air| matches!(air.options, AirOptions::Rotor(_)) && air.coupling == Coupling::Staggered;
-    if air.is_some_and(|air| !bounded(air)) {
-        let allowed = "\"accurate\" for a machine in air, but for a rotor with coupling = \"staggered\": the iteration of air and structure \
-                       is not bounded";
+    // air whose loads are found once per step costs the same at every step
+    if air.is_some_and(|air| air.coupling != Coupling::Staggered) {
+        let allowed = "\"accurate\" for a machine in air, but with coupling = \"staggered\": the iteration of air and structure is not \
+                       bounded";
         checker.refuse(&["solver", "mode"], "\"real_time\"", allowed);
     }
     if solver.method != Method::Sdirk2 {
