@@ -51,10 +51,10 @@ pub(super) struct BodyFile {
     pub curvature_y_1_m: Option<FunctionFile>,
     /// Natural curvature `κz` along the body; positive bends the axis towards `+y`.
     pub curvature_z_1_m: Option<FunctionFile>,
-    /// Axis without loads by points, and the twist of the sections along it; instead of the curvatures above.
+    /// Unloaded axis by points, and the twist of the sections along it; instead of the curvatures above.
     pub axis: Option<AxisAlong>,
-    /// File beside the model file that has it, as CSV whose columns are called like the keys of `axis`, or BeamDyn's primary file.
-    /// Its columns take the key's place when the model file is read.
+    /// File beside the model file that contains the axis: CSV whose columns are named like the keys of `axis`, or
+    /// BeamDyn's primary file. Its contents replace this key when the model file is read.
     pub axis_file: Option<String>,
     /// Mass-proportional damping `α`, on motion relative to the root or, behind a free joint, to the first frame of the
     /// body that flies. Acts on the beam only, unless `damp_attached_masses` is set.

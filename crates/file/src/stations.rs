@@ -120,8 +120,8 @@ pub(super) struct SectionsAlong {
     pub half_height_m: Option<Vec<f64>>,
 }
 
-/// Points of a body's axis without loads, and the twist of its sections there: arrays of equal length. Natural cubic splines over
-/// the arc length go through them.
+/// Points of a body's unloaded axis, and the twist of its sections there: arrays of equal length. They are
+/// interpolated by natural cubic splines over the arc length.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct AxisAlong {
