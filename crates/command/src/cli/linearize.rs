@@ -29,7 +29,8 @@ pub struct Arguments {
     /// Start value of an input or parameter; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// With a vortex lattice: its air too, as a model in discrete time, one step of the air to the next; wind, flaps and `gust.` are inputs
+    /// Include the air of a vortex lattice: the model is in discrete time, with the aerodynamic step, and wind, flaps
+    /// and `gust.` can be inputs
     #[arg(long)]
     lattice: bool,
     /// Keep the slowest modes, so many states; the others follow at once, and the gain at rest stays

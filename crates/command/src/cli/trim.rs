@@ -29,13 +29,13 @@ const INDEPENDENT: f64 = 1e-6;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Input or parameter whose value is sought, or `attitude.roll`, `attitude.pitch`, `attitude.yaw`, which turn the machine
-    /// against gravity and wind; as many as there are balances. Names with commas between share a value, `-NAME` takes the
-    /// opposite one
+    /// Input or parameter whose value is sought, or `attitude.roll`, `attitude.pitch`, `attitude.yaw`, which turn the
+    /// machine relative to gravity and wind; give as many as there are balances. Names joined by commas share a value,
+    /// and `-NAME` takes its negative
     #[arg(long, value_name = "NAME", required = true, value_parser = NonEmptyStringValueParser::new())]
     free: Vec<String>,
-    /// Output and the value that it shall have at rest, in SI units; may be repeated. The forces and moments on free joints
-    /// are balanced without being named
+    /// Output and the value that it must have at rest, in SI units; may be repeated. The forces and moments on free
+    /// joints are always balanced too
     #[arg(long, value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     balance: Vec<String>,
     /// Start value of an input or parameter; of those that are free the first guess; may be repeated
