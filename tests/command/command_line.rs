@@ -448,7 +448,7 @@ fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     assert!(bytes.ends_with(&1.0f64.to_le_bytes()));
     succeeds(&linearize("x.mat", &[]));
     assert!(String::from_utf8_lossy(&std::fs::read(path("x.mat")).unwrap()).contains("without_air"));
-    refuses(&linearize("y.json", &["--inputs", "gust.z"]), 2, "with strips alone");
+    refuses(&linearize("y.json", &["--inputs", "gust.z"]), 2, "have gusts as inputs");
     refuses(
         &linearize("y.json", &["--inputs", "wind.velocity.y"]),
         2,
@@ -502,7 +502,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     std::fs::write(path("free.toml"), free).unwrap();
     let refused = foldwing(&["linearize", &path("free.toml"), "--lattice", "-o", &path("z.json")]);
     refuses(&refused, 3, "a free wake has no steady shape; write free_wake = false");
-    refuses(&on_model("linearize", &["--lattice", "-o", &path("z.json")]), 3, "are those of a vortex lattice");
+    refuses(&on_model("linearize", &["--lattice", "-o", &path("z.json")]), 3, "only a vortex lattice");
     let bare = succeeds(&foldwing(&["modes", &model, "--count", "2"]));
     let blown = succeeds(&foldwing(&["modes", &model, "--count", "2", "--lattice"]));
     assert!(bare.contains("its loads are held") && blown.contains("in the air of its lattice"), "{bare}{blown}");
@@ -741,13 +741,14 @@ fn trim_balances_a_free_aircraft() {
     for name in ["spiral", "phugoid", "dutch roll", "short period"] {
         assert!(modes.contains(&format!("{name}: ")), "{modes}");
     }
-    refuses(&foldwing(&["static", aircraft]), 3, "are left on the free joint \"flight\"; find a trim");
+    refuses(&foldwing(&["static", aircraft]), 3, "remain on the free joint \"flight\"; trim the machine");
     // one elevator alone rolls the aircraft
     let lame = ["trim", aircraft, "--free", "attitude.pitch", "--free", "aero.flap.elevator_left.command"];
     let lame = foldwing(&[&lame[..], &["--free", "load.fuselage[1].force.x"]].concat());
     refuses(&lame, 3, "flight: moment x");
     // with one tip folded it flies banked, with six free values for six loads
-    let folded = ["--set", "fold_left.start_angle=1.0472", "--free", "attitude.roll", "--free", "aero.flap.rudder.command"];
+    let folded =
+        ["--set", "fold_left.start_angle=1.0472", "--free", "attitude.roll", "--free", "aero.flap.rudder.command"];
     let ailerons = ["--free", "aero.flap.aileron_left.command,-aero.flap.aileron_right.command"];
     let found = succeeds(&foldwing(&[&free[..], &folded, &ailerons, &["--json"]].concat()));
     let found: serde_json::Value = serde_json::from_str(&found).unwrap();
@@ -756,9 +757,9 @@ fn trim_balances_a_free_aircraft() {
     let twisted =
         foldwing(&["trim", aircraft, "--free", "aero.flap.elevator_left.command,-aero.flap.elevator_right.command"]);
     refuses(&twisted, 3, "no trim: ");
-    refuses(&foldwing(&["trim", aircraft, "--free", "wind.velocity.x,gravity.x"]), 2, "different units");
+    refuses(&foldwing(&["trim", aircraft, "--free", "wind.velocity.x,gravity.x"]), 2, "units cannot share a value");
     let still = ["trim", aircraft, "--free", "attitude.pitch", "--set", "wind.velocity.x=0"];
-    refuses(&foldwing(&still), 2, "an attitude is one against gravity and a wind across it");
+    refuses(&foldwing(&still), 2, "an attitude needs gravity and a wind that is not parallel to it");
     let eight = ["x", "y", "z"].map(|axis| format!("gravity.{axis}"));
     let eight = eight.iter().chain(&eight).chain(&eight).flat_map(|name| ["--free", name.as_str()]);
     let eight: Vec<&str> = ["trim", aircraft].into_iter().chain(eight).collect();
@@ -783,7 +784,7 @@ fn trim_finds_the_angle_at_which_an_aileron_floats() {
         // 1e-2 N·m are on the hinge at angle 0
         assert!(found["balances"]["aero.flap.aileron.hinge_moment"].as_f64().unwrap().abs() <= 1e-9, "{found}");
         let call = [&free[..], &["root.moment.y=-1000"]].concat();
-        refuses(&foldwing(&call), 3, "no values beside these leave less");
+        refuses(&foldwing(&call), 3, "no step reduces what is left");
         found["free"]["aero.flap.aileron.command"].as_f64().unwrap()
     });
     // it floats up in the wind that lifts the wing

@@ -193,15 +193,15 @@ pub(super) fn section_law(
     }
     let inner = inner?;
     if let (Built::Table(_), Some((key, _))) = (inner, tapered) {
-        checker.refuse(&["body", name, key], "a body whose section is no table: a table says itself how it varies");
+        checker
+            .refuse(&["body", name, key], "a body whose section is not a table; a table itself states how it varies");
         return None;
     }
     let is_table = |built: &Built| matches!(built, Built::Table(_));
     if let Some(outer) = &outer
         && (is_table(inner) || outer.is_some_and(is_table))
     {
-        checker
-            .refuse(&["body", name, "outer_section"], "sections that are no tables: a table reaches from end to end");
+        checker.refuse(&["body", name, "outer_section"], "sections that are not tables; a table covers the whole body");
         return None;
     }
     if let Built::Table(stations) = inner {
@@ -259,7 +259,7 @@ fn natural_shape(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<N
     match axis.natural_shape() {
         Ok(shape) => Some(shape),
         Err(steep) => {
-            let found = format!("an axis that leaves no way along x at {} m", shortest(steep.position_m));
+            let found = format!("an axis that leaves no length along x at {} m", shortest(steep.position_m));
             let allowed = "points no further apart than the arc between them, on an axis that turns by less than a right angle from x";
             checker.refuse_as(&["body", name, "axis"], found, allowed);
             None

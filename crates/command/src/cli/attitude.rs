@@ -61,7 +61,7 @@ impl Attitude {
             return Ok(());
         }
         Err(Failure::Usage(format!(
-            "--free {}: an attitude is one against gravity and a wind across it; set gravity and wind.velocity",
+            "--free {}: an attitude needs gravity and a wind that is not parallel to it; set gravity and wind.velocity",
             turn.name()
         )))
     }

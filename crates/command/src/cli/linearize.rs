@@ -116,8 +116,8 @@ fn gusts_of(names: &[String], machine: &Machine, lattice: bool) -> Result<(Vec<u
             continue;
         }
         return Err(Failure::Usage(format!(
-            "--inputs {name}: gusts are inputs of linear models with strips alone (aerodynamics.model = \"strip\"), with a rotor that has \
-             inflow_lag_s, or with --lattice of those with a vortex lattice"
+            "--inputs {name}: only linear models with strips (aerodynamics.model = \"strip\"), with a rotor that has inflow_lag_s, or with \
+             a vortex lattice and --lattice have gusts as inputs"
         )));
     }
     gusts.sort_unstable();
@@ -158,7 +158,7 @@ pub(super) fn chosen<'a>(
         if !named {
             return Err(Failure::Usage(format!(
                 "--inputs {name}: linear models of lattices and rotors are without air, they hold its loads; choose other inputs, \
-                 take --lattice where the air is a lattice's, or use strips (aerodynamics.model = \"strip\")"
+                 add --lattice for a vortex lattice, or use strips (aerodynamics.model = \"strip\")"
             )));
         }
     }

@@ -152,7 +152,7 @@ fn unknown_of<'a>(name: &str, interface: &'a Interface) -> Result<Unknown<'a>, F
     };
     let rows = name.split(',').map(|part| signed(part.trim())).collect::<Result<Vec<_>, _>>()?;
     if rows.iter().any(|(_, row)| row.unit() != rows[0].1.unit()) {
-        return Err(refused("values with different units cannot be the same"));
+        return Err(refused("inputs with different units cannot share a value"));
     }
     Ok(Unknown::Value { name: name.to_owned(), rows })
 }
@@ -285,7 +285,7 @@ impl<'a> Trim<'a> {
                 (measure(&found, &sizes) < before).then_some((beside, found))
             });
             let Some(found) = nearer else {
-                return Err(self.failed("no values beside these leave less", &left));
+                return Err(self.failed("no step reduces what is left", &left));
             };
             (values, left) = found;
         }

@@ -41,15 +41,15 @@ pub enum NoLinearLattice {
     #[error("a free wake has no steady shape; write free_wake = false")]
     FreeWake,
     /// No wake at all.
-    #[error("wake_rows = 0 leaves no wake to be linear in; give the wake rows")]
+    #[error("wake_rows = 0 leaves no wake to linearise; set wake_rows to 1 or more")]
     NoWake,
     /// The root frame turns.
-    #[error("the root turns at {0} rad/s, so that the wake is no straight one; hold the root's angular velocity at 0")]
+    #[error("the root turns at {0} rad/s, so the wake is not straight; set the root's angular velocity to 0")]
     Turning(f64),
     /// The air does not carry the wake away fast enough.
     #[error(
-        "the wind makes {panels:.4} panel chords in an aerodynamic step, and the wake gets a row only every {SHED_PANELS}; take a longer \
-         step_s, or more wind"
+        "the wind travels {panels:.4} panel chords in an aerodynamic step; a row of the wake needs at least {SHED_PANELS}; increase \
+         step_s or the wind"
     )]
     Slow {
         /// Way of the wind in a step in chords of the shortest panel.

@@ -123,13 +123,11 @@ impl Study<'_> {
         let time_s = self.system.state.now.time_s;
         let refused = |cause: &str| PlantError::Linearization { time_s, cause: cause.into() };
         let Some(step_s) = self.system.air_step_s().filter(|_| self.system.has_linear_lattice()) else {
-            return Err(refused(
-                "models in discrete time are those of a vortex lattice (aerodynamics.model = \"uvlm\")",
-            ));
+            return Err(refused("only a vortex lattice (aerodynamics.model = \"uvlm\") has a model in discrete time"));
         };
         let now = &self.system.state.now;
         if now.v.iter().chain(&now.a).any(|rate| *rate != 0.0) {
-            return Err(refused("a lattice is linearised about states of rest; take the equilibrium"));
+            return Err(refused("a lattice can be linearised only about a state of rest; use the equilibrium"));
         }
         let second = self.second_order()?;
         let freedoms = self.system.freedoms();
