@@ -720,8 +720,8 @@ fn trim_finds_the_wind_that_carries_the_wing() {
     refuses(&nothing, 3, "the balances do not change independently");
 }
 
-/// Trim of a free aircraft: six loads by three free values, whose settings every command takes; modes by name. What cannot balance by
-/// itself is named.
+/// Trim of a free aircraft: three free values balance six loads, and every command accepts the resulting settings; modes have names.
+/// Loads that remain are named.
 #[test]
 fn trim_balances_a_free_aircraft() {
     let aircraft = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/flight/folding_aircraft.toml");
@@ -737,7 +737,7 @@ fn trim_balances_a_free_aircraft() {
         settings.iter().flat_map(|(name, value)| ["--set".to_owned(), format!("{name}={value}")]).collect();
     let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
     let modes = succeeds(&foldwing(&[&["modes", aircraft, "--count", "12"][..], &settings].concat()));
-    // the roll belongs to the lag states, which are left out
+    // the roll subsidence is mostly lag states, so it is left out
     for name in ["spiral", "phugoid", "dutch roll", "short period"] {
         assert!(modes.contains(&format!("{name}: ")), "{modes}");
     }
@@ -753,7 +753,7 @@ fn trim_balances_a_free_aircraft() {
     let found = succeeds(&foldwing(&[&free[..], &folded, &ailerons, &["--json"]].concat()));
     let found: serde_json::Value = serde_json::from_str(&found).unwrap();
     assert!((-0.2..-0.1).contains(&found["free"]["attitude.roll"].as_f64().unwrap()), "{found}");
-    // with both signs it cannot pitch it either
+    // elevators in opposite directions do not pitch the aircraft
     let twisted =
         foldwing(&["trim", aircraft, "--free", "aero.flap.elevator_left.command,-aero.flap.elevator_right.command"]);
     refuses(&twisted, 3, "no trim: ");
