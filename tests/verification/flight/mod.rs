@@ -106,8 +106,8 @@ fn the_aircraft_is_trimmed_deployed_and_folded() {
     }
 }
 
-/// FD-02: released from its trim, the aircraft stays in place to 1e-6 m over 5 s. Its fastest growing mode, the spiral, amplifies what
-/// remains of the balance by less than a tenth in that time.
+/// FD-02: released from its trim, the aircraft stays in place to 1e-6 m over 5 s. Its only growing mode, the spiral with the tips in line,
+/// amplifies what remains of the balance by less than a tenth in that time.
 #[test]
 fn it_flies_on_when_it_is_released() {
     for fold_deg in [0.0, 60.0] {
