@@ -314,11 +314,12 @@ class Model:
         return Modes(json.loads(self._native.modes_json(list((set or {}).items()), about == "undeformed", count)))
 
     def flutter(self, speeds: Iterable[float], count: int = 6, *, set: Optional[Mapping[str, Start]] = None) -> Flutter:
-        """Modes in air over the speed of the wind, with flutter and divergence, as `foldwing flutter` finds them: in the air of strips or of a
-        vortex lattice.
+        """Modes in air over the speed of the wind, with flutter and divergence, as `foldwing flutter` finds them: in the air of
+        strips or of a vortex lattice.
 
         Args:
-            speeds: in m/s, ascending; more are inserted where following the modes requires it. The direction is that of the model's wind.
+            speeds: in m/s, ascending; more are inserted where following the modes requires it. The direction is that of the
+                model's wind.
             count: number of modes to follow, of lowest frequency.
             set: start values.
 

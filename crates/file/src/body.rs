@@ -250,7 +250,7 @@ fn natural_shape(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<N
             return None;
         }
         _ => {
-            let allowed = "a file beside a model file that is read from its own file; a text alone has axis";
+            let allowed = "a file name, if the model itself is read from a file; a model given as text states axis";
             checker.refuse(&["body", name, "axis_file"], allowed);
             return None;
         }
