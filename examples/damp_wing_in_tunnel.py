@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Damps the latched wing in the wind tunnel: an LQG on the linear model of wing and vortex lattice, run against the FMU.
+"""Damps the latched wing in the wind tunnel: an LQG controller from the linear model of wing and vortex lattice, run with the FMU.
 
 Usage: damp_wing_in_tunnel.py --foldwing target/release/foldwing --fmu target/fmu/folding_wing_in_tunnel.fmu --picture OUT.png
 
-`foldwing linearize --lattice` gives wing and air in discrete time, one aerodynamic step to the next, with 1204 states. Balanced truncation
-(`--reduce 20`) spreads 20 states over all frequencies up to half the sampling rate, 400 Hz. The controller needs those up to 50 Hz: the
-script balances the Gramians of that band (Gawronski and Juang, Int. J. Systems Science 21, 1990). The feedback minimises the squares of tip deflection and moment, a stationary Kalman filter estimates the states from one
-strain gauge, with vertical wind as what disturbs the wing. Actuator and sensor are those of damp_latched_wing.py.
+`foldwing linearize --lattice` writes a model of wing and air in discrete time, with one aerodynamic step per sample and 1204 states. Balanced
+truncation (`--reduce 20`) distributes 20 states over all frequencies up to half the sampling rate, 400 Hz. The controller only needs
+frequencies up to 50 Hz, so the script balances the Gramians of that band (Gawronski and Juang, Int. J. Systems Science 21, 1990). The feedback
+minimises the squares of tip deflection and moment. A stationary Kalman filter estimates the states from one strain gauge; vertical wind is the
+disturbance. Actuator and sensor are those of damp_latched_wing.py.
 """
 
 import argparse
@@ -23,7 +24,7 @@ from fmpy import read_model_description, simulate_fmu
 MODEL = Path(__file__).parent / "models/folding_wing_in_tunnel.toml"
 WIND = "wind.velocity.z"
 ORDER, BAND_HZ = 20, 50.0
-TIP_WEIGHT_M, MOMENT_WEIGHT_N_M = 0.02, 0.1  # 20 mm at the tip cost as much as 0.1 N·m; at 10 mm motions beyond the band grow
+TIP_WEIGHT_M, MOMENT_WEIGHT_N_M = 0.02, 0.1  # 20 mm at the tip costs as much as 0.1 N·m; with 10 mm, motions above the band become unstable
 WIND_NOISE_M_S, STRAIN_NOISE = 0.3, 1e-4
 GUST_M_S, GUST_FROM_S, GUST_S = 1.0, 1.2, 0.1  # a bump of the vertical wind after the wing has latched
 
@@ -46,8 +47,8 @@ def answers(a, b, c, d, step_s, frequencies_Hz):
 
 
 def reduced(a, b, c, d, step_s, order=ORDER):
-    """The model with at most as many states, balanced in the band; what the band does not show may grow, so the largest number
-    with which nothing does."""
+    """The stable model with the maximum number of states up to `order`, balanced in the band: dynamics outside the band can make a
+    model with more states unstable."""
     eye, reach, observe = np.eye(len(a)), [], []
     for f in np.linspace(0.0, 1.1 * BAND_HZ, 45):
         factors = scipy.linalg.lu_factor(np.exp(2j * np.pi * f * step_s) * eye - a)
@@ -91,7 +92,7 @@ class Damper:
         return self.last.item()
 
     def poles(self, a, b, c, step_s):
-        """Eigenvalues in 1/s of this feedback on a linear wing with all its states."""
+        """Eigenvalues in 1/s of the closed loop of this feedback and the full linear model."""
         b, c, keep = b[:, :1], c[:1], np.eye(len(self.a)) - self.correction @ self.c
         of_wing, of_filter = -self.feedback @ self.correction @ c, -self.feedback @ keep
         inner = self.a - self.b @ self.feedback
@@ -101,7 +102,7 @@ class Damper:
 
 
 def ring(fmu, step_s, damper=None, stop_s=2.2):
-    """Unfolds, latches, rings, meets a gust; the damper, if there is one, works from the closing of the latch on."""
+    """The wing unfolds, latches, rings and meets a gust; the damper, if given, is active after the latch has closed."""
     reference = {v.name: [v.valueReference] for v in read_model_description(str(fmu)).modelVariables}
 
     def control(time, recorder):

@@ -1,7 +1,7 @@
 """Frequencies of the NREL 5 MW blade at rest by finite elements in two planes, with and without shear.
 
-Written apart from the engine, for the test WT-37. Bending about both axes of sections that turn with the twist, rotary inertia, no
-stretch and no twisting; the stiffness of shear is a tenth of the axial one, as in BeamDyn's file.
+Independent of the engine, for the test WT-37. Bending about both axes of sections that turn with the twist, with rotary inertia, without
+stretch and torsion; the shear stiffness is a tenth of the axial stiffness, as in BeamDyn's file.
 
     python studies/blade_frequencies.py examples/turbine/nrel_5mw_blade.csv
 """
@@ -17,7 +17,7 @@ ELEMENTS = 240
 
 
 def matrices(data, shear_factor):
-    """Stiffness and mass of the clamped blade; per node deflections across and rotations about the two axes across."""
+    """Stiffness and mass matrix of the clamped blade; per node two transverse deflections and the rotations about the two transverse axes."""
     step = LENGTH_M / ELEMENTS
     size = 4 * (ELEMENTS + 1)
     stiffness, mass = np.zeros((size, size)), np.zeros((size, size))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the gears that stay in the pitch circuit decide on the flexible blade of the NREL 5 MW turbine: the largest strain at its root after the
+"""Effect of the gears that remain in the pitch circuit on the flexible blade of the NREL 5 MW turbine: the maximum root strain after the
 pitch link has opened, with static polars and with dynamic stall.
 
 Usage: pitch_link_5mw_study.py --foldwing target/release/foldwing --output docs/pictures --table docs/tables/pitch_link_5mw.md
@@ -35,7 +35,7 @@ OUTPUTS = "gauge.flap.strain,gauge.edge.strain,pitch.angle,shaft.angular_velocit
 
 
 def simulate(foldwing, folder, name, inertia_kg_m2, dynamic_stall):
-    """Columns of a run with gears of an inertia, and the strain on the circumference of the root."""
+    """Columns of a run with the given gear inertia, and the strain on the circumference of the root."""
     text = changed(MODEL.read_text(encoding="utf-8"), r"(?<=\[joint\.pitch\.drive\]\ninertia_kg_m2 = )[-+.e0-9]+", repr(float(inertia_kg_m2)))
     polars = (MODEL.parent / "../turbine/polars").resolve()
     text = text.replace('"../turbine/polars/', f'"{Path(os.path.relpath(polars, folder)).as_posix()}/')
@@ -55,7 +55,7 @@ def simulate(foldwing, folder, name, inertia_kg_m2, dynamic_stall):
 
 
 def figures(run):
-    """Largest strains before and after, its time after the opening in s, pitch range in degrees in the two seconds after, time to half speed in s."""
+    """Maximum strain before and after, its time after the opening in s, minimum pitch in the first two seconds and maximum pitch in degrees, time to half speed in s."""
     after, time = run["after"], run["time"][run["after"]] - OPENS_S
     strain, pitch, speed = run["strain"][after], np.degrees(run["pitch.angle"][after]), run["shaft.angular_velocity"][after]
     half_s = time[np.argmax(speed < 0.5 * speed[0])]
@@ -63,7 +63,7 @@ def figures(run):
 
 
 def draw(runs):
-    """Pitch, strain and speed over time on the left, the largest strain over the inertia on the right."""
+    """Pitch, strain and speed over time on the left, the maximum strain over the inertia on the right."""
     figure = plt.figure(figsize=(13, 6.4))
     grid = figure.add_gridspec(3, 2, left=0.05, right=0.97, top=0.94, bottom=0.09, hspace=0.34, wspace=0.26, width_ratios=(1.25, 1.0))
     left = [figure.add_subplot(grid[row, 0]) for row in range(3)]
@@ -100,9 +100,9 @@ def draw(runs):
 def table(runs):
     """Figures in Markdown."""
     lines = ["# The flexible blade of the 5 MW turbine whose pitch link opens", "",
-             "`studies/pitch_link_5mw_study.py`: `examples/failures/pitch_link_5mw.toml` over the inertia of the gears that stay. The blade itself has 28.1 t·m² about",
-             "its pitch axis. Strain on the circumference of the root; pitch down to, within two seconds; time to half speed.", "",
-             "| inertia (t·m²) | strain before (10⁻³) | after, static polars | pitch down (°) | half speed (s) | after, dynamic stall | pitch down (°) | half speed (s) |",
+             "`studies/pitch_link_5mw_study.py`: `examples/failures/pitch_link_5mw.toml` over the inertia of the remaining gears. The blade itself has 28.1 t·m² about",
+             "its pitch axis. Columns: maximum strain (10⁻³) on the circumference of the root; minimum pitch within two seconds; time to half speed.", "",
+             "| inertia (t·m²) | strain before | after, static polars | minimum pitch (°) | half speed (s) | after, dynamic stall | minimum pitch (°) | half speed (s) |",
              "|---|---|---|---|---|---|---|---|"]
     for inertia in INERTIAS_KG_M2:
         plain, dynamic = (figures(runs[inertia, stall]) for stall in (False, True))

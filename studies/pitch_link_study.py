@@ -34,10 +34,10 @@ SHOWN = ((0.0, VERMILION), (30.0, BLUE), (300.0, GREEN))
 
 
 def changed(text, pattern, new):
-    """A model text in which the one place that a pattern fits is replaced; none, or several, end the study."""
+    """The model text with the only match of a pattern replaced; exits if there is no match or more than one."""
     text, count = re.subn(pattern, lambda _: new, text, flags=re.MULTILINE | re.DOTALL)
     if count != 1:
-        raise SystemExit(f"{count} places of the model fit {pattern!r}; one is needed")
+        raise SystemExit(f"{pattern!r} matches {count} places of the model; exactly one is required")
     return text
 
 

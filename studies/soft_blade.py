@@ -1,8 +1,8 @@
 """Geometrically exact solution of the NREL 5 MW blade with a tenth of its stiffness under a dead force at the tip.
 
-Written apart from the engine, for the test WT-36: a rod that stretches, twists and bends but does not shear, as an initial-value
-problem from the root (scipy's DOP853 at 1e-11, restarted at every station), whose three root moments are found by Newton's method so that
-the tip is free of moment. Sections are linear between the stations of the table, the twist is the natural cubic spline.
+Independent of the engine, for the test WT-36: a rod that stretches, twists and bends but does not shear, as an initial-value
+problem from the root (scipy's DOP853 at 1e-11, restarted at every station). Newton's method finds the three root moments for which
+the moment at the tip is zero. Sections are linear between the stations of the table; the twist is a natural cubic spline.
 
     python studies/soft_blade.py examples/turbine/nrel_5mw_blade.csv
 """

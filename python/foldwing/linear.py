@@ -123,8 +123,8 @@ class LinearModel:
 
         Args:
             order: number of states.
-            method: of models with `dt` `balanced` only, and all their motions must decay. `balanced` keeps what carries most from the inputs to the outputs, and knows a bound on its error; `modal`
-                keeps the slowest modes.
+            method: `balanced` keeps the combinations of states that contribute most between inputs and outputs, with a bound on the
+                error; `modal` keeps the slowest modes. Models with `dt` allow `balanced` only, and all their motions must decay.
         """
         if method not in ("balanced", "modal"):
             raise UsageError(f"method={method!r}: allowed are balanced and modal")
@@ -133,8 +133,8 @@ class LinearModel:
         return self._with(A, B, C, D, states, self.dt, bound)
 
     def hankel_singular_values(self) -> NDArray[np.float64]:
-        """How much each balanced state carries from the inputs to the outputs, largest first; motions that do not decay count
-        as infinite."""
+        """How much each balanced state contributes between inputs and outputs, largest first. Motions that do not decay count
+        as infinite; models with `dt` that have such motions are refused."""
         values = _native.reduced(self.A, self.B, self.C, self.D, len(self.A), False, self.dt is not None)[5]
         return np.asarray(values)
 

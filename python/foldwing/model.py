@@ -314,10 +314,12 @@ class Model:
         return Modes(json.loads(self._native.modes_json(list((set or {}).items()), about == "undeformed", count)))
 
     def flutter(self, speeds: Iterable[float], count: int = 6, *, set: Optional[Mapping[str, Start]] = None) -> Flutter:
-        """Modes in air over the speed of the wind, with flutter and divergence, as `foldwing flutter` finds them: in air by strips.
+        """Modes in air over the speed of the wind, with flutter and divergence, as `foldwing flutter` finds them: in the air of
+        strips or of a vortex lattice.
 
         Args:
-            speeds: in m/s, rising; between them modes are followed with as many more as it takes. The direction is the wind's.
+            speeds: in m/s, ascending; more are inserted where following the modes requires it. The direction is that of the
+                model's wind.
             count: number of modes to follow, of lowest frequency.
             set: start values.
 
@@ -338,12 +340,12 @@ class Model:
         """Values of inputs and parameters for which outputs at rest are what they should be, as `foldwing trim` finds them.
 
         Args:
-            free: names of inputs and parameters whose values are sought, as many as there are balances. Names with commas between
-                share a value, `-name` takes the opposite one; `attitude.roll`, `attitude.pitch` and `attitude.yaw` turn the machine
-                against gravity and wind.
-            balance: outputs with the values that they shall have at rest, in SI units. Forces and moments on free joints are
-                balanced without being named.
-            set: start values; of what is free the first guess.
+            free: names of inputs and parameters whose values are sought, as many as there are balances. Names joined by commas
+                share a value, and `-name` takes its negative. `attitude.roll`, `attitude.pitch` and `attitude.yaw` turn the machine
+                relative to gravity and wind.
+            balance: outputs and the values that they must have at rest, in SI units. Forces and moments on free joints are
+                always balanced too; they are not named here.
+            set: start values; for free values the first guess.
 
         >>> wing = load("examples/models/flared_wing_tip.toml")
         >>> trim = wing.trim("wind.velocity.z", {"root.force.z": 0.0})
@@ -372,8 +374,8 @@ class Model:
             inputs: names and patterns; by default all real inputs.
             outputs: names and patterns; by default all real outputs.
             set: start values.
-            lattice: with a vortex lattice its air too: the model is in discrete time, `dt` is the aerodynamic step, wind, flaps and
-                the velocities `gust.x`, `gust.y`, `gust.z` of a gust that travels with the wind are inputs.
+            lattice: include the air of a vortex lattice. The model is then in discrete time, `dt` is the aerodynamic step, and wind,
+                flaps and the velocities `gust.x`, `gust.y`, `gust.z` of a gust that travels with the wind are possible inputs.
 
         >>> wing = load("examples/models/folding_wing.toml")
         >>> model = wing.linearize(inputs="fold.torque", outputs="gauge.root.strain", set={"fold.release": False})
@@ -397,7 +399,7 @@ class Model:
     def linearized(
         self, simulation: Simulation, *, inputs: Patterns = (), outputs: Patterns = (), lattice: bool = False
     ) -> LinearModel:
-        """The linear model about the present state of a simulation of this machine; `lattice` as in `linearize`."""
+        """The linear model about the present state of a simulation of this machine; see `linearize` for `lattice`."""
         gusts: List[int] = []
         if lattice:
             inputs = [inputs] if isinstance(inputs, str) else list(inputs)

@@ -448,7 +448,7 @@ fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     assert!(bytes.ends_with(&1.0f64.to_le_bytes()));
     succeeds(&linearize("x.mat", &[]));
     assert!(String::from_utf8_lossy(&std::fs::read(path("x.mat")).unwrap()).contains("without_air"));
-    refuses(&linearize("y.json", &["--inputs", "gust.z"]), 2, "with strips alone");
+    refuses(&linearize("y.json", &["--inputs", "gust.z"]), 2, "have gusts as inputs");
     refuses(
         &linearize("y.json", &["--inputs", "wind.velocity.y"]),
         2,
@@ -502,7 +502,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     std::fs::write(path("free.toml"), free).unwrap();
     let refused = foldwing(&["linearize", &path("free.toml"), "--lattice", "-o", &path("z.json")]);
     refuses(&refused, 3, "a free wake has no steady shape; write free_wake = false");
-    refuses(&on_model("linearize", &["--lattice", "-o", &path("z.json")]), 3, "are those of a vortex lattice");
+    refuses(&on_model("linearize", &["--lattice", "-o", &path("z.json")]), 3, "only a vortex lattice");
     let bare = succeeds(&foldwing(&["modes", &model, "--count", "2"]));
     let blown = succeeds(&foldwing(&["modes", &model, "--count", "2", "--lattice"]));
     assert!(bare.contains("its loads are held") && blown.contains("in the air of its lattice"), "{bare}{blown}");
@@ -720,8 +720,8 @@ fn trim_finds_the_wind_that_carries_the_wing() {
     refuses(&nothing, 3, "the balances do not change independently");
 }
 
-/// Trim of a free aircraft: six loads by three free values, whose settings every command takes; modes by name. What cannot balance by
-/// itself is named.
+/// Trim of a free aircraft: three free values balance six loads, and every command accepts the resulting settings; modes have names.
+/// Loads that remain are named.
 #[test]
 fn trim_balances_a_free_aircraft() {
     let aircraft = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/flight/folding_aircraft.toml");
@@ -737,11 +737,11 @@ fn trim_balances_a_free_aircraft() {
         settings.iter().flat_map(|(name, value)| ["--set".to_owned(), format!("{name}={value}")]).collect();
     let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
     let modes = succeeds(&foldwing(&[&["modes", aircraft, "--count", "12"][..], &settings].concat()));
-    // the roll belongs to the lag states, which are left out
+    // the roll subsidence is mostly lag states, so it is left out
     for name in ["spiral", "phugoid", "dutch roll", "short period"] {
         assert!(modes.contains(&format!("{name}: ")), "{modes}");
     }
-    refuses(&foldwing(&["static", aircraft]), 3, "are left on the free joint \"flight\"; find a trim");
+    refuses(&foldwing(&["static", aircraft]), 3, "remain on the free joint \"flight\"; trim the machine");
     // one elevator alone rolls the aircraft
     let lame = ["trim", aircraft, "--free", "attitude.pitch", "--free", "aero.flap.elevator_left.command"];
     let lame = foldwing(&[&lame[..], &["--free", "load.fuselage[1].force.x"]].concat());
@@ -753,13 +753,13 @@ fn trim_balances_a_free_aircraft() {
     let found = succeeds(&foldwing(&[&free[..], &folded, &ailerons, &["--json"]].concat()));
     let found: serde_json::Value = serde_json::from_str(&found).unwrap();
     assert!((-0.2..-0.1).contains(&found["free"]["attitude.roll"].as_f64().unwrap()), "{found}");
-    // with both signs it cannot pitch it either
+    // elevators in opposite directions do not pitch the aircraft
     let twisted =
         foldwing(&["trim", aircraft, "--free", "aero.flap.elevator_left.command,-aero.flap.elevator_right.command"]);
     refuses(&twisted, 3, "no trim: ");
-    refuses(&foldwing(&["trim", aircraft, "--free", "wind.velocity.x,gravity.x"]), 2, "different units");
+    refuses(&foldwing(&["trim", aircraft, "--free", "wind.velocity.x,gravity.x"]), 2, "units cannot share a value");
     let still = ["trim", aircraft, "--free", "attitude.pitch", "--set", "wind.velocity.x=0"];
-    refuses(&foldwing(&still), 2, "an attitude is one against gravity and a wind across it");
+    refuses(&foldwing(&still), 2, "an attitude needs gravity and a wind that is not parallel to it");
     let eight = ["x", "y", "z"].map(|axis| format!("gravity.{axis}"));
     let eight = eight.iter().chain(&eight).chain(&eight).flat_map(|name| ["--free", name.as_str()]);
     let eight: Vec<&str> = ["trim", aircraft].into_iter().chain(eight).collect();
@@ -784,7 +784,7 @@ fn trim_finds_the_angle_at_which_an_aileron_floats() {
         // 1e-2 N·m are on the hinge at angle 0
         assert!(found["balances"]["aero.flap.aileron.hinge_moment"].as_f64().unwrap().abs() <= 1e-9, "{found}");
         let call = [&free[..], &["root.moment.y=-1000"]].concat();
-        refuses(&foldwing(&call), 3, "no values beside these leave less");
+        refuses(&foldwing(&call), 3, "no step reduces what is left");
         found["free"]["aero.flap.aileron.command"].as_f64().unwrap()
     });
     // it floats up in the wind that lifts the wing

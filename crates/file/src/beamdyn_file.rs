@@ -132,7 +132,7 @@ pub(super) fn read_blade(text: &str) -> Result<StationTable, StationFault> {
         if let Some(last) = columns[0].last().filter(|last| **last >= share) {
             return Err(fault(
                 line,
-                format!("station {station} at {share} behind {last}; stations ascend from 0 to 1"),
+                format!("station {station} at {share} after {last}; stations must ascend from 0 to 1"),
             ));
         }
         let (line, stiffness) = lines.matrix(&format!("the stiffness of station {station}"))?;

@@ -51,10 +51,10 @@ pub(super) struct BodyFile {
     pub curvature_y_1_m: Option<FunctionFile>,
     /// Natural curvature `κz` along the body; positive bends the axis towards `+y`.
     pub curvature_z_1_m: Option<FunctionFile>,
-    /// Axis without loads by points, and the twist of the sections along it; instead of the curvatures above.
+    /// Unloaded axis by points, and the twist of the sections along it; instead of the curvatures above.
     pub axis: Option<AxisAlong>,
-    /// File beside the model file that has it, as CSV whose columns are called like the keys of `axis`, or BeamDyn's primary file.
-    /// Its columns take the key's place when the model file is read.
+    /// File beside the model file that contains the axis: CSV whose columns are named like the keys of `axis`, or
+    /// BeamDyn's primary file. Its contents replace this key when the model file is read.
     pub axis_file: Option<String>,
     /// Mass-proportional damping `α`, on motion relative to the root or, behind a free joint, to the first frame of the
     /// body that flies. Acts on the beam only, unless `damp_attached_masses` is set.
@@ -193,15 +193,15 @@ pub(super) fn section_law(
     }
     let inner = inner?;
     if let (Built::Table(_), Some((key, _))) = (inner, tapered) {
-        checker.refuse(&["body", name, key], "a body whose section is no table: a table says itself how it varies");
+        checker
+            .refuse(&["body", name, key], "a body whose section is not a table; a table itself states how it varies");
         return None;
     }
     let is_table = |built: &Built| matches!(built, Built::Table(_));
     if let Some(outer) = &outer
         && (is_table(inner) || outer.is_some_and(is_table))
     {
-        checker
-            .refuse(&["body", name, "outer_section"], "sections that are no tables: a table reaches from end to end");
+        checker.refuse(&["body", name, "outer_section"], "sections that are not tables; a table covers the whole body");
         return None;
     }
     if let Built::Table(stations) = inner {
@@ -250,7 +250,7 @@ fn natural_shape(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<N
             return None;
         }
         _ => {
-            let allowed = "a file beside a model file that is read from its own file; a text alone has axis";
+            let allowed = "a file name, if the model itself is read from a file; a model given as text states axis";
             checker.refuse(&["body", name, "axis_file"], allowed);
             return None;
         }
@@ -259,7 +259,7 @@ fn natural_shape(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<N
     match axis.natural_shape() {
         Ok(shape) => Some(shape),
         Err(steep) => {
-            let found = format!("an axis that leaves no way along x at {} m", shortest(steep.position_m));
+            let found = format!("an axis that leaves no length along x at {} m", shortest(steep.position_m));
             let allowed = "points no further apart than the arc between them, on an axis that turns by less than a right angle from x";
             checker.refuse_as(&["body", name, "axis"], found, allowed);
             None

@@ -145,7 +145,8 @@ pub(super) enum SectionFile {
     /// Any section, by its stiffness and inertia: either the four stiffnesses with optional couplings, or
     /// `stiffness_SI`.
     Explicit(Box<ExplicitSection>),
-    /// Sections along a body, by their stiffness and inertia at stations, linear between them: `along` or a `file`.
+    /// Sections along a body, by their stiffness and inertia at stations, linear between them. State `along` or
+    /// `file`.
     Table(Box<TableSection>),
 }
 
@@ -242,8 +243,8 @@ pub(super) struct ExplicitSection {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TableSection {
-    /// File beside the model file that has them, as CSV whose columns are called like the keys of `along`, or BeamDyn's file of a
-    /// blade. Its columns take the key's place when the model file is read, so an FMU needs no other file.
+    /// File beside the model file that contains them: CSV whose columns are named like the keys of `along`, or
+    /// BeamDyn's blade file. Its contents replace this key when the model file is read, so an FMU needs no other file.
     pub file: Option<String>,
     /// The properties at the stations.
     pub along: Option<SectionsAlong>,

@@ -117,7 +117,7 @@ fn full_circle(name: &str, polar: &PolarFile, checker: &mut Checker) -> Option<P
             return None;
         }
         (None, Some(_)) => {
-            let allowed = "a file beside a model file that is read from its own file; a text alone has rows";
+            let allowed = "a file name, if the model itself is read from a file; a model given as text states rows";
             checker.refuse(&["polar", name, "file"], allowed);
             return None;
         }
@@ -235,7 +235,9 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
     if let Some((key, becomes, _, twice)) = files.into_iter().find(|(_, _, stated, _)| *stated) {
         let allowed = match twice {
             true => format!("either {key} or {becomes}, not both"),
-            false => format!("a file beside a model file that is read from its own file; a text alone has {becomes}"),
+            false => {
+                format!("a file name, if the model itself is read from a file; a model given as text states {becomes}")
+            }
         };
         checker.refuse(&["wind", key], allowed);
         return None;

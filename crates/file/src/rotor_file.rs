@@ -98,13 +98,13 @@ pub(super) struct WindFile {
     /// Length over which the table's linear shears are taken: the rotor's diameter.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub reference_length_m: Option<f64>,
-    /// File beside the model file that has the table: text in these columns, as AeroDyn's uniform wind files. Its rows take the key's
-    /// place when the model file is read, so an FMU needs no other file.
+    /// File beside the model file that contains the table: text in the same columns, like AeroDyn's uniform wind
+    /// files. Its rows replace this key when the model file is read, so an FMU needs no other file.
     pub table_file: Option<String>,
-    /// File beside the model file with a full field of TurbSim, `.bts`, added to the wind of the input, which then should be zero. Its
-    /// bytes take the key's place, as `field`.
+    /// File beside the model file with a full field of TurbSim, `.bts`, added to the wind of the input, which should
+    /// then be zero. When the model file is read, `field` with its bytes replaces this key.
     pub field_file: Option<String>,
-    /// Bytes of such a file as base64; what `field_file` becomes.
+    /// Bytes of such a file in base64; replaces `field_file` when the model file is read.
     pub field: Option<String>,
     /// Turbulence from a seed, added to the wind of the input, which then should be zero.
     pub turbulence: Option<TurbulenceFile>,

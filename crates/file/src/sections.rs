@@ -64,7 +64,7 @@ fn build_table(name: &str, table: &TableSection, checker: &mut Checker) -> Optio
             None
         }
         (None, Some(_)) => {
-            let allowed = "a file beside a model file that is read from its own file; a text alone has along";
+            let allowed = "a file name, if the model itself is read from a file; a model given as text states along";
             checker.refuse(&["section", name, "file"], allowed);
             None
         }

@@ -111,7 +111,7 @@ fn read_columns(text: &str, own: &[&str], other: &[&str]) -> Result<StationTable
             return Err(fault(line, format!("no column is called {name:?}; known are {}", own.join(", "))));
         }
         if names[..index].contains(name) {
-            return Err(fault(line, format!("the column {name} stands twice")));
+            return Err(fault(line, format!("the column {name} appears twice")));
         }
     }
     let mut columns = vec![Vec::new(); names.len()];
@@ -131,7 +131,7 @@ fn read_columns(text: &str, own: &[&str], other: &[&str]) -> Result<StationTable
         }
     }
     if count < 2 {
-        return Err(fault(text.lines().count() + 1, "fewer than two rows behind the header"));
+        return Err(fault(text.lines().count() + 1, "fewer than two rows after the header"));
     }
     let kept = names.iter().zip(columns).filter(|(name, _)| own.contains(name));
     let (names, columns) = kept.map(|(name, column)| ((*name).to_owned(), column)).unzip();
@@ -157,7 +157,7 @@ mod tests {
         for (text, line, reason) in [
             ("", 1, "an empty file"),
             ("share,mas_kg_m\n0,1\n1,1\n", 1, "no column is called \"mas_kg_m\""),
-            ("share,share\n0,1\n1,1\n", 1, "the column share stands twice"),
+            ("share,share\n0,1\n1,1\n", 1, "the column share appears twice"),
             ("share,mass_kg_m\n0,1\n1\n", 3, "1 fields where the header has 2"),
             ("share,mass_kg_m\n0,1\n1,\n", 3, "mass_kg_m is \"\""),
             ("share,mass_kg_m\n0,1\n1,inf\n", 3, "mass_kg_m is \"inf\""),

@@ -120,8 +120,8 @@ pub(super) struct SectionsAlong {
     pub half_height_m: Option<Vec<f64>>,
 }
 
-/// Points of a body's axis without loads, and the twist of its sections there: arrays of equal length. Natural cubic splines over
-/// the arc length go through them.
+/// Points of a body's unloaded axis, and the twist of its sections there: arrays of equal length. They are
+/// interpolated by natural cubic splines over the arc length.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct AxisAlong {
@@ -164,7 +164,7 @@ fn places(path: &[&str], share: Option<&Vec<f64>>, s_m: Option<&Vec<f64>>, check
     if !fine {
         let end = if key == "share" { "from 0 to 1" } else { "from 0 to the length of the body" };
         let found = match values.windows(2).find(|pair| pair[0] >= pair[1]) {
-            Some(pair) => format!("{} behind {}", shortest(pair[1]), shortest(pair[0])),
+            Some(pair) => format!("{} after {}", shortest(pair[1]), shortest(pair[0])),
             None => match (values.first(), values.last()) {
                 (Some(first), Some(last)) => {
                     format!("{} places from {} to {}", values.len(), shortest(*first), shortest(*last))
@@ -256,7 +256,7 @@ impl SectionsAlong {
                 (
                     "axial_stiffness_N",
                     "a stiffness that is not positive definite".to_owned(),
-                    "couplings that leave it so",
+                    "couplings small enough to keep it positive definite",
                 )
             } else if !is_sound(&section) {
                 (

@@ -187,7 +187,7 @@ fn wt33_beamdyn_files() {
 
     for (found, due, reason) in [
         ("2   station_total", "3   station_total", "cut short: the file ends before station 3 of 3"),
-        (" 1\n", " 0\n", "station 2 at 0 behind 0"),
+        (" 1\n", " 0\n", "station 2 at 0 after 0"),
         ("10000000 0 0 0 0 1000000000", "9000000 0 0 0 0 1000000000", "the stiffness is not symmetric"),
         ("200000000 0 0 0 0 10000000", "200000000 0 0 0 0 x", "\"x\" in the stiffness of station 1"),
         (" 100 0 0 0 0 -10\n", " 90 0 0 0 0 -10\n", "the inertia is not that of a section"),
@@ -242,7 +242,7 @@ fn wt34_tables_of_the_model_file() {
         (
             "share = [0.0, 0.5, 1.0], axial",
             "share = [0.0, 1.0, 0.5], axial",
-            "'section.blade.along.share': 0.5 behind 1",
+            "'section.blade.along.share': 0.5 after 1",
         ),
         ("share = [0.0, 0.5, 1.0], axial", "axial", "'section.blade.along.share' is missing"),
         (
@@ -281,7 +281,7 @@ fn wt34_tables_of_the_model_file() {
             "y_m = [1.0, 0.0, 0.0]",
             "'body.blade.axis.y_m': 1 is not allowed; allowed: 0 at the inner end",
         ),
-        ("twist_deg = [12.0, 6.0, 0.0]", "y_m = [0.0, 0.0, 19.0]", "leaves no way along x"),
+        ("twist_deg = [12.0, 6.0, 0.0]", "y_m = [0.0, 0.0, 19.0]", "leaves no length along x"),
         ("elements = 4", "elements = 4\ntwist_1_m = 0.1", "'body.blade.twist_1_m'"),
         ("elements = 4", "elements = 4\nwidth_taper = 0.1", "'body.blade.width_taper'"),
         ("elements = 4", "elements = 4\nouter_section = \"blade\"", "'body.blade.outer_section'"),

@@ -1,4 +1,4 @@
-//! FD-01 to FD-06: a free aircraft with folding tips in steady flight: its trim, its release, its modes.
+//! FD-01 to FD-05: a free aircraft with folding tips in steady flight: its trim, its release, its modes.
 
 mod rigid;
 
@@ -24,7 +24,7 @@ fn machine(fold_deg: f64, replaced: &[(&str, &str)]) -> Machine {
     config::parse(&text, "aircraft.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What turns the nose.
+/// Control of the pitching moment.
 #[derive(Clone, Copy, PartialEq)]
 enum Nose {
     /// Both elevators, in rad.
@@ -106,8 +106,8 @@ fn the_aircraft_is_trimmed_deployed_and_folded() {
     }
 }
 
-/// FD-02: released from its trim, the aircraft stays where it is: what is left of the balance moves it by less than 1e-7 m in 5 s, and no
-/// mode of it grows by more than a tenth in that time.
+/// FD-02: released from its trim, the aircraft stays in place to 1e-6 m over 5 s. Its only growing mode, the spiral with the tips in line,
+/// amplifies what remains of the balance by less than a tenth in that time.
 #[test]
 fn it_flies_on_when_it_is_released() {
     for fold_deg in [0.0, 60.0] {
@@ -130,8 +130,8 @@ fn named(modes: &[ModeShape]) -> Vec<(FlightMode, Complex<f64>)> {
     modes.iter().filter_map(|mode| Some((mode.flight?, mode.eigenvalue_1_s))).collect()
 }
 
-/// FD-03: stiff and in quasi-steady strips, the aircraft has the five modes of a rigid one: eigenvalues to 1e-4 of those of an independent
-/// rigid body in the same strips, each by its name; trim likewise.
+/// FD-03: stiff and in quasi-steady strips, the aircraft has the five modes of a rigid one: each eigenvalue is within 1e-4 of one of an
+/// independent rigid body in the same strips, the five names are found, and the trims agree.
 #[test]
 fn a_stiff_aircraft_has_the_modes_of_a_rigid_one() {
     let stiff = [
@@ -226,7 +226,7 @@ fn to_nearest(a: &DMatrix<f64>, value: Complex<f64>) -> f64 {
     distance
 }
 
-/// FD-04: modes of lowest frequency are eigenvalues of the whole linear model, however few are asked for.
+/// FD-04: the modes of lowest frequency are eigenvalues of the full linear model, whatever number is requested.
 #[test]
 fn slow_modes_are_those_of_the_whole_model() {
     let (mut plant, _) = trimmed(machine(0.0, &[]), Nose::Elevators);
@@ -244,7 +244,7 @@ fn slow_modes_are_those_of_the_whole_model() {
     }
 }
 
-/// FD-05: an aircraft that nothing balances is refused by the name of its joint, with what is left.
+/// FD-05: an aircraft out of trim is refused by the name of its joint, with the remaining load.
 #[test]
 fn an_unbalanced_flight_is_refused() {
     let mut plant = Plant::new(Arc::new(machine(0.0, &[])));

@@ -1,4 +1,4 @@
-//! The pitch link of the NREL 5 MW rotor opens: against an independent solution of a rigid blade, with the static polars and with dynamic stall.
+//! The pitch link of the NREL 5 MW rotor opens: comparison with an independent rigid blade, with static polars and with dynamic stall.
 
 use super::joint_of;
 use crate::plant::machines::start;

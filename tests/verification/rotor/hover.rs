@@ -1,7 +1,7 @@
 //! Rotors in hover and in slow axial flight against closed forms: coning, flap damping, response of the thrust to a step of pitch.
 //!
-//! One thin blade of constant chord that stands for two, from the shaft's axis on, without losses, swirl and drag; lift in proportion to
-//! the angle of attack all round. Angles are small, so that the linear theory holds to 1e-4.
+//! One thin blade of constant chord, which begins at the shaft's axis and represents two, without losses, swirl and drag; the lift is
+//! proportional to the angle of attack at all angles. Angles are small, so the linear theory holds to 1e-4.
 
 use crate::plant::machines::start;
 use foldwing::aero::rotor::inflow_lag::momentum_m_s;

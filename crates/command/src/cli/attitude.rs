@@ -1,4 +1,4 @@
-//! Attitude of a machine that flies: gravity and wind as seen from it, turned, NOTATION eq. (Q9).
+//! Attitude of a free machine: gravity and wind as the machine sees them, NOTATION eq. (Q9).
 
 use crate::cli::Failure;
 use foldwing_engine::plant::Plant;
@@ -22,7 +22,7 @@ pub(super) enum Turn {
 impl Turn {
     const ALL: [Self; 3] = [Self::Roll, Self::Pitch, Self::Yaw];
 
-    /// The name of this unknown.
+    /// Name of the unknown.
     pub fn name(self) -> &'static str {
         ["attitude.roll", "attitude.pitch", "attitude.yaw"][self as usize]
     }
@@ -33,7 +33,7 @@ impl Turn {
     }
 }
 
-/// Gravity in m/s² and wind in m/s of a machine that is not yet turned, root frame, and its axes in that attitude.
+/// Gravity in m/s² and wind in m/s before the turn, root frame, and the axes ahead, right and down.
 #[derive(Debug, Clone)]
 pub(super) struct Attitude {
     given: [f64; 6],
@@ -61,12 +61,12 @@ impl Attitude {
             return Ok(());
         }
         Err(Failure::Usage(format!(
-            "--free {}: an attitude is one against gravity and a wind across it; set gravity and wind.velocity",
+            "--free {}: an attitude needs gravity and a wind that is not parallel to it; set gravity and wind.velocity",
             turn.name()
         )))
     }
 
-    /// Takes the value of one of its inputs; whether the name is one.
+    /// Takes the value of one of its inputs; returns whether `name` is one.
     pub fn take(&mut self, name: &str, value: f64) -> bool {
         let place = INPUTS.iter().position(|input| *input == name);
         if let Some(place) = place {
@@ -92,5 +92,5 @@ impl Attitude {
     }
 }
 
-/// Part of the wind across gravity below which it has no level direction.
+/// Share of the wind across gravity below which its horizontal direction is undefined.
 const LEVEL: f64 = 1e-6;

@@ -29,7 +29,8 @@ pub struct Arguments {
     /// Start value of an input or parameter; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// With a vortex lattice: its air too, as a model in discrete time, one step of the air to the next; wind, flaps and `gust.` are inputs
+    /// Include the air of a vortex lattice: the model is in discrete time, with the aerodynamic step, and wind, flaps
+    /// and `gust.` can be inputs
     #[arg(long)]
     lattice: bool,
     /// Keep the slowest modes, so many states; the others follow at once, and the gain at rest stays
@@ -115,8 +116,8 @@ fn gusts_of(names: &[String], machine: &Machine, lattice: bool) -> Result<(Vec<u
             continue;
         }
         return Err(Failure::Usage(format!(
-            "--inputs {name}: gusts are inputs of linear models with strips alone (aerodynamics.model = \"strip\"), with a rotor that has \
-             inflow_lag_s, or with --lattice of those with a vortex lattice"
+            "--inputs {name}: only linear models with strips (aerodynamics.model = \"strip\"), with a rotor that has inflow_lag_s, or with \
+             a vortex lattice and --lattice have gusts as inputs"
         )));
     }
     gusts.sort_unstable();
@@ -157,7 +158,7 @@ pub(super) fn chosen<'a>(
         if !named {
             return Err(Failure::Usage(format!(
                 "--inputs {name}: linear models of lattices and rotors are without air, they hold its loads; choose other inputs, \
-                 take --lattice where the air is a lattice's, or use strips (aerodynamics.model = \"strip\")"
+                 add --lattice for a vortex lattice, or use strips (aerodynamics.model = \"strip\")"
             )));
         }
     }

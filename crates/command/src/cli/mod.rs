@@ -148,7 +148,7 @@ enum Command {
     Trim(trim::Arguments),
     /// Find flutter and divergence: modes in air over the speed of the wind
     ///
-    /// About the equilibrium at each speed, with the lags of the air of strips; modes are followed from speed to speed, and the speeds
+    /// About the equilibrium at each speed, in the air of strips or of a vortex lattice; modes are followed from speed to speed, and the speeds
     /// at which they begin to grow are found to the last digits. `--over` finds them over another quantity, such as the fold
     /// angle, the density or the stiffness of a latch. Latches are open or closed as the model starts.
     Flutter(flutter::Arguments),

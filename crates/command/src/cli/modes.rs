@@ -22,7 +22,7 @@ pub struct Arguments {
     /// Which equilibrium to use if the one on the load path is unstable
     #[arg(long, value_enum, default_value = "path")]
     branch: BranchOption,
-    /// With a vortex lattice: in its air, not under constant loads
+    /// Include the air of a vortex lattice, whose loads are otherwise held constant
     #[arg(long, conflicts_with = "over")]
     lattice: bool,
     /// Number of modes

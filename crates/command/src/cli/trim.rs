@@ -29,13 +29,13 @@ const INDEPENDENT: f64 = 1e-6;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Input or parameter whose value is sought, or `attitude.roll`, `attitude.pitch`, `attitude.yaw`, which turn the machine
-    /// against gravity and wind; as many as there are balances. Names with commas between share a value, `-NAME` takes the
-    /// opposite one
+    /// Input or parameter whose value is sought, or `attitude.roll`, `attitude.pitch`, `attitude.yaw`, which turn the
+    /// machine relative to gravity and wind; give as many as there are balances. Names joined by commas share a value,
+    /// and `-NAME` takes its negative
     #[arg(long, value_name = "NAME", required = true, value_parser = NonEmptyStringValueParser::new())]
     free: Vec<String>,
-    /// Output and the value that it shall have at rest, in SI units; may be repeated. The forces and moments on free joints
-    /// are balanced without being named
+    /// Output and the value that it must have at rest, in SI units; may be repeated. The forces and moments on free
+    /// joints are always balanced too
     #[arg(long, value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     balance: Vec<String>,
     /// Start value of an input or parameter; of those that are free the first guess; may be repeated
@@ -52,7 +52,7 @@ struct Balance<'a> {
     target: f64,
 }
 
-/// What is sought.
+/// An unknown of the trim.
 enum Unknown<'a> {
     /// The value of inputs or parameters, of the first one; each takes it with its sign.
     Value { name: String, rows: Vec<(f64, &'a Variable)> },
@@ -82,9 +82,9 @@ struct Trim<'a> {
     plant: Plant,
     free: Vec<Unknown<'a>>,
     balances: Vec<Balance<'a>>,
-    /// Names of the loads on free joints, which must vanish, with their units.
+    /// Names and units of the loads on free joints, which must vanish.
     loads: Vec<(String, &'static str)>,
-    /// What the turns of the machine turn.
+    /// Gravity and wind that attitude turns.
     attitude: Attitude,
 }
 
@@ -152,7 +152,7 @@ fn unknown_of<'a>(name: &str, interface: &'a Interface) -> Result<Unknown<'a>, F
     };
     let rows = name.split(',').map(|part| signed(part.trim())).collect::<Result<Vec<_>, _>>()?;
     if rows.iter().any(|(_, row)| row.unit() != rows[0].1.unit()) {
-        return Err(refused("values with different units cannot be the same"));
+        return Err(refused("inputs with different units cannot share a value"));
     }
     Ok(Unknown::Value { name: name.to_owned(), rows })
 }
@@ -171,8 +171,8 @@ fn balance<'a>((name, target): &(String, f64), interface: &'a Interface) -> Resu
 }
 
 impl<'a> Trim<'a> {
-    /// The problem: `free` are names, `balances` names with targets, as many of one as of the other; machines with free
-    /// joints may have more free values, for the loads on these.
+    /// The problem: `free` are names, `balances` names with targets, as many of one as of the other. Machines with free
+    /// joints can have more free values, up to six for each of these joints.
     fn new(
         interface: &'a Interface,
         plant: Plant,
@@ -285,14 +285,14 @@ impl<'a> Trim<'a> {
                 (measure(&found, &sizes) < before).then_some((beside, found))
             });
             let Some(found) = nearer else {
-                return Err(self.failed("no values beside these leave less", &left));
+                return Err(self.failed("no step reduces what is left", &left));
             };
             (values, left) = found;
         }
         Err(self.failed("the iteration does not end", &left))
     }
 
-    /// What each balance counts against: its target or first distance; of loads on free joints the weight or the largest load.
+    /// Reference size of each balance: its target or its first distance; for loads on free joints the weight or the largest load.
     fn sizes(&mut self, left: &DVector<f64>) -> DVector<f64> {
         let study = self.plant.study();
         let (size_n, length_m) = (study.flight_scale_n(), study.flight_length_m());
@@ -366,7 +366,7 @@ fn measure(left: &DVector<f64>, sizes: &DVector<f64>) -> f64 {
         .fold(0.0f64, |largest, (left, size)| largest.max(if *size > 0.0 { left.abs() / size } else { 0.0 }))
 }
 
-/// Change of the free values that leaves the least of the balances over their sizes; `None` where these do not tell.
+/// Change of the free values that minimises the balances relative to their sizes; `None` if the free values are not independent.
 fn step_towards(slopes: &DMatrix<f64>, left: &DVector<f64>, sizes: &DVector<f64>) -> Option<DVector<f64>> {
     let (mut rows, mut right) = (slopes.clone(), left.clone());
     for (i, size) in sizes.iter().enumerate().filter(|(_, size)| **size > 0.0) {

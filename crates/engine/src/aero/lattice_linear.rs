@@ -1,9 +1,9 @@
-//! The lattice about a steady flow: derivatives of what it answers by motion, air, flaps and wake, eqs. (U24) to (U26).
+//! The lattice about a steady flow: derivatives of its response by motion, air, flaps and wake, eqs. (U24) to (U26).
 //!
 //! After Maraniello and Palacios, State-space realizations and internal balancing in potential-flow aerodynamics with arbitrary
-//! kinematics, AIAA Journal 57 (2019). The wake is straight and has its whole length, its last row reaches far behind the wing; its
-//! circulations are states, and where it has circulation in the steady flow the displacements of its nodes are. Circulations of the
-//! wing follow from the motion at the end of a step by (U4) and are eliminated.
+//! kinematics, AIAA Journal 57 (2019). The wake is straight and has its full length; its last row extends far behind the wing. The
+//! circulations of the wake are states; if it has circulation in the steady flow, so are the displacements of its nodes. The
+//! circulations of the wing follow from the motion at the end of a step by (U4) and are eliminated.
 
 use crate::aero::flap::{Deflection, HingeMoment};
 use crate::aero::flow::{Flow, Gust, GustShape};
@@ -21,14 +21,14 @@ pub const SECTION_PARTS: usize = 12;
 const ENTRIES: usize = 6;
 /// Fourth-order central differences: weights of the steps ±1 and ±2, over 12 steps.
 const WEIGHTS: [f64; 2] = [8.0, -1.0];
-/// Step of the differences, in panel chords, in rad of a panel's turn over its chord, and in speeds of the wind. What the lattice
-/// answers is smooth on the scale of a panel: the error is some 1e-11, round-off about as much.
+/// Step of the differences, relative to the panel chord, to the rotation in rad that moves the longest chord's end by a panel chord,
+/// and to the wind speed. The response is smooth on the scale of a panel: the truncation error is about 1e-11, as is the round-off.
 const STEP: f64 = 1e-3;
-/// Rows of nodes behind the trailing edge whose displacements are known one by one; those further behind move with the last of them.
+/// Rows of nodes behind the trailing edge with displacements of their own; rows further behind move with the last of them.
 const MOVING_ROWS: usize = 16;
-/// Circulation of the wake, over that of a wing at an angle of attack of one, below which displacements of its nodes change nothing.
+/// Circulation of the wake, relative to wind speed times panel chord, below which displacements of its nodes have no effect.
 const NO_CIRCULATION: f64 = 1e-12;
-/// Speed of the root frame's turning over that of the wind below which the flow is steady.
+/// Speed from the rotation of the root frame, relative to the wind speed, below which the flow counts as steady.
 const STEADY_SHARE: f64 = 1e-12;
 
 /// Why a lattice has no linear model.
@@ -41,15 +41,15 @@ pub enum NoLinearLattice {
     #[error("a free wake has no steady shape; write free_wake = false")]
     FreeWake,
     /// No wake at all.
-    #[error("wake_rows = 0 leaves no wake to be linear in; give the wake rows")]
+    #[error("wake_rows = 0 leaves no wake to linearise; set wake_rows to 1 or more")]
     NoWake,
     /// The root frame turns.
-    #[error("the root turns at {0} rad/s, so that the wake is no straight one; hold the root's angular velocity at 0")]
+    #[error("the root turns at {0} rad/s, so the wake is not straight; set the root's angular velocity to 0")]
     Turning(f64),
     /// The air does not carry the wake away fast enough.
     #[error(
-        "the wind makes {panels:.4} panel chords in an aerodynamic step, and the wake gets a row only every {SHED_PANELS}; take a longer \
-         step_s, or more wind"
+        "the wind travels {panels:.4} panel chords in an aerodynamic step; a row of the wake needs at least {SHED_PANELS}; increase \
+         step_s or the wind"
     )]
     Slow {
         /// Way of the wind in a step in chords of the shortest panel.
@@ -63,9 +63,9 @@ impl From<NoCirculation> for NoLinearLattice {
     }
 }
 
-/// Derivatives of the answers of a lattice at the end of a step. Rows of an answer: circulations of the panels in m²/s, in the
+/// Derivatives of the response of a lattice at the end of a step. Rows of a response: circulations of the panels in m²/s, in the
 /// order of the equations; circulatory loads of the sections in their frames, force in N and moment in N·m; circulatory hinge
-/// moments of the flaps in N·m; places of the last corners, where the wake begins, root frame, m.
+/// moments of the flaps in N·m; positions in m of the last corners, where the wake begins, root frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeSlopes {
     /// Panels of all surfaces.
@@ -83,7 +83,7 @@ pub struct LatticeSlopes {
     /// By [`SECTION_PARTS`] variables of each section.
     pub section: DMatrix<f64>,
     /// By the velocity of the wind and the angular velocity of the root frame (three columns each), the rates of the flaps and their
-    /// angles. The wake stays where it is.
+    /// angles, with the wake in place.
     pub air: DMatrix<f64>,
     /// By gusts that travel with the wind: components of the velocity at the places that the wind reaches 0, 1, 2… steps after the
     /// foremost point of the lattice, linear in between; three columns for each place.
@@ -93,18 +93,17 @@ pub struct LatticeSlopes {
     /// By displacements of the nodes of the wake in m, row by row behind the last corners, three for each node; rows further behind
     /// than these move with the last. Without columns where the wake has no circulation.
     pub node: DMatrix<f64>,
-    /// Rows of loads and hinge moments of an answer that the rates of the panels' circulations in m²/s² make, as means over a
-    /// step: eq. (U8).
+    /// Loads and hinge moments, as means over a step, by the rates of the panels' circulations in m²/s²: eq. (U8).
     pub impulse: DMatrix<f64>,
 }
 
 impl LatticeSlopes {
-    /// Rows of an answer.
+    /// Rows of a response.
     pub fn rows(&self) -> usize {
         self.edge_row() + 3 * self.edges
     }
 
-    /// The first row of an answer that is a place.
+    /// The first row of a response that is a position.
     pub fn edge_row(&self) -> usize {
         self.panels + ENTRIES * self.sections + self.flaps
     }
@@ -120,7 +119,7 @@ impl LatticeSlopes {
     }
 }
 
-/// What stays the same while one variable after another changes.
+/// The state about which one variable after another is varied.
 struct About<'a> {
     state: LatticeState,
     motions: Vec<SectionMotion>,
@@ -130,7 +129,7 @@ struct About<'a> {
 }
 
 impl VortexLattice {
-    /// Derivatives about the steady flow around sections at rest, in steps of `step_s`. `gusts`: by travelling gusts too.
+    /// Derivatives about the steady flow around sections at rest, in steps of `step_s`; with `gusts` also by travelling gusts.
     ///
     /// # Errors
     /// [`NoLinearLattice`].
@@ -224,7 +223,7 @@ impl VortexLattice {
         })
     }
 
-    /// Steady flow with the whole wake: rows as long as the way of the wind in a step, the last one very long.
+    /// Steady flow with the full wake: rows as long as the wind travels in a step, the last one very long.
     fn steady(
         &mut self,
         motions: &[SectionMotion],
@@ -274,7 +273,7 @@ impl VortexLattice {
         Ok(())
     }
 
-    /// What the lattice answers, appended to `rows`.
+    /// Appends the response of the lattice to `rows`.
     fn answer(&mut self, about: &mut About, rows: &mut Vec<f64>) -> Result<(), NoCirculation> {
         let About { state, motions, deflections, flow, step_s } = about;
         self.deflect(deflections);
@@ -297,7 +296,7 @@ impl VortexLattice {
         Ok(())
     }
 
-    /// Fourth-order difference of the answer; `change` puts a variable at its value plus an amount.
+    /// Fourth-order difference of the response; `change` sets a variable to its value plus an amount.
     fn difference(
         &mut self,
         about: &mut About,
@@ -367,8 +366,8 @@ impl VortexLattice {
         Ok(DMatrix::from_vec(rows, 3 * places, columns))
     }
 
-    /// By the circulations of the wake, of which the loads are quadratic: central differences are exact, the longer their step the less
-    /// round-off they have.
+    /// By the circulations of the wake. The loads are quadratic in them, so central differences are exact, and a long step reduces
+    /// their round-off.
     fn wake_slopes(&mut self, about: &mut About, rows: usize) -> Result<DMatrix<f64>, NoCirculation> {
         let rings = about.state.wake_rows * self.wake_strips;
         let speed_m_s = about.flow.wind_m_s.norm();

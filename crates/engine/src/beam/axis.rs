@@ -1,4 +1,4 @@
-//! The axis of a body that is bent and twisted without loads, given by points.
+//! The unloaded axis of a curved and twisted body, given by points.
 
 use crate::beam::law::NaturalStrain;
 use crate::beam::profile::Profile;
@@ -6,7 +6,7 @@ use crate::math::quadrature::gauss_pieces;
 use crate::math::spline::CubicSpline;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// Points of a body's axis without loads, in the body's frame, and the twist of its sections there; NOTATION eqs. (S10), (S11).
+/// Points of a body's unloaded axis, in the body's frame, and the twist of its sections there; NOTATION eqs. (S10), (S11).
 ///
 /// | symbol | field        | shape | unit |
 /// |--------|--------------|-------|------|
@@ -25,10 +25,10 @@ pub struct Axis {
     pub twist_rad: Vec<f64>,
 }
 
-/// What cannot be about an axis.
+/// Why an axis is refused: it is too steep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TooSteep {
-    /// Arc length in m where the points are further apart than the arc between them.
+    /// Arc length in m at which the slope across `x` reaches 1: the points are further apart than the arc between them.
     pub position_m: f64,
 }
 
@@ -41,12 +41,12 @@ pub struct NaturalShape {
     pub ends: AxisEnds,
 }
 
-/// Ends of an axis without loads in the body's frame.
+/// Ends of an unloaded axis in the body's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisEnds {
     /// Attitude of the first section: body ← section.
     pub first: Matrix3<f64>,
-    /// Place of the outer end from the inner one in m.
+    /// Position of the outer end relative to the inner end in m.
     pub outer_m: Vector3<f64>,
 }
 
@@ -55,7 +55,7 @@ impl Axis {
     /// between stations, through their exact values at four places; those of a straight axis are exact.
     ///
     /// # Errors
-    /// A place where the splines leave no room along `x`: the slope across is 1 or more.
+    /// A position at which the slope of the splines across `x` is 1 or more, so that no length along `x` remains.
     pub fn natural_shape(&self) -> Result<NaturalShape, TooSteep> {
         let splines = [&self.y_m, &self.z_m, &self.twist_rad].map(|values| CubicSpline::new(&self.stations_m, values));
         let [y, z, twist] = &splines;

@@ -1,23 +1,22 @@
-//! A structure over a step under loads that hold: exact for the motions that a step can follow.
+//! A structure over a step under constant loads: exact for the motions that the step can follow.
 
 use crate::solve::linearize::SecondOrder;
 use nalgebra::DMatrix;
 
-/// Turn in rad of the undamped modes over a step beyond which they follow the force at once: 20 periods.
+/// Phase in rad by which an undamped mode advances in a step, above which it follows the force at once: 20 periods.
 const FAST_RAD: f64 = 125.0;
 
-/// Coordinates and rates at the end of a step, by those at its start and by the force that acts all along.
+/// Coordinates and rates at the end of a step, by those at its start and by the constant force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldStructure {
-    /// By coordinates and rates, both in one.
+    /// By coordinates and rates, stacked.
     pub free: DMatrix<f64>,
     /// By forces.
     pub by_force: DMatrix<f64>,
 }
 
-/// `M q̈ + C q̇ + K q = f` with constant `f` over `step_s`. Motions of many periods in a step, by the undamped modes, follow the
-/// force at once, as the integrators of a simulation, which have no steps so short, let them. `None` if the mass matrix is not positive
-/// definite.
+/// `M q̈ + C q̇ + K q = f` with constant `f` over `step_s`. Undamped modes with many periods in a step follow the force at once, as
+/// they do in a simulation, whose integrators do not resolve them. `None` if the mass matrix is not positive definite.
 pub fn held_structure(system: &SecondOrder, step_s: f64) -> Option<HeldStructure> {
     let SecondOrder { mass, damping, stiffness } = system;
     let n = mass.nrows();
@@ -67,8 +66,8 @@ pub fn held_structure(system: &SecondOrder, step_s: f64) -> Option<HeldStructure
 mod tests {
     use super::*;
 
-    /// Two masses that do not know each other: one swings as the closed form says, the other, of a thousand times its frequency,
-    /// yields like a spring.
+    /// Two uncoupled masses: one swings like its closed form; the other, with a thousand times the frequency, follows the force at
+    /// once.
     #[test]
     fn slow_masses_swing_and_fast_ones_yield() {
         let (step_s, slow_rad_s, fast_rad_s) = (0.1_f64, 5.0_f64, 5000.0_f64);

@@ -45,16 +45,16 @@ const LAG: f64 = 0.5;
 /// Real part over the magnitude of the eigenvalue above which a mode counts as growing.
 const GROWTH: f64 = 1e-6;
 
-/// Relative distance from an eigenvalue of the lag states alone within which others of theirs lie.
+/// Relative distance from an eigenvalue of the lag states alone within which an eigenvalue counts as one of theirs.
 const CROWD: f64 = 1e-2;
-/// Rounds with a basis of shapes that is extended in between.
+/// Maximum number of rounds; the basis of shapes is extended between them.
 const MAXIMUM_ROUNDS: usize = 4;
 /// Dimension of the Krylov space of slow motions.
 const KRYLOV: usize = 16;
-/// Eigenvalue over the square root of the shift that the stiffness needs, below which it is round-off: the differences behind the
-/// matrices are good to 1e-9, and a double zero shows the root of that.
+/// Eigenvalue, relative to the square root of the shift that the stiffness needs, below which it is round-off: the finite differences in
+/// the matrices are accurate to 1e-9, which changes a double zero by the square root of that.
 const SLOWEST: f64 = 1e-4;
-/// Part of a direction, of length 1, that must be new for the basis of shapes: one that is round-off of the rest spoils it.
+/// Part of a unit direction that must be orthogonal to the basis of shapes, so that the basis is not extended by round-off.
 const NEW: f64 = 1e-6;
 
 /// Eigenvalues, and the vector of each.
@@ -111,8 +111,8 @@ impl Lagged {
         Err(NoModes::Iteration)
     }
 
-    /// Shapes of the Krylov space of the inverse about a real `at_1_s`, from the sum of some shapes on: it holds the motions that
-    /// are slower, which the air may bend as no undamped mode does.
+    /// Shapes of the Krylov space of the inverse about a real `at_1_s`, which starts from the sum of some shapes. It contains the slower
+    /// motions, in which the air can deform the machine unlike any undamped mode.
     fn slow_shapes(&self, at_1_s: f64, start: &[Guess]) -> Vec<DVector<f64>> {
         let (n, lags) = (self.position.ncols(), self.lag.nrows());
         let SecondOrder { mass, damping, stiffness } = &self.second;
@@ -158,8 +158,8 @@ impl Lagged {
         shapes
     }
 
-    /// The modes over a basis of shapes, each polished over all coordinates; and values and shapes over the basis of those for
-    /// which that did not converge.
+    /// The modes over a basis of shapes, each refined over all coordinates; and, for those that did not converge, eigenvalues and
+    /// shapes over the basis.
     fn modes_over(
         &self,
         basis: &DMatrix<f64>,
@@ -183,12 +183,12 @@ impl Lagged {
                 continue;
             }
             if value.norm() <= free {
-                // the states of motions that nothing resists, which are in the list
+                // motions that nothing resists are in the list already
                 continue;
             }
             let shape = &Basis(basis) * &shapes[i];
             let (mode, converged) = self.polish(value, shape.clone());
-            // lag states of strips alike crowd about their poles, and are not motions
+            // the lag states of equal strips cluster about their poles and are not motions
             if !converged && mode.lag_share <= LAG && nearest > CROWD * value.norm() {
                 lacking.push((value, shape));
             }
@@ -354,7 +354,7 @@ impl Lagged {
     }
 }
 
-/// Adds directions to a basis that is orthonormal in the mass; whether any was new.
+/// Adds directions to a basis that is orthonormal in the mass; returns whether any was new.
 fn extend(basis: &mut DMatrix<f64>, directions: &[DVector<f64>], mass: &DMatrix<f64>) -> bool {
     let before = basis.ncols();
     for direction in directions {

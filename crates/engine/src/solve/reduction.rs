@@ -52,12 +52,12 @@ pub enum NoReduction {
         /// All states.
         most: usize,
     },
-    /// Balanced truncation of samples that do not decay.
+    /// Balanced truncation in discrete time of a model with motions that do not decay.
     #[error(
-        "the model has motions that do not decay, which balanced truncation of samples cannot keep; choose a state below flutter, or hold the motion"
+        "the model has motions that do not decay, which balanced truncation in discrete time cannot reduce; choose a state below flutter, or hold the motion"
     )]
     Grows,
-    /// Modes of samples: those of the wake have no order.
+    /// Reduction to modes in discrete time: the modes of the wake have no order.
     #[error("models in discrete time are reduced by balanced truncation (--reduce), not to modes")]
     SampledModes,
     /// A singular matrix on the way.

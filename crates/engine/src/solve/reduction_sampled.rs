@@ -4,17 +4,17 @@ use crate::solve::linearize::StateSpace;
 use crate::solve::reduction::{Keep, NoReduction, Reduced};
 use nalgebra::{DMatrix, SVD};
 
-/// Doublings of the number of samples that a Gramian sums: what has not decayed after 2^30 samples does not decay.
+/// Maximum number of doublings of the samples in a Gramian: a motion that has not decayed after 2^30 samples counts as undamped.
 const DOUBLINGS: usize = 30;
-/// Change of a Gramian over itself at which it is complete.
+/// Relative change of a Gramian at which it has converged.
 const COMPLETE: f64 = 1e-15;
 /// Share of a state's own Gramian that is round-off.
 const RANK: f64 = 1e-14;
-/// Hankel singular values, relative to the largest, that are round-off of the Gramians.
+/// Hankel singular values, relative to the largest, below which they are round-off of the Gramians.
 const ROUND_OFF: f64 = 1e-9;
 
-/// A model of `order` states: of those that inputs reach and outputs show alike, the ones with the largest Hankel singular values. The
-/// error is at most twice the sum of the others at every frequency.
+/// A model with at most `order` states: the balanced states with the largest Hankel singular values. At every frequency the error is
+/// at most twice the sum of the other singular values.
 ///
 /// # Errors
 /// [`NoReduction`]; models with motions that do not decay, and [`Keep::Modes`].

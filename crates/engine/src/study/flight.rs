@@ -1,4 +1,4 @@
-//! Machines that fly: a steady flight is a state of rest in a frame that flies along, NOTATION eq. (Q8).
+//! Free machines: a steady flight is a state of rest in a frame that moves with the machine, NOTATION eq. (Q8).
 
 use crate::load::Wrench;
 use crate::solve::EquationsOfMotion;
@@ -8,33 +8,33 @@ use crate::system::shape::{ModeShape, NodeMotion};
 use crate::system::{FlightMode, PlantError, System};
 use nalgebra::{Complex, Vector3};
 
-/// What may be left on a free joint at rest, over the weight of the machine, or the loads on it where they are larger;
-/// moments count over the machine's length: a thousand times what a trim leaves.
+/// Maximum load that may remain on a free joint at rest, relative to the weight of the machine or to its largest load; moments are
+/// also divided by the machine's length. A thousand times the tolerance of a trim.
 const BALANCED: f64 = 1e-6;
 
-/// What would have to hold a free joint at rest: zero where the machine is in trim.
+/// Load that holds a free joint at rest: zero if the machine is in trim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlightLoad {
     /// Body that the joint carries.
     pub body: usize,
-    /// Force in N, parent's frame.
+    /// Force in N, root frame.
     pub force_n: Vector3<f64>,
-    /// Moment about the joint in N·m, parent's frame.
+    /// Moment about the joint in N·m, root frame.
     pub moment_n_m: Vector3<f64>,
 }
 
 impl Study<'_> {
-    /// [`Study::equilibrium`] with the free joints held where they start; returns what would have to hold them.
+    /// [`Study::equilibrium`] with the free joints held at their start; returns the loads that hold them.
     ///
     /// # Errors
-    /// If the rest of the machine has no equilibrium.
+    /// If the machine with its free joints held has no equilibrium.
     pub fn rest_held_in_flight(&mut self, time_s: f64) -> Result<Vec<FlightLoad>, PlantError> {
         self.come_to_rest(time_s, Holding::AsReleased)?;
         Ok(self.flight_loads(time_s))
     }
 
-    /// Forces in N that count as the size of what balances in flight: the machine's weight or the largest load on it, moments
-    /// over the machine's length.
+    /// Reference force in N of the balances in flight: the maximum of the machine's weight and the loads on it, with moments divided by
+    /// the machine's length.
     pub fn flight_scale_n(&self) -> f64 {
         let equations = &self.system.equations;
         let weight_n = self.system.mass_kg() * equations.root.apparent_gravity_m_s2().norm();
@@ -42,12 +42,12 @@ impl Study<'_> {
         equations.stations.iter().map(size_n).fold(weight_n, f64::max)
     }
 
-    /// Length in m over which moments count in [`Study::flight_scale_n`].
+    /// Length in m by which [`Study::flight_scale_n`] divides moments.
     pub fn flight_length_m(&self) -> f64 {
         self.system.equations.model.reference_length_m
     }
 
-    /// What would have to hold the free joints at the present state of rest.
+    /// Loads that hold the free joints in the present state of rest.
     fn flight_loads(&mut self, time_s: f64) -> Vec<FlightLoad> {
         if !self.system.equations.spatial.iter().any(|joint| joint.flies) {
             return Vec::new();
@@ -63,7 +63,7 @@ impl Study<'_> {
         load.collect()
     }
 
-    /// Refuses a state of rest in which something would have to hold a free joint.
+    /// Refuses a state of rest in which a load on a free joint remains.
     pub(super) fn refuse_unbalanced_flight(&mut self, time_s: f64) -> Result<(), PlantError> {
         for load in self.flight_loads(time_s) {
             let size_n = self.flight_scale_n();
@@ -81,8 +81,8 @@ impl Study<'_> {
     }
 }
 
-/// Of two lateral modes that do not oscillate, the slower one is the spiral: strong dihedral makes it turn too little to be known
-/// by its own motion.
+/// Of several lateral modes that do not oscillate, the slowest is the spiral: with strong dihedral it turns too little to be
+/// recognised by its own motion.
 pub(super) fn tell_lateral_apart(modes: &mut [ModeShape]) {
     let lateral = |mode: &ModeShape| matches!(mode.flight, Some(FlightMode::Spiral | FlightMode::RollSubsidence));
     let rate = |mode: &ModeShape| mode.eigenvalue_1_s.norm();
@@ -114,7 +114,7 @@ impl System {
         };
         let (displacement, rotation) = (|node: &NodeMotion| node.displacement_m, |node: &NodeMotion| node.rotation_rad);
         let (way, turn) = (complex(&displacement, joint.body, 0), complex(&rotation, joint.body, 0));
-        // how far the sections move as one, and by bending
+        // maximum displacement of the sections by the rigid motion, and by bending
         let shape = self.shape();
         let origin_m = shape[joint.body][0].position_m;
         let (mut rigid_m, mut bending_m) = (0.0f64, 0.0f64);

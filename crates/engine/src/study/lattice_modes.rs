@@ -1,5 +1,5 @@
-//! Modes of a machine in the air of a lattice, NOTATION eq. (L30): the wake's rows are delays, so that an eigenvalue of the sampled
-//! system is one of a small matrix that depends on it.
+//! Modes of a machine in the air of a lattice, NOTATION eq. (L30): the rows of the wake are delays, so the eigenvalues of the
+//! discrete-time system are those of a small matrix that depends on the eigenvalue.
 
 use crate::solve::lagged::{Lagged, LaggedMode};
 use crate::solve::linearize::SecondOrder;
@@ -14,11 +14,11 @@ use nalgebra::{Complex, DMatrix, DVector};
 type ComplexMatrix = DMatrix<Complex<f64>>;
 type ComplexVector = DVector<Complex<f64>>;
 
-/// Shares of the air through which a mode goes from the structure alone to the whole: a mode is followed along them.
+/// Steps in which the share of the air grows from 0 to 1 while a mode is followed.
 const SHARES: usize = 16;
-/// Corrections of an eigenvalue at each share, and at the last one.
+/// Maximum number of corrections of an eigenvalue at each share.
 const CORRECTIONS: usize = 30;
-/// Correction of an eigenvalue over its distance from 1 below which it is found.
+/// Correction of an eigenvalue, relative to its distance from 1, below which it has converged.
 const FOUND: f64 = 1e-11;
 /// Relative difference below which two eigenvalues are one.
 const SAME: f64 = 1e-6;
@@ -28,12 +28,12 @@ const STEP: f64 = 1e-6;
 /// The nonlinear eigenvalue problem.
 struct Delays<'a> {
     system: &'a SampledLattice,
-    /// Change of the step's end with the loads that act, of coordinates and rates.
+    /// Derivative of coordinates and rates at the end of the step by the loads of the step.
     pushed: DMatrix<f64>,
 }
 
 impl Delays<'_> {
-    /// Loads in the step that ends, per coordinate, of motions that go as `z` from step to step.
+    /// Loads of the step that ends, per coordinate, for motions that grow by the factor `z` per step.
     fn loads(&self, z: Complex<f64>) -> Option<ComplexMatrix> {
         let SampledLattice { slopes, step_s, by_place, by_velocity, .. } = self.system;
         let one = Complex::from(1.0);
@@ -142,7 +142,7 @@ impl Delays<'_> {
 impl Study<'_> {
     /// Modes of lowest frequency in the air of a lattice about the present state of rest, and the sign of the determinant of the static
     /// stiffness in the established flow; `None` if it is singular. Each mode is followed from the structure under constant loads to
-    /// the whole air.
+    /// the full air; modes that are lost on the way are left out.
     ///
     /// # Errors
     /// As [`Study::lattice_space`].

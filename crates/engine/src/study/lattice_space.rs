@@ -1,5 +1,5 @@
 //! The machine in the air of a vortex lattice as a linear system in discrete time, NOTATION eqs. (L27) to (L29): one step is an
-//! aerodynamic step, and what agrees within it in a simulation, (Q1), (Q2) and (Q4), agrees here.
+//! aerodynamic step, coupled as in a simulation by (Q1), (Q2) and (Q4).
 
 use crate::solve::held::{HeldStructure, held_structure};
 use crate::solve::linearize::{SecondOrder, StateSpace};
@@ -66,14 +66,14 @@ impl Layout {
 }
 
 impl Study<'_> {
-    /// The machine with its lattice about the present state, which must be one of rest, in steps of the air.
+    /// The machine with its lattice about the present state, which must be a state of rest, in aerodynamic steps.
     ///
-    /// Inputs hold over a step, as those of a simulation's step do: wind and flaps act at its end. A gust input is the
-    /// velocity, at the end of the step, of a gust that travels with the wind, where it meets the foremost point of the lattice.
-    /// Outputs are read at the ends of steps, with the loads of the step that ends.
+    /// Inputs are constant over a step, as in a simulation; wind and flaps act at its end. A gust input is the velocity of a gust
+    /// that travels with the wind, at the end of the step, where it meets the foremost point of the lattice.
+    /// Outputs are values at the end of a step, under the loads of that step.
     ///
     /// # Errors
-    /// Machines without lattice, states of motion, and flows that are not steady.
+    /// Machines without a lattice, moving states, and unsteady flows.
     pub fn lattice_space(
         &mut self,
         inputs: &[InputSlope],
@@ -123,13 +123,11 @@ impl Study<'_> {
         let time_s = self.system.state.now.time_s;
         let refused = |cause: &str| PlantError::Linearization { time_s, cause: cause.into() };
         let Some(step_s) = self.system.air_step_s().filter(|_| self.system.has_linear_lattice()) else {
-            return Err(refused(
-                "models in discrete time are those of a vortex lattice (aerodynamics.model = \"uvlm\")",
-            ));
+            return Err(refused("only a vortex lattice (aerodynamics.model = \"uvlm\") has a model in discrete time"));
         };
         let now = &self.system.state.now;
         if now.v.iter().chain(&now.a).any(|rate| *rate != 0.0) {
-            return Err(refused("a lattice is linearised about states of rest; take the equilibrium"));
+            return Err(refused("a lattice can be linearised only about a state of rest; use the equilibrium"));
         }
         let second = self.second_order()?;
         let freedoms = self.system.freedoms();
@@ -145,7 +143,7 @@ impl Study<'_> {
         Ok(SampledLattice { slopes, second, held, step_s, by_place, by_velocity, force })
     }
 
-    /// Answers of the lattice to the coordinates, and to their rates as the air sees them.
+    /// Response of the lattice by the coordinates, and by their rates as the air sees them.
     fn answers_of_motion(&mut self, freedoms: &[Freedom], slopes: &LatticeSlopes) -> [DMatrix<f64>; 2] {
         let [_, by_rate, _] = self.section_slopes(freedoms);
         [0, 6].map(|first| {
@@ -176,7 +174,7 @@ impl Study<'_> {
                 columns_of(&columns, count)
             });
         let loads = ENTRIES * slopes.sections;
-        // answers as outputs take them: loads, circulations of strips, hinge moments
+        // responses as the outputs need them: loads, circulations of strips, hinge moments
         let strips = slopes.trailing.len();
         let answers = DMatrix::identity(loads + strips + slopes.flaps, loads + strips + slopes.flaps);
         let of_air = self.outputs_of_air(&answers, count, read);
@@ -243,9 +241,9 @@ pub(super) struct SampledLattice {
     /// The same over a step.
     pub held: HeldStructure,
     pub step_s: f64,
-    /// Answers of the lattice by the coordinates.
+    /// Response of the lattice by the coordinates.
     pub by_place: DMatrix<f64>,
-    /// Answers by the rates that the air sees.
+    /// Response by the rates that the air sees.
     pub by_velocity: DMatrix<f64>,
     /// Change of the residual with the loads of the sections.
     pub force: DMatrix<f64>,
@@ -271,7 +269,7 @@ impl Coupled<'_> {
         let rest = loads + slopes.flaps;
         let wide = states + inputs;
         let strips = slopes.trailing.len();
-        // everything is a linear function of the states and inputs at the start of the step: rows over `wide` columns
+        // every quantity is a linear function of the states and inputs at the start of the step, with `wide` columns
         let mut wake = DMatrix::zeros(slopes.wake.ncols(), wide);
         for (strip, panel) in slopes.trailing.iter().enumerate() {
             wake[(strip, layout.bound.start + panel)] = 1.0;

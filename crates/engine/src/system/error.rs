@@ -144,8 +144,8 @@ pub enum PlantError {
     },
     /// Nothing holds a free joint in the state of rest that was found.
     #[error(
-        "no steady flight at t = {time_s} s: {force_n:.3e} N and {moment_n_m:.3e} N m are left on the free joint {joint:?}; find a \
-         trim, or let the experiment start unstrained"
+        "no steady flight at t = {time_s} s: {force_n:.3e} N and {moment_n_m:.3e} N m remain on the free joint {joint:?}; trim the \
+         machine (foldwing trim) and set the values found"
     )]
     Flight {
         /// Time in s.

@@ -12,9 +12,9 @@ pub(crate) struct SpatialJoint {
     pub body: usize,
     /// Its parameters.
     joint: Joint,
-    /// Nothing but this joint connects what it carries to the root, and it lets all of it move.
+    /// It is a free joint, and no loop connects what it carries to anything else.
     pub flies: bool,
-    /// It is held where it is while the rest of the machine settles, eq. (Q8).
+    /// It is held in place while the other parts of the machine settle, eq. (Q8).
     pub held: bool,
 }
 
@@ -64,7 +64,7 @@ impl SpatialJoint {
         self.joint.range()
     }
 
-    /// Force in N and moment in N·m about the joint that would have to hold the joint, of a residual: parent's frame.
+    /// Force in N and moment in N·m about the joint that hold it, from a residual; root frame.
     pub fn holding(&self, residual: &[f64]) -> [Vector3<f64>; 2] {
         let first = self.range().start;
         [0, 3].map(|part| Vector3::from_column_slice(&residual[first + part..first + part + 3]))

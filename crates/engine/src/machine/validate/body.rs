@@ -101,7 +101,7 @@ pub(crate) fn profile(place: &[&str], profile: &Profile, length_m: f64, checker:
                     "pieces [start, c0, c1, c2, c3] of finite numbers with starts ascending from 0 to below {} m",
                     shortest(length_m)
                 );
-                checker.refuse_state(place, format!("{} pieces that are none", pieces.len()), allowed);
+                checker.refuse_state(place, format!("{} invalid pieces", pieces.len()), allowed);
             }
             fits
         }

@@ -1,0 +1,321 @@
+//! Profiles in the lattice: camber, lift slope and polars, by a velocity through the panels of each strip; profile drag and moment:
+//! eqs. (U27) to (U29).
+//!
+//! A thin plate is what the lattice is without this. Any other profile gets the circulation that belongs to its coefficients at the
+//! angle at which a thin plate would have the circulation of its strip: the angle after what wake, other strips and other surfaces
+//! induce. The velocities of all strips depend on each other through the lattice and follow from Newton's iteration.
+
+use crate::aero::AirLoads;
+use crate::aero::biot_savart::{LANES, blocks};
+use crate::aero::flow::Flow;
+use crate::aero::lattice::VortexLattice;
+use crate::aero::lattice_state::LatticeState;
+use crate::aero::linear_system::LinearSystem;
+use crate::aero::near_sheets::NoCirculation;
+use crate::aero::polar::PolarRow;
+use crate::aero::strip::section::{Cut, Strip};
+use crate::aero::surface::{Profile, Surface};
+use crate::load::SectionMotion;
+use pulp::Arch;
+use std::f64::consts::{PI, TAU};
+
+/// What the velocities of the strips may lack, over the relative speed: round-off of the lattice's circulation.
+const ROUND_OFF: f64 = 1e-12;
+/// Solutions of the lattice for one set of velocities. Its factors are near, so that each leaves a twentieth of the error or less.
+const MAXIMUM_SOLUTIONS: usize = 40;
+/// Newton's iterations between two solutions: with polars one for each of the straight lines that strips pass on their way.
+const MAXIMUM_ITERATIONS: usize = 100;
+/// Halvings of a step of that iteration before it goes a part of the way to the plain fixed point instead.
+const MAXIMUM_HALVINGS: usize = 12;
+/// That part. Smaller than 1, because strips induce on each other.
+const PART_OF_WAY: f64 = 0.3;
+
+/// Strips whose profile is not a thin plate, with their scratch.
+#[derive(Debug, Clone)]
+pub(super) struct LatticeProfiles {
+    strips: Vec<ProfileStrip>,
+    met: Vec<Met>,
+    profiles: Vec<Profile>,
+    /// Circulation in m of strip `i` for a unit velocity through strip `j`: `[j · strips + i]`. Of the factors in use.
+    pub gains_m: Vec<f64>,
+    /// Whether they belong to them.
+    pub has_gains: bool,
+    newton: LinearSystem,
+    /// Of all strips in m/s: velocity at the last solution, what a thin plate meets there, velocity now and where the present step
+    /// began, that step, residual.
+    solved_m_s: Vec<f64>,
+    thin_m_s: Vec<f64>,
+    trial_m_s: Vec<f64>,
+    base_m_s: Vec<f64>,
+    step_m_s: Vec<f64>,
+    residual_m_s: Vec<f64>,
+    column: Vec<f64>,
+}
+
+/// A strip and its place in the lattice.
+#[derive(Debug, Clone)]
+struct ProfileStrip {
+    strip: Strip,
+    /// Panels in the equations: the foremost, how many lie behind each other, and how far apart.
+    first_panel: usize,
+    rows: usize,
+    stride: usize,
+    /// Its first ring.
+    first_ring: usize,
+}
+
+/// What a strip meets at the instant that is looked at.
+#[derive(Debug, Clone, Copy)]
+struct Met {
+    cut: Cut,
+    /// Velocity of the air from leading to trailing edge in the strip's cut, without what bound vortices induce, in m/s.
+    along_m_s: f64,
+}
+
+impl ProfileStrip {
+    fn panels(&self) -> impl Iterator<Item = usize> + use<> {
+        (self.first_panel..).step_by(self.stride).take(self.rows)
+    }
+
+    fn rear_panel(&self) -> usize {
+        self.first_panel + (self.rows - 1) * self.stride
+    }
+
+    /// Velocity through a thin plate that has the circulation of this profile in m/s, and its slope over `thin_m_s`: eq. (U28).
+    fn wanted(&self, profile: &Profile, along_m_s: f64, thin_m_s: f64) -> (f64, f64) {
+        match &profile.polar {
+            None => {
+                let (sine, cosine) = profile.zero_lift_angle_rad.sin_cos();
+                let slope = self.strip.lift_slope_1_rad / TAU;
+                (slope * (thin_m_s * cosine - along_m_s * sine), slope * cosine)
+            }
+            Some(polar) => {
+                let speed_m_s = along_m_s.hypot(thin_m_s);
+                if speed_m_s == 0.0 {
+                    return (0.0, 1.0);
+                }
+                let (row, slope) = polar.at_with_lift_slope(thin_m_s.atan2(along_m_s));
+                let rate = (row.lift * thin_m_s + slope * along_m_s) / speed_m_s;
+                (row.lift * speed_m_s / TAU, rate / TAU)
+            }
+        }
+    }
+}
+
+impl LatticeProfiles {
+    /// Strips of the surfaces whose profile is not a thin plate, for a lattice with these first panels and first rings.
+    pub fn new(surfaces: &[Surface], first: impl Iterator<Item = [usize; 2]>) -> Self {
+        let mut strips = Vec::new();
+        for (index, (surface, [first_panel, first_ring])) in surfaces.iter().zip(first).enumerate() {
+            if surface.profile.is_thin() {
+                continue;
+            }
+            let own = surface.strips();
+            strips.extend((0..own).map(|strip| ProfileStrip {
+                strip: Strip {
+                    sections: [surface.sections.start + strip, surface.sections.start + strip + 1],
+                    chords: [surface.chords[strip], surface.chords[strip + 1]],
+                    surface: index,
+                    lift_slope_1_rad: surface.profile.lift_slope_of_strip_1_rad(strip),
+                    speed_of_sound_m_s: f64::INFINITY,
+                },
+                first_panel: first_panel + strip,
+                rows: surface.chord_panels,
+                stride: own,
+                first_ring: first_ring + strip,
+            }));
+        }
+        let (count, panels) = (strips.len(), surfaces.iter().map(Surface::panels).sum());
+        let zero = vec![0.0; count];
+        Self {
+            met: Vec::with_capacity(count),
+            profiles: surfaces.iter().map(|surface| surface.profile.clone()).collect(),
+            gains_m: vec![0.0; count * count],
+            has_gains: false,
+            newton: LinearSystem::new(count, blocks(count) * LANES),
+            solved_m_s: zero.clone(),
+            thin_m_s: zero.clone(),
+            trial_m_s: zero.clone(),
+            base_m_s: zero.clone(),
+            step_m_s: zero.clone(),
+            residual_m_s: zero,
+            column: vec![0.0; if count > 0 { panels } else { 0 }],
+            strips,
+        }
+    }
+
+    /// Number of strips with a velocity through their panels.
+    pub fn count(&self) -> usize {
+        self.strips.len()
+    }
+
+    /// Circulation of each strip for a unit velocity through another one, with the factors of a lattice.
+    fn find_gains(&mut self, arch: Arch, system: &LinearSystem) {
+        let Self { strips, gains_m, column, .. } = self;
+        for (strip, gains_m) in strips.iter().zip(gains_m.chunks_exact_mut(strips.len())) {
+            column.fill(0.0);
+            strip.panels().for_each(|panel| column[panel] = 1.0);
+            system.solve(arch, column);
+            gains_m.iter_mut().zip(strips.iter()).for_each(|(gain_m, strip)| *gain_m = column[strip.rear_panel()]);
+        }
+        self.has_gains = true;
+    }
+
+    /// Velocity that a thin plate in place of strip `i` meets at the trial velocities, as the gains have it, in m/s.
+    fn thin_m_s(&self, i: usize) -> f64 {
+        let count = self.count();
+        let changes = self.trial_m_s.iter().zip(&self.solved_m_s).map(|(trial, solved)| trial - solved);
+        let circulation_m2_s: f64 = changes.enumerate().map(|(j, change)| self.gains_m[j * count + i] * change).sum();
+        let own_m_s = self.trial_m_s[i] - self.solved_m_s[i];
+        self.thin_m_s[i] + circulation_m2_s / (PI * self.met[i].cut.chord_m) - own_m_s
+    }
+
+    /// Residuals at the trial velocities, and their sum of squares in m²/s².
+    fn find_residuals(&mut self) -> f64 {
+        let mut sum = 0.0;
+        for i in 0..self.count() {
+            let thin_m_s = self.thin_m_s(i);
+            let strip = &self.strips[i];
+            let wanted_m_s = strip.wanted(&self.profiles[strip.strip.surface], self.met[i].along_m_s, thin_m_s).0;
+            self.residual_m_s[i] = wanted_m_s - thin_m_s - self.trial_m_s[i];
+            sum += self.residual_m_s[i].powi(2);
+        }
+        sum
+    }
+
+    /// Puts the trial velocities a share of the step beyond where it began.
+    fn go(&mut self, share: f64) {
+        let ends = self.base_m_s.iter().zip(&self.step_m_s).map(|(base, step)| base + share * step);
+        self.trial_m_s.iter_mut().zip(ends).for_each(|(trial, end)| *trial = end);
+    }
+
+    /// Velocities for which all profiles have their circulation, as the gains have it, from the trial velocities on.
+    fn iterate(&mut self, allowed_m_s: f64) {
+        let count = self.count();
+        let mut before = self.find_residuals();
+        for _ in 0..MAXIMUM_ITERATIONS {
+            if self.residual_m_s.iter().all(|residual| residual.abs() <= allowed_m_s) {
+                return;
+            }
+            self.newton.cleared();
+            for i in 0..count {
+                let strip = &self.strips[i];
+                let profile = &self.profiles[strip.strip.surface];
+                let slope = strip.wanted(profile, self.met[i].along_m_s, self.thin_m_s(i)).1;
+                for j in 0..count {
+                    let own = if i == j { 1.0 } else { 0.0 };
+                    let thin = self.gains_m[j * count + i] / (PI * self.met[i].cut.chord_m) - own;
+                    self.newton.add(i, j, own - (slope - 1.0) * thin);
+                }
+            }
+            let arch = Arch::new();
+            self.step_m_s.copy_from_slice(&self.residual_m_s);
+            let solvable = self.newton.factorize(arch).is_ok();
+            if solvable {
+                self.newton.solve(arch, &mut self.step_m_s);
+            }
+            self.base_m_s.copy_from_slice(&self.trial_m_s);
+            let mut share = 1.0;
+            let shorter = solvable
+                && (0..MAXIMUM_HALVINGS).any(|_| {
+                    self.go(share);
+                    share *= 0.5;
+                    self.find_residuals() < before
+                });
+            if !shorter {
+                self.go(0.0);
+                self.find_residuals();
+                let ways = self.trial_m_s.iter_mut().zip(&self.residual_m_s);
+                ways.for_each(|(trial, residual)| *trial += PART_OF_WAY * residual);
+                self.find_residuals();
+            }
+            before = self.residual_m_s.iter().map(|residual| residual * residual).sum();
+        }
+    }
+}
+
+impl VortexLattice {
+    /// Circulation with which every strip has the lift of its profile, eqs. (U27) and (U28). `right` holds the velocity of the air
+    /// through the panels.
+    pub(super) fn circulate_profiles(
+        &mut self,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        state: &mut LatticeState,
+    ) -> Result<(), NoCirculation> {
+        let Self { profiles, bound, relative_m_s, .. } = self;
+        let LatticeProfiles { strips, met, .. } = profiles;
+        met.clear();
+        met.extend(strips.iter().map(|strip| {
+            let cut = strip.strip.cut(motions, flow);
+            let rings = (strip.first_ring..).step_by(bound[strip.strip.surface].ring_stride).take(strip.rows);
+            let along_m_s = rings.map(|ring| relative_m_s[ring].dot(&cut.aft)).sum::<f64>() / strip.rows as f64;
+            Met { cut, along_m_s }
+        }));
+        let mut through_m_s = std::mem::take(&mut state.profile_m_s);
+        let outcome = self.settle_profiles(state, &mut through_m_s);
+        state.profile_m_s = through_m_s;
+        outcome
+    }
+
+    fn settle_profiles(&mut self, state: &LatticeState, through_m_s: &mut [f64]) -> Result<(), NoCirculation> {
+        self.profiles.solved_m_s.fill(0.0);
+        let mut worst = 0;
+        for _ in 0..MAXIMUM_SOLUTIONS {
+            for (at, strip) in self.profiles.strips.iter().enumerate() {
+                let change_m_s = through_m_s[at] - self.profiles.solved_m_s[at];
+                strip.panels().for_each(|panel| self.right[panel] += change_m_s);
+            }
+            self.profiles.solved_m_s.copy_from_slice(through_m_s);
+            self.solve_right(state)?;
+            let profiles = &mut self.profiles;
+            let mut speed_m_s = 0.0_f64;
+            for (at, strip) in profiles.strips.iter().enumerate() {
+                let met = &profiles.met[at];
+                let thin_m_s = self.solution[strip.rear_panel()] / (PI * met.cut.chord_m) - through_m_s[at];
+                profiles.thin_m_s[at] = thin_m_s;
+                speed_m_s = speed_m_s.max(met.along_m_s.hypot(thin_m_s));
+            }
+            profiles.trial_m_s.copy_from_slice(through_m_s);
+            profiles.find_residuals();
+            let residuals = profiles.residual_m_s.iter().map(|residual| residual.abs()).enumerate();
+            let (at, largest_m_s) = residuals.fold((0, 0.0), |most, next| if next.1 > most.1 { next } else { most });
+            if largest_m_s <= ROUND_OFF * speed_m_s {
+                return Ok(());
+            }
+            worst = profiles.strips[at].strip.surface;
+            if !profiles.has_gains {
+                profiles.find_gains(self.arch, &self.system);
+            }
+            profiles.iterate(0.1 * ROUND_OFF * speed_m_s);
+            through_m_s.copy_from_slice(&profiles.trial_m_s);
+        }
+        Err(NoCirculation::Profile(worst))
+    }
+
+    /// Drag and moment of the profiles, eq. (U29). The lift is that of the lattice.
+    pub(super) fn profile_loads(&self, density_kg_m3: f64, state: &LatticeState, loads: &mut AirLoads) {
+        let LatticeProfiles { strips, met, profiles, .. } = &self.profiles;
+        for ((strip, met), through_m_s) in strips.iter().zip(met).zip(&state.profile_m_s) {
+            let profile = &profiles[strip.strip.surface];
+            let Met { cut, along_m_s } = met;
+            let rear = strip.first_ring + (strip.rows - 1) * self.bound[strip.strip.surface].ring_stride;
+            let thin_m_s = state.circulation_m2_s[rear] / (PI * cut.chord_m) - through_m_s;
+            let PolarRow { drag, moment, .. } = match &profile.polar {
+                Some(polar) => polar.at(thin_m_s.atan2(*along_m_s)),
+                None => PolarRow {
+                    angle_rad: 0.0,
+                    lift: 0.0,
+                    drag: profile.drag_coefficient,
+                    moment: profile.moment_coefficient,
+                },
+            };
+            let speed_m_s = along_m_s.hypot(thin_m_s);
+            let pressure_n_m = 0.5 * density_kg_m3 * speed_m_s * cut.chord_m * cut.span_m;
+            let force_n = (cut.aft * *along_m_s + cut.up * thin_m_s) * (pressure_n_m * drag);
+            strip.strip.add_force(&mut loads.circulatory, cut, 0.25, &force_n);
+            let moment_n_m = pressure_n_m * speed_m_s * cut.chord_m * moment;
+            strip.strip.add_moment(&mut loads.circulatory, cut, moment_n_m);
+        }
+    }
+}
