@@ -237,8 +237,27 @@ fn places_of_surfaces() {
     assert!(machine(&format!("{}{SURFACE}", AIR.replace("uvlm", "none"))).air.is_none());
 }
 
-/// A key that the model of the air does not read is refused: a mirror plane with strips was left out without a word, and the
-/// drag of a profile with a lattice. Without air all may stay in the file.
+/// A polar in a lattice needs suction, and a profile in it no speed of sound.
+#[test]
+fn profiles_that_a_lattice_cannot_take() {
+    let air = |keys: &str, profile: &str| {
+        message(&format!("[aerodynamics]\nmodel = \"uvlm\"\nwind_m_s = [0, -10, 0]\n{keys}\n{SURFACE}{profile}\n"))
+    };
+    let polar = "polar = [[-10, -1, 0, 0], [10, 1, 0, 0]]";
+    for keys in ["", "leading_edge_suction = false"] {
+        let said = air(keys, polar);
+        assert!(said.contains("surface.in.polar") && said.contains("leading_edge_suction = true"), "{said}");
+    }
+    let said = air("leading_edge_suction = true\nspeed_of_sound_m_s = 340", polar);
+    assert!(said.contains("surface.in.polar") && said.contains("Mach"), "{said}");
+    for profile in ["drag_coefficient = 0.01", "zero_lift_angle_deg = -2", "lift_slope_1_rad = { table = [[0, 6], [0.1, 5]] }"] {
+        let said = air("speed_of_sound_m_s = 340", profile);
+        assert!(said.contains("surface.in") && said.contains("a thin plate with speed_of_sound_m_s"), "{said}");
+    }
+}
+
+/// A key that the model of the air does not read is refused: a mirror plane with strips was left out without a word. Strips and
+/// lattice read those of a profile. Without air all may stay in the file.
 #[test]
 fn keys_that_the_model_of_the_air_does_not_read() {
     let lattice = ["free_wake = true", "wake_rows = 30", "threads = 2"];
@@ -254,10 +273,15 @@ fn keys_that_the_model_of_the_air_does_not_read() {
         .map(|key| (air("strip", key), "uvlm", air("uvlm", key), air("none", key)))
         .into_iter()
         .chain(strips.map(|key| (air("uvlm", key), "strip", air("strip", key), air("none", key))))
-        .chain(profile.map(|key| (surface("uvlm", key), "strip", surface("strip", key), surface("none", key))))
         .chain(
             ["chord_panels = 6"].map(|key| (surface("strip", key), "uvlm", surface("uvlm", key), surface("none", key))),
         );
+    for key in profile {
+        let suction = "leading_edge_suction = true\n";
+        machine(&surface("uvlm", key).replace("wind_m_s", &format!("{suction}wind_m_s")));
+        machine(&surface("strip", key));
+        assert!(machine(&surface("none", key)).air.is_none());
+    }
     for (refused, model, accepted, without) in cases {
         let said = message(&refused);
         let allowed = format!("allowed: this key only with model = {model:?}");

@@ -80,7 +80,7 @@ pub(super) fn add(
 fn refuse_keys_without_effect(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
     let (keys, surface_keys, model) = match air.model {
         AirModelFile::None => return,
-        AirModelFile::Uvlm => (STRIP_KEYS, STRIP_SURFACE_KEYS, "strip"),
+        AirModelFile::Uvlm => (STRIP_KEYS, [].as_slice(), "strip"),
         AirModelFile::Strip => (LATTICE_KEYS, LATTICE_SURFACE_KEYS, "uvlm"),
         AirModelFile::Bem => (LATTICE_KEYS, LATTICE_SURFACE_KEYS, "uvlm"),
     };
@@ -142,7 +142,7 @@ fn refuse_rotor_keys(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
                 checker.refuse(&["aerodynamics", key], "this key only with model = \"strip\" or \"uvlm\"");
             }
         }
-        for path in surfaces(STRIP_SURFACE_KEYS).chain(surfaces(&["strips"])) {
+        for path in surfaces(PROFILE_KEYS).chain(surfaces(&["strips"])) {
             if checker.states(&path) {
                 checker.refuse(&path, "this key not with model = \"bem\", whose blades have stations_m and polars");
             }
@@ -177,7 +177,8 @@ const LATTICE_KEYS: &[&str] = &["free_wake", "wake_rows", "threads", "ground_nor
 const SPAN_KEYS: &[&str] = &["mirror_normal", "core_radius_m"];
 const LATTICE_SURFACE_KEYS: &[&str] = &["chord_panels"];
 const STRIP_KEYS: &[&str] = &["quasi_steady", "apparent_mass", "indicial", "tip_loss"];
-const STRIP_SURFACE_KEYS: &[&str] =
+/// Keys of `[surface.<name>]` about the profile, which strips and the lattice read.
+const PROFILE_KEYS: &[&str] =
     &["lift_slope_1_rad", "zero_lift_angle_deg", "moment_coefficient", "drag_coefficient", "polar"];
 
 fn build(base: AirBuilder, air: &AirFile) -> AirBuilder {
@@ -231,8 +232,6 @@ fn build_surface(
     checker: &mut Checker,
 ) -> Option<SurfaceBuilder> {
     let blade = model == AirModelFile::Bem;
-    // elsewhere a polar is refused as it is
-    let reads_polars = !matches!(model, AirModelFile::Uvlm | AirModelFile::Bem);
     let strips = match surface.strips {
         Some(strips) => strips,
         None if blade => 1,
@@ -242,7 +241,7 @@ fn build_surface(
         }
     };
     let polar = match &surface.polar {
-        Some(rows) if reads_polars => Some(polar(name, rows, checker)?),
+        Some(rows) if !blade => Some(polar(name, rows, checker)?),
         _ => None,
     };
     let mut built = LiftingSurface::on(&surface.body, strips)

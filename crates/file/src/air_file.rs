@@ -231,21 +231,22 @@ pub(super) struct SurfaceFile {
     #[serde(default = "four")]
     #[schemars(range(min = 1, max = 1000))]
     pub chord_panels: usize,
-    /// Lift slope of the profile along the body, 0 or more; strips only, each takes that of its middle.
+    /// Lift slope of the profile along the body, 0 or more; each strip takes that of its middle.
     #[serde(default = "thin")]
     pub lift_slope_1_rad: FunctionFile,
-    /// Angle of attack of zero lift; strips only.
+    /// Angle of attack of zero lift.
     #[serde(default)]
     pub zero_lift_angle_deg: f64,
-    /// Moment coefficient about the quarter chord, nose up; strips only.
+    /// Moment coefficient about the quarter chord, nose up.
     #[serde(default)]
     pub moment_coefficient: f64,
-    /// Drag coefficient; strips only.
+    /// Drag coefficient of the profile.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub drag_coefficient: f64,
     /// Polar of the profile, instead of the coefficients above: rows of angle of attack in degrees, lift, drag and
-    /// moment coefficient about the quarter chord, linear between rows; strips only.
+    /// moment coefficient about the quarter chord, linear between rows. In a lattice it is
+    /// entered with the angle after what the lattice induces, and needs `leading_edge_suction`.
     #[schemars(
         length(min = 1, max = 1000),
         extend("x-allowed" = "at least 1 row [angle of attack in deg, lift, drag, moment coefficient]")

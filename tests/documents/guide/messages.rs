@@ -300,6 +300,12 @@ fn produced() -> Vec<String> {
     write("fast.toml", keys("speed_of_sound_m_s = 10.0").as_bytes());
     let ground = "ground_normal = [0.0, 0.0, 1.0]\nground_distance_m = -1.0";
     write("low.toml", keys(ground).replace("\"strip\"", "\"uvlm\"").as_bytes());
+    // profiles that a lattice cannot take
+    let polar = "[surface.inner]\npolar = [[-10.0, -1.0, 0.01, 0.0], [10.0, 1.0, 0.01, 0.0]]";
+    let tunnel = shipped("folding_wing_in_tunnel.toml");
+    write("no_suction.toml", tunnel.replace("[surface.inner]", polar).as_bytes());
+    let drag = "speed_of_sound_m_s = 340.0\n\n[surface.inner]\ndrag_coefficient = 0.01";
+    write("mach.toml", tunnel.replace("[surface.inner]", drag).as_bytes());
     // a model whose own experiment fails, and one with a load where no station is
     let failing = model.replace("[experiment]", "[solver]\nmin_step_s = 1e-3\ntolerance = 1e-9\n[experiment]");
     write("failing.toml", failing.as_bytes());
@@ -321,6 +327,8 @@ fn produced() -> Vec<String> {
     }
     let more = [
         "static aircraft.toml",
+        "check no_suction.toml",
+        "check mach.toml",
         "flutter goland.toml --speeds 5",
         "flutter goland.toml --speeds 0:1:1",
         "flutter goland.toml --speeds 1:1e9:1e-3",

@@ -5,6 +5,7 @@ mod flaps;
 mod fold;
 mod frames;
 mod linear;
+mod profiles;
 mod properties;
 mod steady;
 mod surroundings;

@@ -3,6 +3,7 @@
 use crate::counting_allocator::allocations;
 use crate::lattice::wing::{SPEED_M_S, Wing, inset, options, pressure_pa};
 use foldwing::aero::lattice::{LatticeOptions, LoadRule};
+use foldwing::aero::near_sheets::NoCirculation;
 use foldwing::aero::polar::{Polar, PolarRow};
 use foldwing::aero::surface::Profile;
 use nalgebra::Vector3;
@@ -63,54 +64,75 @@ fn u57_an_endless_wing_has_its_polar() {
             for chord_panels in [1, 4] {
                 let found = coefficients(profile.clone(), &places_m, chord_panels, angle_rad);
                 let off: Vec<f64> = found.iter().zip(expected).map(|(found, expected)| found - expected).collect();
-                println!("U-57 {degrees} deg, {chord_panels} panels: {found:.5?}, off {off:.1e?}");
+                println!("U-57 {degrees} deg, {chord_panels} panels: {found:.5?}, off {off:?}");
                 assert!(off.iter().all(|off| off.abs() < 1e-3), "{degrees} deg: {found:?} for {expected:?}");
             }
         }
     }
 }
 
-/// Circulations of Prandtl's lifting line with a polar over a straight wing of chord 1 m: a horseshoe on each strip, downwash on the
-/// quarter-chord line, found by going a part of the way again and again.
-fn lifting_line(lift: impl Fn(f64) -> f64, places_m: &[f64], angle_rad: f64) -> f64 {
-    let middles: Vec<f64> = places_m.windows(2).map(|ends| 0.5 * (ends[0] + ends[1])).collect();
-    let mut circulation = vec![0.0; middles.len()];
-    for _ in 0..20_000 {
-        let wanted: Vec<f64> = middles
+/// Circulations in m²/s of a lifting line with a polar over a straight wing of chord 1 m, by the downwash at three quarters of the chord
+/// (Weissinger): horseshoes with legs along the chord to the trailing edge and along the wind from there on. The angle of attack
+/// is that of what the strip meets there beside its own plane vortex. Found by going a part of the way again and again.
+fn lifting_line(polar: &Polar, places_m: &[f64], angle_rad: f64) -> Vec<f64> {
+    let wind_m_s = Vector3::new(0.0, -angle_rad.cos(), angle_rad.sin()) * SPEED_M_S;
+    let far_m = |point_m: &Vector3<f64>| point_m + wind_m_s * 1e6;
+    let segment = |at: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>| {
+        let (r, s) = (at - from, at - to);
+        let size = r.norm() * s.norm();
+        r.cross(&s) * ((r.norm() + s.norm()) / (size * (size + r.dot(&s)) * 2.0 * TAU))
+    };
+    let horseshoe = |at: &Vector3<f64>, ends: &[f64]| {
+        let [inner, outer] = [ends[0], ends[1]].map(|x| [Vector3::new(x, 0.0, 0.0), Vector3::new(x, -0.75, 0.0)]);
+        segment(at, &far_m(&inner[1]), &inner[1])
+            + segment(at, &inner[1], &inner[0])
+            + segment(at, &inner[0], &outer[0])
+            + segment(at, &outer[0], &outer[1])
+            + segment(at, &outer[1], &far_m(&outer[1]))
+    };
+    let points = places_m.windows(2).map(|ends| Vector3::new(0.5 * (ends[0] + ends[1]), -0.5, 0.0));
+    let influence: Vec<Vec<f64>> =
+        points.map(|at| places_m.windows(2).map(|ends| horseshoe(&at, ends).z).collect()).collect();
+    let mut circulation = vec![0.0; influence.len()];
+    for _ in 0..4000 {
+        let wanted: Vec<f64> = influence
             .iter()
-            .map(|x| {
-                let downwash_m_s: f64 = places_m
-                    .windows(2)
-                    .zip(&circulation)
-                    .map(|(ends, circulation)| circulation / (2.0 * TAU) * (1.0 / (x - ends[0]) - 1.0 / (x - ends[1])))
-                    .sum();
-                0.5 * SPEED_M_S * lift(angle_rad - downwash_m_s / SPEED_M_S)
+            .zip(&circulation)
+            .map(|(row, own)| {
+                let induced_m_s: f64 = row.iter().zip(&circulation).map(|(entry, other)| entry * other).sum();
+                let through_m_s = wind_m_s.z + induced_m_s + own / PI;
+                let lift = polar.at(through_m_s.atan2(-wind_m_s.y)).lift;
+                0.5 * through_m_s.hypot(wind_m_s.y) * lift
             })
             .collect();
-        circulation.iter_mut().zip(&wanted).for_each(|(now, wanted)| *now += 0.02 * (wanted - *now));
+        circulation.iter_mut().zip(&wanted).for_each(|(now, wanted)| *now += 0.1 * (wanted - *now));
     }
-    let span_m = places_m[places_m.len() - 1] - places_m[0];
-    let lift_m3_s: f64 = circulation.iter().zip(places_m.windows(2)).map(|(c, ends)| c * (ends[1] - ends[0])).sum();
-    2.0 * lift_m3_s / (SPEED_M_S * span_m)
+    circulation
 }
 
-/// U-58. Wings of aspect ratios 8, 16 and 32 against Prandtl's lifting line with the same polar, attached, at the beginning of
-/// stall and beyond. The two theories differ by the surface that the line leaves out: what differs falls at least with the aspect ratio,
-/// and is below 2 % of the lift at 16.
+/// U-58. Wings of aspect ratios 4 and 16 with one panel along the chord against an independent lifting line with the same polar,
+/// attached, at the beginning of stall and beyond: every strip to 1e-6, which the core of the
+/// vortices and the length of the straight wake leave. With four and eight panels along
+/// the chord the lift differs by what one panel leaves out of the surface, below 2 % and 0.5 % between each other.
 #[test]
 fn u58_polar_against_a_lifting_line() {
     let polar = stalling();
-    for degrees in [4.0, 10.0, 14.0, 20.0_f64] {
-        let angle_rad = degrees.to_radians();
-        let offs = [8.0, 16.0, 32.0].map(|span_m: f64| {
-            let places_m = inset(span_m, 24);
-            let found = coefficients(of_polar(polar.clone()), &places_m, 4, angle_rad)[0];
-            let expected = lifting_line(|angle_rad| polar.at(angle_rad).lift, &places_m, angle_rad);
-            println!("U-58 {degrees} deg, aspect ratio {span_m}: lift {found:.5}, lifting line {expected:.5}");
-            (found / expected - 1.0).abs()
-        });
-        println!("U-58 {degrees} deg: off {offs:.1e?}");
-        assert!(offs[1] < 0.02 && offs[2] < 0.01, "{degrees} deg: {offs:?}");
+    for (span_m, degrees) in [4.0, 16.0].into_iter().flat_map(|span| [4.0, 10.0, 14.0, 20.0].map(|at| (span, at))) {
+        let angle_rad: f64 = f64::to_radians(degrees);
+        let places_m = inset(span_m, 24);
+        let expected = lifting_line(&polar, &places_m, angle_rad);
+        let mut wing = Wing::with_profile(of_polar(polar.clone()), &places_m, |_| 1.0, 1, suction());
+        wing = wing.with_incidence(angle_rad);
+        wing.start(true);
+        let largest = expected.iter().fold(0.0_f64, |most, value| most.max(*value));
+        let strips = expected.iter().enumerate();
+        let offs = strips.map(|(strip, value)| (wing.lattice.strip_circulation(&wing.from, 0, strip) - value).abs());
+        let off = offs.fold(0.0, f64::max) / largest;
+        let lifts =
+            [1, 4, 8].map(|chord_panels| coefficients(of_polar(polar.clone()), &places_m, chord_panels, angle_rad)[0]);
+        println!("U-58 {degrees} deg, aspect ratio {span_m}: off {off:.1e}, lift with 1, 4, 8 panels {lifts:.5?}");
+        assert!(off < 1e-6, "{span_m} {degrees}: {off:e}");
+        assert!((lifts[0] / lifts[1] - 1.0).abs() < 0.02 && (lifts[1] / lifts[2] - 1.0).abs() < 5e-3, "{lifts:?}");
     }
 }
 
@@ -178,5 +200,42 @@ fn u60_steps_through_stall_repeat_and_do_not_allocate() {
     assert_eq!(first, go(&mut other, 10..40));
     let largest = first.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
     println!("U-60 largest lift {:.3} of the pressure and area", largest / (pressure_pa() * 6.6));
-    assert!(largest > 0.0);
+    // a plate would have 1.9 at 0.4 rad
+    assert!((0.9..1.3).contains(&(largest / (pressure_pa() * 6.6))));
+}
+
+/// U-61. Polars whose lift drops by up to two thirds within two degrees: neighbouring strips can sit on either side of the drop, and
+/// the equations can have many solutions. At every angle of a sweep the lattice finds one whose strips carry the lift of the polar
+/// at their angle (so much that the lift of the wing lies between the extremes of the polar), or refuses by name.
+#[test]
+fn u61_sharp_stall_is_solved_or_refused() {
+    let places_m = inset(8.0, 24);
+    let (mut solved, mut refused) = (0, 0);
+    for drop in [0.2, 0.5, 0.8] {
+        let row = |degrees: i32| {
+            let lift = 0.1 * f64::from(degrees.clamp(-12, 12)) * if degrees.abs() >= 14 { 1.0 - drop } else { 1.0 };
+            PolarRow { angle_rad: f64::from(degrees).to_radians(), lift, drag: 0.01, moment: 0.0 }
+        };
+        let polar = Polar { rows: (-60..=60).step_by(2).map(row).collect() };
+        let mut wing = Wing::with_profile(of_polar(polar), &places_m, |_| 1.0, 2, suction());
+        for degrees in 0..=40 {
+            let angle_rad = 0.5 * f64::from(degrees).to_radians();
+            wing.wind_m_s = Vector3::new(0.0, -angle_rad.cos(), angle_rad.sin()) * SPEED_M_S;
+            match wing.try_start(true) {
+                Ok(()) => {
+                    solved += 1;
+                    let largest = (0..24)
+                        .map(|strip| wing.lattice.strip_circulation(&wing.from, 0, strip) * 2.0 / SPEED_M_S)
+                        .fold(0.0, f64::max);
+                    assert!(largest < 1.2 * 1.05, "{drop} {degrees}: {largest}");
+                }
+                Err(error) => {
+                    refused += 1;
+                    assert_eq!(error, NoCirculation::Profile(0));
+                }
+            }
+        }
+        println!("U-61 drop {drop}: {solved} solved, {refused} refused so far");
+    }
+    assert!(solved > 60);
 }

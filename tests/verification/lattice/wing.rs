@@ -4,6 +4,7 @@ use foldwing::aero::AirLoads;
 use foldwing::aero::flow::{Flow, Gust};
 use foldwing::aero::lattice::{LatticeOptions, LoadRule, VortexLattice, WakeModel};
 use foldwing::aero::lattice_state::LatticeState;
+use foldwing::aero::near_sheets::NoCirculation;
 use foldwing::aero::surface::{ChordLine, Profile, Surface};
 use foldwing::load::SectionMotion;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -45,12 +46,22 @@ pub struct Wing {
 impl Wing {
     /// With the chord given at every section, quarter chord on the axis.
     pub fn new(places_m: &[f64], chord_m: impl Fn(f64) -> f64, chord_panels: usize, options: LatticeOptions) -> Self {
+        Self::with_profile(Profile::THIN, places_m, chord_m, chord_panels, options)
+    }
+
+    /// The same with a profile.
+    pub fn with_profile(
+        profile: Profile,
+        places_m: &[f64],
+        chord_m: impl Fn(f64) -> f64,
+        chord_panels: usize,
+        options: LatticeOptions,
+    ) -> Self {
         let chords = places_m.iter().map(|x| ChordLine {
             leading_m: Vector3::y() * (0.25 * chord_m(*x)),
             trailing_m: Vector3::y() * (-0.75 * chord_m(*x)),
         });
-        let surface =
-            Surface { sections: 0..places_m.len(), chords: chords.collect(), chord_panels, profile: Profile::THIN };
+        let surface = Surface { sections: 0..places_m.len(), chords: chords.collect(), chord_panels, profile };
         let lattice = VortexLattice::new(vec![surface], options);
         let motions = places_m.iter().map(|x| SectionMotion {
             rotation: Matrix3::identity(),
@@ -77,8 +88,13 @@ impl Wing {
     }
 
     pub fn start(&mut self, established: bool) {
+        self.try_start(established).expect("regular");
+    }
+
+    /// The same where it may be refused.
+    pub fn try_start(&mut self, established: bool) -> Result<(), NoCirculation> {
         let flow = Self::flow(self.time_s, self.wind_m_s, &self.gusts);
-        self.lattice.start(&self.motions, &flow, established, &mut self.from, &mut self.loads).expect("regular");
+        self.lattice.start(&self.motions, &flow, established, &mut self.from, &mut self.loads)
     }
 
     fn flow(time_s: f64, wind_m_s: Vector3<f64>, gusts: &[Gust]) -> Flow<'_> {

@@ -16,6 +16,7 @@ use crate::aero::images::{Plane, Stretch};
 use crate::aero::joined_edges::Edge;
 use crate::aero::lattice_far::mean_relative_m_s;
 use crate::aero::lattice_flaps::LatticeFlaps;
+use crate::aero::lattice_profiles::LatticeProfiles;
 use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::linear_system::LinearSystem;
 use crate::aero::near_sheets::{Facing, Gap, NoCirculation};
@@ -124,6 +125,7 @@ pub struct VortexLattice {
     /// Corners that its factors belong to, where there are any: those of the first motion of a step serve the others.
     pub(super) factored_corner_m: Vec<Vector3<f64>>,
     pub(super) flaps: LatticeFlaps,
+    pub(super) profiles: LatticeProfiles,
     /// Angles of the flaps that the matrix and its factors belong to.
     pub(super) matrix_angle_rad: Vec<f64>,
     pub(super) factored_angle_rad: Vec<f64>,
@@ -178,6 +180,8 @@ impl VortexLattice {
         let segments = surfaces.iter().map(|surface| 2 * surface.panels() + surface.chord_panels).sum::<usize>();
         let others = surfaces.len().saturating_sub(1);
         let largest = surfaces.iter().map(Surface::panels).max().unwrap_or(0);
+        let firsts = first_panel.iter().zip(&bound).map(|(panel, sheet): (_, &Sheet)| [*panel, sheet.first_ring]);
+        let profiles = LatticeProfiles::new(&surfaces, firsts);
         Self {
             facings: Vec::with_capacity(others * if suction { segments } else { panels }),
             joined: Vec::new(),
@@ -205,6 +209,7 @@ impl VortexLattice {
             built: false,
             factored_corner_m: vec![Vector3::zeros(); corners],
             flaps: LatticeFlaps::default(),
+            profiles,
             matrix_angle_rad: Vec::new(),
             factored_angle_rad: Vec::new(),
             matrix_stretch: None,
@@ -248,6 +253,7 @@ impl VortexLattice {
             left_m: vec![Vector3::zeros(); self.wake_columns],
             sheds: true,
             hinges: self.no_hinge_moments(),
+            profile_m_s: vec![0.0; self.profiles.count()],
             relative_m_s: Vector3::zeros(),
         }
     }
@@ -274,6 +280,7 @@ impl VortexLattice {
         state.far_wake_m_s.fill(Vector3::zeros());
         state.wake_circulation_m2_s.fill(0.0);
         state.wake_node_m.fill(Vector3::zeros());
+        state.profile_m_s.fill(0.0);
         state.relative_m_s = mean_relative_m_s(motions, flow);
         self.compress(motions, flow, state)?;
         self.place(motions, None, state);
@@ -284,7 +291,7 @@ impl VortexLattice {
         self.factors = Factors::Due;
         self.influence(state, established)?;
         self.relative_velocity(flow, state, 0..0);
-        self.circulate(state)?;
+        self.circulate(motions, flow, state)?;
         if established {
             for row in 0..state.wake_rows {
                 self.shed_into(row, state);
@@ -324,7 +331,9 @@ impl VortexLattice {
         self.look_from_panels(to);
         self.influence(to, false)?;
         self.relative_velocity(flow, to, 0..to.wake_rows.min(NEAR_ROWS));
-        self.circulate(to)?;
+        // polars may have several solutions: the one next to that of the step before
+        to.profile_m_s.copy_from_slice(&from.profile_m_s);
+        self.circulate(motions, flow, to)?;
         loads.clear();
         to.hinges.fill(HingeMoment::default());
         lattice_loads::circulatory(self, motions, flow, to, loads);

@@ -1,10 +1,12 @@
 //! Influence matrix of the lattice, its factors, and the circulation that they give.
 
 use crate::aero::biot_savart::{LANES, blocks};
+use crate::aero::flow::Flow;
 use crate::aero::lattice::{Factors, VortexLattice};
 use crate::aero::lattice_state::LatticeState;
 use crate::aero::near_sheets::NoCirculation;
 use crate::aero::wide::wide;
+use crate::load::SectionMotion;
 
 impl VortexLattice {
     /// The influence matrix for the present geometry, with its factors where they are due. The same geometry again costs
@@ -30,6 +32,7 @@ impl VortexLattice {
     /// Factors of the matrix.
     fn factorize(&mut self) -> Result<(), NoCirculation> {
         self.factored = false;
+        self.profiles.has_gains = false;
         self.system.factorize(self.arch)?;
         self.factored_corner_m.copy_from_slice(&self.matrix_corner_m);
         self.factored_stretch = self.matrix_stretch;
@@ -95,8 +98,13 @@ impl VortexLattice {
         );
     }
 
-    /// Circulation for which no air passes through the collocation points, eq. (U4).
-    pub(super) fn circulate(&mut self, state: &mut LatticeState) -> Result<(), NoCirculation> {
+    /// Circulation for which no air passes through the collocation points, eq. (U4), but for what the profiles ask for.
+    pub(super) fn circulate(
+        &mut self,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        state: &mut LatticeState,
+    ) -> Result<(), NoCirculation> {
         let mut panel = 0;
         for sheet in &self.bound {
             for row in 0..sheet.rows {
@@ -107,6 +115,20 @@ impl VortexLattice {
                 }
             }
         }
+        match self.profiles.count() {
+            0 => self.solve_right(state)?,
+            _ => self.circulate_profiles(motions, flow, state)?,
+        }
+        for (sheet, first) in self.bound.iter().zip(&self.first_panel) {
+            let panels = sheet.rows * sheet.strips;
+            state.circulation_m2_s[sheet.first_ring..][..panels].copy_from_slice(&self.solution[*first..][..panels]);
+            self.bound_filaments.gather(sheet, &state.circulation_m2_s);
+        }
+        Ok(())
+    }
+
+    /// The solution for the right-hand side.
+    pub(super) fn solve_right(&mut self, state: &LatticeState) -> Result<(), NoCirculation> {
         let own = self.factored_corner_m == state.corner_m && self.factors_have_angles();
         if own || !self.system.solve_with_factors_near_by(self.arch, &self.right, &mut self.solution) {
             if !own {
@@ -115,11 +137,6 @@ impl VortexLattice {
             }
             self.solution.copy_from_slice(&self.right);
             self.system.solve(self.arch, &mut self.solution);
-        }
-        for (sheet, first) in self.bound.iter().zip(&self.first_panel) {
-            let panels = sheet.rows * sheet.strips;
-            state.circulation_m2_s[sheet.first_ring..][..panels].copy_from_slice(&self.solution[*first..][..panels]);
-            self.bound_filaments.gather(sheet, &state.circulation_m2_s);
         }
         Ok(())
     }

@@ -258,7 +258,7 @@ impl VortexLattice {
         self.factors = Factors::Due;
         self.influence(state, true)?;
         self.relative_velocity(flow, state, 0..0);
-        self.circulate(state)?;
+        self.circulate(motions, flow, state)?;
         (self.factored, self.built) = (false, false);
         let (rows, columns) = (self.options.wake_rows, self.wake_columns);
         let way_m = flow.wind_m_s * step_s;
@@ -285,7 +285,7 @@ impl VortexLattice {
         self.look_from_panels(state);
         self.influence(state, false)?;
         self.relative_velocity(flow, state, 0..state.wake_rows);
-        self.circulate(state)?;
+        self.circulate(motions, flow, state)?;
         let mut loads = AirLoads::still(motions.len());
         state.hinges.fill(HingeMoment::default());
         lattice_loads::circulatory(self, motions, flow, state, &mut loads);

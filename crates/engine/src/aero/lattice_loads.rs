@@ -123,6 +123,7 @@ pub(super) fn circulatory(
     if lattice.options.load_rule == LoadRule::KuttaJoukowski {
         lattice.join_loads(motions, density, state, loads);
     }
+    lattice.profile_loads(density, state, loads);
 }
 
 /// Rate of the bound rings' impulse over the step at constant vector areas, eq. (U8). Those of the start stay as they were

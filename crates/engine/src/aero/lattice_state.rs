@@ -43,6 +43,8 @@ pub struct LatticeState {
     pub relative_m_s: Vector3<f64>,
     /// Hinge moments, one for each flap.
     pub hinges: Vec<HingeMoment>,
+    /// Velocity through the panels of the strips whose profile is not a thin plate in m/s, eq. (U27).
+    pub profile_m_s: Vec<f64>,
 }
 
 impl LatticeState {
@@ -63,6 +65,7 @@ impl LatticeState {
         self.left_m.clone_from(&other.left_m);
         self.sheds = other.sheds;
         self.hinges.clone_from(&other.hinges);
+        self.profile_m_s.clone_from(&other.profile_m_s);
         self.relative_m_s = other.relative_m_s;
     }
 
@@ -79,6 +82,7 @@ impl LatticeState {
             && self.wake_circulation_m2_s.len() == other.wake_circulation_m2_s.len()
             && [&other.edge_m, &other.edge_m_s, &other.left_m].iter().all(|edge| edge.len() == self.edge_m.len())
             && self.hinges.len() == other.hinges.len()
+            && self.profile_m_s.len() == other.profile_m_s.len()
             && other.wake_rows <= self.wake_circulation_m2_s.len()
             && (other.wake_rows > 0 || !other.established)
     }

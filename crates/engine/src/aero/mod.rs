@@ -18,6 +18,7 @@ mod lattice_influence;
 pub mod lattice_linear;
 mod lattice_loads;
 mod lattice_near;
+mod lattice_profiles;
 pub mod lattice_state;
 pub mod linear_system;
 mod model;

@@ -80,6 +80,9 @@ pub enum NoCirculation {
     /// The ground lies above a part of a surface, by its index.
     #[error("a part of a surface lies below the ground")]
     BelowGround(usize),
+    /// No circulation gives all strips the lift of their profiles; the surface with the strip that is off most, by its index.
+    #[error("no circulation gives all strips the lift of their profiles")]
+    Profile(usize),
 }
 
 /// A point that sees another sheet from above its control points.

@@ -25,18 +25,24 @@ pub struct Polar {
 impl Polar {
     /// Coefficients at an angle of attack in rad, eq. (W9).
     pub fn at(&self, angle_rad: f64) -> PolarRow {
+        self.at_with_lift_slope(angle_rad).0
+    }
+
+    /// The same with the slope of the lift coefficient in 1/rad: that of the line behind the angle, 0 outside the rows.
+    pub fn at_with_lift_slope(&self, angle_rad: f64) -> (PolarRow, f64) {
         let after = self.rows.partition_point(|row| row.angle_rad <= angle_rad);
         let (Some(upper), Some(lower)) = (self.rows.get(after), after.checked_sub(1).map(|i| &self.rows[i])) else {
-            return self.rows[after.min(self.rows.len() - 1)];
+            return (self.rows[after.min(self.rows.len() - 1)], 0.0);
         };
         let share = (angle_rad - lower.angle_rad) / (upper.angle_rad - lower.angle_rad);
         let between = |a: f64, b: f64| a + (b - a) * share;
-        PolarRow {
+        let row = PolarRow {
             angle_rad,
             lift: between(lower.lift, upper.lift),
             drag: between(lower.drag, upper.drag),
             moment: between(lower.moment, upper.moment),
-        }
+        };
+        (row, (upper.lift - lower.lift) / (upper.angle_rad - lower.angle_rad))
     }
 
     /// Angle of attack in rad nearest to zero at which the lift rises through zero; none if it never does.

@@ -26,7 +26,7 @@ impl ChordLine {
     }
 }
 
-/// What strip theory needs to know of the profile: a slope with constant coefficients, or a polar.
+/// What strips and lattice need to know of the profile: a slope with constant coefficients, or a polar.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     /// Slope of the lift coefficient in 1/rad; 2π for a thin profile in plane flow.
@@ -53,6 +53,16 @@ impl Profile {
         drag_coefficient: 0.0,
         polar: None,
     };
+
+    /// Whether it is a thin symmetric plate without drag.
+    pub fn is_thin(&self) -> bool {
+        *self == Self::THIN
+    }
+
+    /// Slope of the lift coefficient of a strip in 1/rad.
+    pub fn lift_slope_of_strip_1_rad(&self, strip: usize) -> f64 {
+        self.lift_slopes_1_rad.get(strip).copied().unwrap_or(self.lift_slope_1_rad)
+    }
 }
 
 /// Lifting surface of one body: strips between consecutive sections, each with the same number of panels along the
@@ -65,7 +75,7 @@ pub struct Surface {
     pub chords: Vec<ChordLine>,
     /// Panels along the chord.
     pub chord_panels: usize,
-    /// Profile for strip theory.
+    /// Profile of its strips.
     pub profile: Profile,
 }
 

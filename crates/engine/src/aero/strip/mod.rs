@@ -149,8 +149,7 @@ impl Strips {
             for strip in 0..surface.strips() {
                 let inner = surface.sections.start + strip;
                 let chords = [surface.chords[strip], surface.chords[strip + 1]];
-                let slopes = &surface.profile.lift_slopes_1_rad;
-                let lift_slope_1_rad = slopes.get(strip).copied().unwrap_or(surface.profile.lift_slope_1_rad);
+                let lift_slope_1_rad = surface.profile.lift_slope_of_strip_1_rad(strip);
                 let speed_of_sound_m_s = options.speed_of_sound_m_s.unwrap_or(f64::INFINITY);
                 let sections = [inner, inner + 1];
                 model.strips.push(Strip { sections, chords, surface: index, lift_slope_1_rad, speed_of_sound_m_s });

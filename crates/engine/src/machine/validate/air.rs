@@ -2,7 +2,7 @@
 
 use crate::aero::AirOptions;
 use crate::aero::flow::{Gust, GustShape};
-use crate::aero::lattice::LatticeOptions;
+use crate::aero::lattice::{LatticeOptions, LoadRule};
 use crate::aero::rotor::bem::RotorOptions;
 use crate::aero::rotor::viterna::is_full_circle;
 use crate::aero::strip::StripOptions;
@@ -37,7 +37,10 @@ pub(super) fn check(air: &Air, bodies: &[Body], checker: &mut Checker) {
         check_surface(index, surface, &air.surfaces, bodies, checker);
     }
     match &air.options {
-        AirOptions::Lattice(options) => check_lattice(options, &air.surfaces, checker),
+        AirOptions::Lattice(options) => {
+            check_lattice(options, &air.surfaces, checker);
+            check_lattice_profiles(options, &air.surfaces, bodies, checker);
+        }
         AirOptions::Strips(StripOptions { tip_loss: Some(line), .. }) => {
             check_lifting_line(line, &air.surfaces, bodies, checker);
         }
@@ -104,6 +107,26 @@ fn check_flaps(air: &Air, checker: &mut Checker) {
                 "limits that do not hold the start value",
                 "lower_rad <= command_rad <= upper_rad",
             );
+        }
+    }
+}
+
+/// Refuses profiles that the lattice cannot take as its options are.
+fn check_lattice_profiles(
+    options: &LatticeOptions,
+    surfaces: &[LiftingSurface],
+    bodies: &[Body],
+    checker: &mut Checker,
+) {
+    let name = |surface: &LiftingSurface| bodies.get(surface.body).map_or("", |body| body.name.as_str());
+    for surface in surfaces.iter().filter(|surface| !surface.profile.is_thin()) {
+        if options.load_rule == LoadRule::Bernoulli && surface.profile.polar.is_some() {
+            let allowed = "a polar with leading_edge_suction = true: the lift and drag of a polar include the suction";
+            checker.refuse_state(&["surface", name(surface), "polar"], "a polar without suction", allowed);
+        }
+        if options.speed_of_sound_m_s.is_some() && surface.profile.polar.is_none() {
+            let allowed = "a thin plate with speed_of_sound_m_s, or the coefficients at the Mach number without this key";
+            checker.refuse_state(&["surface", name(surface)], "a profile with a speed of sound", allowed);
         }
     }
 }
