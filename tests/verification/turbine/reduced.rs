@@ -296,6 +296,32 @@ fn wt58_air_knows_which_sections_turn() {
     }
 }
 
+/// The reduced example has the figures of the whole one: bodies with their first shapes, masses, chords, polars.
+#[test]
+fn reduced_example_is_the_same_turbine() {
+    let (whole, reduced) = (windy(WIND_TEXT), windy(TEXT));
+    for name in ["tower", "blade1", "blade2", "blade3"] {
+        let mut expected = law(body(&whole, name)).clone();
+        (expected.axial_shortening, expected.section_rotation) = (false, false);
+        expected.flap.truncate(1);
+        expected.edge.truncate(1);
+        expected.twist_rad = None;
+        assert_eq!(law(body(&reduced, name)), &expected, "{name}");
+    }
+    for name in ["nacelle", "hub"] {
+        assert_eq!(body(&reduced, name).masses[0].mass_kg, body(&whole, name).masses[0].mass_kg, "{name}");
+    }
+    let [whole, reduced] = [whole, reduced].map(|machine| machine.air.expect("air"));
+    assert_eq!(whole.wind_m_s, reduced.wind_m_s);
+    for (one, other) in whole.surfaces.iter().zip(&reduced.surfaces) {
+        assert_eq!((&one.positions_m, &one.chords), (&other.positions_m, &other.chords));
+    }
+    let [AirOptions::Rotor(one), AirOptions::Rotor(other)] = [whole.options, reduced.options] else {
+        panic!("two rotors")
+    };
+    assert_eq!((one.polars, one.sections, one.features), (other.polars, other.sections, other.features));
+}
+
 /// The turbine of a text as the reference has it: AeroDyn's rules, pitch locked, and the tower aside at the start.
 fn in_the_benchmark(text: &str, aside_m: f64) -> Plant {
     let mut machine = windy(text);
