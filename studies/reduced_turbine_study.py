@@ -189,9 +189,8 @@ def swing(histories, other):
 
 
 def steady(histories, name):
-    """Mean and peak to peak of a quantity once it swings steadily."""
-    late = histories[name][histories["time"] >= STEADY_S]
-    return late.mean(), np.ptp(late)
+    """Mean of a quantity once it swings steadily."""
+    return histories[name][histories["time"] >= STEADY_S].mean()
 
 
 def check_reduced(foldwing, composed):
@@ -204,27 +203,30 @@ def check_reduced(foldwing, composed):
             raise SystemExit(f"nrel_5mw_reduced.toml differs in {name} by {off:.1e} of peak to peak")
 
 
-def signed(value, text):
-    return format(value, text).replace("-", "−")
+def print_minus(text):
+    """Numbers with the minus sign of print."""
+    return text.replace("-", "−")
 
 
 def tables(full, reduced, put_back, taken_out):
     """The tables in Markdown."""
-    lines = ["| quantity, 30 to 60 s | mean, whole | reduced | off | peak to peak, whole | reduced | peak to peak 0 to 20 s, whole | reduced |",
-             "|---|---|---|---|---|---|---|---|"]
+    lines = ["| quantity | mean from 30 s, whole | reduced | off | peak to peak to 20 s, whole | reduced | from 40 s, whole | reduced | left of it, whole | reduced |",
+             "|---|---|---|---|---|---|---|---|---|---|"]
     for name in QUANTITIES:
-        (mean, span), (own_mean, own_span) = steady(full, name), steady(reduced, name)
-        first, own_first = (np.ptp(run[name][run["time"] <= 20.0]) for run in (full, reduced))
-        off = signed(100.0 * (own_mean / mean - 1.0), "+.1f")
-        lines.append(f"| {name} | {signed(mean, '.5g')} | {signed(own_mean, '.5g')} | {off} % | {span:.4g} | {own_span:.4g} | {first:.4g} | {own_first:.4g} |")
+        means = [steady(histories, name) for histories in (full, reduced)]
+        time_s = full["time"]
+        first, last = ([np.ptp(histories[name][part]) for histories in (full, reduced)] for part in (time_s <= 20.0, time_s >= 40.0))
+        left = [f"{100.0 * late / early:.1f} %" for early, late in zip(first, last)]
+        cells = [*(f"{mean:.5g}" for mean in means), f"{100.0 * (means[1] / means[0] - 1.0):+.1f} %", *(f"{span:.4g}" for span in first + last), *left]
+        lines.append(f"| {name} | {' | '.join(print_minus(cell) for cell in cells)} |")
 
     def row(name, histories):
         frequency, ratio, spread = histories["swing"]
         if spread > 0.05:
             raise SystemExit(f"{name}: amplitudes of the side-side swing are off their line by {spread:.2f}")
-        side, others = steady(histories, f"{SIDE}, m"), [steady(histories, quantity)[0] for quantity in list(QUANTITIES)[:3]]
-        cells = [f"{1e3 * side[0]:.2f}", f"{100.0 * ratio:.2f}", f"{frequency:.4f}", *(f"{mean:.4g}" for mean in others)]
-        return f"| {name} | {' | '.join(signed_text(cell) for cell in cells)} |"
+        side, *others = (steady(histories, quantity) for quantity in (f"{SIDE}, m", *list(QUANTITIES)[:3]))
+        cells = [f"{1e3 * side:.2f}", f"{100.0 * ratio:.2f}", f"{frequency:.4f}", *(f"{mean:.4g}" for mean in others)]
+        return f"| {name} | {' | '.join(print_minus(cell) for cell in cells)} |"
 
     head = "side-side mean, mm | damping ratio, % | frequency, Hz | mean tip out of plane, m | in plane, m | fore-aft, m |"
     lines += ["", f"| reduced, and put back | {head}", "|---|---|---|---|---|---|---|", row("nothing", reduced)]
@@ -232,10 +234,6 @@ def tables(full, reduced, put_back, taken_out):
     lines += ["", f"| whole, and left out | {head}", "|---|---|---|---|---|---|---|", row("nothing", full)]
     lines += [row(name, histories) for name, histories in taken_out.items()]
     return "\n".join(lines) + "\n"
-
-
-def signed_text(text):
-    return text.replace("-", "−")
 
 
 def draw(full, reduced, most_back, folder):
@@ -252,7 +250,7 @@ def draw(full, reduced, most_back, folder):
     figure, axes = plt.subplots(2, 1, figsize=(8.2, 5.6), sharex=True)
     figure.subplots_adjust(left=0.1, right=0.8, top=0.94, bottom=0.09, hspace=0.14)
     for axis, name, factor, label in ((axes[0], f"{SIDE}, m", 1e3, "tower top\nside-side (mm)"), (axes[1], "tower fore-aft, m", 1.0, "tower top\nfore-aft (m)")):
-        for histories, colour, words, width in ((reduced, VERMILION, "reduced", 1.1), (most_back, GREEN, "reduced, with the\nfirst three terms", 1.1),
+        for histories, colour, words, width in ((reduced, VERMILION, "reduced", 1.1), (most_back, GREEN, "reduced, with three\nterms put back", 1.1),
                                                 (full, BLUE, "whole turbine", 1.8)):
             axis.plot(histories["time"], factor * histories[name], color=colour, label=words, linewidth=width)
         axis.set_ylabel(label)
