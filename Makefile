@@ -223,13 +223,14 @@ wind-tunnel: build venv ## Wings that were measured, at every measured point: do
 aircraft: package venv ## Couple two wings with an aircraft by several ways: docs/tables/aircraft.md, takes minutes
 	$(VENV_PYTHON) studies/aircraft_study.py --foldwing $(COMMAND) --fmu $(FMU) --table docs/tables/aircraft.md --pictures docs/pictures
 
-turbine: build venv ## Close the loop around the turbine's FMU for ten minutes, find its operating points, draw its Campbell diagram, time its steps
+turbine: build venv ## Close the loop around the turbine's FMU for ten minutes, find its operating points, draw its Campbell diagram, reduce it as the paper does, time its steps
 	@mkdir -p $(TARGET)/campbell
 	$(VENV_PYTHON) examples/turbine/closed_loop.py --foldwing $(COMMAND) --picture docs/pictures/turbine_closed_loop.png
 	$(VENV_PYTHON) examples/turbine/closed_loop.py --foldwing $(COMMAND) --points --table docs/tables/turbine.md
 	$(COMMAND) modes examples/turbine/nrel_5mw.toml --about undeformed --over rotor_speed_rpm=0:18:19 --count 13 \
 	    --plot $(TARGET)/campbell --csv $(TARGET)/campbell/campbell.csv
 	cp $(TARGET)/campbell/campbell.png docs/pictures/campbell.png
+	$(VENV_PYTHON) studies/reduced_turbine_study.py --foldwing $(COMMAND) --table docs/tables/reduced_turbine.md --output docs/pictures
 	$(VENV_PYTHON) examples/turbine/closed_loop.py --foldwing $(COMMAND) --real-time $(TARGET)/turbine_real_time.toml
 	$(COMMAND) latency $(TARGET)/turbine_real_time.toml --steps 100000 --step 5e-3
 

@@ -365,6 +365,6 @@ pub(super) const PAIRS: &[(&str, &str, &str)] = &[
     ("stops", "damping_N_m_s_rad", "damping_N_s_m"),
 ];
 
-fn yes() -> bool {
+pub(super) fn yes() -> bool {
     true
 }

@@ -60,6 +60,13 @@ pub(super) struct ModalBodyFile {
     pub flap_start_m: Option<Vec<f64>>,
     /// Deflection of the outer end in each shape in edge at the start. Default 0.
     pub edge_start_m: Option<Vec<f64>>,
+    /// Whether the axis shortens as it bends. Without shortening a blade that turns is not stiffened by centrifugal forces.
+    #[serde(default = "crate::joint_file::yes")]
+    pub axial_shortening: bool,
+    /// Whether sections turn as the axis bends. Without rotation they and what hangs on the outer end keep the attitude of the
+    /// inner end, and moments on them do not bend the body.
+    #[serde(default = "crate::joint_file::yes")]
+    pub section_rotation: bool,
     /// Distances of load stations from the inner end, ascending. Default: none.
     #[schemars(length(max = 1000))]
     pub load_station_positions_m: Option<Vec<f64>>,
@@ -118,6 +125,8 @@ pub(super) fn build(name: &str, file: &ModalBodyFile, checker: &mut Checker) -> 
         twist_rad,
         flap: shapes("flap", &file.flap_shapes, file.flap_damping_ratios.as_ref(), file.flap_start_m.as_ref()),
         edge: shapes("edge", &file.edge_shapes, file.edge_damping_ratios.as_ref(), file.edge_start_m.as_ref()),
+        axial_shortening: file.axial_shortening,
+        section_rotation: file.section_rotation,
         mass_factor: 1.0,
         stiffness_factor: 1.0,
     };

@@ -186,8 +186,8 @@ fn shapes(law: &ModalLaw) -> Shapes {
     let at = |k: usize, place_m: f64| Bent {
         place_m,
         deflection: deflection.iter().map(|all| all[k]).collect(),
-        slope: slope.iter().map(|all| all[k]).collect(),
-        shortening: shortening[k].clone(),
+        slope: slope.iter().map(|all| if law.section_rotation { all[k] } else { Vector3::zeros() }).collect(),
+        shortening: if law.axial_shortening { shortening[k].clone() } else { DMatrix::zeros(n, n) },
     };
     let masses = (0..cells).map(|k| (law.mass_kg_m.at(places[k]) * h, at(k, places[k]))).collect();
     let (mut stiffness, mut damping) = (DMatrix::<f64>::zeros(n, n), DMatrix::<f64>::zeros(n, n));
@@ -300,7 +300,35 @@ fn accelerations(machine: &Machine, q: &[f64], u: &[f64]) -> DVector<f64> {
 /// Kane's to 1e-12 of the largest acceleration of their kind (forces of 1e9 N·m cancel in the drive train).
 #[test]
 fn wt06_accelerations_are_those_of_kanes_equations() {
-    let machine = turbine();
+    let worst = worst_beside_kane(&turbine());
+    println!("WT-06: {worst:.1e}");
+}
+
+/// WT-50. The same without shortening, without rotation of sections, and without both, of the blades alone, of the tower alone and of
+/// all: what bends in one way carries what bends in another.
+#[test]
+fn wt50_bodies_that_keep_less_are_kanes_too() {
+    let (blades, tower) = (["blade1", "blade2", "blade3"], ["tower"]);
+    for [axial_shortening, section_rotation] in [[false, true], [true, false], [false, false]] {
+        let mut both = turbine();
+        for bodies in [&blades[..], &tower[..]] {
+            let mut machine = turbine();
+            for name in bodies {
+                for machine in [&mut machine, &mut both] {
+                    let law = law_mut(machine, name);
+                    (law.axial_shortening, law.section_rotation) = (axial_shortening, section_rotation);
+                }
+            }
+            let worst = worst_beside_kane(&machine);
+            println!("WT-50 {bodies:?}, shortening {axial_shortening}, rotation {section_rotation}: {worst:.1e}");
+        }
+        let worst = worst_beside_kane(&both);
+        println!("WT-50 all, shortening {axial_shortening}, rotation {section_rotation}: {worst:.1e}");
+    }
+}
+
+/// Largest difference of the accelerations at five random states, held to 1e-12.
+fn worst_beside_kane(machine: &Machine) -> f64 {
     let mut plant = Plant::new(Arc::new(machine.clone()));
     plant.initialize(0.0).expect("a start");
     let names: Vec<String> = plant.freedoms().into_iter().map(|freedom| freedom.name).collect();
@@ -329,7 +357,7 @@ fn wt06_accelerations_are_those_of_kanes_equations() {
         assert_eq!(hybrid.states(), 2 * n);
         hybrid.set(0.0, &states);
         hybrid.derivatives(&mut rates).expect("derivatives");
-        let expected = accelerations(&machine, &states[..n], &states[n..]);
+        let expected = accelerations(machine, &states[..n], &states[n..]);
         let angular = |name: &str| name.ends_with(".angle");
         for (k, name) in names.iter().enumerate() {
             let of_kind = names.iter().zip(expected.iter()).filter(|(other, _)| angular(other) == angular(name));
@@ -339,5 +367,5 @@ fn wt06_accelerations_are_those_of_kanes_equations() {
             assert!(error < 1e-12, "seed {seed}, {name}: {} for {}, {error:.1e}", rates[n + k], expected[k]);
         }
     }
-    println!("WT-06: {worst_all:.1e}");
+    worst_all
 }

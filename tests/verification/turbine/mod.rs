@@ -7,6 +7,7 @@ mod machine;
 mod modes;
 mod operation;
 mod recursions;
+mod reduced;
 mod refusals;
 mod strain;
 mod vacuum;

@@ -16,10 +16,12 @@ use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
 /// A tower, a rigid body on a hinge aside of its top, a blade with twist on that, and a mass at the blade's tip; loads in both
 /// frames at places on the way and at the ends.
-fn tree() -> Model {
+fn tree([axial_shortening, section_rotation]: [bool; 2]) -> Model {
     let machine = turbine();
     let law_of = |name: &str| {
-        SectionLaw::from(law(machine.bodies.iter().find(|body| body.name == name).expect("a body")).clone())
+        let mut law = law(machine.bodies.iter().find(|body| body.name == name).expect("a body")).clone();
+        (law.axial_shortening, law.section_rotation) = (axial_shortening, section_rotation);
+        SectionLaw::from(law)
     };
     let inertia = Matrix3::from_diagonal(&Vector3::new(3e5, 2e5, 4e5));
     let heavy = |mass_kg: f64| rigid_body_mass(mass_kg, &Vector3::new(0.4, -0.8, 1.1), &inertia);
@@ -75,7 +77,12 @@ struct Setting {
 }
 
 fn setting(seed: u64) -> Setting {
-    let model = tree();
+    keeping(seed, [true, true])
+}
+
+/// With and without shortening and rotation of sections.
+fn keeping(seed: u64, keeps: [bool; 2]) -> Setting {
+    let model = tree(keeps);
     let mut random = Random::new(seed);
     let n = model.coordinates;
     let mut vector = |size: f64| -> Vec<f64> { (0..n).map(|_| size * random.symmetric()).collect() };
@@ -154,36 +161,52 @@ fn wt08_elimination_is_that_of_the_dense_matrix() {
 #[test]
 fn wt09_tangent_is_the_derivative_of_the_residual() {
     for seed in 1..=3 {
-        let setting = setting(seed);
-        let (model, n) = (&setting.model, setting.q.len());
-        let mut work = Workspace::new(model);
-        let zero = vec![0.0; n];
-        setting.residual(&mut work, &setting.q, &zero, &zero);
-        let joints = vec![JointTangent::one_freedom(0.0); model.bodies.len()];
-        let mut tangent = Tangent::new(model);
-        let surroundings = Surroundings { root: &setting.root, stations: &setting.loads, joints: &joints };
-        tangent.linearize(model, &work, &setting.q, surroundings);
-        let exact = tangent.dense(model);
-        let mut worst = 0.0f64;
-        for j in 0..n {
-            let at = |steps: f64| {
-                let mut q = setting.q.clone();
-                q[j] += 1e-2 * steps;
-                setting.residual(&mut Workspace::new(model), &q, &zero, &zero)
-            };
-            let slope = ((at(1.0) - at(-1.0)) * 45.0 - (at(2.0) - at(-2.0)) * 9.0 + at(3.0) - at(-3.0)) / 0.6;
-            worst = worst.max((exact.column(j) - &slope).amax() / slope.amax());
-        }
-        tangent.factorize(model).expect("a factor");
-        let (mut y, mut x) = (vec![0.0; n], setting.a.clone());
-        tangent.apply(model, &setting.a, &mut y);
-        x.copy_from_slice(&y);
-        tangent.solve(model, &mut x);
-        let back = (0..n).map(|i| (x[i] - setting.a[i]).abs()).fold(0.0, f64::max);
+        let (worst, back) = tangent_errors(&setting(seed));
         println!("WT-09, seed {seed}: tangent {worst:.1e}, solution {back:.1e}");
         assert!(worst < 1e-8, "seed {seed}: the tangent is off by {worst:.1e}");
         assert!(back < 1e-8, "seed {seed}: the solution is off by {back:.1e}");
     }
+}
+
+/// WT-54. The same for bodies that do not shorten, whose sections do not turn, and both.
+#[test]
+fn wt54_tangent_of_bodies_that_keep_less() {
+    for keeps in [[false, true], [true, false], [false, false]] {
+        let (worst, back) = tangent_errors(&keeping(1, keeps));
+        println!("WT-54, {keeps:?}: tangent {worst:.1e}, solution {back:.1e}");
+        assert!(worst < 1e-8, "{keeps:?}: the tangent is off by {worst:.1e}");
+        assert!(back < 1e-8, "{keeps:?}: the solution is off by {back:.1e}");
+    }
+}
+
+/// Error of the tangent beside differences, and of its factor.
+fn tangent_errors(setting: &Setting) -> (f64, f64) {
+    let (model, n) = (&setting.model, setting.q.len());
+    let mut work = Workspace::new(model);
+    let zero = vec![0.0; n];
+    setting.residual(&mut work, &setting.q, &zero, &zero);
+    let joints = vec![JointTangent::one_freedom(0.0); model.bodies.len()];
+    let mut tangent = Tangent::new(model);
+    let surroundings = Surroundings { root: &setting.root, stations: &setting.loads, joints: &joints };
+    tangent.linearize(model, &work, &setting.q, surroundings);
+    let exact = tangent.dense(model);
+    let mut worst = 0.0f64;
+    for j in 0..n {
+        let at = |steps: f64| {
+            let mut q = setting.q.clone();
+            q[j] += 1e-2 * steps;
+            setting.residual(&mut Workspace::new(model), &q, &zero, &zero)
+        };
+        let slope = ((at(1.0) - at(-1.0)) * 45.0 - (at(2.0) - at(-2.0)) * 9.0 + at(3.0) - at(-3.0)) / 0.6;
+        worst = worst.max((exact.column(j) - &slope).amax() / slope.amax());
+    }
+    tangent.factorize(model).expect("a factor");
+    let (mut y, mut x) = (vec![0.0; n], setting.a.clone());
+    tangent.apply(model, &setting.a, &mut y);
+    x.copy_from_slice(&y);
+    tangent.solve(model, &mut x);
+    let back = (0..n).map(|i| (x[i] - setting.a[i]).abs()).fold(0.0, f64::max);
+    (worst, back)
 }
 
 /// WT-10. A load at a station does the power on the coordinates that it does at the place: forces go by the map that gives the

@@ -64,6 +64,10 @@ pub struct ModalLaw {
     pub flap: Vec<Shape>,
     /// Shapes in edge; their coordinates follow those in flap.
     pub edge: Vec<Shape>,
+    /// Whether the axis shortens with the deflection; without, `S_ij = 0`, NOTATION eq. (M13).
+    pub axial_shortening: bool,
+    /// Whether sections turn with the slope; without, `ω_i = 0` and all keep the attitude of the inner end, eq. (M13).
+    pub section_rotation: bool,
     /// Factor of the mass.
     pub mass_factor: f64,
     /// Factor of the stiffness.
@@ -137,6 +141,17 @@ impl ShapesAt {
         slope_1_m: [[0.0; 2]; MAXIMUM_MODES],
         shortening_1_m: [[0.0; MAXIMUM_MODES]; MAXIMUM_MODES],
     };
+
+    /// The part of the shapes that the body's settings keep, eq. (M13).
+    fn kept(mut self, [shortening, rotation]: [bool; 2]) -> Self {
+        if !shortening {
+            self.shortening_1_m = Self::ZERO.shortening_1_m;
+        }
+        if !rotation {
+            self.slope_1_m = Self::ZERO.slope_1_m;
+        }
+        self
+    }
 
     /// `Σ_j S_ij x_j` per shape `i`.
     #[inline]
@@ -242,6 +257,8 @@ pub struct ModalElement {
     cells: Vec<Cell>,
     /// Polynomials of the shapes if there is no twist.
     shapes: Option<Vec<(usize, Shape)>>,
+    /// Whether the axis shortens and whether sections turn, eq. (M13).
+    keeps: [bool; 2],
 }
 
 impl ModalElement {
@@ -260,6 +277,7 @@ impl ModalElement {
             cell_m,
             cells: Vec::new(),
             shapes: law.twist_rad.is_none().then(|| shapes.clone()),
+            keeps: [law.axial_shortening, law.section_rotation],
         };
         let mut start = ShapesAt::ZERO;
         let mut untwisted = [0.0; MAXIMUM_MODES];
@@ -284,10 +302,10 @@ impl ModalElement {
                     }
                 }
             }
-            element.masses.push(MassPoint { mass_kg, shapes: cell.middle });
+            element.masses.push(MassPoint { mass_kg, shapes: cell.middle.kept(element.keeps) });
             element.cells.push(cell);
         }
-        element.tip = start;
+        element.tip = start.kept(element.keeps);
         if law.twist_rad.is_none() {
             // the coordinate is the deflection there, even if the printed coefficients are rounded
             let directions = law.directions(length_m);
@@ -310,7 +328,7 @@ impl ModalElement {
             return self.tip;
         }
         let cell = (place_m / self.length_m * self.cells.len() as f64) as usize;
-        self.within(&self.cells[cell.min(self.cells.len() - 1)], place_m)
+        self.within(&self.cells[cell.min(self.cells.len() - 1)], place_m).kept(self.keeps)
     }
 
     /// The shapes at a place of a cell.

@@ -12,6 +12,11 @@ pub enum Motion {
     Table(Vec<(f64, f64)>),
     /// Cubic spline through `(time_s, angle_rad)` without acceleration at its ends, and on at constant rate outside.
     Onward(Vec<(f64, f64)>),
+    /// Straight lines through `(time_s, angle_rad)`, constant outside, that nothing feels as motion: rate and acceleration are zero.
+    ///
+    /// OpenFAST pitches blades so. It is for comparison with it: bent blades lose the impulses at the start and the end of a
+    /// pitch manoeuvre, and the energy account does not close.
+    QuasiStatic(Vec<(f64, f64)>),
 }
 
 /// A motion made ready for evaluation.
@@ -23,6 +28,8 @@ pub enum Law {
     Spline(Vec<[f64; 3]>),
     /// Natural cubic spline that goes on at its end rates.
     Onward(Vec<[f64; 3]>),
+    /// The same knots without curvature: straight lines without rate.
+    QuasiStatic(Vec<[f64; 3]>),
 }
 
 impl Law {
@@ -32,6 +39,9 @@ impl Law {
             Motion::Polynomial(coefficients) => Self::Polynomial(coefficients.clone()),
             Motion::Table(points) => Self::Spline(spline(points, Ends::Clamped)),
             Motion::Onward(points) => Self::Onward(spline(points, Ends::Natural)),
+            Motion::QuasiStatic(points) => {
+                Self::QuasiStatic(points.iter().map(|&(time, angle)| [time, angle, 0.0]).collect())
+            }
         }
     }
 
@@ -57,19 +67,20 @@ impl Law {
             }
             Self::Spline(knots) => spline_at(knots, time_s, branch_s, Ends::Clamped),
             Self::Onward(knots) => spline_at(knots, time_s, branch_s, Ends::Natural),
+            Self::QuasiStatic(knots) => [spline_at(knots, time_s, branch_s, Ends::Clamped)[0], 0.0, 0.0],
         }
     }
 
     /// Whether a knot lies exactly at `time_s`.
     pub fn has_knot_at(&self, time_s: f64) -> bool {
-        matches!(self, Self::Spline(knots) | Self::Onward(knots) if knots.iter().any(|knot| knot[0] == time_s))
+        matches!(self, Self::Spline(knots) | Self::Onward(knots) | Self::QuasiStatic(knots) if knots.iter().any(|knot| knot[0] == time_s))
     }
 
     /// First knot after `time_s`: there the third derivative jumps, and a step should end. Infinite without one.
     pub fn next_knot_s(&self, time_s: f64) -> f64 {
         match self {
             Self::Polynomial(_) => f64::INFINITY,
-            Self::Spline(knots) | Self::Onward(knots) => {
+            Self::Spline(knots) | Self::Onward(knots) | Self::QuasiStatic(knots) => {
                 knots.iter().map(|knot| knot[0]).find(|&knot| knot > time_s).unwrap_or(f64::INFINITY)
             }
         }
@@ -182,6 +193,18 @@ mod tests {
             assert!((left[1] - right[1]).abs() < 1e-8 && (left[2] - right[2]).abs() < 1e-7);
         }
         assert_eq!((curved.at(1.0)[2], curved.at(4.0)[2]), (0.0, 0.0));
+    }
+
+    /// Straight between its rows, held outside, without rate anywhere.
+    #[test]
+    fn a_quasi_static_table_has_no_rate() {
+        let law = Law::new(&Motion::QuasiStatic(vec![(1.0, 0.2), (2.0, 1.0), (4.0, 0.5)]));
+        for (time, angle) in [(0.0, 0.2), (1.0, 0.2), (1.25, 0.4), (2.0, 1.0), (3.0, 0.75), (4.0, 0.5), (9.0, 0.5)] {
+            let [found, rate, acceleration] = law.at(time);
+            assert!((found - angle).abs() < 1e-15 && rate == 0.0 && acceleration == 0.0, "{time}: {found}");
+        }
+        assert!(law.has_knot_at(2.0));
+        assert_eq!((law.next_knot_s(1.0), law.next_knot_s(4.0)), (2.0, f64::INFINITY));
     }
 
     #[test]

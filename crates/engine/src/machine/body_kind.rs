@@ -54,6 +54,11 @@ impl Body {
         self.section.modal().is_some()
     }
 
+    /// Its sections turn as it bends: all but those of a modal body that says otherwise.
+    pub fn sections_turn(&self) -> bool {
+        self.section.modal().is_none_or(|law| law.section_rotation)
+    }
+
     /// The body is made of strain elements.
     pub fn is_beam(&self) -> bool {
         !self.is_rigid() && !self.is_modal()

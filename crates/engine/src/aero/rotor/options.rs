@@ -105,6 +105,8 @@ pub struct RotorOptions {
     pub positions_m: Vec<Vec<f64>>,
     /// Lengths of the blades in m.
     pub lengths_m: Vec<f64>,
+    /// Whether the sections of each blade turn as it bends; those that do not take loads between them as forces alone, eq. (B8).
+    pub sections_turn: Vec<bool>,
     /// What code and file say alike.
     pub features: RotorFeatures,
 }

@@ -13,7 +13,10 @@ impl Rotor {
             let (cuts, loads) = (&self.cuts[range.clone()], &mut loads.circulatory[range.clone()]);
             let places_m = &self.options.positions_m[blade];
             match self.options.features.spread {
-                Spread::Linear => spread_in_lines(cuts, places_m, loads, disc),
+                Spread::Linear => {
+                    let weights = if self.options.sections_turn[blade] { WITH_LEVERS } else { FORCES_ALONE };
+                    spread_in_lines(cuts, places_m, weights, loads, disc);
+                }
                 Spread::Cells => spread_over_cells(cuts, places_m, self.options.lengths_m[blade], loads, disc),
             }
         }
@@ -23,8 +26,15 @@ impl Rotor {
     }
 }
 
+/// Shares of a section's own line load and of its neighbour's, eq. (B8): of the length between them in the force, of its square in
+/// the moment.
+type Weights = [[f64; 2]; 2];
+const WITH_LEVERS: Weights = [[7.0 / 20.0, 3.0 / 20.0], [3.0 / 60.0, 2.0 / 60.0]];
+/// Of sections on which moments do no work as the blade bends.
+const FORCES_ALONE: Weights = [[1.0 / 3.0, 1.0 / 6.0], [0.0, 0.0]];
+
 /// Straight lines between the sections, eq. (B8).
-fn spread_in_lines(cuts: &[Cut], places_m: &[f64], loads: &mut [Wrench], disc: &mut Disc) {
+fn spread_in_lines(cuts: &[Cut], places_m: &[f64], [forces, levers]: Weights, loads: &mut [Wrench], disc: &mut Disc) {
     for (inner, places_m) in places_m.windows(2).enumerate() {
         let ends = [inner, inner + 1];
         let length_m = places_m[1] - places_m[0];
@@ -32,8 +42,8 @@ fn spread_in_lines(cuts: &[Cut], places_m: &[f64], loads: &mut [Wrench], disc: &
         let along = way.try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
         for (own, other, sign) in [(ends[0], ends[1], 1.0), (ends[1], ends[0], -1.0)] {
             let (near, far) = (&cuts[own], &cuts[other]);
-            let force_n = (near.line_n_m * 7.0 + far.line_n_m * 3.0) * (length_m / 20.0);
-            let lever_n_m = (near.line_n_m * 3.0 + far.line_n_m * 2.0) * (sign * length_m * length_m / 60.0);
+            let force_n = (near.line_n_m * forces[0] + far.line_n_m * forces[1]) * length_m;
+            let lever_n_m = (near.line_n_m * levers[0] + far.line_n_m * levers[1]) * (sign * length_m * length_m);
             let moment_n_m = (near.moment_n * 2.0 + far.moment_n) * (length_m / 6.0) + along.cross(&lever_n_m);
             disc.put(near, &force_n, &moment_n_m, &mut loads[own]);
         }
@@ -60,5 +70,27 @@ impl Disc {
         self.loads.thrust_n += force_n.dot(&self.normal);
         let about_apex_n_m = cut.from_apex_m.cross(force_n) + moment_n_m;
         self.loads.torque_n_m += self.turn * about_apex_n_m.dot(&self.normal);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FORCES_ALONE, WITH_LEVERS};
+
+    /// WT-58. Of a line load that falls from 1 to 0 over a length of 1: force, first moment about its heavy end, and with levers the work
+    /// on `s²` and `s³`.
+    #[test]
+    fn wt58_lumped_loads_are_exact() {
+        for (forces, levers, degrees) in
+            [(FORCES_ALONE[0], FORCES_ALONE[1], 0..2), (WITH_LEVERS[0], WITH_LEVERS[1], 0..4)]
+        {
+            for degree in degrees {
+                let slope = |s: f64| if degree == 0 { 0.0 } else { f64::from(degree) * s.powi(degree - 1) };
+                let heavy = forces[0] * 0f64.powi(degree) + levers[0] * slope(0.0);
+                let light = forces[1] - levers[1] * slope(1.0);
+                let exact = 1.0 / f64::from((degree + 1) * (degree + 2));
+                assert!((heavy + light - exact).abs() < 1e-14, "degree {degree}: {} for {exact}", heavy + light);
+            }
+        }
     }
 }

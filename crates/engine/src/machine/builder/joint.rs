@@ -454,7 +454,7 @@ fn law_start_rad(law: &Motion, time_s: f64) -> f64 {
     match law {
         Motion::Polynomial(coefficients) => coefficients.iter().rev().fold(0.0, |sum, c| sum * time_s + c),
         Motion::Onward(_) => Law::new(law).at(time_s)[0],
-        Motion::Table(points) => {
+        Motion::Table(points) | Motion::QuasiStatic(points) => {
             let after = points.partition_point(|(time, _)| *time <= time_s);
             match (points.get(after.wrapping_sub(1)), points.get(after)) {
                 (Some((t0, a0)), Some((t1, a1))) => a0 + (a1 - a0) * (time_s - t0) / (t1 - t0),

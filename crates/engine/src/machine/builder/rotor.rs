@@ -119,6 +119,7 @@ impl RotorSettings {
                     own.and_then(|blade| blade.length_m).unwrap_or(bodies[surface.body].length_m)
                 })
                 .collect(),
+            sections_turn: surfaces.iter().map(|surface| bodies[surface.body].sections_turn()).collect(),
             features: self.features.clone(),
         })
     }

@@ -156,6 +156,12 @@ fn check_rotor(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[Bo
         && options.positions_m.iter().zip(surfaces).all(|(own, surface)| *own == surface.positions_m)
         && options.positions_m.len() == surfaces.len()
         && options.lengths_m.len() == surfaces.len()
+        && options.sections_turn.len() == surfaces.len()
+        && options
+            .sections_turn
+            .iter()
+            .zip(surfaces)
+            .all(|(turn, surface)| bodies.get(surface.body).is_none_or(|body| *turn == body.sections_turn()))
         && options.sections.iter().enumerate().all(|(blade, polars)| {
             Some(polars.len()) == sizes(blade) && polars.iter().all(|polar| *polar < options.polars.len())
         });

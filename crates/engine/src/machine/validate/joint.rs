@@ -113,7 +113,7 @@ pub(crate) fn check_motion(place: &[&str], travel: Travel, motion: &Motion, chec
             let fits = (1..=100).contains(&coefficients.len()) && coefficients.iter().copied().all(is_finite);
             (fits, "an array of 1 to 100 finite coefficients in rad and s")
         }
-        Motion::Table(points) | Motion::Onward(points) => {
+        Motion::Table(points) | Motion::Onward(points) | Motion::QuasiStatic(points) => {
             let finite = points.len() >= 2 && points.iter().all(|(t, angle)| is_finite(*t) && is_finite(*angle));
             let ascending = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
             (finite && ascending, "at least 2 pairs [time in s, angle in rad] of finite numbers with ascending times")

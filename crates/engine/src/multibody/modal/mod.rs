@@ -1,5 +1,5 @@
 //! Bodies that bend in given shapes, in the recursions: a link with as many degrees of freedom as shapes between the
-//! body's first node and the node at its outer end, with mass in between, NOTATION eqs. (M1)–(M12).
+//! body's first node and the node at its outer end, with mass in between, NOTATION eqs. (M1)–(M13).
 //!
 //! Velocities and accelerations are those of \[E\]: the section at the outer end turns at the rates of the slopes,
 //! resolved in the frame of the inner end, while its attitude follows from the slopes as small angles. Forces are
