@@ -17,6 +17,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 MODELS = ROOT / "examples/wind_tunnel"
+DATA = ROOT / "tests/reference/folding_wingtips"
 AIR = "aerodynamics"
 WITHOUT = None  # as a value: the key is taken out
 # what each model of the air changes in the file
@@ -26,6 +27,7 @@ AIRS = {
     "strips": ((AIR, "model", '"strip"'), (AIR, "mirror_normal", WITHOUT)),
     "line": ((AIR, "model", '"strip"'), (AIR, "tip_loss", '"lifting_line"')),
 }
+COMPARED = ("lattice", "line", "strips")  # models of the air of the tables
 
 
 @dataclass
@@ -105,6 +107,19 @@ def march(foldwing, point, stop_s):
     return Result(columns, cpu_s, error)
 
 
+def flutter(foldwing, point, speeds_m_s):
+    """Modes over the speed (from, to, step) with the speeds at which they begin and cease to grow: the JSON of `flutter`."""
+    span = ":".join(map(repr, speeds_m_s))
+    out, cpu_s, error = call(foldwing, point, lambda path: ["flutter", path, "--speeds", span, "--json"])
+    return Result({} if error else json.loads(out)["results"][0], cpu_s, error)
+
+
+def trim(foldwing, point, free, balance):
+    """The value of `free` at which an output is what `balance` says: the JSON of `trim`."""
+    out, cpu_s, error = call(foldwing, point, lambda path: ["trim", path, "--free", free, "--balance", balance, "--json"])
+    return Result({} if error else json.loads(out), cpu_s, error)
+
+
 def vector(*entries):
     """An array of TOML."""
     return "[" + ", ".join(repr(float(entry)) for entry in entries) + "]"
@@ -180,3 +195,62 @@ def rms(differences):
     """Root mean square of what is a number."""
     known = [value * value for value in differences if not math.isnan(value)]
     return math.sqrt(sum(known) / len(known)) if known else math.nan
+
+
+@dataclass
+class Series:
+    """One curve of ours beside one of theirs: `x` and `theirs` are the reference's points, `ours` our values there."""
+
+    case: str
+    quantity: str
+    source: str  # whose points these are
+    air: str
+    variant: str
+    x: list
+    theirs: list
+    ours: list = field(default_factory=list)
+    cpu_s: list = field(default_factory=list)
+    errors: list = field(default_factory=list)
+
+    def rms(self):
+        return rms([a - b for a, b in zip(self.ours, self.theirs)])
+
+
+def rows(name, **where):
+    """Rows of a reference table with these entries."""
+    with open(DATA / name) as file:
+        return [row for row in csv.DictReader(file) if all(row[key] == str(value) for key, value in where.items())]
+
+
+def columns(found, x, y):
+    """Two columns of rows as numbers, by rising x."""
+    pairs = sorted((float(row[x]), float(row[y])) for row in found)
+    return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
+
+
+class Study:
+    """Runs series and keeps them; a point that several series ask for is run once."""
+
+    def __init__(self, foldwing):
+        self.foldwing, self.series, self.known = foldwing, [], {}
+
+    def rest(self, point):
+        key = repr(point)
+        if key not in self.known:
+            self.known[key] = rest(self.foldwing, point)
+        return self.known[key]
+
+    def add(self, case, quantity, source, x, theirs, point_at, value, airs=COMPARED, variant="", less=None):
+        """A series per model of the air; `less`: our value there is taken off."""
+        for air in airs:
+            series = Series(case, quantity, source, air, variant, list(x), list(theirs))
+            for at in x:
+                result = self.rest(point_at(at, air))
+                series.ours.append(value(result) - (0.0 if less is None else value(self.rest(point_at(less, air)))))
+                series.cpu_s.append(result.cpu_s)
+                series.errors.append(result.error)
+            self.series.append(series)
+            cost = sum(series.cpu_s) / max(len(series.cpu_s), 1)
+            print(f"{case}, {quantity}, {air} {variant}: rms {series.rms():.2f} against {source}, {cost:.2f} s per point", flush=True)
+            for error in {error for error in series.errors if error}:
+                print("   ", error[:220], flush=True)

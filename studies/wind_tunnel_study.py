@@ -8,81 +8,21 @@ the pictures from points.json. Nothing is fitted: the measurements stand beside 
 """
 
 import argparse
-import csv
 import datetime
 import json
 import math
 import sys
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import wind_tunnel_cases as w  # noqa: E402
+import wind_tunnel_flutter as f  # noqa: E402
+from wind_tunnel_cases import COMPARED, Series, Study, columns, rows  # noqa: E402
 
-DATA = w.ROOT / "tests/reference/folding_wingtips"
-AIRS = ("lattice", "line", "strips")
 TWIST = "{{ table = [[0.0, 0.0], [0.06, 0.0], [0.085, {0!r}], [0.135, {0!r}]] }}"
 NOSE_DOWN = (("surface.tip", "incidence_deg", "-2.0"),)
-
-
-@dataclass
-class Series:
-    """One curve of ours beside one of theirs: `x` and `theirs` are the reference's points, `ours` our values there."""
-
-    case: str
-    quantity: str
-    source: str  # whose points these are
-    air: str
-    variant: str
-    x: list
-    theirs: list
-    ours: list = field(default_factory=list)
-    cpu_s: list = field(default_factory=list)
-    errors: list = field(default_factory=list)
-
-    def rms(self):
-        return w.rms([a - b for a, b in zip(self.ours, self.theirs)])
-
-
-def rows(name, **where):
-    """Rows of a reference table with these entries."""
-    with open(DATA / name) as file:
-        return [row for row in csv.DictReader(file) if all(row[key] == str(value) for key, value in where.items())]
-
-
-def columns(found, x, y):
-    """Two columns of rows as numbers, by rising x."""
-    pairs = sorted((float(row[x]), float(row[y])) for row in found)
-    return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
-
-
-class Study:
-    """Runs series and keeps them; a point that several series ask for is run once."""
-
-    def __init__(self, foldwing):
-        self.foldwing, self.series, self.known = foldwing, [], {}
-
-    def rest(self, point):
-        key = repr(point)
-        if key not in self.known:
-            self.known[key] = w.rest(self.foldwing, point)
-        return self.known[key]
-
-    def add(self, case, quantity, source, x, theirs, point_at, value, airs=AIRS, variant="", less=None):
-        """A series per model of the air; `less`: our value there is taken off."""
-        for air in airs:
-            series = Series(case, quantity, source, air, variant, list(x), list(theirs))
-            for at in x:
-                result = self.rest(point_at(at, air))
-                series.ours.append(value(result) - (0.0 if less is None else value(self.rest(point_at(less, air)))))
-                series.cpu_s.append(result.cpu_s)
-                series.errors.append(result.error)
-            self.series.append(series)
-            cost = sum(series.cpu_s) / max(len(series.cpu_s), 1)
-            print(f"{case}, {quantity}, {air} {variant}: rms {series.rms():.2f} against {source}, {cost:.2f} s per point", flush=True)
-            for error in {error for error in series.errors if error}:
-                print("   ", error[:220], flush=True)
 
 
 def sideslip_over_speed(study):
@@ -218,43 +158,6 @@ def pazy(study):
             study.add("Pazy wing in the wind, pitch 5", quantity, "UM/NAST", x, y, point, lambda result, value=value, pitch=pitch: value(result) - pitch)
 
 
-def pazy_flutter(study):
-    """Flutter of the Pazy wing at pitch 5, a hump: onset and end, where the growth of what a small gust leaves changes its sign."""
-    edges = {"onset": 43.0, "end": 51.0}  # measured with rising speed, pazy_wing_bench.csv
-
-    def growth(air, speed_m_s):
-        kick = ('\n[gust.kick]\nshape = "one_minus_cosine"\nvelocity_m_s = [0.0, 0.0, 0.3]\n'
-                f"length_m = {0.03 * speed_m_s!r}\norigin_m = [0.0, 0.0, 0.0]\nstart_s = 0.02\n\n[experiment]")
-        changes = ((w.AIR, "wind_m_s", w.vector(0, -speed_m_s, 0)), ("experiment", "step_s", "1e-3"))
-        point = w.Point("pazy_wing", changes, air, ("tip.velocity.z",), (("\n[experiment]", kick),))
-        result = w.march(study.foldwing, point, 2.0)
-        time_s, found = result.data.get("time", []), result.data.get("tip.velocity.z", [])
-        windows = [[v for t, v in zip(time_s, found) if at < t <= at + 0.4] for at in (0.8, 1.6)]
-        if not all(windows):
-            return math.nan, math.nan, result
-        early, late = (math.sqrt(sum((v - sum(part) / len(part)) ** 2 for v in part) / len(part)) for part in windows)
-        crossings = sum(a <= 0.0 < b for a, b in zip(windows[1], windows[1][1:]))
-        return math.log(late / early) / 0.8, crossings / 0.4, result
-
-    for air in ("lattice", "line", "strips"):
-        found = []
-        for speed in (38.0, 40.0, 42.0, 43.0, 44.0, 45.0, 46.0, 47.0, 48.0, 50.0, 52.0):
-            rate, frequency, result = growth(air, speed)
-            print(f"Pazy flutter, {air}, {speed} m/s: grows by {rate:+.2f} 1/s, about {frequency:.0f} Hz, {result.cpu_s:.1f} s {result.error[:120]}", flush=True)
-            found.append((rate, speed, result.cpu_s, result.error))
-        cost, errors = [entry[2] for entry in found], [entry[3] for entry in found]
-        known = [entry for entry in found if not math.isnan(entry[0])]
-        for edge, theirs in edges.items():
-            rising = edge == "onset"
-            between = [(a, b) for a, b in zip(known, known[1:]) if (a[0] <= 0.0 < b[0] if rising else b[0] <= 0.0 < a[0])]
-            speed = math.nan
-            if between:
-                (u, a, *_), (v, b, *_) = between[0 if rising else -1]
-                speed = a + (b - a) * u / (u - v)
-            study.series.append(Series("Pazy wing, flutter at pitch 5", f"{edge}, m/s", "experiment", air, "", [0.0], [theirs], [speed], cost, errors))
-            print(f"Pazy flutter, {air}: {edge} {speed:.2f} m/s, measured {theirs}", flush=True)
-
-
 def pazy_swept(study):
     """The Pazy wing turned back by 20 deg at pitch 5: deflection of the tip over the speed, less that in hardly any wind. The sections
     are those of the straight wing."""
@@ -325,41 +228,6 @@ def pendulum(study):
         print(f"pendulum {component}: rms {study.series[-1].rms():.1f} mm", flush=True)
 
 
-def flutter(study):
-    """Onset of flutter of the baseline wing at pitch 0 without gravity: where the growth of the fold angle changes its sign."""
-    weightless = ("gravity_m_s2 = [0.0, 0.0, -9.80665]", "gravity_m_s2 = [0.0, 0.0, 0.0]")
-    undamped = ("stiffness_damping_s = 1e-4", "stiffness_damping_s = 2e-5")
-
-    def growth(air, speed_m_s):
-        changes = (*w.tunnel(0.0, speed_m_s, 15), ("joint.fold", "start_rate_deg_s", "10.0"))
-        point = w.Point("baseline_wing", changes, air, ("fold.angle",), (weightless, undamped))
-        result = w.march(study.foldwing, point, 4.0)
-        found = [(t, v) for t, v in zip(result.data.get("time", ()), result.data.get("fold.angle", ())) if t > 1.5]
-        peaks = [b for a, b, c in zip(found, found[1:], found[2:]) if a[1] < b[1] >= c[1] and b[1] > 0]
-        if len(peaks) < 3:
-            return math.nan, math.nan, result
-        span_s = peaks[-1][0] - peaks[0][0]
-        frequency = (len(peaks) - 1) / span_s
-        return math.log(peaks[-1][1] / peaks[0][1]) / span_s / (2 * math.pi * frequency), frequency, result
-
-    for air in ("lattice", "line", "strips"):
-        found = []
-        for speed in (16.0, 18.0, 20.0, 22.0) if air == "strips" else (22.0, 23.5, 24.5, 26.0):
-            damping, frequency, result = growth(air, speed)
-            print(f"flutter, {air}, {speed} m/s: {frequency:.3f} Hz, damping ratio {damping:+.4f} (positive grows), {result.cpu_s:.1f} s {result.error[:120]}", flush=True)
-            found.append((damping, speed, frequency, result.cpu_s, result.error))
-        known = [entry for entry in found if not math.isnan(entry[0])]
-        crossing = [(a, b) for a, b in zip(known, known[1:]) if a[0] <= 0.0 < b[0]]
-        speed = frequency = math.nan
-        if crossing:
-            (a, u, f, _, _), (b, v, g, _, _) = crossing[0]
-            speed, frequency = u + (v - u) * -a / (b - a), f + (g - f) * -a / (b - a)
-        cost, errors = [entry[3] for entry in found], [entry[4] for entry in found]
-        for quantity, theirs, ours in (("speed, m/s", 24.37, speed), ("frequency, Hz", 2.93, frequency)):
-            study.series.append(Series("baseline wing, flutter", quantity, "Healy's computation", air, "", [0.0], [theirs], [ours], cost, errors))
-        print(f"flutter, {air}: {speed:.2f} m/s, {frequency:.3f} Hz", flush=True)
-
-
 def gust(study):
     """Change of root moment and fold of the baseline wing in a gust of a third of a second, hinge free and locked."""
     bump = ('\n[gust.bump]\nshape = "one_minus_cosine"\nvelocity_m_s = [0.0, 0.0, 0.5]\nlength_m = 6.0\n'
@@ -391,7 +259,7 @@ def gust(study):
                         print(f"gust, hinge {hinge}, {quantity}, {air}: rms {one.rms():.3f} against {source}, {result.cpu_s:.1f} s {result.error[:120]}", flush=True)
 
 
-CASES = (sideslip_over_speed, sideslip_over_pitch, sideslip_over_sideslip, lco, baseline_steady, pazy, pazy_swept, pazy_flutter, pendulum, flutter, gust, bands)
+CASES = (sideslip_over_speed, sideslip_over_pitch, sideslip_over_sideslip, lco, baseline_steady, pazy, pazy_swept, f.pazy_flutter, pendulum, f.flutter, f.trim, gust, bands)
 
 
 def table(series):
@@ -402,7 +270,7 @@ def table(series):
         groups.setdefault((one["case"], one["quantity"], one["source"], one["variant"]), []).append(one)
     for (case, quantity, source, variant), found in groups.items():
         def show(air, found=found):
-            chosen = [one for one in found if one["air"] == air or (air == "other" and one["air"] not in AIRS)]
+            chosen = [one for one in found if one["air"] == air or (air == "other" and one["air"] not in COMPARED)]
             if not chosen:
                 return "–"
             one = chosen[0]

@@ -11,6 +11,7 @@ from conftest import ROOT
 sys.path.insert(0, str(ROOT / "studies"))
 
 import wind_tunnel_cases as w  # noqa: E402
+import wind_tunnel_flutter as f  # noqa: E402
 
 
 @pytest.mark.parametrize("model", sorted(path.stem for path in w.MODELS.glob("*.toml")))
@@ -74,3 +75,27 @@ def test_f325_releasing_the_tip_takes_load_off_the_root(foldwing, tmp_path):
     assert highest[2] - 1.43 < 0.8 * (highest[0] - 1.43)
     assert 0.2 < let_go_s < 0.35 < held_s < 1.2
     assert picture.stat().st_size > 20_000
+
+
+@pytest.mark.parametrize("air", ["line", "strips", "lattice"])
+def test_f326_flutter_by_eigenvalues_is_that_of_simulations(foldwing, air):
+    """F-326. Baseline wing: speed and frequency by `flutter`, and where the growth of simulations 1.5 % to both sides of that speed
+    changes its sign, within 0.5 %. The hinge swings freely: its mode has no frequency without air."""
+    (speed_m_s, frequency_hz, _, error), (marched_m_s, marched_hz, _, failed) = f.baseline_both(foldwing, air)
+    assert not error and not failed
+    print(f"F-326 {air}: {speed_m_s:.4f} m/s, {frequency_hz:.4f} Hz; simulations {marched_m_s:.4f} m/s, {marched_hz:.4f} Hz")
+    assert abs(speed_m_s / marched_m_s - 1.0) < 0.005
+    assert abs(frequency_hz / marched_hz - 1.0) < 0.005
+
+
+def test_f327_trim_finds_the_pitch_of_an_equilibrium(foldwing):
+    """F-327. LCO wing, lifting line: the root pitch at which the tip coasts where `static` has it at pitch 5, sought from 3 and 9 deg,
+    and the equilibrium of `static` at the pitch found for another angle, within 0.1 deg (both solve to 1e-6 deg and less)."""
+    fold_deg = w.fold_up_deg(w.rest(foldwing, w.Point("lco_wing", w.tunnel(5, 18.677), "line")))
+    for start_deg in (3, 9):
+        pitch_deg, result = f.lco_pitch(foldwing, "line", start_deg, 18.677, fold_deg)
+        assert not result.error and abs(pitch_deg - 5.0) < 0.1
+    pitch_deg, _ = f.lco_pitch(foldwing, "line", 3, 18.677, fold_deg + 6.0)
+    assert pitch_deg > 5.3, "more lift for a tip that is higher"
+    found_deg = w.fold_up_deg(w.rest(foldwing, w.Point("lco_wing", w.tunnel(pitch_deg, 18.677), "line")))
+    assert abs(found_deg - fold_deg - 6.0) < 0.1

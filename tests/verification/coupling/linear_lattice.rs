@@ -18,6 +18,7 @@ const SPEED_M_S: f64 = 20.0;
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Bump {
     Gust,
+    Wind,
     Aileron,
 }
 
@@ -25,7 +26,7 @@ impl Bump {
     /// Size, small against wind and chord: in m/s and rad.
     fn size(self) -> f64 {
         match self {
-            Self::Gust => 0.2,
+            Self::Gust | Self::Wind => 0.2,
             Self::Aileron => 1e-2,
         }
     }
@@ -33,6 +34,7 @@ impl Bump {
     fn add(self, inputs: &mut Inputs, amount: f64) {
         match self {
             Self::Gust => {}
+            Self::Wind => inputs.wind_m_s_mut().z += amount,
             Self::Aileron => inputs.flaps_mut()[0].command_rad += amount,
         }
     }
@@ -43,17 +45,32 @@ fn bump(step: u32) -> f64 {
     if step < BUMP { 0.5 * (1.0 - (std::f64::consts::TAU * f64::from(step) / f64::from(BUMP)).cos()) } else { 0.0 }
 }
 
+/// A wing and its mesh.
+#[derive(Clone, Copy, Debug)]
+struct Wing {
+    fold_deg: f64,
+    incidence_deg: f64,
+    suction: bool,
+    /// Strips of the inner wing and of the tip.
+    strips: [usize; 2],
+}
+
 /// The shipped wing with a folding tip and an aileron in the air of a lattice, the tip held at an angle. The gust travels with the
 /// wind and reaches the foremost line of the lattice at time 0.
-fn machine(fold_deg: f64, incidence_deg: f64, suction: bool, gust_m_s: f64) -> Machine {
+fn machine(wing: Wing, gust_m_s: f64) -> Machine {
+    let Wing { fold_deg, incidence_deg, suction, strips } = wing;
+    // the edges of a coarse tip's strips are those of its aileron too
+    let aileron_m = if strips[1] < 8 { [0.1, 0.3] } else { [0.05, 0.35] };
     let text = include_str!("../../../examples/aileron/folding_aileron.toml");
     let way_m = SPEED_M_S * STEP_S;
     let rows: Vec<String> = (0..=BUMP).map(|i| format!("[{:?}, {:?}]", f64::from(i) * way_m, bump(i))).collect();
     let text = text
         .replace("start_angle_deg = 0.0", &format!("start_angle_deg = {fold_deg:?}"))
         .replace("incidence_deg = 2.0", &format!("incidence_deg = {incidence_deg:?}"))
-        .replace("strips = 6\n", "strips = 6\nchord_panels = 4\n")
-        .replace("strips = 8\n", "strips = 8\nchord_panels = 4\n")
+        .replace("strips = 6\n", &format!("strips = {}\nchord_panels = 4\n", strips[0]))
+        .replace("strips = 8\n", &format!("strips = {}\nchord_panels = 4\n", strips[1]))
+        .replace("from_m = 0.05", &format!("from_m = {:?}", aileron_m[0]))
+        .replace("to_m = 0.35", &format!("to_m = {:?}", aileron_m[1]))
         .replace("indicial = \"fine\"\n", "")
         .replace(
             "model = \"strip\"\n",
@@ -69,7 +86,7 @@ fn machine(fold_deg: f64, incidence_deg: f64, suction: bool, gust_m_s: f64) -> M
              origin_m = [0.0, {:?}, 0.0]\n[experiment]",
             rows.join(", "),
             // a quarter of the first panel behind the leading edge
-            0.07 - 0.2 / 16.0,
+            (0.07 - 0.2 / 16.0) * incidence_deg.to_radians().cos(),
         ),
     );
     config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
@@ -90,9 +107,9 @@ fn started(machine: Machine) -> Plant {
 }
 
 /// Outputs at the ends of the steps.
-fn marched(wing: [f64; 2], suction: bool, kind: Bump, size: f64) -> Vec<DVector<f64>> {
+fn marched(wing: Wing, kind: Bump, size: f64) -> Vec<DVector<f64>> {
     let gust_m_s = if kind == Bump::Gust { size } else { 0.0 };
-    let mut plant = started(machine(wing[0], wing[1], suction, gust_m_s));
+    let mut plant = started(machine(wing, gust_m_s));
     let kept = plant.inputs().clone();
     (0..END)
         .map(|i| {
@@ -118,8 +135,8 @@ fn linear(model: &SampledSpace, size: f64) -> Vec<DVector<f64>> {
 }
 
 /// Linear model of one input.
-fn model(wing: [f64; 2], suction: bool, kind: Bump) -> SampledSpace {
-    let mut plant = started(machine(wing[0], wing[1], suction, 0.0));
+fn model(wing: Wing, kind: Bump) -> SampledSpace {
+    let mut plant = started(machine(wing, 0.0));
     plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
     let add = |inputs: &mut Inputs, amount: f64| kind.add(inputs, amount);
     let gust_m_s = if kind == Bump::Gust { Vector3::z() } else { Vector3::zeros() };
@@ -127,15 +144,18 @@ fn model(wing: [f64; 2], suction: bool, kind: Bump) -> SampledSpace {
     plant.study().lattice_space(&[input], &read).unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// The part of a marched answer that is odd in the input, over the input: what is even in it is no part of a linear model.
+fn odd(wing: Wing, kind: Bump, size: f64) -> Vec<DVector<f64>> {
+    let [above, below] = [size, -size].map(|size| marched(wing, kind, size));
+    above.iter().zip(&below).map(|(above, below)| (above - below) / (2.0 * size)).collect()
+}
+
 /// Largest difference of each output over its largest value.
-fn off(wing: [f64; 2], suction: bool, kind: Bump) -> [f64; 3] {
-    let expected = linear(&model(wing, suction, kind), kind.size());
-    // what is even in the input is no part of a linear model
-    let ends = [kind.size(), -kind.size()].map(|size| marched(wing, suction, kind, size));
+fn off(expected: &[DVector<f64>], found: &[DVector<f64>]) -> [f64; 3] {
     std::array::from_fn(|output| {
         let size = expected.iter().map(|y| y[output].abs()).fold(0.0, f64::max);
-        let odd = |i: usize| 0.5 * (ends[0][i][output] - ends[1][i][output]);
-        (0..expected.len()).map(|i| (expected[i][output] - odd(i)).abs()).fold(0.0, f64::max) / size
+        let off = expected.iter().zip(found).map(|(expected, found)| (expected[output] - found[output]).abs());
+        off.fold(0.0, f64::max) / size
     })
 }
 
@@ -143,22 +163,66 @@ fn off(wing: [f64; 2], suction: bool, kind: Bump) -> [f64; 3] {
 /// aileron. The wake is longer than the record: in time its last ring grows, in the linear model it always reaches far.
 #[test]
 fn q71_small_inputs_move_the_linear_lattice_as_the_machine() {
-    for (fold_deg, incidence_deg, suction) in [(60.0, 0.0, true), (0.0, 0.0, false)] {
+    for (fold_deg, suction) in [(60.0, true), (0.0, false)] {
         for kind in [Bump::Gust, Bump::Aileron] {
             if !is_whole() && !suction {
                 continue;
             }
-            let found = off([fold_deg, incidence_deg], suction, kind);
-            println!(
-                "Q-71 fold {fold_deg} deg, incidence {incidence_deg} deg, suction {suction}, {kind:?}: off {:.2e} {:.2e} {:.2e}",
-                found[0], found[1], found[2]
-            );
+            let wing = Wing { fold_deg, incidence_deg: 0.0, suction, strips: [6, 8] };
+            let found = off(&linear(&model(wing, kind), 1.0), &odd(wing, kind, kind.size()));
+            println!("Q-71 {wing:?}, {kind:?}: off {:.2e} {:.2e} {:.2e}", found[0], found[1], found[2]);
             // hinge moments contain second differences of the structure's motion, and so more of the error of its steps
             let allowed = [1e-4, 1e-4, 5e-4];
-            assert!(
-                found.iter().zip(allowed).all(|(off, allowed)| *off < allowed),
-                "{fold_deg} {incidence_deg} {suction} {kind:?}: {found:?}"
-            );
+            assert!(found.iter().zip(allowed).all(|(off, allowed)| *off < allowed), "{wing:?} {kind:?}: {found:?}");
+        }
+    }
+}
+
+/// Q-71 with lift, at 2° and whole also at 6° of incidence: folded by 60° and deployed, on a coarse mesh, after a gust, a wind from
+/// below and the aileron. Halving the input takes out what is of its third power. Without the displacements of the wake's nodes the
+/// same model misses the folded wing by ten times what is allowed: so the lift counts, and the comparison sees it.
+#[test]
+fn q71_with_lift_small_inputs_move_the_linear_lattice_as_the_machine() {
+    for incidence_deg in if is_whole() { vec![2.0, 6.0] } else { vec![2.0] } {
+        for (fold_deg, suction) in [(60.0, true), (0.0, false)] {
+            for kind in [Bump::Gust, Bump::Wind, Bump::Aileron] {
+                let wing = Wing { fold_deg, incidence_deg, suction, strips: [3, 4] };
+                let mut model = model(wing, kind);
+                let expected = linear(&model, 1.0);
+                let [whole, half] = [1.0, 0.5].map(|share| odd(wing, kind, share * kind.size()));
+                let limit: Vec<_> = whole.iter().zip(&half).map(|(whole, half)| (half * 4.0 - whole) / 3.0).collect();
+                let found = off(&expected, &limit);
+                let nodes = model.states.iter().enumerate().filter(|(_, (name, _))| name.contains("].position."));
+                nodes.for_each(|(state, _)| model.matrices.a.column_mut(state).fill(0.0));
+                let frozen = off(&linear(&model, 1.0), &limit);
+                println!(
+                    "Q-71 {wing:?}, {kind:?}: off {:.2e} {:.2e} {:.2e}, without the nodes {:.2e} {:.2e} {:.2e}",
+                    found[0], found[1], found[2], frozen[0], frozen[1], frozen[2]
+                );
+                // a wind carries the nodes behind the 16 rows that are known one by one, too: 2e-4, 2e-5 with 44 rows. Hinge moments
+                // have the error of the structure's steps: with steps of a 32nd and tolerances of 1e-12 they are off by 4e-4. What is
+                // left grows with the square of the lift
+                let much = incidence_deg > 2.0;
+                let tip = match kind {
+                    Bump::Wind => {
+                        if much {
+                            1.2e-3
+                        } else {
+                            3e-4
+                        }
+                    }
+                    Bump::Gust | Bump::Aileron => {
+                        if much {
+                            5e-4
+                        } else {
+                            1.5e-4
+                        }
+                    }
+                };
+                let allowed = [tip, tip, if much { 4e-3 } else { 2e-3 }];
+                assert!(found.iter().zip(allowed).all(|(off, allowed)| *off < allowed), "{wing:?} {kind:?}: {found:?}");
+                assert!(fold_deg == 0.0 || frozen[0].min(frozen[1]) > 10.0 * tip, "{wing:?} {kind:?}: {frozen:?}");
+            }
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use crate::solve::lagged::{Lagged, LaggedMode};
 use crate::solve::linearize::SecondOrder;
+use crate::solve::modes::NoModes;
 use crate::study::Study;
 use crate::study::lattice_space::SampledLattice;
 use crate::study::linear::determinant_is_positive;
@@ -14,9 +15,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 type ComplexMatrix = DMatrix<Complex<f64>>;
 type ComplexVector = DVector<Complex<f64>>;
 
-/// Steps in which the share of the air grows from 0 to 1 while a mode is followed.
-const SHARES: usize = 16;
-/// Maximum number of corrections of an eigenvalue at each share.
+/// Maximum number of corrections of an eigenvalue.
 const CORRECTIONS: usize = 30;
 /// Correction of an eigenvalue, relative to its distance from 1, below which it has converged.
 const FOUND: f64 = 1e-11;
@@ -24,6 +23,19 @@ const FOUND: f64 = 1e-11;
 const SAME: f64 = 1e-6;
 /// Step of the derivative by the eigenvalue.
 const STEP: f64 = 1e-6;
+
+/// Ratio of the frequencies at which the air is looked at to find where modes are.
+const OCTAVE: f64 = 2.0;
+/// Ratio of the magnitude of an eigenvalue to such a frequency within which it is a guess: more than half an octave, so that none is
+/// between them.
+const WINDOW: f64 = 1.6;
+/// Such frequencies, from that of the fastest mode of the structure that is looked for.
+const OCTAVES: i32 = 12;
+/// Frequency over the magnitude of the eigenvalue below which a motion that decays counts as one of the lags of the air: 95 % of critical damping.
+const LIGHTEST: f64 = 0.31;
+
+/// `z` and a shape, coordinates and rates.
+type Guess = (Complex<f64>, ComplexVector);
 
 /// The nonlinear eigenvalue problem.
 struct Delays<'a> {
@@ -46,11 +58,15 @@ impl Delays<'_> {
             DMatrix::from_fn(slopes.rows(), by_place.ncols(), |i, j| seen * by_velocity[(i, j)] + by_place[(i, j)]);
         // nodes of the wake stand where the edge was
         let edges = 3 * slopes.edges;
-        let left = motion.rows(slopes.edge_row(), edges).into_owned();
+        let mut node = ComplexMatrix::zeros(slopes.rows(), if slopes.node_rows() > 0 { edges } else { 0 });
         let mut gone = one;
         for row in 0..slopes.node_rows() {
             gone *= back;
-            motion += slopes.node.columns(row * edges, edges).map(|entry| gone * entry) * &left;
+            node.zip_apply(&slopes.node.columns(row * edges, edges), |sum, entry| *sum += gone * entry);
+        }
+        if node.ncols() > 0 {
+            let left = motion.rows(slopes.edge_row(), edges).into_owned();
+            motion += node * left;
         }
         let strips = slopes.trailing.len();
         let mut wake = ComplexMatrix::zeros(slopes.rows(), strips);
@@ -69,66 +85,85 @@ impl Delays<'_> {
         Some(answer.rows(slopes.panels, loads) * ((one + back) * 0.5) + impulse)
     }
 
-    /// `z − E + z H Φ(z)` with a share of the air.
-    fn matrix(&self, z: Complex<f64>, share: f64) -> Option<ComplexMatrix> {
+    /// `z − E + z H Φ(z)`.
+    fn matrix(&self, z: Complex<f64>) -> Option<ComplexMatrix> {
         let n = self.pushed.nrows() / 2;
         let mut matrix = self.system.held.free.map(|entry| Complex::from(-entry));
         (0..2 * n).for_each(|i| matrix[(i, i)] += z);
         let loads = self.loads(z)?;
         let air = self.pushed.map(Complex::from) * loads;
         let mut own = matrix.columns_mut(0, n);
-        own += air * (z * share);
+        own += air * z;
         Some(matrix)
     }
 
-    /// Follows a mode from the structure alone; `None` where it is lost.
-    fn follow(&self, mode: &LaggedMode) -> Option<LaggedMode> {
-        let step_s = self.system.step_s;
+    /// The mode next to one of a machine in air that answers at a frequency near by as at it; `None` if there is none.
+    fn near(&self, mode: &LaggedMode) -> Option<LaggedMode> {
+        let found = self.named(self.corrected(self.guess(mode))?)?;
+        let ratio = found.eigenvalue_1_s.norm() / mode.eigenvalue_1_s.norm();
+        let is_motion = found.eigenvalue_1_s.re > 0.0 || found.eigenvalue_1_s.im > LIGHTEST * found.eigenvalue_1_s.norm();
+        (is_motion && ratio < OCTAVE && ratio > OCTAVE.recip()).then_some(found)
+    }
+
+    /// Modes of the structure with stiffness and damping that the air has at a frequency, which have about that frequency: the
+    /// p-k method (Hassig, Journal of Aircraft 8, 1971).
+    fn at_frequency(&self, rad_s: f64, count: usize) -> Result<Vec<LaggedMode>, NoModes> {
+        let SampledLattice { second, force, step_s, .. } = self.system;
+        let Some(loads) = self.loads(Complex::new(0.0, rad_s * step_s).exp()) else { return Ok(Vec::new()) };
+        let in_air = SecondOrder {
+            stiffness: &second.stiffness + force * loads.map(|entry| entry.re),
+            damping: &second.damping + force * loads.map(|entry| entry.im / rad_s),
+            ..second.clone()
+        };
+        let mut list = Lagged::without(in_air).modes(count)?;
+        list.retain(|mode| {
+            let size = mode.eigenvalue_1_s.norm();
+            mode.eigenvalue_1_s.im > LIGHTEST * size && size < WINDOW * rad_s && size > rad_s / WINDOW
+        });
+        Ok(list)
+    }
+
+    /// `z` and shape, coordinates and rates, of a mode.
+    fn guess(&self, mode: &LaggedMode) -> Guess {
         let n = self.pushed.nrows() / 2;
-        let mut z = (mode.eigenvalue_1_s * step_s).exp();
-        let mut right =
-            ComplexVector::from_fn(
-                2 * n,
-                |i, _| {
-                    if i < n { mode.shape[i] } else { mode.shape[i - n] * mode.eigenvalue_1_s }
-                },
-            );
-        for part in 0..=SHARES {
-            let share = part as f64 / SHARES as f64;
-            let mut left: Option<ComplexVector> = None;
-            let mut found = false;
-            for _ in 0..CORRECTIONS {
-                let matrix = self.matrix(z, share)?;
-                let near = self.matrix(z * (1.0 + STEP * 0.5), share)? - self.matrix(z * (1.0 - STEP * 0.5), share)?;
-                let slope = near.map(|entry| entry / (z * STEP));
-                let factors = matrix.clone().lu();
-                let adjoint = matrix.adjoint().lu();
-                let own = left.clone().unwrap_or_else(|| right.clone());
-                let (Some(x), Some(y)) = (factors.solve(&(&slope * &right)), adjoint.solve(&own)) else {
-                    // exactly singular: the eigenvalue to the last digit
-                    found = true;
-                    break;
-                };
-                let (x_size, y_size) = (x.norm(), y.norm());
-                if !(x_size.is_finite() && y_size.is_finite() && x_size > 0.0 && y_size > 0.0) {
-                    found = true;
-                    break;
-                }
-                right = x / Complex::from(x_size);
-                let y = y / Complex::from(y_size);
-                let change = y.dotc(&(&matrix * &right)) / y.dotc(&(&slope * &right));
-                left = Some(y);
-                z -= change;
-                if change.norm() <= FOUND * (z - 1.0).norm().max(STEP) {
-                    found = true;
-                    break;
-                }
+        let entry = |i: usize| if i < n { mode.shape[i] } else { mode.shape[i - n] * mode.eigenvalue_1_s };
+        ((mode.eigenvalue_1_s * self.system.step_s).exp(), ComplexVector::from_fn(2 * n, |i, _| entry(i)))
+    }
+
+    /// The eigenvalue next to a guess, and its shape, by inverse iteration and the two-sided Rayleigh functional; `None` where the
+    /// iteration does not end.
+    fn corrected(&self, (mut z, mut right): Guess) -> Option<Guess> {
+        let mut left: Option<ComplexVector> = None;
+        for _ in 0..CORRECTIONS {
+            let matrix = self.matrix(z)?;
+            let slope = (self.matrix(z * (1.0 + STEP))? - &matrix).map(|entry| entry / (z * STEP));
+            let factors = matrix.clone().lu();
+            let adjoint = matrix.adjoint().lu();
+            let own = left.clone().unwrap_or_else(|| right.clone());
+            // exactly singular: the eigenvalue to the last digit
+            let (Some(x), Some(y)) = (factors.solve(&(&slope * &right)), adjoint.solve(&own)) else {
+                return z.is_finite().then_some((z, right));
+            };
+            let (x_size, y_size) = (x.norm(), y.norm());
+            if !(x_size.is_finite() && y_size.is_finite() && x_size > 0.0 && y_size > 0.0) {
+                return z.is_finite().then_some((z, right));
             }
-            if !found || !z.is_finite() {
-                return None;
+            right = x / Complex::from(x_size);
+            let y = y / Complex::from(y_size);
+            let change = y.dotc(&(&matrix * &right)) / y.dotc(&(&slope * &right));
+            left = Some(y);
+            z -= change;
+            if change.norm() <= FOUND * (z - 1.0).norm().max(STEP) {
+                return z.is_finite().then_some((z, right));
             }
         }
-        let eigenvalue_1_s = z.ln() / step_s;
+        None
+    }
+
+    /// The mode of an eigenvalue, of a pair that with positive imaginary part.
+    fn named(&self, (z, right): Guess) -> Option<LaggedMode> {
+        let n = self.pushed.nrows() / 2;
+        let eigenvalue_1_s = z.ln() / self.system.step_s;
         let shape = right.rows(0, n).into_owned();
         let largest = shape.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm()))?;
         if eigenvalue_1_s.im < 0.0 {
@@ -140,9 +175,9 @@ impl Delays<'_> {
 }
 
 impl Study<'_> {
-    /// Modes of lowest frequency in the air of a lattice about the present state of rest, and the sign of the determinant of the static
-    /// stiffness in the established flow; `None` if it is singular. Each mode is followed from the structure under constant loads to
-    /// the full air; modes that are lost on the way are left out.
+    /// Modes of lowest frequency in the air of a lattice about the present state of rest that swing, and the sign of the determinant
+    /// of the static stiffness in the established flow; `None` if it is singular. Where modes are is guessed from the air at frequencies
+    /// an octave apart, so that those are found too which have no frequency without air, as that of a hinge that swings freely.
     ///
     /// # Errors
     /// As [`Study::lattice_space`].
@@ -155,13 +190,17 @@ impl Study<'_> {
         let bare = Lagged::without(second.clone()).modes(count).map_err(|error| cause(&error.to_string()))?;
         let mut list: Vec<LaggedMode> = Vec::new();
         let nyquist_rad_s = std::f64::consts::PI / system.step_s;
-        for mode in bare.iter().filter(|mode| mode.eigenvalue_1_s.norm() < nyquist_rad_s) {
-            let Some(found) = delays.follow(mode) else { continue };
-            let same = |other: &LaggedMode| {
-                (other.eigenvalue_1_s - found.eigenvalue_1_s).norm() < SAME * found.eigenvalue_1_s.norm()
-            };
-            if !list.iter().any(same) {
-                list.push(found);
+        let fastest_rad_s = bare.iter().map(|mode| mode.eigenvalue_1_s.norm()).fold(0.0, f64::max).min(nyquist_rad_s);
+        for octave in 0..if fastest_rad_s > 0.0 { OCTAVES } else { 0 } {
+            let guesses = delays.at_frequency(fastest_rad_s / OCTAVE.powi(octave), count);
+            let guesses = guesses.map_err(|error| cause(&error.to_string()))?;
+            for found in guesses.iter().filter_map(|mode| delays.near(mode)) {
+                let same = |other: &LaggedMode| {
+                    (other.eigenvalue_1_s - found.eigenvalue_1_s).norm() < SAME * found.eigenvalue_1_s.norm()
+                };
+                if found.eigenvalue_1_s.norm() < nyquist_rad_s && !list.iter().any(same) {
+                    list.push(found);
+                }
             }
         }
         list.sort_by(|a, b| a.eigenvalue_1_s.norm().total_cmp(&b.eigenvalue_1_s.norm()));
