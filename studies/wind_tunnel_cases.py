@@ -30,6 +30,17 @@ AIRS = {
 COMPARED = ("lattice", "line", "strips")  # models of the air of the tables
 
 
+def polar():
+    """The published polar of NACA 0015 as a value of the key `polar`: both sides of the symmetric profile, no moment."""
+    with open(DATA / "naca0015_re160000.csv") as file:
+        side = [[float(row[key]) for key in ("angle_deg", "lift", "drag")] for row in csv.DictReader(file)]
+    rest = [[-angle, -lift, drag] for angle, lift, drag in reversed(side) if angle > 0.0]
+    return str([[*row, 0.0] for row in rest + side])
+
+
+AIRS["polar"] = ((AIR, "leading_edge_suction", "true"), (r"surface\.\w+", "polar", polar()))
+
+
 @dataclass
 class Point:
     """A model at one point."""

@@ -12,7 +12,7 @@ import datetime
 import json
 import math
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -23,6 +23,7 @@ from wind_tunnel_cases import COMPARED, Series, Study, columns, rows  # noqa: E4
 
 TWIST = "{{ table = [[0.0, 0.0], [0.06, 0.0], [0.085, {0!r}], [0.135, {0!r}]] }}"
 NOSE_DOWN = (("surface.tip", "incidence_deg", "-2.0"),)
+POLAR = "published polar"  # variant of the lattice
 
 
 def sideslip_over_speed(study):
@@ -60,6 +61,8 @@ def sideslip_over_sideslip(study):
         more = (("surface.tip", "incidence_deg", TWIST.format(float(twist))),) if twist else ()
         point = lambda at, air, more=more: w.Point("sideslip_wing", w.tunnel(pitch, 22.0, 20, at or 1e-9) + more, air)  # noqa: E731
         study.add(case, "fold up, deg", "experiment", x, y, point, w.fold_up_deg)
+        stalling = lambda at, air, point=point: replace(point(at, air), air="polar")  # noqa: E731
+        study.add(case, "fold up, deg", "experiment", x, y, stalling, w.fold_up_deg, airs=("lattice",), variant=POLAR)
         study.series.append(Series(case, "fold up, deg", "experiment", "Healy's lattice", "", x, y, [w.at(other, at) for at in x]))
 
 
@@ -72,6 +75,8 @@ def lco(study):
         case = f"LCO wing over speed, pitch {pitch}"
         point = lambda at, air: w.Point("lco_wing", w.tunnel(pitch, at), air)  # noqa: E731
         study.add(case, "fold up, deg", "experiment", x, y, point, w.fold_up_deg)
+        stalling = lambda at, air, point=point: replace(point(at, air), air="polar")  # noqa: E731
+        study.add(case, "fold up, deg", "experiment", x, y, stalling, w.fold_up_deg, airs=("lattice",), variant=POLAR)
         study.series.append(Series(case, "fold up, deg", "experiment", "Healy's computation", "", x, y, [w.at(other, at) for at in x]))
 
 
