@@ -3,7 +3,7 @@
 
 Usage: plot_wind_tunnel.py --points target/wind_tunnel/points.json --output docs/pictures
 
-Writes wind_tunnel.png (the picture of the README: four wings), wind_tunnel_sideslip.png and wind_tunnel_pazy.png.
+Writes wind_tunnel.png (the picture of the README: four wings), wind_tunnel_sideslip.png, wind_tunnel_pazy.png and wind_tunnel_hump.png.
 """
 
 import argparse
@@ -19,7 +19,7 @@ import matplotlib.pyplot as plt
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "examples"))
 
-from house_style import BLUE, FAINT, SKY, VERMILION, save, use  # noqa: E402
+from house_style import BLUE, FAINT, ORANGE, PURPLE, SKY, VERMILION, label_ends, save, use  # noqa: E402
 
 UNCERTAINTY_DEG = 0.5  # of a digitised point, tests/reference/folding_wingtips/README.md
 OURS = {"lattice": (BLUE, "-", "Foldwing, vortex lattice"), "line": (SKY, "-", "Foldwing, strips with lifting line"), "strips": (SKY, ":", "Foldwing, strips without lifting line")}
@@ -111,6 +111,32 @@ def pazy(series, output):
     save(figure, output / "wind_tunnel_pazy.png")
 
 
+def hump(series, output):
+    """Damping of the hump of the Pazy wing over the speed, for what the damping of its structure may be."""
+    curves = [("line", "0.0", PURPLE, "-", "no damping"), ("line", "5e-05", ORANGE, "-", "5e-5 s"), ("line", "0.0001", SKY, "-", "1e-4 s, as in the file"),
+              ("line", "0.0002", FAINT, "-", "2e-4 s"), ("lattice", "0.0001", BLUE, "none", "_")]
+    figure, axes = plt.subplots(figsize=(8.2, 4.6))
+    for air, damping, colour, line, label in curves:
+        one = next((s for s in series if s["case"] == "Pazy wing, hump" and s["quantity"] == "damping ratio" and s["air"] == air and s["variant"] == damping), None)
+        if one:
+            percent = [100.0 * value for value in one["ours"]]
+            axes.plot(one["x"], percent, color=colour, linestyle=line, marker="o" if air == "lattice" else "", markersize=4, label=label, zorder=3)
+            if air == "lattice":
+                axes.annotate("vortex lattice, 1e-4 s", (one["x"][0], percent[0]), xytext=(-8, -22), textcoords="offset points", ha="right", color=colour, fontsize=8.5)
+    axes.axhline(0.0, color=FAINT, linewidth=1.0)
+    axes.axvspan(43.0, 51.0, color=VERMILION, alpha=0.1, linewidth=0)
+    axes.annotate("measured: limit cycle\nwith rising speed", (47.0, 0.97), xycoords=("data", "axes fraction"), va="top", ha="center", color=VERMILION, fontsize=8.5)
+    axes.set_xlim(30.0, 60.0)
+    axes.set_ylim(-2.0, 6.0)
+    axes.set_xlabel("airspeed (m/s)")
+    axes.set_ylabel("damping of the least damped mode from 16 to 40 Hz (%)")
+    axes.set_title("Pazy wing at 5°: the hump, by the damping of the structure on its stiffness")
+    figure.tight_layout()
+    figure.subplots_adjust(right=0.78)
+    label_ends(axes)
+    save(figure, output / "wind_tunnel_hump.png")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--points", type=Path, required=True)
@@ -122,6 +148,7 @@ def main():
     front(series, arguments.output)
     sideslip(series, arguments.output)
     pazy(series, arguments.output)
+    hump(series, arguments.output)
 
 
 if __name__ == "__main__":

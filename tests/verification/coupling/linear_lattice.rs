@@ -201,7 +201,7 @@ fn q71_with_lift_small_inputs_move_the_linear_lattice_as_the_machine() {
                 );
                 // a wind carries the nodes behind the 16 rows that are known one by one, too: 2e-4, 2e-5 with 44 rows. Hinge moments
                 // have the error of the structure's steps: with steps of a 32nd and tolerances of 1e-12 they are off by 4e-4. What is
-                // left grows with the square of the lift
+                // left grows with the lift of the folded wing
                 let much = incidence_deg > 2.0;
                 let tip = match kind {
                     Bump::Wind => {
