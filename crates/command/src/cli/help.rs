@@ -152,6 +152,12 @@ Examples:
   foldwing modes wing.toml --set fold.release=0 --over root.angular_velocity.z=0:40:5 --plot modes
   foldwing modes turbine.toml --about undeformed --over rotor_speed_rpm=0:18:19 --plot campbell";
 
+pub(super) const PERIODIC: &str = "\
+Examples:
+  foldwing periodic turbine.toml --speed-rpm 12.1
+  foldwing periodic turbine.toml --speed-rpm 12.1 --output \"body.*\" --count 0 --csv turn.csv
+  foldwing periodic turbine.toml --speed-rpm 9 --shaft shaft --json";
+
 pub(super) const LINEARIZE: &str = "\
 Examples:
   foldwing linearize wing.toml -o wing.npz

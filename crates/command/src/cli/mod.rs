@@ -26,6 +26,8 @@ mod new;
 mod notes;
 mod outlets;
 mod package;
+mod periodic;
+mod periodic_tables;
 mod pictures;
 mod processor_time;
 mod progress;
@@ -141,6 +143,12 @@ enum Command {
     /// About the equilibrium or about the bare structure: frequencies, damping ratios and what bends. A turning root stiffens
     /// and couples the modes.
     Modes(modes::Arguments),
+    /// Find the motion that every turn of a rotor repeats
+    ///
+    /// A rotor with tilt, gravity or wind shear never rests as it turns. Its steady state is a motion of the period of a turn: prints means,
+    /// ranges and harmonics of outputs over the turn, and the modes beside the motion (Floquet) with the frequencies that the ground
+    /// sees. The shaft is held at its speed.
+    Periodic(periodic::Arguments),
     /// Find inputs and parameters for which outputs at rest are what they should be
     ///
     /// Such as the wind's direction and a thrust for which the forces on the root vanish: the machine comes to rest for every guess,
@@ -251,6 +259,7 @@ fn run_command(command: Command, library: Option<&Path>) -> u8 {
         Command::Check(arguments) => check::run(&arguments),
         Command::Static(arguments) => statics::run(&arguments),
         Command::Modes(arguments) => modes::run(&arguments),
+        Command::Periodic(arguments) => periodic::run(&arguments),
         Command::Trim(arguments) => trim::run(&arguments),
         Command::Flutter(arguments) => flutter::run(&arguments),
         Command::Linearize(arguments) => linearize::run(&arguments),

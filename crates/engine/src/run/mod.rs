@@ -9,9 +9,11 @@ mod agreement;
 mod latency;
 mod march;
 mod pauses;
+pub mod periodic;
 
 pub use latency::Latency;
 pub use pauses::{Pauses, Reached};
+pub use periodic::{Floquet, FloquetMode, PeriodicMotion, SAMPLES, Turn};
 
 use crate::machine::{Machine, Method, StartState};
 use crate::signal::{Inputs, Parameters, SolverParameters};

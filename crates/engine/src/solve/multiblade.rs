@@ -91,6 +91,24 @@ impl Multiblade {
         t.map(|x| Complex::new(x, 0.0)) * components
     }
 
+    /// The components of the coordinates at an azimuth: the inverse of [`Multiblade::coordinates`].
+    pub fn components(&self, coordinates: &DVector<Complex<f64>>, azimuth_rad: f64) -> DVector<Complex<f64>> {
+        let mut components = coordinates.clone();
+        let count = self.blades.len();
+        for component in 0..count {
+            let alone = component == 0 || component + 1 == count && count.is_multiple_of(2);
+            let weight = if alone { 1.0 } else { 2.0 } / count as f64;
+            for (j, &row) in self.blades[component].iter().enumerate() {
+                let of_blade = |(k, blade): (usize, &Vec<usize>)| {
+                    let [entry, ..] = entries(component, count, k, azimuth_rad + TAU * k as f64 / count as f64);
+                    coordinates[blade[j]] * (weight * entry)
+                };
+                components[row] = self.blades.iter().enumerate().map(of_blade).sum();
+            }
+        }
+        components
+    }
+
     /// Shares of the motions in a mode, eq. (L26): coordinate of the first blade, or of what is no blade, the blades' whirl, and
     /// the share in `Σ m |z|²` with the diagonal of the transformed mass; the shares add up to 1.
     /// Forward is the way in which the rotor turns at `speed_rad_s`.
@@ -202,6 +220,12 @@ mod tests {
         let z = DVector::from_vec([5.0, 1.0, 2.0, -3.0].map(|x| Complex::new(x, 0.5)).to_vec());
         let q = rotor.coordinates(&z, 0.3);
         assert_eq!(q[0], z[0]);
+        for count in 1..=6usize {
+            let rotor = Multiblade { blades: (0..count).map(|k| vec![k, count + k]).collect() };
+            let z = DVector::from_fn(2 * count, |i, _| Complex::new(i as f64 - 1.5, 0.3 * i as f64));
+            let back = rotor.components(&rotor.coordinates(&z, 0.9), 0.9);
+            assert!((back - z).norm() < 1e-13, "{count} blades");
+        }
         // sums of numbers of the size of 5 lose a few of its last bits, 9e-16 each
         let sum: Complex<f64> = q.rows(1, 3).iter().sum();
         assert!((sum / 3.0 - z[1]).norm() < 1e-14);

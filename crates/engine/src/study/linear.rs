@@ -66,7 +66,7 @@ impl Study<'_> {
     }
 
     /// `BᵀMB`: residual of unit accelerations with nothing else acting.
-    fn mass_matrix(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
+    pub(super) fn mass_matrix(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
         let mut bare = Bare::new(self.system);
         for closure in &mut bare.model.closures {
             closure.penalty.stiffness_n_m = 0.0;

@@ -9,6 +9,7 @@ mod flight;
 mod lattice_modes;
 mod lattice_space;
 mod linear;
+mod periodic;
 mod rotor;
 mod stability;
 mod state_space;
@@ -25,7 +26,9 @@ pub use crate::solve::tracking::{Branches, Crossing, Followed, Place, change_of_
 pub use flight::FlightLoad;
 pub use lattice_space::SampledSpace;
 pub use linear::Argument;
+pub use periodic::{AveragedModes, GroundView};
 pub use rotor::Rotor;
+pub(crate) use rotor::shaft_of;
 pub use stability::{Coarseness, Growth, Stability};
 pub use state_space::InputSlope;
 pub use statics::{Branch, Departure, Holding, LoadPath, Rest, Search};

@@ -13,9 +13,9 @@ const PLACE_RAD: f64 = 1e-6;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rotor {
     /// Body behind the joint that is the shaft.
-    pub(super) shaft: usize,
+    pub(crate) shaft: usize,
     /// Bodies of every blade, inner ones first; a blade stands ahead of the one before it.
-    pub(super) blades: Vec<Vec<usize>>,
+    pub(crate) blades: Vec<Vec<usize>>,
 }
 
 impl Rotor {
@@ -64,7 +64,7 @@ fn turns(joint: &JointKind) -> bool {
 }
 
 /// The body behind the shaft: of the joint named, or of the only one that can be it.
-fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, String> {
+pub(crate) fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, String> {
     if let Some(name) = named {
         let body = machine.bodies.iter().position(|body| body.joint.name == name);
         let body = body.ok_or_else(|| format!("--shaft {name}: the model has no joint of this name"))?;

@@ -90,7 +90,7 @@ impl Study<'_> {
     }
 
     /// Places of the blades' coordinates among the freedoms.
-    fn blades(&self, rotor: &Rotor, freedoms: &[Freedom]) -> Result<Multiblade, String> {
+    pub(super) fn blades(&self, rotor: &Rotor, freedoms: &[Freedom]) -> Result<Multiblade, String> {
         let of = |bodies: &Vec<usize>| -> Vec<usize> {
             (0..freedoms.len()).filter(|&i| bodies.contains(&self.body_of(&freedoms[i]))).collect()
         };
@@ -210,7 +210,12 @@ impl Study<'_> {
     }
 
     /// Names of what moves in a mode with shares, largest first: those of a blade without its number.
-    fn named(&self, freedoms: &[Freedom], rotor: &Rotor, shares: &[(usize, Option<Whirl>, f64)]) -> Vec<WhirlShare> {
+    pub(super) fn named(
+        &self,
+        freedoms: &[Freedom],
+        rotor: &Rotor,
+        shares: &[(usize, Option<Whirl>, f64)],
+    ) -> Vec<WhirlShare> {
         let mut list: Vec<WhirlShare> = Vec::new();
         for &(i, whirl, share) in shares {
             let body = self.body_of(&freedoms[i]);

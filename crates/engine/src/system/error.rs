@@ -165,6 +165,14 @@ pub enum PlantError {
         /// Why.
         cause: String,
     },
+    /// No periodic motion of a rotor that turns.
+    #[error("no periodic motion at t = {time_s} s: {cause}")]
+    Periodic {
+        /// Time in s.
+        time_s: f64,
+        /// Why, and the cure.
+        cause: String,
+    },
     /// A snapshot of another model.
     #[error("the state does not fit this model: {0}; save one with this instance")]
     Snapshot(String),

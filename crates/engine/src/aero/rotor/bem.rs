@@ -86,6 +86,18 @@ impl RotorState {
     pub fn fits(&self, other: &Self) -> bool {
         self.sections.len() == other.sections.len()
     }
+
+    /// What follows with a lag: induced velocities in m/s, then the terms of dynamic stall, section by section.
+    pub fn lags(&mut self) -> impl Iterator<Item = &mut f64> {
+        self.sections.iter_mut().flat_map(|SectionMemory { inflow, stall }| {
+            let StallState { wake_rad, lagged_lift, attached, met: _ } = stall;
+            let velocities = inflow.middle_m_s.iter_mut().chain(&mut inflow.acting_m_s);
+            velocities.chain(wake_rad).chain([lagged_lift, attached])
+        })
+    }
+
+    /// Velocities among the [`RotorState::lags`] of a section, which come first, and all of them.
+    pub const LAGS: [usize; 2] = [4, 8];
 }
 
 /// Constant data of a section.

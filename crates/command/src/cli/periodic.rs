@@ -1,0 +1,203 @@
+//! `foldwing periodic`: the motion that every turn of a rotor repeats, its harmonics, and what grows or decays beside it.
+
+use crate::cli::choice::chosen;
+use crate::cli::outlets::{Force, Mark, Outlets};
+use crate::cli::periodic_tables::{Series, csv_text, modes_json, modes_text};
+use crate::cli::settings::plant_with;
+use crate::cli::{Failure, print, read_model};
+use clap::builder::NonEmptyStringValueParser;
+use foldwing_engine::plant::{Floquet, OutputSet, PeriodicMotion, Plant, PlantError, SAMPLES, Turn};
+use foldwing_fmi::interface::{Interface, Value, Variable};
+use serde_json::json;
+use std::f64::consts::PI;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+#[derive(clap::Args)]
+#[command(after_long_help = crate::cli::help::PERIODIC)]
+pub struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// Speed of the shaft in rpm; default: that at which it is prescribed or starts
+    #[arg(long, value_name = "RPM", allow_negative_numbers = true)]
+    speed_rpm: Option<f64>,
+    /// Joint that is the shaft; default: the only one that turns without limit and carries a hub
+    #[arg(long, value_name = "JOINT", value_parser = NonEmptyStringValueParser::new())]
+    shaft: Option<String>,
+    /// Start value of an input or parameter, e.g. `wind.velocity.x=8`; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
+    settings: Vec<String>,
+    /// Steps of a turn, rounded up to a multiple of 144
+    #[arg(long, default_value_t = 720)]
+    steps: usize,
+    /// Distance of the ends of the turn at which it is closed: rotation in rad, or displacement over the machine's length
+    #[arg(long, default_value_t = 1e-8)]
+    accuracy: f64,
+    /// Outputs in the tables: names or patterns, separated by commas [default: deflections, angles, the rotor's; in files all]
+    #[arg(long = "output", value_name = "NAME")]
+    outputs: Vec<String>,
+    /// Harmonics of the shaft's speed in the table
+    #[arg(long, default_value_t = 3)]
+    harmonics: usize,
+    /// Number of modes about the motion; 0 leaves them out
+    #[arg(long, default_value_t = 10)]
+    count: usize,
+    /// Maximum number of directions that are marched for them, two turns each
+    #[arg(long, default_value_t = 120)]
+    directions: usize,
+    /// CSV file for the outputs over the turn
+    #[arg(long, value_name = "OUT.csv")]
+    csv: Option<PathBuf>,
+    /// Print JSON for programs
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    force: Force,
+}
+
+/// Outputs in the text if none are named, as far as the machine has them.
+const SHOWN: [&str; 5] = ["*.deflection.*", "*.angle", "rotor.*", "tip.position.*", "*.holding_torque"];
+/// Most harmonics that the samples of a turn tell apart.
+const MAXIMUM_HARMONICS: usize = SAMPLES / 2 - 1;
+
+/// Finds the motion and prints it.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.harmonics > MAXIMUM_HARMONICS {
+        return Err(Failure::Usage(format!(
+            "--harmonics {}: must be at most {MAXIMUM_HARMONICS}, which the {SAMPLES} samples of a turn tell apart",
+            arguments.harmonics
+        )));
+    }
+    if !(arguments.accuracy > 0.0 && arguments.accuracy < 1.0) {
+        return Err(Failure::Usage(format!("--accuracy {}: must lie between 0 and 1", arguments.accuracy)));
+    }
+    let (machine, _) = read_model(&arguments.model)?;
+    let speed_rad_s = arguments.speed_rpm.map(|speed_rpm| speed_rpm * PI / 30.0);
+    let (machine, turn) = Turn::of(&machine, arguments.shaft.as_deref(), speed_rad_s, arguments.steps)
+        .map_err(|cause| Failure::Statics(format!("no periodic motion: {cause}")))?;
+    let interface = Interface::new(&machine);
+    let all: Vec<&Variable> = interface.real_outputs().collect();
+    let named = !arguments.outputs.is_empty();
+    let recorded = if named { chosen(&arguments.outputs, &all, "real output")? } else { all };
+    let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
+    let mut plant = plant_with(machine, &interface, &arguments.settings)?;
+    let failed = |error: PlantError| Failure::Statics(error.to_string());
+    plant.watch(OutputSet::NONE);
+    let time_s = plant.machine().experiment.start_time_s;
+    plant.initialize(time_s).map_err(failed)?;
+    let motion = plant.periodic(&turn, arguments.accuracy).map_err(failed)?;
+    let series = traced(&mut plant, &turn, &motion, &interface, &recorded).map_err(failed)?;
+    if let Some(path) = &arguments.csv {
+        let text = csv_text(&series, turn.speed_rad_s.signum());
+        outlets.place(path, Mark::first_line(&text))?.fill(&text)?;
+    }
+    let floquet = match arguments.count {
+        0 => None,
+        _ => Some(plant.floquet(&turn, &motion, arguments.directions).map_err(failed)?),
+    };
+    let name = plant.machine().name.clone();
+    if arguments.json {
+        return print(&as_json(&name, &turn, &motion, &series, floquet.as_ref(), arguments));
+    }
+    let shown: Vec<&Series> = match named {
+        true => series.iter().collect(),
+        false => {
+            let patterns: Vec<wildmatch::WildMatch> =
+                SHOWN.iter().map(|word| wildmatch::WildMatch::new(word)).collect();
+            let wanted =
+                |series: &&Series| !series.is_zero() && patterns.iter().any(|pattern| pattern.matches(&series.name));
+            series.iter().filter(wanted).collect()
+        }
+    };
+    let mut text = format!(
+        "{name}: periodic at {:.6} rpm, a turn of {:.6} s in {} steps\n{} states; the ends of the turn agree to {:.1e} after {} Newton \
+         steps and {} turns\n\n",
+        turn.speed_rad_s * 30.0 / PI,
+        turn.period_s(),
+        turn.steps,
+        motion.states,
+        motion.distance,
+        motion.newton_steps,
+        motion.turns
+    );
+    harmonics_text(&shown, arguments.harmonics, &mut text);
+    if let Some(floquet) = &floquet {
+        modes_text(floquet, arguments.count, &mut text);
+    }
+    print(&text)
+}
+
+/// Outputs at the samples of the turn, its end included.
+fn traced(
+    plant: &mut Plant,
+    turn: &Turn,
+    motion: &PeriodicMotion,
+    interface: &Interface,
+    recorded: &[&Variable],
+) -> Result<Vec<Series>, PlantError> {
+    let mut list: Vec<Series> = recorded.iter().map(|variable| Series::of(&variable.name, variable.unit())).collect();
+    let rows: Vec<u32> = recorded.iter().map(|variable| variable.value_reference).collect();
+    let needs = interface.needs(rows.as_slice());
+    let mut seen = |_: usize, plant: &mut Plant| {
+        plant.provide(needs);
+        for (series, row) in list.iter_mut().zip(&rows) {
+            if let Some(Value::Real(value)) = interface.get(plant, plant.outputs(), *row) {
+                series.values.push(value);
+            }
+        }
+        Ok(())
+    };
+    plant.trace(turn, motion, &mut seen)?;
+    Ok(list)
+}
+
+/// Mean, amplitude and harmonics of outputs, a line each.
+fn harmonics_text(shown: &[&Series], count: usize, text: &mut String) {
+    let width = shown.iter().map(|series| series.label().chars().count()).max().unwrap_or(0).max(6);
+    let _ = write!(text, "{:width$} {:>13} {:>12}", "output", "mean", "half range");
+    (1..=count).for_each(|n| {
+        let _ = write!(text, " {:>12}", format!("{n}P"));
+    });
+    text.push('\n');
+    let mut left_out = Vec::new();
+    for series in shown {
+        if !series.is_periodic() {
+            left_out.push(series.name.as_str());
+            continue;
+        }
+        let _ = write!(text, "{:width$} {:13.6e} {:12.4e}", series.label(), series.harmonic(0)[0], series.half_range());
+        (1..=count).for_each(|n| {
+            let _ = write!(text, " {:12.4e}", series.harmonic(n)[0]);
+        });
+        text.push('\n');
+    }
+    if !left_out.is_empty() {
+        let _ = writeln!(text, "not periodic, so without harmonics: {}", left_out.join(", "));
+    }
+}
+
+fn as_json(
+    name: &str,
+    turn: &Turn,
+    motion: &PeriodicMotion,
+    series: &[Series],
+    floquet: Option<&Floquet>,
+    arguments: &Arguments,
+) -> String {
+    let outputs: Vec<serde_json::Value> = series.iter().map(|series| series.json(arguments.harmonics)).collect();
+    let mut value = json!({
+        "name": name,
+        "rotor_speed_rpm": turn.speed_rad_s * 30.0 / PI,
+        "period_s": turn.period_s(),
+        "steps": turn.steps,
+        "states": motion.states,
+        "distance": motion.distance,
+        "newton_steps": motion.newton_steps,
+        "turns": motion.turns,
+        "outputs": outputs,
+    });
+    if let Some(floquet) = floquet {
+        value["floquet"] = modes_json(floquet, arguments.count);
+    }
+    format!("{value:#}")
+}

@@ -1,0 +1,207 @@
+//! Tables of a periodic motion: outputs over the turn with their harmonics, modes beside it.
+
+use foldwing_engine::plant::{Floquet, FloquetMode, SAMPLES};
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
+use std::fmt::Write;
+
+/// Change over a turn, of the range of an output, beyond which it is not periodic.
+const DRIFT: f64 = 1e-2;
+/// The same over its largest magnitude, and in its unit, below which it is round-off.
+const ROUND_OFF: [f64; 2] = [1e-6, 1e-9];
+/// Multiplier from which a mode grows: free motions have two of 1 each, which the error of products, 1e-8, moves by its root.
+const GROWING: f64 = 1.0 + 1e-4;
+
+/// An output over the turn.
+pub(super) struct Series {
+    /// Name of the output.
+    pub name: String,
+    unit: &'static str,
+    /// Values at the samples, and at the end of the turn.
+    pub values: Vec<f64>,
+}
+
+impl Series {
+    /// Without values yet.
+    pub fn of(name: &str, unit: &'static str) -> Self {
+        Self { name: name.to_owned(), unit, values: Vec::with_capacity(SAMPLES + 1) }
+    }
+
+    /// Name with unit.
+    pub fn label(&self) -> String {
+        if self.unit.is_empty() || self.unit == "1" {
+            self.name.clone()
+        } else {
+            format!("{} [{}]", self.name, self.unit)
+        }
+    }
+
+    /// Zero throughout.
+    pub fn is_zero(&self) -> bool {
+        self.values.iter().all(|value| *value == 0.0)
+    }
+
+    /// Whether the end of the turn has the value of its begin.
+    pub fn is_periodic(&self) -> bool {
+        let largest = self.values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
+        let (Some(first), Some(last)) = (self.values.first(), self.values.last()) else { return true };
+        (last - first).abs() <= (2.0 * DRIFT * self.half_range()).max(ROUND_OFF[0] * largest).max(ROUND_OFF[1])
+    }
+
+    /// Half the difference of the largest and the smallest value.
+    pub fn half_range(&self) -> f64 {
+        let high = self.values.iter().fold(f64::MIN, |high, value| high.max(*value));
+        let low = self.values.iter().fold(f64::MAX, |low, value| low.min(*value));
+        0.5 * (high - low)
+    }
+
+    /// Amplitude of a harmonic and the turn from the begin in rad at which it is largest first; of 0 the mean.
+    pub fn harmonic(&self, n: usize) -> [f64; 2] {
+        let values = &self.values[..SAMPLES.min(self.values.len())];
+        let count = values.len() as f64;
+        if n == 0 {
+            return [values.iter().sum::<f64>() / count, 0.0];
+        }
+        let (mut cosine, mut sine) = (0.0, 0.0);
+        for (k, value) in values.iter().enumerate() {
+            let (s, c) = (TAU * (n * k % SAMPLES) as f64 / SAMPLES as f64).sin_cos();
+            cosine += value * c * 2.0 / count;
+            sine += value * s * 2.0 / count;
+        }
+        [cosine.hypot(sine), sine.atan2(cosine).rem_euclid(TAU) / n as f64]
+    }
+
+    /// Name, unit, mean, half the range, amplitudes and phases.
+    pub fn json(&self, harmonics: usize) -> Value {
+        let parts: Vec<[f64; 2]> = (1..=harmonics).map(|n| self.harmonic(n)).collect();
+        json!({
+            "name": self.name,
+            "unit": self.unit,
+            "periodic": self.is_periodic(),
+            "mean": self.harmonic(0)[0],
+            "half_range": self.half_range(),
+            "amplitudes": parts.iter().map(|part| part[0]).collect::<Vec<_>>(),
+            "largest_at_deg": parts.iter().map(|part| part[1].to_degrees()).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// The outputs over the turn of the shaft from its begin, in degrees, a row for each sample.
+pub(super) fn csv_text(series: &[Series], sense: f64) -> Vec<u8> {
+    let mut text = "turn_deg".to_owned();
+    series.iter().for_each(|series| {
+        text.push(',');
+        text.push_str(&series.name);
+    });
+    text.push('\n');
+    for k in 0..=SAMPLES {
+        let _ = write!(text, "{}", sense * 360.0 * k as f64 / SAMPLES as f64);
+        series.iter().filter_map(|series| series.values.get(k)).for_each(|value| {
+            let _ = write!(text, ",{value:?}");
+        });
+        text.push('\n');
+    }
+    text.into_bytes()
+}
+
+/// Modes beside the motion, a line each.
+pub(super) fn modes_text(floquet: &Floquet, count: usize, text: &mut String) {
+    let _ = writeln!(
+        text,
+        "\nmodes about this motion, {} turns; averaged: the equations seen from the ground, averaged over the turn\n{:>4} {:>12} {:>12} \
+         {:>10} {:>7} {:>12} {:>10}  motion",
+        floquet.turns, "mode", "multiplier", "frequency Hz", "damping", "share", "averaged Hz", "damping"
+    );
+    for (i, mode) in floquet.modes.iter().take(count).enumerate() {
+        let averaged = mode.averaged_1_s.map_or(format!("{:>12} {:>10}", "-", "-"), |value| {
+            let size = value.norm();
+            format!("{:12.6} {:10.6}", size / TAU, if size > 0.0 { -value.re / size } else { 0.0 })
+        });
+        let _ = writeln!(
+            text,
+            "{:4} {:12.6} {:12.6} {:10.6} {:7.3} {averaged}  {}{}",
+            i + 1,
+            mode.multiplier.norm(),
+            mode.frequency_hz,
+            mode.damping_ratio,
+            mode.harmonics.first().map_or(0.0, |harmonic| harmonic.share),
+            mode.parts.first().map_or(String::new(), ToString::to_string),
+            others(mode)
+        );
+    }
+    let growing = floquet.modes.iter().filter(|mode| mode.multiplier.norm() > GROWING).count();
+    if growing > 0 {
+        let _ = writeln!(text, "{growing} of the modes grow: the motion is unstable");
+    }
+    if let Some(averaged) = &floquet.averaged {
+        let _ = writeln!(
+            text,
+            "stiffness seen from the ground changes by up to {:.1e} of itself over the turn",
+            averaged.spread
+        );
+    }
+}
+
+/// Other frequencies that an ambiguous mode may be called by.
+fn others(mode: &FloquetMode) -> String {
+    if !mode.ambiguous {
+        return String::new();
+    }
+    let list: Vec<String> = mode
+        .harmonics
+        .iter()
+        .skip(1)
+        .take(2)
+        .map(|harmonic| format!("{:.6} Hz ({:.2})", harmonic.frequency_rad_s / TAU, harmonic.share))
+        .collect();
+    format!("; ambiguous, also {}", list.join(", "))
+}
+
+/// The same for programs.
+pub(super) fn modes_json(floquet: &Floquet, count: usize) -> Value {
+    let mode = |mode: &FloquetMode| {
+        json!({
+            "multiplier": [mode.multiplier.re, mode.multiplier.im],
+            "exponent_1_s": [mode.exponent_1_s.re, mode.exponent_1_s.im],
+            "frequency_Hz": mode.frequency_hz,
+            "damping_ratio": mode.damping_ratio,
+            "ambiguous": mode.ambiguous,
+            "harmonics": mode.harmonics.iter().take(5).map(|harmonic| json!({
+                "number": harmonic.number,
+                "share": harmonic.share,
+                "frequency_Hz": harmonic.frequency_rad_s / TAU,
+            })).collect::<Vec<_>>(),
+            "motion": mode.parts.iter().take(5).map(|part| json!({ "part": part.to_string(), "share": part.share })).collect::<Vec<_>>(),
+            "error": mode.error,
+            "averaged_1_s": mode.averaged_1_s.map(|value| [value.re, value.im]),
+        })
+    };
+    json!({
+        "turns": floquet.turns,
+        "modes": floquet.modes.iter().take(count).map(mode).collect::<Vec<_>>(),
+        "averaged_stiffness_change": floquet.averaged.as_ref().map(|averaged| averaged.spread),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `2 + 3 cos(2(ψ − 0.4))`: mean, second harmonic with its place, no other; a ramp is not periodic, a constant is.
+    #[test]
+    fn harmonics_of_a_series() {
+        let of = |f: &dyn Fn(f64) -> f64| {
+            let mut series = Series::of("x", "m");
+            series.values = (0..=SAMPLES).map(|k| f(TAU * k as f64 / SAMPLES as f64)).collect();
+            series
+        };
+        let wave = of(&|turn| 2.0 + 3.0 * (2.0 * (turn - 0.4)).cos());
+        assert!(
+            (wave.harmonic(0)[0] - 2.0).abs() < 1e-13 && wave.harmonic(1)[0] < 1e-13 && wave.harmonic(3)[0] < 1e-13
+        );
+        let [amplitude, place] = wave.harmonic(2);
+        assert!((amplitude - 3.0).abs() < 1e-12 && (place - 0.4).abs() < 1e-12, "{amplitude} {place}");
+        assert!(wave.is_periodic() && (wave.half_range() - 3.0).abs() < 1e-2);
+        assert!(!of(&|turn| turn).is_periodic() && of(&|_| 7.0).is_periodic());
+    }
+}

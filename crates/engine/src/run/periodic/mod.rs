@@ -1,0 +1,9 @@
+//! Periodic motions of machines whose shaft turns at a given speed, and what happens beside them, NOTATION eqs. (L32) to (L36).
+
+mod floquet;
+mod shooting;
+mod turn;
+
+pub use floquet::{Floquet, FloquetMode};
+pub use shooting::PeriodicMotion;
+pub use turn::{SAMPLES, Turn};

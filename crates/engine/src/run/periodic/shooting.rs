@@ -1,0 +1,301 @@
+//! The state that a turn brings back, by Newton's method with products of the matrix of a turn, NOTATION eqs. (L32) and (L33).
+
+use crate::aero::{AirState, rotor::bem::RotorState};
+use crate::force::memory::JointMemory;
+use crate::run::Plant;
+use crate::run::periodic::turn::{SAMPLES, Turn};
+use crate::solve::EquationsOfMotion;
+use crate::solve::krylov::Directions;
+use crate::system::air::AirHistory;
+use crate::system::events::settle;
+use crate::system::state::State;
+use crate::system::{PlantError, Snapshot, System};
+use nalgebra::DVector;
+
+/// Difference by which a product is found, in the measure of the states.
+const PRODUCT_STEP: f64 = 1e-5;
+/// Share of the distance that the linear equations of a Newton step may leave.
+const LINEAR_SHARE: f64 = 1e-3;
+/// Maximum number of products that one turn's matrix may cost.
+const MAXIMUM_PRODUCTS: usize = 300;
+/// Maximum number of Newton steps, and of turns marched in place of one that does not come nearer.
+const MAXIMUM_STEPS: usize = 40;
+const MAXIMUM_TURNS: usize = 12;
+/// Longest Newton step, in rad or over the machine's length.
+const LONGEST: f64 = 0.5;
+/// Halvings of a step that does not come nearer.
+const HALVINGS: usize = 5;
+/// Shrinking of the distance by a Newton step below which the products belong to another turn.
+const SLOW: f64 = 0.3;
+
+/// A state that a turn of the shaft brings back.
+#[derive(Debug, Clone)]
+pub struct PeriodicMotion {
+    /// State at the begin of the turn.
+    pub start: Snapshot,
+    /// States over which the motion was sought: free coordinates, their rates, and what lags in a rotor's air.
+    pub states: usize,
+    /// Distance between the ends of the turn: rotation in rad or displacement over the machine's length, rates over the shaft's speed.
+    pub distance: f64,
+    /// Newton steps.
+    pub newton_steps: usize,
+    /// Turns marched.
+    pub turns: usize,
+}
+
+/// The turn as a function of the state at its begin.
+pub(super) struct Shooting<'p> {
+    pub plant: &'p mut Plant,
+    pub turn: Turn,
+    /// Coordinates that are free, in the order of [`crate::system::System::freedoms`].
+    pub free: Vec<usize>,
+    /// A state at the begin of the turn, with what it carries beside the states.
+    base: State,
+    /// Measure of the states: rotation in rad, displacement over the machine's length; rates over the speed of the shaft.
+    weights: DVector<f64>,
+    begin_s: f64,
+    pub turns: usize,
+}
+
+impl<'p> Shooting<'p> {
+    /// From the present state of an initialised plant, at the begin of the turn.
+    pub fn new(plant: &'p mut Plant, turn: Turn) -> Self {
+        let free: Vec<usize> = plant.system.freedoms().iter().map(|freedom| freedom.index).collect();
+        let base = plant.system.state.clone();
+        let begin_s = base.now.time_s;
+        let equations = &mut plant.system.equations;
+        let mut unused = vec![0.0; base.now.q.len()];
+        equations.residual(begin_s, &base.now.q, &base.now.v, &base.now.a, &mut unused);
+        let mut unit = vec![0.0; base.now.q.len()];
+        let mut sizes = Vec::new();
+        for &c in &free {
+            unit[c] = 1.0;
+            sizes.push(equations.norm(&unit).max(f64::MIN_POSITIVE));
+            unit[c] = 0.0;
+        }
+        let speed_rad_s = turn.speed_rad_s.abs();
+        let rates: Vec<f64> = sizes.iter().map(|size| size / speed_rad_s).collect();
+        sizes.extend(rates);
+        let tip_m_s = equations.model.reference_length_m * speed_rad_s;
+        let mut air = base.air.clone();
+        if let Some(AirState::Rotor(state)) = air.as_mut().map(|air| &mut air.after) {
+            let [velocities, all] = RotorState::LAGS;
+            let of = |(i, _): (usize, &mut f64)| if i % all < velocities { 1.0 / tip_m_s } else { 1.0 };
+            sizes.extend(state.lags().enumerate().map(of));
+        }
+        Self { plant, turn, free, base, weights: DVector::from_vec(sizes), begin_s, turns: 0 }
+    }
+
+    /// Number of states.
+    pub fn states(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// The states of a state, measured.
+    fn measured(&self, state: &mut State) -> DVector<f64> {
+        let now = &state.now;
+        let mut list: Vec<f64> = self.free.iter().map(|&c| now.q[c]).collect();
+        list.extend(self.free.iter().map(|&c| now.v[c]));
+        if let Some(AirState::Rotor(air)) = state.air.as_mut().map(|air| &mut air.after) {
+            list.extend(air.lags().map(|lag| *lag));
+        }
+        DVector::from_vec(list).component_mul(&self.weights)
+    }
+
+    /// The states at the begin.
+    pub fn at_begin(&self) -> DVector<f64> {
+        self.measured(&mut self.base.clone())
+    }
+
+    /// Goes to the begin of the turn with given states.
+    fn begin(&mut self, states: &DVector<f64>) -> Result<(), PlantError> {
+        let states = states.component_div(&self.weights);
+        let (n, system) = (self.free.len(), &mut self.plant.system);
+        system.state.copy_from(&self.base);
+        for (i, &c) in self.free.iter().enumerate() {
+            (system.state.now.q[c], system.state.now.v[c]) = (states[i], states[n + i]);
+        }
+        if let Some(AirState::Rotor(air)) = system.state.air.as_mut().map(|air| &mut air.after) {
+            air.lags().zip(states.iter().skip(2 * n)).for_each(|(lag, value)| *lag = *value);
+        }
+        system.configure();
+        let begin_s = self.begin_s;
+        let now = &mut system.state.now;
+        now.a.fill(0.0);
+        now.auxiliary.fill(0.0);
+        system.equations.branch_s = begin_s;
+        system.equations.prescribe(begin_s, &mut now.q, &mut now.v, &mut now.a);
+        system.equations.residual(begin_s, &now.q, &now.v, &now.a, &mut system.scratch[0]);
+        let jump = settle(&mut system.equations, &mut system.scratch[0], now);
+        system.accelerations(begin_s, jump)?;
+        let State { before, start, ahead, now, .. } = &mut system.state;
+        [before, start, ahead].into_iter().for_each(|point| point.copy_from(now));
+        system.forget_outputs();
+        Ok(())
+    }
+
+    /// Marches a turn from given states and returns those at its end; `seen` looks at the plant at the begin of every sample, from 0
+    /// on, and at the end of the turn.
+    pub fn march(
+        &mut self,
+        states: &DVector<f64>,
+        seen: &mut dyn FnMut(usize, &mut Plant) -> Result<(), PlantError>,
+    ) -> Result<DVector<f64>, PlantError> {
+        self.begin(states)?;
+        self.turns += 1;
+        let period_s = self.turn.period_s();
+        for sample in 0..=SAMPLES {
+            if sample > 0 {
+                self.plant.step(self.begin_s + period_s * sample as f64 / SAMPLES as f64)?;
+                self.check_memory()?;
+            }
+            seen(sample, self.plant)?;
+        }
+        let mut state = std::mem::replace(&mut self.plant.system.state, self.base.clone());
+        let end = self.measured(&mut state);
+        self.plant.system.state = state;
+        Ok(end)
+    }
+
+    /// Refuses events of forces on joints within the turn.
+    fn check_memory(&self) -> Result<(), PlantError> {
+        let quiet = |memory: &JointMemory| JointMemory { crossed: 0, ..*memory };
+        let System { machine, state, .. } = &self.plant.system;
+        for ((body, _), (now, before)) in machine.one_freedoms().zip(state.joints.iter().zip(&self.base.joints)) {
+            if quiet(now) != quiet(before) {
+                let name = &machine.bodies[body].joint.name;
+                return Err(self.refused(format!(
+                    "the joint {name} meets its latch, its stops or a brake at t = {} s, within the turn; only motions without such \
+                     events are sought: open the latch or take the stops out of its way",
+                    state.now.time_s
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    fn refused(&self, cause: String) -> PlantError {
+        PlantError::Periodic { time_s: self.begin_s, cause }
+    }
+
+    /// What a turn has left beside the states (loads and histories of the air) is what the next one begins with.
+    fn carry(&mut self, left: Option<AirHistory>) {
+        let period_s = self.turn.period_s();
+        if let Some(mut air) = left {
+            air.shift(-period_s);
+            self.base.air = Some(air);
+        }
+    }
+
+    /// Distance of two states: the largest of those of coordinates, rates, and lags of the air.
+    fn distance(&mut self, difference: &DVector<f64>) -> f64 {
+        let plain = difference.component_div(&self.weights);
+        let n = self.free.len();
+        let speed_rad_s = self.turn.speed_rad_s.abs();
+        let equations = &mut self.plant.system.equations;
+        let mut largest = difference.iter().skip(2 * n).fold(0.0f64, |largest, x| largest.max(x.abs()));
+        for (first, scale) in [(0, 1.0), (n, 1.0 / speed_rad_s)] {
+            let mut change = vec![0.0; equations.model.coordinates];
+            self.free.iter().enumerate().for_each(|(i, &c)| change[c] = plain[first + i]);
+            let size = scale * equations.norm(&change);
+            largest = if size.is_nan() { f64::INFINITY } else { largest.max(size) };
+        }
+        largest
+    }
+
+    /// A turn from given states, with what it leaves in the air, and its distance.
+    fn attempt(&mut self, states: DVector<f64>) -> Result<Attempt, PlantError> {
+        let end = self.march(&states, &mut |_, _| Ok(()))?;
+        let left = self.plant.system.state.air.clone();
+        let distance = self.distance(&(&end - &states));
+        Ok(Attempt { states, end, left, distance: if distance.is_nan() { f64::INFINITY } else { distance } })
+    }
+
+    /// A turn that brings its state back to `accuracy`, eq. (L33).
+    pub fn close(&mut self, accuracy: f64) -> Result<PeriodicMotion, PlantError> {
+        let mut known = Directions::default();
+        let (mut newton_steps, mut marched) = (0, 0);
+        let mut present = self.attempt(self.at_begin())?;
+        let mut nearest = present.distance;
+        while present.distance > accuracy {
+            if newton_steps + marched == MAXIMUM_STEPS {
+                return Err(self.no_contraction(nearest, accuracy));
+            }
+            let fresh = known.products() == 0;
+            match self.nearer(&present, &mut known)? {
+                Some(next) => {
+                    if next.distance > SLOW * present.distance {
+                        known.clear();
+                    }
+                    newton_steps += 1;
+                    // what the air carries beside the states has changed with them
+                    present = match next.left {
+                        None => next,
+                        left => {
+                            self.carry(left);
+                            self.attempt(next.states)?
+                        }
+                    };
+                }
+                None if !fresh => known.clear(),
+                None if marched < MAXIMUM_TURNS => {
+                    // a turn marched on: where motions decay it comes nearer by itself
+                    known.clear();
+                    self.carry(present.left.take());
+                    present = self.attempt(present.end)?;
+                    marched += 1;
+                }
+                None => return Err(self.no_contraction(nearest, accuracy)),
+            }
+            nearest = nearest.min(present.distance);
+        }
+        let Attempt { states, distance, .. } = present;
+        self.begin(&states)?;
+        let (states, turns) = (self.states(), self.turns);
+        Ok(PeriodicMotion { start: self.plant.snapshot(), states, distance, newton_steps, turns })
+    }
+
+    /// A Newton step, shortened until it comes nearer; `None` where it does not.
+    fn nearer(&mut self, present: &Attempt, known: &mut Directions) -> Result<Option<Attempt>, PlantError> {
+        let Attempt { states, end, distance, .. } = present;
+        let mut product = |direction: &DVector<f64>| -> Result<DVector<f64>, PlantError> {
+            let beside = self.march(&(states + direction * PRODUCT_STEP), &mut |_, _| Ok(()))?;
+            Ok((beside - end) / PRODUCT_STEP)
+        };
+        let (change, _) = known.solve(&(end - states), LINEAR_SHARE, MAXIMUM_PRODUCTS, &mut product)?;
+        let size = self.distance(&change);
+        if !size.is_finite() {
+            return Ok(None);
+        }
+        let mut share = (LONGEST / size).min(1.0);
+        for _ in 0..=HALVINGS {
+            // a march that fails has gone too far
+            if let Ok(next) = self.attempt(states + &change * share)
+                && next.distance < *distance
+            {
+                return Ok(Some(next));
+            }
+            share *= 0.5;
+        }
+        Ok(None)
+    }
+
+    fn no_contraction(&self, nearest: f64, accuracy: f64) -> PlantError {
+        self.refused(format!(
+            "no turn of the shaft brings its state back: {} turns came as near as {nearest:.1e} (rotation in rad, or displacement over the \
+             machine's length), {accuracy:.1e} is asked for; look whether something turns or swings without end, start nearer to the \
+             motion, take more steps in a turn, or ask for less",
+            self.turns
+        ))
+    }
+}
+
+/// A turn that was marched.
+struct Attempt {
+    /// Measured states at its begin, and at its end.
+    states: DVector<f64>,
+    end: DVector<f64>,
+    /// What it has left in the air.
+    left: Option<AirHistory>,
+    distance: f64,
+}

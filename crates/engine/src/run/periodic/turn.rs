@@ -1,0 +1,156 @@
+//! A machine made ready for turns of its shaft at a constant speed: the shaft is prescribed, steps divide the turn.
+
+use crate::aero::AirOptions;
+use crate::aero::rotor::wind::Source;
+use crate::machine::{JointKind, JointMotion, Machine, Method, Motion, OneFreedom};
+use crate::study::shaft_of;
+use std::f64::consts::TAU;
+
+/// Azimuths of a turn at which motions are read, evenly spaced.
+pub const SAMPLES: usize = 144;
+/// Maximum number of steps of a turn.
+const MAXIMUM_STEPS: usize = 1_000_000;
+/// Tolerance of Newton's iteration times 100: differences of two turns need more digits than a run.
+const TOLERANCE: f64 = 1e-10;
+/// Smallest share of a step that one whose equations are not solved is cut to: a turn whose steps need more is not resolved by them.
+const SMALLEST_STEP: f64 = 0.1;
+
+/// One turn of a shaft at constant speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turn {
+    /// Body behind the joint that is the shaft.
+    pub(super) shaft: usize,
+    /// Speed of the shaft in rad/s.
+    pub speed_rad_s: f64,
+    /// Steps of the integrator in the turn, a multiple of [`SAMPLES`].
+    pub steps: usize,
+}
+
+impl Turn {
+    /// Duration of a turn in s.
+    pub fn period_s(&self) -> f64 {
+        TAU / self.speed_rad_s.abs()
+    }
+
+    /// The machine with its shaft prescribed at `speed_rad_s`, from its start angle on, and steps of ESDIRK4 that divide the turn
+    /// into at least `steps`, a multiple of [`SAMPLES`]; those of the air divide it too and are no longer than stated. Without a speed
+    /// the shaft's motion must be prescribed at a constant rate, or its start rate is taken. `shaft` names its joint; without a name
+    /// it is the only one that turns without limit and carries a hub.
+    ///
+    /// # Errors
+    /// If there is no such joint or no speed, and if the machine is not the same from turn to turn: other joints that move by a
+    /// prescribed law, failures, gusts, wind from tables or turbulence; joints with redundant parameters, whose coordinates are no
+    /// states; vortex lattices, whose wake grows.
+    pub fn of(
+        machine: &Machine,
+        shaft: Option<&str>,
+        speed_rad_s: Option<f64>,
+        steps: usize,
+    ) -> Result<(Machine, Self), String> {
+        let body = shaft_of(machine, shaft)?;
+        let mut machine = machine.clone();
+        let start_s = machine.experiment.start_time_s;
+        let name = machine.bodies[body].joint.name.clone();
+        let JointKind::Revolute(hinge) = &mut machine.bodies[body].joint.kind else {
+            return Err(format!("the joint {name} is not revolute, and only such a joint is a shaft"));
+        };
+        let speed_rad_s = speed_rad_s.map_or_else(|| own_speed_rad_s(hinge, &name), Ok)?;
+        if speed_rad_s == 0.0 || !speed_rad_s.is_finite() || !(TAU / speed_rad_s).is_finite() {
+            return Err(format!(
+                "the speed of the shaft {name} is {speed_rad_s} rad/s; allowed are finite speeds other than 0: what stands still is at \
+                 rest, for which there is `foldwing static`"
+            ));
+        }
+        if !(1..=MAXIMUM_STEPS).contains(&steps) {
+            return Err(format!("{steps} steps in a turn; allowed are 1 to {MAXIMUM_STEPS}"));
+        }
+        let start_rad = match &hinge.motion {
+            JointMotion::Prescribed(Motion::Polynomial(coefficients)) => {
+                coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * start_s + coefficient)
+            }
+            _ => hinge.start_angle_rad,
+        };
+        hinge.motion =
+            JointMotion::Prescribed(Motion::Polynomial(vec![start_rad - speed_rad_s * start_s, speed_rad_s]));
+        (hinge.start_angle_rad, hinge.start_rate_rad_s) = (start_rad, 0.0);
+        (hinge.generator, hinge.latch, hinge.stops) = (None, None, None);
+        let turn = Self { shaft: body, speed_rad_s, steps: steps.div_ceil(SAMPLES) * SAMPLES };
+        machine.solver.method = Method::Esdirk4;
+        machine.solver.most_iterations = None;
+        let step_s = turn.period_s() / turn.steps as f64;
+        machine.solver.fixed_step_s = Some(step_s);
+        (machine.solver.min_step_s, machine.solver.max_step_s) = (SMALLEST_STEP * step_s, step_s);
+        machine.solver.tolerance = TOLERANCE;
+        check_sameness(&machine, body)?;
+        if let Some(air) = &mut machine.air {
+            let sample_s = turn.period_s() / SAMPLES as f64;
+            air.step_s = sample_s / (sample_s / air.step_s * (1.0 - 1e-9)).ceil().max(1.0);
+        }
+        Ok((machine, turn))
+    }
+}
+
+/// Speed of a shaft by its own description.
+fn own_speed_rad_s(hinge: &OneFreedom, name: &str) -> Result<f64, String> {
+    match &hinge.motion {
+        JointMotion::Prescribed(Motion::Polynomial(coefficients))
+            if coefficients.iter().skip(2).all(|coefficient| *coefficient == 0.0) =>
+        {
+            Ok(coefficients.get(1).copied().unwrap_or(0.0))
+        }
+        JointMotion::Prescribed(_) => {
+            Err(format!("the shaft {name} is prescribed, but not at a constant speed; give one with --speed-rpm"))
+        }
+        _ if hinge.start_rate_rad_s != 0.0 => Ok(hinge.start_rate_rad_s),
+        _ => Err(format!("the shaft {name} has no speed of its own; give one with --speed-rpm")),
+    }
+}
+
+/// Refuses what is not the same from turn to turn.
+fn check_sameness(machine: &Machine, shaft: usize) -> Result<(), String> {
+    for (index, body) in machine.bodies.iter().enumerate() {
+        let joint = &body.joint;
+        if joint.kind.spatial().is_some() {
+            return Err(format!(
+                "the joint {} is universal, ball or free: its coordinates are no states; build it of revolute and prismatic joints",
+                joint.name
+            ));
+        }
+        let Some((_, own)) = joint.kind.one_freedom() else { continue };
+        if let JointMotion::Prescribed(motion) = &own.motion {
+            let still =
+                matches!(motion, Motion::Polynomial(coefficients) if coefficients[1..].iter().all(|c| *c == 0.0));
+            if index != shaft && !still {
+                return Err(format!(
+                    "the joint {} moves by a law of time beside the shaft; lock it, or let it go",
+                    joint.name
+                ));
+            }
+        }
+    }
+    if let Some(failure) = machine.failures.first() {
+        return Err(format!("the failure {} ends the periodic motion; take it out of the model", failure.name));
+    }
+    let Some(air) = &machine.air else { return Ok(()) };
+    if let Some(gust) = air.gusts.first() {
+        return Err(format!("the gust {} is not the same in every turn; take it out of the model", gust.name));
+    }
+    match &air.options {
+        AirOptions::Lattice(_) => {
+            Err("the wake of a vortex lattice is none that a turn brings back; use model = \"rotor\" or \"strip\""
+                .to_owned())
+        }
+        AirOptions::Strips(_) => Ok(()),
+        AirOptions::Rotor(options) => match options.features.field.as_ref().map(|field| &field.source) {
+            Some(Source::Table(table)) if table.rows.len() > 1 => {
+                Err("the wind of a table over time is not the same in every turn; give one row, or a profile"
+                    .to_owned())
+            }
+            Some(Source::Box(_)) => {
+                Err("turbulence is not the same in every turn; take [aerodynamics.turbulence] out of the model"
+                    .to_owned())
+            }
+            _ => Ok(()),
+        },
+    }
+}

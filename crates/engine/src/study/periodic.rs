@@ -1,0 +1,110 @@
+//! What moves in a motion about a periodic state, as the ground sees it, and the model averaged over the turn beside it.
+
+use crate::solve::linearize::SecondOrder;
+use crate::solve::modes::{Mode, modes_beyond};
+use crate::solve::multiblade::Multiblade;
+use crate::study::{Rotor, Study};
+use crate::system::PlantError;
+use crate::system::freedoms::Freedom;
+use crate::system::shape::WhirlShare;
+use nalgebra::{Complex, DVector};
+
+/// How the coordinates of a machine whose rotor turns become those that the ground sees.
+#[derive(Debug, Clone)]
+pub struct GroundView {
+    freedoms: Vec<Freedom>,
+    rotor: Rotor,
+    blades: Multiblade,
+    /// Masses of the coordinates seen, the diagonal of the transformed mass.
+    mass: nalgebra::DMatrix<f64>,
+    speed_rad_s: f64,
+    /// Sum of the equations seen so far, and their number.
+    sum: Option<(SecondOrder, usize)>,
+    first: Option<SecondOrder>,
+    spread: f64,
+}
+
+/// Modes of the equations averaged over a turn, eq. (L36).
+#[derive(Debug, Clone, PartialEq)]
+pub struct AveragedModes {
+    /// Eigenvalues in 1/s with positive imaginary part, or real, lowest frequency first.
+    pub eigenvalues_1_s: Vec<Complex<f64>>,
+    /// Largest change of an entry of the transformed stiffness over the turn, relative to the two coordinates' own: what averaging
+    /// leaves out.
+    pub spread: f64,
+}
+
+impl Study<'_> {
+    /// The view from the ground on a machine in its present state, at the begin of a turn of the shaft of `rotor`; without a rotor of
+    /// equal blades (`None`) the coordinates are those of the machine.
+    ///
+    /// # Errors
+    /// If blades of the rotor differ in their freedoms.
+    pub fn ground_view(&self, shaft: usize, rotor: Option<&Rotor>, speed_rad_s: f64) -> Result<GroundView, PlantError> {
+        let freedoms = self.system.freedoms();
+        let rotor = rotor.cloned().unwrap_or(Rotor { shaft, blades: vec![Vec::new()] });
+        let time_s = self.system.state.now.time_s;
+        let blades = self.blades(&rotor, &freedoms).map_err(|cause| PlantError::Linearization { time_s, cause })?;
+        let mass = self.mass_matrix(&freedoms);
+        let n = freedoms.len();
+        let none = nalgebra::DMatrix::zeros(n, n);
+        let bare = SecondOrder { mass, damping: none.clone(), stiffness: none };
+        let mass = blades.transform(&bare, 0.0, speed_rad_s).mass;
+        Ok(GroundView { freedoms, rotor, blades, mass, speed_rad_s, sum: None, first: None, spread: 0.0 })
+    }
+
+    /// Adds the equations about the present state, at an azimuth from the begin of the turn, to the average.
+    ///
+    /// # Errors
+    /// As [`Study::second_order`].
+    pub fn see(&mut self, view: &mut GroundView, azimuth_rad: f64) -> Result<(), PlantError> {
+        let seen = view.blades.transform(&self.second_order()?, azimuth_rad, view.speed_rad_s);
+        let first = view.first.get_or_insert_with(|| seen.clone());
+        for i in 0..seen.mass.nrows() {
+            for j in 0..seen.mass.nrows() {
+                let own = |k: usize| first.stiffness[(k, k)].abs() + first.mass[(k, k)] * view.speed_rad_s.powi(2);
+                let change = (seen.stiffness[(i, j)] - first.stiffness[(i, j)]).abs() / (own(i) * own(j)).sqrt();
+                view.spread = view.spread.max(change);
+            }
+        }
+        match &mut view.sum {
+            Some((sum, count)) => {
+                sum.mass += seen.mass;
+                sum.damping += seen.damping;
+                sum.stiffness += seen.stiffness;
+                *count += 1;
+            }
+            None => view.sum = Some((seen, 1)),
+        }
+        Ok(())
+    }
+
+    /// Names of what moves in a motion of the coordinates seen, largest share first, eq. (L26).
+    pub fn moving_parts(&self, view: &GroundView, shape: &DVector<Complex<f64>>) -> Vec<WhirlShare> {
+        let shares = view.blades.shares(shape, &view.mass, view.speed_rad_s);
+        self.named(&view.freedoms, &view.rotor, &shares)
+    }
+}
+
+impl GroundView {
+    /// Coordinates as the ground sees them.
+    pub fn components(&self, coordinates: &DVector<Complex<f64>>, azimuth_rad: f64) -> DVector<Complex<f64>> {
+        self.blades.components(coordinates, azimuth_rad)
+    }
+
+    /// Masses of the coordinates seen.
+    pub fn weights(&self) -> DVector<f64> {
+        self.mass.diagonal()
+    }
+
+    /// Modes of the average of what [`Study::see`] has added; `None` before, and where the average has none.
+    pub fn averaged(&self) -> Option<AveragedModes> {
+        let (sum, count) = self.sum.as_ref()?;
+        let share = 1.0 / *count as f64;
+        let [mass, damping, stiffness] = [&sum.mass * share, &sum.damping * share, &sum.stiffness * share];
+        let shift_1_s2 = self.blades.shift_1_s2(self.speed_rad_s);
+        let list: Vec<Mode> = modes_beyond([&mass, &damping, &stiffness], self.freedoms.len(), shift_1_s2).ok()?;
+        let eigenvalues_1_s = list.into_iter().map(|mode| mode.eigenvalue_1_s).collect();
+        Some(AveragedModes { eigenvalues_1_s, spread: self.spread })
+    }
+}
