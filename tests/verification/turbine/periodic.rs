@@ -296,7 +296,7 @@ fn wt42_the_turbine_under_gravity() {
 }
 
 /// WT-43. The example as it is, with gravity: fifteen modes about its motion, named as the ground sees them. Without gravity they are
-/// those of the averaged model, which then is exact, to the error of the steps: fourth order, 4e-6 of the yaw's 6 Hz with 50 steps in a
+/// those of the averaged model, which then is exact, to the error of the steps: fourth order, 4e-6 of the yaw's 6 Hz with 24 steps in a
 /// period.
 #[test]
 fn wt43_modes_of_the_turbine() {
@@ -325,14 +325,18 @@ fn wt43_modes_of_the_turbine() {
         assert_eq!(floquet.modes.len(), 15, "{what}");
         if what == "without gravity" {
             assert!(worst < 1e-5, "{worst:.1e}");
-            let finer = find(&machine, None, SPEED_RAD_S, 1440, 30).expect("a motion").floquet.expect("modes");
             let off = |mode: &FloquetMode| {
                 let averaged = mode.averaged_1_s.expect("an average");
                 (averaged - mode.exponent_1_s).norm() / averaged.norm()
             };
-            let ratio = worst / finer.modes.iter().map(off).fold(0.0, f64::max);
+            // beyond 1440 steps what is left is that of the products, some 1e-7
+            let error = |steps: usize| {
+                let found = find(&machine, None, SPEED_RAD_S, steps, 30).expect("a motion");
+                found.floquet.expect("modes").modes.iter().map(off).fold(0.0, f64::max)
+            };
+            let ratio = error(288) / error(576);
             println!("WT-43: half the step divides the error by {ratio:.1}");
-            assert!((13.0..19.0).contains(&ratio), "order {}", ratio.log2());
+            assert!((12.0..20.0).contains(&ratio), "order {}", ratio.log2());
         }
     }
 }
@@ -363,8 +367,14 @@ fn wt44_refusals() {
     let mut moved = swing.clone();
     hinge_mut(&mut moved, "lag").motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.0, 1.0]));
     refused(&moved, Some("shaft"), 1.0, &["joint lag", "law of time"]);
-    // so slow that a step is none of the machine's
-    refused(&swing, Some("shaft"), 1e-7, &["no "]);
+    // so slow that a turn takes two years: the hinge is at rest at every azimuth
+    let slow = Swing { speed_rad_s: 1e-7, ..SWING };
+    let mut found = find(&swing, Some("shaft"), slow.speed_rad_s, 144, 0).expect("a motion");
+    let lag = over_the_turn(&mut found, "lag.angle");
+    let left = lag.iter().enumerate().map(|(k, lag)| slow.left(TAU * k as f64 / SAMPLES as f64, *lag)[0].abs());
+    let left = left.fold(0.0, f64::max);
+    println!("WT-44: at rest at every azimuth to {left:.1e} rad/s²");
+    assert!(left < 1e-7, "{left:.1e}");
     // a hinge without spring whose weight turns it over: it turns without end or finds another motion, but says nothing false
     let loose = Swing { spring_n_m_rad: 0.0, damping_n_m_s_rad: 0.0, ..SWING };
     match find(&loose.machine(), Some("shaft"), 0.05, 144, 0) {

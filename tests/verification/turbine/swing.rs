@@ -34,7 +34,7 @@ impl Swing {
     }
 
     /// `I ζ̈ + d ζ̇ + k ζ + m e c Ω² sin ζ + m g c cos(ψ + ζ) = 0`: what is left of it, over `I`, and its slope by `ζ`.
-    fn left(&self, azimuth_rad: f64, lag_rad: f64) -> [f64; 2] {
+    pub fn left(&self, azimuth_rad: f64, lag_rad: f64) -> [f64; 2] {
         let (s, w) = (self.mass_kg * self.arm_m, self.speed_rad_s);
         let centrifugal = s * self.hinge_m * w * w;
         let weight = s * self.gravity_m_s2;

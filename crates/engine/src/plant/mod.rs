@@ -1,11 +1,10 @@
 //! A machine to be run and studied: what programs use of [`crate::system`], [`crate::study`] and [`crate::run`].
 
-pub use crate::run::{Floquet, FloquetMode, Latency, Pauses, PeriodicMotion, Plant, Reached, SAMPLES, Turn};
+pub use crate::run::{Floquet, FloquetMode, Harmonic, Latency, Pauses, PeriodicMotion, Plant, Reached, SAMPLES, Turn};
 pub use crate::signal::{
     BodyParameters, Count, FACTOR_RANGE, FlapInputs, InputLayout, Inputs, JointInputs, JointParameters,
     ParameterLayout, Parameters, SolverParameters, SpatialParameters, Switch,
 };
-pub use crate::solve::floquet::Harmonic;
 pub use crate::study::{
     Argument, AveragedModes, Branch, Branches, Coarseness, Crossing, Departure, FlightLoad, Followed, Growth, Holding,
     InputSlope, Keep, LoadPath, NoReduction, PathPoint, Place, Reduced, Rest, Rotor, SampledSpace, Search, SecondOrder,

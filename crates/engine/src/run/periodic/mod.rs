@@ -4,6 +4,7 @@ mod floquet;
 mod shooting;
 mod turn;
 
+pub use crate::solve::floquet::Harmonic;
 pub use floquet::{Floquet, FloquetMode};
 pub use shooting::PeriodicMotion;
 pub use turn::{SAMPLES, Turn};
