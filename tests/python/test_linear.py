@@ -2,7 +2,6 @@
 
 import re
 import subprocess
-from pathlib import Path
 
 import control
 import numpy as np
@@ -127,51 +126,3 @@ def test_statics_and_modes_are_those_of_the_command(wing, command):
     assert modes.shape(0, "outer").shape == rest.shape("outer").shape
     with pytest.raises(fw.UsageError, match="allowed are"):
         wing.modes(about="rest")
-
-
-FLAP, STEP_S = "aero.flap.aileron.command", 2.5e-3
-
-
-@pytest.fixture(scope="module")
-def wing_in_lattice():
-    """The shipped wing with a folding tip and an aileron, with lift, in the air of a coarse lattice; the wind makes a panel in a step."""
-    text = (Path(__file__).resolve().parents[2] / "examples/aileron/folding_aileron.toml").read_text()
-    text = text.replace('indicial = "fine"\n', "").replace("strips = 6\n", "strips = 3\nchord_panels = 4\n")
-    text = text.replace("strips = 8\n", "strips = 4\nchord_panels = 4\n").replace("from_m = 0.05", "from_m = 0.1").replace("to_m = 0.35", "to_m = 0.3")
-    air = f'model = "uvlm"\nstep_s = {STEP_S}\nwake_rows = 44\ncoupling_tolerance = 1e-8\nmirror_normal = [1.0, 0.0, 0.0]\n'
-    return fw.Model(text.replace('model = "strip"\n', air))
-
-
-def test_a_lattice_is_linear_in_steps_of_its_air(wing_in_lattice, command, tmp_path):
-    """The aileron up and down in 24 steps: the linear model against the simulation, odd part, to 1e-3 of the largest answer (the command's
-    tests have 1e-4 with finer steps of the structure); and the model is that of the command to the bit."""
-    model = wing_in_lattice.linearize(inputs=[FLAP, "gust.z"], outputs="tip.position.z", lattice=True)
-    assert model.dt == STEP_S and model.to_control().dt == STEP_S
-    assert [signal.name for signal in model.inputs] == [FLAP, "gust.z"]
-    assert np.abs(model.poles()).max() < 1.0
-    (path, out) = (tmp_path / "wing.toml", tmp_path / "wing.npz")
-    path.write_text(wing_in_lattice.text)
-    options = ["--lattice", "--inputs", f"{FLAP},gust.z", "--outputs", "tip.position.z", "-o", out]
-    subprocess.run([command, "linearize", path, *options], check=True, capture_output=True)
-    file = np.load(out)
-    assert all(np.array_equal(file[name], getattr(model, name)) for name in "ABCD")
-    bump = [0.5 * (1 - np.cos(2 * np.pi * step / 24)) if step < 24 else 0.0 for step in range(1, 37)]
-
-    def run(size):
-        sim = fw.Simulation(wing_in_lattice, [("solver.tolerance", 1e-9), ("solver.max_step", STEP_S / 8)])
-        sim.settle(0.0)
-        values = []
-        for step, amount in enumerate(bump, 1):
-            sim[FLAP] = size * amount
-            sim.step_to(step * STEP_S)
-            values.append(sim["tip.position.z"])
-        return np.array(values)
-
-    marched, state, found = (run(0.01) - run(-0.01)) / 0.02, np.zeros(len(model.A)), []
-    for amount in bump:
-        state = model.A @ state + model.B[:, 0] * amount
-        found.append(model.C[0] @ state + model.D[0, 0] * amount)
-    off = np.abs(np.array(found) - marched).max() / np.abs(marched).max()
-    print(f"aileron in a lattice: off by {off:.1e}")
-    assert off < 1e-3
-    assert not wing_in_lattice.linearize(inputs=FLAP, outputs="tip.position.z").dt, "without the air: in continuous time"

@@ -31,8 +31,6 @@ const OCTAVE: f64 = 2.0;
 const WINDOW: f64 = 1.6;
 /// Such frequencies, from that of the fastest mode of the structure that is looked for.
 const OCTAVES: i32 = 12;
-/// Modes of the structure beyond those asked for that are looked at: free hinges have modes without a frequency.
-const FREE_MODES: usize = 4;
 /// Frequency over the magnitude of the eigenvalue below which a motion that decays counts as one of the lags of the air: 95 % of critical damping.
 const LIGHTEST: f64 = 0.31;
 
@@ -120,10 +118,8 @@ impl Delays<'_> {
         };
         let mut list = Lagged::without(in_air).modes(count)?;
         list.retain(|mode| {
-            let (value, size) = (mode.eigenvalue_1_s, mode.eigenvalue_1_s.norm());
-            // what only grows is slow next to its divergence
-            let diverges = value.im == 0.0 && value.re > 0.0;
-            diverges || value.im > LIGHTEST * size && size < WINDOW * rad_s && size > rad_s / WINDOW
+            let size = mode.eigenvalue_1_s.norm();
+            mode.eigenvalue_1_s.im > LIGHTEST * size && size < WINDOW * rad_s && size > rad_s / WINDOW
         });
         Ok(list)
     }
@@ -180,8 +176,8 @@ impl Delays<'_> {
 }
 
 impl Study<'_> {
-    /// Modes of lowest frequency in the air of a lattice about the present state of rest that swing or
-    /// grow, and the sign of the determinant of the static stiffness in the established flow; `None` if it is singular. Where modes are is guessed from the air at frequencies
+    /// Modes of lowest frequency in the air of a lattice about the present state of rest that swing, and the sign of the determinant
+    /// of the static stiffness in the established flow; `None` if it is singular. Where modes are is guessed from the air at frequencies
     /// an octave apart, so that those are found too which have no frequency without air, as that of a hinge that swings freely.
     ///
     /// # Errors
@@ -192,16 +188,12 @@ impl Study<'_> {
         let pushed = &system.held.by_force * &system.force;
         let delays = Delays { system: &system, pushed };
         let second = system.second.clone();
-        let bare =
-            Lagged::without(second.clone()).modes(count + FREE_MODES).map_err(|error| cause(&error.to_string()))?;
+        let bare = Lagged::without(second.clone()).modes(count).map_err(|error| cause(&error.to_string()))?;
         let mut list: Vec<LaggedMode> = Vec::new();
         let nyquist_rad_s = std::f64::consts::PI / system.step_s;
-        // all modes: the air may be stiffer than the structure
-        let whole = bare.len() < count + FREE_MODES;
-        let fastest_rad_s = bare.iter().map(|mode| mode.eigenvalue_1_s.norm()).fold(0.0, f64::max);
-        let fastest_rad_s = if whole { nyquist_rad_s } else { fastest_rad_s.min(nyquist_rad_s) };
-        for octave in 0..OCTAVES {
-            let guesses = delays.at_frequency(fastest_rad_s / OCTAVE.powi(octave), 2 * count + FREE_MODES);
+        let fastest_rad_s = bare.iter().map(|mode| mode.eigenvalue_1_s.norm()).fold(0.0, f64::max).min(nyquist_rad_s);
+        for octave in 0..if fastest_rad_s > 0.0 { OCTAVES } else { 0 } {
+            let guesses = delays.at_frequency(fastest_rad_s / OCTAVE.powi(octave), count);
             let guesses = guesses.map_err(|error| cause(&error.to_string()))?;
             for found in guesses.iter().filter_map(|mode| delays.near(mode)) {
                 let same = |other: &LaggedMode| {
@@ -213,7 +205,6 @@ impl Study<'_> {
             }
         }
         list.sort_by(|a, b| a.eigenvalue_1_s.norm().total_cmp(&b.eigenvalue_1_s.norm()));
-        list.truncate(count);
         let at_rest = delays.loads(Complex::from(1.0)).map(|loads| loads.map(|entry| entry.re));
         let sign = at_rest.and_then(|loads| {
             let SecondOrder { stiffness, .. } = &second;
