@@ -403,8 +403,10 @@ class Model:
         gusts: List[int] = []
         if lattice:
             inputs = [inputs] if isinstance(inputs, str) else list(inputs)
-            gusts = [axis for axis, name in enumerate(("gust.x", "gust.y", "gust.z")) if name in inputs]
-            inputs = [name for name in inputs if name not in ("gust.x", "gust.y", "gust.z")]
+            names = ("gust.x", "gust.y", "gust.z")
+            every = ("gust.", "gust.*")
+            gusts = [axis for axis, name in enumerate(names) if name in inputs or any(all_ in inputs for all_ in every)]
+            inputs = [name for name in inputs if name not in names + every]
         chosen = [self._real(inputs, "input"), self._real(outputs, "output")]
         return LinearModel._of(_native.LinearModel(simulation, *chosen, lattice, gusts))
 

@@ -502,10 +502,34 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     std::fs::write(path("free.toml"), free).unwrap();
     let refused = foldwing(&["linearize", &path("free.toml"), "--lattice", "-o", &path("z.json")]);
     refuses(&refused, 3, "a free wake has no steady shape; write free_wake = false");
+    // one cure, not that of a flow without a solution
+    assert!(!String::from_utf8_lossy(&refused.stderr).contains("aerodynamics.step_s"));
     refuses(&on_model("linearize", &["--lattice", "-o", &path("z.json")]), 3, "only a vortex lattice");
     let bare = succeeds(&foldwing(&["modes", &model, "--count", "2"]));
     let blown = succeeds(&foldwing(&["modes", &model, "--count", "2", "--lattice"]));
     assert!(bare.contains("its loads are held") && blown.contains("in the air of its lattice"), "{bare}{blown}");
+    let judged = "stability: stable (with the air of the lattice: judged by the slowest motions in discrete time)";
+    assert!(blown.contains(judged) && !bare.contains("with the air of the lattice"), "{bare}{blown}");
+    let json = succeeds(&foldwing(&["modes", &model, "--count", "2", "--lattice", "--json"]));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["stability"]["with_air_of_lattice"], true);
+    refuses(&foldwing(&["modes", &model, "--lattice", "--about", "undeformed"]), 2, "use --about equilibrium");
+    // more states than memory holds
+    let long = small.replace("wake_rows = 10", "wake_rows = 2000");
+    std::fs::write(path("long.toml"), long).unwrap();
+    let refused = foldwing(&["linearize", &path("long.toml"), "--lattice", "-o", &path("z.json")]);
+    refuses(&refused, 3, "at most 8000 are allowed: take fewer wake_rows");
+    // a gust that blows on the wing would be a part of the steady flow
+    let gust = "[gust.early]\nshape = \"sharp_edge\"\nvelocity_m_s = [0.0, 0.0, 0.1]\n";
+    for (origin_m, is_refused) in [("[0.0, 0.0, 0.0]", true), ("[0.0, 1.0, 0.0]", false)] {
+        std::fs::write(path("gust.toml"), format!("{small}\n{gust}origin_m = {origin_m}\n")).unwrap();
+        let said = foldwing(&["modes", &path("gust.toml"), "--count", "2", "--lattice"]);
+        if is_refused {
+            refuses(&said, 3, "gust \"early\" is over the surfaces at this time");
+        } else {
+            succeeds(&said);
+        }
+    }
     let flutter = succeeds(&foldwing(&["flutter", &model, "--speeds", "10:20:5", "--count", "3"]));
     assert!(flutter.contains("neither flutter nor divergence up to 20 m/s"), "{flutter}");
 }
@@ -677,6 +701,34 @@ fn modes_prints_real_poles_and_static_the_stable_state() {
     assert!(table.contains("Path of equilibria"), "{table}");
 }
 
+/// A bar that hangs by a ball joint of a loop, without gravity, has no equilibrium: the message says what moves and what holds it.
+#[test]
+fn a_body_that_a_loop_leaves_a_motion_is_told() {
+    let folder = scratch();
+    let path = folder.path().join("hung.toml");
+    let body =
+        |name: &str| format!("[body.{name}]\nlength_m = 0.2\nsection = \"bar\"\nelements = 1\nload_stations = 0\n");
+    let joint = |kind: &str, child: &str| {
+        format!("[joint.{kind}]\ntype = \"{kind}\"\nparent = \"root\"\nchild = \"{child}\"\n")
+    };
+    let text = format!(
+        "name = \"Hung\"\n[section.bar]\nshape = \"rectangle\"\nwidth_m = 0.02\nheight_m = 0.01\ndensity_kg_m3 = 2700.0\n\
+         young_Pa = 70e9\npoisson_ratio = 0.33\n{}{}{}{}[loop.pin]\nbodies = [\"arm\", \"bar\"]\npositions_m = [0.0, 0.0]\n\
+         stiffness_N_m = 1e5\n",
+        body("arm"),
+        body("bar"),
+        joint("clamped", "arm"),
+        joint("free", "bar"),
+    );
+    std::fs::write(&path, text).unwrap();
+    let refused = foldwing(&["static", path.to_str().unwrap()]);
+    refuses(
+        &refused,
+        3,
+        "joint \"free\": its body is held by loops alone, and they leave it a motion; give a joint of the loops a spring",
+    );
+}
+
 /// Trim: the wing carries its own weight in the wind that is found, which other commands then take.
 #[test]
 fn trim_finds_the_wind_that_carries_the_wing() {
@@ -715,6 +767,13 @@ fn trim_finds_the_wind_that_carries_the_wing() {
         2,
         "must be NAME=VALUE",
     );
+    for repeated in ["wind.velocity.z,-wind.velocity.z", "wind.velocity.z,wind.velocity.z"] {
+        let call = foldwing(&["trim", flared, "--free", repeated, "--balance", "root.force.z=0"]);
+        refuses(&call, 2, "--free wind.velocity.z: is named twice");
+    }
+    let twice = ["--balance", "root.force.z=0", "--balance", "root.force.z=1"];
+    let free = ["trim", flared, "--free", "wind.velocity.z", "--free", "wind.velocity.y"];
+    refuses(&foldwing(&[&free[..], &twice[..]].concat()), 2, "--balance root.force.z: is named twice");
     // the drive has no spring that a command could move
     let nothing = foldwing(&["trim", flared, "--free", "fold.command", "--balance", "root.force.z=0"]);
     refuses(&nothing, 3, "the balances do not change independently");

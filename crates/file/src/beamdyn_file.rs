@@ -12,9 +12,10 @@ use nalgebra::{Matrix2, Matrix4, Matrix6, SMatrix};
 /// Asymmetry and stray entries that are taken for rounding, of the geometric mean of the diagonal.
 const ROUNDING: f64 = 1e-6;
 
-/// True where a text is BeamDyn's: its first line says so.
+/// True where a text is BeamDyn's: its first line says so. Lines that begin with `#` are comments of a CSV file.
 pub(super) fn is_beamdyn(text: &str) -> bool {
-    text.lines().next().is_some_and(|line| line.to_ascii_uppercase().contains("BEAMDYN"))
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    lines.next().is_some_and(|line| line.to_ascii_uppercase().contains("BEAMDYN"))
 }
 
 /// 4×4 stiffness of `(εx, κx, κy, κz)` that a 6×6 one of `(γx, γy, εz, κx, κy, κz)` in BeamDyn's axes leaves where no shear force

@@ -225,13 +225,14 @@ pub(super) fn section_law(
 
 /// The sections of a table at their places on a body, from end to end.
 fn table_law(name: &str, file: &BodyFile, stations: &Stations, checker: &mut Checker) -> Option<SectionLaw> {
-    let positions_m = stations.places.on_body(file.length_m);
-    if positions_m.last() != Some(&file.length_m) {
-        let last = positions_m.last().copied().unwrap_or_default();
-        let allowed = format!("{} m, the last station of section {:?}", shortest(last), file.section);
-        checker.refuse(&["body", name, "length_m"], allowed);
-        return None;
-    }
+    let positions_m = match stations.places.on_body(file.length_m) {
+        Ok(positions_m) => positions_m,
+        Err(last_m) => {
+            let allowed = format!("{} m, the last station of section {:?}", shortest(last_m), file.section);
+            checker.refuse(&["body", name, "length_m"], allowed);
+            return None;
+        }
+    };
     let station = |(position_m, section): (f64, &Section)| SectionStation { position_m, section: section.clone() };
     Some(SectionLaw::Table(positions_m.into_iter().zip(&stations.sections).map(station).collect()))
 }

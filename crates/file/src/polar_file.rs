@@ -1,5 +1,6 @@
 //! Polars from files: AeroDyn's airfoil format and CSV.
 
+use crate::station_file::without_mark;
 use foldwing_engine::aero::polar::{Polar, PolarRow};
 use std::str::SplitWhitespace;
 
@@ -35,6 +36,7 @@ pub struct PolarFault {
 /// # Errors
 /// What [`read_aerodyn`] or [`read_csv`] refuses.
 pub fn read_polars(text: &str) -> Result<Vec<AirfoilTable>, PolarFault> {
+    let text = without_mark(text);
     let aerodyn = text.lines().any(|line| words(line).nth(1).is_some_and(|word| word.eq_ignore_ascii_case("NumAlf")));
     if aerodyn { read_aerodyn(text) } else { read_csv(text).map(|table| vec![table]) }
 }
@@ -235,6 +237,9 @@ mod tests {
         let table = read_polars("# source\ncd,alpha_deg,cl\n0.01,-5,-0.2\n\n0.02,5,0.9\n").unwrap().remove(0);
         let row = table.polar.rows[1];
         assert_eq!((row.lift, row.drag, row.moment), (0.9, 0.02, 0.0));
+        // the mark that a spreadsheet puts in front is no part of the first name
+        let marked = read_polars("\u{feff}alpha_deg,cl,cd\n-5,-0.2,0.01\n5,0.9,0.02\n").unwrap().remove(0);
+        assert_eq!(marked.polar.rows[1], row);
     }
 
     /// Every refusal with its line and what it names.

@@ -99,10 +99,15 @@ fn group(page: &mut String, title: &str, schema: Node) {
         Some((tag, variants)) => {
             for (name, variant) in variants {
                 table(page, &format!("{title} with {tag} = {name:?}"), variant);
+                inner_tables(page, title, variant);
             }
         }
         None => table(page, title, schema),
     }
+    inner_tables(page, title, schema);
+}
+
+fn inner_tables(page: &mut String, title: &str, schema: Node) {
     for (key, property) in properties(schema) {
         let inner = property.resolve();
         if inner["type"] == "object" {

@@ -79,6 +79,7 @@ impl StationTable {
 /// Text that is neither, rows of other lengths, what is not a finite number, unknown columns, files cut short, matrices that a
 /// section cannot have.
 pub fn read_sections(text: &str) -> Result<StationTable, StationFault> {
+    let text = without_mark(text);
     match beamdyn_file::is_beamdyn(text) {
         true => beamdyn_file::read_blade(text),
         false => read_columns(text, SECTION_COLUMNS, AXIS_COLUMNS),
@@ -90,10 +91,16 @@ pub fn read_sections(text: &str) -> Result<StationTable, StationFault> {
 /// # Errors
 /// As [`read_sections`].
 pub fn read_axis(text: &str) -> Result<StationTable, StationFault> {
+    let text = without_mark(text);
     match beamdyn_file::is_beamdyn(text) {
         true => beamdyn_file::read_key_points(text),
         false => read_columns(text, AXIS_COLUMNS, SECTION_COLUMNS),
     }
+}
+
+/// The text without the byte order mark that some programs write in front of it.
+pub(super) fn without_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
 pub(super) fn fault(line: usize, reason: impl Into<String>) -> StationFault {
@@ -150,6 +157,20 @@ mod tests {
         assert_eq!(sections.column("mass_kg_m"), Some([10.0, 2.0].as_slice()));
         let axis = read_axis(text).unwrap();
         assert_eq!(axis.text("axis"), "axis = { share = [0.0, 1.0], twist_deg = [-13.3, 0.0] }");
+    }
+
+    /// A comment may name the source, and a spreadsheet may put its mark in front.
+    #[test]
+    fn comments_and_the_byte_order_mark_change_nothing() {
+        let plain = "share,mass_kg_m\n0,10\n1,2\n";
+        let expected = read_sections(plain).unwrap();
+        for front in ["# from the BeamDyn file of the blade\n", "\u{feff}", "\u{feff}# BeamDyn\n"] {
+            assert_eq!(read_sections(&format!("{front}{plain}")).as_ref(), Ok(&expected), "{front:?}");
+            assert_eq!(
+                read_axis(&format!("{front}share,twist_deg\n0,1\n1,2\n")).unwrap().names,
+                ["share", "twist_deg"]
+            );
+        }
     }
 
     #[test]

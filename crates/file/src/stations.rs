@@ -21,13 +21,27 @@ pub(super) enum Places {
     Lengths(Vec<f64>),
 }
 
+/// Difference between the last place and the length of a body, relative to it, that counts as rounded: as many digits as somebody
+/// types where a file of points gives the arc length by an integral.
+const ROUNDED: f64 = 1e-4;
+
 impl Places {
-    /// In m from the inner end of a body of `length_m`.
-    pub fn on_body(&self, length_m: f64) -> Vec<f64> {
-        match self {
-            Self::Shares(shares) => shares.iter().map(|share| share * length_m).collect(),
-            Self::Lengths(lengths_m) => lengths_m.clone(),
+    /// In m from the inner end of a body of `length_m`: lengths that end within [`ROUNDED`] of it are scaled so that the last place is
+    /// the end. The last length where they do not.
+    pub fn on_body(&self, length_m: f64) -> Result<Vec<f64>, f64> {
+        let (places, last) = match self {
+            Self::Shares(shares) => (shares, 1.0),
+            Self::Lengths(lengths_m) => (lengths_m, lengths_m.last().copied().unwrap_or_default()),
+        };
+        let ends = matches!(self, Self::Shares(_)) || (last - length_m).abs() <= ROUNDED * length_m;
+        if !ends {
+            return Err(last);
         }
+        let mut places_m: Vec<f64> = places.iter().map(|place| place * (length_m / last)).collect();
+        if let Some(end_m) = places_m.last_mut() {
+            *end_m = length_m;
+        }
+        Ok(places_m)
     }
 
     fn count(&self) -> usize {
@@ -291,14 +305,14 @@ impl AxisAlong {
     pub fn on_body(&self, name: &str, length_m: f64, checker: &mut Checker) -> Option<Axis> {
         let path = ["body", name, "axis"];
         let places = places(&path, self.share.as_ref(), self.s_m.as_ref(), checker)?;
-        let stations_m = places.on_body(length_m);
-        let last_m = stations_m.last().copied().unwrap_or_default();
-        // a file of points gives the arc length by an integral: as many digits as somebody types
-        if (last_m - length_m).abs() > 1e-4 * length_m {
-            let allowed = format!("{} m, the arc length of the axis", shortest(last_m));
-            checker.refuse(&["body", name, "length_m"], allowed);
-            return None;
-        }
+        let stations_m = match places.on_body(length_m) {
+            Ok(stations_m) => stations_m,
+            Err(last_m) => {
+                let allowed = format!("{} m, the arc length of the axis", shortest(last_m));
+                checker.refuse(&["body", name, "length_m"], allowed);
+                return None;
+            }
+        };
         let mut sound = true;
         let mut column = |key: &'static str, values: Option<&Vec<f64>>, factor: f64| -> Vec<f64> {
             let Some(values) = values else { return vec![0.0; stations_m.len()] };
@@ -320,5 +334,22 @@ impl AxisAlong {
         let z_m = column("z_m", self.z_m.as_ref(), 1.0);
         let twist_rad = column("twist_deg", self.twist_deg.as_ref(), 1f64.to_radians());
         sound.then_some(Axis { stations_m: stations_m.clone(), y_m, z_m, twist_rad })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An axis of 20.0019 m on a body of 20 m used to end at 20.0019 m, beyond the body.
+    #[test]
+    fn rounded_lengths_end_at_the_end_of_the_body() {
+        let places = |last_m: f64| Places::Lengths(vec![0.0, 10.0, last_m]).on_body(20.0);
+        assert_eq!(places(20.0), Ok(vec![0.0, 10.0, 20.0]));
+        let scaled = places(20.0019).expect("as many digits as somebody types");
+        assert_eq!(scaled[2], 20.0);
+        assert!((scaled[1] - 10.0 * 20.0 / 20.0019).abs() < 1e-14, "{scaled:?}");
+        assert_eq!(places(20.0021), Err(20.0021));
+        assert_eq!(Places::Shares(vec![0.0, 0.5, 1.0]).on_body(20.0), Ok(vec![0.0, 10.0, 20.0]));
     }
 }

@@ -1,5 +1,6 @@
 //! Wind from files: TurbSim's and Bladed's full fields, and tables over time at hub height.
 
+use crate::station_file::without_mark;
 use foldwing_engine::aero::rotor::turbulence_box::TurbulenceBox;
 use foldwing_engine::aero::rotor::wind::{TableRow, WindTable};
 
@@ -278,7 +279,7 @@ fn left_over(file: &Bytes) -> Result<(), WindFault> {
 pub fn read_wind_table(text: &str, reference_length_m: f64) -> Result<WindTable, WindFault> {
     positive("reference length", reference_length_m)?;
     let mut rows: Vec<TableRow> = Vec::new();
-    for (index, line) in text.lines().enumerate() {
+    for (index, line) in without_mark(text).lines().enumerate() {
         let line_number = index + 1;
         let fault = |reason: String| WindFault::Line { line: line_number, reason };
         let code = line.split(['!', '#']).next().unwrap_or_default().trim();
@@ -424,6 +425,8 @@ mod tests {
         let table = read_wind_table(text, 126.0).unwrap();
         assert_eq!((table.rows.len(), table.rows[1].speed_m_s, table.rows[1].gust_m_s), (2, 12.0, 1.0));
         assert_eq!(table.rows[1].direction_rad, 5f64.to_radians());
+        let marked = read_wind_table("\u{feff}0 8 0 0 0 0.2 0 0\n10 12 5 0.1 0 0.2 0 1\n", 126.0).unwrap();
+        assert_eq!(marked.rows, table.rows);
         for (text, expected) in [
             ("", "line 1: a table without rows"),
             ("0 8 0 0 0 0.2 0\n", "line 1: 7 columns"),

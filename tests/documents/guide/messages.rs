@@ -287,6 +287,9 @@ fn produced() -> Vec<String> {
     write("tunnel.toml", shipped("folding_wing_in_tunnel.toml").as_bytes());
     let free = shipped("folding_wing_in_tunnel.toml").replace("model = \"uvlm\"", "model = \"uvlm\"\nfree_wake = true");
     write("free.toml", free.as_bytes());
+    write("long.toml", shipped("folding_wing_in_tunnel.toml").replace("wake_rows = 30", "wake_rows = 3000").as_bytes());
+    let gust = "\n[gust.early]\nshape = \"sharp_edge\"\nvelocity_m_s = [0.0, 0.0, 0.1]\norigin_m = [0.0, 0.0, 0.0]\n";
+    write("blown.toml", (shipped("folding_wing_in_tunnel.toml") + gust).as_bytes());
     let aircraft = include_str!("../../../examples/flight/folding_aircraft.toml");
     write("aircraft.toml", aircraft.as_bytes());
     write("four_bar.toml", shipped("four_bar.toml").as_bytes());
@@ -339,10 +342,15 @@ fn produced() -> Vec<String> {
         "linearize tunnel.toml --lattice --set wind.velocity.y=-0.01 -o x.json",
         "linearize tunnel.toml --lattice --modes 4 -o x.json",
         "linearize free.toml --lattice -o x.json",
+        "linearize long.toml --lattice -o x.json",
+        "linearize blown.toml --lattice -o x.json",
+        "modes tunnel.toml --lattice --about undeformed",
         "flutter sudden.toml --speeds 1:2:1",
         "flutter goland.toml --speeds 1:2:1 --set wind.velocity.y=0",
         "modes wing.toml --over file:solver.method=esdirk3,esdirk4",
         "modes wing.toml --over fold.command=1",
+        "trim wing.toml --free fold.command,-fold.command --balance tip.position.z=0",
+        "trim wing.toml --free fold.command --free fold.torque --balance tip.position.z=0 --balance tip.position.z=1",
         "trim wing.toml --free fold.command --balance tip.position.z",
         "trim wing.toml --free fold.command --balance fold.command=1",
         "trim wing.toml --free fold.command --balance tip.position.z=x",

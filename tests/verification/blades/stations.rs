@@ -206,11 +206,21 @@ fn wt33_beamdyn_files() {
         let fault = config::read_axis(&primary.replacen(found, due, 1)).unwrap_err();
         assert!(fault.reason.starts_with(reason), "{fault}");
     }
-    // every line that is missing is told
+    // every line that is missing is told, by its number and by what is due there
     let lines: Vec<&str> = blade.lines().collect();
     for cut in 1..lines.len() - 1 {
         assert!(config::read_sections(&lines[..cut].join("\n")).is_err(), "{cut} lines are taken for a blade");
     }
+    let lines: Vec<&str> = primary.lines().collect();
+    let last = lines.iter().rposition(|line| line.split_whitespace().count() >= 4).expect("key points");
+    for cut in 1..=last {
+        let fault = config::read_axis(&lines[..cut].join("\n")).expect_err("a primary file that is cut short");
+        assert_eq!(fault.line, cut + 1, "{cut} lines: {fault}");
+        let due = ["member_total", "kp_total", "key point"];
+        assert!(due.iter().any(|due| fault.reason.contains(due)), "{cut} lines: {fault}");
+    }
+    let whole = config::read_axis(&lines[..=last].join("\n")).expect("all key points");
+    assert_eq!(whole, axis);
 }
 
 const MODEL: &str = "name = \"blade\"\ngravity_m_s2 = [0.0, 0.0, -9.8]\n[section.blade]\nshape = \"table\"\n\

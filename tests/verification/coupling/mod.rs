@@ -10,6 +10,7 @@ mod flutter;
 mod frames;
 mod goland;
 mod identification;
+mod lattice_stability;
 mod light_tips;
 mod linear_flutter;
 mod linear_lattice;

@@ -95,7 +95,8 @@ fn pl06_the_motion_after_the_link_has_opened() {
         let rows = motion(pitch_kg_m2);
         let (early, late) = misses(&rows, file);
         println!("{pitch_kg_m2} kg·m²: {early:.1e} rad until 2 s, {late:.1e} of the peaks until 8 s");
-        assert!(early < 1e-6 && late < 0.05, "{pitch_kg_m2} kg·m²: {early:e} rad, {late:e}");
+        // the limit cycle holds small differences: the bound until 2 s is that of the whole time
+        assert!(early < 1e-6 && late < 1e-6, "{pitch_kg_m2} kg·m²: {early:e} rad, {late:e}");
         let least = |from_s: f64, to_s: f64| {
             let within = rows.iter().filter(|row| (from_s..to_s).contains(&row[0]));
             within.map(|row| row[3].to_degrees()).fold(f64::INFINITY, f64::min)

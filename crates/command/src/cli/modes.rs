@@ -68,6 +68,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "--csv and --plot belong to --over, which follows modes over a quantity".to_owned(),
         ));
     }
+    if arguments.lattice && arguments.about == About::Undeformed {
+        return Err(Failure::Usage(
+            "--lattice: the undeformed state has no loads, nor air; use --about equilibrium, or leave --lattice out"
+                .to_owned(),
+        ));
+    }
     let mut plant = read_plant(&arguments.model, &arguments.settings)?;
     let time_s = plant.machine().experiment.start_time_s;
     let failed = |error: foldwing_engine::plant::PlantError| Failure::Statics(error.to_string());
@@ -81,6 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let stability = match arguments.about {
         About::Undeformed => None,
+        About::Equilibrium if arguments.lattice => plant.study().lattice_stability().map_err(failed)?,
         About::Equilibrium => Some(plant.study().stability().map_err(failed)?),
     };
     let bare = arguments.about == About::Undeformed;
@@ -115,6 +122,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if let Some(stability) = &stability {
         text.push_str(&stability::text(&plant, stability, departure));
+    } else if in_lattice {
+        text.push_str("stability: not judged: the model in discrete time has too many states\n");
     }
     print(&text)
 }

@@ -19,6 +19,7 @@ pub fn text(plant: &Plant, stability: &Stability, departure: Option<Departure>) 
         None => String::new(),
     };
     let basis = match (stability.neutral, stability.potential) {
+        _ if stability.in_lattice => " (with the air of the lattice: judged by the slowest motions in discrete time)",
         (true, _) => " (something moves without resistance: judged by the lowest modes)",
         (false, false) => " (loads without a potential: judged by the lowest modes)",
         (false, true) => "",
@@ -72,9 +73,10 @@ pub fn as_json(plant: &Plant, stability: &Stability, departure: Option<Departure
     json!({
         "stable": stability.is_stable(),
         "unstable_directions": stability.unstable_directions(),
-        "negative_pivots": stability.negative_directions,
+        "negative_pivots": if stability.in_lattice { Value::Null } else { stability.negative_directions.into() },
         "loads_have_potential": stability.potential,
         "neutral": stability.neutral,
+        "with_air_of_lattice": stability.in_lattice,
         "growing": growing,
         "left_path": match departure {
             None => Value::Null,

@@ -157,6 +157,40 @@ fn unknown_of<'a>(name: &str, interface: &'a Interface) -> Result<Unknown<'a>, F
     Ok(Unknown::Value { name: name.to_owned(), rows })
 }
 
+/// Refuses values and outputs that are named twice: one of them would have no effect, or two would work against each other.
+fn refuse_repeated(free: &[Unknown], balances: &[Balance]) -> Result<(), Failure> {
+    let twice = |option: &str, name: &str| {
+        Err(Failure::Usage(format!("--{option} {name}: is named twice; name each value once")))
+    };
+    let (mut rows, mut turns) = (Vec::new(), Vec::new());
+    for unknown in free {
+        match unknown {
+            Unknown::Value { rows: own, .. } => {
+                for (_, row) in own {
+                    if rows.contains(&row.value_reference) {
+                        return twice("free", &row.name);
+                    }
+                    rows.push(row.value_reference);
+                }
+            }
+            Unknown::Turn(turn) => {
+                if turns.contains(turn) {
+                    return twice("free", turn.name());
+                }
+                turns.push(*turn);
+            }
+        }
+    }
+    let mut outputs = Vec::new();
+    for Balance { row, .. } in balances {
+        if outputs.contains(&row.value_reference) {
+            return twice("balance", &row.name);
+        }
+        outputs.push(row.value_reference);
+    }
+    Ok(())
+}
+
 /// A real output with the value that it shall have.
 fn balance<'a>((name, target): &(String, f64), interface: &'a Interface) -> Result<Balance<'a>, Failure> {
     let refused = |cause: &str| Failure::Usage(format!("--balance {name}={target}: {cause}"));
@@ -193,6 +227,7 @@ impl<'a> Trim<'a> {
                 balances.len()
             )));
         }
+        refuse_repeated(&free, &balances)?;
         if free.is_empty() {
             return Err(Failure::Usage(
                 "trim: nothing is free; name an input or parameter, and the output that it balances".to_owned(),

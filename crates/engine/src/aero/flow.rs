@@ -105,7 +105,7 @@ pub enum GustShape {
 impl Gust {
     /// Velocity that it adds at a time and point, in m/s.
     pub fn velocity_m_s(&self, time_s: f64, point_m: &Vector3<f64>) -> Vector3<f64> {
-        let behind_m = self.speed_m_s * (time_s - self.start_s) - self.direction.dot(&(point_m - self.origin_m));
+        let behind_m = self.behind_m(time_s, point_m);
         let share = match &self.shape {
             GustShape::SharpEdge => f64::from(u8::from(behind_m > 0.0)),
             GustShape::OneMinusCosine { length_m } if behind_m > 0.0 && behind_m < *length_m => {
@@ -117,6 +117,27 @@ impl Gust {
             GustShape::Turbulence(_) => 0.0,
         };
         self.velocity_m_s * share
+    }
+
+    /// Distance of a point behind the front in m.
+    fn behind_m(&self, time_s: f64, point_m: &Vector3<f64>) -> f64 {
+        self.speed_m_s * (time_s - self.start_s) - self.direction.dot(&(point_m - self.origin_m))
+    }
+
+    /// Whether it blows at a time anywhere between points, however short it is.
+    pub fn is_between(&self, time_s: f64, points_m: &[Vector3<f64>]) -> bool {
+        let behind_m = points_m.iter().map(|point_m| self.behind_m(time_s, point_m));
+        let [from_m, to_m] =
+            behind_m.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, to], own| [from.min(own), to.max(own)]);
+        let blows = match &self.shape {
+            GustShape::SharpEdge | GustShape::Turbulence(_) => to_m > 0.0,
+            GustShape::OneMinusCosine { length_m } => to_m > 0.0 && from_m < *length_m,
+            GustShape::Table(rows) => {
+                let inside = rows.iter().any(|[place_m, share]| (from_m..=to_m).contains(place_m) && *share != 0.0);
+                inside || [from_m, to_m].iter().any(|place_m| in_table(rows, *place_m) != 0.0)
+            }
+        };
+        blows && !points_m.is_empty() && self.velocity_m_s != Vector3::zeros()
     }
 }
 
@@ -155,6 +176,22 @@ mod tests {
         let point = Vector3::new(7.0, -1.0, 2.0); // 2 m behind the origin: 0.2 s later
         assert_eq!(gust.velocity_m_s(0.6999, &point), Vector3::zeros());
         assert_eq!(gust.velocity_m_s(0.7001, &point).z, 3.0);
+    }
+
+    #[test]
+    fn a_gust_between_points_is_found_however_short_it_is() {
+        let points = [Vector3::new(6.0, 0.0, 0.0), Vector3::new(8.0, -2.0, 0.0)];
+        let peak = GustShape::Table([[0.0, 0.0], [0.01, 1.0], [0.02, 0.0]].into());
+        for shape in [GustShape::OneMinusCosine { length_m: 0.02 }, peak] {
+            let gust = gust(shape);
+            // the front is between them from 0.6 s to 0.8 s
+            let between = [0.55, 0.7, 0.9].map(|time_s| gust.is_between(time_s, &points));
+            assert_eq!(between, [false, true, false], "{:?}", gust.shape);
+        }
+        let edge = gust(GustShape::SharpEdge);
+        assert_eq!([0.55, 0.7, 0.9].map(|time_s| edge.is_between(time_s, &points)), [false, true, true]);
+        let none = Gust { velocity_m_s: Vector3::zeros(), ..edge };
+        assert!(!none.is_between(0.7, &points));
     }
 
     #[test]

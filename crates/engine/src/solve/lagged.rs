@@ -57,11 +57,24 @@ const SLOWEST: f64 = 1e-4;
 /// Part of a unit direction that must be orthogonal to the basis of shapes, so that the basis is not extended by round-off.
 const NEW: f64 = 1e-6;
 
+/// Eigenvalue in 1/s below which nothing resists a motion, by the shift that the stiffness needs.
+fn free_1_s(shift_1_s2: f64) -> f64 {
+    SLOWEST * shift_1_s2.sqrt()
+}
+
+/// Eigenvalue in 1/s below which nothing resists a motion of a structure; `None` where its mass is not positive definite.
+pub fn free_rate_1_s(second: &SecondOrder) -> Option<f64> {
+    if second.mass.nrows() == 0 {
+        return Some(0.0);
+    }
+    shifted_root(&second.mass, &second.stiffness, 0.0).ok().map(|(shift, _)| free_1_s(shift))
+}
+
 /// Eigenvalues, and the vector of each.
 type Eigenpairs = (Vec<Complex<f64>>, Vec<DVector<Complex<f64>>>);
 
-/// An eigenvalue in 1/s with its shape.
-type Guess = (Complex<f64>, DVector<Complex<f64>>);
+/// An eigenvalue in 1/s with its shape over a basis, and the eigenvalue to which it was refined without convergence.
+type Guess = (Complex<f64>, DVector<Complex<f64>>, Complex<f64>);
 
 impl Lagged {
     /// Equations without lag states.
@@ -80,7 +93,8 @@ impl Lagged {
         Some(&self.second.stiffness - &self.force * follow)
     }
 
-    /// The `count` modes of lowest frequency, ascending, without those of the lag states themselves unless they grow.
+    /// The `count` modes of lowest frequency, ascending, without those of the lag states themselves unless they grow. Fewer where modes
+    /// have not converged after [`MAXIMUM_ROUNDS`] rounds: these are left out unless they grow.
     ///
     /// # Errors
     /// If the mass matrix is not positive definite or the iteration fails.
@@ -96,19 +110,26 @@ impl Lagged {
             return Ok(list.into_iter().map(plain).collect());
         }
         let (shift, mut basis) = self.basis(4 * count + SPARE_MODES)?;
-        let limits = [SLOWEST * shift.sqrt(), FREE_MOTION.powi(2) * shift];
+        let limits = [free_1_s(shift), FREE_MOTION.powi(2) * shift];
         let own = eigen(&balanced_rows(&self.lag).0).ok_or(NoModes::Iteration)?.values;
-        for round in 1.. {
-            let (list, lacking) = self.modes_over(&basis, &own, limits, count)?;
-            let fastest_1_s = lacking.iter().fold(0.0f64, |fastest, (value, _)| fastest.max(value.norm()));
+        let mut round = 1;
+        loop {
+            let (mut list, lacking) = self.modes_over(&basis, &own, limits, count)?;
+            let fastest_1_s = lacking.iter().fold(0.0f64, |fastest, (value, _, _)| fastest.max(value.norm()));
             if lacking.is_empty()
                 || round == MAXIMUM_ROUNDS
                 || !extend(&mut basis, &self.slow_shapes(fastest_1_s, &lacking), &self.second.mass)
             {
+                // what grows is told even where its eigenvalue is not exact
+                let exact = |mode: &LaggedMode| {
+                    mode.eigenvalue_1_s.re > GROWTH * mode.eigenvalue_1_s.norm()
+                        || lacking.iter().all(|(_, _, polished)| *polished != mode.eigenvalue_1_s)
+                };
+                list.retain(exact);
                 return Ok(list);
             }
+            round += 1;
         }
-        Err(NoModes::Iteration)
     }
 
     /// Shapes of the Krylov space of the inverse about a real `at_1_s`, which starts from the sum of some shapes. It contains the slower
@@ -135,7 +156,7 @@ impl Lagged {
             Some(z)
         };
         let mut z = DVector::zeros(2 * n + lags);
-        for (value, shape) in start {
+        for (value, shape, _) in start {
             z.rows_mut(0, n).zip_apply(shape, |sum, x| *sum += x.re + x.im);
             z.rows_mut(n, n).zip_apply(shape, |sum, x| *sum += (x * value).re + (x * value).im);
         }
@@ -190,7 +211,7 @@ impl Lagged {
             let (mode, converged) = self.polish(value, shape.clone());
             // the lag states of equal strips cluster about their poles and are not motions
             if !converged && mode.lag_share <= LAG && nearest > CROWD * value.norm() {
-                lacking.push((value, shape));
+                lacking.push((value, shape, mode.eigenvalue_1_s));
             }
             if mode.lag_share <= LAG || mode.eigenvalue_1_s.re > GROWTH * mode.eigenvalue_1_s.norm() {
                 list.push(mode);

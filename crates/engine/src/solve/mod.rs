@@ -17,6 +17,7 @@ pub mod lagged;
 pub mod linearize;
 pub mod modes;
 pub mod multiblade;
+pub mod near_one;
 pub mod newton;
 pub mod point;
 pub mod reduction;

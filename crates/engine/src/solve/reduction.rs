@@ -58,7 +58,7 @@ pub enum NoReduction {
     )]
     Grows,
     /// Reduction to modes in discrete time: the modes of the wake have no order.
-    #[error("models in discrete time are reduced by balanced truncation (--reduce), not to modes")]
+    #[error("models in discrete time are reduced by balanced truncation, not to modes")]
     SampledModes,
     /// A singular matrix on the way.
     #[error("the balanced form cannot be found; keep more states, or keep modes")]

@@ -6,7 +6,7 @@ use crate::study::Study;
 use crate::study::statics::Holding;
 use crate::system::shape::{ModeShape, NodeMotion};
 use crate::system::{FlightMode, PlantError, System};
-use nalgebra::{Complex, Vector3};
+use nalgebra::{Complex, DMatrix, Vector3};
 
 /// Maximum load that may remain on a free joint at rest, relative to the weight of the machine or to its largest load; moments are
 /// also divided by the machine's length. A thousand times the tolerance of a trim.
@@ -22,6 +22,9 @@ pub struct FlightLoad {
     /// Moment about the joint in N·m, root frame.
     pub moment_n_m: Vector3<f64>,
 }
+
+/// Singular values of the places of sections, relative to 1 m, below which they are on a line.
+const ROUND_OFF: f64 = 1e-9;
 
 impl Study<'_> {
     /// [`Study::equilibrium`] with the free joints held at their start; returns the loads that hold them.
@@ -81,22 +84,35 @@ impl Study<'_> {
     }
 }
 
-/// Of several lateral modes that do not oscillate, the slowest is the spiral: with strong dihedral it turns too little to be
-/// recognised by its own motion.
+/// Gives each name to one mode only, NOTATION eq. (Q10): the slowest that has it, as elastic modes are faster. Lateral modes that do not
+/// oscillate are told apart by their rates: the slowest of several is the spiral, and a single one is the spiral if it is slower than
+/// the dutch roll.
 pub(super) fn tell_lateral_apart(modes: &mut [ModeShape]) {
-    let lateral = |mode: &ModeShape| matches!(mode.flight, Some(FlightMode::Spiral | FlightMode::RollSubsidence));
     let rate = |mode: &ModeShape| mode.eigenvalue_1_s.norm();
-    let slowest = modes.iter().filter(|mode| lateral(mode)).map(rate).fold(f64::INFINITY, f64::min);
-    if modes.iter().filter(|mode| lateral(mode)).count() > 1 {
-        for mode in modes.iter_mut().filter(|mode| lateral(mode)) {
-            let spiral = mode.eigenvalue_1_s.norm() == slowest;
-            mode.flight = Some(if spiral { FlightMode::Spiral } else { FlightMode::RollSubsidence });
+    let mut order: Vec<usize> = (0..modes.len()).filter(|&i| modes[i].flight.is_some()).collect();
+    order.sort_by(|&i, &j| rate(&modes[i]).total_cmp(&rate(&modes[j])));
+    let dutch_roll = order.iter().find(|&&i| modes[i].flight == Some(FlightMode::DutchRoll));
+    // a dutch roll that is not among the slowest modes found is faster than they are
+    let dutch_roll_1_s = dutch_roll.map_or(f64::INFINITY, |&i| rate(&modes[i]));
+    let lateral = |mode: &ModeShape| matches!(mode.flight, Some(FlightMode::Spiral | FlightMode::RollSubsidence));
+    let real: Vec<usize> = order.iter().copied().filter(|&i| lateral(&modes[i])).collect();
+    for (place, &i) in real.iter().enumerate() {
+        let spiral = place == 0 && (real.len() > 1 || rate(&modes[i]) < dutch_roll_1_s);
+        modes[i].flight = Some(if spiral { FlightMode::Spiral } else { FlightMode::RollSubsidence });
+    }
+    let mut given = Vec::new();
+    for i in order {
+        match modes[i].flight {
+            Some(name) if given.contains(&name) => modes[i].flight = None,
+            Some(name) => given.push(name),
+            None => {}
         }
     }
 }
 
 impl System {
-    /// Names a mode of a machine that one free joint carries through the air; `None` of other modes and machines.
+    /// Names a mode of a machine that one free joint carries through the air, where the air is in the mode; `None` of other modes and
+    /// machines.
     pub(super) fn flight_mode(&self, mode: &ModeShape) -> Option<FlightMode> {
         let mut flying = self.equations.spatial.iter().filter(|joint| joint.flies);
         let (Some(joint), None) = (flying.next(), flying.next()) else { return None };
@@ -114,20 +130,25 @@ impl System {
         };
         let (displacement, rotation) = (|node: &NodeMotion| node.displacement_m, |node: &NodeMotion| node.rotation_rad);
         let (way, turn) = (complex(&displacement, joint.body, 0), complex(&rotation, joint.body, 0));
-        // maximum displacement of the sections by the rigid motion, and by bending
+        // mean square of the sections' displacements by the rigid motion nearest to them, and by bending
         let shape = self.shape();
         let origin_m = shape[joint.body][0].position_m;
-        let (mut rigid_m, mut bending_m) = (0.0f64, 0.0f64);
-        for (body, sections) in shape.iter().enumerate() {
-            for (section, place) in sections.iter().enumerate() {
-                let moved = complex(&displacement, body, section);
-                let arm = (place.position_m - origin_m).map(|x| Complex::new(x, 0.0));
-                let rigid = way + turn.cross(&arm);
-                rigid_m = rigid_m.max(rigid.norm());
-                bending_m = bending_m.max((moved - rigid).norm());
+        let places = shape.iter().enumerate().flat_map(|(body, sections)| (0..sections.len()).map(move |i| (body, i)));
+        let places: Vec<(usize, usize)> = places.collect();
+        let mut by_rigid = DMatrix::zeros(3 * places.len(), 6);
+        let mut moved = DMatrix::zeros(3 * places.len(), 2);
+        for (i, &(body, section)) in places.iter().enumerate() {
+            by_rigid.fixed_view_mut::<3, 3>(3 * i, 0).fill_with_identity();
+            let arm_m = shape[body][section].position_m - origin_m;
+            by_rigid.fixed_view_mut::<3, 3>(3 * i, 3).copy_from(&-arm_m.cross_matrix());
+            for (k, part) in [&mode.real, &mode.imaginary].into_iter().enumerate() {
+                moved.fixed_view_mut::<3, 1>(3 * i, k).copy_from(&part[body][section].displacement_m);
             }
         }
-        if bending_m > rigid_m {
+        // sections on a line have no rotation about it: the pseudo-inverse gives it none
+        let fit = by_rigid.clone().svd(true, true).solve(&moved, ROUND_OFF).ok()?;
+        let rigid = by_rigid * fit;
+        if (moved - &rigid).norm() > rigid.norm() {
             return None;
         }
         let along =

@@ -2,6 +2,7 @@
 //! aerodynamic step, coupled as in a simulation by (Q1), (Q2) and (Q4).
 
 use crate::solve::held::{HeldStructure, held_structure};
+use crate::solve::lagged::free_rate_1_s;
 use crate::solve::linearize::{SecondOrder, StateSpace};
 use crate::study::Study;
 use crate::study::linear::Argument;
@@ -15,6 +16,11 @@ use std::ops::Range;
 
 /// Entries of a wrench.
 const ENTRIES: usize = 6;
+/// Maximum number of states: five dense matrices of so many rows and columns, which are held at once, take 2.6 GB.
+const MAXIMUM_STATES: usize = 8_000;
+/// Dense matrices of that size that are held at once: the rows as they are computed, `A`, its copies for names and files, and the one
+/// whose eigenvalues are sought.
+const MATRICES: f64 = 5.0;
 
 /// A linear model in discrete time, `x⁺ = A x + B u`, `y = C x + D u`.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +33,8 @@ pub struct SampledSpace {
     pub states: Vec<(String, &'static str)>,
     /// Number of freedoms; the states begin with the coordinates and their rates.
     pub freedoms: usize,
+    /// Eigenvalue in 1/s below which nothing resists a motion: the rest is round-off.
+    pub free_1_s: f64,
 }
 
 /// Where the kinds of states lie.
@@ -73,13 +81,27 @@ impl Study<'_> {
     /// Outputs are values at the end of a step, under the loads of that step.
     ///
     /// # Errors
-    /// Machines without a lattice, moving states, and unsteady flows.
+    /// Machines without a lattice, moving states, unsteady flows, and more states than memory holds.
     pub fn lattice_space(
         &mut self,
         inputs: &[InputSlope],
         read: &dyn Fn(&Outputs) -> DVector<f64>,
     ) -> Result<SampledSpace, PlantError> {
+        self.lattice_space_within(inputs, read)?.map_err(|count| self.too_many_states(count))
+    }
+
+    /// [`Study::lattice_space`], or the number of its states where memory does not hold them.
+    pub(super) fn lattice_space_within(
+        &mut self,
+        inputs: &[InputSlope],
+        read: &dyn Fn(&Outputs) -> DVector<f64>,
+    ) -> Result<Result<SampledSpace, usize>, PlantError> {
         let gusts = inputs.iter().any(|input| input.gust_m_s != Vector3::zeros());
+        // before anything of that size is computed; nodes of the wake and gusts can add some
+        let at_least = self.system.freedoms().len() * 4 + self.system.lattice_circulations();
+        if at_least > MAXIMUM_STATES {
+            return Ok(Err(at_least));
+        }
         let lattice = self.sampled_lattice(gusts)?;
         let (slopes, freedoms) = (&lattice.slopes, self.system.freedoms());
         let kept = self.system.inputs().clone();
@@ -99,6 +121,9 @@ impl Study<'_> {
             air.push(DVector::from(air_of(input, &kept)));
         }
         let layout = Layout::new(freedoms.len(), slopes);
+        if layout.count > MAXIMUM_STATES {
+            return Ok(Err(layout.count));
+        }
         let coupled = Coupled {
             layout: &layout,
             lattice: &lattice,
@@ -110,7 +135,17 @@ impl Study<'_> {
         let (c, d) = self.sampled_outputs(&coupled, &freedoms, direct, read);
         let matrices = StateSpace { a, b, c, d };
         let states = self.sampled_names(&layout, &freedoms, slopes);
-        Ok(SampledSpace { matrices, step_s: lattice.step_s, states, freedoms: freedoms.len() })
+        let free_1_s = free_rate_1_s(&lattice.second).ok_or_else(|| self.no_masses())?;
+        Ok(Ok(SampledSpace { matrices, step_s: lattice.step_s, states, freedoms: freedoms.len(), free_1_s }))
+    }
+
+    fn too_many_states(&self, count: usize) -> PlantError {
+        let cause = format!(
+            "the model in discrete time would have at least {count} states, and its dense matrices {:.1} GB; at most {MAXIMUM_STATES} are \
+             allowed: take fewer wake_rows, strips or chord_panels",
+            MATRICES * (count as f64).powi(2) * 8e-9
+        );
+        PlantError::Linearization { time_s: self.system.state.now.time_s, cause }
     }
 
     fn no_masses(&self) -> PlantError {

@@ -254,7 +254,8 @@ impl Study<'_> {
         let system = Lagged::without(self.second_order()?);
         let list = system.modes(count).map_err(|error| self.no_modes(&error))?;
         let freedoms = self.system.freedoms();
-        Ok(list.into_iter().map(|mode| self.mode_shape(mode, &freedoms)).collect())
+        let shape = |mode| ModeShape { flight: None, ..self.mode_shape(mode, &freedoms) };
+        Ok(list.into_iter().map(shape).collect())
     }
 
     fn no_modes(&self, error: &NoModes) -> PlantError {
@@ -269,7 +270,12 @@ impl Study<'_> {
         let sign = system.rest_stiffness().and_then(|stiffness| determinant_is_positive(&stiffness));
         let freedoms = self.system.freedoms();
         let mut shapes: Vec<ModeShape> = list.into_iter().map(|mode| self.mode_shape(mode, &freedoms)).collect();
-        tell_lateral_apart(&mut shapes);
+        if self.system.air_is_linearised() {
+            tell_lateral_apart(&mut shapes);
+        } else {
+            // held loads of the air give no mode of flight
+            shapes.iter_mut().for_each(|mode| mode.flight = None);
+        }
         Ok((shapes, sign))
     }
 

@@ -8,6 +8,7 @@ mod derivatives;
 mod flight;
 mod lattice_modes;
 mod lattice_space;
+mod lattice_stability;
 mod linear;
 mod periodic;
 mod rotor;

@@ -31,8 +31,10 @@ pub struct Stability {
     /// Something moves without resistance: the tangent is singular, and only the modes decide.
     pub neutral: bool,
     /// Growing motions among the modes of lowest frequency, fastest first. They include the air of strips,
-    /// and of a rotor whose induced velocity lags; other loads of the air are constant.
+    /// and of a rotor whose induced velocity lags; other loads of the air are constant, but with `in_lattice`.
     pub growing: Vec<Growth>,
+    /// Judged in discrete time with the air of a lattice, by its slowest motions: [`Study::lattice_stability`].
+    pub in_lattice: bool,
 }
 
 impl Stability {
@@ -96,7 +98,7 @@ impl Study<'_> {
         let quiet =
             potential && !neutral && negative_directions == 0 || self.system.coordinates() > MAXIMUM_COORDINATES;
         let growing = if quiet { Vec::new() } else { self.growing()? };
-        Ok(Stability { negative_directions, potential, neutral, growing })
+        Ok(Stability { negative_directions, potential, neutral, growing, in_lattice: false })
     }
 
     /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first: among the modes of lowest
@@ -118,7 +120,7 @@ impl Study<'_> {
     }
 
     /// Where the motion of a mode is largest.
-    fn growth(&self, mode: &ModeShape) -> Growth {
+    pub(super) fn growth(&self, mode: &ModeShape) -> Growth {
         let mut growth =
             Growth { eigenvalue_1_s: mode.eigenvalue_1_s, body: 0, place_m: 0.0, direction: Vector3::zeros() };
         let mut largest_m = 0.0;

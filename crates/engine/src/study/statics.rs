@@ -429,7 +429,10 @@ impl Study<'_> {
             if body.joint.range().contains(&coordinate) {
                 let remedy = match body.joint.kind.freedoms() {
                     1 => "give it a spring, close its latch, or hold it (release = false)",
-                    6 => "a loop leaves this free body something to move in; give the loop's bodies springs",
+                    6 => {
+                        "its body is held by loops alone, and they leave it a motion; give a joint of the loops a spring, or hold one \
+                         (release = false)"
+                    }
                     _ => "give it a spring",
                 };
                 return format!("joint {:?}: {remedy}", described.joint.name);

@@ -2,7 +2,7 @@
 
 use crate::interface::{Causality, Interface, Value};
 use foldwing_engine::machine::{JointMotion, LatchKind, Travel};
-use foldwing_engine::plant::{Plant, PlantError};
+use foldwing_engine::plant::Plant;
 use nalgebra::Complex;
 use std::fmt;
 
@@ -21,7 +21,8 @@ pub struct OperatingPoint {
     /// Inputs that act: Booleans as they are, Reals that are not 0.
     pub acting: Vec<Acting>,
     /// Eigenvalues in 1/s of the linear model whose motions grow, fastest first, of its modes of lowest frequency and one of
-    /// each pair. `None` for machines that are too large to look.
+    /// each pair. With a lattice and its air those of the model in discrete time, as `ln z` over its step. `None` for machines that are
+    /// too large to look.
     pub growing_1_s: Option<Vec<Complex<f64>>>,
 }
 
@@ -53,12 +54,8 @@ pub struct Acting {
 }
 
 impl Interface {
-    /// The plant's present state as an operating point.
-    ///
-    /// # Errors
-    /// [`PlantError::Linearization`] where its modes cannot be found.
-    pub fn operating_point(&self, plant: &mut Plant) -> Result<OperatingPoint, PlantError> {
-        let growing_1_s = plant.study().growing_1_s()?;
+    /// The plant's present state as an operating point, with the eigenvalues of what grows about it.
+    pub(super) fn operating_point(&self, plant: &Plant, growing_1_s: Option<Vec<Complex<f64>>>) -> OperatingPoint {
         let machine = plant.machine();
         let statuses = plant.joint_statuses().zip(plant.outputs().joints()).zip(plant.revolute_joints());
         let joints = statuses.map(|((status, outputs), body)| {
@@ -86,13 +83,13 @@ impl Interface {
             let acts = !matches!(value, Value::Real(0.0));
             acts.then(|| Acting { name: row.name.clone(), unit: row.unit().to_owned(), value })
         });
-        Ok(OperatingPoint {
+        OperatingPoint {
             time_s: plant.time_s(),
             equilibrium: plant.is_at_rest(),
             joints: joints.collect(),
             acting: acting.collect(),
             growing_1_s,
-        })
+        }
     }
 }
 

@@ -1,11 +1,24 @@
 //! The linear lattice of a machine: its derivatives about the present place, and the names of its states.
 
+use crate::aero::flow::Flow;
 use crate::aero::lattice_linear::{LatticeSlopes, NoLinearLattice};
 use crate::aero::{AirModel, AirOptions};
 use crate::load::SectionMotion;
+use crate::machine;
 use crate::system::air::gaps;
-use crate::system::air::start::{flow, refusal};
+use crate::system::air::start::flow;
 use crate::system::{PlantError, System};
+use nalgebra::Vector3;
+
+/// Name of a gust that blows somewhere on a surface.
+fn over<'a>(air: &'a machine::Air, motions: &[SectionMotion], flow: &Flow) -> Option<&'a str> {
+    let chords = air.surfaces.iter().flat_map(|surface| &surface.chords);
+    let edges = motions.iter().zip(chords).flat_map(|(motion, chord)| {
+        [chord.leading_m, chord.trailing_m].map(|place_m| motion.position_m + motion.rotation * place_m)
+    });
+    let edges: Vec<Vector3<f64>> = edges.collect();
+    air.gusts.iter().find(|gust| gust.is_between(flow.time_s, &edges)).map(|gust| gust.name.as_str())
+}
 
 impl System {
     /// Whether the machine is in the air of a lattice with a linear model in discrete time.
@@ -28,13 +41,31 @@ impl System {
         let AirModel::Lattice(lattice) = &mut air.model else { return Ok(None) };
         let settings = &air.settings;
         let flow = flow(settings, &self.state, time_s);
+        if let Some(gust) = over(settings, motions, &flow) {
+            let cause = format!(
+                "gust {gust:?} is over the surfaces at this time, and would be a part of the steady flow; let it reach them later \
+                 (origin_m, start_s), or take [gust.{gust}] out"
+            );
+            return Err(PlantError::Linearization { time_s, cause });
+        }
         let slopes = lattice.linear(motions, &flow, settings.step_s, gusts).map_err(|error| match error {
             NoLinearLattice::Flow(error) => gaps::failure(&self.machine, settings, time_s, error),
-            error => refusal(time_s, format!("the lattice has no linear model: {error}")),
+            error => {
+                let cause = format!("the lattice has no linear model: {error}");
+                PlantError::Linearization { time_s, cause }
+            }
         });
         // the flaps as they stand
         air.model.deflect(&air.deflections);
         slopes.map(Some)
+    }
+
+    /// Number of circulations of the lattice and its wake; 0 without a lattice.
+    pub(crate) fn lattice_circulations(&self) -> usize {
+        let Some(air) = &self.air else { return 0 };
+        let AirOptions::Lattice(options) = &air.settings.options else { return 0 };
+        let strips = |surface: &machine::LiftingSurface| surface.positions_m.len() - 1;
+        air.settings.surfaces.iter().map(|surface| strips(surface) * (surface.chord_panels + options.wake_rows)).sum()
     }
 
     /// Aerodynamic step in s; `None` without air.
