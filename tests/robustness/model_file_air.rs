@@ -250,7 +250,9 @@ fn profiles_that_a_lattice_cannot_take() {
     }
     let said = air("leading_edge_suction = true\nspeed_of_sound_m_s = 340", polar);
     assert!(said.contains("surface.in.polar") && said.contains("Mach"), "{said}");
-    for profile in ["drag_coefficient = 0.01", "zero_lift_angle_deg = -2", "lift_slope_1_rad = { table = [[0, 6], [0.1, 5]] }"] {
+    for profile in
+        ["drag_coefficient = 0.01", "zero_lift_angle_deg = -2", "lift_slope_1_rad = { table = [[0, 6], [0.1, 5]] }"]
+    {
         let said = air("speed_of_sound_m_s = 340", profile);
         assert!(said.contains("surface.in") && said.contains("a thin plate with speed_of_sound_m_s"), "{said}");
     }

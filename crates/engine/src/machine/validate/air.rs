@@ -125,7 +125,8 @@ fn check_lattice_profiles(
             checker.refuse_state(&["surface", name(surface), "polar"], "a polar without suction", allowed);
         }
         if options.speed_of_sound_m_s.is_some() && surface.profile.polar.is_none() {
-            let allowed = "a thin plate with speed_of_sound_m_s, or the coefficients at the Mach number without this key";
+            let allowed =
+                "a thin plate with speed_of_sound_m_s, or the coefficients at the Mach number without this key";
             checker.refuse_state(&["surface", name(surface)], "a profile with a speed of sound", allowed);
         }
     }
