@@ -5,6 +5,7 @@ use crate::solve::lagged::{Lagged, LaggedMode};
 use crate::solve::linearize::SecondOrder;
 use crate::solve::modes::NoModes;
 use crate::study::Study;
+use crate::study::flight::tell_lateral_apart;
 use crate::study::lattice_space::SampledLattice;
 use crate::study::linear::determinant_is_positive;
 use crate::system::PlantError;
@@ -184,7 +185,8 @@ impl Study<'_> {
     /// As [`Study::lattice_space`].
     pub fn lattice_modes_and_rest(&mut self, count: usize) -> Result<(Vec<ModeShape>, Option<bool>), PlantError> {
         let system = self.sampled_lattice(false)?;
-        let cause = |cause: &str| PlantError::Linearization { time_s: 0.0, cause: cause.into() };
+        let time_s = self.system.state.now.time_s;
+        let cause = |cause: &str| PlantError::Linearization { time_s, cause: cause.into() };
         let pushed = &system.held.by_force * &system.force;
         let delays = Delays { system: &system, pushed };
         let second = system.second.clone();
@@ -211,6 +213,8 @@ impl Study<'_> {
             determinant_is_positive(&(stiffness + &system.force * loads))
         });
         let freedoms = self.system.freedoms();
-        Ok((list.into_iter().map(|mode| self.mode_shape(mode, &freedoms)).collect(), sign))
+        let mut shapes: Vec<ModeShape> = list.into_iter().map(|mode| self.mode_shape(mode, &freedoms)).collect();
+        tell_lateral_apart(&mut shapes);
+        Ok((shapes, sign))
     }
 }
