@@ -51,7 +51,7 @@ def panel(axes, series, case, title, x_label, y_label="fold angle, tip up (°)",
             colour, line, label = OURS[air]
             axes.plot(ours["x"], ours["ours"], color=colour, linestyle=line, linewidth=1.6, label=label)
     if stalling := find(series, case, "lattice", quantity, source, "published polar"):
-        axes.plot(stalling["x"], stalling["ours"], color=BLUE, linestyle="--", linewidth=1.6, label="the same with the profile's polar")
+        axes.plot(stalling["x"], stalling["ours"], color=BLUE, linestyle="--", linewidth=1.6, label="Foldwing, vortex lattice with the profile's polar")
     what = "measured" if source == "experiment" else source
     axes.errorbar(one["x"], one["theirs"], yerr=uncertainty, fmt="o", markersize=4, color=VERMILION, capsize=2, linewidth=1, label=what)
     axes.set_title(title)
