@@ -405,10 +405,10 @@ class Model:
             inputs = [inputs] if isinstance(inputs, str) else list(inputs)
             names = ("gust.x", "gust.y", "gust.z")
             every = ("gust.", "gust.*")
-            gusts = [axis for axis, name in enumerate(names) if name in inputs or any(all_ in inputs for all_ in every)]
+            gusts = [axis for axis, name in enumerate(names) if name in inputs or any(other in inputs for other in every)]
             inputs = [name for name in inputs if name not in names + every]
-        chosen = [self._real(inputs, "input"), self._real(outputs, "output")]
-        return LinearModel._of(_native.LinearModel(simulation, *chosen, lattice, gusts))
+        read, moved = self._real(outputs, "output"), self._real(inputs, "input")
+        return LinearModel._of(_native.LinearModel(simulation, moved, read, lattice, gusts))
 
     def _real(self, patterns: Patterns, causality: str) -> List[str]:
         if len(patterns) == 0:

@@ -126,3 +126,39 @@ def test_statics_and_modes_are_those_of_the_command(wing, command):
     assert modes.shape(0, "outer").shape == rest.shape("outer").shape
     with pytest.raises(fw.UsageError, match="allowed are"):
         wing.modes(about="rest")
+
+
+def test_a_lattice_is_linear_in_discrete_time(tmp_path):
+    """With the air of a lattice the model has its step; a gust is an input by its names and prefix; reductions keep the step and their
+    bound; modes are refused without an option of the command line."""
+    text = open("examples/models/folding_wing_in_tunnel.toml").read()
+    for old, new in [
+        ("strips = 10", "strips = 3"),
+        ("chord_panels = 4", "chord_panels = 2"),
+        ("wake_rows = 30", "wake_rows = 10"),
+        ("step_s = 1.25e-3", "step_s = 2.5e-3"),
+        ("elements = 4", "elements = 2"),
+    ]:
+        assert old in text, old
+        text = text.replace(old, new)
+    path = tmp_path / "wing.toml"
+    path.write_text(text)
+    wing = fw.load(path)
+    whole = wing.linearize(inputs=["gust.z", "wind.velocity.z"], outputs=STRAIN, lattice=True)
+    assert whole.dt == 2.5e-3 and [signal.name for signal in whole.inputs] == ["wind.velocity.z", "gust.z"]
+    for prefix in ["gust.", "gust.*"]:
+        gusts = wing.linearize(inputs=prefix, outputs=STRAIN, lattice=True)
+        assert [signal.name for signal in gusts.inputs] == ["gust.x", "gust.y", "gust.z"]
+        assert np.array_equal(gusts.B[:, 2], whole.B[:, 1])
+    small = whole.reduce(12)
+    assert small.dt == whole.dt and small.A.shape == (12, 12)
+
+    def answer(model, frequency_1_s):
+        z = np.exp(1j * frequency_1_s * model.dt)
+        return model.C @ np.linalg.solve(z * np.eye(len(model.A)) - model.A, model.B) + model.D
+
+    for frequency_1_s in [0.1, 10.0, 100.0, 1000.0]:
+        off = np.linalg.norm(answer(small, frequency_1_s) - answer(whole, frequency_1_s), 2)
+        assert off <= small.error_bound * (1 + 1e-6), frequency_1_s
+    with pytest.raises(fw.FoldwingError, match="balanced truncation, not to modes"):
+        whole.reduce(4, method="modal")

@@ -94,7 +94,7 @@ impl Lagged {
     }
 
     /// The `count` modes of lowest frequency, ascending, without those of the lag states themselves unless they grow. Fewer where modes
-    /// have not converged after [`MAXIMUM_ROUNDS`] rounds: these are left out unless they grow.
+    /// have not converged after four rounds: these are left out unless they grow.
     ///
     /// # Errors
     /// If the mass matrix is not positive definite or the iteration fails.
