@@ -8,7 +8,7 @@ use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
 use crate::aero::rotor::dynamic_inflow::{InflowState, time_constant_s};
 use crate::aero::rotor::dynamic_stall::{SplitPolar, StallInflow, StallState};
-use crate::aero::rotor::induction::{Annulus, Approach, EndRule, aerodyn_balance, balance};
+use crate::aero::rotor::induction::{Annulus, Approach, EndRule, aerodyn_balance, aerodyn_limited, balance};
 use crate::aero::rotor::inflow_lag::{Lagging, Meeting};
 pub use crate::aero::rotor::options::{PitchRate, RotorFeatures, RotorOptions, Spread};
 use crate::aero::rotor::skew::Skew;
@@ -264,10 +264,12 @@ impl Rotor {
             let along = root - disc.normal * root.dot(&disc.normal);
             let Some(along) = along.try_normalize(1e-9) else { continue };
             let ahead = disc.normal.cross(&along) * disc.turn;
+            let root_normal = downwind(root.cross(&ahead), &disc.normal);
             for index in range {
                 let memory = &mut state.sections[index];
-                let a = self.section(index, &motions[index], &disc, &ahead, flow, &past, first_s, memory);
-                let weight = self.cuts[index].radial_m.norm();
+                let a =
+                    self.section(index, &motions[index], &disc, [&ahead, &root_normal], flow, &past, first_s, memory);
+                let weight = if self.options.features.as_aerodyn { 1.0 } else { self.cuts[index].radial_m.norm() };
                 if let Some(a) = a {
                     induction += weight * a;
                     area += weight;
@@ -334,7 +336,7 @@ impl Rotor {
         index: usize,
         motion: &SectionMotion,
         disc: &Disc,
-        ahead: &Vector3<f64>,
+        [ahead, root_normal]: [&Vector3<f64>; 2],
         flow: &Flow,
         past: &Past,
         first_s: f64,
@@ -344,8 +346,7 @@ impl Rotor {
         let cut = &mut self.cuts[index];
         let axis = motion.rotation.column(0).into_owned();
         let tangent = (axis - ahead * axis.dot(ahead)).try_normalize(1e-9)?;
-        let normal = tangent.cross(ahead);
-        let normal = if normal.dot(&disc.normal) < 0.0 { -normal } else { normal };
+        let normal = downwind(tangent.cross(ahead), &disc.normal);
         let radius_m = cut.radial_m.norm();
         let annulus = Annulus {
             solidity: 0.5 * self.like * self.blades.len() as f64 * section.chord_m / (PI * radius_m.max(1e-9)),
@@ -354,8 +355,8 @@ impl Rotor {
         };
         let chord = motion.rotation * (section.chord.leading_m - section.chord.trailing_m);
         let chord_angle_rad = if self.options.features.as_aerodyn {
-            // from where the chord would lie in the disc, about the section's own axis
-            let level = (disc.normal.cross(&axis) * disc.turn).try_normalize(1e-9)?;
+            // from where the chord would lie on the cone of the undeflected blade, about the section's own axis
+            let level = (root_normal.cross(&axis) * disc.turn).try_normalize(1e-9)?;
             (-chord.dot(&(axis.cross(&level) * disc.turn))).atan2(chord.dot(&level))
         } else {
             (-chord.dot(&normal)).atan2(chord.dot(ahead))
@@ -409,7 +410,10 @@ impl Rotor {
                     }
                     _ => InflowState::established(balanced_m_s),
                 };
-                let [axial_m_s, swirl_m_s] = memory.inflow.acting_m_s;
+                let [axial_m_s, swirl_m_s] = match self.options.features.as_aerodyn {
+                    true => aerodyn_limited(memory.inflow.acting_m_s, &approach),
+                    false => memory.inflow.acting_m_s,
+                };
                 let factor = match &disc.skew {
                     Some(skew) if approach.axial_m_s != 0.0 => {
                         skew.factor(&(cut.radial_m / disc.radius_m), axial_m_s / approach.axial_m_s)
@@ -438,11 +442,19 @@ impl Rotor {
         cut.line_n_m = (normal * along + ahead * drive) * flow.density_kg_m3;
         let moment = 0.5 * flow.density_kg_m3 * (section.chord_m * state.speed_m_s).powi(2) * state.row.moment;
         cut.moment_n = pitching * moment;
-        let wind_m_s = disc.loads.wind_m_s;
-        ((lag_s.is_some() || !annulus.is_end()) && wind_m_s != 0.0)
-            .then(|| memory.inflow.acting_m_s[0] / approach.axial_m_s)
-            .filter(|a| a.is_finite())
+        let lost_m_s = match (lag_s.is_none(), annulus.is_end(), self.options.features.as_aerodyn) {
+            (true, true, true) => approach.axial_m_s,
+            (true, true, false) => return None,
+            (true, false, true) => memory.inflow.balanced_m_s[0],
+            _ => memory.inflow.acting_m_s[0],
+        };
+        (disc.loads.wind_m_s != 0.0).then(|| lost_m_s / approach.axial_m_s).filter(|a| a.is_finite())
     }
+}
+
+/// A vector across the disc, turned to point downwind along the disc's `normal`.
+fn downwind(across: Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
+    if across.dot(normal) < 0.0 { -across } else { across }
 }
 
 /// Where a step starts from.

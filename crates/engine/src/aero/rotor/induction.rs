@@ -159,15 +159,18 @@ pub fn balance(annulus: &Annulus, polar: &Polar, approach: &Approach) -> Annular
 /// always, with axial induction factors from −1 to 1.5 and tangential ones from −1 to 1. For comparison.
 pub fn aerodyn_balance(annulus: &Annulus, polar: &Polar, approach: &Approach) -> Annular {
     let free = balance_by(annulus, polar, approach, true);
-    let within = |loss_m_s: f64, of_m_s: f64, most: f64| {
-        let ends = [-of_m_s, most * of_m_s];
+    let [axial_loss_m_s, swirl_m_s] = aerodyn_limited([free.axial_loss_m_s, free.swirl_m_s], approach);
+    Annular { axial_loss_m_s, swirl_m_s, ..free }
+}
+
+/// Axial and tangential induced velocities in m/s within AeroDyn's limits at this approach: axial induction factors from −1 to 1.5,
+/// tangential ones from −1 to 1. AeroDyn also limits those that lag.
+pub fn aerodyn_limited([axial_loss_m_s, swirl_m_s]: [f64; 2], approach: &Approach) -> [f64; 2] {
+    let within = |loss_m_s: f64, of_m_s: f64, largest: f64| {
+        let ends = [-of_m_s, largest * of_m_s];
         loss_m_s.max(ends[0].min(ends[1])).min(ends[0].max(ends[1]))
     };
-    Annular {
-        axial_loss_m_s: within(free.axial_loss_m_s, approach.axial_m_s, 1.5),
-        swirl_m_s: within(free.swirl_m_s, approach.tangential_m_s, 1.0),
-        ..free
-    }
+    [within(axial_loss_m_s, approach.axial_m_s, 1.5), within(swirl_m_s, approach.tangential_m_s, 1.0)]
 }
 
 fn balance_by(annulus: &Annulus, polar: &Polar, approach: &Approach, windmill_first: bool) -> Annular {
