@@ -150,6 +150,34 @@ def tunnel(pitch_deg, speed_m_s, flare_deg=None, sideslip_deg=0.0):
     return tuple(changes)
 
 
+# bodies on both sides of the hinge, their lengths in m and strips
+BESIDE_THE_HINGE = {
+    "lco_wing": ({"stub": 0.125, "tip": 0.345}, {"inner": 12, "stub": 3, "tip": 6}, 10),
+    "sideslip_wing": ({"inner": 0.365, "tip": 0.135}, {"inner": 12, "tip": 5}, 20),
+    "baseline_wing": ({"inner": 0.805895, "tip": 0.194105}, {"inner": 14, "tip": 5}, 15),
+}
+
+
+def finer(model, times):
+    """Changes that give every surface as many times its strips."""
+    return tuple((f"surface.{body}", "strips", str(times * count)) for body, count in BESIDE_THE_HINGE[model][1].items())
+
+
+def along_the_hinge(model, flare_deg=None):
+    """Changes that lay the edges of both surfaces at the hinge along it; the lines of the lattice are across the bodies again after the
+    length of the shorter one."""
+    lengths_m, _, usual_deg = BESIDE_THE_HINGE[model]
+    flare_deg, over_m = float(usual_deg if flare_deg is None else flare_deg), min(lengths_m.values())
+    changes = []
+    for body, length_m in lengths_m.items():
+        if body == "tip":
+            table = [[0.0, flare_deg], [over_m, 0.0]] + ([[length_m, 0.0]] if length_m > over_m else [])
+        else:
+            table = ([[0.0, 0.0]] if length_m > over_m else []) + [[length_m - over_m, 0.0], [length_m, flare_deg]]
+        changes.append((f"surface.{body}", "flare_deg", f"{{ table = {table!r} }}"))
+    return tuple(changes)
+
+
 def fold_up_deg(result, joint="fold"):
     """Fold angle in degrees, positive with the tip up; not a number where the point failed."""
     for entry in result.data.get("joints", ()):

@@ -24,11 +24,13 @@ from wind_tunnel_cases import COMPARED, Series, Study, columns, rows  # noqa: E4
 TWIST = "{{ table = [[0.0, 0.0], [0.06, 0.0], [0.085, {0!r}], [0.135, {0!r}]] }}"
 NOSE_DOWN = (("surface.tip", "incidence_deg", "-2.0"),)
 POLAR = "published polar"  # variant of the lattice
+SPEEDS = ((20, 0), (20, 10), (10, 5), (30, 5))  # flare and root pitch of the campaign over speed
+SIDESLIPS = ((0, 3, 16.5), (9, 6, 10.5), (-6, 3, 16.5))  # twist of the tip, root pitch, sideslip below the jump
 
 
 def sideslip_over_speed(study):
     """Fold angle of the sideslip wing over the speed, four flares and pitches, and the same with the tip 2 deg nose down."""
-    for flare, pitch in ((20, 0), (20, 10), (10, 5), (30, 5)):
+    for flare, pitch in SPEEDS:
         where = {"flare_deg": flare, "root_pitch_deg": pitch}
         x, y = columns(rows("sideslip_wing_fold_vs_airspeed.csv", source="experiment", **where), "airspeed_m_s", "fold_up_deg")
         other = list(zip(*columns(rows("sideslip_wing_fold_vs_airspeed.csv", source="healy_vlm", **where), "airspeed_m_s", "fold_up_deg")))
@@ -51,7 +53,7 @@ def sideslip_over_pitch(study):
 
 def sideslip_over_sideslip(study):
     """Fold angle of the sideslip wing over sideslip for three twists of the tip, below the jump that the experiment shows."""
-    for twist, pitch, jump in ((0, 3, 16.5), (9, 6, 10.5), (-6, 3, 16.5)):
+    for twist, pitch, jump in SIDESLIPS:
         where = {"tip_twist_deg": twist, "root_pitch_deg": pitch}
         name = "sideslip_wing_fold_vs_sideslip.csv"
         x, y = columns(rows(name, source="experiment", **where), "sideslip_deg", "fold_up_deg")
@@ -221,6 +223,46 @@ def bands(study):
             study.add(case, "fold up, deg", "experiment", x, y, point, w.fold_up_deg, airs=("lattice",), variant=label)
 
 
+def edges(study):
+    """What the edges at the hinge make: across the bodies, where a gap opens as it folds, or along it; and what more strips make."""
+    cases = []
+    name = "lco_wing_fold_vs_airspeed.csv"
+    for pitch in (5, 10):
+        x, y = columns(rows(name, source="experiment", root_pitch_deg=pitch), "airspeed_m_s", "fold_up_deg")
+        for air in ("lattice", "polar"):
+            cases.append((f"LCO wing over speed, pitch {pitch}", "lco_wing", 10, "experiment", x, y, lambda at, p=pitch: w.tunnel(p, at), air))
+    for twist, pitch, jump in SIDESLIPS:
+        where = {"tip_twist_deg": twist, "root_pitch_deg": pitch}
+        x, y = columns(rows("sideslip_wing_fold_vs_sideslip.csv", source="experiment", **where), "sideslip_deg", "fold_up_deg")
+        x, y = (list(values) for values in zip(*[(a, b) for a, b in zip(x, y) if a < jump]))
+        more = (("surface.tip", "incidence_deg", TWIST.format(float(twist))),) if twist else ()
+        tunnel = lambda at, p=pitch, more=more: w.tunnel(p, 22.0, 20, at or 1e-9) + more  # noqa: E731
+        cases.append((f"sideslip wing over sideslip, twist {twist}", "sideslip_wing", 20, "experiment", x, y, tunnel, "lattice"))
+    for flare, pitch in SPEEDS:
+        where = {"flare_deg": flare, "root_pitch_deg": pitch}
+        name = "sideslip_wing_fold_vs_airspeed.csv"
+        x, _ = columns(rows(name, source="experiment", **where), "airspeed_m_s", "fold_up_deg")
+        other = list(zip(*columns(rows(name, source="healy_vlm", **where), "airspeed_m_s", "fold_up_deg")))
+        tunnel = lambda at, p=pitch, f=flare: w.tunnel(p, at, f) + NOSE_DOWN  # noqa: E731
+        case = f"sideslip wing over speed, flare {flare}, pitch {pitch}, tip 2 deg nose down"
+        cases.append((case, "sideslip_wing", flare, "Healy's lattice", x, [w.at(other, at) for at in x], tunnel, "lattice"))
+    x, y = columns(rows("baseline_wing_steady.csv", quantity="fold_up_deg"), "airspeed_m_s", "value")
+    speeds = [12.0, 15.0, 18.0, 22.0, 26.0, 30.0]
+    theirs = [w.at(list(zip(x, y)), at) for at in speeds]
+    case = "baseline wing over speed, pitch 5, from 12 m/s"
+    cases.append((case, "baseline_wing", 15, "Healy's computation", speeds, theirs, lambda at: w.tunnel(5, at, 15), "lattice"))
+    for case, model, flare, source, x, y, tunnel, air in cases:
+        for times in (1, 2, 4):
+            for lie, more in (("across the bodies", ()), ("along the hinge", w.along_the_hinge(model, flare))):
+                if times == 1 and not more:
+                    continue  # the case itself
+                changes = w.finer(model, times) + more
+                point = lambda at, _, changes=changes, tunnel=tunnel, model=model, air=air: w.Point(model, tunnel(at) + changes, air)  # noqa: E731
+                strips = "" if times == 1 else f", {times} times the strips"
+                variant = f"{'published polar, ' if air == 'polar' else ''}edges {lie}{strips}"
+                study.add(case, "fold up, deg", source, x, y, point, w.fold_up_deg, airs=("lattice",), variant=variant)
+
+
 def pendulum(study):
     """The slanted double pendulum: place of its end over 2 s."""
     result = w.march(study.foldwing, w.Point("slanted_double_pendulum", (), "none", tuple(f"tip.position.{k}" for k in "xyz")), 2.0)
@@ -264,7 +306,7 @@ def gust(study):
                         print(f"gust, hinge {hinge}, {quantity}, {air}: rms {one.rms():.3f} against {source}, {result.cpu_s:.1f} s {result.error[:120]}", flush=True)
 
 
-CASES = (sideslip_over_speed, sideslip_over_pitch, sideslip_over_sideslip, lco, baseline_steady, pazy, pazy_swept, f.pazy_flutter, pendulum, f.flutter, f.trim, gust, bands)
+CASES = (sideslip_over_speed, sideslip_over_pitch, sideslip_over_sideslip, lco, baseline_steady, pazy, pazy_swept, f.pazy_flutter, pendulum, f.flutter, f.trim, gust, bands, edges)
 
 
 def table(series):

@@ -93,6 +93,7 @@ axis_fraction = 0.25
 leading_edge = "+y"
 strips = 1
 incidence_deg = 30
+flare_deg = 20
 zero_lift_angle_deg = -3
 "#;
 
@@ -228,6 +229,9 @@ fn angles_of_a_ball_joint_and_of_air_are_read_in_radians() {
     let chord = &surface.chords[0];
     let forward = (chord.leading_m - chord.trailing_m).normalize();
     close("incidence_deg", forward.z.atan2(forward.y), 30.0);
+    let lattice = read(&BALL_IN_AIR.replace("\"strip\"", "\"uvlm\"")).air.expect("air");
+    let forward = lattice.surfaces[0].chords[0].leading_m - lattice.surfaces[0].chords[0].trailing_m;
+    close("flare_deg", forward.x.atan2(forward.y.hypot(forward.z)), 20.0);
     close("zero_lift_angle_deg", surface.profile.zero_lift_angle_rad, -3.0);
 }
 

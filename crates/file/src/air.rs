@@ -261,6 +261,9 @@ fn build_surface(
     if let Some(incidence) = &surface.incidence_deg {
         built = built.incidence_deg(along_body(&["surface", name, "incidence_deg"], incidence, checker)?);
     }
+    if let Some(flare) = &surface.flare_deg {
+        built = built.flare_deg(along_body(&["surface", name, "flare_deg"], flare, checker)?);
+    }
     if blade {
         match (&surface.stations_m, &surface.polars) {
             (Some(stations_m), Some(polars)) => built = built.blade(stations_m.clone(), polars.clone()),

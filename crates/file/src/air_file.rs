@@ -214,6 +214,9 @@ pub(super) struct SurfaceFile {
     pub leading_edge: LeadingEdgeFile,
     /// Incidence of the chord relative to the section along the body; positive raises the leading edge towards `+z`.
     pub incidence_deg: Option<FunctionFile>,
+    /// Angle from -75 to 75 deg between the lattice's lines along the chord and the chord, along the body; positive puts the leading
+    /// edge further along the body. At a flared hinge it is the flare, so that both edges lie on the hinge. Lattice only.
+    pub flare_deg: Option<FunctionFile>,
     /// Strips along the span; panels of the lattice along the span. Needed but for a blade, which has `stations_m`.
     #[schemars(range(min = 1, max = 1000))]
     pub strips: Option<usize>,
@@ -234,10 +237,10 @@ pub(super) struct SurfaceFile {
     /// Lift slope of the profile along the body, 0 or more; each strip takes that of its middle.
     #[serde(default = "thin")]
     pub lift_slope_1_rad: FunctionFile,
-    /// Angle of attack of zero lift.
+    /// Angle of attack of zero lift, from the chord line; negative where the profile is cambered towards the section's `+z`.
     #[serde(default)]
     pub zero_lift_angle_deg: f64,
-    /// Moment coefficient about the quarter chord, nose up.
+    /// Moment coefficient about the quarter chord, nose up: towards the section's `+z`.
     #[serde(default)]
     pub moment_coefficient: f64,
     /// Drag coefficient of the profile.
@@ -245,7 +248,7 @@ pub(super) struct SurfaceFile {
     #[schemars(range(min = 0.0))]
     pub drag_coefficient: f64,
     /// Polar of the profile, instead of the coefficients above: rows of angle of attack in degrees, lift, drag and
-    /// moment coefficient about the quarter chord, linear between rows. In a lattice it is
+    /// moment coefficient about the quarter chord, linear between rows; positive towards the section's `+z`. In a lattice it is
     /// entered with the angle after what the lattice induces, and needs `leading_edge_suction`.
     #[schemars(
         length(min = 1, max = 1000),

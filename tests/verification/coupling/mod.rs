@@ -9,6 +9,7 @@ mod flaps;
 mod flutter;
 mod frames;
 mod goland;
+mod handed;
 mod identification;
 mod lattice_stability;
 mod light_tips;

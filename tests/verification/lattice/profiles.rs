@@ -42,7 +42,8 @@ fn coefficients(profile: Profile, places_m: &[f64], chord_panels: usize, angle_r
 }
 
 /// U-57. A wing of aspect ratio 20 000 has the coefficients of its polar at every angle, before and beyond stall, and of a profile
-/// with lift slope, camber, drag and moment. What the span takes away is of the order of 2 over the aspect ratio.
+/// with lift slope, camber, drag and moment. What the span takes away is of the order of 2 over the aspect ratio, 1e-4; the rest is the
+/// straight lines of the polar, up to 2.4e-4.
 #[test]
 fn u57_an_endless_wing_has_its_polar() {
     let places_m = inset(2e4, 8);
@@ -65,7 +66,7 @@ fn u57_an_endless_wing_has_its_polar() {
                 let found = coefficients(profile.clone(), &places_m, chord_panels, angle_rad);
                 let off: Vec<f64> = found.iter().zip(expected).map(|(found, expected)| found - expected).collect();
                 println!("U-57 {degrees} deg, {chord_panels} panels: {found:.5?}, off {off:?}");
-                assert!(off.iter().all(|off| off.abs() < 1e-3), "{degrees} deg: {found:?} for {expected:?}");
+                assert!(off.iter().all(|off| off.abs() < 5e-4), "{degrees} deg: {found:?} for {expected:?}");
             }
         }
     }
@@ -204,7 +205,7 @@ fn u60_steps_through_stall_repeat_and_do_not_allocate() {
     assert!((0.9..1.3).contains(&(largest / (pressure_pa() * 6.6))));
 }
 
-/// U-61. Polars whose lift drops by up to two thirds within two degrees: neighbouring strips can sit on either side of the drop, and
+/// U-61. Polars whose lift drops by up to four fifths within two degrees: neighbouring strips can sit on either side of the drop, and
 /// the equations can have many solutions. At every angle of a sweep the lattice finds one whose strips carry the lift of the polar
 /// at their angle (so much that the lift of the wing lies between the extremes of the polar), or refuses by name.
 #[test]
@@ -237,5 +238,6 @@ fn u61_sharp_stall_is_solved_or_refused() {
         }
         println!("U-61 drop {drop}: {solved} solved, {refused} refused so far");
     }
-    assert!(solved > 60);
+    // all but the nine that decision 0044 tells of
+    assert!(solved >= 114 && refused <= 9, "{solved} {refused}");
 }

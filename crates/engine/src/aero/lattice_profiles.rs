@@ -278,8 +278,13 @@ impl VortexLattice {
             }
             profiles.trial_m_s.copy_from_slice(through_m_s);
             profiles.find_residuals();
+            // a number that is none would pass for the smallest of all below
+            if let Some(at) = profiles.residual_m_s.iter().position(|residual| !residual.is_finite()) {
+                return Err(NoCirculation::Profile(profiles.strips[at].strip.surface));
+            }
             let residuals = profiles.residual_m_s.iter().map(|residual| residual.abs()).enumerate();
-            let (at, largest_m_s) = residuals.fold((0, 0.0), |most, next| if next.1 > most.1 { next } else { most });
+            let (at, largest_m_s) =
+                residuals.fold((0, 0.0), |largest, next| if next.1 > largest.1 { next } else { largest });
             if largest_m_s <= ROUND_OFF * speed_m_s {
                 return Ok(());
             }

@@ -1,6 +1,6 @@
 //! Lifting surfaces: chord lines fixed to the sections of bodies, and the panels between them.
 
-use crate::aero::polar::Polar;
+use crate::aero::polar::{Polar, PolarRow};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -33,7 +33,7 @@ pub struct Profile {
     pub lift_slope_1_rad: f64,
     /// Slopes of the strips one by one, inner strip first, where they differ; else empty.
     pub lift_slopes_1_rad: Vec<f64>,
-    /// Angle of attack of zero lift in rad, from the chord line; with a polar the angle from which the lag starts.
+    /// Angle of attack of zero lift in rad, from the chord line, positive along the normal of eq. (W1); with a polar the angle from which the lag starts.
     pub zero_lift_angle_rad: f64,
     /// Moment coefficient about the quarter chord, nose up positive.
     pub moment_coefficient: f64,
@@ -57,6 +57,18 @@ impl Profile {
     /// Whether it is a thin symmetric plate without drag.
     pub fn is_thin(&self) -> bool {
         *self == Self::THIN
+    }
+
+    /// The same profile upside down: camber, moment and polar towards the other side.
+    pub fn upside_down(self) -> Self {
+        let turned =
+            |row: &PolarRow| PolarRow { angle_rad: -row.angle_rad, lift: -row.lift, moment: -row.moment, ..*row };
+        Self {
+            zero_lift_angle_rad: -self.zero_lift_angle_rad,
+            moment_coefficient: -self.moment_coefficient,
+            polar: self.polar.map(|polar| Polar { rows: polar.rows.iter().rev().map(turned).collect() }),
+            ..self
+        }
     }
 
     /// Slope of the lift coefficient of a strip in 1/rad.

@@ -27,6 +27,7 @@ pub struct SurfaceBuilder {
     pub(super) forward: f64,
     chord_m: Option<Along>,
     incidence_deg: Along,
+    flare_deg: Along,
     profile: Profile,
     /// Of a blade on a rigid body: its length in m.
     pub(super) length_m: Option<f64>,
@@ -47,6 +48,7 @@ impl LiftingSurface {
             forward: 1.0,
             chord_m: None,
             incidence_deg: Along::constant(0.0),
+            flare_deg: Along::constant(0.0),
             profile: Profile::THIN,
             length_m: None,
             blade: None,
@@ -81,6 +83,13 @@ impl SurfaceBuilder {
         Self { incidence_deg, ..self }
     }
 
+    /// Angle in the chord's plane between the lines of the lattice along the chord and the chord, along the body in degrees, -75 to
+    /// 75; positive puts the leading edge further along the body. The chord across the body keeps its length. At a flared hinge
+    /// it is the flare, so that the edges of both surfaces lie on the hinge and stay together as it folds. Lattice only. Default 0.
+    pub fn flare_deg(self, flare_deg: impl Into<Along>) -> Self {
+        Self { flare_deg: flare_deg.into(), ..self }
+    }
+
     /// Slope of the lift coefficient along the body in 1/rad, for strip theory: each strip takes that of its middle. Default that
     /// of the profile.
     pub fn lift_slope_1_rad(self, lift_slope_1_rad: impl Into<Along>) -> Self {
@@ -98,7 +107,7 @@ impl SurfaceBuilder {
         Self { length_m: Some(length_m), ..self }
     }
 
-    /// Profile, for strip theory. Default a thin plate.
+    /// Profile, its upper side towards the section's `+z` whichever side the leading edge lies on. Default a thin plate.
     pub fn profile(self, profile: Profile) -> Self {
         Self { profile, ..self }
     }
@@ -114,12 +123,13 @@ pub(super) struct Draft<'b> {
 }
 
 impl Draft<'_> {
-    /// Chord at a distance in m from the body's inner end.
-    fn chord_line(&self, s: f64) -> ChordLine {
-        let SurfaceBuilder { incidence_deg, forward, axis_fraction, .. } = self.surface;
+    /// Chord at a distance in m from the body's inner end; in a `lattice` along the line that the flare gives.
+    fn chord_line(&self, s: f64, lattice: bool) -> ChordLine {
+        let SurfaceBuilder { incidence_deg, flare_deg, forward, axis_fraction, .. } = self.surface;
         let (chord_m, incidence_rad) = (self.chord_m.at(s), incidence_deg.at(s).to_radians());
         let axis_fraction = axis_fraction.at(s);
-        let forward = Vector3::new(0.0, forward * incidence_rad.cos(), incidence_rad.sin());
+        let outward = if lattice { flare_deg.at(s).to_radians().tan() } else { 0.0 };
+        let forward = Vector3::new(outward, forward * incidence_rad.cos(), incidence_rad.sin());
         let from_frame_m = Vector3::x() * if self.rigid { s } else { 0.0 };
         ChordLine {
             leading_m: from_frame_m + forward * (axis_fraction * chord_m),
@@ -157,7 +167,8 @@ pub(super) fn draft<'b>(
     let placed =
         axis(surface, length_m, checker) & slope(surface, length_m, checker) & stations(surface, length_m, checker);
     let chord_m = chord(surface, &bodies[body], length_m, checker)?;
-    let turned = profile(&["surface", name, "incidence_deg"], &surface.incidence_deg, length_m, checker);
+    let turned = profile(&["surface", name, "incidence_deg"], &surface.incidence_deg, length_m, checker)
+        & flare(surface, length_m, checker);
     (counted && placed && turned).then_some(Draft { surface, body, chord_m, rigid })
 }
 
@@ -194,18 +205,36 @@ fn stations(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> b
 
 /// Whether the axis lies near the chord all along the body.
 fn axis(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool {
-    let (place, axis) = (["surface", surface.body.as_str(), "axis_fraction"], &surface.axis_fraction);
-    if let Some(value) = number(axis) {
-        return checker.number(&place, value, Range::Within(-10.0, 10.0));
+    let (what, allowed) = ("fractions", "a fraction of the chord from -10 to 10 all along the body");
+    bounded(surface, ("axis_fraction", &surface.axis_fraction, 10.0), (what, allowed), length_m, checker)
+}
+
+/// Whether the lines along the chord stay well away from the body's own direction.
+fn flare(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool {
+    let (what, allowed) = ("angles", "an angle from -75 to 75 deg all along the body");
+    bounded(surface, ("flare_deg", &surface.flare_deg, 75.0), (what, allowed), length_m, checker)
+}
+
+/// Whether a function stays within plus and minus a bound all along the body; `what` it has and what is `allowed`, in words.
+fn bounded(
+    surface: &SurfaceBuilder,
+    (key, function, bound): (&str, &Along, f64),
+    (what, allowed): (&str, &str),
+    length_m: f64,
+    checker: &mut Checker,
+) -> bool {
+    let place = ["surface", surface.body.as_str(), key];
+    if let Some(value) = number(function) {
+        return checker.number(&place, value, Range::Within(-bound, bound));
     }
-    if !profile(&place, axis, length_m, checker) {
+    if !profile(&place, function, length_m, checker) {
         return false;
     }
-    let (least, most) = (least_of(axis, length_m), -least_of(&negative(axis), length_m));
-    let within = least >= -10.0 && most <= 10.0;
+    let (smallest, largest) = (least_of(function, length_m), -least_of(&negative(function), length_m));
+    let within = smallest >= -bound && largest <= bound;
     if !within {
-        let found = format!("fractions from {} to {} on the body", shortest(least), shortest(most));
-        checker.refuse_state(&place, found, "a fraction of the chord from -10 to 10 all along the body");
+        let found = format!("{what} from {} to {} on the body", shortest(smallest), shortest(largest));
+        checker.refuse_state(&place, found, allowed);
     }
     within
 }
@@ -303,9 +332,9 @@ pub(super) fn place_all(
     checker: &mut Checker,
 ) -> Option<Vec<LiftingSurface>> {
     let edges: Vec<RootEdge> =
-        drafts.iter().map(|draft| RootEdge { body: draft.body, chord: draft.chord_line(0.0) }).collect();
+        drafts.iter().map(|draft| RootEdge { body: draft.body, chord: draft.chord_line(0.0, lattice) }).collect();
     let free = |draft: &Draft| if spans { free_edges(draft.body, &edges, bodies, mirror) } else { [false; 2] };
-    let placed = drafts.iter().map(|draft| place(draft, flaps, free(draft), bodies, checker));
+    let placed = drafts.iter().map(|draft| place(draft, flaps, (free(draft), lattice), bodies, checker));
     // all of them, so that every refusal is told
     let mut surfaces: Vec<LiftingSurface> = placed.collect::<Vec<_>>().into_iter().collect::<Option<_>>()?;
     for surface in &mut surfaces {
@@ -319,7 +348,7 @@ pub(super) fn place_all(
 fn place(
     draft: &Draft,
     flaps: &[FlapBuilder],
-    free: [bool; 2],
+    (free, lattice): ([bool; 2], bool),
     bodies: &[Body],
     checker: &mut Checker,
 ) -> Option<LiftingSurface> {
@@ -341,8 +370,15 @@ fn place(
             edges_m(length_m, &breaks_m, surface.strips, free)
         }
     };
-    let chords = positions_m.iter().map(|&s| draft.chord_line(s)).collect();
-    let mut profile = draft.surface.profile.clone();
+    let chords: Vec<ChordLine> = positions_m.iter().map(|&s| draft.chord_line(s, lattice)).collect();
+    if !lines_apart(surface, &positions_m, &chords, checker) {
+        return None;
+    }
+    // the normal of eq. (W1), from which profiles count, lies on the section's -z where the leading edge lies towards -y
+    let mut profile = match draft.surface.forward < 0.0 {
+        true => draft.surface.profile.clone().upside_down(),
+        false => draft.surface.profile.clone(),
+    };
     match &draft.surface.lift_slope_1_rad {
         Some(slope) if slope.is_constant() => profile.lift_slope_1_rad = slope.at(0.0),
         Some(slope) => {
@@ -359,6 +395,22 @@ fn place(
         chord_panels: draft.surface.chord_panels,
         profile,
     })
+}
+
+/// Whether lines along the chord keep their order at both edges: each strip is at least a twentieth as wide there as on the axis.
+fn lines_apart(surface: &SurfaceBuilder, positions_m: &[f64], chords: &[ChordLine], checker: &mut Checker) -> bool {
+    let narrow = positions_m.windows(2).zip(chords.windows(2)).find(|(ends_m, lines)| {
+        let width_m = ends_m[1] - ends_m[0];
+        let wide = |of: fn(&ChordLine) -> f64| width_m + of(&lines[1]) - of(&lines[0]);
+        wide(|line| line.leading_m.x).min(wide(|line| line.trailing_m.x)) < 0.05 * width_m
+    });
+    if let Some((ends_m, _)) = narrow {
+        let found = format!("lines that meet between {} and {} m", shortest(ends_m[0]), shortest(ends_m[1]));
+        let allowed =
+            "a flare that changes over a longer part of the body, so that lines along the chord keep their order";
+        checker.refuse_state(&["surface", &surface.body, "flare_deg"], found, allowed);
+    }
+    narrow.is_none()
 }
 
 /// Edges of strips on a body with edges at given places: every part between these is cut evenly and has its share of the
