@@ -280,8 +280,9 @@ def gust(study):
     bump = ('\n[gust.bump]\nshape = "one_minus_cosine"\nvelocity_m_s = [0.0, 0.0, 0.5]\nlength_m = 6.0\n'
             "origin_m = [0.0, 0.0, 0.0]\nstart_s = 0.1\n\n[experiment]")
     for hinge in ("free", "locked"):
-        for air in ("lattice", "line", "strips"):
-            changes = w.tunnel(7.5, 18.0, 15)
+        along = w.along_the_hinge("baseline_wing")
+        for air, variant, more in (("lattice", "", ()), ("line", "", ()), ("strips", "", ()), ("lattice", "edges along the hinge", along)):
+            changes = w.tunnel(7.5, 18.0, 15) + more
             if hinge == "locked":
                 changes += (("joint.fold", "release", "false"),)
             else:
@@ -301,9 +302,9 @@ def gust(study):
                         x, y = (list(values) for values in zip(*[(a, b) for a, b in zip(*columns(found, "time_s", "value")) if a <= 0.9]))
                         curve = list(zip(time_s, values))
                         ours = [w.at(curve, at) - w.at(curve, 0.0) for at in x]
-                        one = Series(f"baseline wing, gust, hinge {hinge}", quantity, source, air, "", x, y, ours, [result.cpu_s], [result.error])
+                        one = Series(f"baseline wing, gust, hinge {hinge}", quantity, source, air, variant, x, y, ours, [result.cpu_s], [result.error])
                         study.series.append(one)
-                        print(f"gust, hinge {hinge}, {quantity}, {air}: rms {one.rms():.3f} against {source}, {result.cpu_s:.1f} s {result.error[:120]}", flush=True)
+                        print(f"gust, hinge {hinge}, {quantity}, {air} {variant}: rms {one.rms():.3f} against {source}, {result.cpu_s:.1f} s {result.error[:120]}", flush=True)
 
 
 CASES = (sideslip_over_speed, sideslip_over_pitch, sideslip_over_sideslip, lco, baseline_steady, pazy, pazy_swept, f.pazy_flutter, pendulum, f.flutter, f.trim, gust, bands, edges)
