@@ -18,6 +18,7 @@ from .errors import FilesError, FoldwingError, ModelError, SimulationError, Stat
 from .linear import LinearModel
 from .model import Model, load
 from .result import Result
+from .rotor import OperatingPoints, Periodic
 from .simulation import Simulation
 from .study import Flutter, Modes, Rest, Trim
 from .table import Table
@@ -32,6 +33,8 @@ __all__ = [
     "Model",
     "ModelError",
     "Modes",
+    "OperatingPoints",
+    "Periodic",
     "Rest",
     "Result",
     "Simulation",

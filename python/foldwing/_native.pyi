@@ -35,6 +35,28 @@ class Model:
     def modes_json(self, settings: _Settings, undeformed: bool, count: int) -> str: ...
     def flutter_json(self, settings: _Settings, speeds_m_s: _Array, count: int) -> str: ...
     def trim_json(self, settings: _Settings, free: Sequence[str], balances: Sequence[Tuple[str, float]]) -> str: ...
+    def periodic_json(
+        self,
+        speed_rpm: Optional[float],
+        shaft: Optional[str],
+        settings: Sequence[str],
+        outputs: Sequence[str],
+        counts: Tuple[int, int, int, int],
+        accuracy: float,
+    ) -> str: ...
+    def operating_points_json(
+        self,
+        lists: Tuple[Optional[Sequence[float]], Optional[Sequence[float]], Optional[Sequence[float]]],
+        tip_speed_ratio: Optional[float],
+        paired: bool,
+        find: Optional[str],
+        hold: Optional[str],
+        joints: Tuple[Optional[str], Optional[str]],
+        settings: Sequence[str],
+        outputs: Sequence[str],
+        steps: int,
+        accuracy: float,
+    ) -> str: ...
     def package(
         self,
         output: Union[str, "os.PathLike[str]"],

@@ -18,6 +18,7 @@ from .inputs import Inputs, Stimulus, table_of
 from .linear import LinearModel
 from .progress import bar
 from .result import Result
+from .rotor import RotorStudies
 from .simulation import Simulation
 from .study import Flutter, Modes, Rest, Trim
 from .table import Table, grid_of
@@ -51,7 +52,7 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Model:
     return Model(text, file)
 
 
-class Model:
+class Model(RotorStudies):
     """A machine that does not change.
 
     Args:
@@ -139,8 +140,7 @@ class Model:
             elif pattern.endswith("."):
                 found = [name for name in names if name.startswith(pattern)]
             else:
-                # brackets are part of names, as in `load.outer[4].force.z`
-                found = fnmatch.filter(names, pattern.replace("[", "[[]"))
+                found = fnmatch.filter(names, pattern.replace("[", "[[]"))  # brackets are part of names
             if not found:
                 self._native.find(pattern)
             chosen.extend(found)

@@ -3,6 +3,7 @@
 mod command_line;
 mod files;
 mod mistakes;
+mod rotors;
 mod slips;
 mod starter;
 mod sweep;

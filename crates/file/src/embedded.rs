@@ -1,10 +1,11 @@
 //! Polars, sections and axes of other files, taken into the text of the model file: what rides in an FMU needs no other file.
 
 use crate::base64;
+use crate::bladed_summary::read_bladed_summary;
 use crate::error::{Fault, Problem};
 use crate::polar_file::read_polars;
 use crate::station_file::{read_axis, read_sections};
-use crate::wind_file::{read_turbsim, read_wind_table};
+use crate::wind_file::{BladedSettings, is_bladed, read_field, read_wind_table};
 use foldwing_engine::aero::rotor::wind::TableRow;
 use indexmap::IndexMap;
 use serde::Deserialize;
@@ -28,6 +29,19 @@ struct WantedWind {
     table_file: Option<Spanned<String>>,
     field_file: Option<Spanned<String>>,
     reference_length_m: Option<f64>,
+    reference_height_m: Option<f64>,
+    field_middle_height_m: Option<f64>,
+    field_from: Option<String>,
+}
+
+impl WantedWind {
+    /// Settings of a field of Bladed.
+    fn bladed(&self) -> BladedSettings {
+        BladedSettings {
+            middle_height_m: self.field_middle_height_m.or(self.reference_height_m).unwrap_or(0.0),
+            from_port: self.field_from.as_deref() != Some("starboard"),
+        }
+    }
 }
 
 #[derive(Deserialize, Default)]
@@ -57,10 +71,12 @@ pub(super) fn with_files(text: String, folder: &Path) -> Result<String, Vec<Prob
     let sections =
         wanted.section.into_iter().map(|(name, file)| ("section", name, "file", file.file, &along as Reader));
     let axes = wanted.body.into_iter().map(|(name, file)| ("body", name, "axis_file", file.axis_file, &axis as Reader));
-    let WantedWind { table_file, field_file, reference_length_m } = wanted.wind;
+    let settings = wanted.wind.bladed();
+    let WantedWind { table_file, field_file, reference_length_m, .. } = wanted.wind;
     // a table without its length is refused by a later pass
     let table: Reader = &move |path| wind_table(path, reference_length_m.filter(|length| *length > 0.0).unwrap_or(1.0));
-    let wind = [("table_file", table_file, table), ("field_file", field_file, &wind_field as Reader)];
+    let field: Reader = &move |path| wind_field(path, settings);
+    let wind = [("table_file", table_file, table), ("field_file", field_file, field)];
     let wind = wind.into_iter().map(|(key, file, read)| ("wind", String::new(), key, file, read));
     let mut places = Vec::new();
     let mut problems = Vec::new();
@@ -115,12 +131,23 @@ fn wind_table(path: &Path, reference_length_m: f64) -> Result<String, String> {
     Ok(format!("table = [{}]", table.rows.iter().map(row).collect::<Vec<_>>().join(", ")))
 }
 
-/// `field = "…"` of a full field of TurbSim.
-fn wind_field(path: &Path) -> Result<String, String> {
+/// `field = "…"` of a full field of TurbSim or Bladed; the summary beside one of Bladed, `.sum`, must say the same as its settings.
+fn wind_field(path: &Path, settings: BladedSettings) -> Result<String, String> {
+    let shown = path.display();
     let bytes = std::fs::read(path)
-        .map_err(|reason| format!("a full field of TurbSim beside the model file ({}: {reason})", path.display()))?;
-    read_turbsim(&bytes)
-        .map_err(|fault| format!("a whole full field of TurbSim, .bts ({}: {fault})", path.display()))?;
+        .map_err(|reason| format!("a full field of TurbSim or Bladed beside the model file ({shown}: {reason})"))?;
+    read_field(&bytes, settings)
+        .map_err(|fault| format!("a whole full field of TurbSim, .bts, or of Bladed, .wnd ({shown}: {fault})"))?;
+    let summary = path.with_extension("sum");
+    if is_bladed(&bytes) && summary.is_file() {
+        let text =
+            std::fs::read(&summary).map_err(|reason| format!("a .sum file ({}: {reason})", summary.display()))?;
+        let read = read_bladed_summary(&String::from_utf8_lossy(&text))
+            .map_err(|fault| format!("a .sum file as TurbSim writes it ({}: {fault})", summary.display()))?;
+        if let Some(cause) = read.contradiction(&settings) {
+            return Err(format!("a field that its .sum file describes ({shown}: {cause})"));
+        }
+    }
     Ok(format!("field = \"{}\"", base64::encoded(&bytes)))
 }
 

@@ -10,6 +10,7 @@ mod air_file;
 mod attachments;
 mod base64;
 mod beamdyn_file;
+mod bladed_summary;
 mod body;
 mod copies;
 mod document;
@@ -43,13 +44,14 @@ mod validate;
 mod wind_file;
 
 pub use beamdyn_file::condensed_stiffness;
+pub use bladed_summary::{BladedSummary, read_bladed_summary};
 pub use doubts::{Doubt, doubts};
 pub use error::{ConfigError, Fault, Problem};
 pub use polar_file::{AirfoilTable, PolarFault, read_aerodyn, read_csv, read_polars};
 pub use reference::reference;
 pub use schema::schema;
 pub use station_file::{StationFault, StationTable, read_axis, read_sections};
-pub use wind_file::{BladedSettings, WindFault, read_bladed, read_turbsim, read_wind_table, write_turbsim};
+pub use wind_file::{BladedSettings, WindFault, read_bladed, read_field, read_turbsim, read_wind_table, write_turbsim};
 
 use document::Document;
 use file::ModelFile;

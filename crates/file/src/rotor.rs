@@ -4,10 +4,11 @@ use crate::air_file::AirFile;
 use crate::base64;
 use crate::file::ModelFile;
 use crate::rotor_file::{
-    EndRuleFile, PitchRateFile, PolarFile, PotentialFile, ShadowFile, SpreadFile, TowerFile, TurnsFile, WindFile,
+    EndRuleFile, PitchRateFile, PolarFile, PotentialFile, ShadowFile, SideFile, SpreadFile, TowerFile, TurnsFile,
+    WindFile,
 };
 use crate::validate::Checker;
-use crate::wind_file::read_turbsim;
+use crate::wind_file::{BladedSettings, is_bladed, read_field};
 use foldwing_engine::aero::polar::{Polar, PolarRow};
 use foldwing_engine::aero::rotor::induction::EndRule;
 use foldwing_engine::aero::rotor::options::{PitchRate, Spread};
@@ -221,6 +222,13 @@ fn build_tower(tower: &TowerFile, checker: &mut Checker) -> Option<Tower> {
     })
 }
 
+/// A key that belongs to fields of Bladed, if one is stated.
+fn of_bladed(wind: &WindFile) -> Option<&'static str> {
+    let stated =
+        [("field_middle_height_m", wind.field_middle_height_m.is_some()), ("field_from", wind.field_from.is_some())];
+    stated.into_iter().find_map(|(key, stated)| stated.then_some(key))
+}
+
 fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindField> {
     let up = unit(&["wind", "up"], wind.up, checker)?;
     let direction = unit(&["wind", "downwind"], wind.downwind.unwrap_or(air.wind_m_s), checker)?;
@@ -263,6 +271,12 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
         checker.refuse(&["wind", "reference_length_m"], allowed);
         return None;
     }
+    if wind.field.is_none()
+        && let Some(key) = of_bladed(wind)
+    {
+        checker.refuse(&["wind", key], "field_file or field with it, a field of Bladed");
+        return None;
+    }
     let source = if let Some(asked) = &wind.turbulence {
         let turbulence = Turbulence {
             seed: asked.seed,
@@ -283,15 +297,32 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
             }
         }
     } else if let Some(field) = &wind.field {
-        let read = base64::decoded(field).map(|bytes| read_turbsim(&bytes));
-        match read {
+        let settings = BladedSettings {
+            middle_height_m: wind.field_middle_height_m.unwrap_or(wind.reference_height_m),
+            from_port: wind.field_from != Some(SideFile::Starboard),
+        };
+        let bytes = base64::decoded(field);
+        if !bytes.as_deref().is_some_and(is_bladed)
+            && let Some(key) = of_bladed(wind)
+        {
+            checker.refuse(&["wind", key], "a field of Bladed, .wnd: one of TurbSim says it itself");
+            return None;
+        }
+        match bytes.map(|bytes| read_field(&bytes, settings)) {
             Some(Ok(grid)) => Source::Box(Box::new(grid)),
             Some(Err(fault)) => {
-                checker.refuse_as(&["wind", "field"], fault.to_string(), "the bytes of a whole file of TurbSim, .bts");
+                checker.refuse_as(
+                    &["wind", "field"],
+                    fault.to_string(),
+                    "the bytes of a whole file of TurbSim, .bts, or of Bladed, .wnd",
+                );
                 return None;
             }
             None => {
-                checker.refuse(&["wind", "field"], "base64 of a file of TurbSim; field_file takes the file itself");
+                checker.refuse(
+                    &["wind", "field"],
+                    "base64 of a file of TurbSim or Bladed; field_file takes the file itself",
+                );
                 return None;
             }
         }

@@ -68,6 +68,16 @@ pub(super) struct PolarFile {
     pub pressure_shift_deg: Option<f64>,
 }
 
+/// Side of a field of wind, for who looks downwind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum SideFile {
+    /// Left.
+    Port,
+    /// Right.
+    Starboard,
+}
+
 /// Wind as a field, with `model = "bem"`: what it adds to, or does to, the wind of the input.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -101,11 +111,18 @@ pub(super) struct WindFile {
     /// File beside the model file that contains the table: text in the same columns, like AeroDyn's uniform wind
     /// files. Its rows replace this key when the model file is read, so an FMU needs no other file.
     pub table_file: Option<String>,
-    /// File beside the model file with a full field of TurbSim, `.bts`, added to the wind of the input, which should
-    /// then be zero. When the model file is read, `field` with its bytes replaces this key.
+    /// File beside the model file with a full field of TurbSim, `.bts`, or of Bladed, `.wnd`, added to the wind of the input,
+    /// which should then be zero. When the model file is read, `field` with its bytes replaces this key.
     pub field_file: Option<String>,
     /// Bytes of such a file in base64; replaces `field_file` when the model file is read.
     pub field: Option<String>,
+    /// Height of the middle of a field of Bladed above the ground; default: `reference_height_m`. A `.sum` file of the same name
+    /// beside the field must not say otherwise.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub field_middle_height_m: Option<f64>,
+    /// Side, for who looks downwind, from which points across are written in a field of Bladed: TurbSim and Bladed write them from
+    /// port (`CLOCKWISE` in the `.sum` file). Default: `"port"`.
+    pub field_from: Option<SideFile>,
     /// Turbulence from a seed, added to the wind of the input, which then should be zero.
     pub turbulence: Option<TurbulenceFile>,
 }

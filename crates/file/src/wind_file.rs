@@ -113,7 +113,7 @@ pub fn read_turbsim(bytes: &[u8]) -> Result<TurbulenceBox, WindFault> {
     let mut file = Bytes { bytes, place: 0 };
     let identifier = file.short("identifier")?;
     if !matches!(identifier, 7 | 8) {
-        let allowed = "7 or 8: a full field of TurbSim (.bts)";
+        let allowed = "7 or 8 in a full field of TurbSim (.bts), -99 in one of Bladed (.wnd)";
         return Err(WindFault::Value { what: "identifier", value: identifier.to_string(), allowed });
     }
     let upward = points("points upward", file.integer("points upward")?)?;
@@ -258,6 +258,19 @@ pub fn read_bladed(bytes: &[u8], settings: BladedSettings) -> Result<TurbulenceB
         periodic: true,
         velocity_m_s,
     })
+}
+
+/// Reads a full field of TurbSim or Bladed, which its first two bytes tell apart; `settings` are those of a field of Bladed.
+///
+/// # Errors
+/// Those of [`read_turbsim`] and [`read_bladed`].
+pub fn read_field(bytes: &[u8], settings: BladedSettings) -> Result<TurbulenceBox, WindFault> {
+    if is_bladed(bytes) { read_bladed(bytes, settings) } else { read_turbsim(bytes) }
+}
+
+/// Whether bytes begin like Bladed's full fields.
+pub(crate) fn is_bladed(bytes: &[u8]) -> bool {
+    bytes.starts_with(&(-99i16).to_le_bytes())
 }
 
 fn left_over(file: &Bytes) -> Result<(), WindFault> {

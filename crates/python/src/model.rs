@@ -157,6 +157,66 @@ impl Model {
             .map_err(|failure| refusal::command(&failure))
     }
 
+    /// What `foldwing periodic --json` prints, with the outputs over the turn; `counts` are steps, harmonics, modes and directions.
+    #[allow(clippy::too_many_arguments, reason = "named in Python")]
+    fn periodic_json(
+        &self,
+        py: Python<'_>,
+        speed_rpm: Option<f64>,
+        shaft: Option<String>,
+        settings: Vec<String>,
+        outputs: Vec<String>,
+        counts: (usize, usize, usize, usize),
+        accuracy: f64,
+    ) -> PyResult<String> {
+        let (steps, harmonics, count, directions) = counts;
+        let asked =
+            cli::PeriodicAsked { speed_rpm, shaft, settings, steps, accuracy, outputs, harmonics, count, directions };
+        py.detach(|| cli::periodic(&self.shared.machine, &asked))
+            .map(|value| value.to_string())
+            .map_err(|failure| refusal::command(&failure))
+    }
+
+    /// What `foldwing operating-points --json` prints; `lists` are wind in m/s, speed in rpm and pitch in degrees, `joints` the shaft and
+    /// those that pitch.
+    #[allow(clippy::too_many_arguments, reason = "named in Python")]
+    fn operating_points_json(
+        &self,
+        py: Python<'_>,
+        lists: (Option<Vec<f64>>, Option<Vec<f64>>, Option<Vec<f64>>),
+        tip_speed_ratio: Option<f64>,
+        paired: bool,
+        find: Option<String>,
+        hold: Option<String>,
+        joints: (Option<String>, Option<String>),
+        settings: Vec<String>,
+        outputs: Vec<String>,
+        steps: usize,
+        accuracy: f64,
+    ) -> PyResult<String> {
+        let (wind_m_s, speed_rpm, pitch_deg) = lists;
+        let (shaft, pitch_joints) = joints;
+        let asked = cli::OperatingPoints {
+            wind_m_s: wind_m_s.unwrap_or_default(),
+            speed_rpm,
+            tip_speed_ratio,
+            pitch_deg,
+            paired,
+            find,
+            hold,
+            shaft,
+            pitch_joints,
+            settings,
+            outputs,
+            steps,
+            accuracy,
+        };
+        let machine = foldwing_engine::machine::Machine::clone(&self.shared.machine);
+        py.detach(|| cli::operating_points(machine, &asked))
+            .map(|value| value.to_string())
+            .map_err(|failure| refusal::command(&failure))
+    }
+
     /// Writes an FMU.
     #[pyo3(signature = (output, *, model, libraries, linear, without_reference, force))]
     #[allow(clippy::too_many_arguments, reason = "named in Python")]

@@ -65,6 +65,57 @@ fn can_run(call: &CommandLine) -> bool {
     call.whole && !shown_only && call.words[0] != "run"
 }
 
+/// A small rotor on a stand, pitched by locked joints.
+const ROTOR: &str = r#"
+name = "Rotor"
+gravity_m_s2 = [0.0, 0.0, 0.0]
+[rigid_body.hub]
+mass_kg = 10.0
+inertia_kg_m2 = [1.0, 1.0, 1.0, 0, 0, 0]
+[joint.shaft]
+type = "revolute"
+parent = "root"
+child = "hub"
+axis = [1, 0, 0]
+start_rate_deg_s = 240.0
+[modal_body.blade]
+count = 3
+length_m = 9.5
+cells = 8
+stations = [0, 1]
+mass_kg_m = [10, 5]
+flap_stiffness_N_m2 = [1e6, 2e5]
+edge_stiffness_N_m2 = [2e6, 4e5]
+flap_shapes = [[1.0]]
+edge_shapes = [[1.0]]
+[joint.pitch]
+type = "revolute"
+parent = "hub"
+child = "blade"
+axis = [0.0, 0.0, -1.0]
+motion = "locked"
+parent_offset_m = [0.0, 0.0, 0.5]
+mount_rotation_deg = [127.27922061357854, 0.0, 127.27922061357854]
+[aerodynamics]
+model = "bem"
+hub = "hub"
+hub_radius_m = 0.5
+wind_m_s = [8.0, 0.0, 0.0]
+step_s = 0.02
+[surface.blade]
+body = "blade"
+axis_fraction = 0.25
+stations_m = [0.0, 2.0, 4.0, 6.0, 8.0, 9.5]
+polars = ["plate", "plate", "plate", "plate", "plate", "plate"]
+chord_m = 0.5
+incidence_deg = { table = [[0.0, -20.0], [2.0, -12.0], [5.0, -5.0], [9.5, -1.0]] }
+[polar.plate]
+rows = [[-180, 0, 0.5, 0], [-12, -1.1, 0.03, 0], [12, 1.1, 0.03, 0], [180, 0, 0.5, 0]]
+[experiment]
+stop_time_s = 1.0
+step_s = 0.01
+"#;
+
 /// F-246. Lines of the guide, of the front page and of the help that call the command succeed as they stand.
 #[test]
 fn f246_the_lines_of_the_guide_run() {
@@ -77,6 +128,7 @@ fn f246_the_lines_of_the_guide_run() {
         std::fs::copy(in_package("examples/models").join(name), folder.path().join(name)).unwrap();
     }
     std::fs::copy(in_package("examples/turbine/nrel_5mw.toml"), folder.path().join("turbine.toml")).unwrap();
+    std::fs::write(folder.path().join("rotor.toml"), ROTOR).unwrap();
     std::fs::write(folder.path().join("commands.csv"), "time, fold.command\n0, 0\n0.1, 0.1\n").unwrap();
     std::fs::write(folder.path().join("measured.csv"), "time,fold.angle\n0,2.9\n0.1,0.8\n").unwrap();
     std::fs::write(folder.path().join("samples.csv"), "fold.start_angle\n1.0\n2.0\n").unwrap();

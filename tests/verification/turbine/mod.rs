@@ -5,6 +5,7 @@ mod bodies;
 mod kane;
 mod machine;
 mod modes;
+mod operating;
 mod operation;
 mod periodic;
 mod recursions;

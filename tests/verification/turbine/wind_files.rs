@@ -66,9 +66,11 @@ fn wt39_wind_from_files() {
     std::fs::write(folder.join("bad.wnd"), "0 8 0 0 0 0.2 0 0\n10 12 5\n").expect("a file");
     for (line, words) in [
         ("reference_length_m = 126.0\ntable_file = \"bad.wnd\"", ["wind.table_file", "bad.wnd", "line 2: 3 columns"]),
-        ("field_file = \"none.bts\"", ["wind.field_file", "none.bts", "a full field of TurbSim"]),
+        ("field_file = \"none.bts\"", ["wind.field_file", "none.bts", "a full field of TurbSim or Bladed"]),
         ("field_file = \"hub.wnd\"", ["wind.field_file", "hub.wnd", "identifier"]),
         ("field = \"AAAA\"", ["wind.field", "identifier is 0", "a whole file of TurbSim"]),
+        ("field_from = \"port\"\nfield_file = \"wind.bts\"", ["wind.field_from", "one of TurbSim says it itself", ""]),
+        ("field_middle_height_m = 80.0", ["wind.field_middle_height_m", "a field of Bladed", ""]),
         ("field = \"A*AA\"", ["wind.field", "base64", "field_file"]),
         ("shear_exponent = 0.2\nfield_file = \"wind.bts\"", ["wind.field", "one of shear_exponent", "turbulence"]),
         ("field = \"AAAA\"\nfield_file = \"wind.bts\"", ["field", "", ""]),
@@ -83,5 +85,55 @@ fn wt39_wind_from_files() {
     let text = format!("{}\n[wind]\nreference_height_m = 90.0\nfield_file = \"wind.bts\"\n", with_polars(WIND_TEXT));
     let told = config::parse(&text, "turbine.toml").expect_err("a text alone").to_string();
     assert!(told.contains("a model given as text states field"), "{told}");
+    std::fs::remove_dir_all(folder).expect("a folder");
+}
+
+/// WT-66. A field of Bladed, as pyTurbSim's writer has it: by its height and side the same as read in Rust, `field_from` turns it, the
+/// bytes ride in the text; its summary must not contradict; every cut is refused by key and file.
+#[test]
+fn wt66_fields_of_bladed() {
+    let folder = std::env::temp_dir().join(format!("foldwing_bladed_{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let bytes = include_bytes!("../../reference/turbine/wind/pyturbsim.wnd");
+    std::fs::write(folder.join("wind.wnd"), bytes).expect("a file");
+    let expected = |middle_height_m, from_port| {
+        config::read_bladed(bytes, config::BladedSettings { middle_height_m, from_port }).expect("a field")
+    };
+    for (line, field) in [
+        ("field_file = \"wind.wnd\"", expected(90.0, true)),
+        ("field_middle_height_m = 89.0\nfield_file = \"wind.wnd\"", expected(89.0, true)),
+        ("field_from = \"starboard\"\nfield_file = \"wind.wnd\"", expected(90.0, false)),
+    ] {
+        let (machine, text) = read(line, &folder).unwrap_or_else(|refused| panic!("{refused}"));
+        let Source::Box(found) = source(&machine) else { panic!("a box") };
+        assert_eq!(*found, field, "{line}");
+        assert_eq!(config::parse(&text, "turbine.toml").expect("a machine"), machine, "the text has the bytes");
+    }
+    for length in (0..bytes.len()).step_by(53).chain([bytes.len() - 1]) {
+        std::fs::write(folder.join("short.wnd"), &bytes[..length]).expect("a file");
+        let told = read("field_file = \"short.wnd\"", &folder).expect_err("a field cut short");
+        for word in ["wind.field_file", "short.wnd", "cut short"] {
+            assert!(told.contains(word), "{length}: {told}");
+        }
+    }
+    let mut model_7 = bytes.to_vec();
+    model_7[2] = 7;
+    std::fs::write(folder.join("kaimal.wnd"), model_7).expect("a file");
+    let told = read("field_file = \"kaimal.wnd\"", &folder).expect_err("another model");
+    assert!(told.contains("kaimal.wnd") && told.contains("model of turbulence is 7"), "{told}");
+
+    let with_summary = |text: &str, line: &str| {
+        std::fs::write(folder.join("wind.sum"), text).expect("a file");
+        read(&format!("{line}field_file = \"wind.wnd\""), &folder).map(|_| ())
+    };
+    let summary = " T Clockwise rotation when looking downwind?\n 89.0 Hub height [m]\n";
+    let told = with_summary(summary, "").expect_err("another height");
+    assert!(told.contains("89 m by its .sum file") && told.contains("field_middle_height_m = 89.0"), "{told}");
+    with_summary(summary, "field_middle_height_m = 89.0\n").expect("what the summary says");
+    let told =
+        with_summary(summary, "field_middle_height_m = 89.0\nfield_from = \"starboard\"\n").expect_err("another side");
+    assert!(told.contains("state field_from = \"port\""), "{told}");
+    let told = with_summary("? CLOCKWISE\n", "").expect_err("a summary that cannot be read");
+    assert!(told.contains("wind.sum: line 1"), "{told}");
     std::fs::remove_dir_all(folder).expect("a folder");
 }

@@ -4,7 +4,10 @@ use crate::cli::Failure;
 use crate::cli::grid::{Grid, GridArguments};
 use crate::cli::outlets::{Mark, Outlets};
 use crate::cli::sweep::{Experiment, Plan, columns};
-use crate::cli::{check, flutter as flutters, package as packages, stability, statics, trim as trims};
+use crate::cli::{
+    check, flutter as flutters, operating_points as operating, operating_table, package as packages, stability,
+    statics, trim as trims,
+};
 use crate::packaging::{self, Extras, Kinds, Library};
 use crate::report::InputTable;
 use foldwing_engine::machine::Machine;
@@ -92,6 +95,23 @@ pub fn trim(
     balances: &[(String, f64)],
 ) -> Result<Value, Failure> {
     trims::found(interface, plant, free, balances)
+}
+
+/// The motion that every turn of a rotor repeats, as `foldwing periodic --json` describes it, with the outputs over the turn: `turn_deg`
+/// and, in the order of `outputs`, `values`.
+///
+/// # Errors
+/// As the command's: no shaft, a speed that is none, names that are no outputs, no motion.
+pub fn periodic(machine: &Machine, asked: &crate::cli::PeriodicAsked) -> Result<Value, Failure> {
+    Ok(asked.answer(machine)?.json_with_values(asked))
+}
+
+/// Operating points of a rotor, as `foldwing operating-points --json` prints them.
+///
+/// # Errors
+/// As the command's: no air, no shaft, lists that do not fit, names that are no outputs, no state at any point.
+pub fn operating_points(machine: Machine, asked: &crate::cli::OperatingPoints) -> Result<Value, Failure> {
+    Ok(operating_table::as_json(&operating::points(machine, asked)?))
 }
 
 /// What goes into an FMU, and where it goes.

@@ -158,6 +158,18 @@ Examples:
   foldwing periodic turbine.toml --speed-rpm 12.1 --output \"body.*\" --count 0 --csv turn.csv
   foldwing periodic turbine.toml --speed-rpm 9 --shaft shaft --json";
 
+pub(super) const OPERATING_POINTS: &str = "\
+Examples:
+  foldwing operating-points rotor.toml --wind-m-s 5:11:7 --speed-rpm 40
+  foldwing operating-points rotor.toml --wind-m-s 8 --speed-rpm 20:60:5 --pitch-deg 0,4 --csv p.csv
+  foldwing operating-points rotor.toml --wind-m-s 4:12:9 --tip-speed-ratio 6 --speed-rpm 60
+  foldwing operating-points rotor.toml --wind-m-s 9,12 --find pitch_deg=0:40 --hold rotor.power=2e4
+  foldwing operating-points rotor.toml --wind-m-s 8 --find speed_rpm=60:99 --hold rotor.torque=1e3
+
+With --tip-speed-ratio, --speed-rpm, --find and --hold together the table is the way of a controller:
+below the rated power the speed of that ratio, no more than the one given, and above it the pitch that
+holds the power.";
+
 pub(super) const LINEARIZE: &str = "\
 Examples:
   foldwing linearize wing.toml -o wing.npz

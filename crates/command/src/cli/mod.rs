@@ -24,6 +24,9 @@ mod linearize;
 mod modes;
 mod new;
 mod notes;
+mod operating_points;
+mod operating_search;
+mod operating_table;
 mod outlets;
 mod package;
 mod periodic;
@@ -49,9 +52,11 @@ mod trim;
 mod view;
 
 pub use calls::{
-    Packaging, SweepPlan, SweepRun, chosen, flutter, modes, package, points, rest, summary, summary_json, trim,
-    write_page,
+    Packaging, SweepPlan, SweepRun, chosen, flutter, modes, operating_points, package, periodic, points, rest, summary,
+    summary_json, trim, write_page,
 };
+pub use operating_points::Wanted as OperatingPoints;
+pub use periodic::Wanted as PeriodicAsked;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use foldwing_engine::machine::Machine;
@@ -149,6 +154,12 @@ enum Command {
     /// ranges and harmonics of outputs over the turn, and the modes beside the motion (Floquet) with the frequencies that the ground
     /// sees. The shaft is held at its speed.
     Periodic(periodic::Arguments),
+    /// Tabulate power, thrust and loads of a rotor over wind, speed and pitch
+    ///
+    /// At each point the state that turns with the rotor, or, where tilt, gravity or shear make it swing, the motion that every turn
+    /// repeats: means and peak-to-peak values. With --find and --hold the pitch or the speed at which an output has a given value, such
+    /// as the pitch that holds the rated power.
+    OperatingPoints(operating_points::Arguments),
     /// Find inputs and parameters for which outputs at rest are what they should be
     ///
     /// Such as the wind's direction and a thrust for which the forces on the root vanish: the machine comes to rest for every guess,
@@ -260,6 +271,7 @@ fn run_command(command: Command, library: Option<&Path>) -> u8 {
         Command::Static(arguments) => statics::run(&arguments),
         Command::Modes(arguments) => modes::run(&arguments),
         Command::Periodic(arguments) => periodic::run(&arguments),
+        Command::OperatingPoints(arguments) => operating_points::run(&arguments),
         Command::Trim(arguments) => trim::run(&arguments),
         Command::Flutter(arguments) => flutter::run(&arguments),
         Command::Linearize(arguments) => linearize::run(&arguments),

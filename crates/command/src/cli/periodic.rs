@@ -6,6 +6,7 @@ use crate::cli::periodic_tables::{Series, csv_text, modes_json, modes_text};
 use crate::cli::settings::plant_with;
 use crate::cli::{Failure, print, read_model};
 use clap::builder::NonEmptyStringValueParser;
+use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Floquet, OutputSet, PeriodicMotion, Plant, PlantError, SAMPLES, Turn};
 use foldwing_fmi::interface::{Interface, Value, Variable};
 use serde_json::json;
@@ -60,44 +61,94 @@ const SHOWN: [&str; 5] = ["*.deflection.*", "*.angle", "rotor.*", "tip.position.
 /// Most harmonics that the samples of a turn tell apart.
 const MAXIMUM_HARMONICS: usize = SAMPLES / 2 - 1;
 
+/// What is asked of a machine, by the command or by a program.
+#[derive(Debug, Clone, Default)]
+pub struct Wanted {
+    /// Speed of the shaft in rpm; `None`: that at which it is prescribed or starts.
+    pub speed_rpm: Option<f64>,
+    /// Joint that is the shaft.
+    pub shaft: Option<String>,
+    /// `NAME=VALUE` of inputs and parameters.
+    pub settings: Vec<String>,
+    /// Steps of a turn.
+    pub steps: usize,
+    /// Distance of the ends of the turn.
+    pub accuracy: f64,
+    /// Outputs; none: all.
+    pub outputs: Vec<String>,
+    /// Harmonics of the shaft's speed.
+    pub harmonics: usize,
+    /// Number of modes about the motion; 0 leaves them out.
+    pub count: usize,
+    /// Maximum number of directions that are marched for them.
+    pub directions: usize,
+}
+
+/// A motion with its outputs over the turn.
+pub(super) struct Answer {
+    name: String,
+    turn: Turn,
+    motion: PeriodicMotion,
+    series: Vec<Series>,
+    floquet: Option<Floquet>,
+}
+
+impl Wanted {
+    /// Finds the motion.
+    pub(super) fn answer(&self, machine: &Machine) -> Result<Answer, Failure> {
+        if self.harmonics > MAXIMUM_HARMONICS {
+            return Err(Failure::Usage(format!(
+                "--harmonics {}: must be at most {MAXIMUM_HARMONICS}, which the {SAMPLES} samples of a turn tell apart",
+                self.harmonics
+            )));
+        }
+        if !(self.accuracy > 0.0 && self.accuracy < 1.0) {
+            return Err(Failure::Usage(format!("--accuracy {}: must lie between 0 and 1", self.accuracy)));
+        }
+        let speed_rad_s = self.speed_rpm.map(|speed_rpm| speed_rpm * PI / 30.0);
+        let (machine, turn) = Turn::of(machine, self.shaft.as_deref(), speed_rad_s, self.steps)
+            .map_err(|cause| Failure::Statics(format!("no periodic motion: {cause}")))?;
+        let interface = Interface::new(&machine);
+        let all: Vec<&Variable> = interface.real_outputs().collect();
+        let recorded = if self.outputs.is_empty() { all } else { chosen(&self.outputs, &all, "real output")? };
+        let mut plant = plant_with(machine, &interface, &self.settings)?;
+        let failed = |error: PlantError| Failure::Statics(error.to_string());
+        plant.watch(OutputSet::NONE);
+        let time_s = plant.machine().experiment.start_time_s;
+        plant.initialize(time_s).map_err(failed)?;
+        let motion = plant.periodic(&turn, self.accuracy).map_err(failed)?;
+        let series = traced(&mut plant, &turn, &motion, &interface, &recorded).map_err(failed)?;
+        let floquet = match self.count {
+            0 => None,
+            _ => Some(plant.floquet(&turn, &motion, self.directions).map_err(failed)?),
+        };
+        Ok(Answer { name: plant.machine().name.clone(), turn, motion, series, floquet })
+    }
+}
+
 /// Finds the motion and prints it.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    if arguments.harmonics > MAXIMUM_HARMONICS {
-        return Err(Failure::Usage(format!(
-            "--harmonics {}: must be at most {MAXIMUM_HARMONICS}, which the {SAMPLES} samples of a turn tell apart",
-            arguments.harmonics
-        )));
-    }
-    if !(arguments.accuracy > 0.0 && arguments.accuracy < 1.0) {
-        return Err(Failure::Usage(format!("--accuracy {}: must lie between 0 and 1", arguments.accuracy)));
-    }
     let (machine, _) = read_model(&arguments.model)?;
-    let speed_rad_s = arguments.speed_rpm.map(|speed_rpm| speed_rpm * PI / 30.0);
-    let (machine, turn) = Turn::of(&machine, arguments.shaft.as_deref(), speed_rad_s, arguments.steps)
-        .map_err(|cause| Failure::Statics(format!("no periodic motion: {cause}")))?;
-    let interface = Interface::new(&machine);
-    let all: Vec<&Variable> = interface.real_outputs().collect();
+    let wanted = Wanted {
+        speed_rpm: arguments.speed_rpm,
+        shaft: arguments.shaft.clone(),
+        settings: arguments.settings.clone(),
+        steps: arguments.steps,
+        accuracy: arguments.accuracy,
+        outputs: arguments.outputs.clone(),
+        harmonics: arguments.harmonics,
+        count: arguments.count,
+        directions: arguments.directions,
+    };
     let named = !arguments.outputs.is_empty();
-    let recorded = if named { chosen(&arguments.outputs, &all, "real output")? } else { all };
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
-    let mut plant = plant_with(machine, &interface, &arguments.settings)?;
-    let failed = |error: PlantError| Failure::Statics(error.to_string());
-    plant.watch(OutputSet::NONE);
-    let time_s = plant.machine().experiment.start_time_s;
-    plant.initialize(time_s).map_err(failed)?;
-    let motion = plant.periodic(&turn, arguments.accuracy).map_err(failed)?;
-    let series = traced(&mut plant, &turn, &motion, &interface, &recorded).map_err(failed)?;
+    let Answer { name, turn, motion, series, floquet } = &wanted.answer(&machine)?;
     if let Some(path) = &arguments.csv {
-        let text = csv_text(&series, turn.speed_rad_s.signum());
+        let text = csv_text(series, turn.speed_rad_s.signum());
         outlets.place(path, Mark::first_line(&text))?.fill(&text)?;
     }
-    let floquet = match arguments.count {
-        0 => None,
-        _ => Some(plant.floquet(&turn, &motion, arguments.directions).map_err(failed)?),
-    };
-    let name = plant.machine().name.clone();
     if arguments.json {
-        return print(&as_json(&name, &turn, &motion, &series, floquet.as_ref(), arguments));
+        return print(&format!("{:#}", wanted.answer_json(turn, name, motion, series, floquet.as_ref())));
     }
     let shown: Vec<&Series> = match named {
         true => series.iter().collect(),
@@ -121,7 +172,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         motion.turns
     );
     harmonics_text(&shown, arguments.harmonics, &mut text);
-    if let Some(floquet) = &floquet {
+    if let Some(floquet) = floquet {
         modes_text(floquet, arguments.count, &mut text);
     }
     print(&text)
@@ -176,28 +227,42 @@ fn harmonics_text(shown: &[&Series], count: usize, text: &mut String) {
     }
 }
 
-fn as_json(
-    name: &str,
-    turn: &Turn,
-    motion: &PeriodicMotion,
-    series: &[Series],
-    floquet: Option<&Floquet>,
-    arguments: &Arguments,
-) -> String {
-    let outputs: Vec<serde_json::Value> = series.iter().map(|series| series.json(arguments.harmonics)).collect();
-    let mut value = json!({
-        "name": name,
-        "rotor_speed_rpm": turn.speed_rad_s * 30.0 / PI,
-        "period_s": turn.period_s(),
-        "steps": turn.steps,
-        "states": motion.states,
-        "distance": motion.distance,
-        "newton_steps": motion.newton_steps,
-        "turns": motion.turns,
-        "outputs": outputs,
-    });
-    if let Some(floquet) = floquet {
-        value["floquet"] = modes_json(floquet, arguments.count);
+impl Wanted {
+    fn answer_json(
+        &self,
+        turn: &Turn,
+        name: &str,
+        motion: &PeriodicMotion,
+        series: &[Series],
+        floquet: Option<&Floquet>,
+    ) -> serde_json::Value {
+        let outputs: Vec<serde_json::Value> = series.iter().map(|series| series.json(self.harmonics)).collect();
+        let mut value = json!({
+            "name": name,
+            "rotor_speed_rpm": turn.speed_rad_s * 30.0 / PI,
+            "period_s": turn.period_s(),
+            "steps": turn.steps,
+            "states": motion.states,
+            "distance": motion.distance,
+            "newton_steps": motion.newton_steps,
+            "turns": motion.turns,
+            "outputs": outputs,
+        });
+        if let Some(floquet) = floquet {
+            value["floquet"] = modes_json(floquet, self.count);
+        }
+        value
     }
-    format!("{value:#}")
+}
+
+impl Answer {
+    /// What `foldwing periodic --json` prints, with the values of the outputs at the samples of the turn, its end included.
+    pub fn json_with_values(&self, wanted: &Wanted) -> serde_json::Value {
+        let Self { name, turn, motion, series, floquet } = self;
+        let mut value = wanted.answer_json(turn, name, motion, series, floquet.as_ref());
+        let sense = turn.speed_rad_s.signum();
+        value["turn_deg"] = (0..=SAMPLES).map(|k| sense * 360.0 * k as f64 / SAMPLES as f64).collect();
+        value["values"] = series.iter().map(|series| json!(series.values)).collect();
+        value
+    }
 }

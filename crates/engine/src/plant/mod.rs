@@ -1,6 +1,8 @@
 //! A machine to be run and studied: what programs use of [`crate::system`], [`crate::study`] and [`crate::run`].
 
-pub use crate::run::{Floquet, FloquetMode, Harmonic, Latency, Pauses, PeriodicMotion, Plant, Reached, SAMPLES, Turn};
+pub use crate::run::{
+    Floquet, FloquetMode, Harmonic, Latency, Pauses, PeriodicMotion, Plant, Reached, SAMPLES, Settled, Turn,
+};
 pub use crate::signal::{
     BodyParameters, Count, FACTOR_RANGE, FlapInputs, InputLayout, Inputs, JointInputs, JointParameters,
     ParameterLayout, Parameters, SolverParameters, SpatialParameters, Switch,

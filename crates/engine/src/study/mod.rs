@@ -15,6 +15,7 @@ mod rotor;
 mod stability;
 mod state_space;
 mod statics;
+mod steady_turn;
 mod whirl;
 
 pub use crate::solve::arc_length::PathPoint;

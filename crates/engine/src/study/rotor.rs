@@ -23,6 +23,11 @@ impl Rotor {
     pub fn blades(&self) -> usize {
         self.blades.len()
     }
+
+    /// Bodies of every blade, inner ones first.
+    pub fn bodies(&self) -> &[Vec<usize>] {
+        &self.blades
+    }
 }
 
 /// Bodies that a body carries.
@@ -88,14 +93,16 @@ pub(crate) fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, 
 }
 
 impl Study<'_> {
-    /// The rotor of the machine at its start angles, which this takes it to ([`Study::undeformed`]). `shaft` names its joint; without
-    /// a name it is the only joint that turns without limit and carries a hub, a body with several others on it.
+    /// The rotor of the machine by its start angles; state, loads and wind stay as they are. `shaft` names its joint; without a name it
+    /// is the only joint that turns without limit and carries a hub, a body with several others on it.
     ///
     /// # Errors
     /// If there is no rotor, or its blades do not stand around the shaft like one turned by equal angles.
     pub fn rotor(&mut self, time_s: f64, shaft: Option<&str>) -> Result<Rotor, PlantError> {
-        self.undeformed(time_s)?;
-        self.find_rotor(shaft).map_err(|cause| PlantError::Linearization { time_s, cause })
+        let kept = self.system.state.clone();
+        let found = self.undeformed(time_s).map(|()| self.find_rotor(shaft));
+        self.system.put_back(kept);
+        found?.map_err(|cause| PlantError::Linearization { time_s, cause })
     }
 
     fn find_rotor(&self, shaft: Option<&str>) -> Result<Rotor, String> {

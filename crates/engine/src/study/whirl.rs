@@ -251,7 +251,7 @@ impl Study<'_> {
 }
 
 /// Solution of `A x = b` with the rows and columns scaled by the diagonal; `None` if `A` is singular to round-off.
-fn scaled_solution(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
+pub(super) fn scaled_solution(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
     let n = right.len();
     let scale = |i: usize| 1.0 / matrix[(i, i)].abs().sqrt();
     let scaled = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] * scale(i) * scale(j));

@@ -247,6 +247,15 @@ impl System {
         Ok(())
     }
 
+    /// Goes back to a state of this system, with its inputs, that a study has left.
+    pub(crate) fn put_back(&mut self, state: State) {
+        self.state = state;
+        self.inputs_may_differ = true;
+        self.told.forget();
+        self.adopt_state();
+        self.show_set_inputs();
+    }
+
     /// Brings equations and outputs in line with a state that was set.
     fn adopt_state(&mut self) {
         self.rebuild();

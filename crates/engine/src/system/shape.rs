@@ -137,8 +137,12 @@ impl Followed for ModeShape {
         self.eigenvalue_1_s
     }
 
-    /// `|aᴴb|²/(aᴴa bᴴb)` over displacements, over the machine's length, and rotations; 1 for different meshes.
+    /// `|aᴴb|²/(aᴴa bᴴb)` over displacements, over the machine's length, and rotations; 1 for different meshes. Of modes beside a periodic
+    /// motion, which have no shape, the share that what moves has in common.
     fn likeness(&self, other: &Self) -> f64 {
+        if self.real.is_empty() && other.real.is_empty() && !self.whirl.is_empty() {
+            return common_share(&self.whirl, &other.whirl);
+        }
         let sections = |mode: &Self| mode.real.iter().map(Vec::len).collect::<Vec<_>>();
         if sections(self) != sections(other) {
             return 1.0;
@@ -158,6 +162,15 @@ impl Followed for ModeShape {
         let sizes = product(self, self).re * product(other, other).re;
         if sizes > 0.0 { product(self, other).norm_sqr() / sizes } else { 1.0 }
     }
+}
+
+/// Share that two modes have in common, part by part: 1 of the same motion, 0 of motions of different parts.
+fn common_share(one: &[WhirlShare], other: &[WhirlShare]) -> f64 {
+    let of = |part: &WhirlShare| {
+        let same = other.iter().find(|known| known.part == part.part && known.whirl == part.whirl);
+        same.map_or(0.0, |known| known.share.min(part.share))
+    };
+    one.iter().map(of).sum()
 }
 
 /// Motion and strain of a section anywhere on a body, root frame.

@@ -6,10 +6,9 @@ use crate::run::periodic::turn::{SAMPLES, Turn};
 use crate::solve::floquet::{Harmonic, resolve};
 use crate::solve::krylov::leading;
 use crate::study::{AveragedModes, GroundView, Rotor};
-use crate::system::{PlantError, WhirlShare};
+use crate::system::{ModeShape, PlantError, WhirlShare};
 use nalgebra::{Complex, DVector};
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 /// Central difference by which a product is found, in the measure of the states.
 const STEP: f64 = 1e-4;
@@ -54,6 +53,23 @@ pub struct Floquet {
     pub states: usize,
     /// Turns marched.
     pub turns: usize,
+}
+
+impl ModeShape {
+    /// A mode beside a periodic motion: its exponent and what moves; a shape it has none, as it changes over the turn.
+    pub fn of_floquet(mode: FloquetMode) -> Self {
+        Self {
+            frequency_hz: mode.frequency_hz,
+            damping_ratio: mode.damping_ratio,
+            eigenvalue_1_s: mode.exponent_1_s,
+            shares: [0.0; 5],
+            real: Vec::new(),
+            imaginary: Vec::new(),
+            length_m: 1.0,
+            whirl: mode.parts,
+            flight: None,
+        }
+    }
 }
 
 impl Plant {
@@ -161,12 +177,11 @@ impl Plant {
         Ok(Floquet { modes, averaged, states: n, turns })
     }
 
-    /// The rotor on the shaft, if its blades are equal: of a machine of its own, as looking for it takes all loads away.
-    fn rotor_of(&self, turn: &Turn) -> Option<Rotor> {
-        let machine = &self.system.machine;
+    /// The rotor on the shaft, if its blades are equal.
+    fn rotor_of(&mut self, turn: &Turn) -> Option<Rotor> {
+        let machine = self.system.machine.clone();
         let shaft = &machine.bodies[turn.shaft].joint.name;
-        let time_s = machine.experiment.start_time_s;
-        Plant::new(Arc::clone(machine)).study().rotor(time_s, Some(shaft)).ok()
+        self.study().rotor(machine.experiment.start_time_s, Some(shaft)).ok()
     }
 
     /// Modes of the equations averaged over the turn, eq. (L36).

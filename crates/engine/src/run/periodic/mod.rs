@@ -2,9 +2,11 @@
 
 mod floquet;
 mod shooting;
+mod steady;
 mod turn;
 
 pub use crate::solve::floquet::Harmonic;
 pub use floquet::{Floquet, FloquetMode};
 pub use shooting::PeriodicMotion;
+pub use steady::Settled;
 pub use turn::{SAMPLES, Turn};

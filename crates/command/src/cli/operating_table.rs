@@ -1,0 +1,165 @@
+//! Tables of operating points: for people, as CSV, for programs.
+
+use crate::cli::operating_points::Table;
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// Outputs in the text if none are named, by how they end, with the factor and unit for people.
+const SHOWN: [(&str, f64, &str); 9] = [
+    ("rotor.tip_speed_ratio", 1.0, "tip speed ratio"),
+    ("rotor.power", 1e-3, "power kW"),
+    ("rotor.torque", 1e-3, "torque kN.m"),
+    ("rotor.thrust", 1e-3, "thrust kN"),
+    ("rotor.power_coefficient", 1.0, "Cp"),
+    ("rotor.thrust_coefficient", 1.0, "Ct"),
+    (".deflection.z", 1.0, "tip z m"),
+    (".deflection.y", 1.0, "tip y m"),
+    (".root_moment.y", 1e-3, "root y kN.m"),
+];
+
+/// One operating point.
+pub(super) struct Row {
+    /// Wind in m/s.
+    pub wind_m_s: f64,
+    /// Speed of the rotor in rpm.
+    pub speed_rpm: f64,
+    /// Pitch in degrees; not a number where no joint pitches the blades.
+    pub pitch_deg: f64,
+    /// The state is a motion that every turn repeats; otherwise it turns with the rotor.
+    pub is_periodic: bool,
+    /// Whether the output that is to be held has its value; `None` where none is to be.
+    pub held: Option<bool>,
+    /// Mean and peak-to-peak value of each output.
+    pub values: Vec<[f64; 2]>,
+    /// Why there is no state.
+    pub cause: Option<String>,
+}
+
+impl Row {
+    fn state(&self) -> &'static str {
+        match (&self.cause, self.is_periodic) {
+            (Some(_), _) => "none",
+            (None, true) => "periodic",
+            (None, false) => "steady",
+        }
+    }
+
+    fn held(&self) -> &'static str {
+        match self.held {
+            None => "",
+            Some(true) => "held",
+            Some(false) => "below",
+        }
+    }
+
+    /// Cells of the CSV.
+    pub fn cells(&self) -> Vec<String> {
+        let number = |value: f64| if value.is_nan() { String::new() } else { format!("{value:?}") };
+        let own = [number(self.wind_m_s), number(self.speed_rpm), number(self.pitch_deg)];
+        let words = [self.state().to_owned(), self.held().to_owned(), self.cause.clone().unwrap_or_default()];
+        let values = self.values.iter().flatten().map(|value| number(*value));
+        own.into_iter().chain(words).chain(values).collect()
+    }
+}
+
+/// Names of the columns of the CSV.
+pub(super) fn header(outputs: &[(String, &'static str)]) -> Vec<String> {
+    let own = ["wind_m_s", "rotor_speed_rpm", "pitch_deg", "state", "hold", "message"].map(str::to_owned);
+    let values = outputs.iter().flat_map(|(name, _)| [format!("{name}.mean"), format!("{name}.peak_to_peak")]);
+    own.into_iter().chain(values).collect()
+}
+
+/// Columns of the text: place among the outputs, factor, and heading.
+pub(super) fn shown(table: &Table, named: bool) -> Vec<(usize, f64, String)> {
+    let outputs = table.outputs.iter().enumerate();
+    if named {
+        let label =
+            |name: &str, unit: &str| if ["", "1"].contains(&unit) { name.to_owned() } else { format!("{name} {unit}") };
+        return outputs.map(|(i, (name, unit))| (i, 1.0, label(name, unit))).collect();
+    }
+    let of = |(end, factor, heading): &(&str, f64, &str)| {
+        let own = |name: &str| match end.strip_prefix('.') {
+            Some(end) => table.blade.as_ref().is_some_and(|blade| *name == format!("body.{blade}.{end}")),
+            None => name == *end,
+        };
+        let place = table.outputs.iter().position(|(name, _)| own(name))?;
+        Some((place, *factor, (*heading).to_owned()))
+    };
+    SHOWN.iter().filter_map(of).collect()
+}
+
+/// The table for people: means, and peak-to-peak values behind a bar where the state is a motion.
+pub(super) fn rows_text(table: &Table, columns: &[(usize, f64, String)]) -> String {
+    let periodic = table.rows.iter().any(|row| row.is_periodic);
+    let found = table.rows.iter().any(|row| row.held.is_some());
+    let width = |heading: &str| heading.chars().count().max(11) + 2;
+    let mut text =
+        format!("{}: operating points, {}\n", table.name, if periodic { "means | peak to peak" } else { "steady" });
+    let _ = write!(text, "{:>9}{:>11}{:>11}  {:8}", "wind m/s", "speed rpm", "pitch deg", "state");
+    if found {
+        let _ = write!(text, " {:5}", "hold");
+    }
+    let headings = |text: &mut String| {
+        columns.iter().for_each(|(_, _, heading)| {
+            let _ = write!(text, "{heading:>width$}", width = width(heading));
+        })
+    };
+    headings(&mut text);
+    if periodic {
+        text.push_str(" |");
+        headings(&mut text);
+    }
+    text.push('\n');
+    for row in &table.rows {
+        let _ = write!(text, "{:9.4}{:11.5}{:11.5}  {:8}", row.wind_m_s, row.speed_rpm, row.pitch_deg, row.state());
+        if found {
+            let _ = write!(text, " {:5}", row.held());
+        }
+        for part in 0..if periodic { 2 } else { 1 } {
+            if part == 1 {
+                text.push_str(" |");
+            }
+            for (place, factor, heading) in columns {
+                let width = width(heading);
+                let _ = match row.values.get(*place) {
+                    Some(pair) => write!(text, "{:>width$}", digits(pair[part] * factor)),
+                    None => write!(text, "{:>width$}", "-"),
+                };
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Six digits, without an exponent where there is room.
+fn digits(value: f64) -> String {
+    let size = value.abs();
+    match size {
+        0.0 => "0".to_owned(),
+        _ if !(1e-3..1e7).contains(&size) => format!("{value:.4e}"),
+        _ => format!("{value:.*}", (5 - size.log10().floor() as i32).clamp(0, 6) as usize),
+    }
+}
+
+/// The table for programs.
+pub(super) fn as_json(table: &Table) -> Value {
+    let row = |row: &Row| {
+        let column = |part: usize| -> Vec<f64> { row.values.iter().map(|pair| pair[part]).collect() };
+        json!({
+            "wind_m_s": row.wind_m_s,
+            "rotor_speed_rpm": row.speed_rpm,
+            "pitch_deg": row.pitch_deg,
+            "state": row.state(),
+            "hold": row.held.map(|held| if held { "held" } else { "below" }),
+            "message": row.cause,
+            "mean": column(0),
+            "peak_to_peak": column(1),
+        })
+    };
+    json!({
+        "name": table.name,
+        "outputs": table.outputs.iter().map(|(name, unit)| json!({ "name": name, "unit": unit })).collect::<Vec<_>>(),
+        "points": table.rows.iter().map(row).collect::<Vec<_>>(),
+    })
+}

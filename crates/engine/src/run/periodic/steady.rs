@@ -1,0 +1,39 @@
+//! Where a turning machine settles: a state that turns with the rotor where there is one, a motion that every turn repeats elsewhere.
+
+use crate::run::Plant;
+use crate::run::periodic::shooting::PeriodicMotion;
+use crate::run::periodic::turn::Turn;
+use crate::system::PlantError;
+
+/// What other azimuths may ask of a steady state, in rad or over the machine's length: rounded angles of a model file make 1e-7.
+const STEADY: f64 = 1e-6;
+
+/// Where a machine settles whose shaft turns at a constant speed.
+#[derive(Debug, Clone)]
+pub enum Settled {
+    /// The plant is in the state, which turns with the rotor.
+    Steady,
+    /// The plant is at the begin of a turn that brings its state back.
+    Periodic(PeriodicMotion),
+}
+
+impl Plant {
+    /// Where the machine that [`Turn::of`] has made ready settles, NOTATION eqs. (L32), (L33) and (L40): an initialised plant goes to the
+    /// state that turns with the rotor, if tilt, gravity and shear allow one, otherwise to the begin of a turn that repeats, found from
+    /// that state to `accuracy` as [`Plant::periodic`] finds it.
+    ///
+    /// Whether the state is steady is measured: at two further azimuths it must not change by more than 1e-6 of the machine's length.
+    ///
+    /// # Errors
+    /// As [`Plant::periodic`].
+    pub fn settle(&mut self, turn: &Turn, accuracy: f64) -> Result<Settled, PlantError> {
+        let begin = self.snapshot();
+        match self.study().turn_in_balance(turn.shaft, turn.speed_rad_s) {
+            Ok(swing) if swing <= STEADY => return Ok(Settled::Steady),
+            Ok(_) => {}
+            // nothing balances at one azimuth; a turn may still repeat
+            Err(_) => self.restore(&begin)?,
+        }
+        self.periodic(turn, accuracy).map(Settled::Periodic)
+    }
+}

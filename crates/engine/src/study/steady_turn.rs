@@ -1,0 +1,98 @@
+//! The state with which a machine turns steadily: its loads are the same at every azimuth, so that nothing but the shaft moves.
+
+use crate::multibody::norm::kinematic_norm;
+use crate::solve::EquationsOfMotion;
+use crate::study::Study;
+use crate::study::whirl::scaled_solution;
+use crate::system::PlantError;
+use crate::system::freedoms::Freedom;
+use nalgebra::DVector;
+
+/// Azimuths in rad beside the first at which the state must be the same; no symmetry of a rotor has these angles.
+const AZIMUTHS_RAD: [f64; 2] = [0.7, 1.9];
+/// Correction over the machine's length, or in rad, at which the state is found: loads of the air are balanced to 1e-10 of themselves.
+const FOUND: f64 = 1e-9;
+/// Longest correction.
+const LONGEST: f64 = 0.3;
+/// Maximum number of corrections.
+const MAXIMUM_CORRECTIONS: usize = 100;
+
+impl Study<'_> {
+    /// Brings a machine whose shaft (its body) turns at a given speed to the state in which nothing else moves, under gravity, loads and an
+    /// established flow at its present azimuth, NOTATION eq. (L40). Returns by how much other azimuths would have it otherwise: over the
+    /// machine's length, or in rad. Where that is nothing the state turns with the rotor and is steady; else it is the first guess of a
+    /// periodic motion.
+    ///
+    /// # Errors
+    /// [`PlantError::Periodic`] where no such state is found: nothing holds a joint, or air and structure do not agree. The machine is
+    /// then where the search has ended.
+    pub(crate) fn turn_in_balance(&mut self, shaft: usize, speed_rad_s: f64) -> Result<f64, PlantError> {
+        let time_s = self.system.state.now.time_s;
+        let refused = |cause: String| PlantError::Periodic { time_s, cause };
+        let freedoms = self.system.freedoms();
+        let shaft = self.system.equations.model.bodies[shaft].joint.coordinate;
+        let now = &mut self.system.state.now;
+        now.v.fill(0.0);
+        now.a.fill(0.0);
+        now.auxiliary.fill(0.0);
+        now.v[shaft] = speed_rad_s;
+        let mut size = f64::NAN;
+        for _ in 0..MAXIMUM_CORRECTIONS {
+            let (change, own) = self.correction(time_s, &freedoms).map_err(refused)?;
+            size = own;
+            if !size.is_finite() {
+                break;
+            }
+            let share = (LONGEST / size).min(1.0);
+            let q = &mut self.system.state.now.q;
+            q.iter_mut().zip(&change).for_each(|(q, change)| *q += share * change);
+            if size <= FOUND {
+                return self.swing(time_s, shaft, &freedoms).map_err(refused);
+            }
+        }
+        Err(refused(format!(
+            "no steady state at {speed_rad_s} rad/s: structure and air still differ by {size:.1e} (rotation in rad, or displacement over \
+             the machine's length) after {MAXIMUM_CORRECTIONS} corrections"
+        )))
+    }
+
+    /// Newton's step towards the balance under the loads of the air on the present state, and its size.
+    fn correction(&mut self, time_s: f64, freedoms: &[Freedom]) -> Result<(Vec<f64>, f64), String> {
+        self.system.start_air(time_s).map_err(|error| error.to_string())?;
+        let now = &self.system.state.now;
+        let mut residual = vec![0.0; now.q.len()];
+        self.system.equations.residual(time_s, &now.q, &now.v, &now.a, &mut residual);
+        let right = DVector::from_iterator(freedoms.len(), freedoms.iter().map(|freedom| -residual[freedom.index]));
+        let mut change = vec![0.0; residual.len()];
+        if !freedoms.is_empty() {
+            let stiffness = self.moving_stiffness(freedoms);
+            let solved = scaled_solution(&stiffness, &right).ok_or("nothing holds what the rotor's joints carry")?;
+            for (freedom, amount) in freedoms.iter().zip(solved.iter()) {
+                change.iter_mut().zip(self.direction(freedom)).for_each(|(sum, unit)| *sum += amount * unit);
+            }
+        }
+        let equations = &mut self.system.equations;
+        let size = kinematic_norm(&equations.model, &mut equations.work, &change);
+        Ok((change, size))
+    }
+
+    /// Largest correction that other azimuths ask for. The state stays, with the loads of its own azimuth.
+    fn swing(&mut self, time_s: f64, shaft: usize, freedoms: &[Freedom]) -> Result<f64, String> {
+        let kept = self.system.state.now.q.clone();
+        let mut swing = 0.0f64;
+        for azimuth_rad in AZIMUTHS_RAD {
+            self.system.state.now.q[shaft] = kept[shaft] + azimuth_rad;
+            let beside = self.correction(time_s, freedoms);
+            self.system.state.now.q.copy_from_slice(&kept);
+            let (_, size) = beside?;
+            swing = if size.is_nan() { f64::INFINITY } else { swing.max(size) };
+        }
+        self.system.start_air(time_s).map_err(|error| error.to_string())?;
+        let state = &mut self.system.state;
+        for point in [&mut state.before, &mut state.start, &mut state.ahead] {
+            point.copy_from(&state.now);
+        }
+        self.system.evaluate();
+        Ok(swing)
+    }
+}

@@ -1,0 +1,259 @@
+//! Rotors as a script studies them: `periodic`, `operating-points`, `modes --over rotor_speed_rpm`.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// The stand of the turbine tests, small and quick: three blades of one flap and one edge shape, pitched by locked joints.
+const ROTOR: &str = r#"
+name = "Rotor"
+gravity_m_s2 = [0.0, 0.0, 0.0]
+[rigid_body.hub]
+mass_kg = 10.0
+inertia_kg_m2 = [1.0, 1.0, 1.0, 0, 0, 0]
+[joint.shaft]
+type = "revolute"
+parent = "root"
+child = "hub"
+axis = [1, 0, 0]
+start_rate_deg_s = 240.0
+[modal_body.blade]
+count = 3
+length_m = 9.5
+cells = 8
+stations = [0, 1]
+mass_kg_m = [10, 5]
+flap_stiffness_N_m2 = [1e6, 2e5]
+edge_stiffness_N_m2 = [2e6, 4e5]
+flap_shapes = [[1.0]]
+edge_shapes = [[1.0]]
+flap_damping_ratios = [0.01]
+edge_damping_ratios = [0.01]
+[joint.pitch]
+type = "revolute"
+parent = "hub"
+child = "blade"
+axis = [0.0, 0.0, -1.0]
+motion = "locked"
+parent_offset_m = [0.0, 0.0, 0.5]
+mount_rotation_deg = [127.27922061357854, 0.0, 127.27922061357854]
+"#;
+
+const AIR: &str = r#"
+[aerodynamics]
+model = "bem"
+hub = "hub"
+hub_radius_m = 0.5
+wind_m_s = [8.0, 0.0, 0.0]
+step_s = 0.02
+[surface.blade]
+body = "blade"
+axis_fraction = 0.25
+stations_m = [0.0, 2.0, 4.0, 6.0, 8.0, 9.5]
+polars = ["plate", "plate", "plate", "plate", "plate", "plate"]
+chord_m = 0.5
+incidence_deg = { table = [[0.0, -20.0], [2.0, -12.0], [5.0, -5.0], [9.5, -1.0]] }
+[polar.plate]
+rows = [[-180, 0, 0.5, 0], [-12, -1.1, 0.03, 0], [12, 1.1, 0.03, 0], [180, 0, 0.5, 0]]
+"#;
+
+/// A folder with the rotor in air, and without.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("windy.toml"), format!("{ROTOR}{AIR}")).expect("a file");
+    std::fs::write(folder.path().join("bare.toml"), ROTOR).expect("a file");
+    folder
+}
+
+fn call(folder: &Path, line: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_foldwing"))
+        .current_dir(folder)
+        .args(line.split_whitespace())
+        .output()
+        .expect("the command runs")
+}
+
+#[track_caller]
+fn told(folder: &Path, line: &str) -> String {
+    let output = call(folder, line);
+    assert!(output.status.success(), "{line}\n{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+#[track_caller]
+fn json(folder: &Path, line: &str) -> Value {
+    serde_json::from_str(&told(folder, &format!("{line} --json"))).expect("JSON")
+}
+
+/// Mean of an output at a point.
+#[track_caller]
+fn mean(table: &Value, point: usize, name: &str) -> f64 {
+    let outputs = table["outputs"].as_array().expect("outputs");
+    let place = outputs.iter().position(|output| output["name"] == name).expect(name);
+    table["points"][point]["mean"][place].as_f64().expect("a number")
+}
+
+/// Lists go with each other, or value by value; CSV and JSON have the same numbers; the speed of a tip speed ratio is bounded; the
+/// torque that holds the shaft is that of the air.
+#[test]
+fn points_of_a_rotor() {
+    let folder = folder();
+    let folder = folder.path();
+    let table =
+        json(folder, "operating-points windy.toml --wind-m-s 7,9 --speed-rpm 30:50:3 --pitch-deg 0,2 --csv points.csv");
+    let points = table["points"].as_array().expect("points");
+    assert_eq!(points.len(), 12);
+    let of = |k: usize, key: &str| points[k][key].as_f64().expect(key);
+    assert_eq!([of(3, "wind_m_s"), of(3, "rotor_speed_rpm").round(), of(3, "pitch_deg")], [7.0, 40.0, 2.0]);
+    assert!(points.iter().all(|point| point["state"] == "steady" && point["peak_to_peak"][0] == 0.0));
+    let csv = std::fs::read_to_string(folder.join("points.csv")).expect("a table");
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    let column = reader.headers().expect("a header").iter().position(|name| name == "rotor.power.mean").expect("power");
+    let powers: Vec<f64> = reader.records().map(|row| row.expect("a row")[column].parse().expect("a number")).collect();
+    assert_eq!(powers, (0..12).map(|k| mean(&table, k, "rotor.power")).collect::<Vec<_>>());
+    // the torque that holds the shaft is against that of the air
+    let [torque, holding] = ["rotor.torque", "shaft.holding_torque"].map(|name| mean(&table, 2, name));
+    assert!((torque + holding).abs() < 1e-6 * torque.abs(), "{torque} {holding}");
+    assert!(
+        (mean(&table, 2, "rotor.power") / torque - of(2, "rotor_speed_rpm") * std::f64::consts::PI / 30.0).abs() < 1e-9
+    );
+
+    let paired = json(folder, "operating-points windy.toml --wind-m-s 7,9 --speed-rpm 30,50 --pitch-deg 2 --paired");
+    assert_eq!(paired["points"].as_array().expect("points").len(), 2);
+    assert_eq!(mean(&paired, 1, "rotor.thrust"), mean(&table, 11, "rotor.thrust"));
+
+    let bounded = json(folder, "operating-points windy.toml --wind-m-s 4,8 --tip-speed-ratio 6 --speed-rpm 40");
+    let ratio = mean(&bounded, 0, "rotor.tip_speed_ratio");
+    // of the wind that the bent blades meet; the ratio asked for is that of the stiff rotor
+    assert!((ratio / 6.0 - 1.0).abs() < 0.02, "{ratio}");
+    assert!((bounded["points"][1]["rotor_speed_rpm"].as_f64().expect("a speed") - 40.0).abs() < 1e-12);
+}
+
+/// The pitch and the speed that hold an output, from either side of the last point, and where nothing has to be held or can be.
+#[test]
+fn points_that_hold_an_output() {
+    let folder = folder();
+    let folder = folder.path();
+    let free = json(folder, "operating-points windy.toml --wind-m-s 8,10,12 --speed-rpm 40 --pitch-deg 6");
+    // the power at 10 m/s and 6 degrees: at 12 m/s more pitch holds it, at 10 m/s those 6 degrees, at 6 m/s there is less
+    let power = mean(&free, 1, "rotor.power");
+    assert!(power > 0.0);
+    let line = format!(
+        "operating-points windy.toml --wind-m-s 12,10,14,6 --speed-rpm 40 --find pitch_deg=0:40 --hold rotor.power={power:?}"
+    );
+    let held = json(folder, &line);
+    for (k, expected) in ["held", "held", "held", "below"].iter().enumerate() {
+        assert_eq!(held["points"][k]["hold"], *expected, "point {k}");
+    }
+    let pitch = |k: usize| held["points"][k]["pitch_deg"].as_f64().expect("a pitch");
+    assert!((pitch(1) - 6.0).abs() < 1e-3, "{}", pitch(1));
+    assert!(pitch(2) > pitch(0) && pitch(0) > 6.0 && pitch(3) == 0.0);
+    (0..3).for_each(|k| assert!((mean(&held, k, "rotor.power") / power - 1.0).abs() < 1e-6, "point {k}"));
+    assert!(mean(&held, 3, "rotor.power") < power);
+
+    let torque = mean(&json(folder, "operating-points windy.toml --wind-m-s 8 --speed-rpm 55"), 0, "rotor.torque");
+    let line =
+        format!("operating-points windy.toml --wind-m-s 8 --find speed_rpm=35:90 --hold rotor.torque={torque:?}");
+    let held = json(folder, &line);
+    assert!((held["points"][0]["rotor_speed_rpm"].as_f64().expect("a speed") - 55.0).abs() < 1e-3, "{held:#}");
+    // a row without a state says why, others stand; alone it is refused
+    let line = format!(
+        "operating-points windy.toml --wind-m-s 6,14 --speed-rpm 40 --find pitch_deg=0:1 --hold rotor.power={power:?}"
+    );
+    let output = call(folder, &line);
+    let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
+    assert!(output.status.success() && out.contains("none") && err.contains("is always above it"), "{out}{err}");
+    let output = call(folder, &line.replace("6,14", "14"));
+    assert_eq!(output.status.code(), Some(3));
+}
+
+/// Gravity makes the rotor swing: the table has ranges, and they are those that `periodic` prints.
+#[test]
+fn points_that_swing() {
+    let folder = folder();
+    let folder = folder.path();
+    let table =
+        json(folder, "operating-points windy.toml --wind-m-s 8 --speed-rpm 40 --set gravity.z=-9.81 --steps 288");
+    assert_eq!(table["points"][0]["state"], "periodic");
+    let line = "periodic windy.toml --speed-rpm 40 --set gravity.z=-9.81 --steps 288 --count 0 --output body.blade1.deflection.y,rotor.power";
+    let periodic = json(folder, line);
+    for output in periodic["outputs"].as_array().expect("outputs") {
+        let name = output["name"].as_str().expect("a name");
+        let outputs = table["outputs"].as_array().expect("outputs");
+        let place = outputs.iter().position(|own| own["name"] == name).expect(name);
+        let range = table["points"][0]["peak_to_peak"][place].as_f64().expect("a range");
+        let other = 2.0 * output["half_range"].as_f64().expect("a range");
+        assert!((range / other - 1.0).abs() < 1e-3, "{name}: {range} {other}");
+        let (own, other) = (mean(&table, 0, name), output["mean"].as_f64().expect("a mean"));
+        assert!((own - other).abs() < 1e-4 * own.abs().max(range), "{name}: {own} {other}");
+    }
+    let text =
+        told(folder, "operating-points windy.toml --wind-m-s 8 --speed-rpm 40 --set gravity.z=-9.81 --steps 288");
+    assert!(text.contains("means | peak to peak") && text.contains("periodic"), "{text}");
+}
+
+/// The command's periodic motion: table, CSV over the turn, modes; its text names the state.
+#[test]
+fn a_motion_that_repeats() {
+    let folder = folder();
+    let folder = folder.path();
+    let text =
+        told(folder, "periodic bare.toml --speed-rpm 40 --set gravity.z=-9.81 --steps 288 --count 6 --csv turn.csv");
+    assert!(text.contains("periodic at 40.000000 rpm") && text.contains("blade flap 1"), "{text}");
+    let csv = std::fs::read_to_string(folder.join("turn.csv")).expect("a table");
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(lines.len(), 146);
+    assert!(lines[0].starts_with("turn_deg,") && lines[145].starts_with("360,"));
+    let other = call(folder, "periodic bare.toml --speed-rpm 40 --steps 288 --count 0 --output tip --csv turn.csv");
+    assert!(!other.status.success(), "another table is not overwritten");
+}
+
+/// `modes --over rotor_speed_rpm` takes Floquet's theory by itself under gravity and of a rotor with a heavier blade, with the picture; nearly
+/// without gravity its modes are Coleman's.
+#[test]
+fn campbell_diagrams_of_both_kinds() {
+    let folder = folder();
+    let folder = folder.path();
+    let over = "modes bare.toml --over rotor_speed_rpm=20,40 --count 6";
+    let coleman = told(folder, &format!("{over} --csv coleman.csv"));
+    let floquet = told(folder, &format!("{over} --csv floquet.csv --set gravity.z=-1e-9 --plot pictures"));
+    assert!(coleman.contains("without air") && floquet.contains("beside the motion that every turn repeats"));
+    assert!(folder.join("pictures/campbell.png").is_file());
+    let rows = |name: &str| -> Vec<(f64, f64, f64, String)> {
+        let text = std::fs::read_to_string(folder.join(name)).expect("a table");
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let mut list: Vec<(f64, f64, f64, String)> = reader
+            .records()
+            .map(|row| {
+                let row = row.expect("a row");
+                let number = |k: usize| row[k].parse().expect("a number");
+                (number(0), number(2), number(3), row[6].to_owned())
+            })
+            .collect();
+        list.sort_by(|a, b| (a.0, a.1).partial_cmp(&(b.0, b.1)).expect("numbers"));
+        list
+    };
+    let (one, other) = (rows("coleman.csv"), rows("floquet.csv"));
+    // the shaft is free in one and held in the other: collective edge modes differ
+    let blades = |list: Vec<(f64, f64, f64, String)>| -> Vec<(f64, f64, f64, String)> {
+        list.into_iter().filter(|row| row.3.contains("ward") || row.3.contains("flap 1 collective")).collect()
+    };
+    let (one, other) = (blades(one), blades(other));
+    assert!(one.len() >= 8, "{one:?}");
+    for row in &one {
+        let same = other.iter().filter(|known| known.0 == row.0 && known.3 == row.3);
+        let near = same.map(|known| (known.1 / row.1 - 1.0).abs() + (known.2 - row.2).abs()).fold(f64::MAX, f64::min);
+        // 720 steps of the fourth order
+        assert!(near < 1e-5, "{row:?} in {other:?}");
+    }
+    // one blade heavier: the transformation has no constant coefficients
+    let heavy = format!(
+        "{ROTOR}[rigid_body.ball]\nmass_kg = 5.0\ninertia_kg_m2 = [0.1, 0.1, 0.1, 0, 0, 0]\n[joint.ball]\ntype = \"clamped\"\nparent = \"blade1\"\nchild = \"ball\"\n"
+    );
+    std::fs::write(folder.join("heavy.toml"), heavy).expect("a file");
+    let output = call(folder, "modes heavy.toml --over rotor_speed_rpm=20,40 --count 4");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && stderr.contains("not isotropic"), "{stderr}");
+    let output = call(folder, "modes heavy.toml --about undeformed --over rotor_speed_rpm=20,40 --count 4");
+    assert_eq!(output.status.code(), Some(3));
+}

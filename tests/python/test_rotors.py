@@ -1,0 +1,68 @@
+"""Rotors: the motion that every turn repeats, operating points; the numbers of the command."""
+
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+import foldwing as fw
+
+BARE, WINDY = "examples/turbine/nrel_5mw.toml", "examples/turbine/nrel_5mw_wind.toml"
+
+
+def said(command, *words):
+    """What the command prints as JSON."""
+    return json.loads(subprocess.run([command, *words, "--json"], capture_output=True, text=True, check=True).stdout)
+
+
+def test_the_motion_is_that_of_the_command(command):
+    names = ["body.blade1.deflection.y"]
+    theirs = said(command, "periodic", BARE, "--speed-rpm", "12.1", "--steps", "144", "--count", "0", "--output", ",".join(names))
+    turn = fw.load(BARE).periodic(12.1, steps=144, count=0, outputs=names)
+    assert {key: value for key, value in turn.data.items() if key in theirs} == theirs
+    edge = turn[names[0]]
+    assert edge.shape == (145,) and turn.turn_deg[[0, -1]].tolist() == [0.0, 360.0]
+    assert edge[-1] == pytest.approx(edge[0], abs=1e-6)
+    assert turn.mean(names[0]) == pytest.approx(edge[:-1].mean(), rel=1e-12)
+    wave = 2.0 * abs(np.mean(edge[:-1] * np.exp(-1j * np.radians(turn.turn_deg[:-1]))))
+    assert turn.amplitude(names[0], 1) == pytest.approx(wave, rel=1e-9) and wave > 0.3
+    assert len(turn.multipliers) == 0 and "at 12.1 rpm" in repr(turn)
+    with pytest.raises(KeyError, match="not among the outputs"):
+        turn["tip"]
+
+
+def test_modes_beside_the_motion():
+    turn = fw.load(BARE).periodic(12.1, steps=288, count=4, outputs="body.tower.deflection.z")
+    assert turn.stable and len(turn.multipliers) == 4 and turn.motions[0].startswith("tower")
+    assert abs(turn.eigenvalues_1_s[0]) / (2.0 * np.pi) == pytest.approx(0.3139, rel=1e-3)
+
+
+def test_points_are_those_of_the_command(command):
+    words = ["--wind-m-s", "8", "--speed-rpm", "9.16", "--pitch-deg", "1", "--steps", "144", "--accuracy", "1e-5"]
+    theirs = said(command, "operating-points", WINDY, *words, "--output", "rotor.*")
+    table = fw.load(WINDY).operating_points(8.0, speed_rpm=9.16, pitch_deg=1.0, outputs="rotor.*", steps=144, accuracy=1e-5)
+    assert table.data == theirs and len(table) == 1 and table.state == ["periodic"] and table.held == [None]
+    assert table.speed_rpm[0] == pytest.approx(9.16) and table.pitch_deg[0] == 1.0
+    assert table["rotor.power"][0] == pytest.approx(1.85e6, rel=0.02) and table.peak_to_peak("rotor.power")[0] > 0.0
+    assert "rotor.thrust" in table.names() and "1 points" in repr(table)
+    with pytest.raises(KeyError, match="not among the outputs"):
+        table["rotor.pwer"]
+
+
+def test_what_cannot_be_asked_is_refused_by_name():
+    bare, windy = fw.load(BARE), fw.load(WINDY)
+    with pytest.raises(fw.UsageError, match="has no air; operating points need"):
+        bare.operating_points(8.0)
+    with pytest.raises(fw.UsageError, match="--find and --hold belong together"):
+        windy.operating_points(8.0, find=("pitch_deg", 0.0, 40.0))
+    with pytest.raises(fw.UsageError, match="must be pitch_deg=FROM:TO"):
+        windy.operating_points(8.0, find=("pitch", 0.0, 40.0), hold=("rotor.power", 1.0))
+    with pytest.raises(fw.UsageError, match="has no value"):
+        windy.operating_points([])
+    with pytest.raises(fw.UsageError, match="wind.velocity.x"):
+        windy.operating_points(8.0, set={"wind.velocty.x": 1.0})
+    with pytest.raises(fw.StaticsError, match="the speed of the shaft"):
+        windy.operating_points(8.0, speed_rpm=0.0)
+    with pytest.raises(fw.StaticsError, match="no speed of its own"):
+        bare.periodic()
