@@ -19,7 +19,7 @@ from .linear import LinearModel
 from .model import Model, load
 from .result import Result
 from .simulation import Simulation
-from .study import Flutter, Modes, Rest, Trim
+from .study import Flutter, FlutterMap, Modes, Rest, Trim
 from .table import Table
 from .variable import Variable
 
@@ -27,6 +27,7 @@ __all__ = [
     "Builder",
     "FilesError",
     "Flutter",
+    "FlutterMap",
     "FoldwingError",
     "LinearModel",
     "Model",

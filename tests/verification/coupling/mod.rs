@@ -10,6 +10,7 @@ mod flutter;
 mod frames;
 mod goland;
 mod identification;
+mod lattice_modes;
 mod lattice_stability;
 mod light_tips;
 mod linear_flutter;

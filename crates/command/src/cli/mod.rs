@@ -49,8 +49,8 @@ mod trim;
 mod view;
 
 pub use calls::{
-    Packaging, SweepPlan, SweepRun, chosen, flutter, modes, package, points, rest, summary, summary_json, trim,
-    write_page,
+    ModesOf, Packaging, SweepPlan, SweepRun, chosen, flutter, modes, package, points, rest, summary, summary_json,
+    trim, write_page,
 };
 
 use clap::{CommandFactory, Parser, Subcommand};
