@@ -205,3 +205,90 @@ fn q76_listed_modes_are_the_slowest_of_the_whole_model() {
     println!("{decaying} decay, {growing} grow; {few} machines have fewer");
     assert!(decaying > 3 && growing > 0 && few > 0, "{decaying} decay, {growing} grow; {few} have fewer");
 }
+
+/// A plate swept forward by 25° that diverges, or one that a weak spring and a damper hold about the way of the wind; both in a lattice
+/// that the wind passes by a panel in a step.
+fn plate(rolls: bool, speed_m_s: f64) -> Plant {
+    let step_s = 0.1 / speed_m_s;
+    let wall = match rolls {
+        true => {
+            "type = \"revolute\"\naxis = [0.0, 1.0, 0.0]\nstart_rate_deg_s = 1.0\n[joint.wall.drive]\nstiffness_N_m_rad = 0.4\ndamping_N_m_s_rad = 0.05"
+        }
+        false => "type = \"clamped\"\nmount_rotation_deg = [0.0, 0.0, 25.0]",
+    };
+    let wall = wall.replacen('\n', "\nparent = \"root\"\nchild = \"wing\"\n", 1);
+    let text = format!(
+        "name = \"Plate\"\n[section.spar]\nshape = \"rectangle\"\nwidth_m = 0.2\nheight_m = 0.002\ndensity_kg_m3 = 1600.0\nyoung_Pa = 60e9\n\
+         poisson_ratio = 0.3\n[body.wing]\nlength_m = 0.8\nsection = \"spar\"\nelements = 2\n[joint.wall]\n{wall}\n\
+         [aerodynamics]\nmodel = \"uvlm\"\nwind_m_s = [0.0, {:?}, 0.0]\nstep_s = {step_s:?}\nwake_rows = 30\ncoupling_tolerance = 1e-9\n\
+         [surface.wing]\nbody = \"wing\"\nchord_m = 0.2\naxis_fraction = 0.5\nstrips = 4\nchord_panels = 2\n\
+         [solver]\ntolerance = 1e-9\nmax_step_s = {step_s:?}\n",
+        -speed_m_s
+    );
+    Plant::new(Arc::new(config::parse(&text, "plate.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))))
+}
+
+/// Real modes and the sign of the determinant of the static stiffness.
+fn at_rest(plant: &mut Plant) -> (Vec<f64>, Option<bool>) {
+    plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
+    let (modes, sign) = plant.study().lattice_modes_and_rest(8).unwrap_or_else(|error| panic!("{error}"));
+    let real = modes.iter().map(|mode| mode.eigenvalue_1_s).filter(|value| value.im == 0.0);
+    (real.map(|value| value.re).collect(), sign)
+}
+
+/// Q-77. A plate swept forward diverges where the determinant of its static stiffness vanishes: there a real mode passes through zero.
+#[test]
+fn q77_a_forward_swept_plate_diverges_where_its_stiffness_vanishes() {
+    let (mut low_m_s, mut high_m_s) = (5.0, 60.0);
+    while high_m_s - low_m_s > 1e-7 * low_m_s {
+        let middle_m_s = 0.5 * (low_m_s + high_m_s);
+        let (_, sign) = at_rest(&mut plate(false, middle_m_s));
+        if sign == Some(true) { low_m_s = middle_m_s } else { high_m_s = middle_m_s }
+    }
+    let slowest = |speed_m_s: f64| {
+        let (real, _) = at_rest(&mut plate(false, speed_m_s));
+        real.into_iter().min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or_else(|| panic!("none at {speed_m_s} m/s"))
+    };
+    let [below, above] = [0.9999, 1.0001].map(|factor| slowest(factor * low_m_s));
+    assert!(below < 0.0 && above > 0.0, "{below} {above}");
+    // straight between the two: over 0.2 % of the speed the curvature shifts the zero by 5e-6, over 0.02 % by a hundredth of that
+    let zero_m_s = low_m_s * (0.9999 + 0.0002 * below / (below - above));
+    println!("divergence at {low_m_s} m/s, real modes {below} and {above} 1/s beside, zero at {zero_m_s} m/s");
+    assert!((zero_m_s / low_m_s - 1.0).abs() < 1e-6, "{zero_m_s} {low_m_s}");
+    // no more is unstable there than this
+    assert_eq!(at_rest(&mut plate(false, 1.001 * low_m_s)).0.iter().filter(|value| **value > 0.0).count(), 1);
+}
+
+/// Q-77. In time the slowest motion is what remains: after a start with a rate the wing returns as its slowest mode, which only decays;
+/// beyond divergence it leaves as the mode that only grows.
+#[test]
+fn q77_what_only_decays_or_grows_does_so_in_time() {
+    for (rolls, speed_m_s, from_s, to_s) in [(true, 12.0, 2.0, 4.0), (false, 31.0, 0.6, 0.9)] {
+        let mut plant = plate(rolls, speed_m_s);
+        let (real, _) = at_rest(&mut plant);
+        let expected = match rolls {
+            true => real.iter().copied().max_by(f64::total_cmp),
+            false => real.iter().copied().find(|value| *value > 0.0),
+        };
+        let expected = expected.unwrap_or_else(|| panic!("no real mode: {real:?}"));
+        let mut plant = plate(rolls, speed_m_s);
+        if !rolls {
+            // a push that is so small that the motion stays linear
+            plant.inputs_mut().root_mut().gravity_m_s2.z = -1e-9;
+        }
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        let mut rate = |time_s: f64| {
+            let step_s = 0.01;
+            let mut height = [0.0; 2];
+            for (i, height) in height.iter_mut().enumerate() {
+                plant.step(time_s + i as f64 * step_s).unwrap_or_else(|error| panic!("{error}"));
+                *height = plant.outputs().tips()[0].position_m.z;
+            }
+            height[1] - height[0]
+        };
+        let (begin, end) = (rate(from_s), rate(to_s));
+        let marched = (end / begin).ln() / (to_s - from_s);
+        println!("real modes {real:?}; in time {marched:.6} 1/s");
+        assert!((marched / expected - 1.0).abs() < 1e-3, "{rolls}: {marched} {expected}");
+    }
+}
