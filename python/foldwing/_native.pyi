@@ -37,7 +37,13 @@ class Model:
     def flutter_over_json(
         self, keys: Sequence[str], rows: Sequence[Sequence[str]], speeds_m_s: _Array, count: int
     ) -> List[str]: ...
-    def trim_json(self, settings: _Settings, free: Sequence[str], balances: Sequence[Tuple[str, float]]) -> str: ...
+    def trim_json(
+        self,
+        settings: _Settings,
+        free: Sequence[str],
+        balances: Sequence[Tuple[str, float]],
+        turns: Sequence[Tuple[str, float]],
+    ) -> str: ...
     def package(
         self,
         output: Union[str, "os.PathLike[str]"],

@@ -382,10 +382,10 @@ class Model:
         Args:
             free: names of inputs and parameters whose values are sought, as many as there are balances. Names joined by commas
                 share a value, and `-name` takes its negative. `attitude.roll`, `attitude.pitch` and `attitude.yaw` turn the machine
-                relative to gravity and wind.
+                relative to gravity and wind; `turn.rate` is the rate of a steady turn to the right.
             balance: outputs and the values that they must have at rest, in SI units. Forces and moments on free joints are
                 always balanced too; they are not named here.
-            set: start values; for free values the first guess.
+            set: start values, also of the attitude in rad and of `turn.rate` in rad/s; for free values the first guess.
 
         >>> wing = load("examples/models/flared_wing_tip.toml")
         >>> trim = wing.trim("wind.velocity.z", {"root.force.z": 0.0})
@@ -394,9 +394,11 @@ class Model:
         True
         """
         names = [free] if isinstance(free, str) else list(free)
-        settings = dict(set or {})
+        own = ("attitude.roll", "attitude.pitch", "attitude.yaw", "turn.rate")
+        settings = {name: value for name, value in (set or {}).items() if name not in own}
+        turns = [(name, float(np.asarray(value))) for name, value in (set or {}).items() if name in own]
         balances = [(name, float(value)) for name, value in (balance or {}).items()]
-        return Trim(json.loads(self._native.trim_json(list(settings.items()), names, balances)), settings)
+        return Trim(json.loads(self._native.trim_json(list(settings.items()), names, balances, turns)), settings)
 
     def linearize(
         self,

@@ -181,9 +181,10 @@ impl Model {
         settings: Vec<(String, Bound<'_, PyAny>)>,
         free: Vec<String>,
         balances: Vec<(String, f64)>,
+        turns: Vec<(String, f64)>,
     ) -> PyResult<String> {
         let plant = self.plant(&settings)?;
-        py.detach(|| cli::trim(plant, &self.shared.interface, &free, &balances))
+        py.detach(|| cli::trim(plant, &self.shared.interface, &free, &balances, &turns))
             .map(|value| value.to_string())
             .map_err(|failure| refusal::command(&failure))
     }
