@@ -20,7 +20,7 @@ from .model import Model, load
 from .result import Result
 from .rotor import OperatingPoints, Periodic
 from .simulation import Simulation
-from .study import Flutter, Modes, Rest, Trim
+from .study import Flutter, FlutterMap, Modes, Rest, Trim
 from .table import Table
 from .variable import Variable
 
@@ -28,6 +28,7 @@ __all__ = [
     "Builder",
     "FilesError",
     "Flutter",
+    "FlutterMap",
     "FoldwingError",
     "LinearModel",
     "Model",

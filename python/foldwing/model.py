@@ -20,7 +20,7 @@ from .progress import bar
 from .result import Result
 from .rotor import RotorStudies
 from .simulation import Simulation
-from .study import Flutter, Modes, Rest, Trim
+from .study import Flutter, FlutterMap, Modes, Rest, Trim
 from .table import Table, grid_of
 from .variable import Start, Summary, Variable
 
@@ -297,13 +297,22 @@ class Model(RotorStudies):
         text = self._native.rest_json(list((set or {}).items()), path == "arc-length", branch == "stable")
         return Rest(json.loads(text))
 
-    def modes(self, count: int = 10, *, about: str = "equilibrium", set: Optional[Mapping[str, Start]] = None) -> Modes:
+    def modes(
+        self,
+        count: int = 10,
+        *,
+        about: str = "equilibrium",
+        set: Optional[Mapping[str, Start]] = None,
+        lattice: bool = False,
+    ) -> Modes:
         """Natural modes of lowest frequency, as `foldwing modes` finds them.
 
         Args:
             count: number of modes.
             about: `equilibrium`, or `undeformed` without loads, gravity and root motion.
             set: start values.
+            lattice: include the air of a vortex lattice, whose loads are otherwise held constant. Motions that only decay or only
+                grow are among the modes; there are fewer than `count` where the aerodynamic step shows no more.
 
         >>> modes = load("examples/models/folding_wing.toml").modes(3, set={"fold.release": False})
         >>> modes.frequency_Hz.shape
@@ -311,7 +320,9 @@ class Model(RotorStudies):
         """
         if about not in ("equilibrium", "undeformed"):
             raise UsageError(f"about={about!r}: allowed are equilibrium and undeformed")
-        return Modes(json.loads(self._native.modes_json(list((set or {}).items()), about == "undeformed", count)))
+        if lattice and about == "undeformed":
+            raise UsageError("lattice=True: the undeformed state has no loads, nor air; use about='equilibrium', or leave lattice out")
+        return Modes(json.loads(self._native.modes_json(list((set or {}).items()), about == "undeformed", count, lattice)))
 
     def flutter(self, speeds: Iterable[float], count: int = 6, *, set: Optional[Mapping[str, Start]] = None) -> Flutter:
         """Modes in air over the speed of the wind, with flutter and divergence, as `foldwing flutter` finds them: in the air of
@@ -330,6 +341,35 @@ class Model(RotorStudies):
         wanted = np.ascontiguousarray(np.fromiter(speeds, dtype=np.float64))
         return Flutter(self.name, json.loads(self._native.flutter_json(list((set or {}).items()), wanted, count)))
 
+    def flutter_over(
+        self,
+        over: str,
+        values: Iterable[Any],
+        speeds: Iterable[float],
+        count: int = 6,
+        *,
+        set: Optional[Mapping[str, Start]] = None,
+    ) -> FlutterMap:
+        """Speeds of flutter and divergence over another quantity, as `foldwing flutter --over` finds them.
+
+        Args:
+            over: a start value, a parameter, or `file:` and a key of the model file (`file:section.wing.flap_stiffness_N_m2`).
+            values: of that quantity.
+            speeds: as in `flutter`.
+            count: number of modes to follow, of lowest frequency.
+            set: start values.
+
+        >>> wing = load("examples/models/goland_wing.toml")
+        >>> found = wing.flutter_over("aero.density", [1.0, 1.225], [120.0, 160.0], count=2)
+        >>> print(" ".join(f"{speed:.1f}" for speed in found.flutter_m_s))
+        @@
+        """
+        choices = list(values)
+        keys, rows = grid_of({**{name: [value] for name, value in (set or {}).items()}, over: choices}, True)
+        wanted = np.ascontiguousarray(np.fromiter(speeds, dtype=np.float64))
+        found = self._native.flutter_over_json(keys, rows, wanted, count)
+        return FlutterMap(self.name, over, choices, [Flutter(self.name, json.loads(data)) for data in found])
+
     def trim(
         self,
         free: Union[str, Sequence[str]],
@@ -342,10 +382,10 @@ class Model(RotorStudies):
         Args:
             free: names of inputs and parameters whose values are sought, as many as there are balances. Names joined by commas
                 share a value, and `-name` takes its negative. `attitude.roll`, `attitude.pitch` and `attitude.yaw` turn the machine
-                relative to gravity and wind.
+                relative to gravity and wind; `turn.rate` is the rate of a steady turn to the right.
             balance: outputs and the values that they must have at rest, in SI units. Forces and moments on free joints are
                 always balanced too; they are not named here.
-            set: start values; for free values the first guess.
+            set: start values, also of the attitude in rad and of `turn.rate` in rad/s; for free values the first guess.
 
         >>> wing = load("examples/models/flared_wing_tip.toml")
         >>> trim = wing.trim("wind.velocity.z", {"root.force.z": 0.0})
@@ -354,9 +394,11 @@ class Model(RotorStudies):
         True
         """
         names = [free] if isinstance(free, str) else list(free)
-        settings = dict(set or {})
+        own = ("attitude.roll", "attitude.pitch", "attitude.yaw", "turn.rate")
+        settings = {name: value for name, value in (set or {}).items() if name not in own}
+        turns = [(name, float(np.asarray(value))) for name, value in (set or {}).items() if name in own]
         balances = [(name, float(value)) for name, value in (balance or {}).items()]
-        return Trim(json.loads(self._native.trim_json(list(settings.items()), names, balances)), settings)
+        return Trim(json.loads(self._native.trim_json(list(settings.items()), names, balances, turns)), settings)
 
     def linearize(
         self,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Mapping
+from typing import Any, Dict, List, Mapping, Optional, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,6 +112,29 @@ class Flutter:
         return f"<foldwing.Flutter of {self.name}: {'; '.join(filter(None, [flutter, divergence])) or none}{ended}>"
 
 
+class FlutterMap:
+    """Speeds of flutter and divergence over a quantity."""
+
+    def __init__(self, name: str, over: str, values: Sequence[Any], results: Sequence[Flutter]) -> None:
+        self.name = name
+        """Name of the machine."""
+        self.over = over
+        """Key of the quantity."""
+        self.values = list(values)
+        """Its values."""
+        self.results = list(results)
+        """What was found at each of them."""
+        self.flutter_m_s: NDArray[np.float64] = _numbers([_first(found.flutter_m_s) for found in results])
+        """Lowest speeds of flutter in m/s, NaN where there is none, shape (values,)."""
+        self.flutter_Hz: NDArray[np.float64] = _numbers([_first(found.flutter_Hz) for found in results])
+        """Their frequencies in Hz, shape (values,)."""
+        self.divergence_m_s: NDArray[np.float64] = _numbers([_first(found.divergence_m_s) for found in results])
+        """Lowest speeds of divergence in m/s, NaN where there is none, shape (values,)."""
+
+    def __repr__(self) -> str:
+        return f"<foldwing.FlutterMap of {self.name} over {self.over}: {len(self.values)} values>"
+
+
 class Trim:
     """A trim. `data` has everything that `foldwing trim --json` prints."""
 
@@ -128,6 +151,10 @@ class Trim:
     def __repr__(self) -> str:
         found = ", ".join(f"{name} = {value:.6g}" for name, value in self.free.items())
         return f"<foldwing.Trim of {self.data['name']}: {found}>"
+
+
+def _first(speeds: NDArray[np.float64]) -> Optional[float]:
+    return float(speeds[0]) if len(speeds) else None
 
 
 def _named(entries: List[Dict[str, Any]], name: str) -> Dict[str, Any]:

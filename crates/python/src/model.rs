@@ -1,7 +1,7 @@
 //! A machine, its variables, and what is asked of it without a run.
 
 use crate::refusal;
-use foldwing_command::cli::{self, Packaging};
+use foldwing_command::cli::{self, ModesOf, Packaging, SweepPlan, SweepRun};
 use foldwing_command::report;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::Plant;
@@ -120,10 +120,16 @@ impl Model {
         settings: Vec<(String, Bound<'_, PyAny>)>,
         undeformed: bool,
         count: usize,
+        lattice: bool,
     ) -> PyResult<String> {
         let mut plant = self.plant(&settings)?;
         let time_s = self.shared.machine.experiment.start_time_s;
-        py.detach(|| cli::modes(&mut plant, time_s, undeformed, count))
+        let of = match (undeformed, lattice) {
+            (true, _) => ModesOf::Undeformed,
+            (false, true) => ModesOf::RestInLattice,
+            (false, false) => ModesOf::Rest,
+        };
+        py.detach(|| cli::modes(&mut plant, time_s, of, count))
             .map(|value| value.to_string())
             .map_err(|error| refusal::statics(&error))
     }
@@ -143,6 +149,31 @@ impl Model {
             .map_err(|failure| refusal::command(&failure))
     }
 
+    /// An entry of `results` of what `foldwing flutter --over --json` prints for each row: values of start values, parameters and keys
+    /// of the model file.
+    fn flutter_over_json(
+        &self,
+        py: Python<'_>,
+        keys: Vec<String>,
+        rows: Vec<Vec<String>>,
+        speeds_m_s: PyReadonlyArray1<'_, f64>,
+        count: usize,
+    ) -> PyResult<Vec<String>> {
+        let shared = &self.shared;
+        let of = (Arc::clone(&shared.machine), Arc::clone(&shared.interface));
+        let speeds_m_s = speeds_m_s.as_array().to_vec();
+        let plan = SweepPlan::new((&shared.file, &shared.text), of, keys, rows, SweepRun::default())
+            .map_err(|failure| refusal::command(&failure))?;
+        let mut list = Vec::new();
+        for index in 0..plan.count() {
+            // Ctrl-C ends it between two rows
+            py.check_signals()?;
+            let value = py.detach(|| plan.flutter(index, &speeds_m_s, count));
+            list.push(value.map_err(|failure| refusal::command(&failure))?.to_string());
+        }
+        Ok(list)
+    }
+
     /// What `foldwing trim --json` prints.
     fn trim_json(
         &self,
@@ -150,9 +181,10 @@ impl Model {
         settings: Vec<(String, Bound<'_, PyAny>)>,
         free: Vec<String>,
         balances: Vec<(String, f64)>,
+        turns: Vec<(String, f64)>,
     ) -> PyResult<String> {
         let plant = self.plant(&settings)?;
-        py.detach(|| cli::trim(plant, &self.shared.interface, &free, &balances))
+        py.detach(|| cli::trim(plant, &self.shared.interface, &free, &balances, &turns))
             .map(|value| value.to_string())
             .map_err(|failure| refusal::command(&failure))
     }

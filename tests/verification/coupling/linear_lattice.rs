@@ -232,7 +232,7 @@ fn eigenvalue(goland: &Goland, speed_m_s: f64) -> [f64; 2] {
     let machine = Goland { gust_m_s: 0.0, ..*goland }.machine(speed_m_s, |structure| structure);
     let mut plant = Plant::new(Arc::new(machine));
     plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
-    let (modes, _) = plant.study().lattice_modes_and_rest(3).unwrap_or_else(|error| panic!("{error}"));
+    let (modes, _) = plant.study().lattice_modes_and_rest(6).unwrap_or_else(|error| panic!("{error}"));
     let near = modes.iter().map(|mode| mode.eigenvalue_1_s).filter(|value| value.im > 40.0 && value.im < 110.0);
     let found = near.max_by(|a, b| a.re.total_cmp(&b.re)).unwrap_or_else(|| panic!("no mode at {speed_m_s} m/s"));
     [found.re, found.im]

@@ -11,6 +11,7 @@ mod frames;
 mod goland;
 mod handed;
 mod identification;
+mod lattice_modes;
 mod lattice_stability;
 mod light_tips;
 mod linear_flutter;

@@ -1,12 +1,25 @@
-//! Attitude of a free machine: gravity and wind as the machine sees them, NOTATION eq. (Q9).
+//! Attitude and turn of a free machine: gravity, wind and motion of the root as the machine sees them, NOTATION eqs. (Q9), (Q11).
 
 use crate::cli::Failure;
+use foldwing_engine::aero::AirOptions;
 use foldwing_engine::plant::Plant;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 /// Inputs that a turn of the machine changes: components of gravity, then of the wind.
 const INPUTS: [&str; 6] =
     ["gravity.x", "gravity.y", "gravity.z", "wind.velocity.x", "wind.velocity.y", "wind.velocity.z"];
+/// Inputs that a steady turn sets: acceleration of the root, and its angular velocity.
+const TURNING: [&str; 6] = [
+    "root.acceleration.x",
+    "root.acceleration.y",
+    "root.acceleration.z",
+    "root.angular_velocity.x",
+    "root.angular_velocity.y",
+    "root.angular_velocity.z",
+];
+
+/// Angles of the attitude in rad, and rate of the turn in rad/s, in the order of [`Turn`].
+pub(super) type Turns = [f64; 4];
 
 /// A turn of the machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,14 +30,21 @@ pub(super) enum Turn {
     Pitch,
     /// About the way down, the nose to the right.
     Yaw,
+    /// Rate of a steady turn about the way down, to the right.
+    Rate,
 }
 
 impl Turn {
-    const ALL: [Self; 3] = [Self::Roll, Self::Pitch, Self::Yaw];
+    const ALL: [Self; 4] = [Self::Roll, Self::Pitch, Self::Yaw, Self::Rate];
 
     /// Name of the unknown.
     pub fn name(self) -> &'static str {
-        ["attitude.roll", "attitude.pitch", "attitude.yaw"][self as usize]
+        ["attitude.roll", "attitude.pitch", "attitude.yaw", "turn.rate"][self as usize]
+    }
+
+    /// Its unit.
+    pub fn unit(self) -> &'static str {
+        if self == Self::Rate { "rad/s" } else { "rad" }
     }
 
     /// The turn of a name.
@@ -37,6 +57,12 @@ impl Turn {
 #[derive(Debug, Clone)]
 pub(super) struct Attitude {
     given: [f64; 6],
+    /// The root moves by itself.
+    moving: bool,
+    /// The air is that of strips, or none.
+    in_strips: bool,
+    /// A free joint carries the machine.
+    flies: bool,
     /// Columns: ahead, to the right, down; `None` without gravity, or without wind across it.
     axes: Option<Matrix3<f64>>,
 }
@@ -52,18 +78,42 @@ impl Attitude {
             let ahead = Unit::try_new(down.dot(wind) * down.into_inner() - wind, LEVEL * wind.norm())?;
             Some(Matrix3::from_columns(&[ahead.into_inner(), down.cross(&ahead), down.into_inner()]))
         });
-        Self { given, axes }
+        let root = plant.inputs().root();
+        let moving = [root.acceleration_m_s2, root.angular_velocity_rad_s, root.angular_acceleration_rad_s2];
+        Self {
+            given,
+            moving: moving.iter().any(|vector| *vector != Vector3::zeros()),
+            in_strips: plant.machine().air.as_ref().is_none_or(|air| matches!(air.options, AirOptions::Strips(_))),
+            flies: !plant.flying_joints().is_empty(),
+            axes,
+        }
     }
 
-    /// Whether the machine has an attitude.
-    pub fn check(&self, turn: Turn) -> Result<(), Failure> {
-        if self.axes.is_some() {
+    /// Whether the machine has an attitude, and can turn; `option` is what names it.
+    pub fn check(&self, option: &str, turn: Turn) -> Result<(), Failure> {
+        let refused = |cause: &str| Err(Failure::Usage(format!("{option} {}: {cause}", turn.name())));
+        if self.axes.is_none() {
+            return refused(
+                "an attitude needs gravity and a wind that is not parallel to it; set gravity and wind.velocity",
+            );
+        }
+        if turn != Turn::Rate {
             return Ok(());
         }
-        Err(Failure::Usage(format!(
-            "--free {}: an attitude needs gravity and a wind that is not parallel to it; set gravity and wind.velocity",
-            turn.name()
-        )))
+        if !self.flies {
+            return refused("only a machine on a free joint can fly a turn; give it one (type = \"free\")");
+        }
+        if !self.in_strips {
+            return refused(
+                "the wake of a steady turn is curved, that of an established flow is straight; use strips (aerodynamics.model = \"strip\")",
+            );
+        }
+        if self.moving {
+            return refused(
+                "a turn sets root.acceleration and root.angular_velocity; leave these and root.angular_acceleration at zero",
+            );
+        }
+        Ok(())
     }
 
     /// Takes the value of one of its inputs; returns whether `name` is one.
@@ -76,19 +126,28 @@ impl Attitude {
     }
 
     /// Gravity and wind as the machine sees them after turns of roll, pitch and yaw in rad, which count from the attitude given,
-    /// yaw first.
-    pub fn turned(&self, turns_rad: [f64; 3]) -> Vec<(String, f64)> {
+    /// yaw first; where it `turns`, also the motion of the root in a steady turn about the vertical.
+    pub fn turned(&self, turned: Turns, turns: bool) -> Vec<(String, f64)> {
         let [gravity, wind] = [0, 3].map(|first| Vector3::from_column_slice(&self.given[first..first + 3]));
+        let [roll, pitch, yaw, rate_rad_s] = turned;
         let [gravity, wind] = match self.axes {
-            Some(axes) if turns_rad != [0.0; 3] => {
-                let [roll, pitch, yaw] = turns_rad;
+            Some(axes) if [roll, pitch, yaw] != [0.0; 3] => {
                 // columns of the axes are those of Rotation3's angles: x ahead, y to the right, z down
                 let turn = axes * Rotation3::from_euler_angles(roll, pitch, yaw).into_inner() * axes.transpose();
                 [turn.transpose() * gravity, turn.transpose() * wind]
             }
             _ => [gravity, wind],
         };
-        INPUTS.iter().map(|name| (*name).to_owned()).zip(gravity.iter().chain(wind.iter()).copied()).collect()
+        let named = |names: &[&str; 6], first: Vector3<f64>, second: Vector3<f64>| -> Vec<(String, f64)> {
+            names.iter().map(|name| (*name).to_owned()).zip(first.iter().chain(second.iter()).copied()).collect()
+        };
+        let mut list = named(&INPUTS, gravity, wind);
+        if turns {
+            // the root moves against the wind, and its velocity turns with it, eq. (Q11)
+            let spin = gravity.try_normalize(0.0).map_or_else(Vector3::zeros, |down| down * rate_rad_s);
+            list.extend(named(&TURNING, spin.cross(&-wind), spin));
+        }
+        list
     }
 }
 

@@ -43,21 +43,45 @@ pub fn rest(plant: &mut Plant, time_s: f64, arc_length: bool, stable: bool) -> R
     statics::rest_json(plant, &rest)
 }
 
-/// Modes of lowest frequency about rest, or about the undeformed state, as `foldwing modes --json` describes them.
+/// The state about which modes are sought, and what answers to their motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ModesOf {
+    /// The undeformed machine, without loads, gravity and root motion.
+    Undeformed,
+    /// The machine at rest under its loads; the air of strips answers, a lattice's loads are constant.
+    Rest,
+    /// The machine at rest, in the air of its lattice.
+    RestInLattice,
+}
+
+/// Modes of lowest frequency, as `foldwing modes --json` describes them.
 ///
 /// # Errors
 /// [`PlantError::Equilibrium`] where there is no rest, [`PlantError::Linearization`] where the modes cannot be found.
-pub fn modes(plant: &mut Plant, time_s: f64, undeformed: bool, count: usize) -> Result<Value, PlantError> {
-    if undeformed {
+pub fn modes(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Result<Value, PlantError> {
+    if of == ModesOf::Undeformed {
         plant.study().undeformed(time_s)?;
         let modes = plant.study().bare_modes(count)?;
         return Ok(crate::cli::modes::as_json(plant, &modes, true));
     }
     let departure = plant.study().rest(time_s, Holding::AsReleased, Search::default())?.departure;
-    let stability = plant.study().stability()?;
-    let modes = plant.study().modes(count)?;
+    let (modes, stability) = match of {
+        ModesOf::RestInLattice => {
+            let stability = plant.study().lattice_stability()?;
+            (plant.study().lattice_modes_and_rest(count)?.0, stability)
+        }
+        _ => {
+            let stability = plant.study().stability()?;
+            (plant.study().modes(count)?, Some(stability))
+        }
+    };
     let mut value = crate::cli::modes::as_json(plant, &modes, false);
-    value["stability"] = stability::as_json(plant, &stability, departure);
+    if of == ModesOf::RestInLattice {
+        value["without_air"] = false.into();
+    }
+    if let Some(stability) = &stability {
+        value["stability"] = stability::as_json(plant, stability, departure);
+    }
     Ok(value)
 }
 
@@ -84,7 +108,8 @@ pub fn flutter(plant: Plant, speeds_m_s: &[f64], count: usize) -> Result<Value, 
 
 /// Values of inputs and parameters for which outputs at rest are what they should be, as `foldwing trim --json` prints them.
 ///
-/// `free` are names, their values in the plant the first guesses; `balances` are outputs with their targets in SI units, as many.
+/// `free` are names, their values in the plant the first guesses; `balances` are outputs with their targets in SI units, as many;
+/// `turns` are values of the attitude and of the turn, as `--set` takes them.
 ///
 /// # Errors
 /// Names that are none of a real input, parameter or output, and what the iteration says where it does not find a trim.
@@ -93,8 +118,9 @@ pub fn trim(
     interface: &Interface,
     free: &[String],
     balances: &[(String, f64)],
+    turns: &[(String, f64)],
 ) -> Result<Value, Failure> {
-    trims::found(interface, plant, free, balances)
+    trims::found(interface, plant, free, balances, turns)
 }
 
 /// The motion that every turn of a rotor repeats, as `foldwing periodic --json` describes it, with the outputs over the turn: `turn_deg`
@@ -263,6 +289,15 @@ impl SweepPlan {
     /// Runs a variant; its row as texts. Whatever goes wrong is the row's message.
     pub fn run(&self, index: usize) -> Vec<String> {
         std::iter::once(index.to_string()).chain(self.experiment().run(index)).collect()
+    }
+
+    /// Flutter and divergence of a variant, as [`flutter`] finds them.
+    ///
+    /// # Errors
+    /// As [`flutter`].
+    pub fn flutter(&self, index: usize, speeds_m_s: &[f64], count: usize) -> Result<Value, Failure> {
+        let plant = self.experiment().prepare(index, &self.plan.variant(index))?.0;
+        flutter(plant, speeds_m_s, count)
     }
 
     fn experiment(&self) -> Experiment<'_> {

@@ -1,6 +1,6 @@
 //! `foldwing trim`: values of inputs and parameters for which outputs at rest are what they should be.
 
-use crate::cli::attitude::{Attitude, Turn};
+use crate::cli::attitude::{Attitude, Turn, Turns};
 use crate::cli::settings::{apply_setting, plant_with};
 use crate::cli::simulate::unknown;
 use crate::cli::{Failure, print, read_model};
@@ -30,15 +30,16 @@ pub struct Arguments {
     /// Model file
     model: PathBuf,
     /// Input or parameter whose value is sought, or `attitude.roll`, `attitude.pitch`, `attitude.yaw`, which turn the
-    /// machine relative to gravity and wind; give as many as there are balances. Names joined by commas share a value,
-    /// and `-NAME` takes its negative
+    /// machine relative to gravity and wind, or `turn.rate` of a steady turn to the right; give as many as there are
+    /// balances. Names joined by commas share a value, and `-NAME` takes its negative
     #[arg(long, value_name = "NAME", required = true, value_parser = NonEmptyStringValueParser::new())]
     free: Vec<String>,
     /// Output and the value that it must have at rest, in SI units; may be repeated. The forces and moments on free
     /// joints are always balanced too
     #[arg(long, value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     balance: Vec<String>,
-    /// Start value of an input or parameter; of those that are free the first guess; may be repeated
+    /// Start value of an input or parameter, or of `attitude.roll`, `attitude.pitch`, `attitude.yaw` in rad and
+    /// `turn.rate` in rad/s; of those that are free the first guess; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
     /// Print JSON for programs
@@ -71,7 +72,7 @@ impl Unknown<'_> {
     fn unit(&self) -> &str {
         match self {
             Self::Value { rows, .. } => rows[0].1.unit(),
-            Self::Turn(_) => "rad",
+            Self::Turn(turn) => turn.unit(),
         }
     }
 }
@@ -86,6 +87,10 @@ struct Trim<'a> {
     loads: Vec<(String, &'static str)>,
     /// Gravity and wind that attitude turns.
     attitude: Attitude,
+    /// Turns that are given, or first guesses.
+    turns: Turns,
+    /// The root turns with the machine.
+    turning: bool,
 }
 
 /// Finds the trim.
@@ -93,8 +98,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, _) = read_model(&arguments.model)?;
     let interface = Interface::new(&machine);
     let balances = arguments.balance.iter().map(|text| parsed(text)).collect::<Result<Vec<_>, _>>()?;
-    let plant = plant_with(machine, &interface, &arguments.settings)?;
-    let mut trim = Trim::new(&interface, plant, &arguments.free, &balances)?;
+    let is_turn = |text: &&String| text.split_once('=').is_some_and(|(name, _)| Turn::named(name).is_some());
+    let (turns, settings): (Vec<&String>, Vec<&String>) = arguments.settings.iter().partition(is_turn);
+    let settings: Vec<String> = settings.into_iter().cloned().collect();
+    let turns = turns.into_iter().map(|text| parsed_as("--set", text)).collect::<Result<Vec<_>, _>>()?;
+    let plant = plant_with(machine, &interface, &settings)?;
+    let mut trim = Trim::new(&interface, plant, &arguments.free, &balances, &turns)?;
     let (values, left, steps) = trim.find()?;
     if arguments.json {
         return print(&format!("{:#}", trim.as_json(&values, steps)));
@@ -121,15 +130,21 @@ pub(super) fn found(
     plant: Plant,
     free: &[String],
     balances: &[(String, f64)],
+    turns: &[(String, f64)],
 ) -> Result<serde_json::Value, Failure> {
-    let mut trim = Trim::new(interface, plant, free, balances)?;
+    let mut trim = Trim::new(interface, plant, free, balances, turns)?;
     let (values, _, steps) = trim.find()?;
     Ok(trim.as_json(&values, steps))
 }
 
 /// `NAME=VALUE` of a balance.
 fn parsed(text: &str) -> Result<(String, f64), Failure> {
-    let refused = |cause: &str| Failure::Usage(format!("--balance {text}: {cause}"));
+    parsed_as("--balance", text)
+}
+
+/// `NAME=VALUE` of an option.
+fn parsed_as(option: &str, text: &str) -> Result<(String, f64), Failure> {
+    let refused = |cause: &str| Failure::Usage(format!("{option} {text}: {cause}"));
     let (name, value) = text.split_once('=').ok_or_else(|| refused("must be NAME=VALUE"))?;
     let value = value.trim().parse().map_err(|_| refused("the value is not a finite number"))?;
     Ok((name.to_owned(), value))
@@ -212,6 +227,7 @@ impl<'a> Trim<'a> {
         plant: Plant,
         free: &[String],
         balances: &[(String, f64)],
+        turns: &[(String, f64)],
     ) -> Result<Self, Failure> {
         let free = free.iter().map(|name| unknown_of(name, interface)).collect::<Result<Vec<_>, _>>()?;
         let balances = balances.iter().map(|own| balance(own, interface)).collect::<Result<Vec<_>, _>>()?;
@@ -234,11 +250,23 @@ impl<'a> Trim<'a> {
             ));
         }
         let attitude = Attitude::of(&plant);
-        if let Some(turn) = free.iter().find_map(|free| if let Unknown::Turn(turn) = free { Some(turn) } else { None })
-        {
-            attitude.check(*turn)?;
+        let mut given: Turns = [0.0; 4];
+        let mut turning = false;
+        for (name, value) in turns {
+            let Some(turn) = Turn::named(name).filter(|_| value.is_finite()) else {
+                return Err(Failure::Usage(format!("--set {name}={value}: the value is not a finite number")));
+            };
+            attitude.check("--set", turn)?;
+            given[turn as usize] = *value;
+            turning |= turn == Turn::Rate;
         }
-        Ok(Self { interface, plant, free, balances, loads, attitude })
+        for unknown in &free {
+            if let Unknown::Turn(turn) = unknown {
+                attitude.check("--free", *turn)?;
+                turning |= *turn == Turn::Rate;
+            }
+        }
+        Ok(Self { interface, plant, free, balances, loads, attitude, turns: given, turning })
     }
 
     /// The result for programs.
@@ -259,7 +287,7 @@ impl<'a> Trim<'a> {
     fn settings(&self, values: &DVector<f64>) -> Vec<(String, f64)> {
         let mut list = Vec::new();
         let mut attitude = self.attitude.clone();
-        let (mut turns, mut sought) = ([0.0; 3], Vec::new());
+        let (mut turns, mut sought) = (self.turns, Vec::new());
         for (free, &value) in self.free.iter().zip(values.iter()) {
             match free {
                 Unknown::Value { rows, .. } => {
@@ -274,8 +302,9 @@ impl<'a> Trim<'a> {
                 Unknown::Turn(turn) => turns[*turn as usize] = value,
             }
         }
-        let turned = self.free.iter().any(|free| matches!(free, Unknown::Turn(_)));
-        list.extend(attitude.turned(turns).into_iter().filter(|(name, _)| turned || sought.contains(&name.as_str())));
+        let turned = turns != [0.0; 4] || self.free.iter().any(|free| matches!(free, Unknown::Turn(_)));
+        let all = attitude.turned(turns, self.turning);
+        list.extend(all.into_iter().filter(|(name, _)| turned || sought.contains(&name.as_str())));
         list
     }
 
@@ -375,7 +404,7 @@ impl<'a> Trim<'a> {
     fn value_of(&self, free: &Unknown) -> f64 {
         match free {
             Unknown::Value { rows, .. } => rows[0].0 * self.value(rows[0].1),
-            Unknown::Turn(_) => 0.0,
+            Unknown::Turn(turn) => self.turns[*turn as usize],
         }
     }
 

@@ -4,7 +4,7 @@
 use nalgebra::{Complex, DVector};
 
 /// `PA = LU` of a square matrix, with the largest pivot of each column.
-pub(super) struct ComplexFactors {
+pub(crate) struct ComplexFactors {
     size: usize,
     /// `L` below the diagonal (its own is 1) and `U`, row by row.
     re: Vec<f64>,

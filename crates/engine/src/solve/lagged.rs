@@ -224,14 +224,17 @@ impl Lagged {
     /// Motions that nothing resists: the null space of the static stiffness.
     fn still(&self, basis: &DMatrix<f64>, limit_1_s2: f64) -> Vec<LaggedMode> {
         let stiffness = self.rest_stiffness().unwrap_or_else(|| self.second.stiffness.clone());
-        let parts = (basis.transpose() * stiffness * basis).svd(false, true);
-        let Some(rows) = parts.v_t else { return Vec::new() };
-        let null = (0..rows.nrows()).filter(|&i| parts.singular_values[i] <= limit_1_s2);
-        let mode = |i: usize| {
-            let shape = (basis * rows.row(i).transpose()).map(|x| Complex::new(x, 0.0));
-            LaggedMode { eigenvalue_1_s: Complex::new(0.0, 0.0), shape: scaled(shape), lag_share: 0.0 }
-        };
-        null.map(mode).collect()
+        still_over(basis, &stiffness, limit_1_s2)
+    }
+
+    /// Motions that nothing resists where the air changes the static stiffness to `rest`; and the eigenvalue in 1/s below which others
+    /// count as such. Over the slowest undamped modes, more than `count`.
+    ///
+    /// # Errors
+    /// If the mass matrix is not positive definite.
+    pub fn still_with(&self, rest: &DMatrix<f64>, count: usize) -> Result<(Vec<LaggedMode>, f64), NoModes> {
+        let (shift, basis) = self.basis(4 * count + SPARE_MODES)?;
+        Ok((still_over(&basis, rest, FREE_MOTION.powi(2) * shift), free_1_s(shift)))
     }
 
     /// Undamped modes of lowest frequency of the structure with the air's mass and stiffness, of unit mass, as columns;
@@ -373,6 +376,18 @@ impl Lagged {
         let slope = at * m * 2.0 + c + of(&self.behind(at, column(rates))) + lag_part;
         (residual, slope, lag_part)
     }
+}
+
+/// The null space of a stiffness over a basis of shapes.
+fn still_over(basis: &DMatrix<f64>, stiffness: &DMatrix<f64>, limit_1_s2: f64) -> Vec<LaggedMode> {
+    let parts = (basis.transpose() * stiffness * basis).svd(false, true);
+    let Some(rows) = parts.v_t else { return Vec::new() };
+    let null = (0..rows.nrows()).filter(|&i| parts.singular_values[i] <= limit_1_s2);
+    let mode = |i: usize| {
+        let shape = (basis * rows.row(i).transpose()).map(|x| Complex::new(x, 0.0));
+        LaggedMode { eigenvalue_1_s: Complex::new(0.0, 0.0), shape: scaled(shape), lag_share: 0.0 }
+    };
+    null.map(mode).collect()
 }
 
 /// Adds directions to a basis that is orthonormal in the mass; returns whether any was new.

@@ -3,8 +3,9 @@
 
 pub mod acceleration;
 pub mod arc_length;
-mod complex_factors;
+pub(crate) mod complex_factors;
 pub mod continuation;
+pub(crate) mod contour;
 pub mod control;
 pub mod eigen;
 pub mod equilibrium;

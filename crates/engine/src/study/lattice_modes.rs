@@ -1,9 +1,9 @@
 //! Modes of a machine in the air of a lattice, NOTATION eq. (L30): the rows of the wake are delays, so the eigenvalues of the
 //! discrete-time system are those of a small matrix that depends on the eigenvalue.
 
+use crate::solve::complex_factors::ComplexFactors;
+use crate::solve::contour;
 use crate::solve::lagged::{Lagged, LaggedMode};
-use crate::solve::linearize::SecondOrder;
-use crate::solve::modes::NoModes;
 use crate::study::Study;
 use crate::study::flight::tell_lateral_apart;
 use crate::study::lattice_space::SampledLattice;
@@ -12,6 +12,7 @@ use crate::system::PlantError;
 use crate::system::air::VELOCITY_WEIGHTS;
 use crate::system::shape::ModeShape;
 use nalgebra::{Complex, DMatrix, DVector};
+use std::f64::consts::PI;
 
 type ComplexMatrix = DMatrix<Complex<f64>>;
 type ComplexVector = DVector<Complex<f64>>;
@@ -22,18 +23,27 @@ const CORRECTIONS: usize = 30;
 const FOUND: f64 = 1e-11;
 /// Relative difference below which two eigenvalues are one.
 const SAME: f64 = 1e-6;
-/// Step of the derivative by the eigenvalue.
+/// Part of a shape that must be orthogonal to those of the same eigenvalue, so that it is another motion.
+const OTHER: f64 = 1e-2;
+/// Step of the derivative by the eigenvalue, relative to its distance from 1.
 const STEP: f64 = 1e-6;
+/// Correction of a guess, relative to the radius in which it was found, beyond which it was none: guesses are accurate to 1e-6.
+const STRAY: f64 = 0.1;
 
-/// Ratio of the frequencies at which the air is looked at to find where modes are.
-const OCTAVE: f64 = 2.0;
-/// Ratio of the magnitude of an eigenvalue to such a frequency within which it is a guess: more than half an octave, so that none is
-/// between them.
-const WINDOW: f64 = 1.6;
-/// Such frequencies, from that of the fastest mode of the structure that is looked for.
-const OCTAVES: i32 = 12;
-/// Frequency over the magnitude of the eigenvalue below which a motion that decays counts as one of the lags of the air: 95 % of critical damping.
-const LIGHTEST: f64 = 0.31;
+/// Ratio of the radii of two circles: moments over a circle tell motions apart that are not much slower than its radius.
+const SHRINK: f64 = 4.0;
+/// Ratio by which the first circle grows while it holds too few motions.
+const GROW: f64 = 2.0;
+/// Maximum number of circles that shrink: slower motions would be round-off, see [`crate::solve::lagged::free_rate_1_s`].
+const CIRCLES: usize = 12;
+/// Magnitude over that of the fastest eigenvalue that steps can tell from a slower one, up to which motions are looked for.
+const NYQUIST: f64 = 0.98;
+/// Participation of the wake beyond which a motion that does not grow is the wake's own, as of lag states in (L22).
+const WAKE: f64 = 0.5;
+/// Share of the kinetic energy in rates that are not those of the eigenvalue, beyond which the motion is faster than steps can show.
+const HIDDEN: f64 = 0.5;
+/// Real part over the magnitude of an eigenvalue above which it grows.
+const GROWTH: f64 = 1e-6;
 
 /// `z` and a shape, coordinates and rates.
 type Guess = (Complex<f64>, ComplexVector);
@@ -46,8 +56,9 @@ struct Delays<'a> {
 }
 
 impl Delays<'_> {
-    /// Loads of the step that ends, per coordinate, for motions that grow by the factor `z` per step.
-    fn loads(&self, z: Complex<f64>) -> Option<ComplexMatrix> {
+    /// Loads of the step that ends, per coordinate, for motions that grow by the factor `z` per step; the wake arrives as if the factor
+    /// were `late`.
+    fn loads(&self, z: Complex<f64>, late: Complex<f64>) -> Option<ComplexMatrix> {
         let SampledLattice { slopes, step_s, by_place, by_velocity, .. } = self.system;
         let one = Complex::from(1.0);
         let [own, earlier, last] = VELOCITY_WEIGHTS;
@@ -62,7 +73,7 @@ impl Delays<'_> {
         let mut node = ComplexMatrix::zeros(slopes.rows(), if slopes.node_rows() > 0 { edges } else { 0 });
         let mut gone = one;
         for row in 0..slopes.node_rows() {
-            gone *= back;
+            gone *= late.inv();
             node.zip_apply(&slopes.node.columns(row * edges, edges), |sum, entry| *sum += gone * entry);
         }
         if node.ncols() > 0 {
@@ -73,7 +84,7 @@ impl Delays<'_> {
         let mut wake = ComplexMatrix::zeros(slopes.rows(), strips);
         let mut delay = one;
         for row in 0..slopes.wake_rows {
-            delay *= back;
+            delay *= late.inv();
             let own = slopes.wake.columns(row * strips, strips);
             wake.zip_apply(&own, |sum, entry| *sum += delay * entry);
         }
@@ -86,100 +97,176 @@ impl Delays<'_> {
         Some(answer.rows(slopes.panels, loads) * ((one + back) * 0.5) + impulse)
     }
 
-    /// `z − E + z H Φ(z)`.
-    fn matrix(&self, z: Complex<f64>) -> Option<ComplexMatrix> {
+    /// `z − E + z H Φ(z)`, with the delays of the wake by `late`.
+    fn matrix(&self, z: Complex<f64>, late: Complex<f64>) -> Option<ComplexMatrix> {
         let n = self.pushed.nrows() / 2;
         let mut matrix = self.system.held.free.map(|entry| Complex::from(-entry));
         (0..2 * n).for_each(|i| matrix[(i, i)] += z);
-        let loads = self.loads(z)?;
+        let loads = self.loads(z, late)?;
         let air = self.pushed.map(Complex::from) * loads;
         let mut own = matrix.columns_mut(0, n);
         own += air * z;
         Some(matrix)
     }
 
-    /// The mode next to one of a machine in air that answers at a frequency near by as at it; `None` if there is none.
-    fn near(&self, mode: &LaggedMode) -> Option<LaggedMode> {
-        let found = self.named(self.corrected(self.guess(mode))?)?;
-        let ratio = found.eigenvalue_1_s.norm() / mode.eigenvalue_1_s.norm();
-        let is_motion =
-            found.eigenvalue_1_s.re > 0.0 || found.eigenvalue_1_s.im > LIGHTEST * found.eigenvalue_1_s.norm();
-        (is_motion && ratio < OCTAVE && ratio > OCTAVE.recip()).then_some(found)
-    }
-
-    /// Modes of the structure with stiffness and damping that the air has at a frequency, which have about that frequency: the
-    /// p-k method (Hassig, Journal of Aircraft 8, 1971).
-    fn at_frequency(&self, rad_s: f64, count: usize) -> Result<Vec<LaggedMode>, NoModes> {
-        let SampledLattice { second, force, step_s, .. } = self.system;
-        let Some(loads) = self.loads(Complex::new(0.0, rad_s * step_s).exp()) else { return Ok(Vec::new()) };
-        let in_air = SecondOrder {
-            stiffness: &second.stiffness + force * loads.map(|entry| entry.re),
-            damping: &second.damping + force * loads.map(|entry| entry.im / rad_s),
-            ..second.clone()
-        };
-        let mut list = Lagged::without(in_air).modes(count)?;
-        list.retain(|mode| {
-            let size = mode.eigenvalue_1_s.norm();
-            mode.eigenvalue_1_s.im > LIGHTEST * size && size < WINDOW * rad_s && size > rad_s / WINDOW
-        });
-        Ok(list)
-    }
-
-    /// `z` and shape, coordinates and rates, of a mode.
-    fn guess(&self, mode: &LaggedMode) -> Guess {
+    /// Guesses of all motions with eigenvalues up to `radius_1_s`, and whether there may be more.
+    fn within(&self, radius_1_s: f64) -> Option<(Vec<Guess>, bool)> {
         let n = self.pushed.nrows() / 2;
-        let entry = |i: usize| if i < n { mode.shape[i] } else { mode.shape[i - n] * mode.eigenvalue_1_s };
-        ((mode.eigenvalue_1_s * self.system.step_s).exp(), ComplexVector::from_fn(2 * n, |i, _| entry(i)))
+        let mass = &self.system.second.mass;
+        let scale = DVector::from_fn(2 * n, |i, _| {
+            let size = mass[(i % n, i % n)].sqrt().recip();
+            if i < n { size } else { size * radius_1_s }
+        });
+        let mut factors_at = |value: Complex<f64>| {
+            let z = (value * self.system.step_s).exp();
+            let matrix = self.matrix(z, z)?;
+            Some(ComplexFactors::new(2 * n, |i, j| matrix[(i, j)]))
+        };
+        let inside = contour::inside(radius_1_s, &scale, &mut factors_at)?;
+        let guesses = inside.found.into_iter().map(|(value, shape)| ((value * self.system.step_s).exp(), shape));
+        Some((guesses.collect(), inside.full))
     }
 
-    /// The eigenvalue next to a guess, and its shape, by inverse iteration and the two-sided Rayleigh functional; `None` where the
-    /// iteration does not end.
-    fn corrected(&self, (mut z, mut right): Guess) -> Option<Guess> {
-        let mut left: Option<ComplexVector> = None;
+    /// The eigenvalue next to a guess, its shape, and the participation of the wake, by inverse iteration and the two-sided Rayleigh
+    /// functional; `None` where the iteration does not end.
+    fn corrected(&self, (mut z, mut right): Guess) -> Option<(Guess, f64)> {
+        let size = right.norm();
+        right.unscale_mut(size);
+        let mut left = right.clone();
+        let real = z.im == 0.0;
         for _ in 0..CORRECTIONS {
-            let matrix = self.matrix(z)?;
-            let slope = (self.matrix(z * (1.0 + STEP))? - &matrix).map(|entry| entry / (z * STEP));
-            let factors = matrix.clone().lu();
-            let adjoint = matrix.adjoint().lu();
-            let own = left.clone().unwrap_or_else(|| right.clone());
-            // exactly singular: the eigenvalue to the last digit
-            let (Some(x), Some(y)) = (factors.solve(&(&slope * &right)), adjoint.solve(&own)) else {
-                return z.is_finite().then_some((z, right));
-            };
+            let away = z - 1.0;
+            let step = if away.norm() > 0.0 { away * STEP } else { Complex::from(STEP * STEP) };
+            let matrix = self.matrix(z, z)?;
+            let slope = (self.matrix(z + step, z + step)? - &matrix).map(|entry| entry / step);
+            let factors = ComplexFactors::new(matrix.nrows(), |i, j| matrix[(i, j)]);
+            let (x, y) = (factors.solve(&right), factors.solve_adjoint(&left));
             let (x_size, y_size) = (x.norm(), y.norm());
-            if !(x_size.is_finite() && y_size.is_finite() && x_size > 0.0 && y_size > 0.0) {
-                return z.is_finite().then_some((z, right));
+            // exactly singular: the eigenvalue to the last digit
+            let singular = !(x_size.is_finite() && y_size.is_finite() && x_size > 0.0 && y_size > 0.0);
+            if !singular {
+                (right, left) = (x.unscale(x_size), y.unscale(y_size));
             }
-            right = x / Complex::from(x_size);
-            let y = y / Complex::from(y_size);
-            let change = y.dotc(&(&matrix * &right)) / y.dotc(&(&slope * &right));
-            left = Some(y);
+            let slope_of = |slope: &ComplexMatrix| left.dotc(&(slope * &right));
+            let mut change = left.dotc(&(&matrix * &right)) / slope_of(&slope);
+            if real {
+                change.im = 0.0;
+            }
             z -= change;
-            if change.norm() <= FOUND * (z - 1.0).norm().max(STEP) {
-                return z.is_finite().then_some((z, right));
+            if singular || change.norm() <= FOUND * (z - 1.0).norm().max(STEP) {
+                let late = (self.matrix(z, z + step)? - self.matrix(z, z)?).map(|entry| entry / step);
+                let wake = (slope_of(&late) / slope_of(&slope)).norm();
+                return z.is_finite().then_some(((z, right), wake));
             }
         }
         None
     }
 
+    /// A motion that passes so fast that steps show it as a slower one, which may move others: most of its kinetic energy is in rates
+    /// that are not those of the eigenvalue.
+    fn is_faster_than_steps(&self, z: Complex<f64>, right: &ComplexVector) -> bool {
+        let n = self.pushed.nrows() / 2;
+        let mass = self.system.second.mass.map(Complex::from);
+        let energy = |rate: &ComplexVector| rate.dotc(&(&mass * rate)).re;
+        let rate = right.rows(n, n).into_owned();
+        let left = &rate - right.rows(0, n) * (z.ln() / self.system.step_s);
+        energy(&left) > HIDDEN * energy(&rate)
+    }
+
     /// The mode of an eigenvalue, of a pair that with positive imaginary part.
-    fn named(&self, (z, right): Guess) -> Option<LaggedMode> {
+    fn named(&self, (z, right): Guess, lag_share: f64) -> Option<LaggedMode> {
         let n = self.pushed.nrows() / 2;
         let eigenvalue_1_s = z.ln() / self.system.step_s;
         let shape = right.rows(0, n).into_owned();
         let largest = shape.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm()))?;
         if eigenvalue_1_s.im < 0.0 {
             let shape = (shape / largest).map(|entry| entry.conj());
-            return Some(LaggedMode { eigenvalue_1_s: eigenvalue_1_s.conj(), shape, lag_share: 0.0 });
+            return Some(LaggedMode { eigenvalue_1_s: eigenvalue_1_s.conj(), shape, lag_share });
         }
-        Some(LaggedMode { eigenvalue_1_s, shape: shape / largest, lag_share: 0.0 })
+        Some(LaggedMode { eigenvalue_1_s, shape: shape / largest, lag_share })
+    }
+
+    /// Motions of the machine with eigenvalues up to `radius_1_s` beyond those that nothing resists, and whether there may be some
+    /// below a fraction of the radius, which a smaller circle tells apart. `None` where the moments fail.
+    fn motions(&self, radius_1_s: f64, free_1_s: f64) -> Option<(Vec<LaggedMode>, bool)> {
+        let (guesses, full) = self.within(radius_1_s)?;
+        let value = |z: Complex<f64>| z.ln() / self.system.step_s;
+        let slower = full || guesses.iter().any(|(z, _)| value(*z).norm() < radius_1_s / SHRINK);
+        let mut list: Vec<LaggedMode> = Vec::new();
+        for guess in guesses {
+            let guessed = value(guess.0);
+            let Some(((z, right), wake)) = self.corrected(guess) else { continue };
+            let found = value(z);
+            let size = found.norm();
+            let counts = size > free_1_s && size <= radius_1_s && (found - guessed).norm() < STRAY * radius_1_s;
+            if !counts || wake > WAKE && found.re <= GROWTH * size || self.is_faster_than_steps(z, &right) {
+                continue;
+            }
+            let Some(mode) = self.named((z, right), wake) else { continue };
+            let same = list.iter().filter(|other| is_same(other, &mode));
+            let mut left = mode.shape.clone();
+            let mut known: Vec<ComplexVector> = Vec::new();
+            for other in same.map(|other| &other.shape).chain([&mode.shape]) {
+                left = other.clone();
+                let size = left.norm();
+                for direction in &known {
+                    let part = direction.dotc(&left);
+                    left.axpy(-part, direction, Complex::from(1.0));
+                }
+                left.unscale_mut(size);
+                known.push(left.normalize());
+            }
+            if left.norm() > OTHER {
+                list.push(mode);
+            }
+        }
+        Some((list, slower))
+    }
+
+    /// The slowest motions, ascending, at least `count` where steps can show so many, from a first circle of `radius_1_s`.
+    /// `None` where the moments fail.
+    fn slowest(&self, count: usize, radius_1_s: f64, free_1_s: f64) -> Option<Vec<LaggedMode>> {
+        let fastest_1_s = NYQUIST * PI / self.system.step_s;
+        let mut radius_1_s = radius_1_s.min(fastest_1_s);
+        let (mut list, mut slower) = self.motions(radius_1_s, free_1_s)?;
+        let mut smaller_1_s = radius_1_s;
+        for _ in 0..CIRCLES {
+            smaller_1_s /= SHRINK;
+            if !slower || smaller_1_s <= free_1_s {
+                break;
+            }
+            let found = self.motions(smaller_1_s, free_1_s)?;
+            // a smaller circle is more accurate inside
+            list.retain(|mode| {
+                mode.eigenvalue_1_s.norm() > smaller_1_s && !found.0.iter().any(|other| is_same(other, mode))
+            });
+            list.extend(found.0);
+            slower = found.1;
+        }
+        while list.len() < count && radius_1_s < fastest_1_s {
+            let before_1_s = radius_1_s;
+            radius_1_s = (GROW * radius_1_s).min(fastest_1_s);
+            let mut found = self.motions(radius_1_s, free_1_s)?.0;
+            found.retain(|mode| {
+                mode.eigenvalue_1_s.norm() > before_1_s && !list.iter().any(|other| is_same(other, mode))
+            });
+            list.extend(found);
+        }
+        list.sort_by(|a, b| a.eigenvalue_1_s.norm().total_cmp(&b.eigenvalue_1_s.norm()));
+        Some(list)
     }
 }
 
+/// Whether the eigenvalues of two modes differ by round-off only.
+fn is_same(a: &LaggedMode, b: &LaggedMode) -> bool {
+    (a.eigenvalue_1_s - b.eigenvalue_1_s).norm() < SAME * b.eigenvalue_1_s.norm()
+}
+
 impl Study<'_> {
-    /// Modes of lowest frequency in the air of a lattice about the present state of rest that swing, and the sign of the determinant
-    /// of the static stiffness in the established flow; `None` if it is singular. Where modes are is guessed from the air at frequencies
-    /// an octave apart, so that those are found too which have no frequency without air, as that of a hinge that swings freely.
+    /// The `count` modes of lowest frequency in the air of a lattice about the present state of rest, ascending, those that only decay
+    /// or only grow included; and the sign of the determinant of the static stiffness in the established flow, `None` if it is singular.
+    /// Motions of the wake alone are left out unless they grow, and so are motions that are too fast for the aerodynamic step: there may
+    /// be fewer modes than `count`.
     ///
     /// # Errors
     /// As [`Study::lattice_space`].
@@ -190,28 +277,23 @@ impl Study<'_> {
         let pushed = &system.held.by_force * &system.force;
         let delays = Delays { system: &system, pushed };
         let second = system.second.clone();
-        let bare = Lagged::without(second.clone()).modes(count).map_err(|error| cause(&error.to_string()))?;
-        let mut list: Vec<LaggedMode> = Vec::new();
-        let nyquist_rad_s = std::f64::consts::PI / system.step_s;
-        let fastest_rad_s = bare.iter().map(|mode| mode.eigenvalue_1_s.norm()).fold(0.0, f64::max).min(nyquist_rad_s);
-        for octave in 0..if fastest_rad_s > 0.0 { OCTAVES } else { 0 } {
-            let guesses = delays.at_frequency(fastest_rad_s / OCTAVE.powi(octave), count);
-            let guesses = guesses.map_err(|error| cause(&error.to_string()))?;
-            for found in guesses.iter().filter_map(|mode| delays.near(mode)) {
-                let same = |other: &LaggedMode| {
-                    (other.eigenvalue_1_s - found.eigenvalue_1_s).norm() < SAME * found.eigenvalue_1_s.norm()
-                };
-                if found.eigenvalue_1_s.norm() < nyquist_rad_s && !list.iter().any(same) {
-                    list.push(found);
-                }
-            }
+        let one = Complex::from(1.0);
+        let at_rest =
+            delays.loads(one, one).map(|loads| &second.stiffness + &system.force * loads.map(|entry| entry.re));
+        let sign = at_rest.as_ref().and_then(determinant_is_positive);
+        let structure = Lagged::without(second);
+        let bare = structure.modes(count).map_err(|error| cause(&error.to_string()))?;
+        let mut list = Vec::new();
+        if let (false, Some(stiffness)) = (bare.is_empty(), at_rest) {
+            let (still, free_1_s) =
+                structure.still_with(&stiffness, count).map_err(|error| cause(&error.to_string()))?;
+            let fastest_1_s = bare.iter().map(|mode| mode.eigenvalue_1_s.norm()).fold(0.0, f64::max);
+            let radius_1_s = if fastest_1_s > free_1_s { fastest_1_s } else { PI / system.step_s / SHRINK };
+            let failed = || cause("the eigenvalues of the model in discrete time are not found");
+            list = still;
+            list.extend(delays.slowest(count.saturating_sub(list.len()), radius_1_s, free_1_s).ok_or_else(failed)?);
+            list.truncate(count);
         }
-        list.sort_by(|a, b| a.eigenvalue_1_s.norm().total_cmp(&b.eigenvalue_1_s.norm()));
-        let at_rest = delays.loads(Complex::from(1.0)).map(|loads| loads.map(|entry| entry.re));
-        let sign = at_rest.and_then(|loads| {
-            let SecondOrder { stiffness, .. } = &second;
-            determinant_is_positive(&(stiffness + &system.force * loads))
-        });
         let freedoms = self.system.freedoms();
         let mut shapes: Vec<ModeShape> = list.into_iter().map(|mode| self.mode_shape(mode, &freedoms)).collect();
         tell_lateral_apart(&mut shapes);

@@ -1,0 +1,154 @@
+//! All eigenvalues of a matrix function inside a circle about 0, by moments of its inverse over the circle.
+//!
+//! After Beyn, An integral method for solving nonlinear eigenvalue problems, Linear Algebra and its Applications 436 (2012), with the
+//! moments of higher order that make more eigenvalues than rows possible.
+
+use crate::solve::complex_factors::ComplexFactors;
+use crate::solve::eigen::eigen;
+use nalgebra::{Complex, DMatrix, DVector};
+
+type ComplexVector = DVector<Complex<f64>>;
+
+/// Columns of the probe on either side.
+const PROBES: usize = 24;
+/// Eigenvalues that the moments can tell apart.
+const CAPACITY: usize = 120;
+/// Minimum number of places on the whole circle. An eigenvalue `λ` enters with the weight `1/(1 + (λ/R)^N)`: those outside count
+/// little, but exactly, so that the moments stay those of a sum over eigenvalues.
+const PLACES: usize = 64;
+/// Singular value of the moments, relative to the largest, below which there is round-off.
+const ROUND_OFF: f64 = 1e-11;
+/// Magnitude over the radius up to which eigenvalues are handed out.
+const BEYOND: f64 = 1.05;
+
+/// Guesses of eigenvalues and vectors, and whether there may be more than the moments can hold.
+pub struct Inside {
+    /// Eigenvalues, of a pair the one with positive imaginary part, and their vectors.
+    pub found: Vec<(Complex<f64>, ComplexVector)>,
+    /// The moments are full.
+    pub full: bool,
+}
+
+/// Entry of a probe: a sequence without a pattern in rows and columns, between -1 and 1.
+fn probe(row: usize, column: usize, side: usize) -> f64 {
+    let seed = (row as f64 + 1.0) * 12.989_8 + (column as f64 + 1.0) * 78.233 + (side as f64 + 1.0) * 37.719;
+    2.0 * (seed.sin() * 43_758.545_3).rem_euclid(1.0) - 1.0
+}
+
+/// Eigenvalues within `radius` of 0 of the real-analytic function whose factors `factors_at` gives; `scale` are the sizes of the unknowns.
+/// `None` where the iteration for the eigenvalues of the moments fails.
+pub fn inside(
+    radius: f64,
+    scale: &DVector<f64>,
+    factors_at: &mut dyn FnMut(Complex<f64>) -> Option<ComplexFactors>,
+) -> Option<Inside> {
+    let size = scale.len();
+    let probes = PROBES.min(size);
+    let blocks = CAPACITY.div_ceil(probes.max(1));
+    if size == 0 {
+        return Some(Inside { found: Vec::new(), full: false });
+    }
+    let places = PLACES.max(2 * blocks).next_multiple_of(2);
+    let right = DMatrix::from_fn(size, probes, |i, j| scale[i] * probe(i, j, 0));
+    let left = DMatrix::from_fn(probes, size, |i, j| probe(j, i, 1) / scale[j]);
+    let mut moments = vec![DMatrix::<f64>::zeros(size, probes); blocks];
+    let mut seen = vec![DMatrix::<f64>::zeros(probes, probes); 2 * blocks];
+    for place in 0..places / 2 {
+        let angle = std::f64::consts::TAU * (place as f64 + 0.5) / places as f64;
+        let unit = Complex::from_polar(1.0, angle);
+        // a place at which the function has a pole counts nothing, as its inverse
+        let Some(factors) = factors_at(unit * radius) else { continue };
+        for column in 0..probes {
+            let answer = factors.solve(&right.column(column).map(Complex::from));
+            if !answer.iter().all(|entry| entry.is_finite()) {
+                continue;
+            }
+            let mut weight = unit * (2.0 / places as f64);
+            for order in 0..2 * blocks {
+                let part = answer.map(|entry| (weight * entry).re);
+                let mut own = seen[order].column_mut(column);
+                own += &left * &part;
+                if let Some(moment) = moments.get_mut(order) {
+                    let mut own = moment.column_mut(column);
+                    own += part;
+                }
+                weight *= unit;
+            }
+        }
+    }
+    let hankel = |shift: usize| {
+        DMatrix::from_fn(blocks * probes, blocks * probes, |i, j| {
+            seen[i / probes + j / probes + shift][(i % probes, j % probes)]
+        })
+    };
+    let parts = hankel(0).svd(true, true);
+    let (u, v) = (parts.u?, parts.v_t?.transpose());
+    let largest = parts.singular_values.iter().copied().fold(0.0, f64::max);
+    let mut order: Vec<usize> = (0..blocks * probes).collect();
+    order.retain(|&i| parts.singular_values[i] > ROUND_OFF * largest);
+    let full = order.len() == blocks * probes;
+    let mut turned = v.select_columns(&order);
+    for (mut column, &i) in turned.column_iter_mut().zip(&order) {
+        column.unscale_mut(parts.singular_values[i]);
+    }
+    let small = u.select_columns(&order).transpose() * hankel(1) * &turned;
+    let own = eigen(&small)?;
+    let mut shapes = DMatrix::<f64>::zeros(size, order.len());
+    for (block, moment) in moments.iter().enumerate() {
+        shapes += moment * turned.rows(block * probes, probes);
+    }
+    let shapes = shapes * &own.vectors;
+    let list = own.values.iter().enumerate().filter(|(_, value)| value.im >= 0.0 && value.norm() <= BEYOND);
+    let found = list.map(|(i, value)| {
+        let pair = value.im > 0.0;
+        let shape = DVector::from_fn(size, |row, _| {
+            Complex::new(shapes[(row, i)], if pair { shapes[(row, i + 1)] } else { 0.0 })
+        });
+        (value * radius, shape)
+    });
+    Some(Inside { found: found.collect(), full })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Roots of a quadratic function with a delay, `λ² + c λ + k + b e^(−λ)` in two unknowns that are coupled: the function vanishes in
+    /// all that are found, and the number inside is that of the argument principle, by the turns of the determinant.
+    #[test]
+    fn all_roots_of_equations_with_delays_are_found() {
+        let matrix = |at: Complex<f64>| {
+            let late = (-at).exp();
+            let own = at * at + at * 0.3;
+            let entry = |k: f64, b: f64| Complex::from(k) + late * b;
+            DMatrix::from_row_slice(
+                2,
+                2,
+                &[own + entry(4.0, 1.0), entry(0.3, -0.8), entry(-0.5, 0.2), own * 2.0 + entry(9.0, 3.0)],
+            )
+        };
+        for radius in [1.0, 2.5, 6.0, 11.0] {
+            let mut at = |place: Complex<f64>| {
+                let matrix = matrix(place);
+                Some(ComplexFactors::new(2, |i, j| matrix[(i, j)]))
+            };
+            let inside = inside(radius, &DVector::from_element(2, 1.0), &mut at).expect("moments");
+            assert!(!inside.full);
+            let list: Vec<_> = inside.found.iter().filter(|(value, _)| value.norm() < radius).collect();
+            let count: usize = list.iter().map(|(value, _)| if value.im > 0.0 { 2 } else { 1 }).sum();
+            // the determinant has no poles: its turns around the circle are the roots inside
+            let places = 4000;
+            let on = |i: usize| {
+                matrix(Complex::from_polar(radius, std::f64::consts::TAU * i as f64 / f64::from(places))).determinant()
+            };
+            let turns: f64 =
+                (0..places as usize).map(|i| (on(i + 1) / on(i)).arg()).sum::<f64>() / std::f64::consts::TAU;
+            assert_eq!(count as f64, turns.round(), "{radius}: {list:?}");
+            for (value, shape) in list {
+                let left = (matrix(*value) * shape).norm() / (matrix(*value).norm() * shape.norm());
+                // guesses: the moments lose the digits of the weights at the rim
+                assert!(left < 1e-6, "{radius}: {value} {left:e}");
+            }
+        }
+    }
+}
