@@ -123,9 +123,9 @@ fn kernels(criterion: &mut Criterion) {
     });
 }
 
-/// Velocity that a wake of 100 rows and 20 strips induces at four points: 4120 segments, none shared between rows.
+/// Velocity that a wake of 100 rows and 20 strips induces at eight points: 4120 segments, none shared between rows.
 ///
-/// The lattice calls this kernel through the widest vectors of the machine; here it is compiled for the baseline.
+/// The kernel runs with the widest vectors of the machine.
 fn biot_savart(criterion: &mut Criterion) {
     let (rows, strips) = (100, 20);
     let (columns, rings) = (strips + 1, rows * strips);

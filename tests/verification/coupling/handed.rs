@@ -28,10 +28,10 @@ fn half(air: &str, profile: &str, mirrored: bool) -> [f64; 6] {
     [force.x, force.y, force.z, moment.x, moment.y, moment.z]
 }
 
-/// U-63. A wing and its mirror image, whose leading edge lies on the side of `-y`: the same forces and moments, mirrored. Profiles
+/// U-65. A wing and its mirror image, whose leading edge lies on the side of `-y`: the same forces and moments, mirrored. Profiles
 /// with camber, moment or a polar used to be upside down on one of the two.
 #[test]
-fn u63_mirror_images_carry_alike() {
+fn u65_mirror_images_carry_alike() {
     let polar = "polar = [[-20.0, -1.2, 0.05, -0.02], [-4.0, 0.0, 0.01, -0.05], [10.0, 1.3, 0.02, -0.06], [20.0, 1.0, 0.2, -0.1]]";
     let cambered = "zero_lift_angle_deg = -4\nmoment_coefficient = -0.08\ndrag_coefficient = 0.02";
     for (air, profile) in [
@@ -47,7 +47,7 @@ fn u63_mirror_images_carry_alike() {
         let signs = [-1.0, 1.0, 1.0, 1.0, -1.0, -1.0];
         let largest = own.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
         let error = own.iter().zip(&image).zip(signs).map(|((a, b), sign)| (a - sign * b).abs()).fold(0.0, f64::max);
-        println!("U-63 {air:?} {profile:?}: lift {:.3} N, difference {:.1e}", own[2], error / largest);
+        println!("U-65 {air:?} {profile:?}: lift {:.3} N, difference {:.1e}", own[2], error / largest);
         // the implicit steps of both end at their own round-off
         assert!(error < 1e-9 * largest, "{air} {profile}: {own:?} {image:?}");
     }
@@ -78,10 +78,10 @@ const ALONG_THE_HINGE: [&str; 2] = [
 ];
 const LATTICE: &str = "model = \"uvlm\"\nmirror_normal = [1, 0, 0]";
 
-/// U-62. Edges across the bodies part as a flared hinge folds, and a lattice with narrower strips sees a wider gap: the torque about the hinge does
+/// U-64. Edges across the bodies part as a flared hinge folds, and a lattice with narrower strips sees a wider gap: the torque about the hinge does
 /// not converge. With `flare_deg` both edges lie on the hinge at every angle, and it does.
 #[test]
-fn u62_edges_along_a_flared_hinge_stay_together() {
+fn u64_edges_along_a_flared_hinge_stay_together() {
     let air = flared(0.0, ALONG_THE_HINGE, 1, LATTICE).air.expect("air");
     let (last, first) = (air.surfaces[0].chords.last().expect("chords"), &air.surfaces[1].chords[0]);
     let axis = Unit::new_normalize(Vector3::new(20f64.to_radians().sin(), 20f64.to_radians().cos(), 0.0));
@@ -102,7 +102,7 @@ fn u62_edges_along_a_flared_hinge_stay_together() {
         let [along, across] =
             [ALONG_THE_HINGE, ["", ""]].map(|edges| [1, 2, 4].map(|more| held(fold_deg, edges, more)));
         let change = |held: [[f64; 2]; 3], from: usize| (held[from + 1][0] - held[from][0]).abs();
-        println!("U-62 fold {fold_deg}: along the hinge {along:.4?}, across the bodies {across:.4?}");
+        println!("U-64 fold {fold_deg}: along the hinge {along:.4?}, across the bodies {across:.4?}");
         // first order or better
         assert!(change(along, 0) > 1.5 * change(along, 1), "{fold_deg}: {along:?}");
         if fold_deg == 0.0 {

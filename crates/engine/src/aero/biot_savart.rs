@@ -1,4 +1,4 @@
-//! Velocity of vortex sheets made of quadrilateral rings: segment by segment, four points at a time.
+//! Velocity of vortex sheets made of quadrilateral rings: segment by segment, eight points at a time.
 //!
 //! The core is Rosenhead's and Moore's: every distance `|r|` becomes `√(r² + δ²)`. A straight segment then has a closed
 //! form without singular places and without branches, the field is that of a real, smooth vorticity (closed rings cancel
@@ -9,18 +9,21 @@
 //! nor on the number of threads.
 
 use crate::aero::images::{Plane, Stretch};
+pub use crate::aero::vortex_segments::Arm;
+use crate::aero::vortex_segments::{RingInfluence, SheetVelocity, Straight};
 use nalgebra::Vector3;
-use std::array::from_fn;
+use pulp::Arch;
 use std::f64::consts::PI;
 
 /// Points that are evaluated together.
-pub const LANES: usize = 4;
+pub const LANES: usize = 8;
 
 /// One coordinate of as many points.
 type Lane = [f64; LANES];
 
 /// Three coordinates of as many points.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(align(64))]
 pub struct Block {
     /// Coordinates.
     pub xyz: [Lane; 3],
@@ -66,39 +69,6 @@ impl Block {
 /// Number of blocks for as many points.
 pub fn blocks(points: usize) -> usize {
     points.div_ceil(LANES)
-}
-
-/// From a node to the points: components and smoothed distance.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Arm {
-    xyz: [Lane; 3],
-    distance: Lane,
-    /// Normal velocity that the segment induces which ends at the node, from the column before.
-    spanwise: Lane,
-}
-
-impl Arm {
-    #[inline(always)]
-    fn new(points: &Block, node: &Vector3<f64>, core_squared: f64) -> Self {
-        let xyz: [Lane; 3] = from_fn(|axis| from_fn(|lane| points.xyz[axis][lane] - node[axis]));
-        let squares: Lane =
-            from_fn(|lane| xyz[0][lane] * xyz[0][lane] + xyz[1][lane] * xyz[1][lane] + xyz[2][lane] * xyz[2][lane]);
-        Self { xyz, distance: from_fn(|lane| (squares[lane] + core_squared).sqrt()), spanwise: [0.0; LANES] }
-    }
-}
-
-/// `4π` times the velocity of a straight segment of unit circulation from one node to another, eq. (U1).
-#[inline(always)]
-fn segment(from: &Arm, to: &Arm, core_squared: f64) -> Block {
-    let (a, b) = (&from.xyz, &to.xyz);
-    let product: Lane = from_fn(|lane| from.distance[lane] * to.distance[lane]);
-    let dot: Lane = from_fn(|lane| a[0][lane] * b[0][lane] + a[1][lane] * b[1][lane] + a[2][lane] * b[2][lane]);
-    let below: Lane = from_fn(|lane| product[lane] * (product[lane] + dot[lane] + core_squared));
-    let strength: Lane = from_fn(|lane| (from.distance[lane] + to.distance[lane]) / below[lane]);
-    let cross = |i: usize, j: usize| -> Lane {
-        from_fn(|lane| (a[i][lane] * b[j][lane] - a[j][lane] * b[i][lane]) * strength[lane])
-    };
-    Block { xyz: [cross(1, 2), cross(2, 0), cross(0, 1)] }
 }
 
 /// Where the nodes, rings and segments of a sheet lie in flat lists. A sheet has rows of rings; row 0 is the foremost.
@@ -185,7 +155,6 @@ impl Kernel {
     /// Adds the velocity in m/s that sheets induce at some points. `arms` has two rows of nodes.
     ///
     /// A mirror image induces at a point the reflection of what the original induces at the reflected point, eq. (U2).
-    #[inline(always)]
     pub fn induce(
         &self,
         sheets: &[Sheet],
@@ -195,90 +164,43 @@ impl Kernel {
         arms: &mut [Arm],
         velocity_m_s: &mut Block,
     ) {
+        let arch = Arch::new();
+        let mut of = |sheet: &Sheet, points_m: &Block| {
+            let (core_squared_m2, stretch) = (self.core_squared_m2, self.stretch.as_ref());
+            let arms = &mut *arms;
+            let sum =
+                arch.dispatch(SheetVelocity { sheet, nodes_m, filaments, points_m, arms, core_squared_m2, stretch });
+            stretch.map_or(sum, |stretch| sum.stretched(stretch))
+        };
         for sheet in sheets {
-            let own = self.sheet(sheet, nodes_m, filaments, points_m, arms);
+            let own = of(sheet, points_m);
             velocity_m_s.add(1.0 / (4.0 * PI), &own);
             if let Some(normal) = &self.mirror_normal {
-                let image = self.sheet(sheet, nodes_m, filaments, &points_m.mirrored(normal), arms);
+                let image = of(sheet, &points_m.mirrored(normal));
                 velocity_m_s.add(1.0 / (4.0 * PI), &image.mirrored(normal));
             }
             if let Some(ground) = &self.ground {
                 let below_m = points_m.below(ground);
-                let image = self.sheet(sheet, nodes_m, filaments, &below_m, arms);
+                let image = of(sheet, &below_m);
                 velocity_m_s.add(1.0 / (4.0 * PI), &image.mirrored(&ground.normal));
                 if let Some(normal) = &self.mirror_normal {
-                    let image = self.sheet(sheet, nodes_m, filaments, &below_m.mirrored(normal), arms);
+                    let image = of(sheet, &below_m.mirrored(normal));
                     velocity_m_s.add(1.0 / (4.0 * PI), &image.mirrored(normal).mirrored(&ground.normal));
                 }
             }
         }
     }
 
-    /// `4π` times the velocity of one sheet.
-    #[inline(always)]
-    fn sheet(
-        &self,
-        sheet: &Sheet,
-        nodes_m: &[Vector3<f64>],
-        filaments: &Filaments,
-        points_m: &Block,
-        arms: &mut [Arm],
-    ) -> Block {
-        let columns = sheet.strips + 1;
-        let (mut ahead, mut here) = arms[..2 * columns].split_at_mut(columns);
-        let mut sum = Block::default();
-        for row in 0..=sheet.rows {
-            let first = sheet.node(row, 0);
-            let nodes = &nodes_m[first..first + columns];
-            let spanwise = &filaments.spanwise[sheet.ring(row, 0)..][..sheet.strips];
-            for (column, node) in nodes.iter().enumerate() {
-                here[column] = self.arm(points_m, node);
-                if column > 0 {
-                    let unit = segment(&here[column - 1], &here[column], self.core_squared_m2);
-                    sum.add(spanwise[column - 1], &unit);
-                }
-            }
-            if row > 0 {
-                let before = sheet.node(row - 1, 0);
-                let chordwise = &filaments.chordwise[before..before + columns];
-                for ((from, to), circulation) in ahead.iter().zip(here.iter()).zip(chordwise) {
-                    sum.add(*circulation, &segment(from, to, self.core_squared_m2));
-                }
-            }
-            std::mem::swap(&mut ahead, &mut here);
-        }
-        match &self.stretch {
-            Some(stretch) => sum.stretched(stretch),
-            None => sum,
-        }
-    }
-
-    /// From a node to points, stretched in compressible air.
-    #[inline(always)]
-    fn arm(&self, points_m: &Block, node_m: &Vector3<f64>) -> Arm {
-        match &self.stretch {
-            None => Arm::new(points_m, node_m, self.core_squared_m2),
-            Some(stretch) => {
-                let mut way_m = *points_m;
-                for (coordinates, place) in way_m.xyz.iter_mut().zip(node_m.iter()) {
-                    coordinates.iter_mut().for_each(|coordinate| *coordinate -= place);
-                }
-                Arm::new(&way_m.stretched(stretch), &Vector3::zeros(), self.core_squared_m2)
-            }
-        }
-    }
-
     /// Velocity in m/s of a straight segment of unit circulation at some points, without its image.
     pub fn straight(&self, ends_m: [Vector3<f64>; 2], points_m: &Block) -> Block {
-        let [from, to] = ends_m.map(|end_m| Arm::new(points_m, &end_m, self.core_squared_m2));
+        let unit = Arch::new().dispatch(Straight { ends_m, points_m, core_squared_m2: self.core_squared_m2 });
         let mut velocity = Block::default();
-        velocity.add(1.0 / (4.0 * PI), &segment(&from, &to, self.core_squared_m2));
+        velocity.add(1.0 / (4.0 * PI), &unit);
         velocity
     }
 
     /// Adds to a matrix, by columns of `rows` entries, the normal velocity that unit rings of a sheet induce at some
     /// points, eq. (U4). The rings' columns are `column(row, strip)`; the points begin at the row `first`.
-    #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "a kernel: every argument is one plain operand of its loops")]
     pub fn influence(
         &self,
@@ -291,72 +213,35 @@ impl Kernel {
         (rows, first): (usize, usize),
         column: impl Fn(usize, usize) -> usize,
     ) {
-        self.pass(sheet, nodes_m, [points_m, normals], arms, matrix, (rows, first), &column);
+        let (arch, core_squared_m2) = (Arch::new(), self.core_squared_m2);
+        let mut add = |points_m: &Block, normals: &Block| {
+            let (stretch, arms, matrix, column) = (self.stretch.as_ref(), &mut *arms, &mut *matrix, &column);
+            // the stretched velocity along a normal is the velocity along the stretched normal
+            let normals = &stretch.map_or(*normals, |stretch| normals.stretched(stretch));
+            let place = (rows, first);
+            arch.dispatch(RingInfluence {
+                sheet,
+                nodes_m,
+                points_m,
+                normals,
+                arms,
+                matrix,
+                place,
+                column,
+                core_squared_m2,
+                stretch,
+            });
+        };
+        add(points_m, normals);
         if let Some(normal) = &self.mirror_normal {
-            let images = [points_m.mirrored(normal), normals.mirrored(normal)];
-            self.pass(sheet, nodes_m, [&images[0], &images[1]], arms, matrix, (rows, first), &column);
+            add(&points_m.mirrored(normal), &normals.mirrored(normal));
         }
         if let Some(ground) = &self.ground {
             let (below_m, turned) = (points_m.below(ground), normals.mirrored(&ground.normal));
-            self.pass(sheet, nodes_m, [&below_m, &turned], arms, matrix, (rows, first), &column);
+            add(&below_m, &turned);
             if let Some(normal) = &self.mirror_normal {
-                let images = [below_m.mirrored(normal), turned.mirrored(normal)];
-                self.pass(sheet, nodes_m, [&images[0], &images[1]], arms, matrix, (rows, first), &column);
+                add(&below_m.mirrored(normal), &turned.mirrored(normal));
             }
-        }
-    }
-
-    /// The same without images, points and normals in one array. Every entry is read and written once: a ring is complete
-    /// where its last segment is known.
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "a kernel: every argument is one plain operand of its loops")]
-    fn pass(
-        &self,
-        sheet: &Sheet,
-        nodes_m: &[Vector3<f64>],
-        [points_m, normals]: [&Block; 2],
-        arms: &mut [Arm],
-        matrix: &mut [f64],
-        (rows, first): (usize, usize),
-        column: &impl Fn(usize, usize) -> usize,
-    ) {
-        // the stretched velocity along a normal is the velocity along the stretched normal
-        let stretched = match &self.stretch {
-            Some(stretch) => normals.stretched(stretch),
-            None => *normals,
-        };
-        let normals = &stretched;
-        let along = |velocity: &Block| -> Lane {
-            from_fn(|lane| {
-                velocity.xyz[0][lane] * normals.xyz[0][lane]
-                    + velocity.xyz[1][lane] * normals.xyz[1][lane]
-                    + velocity.xyz[2][lane] * normals.xyz[2][lane]
-            })
-        };
-        let columns = sheet.strips + 1;
-        let (mut ahead, mut here) = arms[..2 * columns].split_at_mut(columns);
-        for row in 0..=sheet.rows {
-            let nodes = &nodes_m[sheet.node(row, 0)..][..columns];
-            let mut inner = [0.0; LANES];
-            for (at, node) in nodes.iter().enumerate() {
-                here[at] = self.arm(points_m, node);
-                if at > 0 {
-                    here[at].spanwise = along(&segment(&here[at - 1], &here[at], self.core_squared_m2));
-                }
-                if row == 0 {
-                    continue;
-                }
-                let outer = along(&segment(&ahead[at], &here[at], self.core_squared_m2));
-                if at > 0 {
-                    let entries = &mut matrix[column(row - 1, at - 1) * rows + first..][..LANES];
-                    for (lane, entry) in entries.iter_mut().enumerate() {
-                        let ring = ahead[at].spanwise[lane] - inner[lane] - here[at].spanwise[lane] + outer[lane];
-                        *entry += ring * (1.0 / (4.0 * PI));
-                    }
-                }
-                inner = outer;
-            }
-            std::mem::swap(&mut ahead, &mut here);
         }
     }
 }

@@ -23,7 +23,6 @@ use crate::aero::near_sheets::{Facing, Gap, NoCirculation};
 use crate::aero::rear::rear_panels;
 use crate::aero::surface::Surface;
 use crate::aero::wake::NEAR_ROWS;
-use crate::aero::wide::wide;
 use crate::aero::{AirLoads, lattice_loads};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
@@ -459,18 +458,12 @@ impl VortexLattice {
             SheetKind::Wake if self.wake_part.iter().all(|sheet| sheet.rows == 0) => return,
             SheetKind::Wake => (&self.wake_part, &self.wake_filaments),
         };
-        let (kernel, arch, used) = (&self.kernel, self.arch, blocks(count));
+        let (kernel, used) = (&self.kernel, blocks(count));
         let (points, velocities) = (&self.points[..used], &mut self.velocities[..used]);
         let run = |points: &[Block], velocities: &mut [Block], arms: &mut [Arm]| {
-            wide(
-                arch,
-                #[inline(always)]
-                || {
-                    for (points_m, velocity_m_s) in points.iter().zip(velocities.iter_mut()) {
-                        kernel.induce(sheets, nodes_m, filaments, points_m, arms, velocity_m_s);
-                    }
-                },
-            );
+            for (points_m, velocity_m_s) in points.iter().zip(velocities.iter_mut()) {
+                kernel.induce(sheets, nodes_m, filaments, points_m, arms, velocity_m_s);
+            }
         };
         match &self.pool {
             Some(pool) if used > 1 => {

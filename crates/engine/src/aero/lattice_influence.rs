@@ -5,7 +5,6 @@ use crate::aero::flow::Flow;
 use crate::aero::lattice::{Factors, VortexLattice};
 use crate::aero::lattice_state::LatticeState;
 use crate::aero::near_sheets::NoCirculation;
-use crate::aero::wide::wide;
 use crate::load::SectionMotion;
 
 impl VortexLattice {
@@ -48,23 +47,17 @@ impl VortexLattice {
             return Err(NoCirculation::Closed(closed));
         }
         let (panels, rows) = (self.right.len(), blocks(self.right.len()) * LANES);
-        let (kernel, arch, bound) = (self.kernel, self.arch, &self.bound);
+        let (kernel, bound) = (self.kernel, &self.bound);
         let (points, normals, firsts, arms) = (&self.points, &self.normals, &self.first_panel, &mut self.arms[0]);
         let matrix = self.system.cleared();
-        wide(
-            arch,
-            #[inline(always)]
-            || {
-                for (block, (points, normals)) in points.iter().zip(normals).enumerate().take(rows / LANES) {
-                    let place = (rows, block * LANES);
-                    for (sheet, first) in bound.iter().zip(firsts) {
-                        let (corners, strips) = (&state.corner_m, sheet.strips);
-                        let of = |row: usize, strip: usize| first + row * strips + strip;
-                        kernel.influence(sheet, corners, points, normals, arms, matrix, place, of);
-                    }
-                }
-            },
-        );
+        for (block, (points, normals)) in points.iter().zip(normals).enumerate().take(rows / LANES) {
+            let place = (rows, block * LANES);
+            for (sheet, first) in bound.iter().zip(firsts) {
+                let (corners, strips) = (&state.corner_m, sheet.strips);
+                let of = |row: usize, strip: usize| first + row * strips + strip;
+                kernel.influence(sheet, corners, points, normals, arms, matrix, place, of);
+            }
+        }
         debug_assert!(panels <= rows);
         self.see_influence(state, established);
         if established {
@@ -79,23 +72,17 @@ impl VortexLattice {
     /// Adds the rings of an established wake to those in front of them, with whose circulation they are born.
     fn add_established_wake(&mut self, state: &LatticeState) {
         let rows = blocks(self.right.len()) * LANES;
-        let (kernel, arch) = (self.kernel, self.arch);
+        let kernel = self.kernel;
         let (points, normals, arms) = (&self.points, &self.normals, &mut self.arms[0]);
         let sheets = self.bound.iter().zip(&self.wake).zip(&self.first_panel);
         let matrix = self.system.entries_mut();
-        wide(
-            arch,
-            #[inline(always)]
-            || {
-                for ((sheet, wake), first) in sheets.clone() {
-                    let of = |_: usize, strip: usize| first + (sheet.rows - 1) * sheet.strips + strip;
-                    for (block, (points, normals)) in points.iter().zip(normals).enumerate().take(rows / LANES) {
-                        let place = (rows, block * LANES);
-                        kernel.influence(wake, &state.wake_node_m, points, normals, arms, matrix, place, of);
-                    }
-                }
-            },
-        );
+        for ((sheet, wake), first) in sheets {
+            let of = |_: usize, strip: usize| first + (sheet.rows - 1) * sheet.strips + strip;
+            for (block, (points, normals)) in points.iter().zip(normals).enumerate().take(rows / LANES) {
+                let place = (rows, block * LANES);
+                kernel.influence(wake, &state.wake_node_m, points, normals, arms, matrix, place, of);
+            }
+        }
     }
 
     /// Circulation for which no air passes through the collocation points, eq. (U4), but for what the profiles ask for.

@@ -20,14 +20,14 @@ pub const SECTION_PARTS: usize = 12;
 /// Entries of a wrench.
 const ENTRIES: usize = 6;
 /// Fourth-order central differences: weights of the steps ±1 and ±2, over 12 steps.
-const WEIGHTS: [f64; 2] = [8.0, -1.0];
+pub(super) const WEIGHTS: [f64; 2] = [8.0, -1.0];
 /// Step of the differences, relative to the panel chord, to the rotation in rad that moves the longest chord's end by a panel chord,
 /// and to the wind speed. The response is smooth on the scale of a panel: the truncation error is about 1e-11, as is the round-off.
-const STEP: f64 = 1e-3;
+pub(super) const STEP: f64 = 1e-3;
 /// Rows of nodes behind the trailing edge with displacements of their own; rows further behind move with the last of them.
-const MOVING_ROWS: usize = 16;
+pub(super) const MOVING_ROWS: usize = 16;
 /// Circulation of the wake, relative to wind speed times panel chord, below which displacements of its nodes have no effect.
-const NO_CIRCULATION: f64 = 1e-12;
+pub(super) const NO_CIRCULATION: f64 = 1e-12;
 /// Speed from the rotation of the root frame, relative to the wind speed, below which the flow counts as steady.
 const STEADY_SHARE: f64 = 1e-12;
 
@@ -120,11 +120,11 @@ impl LatticeSlopes {
 }
 
 /// The state about which one variable after another is varied.
-struct About<'a> {
-    state: LatticeState,
-    motions: Vec<SectionMotion>,
+pub(super) struct About<'a> {
+    pub state: LatticeState,
+    pub motions: Vec<SectionMotion>,
     deflections: Vec<Deflection>,
-    flow: Flow<'a>,
+    pub flow: Flow<'a>,
     step_s: f64,
 }
 
@@ -140,16 +140,7 @@ impl VortexLattice {
         step_s: f64,
         gusts: bool,
     ) -> Result<LatticeSlopes, NoLinearLattice> {
-        let mut state = self.blank_state();
-        self.steady(motions, flow, step_s, &mut state)?;
-        let mut about = About {
-            state,
-            motions: motions.to_vec(),
-            deflections: self.flaps.deflections().to_vec(),
-            flow: *flow,
-            step_s,
-        };
-        self.factors = Factors::OfEach;
+        let mut about = self.about_steady(motions, flow, step_s)?;
         let panel_m = self.shed_way_m() / SHED_PANELS;
         let chord_m = self.surfaces.iter().flat_map(|surface| &surface.chords).map(|chord| chord.length_m());
         let longest_m = chord_m.fold(0.0, f64::max);
@@ -198,8 +189,9 @@ impl VortexLattice {
         }
         let air = DMatrix::from_vec(rows, 6 + 2 * flaps.len(), columns);
         let gust = if gusts { self.gust_slopes(&about, rows)? } else { DMatrix::zeros(rows, 0) };
-        let wake = self.wake_slopes(&mut about, rows)?;
-        let node = self.node_slopes(&mut about, rows)?;
+        let mut seen = self.look_at_steady(&mut about, rows)?;
+        let wake = self.wake_slopes(&mut about, &mut seen, rows)?;
+        let node = self.node_slopes(&mut about, &mut seen, rows)?;
         let trailing = self.bound.iter().zip(&self.first_panel).flat_map(|(sheet, first)| {
             let last = first + (sheet.rows - 1) * sheet.strips;
             last..last + sheet.strips
@@ -221,6 +213,20 @@ impl VortexLattice {
             node,
             impulse: self.impulse_slopes(&about),
         })
+    }
+
+    /// The steady flow, ready for variations.
+    pub(super) fn about_steady<'a>(
+        &mut self,
+        motions: &[SectionMotion],
+        flow: &Flow<'a>,
+        step_s: f64,
+    ) -> Result<About<'a>, NoLinearLattice> {
+        let mut state = self.blank_state();
+        self.steady(motions, flow, step_s, &mut state)?;
+        self.factors = Factors::OfEach;
+        let deflections = self.flaps.deflections().to_vec();
+        Ok(About { state, motions: motions.to_vec(), deflections, flow: *flow, step_s })
     }
 
     /// Steady flow with the full wake: rows as long as the wind travels in a step, the last one very long.
@@ -274,7 +280,7 @@ impl VortexLattice {
     }
 
     /// Appends the response of the lattice to `rows`.
-    fn answer(&mut self, about: &mut About, rows: &mut Vec<f64>) -> Result<(), NoCirculation> {
+    pub(super) fn answer(&mut self, about: &mut About, rows: &mut Vec<f64>) -> Result<(), NoCirculation> {
         let About { state, motions, deflections, flow, step_s } = about;
         self.deflect(deflections);
         state.relative_m_s = crate::aero::lattice_far::mean_relative_m_s(motions, flow);
@@ -315,9 +321,6 @@ impl VortexLattice {
             }
         }
         change(about, 0.0);
-        // circulations and corners of the steady flow again
-        rows.clear();
-        self.answer(about, &mut rows)?;
         Ok(slope)
     }
 
@@ -366,56 +369,6 @@ impl VortexLattice {
         Ok(DMatrix::from_vec(rows, 3 * places, columns))
     }
 
-    /// By the circulations of the wake. The loads are quadratic in them, so central differences are exact, and a long step reduces
-    /// their round-off.
-    fn wake_slopes(&mut self, about: &mut About, rows: usize) -> Result<DMatrix<f64>, NoCirculation> {
-        let rings = about.state.wake_rows * self.wake_strips;
-        let speed_m_s = about.flow.wind_m_s.norm();
-        let step_m2_s = speed_m_s * self.shed_way_m() / SHED_PANELS;
-        let mut matrix = DMatrix::zeros(rows, rings);
-        let mut answer = Vec::with_capacity(rows);
-        for ring in 0..rings {
-            let kept = about.state.wake_circulation_m2_s[ring];
-            for sign in [1.0, -1.0] {
-                answer.clear();
-                about.state.wake_circulation_m2_s[ring] = kept + sign * step_m2_s;
-                self.answer(about, &mut answer)?;
-                for (slope, row) in matrix.column_mut(ring).iter_mut().zip(&answer) {
-                    *slope += sign * row / (2.0 * step_m2_s);
-                }
-            }
-            about.state.wake_circulation_m2_s[ring] = kept;
-        }
-        Ok(matrix)
-    }
-
-    /// By displacements of the nodes of the wake.
-    fn node_slopes(&mut self, about: &mut About, rows: usize) -> Result<DMatrix<f64>, NoCirculation> {
-        let columns = self.wake_columns;
-        let panel_m = self.shed_way_m() / SHED_PANELS;
-        let scale_m2_s = about.flow.wind_m_s.norm() * panel_m;
-        if about.state.wake_circulation_m2_s.iter().all(|ring| ring.abs() <= NO_CIRCULATION * scale_m2_s) {
-            return Ok(DMatrix::zeros(rows, 0));
-        }
-        let last = about.state.wake_rows;
-        let moving = MOVING_ROWS.min(last);
-        let mut slopes = Vec::new();
-        for row in 1..=moving {
-            let moved = row..if row == moving { last + 1 } else { row + 1 };
-            for column in 0..columns {
-                let kept_m: Vec<_> = moved.clone().map(|row| about.state.wake_node_m[row * columns + column]).collect();
-                for part in 0..3 {
-                    slopes.extend(self.difference(about, STEP * panel_m, &mut |about, amount| {
-                        for (row, kept_m) in moved.clone().zip(&kept_m) {
-                            about.state.wake_node_m[row * columns + column] = kept_m + amount * Vector3::ith(part, 1.0);
-                        }
-                    })?);
-                }
-            }
-        }
-        Ok(DMatrix::from_vec(rows, 3 * columns * moving, slopes))
-    }
-
     /// Loads of unit rates of the panels' circulations.
     fn impulse_slopes(&self, about: &About) -> DMatrix<f64> {
         let panels = self.right.len();
@@ -453,7 +406,7 @@ impl VortexLattice {
 }
 
 /// Appends loads in the frames of their sections.
-fn in_sections(motions: &[SectionMotion], loads: &[Wrench], rows: &mut Vec<f64>) {
+pub(super) fn in_sections(motions: &[SectionMotion], loads: &[Wrench], rows: &mut Vec<f64>) {
     for (motion, load) in motions.iter().zip(loads) {
         let turned = motion.rotation.transpose();
         rows.extend_from_slice((turned * load.force_n).as_slice());

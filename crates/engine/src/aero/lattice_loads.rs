@@ -29,7 +29,17 @@ pub(super) fn circulatory(
         LoadRule::Bernoulli => panel_velocity(lattice, state),
         LoadRule::KuttaJoukowski => segment_velocity(lattice, flow, state),
     }
-    let density = flow.density_kg_m3;
+    sum(lattice, motions, flow.density_kg_m3, state, loads);
+}
+
+/// The same from circulations and velocities that stand in the lattice.
+pub(super) fn sum(
+    lattice: &mut VortexLattice,
+    motions: &[SectionMotion],
+    density: f64,
+    state: &mut LatticeState,
+    loads: &mut AirLoads,
+) {
     let mut panel = 0;
     let mut segment = 0;
     let flaps = &lattice.flaps;

@@ -4,7 +4,6 @@ use crate::aero::biot_savart::{LANES, Sheet};
 use crate::aero::lattice::VortexLattice;
 use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::near_sheets::{ClosedSheets, CrossedSheets, Facing, Gap, Looking};
-use crate::aero::wide::wide;
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 
@@ -136,38 +135,32 @@ impl VortexLattice {
     /// stands yet; an established wake, whose rings count with the last ones of the sheets, is added directly later, and here
     /// what is seen of it beyond that.
     pub(super) fn see_influence(&mut self, state: &LatticeState, established: bool) {
-        let (kernel, arch, system) = (&self.kernel, self.arch, &mut self.system);
+        let (kernel, system) = (&self.kernel, &mut self.system);
         let (facings, entries, sums) = (&self.facings, &mut self.facing_entries, &mut self.facing_sums);
         let (bound, wakes, firsts, normals) = (&self.bound, &self.wake, &self.first_panel, &self.normals);
         let arms = &mut self.arms[0];
-        wide(
-            arch,
-            #[inline(always)]
-            || {
-                for facing in facings {
-                    let (sheet, wake, first) = (&bound[facing.sheet], &wakes[facing.sheet], firsts[facing.sheet]);
-                    let sums = &mut sums[..sheet.rows * sheet.strips];
-                    let normal = normals[facing.point / LANES].get(facing.point % LANES);
-                    let of = |row: usize, strip: usize| row * sheet.strips + strip;
-                    sums.fill(0.0);
-                    facing.influence(kernel, sheet, &state.corner_m, &normal, arms, entries, sums, of);
-                    for (ring, sum) in sums.iter().enumerate() {
-                        let direct = system.get(facing.point, first + ring);
-                        system.add(facing.point, first + ring, facing.share * (sum - direct));
-                    }
-                    if established && facing.wake_share > 0.0 {
-                        let of = |_: usize, strip: usize| of(sheet.rows - 1, strip);
-                        sums.fill(0.0);
-                        facing.influence(kernel, wake, &state.wake_node_m, &normal, arms, entries, sums, of);
-                        sums.iter_mut().for_each(|sum| *sum = -*sum);
-                        facing.direct().influence(kernel, wake, &state.wake_node_m, &normal, arms, entries, sums, of);
-                        for (ring, sum) in sums.iter().enumerate() {
-                            system.add(facing.point, first + ring, -facing.wake_share * sum);
-                        }
-                    }
+        for facing in facings {
+            let (sheet, wake, first) = (&bound[facing.sheet], &wakes[facing.sheet], firsts[facing.sheet]);
+            let sums = &mut sums[..sheet.rows * sheet.strips];
+            let normal = normals[facing.point / LANES].get(facing.point % LANES);
+            let of = |row: usize, strip: usize| row * sheet.strips + strip;
+            sums.fill(0.0);
+            facing.influence(kernel, sheet, &state.corner_m, &normal, arms, entries, sums, of);
+            for (ring, sum) in sums.iter().enumerate() {
+                let direct = system.get(facing.point, first + ring);
+                system.add(facing.point, first + ring, facing.share * (sum - direct));
+            }
+            if established && facing.wake_share > 0.0 {
+                let of = |_: usize, strip: usize| of(sheet.rows - 1, strip);
+                sums.fill(0.0);
+                facing.influence(kernel, wake, &state.wake_node_m, &normal, arms, entries, sums, of);
+                sums.iter_mut().for_each(|sum| *sum = -*sum);
+                facing.direct().influence(kernel, wake, &state.wake_node_m, &normal, arms, entries, sums, of);
+                for (ring, sum) in sums.iter().enumerate() {
+                    system.add(facing.point, first + ring, -facing.wake_share * sum);
                 }
-            },
-        );
+            }
+        }
     }
 
     /// Adds to `velocities` what the points see more of bound or wake vortices from above other sheets than directly.
@@ -177,24 +170,18 @@ impl VortexLattice {
             SheetKind::Wake if self.wake_part.iter().all(|sheet| sheet.rows == 0) => return,
             SheetKind::Wake => (&self.wake_part, &self.wake_filaments),
         };
-        let (kernel, arch, facings, velocities) = (&self.kernel, self.arch, &self.facings, &mut self.velocities);
+        let (kernel, facings, velocities) = (&self.kernel, &self.facings, &mut self.velocities);
         let arms = &mut self.arms[0];
-        wide(
-            arch,
-            #[inline(always)]
-            || {
-                for facing in facings {
-                    let sheet = &sheets[facing.sheet];
-                    let share = if kind == SheetKind::Wake { facing.wake_share } else { facing.share };
-                    if share <= 0.0 {
-                        continue;
-                    }
-                    let more_m_s = share * facing.correction_m_s(kernel, sheet, nodes_m, filaments, arms);
-                    let (block, lane) = (facing.point / LANES, facing.point % LANES);
-                    let sum_m_s = velocities[block].get(lane) + more_m_s;
-                    velocities[block].set(lane, &sum_m_s);
-                }
-            },
-        );
+        for facing in facings {
+            let sheet = &sheets[facing.sheet];
+            let share = if kind == SheetKind::Wake { facing.wake_share } else { facing.share };
+            if share <= 0.0 {
+                continue;
+            }
+            let more_m_s = share * facing.correction_m_s(kernel, sheet, nodes_m, filaments, arms);
+            let (block, lane) = (facing.point / LANES, facing.point % LANES);
+            let sum_m_s = velocities[block].get(lane) + more_m_s;
+            velocities[block].set(lane, &sum_m_s);
+        }
     }
 }

@@ -20,6 +20,7 @@ mod lattice_loads;
 mod lattice_near;
 mod lattice_profiles;
 pub mod lattice_state;
+mod lattice_wake_slopes;
 pub mod linear_system;
 mod model;
 pub mod near_sheets;
@@ -29,6 +30,7 @@ pub mod rear;
 pub mod rotor;
 pub mod strip;
 pub mod surface;
+mod vortex_segments;
 mod wake;
 mod wide;
 

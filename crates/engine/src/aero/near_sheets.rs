@@ -161,9 +161,15 @@ fn column(sheet: &Sheet, state: &LatticeState, rear_panels: &[f64], row: usize, 
 
 /// Looks for a point's place above a sheet: its foot on the panel whose control point is nearest.
 fn above(sheet: &Sheet, state: &LatticeState, rear_panels: &[f64], looking: &Looking) -> Option<Above> {
-    let distance = |ring: usize| (state.collocation_m[ring] - looking.point_m).norm_squared();
-    let rings = sheet.first_ring..sheet.first_ring + sheet.rows * sheet.strips;
-    let nearest = rings.min_by(|a, b| distance(*a).total_cmp(&distance(*b)))? - sheet.first_ring;
+    let controls_m = &state.collocation_m[sheet.first_ring..][..sheet.rows * sheet.strips];
+    let mut nearest = 0;
+    let mut least_m2 = f64::INFINITY;
+    for (ring, control_m) in controls_m.iter().enumerate() {
+        let distance_m2 = (control_m - looking.point_m).norm_squared();
+        if distance_m2 < least_m2 {
+            (nearest, least_m2) = (ring, distance_m2);
+        }
+    }
     let [row, strip] = [nearest / sheet.strips, nearest % sheet.strips];
     let [inner_m, inner_chord_m] = column(sheet, state, rear_panels, row, strip);
     let [outer_m, outer_chord_m] = column(sheet, state, rear_panels, row, strip + 1);
@@ -292,7 +298,6 @@ impl Facing {
     }
 
     /// What the point sees more of its sheet than directly, in m/s: `Σ w u(places) − u(point)`.
-    #[inline(always)]
     pub fn correction_m_s(
         &self,
         kernel: &Kernel,
@@ -319,13 +324,12 @@ impl Facing {
     pub fn direct(&self) -> Self {
         let mut direct = Self { used: 1, ..*self };
         (0..LANES).for_each(|lane| direct.places[0].set(lane, &self.point_m));
-        direct.weights[0] = [1.0, 0.0, 0.0, 0.0];
+        direct.weights[0] = std::array::from_fn(|lane| if lane == 0 { 1.0 } else { 0.0 });
         direct
     }
 
     /// Normal velocities at the point from above the control points, for unit rings of a sheet, into `sums` by `column`;
     /// `scratch` has [`LANES`] entries for each of them.
-    #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "a kernel: every argument is one plain operand of its loops")]
     pub fn influence(
         &self,

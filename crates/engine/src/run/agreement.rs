@@ -35,6 +35,14 @@ const MINIMUM_MOTION_TOLERANCE: f64 = 1e-12;
 /// of the run: where it does so on and on, no prediction at all would be nearer, and each step makes it worse. A start
 /// against small loads takes two or three such steps.
 const MAXIMUM_STRAYED: u32 = 4;
+/// Contraction of the changes of the loads from one trial to the next up to which it is trusted to go on, and below which it is not
+/// taken to go on: other directions follow.
+const MAXIMUM_RATE: f64 = 0.1;
+const MINIMUM_RATE: f64 = 0.02;
+/// Share of the tolerance that the next change may have where it is foreseen and not made.
+const LEFT_SHARE: f64 = 0.2;
+/// Smallest tolerance for which changes are foreseen: smaller ones are asked for by comparisons, which want the agreement itself.
+const MINIMUM_FORESIGHT: f64 = 1e-5;
 /// What is said then.
 const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges: in 4 aerodynamic steps in a row the loads missed their \
      prediction by more than the largest of the run: the air is too heavy for one correction, write coupling = \"iterated\"";
@@ -103,12 +111,13 @@ impl Plant {
     /// Leaves the structure at `start`, with accelerations under these loads.
     fn agree_on_loads(&mut self) -> Result<(), PlantError> {
         let Some(rest) = self.begin_agreement() else { return Ok(()) };
-        let mut change = Some(0.0);
+        let (mut change_n, mut before_n) = (Some(0.0), None);
         for trial in 0..rest.most_trials {
-            change = self.try_loads(&rest, trial == 0)?;
-            if change.is_none() {
+            change_n = self.try_loads(&rest, trial == 0, before_n)?;
+            if change_n.is_none() {
                 break;
             }
+            before_n = change_n;
         }
         let System { air: Some(air), state, machine, .. } = &mut self.system else { return Ok(()) };
         if let Some(history) = &state.air {
@@ -117,7 +126,8 @@ impl Plant {
             *longest = longest.max(row_panels);
         }
         let RestOfStep { begin_s, end_s, most_trials, .. } = rest;
-        if let Some(change) = change {
+        if let Some(change_n) = change_n {
+            let change = change_n / state.air.as_ref().map_or(1.0, |history| history.scale_n);
             let mut cause =
                 format!("the loads still change by {change:.1e} of the largest after {most_trials} iterations");
             if air.model.sees_instants() {
@@ -170,9 +180,9 @@ impl Plant {
     }
 
     /// Marches the structure to the end of the step under the present guess of the loads, takes it back, and solves for the
-    /// loads of the motion that it made; `None` where they agree with the guess, else their change over the largest so far
-    /// and the next guess. `first`: the trial march finds the structure's steps.
-    fn try_loads(&mut self, rest: &RestOfStep, first: bool) -> Result<Option<f64>, PlantError> {
+    /// loads of the motion that it made; `None` where they agree with the guess, or those of one more march would, else their
+    /// change in N and the next guess. `first`: the trial march finds the structure's steps; `before_n`: change in the march before.
+    fn try_loads(&mut self, rest: &RestOfStep, first: bool, before_n: Option<f64>) -> Result<Option<f64>, PlantError> {
         let &RestOfStep { begin_s, end_s, ref gain, tolerance, .. } = rest;
         self.limit_newton();
         self.system.equations.booked = false;
@@ -230,15 +240,20 @@ impl Plant {
                 return Err(refusal(begin_s, STAGGERED_DIVERGES));
             }
         }
-        let agreed = change_n <= (tolerance * history.scale_n).max(air.round_off_n(density_kg_m3));
-        if agreed {
+        let bound_n = (tolerance * history.scale_n).max(air.round_off_n(density_kg_m3));
+        // what the next change will be, by the contraction so far
+        let rate = before_n.map_or(1.0, |before_n| (change_n / before_n).max(MINIMUM_RATE));
+        let foreseen =
+            tolerance >= MINIMUM_FORESIGHT && rate <= MAXIMUM_RATE && rate * change_n <= LEFT_SHARE * bound_n;
+        let agreed = foreseen || change_n <= bound_n;
+        if change_n <= bound_n {
             air.accept();
         } else {
             let AirCoupling { acceleration, guess, residual, .. } = &mut *air;
             acceleration.next(guess, residual);
         }
         air.write(&mut history.loads);
-        Ok(if agreed { None } else { Some(change_n / history.scale_n) })
+        Ok(if agreed { None } else { Some(change_n) })
     }
 
     /// Bounds what Newton's iteration may leave in the trial marches by what the loads would notice, eq. (Q2).

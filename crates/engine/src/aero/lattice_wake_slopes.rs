@@ -1,0 +1,437 @@
+//! Derivatives of the lattice by its wake: by the circulations of its rings and by displacements of its nodes, eqs. (U24) and (U25).
+//!
+//! Neither moves the wing. What the points of the lattice see of unit rings is summed once, and what changes with a circulation or
+//! a node is added to what they see in the steady flow: a variation of one ring or node then costs a solution with the factors at
+//! hand and a product with what the points see of the wing, not a sum over the whole wake.
+
+use crate::aero::biot_savart::{Block, LANES, Sheet, blocks};
+use crate::aero::flap::HingeMoment;
+use crate::aero::lattice::{LoadRule, VortexLattice};
+use crate::aero::lattice_linear::{About, MOVING_ROWS, NO_CIRCULATION, STEP, WEIGHTS, in_sections};
+use crate::aero::lattice_state::SheetKind;
+use crate::aero::near_sheets::{Facing, NoCirculation};
+use crate::aero::wake::SHED_PANELS;
+use crate::aero::wide::wide;
+use crate::aero::{AirLoads, lattice_loads};
+use nalgebra::{DMatrix, Vector3};
+
+/// Points that see vortices, with those of them that are close to other sheets.
+struct View {
+    points_m: Vec<Block>,
+    facings: Vec<Facing>,
+}
+
+impl View {
+    /// Points with those that fill the last block.
+    fn rows(&self) -> usize {
+        self.points_m.len() * LANES
+    }
+}
+
+/// The steady flow, and what is seen in it.
+pub(super) struct Seen {
+    /// From the collocation points, and from where the loads act.
+    panels: View,
+    loads: View,
+    /// Velocity in the middle of the loads per circulation of the panels in 1/m: axis by axis, panel by panel, point by point.
+    bound_1_m: Vec<f64>,
+    /// Of the steady flow.
+    relative_m_s: Vec<Vector3<f64>>,
+    velocities: Vec<Block>,
+    circulation_m2_s: Vec<f64>,
+    /// What the two views see more in a variation, in m/s: axis by axis, point by point.
+    more_m_s: [Vec<f64>; 2],
+    changed_m2_s: Vec<f64>,
+    sums_m_s: Vec<f64>,
+    air_loads: AirLoads,
+}
+
+impl VortexLattice {
+    /// Looks at the steady flow from all points.
+    pub(super) fn look_at_steady(&mut self, about: &mut About, rows: usize) -> Result<Seen, NoCirculation> {
+        self.answer(about, &mut Vec::with_capacity(rows))?;
+        let (panels, suction) = (self.right.len(), self.options.load_rule == LoadRule::KuttaJoukowski);
+        let points = match suction {
+            true => self.bound.iter().map(|sheet| sheet.rows * (2 * sheet.strips + 1)).sum(),
+            false => panels,
+        };
+        // of the loads' points, where they differ from the panels
+        let loads = View { points_m: self.points[..blocks(points)].to_vec(), facings: self.facings.clone() };
+        let velocities = self.velocities[..blocks(points)].to_vec();
+        let circulation_m2_s = self.solution.clone();
+        self.look_from_panels(&about.state);
+        let mut panel = 0;
+        for sheet in &self.bound {
+            for ring in sheet.first_ring..sheet.ring(sheet.rows, 0) {
+                self.points[panel / LANES].set(panel % LANES, &about.state.collocation_m[ring]);
+                panel += 1;
+            }
+        }
+        let own = View { points_m: self.points[..blocks(panels)].to_vec(), facings: self.facings.clone() };
+        let mut bound_1_m = vec![0.0; 3 * panels * loads.rows()];
+        for surface in 0..self.bound.len() {
+            let (sheet, first) = (self.bound[surface], self.first_panel[surface]);
+            let kind = SheetKind::Bound;
+            self.see_rings(&loads, (surface, &sheet, kind), &about.state.corner_m, (first, panels), &mut bound_1_m);
+        }
+        Ok(Seen {
+            bound_1_m,
+            relative_m_s: self.relative_m_s.clone(),
+            velocities,
+            circulation_m2_s,
+            more_m_s: [&own, &loads].map(|view| vec![0.0; 3 * view.rows()]),
+            changed_m2_s: vec![0.0; panels],
+            sums_m_s: vec![0.0; 3 * loads.rows()],
+            air_loads: AirLoads::still(about.motions.len()),
+            panels: own,
+            loads,
+        })
+    }
+
+    /// Adds velocities that unit rings of a sheet, a part of those of a surface, induce at all points of a view. `seen` has `columns`
+    /// rings for each axis, of which those of the sheet begin at `first`.
+    fn see_rings(
+        &mut self,
+        view: &View,
+        (surface, sheet, kind): (usize, &Sheet, SheetKind),
+        nodes_m: &[Vector3<f64>],
+        (first, columns): (usize, usize),
+        seen: &mut [f64],
+    ) {
+        let (kernel, rows) = (&self.kernel, view.rows());
+        let (arms, entries, sums) = (&mut self.arms[0], &mut self.facing_entries, &mut self.facing_sums);
+        let of = |row: usize, strip: usize| row * sheet.strips + strip;
+        for (axis, seen) in seen.chunks_exact_mut(columns * rows).enumerate() {
+            let along = Vector3::ith(axis, 1.0);
+            let mut normals = Block::default();
+            (0..LANES).for_each(|lane| normals.set(lane, &along));
+            let seen = &mut seen[first * rows..];
+            for (block, points_m) in view.points_m.iter().enumerate() {
+                let place = (rows, block * LANES);
+                kernel.influence(sheet, nodes_m, points_m, &normals, arms, seen, place, of);
+            }
+            for facing in view.facings.iter().filter(|facing| facing.sheet == surface) {
+                let share = if kind == SheetKind::Wake { facing.wake_share } else { facing.share };
+                if share <= 0.0 {
+                    continue;
+                }
+                let sums = &mut sums[..sheet.rows * sheet.strips];
+                sums.fill(0.0);
+                facing.direct().influence(kernel, sheet, nodes_m, &along, arms, entries, sums, of);
+                sums.iter_mut().for_each(|sum| *sum = -*sum);
+                facing.influence(kernel, sheet, nodes_m, &along, arms, entries, sums, of);
+                for (ring, sum) in sums.iter().enumerate() {
+                    seen[ring * rows + facing.point] += share * sum;
+                }
+            }
+        }
+    }
+
+    /// Appends the response of the lattice to `rows` where its points see `more_m_s` than in the steady flow.
+    fn respond(&mut self, about: &mut About, seen: &mut Seen, rows: &mut Vec<f64>) -> Result<(), NoCirculation> {
+        let About { state, motions, flow, .. } = about;
+        let own = seen.panels.rows();
+        let mut panel = 0;
+        for sheet in &self.bound {
+            for ring in sheet.first_ring..sheet.ring(sheet.rows, 0) {
+                let more_m_s: Vector3<f64> = Vector3::from_fn(|axis, _| seen.more_m_s[0][axis * own + panel]);
+                self.relative_m_s[ring] = seen.relative_m_s[ring] + more_m_s;
+                panel += 1;
+            }
+        }
+        self.circulate(motions, flow, state)?;
+        let changes = seen.changed_m2_s.iter_mut().zip(self.solution.iter().zip(&seen.circulation_m2_s));
+        changes.for_each(|(change, (now, steady))| *change = now - steady);
+        // at the panels the wake is a part of the relative velocity
+        match self.options.load_rule {
+            LoadRule::Bernoulli => seen.sums_m_s.fill(0.0),
+            LoadRule::KuttaJoukowski => seen.sums_m_s.copy_from_slice(&seen.more_m_s[1]),
+        }
+        let (count, panels) = (seen.loads.rows(), self.right.len());
+        let Seen { sums_m_s, bound_1_m, changed_m2_s, .. } = &mut *seen;
+        wide(
+            self.arch,
+            #[inline(always)]
+            || {
+                let axes = sums_m_s.chunks_exact_mut(count).zip(bound_1_m.chunks_exact(count * panels));
+                for (sums, rings) in axes {
+                    for (ring, change) in rings.chunks_exact(count).zip(changed_m2_s.iter()) {
+                        sums.iter_mut().zip(ring).for_each(|(sum, entry)| *sum += entry * change);
+                    }
+                }
+            },
+        );
+        for (block, steady) in seen.velocities.iter().enumerate() {
+            for axis in 0..3 {
+                let more_m_s = &seen.sums_m_s[axis * count + block * LANES..];
+                let sums = self.velocities[block].xyz[axis].iter_mut().zip(&steady.xyz[axis]).zip(more_m_s);
+                sums.for_each(|((sum, steady), more)| *sum = steady + more);
+            }
+        }
+        seen.air_loads.clear();
+        state.hinges.fill(HingeMoment::default());
+        lattice_loads::sum(self, motions, flow.density_kg_m3, state, &mut seen.air_loads);
+        rows.extend_from_slice(&self.solution);
+        in_sections(motions, &seen.air_loads.circulatory, rows);
+        rows.extend(state.hinges.iter().map(|hinge| hinge.circulatory_n_m));
+        rows.extend(state.wake_node_m[..self.wake_columns].iter().flat_map(|node| [node.x, node.y, node.z]));
+        Ok(())
+    }
+
+    /// By the circulations of the wake. The loads are quadratic in them, so central differences are exact, and a long step reduces
+    /// their round-off.
+    pub(super) fn wake_slopes(
+        &mut self,
+        about: &mut About,
+        seen: &mut Seen,
+        rows: usize,
+    ) -> Result<DMatrix<f64>, NoCirculation> {
+        let strips = self.wake_strips;
+        let step_m2_s = about.flow.wind_m_s.norm() * self.shed_way_m() / SHED_PANELS;
+        let mut matrix = DMatrix::zeros(rows, about.state.wake_rows * strips);
+        let mut answer = Vec::with_capacity(rows);
+        let suction = self.options.load_rule == LoadRule::KuttaJoukowski;
+        let mut rings_1_m = [&seen.panels, &seen.loads].map(|view| vec![0.0; 3 * strips * view.rows()]);
+        for row in 0..about.state.wake_rows {
+            for (view, rings_1_m) in
+                [&seen.panels, &seen.loads].into_iter().zip(&mut rings_1_m).take(1 + usize::from(suction))
+            {
+                rings_1_m.fill(0.0);
+                for surface in 0..self.wake.len() {
+                    let wake = &self.wake[surface];
+                    let part = Sheet { rows: 1, first_node: wake.node(row, 0), first_ring: wake.ring(row, 0), ..*wake };
+                    let nodes_m = &about.state.wake_node_m;
+                    let first = (wake.first_ring, strips);
+                    self.see_rings(view, (surface, &part, SheetKind::Wake), nodes_m, first, rings_1_m);
+                }
+            }
+            for strip in 0..strips {
+                let mut slopes = matrix.column_mut(row * strips + strip);
+                for sign in [1.0, -1.0] {
+                    for (more_m_s, rings_1_m) in seen.more_m_s.iter_mut().zip(&rings_1_m) {
+                        let count = more_m_s.len() / 3;
+                        for (more_m_s, rings_1_m) in
+                            more_m_s.chunks_exact_mut(count).zip(rings_1_m.chunks_exact(strips * count))
+                        {
+                            let ring_1_m = &rings_1_m[strip * count..][..count];
+                            more_m_s.iter_mut().zip(ring_1_m).for_each(|(more, ring)| *more = sign * step_m2_s * ring);
+                        }
+                    }
+                    answer.clear();
+                    self.respond(about, seen, &mut answer)?;
+                    for (slope, row) in slopes.iter_mut().zip(&answer) {
+                        *slope += sign * row / (2.0 * step_m2_s);
+                    }
+                }
+            }
+        }
+        Ok(matrix)
+    }
+
+    /// By displacements of the nodes of the wake.
+    pub(super) fn node_slopes(
+        &mut self,
+        about: &mut About,
+        seen: &mut Seen,
+        rows: usize,
+    ) -> Result<DMatrix<f64>, NoCirculation> {
+        let columns = self.wake_columns;
+        let panel_m = self.shed_way_m() / SHED_PANELS;
+        let scale_m2_s = about.flow.wind_m_s.norm() * panel_m;
+        if about.state.wake_circulation_m2_s.iter().all(|ring| ring.abs() <= NO_CIRCULATION * scale_m2_s) {
+            return Ok(DMatrix::zeros(rows, 0));
+        }
+        let last = about.state.wake_rows;
+        let moving = MOVING_ROWS.min(last);
+        let step_m = STEP * panel_m;
+        let mut matrix = DMatrix::zeros(rows, 3 * columns * moving);
+        let mut answer = Vec::with_capacity(rows);
+        let mut nodes_m = about.state.wake_node_m.clone();
+        for row in 1..=moving {
+            let moved = row..if row == moving { last + 1 } else { row + 1 };
+            for column in 0..columns {
+                for part in 0..3 {
+                    let mut slopes = matrix.column_mut(3 * ((row - 1) * columns + column) + part);
+                    for (i, weight) in (1..).zip(WEIGHTS) {
+                        for sign in [1.0, -1.0] {
+                            let way_m = Vector3::ith(part, sign * f64::from(i) * step_m);
+                            for row in moved.clone() {
+                                nodes_m[row * columns + column] += way_m;
+                            }
+                            self.see_displaced((moved.start, moved.end.min(last)), column, about, &nodes_m, seen);
+                            for row in moved.clone() {
+                                nodes_m[row * columns + column] = about.state.wake_node_m[row * columns + column];
+                            }
+                            answer.clear();
+                            self.respond(about, seen, &mut answer)?;
+                            for (slope, row) in slopes.iter_mut().zip(&answer) {
+                                *slope += sign * weight * row / (12.0 * step_m);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        Ok(matrix)
+    }
+
+    /// What the points see more where the nodes of a column of the wake, from one row on to before another, are displaced: of the
+    /// rings beside them.
+    fn see_displaced(
+        &mut self,
+        (row, end): (usize, usize),
+        column: usize,
+        about: &About,
+        nodes_m: &[Vector3<f64>],
+        seen: &mut Seen,
+    ) {
+        let own = |wake: &Sheet| (wake.first_node..=wake.first_node + wake.strips).contains(&column);
+        let Some(surface) = self.wake.iter().position(own) else { return };
+        let wake = &self.wake[surface];
+        let at = column - wake.first_node;
+        let first_strip = at.saturating_sub(1);
+        let patch = Sheet {
+            rows: end - (row - 1),
+            strips: (at + 1).min(wake.strips) - first_strip,
+            first_node: wake.node(row - 1, first_strip),
+            first_ring: wake.ring(row - 1, first_strip),
+            ..*wake
+        };
+        self.wake_filaments.gather(&patch, &about.state.wake_circulation_m2_s);
+        let (kernel, filaments, arms) = (&self.kernel, &self.wake_filaments, &mut self.arms[0]);
+        let Seen { panels, loads, more_m_s, .. } = seen;
+        for (view, more_m_s) in [&*panels, &*loads].into_iter().zip(more_m_s.iter_mut()) {
+            let count = view.rows();
+            for (block, points_m) in view.points_m.iter().enumerate() {
+                let mut ends = [Block::default(); 2];
+                for (end, nodes_m) in ends.iter_mut().zip([&about.state.wake_node_m[..], nodes_m]) {
+                    kernel.induce(&[patch], nodes_m, filaments, points_m, arms, end);
+                }
+                for axis in 0..3 {
+                    let more_m_s = &mut more_m_s[axis * count + block * LANES..][..LANES];
+                    let ends = ends[1].xyz[axis].iter().zip(&ends[0].xyz[axis]);
+                    more_m_s.iter_mut().zip(ends).for_each(|(more, (now, steady))| *more = now - steady);
+                }
+            }
+            let close = view.facings.iter().filter(|facing| facing.sheet == surface && facing.wake_share > 0.0);
+            for facing in close {
+                let [steady_m_s, now_m_s] = [&about.state.wake_node_m[..], nodes_m]
+                    .map(|nodes_m| facing.correction_m_s(kernel, &patch, nodes_m, filaments, arms));
+                for axis in 0..3 {
+                    more_m_s[axis * count + facing.point] += facing.wake_share * (now_m_s[axis] - steady_m_s[axis]);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aero::flow::Flow;
+    use crate::aero::joined_edges::Edge;
+    use crate::aero::lattice::{LatticeOptions, WakeModel};
+    use crate::aero::lattice_state::LatticeState;
+    use crate::aero::surface::{ChordLine, Profile, Surface};
+    use crate::load::SectionMotion;
+    use nalgebra::Rotation3;
+
+    const SPEED_M_S: f64 = 12.0;
+    const STEP_S: f64 = 0.02;
+
+    /// Two surfaces at incidence, the outer one folded back over the inner one by a fifth of a chord, or joined to it at an angle.
+    fn lattice(load_rule: LoadRule, folded: bool, mirrored: bool) -> (VortexLattice, Vec<SectionMotion>) {
+        let chord = ChordLine { leading_m: Vector3::new(0.0, 0.25, 0.0), trailing_m: Vector3::new(0.0, -0.75, 0.0) };
+        let surface = |sections: std::ops::Range<usize>| Surface {
+            chords: vec![chord; sections.len()],
+            sections,
+            chord_panels: 3,
+            profile: Profile::THIN,
+        };
+        let options = LatticeOptions {
+            wake: WakeModel::Prescribed,
+            wake_rows: 6,
+            core_radius_m: 0.01,
+            load_rule,
+            mirror_normal: mirrored.then(Vector3::x),
+            ground: None,
+            speed_of_sound_m_s: Some(60.0),
+            threads: 1,
+        };
+        let mut lattice = VortexLattice::new(vec![surface(0..4), surface(4..7)], options);
+        if !folded {
+            lattice.join([Edge { surface: 0, outer: true }, Edge { surface: 1, outer: false }]);
+        }
+        let turned = |angle_rad: f64| Rotation3::from_axis_angle(&Vector3::x_axis(), angle_rad).into_inner();
+        let place = |section: usize| match (section, folded) {
+            (0..4, _) => Vector3::new(0.3 + 0.5 * section as f64, 0.0, 0.01 * (section * section) as f64),
+            (_, true) => Vector3::new(1.75 - 0.5 * (section - 4) as f64, 0.02, 0.28),
+            (_, false) => Vector3::new(1.8 + 0.5 * (section - 4) as f64, 0.0, 0.1 + 0.2 * (section - 4) as f64),
+        };
+        let motion = |section: usize| SectionMotion {
+            position_m: place(section),
+            rotation: turned(-0.1 - 0.005 * section as f64),
+            velocity_m_s: Vector3::zeros(),
+            spin_rad_s: Vector3::zeros(),
+        };
+        (lattice, (0..7).map(motion).collect())
+    }
+
+    /// U-62. Slopes by rings and nodes are those of whole answers, in which the lattice sums its whole wake anew: loads with and without
+    /// suction, sheets that see each other closely or share an edge, a mirror, compressible air.
+    #[test]
+    fn slopes_are_those_of_whole_answers() {
+        for (load_rule, folded, mirrored) in [
+            (LoadRule::Bernoulli, true, true),
+            (LoadRule::KuttaJoukowski, true, false),
+            (LoadRule::KuttaJoukowski, false, true),
+        ] {
+            let (mut lattice, motions) = lattice(load_rule, folded, mirrored);
+            let flow = Flow {
+                time_s: 0.0,
+                density_kg_m3: 1.2,
+                wind_m_s: Vector3::y() * -SPEED_M_S,
+                spin_rad_s: Vector3::zeros(),
+                gusts: &[],
+            };
+            let slopes = lattice.linear(&motions, &flow, STEP_S, false).expect("linear");
+            assert!(!folded || !lattice.facings.is_empty(), "no point sees another sheet closely");
+            let mut about = lattice.about_steady(&motions, &flow, STEP_S).expect("steady");
+            let (columns, strips) = (lattice.wake_columns, lattice.wake_strips);
+            let mut whole = |change: &mut dyn FnMut(&mut LatticeState, f64), step: f64| {
+                let mut ends = [1.0, -1.0].map(|sign| {
+                    let mut answer = Vec::new();
+                    let kept = about.state.clone();
+                    change(&mut about.state, sign * step);
+                    lattice.answer(&mut about, &mut answer).expect("solved");
+                    about.state = kept;
+                    answer
+                });
+                let below = std::mem::take(&mut ends[1]);
+                let pairs = ends[0].iter().zip(below);
+                pairs.map(|(above, below)| (above - below) / (2.0 * step)).collect::<Vec<f64>>()
+            };
+            let rows = slopes.edge_row();
+            for (row, strip) in [(0, 0), (0, 4), (1, 2), (5, 3)] {
+                let ring = row * strips + strip;
+                let expected = whole(&mut |state, amount| state.wake_circulation_m2_s[ring] += amount, 4.0);
+                let got = slopes.wake.column(ring);
+                let scale = expected[..rows].iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
+                let off = (0..rows).map(|i| (got[i] - expected[i]).abs()).fold(0.0, f64::max);
+                // round-off of sums of some hundred segments in another order
+                assert!(scale > 1e-6 && off < 1e-11 * scale, "ring {row} {strip}: {off:e} of {scale:e}");
+            }
+            for (row, column) in [(1, 0), (1, 4), (2, 3), (6, 6)] {
+                for part in 0..3 {
+                    let node = row * columns + column;
+                    let expected = whole(&mut |state, amount| state.wake_node_m[node][part] += amount, 1e-5);
+                    let got = slopes.node.column(3 * ((row - 1) * columns + column) + part);
+                    let scale = slopes.node.amax();
+                    let off = (0..rows).map(|i| (got[i] - expected[i]).abs()).fold(0.0, f64::max);
+                    // second order in 1e-5 m, and round-off of loads of a few newton over it
+                    assert!(off < 1e-7 * scale, "node {row} {column} {part}: {off:e} of {scale:e}");
+                }
+            }
+        }
+    }
+}

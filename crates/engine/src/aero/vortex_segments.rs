@@ -1,0 +1,374 @@
+//! The inner loops of the law of Biot and Savart, written for the vectors of the machine.
+//!
+//! Written out with vectors, because compilers split the square roots of arrays into pieces: half the speed. A lane undergoes the
+//! same operations in the same order whatever the width of the vectors, without fused ones: results are the same bits on all machines.
+
+use crate::aero::biot_savart::{Block, Filaments, LANES, Sheet};
+use crate::aero::images::Stretch;
+use nalgebra::Vector3;
+use pulp::{Simd, WithSimd};
+use std::f64::consts::PI;
+
+/// A number for each of some points.
+type Lane = [f64; LANES];
+
+/// From a node to the points of a block: components and smoothed distance.
+#[derive(Debug, Clone, Copy, Default)]
+#[repr(align(64))]
+pub struct Arm {
+    xyz: [Lane; 3],
+    distance: Lane,
+    /// Normal velocity that the segment induces which ends at the node, from the column before.
+    spanwise: Lane,
+}
+
+/// One vector's part of some numbers.
+#[inline(always)]
+fn part_of<S: Simd>(lane: &Lane, part: usize) -> S::f64s {
+    S::as_simd_f64s(lane).0[part]
+}
+
+/// Sets one vector's part of some numbers.
+#[inline(always)]
+fn set_part<S: Simd>(lane: &mut Lane, part: usize, value: S::f64s) {
+    S::as_mut_simd_f64s(lane).0[part] = value;
+}
+
+/// Three components for as many points as a vector has lanes.
+type Three<V> = [V; 3];
+
+#[inline(always)]
+fn dot<S: Simd>(simd: S, a: &Three<S::f64s>, b: &Three<S::f64s>) -> S::f64s {
+    let first = simd.add_f64s(simd.mul_f64s(a[0], b[0]), simd.mul_f64s(a[1], b[1]));
+    simd.add_f64s(first, simd.mul_f64s(a[2], b[2]))
+}
+
+/// A cross product, times a number.
+#[inline(always)]
+fn cross<S: Simd>(simd: S, a: &Three<S::f64s>, b: &Three<S::f64s>, times: S::f64s) -> Three<S::f64s> {
+    let mut product = [times; 3];
+    for (entry, [i, j]) in product.iter_mut().zip([[1, 2], [2, 0], [0, 1]]) {
+        *entry = simd.mul_f64s(simd.sub_f64s(simd.mul_f64s(a[i], b[j]), simd.mul_f64s(a[j], b[i])), times);
+    }
+    product
+}
+
+/// Adds a multiple.
+#[inline(always)]
+fn add_times<S: Simd>(simd: S, sum: &mut Three<S::f64s>, factor: f64, unit: Three<S::f64s>) {
+    let factor = simd.splat_f64s(factor);
+    for (sum, unit) in sum.iter_mut().zip(unit) {
+        *sum = simd.add_f64s(*sum, simd.mul_f64s(factor, unit));
+    }
+}
+
+/// Components and smoothed distance from a node.
+#[derive(Clone, Copy)]
+struct Reach<V> {
+    xyz: Three<V>,
+    distance: V,
+}
+
+impl Arm {
+    #[inline(always)]
+    fn set<S: Simd>(&mut self, part: usize, reach: &Reach<S::f64s>) {
+        for (lane, value) in self.xyz.iter_mut().zip(reach.xyz) {
+            set_part::<S>(lane, part, value);
+        }
+        set_part::<S>(&mut self.distance, part, reach.distance);
+    }
+
+    #[inline(always)]
+    fn get<S: Simd>(&self, part: usize) -> Reach<S::f64s> {
+        let [x, y, z] = &self.xyz;
+        Reach {
+            xyz: [part_of::<S>(x, part), part_of::<S>(y, part), part_of::<S>(z, part)],
+            distance: part_of::<S>(&self.distance, part),
+        }
+    }
+}
+
+/// Core and stretching in vectors.
+#[derive(Clone, Copy)]
+struct Smooth<V> {
+    core_squared: V,
+    /// Axis and excess of [`Stretch`].
+    stretch: Option<(Three<V>, V)>,
+}
+
+impl<V: Copy> Smooth<V> {
+    #[inline(always)]
+    fn new<S: Simd<f64s = V>>(simd: S, core_squared_m2: f64, stretch: Option<&Stretch>) -> Self {
+        let splat = |value: f64| simd.splat_f64s(value);
+        let stretch = stretch.map(|stretch| {
+            ([splat(stretch.axis.x), splat(stretch.axis.y), splat(stretch.axis.z)], splat(stretch.excess))
+        });
+        Self { core_squared: splat(core_squared_m2), stretch }
+    }
+
+    /// From a node to some points, stretched in compressible air.
+    #[inline(always)]
+    fn reach<S: Simd<f64s = V>>(&self, simd: S, points_m: &Three<V>, node_m: &Vector3<f64>) -> Reach<V> {
+        let [x, y, z] = points_m;
+        let mut xyz = [
+            simd.sub_f64s(*x, simd.splat_f64s(node_m.x)),
+            simd.sub_f64s(*y, simd.splat_f64s(node_m.y)),
+            simd.sub_f64s(*z, simd.splat_f64s(node_m.z)),
+        ];
+        if let Some((axis, excess)) = &self.stretch {
+            let along = simd.mul_f64s(*excess, dot(simd, &xyz, axis));
+            for (coordinate, component) in xyz.iter_mut().zip(axis) {
+                *coordinate = simd.add_f64s(*coordinate, simd.mul_f64s(along, *component));
+            }
+        }
+        let squares = dot(simd, &xyz, &xyz);
+        Reach { xyz, distance: simd.sqrt_f64s(simd.add_f64s(squares, self.core_squared)) }
+    }
+
+    /// Above and below the fraction line of a segment's strength, eq. (U1).
+    #[inline(always)]
+    fn strength<S: Simd<f64s = V>>(&self, simd: S, from: &Reach<V>, to: &Reach<V>) -> [V; 2] {
+        let product = simd.mul_f64s(from.distance, to.distance);
+        let sum = simd.add_f64s(simd.add_f64s(product, dot(simd, &from.xyz, &to.xyz)), self.core_squared);
+        [simd.add_f64s(from.distance, to.distance), simd.mul_f64s(product, sum)]
+    }
+
+    /// `4π` times the velocity of a straight segment of unit circulation from one node to another, eq. (U1).
+    #[inline(always)]
+    fn segment<S: Simd<f64s = V>>(&self, simd: S, from: &Reach<V>, to: &Reach<V>) -> Three<V> {
+        let [above, below] = self.strength(simd, from, to);
+        cross(simd, &from.xyz, &to.xyz, simd.div_f64s(above, below))
+    }
+
+    /// The same for two segments that end at one node: one division serves both, for divisions are what the kernels wait for.
+    #[inline(always)]
+    fn two_segments<S: Simd<f64s = V>>(&self, simd: S, from: [&Reach<V>; 2], to: &Reach<V>) -> [Three<V>; 2] {
+        let [above, below] = self.strength(simd, from[0], to);
+        let [other_above, other_below] = self.strength(simd, from[1], to);
+        let share = simd.div_f64s(simd.splat_f64s(1.0), simd.mul_f64s(below, other_below));
+        let own = simd.mul_f64s(simd.mul_f64s(above, other_below), share);
+        let other = simd.mul_f64s(simd.mul_f64s(other_above, below), share);
+        [cross(simd, &from[0].xyz, &to.xyz, own), cross(simd, &from[1].xyz, &to.xyz, other)]
+    }
+}
+
+/// One vector's part of a block.
+#[inline(always)]
+fn points<S: Simd>(block: &Block, part: usize) -> Three<S::f64s> {
+    let [x, y, z] = &block.xyz;
+    [part_of::<S>(x, part), part_of::<S>(y, part), part_of::<S>(z, part)]
+}
+
+/// `4π` times the velocity of one sheet at the points of a block, not yet stretched.
+pub(super) struct SheetVelocity<'a> {
+    pub sheet: &'a Sheet,
+    pub nodes_m: &'a [Vector3<f64>],
+    pub filaments: &'a Filaments,
+    pub points_m: &'a Block,
+    /// Two rows of nodes.
+    pub arms: &'a mut [Arm],
+    pub core_squared_m2: f64,
+    pub stretch: Option<&'a Stretch>,
+}
+
+impl WithSimd for SheetVelocity<'_> {
+    type Output = Block;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Block {
+        let Self { sheet, nodes_m, filaments, points_m, arms, core_squared_m2, stretch } = self;
+        let smooth = Smooth::new(simd, core_squared_m2, stretch);
+        let columns = sheet.strips + 1;
+        let mut velocity = Block::default();
+        for part in 0..LANES / S::F64_LANES {
+            let points_m = points::<S>(points_m, part);
+            let mut sum = [simd.splat_f64s(0.0); 3];
+            let (mut ahead, mut here) = arms[..2 * columns].split_at_mut(columns);
+            for row in 0..=sheet.rows {
+                let nodes = &nodes_m[sheet.node(row, 0)..][..columns];
+                let spanwise = &filaments.spanwise[sheet.ring(row, 0)..][..sheet.strips];
+                let mut last = smooth.reach(simd, &points_m, &nodes[0]);
+                here[0].set::<S>(part, &last);
+                if row == 0 {
+                    for ((node, circulation), arm) in nodes[1..].iter().zip(spanwise).zip(&mut here[1..]) {
+                        let reach = smooth.reach(simd, &points_m, node);
+                        arm.set::<S>(part, &reach);
+                        add_times(simd, &mut sum, *circulation, smooth.segment(simd, &last, &reach));
+                        last = reach;
+                    }
+                } else {
+                    let chordwise = &filaments.chordwise[sheet.node(row - 1, 0)..][..columns];
+                    add_times(simd, &mut sum, chordwise[0], smooth.segment(simd, &ahead[0].get::<S>(part), &last));
+                    let circulations = spanwise.iter().zip(&chordwise[1..]);
+                    let arms = here[1..].iter_mut().zip(&ahead[1..]);
+                    for ((node, (along_span, along_chord)), (arm, before)) in
+                        nodes[1..].iter().zip(circulations).zip(arms)
+                    {
+                        let reach = smooth.reach(simd, &points_m, node);
+                        arm.set::<S>(part, &reach);
+                        let [leading, side] = smooth.two_segments(simd, [&last, &before.get::<S>(part)], &reach);
+                        add_times(simd, &mut sum, *along_span, leading);
+                        add_times(simd, &mut sum, *along_chord, side);
+                        last = reach;
+                    }
+                }
+                std::mem::swap(&mut ahead, &mut here);
+            }
+            for (lane, sum) in velocity.xyz.iter_mut().zip(sum) {
+                set_part::<S>(lane, part, sum);
+            }
+        }
+        velocity
+    }
+}
+
+/// Adds to a matrix, by columns of `rows` entries, the velocity that unit rings of a sheet induce at the points of a block along
+/// `normals`, stretched already. The rings' columns are `column(row, strip)`; the points begin at the row `first`. Every entry is
+/// read and written once: a ring is complete where its last segment is known.
+pub(super) struct RingInfluence<'a, F> {
+    pub sheet: &'a Sheet,
+    pub nodes_m: &'a [Vector3<f64>],
+    pub points_m: &'a Block,
+    pub normals: &'a Block,
+    /// Two rows of nodes.
+    pub arms: &'a mut [Arm],
+    pub matrix: &'a mut [f64],
+    pub place: (usize, usize),
+    pub column: F,
+    pub core_squared_m2: f64,
+    pub stretch: Option<&'a Stretch>,
+}
+
+impl<F: Fn(usize, usize) -> usize> WithSimd for RingInfluence<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { sheet, nodes_m, points_m, normals, arms, matrix, place, column, core_squared_m2, stretch } = self;
+        let smooth = Smooth::new(simd, core_squared_m2, stretch);
+        let (rows, first) = place;
+        let columns = sheet.strips + 1;
+        let share = simd.splat_f64s(1.0 / (4.0 * PI));
+        for part in 0..LANES / S::F64_LANES {
+            let (points_m, normals) = (points::<S>(points_m, part), points::<S>(normals, part));
+            let (mut ahead, mut here) = arms[..2 * columns].split_at_mut(columns);
+            for row in 0..=sheet.rows {
+                let nodes = &nodes_m[sheet.node(row, 0)..][..columns];
+                let mut inner = simd.splat_f64s(0.0);
+                let mut last = None;
+                for (at, node) in nodes.iter().enumerate() {
+                    let reach = smooth.reach(simd, &points_m, node);
+                    here[at].set::<S>(part, &reach);
+                    let ends = last.replace(reach);
+                    let (mut spanwise, mut outer) = (simd.splat_f64s(0.0), simd.splat_f64s(0.0));
+                    match (ends, row) {
+                        (None, 0) => continue,
+                        (None, _) => {
+                            outer = dot(simd, &smooth.segment(simd, &ahead[at].get::<S>(part), &reach), &normals);
+                        }
+                        (Some(ends), 0) => spanwise = dot(simd, &smooth.segment(simd, &ends, &reach), &normals),
+                        (Some(ends), _) => {
+                            let from = [&ends, &ahead[at].get::<S>(part)];
+                            let [leading, side] = smooth.two_segments(simd, from, &reach);
+                            (spanwise, outer) = (dot(simd, &leading, &normals), dot(simd, &side, &normals));
+                        }
+                    }
+                    set_part::<S>(&mut here[at].spanwise, part, spanwise);
+                    if row == 0 {
+                        continue;
+                    }
+                    if at > 0 {
+                        let entries = &mut matrix[column(row - 1, at - 1) * rows + first..][..LANES];
+                        let entry = &mut S::as_mut_simd_f64s(entries).0[part];
+                        let leading = part_of::<S>(&ahead[at].spanwise, part);
+                        let ring = simd.sub_f64s(simd.sub_f64s(leading, inner), spanwise);
+                        *entry = simd.add_f64s(*entry, simd.mul_f64s(simd.add_f64s(ring, outer), share));
+                    }
+                    inner = outer;
+                }
+                std::mem::swap(&mut ahead, &mut here);
+            }
+        }
+    }
+}
+
+/// `4π` times the velocity of a straight segment of unit circulation at the points of a block.
+pub(super) struct Straight<'a> {
+    pub ends_m: [Vector3<f64>; 2],
+    pub points_m: &'a Block,
+    pub core_squared_m2: f64,
+}
+
+impl WithSimd for Straight<'_> {
+    type Output = Block;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Block {
+        let smooth = Smooth::new(simd, self.core_squared_m2, None);
+        let mut velocity = Block::default();
+        for part in 0..LANES / S::F64_LANES {
+            let points_m = points::<S>(self.points_m, part);
+            let [from, to] = self.ends_m.map(|end_m| smooth.reach(simd, &points_m, &end_m));
+            for (lane, value) in velocity.xyz.iter_mut().zip(smooth.segment(simd, &from, &to)) {
+                set_part::<S>(lane, part, value);
+            }
+        }
+        velocity
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pulp::{Arch, Scalar};
+
+    /// U-63. Vectors of any width give the same bits: those of this machine and single numbers.
+    #[test]
+    fn width_of_the_vectors_does_not_matter() {
+        let sheet = Sheet { rows: 3, strips: 4, first_node: 0, node_stride: 5, first_ring: 0, ring_stride: 4 };
+        let node = |i: usize| Vector3::new((i % 5) as f64, -((i / 5) as f64), (0.3 * (i * i) as f64).sin());
+        let nodes_m: Vec<_> = (0..20).map(node).collect();
+        let mut filaments = Filaments::new(16, 20);
+        filaments.gather(&sheet, &(0..16).map(|i| (0.7 * f64::from(i)).cos()).collect::<Vec<_>>());
+        let (mut points_m, mut normals) = (Block::default(), Block::default());
+        for lane in 0..LANES {
+            points_m.set(lane, &Vector3::new(0.4 * lane as f64, -0.3, 0.1 + 0.2 * lane as f64));
+            normals.set(lane, &Vector3::new(0.1, 0.2, lane as f64).normalize());
+        }
+        let stretched = Stretch { axis: Vector3::new(0.0, 0.6, 0.8), excess: 0.3 };
+        for stretch in [None, Some(&stretched)] {
+            let (points_m, normals, nodes_m) = (&points_m, &normals, &nodes_m[..]);
+            let mut arms = [vec![Arm::default(); 10], vec![Arm::default(); 10]];
+            let [wide, single] = arms.each_mut().map(|arms| SheetVelocity {
+                sheet: &sheet,
+                nodes_m,
+                filaments: &filaments,
+                points_m,
+                arms,
+                core_squared_m2: 1e-4,
+                stretch,
+            });
+            let wide = Arch::new().dispatch(wide);
+            assert_eq!(wide, single.with_simd(Scalar::new()));
+            assert!(wide.xyz.iter().flatten().all(|entry| entry.abs() > 1e-6));
+            let mut matrices = [vec![0.0; 12 * LANES], vec![0.0; 12 * LANES]];
+            let mut operands = arms.iter_mut().zip(&mut matrices).map(|(arms, matrix)| RingInfluence {
+                sheet: &sheet,
+                nodes_m,
+                points_m,
+                normals,
+                arms,
+                matrix,
+                place: (LANES, 0),
+                column: |row: usize, strip: usize| 4 * row + strip,
+                core_squared_m2: 1e-4,
+                stretch,
+            });
+            Arch::new().dispatch(operands.next().expect("the first"));
+            operands.next().expect("the second").with_simd(Scalar::new());
+            drop(operands);
+            assert_eq!(matrices[0], matrices[1]);
+            assert!(matrices[0].iter().all(|entry| entry.abs() > 1e-9));
+        }
+    }
+}
