@@ -110,7 +110,8 @@ fn points_of_a_rotor() {
     let mut reader = csv::Reader::from_reader(csv.as_bytes());
     let column = reader.headers().expect("a header").iter().position(|name| name == "rotor.power.mean").expect("power");
     let powers: Vec<f64> = reader.records().map(|row| row.expect("a row")[column].parse().expect("a number")).collect();
-    assert_eq!(powers, (0..12).map(|k| mean(&table, k, "rotor.power")).collect::<Vec<_>>());
+    // the reader of JSON may lose the last digit
+    assert!(powers.iter().enumerate().all(|(k, power)| (power / mean(&table, k, "rotor.power") - 1.0).abs() < 1e-14));
     // the torque that holds the shaft is against that of the air
     let [torque, holding] = ["rotor.torque", "shaft.holding_torque"].map(|name| mean(&table, 2, name));
     assert!((torque + holding).abs() < 1e-6 * torque.abs(), "{torque} {holding}");
@@ -167,6 +168,29 @@ fn points_that_hold_an_output() {
     assert_eq!(output.status.code(), Some(3));
 }
 
+/// A pitch that a drive holds is that of a locked joint: start angle and command are both set.
+#[test]
+fn drives_pitch_the_blades_too() {
+    let folder = folder();
+    let folder = folder.path();
+    let drive = "drive = { stiffness_N_m_rad = 1e9, damping_N_m_s_rad = 1e6, inertia_kg_m2 = 1.0 }";
+    let driven = format!("{ROTOR}{AIR}").replace("motion = \"locked\"", drive);
+    std::fs::write(folder.join("driven.toml"), driven).expect("a file");
+    let power = |model: &str| {
+        mean(
+            &json(folder, &format!("operating-points {model} --wind-m-s 8 --speed-rpm 40 --pitch-deg 6")),
+            0,
+            "rotor.power",
+        )
+    };
+    let [locked, driven] = ["windy.toml", "driven.toml"].map(power);
+    assert!((driven / locked - 1.0).abs() < 1e-5, "{driven} {locked}");
+    let free = format!("{ROTOR}{AIR}").replace("motion = \"locked\"", "drive = { inertia_kg_m2 = 1.0 }");
+    std::fs::write(folder.join("free.toml"), free).expect("a file");
+    let output = call(folder, "operating-points free.toml --wind-m-s 8 --speed-rpm 40 --pitch-deg 6");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("nothing holds its pitch"));
+}
+
 /// Gravity makes the rotor swing: the table has ranges, and they are those that `periodic` prints.
 #[test]
 fn points_that_swing() {
@@ -183,7 +207,9 @@ fn points_that_swing() {
         let place = outputs.iter().position(|own| own["name"] == name).expect(name);
         let range = table["points"][0]["peak_to_peak"][place].as_f64().expect("a range");
         let other = 2.0 * output["half_range"].as_f64().expect("a range");
-        assert!((range / other - 1.0).abs() < 1e-3, "{name}: {range} {other}");
+        // ends of the turn that agree to 1e-6, and to 1e-8
+        let size = mean(&table, 0, name).abs();
+        assert!((range - other).abs() < 1e-3 * other + 1e-6 * size, "{name}: {range} {other}");
         let (own, other) = (mean(&table, 0, name), output["mean"].as_f64().expect("a mean"));
         assert!((own - other).abs() < 1e-4 * own.abs().max(range), "{name}: {own} {other}");
     }

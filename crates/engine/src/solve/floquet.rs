@@ -3,7 +3,7 @@
 //! Multipliers fix frequencies up to multiples of the rotor's. Which multiple is meant follows from the motion over the turn, as in
 //! Bottasso and Cacciola, *Model-independent periodic stability analysis of wind turbines*, Wind Energy 18 (2015).
 
-use nalgebra::{Complex, DVector};
+use nalgebra::{Complex, DMatrix, DVector, Dyn, SymmetricEigen};
 use std::f64::consts::TAU;
 
 /// Share of the second harmonic over the first from which their order may be a matter of the coordinates.
@@ -95,6 +95,55 @@ pub fn resolve(
     Resolved { exponent_1_s: Complex::new(principal.re, frequency_rad_s), harmonics, shape }
 }
 
+/// Combinations of motions that share a multiplier, each with as much of its motion in one harmonic as can be, eq. (L35): blades that do not
+/// feel each other have any mixture of collective and whirling motions as modes. `motions[i][k]` are the coordinates of the motion
+/// `i` at the share `k/K` of the turn.
+///
+/// The first combination maximises the share of a harmonic over all combinations and harmonics, the next over those at right angles to it in
+/// the measure of the mean square, and so on. Motions that depend on each other stay as they are.
+pub fn separate(
+    multiplier: Complex<f64>,
+    period_s: f64,
+    motions: &[Vec<DVector<Complex<f64>>>],
+    weights: &DVector<f64>,
+) -> Vec<DVector<Complex<f64>>> {
+    let m = motions.len();
+    let as_they_are =
+        || (0..m).map(|i| DVector::from_fn(m, |j, _| Complex::from(f64::from(u8::from(i == j))))).collect();
+    let principal = principal_1_s(multiplier, period_s);
+    let count = motions.first().map_or(0, Vec::len);
+    let half = (count as i32 - 1) / 2;
+    let shares: Vec<DMatrix<Complex<f64>>> = (-half..=half)
+        .map(|number| {
+            let mut shapes = DMatrix::<Complex<f64>>::zeros(weights.len(), m);
+            for (i, motion) in motions.iter().enumerate() {
+                for (k, u) in motion.iter().enumerate() {
+                    let turn = (i64::from(number) * k as i64).rem_euclid(count as i64) as f64 / count as f64;
+                    let still = (-principal * (period_s * k as f64 / count as f64)).exp();
+                    let factor = still * Complex::from_polar(1.0 / count as f64, -TAU * turn);
+                    shapes.column_mut(i).axpy(factor, u, Complex::new(1.0, 0.0));
+                }
+            }
+            let weighted = DMatrix::from_fn(weights.len(), m, |row, i| shapes[(row, i)] * weights[row]);
+            shapes.adjoint() * weighted
+        })
+        .collect();
+    let whole = shares.iter().fold(DMatrix::zeros(m, m), |sum: DMatrix<Complex<f64>>, share| sum + share);
+    let Some(factor) = whole.cholesky() else { return as_they_are() };
+    let Some(mut basis) = factor.l().adjoint().try_inverse() else { return as_they_are() };
+    let mut found = Vec::new();
+    while basis.ncols() > 0 {
+        let of = |share: &DMatrix<Complex<f64>>| (basis.adjoint() * share * &basis).symmetric_eigen();
+        let largest = |eigen: &SymmetricEigen<Complex<f64>, Dyn>| eigen.eigenvalues.max();
+        let Some(best) = shares.iter().map(of).max_by(|a, b| largest(a).total_cmp(&largest(b))) else { break };
+        let place = best.eigenvalues.imax();
+        found.push(&basis * best.eigenvectors.column(place));
+        let rest = best.eigenvectors.remove_column(place);
+        basis = &basis * rest;
+    }
+    found
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -123,6 +172,40 @@ mod tests {
             .collect();
         let read = resolve((lambda.conj() * period_s).exp(), period_s, &conjugate, &DVector::from_vec(vec![1.0]));
         assert!((read.exponent_1_s - lambda).norm() < 1e-10, "{}", read.exponent_1_s);
+    }
+
+    /// Three motions of one multiplier at 2.3, 3.3 and 4.3 Ω, mixed: each comes back alone, with its frequency.
+    #[test]
+    fn mixed_motions_are_separated() {
+        let (period_s, speed) = (2.0, std::f64::consts::PI);
+        let lambda = Complex::new(-0.1, 3.3 * speed);
+        let pure = |coordinate: usize, harmonic: f64| -> Vec<DVector<Complex<f64>>> {
+            let value =
+                |k: i32| ((lambda + Complex::new(0.0, harmonic * speed)) * (period_s * f64::from(k) / 36.0)).exp();
+            (0..36)
+                .map(|k| DVector::from_fn(3, |i, _| if i == coordinate { value(k) } else { Complex::from(0.0) }))
+                .collect()
+        };
+        let motions = [pure(0, -1.0), pure(1, 0.0), pure(2, 1.0)];
+        let mixture = [[1.0, 0.4, -0.3], [0.2, -1.0, 0.5], [0.7, 0.6, 1.0]];
+        let mixed: Vec<Vec<DVector<Complex<f64>>>> = mixture
+            .iter()
+            .map(|row| (0..36).map(|k| (0..3).map(|i| &motions[i][k] * Complex::from(row[i])).sum()).collect())
+            .collect();
+        let weights = DVector::from_vec(vec![1.0, 2.0, 3.0]);
+        let multiplier = (lambda * period_s).exp();
+        let mut frequencies: Vec<f64> = separate(multiplier, period_s, &mixed, &weights)
+            .iter()
+            .map(|amounts| {
+                let sum: Vec<DVector<Complex<f64>>> =
+                    (0..36).map(|k| (0..3).map(|i| &mixed[i][k] * amounts[i]).sum()).collect();
+                let read = resolve(multiplier, period_s, &sum, &weights);
+                assert!(read.harmonics[0].share > 1.0 - 1e-9, "{:?}", read.harmonics[0]);
+                read.exponent_1_s.im / speed
+            })
+            .collect();
+        frequencies.sort_by(f64::total_cmp);
+        assert!(frequencies.iter().zip([2.3, 3.3, 4.3]).all(|(a, b)| (a - b).abs() < 1e-9), "{frequencies:?}");
     }
 
     /// A negative multiplier: half the speed and one and a half of it with both signs each.

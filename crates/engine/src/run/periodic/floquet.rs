@@ -3,8 +3,8 @@
 use crate::run::Plant;
 use crate::run::periodic::shooting::{PeriodicMotion, Shooting};
 use crate::run::periodic::turn::{SAMPLES, Turn};
-use crate::solve::floquet::{Harmonic, resolve};
-use crate::solve::krylov::leading;
+use crate::solve::floquet::{Harmonic, resolve, separate};
+use crate::solve::krylov::{RitzPair, leading};
 use crate::study::{AveragedModes, GroundView, Rotor};
 use crate::system::{ModeShape, PlantError, WhirlShare};
 use nalgebra::{Complex, DVector};
@@ -16,6 +16,8 @@ const STEP: f64 = 1e-4;
 const ERROR: f64 = 1e-4;
 /// Multiplier that nothing is left of within a turn: round-off and differences are larger.
 const GONE: f64 = 1e-5;
+/// Distance of multipliers over their magnitude up to which their motions may be any mixture: ten times what differences leave of it.
+const SAME: f64 = 1e-6;
 /// Samples of the turn that the averaged model is made of.
 const AVERAGED: usize = 24;
 
@@ -144,8 +146,7 @@ impl Plant {
         let pairs = leading(n, products, &mut product)?;
         let turns = shooting.turns;
         let weights = view.weights();
-        let mut modes = Vec::new();
-        for pair in pairs.iter().filter(|pair| pair.error <= ERROR && pair.value.norm() > GONE) {
+        let motion_of = |pair: &RitzPair| -> Vec<DVector<Complex<f64>>> {
             let seen = |sample: usize| -> DVector<Complex<f64>> {
                 let mut sum = DVector::zeros(free.len());
                 for (amount, path) in pair.amounts.iter().zip(&beside) {
@@ -153,7 +154,31 @@ impl Plant {
                 }
                 view.components(&sum, speed_rad_s.signum() * TAU * sample as f64 / SAMPLES as f64)
             };
-            let seen: Vec<DVector<Complex<f64>>> = (0..SAMPLES).map(seen).collect();
+            (0..SAMPLES).map(seen).collect()
+        };
+        let mut list: Vec<(RitzPair, Vec<DVector<Complex<f64>>>)> = Vec::new();
+        let mut pairs: Vec<RitzPair> =
+            pairs.into_iter().filter(|pair| pair.error <= ERROR && pair.value.norm() > GONE).collect();
+        while !pairs.is_empty() {
+            let first = pairs[0].value;
+            let (same, others): (Vec<RitzPair>, Vec<RitzPair>) =
+                pairs.into_iter().partition(|pair| (pair.value - first).norm() <= SAME * first.norm());
+            pairs = others;
+            let motions: Vec<_> = same.iter().map(motion_of).collect();
+            if same.len() == 1 {
+                list.extend(same.into_iter().zip(motions));
+                continue;
+            }
+            for (pair, amounts) in same.iter().zip(separate(first, turn.period_s(), &motions, &weights)) {
+                let mut sum = vec![DVector::zeros(weights.len()); SAMPLES];
+                for (motion, amount) in motions.iter().zip(&amounts) {
+                    sum.iter_mut().zip(motion).for_each(|(sum, seen)| sum.axpy(*amount, seen, Complex::new(1.0, 0.0)));
+                }
+                list.push((pair.clone(), sum));
+            }
+        }
+        let mut modes = Vec::new();
+        for (pair, seen) in list {
             let read = resolve(pair.value, turn.period_s(), &seen, &weights);
             let exponent_1_s = read.exponent_1_s;
             let size = exponent_1_s.norm();
