@@ -21,6 +21,7 @@ mod lattice_near;
 mod lattice_profiles;
 pub mod lattice_state;
 pub mod linear_system;
+pub(crate) mod memory;
 mod model;
 pub mod near_sheets;
 pub mod polar;
