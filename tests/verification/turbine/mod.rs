@@ -1,6 +1,7 @@
 //! The NREL 5 MW turbine without air: modal bodies, drive train and yaw, against OpenFAST and against Kane's equations in
 //! dense form. Case numbers WT-xx.
 
+mod beside;
 mod bodies;
 mod kane;
 mod machine;

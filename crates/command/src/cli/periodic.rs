@@ -58,7 +58,7 @@ pub struct Arguments {
 
 /// Outputs in the text if none are named, as far as the machine has them.
 const SHOWN: [&str; 5] = ["*.deflection.*", "*.angle", "rotor.*", "tip.position.*", "*.holding_torque"];
-/// Most harmonics that the samples of a turn tell apart.
+/// Maximum number of harmonics that the samples of a turn tell apart.
 const MAXIMUM_HARMONICS: usize = SAMPLES / 2 - 1;
 
 /// What is asked of a machine, by the command or by a program.
@@ -104,6 +104,10 @@ impl Wanted {
         }
         if !(self.accuracy > 0.0 && self.accuracy < 1.0) {
             return Err(Failure::Usage(format!("--accuracy {}: must lie between 0 and 1", self.accuracy)));
+        }
+        if self.directions == 0 && self.count > 0 {
+            let told = "--directions 0: modes need at least 1; --count 0 leaves them out";
+            return Err(Failure::Usage(told.to_owned()));
         }
         let speed_rad_s = self.speed_rpm.map(|speed_rpm| speed_rpm * PI / 30.0);
         let (machine, turn) = Turn::of(machine, self.shaft.as_deref(), speed_rad_s, self.steps)
@@ -213,7 +217,7 @@ fn harmonics_text(shown: &[&Series], count: usize, text: &mut String) {
     let mut left_out = Vec::new();
     for series in shown {
         if !series.is_periodic() {
-            left_out.push(series.name.as_str());
+            left_out.push(format!("{} ({:.1e})", series.label(), series.drift()));
             continue;
         }
         let _ = write!(text, "{:width$} {:13.6e} {:12.4e}", series.label(), series.harmonic(0)[0], series.half_range());
@@ -223,7 +227,11 @@ fn harmonics_text(shown: &[&Series], count: usize, text: &mut String) {
         text.push('\n');
     }
     if !left_out.is_empty() {
-        let _ = writeln!(text, "not periodic, so without harmonics: {}", left_out.join(", "));
+        let _ = writeln!(
+            text,
+            "not periodic at this --accuracy, so without harmonics (change over the turn): {}",
+            left_out.join(", ")
+        );
     }
 }
 
@@ -236,7 +244,8 @@ impl Wanted {
         series: &[Series],
         floquet: Option<&Floquet>,
     ) -> serde_json::Value {
-        let outputs: Vec<serde_json::Value> = series.iter().map(|series| series.json(self.harmonics)).collect();
+        let outputs: Vec<serde_json::Value> =
+            series.iter().map(|series| series.json(self.harmonics, turn.speed_rad_s.signum())).collect();
         let mut value = json!({
             "name": name,
             "rotor_speed_rpm": turn.speed_rad_s * 30.0 / PI,

@@ -9,9 +9,6 @@ use std::fmt::Write;
 const DRIFT: f64 = 1e-2;
 /// The same over its largest magnitude, and in its unit, below which it is round-off.
 const ROUND_OFF: [f64; 2] = [1e-6, 1e-9];
-/// Multiplier from which a mode grows: free motions have two of 1 each, which the error of products, 1e-8, moves by its root.
-const GROWING: f64 = 1.0 + 1e-4;
-
 /// An output over the turn.
 pub(super) struct Series {
     /// Name of the output.
@@ -44,8 +41,13 @@ impl Series {
     /// Whether the end of the turn has the value of its begin.
     pub fn is_periodic(&self) -> bool {
         let largest = self.values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
-        let (Some(first), Some(last)) = (self.values.first(), self.values.last()) else { return true };
-        (last - first).abs() <= (2.0 * DRIFT * self.half_range()).max(ROUND_OFF[0] * largest).max(ROUND_OFF[1])
+        self.drift() <= (2.0 * DRIFT * self.half_range()).max(ROUND_OFF[0] * largest).max(ROUND_OFF[1])
+    }
+
+    /// What the end of the turn has more or less than its begin.
+    pub fn drift(&self) -> f64 {
+        let (Some(first), Some(last)) = (self.values.first(), self.values.last()) else { return 0.0 };
+        (last - first).abs()
     }
 
     /// Half the difference of the largest and the smallest value.
@@ -71,8 +73,9 @@ impl Series {
         [cosine.hypot(sine), sine.atan2(cosine).rem_euclid(TAU) / n as f64]
     }
 
-    /// Name, unit, mean, half the range, amplitudes and phases.
-    pub fn json(&self, harmonics: usize) -> Value {
+    /// Name, unit, mean, half the range, amplitudes and phases, which are turns of the shaft with its sense, as in the table over the
+    /// turn.
+    pub fn json(&self, harmonics: usize, sense: f64) -> Value {
         let parts: Vec<[f64; 2]> = (1..=harmonics).map(|n| self.harmonic(n)).collect();
         json!({
             "name": self.name,
@@ -81,7 +84,7 @@ impl Series {
             "mean": self.harmonic(0)[0],
             "half_range": self.half_range(),
             "amplitudes": parts.iter().map(|part| part[0]).collect::<Vec<_>>(),
-            "largest_at_deg": parts.iter().map(|part| part[1].to_degrees()).collect::<Vec<_>>(),
+            "largest_at_deg": parts.iter().map(|part| sense * part[1].to_degrees()).collect::<Vec<_>>(),
         })
     }
 }
@@ -106,10 +109,13 @@ pub(super) fn csv_text(series: &[Series], sense: f64) -> Vec<u8> {
 
 /// Modes beside the motion, a line each.
 pub(super) fn modes_text(floquet: &Floquet, count: usize, text: &mut String) {
+    let averaged = match floquet.averaged {
+        Some(_) => "; averaged: the equations seen from the ground, averaged over the turn",
+        None => "",
+    };
     let _ = writeln!(
         text,
-        "\nmodes about this motion, {} turns; averaged: the equations seen from the ground, averaged over the turn\n{:>4} {:>12} {:>12} \
-         {:>10} {:>7} {:>12} {:>10}  motion",
+        "\nmodes about this motion, {} turns{averaged}\n{:>4} {:>12} {:>12} {:>10} {:>7} {:>12} {:>10}  motion",
         floquet.turns, "mode", "multiplier", "frequency Hz", "damping", "share", "averaged Hz", "damping"
     );
     for (i, mode) in floquet.modes.iter().take(count).enumerate() {
@@ -119,26 +125,54 @@ pub(super) fn modes_text(floquet: &Floquet, count: usize, text: &mut String) {
         });
         let _ = writeln!(
             text,
-            "{:4} {:12.6} {:12.6} {:10.6} {:7.3} {averaged}  {}{}",
+            "{:4} {:12.6} {:12.6} {:>10} {:7.3} {averaged}  {}{}",
             i + 1,
             mode.multiplier.norm(),
             mode.frequency_hz,
-            mode.damping_ratio,
+            if mode.is_neutral() { "-".to_owned() } else { format!("{:.6}", mode.damping_ratio) },
             mode.harmonics.first().map_or(0.0, |harmonic| harmonic.share),
             mode.parts.first().map_or(String::new(), ToString::to_string),
             others(mode)
         );
     }
-    let growing = floquet.modes.iter().filter(|mode| mode.multiplier.norm() > GROWING).count();
-    if growing > 0 {
-        let _ = writeln!(text, "{growing} of the modes grow: the motion is unstable");
+    match floquet.modes.iter().filter(|mode| mode.is_growing()).count() {
+        0 => {}
+        1 => text.push_str("1 mode grows: the motion is unstable\n"),
+        growing => {
+            let _ = writeln!(text, "{growing} modes grow: the motion is unstable");
+        }
     }
+    notes(floquet, text);
     if let Some(averaged) = &floquet.averaged {
         let _ = writeln!(
             text,
             "stiffness seen from the ground changes by up to {:.1e} of itself over the turn",
             averaged.spread
         );
+    }
+}
+
+/// What the list of modes does not show.
+fn notes(floquet: &Floquet, text: &mut String) {
+    if floquet.unfound > 0 {
+        let _ = write!(
+            text,
+            "modes not shown, as the directions do not find them to four digits: {}, with multipliers of up to {:.3}",
+            floquet.unfound, floquet.largest_unfound
+        );
+        let hint = if floquet.largest_unfound > 1.0 { "; one of them may grow: raise --directions" } else { "" };
+        let _ = writeln!(text, "{hint}");
+    }
+    if floquet.coarse > 0 {
+        let _ = writeln!(
+            text,
+            "modes not shown, as the turn has fewer than 24 steps (--steps) or 2 of its {SAMPLES} samples in a period of theirs: {}",
+            floquet.coarse
+        );
+    }
+    if let Some(cause) = &floquet.unseen {
+        let _ =
+            writeln!(text, "frequencies are those that the machine's own coordinates show, not the ground: {cause}");
     }
 }
 
@@ -173,11 +207,16 @@ pub(super) fn modes_json(floquet: &Floquet, count: usize) -> Value {
             })).collect::<Vec<_>>(),
             "motion": mode.parts.iter().take(5).map(|part| json!({ "part": part.to_string(), "share": part.share })).collect::<Vec<_>>(),
             "error": mode.error,
+            "grows": mode.is_growing(),
             "averaged_1_s": mode.averaged_1_s.map(|value| [value.re, value.im]),
         })
     };
     json!({
         "turns": floquet.turns,
+        "not_found": floquet.unfound,
+        "largest_multiplier_not_found": floquet.largest_unfound,
+        "not_resolved": floquet.coarse,
+        "not_seen_from_ground": floquet.unseen,
         "modes": floquet.modes.iter().take(count).map(mode).collect::<Vec<_>>(),
         "averaged_stiffness_change": floquet.averaged.as_ref().map(|averaged| averaged.spread),
     })
@@ -203,5 +242,9 @@ mod tests {
         assert!((amplitude - 3.0).abs() < 1e-12 && (place - 0.4).abs() < 1e-12, "{amplitude} {place}");
         assert!(wave.is_periodic() && (wave.half_range() - 3.0).abs() < 1e-2);
         assert!(!of(&|turn| turn).is_periodic() && of(&|_| 7.0).is_periodic());
+        assert!((of(&|turn| turn).drift() - TAU).abs() < 1e-12);
+        // a shaft that turns back is there on its own way, as in the table over the turn
+        let places = [1.0, -1.0].map(|sense| wave.json(2, sense)["largest_at_deg"][1].as_f64().unwrap());
+        assert!((places[0] - 0.4f64.to_degrees()).abs() < 1e-9 && places[1] == -places[0], "{places:?}");
     }
 }

@@ -22,6 +22,7 @@ mod lattice_profiles;
 pub mod lattice_state;
 mod lattice_wake_slopes;
 pub mod linear_system;
+pub(crate) mod memory;
 mod model;
 pub mod near_sheets;
 pub mod polar;

@@ -128,13 +128,16 @@ pub struct RitzPair {
 /// blades share, the next is a new one.
 ///
 /// # Errors
-/// Those of `product`. An empty list where the small matrix has no eigenvalues to its digits.
+/// Those of `product`. An empty list without entries or products, and where the small matrix has no eigenvalues to its digits.
 pub fn leading<E>(
     n: usize,
     most: usize,
     mut product: impl FnMut(usize, &DVector<f64>) -> Result<DVector<f64>, E>,
 ) -> Result<Vec<RitzPair>, E> {
     let most = most.min(n);
+    if most == 0 {
+        return Ok(Vec::new());
+    }
     let mut basis: Vec<DVector<f64>> = Vec::with_capacity(most);
     let mut small = DMatrix::<f64>::zeros(most, most);
     let mut next = fresh(n, 0);

@@ -48,11 +48,25 @@ fn tree(machine: &Machine, of: usize) -> Vec<usize> {
     list
 }
 
+/// Bodies that a body carries, without those that are part of it: rigid ones clamped to it that carry nothing else, as a spinner. Blades
+/// may all be so.
+fn carried(machine: &Machine, of: usize) -> Vec<usize> {
+    let all = children(machine, of);
+    let moves = |body: &usize| {
+        tree(machine, *body).into_iter().any(|body| {
+            let body = &machine.bodies[body];
+            !body.is_rigid() || !matches!(body.joint.kind, JointKind::Clamped)
+        })
+    };
+    let moving: Vec<usize> = all.iter().copied().filter(moves).collect();
+    if moving.is_empty() { all } else { moving }
+}
+
 /// The first body outward from a shaft that carries several: the hub.
 fn hub(machine: &Machine, shaft: usize) -> Option<usize> {
     let mut body = shaft;
     loop {
-        match children(machine, body)[..] {
+        match carried(machine, body)[..] {
             [] => return None,
             [only] => body = only,
             _ => return Some(body),
@@ -122,7 +136,7 @@ impl Study<'_> {
         let attitude = |body: usize| -> Matrix3<f64> { sections[body][0].rotation };
         let axis: Vector3<f64> = attitude(shaft) * joint.mount.transpose() * hinge.axis;
         let across = axis.cross(&Vector3::ith(axis.iamin(), 1.0)).normalize();
-        let roots = children(machine, hub);
+        let roots = carried(machine, hub);
         let mut placed = Vec::new();
         for &root in &roots {
             let turn = attitude(root) * attitude(roots[0]).transpose();

@@ -6,6 +6,7 @@
 
 use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
+use crate::aero::memory::Measure;
 use crate::aero::rotor::dynamic_inflow::{InflowState, time_constant_s};
 use crate::aero::rotor::dynamic_stall::{SplitPolar, StallInflow, StallState};
 use crate::aero::rotor::induction::{Annulus, Approach, EndRule, aerodyn_balance, aerodyn_limited, balance};
@@ -86,18 +87,6 @@ impl RotorState {
     pub fn fits(&self, other: &Self) -> bool {
         self.sections.len() == other.sections.len()
     }
-
-    /// What follows with a lag: induced velocities in m/s, then the terms of dynamic stall, section by section.
-    pub fn lags(&mut self) -> impl Iterator<Item = &mut f64> {
-        self.sections.iter_mut().flat_map(|SectionMemory { inflow, stall }| {
-            let StallState { wake_rad, lagged_lift, attached, met: _ } = stall;
-            let velocities = inflow.middle_m_s.iter_mut().chain(&mut inflow.acting_m_s);
-            velocities.chain(wake_rad).chain([lagged_lift, attached])
-        })
-    }
-
-    /// Velocities among the [`RotorState::lags`] of a section, which come first, and all of them.
-    pub const LAGS: [usize; 2] = [4, 8];
 }
 
 /// Constant data of a section.
@@ -215,6 +204,27 @@ impl Rotor {
     /// A state of the right size, without air.
     pub fn blank_state(&self) -> RotorState {
         RotorState { sections: vec![SectionMemory::default(); self.sections.len()], loads: RotorLoads::default() }
+    }
+
+    /// What follows with a lag, section by section, as far as the features in use move it: induced velocities, then the terms of
+    /// dynamic stall. Annuli whose loss is complete have no balance that they follow; sections without load do not stall.
+    pub(crate) fn memories<'s>(&self, state: &'s mut RotorState, list: &mut Vec<(Measure, &'s mut f64)>) {
+        let RotorFeatures { inflow_lag_s, dynamic_inflow, end_rule, .. } = self.options.features;
+        for (section, SectionMemory { inflow, stall }) in self.sections.iter().zip(&mut state.sections) {
+            let [tip_exponent, hub_exponent] = section.exponents;
+            let is_end = Annulus { solidity: 0.0, tip_exponent, hub_exponent }.is_end();
+            let InflowState { balanced_m_s: _, middle_m_s, acting_m_s } = inflow;
+            if inflow_lag_s.is_some() {
+                list.push((Measure::Velocity, &mut acting_m_s[0]));
+            } else if dynamic_inflow && !is_end {
+                list.extend(middle_m_s.iter_mut().chain(acting_m_s).map(|lag| (Measure::Velocity, lag)));
+            }
+            let is_loaded = inflow_lag_s.is_some() || !is_end || end_rule != EndRule::ZeroLoad;
+            if is_loaded && self.splits[section.polar].is_some() {
+                let StallState { wake_rad, lagged_lift, attached, met: _ } = stall;
+                list.extend(wake_rad.iter_mut().chain([lagged_lift, attached]).map(|lag| (Measure::Number, lag)));
+            }
+        }
     }
 
     /// State and loads at the start; in an `established` flow the wake is fully developed.

@@ -118,7 +118,7 @@ impl StripState {
 /// Strips of all surfaces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Strips {
-    options: StripOptions,
+    pub(super) options: StripOptions,
     strips: Vec<Strip>,
     profiles: Vec<Profile>,
     /// Index of the first strip of each surface.

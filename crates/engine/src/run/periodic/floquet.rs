@@ -12,12 +12,26 @@ use std::f64::consts::TAU;
 
 /// Central difference by which a product is found, in the measure of the states.
 const STEP: f64 = 1e-4;
+/// Share of the product in the curvature of the turn over a step above which the step is shortened, by how much, and how often.
+const CURVED: f64 = 1e-4;
+const SHORTER: f64 = 0.1;
+const SHORTENINGS: usize = 2;
+/// Length of a product, of a direction of length 1, below which it is round-off.
+const SMALL: f64 = 1e-2;
+/// Steps in a period below which steps do not follow a motion: fourth order leaves 4e-6 of its frequency at this number.
+const STEPS_IN_A_PERIOD: f64 = 24.0;
+/// Length of `ln μ` below which nothing springs back or damps: two multipliers of 1 are moved by the root of the error of products, 1e-8.
+const NEUTRAL: f64 = 1e-4;
+/// Distance of an averaged mode, over its magnitude, that steps and products leave where the average is exact.
+const SAME: f64 = 1e-3;
 /// Error of a multiplier over its magnitude beyond which it is left out.
 const ERROR: f64 = 1e-4;
+/// Errors of a multiplier that it must be beyond 1 by to grow: they are estimates.
+const ERRORS: f64 = 10.0;
 /// Multiplier that nothing is left of within a turn: round-off and differences are larger.
 const GONE: f64 = 1e-5;
 /// Distance of multipliers over their magnitude up to which their motions may be any mixture: ten times what differences leave of it.
-const SAME: f64 = 1e-6;
+const ALIKE: f64 = 1e-6;
 /// Samples of the turn that the averaged model is made of.
 const AVERAGED: usize = 24;
 
@@ -30,7 +44,7 @@ pub struct FloquetMode {
     pub exponent_1_s: Complex<f64>,
     /// `|λ|/2π` in Hz.
     pub frequency_hz: f64,
-    /// `−Re λ/|λ|`.
+    /// `−Re λ/|λ|`; 0 of a freedom that nothing holds or damps ([`FloquetMode::is_neutral`]).
     pub damping_ratio: f64,
     /// Frequencies that it shows, largest share first.
     pub harmonics: Vec<Harmonic>,
@@ -38,17 +52,37 @@ pub struct FloquetMode {
     pub ambiguous: bool,
     /// What moves, largest share first.
     pub parts: Vec<WhirlShare>,
-    /// Error of the multiplier over its magnitude, as Arnoldi's iteration estimates it.
+    /// Error of the multiplier over its magnitude, as Arnoldi's iteration and the curvature of the turn over the differences have it.
     pub error: f64,
-    /// Nearest eigenvalue of the averaged model in 1/s, where there is one.
+    /// Nearest eigenvalue of the averaged model in 1/s, where there is one no further off than its stiffness changes over the turn.
     pub averaged_1_s: Option<Complex<f64>>,
 }
 
-/// What happens beside a periodic motion.
-#[derive(Debug, Clone, PartialEq)]
+impl FloquetMode {
+    /// Whether it is a freedom that neither springs back nor damps: its multiplier is 1 to the digits of the products.
+    pub fn is_neutral(&self) -> bool {
+        self.multiplier.ln().norm() < NEUTRAL && self.harmonics.first().is_none_or(|harmonic| harmonic.number == 0)
+    }
+
+    /// Whether it grows by more than its error and than what moves the multipliers of free motions, which are 1.
+    pub fn is_growing(&self) -> bool {
+        self.multiplier.norm() > 1.0 + NEUTRAL.max(ERRORS * self.error)
+    }
+}
+
+/// What happens beside a periodic motion; nothing where no coordinate is free.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Floquet {
     /// Modes, slowest decay first.
     pub modes: Vec<FloquetMode>,
+    /// Modes left out since steps or samples of the turn do not follow them.
+    pub coarse: usize,
+    /// Modes left out since the directions do not find them to four digits.
+    pub unfound: usize,
+    /// Largest magnitude of their multipliers.
+    pub largest_unfound: f64,
+    /// Why frequencies are those that the machine's own coordinates show, not the ground; `None` where the ground sees them.
+    pub unseen: Option<String>,
     /// Modes of the averaged model, of machines without air whose rotor has equal blades.
     pub averaged: Option<AveragedModes>,
     /// States of the motion.
@@ -105,108 +139,96 @@ impl Plant {
     }
 
     /// Modes about a periodic motion from at most `products` directions, each of which costs two turns. Modes that a turn leaves nothing of
-    /// and those that the directions do not show to four digits are left out. Without a rotor of equal blades
-    /// ([`crate::study::Study::rotor`]) motions are those of the machine's own coordinates, and there is no averaged model.
+    /// are left out; those that steps and samples do not follow, and those that the directions do not show to four digits, are left out
+    /// and counted. Without a rotor of equal blades ([`crate::study::Study::rotor`]) motions are those of the machine's own coordinates,
+    /// and there is no averaged model.
     ///
     /// # Errors
     /// As [`Plant::trace`].
     pub fn floquet(&mut self, turn: &Turn, motion: &PeriodicMotion, products: usize) -> Result<Floquet, PlantError> {
         self.restore(&motion.start)?;
         let speed_rad_s = turn.speed_rad_s;
+        if self.system.freedoms().is_empty() {
+            return Ok(Floquet::default());
+        }
         let rotor = self.rotor_of(turn);
+        let unseen = rotor.as_ref().err().map(ToString::to_string);
+        let rotor = rotor.ok();
         let mut view = self.study().ground_view(turn.shaft, rotor.as_ref(), speed_rad_s)?;
         let averaged = match (&rotor, &self.system.machine.air) {
             (Some(_), None) => self.average(turn, motion, &mut view)?,
             _ => None,
         };
         self.restore(&motion.start)?;
-        let mut shooting = Shooting::new(self, *turn);
-        let (states, free) = (shooting.at_begin(), shooting.free.clone());
-        let n = shooting.states();
-        let mut beside: Vec<Vec<DVector<f64>>> = Vec::new();
-        let mut product = |_: usize, direction: &DVector<f64>| -> Result<DVector<f64>, PlantError> {
-            let mut paths: [Vec<DVector<f64>>; 2] = [Vec::new(), Vec::new()];
-            let mut ends = Vec::new();
-            for (path, sign) in paths.iter_mut().zip([1.0, -1.0]) {
-                let mut seen = |sample: usize, plant: &mut Plant| {
-                    if sample < SAMPLES {
-                        path.push(DVector::from_iterator(
-                            free.len(),
-                            free.iter().map(|&c| plant.system.state.now.q[c]),
-                        ));
-                    }
-                    Ok(())
-                };
-                ends.push(shooting.march(&(&states + direction * (sign * STEP)), &mut seen)?);
-            }
-            let difference = |above: &DVector<f64>, below: &DVector<f64>| (above - below) / (2.0 * STEP);
-            beside.push(paths[0].iter().zip(&paths[1]).map(|(above, below)| difference(above, below)).collect());
-            Ok(difference(&ends[0], &ends[1]))
-        };
-        let pairs = leading(n, products, &mut product)?;
-        let turns = shooting.turns;
+        let own = self.study().second_order()?;
+        let masses = own.mass.diagonal();
+        let alone_rad_s =
+            masses.zip_map(&own.stiffness.diagonal(), |mass, stiffness| (stiffness.max(0.0) / mass).sqrt());
+        let mut beside = Beside::new(self, *turn, alone_rad_s.as_slice())?;
+        let states = beside.begin.len();
+        let pairs = leading(states, products, |_, direction| beside.product(direction))?;
+        let Beside { paths, spoiled, shooting: Shooting { turns, .. }, .. } = beside;
         let weights = view.weights();
-        let motion_of = |pair: &RitzPair| -> Vec<DVector<Complex<f64>>> {
-            let seen = |sample: usize| -> DVector<Complex<f64>> {
-                let mut sum = DVector::zeros(free.len());
-                for (amount, path) in pair.amounts.iter().zip(&beside) {
-                    sum += path[sample].map(|x| amount * x);
+        let error = |pair: &RitzPair| pair.error.max(spoiled / pair.value.norm());
+        let (unfound, found): (Vec<&RitzPair>, Vec<&RitzPair>) =
+            pairs.iter().filter(|pair| pair.value.norm() > GONE).partition(|pair| error(pair) > ERROR);
+        let highest_rad_s = speed_rad_s.abs() * (0.5 * SAMPLES as f64 - 1.0).min(turn.steps as f64 / STEPS_IN_A_PERIOD);
+        let mut followed: Vec<(&RitzPair, Seen)> = Vec::new();
+        for &pair in &found {
+            let (mut seen, mut square): (Seen, [f64; 2]) = (Vec::new(), [0.0; 2]);
+            for sample in 0..SAMPLES {
+                let mut sum: [DVector<Complex<f64>>; 2] = [0, 1].map(|_| DVector::zeros(masses.len()));
+                for (amount, path) in pair.amounts.iter().zip(&paths) {
+                    sum.iter_mut().zip(&path[sample]).for_each(|(sum, x)| *sum += x.map(|x| amount * x));
                 }
-                view.components(&sum, speed_rad_s.signum() * TAU * sample as f64 / SAMPLES as f64)
-            };
-            (0..SAMPLES).map(seen).collect()
-        };
-        let mut list: Vec<(RitzPair, Vec<DVector<Complex<f64>>>)> = Vec::new();
-        let mut pairs: Vec<RitzPair> =
-            pairs.into_iter().filter(|pair| pair.error <= ERROR && pair.value.norm() > GONE).collect();
-        while !pairs.is_empty() {
-            let first = pairs[0].value;
-            let (same, others): (Vec<RitzPair>, Vec<RitzPair>) =
-                pairs.into_iter().partition(|pair| (pair.value - first).norm() <= SAME * first.norm());
-            pairs = others;
-            let motions: Vec<_> = same.iter().map(motion_of).collect();
-            if same.len() == 1 {
-                list.extend(same.into_iter().zip(motions));
-                continue;
+                for (square, sum) in square.iter_mut().zip(&sum) {
+                    *square += sum.iter().zip(masses.iter()).map(|(x, mass)| mass * x.norm_sqr()).sum::<f64>();
+                }
+                seen.push(view.components(&sum[0], speed_rad_s.signum() * TAU * sample as f64 / SAMPLES as f64));
             }
-            for (pair, amounts) in same.iter().zip(separate(first, turn.period_s(), &motions, &weights)) {
-                let mut sum = vec![DVector::zeros(weights.len()); SAMPLES];
-                for (motion, amount) in motions.iter().zip(&amounts) {
-                    sum.iter_mut().zip(motion).for_each(|(sum, seen)| sum.axpy(*amount, seen, Complex::new(1.0, 0.0)));
-                }
-                list.push((pair.clone(), sum));
+            // its frequency by its rates, whatever the samples show
+            if square[1] <= square[0] * highest_rad_s.powi(2) {
+                followed.push((pair, seen));
             }
         }
+        let coarse = found.len() - followed.len();
         let mut modes = Vec::new();
-        for (pair, seen) in list {
+        for (pair, seen) in unmixed(followed, turn.period_s(), &weights) {
             let read = resolve(pair.value, turn.period_s(), &seen, &weights);
             let exponent_1_s = read.exponent_1_s;
             let size = exponent_1_s.norm();
             let near = |value: &&Complex<f64>| (**value - exponent_1_s).norm();
             let nearest = averaged.as_ref().and_then(|averaged| {
-                averaged.eigenvalues_1_s.iter().min_by(|a, b| near(a).total_cmp(&near(b))).copied()
+                let list = averaged.eigenvalues_1_s.iter();
+                let nearest = list.min_by(|a, b| near(a).total_cmp(&near(b)))?;
+                (near(&nearest) <= averaged.spread.max(SAME) * nearest.norm()).then_some(*nearest)
             });
-            modes.push(FloquetMode {
+            let mut mode = FloquetMode {
                 multiplier: pair.value,
                 exponent_1_s,
                 frequency_hz: size / TAU,
-                damping_ratio: if size == 0.0 { 0.0 } else { -exponent_1_s.re / size },
+                damping_ratio: -exponent_1_s.re / size,
                 ambiguous: read.is_ambiguous(),
                 parts: self.study().moving_parts(&view, &read.shape),
                 harmonics: read.harmonics,
-                error: pair.error,
+                error: error(pair),
                 averaged_1_s: nearest,
-            });
+            };
+            if mode.is_neutral() {
+                mode.damping_ratio = 0.0;
+            }
+            modes.push(mode);
         }
         self.restore(&motion.start)?;
-        Ok(Floquet { modes, averaged, states: n, turns })
+        let largest_unfound = unfound.iter().map(|pair| pair.value.norm()).fold(0.0, f64::max);
+        Ok(Floquet { modes, coarse, unfound: unfound.len(), largest_unfound, unseen, averaged, states, turns })
     }
 
     /// The rotor on the shaft, if its blades are equal.
-    fn rotor_of(&mut self, turn: &Turn) -> Option<Rotor> {
+    fn rotor_of(&mut self, turn: &Turn) -> Result<Rotor, PlantError> {
         let machine = self.system.machine.clone();
         let shaft = &machine.bodies[turn.shaft].joint.name;
-        self.study().rotor(machine.experiment.start_time_s, Some(shaft)).ok()
+        self.study().rotor(machine.experiment.start_time_s, Some(shaft))
     }
 
     /// Modes of the equations averaged over the turn, eq. (L36).
@@ -225,5 +247,103 @@ impl Plant {
         };
         self.trace(turn, motion, &mut seen)?;
         Ok(view.averaged())
+    }
+}
+
+/// A motion as the ground sees it, sample by sample.
+type Seen = Vec<DVector<Complex<f64>>>;
+
+/// Motions of equal multipliers, which may be any mixture of each other, told apart by their harmonics, eq. (L35).
+fn unmixed<'p>(
+    mut motions: Vec<(&'p RitzPair, Seen)>,
+    period_s: f64,
+    weights: &DVector<f64>,
+) -> Vec<(&'p RitzPair, Seen)> {
+    let mut list = Vec::with_capacity(motions.len());
+    while let Some((first, _)) = motions.first() {
+        let value = first.value;
+        let (same, others): (Vec<_>, Vec<_>) =
+            motions.into_iter().partition(|(pair, _)| (pair.value - value).norm() <= ALIKE * value.norm());
+        motions = others;
+        if same.len() == 1 {
+            list.extend(same);
+            continue;
+        }
+        let (pairs, seen): (Vec<&RitzPair>, Vec<Seen>) = same.into_iter().unzip();
+        for (pair, amounts) in pairs.into_iter().zip(separate(value, period_s, &seen, weights)) {
+            let mut sum = vec![DVector::zeros(weights.len()); SAMPLES];
+            for (motion, amount) in seen.iter().zip(&amounts) {
+                sum.iter_mut().zip(motion).for_each(|(sum, seen)| sum.axpy(*amount, seen, Complex::new(1.0, 0.0)));
+            }
+            list.push((pair, sum));
+        }
+    }
+    list
+}
+
+/// Coordinates and rates at a sample of a turn.
+type Path = Vec<[DVector<f64>; 2]>;
+
+/// Turns beside a motion.
+struct Beside<'p> {
+    shooting: Shooting<'p>,
+    /// States at the begin and at the end of the turn.
+    begin: DVector<f64>,
+    end: DVector<f64>,
+    /// Motions that belong to the directions.
+    paths: Vec<Path>,
+    step: f64,
+    /// Error of the products by the curvature of the turn.
+    spoiled: f64,
+}
+
+impl<'p> Beside<'p> {
+    fn new(plant: &'p mut Plant, turn: Turn, alone_rad_s: &[f64]) -> Result<Self, PlantError> {
+        let mut shooting = Shooting::new(plant, turn);
+        shooting.stiffen(alone_rad_s);
+        let begin = shooting.at_begin();
+        let end = shooting.march(&begin, &mut |_, _| Ok(()))?;
+        Ok(Self { shooting, begin, end, paths: Vec::new(), step: STEP, spoiled: 0.0 })
+    }
+
+    /// Product of the turn's matrix with a direction of length 1, by a central difference that is short enough for it.
+    fn product(&mut self, direction: &DVector<f64>) -> Result<DVector<f64>, PlantError> {
+        for shortening in 0.. {
+            let [above, below] = [self.step, -self.step].map(|step| self.march(&(direction * step)));
+            let ((above, above_path), (below, below_path)) = (above?, below?);
+            let width = 2.0 * self.step;
+            let product = (&above - &below) / width;
+            let curved = (above + below - &self.end * 2.0).norm() / width;
+            let size = product.norm().max(SMALL);
+            if curved > CURVED * size && shortening < SHORTENINGS {
+                self.step *= SHORTER;
+                continue;
+            }
+            // what a one-sided difference misses is of first order, what a central one misses of second
+            self.spoiled = self.spoiled.max(curved * curved / size);
+            let difference = |(above, below): (&[DVector<f64>; 2], &[DVector<f64>; 2])| {
+                [0, 1].map(|rate| (&above[rate] - &below[rate]) / width)
+            };
+            self.paths.push(above_path.iter().zip(&below_path).map(difference).collect());
+            return Ok(product);
+        }
+        unreachable!("the last shortening returns")
+    }
+
+    /// End and motion of a turn beside the periodic one.
+    fn march(&mut self, change: &DVector<f64>) -> Result<(DVector<f64>, Path), PlantError> {
+        let free = self.shooting.free.clone();
+        let mut path: Path = Vec::with_capacity(SAMPLES);
+        let mut seen = |sample: usize, plant: &mut Plant| {
+            if sample < SAMPLES {
+                let now = &plant.system.state.now;
+                path.push(
+                    [&now.q, &now.v].map(|list| DVector::from_iterator(free.len(), free.iter().map(|&c| list[c]))),
+                );
+            }
+            Ok(())
+        };
+        let end = self.shooting.march(&(&self.begin + change), &mut seen)?;
+        Ok((end, path))
     }
 }

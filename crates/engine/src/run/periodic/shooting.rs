@@ -1,12 +1,12 @@
 //! The state that a turn brings back, by Newton's method with products of the matrix of a turn, NOTATION eqs. (L32) and (L33).
 
-use crate::aero::{AirState, rotor::bem::RotorState};
+use crate::aero::memory::Measure;
 use crate::force::memory::JointMemory;
 use crate::run::Plant;
 use crate::run::periodic::turn::{SAMPLES, Turn};
 use crate::solve::EquationsOfMotion;
 use crate::solve::krylov::Directions;
-use crate::system::air::AirHistory;
+use crate::system::air::{AirCoupling, AirHistory};
 use crate::system::events::settle;
 use crate::system::state::State;
 use crate::system::{PlantError, Snapshot, System};
@@ -33,7 +33,7 @@ const SLOW: f64 = 0.3;
 pub struct PeriodicMotion {
     /// State at the begin of the turn.
     pub start: Snapshot,
-    /// States over which the motion was sought: free coordinates, their rates, and what lags in a rotor's air.
+    /// States over which the motion was sought: free coordinates, their rates, and what the air remembers beside them.
     pub states: usize,
     /// Distance between the ends of the turn: rotation in rad or displacement over the machine's length, rates over the shaft's speed.
     pub distance: f64,
@@ -61,7 +61,7 @@ impl<'p> Shooting<'p> {
     /// From the present state of an initialised plant, at the begin of the turn.
     pub fn new(plant: &'p mut Plant, turn: Turn) -> Self {
         let free: Vec<usize> = plant.system.freedoms().iter().map(|freedom| freedom.index).collect();
-        let base = plant.system.state.clone();
+        let mut base = plant.system.state.clone();
         let begin_s = base.now.time_s;
         let equations = &mut plant.system.equations;
         let mut unused = vec![0.0; base.now.q.len()];
@@ -77,12 +77,12 @@ impl<'p> Shooting<'p> {
         let rates: Vec<f64> = sizes.iter().map(|size| size / speed_rad_s).collect();
         sizes.extend(rates);
         let tip_m_s = equations.model.reference_length_m * speed_rad_s;
-        let mut air = base.air.clone();
-        if let Some(AirState::Rotor(state)) = air.as_mut().map(|air| &mut air.after) {
-            let [velocities, all] = RotorState::LAGS;
-            let of = |(i, _): (usize, &mut f64)| if i % all < velocities { 1.0 / tip_m_s } else { 1.0 };
-            sizes.extend(state.lags().enumerate().map(of));
-        }
+        let measure = |(measure, _): (Measure, &mut f64)| match measure {
+            Measure::Velocity => 1.0 / tip_m_s,
+            Measure::Rate => 1.0 / speed_rad_s,
+            Measure::Number => 1.0,
+        };
+        sizes.extend(memories(plant.system.air.as_deref(), &mut base.air).into_iter().map(measure));
         Self { plant, turn, free, base, weights: DVector::from_vec(sizes), begin_s, turns: 0 }
     }
 
@@ -91,14 +91,20 @@ impl<'p> Shooting<'p> {
         self.weights.len()
     }
 
+    /// Measures coordinates of a stiff body by the speed that they give when let go, where that is more than their own: `frequencies`
+    /// in rad/s, coordinate by coordinate, those of each alone.
+    pub fn stiffen(&mut self, frequencies_rad_s: &[f64]) {
+        for (weight, frequency_rad_s) in self.weights.iter_mut().zip(frequencies_rad_s) {
+            *weight *= (frequency_rad_s / self.turn.speed_rad_s.abs()).max(1.0);
+        }
+    }
+
     /// The states of a state, measured.
     fn measured(&self, state: &mut State) -> DVector<f64> {
         let now = &state.now;
         let mut list: Vec<f64> = self.free.iter().map(|&c| now.q[c]).collect();
         list.extend(self.free.iter().map(|&c| now.v[c]));
-        if let Some(AirState::Rotor(air)) = state.air.as_mut().map(|air| &mut air.after) {
-            list.extend(air.lags().map(|lag| *lag));
-        }
+        list.extend(memories(self.plant.system.air.as_deref(), &mut state.air).into_iter().map(|(_, memory)| *memory));
         DVector::from_vec(list).component_mul(&self.weights)
     }
 
@@ -115,9 +121,8 @@ impl<'p> Shooting<'p> {
         for (i, &c) in self.free.iter().enumerate() {
             (system.state.now.q[c], system.state.now.v[c]) = (states[i], states[n + i]);
         }
-        if let Some(AirState::Rotor(air)) = system.state.air.as_mut().map(|air| &mut air.after) {
-            air.lags().zip(states.iter().skip(2 * n)).for_each(|(lag, value)| *lag = *value);
-        }
+        let memories = memories(system.air.as_deref(), &mut system.state.air);
+        memories.into_iter().zip(states.iter().skip(2 * n)).for_each(|((_, memory), value)| *memory = *value);
         system.configure();
         let begin_s = self.begin_s;
         let now = &mut system.state.now;
@@ -125,6 +130,9 @@ impl<'p> Shooting<'p> {
         now.auxiliary.fill(0.0);
         system.equations.branch_s = begin_s;
         system.equations.prescribe(begin_s, &mut now.q, &mut now.v, &mut now.a);
+        system.equations.residual(begin_s, &now.q, &now.v, &now.a, &mut system.scratch[0]);
+        system.refresh_air(begin_s)?;
+        let now = &mut system.state.now;
         system.equations.residual(begin_s, &now.q, &now.v, &now.a, &mut system.scratch[0]);
         let jump = settle(&mut system.equations, &mut system.scratch[0], now);
         system.accelerations(begin_s, jump)?;
@@ -178,7 +186,7 @@ impl<'p> Shooting<'p> {
         PlantError::Periodic { time_s: self.begin_s, cause }
     }
 
-    /// What a turn has left beside the states (loads and histories of the air) is what the next one begins with.
+    /// What a turn has left beside the states (of the air) is what the next one begins with.
     fn carry(&mut self, left: Option<AirHistory>) {
         let period_s = self.turn.period_s();
         if let Some(mut air) = left {
@@ -287,6 +295,14 @@ impl<'p> Shooting<'p> {
              motion, take more steps in a turn, or ask for less",
             self.turns
         ))
+    }
+}
+
+/// What the air remembers beside the motion.
+fn memories<'h>(air: Option<&AirCoupling>, history: &'h mut Option<AirHistory>) -> Vec<(Measure, &'h mut f64)> {
+    match (air, history) {
+        (Some(air), Some(history)) => air.memories(history),
+        _ => Vec::new(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::aero::AirOptions;
 use crate::aero::rotor::wind::Source;
-use crate::machine::{JointKind, JointMotion, Machine, Method, Motion, OneFreedom};
+use crate::machine::{Coupling, JointKind, JointMotion, Machine, Method, Motion, OneFreedom};
 use crate::study::shaft_of;
 use std::f64::consts::TAU;
 
@@ -12,6 +12,10 @@ pub const SAMPLES: usize = 144;
 const MAXIMUM_STEPS: usize = 1_000_000;
 /// Tolerance of Newton's iteration times 100: differences of two turns need more digits than a run.
 const TOLERANCE: f64 = 1e-10;
+/// Change of the loads at which the iterations of air and structure end: differences of two turns see what they leave.
+const COUPLING_TOLERANCE: f64 = 1e-9;
+/// Maximum number of these iterations where the file has none.
+const COUPLING_ITERATIONS: usize = 50;
 /// Smallest share of a step that one whose equations are not solved is cut to: a turn whose steps need more is not resolved by them.
 const SMALLEST_STEP: f64 = 0.1;
 
@@ -85,6 +89,15 @@ impl Turn {
         if let Some(air) = &mut machine.air {
             let sample_s = turn.period_s() / SAMPLES as f64;
             air.step_s = sample_s / (sample_s / air.step_s * (1.0 - 1e-9)).ceil().max(1.0);
+            match &mut air.coupling {
+                Coupling::Iterated { tolerance, .. } => *tolerance = tolerance.min(COUPLING_TOLERANCE),
+                // strips remember where their sections were: those of one correction are elsewhere
+                coupling if !air.options.is_rotor() => {
+                    *coupling =
+                        Coupling::Iterated { tolerance: COUPLING_TOLERANCE, most_iterations: COUPLING_ITERATIONS };
+                }
+                Coupling::Staggered => {}
+            }
         }
         Ok((machine, turn))
     }

@@ -4,6 +4,7 @@ pub(crate) mod continuous;
 pub(crate) mod controls;
 pub(crate) mod gaps;
 mod lattice_slopes;
+pub(crate) mod memory;
 pub(crate) mod slopes;
 pub(crate) mod start;
 mod view;

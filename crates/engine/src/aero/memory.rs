@@ -1,0 +1,27 @@
+//! Memories of the air as states of a motion that every turn repeats.
+
+use crate::aero::strip::{StripHistory, StripOptions, StripState, Strips};
+
+/// What a memory of the air is counted in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Measure {
+    /// m/s.
+    Velocity,
+    /// rad/s.
+    Rate,
+    /// rad, or nothing.
+    Number,
+}
+
+impl Strips {
+    /// Lag states that the options in use have, in m/s: of the downwash of motion and wind, and with a lifting line of what it induces.
+    /// Without gusts nothing else moves those of gusts.
+    pub(crate) fn memories<'s>(&self, state: &'s mut StripState) -> impl Iterator<Item = &'s mut f64> + use<'s> {
+        let StripOptions { unsteady, fit, tip_loss, .. } = self.options;
+        let motion = if unsteady { fit.wagner().terms } else { 0 };
+        let line = if unsteady && tip_loss.is_some() { fit.kuessner().terms } else { 0 };
+        state.strips.iter_mut().flat_map(move |StripHistory { motion: lag, gust, .. }| {
+            lag.followers_m_s[..motion].iter_mut().chain(&mut gust.followers_m_s[..line])
+        })
+    }
+}

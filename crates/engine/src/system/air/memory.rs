@@ -1,0 +1,75 @@
+//! What the air remembers from one step to the next, as states of a motion that every turn repeats, NOTATION eq. (L32).
+
+use crate::aero::memory::Measure;
+use crate::aero::{AirModel, AirState};
+use crate::load::Wrench;
+use crate::system::air::start::flow;
+use crate::system::air::{AirCoupling, AirHistory, Sample, gaps};
+use crate::system::{PlantError, System};
+
+impl AirCoupling {
+    /// What later loads depend on beside the motion of the sections, in an order that does not change: lags that the features in use
+    /// move; of strips also the velocities that eq. (Q4) goes on from. The rest follows from these and the motion
+    /// ([`System::refresh_air`]).
+    pub fn memories<'h>(&self, history: &'h mut AirHistory) -> Vec<(Measure, &'h mut f64)> {
+        let AirHistory { after, end, .. } = history;
+        let mut list: Vec<(Measure, &'h mut f64)> = Vec::new();
+        match (&self.model, after) {
+            (AirModel::Rotor(rotor), AirState::Rotor(state)) => rotor.memories(state, &mut list),
+            (AirModel::Strips(strips), AirState::Strips(state)) => {
+                for Sample { motion, mean_m_s, mean_rad_s } in end {
+                    let velocities = motion.velocity_m_s.iter_mut().chain(mean_m_s.iter_mut());
+                    list.extend(velocities.map(|velocity| (Measure::Velocity, velocity)));
+                    let rates = motion.spin_rad_s.iter_mut().chain(mean_rad_s.iter_mut());
+                    list.extend(rates.map(|rate| (Measure::Rate, rate)));
+                }
+                list.extend(strips.memories(state).map(|lag| (Measure::Velocity, lag)));
+            }
+            _ => {}
+        }
+        list
+    }
+}
+
+impl System {
+    /// Brings what the air has of the present instant in line with the motion and with its [`AirCoupling::memories`], both of which may
+    /// have been moved: places and attitudes of the sections, what they meet, the circulatory loads from which the next step begins.
+    ///
+    /// # Errors
+    /// As the solution of a step.
+    pub(crate) fn refresh_air(&mut self, time_s: f64) -> Result<(), PlantError> {
+        let Self { air: Some(air), state, equations, machine, .. } = self else { return Ok(()) };
+        let air = &mut **air;
+        air.observe(equations, &state.now);
+        air.deflect(state, time_s)?;
+        let instants = air.model.sees_instants();
+        let AirCoupling { model, settings, motions, loads, .. } = air;
+        let flow = flow(settings, state, time_s);
+        let Some(history) = &mut state.air else { return Ok(()) };
+        for (motion, end) in motions.iter_mut().zip(&mut history.end) {
+            if instants {
+                *end = Sample::steady(motion);
+            } else {
+                (end.motion.position_m, end.motion.rotation) = (motion.position_m, motion.rotation);
+            }
+            *motion = end.motion;
+        }
+        let AirHistory { before, after, loads: acting, at_begin, .. } = history;
+        before.copy_from(after);
+        // a step without length moves no lag
+        model
+            .solve(before, motions, &flow, 0.0, after, loads)
+            .map_err(|error| gaps::failure(machine, settings, time_s, error))?;
+        for (((motion, load), to), earlier) in motions.iter().zip(&loads.circulatory).zip(&mut acting.to).zip(at_begin)
+        {
+            let turned = motion.rotation.transpose();
+            let now = Wrench { force_n: turned * load.force_n, moment_n_m: turned * load.moment_n_m };
+            // the prediction of the next step stays what it adds to the present loads
+            earlier.force_n += now.force_n - to.force_n;
+            earlier.moment_n_m += now.moment_n_m - to.moment_n_m;
+            *to = now;
+        }
+        self.configure();
+        Ok(())
+    }
+}
