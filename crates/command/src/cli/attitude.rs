@@ -1,7 +1,7 @@
 //! Attitude and turn of a free machine: gravity, wind and motion of the root as the machine sees them, NOTATION eqs. (Q9), (Q11).
 
 use crate::cli::Failure;
-use foldwing_engine::aero::AirOptions;
+use foldwing_engine::machine::AirOptions;
 use foldwing_engine::plant::Plant;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
