@@ -70,6 +70,9 @@ class LinearModel:
         """Sampling time in s; None for models in continuous time."""
         self.error_bound = error_bound
         """After `reduce`: bound on the largest gain, over all frequencies, of what was left out. None where none is known."""
+        self.error_in_band: Optional[float] = None
+        """After `reduce` with `up_to_Hz`: largest error up to that frequency, relative to the largest gain there of each input to each
+        output."""
 
     @classmethod
     def _of(cls, native: _native.LinearModel) -> LinearModel:
@@ -118,24 +121,35 @@ class LinearModel:
         A, B = _native.discretized(self.A, self.B, dt)
         return self._with(A, B, self.C, self.D, self.states, dt, self.error_bound)
 
-    def reduce(self, order: int, *, method: str = "balanced") -> LinearModel:
+    def reduce(self, order: int, *, method: str = "balanced", up_to_Hz: Optional[float] = None) -> LinearModel:
         """A model with fewer states; in continuous time with the same gain at rest.
 
         Args:
             order: number of states.
             method: `balanced` keeps the combinations of states that contribute most between inputs and outputs, with a bound on the
                 error; `modal` keeps the slowest modes. Models with `dt` allow `balanced` only, and all their motions must decay.
+            up_to_Hz: of models with `dt`: keep what contributes most up to this frequency. `error_in_band` is then the largest error up
+                to there, relative to the largest gain there between the same input and output; there can be fewer states.
         """
         if method not in ("balanced", "modal"):
             raise UsageError(f"method={method!r}: allowed are balanced and modal")
-        A, B, C, D, bound, _ = _native.reduced(self.A, self.B, self.C, self.D, order, method == "modal", self.dt is not None)
+        turn = None
+        if up_to_Hz is not None:
+            if self.dt is None or method != "balanced":
+                raise UsageError("up_to_Hz: only models with dt are reduced for a band of frequencies, by method='balanced'")
+            turn = 2.0 * np.pi * float(up_to_Hz) * self.dt
+        A, B, C, D, bound, _, in_band = _native.reduced(
+            self.A, self.B, self.C, self.D, order, method == "modal", self.dt is not None, turn
+        )
         states = [Signal(f"{method}_{i + 1}", "1", 0.0) for i in range(len(A))]
-        return self._with(A, B, C, D, states, self.dt, bound)
+        small = self._with(A, B, C, D, states, self.dt, bound)
+        small.error_in_band = in_band
+        return small
 
     def hankel_singular_values(self) -> NDArray[np.float64]:
         """How much each balanced state contributes between inputs and outputs, largest first. Motions that do not decay count
         as infinite; models with `dt` that have such motions are refused."""
-        values = _native.reduced(self.A, self.B, self.C, self.D, len(self.A), False, self.dt is not None)[5]
+        values = _native.reduced(self.A, self.B, self.C, self.D, len(self.A), False, self.dt is not None, None)[5]
         return np.asarray(values)
 
     def _with(

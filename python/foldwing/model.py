@@ -362,7 +362,7 @@ class Model(RotorStudies):
         >>> wing = load("examples/models/goland_wing.toml")
         >>> found = wing.flutter_over("aero.density", [1.0, 1.225], [120.0, 160.0], count=2)
         >>> print(" ".join(f"{speed:.1f}" for speed in found.flutter_m_s))
-        @@
+        148.1 137.4
         """
         choices = list(values)
         keys, rows = grid_of({**{name: [value] for name, value in (set or {}).items()}, over: choices}, True)

@@ -825,6 +825,86 @@ fn trim_balances_a_free_aircraft() {
     refuses(&foldwing(&eight), 2, "9 free values for 0 balances; from 1 to 6 free values are needed");
 }
 
+/// FD-06. A level turn banked by 0.5 rad: all loads on the free joint vanish, the rate is that of gravity and bank, the wings bear the load
+/// factor, and released the aircraft keeps its circle. Turns that cannot be are refused by name.
+#[test]
+fn trim_flies_a_steady_turn() {
+    let aircraft = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/flight/folding_aircraft.toml");
+    let straight = [
+        "trim",
+        aircraft,
+        "--free",
+        "attitude.pitch",
+        "--free",
+        "load.fuselage[1].force.x",
+        "--free",
+        "aero.flap.elevator_left.command,aero.flap.elevator_right.command",
+    ];
+    let lateral = [
+        "--free",
+        "aero.flap.aileron_left.command,-aero.flap.aileron_right.command",
+        "--free",
+        "aero.flap.rudder.command",
+    ];
+    let turn = [&straight[..], &lateral, &["--free", "turn.rate"]].concat();
+    let trimmed = |arguments: &[&str]| -> (serde_json::Value, Vec<String>) {
+        let found: serde_json::Value =
+            serde_json::from_str(&succeeds(&foldwing(&[arguments, &["--json"]].concat()))).unwrap();
+        let settings = found["settings"].as_object().unwrap();
+        let settings =
+            settings.iter().flat_map(|(name, value)| ["--set".to_owned(), format!("{name}={value}")]).collect();
+        (found, settings)
+    };
+    let strain = |settings: &[String]| -> f64 {
+        let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
+        let rest = succeeds(&foldwing(&[&["static", aircraft, "--json"][..], &settings].concat()));
+        let rest: serde_json::Value = serde_json::from_str(&rest).unwrap();
+        rest["gauges"].as_array().unwrap().iter().map(|gauge| gauge["strain"].as_f64().unwrap()).sum()
+    };
+    let (bank_rad, speed_m_s) = (0.5f64, 18.0);
+    let (found, settings) = trimmed(&[&turn[..], &["--set", "attitude.roll=0.5"]].concat());
+    let rate_rad_s = found["free"]["turn.rate"].as_f64().unwrap();
+    // fin and rudder carry a little of the side force, and the nose is 0.04 rad up
+    let level_rad_s = 9.81 * bank_rad.tan() / speed_m_s;
+    assert!((rate_rad_s / level_rad_s - 1.0).abs() < 5e-3, "{rate_rad_s} {level_rad_s}");
+    let share = strain(&settings) / strain(&trimmed(&straight).1);
+    println!(
+        "turn at {rate_rad_s} rad/s, {level_rad_s} by bank and gravity; strains {share} of those in straight flight"
+    );
+    // spars bend less than their load: lift moves inwards on wings that are bent
+    assert!((share * bank_rad.cos() - 1.0).abs() < 0.03, "{share}");
+    // the same turn by its rate, to the left
+    let mirrored = [&straight[..], &lateral, &["--free", "attitude.roll", "--set"]].concat();
+    let other = trimmed(&[&mirrored[..], &[&format!("turn.rate={}", -rate_rad_s)]].concat()).0;
+    assert!((other["free"]["attitude.roll"].as_f64().unwrap() + bank_rad).abs() < 1e-6, "{other}");
+    // released
+    let mut run =
+        vec!["simulate", aircraft, "--stop", "4", "--step", "4", "--csv", "-", "--output", "flight.rotation.*"];
+    run.extend(settings.iter().map(String::as_str));
+    let rows = succeeds(&foldwing(&run));
+    let last: Vec<f64> = rows.lines().last().unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
+    let turned_rad = 2.0 * last[2..5].iter().map(|part| part * part).sum::<f64>().sqrt();
+    println!("attitude off by {turned_rad:.1e} rad after 4 s");
+    // the tolerance of the coupling, 1e-6 of the loads, amplified by the phugoid
+    assert!(turned_rad < 1e-4, "{rows}");
+    let refused = |text: &str, arguments: &[&str]| refuses(&foldwing(arguments), 2, text);
+    let wing = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/flared_wing_tip.toml");
+    let held = ["trim", wing, "--free", "wind.velocity.z", "--balance", "root.force.z=0", "--set", "turn.rate=0.1"];
+    refused("only a machine on a free joint can fly a turn", &held);
+    refused("the value is not a finite number", &[&straight[..], &["--set", "turn.rate=nan"]].concat());
+    let moved = [&turn[..], &["--set", "root.angular_velocity.z=0.1"]].concat();
+    refused("a turn sets root.acceleration and root.angular_velocity", &moved);
+    let lattice = std::fs::read_to_string(aircraft).unwrap().replace("model = \"strip\"", "model = \"uvlm\"");
+    let lattice = lattice.replace("drag_coefficient = 0.01\n", "chord_panels = 2\n").replace("= 0.75", "= 0.5");
+    let lattice = lattice.replace("hinge_fraction = 0.7\n", "hinge_fraction = 0.5\n");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("lattice.toml");
+    std::fs::write(&path, lattice).unwrap();
+    let path = path.to_str().unwrap();
+    let in_lattice: Vec<&str> = turn.iter().map(|part| if *part == aircraft { path } else { part }).collect();
+    refused("the wake of a steady turn is curved", &in_lattice);
+}
+
 /// Trim of a control surface: the angle at which the aileron floats, by strips and by the lattice; a balance that no angle within
 /// the limits reaches is refused.
 #[test]

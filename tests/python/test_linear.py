@@ -1,5 +1,6 @@
 """Linear models: against the engine in time, against their own frequency responses, through python-control."""
 
+import json
 import re
 import subprocess
 
@@ -128,7 +129,7 @@ def test_statics_and_modes_are_those_of_the_command(wing, command):
         wing.modes(about="rest")
 
 
-def test_a_lattice_is_linear_in_discrete_time(tmp_path):
+def test_a_lattice_is_linear_in_discrete_time(tmp_path, command):
     """With the air of a lattice the model has its step; a gust is an input by its names and prefix; reductions keep the step and their
     bound; modes are refused without an option of the command line."""
     text = open("examples/models/folding_wing_in_tunnel.toml").read()
@@ -144,6 +145,12 @@ def test_a_lattice_is_linear_in_discrete_time(tmp_path):
     path = tmp_path / "wing.toml"
     path.write_text(text)
     wing = fw.load(path)
+    printed = subprocess.run([command, "modes", str(path), "--lattice", "--json", "--count", "4"], check=True, capture_output=True)
+    modes = wing.modes(4, lattice=True)
+    assert modes.data == json.loads(printed.stdout) and len(modes) == 4
+    assert not np.array_equal(modes.eigenvalues_1_s, wing.modes(4).eigenvalues_1_s)
+    with pytest.raises(fw.UsageError, match="lattice=True: the undeformed state has no loads"):
+        wing.modes(lattice=True, about="undeformed")
     whole = wing.linearize(inputs=["gust.z", "wind.velocity.z"], outputs=STRAIN, lattice=True)
     assert whole.dt == 2.5e-3 and [signal.name for signal in whole.inputs] == ["wind.velocity.z", "gust.z"]
     for prefix in ["gust.", "gust.*"]:
@@ -162,3 +169,16 @@ def test_a_lattice_is_linear_in_discrete_time(tmp_path):
         assert off <= small.error_bound * (1 + 1e-6), frequency_1_s
     with pytest.raises(fw.FoldwingError, match="balanced truncation, not to modes"):
         whole.reduce(4, method="modal")
+    # for a band: the error is the one that it says, at frequencies in between too
+    band = whole.reduce(10, up_to_Hz=30.0)
+    assert band.dt == whole.dt and len(band.A) <= 10 and band.error_bound is None
+    frequencies_1_s = 2.0 * np.pi * np.linspace(0.0, 30.0, 77)
+    answers = np.array([answer(whole, frequency_1_s) for frequency_1_s in frequencies_1_s])
+    left = answers - np.array([answer(band, frequency_1_s) for frequency_1_s in frequencies_1_s])
+    off = np.max(np.abs(left).max(axis=0) / np.abs(answers).max(axis=0))
+    assert off == pytest.approx(band.error_in_band, rel=0.05, abs=1e-6) and off < 0.01
+    for hertz in [0.0, 200.0, float("nan")]:
+        with pytest.raises(fw.UsageError, match="the band must end above 0 Hz and below half the sampling rate"):
+            whole.reduce(4, up_to_Hz=hertz)
+    with pytest.raises(fw.UsageError, match="only models with dt"):
+        wing.linearize(inputs="fold.torque", outputs=STRAIN).reduce(4, up_to_Hz=10.0)

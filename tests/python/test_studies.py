@@ -29,6 +29,32 @@ def test_flutter_is_that_of_the_command(command):
     assert "flutter at 137.405" in repr(found) and "neither" in repr(fw.load(GOLAND).flutter([20.0, 30.0], count=2))
 
 
+def test_flutter_over_a_quantity_is_that_of_the_command(command):
+    words = ["--speeds", "120:160:40", "--count", "2", "--set", "root.acceleration.x=0"]
+    for over, values in [("aero.density", [1.0, 1.225]), ("file:surface.wing.axis_fraction", [0.3, 0.33])]:
+        theirs = said(command, "flutter", GOLAND, *words, "--over", f"{over}={values[0]},{values[1]}")["results"]
+        found = fw.load(GOLAND).flutter_over(over, values, [120.0, 160.0], count=2, set={"root.acceleration.x": 0.0})
+        assert found.over == over and found.values == values
+        assert [{**result.data, "value": None} for result in found.results] == [{**result, "value": None} for result in theirs]
+        first = [result["flutter"][0]["speed_m_s"] for result in theirs]
+        assert found.flutter_m_s.tolist() == first and np.isnan(found.divergence_m_s).all()
+        assert "2 values" in repr(found)
+    with pytest.raises(fw.FoldwingError, match="densty"):
+        fw.load(GOLAND).flutter_over("aero.densty", [1.0, 2.0], [120.0, 160.0])
+
+
+def test_an_aircraft_is_trimmed_in_a_turn(command):
+    aircraft = "examples/flight/folding_aircraft.toml"
+    controls = ["aero.flap.elevator_left.command,aero.flap.elevator_right.command", "aero.flap.rudder.command"]
+    controls += ["aero.flap.aileron_left.command,-aero.flap.aileron_right.command", "load.fuselage[1].force.x"]
+    free = ["turn.rate", "attitude.pitch", *controls]
+    words = [word for name in free for word in ("--free", name)]
+    theirs = said(command, "trim", aircraft, *words, "--set", "attitude.roll=0.3")
+    trim = fw.load(aircraft).trim(free, set={"attitude.roll": 0.3})
+    assert trim.data == theirs and "attitude.roll" not in trim.settings
+    assert trim.free["turn.rate"] == pytest.approx(9.81 * np.tan(0.3) / 18.0, rel=5e-3)
+
+
 def test_trim_is_that_of_the_command_and_a_setting(command):
     wing = fw.load(TIP)
     words = ["--free", "wind.velocity.z", "--balance", "root.force.z=5", "--set", "fold.release=0"]

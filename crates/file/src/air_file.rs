@@ -29,7 +29,8 @@ pub(super) struct AirFile {
     /// How air and structure agree: `staggered` corrects the loads once per aerodynamic step, for wings much heavier
     /// than the air that they move; if it diverges, the run stops.
     pub coupling: CouplingFile,
-    /// Change of the loads, relative to the largest so far, at which the iteration ends; not with `staggered`.
+    /// Change of the loads, relative to the largest so far, at which the iteration ends; from 1e-5 on also where the next change is
+    /// foreseen to be below a fifth of it. Not with `staggered`.
     #[schemars(range(min = 1e-12, max = 1e-1))]
     pub coupling_tolerance: f64,
     /// Maximum number of iterations per aerodynamic step; beyond it the run stops with an error. Not with `staggered`.

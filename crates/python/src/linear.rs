@@ -4,7 +4,7 @@ use crate::refusal;
 use crate::simulation::Simulation;
 use foldwing_command::cli;
 use foldwing_command::report::linear_json;
-use foldwing_engine::plant::{Keep, NoReduction, Reduced, StateSpace, reduce, reduce_sampled, sampled};
+use foldwing_engine::plant::{Keep, NoReduction, Reduced, StateSpace, reduce, reduce_in_band, reduce_sampled, sampled};
 use foldwing_fmi::interface;
 use nalgebra::DMatrix;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
@@ -89,6 +89,7 @@ type Reduction<'py> = (
     Bound<'py, PyArray2<f64>>,
     Option<f64>,
     Vec<f64>,
+    Option<f64>,
 );
 
 /// A model with `order` states: the slowest modes, or balanced.
@@ -103,14 +104,21 @@ pub fn reduced<'py>(
     order: usize,
     modal: bool,
     is_sampled: bool,
+    turn_rad: Option<f64>,
 ) -> PyResult<Reduction<'py>> {
     let model = StateSpace { a: matrix(&a), b: matrix(&b), c: matrix(&c), d: matrix(&d) };
     let keep = if modal { Keep::Modes } else { Keep::Balanced };
-    let Reduced { model, error_bound, hankel } = py
-        .detach(|| if is_sampled { reduce_sampled(&model, order, keep) } else { reduce(&model, order, keep) })
+    let (Reduced { model, error_bound, hankel }, in_band) = py
+        .detach(|| match turn_rad {
+            Some(turn_rad) => {
+                reduce_in_band(&model, order, turn_rad).map(|found| (found.reduced, Some(found.error_in_band)))
+            }
+            None if is_sampled => reduce_sampled(&model, order, keep).map(|reduced| (reduced, None)),
+            None => reduce(&model, order, keep).map(|reduced| (reduced, None)),
+        })
         .map_err(|error| refused(&error))?;
     let [a, b, c, d] = [array(py, &model.a)?, array(py, &model.b)?, array(py, &model.c)?, array(py, &model.d)?];
-    Ok((a, b, c, d, error_bound, hankel))
+    Ok((a, b, c, d, error_bound, hankel, in_band))
 }
 
 /// `A` and `B` for samples of `dt` s with inputs held in between.
@@ -129,7 +137,7 @@ pub fn discretized<'py>(
 
 fn refused(error: &NoReduction) -> PyErr {
     match error {
-        NoReduction::Order { .. } => refusal::usage(error.to_string()),
+        NoReduction::Order { .. } | NoReduction::Band => refusal::usage(error.to_string()),
         _ => refusal::no_linear_model(error.to_string()),
     }
 }

@@ -75,6 +75,7 @@ const FOREIGN: &[&str] = &[
     "attitude.roll",
     "attitude.pitch",
     "attitude.yaw",
+    "turn.rate",
     "fmudialog.createBusType",
     "m.A",
     "m.B",

@@ -39,6 +39,9 @@ pub struct Arguments {
     /// Keep what carries most from the inputs to the outputs, so many states (balanced truncation); prints the bound on the error
     #[arg(long, value_name = "STATES")]
     reduce: Option<usize>,
+    /// With `--lattice --reduce`: keep what carries most up to this frequency, and print the largest error up to there
+    #[arg(long, value_name = "HZ", requires_all = ["reduce", "lattice"])]
+    up_to: Option<f64>,
     /// File to write: `.json`, `.npz` (NumPy) or `.mat` (MATLAB)
     #[arg(short, long, value_name = "X.json|X.npz|X.mat")]
     output: PathBuf,
@@ -74,9 +77,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         false => interface.linearize_in_gusts(&mut plant, &inputs, &gusts, &outputs),
     };
     let model = model.map_err(|error| Failure::Statics(error.to_string()))?;
-    let model = match (arguments.modes, arguments.reduce) {
-        (Some(order), _) => fewer(&model, "--modes", order, Keep::Modes)?,
-        (_, Some(order)) => fewer(&model, "--reduce", order, Keep::Balanced)?,
+    let model = match (arguments.modes, arguments.reduce, arguments.up_to) {
+        (Some(order), ..) => fewer(&model, "--modes", order, Keep::Modes)?,
+        (_, Some(order), Some(up_to_hz)) => {
+            let option = if (1..=model.states.len()).contains(&order) { "--up-to" } else { "--reduce" };
+            let value = if option == "--up-to" { up_to_hz.to_string() } else { order.to_string() };
+            model.reduced_in_band(order, up_to_hz).map_err(|error| refused(option, &value, &error))?
+        }
+        (_, Some(order), None) => fewer(&model, "--reduce", order, Keep::Balanced)?,
         _ => model,
     };
     let mut outlet = place.open()?;
@@ -128,10 +136,14 @@ fn gusts_of(names: &[String], machine: &Machine, lattice: bool) -> Result<(Vec<u
 
 /// The model with fewer states.
 fn fewer(model: &LinearModel, option: &str, order: usize, keep: Keep) -> Result<LinearModel, Failure> {
-    model.reduced(order, keep).map_err(|error| match error {
-        NoReduction::Order { .. } => Failure::Usage(format!("{option} {order}: {error}")),
-        _ => Failure::Statics(format!("{option} {order}: {error}")),
-    })
+    model.reduced(order, keep).map_err(|error| refused(option, &order.to_string(), &error))
+}
+
+fn refused(option: &str, value: &str, error: &NoReduction) -> Failure {
+    match error {
+        NoReduction::Order { .. } | NoReduction::Band => Failure::Usage(format!("{option} {value}: {error}")),
+        _ => Failure::Statics(format!("{option} {value}: {error}")),
+    }
 }
 
 /// What a reduction costs; nothing without one.
@@ -139,6 +151,9 @@ fn reduction_in_words(model: &LinearModel) -> String {
     let Some(reduction) = &model.reduction else { return String::new() };
     let bound = reduction.error_bound.map_or("a motion that does not decay is left out".to_owned(), |bound| {
         format!("largest gain of what is left out at most {bound:.3e}")
+    });
+    let bound = reduction.band.as_ref().map_or(bound, |band| {
+        format!("up to {} Hz off by at most {:.2e} of each gain's largest value", band.up_to_hz, band.error_in_band)
     });
     format!(" of {} ({}; {bound})", reduction.whole, reduction.method())
 }

@@ -10,7 +10,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 /// A linear model as JSON: `time_s`, `without_air` (the machine is in air, the model holds its loads), `state` (whether it is
 /// an equilibrium, joints, inputs that act, `growing_1_s`), `states`, `inputs`, `outputs` (name, unit, value about which it is linear) and
-/// the matrices `A`, `B`, `C`, `D` row by row; where states were left out, `reduction` (`method`, `states_before`, `error_bound`); of a model in discrete time its step, `step_s`.
+/// the matrices `A`, `B`, `C`, `D` row by row; where states were left out, `reduction` (`method`, `states_before`, `error_bound`, and of a reduction for a band of frequencies `up_to_Hz`, `error_in_band`); of a model in discrete time its step, `step_s`.
 pub fn linear_json(model: &LinearModel) -> Value {
     let signals = |list: &[LinearSignal]| -> Vec<Value> {
         let entry = |signal: &LinearSignal| json!({ "name": signal.name, "unit": signal.unit, "value": signal.value });
@@ -42,6 +42,10 @@ pub fn linear_json(model: &LinearModel) -> Value {
             "states_before": reduction.whole,
             "error_bound": reduction.error_bound,
         });
+        if let Some(band) = &reduction.band {
+            value["reduction"]["up_to_Hz"] = json!(band.up_to_hz);
+            value["reduction"]["error_in_band"] = json!(band.error_in_band);
+        }
     }
     value
 }

@@ -25,7 +25,7 @@ pub(super) const WEIGHTS: [f64; 2] = [8.0, -1.0];
 /// and to the wind speed. The response is smooth on the scale of a panel: the truncation error is about 1e-11, as is the round-off.
 pub(super) const STEP: f64 = 1e-3;
 /// Rows of nodes behind the trailing edge with displacements of their own; rows further behind move with the last of them.
-pub(super) const MOVING_ROWS: usize = 16;
+pub(super) const MOVING_ROWS: usize = 64;
 /// Circulation of the wake, relative to wind speed times panel chord, below which displacements of its nodes have no effect.
 pub(super) const NO_CIRCULATION: f64 = 1e-12;
 /// Speed from the rotation of the root frame, relative to the wind speed, below which the flow counts as steady.

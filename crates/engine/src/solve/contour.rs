@@ -64,9 +64,9 @@ pub fn inside(
                 continue;
             }
             let mut weight = unit * (2.0 / places as f64);
-            for order in 0..2 * blocks {
+            for (order, own) in seen.iter_mut().enumerate() {
                 let part = answer.map(|entry| (weight * entry).re);
-                let mut own = seen[order].column_mut(column);
+                let mut own = own.column_mut(column);
                 own += &left * &part;
                 if let Some(moment) = moments.get_mut(order) {
                     let mut own = moment.column_mut(column);

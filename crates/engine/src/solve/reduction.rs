@@ -60,6 +60,12 @@ pub enum NoReduction {
     /// Reduction to modes in discrete time: the modes of the wake have no order.
     #[error("models in discrete time are reduced by balanced truncation, not to modes")]
     SampledModes,
+    /// A band for a model in continuous time.
+    #[error("only models in discrete time are reduced for a band of frequencies; linearise with the air of a lattice")]
+    Continuous,
+    /// A band that ends nowhere in the frequencies of the samples.
+    #[error("the band must end above 0 Hz and below half the sampling rate")]
+    Band,
     /// A singular matrix on the way.
     #[error("the balanced form cannot be found; keep more states, or keep modes")]
     Singular,

@@ -5,6 +5,7 @@
 //! the hinge is held at each angle, air and structure come to rest together, and the remaining torque on the hinge is
 //! brought to zero, NOTATION eq. (Q6).
 
+use crate::aero::AirOptions;
 use crate::solve::EquationsOfMotion;
 use crate::solve::equilibrium::Effort;
 use crate::study::Study;
@@ -12,7 +13,7 @@ use crate::study::statics::Holding;
 use crate::system::PlantError;
 use nalgebra::{DMatrix, DVector};
 
-/// Difference step of a hinge in rad; of a prismatic joint, its travel over the machine's length.
+/// Difference step of a hinge in rad, where its slopes are differences; of a prismatic joint, its travel over the machine's length.
 const STEP_RAD: f64 = 1e-3;
 /// Longest step of a hinge in one iteration in rad, or of a prismatic joint over the machine's length: loads of the air
 /// change sign within a few tenths.
@@ -50,14 +51,21 @@ impl Study<'_> {
             let effort = at(self, &start, &angles)?;
             let torque = self.hinge_torques(time_s, hinges);
             largest_n_m = torque.amax();
-            let mut slopes = DMatrix::zeros(hinges.len(), hinges.len());
-            for column in 0..hinges.len() {
-                let mut beside = angles.clone();
-                beside[column] += STEP_RAD;
-                at(self, &start, &beside)?;
-                slopes.set_column(column, &((self.hinge_torques(time_s, hinges) - &torque) / STEP_RAD));
-            }
+            let slopes = match self.hinge_slopes(hinges) {
+                Some(slopes) => slopes,
+                None => {
+                    let mut slopes = DMatrix::zeros(hinges.len(), hinges.len());
+                    for column in 0..hinges.len() {
+                        let mut beside = angles.clone();
+                        beside[column] += STEP_RAD;
+                        at(self, &start, &beside)?;
+                        slopes.set_column(column, &((self.hinge_torques(time_s, hinges) - &torque) / STEP_RAD));
+                    }
+                    slopes
+                }
+            };
             let Some(change) = downhill(&slopes, &torque) else { break };
+            self.quest.corrections_rad.push(change.amax());
             if change.amax() <= TOLERANCE_RAD {
                 at(self, &start, &angles)?;
                 return if self.caught(hinges, &mut start, &angles) {
@@ -102,6 +110,34 @@ impl Study<'_> {
             self.system.scratch[0][self.system.equations.forces.joints()[*hinge].coordinate] * self.scale(*hinge)
         };
         DVector::from_iterator(hinges.len(), hinges.iter().map(torque))
+    }
+
+    /// Exact slopes of [`Study::hinge_torques`] in an established flow of strips, from the static stiffness of structure and air, in which
+    /// all else follows the hinges: NOTATION eq. (Q6). `None` for other air, whose slopes are differences.
+    fn hinge_slopes(&mut self, hinges: &[usize]) -> Option<DMatrix<f64>> {
+        let air = self.system.machine.air.as_ref()?;
+        if !(matches!(air.options, AirOptions::Strips(_)) && air.established) {
+            return None;
+        }
+        // the equations about a state of rest, whatever the start has for rates
+        let kept = self.system.state.now.clone();
+        self.system.state.now.v.fill(0.0);
+        self.system.state.now.a.fill(0.0);
+        let stiffness = self.lagged(false).ok().and_then(|(lagged, _)| lagged.rest_stiffness());
+        self.system.state.now = kept;
+        let (stiffness, freedoms) = (stiffness?, self.system.freedoms());
+        let coordinate = |hinge: &usize| self.system.equations.forces.joints()[*hinge].coordinate;
+        let place = |hinge: &usize| freedoms.iter().position(|freedom| freedom.index == coordinate(hinge));
+        let own: Vec<usize> = hinges.iter().map(place).collect::<Option<_>>()?;
+        let rest: Vec<usize> = (0..freedoms.len()).filter(|i| !own.contains(i)).collect();
+        let part = |rows: &[usize], columns: &[usize]| stiffness.select_rows(rows).select_columns(columns);
+        let follow = part(&rest, &rest).lu().solve(&part(&rest, &own))?;
+        let mut slopes = part(&own, &own) - part(&own, &rest) * follow;
+        for (i, one) in hinges.iter().enumerate() {
+            slopes.row_mut(i).scale_mut(self.scale(*one));
+            slopes.column_mut(i).scale_mut(self.scale(*one));
+        }
+        slopes.iter().all(|entry| entry.is_finite()).then_some(slopes)
     }
 
     /// Lets forces stop the joints between the angles of `start` and those of rest; returns whether any does.

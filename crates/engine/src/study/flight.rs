@@ -26,6 +26,9 @@ pub struct FlightLoad {
 /// Singular values of the places of sections, relative to 1 m, below which they are on a line.
 const ROUND_OFF: f64 = 1e-9;
 
+/// Distance of an eigenvalue from the rate of a steady turn, over that rate, below which it is that of a mere displacement.
+const CIRCLE: f64 = 1e-3;
+
 impl Study<'_> {
     /// [`Study::equilibrium`] with the free joints held at their start; returns the loads that hold them.
     ///
@@ -119,6 +122,12 @@ impl System {
         let wind_m_s = self.state.applied_inputs.wind_m_s();
         let speed_m_s = wind_m_s.norm();
         if self.machine.air.is_none() || mode.is_free() {
+            return None;
+        }
+        // in a steady turn another place of the circle rests in the air and goes around in the root frame
+        let spin_rad_s = self.equations.root.angular_velocity_rad_s.norm();
+        let around = Complex::new(0.0, spin_rad_s);
+        if spin_rad_s > 0.0 && (mode.eigenvalue_1_s - around).norm() < CIRCLE * spin_rad_s {
             return None;
         }
         let ahead = (-wind_m_s).try_normalize(0.0)?;

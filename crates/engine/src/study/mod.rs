@@ -23,6 +23,7 @@ pub use crate::solve::equilibrium::Effort as StaticEffort;
 pub use crate::solve::linearize::{SecondOrder, StateSpace};
 pub use crate::solve::multiblade::Whirl;
 pub use crate::solve::reduction::{Keep, NoReduction, Reduced, reduce, sampled};
+pub use crate::solve::reduction_band::{InBand, reduce_in_band};
 pub use crate::solve::reduction_sampled::reduce_sampled;
 pub use crate::solve::tracking::{Branches, Crossing, Followed, Place, change_of_sign};
 pub use flight::FlightLoad;

@@ -77,6 +77,8 @@ pub struct Rest {
     pub departure: Option<Departure>,
     /// The path by arc length, point by point; empty otherwise.
     pub path: Vec<PathPoint>,
+    /// Largest correction of the hinges that only the air restores in rad, iteration by iteration; empty without such hinges.
+    pub corrections_rad: Vec<f64>,
 }
 
 /// The current search and what it has found.
@@ -85,6 +87,7 @@ pub(crate) struct Quest {
     search: Search,
     departure: Option<Departure>,
     path: Vec<PathPoint>,
+    pub(super) corrections_rad: Vec<f64>,
 }
 
 /// Loads and joints of the case asked for; the search scales them.
@@ -294,10 +297,10 @@ impl Study<'_> {
     pub fn rest(&mut self, time_s: f64, holding: Holding, search: Search) -> Result<Rest, PlantError> {
         self.quest = Quest { search, ..Quest::default() };
         let effort = self.come_to_rest(time_s, holding);
-        let Quest { departure, path, .. } = std::mem::take(&mut self.quest);
+        let Quest { departure, path, corrections_rad, .. } = std::mem::take(&mut self.quest);
         let effort = effort?;
         self.refuse_unbalanced_flight(time_s)?;
-        Ok(Rest { effort, departure, path })
+        Ok(Rest { effort, departure, path, corrections_rad })
     }
 
     pub(super) fn come_to_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {

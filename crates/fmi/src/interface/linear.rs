@@ -5,7 +5,8 @@ use crate::interface::operating_point::OperatingPoint;
 use crate::interface::table::Place;
 use crate::interface::{Causality, Interface, Value, Variable};
 use foldwing_engine::plant::{
-    InputSlope, Inputs, Keep, NoReduction, Outputs, Plant, PlantError, Reduced, StateSpace, reduce, reduce_sampled,
+    InBand, InputSlope, Inputs, Keep, NoReduction, Outputs, Plant, PlantError, Reduced, StateSpace, reduce,
+    reduce_in_band, reduce_sampled,
 };
 use nalgebra::{DVector, Vector3};
 
@@ -53,6 +54,17 @@ pub struct Reduction {
     /// Bound on the largest gain, over all frequencies, of what was left out, in units of the outputs over those of the inputs.
     /// `None` where a motion that does not decay was left out.
     pub error_bound: Option<f64>,
+    /// The band that the model is for.
+    pub band: Option<Band>,
+}
+
+/// A band of frequencies that a model in discrete time was reduced for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// Its end in Hz.
+    pub up_to_hz: f64,
+    /// Largest error in the band, over the largest gain in the band between the same input and output.
+    pub error_in_band: f64,
 }
 
 impl Reduction {
@@ -75,11 +87,28 @@ impl LinearModel {
             None => reduce(&self.matrices, order, keep)?,
             Some(_) => reduce_sampled(&self.matrices, order, keep)?,
         };
-        let reduction = Reduction { keep, whole: self.states.len(), error_bound };
+        let reduction = Reduction { keep, whole: self.states.len(), error_bound, band: None };
+        Ok(self.with_fewer(model, reduction))
+    }
+
+    /// The model in discrete time with at most `order` states that answers like the whole one up to a frequency, NOTATION eq. (L37).
+    ///
+    /// # Errors
+    /// Orders and frequencies that are not possible, models in continuous time, and motions that do not decay.
+    pub fn reduced_in_band(&self, order: usize, up_to_hz: f64) -> Result<Self, NoReduction> {
+        let step_s = self.step_s.ok_or(NoReduction::Continuous)?;
+        let InBand { reduced, error_in_band } =
+            reduce_in_band(&self.matrices, order, std::f64::consts::TAU * up_to_hz * step_s)?;
+        let band = Some(Band { up_to_hz, error_in_band });
+        let reduction = Reduction { keep: Keep::Balanced, whole: self.states.len(), error_bound: None, band };
+        Ok(self.with_fewer(reduced.model, reduction))
+    }
+
+    fn with_fewer(&self, model: StateSpace, reduction: Reduction) -> Self {
         let state =
             |i: usize| LinearSignal { name: format!("{}_{i}", reduction.method()), unit: "1".to_owned(), value: 0.0 };
         let states = (1..=model.a.nrows()).map(state).collect();
-        Ok(Self { states, matrices: model, reduction: Some(reduction), ..self.clone() })
+        Self { states, matrices: model, reduction: Some(reduction), ..self.clone() }
     }
 }
 
