@@ -458,7 +458,7 @@ fn wt45_the_turbine_in_wind() {
     assert_eq!(motion.states, 2 * q.len(), "no feature in use lags");
     assert!(floquet.modes.iter().all(|mode| !mode.is_neutral() && mode.multiplier.norm() < 0.95), "{floquet:?}");
     let slowest = floquet.modes[0].multiplier;
-    let allowed = begun * slowest.norm().powi(turns as i32) + 1e-5;
+    let allowed = begun * slowest.norm().powi(turns) + 1e-5;
     println!("WT-45: begins {begun:.2} off, allowed {allowed:.1e}");
     assert!(off < allowed, "{off:.1e} {allowed:.1e}");
     // after 22 turns others are (0.54/0.92)^22 = 1e-5 of it, which is 1e-2 m large beside 1e-6 m of the closed turn
