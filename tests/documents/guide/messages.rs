@@ -359,6 +359,8 @@ fn produced() -> Vec<String> {
         "trim wing.toml --free fold.command --balance energy.kinetic=1",
         "trim wing.toml --free attitude.pitch --balance tip.position.z=0",
         "trim wing.toml --free fold.command,fold.torque --balance tip.position.z=0",
+        "trim tunnel.toml --free turn.rate --balance tip.position.z=0",
+        "linearize tunnel.toml --lattice --inputs wind.velocity.z --outputs gauge. --reduce 4 --up-to 0 -o x.json",
         "modes wing.toml --csv x.csv",
         "static aileron.toml --set aero.flap.aileron.command=1",
         "static fast.toml",

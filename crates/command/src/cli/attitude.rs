@@ -1,7 +1,6 @@
 //! Attitude and turn of a free machine: gravity, wind and motion of the root as the machine sees them, NOTATION eqs. (Q9), (Q11).
 
 use crate::cli::Failure;
-use foldwing_engine::machine::AirOptions;
 use foldwing_engine::plant::Plant;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
@@ -83,7 +82,8 @@ impl Attitude {
         Self {
             given,
             moving: moving.iter().any(|vector| *vector != Vector3::zeros()),
-            in_strips: plant.machine().air.as_ref().is_none_or(|air| matches!(air.options, AirOptions::Strips(_))),
+            in_strips: !plant.has_linear_lattice()
+                && plant.machine().air.as_ref().is_none_or(|air| !air.options.is_rotor()),
             flies: !plant.flying_joints().is_empty(),
             axes,
         }

