@@ -97,6 +97,7 @@ const FOREIGN: &[&str] = &[
     "without_air",
     "growing_1_s",
     "error_bound",
+    "largest_at_deg",
     // inputs and states of linear models in air
     "gust.x",
     "gust.y",

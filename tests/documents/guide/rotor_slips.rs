@@ -22,7 +22,6 @@ pub const LINES: &[&str] = &[
     "periodic rotor.toml --speed-rpm 10 --accuracy 0",
     "periodic loose.toml --speed-rpm 10 --steps 144 --set gravity.z=-9.81",
     "periodic stops.toml --speed-rpm 10 --set gravity.z=-9.81",
-    "periodic wing.toml --speed-rpm 10 --shaft fold",
     "operating-points wing.toml --wind-m-s 8",
     "operating-points blown.toml --wind-m-s 8 --shaft jointname --speed-rpm 0",
     "operating-points blown.toml --wind-m-s 8 --shaft jointname --pitch-deg 3",
