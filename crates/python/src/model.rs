@@ -12,6 +12,9 @@ use pyo3::types::{PyBool, PyDict};
 use std::path::PathBuf;
 use std::sync::Arc;
 
+/// Values that a table goes through; without any those of the model.
+type Values = Option<Vec<f64>>;
+
 /// A machine with the text it was read from and the table of its variables.
 pub struct Shared {
     /// Name of the file, for messages.
@@ -215,7 +218,7 @@ impl Model {
     fn operating_points_json(
         &self,
         py: Python<'_>,
-        lists: (Option<Vec<f64>>, Option<Vec<f64>>, Option<Vec<f64>>),
+        lists: (Values, Values, Values),
         tip_speed_ratio: Option<f64>,
         paired: bool,
         find: Option<String>,
