@@ -134,6 +134,7 @@ impl Delays<'_> {
         right.unscale_mut(size);
         let mut left = right.clone();
         let real = z.im == 0.0;
+        let mut before = f64::INFINITY;
         for _ in 0..CORRECTIONS {
             let away = z - 1.0;
             let step = if away.norm() > 0.0 { away * STEP } else { Complex::from(STEP * STEP) };
@@ -153,7 +154,11 @@ impl Delays<'_> {
                 change.im = 0.0;
             }
             z -= change;
-            if singular || change.norm() <= FOUND * (z - 1.0).norm().max(STEP) {
+            let (size, away) = (change.norm(), (z - 1.0).norm());
+            // next to 1 round-off of the factor itself is more than that share of its distance: corrections then cease to fall
+            let at_round_off = size <= SAME * away && size >= 0.5 * before;
+            before = size;
+            if singular || size <= FOUND * away.max(STEP) || at_round_off {
                 let late = (self.matrix(z, z + step)? - self.matrix(z, z)?).map(|entry| entry / step);
                 let wake = (slope_of(&late) / slope_of(&slope)).norm();
                 return z.is_finite().then_some(((z, right), wake));
