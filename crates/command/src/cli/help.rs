@@ -166,9 +166,9 @@ Examples:
   foldwing operating-points rotor.toml --wind-m-s 9,12 --find pitch_deg=0:40 --hold rotor.power=2e4
   foldwing operating-points rotor.toml --wind-m-s 8 --find speed_rpm=60:99 --hold rotor.torque=1e3
 
-With --tip-speed-ratio, --speed-rpm, --find and --hold together the table is the way of a controller:
-below the rated power the speed of that ratio, no more than the one given, and above it the pitch that
-holds the power.";
+With --tip-speed-ratio, --speed-rpm, --find and --hold together the table is what a controller does:
+below the rated power the speed of that ratio, no more than the one given, and above it the pitch
+that holds the power.";
 
 pub(super) const LINEARIZE: &str = "\
 Examples:
