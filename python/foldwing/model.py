@@ -28,7 +28,7 @@ Patterns = Union[str, Sequence[str]]
 
 
 def load(path: Union[str, "os.PathLike[str]"]) -> Model:
-    """Reads a model file.
+    """Reads a model file, and the files of polars, sections, axes and wind that it names, from its own folder.
 
     >>> load("examples/models/folding_wing.toml").name
     'FoldingWing'
@@ -49,14 +49,14 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Model:
     except UnicodeDecodeError as error:
         line = content[: error.start].count(b"\n") + 1
         raise UsageError(f"{file}:{line}: a model file is UTF-8 text; this line is not") from error
-    return Model(text, file)
+    return Model(_native.Model.text_with_files(text, file), file)
 
 
 class Model(RotorStudies):
     """A machine that does not change.
 
     Args:
-        text: text of a model file.
+        text: text of a model file that names no other files; `load` reads those that do.
         file: name of the file in messages, and the file that `package` never overwrites.
     """
 
@@ -100,7 +100,7 @@ class Model(RotorStudies):
 
     @property
     def text(self) -> str:
-        """Text of the model file."""
+        """Text of the model file, with what it takes from other files in it."""
         return self._native.text
 
     @property

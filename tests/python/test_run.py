@@ -6,6 +6,7 @@ import signal
 import subprocess
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pandas
@@ -124,6 +125,26 @@ def test_refusals_have_the_words_of_the_command(command, tmp_path):
     with pytest.raises(fw.FilesError, match="cannot be read"):
         fw.load(tmp_path / "none.toml")
     assert issubclass(fw.ModelError, ValueError) and issubclass(fw.FilesError, OSError)
+
+
+def test_a_model_takes_the_files_that_it_names_with_it(command, tmp_path):
+    """Polars are read from the model's own folder, and travel with the model into pickles and FMUs."""
+    folder = Path("examples/turbine")
+    (tmp_path / "polars").mkdir()
+    for polar in (folder / "polars").iterdir():
+        (tmp_path / "polars" / polar.name).write_bytes(polar.read_bytes())
+    file = tmp_path / "turbine.toml"
+    file.write_text((folder / "nrel_5mw_wind.toml").read_text())
+    turbine = fw.load(file)
+    assert turbine.text == fw.load(folder / "nrel_5mw_wind.toml").text and "cylinder1.csv" not in turbine.text
+    turbine.package(tmp_path / "ours.fmu", reference=False)
+    subprocess.run([command, "package", file, "-o", tmp_path / "theirs.fmu", "--without-reference"], check=True)
+    assert (tmp_path / "ours.fmu").read_bytes() == (tmp_path / "theirs.fmu").read_bytes()
+    (tmp_path / "polars/cylinder1.csv").unlink()
+    assert pickle.loads(pickle.dumps(turbine)).variables == turbine.variables
+    with pytest.raises(fw.ModelError, match="polar.cylinder1.file") as refused:
+        fw.load(file)
+    assert refused.value.problems[0][1] == "polar.cylinder1.file"
 
 
 def test_bad_inputs_are_refused_by_name(wing):

@@ -9,7 +9,7 @@ use foldwing_fmi::interface::{self, Causality, Interface, Variability, Variable}
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Values that a table goes through; without any those of the model.
@@ -47,6 +47,13 @@ impl Model {
     #[staticmethod]
     fn text_of_json(json: &str) -> PyResult<String> {
         foldwing_file::text_of_json(json).map_err(|error| refusal::usage(format!("from_dict: {error}")))
+    }
+
+    /// The text of the model file at `file` with what it takes from files in its folder.
+    #[staticmethod]
+    fn text_with_files(py: Python<'_>, text: String, file: String) -> PyResult<String> {
+        let folder = Path::new(&file).parent().unwrap_or(Path::new(""));
+        py.detach(|| foldwing_file::with_files(text, folder, &file)).map_err(|error| refusal::model(&error))
     }
 
     #[getter]
