@@ -138,7 +138,7 @@ def test_a_model_takes_the_files_that_it_names_with_it(command, tmp_path):
     turbine = fw.load(file)
     assert turbine.text == fw.load(folder / "nrel_5mw_wind.toml").text and "cylinder1.csv" not in turbine.text
     turbine.package(tmp_path / "ours.fmu", reference=False)
-    subprocess.run([command, "package", file, "-o", tmp_path / "theirs.fmu", "--without-reference"], check=True)
+    subprocess.run([command, "package", file, "-o", tmp_path / "theirs.fmu", "--no-reference"], check=True)
     assert (tmp_path / "ours.fmu").read_bytes() == (tmp_path / "theirs.fmu").read_bytes()
     (tmp_path / "polars/cylinder1.csv").unlink()
     assert pickle.loads(pickle.dumps(turbine)).variables == turbine.variables
