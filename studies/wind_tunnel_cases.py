@@ -17,6 +17,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 MODELS = ROOT / "examples/wind_tunnel"
+VISCOSITY_M2_S = 1.46e-5  # of air at 15 deg C
 DATA = ROOT / "tests/reference/folding_wingtips"
 AIR = "aerodynamics"
 WITHOUT = None  # as a value: the key is taken out
@@ -30,15 +31,32 @@ AIRS = {
 COMPARED = ("lattice", "line", "strips")  # models of the air of the tables
 
 
-def polar():
-    """The published polar of NACA 0015 as a value of the key `polar`: both sides of the symmetric profile, no moment."""
+def with_polar(side):
+    """Changes that give all surfaces the polar of a symmetric profile, of which one side is given."""
+    rest = [[-angle, -lift, drag, -moment] for angle, lift, drag, moment in reversed(side) if angle > 0.0]
+    return ((AIR, "leading_edge_suction", "true"), (r"surface\.\w+", "polar", str(rest + side)))
+
+
+def published_polar():
+    """The measured polar of NACA 0015 at a Reynolds number of 160 000, which has no moment."""
     with open(DATA / "naca0015_re160000.csv") as file:
-        side = [[float(row[key]) for key in ("angle_deg", "lift", "drag")] for row in csv.DictReader(file)]
-    rest = [[-angle, -lift, drag] for angle, lift, drag in reversed(side) if angle > 0.0]
-    return str([[*row, 0.0] for row in rest + side])
+        return [[float(row[key]) for key in ("angle_deg", "lift", "drag")] + [0.0] for row in csv.DictReader(file)]
 
 
-AIRS["polar"] = ((AIR, "leading_edge_suction", "true"), (r"surface\.\w+", "polar", polar()))
+def computed_polar(n_crit, reynolds):
+    """The computed polar of NACA 0015 for an amplification exponent, on straight lines over the Reynolds number."""
+    found = {}
+    for row in rows("naca0015_computed.csv", n_crit=n_crit):
+        found.setdefault(float(row["reynolds"]), []).append([float(row[key]) for key in ("angle_deg", "lift", "drag", "moment")])
+    sizes = sorted(found)
+    reynolds = min(max(reynolds, sizes[0]), sizes[-1])
+    below = max(i for i, size in enumerate(sizes[:-1]) if size <= reynolds)
+    share = (reynolds - sizes[below]) / (sizes[below + 1] - sizes[below])
+    both = zip(found[sizes[below]], found[sizes[below + 1]])
+    return [[round(a + share * (b - a), 6) for a, b in zip(*pair)] for pair in both]
+
+
+AIRS["polar"] = with_polar(published_polar())
 
 
 @dataclass

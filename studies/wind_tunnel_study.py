@@ -23,6 +23,7 @@ from wind_tunnel_cases import COMPARED, Series, Study, columns, rows  # noqa: E4
 
 TWIST = "{{ table = [[0.0, 0.0], [0.06, 0.0], [0.085, {0!r}], [0.135, {0!r}]] }}"
 NOSE_DOWN = (("surface.tip", "incidence_deg", "-2.0"),)
+LCO_CHORD_M = 0.15
 POLAR = "published polar"  # variant of the lattice
 SPEEDS = ((20, 0), (20, 10), (10, 5), (30, 5))  # flare and root pitch of the campaign over speed
 SIDESLIPS = ((0, 3, 16.5), (9, 6, 10.5), (-6, 3, 16.5))  # twist of the tip, root pitch, sideslip below the jump
@@ -79,6 +80,11 @@ def lco(study):
         study.add(case, "fold up, deg", "experiment", x, y, point, w.fold_up_deg)
         stalling = lambda at, air, point=point: replace(point(at, air), air="polar")  # noqa: E731
         study.add(case, "fold up, deg", "experiment", x, y, stalling, w.fold_up_deg, airs=("lattice",), variant=POLAR)
+        for n_crit in (5, 9):
+            def computed(at, air, n_crit=n_crit, point=point):
+                polar = w.with_polar(w.computed_polar(n_crit, at * LCO_CHORD_M / w.VISCOSITY_M2_S))
+                return replace(point(at, air), changes=point(at, air).changes + polar)
+            study.add(case, "fold up, deg", "experiment", x, y, computed, w.fold_up_deg, airs=("lattice",), variant=f"computed polar, n = {n_crit}")
         study.series.append(Series(case, "fold up, deg", "experiment", "Healy's computation", "", x, y, [w.at(other, at) for at in x]))
 
 

@@ -6,6 +6,7 @@ mod goland;
 mod invariance;
 mod plate;
 mod section_flutter;
+mod sideslip;
 pub(crate) mod theory;
 mod theory_checks;
 mod tip_loss;

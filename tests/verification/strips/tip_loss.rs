@@ -11,24 +11,24 @@ use foldwing::load::SectionMotion;
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::PI;
 
-const LINE: LiftingLineOptions = LiftingLineOptions { core_radius_m: 1e-4, mirror_normal: None };
+pub const LINE: LiftingLineOptions = LiftingLineOptions { core_radius_m: 1e-4, mirror_normal: None };
 
 fn strip_options() -> StripOptions {
     StripOptions { tip_loss: Some(LINE), ..Default::default() }
 }
 
 /// A wing of strips with the sections of a lattice's wing, its quarter chord on the axis.
-struct Line {
-    strips: Strips,
+pub struct Line {
+    pub strips: Strips,
     state: StripState,
     after: StripState,
-    loads: AirLoads,
-    motions: Vec<SectionMotion>,
+    pub loads: AirLoads,
+    pub motions: Vec<SectionMotion>,
     count: usize,
 }
 
 impl Line {
-    fn new(places_m: &[f64], chord_m: impl Fn(f64) -> f64, profile: Profile, options: StripOptions) -> Self {
+    pub fn new(places_m: &[f64], chord_m: impl Fn(f64) -> f64, profile: Profile, options: StripOptions) -> Self {
         let chords = places_m.iter().map(|x| ChordLine {
             leading_m: Vector3::y() * (0.25 * chord_m(*x)),
             trailing_m: Vector3::y() * (-0.75 * chord_m(*x)),
@@ -46,7 +46,7 @@ impl Line {
         }
     }
 
-    fn start(&mut self, wind_m_s: Vector3<f64>, established: bool) {
+    pub fn start(&mut self, wind_m_s: Vector3<f64>, established: bool) {
         self.strips.start(&self.motions, &flow(wind_m_s), established, &mut self.state, &mut self.loads);
     }
 
@@ -57,11 +57,11 @@ impl Line {
         std::mem::swap(&mut self.state, &mut self.after);
     }
 
-    fn circulations(&self) -> Vec<f64> {
+    pub fn circulations(&self) -> Vec<f64> {
         (0..self.count).map(|strip| self.strips.strip_circulation_m2_s(&self.state, 0, strip)).collect()
     }
 
-    fn force_n(&self) -> Vector3<f64> {
+    pub fn force_n(&self) -> Vector3<f64> {
         self.loads.circulatory.iter().map(|load| load.force_n).sum()
     }
 }
@@ -70,17 +70,17 @@ fn flow<'a>(wind_m_s: Vector3<f64>) -> Flow<'a> {
     Flow { time_s: 0.0, density_kg_m3: 1.2, wind_m_s, spin_rad_s: Vector3::zeros(), gusts: &[] }
 }
 
-fn wind(angle_rad: f64) -> Vector3<f64> {
+pub fn wind(angle_rad: f64) -> Vector3<f64> {
     Rotation3::from_axis_angle(&Vector3::x_axis(), -angle_rad) * (Vector3::y() * -SPEED_M_S)
 }
 
-fn worst(ours: &[f64], theirs: &[f64]) -> f64 {
+pub fn worst(ours: &[f64], theirs: &[f64]) -> f64 {
     let size = theirs.iter().map(|value| value.abs()).fold(0.0, f64::max);
     ours.iter().zip(theirs).map(|(a, b)| (a - b).abs() / size).fold(0.0, f64::max)
 }
 
 /// Bends a straight wing into an arch of a total angle about the chord.
-fn arch(motions: &mut [SectionMotion], total_rad: f64) {
+pub fn arch(motions: &mut [SectionMotion], total_rad: f64) {
     let (first, last) = (motions[0].position_m.x, motions[motions.len() - 1].position_m.x);
     for motion in motions {
         let angle_rad = total_rad * (motion.position_m.x - first) / (last - first);

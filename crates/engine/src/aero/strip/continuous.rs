@@ -250,6 +250,7 @@ impl Strips {
                 now.section_loads(strip, profile, self.options.leading_edge_suction, effective_m_s, flow.density_kg_m3);
             strip.add_force(&mut loads, &now.cut, section.fraction, &(section.force_n_m * now.cut.span_m));
             strip.add_moment(&mut loads, &now.cut, section.moment_n * now.cut.span_m);
+            self.add_legs(index, section.circulation_m2_s, flow.density_kg_m3, &mut loads);
             let mut hinge_n_m =
                 now.add_flap(strip, section.circulation_m2_s, flow.density_kg_m3, profile.polar.is_none(), &mut loads);
             if self.options.apparent_mass {
@@ -465,11 +466,4 @@ fn push(strip: &Strip, cut: &Cut, density_kg_m3: f64, [middle_m_s2, difference_m
     let mass_kg_m = PI * density_kg_m3 * semi_chord_m.powi(2);
     strip.add_force(loads, cut, 0.5, &(cut.up * (mass_kg_m * middle_m_s2 * cut.span_m)));
     strip.add_moment(loads, cut, -mass_kg_m * semi_chord_m / 16.0 * difference_m_s2 * cut.span_m);
-}
-
-impl Cut {
-    /// Unit vector along the quarter-chord line.
-    fn along(&self) -> Vector3<f64> {
-        self.up.cross(&self.aft)
-    }
 }

@@ -34,6 +34,8 @@ pub(super) struct StripEdges {
     at_m: [[Vector3<f64>; 2]; 2],
     /// Velocity in m/s of the air without gusts relative to the edge that is behind, at both sections.
     air_m_s: [Vector3<f64>; 2],
+    /// The same relative to the place where the forces on the leg on the chord act.
+    leg_air_m_s: [Vector3<f64>; 2],
     /// `γ` of eq. (W4): which edge leads.
     bias: f64,
 }
@@ -42,13 +44,16 @@ impl StripEdges {
     /// Of a strip at one instant.
     pub fn of(strip: &Strip, motions: &[SectionMotion], flow: &Flow, bias: f64) -> Self {
         let ends = [0, 1].map(|end| (&motions[strip.sections[end]], &strip.chords[end]));
-        let air_m_s = ends.map(|(motion, chord)| {
-            let edge_m = if bias < 0.0 { chord.leading_m } else { chord.trailing_m };
-            flow.convection_m_s(&motion.point_m(&edge_m)) - motion.point_velocity_m_s(&edge_m)
-        });
+        let air_at = |fraction: f64| {
+            ends.map(|(motion, chord)| {
+                let place_m = chord.at(fraction);
+                flow.convection_m_s(&motion.point_m(&place_m)) - motion.point_velocity_m_s(&place_m)
+            })
+        };
         let at_m =
             ends.map(|(motion, chord)| [chord.leading_m, chord.trailing_m].map(|edge_m| motion.point_m(&edge_m)));
-        Self { at_m, air_m_s, bias }
+        let behind = if bias < 0.0 { 0.0 } else { 1.0 };
+        Self { at_m, air_m_s: air_at(behind), leg_air_m_s: air_at(leg_fraction(bias)), bias }
     }
 
     /// Leading and trailing edge in the middle of the strip, in m.
@@ -79,10 +84,22 @@ impl StripEdges {
         if self.bias < 0.0 { 0.75 } else { 0.25 }
     }
 
+    /// From the bound vortex to the edge behind, at the inner and the outer section, in m.
+    fn legs_m(&self) -> [Vector3<f64>; 2] {
+        let share = if self.bias < 0.0 { -0.75 } else { 0.75 };
+        self.at_m.map(|[leading_m, trailing_m]| (trailing_m - leading_m) * share)
+    }
+
     /// Circulation of the vortices over `Γ` of eq. (W7): that of the plate's lift with suction by Kutta and Joukowski.
     fn share(&self) -> f64 {
         self.bias * (self.bias.abs() + 1.0 - self.bias * self.bias)
     }
+}
+
+/// Fraction of the chord at which the forces on a leg on it act: the circulation of a flat plate grows along the chord, and with it
+/// what turns into the leg, so that 7/12 is the mean, not the 5/8 of a vortex at the quarter.
+fn leg_fraction(bias: f64) -> f64 {
+    if bias < 0.0 { 5.0 / 12.0 } else { 7.0 / 12.0 }
 }
 
 /// Point at a fraction of the way from the first to the second.
@@ -228,6 +245,33 @@ impl LiftingLine {
             next_node += 3 * columns;
             at = end;
         }
+    }
+
+    /// Forces in N on the legs on the chord of a strip of circulation `Γ`, at its inner and its outer section, and the fraction of the
+    /// chord at which they act, eq. (W16). None on a leg in the plane of the mirror, where the image's leg cancels it.
+    pub fn leg_forces_n(
+        &self,
+        strip: usize,
+        circulation_m2_s: f64,
+        gust_m_s: &Vector3<f64>,
+        density_kg_m3: f64,
+    ) -> ([Vector3<f64>; 2], f64) {
+        let edges = &self.edges[strip];
+        let legs_m = edges.legs_m();
+        let mirrored = |end: usize| {
+            self.kernel.mirror_normal.is_some_and(|normal| {
+                edges.at_m[end].iter().all(|edge_m| normal.dot(edge_m).powi(2) <= self.kernel.core_squared_m2)
+            })
+        };
+        let bound_kg_m_s = density_kg_m3 * edges.share() * circulation_m2_s;
+        // the vortex comes up the inner leg and goes down the outer one
+        let forces_n = [(0, -bound_kg_m_s), (1, bound_kg_m_s)].map(|(end, circulation)| {
+            if mirrored(end) {
+                return Vector3::zeros();
+            }
+            (edges.leg_air_m_s[end] + gust_m_s).cross(&legs_m[end]) * circulation
+        });
+        (forces_n, leg_fraction(edges.bias))
     }
 
     /// Solves the equations for the circulations and fills [`LiftingLine::induced_m_s`], eq. (W11). Not a number where they

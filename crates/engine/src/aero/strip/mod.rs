@@ -187,9 +187,10 @@ impl Strips {
         let options = self.options;
         self.add_induced(|_, now, gust_m_s| options.effective_m_s(&lag(now.downwash_m_s), &lag(gust_m_s)));
         state.hinges.fill(HingeMoment::default());
-        for ((strip, now), history) in self.strips.iter().zip(&self.inflows).zip(&mut state.strips) {
+        for (index, history) in state.strips.iter_mut().enumerate() {
+            let now = &self.inflows[index];
             *history = now.history(lag(now.downwash_m_s), lag(now.gust_downwash_m_s));
-            self.add_circulatory(strip, now, flow, history, &mut state.hinges, loads);
+            self.add_circulatory(index, flow, history, &mut state.hinges, loads);
         }
     }
 
@@ -225,12 +226,11 @@ impl Strips {
             options.effective_m_s(&motion, &gust)
         });
         to.hinges.fill(HingeMoment::default());
-        for (((strip, now), before), after) in
-            self.strips.iter().zip(&self.inflows).zip(&from.strips).zip(&mut to.strips)
-        {
+        for (index, (before, after)) in from.strips.iter().zip(&mut to.strips).enumerate() {
+            let (strip, now) = (&self.strips[index], &self.inflows[index]);
             let (motion, gust) = lags(before, now, now.gust_downwash_m_s);
             *after = now.history(motion, gust);
-            self.add_circulatory(strip, now, flow, after, &mut to.hinges, loads);
+            self.add_circulatory(index, flow, after, &mut to.hinges, loads);
             if options.apparent_mass && step_s > 0.0 {
                 add_impulsive(strip, now, flow, [before, after], step_s, &mut to.hinges, loads);
             }
@@ -277,13 +277,13 @@ impl Strips {
     /// Loads of circulation, curvature of the flow, profile drag and profile moment.
     fn add_circulatory(
         &self,
-        strip: &Strip,
-        now: &Inflow,
+        index: usize,
         flow: &Flow,
         history: &mut StripHistory,
         hinges: &mut [HingeMoment],
         loads: &mut AirLoads,
     ) {
+        let (strip, now) = (&self.strips[index], &self.inflows[index]);
         let profile = &self.profiles[strip.surface];
         let effective_m_s = self.options.effective_m_s(&history.motion, &history.gust);
         let section =
@@ -292,11 +292,25 @@ impl Strips {
         history.circulation_m2_s = section.circulation_m2_s;
         strip.add_force(&mut loads.circulatory, &now.cut, section.fraction, &(section.force_n_m * span_m));
         strip.add_moment(&mut loads.circulatory, &now.cut, section.moment_n * span_m);
+        self.add_legs(index, section.circulation_m2_s, flow.density_kg_m3, &mut loads.circulatory);
         if let Some(flap) = &now.flap {
             let plate = profile.polar.is_none();
             let loads = &mut loads.circulatory;
             hinges[flap.flap].circulatory_n_m +=
                 now.add_flap(strip, section.circulation_m2_s, flow.density_kg_m3, plate, loads);
+        }
+    }
+
+    /// Adds the forces on the legs of the lifting line that follow the chord of a strip, eq. (W16); without suction their part across
+    /// the line of zero lift.
+    fn add_legs(&self, index: usize, circulation_m2_s: f64, density_kg_m3: f64, loads: &mut [Wrench]) {
+        let Some(line) = &self.line else { return };
+        let (strip, now) = (&self.strips[index], &self.inflows[index]);
+        let (forces_n, fraction) = line.leg_forces_n(index, circulation_m2_s, &now.gust_m_s, density_kg_m3);
+        for (end, force_n) in forces_n.into_iter().enumerate() {
+            let force_n = if self.options.leading_edge_suction { force_n } else { now.up * now.up.dot(&force_n) };
+            let [leading_m, trailing_m] = now.cut.arms_m[end];
+            loads[strip.sections[end]].add_force_at(&(leading_m + (trailing_m - leading_m) * fraction), &force_n);
         }
     }
 }
@@ -380,8 +394,10 @@ impl Inflow {
         let (sine, cosine) = profile.zero_lift_angle_rad.sin_cos();
         let aft = cut.aft * cosine + cut.up * sine;
         let up = cut.up * cosine - cut.aft * sine;
-        let difference_m_s = (cut.trailing_air_m_s - cut.leading_air_m_s).dot(&up);
         let calm_m_s = cut.air_m_s(0.5);
+        // air along the span of a twisted strip meets a slope that grows along the chord from the quarter on
+        let turning_m_s = -calm_m_s.dot(&cut.along()) * cut.twist(&up);
+        let difference_m_s = (cut.trailing_air_m_s - cut.leading_air_m_s).dot(&up) + turning_m_s;
         let calm_bias = bias(calm_m_s.dot(&aft), calm_m_s.dot(&up), difference_m_s);
         let entry_m = cut.point_m(0.5 - 0.5 * calm_bias);
         let gust_m_s = flow.velocity_m_s(&entry_m) - flow.convection_m_s(&entry_m);
@@ -400,7 +416,7 @@ impl Inflow {
             along_m_s,
             speed_m_s: along_m_s.hypot(across_m_s),
             bias,
-            downwash_m_s: cut.air_m_s(0.5 + 0.25 * bias).dot(&up) + own_m_s,
+            downwash_m_s: cut.air_m_s(0.5 + 0.25 * bias).dot(&up) + turning_m_s * (0.25 + 0.25 * bias) + own_m_s,
             gust_downwash_m_s: gust_m_s.dot(&up),
             difference_m_s,
             flap,

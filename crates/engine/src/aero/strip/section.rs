@@ -101,4 +101,15 @@ impl Cut {
     pub fn point_m(&self, fraction: f64) -> Vector3<f64> {
         self.leading_m + (self.trailing_m - self.leading_m) * fraction
     }
+
+    /// Unit vector along the quarter-chord line.
+    pub fn along(&self) -> Vector3<f64> {
+        self.up.cross(&self.aft)
+    }
+
+    /// Slope along the span of the trailing edge less that of the leading edge, towards `up`: `τ` of eq. (W2).
+    pub fn twist(&self, up: &Vector3<f64>) -> f64 {
+        let [[inner_leading_m, inner_trailing_m], [outer_leading_m, outer_trailing_m]] = &self.arms_m;
+        up.dot(&((outer_trailing_m - inner_trailing_m) - (outer_leading_m - inner_leading_m))) / self.span_m
+    }
 }

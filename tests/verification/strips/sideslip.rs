@@ -1,0 +1,138 @@
+//! Air along the span: forces on the legs of the lifting line, eq. (W16), and twisted strips, eq. (W4), beside the lattice with one panel
+//! along the chord and beside a plate that pitches.
+
+use super::tip_loss::{LINE, Line, arch, wind, worst};
+use crate::lattice::wing::{SPEED_M_S, Wing, inset, options};
+use foldwing::aero::AirLoads;
+use foldwing::aero::strip::StripOptions;
+use foldwing::aero::strip::lifting_line::LiftingLineOptions;
+use foldwing::aero::surface::Profile;
+use foldwing::load::SectionMotion;
+use nalgebra::{Rotation3, Vector3};
+
+/// A wind that comes from the side by an angle.
+fn aside(incidence_rad: f64, sideslip_rad: f64) -> Vector3<f64> {
+    Rotation3::from_axis_angle(&Vector3::z_axis(), sideslip_rad) * wind(incidence_rad)
+}
+
+/// Force in N and moment in N.m about the middle of the wing.
+fn wrench(loads: &AirLoads, motions: &[SectionMotion]) -> (Vector3<f64>, Vector3<f64>) {
+    let both = loads.circulatory.iter().zip(motions);
+    let moments = both.map(|(load, motion)| load.moment_n_m + motion.position_m.cross(&load.force_n));
+    (loads.circulatory.iter().map(|load| load.force_n).sum(), moments.sum())
+}
+
+/// Line and lattice in the same wind, neither with suction at the leading edge.
+fn pair(places_m: &[f64], wind_m_s: Vector3<f64>, shape: impl Fn(&mut [SectionMotion])) -> (Line, Wing) {
+    let strips = StripOptions { tip_loss: Some(LINE), leading_edge_suction: false, ..Default::default() };
+    let mut line = Line::new(places_m, |_| 1.0, Profile::THIN, strips);
+    let mut lattice = Wing::new(places_m, |_| 1.0, 1, options());
+    lattice.wind_m_s = wind_m_s;
+    shape(&mut line.motions);
+    shape(&mut lattice.motions);
+    line.start(wind_m_s, true);
+    lattice.start(true);
+    (line, lattice)
+}
+
+/// W-47. A wing with the wind from the side rolls: the legs on its chords carry the force across the air that passes along the span. Lift
+/// and rolling moment are those of the lattice with one panel; what the vortices themselves induce along the panels, which the lattice
+/// adds, is of second order in the incidence. Where the legs act along the chord differs: at 7/12 of it, as on a lattice
+/// with many panels, not at 5/8.
+#[test]
+fn w47_sideslip_rolls_the_line_as_it_rolls_the_lattice() {
+    let places_m = inset(6.0, 24);
+    let mut errors = Vec::new();
+    for incidence_rad in [4e-3, 2e-3] {
+        let (line, lattice) = pair(&places_m, aside(incidence_rad, 0.3), |_| {});
+        let ((ours_n, ours_n_m), (theirs_n, theirs_n_m)) =
+            (wrench(&line.loads, &line.motions), wrench(&lattice.loads, &lattice.motions));
+        let arm_m = theirs_n_m.y / theirs_n.z;
+        println!(
+            "W-47 {incidence_rad} rad: lift {:.2e} off, rolls on an arm of {arm_m:.4} m, {:.2e} off",
+            ours_n.z / theirs_n.z - 1.0,
+            ours_n_m.y / theirs_n_m.y - 1.0
+        );
+        assert!(arm_m.abs() > 0.05, "the wind from the side moves the lift");
+        errors.push([ours_n.z / theirs_n.z - 1.0, ours_n_m.y / theirs_n_m.y - 1.0].map(f64::abs));
+    }
+    // wakes of different length leave 1e-6, as in W-34
+    assert!(errors.iter().flatten().all(|error| *error < 1e-5), "{errors:?}");
+    assert!((3.5..4.5).contains(&(errors[0][0] / errors[1][0])), "second order: {errors:?}");
+}
+
+/// W-48. Twist, a bend and wind from the side together: circulations of the lattice with one panel, up to what is of second order in the
+/// angles (normals of warped panels) or fourth (W-34): angles half as large leave a quarter of the difference or less.
+#[test]
+fn w48_twisted_wings_in_sideslip_are_those_of_the_lattice() {
+    let places_m = inset(6.0, 48);
+    let difference = |bend_rad: f64, twist_rad: f64, incidence_rad: f64| {
+        let (line, lattice) = pair(&places_m, aside(incidence_rad, 0.3), |motions| {
+            let twists = motions.iter().map(|motion| twist_rad * motion.position_m.x / 6.0).collect::<Vec<f64>>();
+            if bend_rad > 0.0 {
+                arch(motions, bend_rad);
+            }
+            for (motion, twist_rad) in motions.iter_mut().zip(twists) {
+                motion.rotation *= Rotation3::from_axis_angle(&Vector3::x_axis(), twist_rad).into_inner();
+            }
+        });
+        let theirs: Vec<f64> =
+            (0..48).map(|strip| lattice.lattice.strip_circulation(&lattice.from, 0, strip)).collect();
+        worst(&line.circulations(), &theirs)
+    };
+    for (bend_rad, twist_rad, incidence_rad) in [(0.0, 0.2, 0.0), (0.3, 0.1, 0.0), (0.6, 0.1, 0.05)] {
+        let [whole, half] =
+            [1.0, 0.5].map(|share| difference(share * bend_rad, share * twist_rad, share * incidence_rad));
+        println!(
+            "W-48 bend {bend_rad}, twist {twist_rad}, incidence {incidence_rad} rad: {whole:.1e}, half: {half:.1e}"
+        );
+        // half the twist at the end, and what the bend makes of the wind from the side
+        let angle_rad = bend_rad * 0.3_f64.sin() + 0.5 * twist_rad + incidence_rad;
+        assert!(whole < 0.05 * angle_rad * angle_rad && half < 0.3 * whole + 2e-6, "{whole}, {half}");
+    }
+}
+
+/// W-49. A twisted plate in air along its span is a plate that pitches: what passes a section has the rate of pitch `u_s dθ/ds`. Lift and
+/// moment are the same to the square of the twist.
+#[test]
+fn w49_twist_in_air_along_the_span_is_a_rate_of_pitch() {
+    let (along_m_s, twist_rad_m) = (4.0, 1e-3);
+    let places_m = [-0.5, 0.5];
+    let options = StripOptions { apparent_mass: false, ..Default::default() };
+    let mut twisted = Line::new(&places_m, |_| 1.0, Profile::THIN, options);
+    for motion in &mut twisted.motions {
+        motion.rotation =
+            Rotation3::from_axis_angle(&Vector3::x_axis(), twist_rad_m * motion.position_m.x).into_inner();
+    }
+    twisted.start(Vector3::new(along_m_s, -SPEED_M_S, 0.0), true);
+    let mut pitching = Line::new(&places_m, |_| 1.0, Profile::THIN, options);
+    for motion in &mut pitching.motions {
+        motion.spin_rad_s = Vector3::x() * (along_m_s * twist_rad_m);
+    }
+    pitching.start(Vector3::new(0.0, -SPEED_M_S, 0.0), true);
+    let ((ours_n, ours_n_m), (theirs_n, theirs_n_m)) =
+        (wrench(&twisted.loads, &twisted.motions), wrench(&pitching.loads, &pitching.motions));
+    println!("W-49 lift {} of {} N, moment {} of {} N.m", ours_n.z, theirs_n.z, ours_n_m.x, theirs_n_m.x);
+    assert!(theirs_n.z > 1e-2 && (ours_n.z / theirs_n.z - 1.0).abs() < 1e-5, "{ours_n} against {theirs_n}");
+    assert!((ours_n_m.x / theirs_n_m.x - 1.0).abs() < 1e-5, "{ours_n_m} against {theirs_n_m}");
+}
+
+/// W-50. A leg in the plane of a mirror carries no force: half a wing with suction has half of the forces of the whole, along the span too.
+#[test]
+fn w50_legs_at_a_mirror_cancel() {
+    let whole_places_m = inset(8.0, 16);
+    let mut whole =
+        Line::new(&whole_places_m, |_| 1.0, Profile::THIN, StripOptions { tip_loss: Some(LINE), ..Default::default() });
+    whole.start(wind(0.1), true);
+    let outer = &whole.loads.circulatory[9..];
+    let mirror = LiftingLineOptions { mirror_normal: Some(Vector3::x()), ..LINE };
+    let options = StripOptions { tip_loss: Some(mirror), ..Default::default() };
+    let mut half = Line::new(&whole_places_m[8..], |_| 1.0, Profile::THIN, options);
+    half.start(wind(0.1), true);
+    // the section at the mirror has the loads of one side only
+    for (ours, theirs) in half.loads.circulatory[1..].iter().zip(outer) {
+        assert!((ours.force_n - theirs.force_n).norm() < 1e-5 * whole.force_n().norm(), "{ours:?} against {theirs:?}");
+    }
+    let (root, twice) = (half.loads.circulatory[0].force_n, whole.loads.circulatory[8].force_n);
+    assert!(root.x.abs() < 1e-9 && (2.0 * root - twice).norm() < 1e-5 * whole.force_n().norm(), "{root} of {twice}");
+}
