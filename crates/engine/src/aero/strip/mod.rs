@@ -24,7 +24,7 @@ use flap::{Controls, FlapInflow, MassRates, StripFlap};
 use indicial::{Fit, Lag};
 use lifting_line::{LiftingLine, LiftingLineOptions, StripEdges, StripEquation};
 use nalgebra::Vector3;
-use section::{Cut, Strip};
+use section::{Cut, Strip, bias};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -340,13 +340,6 @@ fn add_impulsive(
         hinges[flap.flap].impulsive_n_m +=
             now.add_flap_mass(strip, flow.density_kg_m3, &mean_up, &rates, &mut loads.impulsive);
     }
-}
-
-/// `γ` of eq. (W4): 1 where the air comes from the leading edge, −1 from the trailing edge, 0 where it comes from below
-/// or where the plate does nothing but turn.
-fn bias(along_m_s: f64, across_m_s: f64, difference_m_s: f64) -> f64 {
-    let size_m_s = along_m_s.hypot(across_m_s).hypot(0.25 * difference_m_s);
-    if size_m_s > 0.0 { along_m_s / size_m_s } else { 0.0 }
 }
 
 /// Loads of a section per span, and where they act.

@@ -113,3 +113,10 @@ impl Cut {
         up.dot(&((outer_trailing_m - inner_trailing_m) - (outer_leading_m - inner_leading_m))) / self.span_m
     }
 }
+
+/// `γ` of eq. (W4): 1 where the air comes from the leading edge, −1 from the trailing edge, 0 where it comes from below
+/// or where the plate does nothing but turn.
+pub fn bias(along_m_s: f64, across_m_s: f64, difference_m_s: f64) -> f64 {
+    let size_m_s = along_m_s.hypot(across_m_s).hypot(0.25 * difference_m_s);
+    if size_m_s > 0.0 { along_m_s / size_m_s } else { 0.0 }
+}
