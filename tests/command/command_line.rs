@@ -452,7 +452,7 @@ fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     refuses(
         &linearize("y.json", &["--inputs", "wind.velocity.y"]),
         2,
-        "linear models of lattices and rotors are without air",
+        "linear models of lattices are without air",
     );
     assert!(succeeds(&foldwing(&["modes", tunnel])).contains("without air"));
     let file = path("vacuum.json");

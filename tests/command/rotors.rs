@@ -283,3 +283,48 @@ fn campbell_diagrams_of_both_kinds() {
     let output = call(folder, "modes heavy.toml --about undeformed --over rotor_speed_rpm=20,40 --count 4");
     assert_eq!(output.status.code(), Some(3));
 }
+
+/// Linear models have the air of rotors with the states of dynamic inflow and dynamic stall by name and unit, wind and gusts as inputs, and
+/// what the rotor gives among the outputs; modes are in air.
+#[test]
+fn linear_models_are_in_the_air_of_the_rotor() {
+    let folder = folder();
+    let folder = folder.path();
+    let options = "model = \"bem\"\ndynamic_inflow = true\ndynamic_stall = true";
+    std::fs::write(folder.join("lagging.toml"), format!("{ROTOR}{AIR}").replace("model = \"bem\"", options)).expect("a file");
+    let read = |file: &str| -> Value {
+        serde_json::from_str(&std::fs::read_to_string(folder.join(file)).expect("a file")).expect("JSON")
+    };
+    let line = "linearize lagging.toml --at start --inputs wind.velocity.x,gust.x --outputs rotor.thrust,rotor.power -o lagging.json";
+    let text = told(folder, line);
+    assert!(text.contains("in air") && !text.contains("without air"), "{text}");
+    let model = read("lagging.json");
+    assert_eq!(model["without_air"], false);
+    let states = model["states"].as_array().expect("states");
+    let unit = |name: &str| {
+        let state = states.iter().find(|state| state["name"] == name).unwrap_or_else(|| panic!("{name} in {states:?}"));
+        state["unit"].as_str().expect("a unit")
+    };
+    // the root carries no load: it has no states
+    assert!(states.iter().all(|state| !state["name"].as_str().expect("a name").contains("station[1]")), "{states:?}");
+    for (name, expected) in [
+        ("inflow_axial", "m/s"),
+        ("inflow_tangential", "m/s"),
+        ("induced_axial", "m/s"),
+        ("induced_tangential", "m/s"),
+        ("wake[1]", "rad"),
+        ("wake[2]", "rad"),
+        ("attached_lift", "1"),
+        ("attachment", "1"),
+    ] {
+        assert_eq!(unit(&format!("blade3.station[4].{name}")), expected);
+    }
+    // 3 blades of 4 loaded stations with 8 states, beside 7 freedoms and their rates
+    assert_eq!(states.len(), 3 * 4 * 8 + 14);
+    let gain = |model: &Value, row: usize, column: usize| model["D"][row][column].as_f64().expect("a number");
+    assert_eq!(gain(&model, 0, 0), gain(&model, 0, 1), "a uniform gust is wind");
+    assert!(gain(&model, 0, 0) > 0.0 && gain(&model, 1, 0) > 0.0);
+    told(folder, "linearize windy.toml --at start --inputs wind.velocity.x --outputs rotor.thrust -o windy.json");
+    assert_eq!(read("windy.json")["states"].as_array().expect("states").len(), 14);
+    assert!(told(folder, "modes lagging.toml --at start --count 3").contains("in air"));
+}

@@ -1,6 +1,7 @@
 //! Air of rotors: RT-01 and following. Reference numbers: `tests/reference/turbine`.
 
 mod hover;
+mod linear;
 mod steady;
 mod turning;
 mod unsteady;

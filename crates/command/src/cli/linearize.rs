@@ -124,8 +124,8 @@ fn gusts_of(names: &[String], machine: &Machine, lattice: bool) -> Result<(Vec<u
             continue;
         }
         return Err(Failure::Usage(format!(
-            "--inputs {name}: only linear models with strips (aerodynamics.model = \"strip\"), with a rotor that has inflow_lag_s, or with \
-             a vortex lattice and --lattice have gusts as inputs"
+            "--inputs {name}: only linear models with strips (aerodynamics.model = \"strip\"), with a rotor, or with a vortex lattice and \
+             --lattice have gusts as inputs"
         )));
     }
     gusts.sort_unstable();
@@ -172,8 +172,8 @@ pub(super) fn chosen<'a>(
         let named = rows.iter().any(|row| row.name.starts_with(name.trim_end_matches(['*', '.'])));
         if !named {
             return Err(Failure::Usage(format!(
-                "--inputs {name}: linear models of lattices and rotors are without air, they hold its loads; choose other inputs, \
-                 add --lattice for a vortex lattice, or use strips (aerodynamics.model = \"strip\")"
+                "--inputs {name}: linear models of lattices are without air, they hold its loads; choose other inputs, add --lattice, or \
+                 use strips (aerodynamics.model = \"strip\")"
             )));
         }
     }

@@ -25,13 +25,11 @@ pub enum AirOptions {
 }
 
 impl AirOptions {
-    /// Whether linear models have this air, with its lags: strips, and rotors whose induced velocity lags without dynamic stall.
-    /// The loads of lattices and other rotors are held.
+    /// Whether linear models have this air, with its lags: strips and rotors. The loads of lattices are held.
     pub fn is_linearised(&self) -> bool {
         match self {
             Self::Lattice(_) => false,
-            Self::Strips(_) => true,
-            Self::Rotor(options) => options.features.is_linearised(),
+            Self::Strips(_) | Self::Rotor(_) => true,
         }
     }
 

@@ -28,8 +28,8 @@ pub(crate) struct Aeroelastic {
 }
 
 impl Study<'_> {
-    /// Mass, damping and stiffness with those of the air, and its lag states. Without strips, or a rotor whose
-    /// induced velocity lags, there are none, and the loads of the air are constant.
+    /// Mass, damping and stiffness with those of the air, and its lag states. Without strips or a
+    /// rotor there are none, and the loads of the air are constant.
     pub(crate) fn lagged(&mut self, gusts: bool) -> Result<(Lagged, Option<Aeroelastic>), PlantError> {
         let second = self.second_order()?;
         if !self.system.air_is_linearised() {

@@ -243,8 +243,8 @@ impl Study<'_> {
         }
     }
 
-    /// Modes of lowest frequency about the present state, with shapes. They include the air of strips, and of a rotor whose
-    /// induced velocity lags; other loads of the air are constant.
+    /// Modes of lowest frequency about the present state, with shapes. They include the air of strips and
+    /// of rotors; other loads of the air are constant.
     pub fn modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
         self.modes_and_rest(count).map(|(modes, _)| modes)
     }

@@ -31,7 +31,7 @@ pub struct Stability {
     /// Something moves without resistance: the tangent is singular, and only the modes decide.
     pub neutral: bool,
     /// Growing motions among the modes of lowest frequency, fastest first. They include the air of strips,
-    /// and of a rotor whose induced velocity lags; other loads of the air are constant, but with `in_lattice`.
+    /// and of rotors; other loads of the air are constant, but with `in_lattice`.
     pub growing: Vec<Growth>,
     /// Judged in discrete time with the air of a lattice, by its slowest motions: [`Study::lattice_stability`].
     pub in_lattice: bool,
@@ -102,8 +102,8 @@ impl Study<'_> {
     }
 
     /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first: among the modes of lowest
-    /// frequency, one of each pair. They include the air of strips, and of a rotor whose
-    /// induced velocity lags; other loads of the air are constant.
+    /// frequency, one of each pair. They include the air of strips and
+    /// of rotors; other loads of the air are constant.
     /// `None` for machines with too many coordinates.
     pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
         if self.system.coordinates() > MAXIMUM_COORDINATES {

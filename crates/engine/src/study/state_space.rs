@@ -39,12 +39,12 @@ pub(super) fn air_of(input: &InputSlope, inputs: &Inputs) -> Vec<f64> {
 
 impl Study<'_> {
     /// `A`, `B`, `C`, `D` about the present state with the present inputs, over [`crate::system::System::freedoms`] and
-    /// their rates, and over the lag states of strips.
+    /// their rates, and over the lag states of strips and rotors.
     ///
     /// `A` and `B` are exact, except for the stiffness about a moving state ([`Study::second_order`]) and for the
     /// response of the air, which comes from differences good to about 1e-9. `C` and `D` come from differences of the
-    /// instantaneous outputs ([`Study::output_slope`]). Events and saturation stay as they are. Without strips,
-    /// or a rotor whose induced velocity lags, the loads of the air are constant. Outputs of accelerations and forces do not include what the rate of the wind adds
+    /// instantaneous outputs ([`Study::output_slope`]). Events and saturation stay as they are. The
+    /// loads of lattices are constant. Outputs of accelerations and forces do not include what the rate of the wind adds
     /// to them through the apparent mass.
     pub fn state_space(
         &mut self,

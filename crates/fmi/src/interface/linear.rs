@@ -264,9 +264,9 @@ impl Interface {
                 unit: freedom.rate_unit.to_owned(),
                 value,
             }))
-            .chain(plant.air_lags(!gusts.is_empty()).into_iter().map(|(name, value)| LinearSignal {
+            .chain(plant.air_lags(!gusts.is_empty()).into_iter().map(|(name, unit, value)| LinearSignal {
                 name,
-                unit: "m/s".to_owned(),
+                unit: unit.to_owned(),
                 value,
             }))
             .collect();

@@ -6,12 +6,12 @@
 
 use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
-use crate::aero::memory::Measure;
 use crate::aero::rotor::dynamic_inflow::{InflowState, time_constant_s};
 use crate::aero::rotor::dynamic_stall::{SplitPolar, StallInflow, StallState};
 use crate::aero::rotor::induction::{Annulus, Approach, EndRule, aerodyn_balance, aerodyn_limited, balance};
 use crate::aero::rotor::inflow_lag::{Lagging, Meeting};
 pub use crate::aero::rotor::options::{PitchRate, RotorFeatures, RotorOptions, Spread};
+pub use crate::aero::rotor::states::{RotorState, SectionMemory};
 use crate::aero::rotor::skew::Skew;
 use crate::aero::rotor::steady::induction_share;
 use crate::aero::surface::{ChordLine, Surface};
@@ -58,46 +58,15 @@ impl RotorLoads {
     }
 }
 
-/// Memory of one section.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct SectionMemory {
-    /// Of the wake.
-    pub inflow: InflowState,
-    /// Of the section.
-    pub stall: StallState,
-}
-
-/// All that a rotor's air remembers.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RotorState {
-    /// Section by section of the blades.
-    pub sections: Vec<SectionMemory>,
-    /// Loads of the rotor at this time.
-    pub loads: RotorLoads,
-}
-
-impl RotorState {
-    /// Copies without allocating; both must belong to the same model.
-    pub fn copy_from(&mut self, other: &Self) {
-        self.sections.copy_from_slice(&other.sections);
-        self.loads = other.loads;
-    }
-
-    /// Whether a state has the sizes of this one.
-    pub fn fits(&self, other: &Self) -> bool {
-        self.sections.len() == other.sections.len()
-    }
-}
-
 /// Constant data of a section.
-struct Section {
+pub(super) struct Section {
     chord: ChordLine,
     chord_m: f64,
-    polar: usize,
+    pub(super) polar: usize,
     /// Radius of the straight blade in m.
     radius_m: f64,
     /// `B (R − r)/(2 r)` and `B (r − r_h)/(2 r_h)` of the straight blade.
-    exponents: [f64; 2],
+    pub(super) exponents: [f64; 2],
 }
 
 /// A section at one instant, before induction.
@@ -107,7 +76,7 @@ pub(super) struct Cut {
     relative_m_s: Vector3<f64>,
     /// Wind along the shaft against the hub, without the tower, in m/s.
     wind_m_s: f64,
-    radial_m: Vector3<f64>,
+    pub(super) radial_m: Vector3<f64>,
     pub(super) from_apex_m: Vector3<f64>,
     pub(super) line_n_m: Vector3<f64>,
     pub(super) moment_n: Vector3<f64>,
@@ -129,9 +98,13 @@ pub struct Rotor {
     pub(super) blades: Vec<std::ops::Range<usize>>,
     /// Blades of the rotor over those of the machine.
     pub(super) like: f64,
-    sections: Vec<Section>,
-    splits: Vec<Option<SplitPolar>>,
+    pub(super) sections: Vec<Section>,
+    pub(super) splits: Vec<Option<SplitPolar>>,
     pub(super) cuts: Vec<Cut>,
+    /// Balances of annuli at instants: motions beside one another share most of them.
+    pub(super) balances: Vec<Option<(Annulus, Approach, [f64; 2])>>,
+    /// Section whose balance jumps between neighbouring instants.
+    pub(super) jump: Option<usize>,
 }
 
 /// The disc at one instant.
@@ -176,6 +149,8 @@ impl Rotor {
             blades: surfaces.iter().map(|surface| surface.sections.clone()).collect(),
             like: blades / surfaces.len().max(1) as f64,
             cuts: vec![NO_CUT; sections.len()],
+            balances: vec![None; sections.len()],
+            jump: None,
             splits: splits.map(|split| split.filter(|_| options.features.dynamic_stall)).collect(),
             sections,
             options: options.clone(),
@@ -199,32 +174,6 @@ impl Rotor {
     /// Chord of a section in m.
     pub(super) fn chord_m(&self, section: usize) -> f64 {
         self.sections[section].chord_m
-    }
-
-    /// A state of the right size, without air.
-    pub fn blank_state(&self) -> RotorState {
-        RotorState { sections: vec![SectionMemory::default(); self.sections.len()], loads: RotorLoads::default() }
-    }
-
-    /// What follows with a lag, section by section, as far as the features in use move it: induced velocities, then the terms of
-    /// dynamic stall. Annuli whose loss is complete have no balance that they follow; sections without load do not stall.
-    pub(crate) fn memories<'s>(&self, state: &'s mut RotorState, list: &mut Vec<(Measure, &'s mut f64)>) {
-        let RotorFeatures { inflow_lag_s, dynamic_inflow, end_rule, .. } = self.options.features;
-        for (section, SectionMemory { inflow, stall }) in self.sections.iter().zip(&mut state.sections) {
-            let [tip_exponent, hub_exponent] = section.exponents;
-            let is_end = Annulus { solidity: 0.0, tip_exponent, hub_exponent }.is_end();
-            let InflowState { balanced_m_s: _, middle_m_s, acting_m_s } = inflow;
-            if inflow_lag_s.is_some() {
-                list.push((Measure::Velocity, &mut acting_m_s[0]));
-            } else if dynamic_inflow && !is_end {
-                list.extend(middle_m_s.iter_mut().chain(acting_m_s).map(|lag| (Measure::Velocity, lag)));
-            }
-            let is_loaded = inflow_lag_s.is_some() || !is_end || end_rule != EndRule::ZeroLoad;
-            if is_loaded && self.splits[section.polar].is_some() {
-                let StallState { wake_rad, lagged_lift, attached, met: _ } = stall;
-                list.extend(wake_rad.iter_mut().chain([lagged_lift, attached]).map(|lag| (Measure::Number, lag)));
-            }
-        }
     }
 
     /// State and loads at the start; in an `established` flow the wake is fully developed.
@@ -398,18 +347,27 @@ impl Rotor {
                     Past::Known { from, step_s } => lagging.after(&from.sections[index].inflow, *step_s),
                     Past::Still => lagging.still(),
                     Past::Settled => lagging.settled(),
-                    Past::Given(induced_m_s) => lagging.given(induced_m_s[index]),
+                    Past::Given(lags) => lagging.given(lags[index].inflow.acting_m_s[0]),
                 };
                 ([lean * memory.inflow.acting_m_s[0], 0.0], lagging.meeting)
             }
             (None, true, EndRule::ZeroLoad) => return None,
             (None, true, EndRule::Stopped) => ([disc.share * approach.axial_m_s, 0.0], meeting),
             (None, false, _) => {
-                let free = match self.options.features.as_aerodyn {
-                    true => aerodyn_balance(&annulus, polar, &approach),
-                    false => balance(&annulus, polar, &approach),
+                let solve = || {
+                    let free = match self.options.features.as_aerodyn {
+                        true => aerodyn_balance(&annulus, polar, &approach),
+                        false => balance(&annulus, polar, &approach),
+                    };
+                    [free.axial_loss_m_s, free.swirl_m_s]
                 };
-                let balanced_m_s = [free.axial_loss_m_s, free.swirl_m_s];
+                let balanced_m_s = match (past, self.balances[index]) {
+                    (Past::Given(_), Some((known, at, found))) if known == annulus && at == approach => found,
+                    _ => solve(),
+                };
+                if matches!(past, Past::Given(_)) {
+                    self.balances[index] = Some((annulus, approach, balanced_m_s));
+                }
                 memory.inflow = match past {
                     Past::Known { from, step_s } if self.options.features.dynamic_inflow => {
                         let span = radius_m / disc.radius_m;
@@ -417,6 +375,9 @@ impl Rotor {
                     }
                     Past::Still if self.options.features.dynamic_inflow => {
                         InflowState { balanced_m_s, ..InflowState::default() }
+                    }
+                    Past::Given(lags) if self.options.features.dynamic_inflow => {
+                        lags[index].inflow.balanced(balanced_m_s)
                     }
                     _ => InflowState::established(balanced_m_s),
                 };
@@ -443,9 +404,13 @@ impl Rotor {
             };
             memory.stall = match past {
                 Past::Known { from, step_s } => from.sections[index].stall.after(met, *step_s, split),
+                Past::Given(lags) => StallState { met, ..lags[index].stall },
                 _ => StallState::steady(met, split),
             };
-            let dynamic = memory.stall.coefficients(split);
+            let dynamic = match past {
+                Past::Given(_) => memory.stall.coefficients_beside(split),
+                _ => memory.stall.coefficients(split),
+            };
             (state.row.lift, state.row.drag, state.row.moment) = (dynamic.lift, dynamic.drag, dynamic.moment);
         }
         let [along, drive] = state.force_m3_s2(section.chord_m);
@@ -475,8 +440,8 @@ pub(super) enum Past<'a> {
     Still,
     /// From the state at the end of the step before.
     Known { from: &'a RotorState, step_s: f64 },
-    /// At an instant with these induced velocities in m/s, which lag, eq. (B24).
-    Given(&'a [f64]),
+    /// At an instant with these memories of the sections: their lag states, eq. (B27), the rest without meaning.
+    Given(&'a [SectionMemory]),
 }
 
 /// Velocity of the air without rotor and tower as seen from the root frame, in m/s.

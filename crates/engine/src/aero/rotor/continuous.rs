@@ -1,74 +1,126 @@
-//! Blades in continuous time: loads and rates of the induced velocities at one instant, and their derivatives by the motion of the
-//! sections and by the air, NOTATION eq. (B27). Only with an induced velocity that lags, eq. (B24), and without dynamic stall.
+//! Blades in continuous time: loads and rates of the lag states at one instant, and their derivatives by the motion of the sections and
+//! by the air, NOTATION eqs. (B27) and (B31).
 
 use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
-use crate::aero::rotor::bem::{Past, Rotor};
+use crate::aero::rotor::bem::{Past, Rotor, RotorState};
+use crate::aero::rotor::dynamic_inflow::time_constant_s;
+use crate::aero::rotor::dynamic_stall::SEPARATED;
+use crate::aero::rotor::states::RotorLag;
 use crate::aero::strip::continuous::{Answer, Instant, LOAD_ROWS, Variable, displace};
 use crate::load::SectionMotion;
 
-/// Step of a difference over the scale of the sections.
-const STEP: f64 = 1e-3;
+/// Step of a difference over the scale of the sections: its three steps span 0.03° of angle of attack, so that few of them cross a
+/// row of a polar. The root of the momentum balance is exact to 1e-14, so that derivatives are to 1e-10.
+const STEP: f64 = 1e-4;
+/// Step of the degree of attachment of a section that is separated.
+const SEPARATED_STEP: f64 = 0.1 * SEPARATED;
 /// Sixth-order central difference: weights of the steps 1, 2, 3 over 60 steps.
 const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
 /// Smallest speed in m/s on which steps are based: with nothing moving nothing acts.
 const MINIMUM_SPEED_M_S: f64 = 1e-3;
+/// Change of the balance between the two sides of a variable, over the speed of the section, that is a jump: a slope would have to be
+/// beyond 100, as the sides differ by at most 6e-4 of the speed.
+const JUMP: f64 = 0.1;
 
 impl Rotor {
-    /// Whether the air of the rotor has linear models.
-    pub fn is_linearised(&self) -> bool {
-        self.options.features.is_linearised()
-    }
-
-    /// Number of induced velocities that lag: one of each section of each blade.
-    pub fn lags(&self) -> usize {
-        if self.is_linearised() { self.cuts.len() } else { 0 }
-    }
-
-    /// Loads of all sections in their own frames, rates of the induced velocities in m/s², then zeros in place of circulations.
+    /// Loads of all sections in their own frames, rates of the lag states ([`Rotor::lags`]) in their units per s, then the loads and
+    /// coefficients of the rotor ([`RotorLoads`](super::bem::RotorLoads)).
     pub fn answer(&mut self, at: &Instant) -> Answer {
-        let (sections, lags) = (at.motions.len(), self.lags());
-        let strips: usize = self.blades.iter().map(|blade| blade.len() - 1).sum();
-        let mut answer = vec![0.0; LOAD_ROWS * sections + lags + strips];
+        self.respond(at).0
+    }
+
+    fn respond(&mut self, at: &Instant) -> (Answer, RotorState) {
+        let sections = at.motions.len();
+        let mut answer = vec![0.0; LOAD_ROWS * sections];
         let mut state = self.blank_state();
         let mut loads = AirLoads::still(sections);
         let flow = Flow { wind_m_s: at.flow.wind_m_s + at.gust_m_s, ..at.flow };
-        self.look(&at.motions, &flow, Past::Given(&at.lags_m_s), &mut state, &mut loads);
-        let (rows, rates) = answer.split_at_mut(LOAD_ROWS * sections);
-        for ((rows, load), motion) in rows.chunks_exact_mut(LOAD_ROWS).zip(&loads.circulatory).zip(at.motions.iter()) {
+        let given = self.given(&at.lags);
+        self.look(&at.motions, &flow, Past::Given(&given), &mut state, &mut loads);
+        for ((rows, load), motion) in answer.chunks_exact_mut(LOAD_ROWS).zip(&loads.circulatory).zip(at.motions.iter()) {
             let turned = motion.rotation.transpose();
             rows[..3].copy_from_slice((turned * load.force_n).as_slice());
             rows[3..].copy_from_slice((turned * load.moment_n_m).as_slice());
         }
-        let time_s = self.options.features.inflow_lag_s.unwrap_or(f64::INFINITY);
-        for (rate, memory) in rates.iter_mut().zip(&state.sections) {
-            *rate = (memory.inflow.balanced_m_s[0] - memory.inflow.acting_m_s[0]) / time_s;
-        }
-        answer
+        let radius_m = |section: usize| self.cuts[section].radial_m.norm();
+        let rotor_m = (0..self.cuts.len()).map(radius_m).fold(0.0, f64::max);
+        let first_s = time_constant_s(rotor_m, state.loads.induction, state.loads.wind_m_s);
+        let lag_s = self.options.features.inflow_lag_s.unwrap_or(f64::INFINITY);
+        let rate = |(section, lag): (usize, RotorLag)| {
+            let memory = &state.sections[section];
+            let inflow = || memory.inflow.rates_m_s2(first_s, radius_m(section) / rotor_m);
+            let split = self.splits[self.sections[section].polar].as_ref();
+            let stall = |term: usize| split.map_or(0.0, |split| memory.stall.rates_1_s(split)[term]);
+            match lag {
+                RotorLag::Induced => (memory.inflow.balanced_m_s[0] - memory.inflow.acting_m_s[0]) / lag_s,
+                RotorLag::Reduced(axis) => inflow()[0][axis],
+                RotorLag::Acting(axis) => inflow()[1][axis],
+                RotorLag::Wake(term) => stall(term),
+                RotorLag::Lift => stall(2),
+                RotorLag::Attached => stall(3),
+            }
+        };
+        answer.extend(self.lags().into_iter().map(rate));
+        answer.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&state.loads)));
+        (answer, state)
     }
 
     /// Derivative of [`Rotor::answer`]: sixth-order central differences. The air has no mass: accelerations and rates of the wind
-    /// change nothing.
+    /// change nothing. Where a polar has a row within the steps it is a mean of the slopes on both sides; where the momentum balance
+    /// jumps there is none, [`Rotor::jump`].
     pub fn slope(&mut self, at: &Instant, variable: Variable) -> Answer {
-        let step = self.difference(at, variable);
+        let mut at = at.clone();
+        let step = self.difference(&mut at, variable);
+        let Some(step) = step else { return vec![0.0; self.answer(&at).len()] };
         let mut slope: Option<Answer> = None;
         for (i, weight) in WEIGHTS.iter().enumerate() {
-            for sign in [1.0, -1.0] {
+            let ends = [1.0, -1.0].map(|sign| {
                 let mut beside = at.clone();
-                if let Some(step) = step {
-                    displace(&mut beside, variable, sign * (i + 1) as f64 * step);
+                displace(&mut beside, variable, sign * (i + 1) as f64 * step);
+                self.respond(&beside)
+            });
+            let [(above, one), (below, other)] = &ends;
+            for (section, (one, other)) in one.sections.iter().zip(&other.sections).enumerate() {
+                let [one, other] = [one, other].map(|memory| memory.inflow.balanced_m_s);
+                let change_m_s = (one[0] - other[0]).hypot(one[1] - other[1]);
+                if change_m_s > JUMP * self.met_m_s(section, &at).max(MINIMUM_SPEED_M_S) {
+                    self.jump.get_or_insert(section);
                 }
-                let side = self.answer(&beside);
-                let share = step.map_or(0.0, |step| sign * weight / (60.0 * step));
-                let sum = slope.get_or_insert_with(|| vec![0.0; side.len()]);
-                sum.iter_mut().zip(&side).for_each(|(slope, side)| *slope += share * side);
+            }
+            let share = weight / (60.0 * step);
+            let sum = slope.get_or_insert_with(|| vec![0.0; above.len()]);
+            for (slope, (above, below)) in sum.iter_mut().zip(above.iter().zip(below)) {
+                *slope += share * (above - below);
             }
         }
         slope.unwrap_or_default()
     }
 
-    /// Step of the difference; `None` where nothing depends on the variable.
-    fn difference(&self, at: &Instant, variable: Variable) -> Option<f64> {
+    /// Section whose momentum balance jumped between the sides of a derivative since this was asked last.
+    pub fn jump(&mut self) -> Option<usize> {
+        self.jump.take()
+    }
+
+    /// Step of the difference; `None` where nothing depends on the variable. A degree of attachment next to 0 becomes 0.
+    fn difference(&self, at: &mut Instant, variable: Variable) -> Option<f64> {
+        if let Variable::Lag(lag) = variable {
+            let (section, kind) = self.lags()[lag];
+            let value = &mut at.lags.to_mut()[lag];
+            return Some(match kind {
+                RotorLag::Attached if *value < SEPARATED => {
+                    *value = 0.0;
+                    SEPARATED_STEP
+                }
+                RotorLag::Attached => STEP * value.min(1.0),
+                RotorLag::Wake(_) | RotorLag::Lift => STEP,
+                RotorLag::Induced | RotorLag::Reduced(_) | RotorLag::Acting(_) => {
+                    STEP * self.met_m_s(section, at).max(MINIMUM_SPEED_M_S)
+                }
+            });
+        }
+
+        let at = &*at;
         let motion = |section: usize| &at.motions[section.min(at.motions.len() - 1)];
         let speed_m_s = |section: usize| (self.air_m_s(motion(section), at) - motion(section).velocity_m_s).norm();
         let slowest_m_s = (0..self.cuts.len()).map(|section| self.met_m_s(section, at)).fold(f64::INFINITY, f64::min);
@@ -88,7 +140,6 @@ impl Rotor {
                     _ => None,
                 }
             }
-            Variable::Lag(lag) => Some(STEP * of(lag).0),
             Variable::Air(component) => match component {
                 3..6 => {
                     let reach_m = at.motions.iter().map(|motion| motion.position_m.norm());
@@ -96,9 +147,11 @@ impl Rotor {
                 }
                 _ => Some(STEP * slowest_m_s),
             },
-            Variable::AirRate(_) | Variable::FlapAngle(_) | Variable::FlapRate(_) | Variable::FlapAcceleration(_) => {
-                None
-            }
+            Variable::Lag(_)
+            | Variable::AirRate(_)
+            | Variable::FlapAngle(_)
+            | Variable::FlapRate(_)
+            | Variable::FlapAcceleration(_) => None,
         }
     }
 

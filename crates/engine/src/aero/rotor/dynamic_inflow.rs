@@ -32,16 +32,42 @@ pub fn time_constant_s(radius_m: f64, mean_induction: f64, wind_m_s: f64) -> f64
     (1.1 * radius_m / slowed_m_s).min(MAXIMUM_TIME_S)
 }
 
+/// Second time constant over the first at a radius over that of the rotor, eq. (B10).
+fn second_share(span: f64) -> f64 {
+    0.39 - 0.26 * span.min(1.0) * span.min(1.0)
+}
+
 impl InflowState {
     /// Of a fully developed flow.
     pub fn established(balanced_m_s: [f64; 2]) -> Self {
         Self { balanced_m_s, middle_m_s: balanced_m_s, acting_m_s: balanced_m_s }
     }
 
+    /// With the state of eq. (B31) in place of the velocity after the first lag: less the share of the balance that passes it at once.
+    pub fn reduced(&self) -> Self {
+        let middle_m_s = std::array::from_fn(|axis| self.middle_m_s[axis] - DIRECT * self.balanced_m_s[axis]);
+        Self { middle_m_s, ..*self }
+    }
+
+    /// The inverse of [`InflowState::reduced`], where the momentum balance gives `balanced_m_s`.
+    pub fn balanced(&self, balanced_m_s: [f64; 2]) -> Self {
+        let middle_m_s = std::array::from_fn(|axis| self.middle_m_s[axis] + DIRECT * balanced_m_s[axis]);
+        Self { balanced_m_s, middle_m_s, ..*self }
+    }
+
+    /// Rates in m/s² of the states of eq. (B31), reduced and acting, axial and tangential each.
+    pub fn rates_m_s2(&self, first_s: f64, span: f64) -> [[f64; 2]; 2] {
+        let second_s = second_share(span) * first_s;
+        [
+            std::array::from_fn(|axis| (self.balanced_m_s[axis] - self.middle_m_s[axis]) / first_s),
+            std::array::from_fn(|axis| (self.middle_m_s[axis] - self.acting_m_s[axis]) / second_s),
+        ]
+    }
+
     /// State a step later, where the momentum balance gives `balanced_m_s`, eq. (B10): exact if the balance changes
     /// linearly over the step. `span` is the radius of the node over that of the rotor.
     pub fn after(&self, balanced_m_s: [f64; 2], step_s: f64, first_s: f64, span: f64) -> Self {
-        let share = 0.39 - 0.26 * span.min(1.0) * span.min(1.0);
+        let share = second_share(span);
         let second_s = share * first_s;
         let mut next = Self { balanced_m_s, ..*self };
         if step_s <= 0.0 {

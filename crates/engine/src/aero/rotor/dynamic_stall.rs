@@ -6,7 +6,7 @@
 use crate::aero::polar::Polar;
 use crate::aero::rotor::lag::lag;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Amplitudes of the two terms of the wake's memory (Jones).
 const AMPLITUDES: [f64; 2] = [0.3, 0.7];
@@ -21,6 +21,9 @@ const SEPARATION_LAG: f64 = 3.0;
 const CUTOUT_RAD: [f64; 2] = [45.0 * PI / 180.0, 5.0 * PI / 180.0];
 /// Smallest speed in m/s used in the time constants.
 const MINIMUM_SPEED_M_S: f64 = 0.01;
+
+/// Degree of attachment below which linear models count a section as separated.
+pub const SEPARATED: f64 = 1e-6;
 
 /// Static polar split into attached and separated flow, eq. (B12).
 #[derive(Debug, Clone, PartialEq)]
@@ -74,6 +77,11 @@ impl SplitPolar {
         separate(&mut (after..polar.rows.len()));
         separate(&mut (0..after).rev());
         Some(Self { polar, zero_lift_rad, slope_1_rad, split, zero_lift_drag })
+    }
+
+    /// Angle in rad at which attached flow has a lift.
+    fn angle_rad(&self, lift: f64) -> f64 {
+        lift / self.slope_1_rad + self.zero_lift_rad
     }
 
     /// Degree of attachment and lift of separated flow at an angle.
@@ -144,7 +152,7 @@ impl StallState {
         let rear_rad = met.rear_rad();
         let mut state = Self { met, wake_rad: AMPLITUDES.map(|amplitude| amplitude * rear_rad), ..Self::default() };
         state.lagged_lift = state.attached_lift(split);
-        state.attached = split.split_at(state.lagged_lift / split.slope_1_rad + split.zero_lift_rad)[0];
+        state.attached = split.split_at(split.angle_rad(state.lagged_lift))[0];
         state
     }
 
@@ -169,14 +177,42 @@ impl StallState {
         }
         let (from, to) = (self.attached_lift(split), next.attached_lift(split));
         next.lagged_lift = lag(self.lagged_lift, from, to, ways / PRESSURE_LAG);
-        let share = |lift: f64| split.split_at(lift / split.slope_1_rad + split.zero_lift_rad)[0];
+        let share = |lift: f64| split.split_at(split.angle_rad(lift))[0];
         next.attached =
             lag(self.attached, share(self.lagged_lift), share(next.lagged_lift), ways / SEPARATION_LAG).clamp(0.0, 1.0);
         next
     }
 
+    /// Rates of the four states in 1/s at an instant, eq. (B13). The angle at three quarters of the chord is taken on the turn nearest to the
+    /// one that the wake remembers: at 180° it jumps.
+    pub fn rates_1_s(&self, split: &SplitPolar) -> [f64; 4] {
+        let remembered_rad = self.wake_rad.iter().sum::<f64>() / AMPLITUDES.iter().sum::<f64>();
+        let rear_rad = self.met.rear_rad();
+        let rear_rad = rear_rad + TAU * ((remembered_rad - rear_rad) / TAU).round();
+        let passing_s = self.met.passing_s();
+        let effective_rad = split.angle_rad(self.lagged_lift);
+        let [wake, second] =
+            [0, 1].map(|term| RATES[term] * (AMPLITUDES[term] * rear_rad - self.wake_rad[term]) / passing_s);
+        [
+            wake,
+            second,
+            (self.attached_lift(split) - self.lagged_lift) / (PRESSURE_LAG * passing_s),
+            (split.split_at(effective_rad)[0] - self.attached) / (SEPARATION_LAG * passing_s),
+        ]
+    }
+
     /// Coefficients, eq. (B14); blended with the static ones between 40° and 50° of angle of attack, static beyond.
     pub fn coefficients(&self, split: &SplitPolar) -> Coefficients {
+        self.coefficients_by(split, self.attached.sqrt())
+    }
+
+    /// The same beside a state, for derivatives: below [`SEPARATED`] the square root of the attachment, whose slope is infinite at 0, is 0.
+    pub fn coefficients_beside(&self, split: &SplitPolar) -> Coefficients {
+        let root = if self.attached < 0.9 * SEPARATED { 0.0 } else { self.attached.sqrt() };
+        self.coefficients_by(split, root)
+    }
+
+    fn coefficients_by(&self, split: &SplitPolar, attached_root: f64) -> Coefficients {
         let plain = split.polar.at(self.met.attack_rad);
         let static_row = Coefficients { lift: plain.lift, drag: plain.drag, moment: plain.moment };
         let [cutout_rad, half_rad] = CUTOUT_RAD;
@@ -191,7 +227,7 @@ impl StallState {
         let [share, separated_lift] = split.split_at(effective_rad);
         let circulatory = self.attached * split.slope_1_rad * (effective_rad - split.zero_lift_rad)
             + (1.0 - self.attached) * separated_lift;
-        let lost = 0.5 * (share.sqrt() - self.attached.sqrt()) - 0.25 * (share - self.attached);
+        let lost = 0.5 * (share.sqrt() - attached_root) - 0.25 * (share - self.attached);
         let dynamic = Coefficients {
             lift: circulatory + PI * passing,
             drag: row.drag

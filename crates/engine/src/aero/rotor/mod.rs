@@ -14,6 +14,7 @@ pub mod lag;
 pub mod options;
 pub mod skew;
 mod spread;
+pub mod states;
 pub mod steady;
 pub mod tower;
 pub mod turbulence;

@@ -63,11 +63,6 @@ pub struct RotorFeatures {
 }
 
 impl RotorFeatures {
-    /// Whether linear models have this air, with its lags, eq. (B27); otherwise its loads are held.
-    pub fn is_linearised(&self) -> bool {
-        self.inflow_lag_s.is_some() && !self.dynamic_stall
-    }
-
     /// A rotor that turns clockwise, whose blades begin at a radius in m; both losses, no load at the ends, no wake that leans or
     /// lags, no dynamic stall, neither tower nor field.
     pub fn of(hub_radius_m: f64) -> Self {

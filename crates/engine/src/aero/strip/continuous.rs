@@ -48,8 +48,8 @@ pub struct Instant<'a> {
     pub flow: Flow<'a>,
     /// A uniform gust in addition to those of the flow, root frame, m/s.
     pub gust_m_s: Vector3<f64>,
-    /// Lag states of all strips in m/s, [`Strips::lags`].
-    pub lags_m_s: Cow<'a, [f64]>,
+    /// Lag states: of strips in m/s, [`Strips::lags`]; of rotors in their own units, [`Rotor::lags`](crate::aero::rotor::bem::Rotor::lags).
+    pub lags: Cow<'a, [f64]>,
     /// Angles and rates of the flaps.
     pub flaps: Cow<'a, [Deflection]>,
     /// Rates of these rates in rad/s².
@@ -96,7 +96,7 @@ pub struct LagPlace {
 }
 
 impl Strips {
-    /// The lag states in the order of [`Instant::lags_m_s`]: strip by strip those of the motion, and those of gusts
+    /// The lag states in the order of [`Instant::lags`]: strip by strip those of the motion, and those of gusts
     /// where the model has a lifting line or `gusts` asks for them. There are none without lag.
     pub fn lags(&self, gusts: bool) -> Vec<LagPlace> {
         if !self.options.unsteady {
@@ -219,7 +219,7 @@ impl Strips {
             let mut lag = Lag::established(now_m_s);
             let first = strip * (terms[0] + terms[1]) + if gust { terms[0] } else { 0 };
             let count = terms[usize::from(gust)];
-            lag.followers_m_s[..count].copy_from_slice(&at.lags_m_s[first..first + count]);
+            lag.followers_m_s[..count].copy_from_slice(&at.lags[first..first + count]);
             lag
         };
         self.inflows.clear();
@@ -349,7 +349,7 @@ impl Strips {
             }
             Variable::Lag(lag) => {
                 let per_strip = self.lag_terms(gusts).iter().sum::<usize>().max(1);
-                debug_assert_eq!(at.lags_m_s.len(), per_strip * self.strips.len());
+                debug_assert_eq!(at.lags.len(), per_strip * self.strips.len());
                 lag / per_strip..lag / per_strip + 1
             }
             Variable::Air(_) | Variable::AirRate(_) => 0..self.strips.len(),
@@ -413,7 +413,7 @@ pub(crate) fn displace(at: &mut Instant, variable: Variable, shift: f64) {
                 part => at.accelerations.to_mut()[section][part - 4] += axis,
             }
         }
-        Variable::Lag(lag) => at.lags_m_s.to_mut()[lag] += shift,
+        Variable::Lag(lag) => at.lags.to_mut()[lag] += shift,
         Variable::Air(component) => match component / 3 {
             0 => at.flow.wind_m_s += axis(component),
             1 => at.flow.spin_rad_s += axis(component),

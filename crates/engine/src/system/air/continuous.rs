@@ -183,7 +183,7 @@ impl System {
                 accelerations: Cow::Borrowed(&own.accelerations),
                 flow: flow(settings, state, time_s),
                 gust_m_s: Vector3::zeros(),
-                lags_m_s: Cow::Borrowed(&own.lags_m_s),
+                lags: Cow::Borrowed(&own.lags_m_s),
                 flaps: Cow::Borrowed(deflections),
                 flap_rad_s2: Cow::Borrowed(&own.flap_rad_s2),
             };

@@ -1,8 +1,8 @@
 //! Derivatives of the response of the air to small motions of the machine, its lag states and its inputs: strips have them, NOTATION
-//! eqs. (W13) and (W14), and rotors whose induced velocity lags, eq. (B27); in continuous time.
+//! eqs. (W13) and (W14), and rotors, eqs. (B27) and (B31); in continuous time.
 
 use crate::aero::near_sheets::NoCirculation;
-use crate::aero::rotor::bem::Rotor;
+use crate::aero::rotor::bem::{Rotor, RotorLoads};
 use crate::aero::strip::Strips;
 use crate::aero::strip::continuous::{
     AIR_VARIABLES, Instant, LOAD_ROWS, LagPlace, MOTION_VARIABLES, SectionAcceleration, Variable,
@@ -23,15 +23,13 @@ pub(crate) const SECTION_VARIABLES: usize = MOTION_VARIABLES;
 const AIR_RATES: usize = 6;
 
 /// Response of the air per unit of its causes. Rows: loads of the sections in their frames (six each), rates of the
-/// lag states in m/s², circulations of the strips in m²/s.
+/// lag states in their units per s, circulations of the strips in m²/s or, of a rotor, its loads and coefficients.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AirSlopes {
     /// Number of rows that are loads.
     pub load_rows: usize,
     /// Names of the lag states.
     pub lags: Vec<String>,
-    /// Lag states at the state in m/s.
-    pub lags_m_s: Vec<f64>,
     /// By the degrees of freedom: coordinates, rates, accelerations.
     pub motion: [DMatrix<f64>; 3],
     /// By the lag states.
@@ -52,18 +50,16 @@ impl<'a> Continuous<'a> {
     fn of(model: &'a mut AirModel) -> Option<Self> {
         match model {
             AirModel::Strips(strips) => Some(Self::Strips(strips)),
-            AirModel::Rotor(rotor) if rotor.is_linearised() => Some(Self::Rotor(rotor)),
+            AirModel::Rotor(rotor) => Some(Self::Rotor(rotor)),
             _ => None,
         }
     }
 
-    /// Lag states of a state in m/s; `None` where the air has no derivatives.
-    fn lags_m_s(model: &AirModel, state: &AirState, gusts: bool) -> Option<Vec<f64>> {
+    /// Lag states of a state; `None` where the air has no derivatives.
+    fn lags(model: &AirModel, state: &AirState, gusts: bool) -> Option<Vec<f64>> {
         match (model, state) {
             (AirModel::Strips(strips), AirState::Strips(state)) => Some(strips.lags_m_s(state, gusts)),
-            (AirModel::Rotor(rotor), AirState::Rotor(state)) if rotor.is_linearised() => {
-                Some(state.sections.iter().map(|memory| memory.inflow.acting_m_s[0]).collect())
-            }
+            (AirModel::Rotor(rotor), AirState::Rotor(state)) => Some(rotor.lag_values(state)),
             _ => None,
         }
     }
@@ -85,7 +81,7 @@ impl<'a> Continuous<'a> {
 }
 
 impl System {
-    /// Whether the machine is in air with linear models: strips, and rotors whose induced velocity lags.
+    /// Whether the machine is in air with linear models: strips and rotors.
     pub fn air_is_linearised(&self) -> bool {
         self.air.as_ref().is_some_and(|air| air.settings.options.is_linearised())
     }
@@ -95,7 +91,7 @@ impl System {
     /// of the freedoms. `None` where the air has none.
     ///
     /// # Errors
-    /// Where strips with a speed of sound meet air at Mach 1 or beyond.
+    /// Where strips with a speed of sound meet air at Mach 1 or beyond, and where the momentum balance of an annulus jumps.
     pub(crate) fn air_slopes(
         &mut self,
         sections: &[(SectionMotion, SectionAcceleration)],
@@ -108,16 +104,16 @@ impl System {
             0 => 1.0,
             _ => (1.0 - (history.loads.end_s - self.state.now.time_s) / step_s).clamp(0.0, 1.0),
         };
-        let ends = [&history.before, &history.after].map(|state| Continuous::lags_m_s(&air.model, state, gusts));
+        let ends = [&history.before, &history.after].map(|state| Continuous::lags(&air.model, state, gusts));
         let [Some(before), Some(after)] = ends else { return Ok(None) };
         let ends = [before, after];
-        let lags_m_s: Vec<f64> = ends[0].iter().zip(&ends[1]).map(|(a, b)| a + (b - a) * share).collect();
+        let lags: Vec<f64> = ends[0].iter().zip(&ends[1]).map(|(a, b)| a + (b - a) * share).collect();
         let at = Instant {
             motions: sections.iter().map(|(motion, _)| *motion).collect::<Vec<_>>().into(),
             accelerations: sections.iter().map(|(_, acceleration)| *acceleration).collect::<Vec<_>>().into(),
             flow: flow(&air.settings, &self.state, self.state.now.time_s),
             gust_m_s: Vector3::zeros(),
-            lags_m_s: lags_m_s.clone().into(),
+            lags: lags.into(),
             flaps: deflections(&air.settings, &self.state.applied_inputs).collect::<Vec<_>>().into(),
             flap_rad_s2: vec![0.0; air.settings.flaps.len()].into(),
         };
@@ -149,17 +145,21 @@ impl System {
             let slopes: Vec<f64> = variables.iter().flat_map(|variable| model.slope(&at, gusts, *variable)).collect();
             DMatrix::from_vec(rows, variables.len(), slopes)
         };
-        let lag = columns((0..lags_m_s.len()).map(Variable::Lag).collect());
+        let lag = columns((0..at.lags.len()).map(Variable::Lag).collect());
         let flaps = 0..at.flaps.len();
         let shared = (0..AIR_RATES).map(Variable::Air).chain(flaps.clone().map(Variable::FlapRate));
         let shared = shared.chain((AIR_RATES..AIR_VARIABLES).map(Variable::Air));
         let air_columns = columns(shared.chain(flaps.clone().map(Variable::FlapAngle)).collect());
         let rates = (0..AIR_RATES).map(Variable::AirRate);
         let air_rate = columns(rates.chain(flaps.map(Variable::FlapAcceleration)).collect());
+        if let Continuous::Rotor(rotor) = &mut model
+            && let Some(section) = rotor.jump()
+        {
+            return Err(self.no_slope(section));
+        }
         Ok(Some(AirSlopes {
             load_rows: LOAD_ROWS * sections.len(),
             lags: self.lag_names(gusts),
-            lags_m_s,
             motion,
             lag,
             air: air_columns,
@@ -167,27 +167,47 @@ impl System {
         }))
     }
 
-    /// Names and values in m/s of the lag states of strips at the present state, in the order of linear models.
-    pub fn air_lags(&self, gusts: bool) -> Vec<(String, f64)> {
+    /// Names, units and values of the lag states of the air at the present state, in the order of linear models.
+    pub fn air_lags(&self, gusts: bool) -> Vec<(String, &'static str, f64)> {
         let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return Vec::new() };
-        let values = Continuous::lags_m_s(&air.model, &history.after, gusts).unwrap_or_default();
-        self.lag_names(gusts).into_iter().zip(values).collect()
+        let values = Continuous::lags(&air.model, &history.after, gusts).unwrap_or_default();
+        let units = match &air.model {
+            AirModel::Rotor(rotor) => rotor.lags().iter().map(|(_, lag)| lag.unit()).collect(),
+            _ => vec!["m/s"; values.len()],
+        };
+        self.lag_names(gusts).into_iter().zip(units).zip(values).map(|((name, unit), value)| (name, unit, value)).collect()
     }
 
     /// Names of the lag states, in the order of linear models.
     pub(crate) fn lag_names(&self, gusts: bool) -> Vec<String> {
         match self.air.as_ref().map(|air| &air.model) {
             Some(AirModel::Strips(model)) => model.lags(gusts).iter().map(|place| self.lag_name(place)).collect(),
-            Some(AirModel::Rotor(model)) if model.is_linearised() => {
-                let blades = self.machine.air.iter().flat_map(|air| &air.surfaces);
-                let of = |blade: &machine::LiftingSurface| {
-                    let body = self.machine.bodies[blade.body].name.clone();
-                    (1..=blade.positions_m.len()).map(move |station| format!("{body}.station[{station}].induced"))
-                };
-                blades.flat_map(of).collect()
+            Some(AirModel::Rotor(model)) => {
+                let places: Vec<String> = self.stations_of_blades();
+                model.lags().iter().map(|(section, lag)| format!("{}.{}", places[*section], lag.name())).collect()
             }
             _ => Vec::new(),
         }
+    }
+
+    /// `blade1.station[3]`: places of the sections of a rotor's blades.
+    fn stations_of_blades(&self) -> Vec<String> {
+        let blades = self.machine.air.iter().flat_map(|air| &air.surfaces);
+        let of = |blade: &machine::LiftingSurface| {
+            let body = self.machine.bodies[blade.body].name.clone();
+            (1..=blade.positions_m.len()).map(move |station| format!("{body}.station[{station}]"))
+        };
+        blades.flat_map(of).collect()
+    }
+
+    /// An annulus whose momentum balance jumps has no linear model.
+    fn no_slope(&self, section: usize) -> PlantError {
+        let place = &self.stations_of_blades()[section];
+        let cause = format!(
+            "the momentum balance of {place} jumps here, between two states of the annulus; move the point by another wind, pitch or rotor \
+             speed, or write inflow_lag_s, which has no jump"
+        );
+        PlantError::Linearization { time_s: self.state.now.time_s, cause }
     }
 
     /// Largest load of the air so far in N.
@@ -207,6 +227,15 @@ impl System {
                 load.force_n += Vector3::from_column_slice(&entries[..3]) * amount;
                 load.moment_n_m += Vector3::from_column_slice(&entries[3..]) * amount;
             }
+        }
+        if let [AirState::Rotor(before), AirState::Rotor(after)] = [&mut history.before, &mut history.after] {
+            // the last rows are the rotor's own
+            let own = &rest[rest.len() - size_of::<RotorLoads>() / size_of::<f64>()..];
+            for state in [before, after] {
+                let numbers: &mut [f64] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut state.loads));
+                numbers.iter_mut().zip(own).for_each(|(number, entry)| *number += entry * amount);
+            }
+            return Some(kept);
         }
         let (rest, hinges) = rest.split_at(rest.len() - history.after.hinge_moments().len());
         let circulations = &rest[rest.len() - strips.sum::<usize>()..];

@@ -1,0 +1,162 @@
+//! What the air of a rotor remembers, section by section, and its lag states in linear models.
+
+use crate::aero::memory::Measure;
+use crate::aero::rotor::bem::{Rotor, RotorLoads, Section};
+use crate::aero::rotor::dynamic_inflow::InflowState;
+use crate::aero::rotor::dynamic_stall::StallState;
+use crate::aero::rotor::induction::{Annulus, EndRule};
+use serde::{Deserialize, Serialize};
+
+/// Memory of one section.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct SectionMemory {
+    /// Of the wake.
+    pub inflow: InflowState,
+    /// Of the section.
+    pub stall: StallState,
+}
+
+/// All that a rotor's air remembers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RotorState {
+    /// Section by section of the blades.
+    pub sections: Vec<SectionMemory>,
+    /// Loads of the rotor at this time.
+    pub loads: RotorLoads,
+}
+
+impl RotorState {
+    /// Copies without allocating; both must belong to the same model.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.sections.copy_from_slice(&other.sections);
+        self.loads = other.loads;
+    }
+
+    /// Whether a state has the sizes of this one.
+    pub fn fits(&self, other: &Self) -> bool {
+        self.sections.len() == other.sections.len()
+    }
+}
+
+/// A lag state of a section in linear models, eq. (B27).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RotorLag {
+    /// Induced velocity along the shaft with one lag, eq. (B24), m/s.
+    Induced,
+    /// Induced velocity after the first lag, less the share of the balance that passes it at once, eq. (B31), m/s: axial (0) or
+    /// tangential (1).
+    Reduced(usize),
+    /// Induced velocity after both lags, eq. (B10), m/s: axial (0) or tangential (1).
+    Acting(usize),
+    /// Lagged term of the downwash of the section's wake, eq. (B13), rad.
+    Wake(usize),
+    /// Lift coefficient of attached flow after the lag of the pressure, eq. (B13).
+    Lift,
+    /// Degree of attachment, eq. (B13).
+    Attached,
+}
+
+impl RotorLag {
+    /// End of its name, after that of the station.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Induced => "induced",
+            Self::Reduced(axis) => ["inflow_axial", "inflow_tangential"][axis],
+            Self::Acting(axis) => ["induced_axial", "induced_tangential"][axis],
+            Self::Wake(term) => ["wake[1]", "wake[2]"][term],
+            Self::Lift => "attached_lift",
+            Self::Attached => "attachment",
+        }
+    }
+
+    /// Its unit.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Induced | Self::Reduced(_) | Self::Acting(_) => "m/s",
+            Self::Wake(_) => "rad",
+            Self::Lift | Self::Attached => "1",
+        }
+    }
+
+    /// The state in a memory that holds it as [`Rotor::given`] does.
+    pub(super) fn of(self, memory: &mut SectionMemory) -> &mut f64 {
+        match self {
+            Self::Induced => &mut memory.inflow.acting_m_s[0],
+            Self::Reduced(axis) => &mut memory.inflow.middle_m_s[axis],
+            Self::Acting(axis) => &mut memory.inflow.acting_m_s[axis],
+            Self::Wake(term) => &mut memory.stall.wake_rad[term],
+            Self::Lift => &mut memory.stall.lagged_lift,
+            Self::Attached => &mut memory.stall.attached,
+        }
+    }
+}
+
+impl Rotor {
+    /// A state of the right size, without air.
+    pub fn blank_state(&self) -> RotorState {
+        RotorState { sections: vec![SectionMemory::default(); self.sections.len()], loads: RotorLoads::default() }
+    }
+
+    /// What follows with a lag, section by section, as far as the features in use move it: induced velocities, then the terms of
+    /// dynamic stall. Annuli whose loss is complete have no balance that they follow; sections without load do not stall.
+    pub(crate) fn memories<'s>(&self, state: &'s mut RotorState, list: &mut Vec<(Measure, &'s mut f64)>) {
+        for (section, SectionMemory { inflow, stall }) in self.sections.iter().zip(&mut state.sections) {
+            let [one_lag, two_lags, stalls] = self.moved(section);
+            let InflowState { balanced_m_s: _, middle_m_s, acting_m_s } = inflow;
+            if one_lag {
+                list.push((Measure::Velocity, &mut acting_m_s[0]));
+            } else if two_lags {
+                list.extend(middle_m_s.iter_mut().chain(acting_m_s).map(|lag| (Measure::Velocity, lag)));
+            }
+            if stalls {
+                let StallState { wake_rad, lagged_lift, attached, met: _ } = stall;
+                list.extend(wake_rad.iter_mut().chain([lagged_lift, attached]).map(|lag| (Measure::Number, lag)));
+            }
+        }
+    }
+
+    /// Whether a section has the one lag of eq. (B24), the two of eq. (B10), dynamic stall.
+    fn moved(&self, section: &Section) -> [bool; 3] {
+        let features = &self.options.features;
+        let [tip_exponent, hub_exponent] = section.exponents;
+        let is_end = Annulus { solidity: 0.0, tip_exponent, hub_exponent }.is_end();
+        let one_lag = features.inflow_lag_s.is_some();
+        let is_loaded = one_lag || !is_end || features.end_rule != EndRule::ZeroLoad;
+        let stalls = is_loaded && self.splits[section.polar].is_some();
+        [one_lag, !one_lag && features.dynamic_inflow && !is_end, stalls]
+    }
+
+    /// Lag states in linear models with their sections, in the order of [`Rotor::memories`].
+    pub fn lags(&self) -> Vec<(usize, RotorLag)> {
+        let mut list = Vec::new();
+        for (index, section) in self.sections.iter().enumerate() {
+            let [one_lag, two_lags, stalls] = self.moved(section);
+            let mut add = |has: bool, lags: &[RotorLag]| {
+                list.extend(lags.iter().filter(|_| has).map(|lag| (index, *lag)));
+            };
+            add(one_lag, &[RotorLag::Induced]);
+            add(two_lags, &[0, 1].map(RotorLag::Reduced));
+            add(two_lags, &[0, 1].map(RotorLag::Acting));
+            add(stalls, &[RotorLag::Wake(0), RotorLag::Wake(1), RotorLag::Lift, RotorLag::Attached]);
+        }
+        list
+    }
+
+    /// Values of [`Rotor::lags`] in a state.
+    pub fn lag_values(&self, state: &RotorState) -> Vec<f64> {
+        let of = |(section, lag): (usize, RotorLag)| {
+            let SectionMemory { inflow, stall } = &state.sections[section];
+            *lag.of(&mut SectionMemory { inflow: inflow.reduced(), stall: *stall })
+        };
+        self.lags().into_iter().map(of).collect()
+    }
+
+    /// Memories of the sections that hold these lag states, for [`Past::Given`](super::bem::Past).
+    pub(super) fn given(&self, lags: &[f64]) -> Vec<SectionMemory> {
+        let mut memories = vec![SectionMemory::default(); self.sections.len()];
+        for ((section, lag), value) in self.lags().into_iter().zip(lags) {
+            *lag.of(&mut memories[section]) = *value;
+        }
+        memories
+    }
+}
