@@ -5,6 +5,7 @@
 //!
 //! `cargo bench --bench lattice`; with `-- FOLDER` the histories of the lift coefficient go there as CSV.
 
+use foldwing::aero::established::Established;
 use foldwing::aero::AirLoads;
 use foldwing::aero::flow::Flow;
 use foldwing::aero::lattice::{LatticeOptions, LoadRule, VortexLattice, WakeModel};
@@ -57,7 +58,7 @@ fn run(wake: WakeModel, threads: usize) -> (f64, Vec<f64>) {
     };
     let mut lattice = VortexLattice::new(vec![surface], options);
     let (mut from, mut to, mut loads) = (lattice.blank_state(), lattice.blank_state(), AirLoads::still(sections));
-    lattice.start(&motions, &flow, false, &mut from, &mut loads).expect("regular");
+    lattice.start(&motions, &flow, None, &mut from, &mut loads).expect("regular");
     let mut lift = Vec::with_capacity(STEPS);
     for _ in 0..STEPS {
         lattice.convect(&from, &flow, step_s, &mut to);
@@ -103,7 +104,7 @@ fn bending(wake_rows: usize) -> (f64, f64) {
     };
     let mut lattice = VortexLattice::new(vec![surface], options);
     let (mut from, mut to, mut loads) = (lattice.blank_state(), lattice.blank_state(), AirLoads::still(sections));
-    lattice.start(&bent(0.0), &flow, true, &mut from, &mut loads).expect("regular");
+    lattice.start(&bent(0.0), &flow, Some(Established::straight(0.0125)), &mut from, &mut loads).expect("regular");
     let (mut convecting_s, mut solving_s, mut solutions) = (0.0, 0.0, 0);
     for step in 1..=20 {
         let begin = Instant::now();

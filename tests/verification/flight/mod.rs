@@ -1,5 +1,6 @@
 //! FD-01 to FD-05: a free aircraft with folding tips in steady flight: its trim, its release, its modes.
 
+mod lattice;
 mod rigid;
 
 use foldwing::config;

@@ -2,6 +2,7 @@
 
 use crate::lattice::wing::{DENSITY_KG_M3, SPEED_M_S, options};
 use foldwing::aero::AirLoads;
+use foldwing::aero::established::Established;
 use foldwing::aero::flow::Flow;
 use foldwing::aero::joined_edges::Edge;
 use foldwing::aero::lattice::{LatticeOptions, LoadRule, VortexLattice};
@@ -48,7 +49,9 @@ fn folded(angle_rad: f64, strips: usize, chord_panels: usize, core_radius_m: f64
         spin_rad_s: Vector3::zeros(),
         gusts: &[],
     };
-    lattice.start(&motions, &flow, true, &mut state, &mut loads).expect("regular");
+    // a row of the wake as long as a panel
+    let step_s = 1.0 / (chord_panels as f64 * SPEED_M_S);
+    lattice.start(&motions, &flow, Some(Established::straight(step_s)), &mut state, &mut loads).expect("regular");
     let circulation = |strip: usize| match split {
         true => lattice.strip_circulation(&state, strip / strips, strip % strips),
         false => lattice.strip_circulation(&state, 0, strip),
@@ -129,7 +132,9 @@ fn hinged(flare: f64, angle_rad: f64, load_rule: LoadRule, join: bool) -> Result
         spin_rad_s: Vector3::zeros(),
         gusts: &[],
     };
-    lattice.start(&motions, &flow, true, &mut state, &mut loads)?;
+    // a row of the wake as long as a panel
+    let step_s = 0.02 / 18.0;
+    lattice.start(&motions, &flow, Some(Established::straight(step_s)), &mut state, &mut loads)?;
     let lift_n = loads.circulatory.iter().map(|load| load.force_n.z).sum();
     let moment = motions[13..].iter().zip(&loads.circulatory[13..]).map(|(motion, load)| {
         let arm_m = motion.position_m - Vector3::x() * HINGE_M;

@@ -1,6 +1,7 @@
 //! Roots that turn against wings that do, and edges that move at different speeds.
 
 use crate::lattice::wing::{DENSITY_KG_M3, inset, options};
+use foldwing::aero::established::Established;
 use foldwing::aero::flow::Flow;
 use foldwing::aero::lattice::LatticeOptions;
 use foldwing::aero::strip::StripOptions;
@@ -45,7 +46,7 @@ fn turning(
             gusts: &[],
         };
         if step == 0 {
-            model.start(&motions, &flow, established, &mut from, &mut loads).expect("regular");
+            model.start(&motions, &flow, established.then_some(Established::straight(step_s)), &mut from, &mut loads).expect("regular");
         } else {
             model.convect(&from, &flow, step_s, &mut to);
             model.solve(&from, &motions, &flow, step_s, &mut to, &mut loads).expect("regular");

@@ -65,7 +65,7 @@ impl Case {
                 gusts: &[],
             };
             if step == 0 {
-                lattice.start(&motions, &flow, false, &mut from, &mut loads).expect("regular");
+                lattice.start(&motions, &flow, None, &mut from, &mut loads).expect("regular");
             } else {
                 lattice.convect(&from, &flow, step_s, &mut to);
                 lattice.solve(&from, &motions, &flow, step_s, &mut to, &mut loads).expect("regular");

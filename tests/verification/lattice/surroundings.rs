@@ -1,6 +1,7 @@
 //! Compressible air and the ground around the lattice, against closed forms and against wings that need neither.
 
 use crate::lattice::wing::{SPEED_M_S, Wing, inset, options};
+use foldwing::aero::established::Established;
 use foldwing::aero::images::Plane;
 use foldwing::aero::lattice::{LatticeOptions, LoadRule, VortexLattice};
 use foldwing::aero::near_sheets::NoCirculation;
@@ -50,7 +51,7 @@ fn u48_mach_one_and_the_underground_are_refused() {
         let flow =
             Flow { time_s: 0.0, density_kg_m3: 1.2, wind_m_s: wing.wind_m_s, spin_rad_s: Vector3::zeros(), gusts: &[] };
         let (motions, mut state, mut loads) = (wing.motions.clone(), wing.from.clone(), wing.loads.clone());
-        wing.lattice.start(&motions, &flow, true, &mut state, &mut loads)
+        wing.lattice.start(&motions, &flow, Some(Established::straight(0.03)), &mut state, &mut loads)
     };
     for (sound_m_s, fine) in [(SPEED_M_S * 1.001, true), (SPEED_M_S, false), (0.01 * SPEED_M_S, false)] {
         let found = start(LatticeOptions { speed_of_sound_m_s: Some(sound_m_s), ..options() });
@@ -117,7 +118,7 @@ fn u50_ground_is_a_second_wing() {
             spin_rad_s: Vector3::zeros(),
             gusts: &[],
         };
-        lattice.start(&motions, &flow(0.0), false, &mut from, &mut loads).expect("regular");
+        lattice.start(&motions, &flow(0.0), None, &mut from, &mut loads).expect("regular");
         for step in 1..=6 {
             lattice.convect(&from, &flow(0.0), 0.03, &mut to);
             lattice.solve(&from, &motions, &flow(0.03 * f64::from(step)), 0.03, &mut to, &mut loads).expect("regular");

@@ -1,5 +1,6 @@
 //! Flat wings for the cases: sections along `x`, leading edge towards `+y`, flow along `−y`.
 
+use foldwing::aero::established::Established;
 use foldwing::aero::AirLoads;
 use foldwing::aero::flow::{Flow, Gust};
 use foldwing::aero::lattice::{LatticeOptions, LoadRule, VortexLattice, WakeModel};
@@ -94,6 +95,10 @@ impl Wing {
     /// The same where it may be refused.
     pub fn try_start(&mut self, established: bool) -> Result<(), NoCirculation> {
         let flow = Self::flow(self.time_s, self.wind_m_s, &self.gusts);
+        // a row of the wake as long as a panel
+        let chord = &self.lattice.surfaces()[0];
+        let step_s = chord.chords[0].length_m() / (chord.chord_panels as f64 * SPEED_M_S);
+        let established = established.then_some(Established::straight(step_s));
         self.lattice.start(&self.motions, &flow, established, &mut self.from, &mut self.loads)
     }
 

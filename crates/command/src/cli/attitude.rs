@@ -1,6 +1,7 @@
 //! Attitude and turn of a free machine: gravity, wind and motion of the root as the machine sees them, NOTATION eqs. (Q9), (Q11).
 
 use crate::cli::Failure;
+use foldwing_engine::machine::{AirOptions, WakeModel};
 use foldwing_engine::plant::Plant;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
@@ -58,8 +59,8 @@ pub(super) struct Attitude {
     given: [f64; 6],
     /// The root moves by itself.
     moving: bool,
-    /// The air is that of strips, or none.
-    in_strips: bool,
+    /// Why the air has no steady turn.
+    no_turn: Option<&'static str>,
     /// A free joint carries the machine.
     flies: bool,
     /// Columns: ahead, to the right, down; `None` without gravity, or without wind across it.
@@ -82,8 +83,13 @@ impl Attitude {
         Self {
             given,
             moving: moving.iter().any(|vector| *vector != Vector3::zeros()),
-            in_strips: !plant.has_linear_lattice()
-                && plant.machine().air.as_ref().is_none_or(|air| !air.options.is_rotor()),
+            no_turn: plant.machine().air.as_ref().and_then(|air| match &air.options {
+                AirOptions::Strips(_) => None,
+                AirOptions::Lattice(lattice) => (lattice.wake == WakeModel::Free).then_some(
+                    "a free wake has no steady shape in a turn; write free_wake = false",
+                ),
+                AirOptions::Rotor(_) => Some("rotors in the wind have no steady turn; use strips (aerodynamics.model = \"strip\")"),
+            }),
             flies: !plant.flying_joints().is_empty(),
             axes,
         }
@@ -103,10 +109,8 @@ impl Attitude {
         if !self.flies {
             return refused("only a machine on a free joint can fly a turn; give it one (type = \"free\")");
         }
-        if !self.in_strips {
-            return refused(
-                "the wake of a steady turn is curved, that of an established flow is straight; use strips (aerodynamics.model = \"strip\")",
-            );
+        if let Some(cause) = self.no_turn {
+            return refused(cause);
         }
         if self.moving {
             return refused(

@@ -10,6 +10,7 @@
 //! far as their circulations agree.
 
 use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet, blocks};
+use crate::aero::established::Established;
 use crate::aero::flap::HingeMoment;
 use crate::aero::flow::Flow;
 use crate::aero::images::{Plane, Stretch};
@@ -247,6 +248,7 @@ impl VortexLattice {
             wake_circulation_m2_s: vec![0.0; (self.options.wake_rows + 1) * self.wake_strips],
             wake_rows: 0,
             established: false,
+            turning: false,
             edge_m: vec![Vector3::zeros(); self.wake_columns],
             edge_m_s: vec![Vector3::zeros(); self.wake_columns],
             left_m: vec![Vector3::zeros(); self.wake_columns],
@@ -261,8 +263,9 @@ impl VortexLattice {
     ///
     /// Suddenly started: the circulation is that of the first instant, without wake; the impulse of the start is a blow
     /// before the first step and no load of it. Established: steady circulation and the straight wake that belongs to
-    /// it, along the relative flow at the trailing edge, eq. (U10); where edge and air do not move against each other,
-    /// without wake.
+    /// it, along the relative flow at the trailing edge, eq. (U10), or in a steady turn the curved one, eq. (U30), from
+    /// the last corners of a step, eq. (U9), so that sections at rest stay in the same flow; where edge and air do not
+    /// move against each other, without wake.
     ///
     /// # Errors
     /// Where the lattice is singular or two sheets are closed.
@@ -270,11 +273,11 @@ impl VortexLattice {
         &mut self,
         motions: &[SectionMotion],
         flow: &Flow,
-        established: bool,
+        established: Option<Established>,
         state: &mut LatticeState,
         loads: &mut AirLoads,
     ) -> Result<(), NoCirculation> {
-        (state.wake_rows, state.established, state.sheds) = (0, false, true);
+        (state.wake_rows, state.established, state.turning, state.sheds) = (0, false, false, true);
         state.left_m.fill(Vector3::zeros());
         state.far_wake_m_s.fill(Vector3::zeros());
         state.wake_circulation_m2_s.fill(0.0);
@@ -282,11 +285,10 @@ impl VortexLattice {
         state.profile_m_s.fill(0.0);
         state.relative_m_s = mean_relative_m_s(motions, flow);
         self.compress(motions, flow, state)?;
-        self.place(motions, None, state);
+        let established = self.place_at_start(motions, flow, established, state);
         self.turn_flaps(motions, state);
         self.above_ground(state)?;
         self.look_from_panels(state);
-        let established = established && self.lay_straight_wake(flow, state);
         self.factors = Factors::Due;
         self.influence(state, established)?;
         self.relative_velocity(flow, state, 0..0);

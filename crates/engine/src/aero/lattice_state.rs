@@ -30,6 +30,8 @@ pub struct LatticeState {
     pub wake_rows: usize,
     /// Whether the last of them is the straight wake of the established flow of the start.
     pub established: bool,
+    /// Whether this is the wake of a steady turn, eq. (U30): its number of rows stays, and the last hangs on the others.
+    pub turning: bool,
     /// Trailing edge, root frame, m: one point for each column of the wake.
     pub edge_m: Vec<Vector3<f64>>,
     /// Velocity of these points, root frame, m/s.
@@ -59,7 +61,7 @@ impl LatticeState {
         self.rear_panels.clone_from(&other.rear_panels);
         self.wake_node_m.clone_from(&other.wake_node_m);
         self.wake_circulation_m2_s.clone_from(&other.wake_circulation_m2_s);
-        (self.wake_rows, self.established) = (other.wake_rows, other.established);
+        (self.wake_rows, self.established, self.turning) = (other.wake_rows, other.established, other.turning);
         self.edge_m.clone_from(&other.edge_m);
         self.edge_m_s.clone_from(&other.edge_m_s);
         self.left_m.clone_from(&other.left_m);
@@ -85,6 +87,7 @@ impl LatticeState {
             && self.profile_m_s.len() == other.profile_m_s.len()
             && other.wake_rows <= self.wake_circulation_m2_s.len()
             && (other.wake_rows > 0 || !other.established)
+            && (other.wake_rows > 1 && other.established || !other.turning)
     }
 }
 

@@ -6,6 +6,7 @@
 
 pub mod biot_savart;
 pub mod continuous_turbulence;
+pub mod established;
 pub mod flap;
 pub mod flow;
 pub mod fourier;

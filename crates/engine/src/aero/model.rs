@@ -1,6 +1,7 @@
 //! The models of the air behind one face.
 
 use crate::aero::AirLoads;
+use crate::aero::established::Established;
 use crate::aero::flap::{Deflection, Flap, HingeMoment};
 use crate::aero::flow::{AirPath, Flow};
 use crate::aero::joined_edges::Edge;
@@ -118,7 +119,7 @@ impl AirModel {
         &mut self,
         motions: &[SectionMotion],
         flow: &Flow,
-        established: bool,
+        established: Option<Established>,
         state: &mut AirState,
         loads: &mut AirLoads,
     ) -> Result<(), NoCirculation> {
@@ -127,11 +128,11 @@ impl AirModel {
                 lattice.start(motions, flow, established, state, loads)
             }
             (Self::Strips(strips), AirState::Strips(state)) => {
-                strips.start(motions, flow, established, state, loads);
+                strips.start(motions, flow, established.is_some(), state, loads);
                 strips.sonic().map_or(Ok(()), |sonic| Err(NoCirculation::Sonic(sonic)))
             }
             (Self::Rotor(rotor), AirState::Rotor(state)) => {
-                rotor.start(motions, flow, established, state, loads);
+                rotor.start(motions, flow, established.is_some(), state, loads);
                 Ok(())
             }
             _ => unreachable!("a state belongs to its model"),

@@ -17,13 +17,6 @@ pub(super) const SHED_PANELS: f64 = 0.05;
 /// must shed in every frame.
 pub(super) const SHED_ROUND_OFF: f64 = 1e-9;
 
-/// Relative speed of air and edge, over the speeds that it is the difference of, below which both move together.
-const REST_SHARE: f64 = 1e-9;
-
-/// Length of the wake at the start of established flow, in diameters of the lattice: the legs behind contribute
-/// `1/(4·200²)` of what they do near by.
-const ESTABLISHED_DIAMETERS: f64 = 200.0;
-
 /// Rows of the wake that [`solve`](VortexLattice::solve) sums anew for every motion that it is given. Those behind are
 /// summed once for a step, at the collocation points as the velocities of its start carry them: the points then are off by
 /// the acceleration times half the square of the step, small against the distance of these rows.
@@ -55,16 +48,18 @@ impl VortexLattice {
         let shed = self.leaves_a_row(from, &path, step_s, to);
         to.sheds = shed;
 
-        to.established = from.established;
+        (to.established, to.turning) = (from.established, from.turning);
         let established = usize::from(from.established);
         // rings in front of an established wake, which end at this row of nodes
         let ended = from.wake_rows - established;
-        let full = shed && ended == self.options.wake_rows;
+        // in a steady turn the wake keeps its number of rows from the start on
+        let full = shed && (ended == self.options.wake_rows || from.turning);
         to.wake_rows = from.wake_rows + usize::from(shed && !full);
         // full: the last of these rings keeps its far end and takes in the one before
         let goes_to = |row: usize| match (shed, full) {
             (false, _) => Some(row),
             (true, false) => Some(row + 1),
+            (true, true) if from.turning => Some(row + 1).filter(|next| *next <= ended),
             (true, true) if row >= ended => Some(row),
             (true, true) => Some(row + 1).filter(|next| *next < ended),
         };
@@ -76,6 +71,14 @@ impl VortexLattice {
             if row < from.wake_rows {
                 to.wake_circulation_m2_s[next * strips..][..strips]
                     .copy_from_slice(&from.wake_circulation_m2_s[row * strips..][..strips]);
+            }
+        }
+        if from.turning && shed {
+            // the straight wake behind them begins where the last of them now ends, has taken in the circulation of the row before, and
+            // keeps its place against that as seen from the root frame, eq. (U30)
+            for at in ended * columns..(ended + 1) * columns {
+                let behind_m = from.wake_node_m[at + columns] - from.wake_node_m[at];
+                to.wake_node_m[at + columns] = to.wake_node_m[at] + behind_m;
             }
         }
         // what lies behind the last row is no part of the state
@@ -171,32 +174,6 @@ impl VortexLattice {
             let sum_m_s = self.velocities[block].get(lane) + gust_m_s;
             self.velocities[block].set(lane, &sum_m_s);
         }
-    }
-
-    /// Straight wake along the relative flow at every point of the trailing edge, eq. (U10): one row of very long rings,
-    /// shorter in proportion where that flow is slower; false where the air does not move against any point.
-    pub(super) fn lay_straight_wake(&mut self, flow: &Flow, state: &mut LatticeState) -> bool {
-        let relative_m_s = |column: usize| flow.convection_m_s(&state.edge_m[column]) - state.edge_m_s[column];
-        let (mut fastest_m_s, mut frame_m_s) = (0.0_f64, 0.0_f64);
-        for (column, (edge_m, edge_m_s)) in state.edge_m.iter().zip(&state.edge_m_s).enumerate() {
-            fastest_m_s = fastest_m_s.max(relative_m_s(column).norm());
-            frame_m_s = frame_m_s.max(flow.convection_m_s(edge_m).norm() + edge_m_s.norm());
-        }
-        if fastest_m_s <= REST_SHARE * frame_m_s || self.options.wake_rows == 0 {
-            return false;
-        }
-        let origin = state.corner_m[0];
-        let diameter_m = 2.0 * state.corner_m.iter().map(|corner| (corner - origin).norm()).fold(0.0, f64::max);
-        for (sheet, wake) in self.bound.iter().zip(&mut self.wake) {
-            wake.rows = 1;
-            for column in 0..=sheet.strips {
-                let edge_m = state.corner_m[sheet.node(sheet.rows, column)];
-                let along = relative_m_s(wake.node(0, column)) / fastest_m_s;
-                state.wake_node_m[wake.node(1, column)] = edge_m + along * (ESTABLISHED_DIAMETERS * diameter_m);
-            }
-        }
-        (state.wake_rows, state.established) = (1, true);
-        true
     }
 
     /// Gives a row of the wake the circulation of the trailing edge.

@@ -169,9 +169,14 @@ impl System {
         let attack = pitch + sink;
         let symmetric = pitch.norm() + speed.norm() + sink.norm();
         let lateral = roll.norm() + yaw.norm() + slip.norm();
+        let fast = speed.norm() > attack.norm();
         Some(match (symmetric > lateral, mode.is_real()) {
-            (true, _) if speed.norm() > attack.norm() => FlightMode::Phugoid,
-            (true, _) => FlightMode::ShortPeriod,
+            (true, false) if fast => FlightMode::Phugoid,
+            (true, false) => FlightMode::ShortPeriod,
+            (true, true) if mode.eigenvalue_1_s.re > 0.0 => FlightMode::PitchDivergence,
+            (true, true) if fast => FlightMode::SpeedSubsidence,
+            (true, true) if pitch.norm() > sink.norm() => FlightMode::PitchSubsidence,
+            (true, true) => FlightMode::HeaveSubsidence,
             (false, false) => FlightMode::DutchRoll,
             (false, true) if yaw.norm() > roll.norm() => FlightMode::Spiral,
             (false, true) => FlightMode::RollSubsidence,

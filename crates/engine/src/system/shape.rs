@@ -84,8 +84,17 @@ pub struct WhirlShare {
 pub enum FlightMode {
     /// Height and speed in turn, at nearly the same angle of attack.
     Phugoid,
-    /// The angle of attack and the pitch, at nearly the same speed.
+    /// The angle of attack and the pitch in turn, at nearly the same speed.
     ShortPeriod,
+    /// The angle of attack decays without oscillating, mainly by pitching: of a short period that is damped beyond oscillation, or
+    /// the like.
+    PitchSubsidence,
+    /// The angle of attack decays without oscillating, mainly by sinking.
+    HeaveSubsidence,
+    /// The speed decays without oscillating.
+    SpeedSubsidence,
+    /// Pitch, angle of attack or speed grow without oscillating.
+    PitchDivergence,
     /// Sideslip, yaw and roll in turn.
     DutchRoll,
     /// Roll alone, which the wing damps.
@@ -99,6 +108,10 @@ impl std::fmt::Display for FlightMode {
         f.write_str(match self {
             Self::Phugoid => "phugoid",
             Self::ShortPeriod => "short period",
+            Self::PitchSubsidence => "pitch subsidence",
+            Self::HeaveSubsidence => "heave subsidence",
+            Self::SpeedSubsidence => "speed subsidence",
+            Self::PitchDivergence => "pitch divergence",
             Self::DutchRoll => "dutch roll",
             Self::RollSubsidence => "roll subsidence",
             Self::Spiral => "spiral",

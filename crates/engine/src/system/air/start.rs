@@ -1,6 +1,7 @@
 //! Air at the start of a run and at a cut of its step.
 
 use crate::aero::AirModel;
+use crate::aero::established::Established;
 use crate::aero::flow::Flow;
 use crate::machine;
 use crate::solve::EquationsOfMotion;
@@ -44,8 +45,10 @@ impl System {
             return Err(refusal(time_s, cause));
         }
         let flow = flow(settings, &self.state, time_s);
+        let turning = self.equations.spatial.iter().any(|joint| joint.flies);
+        let established = settings.established.then_some(Established { step_s: settings.step_s, turning });
         model
-            .start(motions, &flow, settings.established, &mut history.after, loads)
+            .start(motions, &flow, established, &mut history.after, loads)
             .map_err(|error| gaps::failure(&self.machine, settings, time_s, error))?;
         if let Some(error) = gaps::crossing(&self.machine, settings, model, time_s) {
             return Err(error);

@@ -1,0 +1,121 @@
+//! The flow that has been there for long, with its wake: straight, or curved in a steady turn.
+
+use crate::aero::biot_savart::Sheet;
+use crate::aero::flow::{AirPath, Flow};
+use crate::aero::lattice::VortexLattice;
+use crate::aero::lattice_state::LatticeState;
+use crate::load::SectionMotion;
+use nalgebra::Vector3;
+
+/// Relative speed of air and edge, over the speeds that it is the difference of, below which both move together.
+const REST_SHARE: f64 = 1e-9;
+
+/// Length of the wake at the start of established flow, in diameters of the lattice: the legs behind contribute
+/// `1/(4·200²)` of what they do near by.
+const ESTABLISHED_DIAMETERS: f64 = 200.0;
+
+/// Angle in rad through which the wake of a steady turn is curved at the maximum; behind that it is straight. The wake of a whole turn
+/// would meet the wing again, where in reality it has sunk and decayed.
+const LARGEST_TURN_RAD: f64 = std::f64::consts::FRAC_PI_2;
+
+/// A flow that has been there for long.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Established {
+    /// Step in s of the history that follows: it decides where the wake begins, eq. (U9).
+    pub step_s: f64,
+    /// The root frame has turned for long as it turns now, with the sections at rest in it: a steady turn, eq. (U30).
+    pub turning: bool,
+}
+
+impl Established {
+    /// Without a turn.
+    pub fn straight(step_s: f64) -> Self {
+        Self { step_s, turning: false }
+    }
+}
+
+impl VortexLattice {
+    /// Corners at the start, with the wake of an established flow; false where there is none.
+    pub(super) fn place_at_start(
+        &mut self,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        established: Option<Established>,
+        state: &mut LatticeState,
+    ) -> bool {
+        if let Some(Established { step_s, turning }) = established {
+            // the last corners lie behind the edge only where there is a wake
+            state.wake_rows = 1;
+            self.place(motions, Some((flow, step_s)), state);
+            if self.lay_straight_wake(flow, state) {
+                if turning {
+                    self.bend_wake(flow, step_s, state);
+                }
+                return true;
+            }
+            state.wake_rows = 0;
+        }
+        self.place(motions, None, state);
+        false
+    }
+
+    /// Straight wake along the relative flow at every point of the trailing edge, eq. (U10): one row of very long rings,
+    /// shorter in proportion where that flow is slower; false where the air does not move against any point.
+    pub(super) fn lay_straight_wake(&mut self, flow: &Flow, state: &mut LatticeState) -> bool {
+        let relative_m_s = |column: usize| flow.convection_m_s(&state.edge_m[column]) - state.edge_m_s[column];
+        let (mut fastest_m_s, mut frame_m_s) = (0.0_f64, 0.0_f64);
+        for (column, (edge_m, edge_m_s)) in state.edge_m.iter().zip(&state.edge_m_s).enumerate() {
+            fastest_m_s = fastest_m_s.max(relative_m_s(column).norm());
+            frame_m_s = frame_m_s.max(flow.convection_m_s(edge_m).norm() + edge_m_s.norm());
+        }
+        if fastest_m_s <= REST_SHARE * frame_m_s || self.options.wake_rows == 0 {
+            return false;
+        }
+        let length_m = self.established_length_m(state);
+        for (sheet, wake) in self.bound.iter().zip(&mut self.wake) {
+            wake.rows = 1;
+            for column in 0..=sheet.strips {
+                let edge_m = state.corner_m[sheet.node(sheet.rows, column)];
+                let along = relative_m_s(wake.node(0, column)) / fastest_m_s;
+                state.wake_node_m[wake.node(1, column)] = edge_m + along * length_m;
+            }
+        }
+        (state.wake_rows, state.established) = (1, true);
+        true
+    }
+
+    /// Length in m of the established wake where the air is fastest.
+    fn established_length_m(&self, state: &LatticeState) -> f64 {
+        let origin = state.corner_m[0];
+        let diameter_m = 2.0 * state.corner_m.iter().map(|corner| (corner - origin).norm()).fold(0.0, f64::max);
+        ESTABLISHED_DIAMETERS * diameter_m
+    }
+
+    /// Wake of a steady turn, eq. (U30): rows as long as those of a step, on the way that the air has made in the root frame since it
+    /// left the edge, and straight behind them.
+    fn bend_wake(&mut self, flow: &Flow, step_s: f64, state: &mut LatticeState) {
+        let turn_rad = flow.spin_rad_s.norm() * step_s;
+        if turn_rad == 0.0 {
+            return;
+        }
+        // the quotient is at least 0, and wide conversions saturate
+        let rows = ((LARGEST_TURN_RAD / turn_rad) as usize).clamp(1, self.options.wake_rows);
+        let (columns, path) = (self.wake_columns, AirPath::new(flow, step_s));
+        for row in 0..rows {
+            for column in 0..columns {
+                state.wake_node_m[(row + 1) * columns + column] = path.end_m(&state.wake_node_m[row * columns + column]);
+            }
+        }
+        let length_m = self.established_length_m(state);
+        let fastest_m_s = |nodes_m: &[Vector3<f64>]| {
+            nodes_m.iter().map(|node_m| flow.convection_m_s(node_m).norm()).fold(0.0, f64::max)
+        };
+        let share = length_m / fastest_m_s(&state.wake_node_m[rows * columns..(rows + 1) * columns]);
+        for column in 0..columns {
+            let node_m = state.wake_node_m[rows * columns + column];
+            state.wake_node_m[(rows + 1) * columns + column] = node_m + flow.convection_m_s(&node_m) * share;
+        }
+        self.wake.iter_mut().for_each(|wake: &mut Sheet| wake.rows = rows + 1);
+        (state.wake_rows, state.turning) = (rows + 1, true);
+    }
+}
