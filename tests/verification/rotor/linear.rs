@@ -235,7 +235,7 @@ fn wt77_the_rest_is_of_second_order() {
 }
 
 /// WT-78. Exponents of the linear model against Floquet's, which come from marches of a turn (L32) to (L35): every mode that a turn leaves
-/// more than 1e-3 of, in steps of 1/240 and 1/480 of a turn carried on to none.
+/// more than 1e-3 of, in steps of 1/240 and 1/480 of a turn carried on to none. Multipliers by differences are good to 1e-7 of 1e-2.
 #[test]
 fn wt78_exponents_are_floquets() {
     for point in points(&format!("{INFLOW}{STALL}")).into_iter().filter(|point| point.speed_rad_s != 0.0) {
@@ -265,7 +265,7 @@ fn wt78_exponents_are_floquets() {
             (worst, count) = (worst.max(off), count + 1);
         }
         assert!(count >= 2, "{}: {count}", point.name);
-        assert!(worst < 1e-3, "{}: {worst:e}", point.name);
+        assert!(worst < 1e-5, "{}: {worst:e}", point.name);
     }
 }
 
@@ -277,8 +277,9 @@ fn wt79_yaw_at_one_azimuth() {
     let model = point.linear(SETTLED_S);
     let [long, short] = [0.4, 0.2].map(|end_s| point.miss(&model, 1e-3, SETTLED_S, end_s));
     println!("WT-79: over 0.4 s {}, over 0.2 s {}", told(&long), told(&short));
-    for (long, short) in long.iter().zip(&short) {
-        assert!(*short < 0.05 && long / short > 1.5, "{long:e} {short:e}");
+    // thrust and torque; of the flap angle steps leave as much
+    for (long, short) in long.iter().zip(&short).skip(1) {
+        assert!(*short < 5e-3 && (1.8..2.2).contains(&(long / short)), "{long:e} {short:e}");
     }
 }
 

@@ -320,7 +320,7 @@ edge_stiffness_N_m2 = [1e7, 1e7]
 flap_shapes = [[1.0]]
 edge_shapes = []
 section_rotation = {section_rotation}
-[joint.root]
+[joint.mount]
 type = \"clamped\"
 parent = \"hub\"
 child = \"blade\"
