@@ -104,6 +104,7 @@ const FOREIGN: &[&str] = &[
     "gust.z",
     "wing.strip[1].gust_lag[1]",
     "state.wing.strip[3].lag[1]",
+    "<body>.station[i]",
     "gust_lag",
     // states of reduced linear models
     "balanced_1",

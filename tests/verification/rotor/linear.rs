@@ -14,8 +14,8 @@ use std::sync::Arc;
 
 /// Radius in m.
 const RADIUS_M: f64 = 6.0;
-/// Time after which the start has died down: flap and wake keep less than 1e-8.
-const SETTLED_S: f64 = 12.0;
+/// Time after which the start has died down: the slowest wake, of the heavily loaded rotor, keeps 1e-4 of the little that the flap has moved it.
+const SETTLED_S: f64 = 24.0;
 /// Samples of a record in s, and its length.
 const SAMPLE_S: f64 = 4e-3;
 const END_S: f64 = 0.2;
@@ -67,7 +67,7 @@ mount_rotation_deg = [0.0, 0.0, 90.0]
 axis = [0.0, 1.0, 0.0]
 [joint.flap.drive]
 stiffness_N_m_rad = 2e5
-damping_N_m_s_rad = 4e3
+damping_N_m_s_rad = 1e3
 [aerodynamics]
 model = \"bem\"
 hub = \"hub\"
@@ -129,7 +129,9 @@ step_s = {SAMPLE_S}
                 let (from, to) = (size_m_s * bump(i - 1, samples), size_m_s * bump(i, samples));
                 plant.inputs_mut().wind_m_s_mut().z = self.wind_m_s[2] + from;
                 plant.input_rates_mut().wind_m_s_mut().z = (to - from) / SAMPLE_S;
-                plant.step(settled_s + f64::from(i) * SAMPLE_S).unwrap_or_else(|error| panic!("{}: {error}", self.name));
+                plant
+                    .step(settled_s + f64::from(i) * SAMPLE_S)
+                    .unwrap_or_else(|error| panic!("{}: {error}", self.name));
                 let (rotor, flap_rad) = (plant.outputs().rotor()[0], plant.outputs().joints()[1].angle_rad);
                 [flap_rad, rotor.thrust_n, rotor.torque_n_m]
             };
@@ -152,6 +154,11 @@ step_s = {SAMPLE_S}
             off.fold(0.0, f64::max) / size
         })
     }
+}
+
+/// In three digits.
+fn told(numbers: &[f64; 3]) -> String {
+    format!("{:.2e} {:.2e} {:.2e}", numbers[0], numbers[1], numbers[2])
 }
 
 /// `(1 − cos)/2` over half of the record, at a sample.
@@ -187,10 +194,11 @@ const STALL: &str = "dynamic_stall = true\n";
 
 /// Attached flow, near stall, beyond it, heavily loaded annuli, parked across the wind, wind from behind.
 fn points(air: &str) -> Vec<Point> {
-    let of = |name, wind_m_s, speed_rad_s, pitch_deg| Point { name, wind_m_s, speed_rad_s, pitch_deg, air: air.to_owned() };
+    let of =
+        |name, wind_m_s, speed_rad_s, pitch_deg| Point { name, wind_m_s, speed_rad_s, pitch_deg, air: air.to_owned() };
     vec![
         of("attached", [0.0, 0.0, 8.0], 9.0, 2.0),
-        of("near stall", [0.0, 0.0, 12.3], 7.0, 3.0),
+        of("near stall", [0.0, 0.0, 11.7], 7.0, 3.0),
         of("stalled", [0.0, 0.0, 16.0], 7.0, 0.0),
         of("heavily loaded", [0.0, 0.0, 5.0], 11.0, 0.0),
         of("parked", [3.0, 2.0, 12.0], 0.0, 70.0),
@@ -198,7 +206,8 @@ fn points(air: &str) -> Vec<Point> {
 }
 
 /// WT-76. A small bump of the wind moves the linear model as the machine: flap angle, thrust and torque. Marches are carried on to steps of
-/// no length by their second order, which leaves 1e-4 of the largest value (steps of 4 and 2 ms beside 0.1 s of the bump).
+/// no length by their second order, which leaves 3e-4 of the
+/// largest value of the flap angle (steps of 4 and 2 ms beside 0.1 s of the bump), less of the loads.
 #[test]
 fn wt76_small_bumps_of_the_wind() {
     for air in [format!("{INFLOW}{STALL}"), INFLOW.to_owned(), STALL.to_owned(), String::new()] {
@@ -206,7 +215,7 @@ fn wt76_small_bumps_of_the_wind() {
             let model = point.linear(SETTLED_S);
             assert!(!model.without_air);
             let found = point.miss(&model, 1e-3, SETTLED_S, END_S);
-            println!("WT-76 {} {air:?}: {} states, off {found:.1e?}", point.name, model.states.len());
+            println!("WT-76 {} {air:?}: {} states, off {}", point.name, model.states.len(), told(&found));
             assert!(found.iter().all(|off| *off < 5e-4), "{} {air}: {found:?}", point.name);
         }
     }
@@ -218,7 +227,7 @@ fn wt77_the_rest_is_of_second_order() {
     let point = &points(&format!("{INFLOW}{STALL}"))[0];
     let model = point.linear(SETTLED_S);
     let [small, large] = [0.04, 0.08].map(|size_m_s| point.miss(&model, size_m_s, SETTLED_S, END_S));
-    println!("WT-77: of 0.04 m/s {small:.2e?}, of 0.08 m/s {large:.2e?}");
+    println!("WT-77: of 0.04 m/s {}, of 0.08 m/s {}", told(&small), told(&large));
     for (small, large) in small.iter().zip(&large) {
         // relative to the answer: half at half the size; what steps leave, 1e-5, is beside it
         assert!((1.8..2.2).contains(&(large / small)), "{small:e} {large:e}");
@@ -226,7 +235,7 @@ fn wt77_the_rest_is_of_second_order() {
 }
 
 /// WT-78. Exponents of the linear model against Floquet's, which come from marches of a turn (L32) to (L35): every mode that a turn leaves
-/// more than 1e-3 of, in steps of 1/240 and 1/480 of a turn carried on to none.
+/// more than 1e-3 of, in steps of 1/240 and 1/480 of a turn carried on to none. Multipliers by differences are good to 1e-7 of 1e-2.
 #[test]
 fn wt78_exponents_are_floquets() {
     for point in points(&format!("{INFLOW}{STALL}")).into_iter().filter(|point| point.speed_rad_s != 0.0) {
@@ -234,7 +243,8 @@ fn wt78_exponents_are_floquets() {
         let period_s = TAU / point.speed_rad_s;
         let found = [240, 480].map(|steps| {
             let (machine, turn) =
-                Turn::of(&point.machine(period_s / steps as f64), Some("shaft"), Some(point.speed_rad_s), steps).unwrap();
+                Turn::of(&point.machine(period_s / steps as f64), Some("shaft"), Some(point.speed_rad_s), steps)
+                    .unwrap();
             let mut plant = Plant::new(Arc::new(machine));
             plant.initialize(0.0).unwrap();
             let motion = plant.periodic(&turn, 1e-9).unwrap_or_else(|error| panic!("{}: {error}", point.name));
@@ -255,7 +265,7 @@ fn wt78_exponents_are_floquets() {
             (worst, count) = (worst.max(off), count + 1);
         }
         assert!(count >= 2, "{}: {count}", point.name);
-        assert!(worst < 1e-3, "{}: {worst:e}", point.name);
+        assert!(worst < 1e-5, "{}: {worst:e}", point.name);
     }
 }
 
@@ -266,9 +276,10 @@ fn wt79_yaw_at_one_azimuth() {
     let point = Point { name: "yawed", wind_m_s: [4.0, 0.0, 8.0], speed_rad_s: 0.4, pitch_deg: 20.0, air };
     let model = point.linear(SETTLED_S);
     let [long, short] = [0.4, 0.2].map(|end_s| point.miss(&model, 1e-3, SETTLED_S, end_s));
-    println!("WT-79: over 0.4 s {long:.2e?}, over 0.2 s {short:.2e?}");
-    for (long, short) in long.iter().zip(&short) {
-        assert!(*short < 0.05 && long / short > 1.6, "{long:e} {short:e}");
+    println!("WT-79: over 0.4 s {}, over 0.2 s {}", told(&long), told(&short));
+    // thrust and torque; of the flap angle steps leave as much
+    for (long, short) in long.iter().zip(&short).skip(1) {
+        assert!(*short < 5e-3 && (1.8..2.2).contains(&(long / short)), "{long:e} {short:e}");
     }
 }
 
@@ -285,7 +296,14 @@ fn wt80_random_machines() {
     let mut worst = 0.0f64;
     for _ in 0..12 {
         let mut air = String::new();
-        for option in [INFLOW, STALL, "skewed_wake = true\n", "as_aerodyn = true\n", "end_rule = \"stopped\"\n", "spread = \"cells\"\n"] {
+        for option in [
+            INFLOW,
+            STALL,
+            "skewed_wake = true\n",
+            "as_aerodyn = true\n",
+            "end_rule = \"stopped\"\n",
+            "spread = \"cells\"\n",
+        ] {
             if random() < 0.6 {
                 air += option;
             }
@@ -294,12 +312,21 @@ fn wt80_random_machines() {
             air += "pitch_rate = \"air\"\n";
         }
         let wind_m_s = [0.0, 0.0, 6.0 + 14.0 * random()];
-        let point =
-            Point { name: "random", wind_m_s, speed_rad_s: 5.0 + 6.0 * random(), pitch_deg: -2.0 + 12.0 * random(), air };
+        let point = Point {
+            name: "random",
+            wind_m_s,
+            speed_rad_s: 5.0 + 6.0 * random(),
+            pitch_deg: -2.0 + 12.0 * random(),
+            air,
+        };
         let model = point.linear(SETTLED_S);
         let found = point.miss(&model, 1e-3, SETTLED_S, END_S);
         let Point { wind_m_s, speed_rad_s, pitch_deg, air, .. } = &point;
-        println!("WT-80 {:.2} m/s, {speed_rad_s:.2} rad/s, {pitch_deg:.2} deg, {air:?}: off {found:.1e?}", wind_m_s[2]);
+        println!(
+            "WT-80 {:.2} m/s, {speed_rad_s:.2} rad/s, {pitch_deg:.2} deg, {air:?}: off {}",
+            wind_m_s[2],
+            told(&found)
+        );
         worst = found.iter().fold(worst, |worst, off| worst.max(*off));
     }
     assert!(worst < 1e-3, "{worst:e}");

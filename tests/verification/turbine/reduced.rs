@@ -296,6 +296,68 @@ fn wt58_air_knows_which_sections_turn() {
     }
 }
 
+/// WT-82. A line load on two stations bends a blade whose shape is s² as it should, by its third, where sections turn; where they do not, by the
+/// half that acts on the tip. Parked across a light wind, ends loaded; the bend is 1e-4 of the length, its square is left out.
+#[test]
+fn wt82_line_loads_are_those_of_the_sections() {
+    let bend = |section_rotation: bool| {
+        let text = format!(
+            "name = \"parked\"
+[rigid_body.hub]
+[joint.shaft]
+type = \"revolute\"
+parent = \"root\"
+child = \"hub\"
+axis = [1, 0, 0]
+motion = \"locked\"
+[modal_body.blade]
+length_m = 10.0
+cells = 20
+stations = [0, 1]
+mass_kg_m = [5, 5]
+flap_stiffness_N_m2 = [1e5, 1e5]
+edge_stiffness_N_m2 = [1e7, 1e7]
+flap_shapes = [[1.0]]
+edge_shapes = []
+section_rotation = {section_rotation}
+[joint.mount]
+type = \"clamped\"
+parent = \"hub\"
+child = \"blade\"
+parent_offset_m = [0.0, 0.0, 0.5]
+mount_rotation_deg = [127.27922061357854, 0.0, 127.27922061357854]
+[aerodynamics]
+model = \"bem\"
+hub = \"hub\"
+hub_radius_m = 0.5
+blades = 3
+wind_m_s = [0.3, 0.0, 0.0]
+end_rule = \"stopped\"
+coupling = \"staggered\"
+step_s = 0.02
+[surface.blade]
+body = \"blade\"
+axis_fraction = 0.25
+stations_m = [0.0, 10.0]
+polars = [\"plate\", \"plate\"]
+chord_m = 0.5
+[polar.plate]
+rows = [[-180, 0, 1.0, 0], [180, 0, 1.0, 0]]
+[experiment]
+start = \"equilibrium\"
+stop_time_s = 1.0
+step_s = 0.02
+"
+        );
+        let machine = config::parse(&text, "parked.toml").unwrap_or_else(|error| panic!("{error}"));
+        let plant = start(machine);
+        plant.free_state().0[0]
+    };
+    let [turning, fixed] = [true, false].map(bend);
+    println!("WT-82: {turning:.6e}, {fixed:.6e}: {:.6}", fixed / turning);
+    assert!(turning != 0.0 && (fixed / turning - 1.5).abs() < 1e-3, "{turning:e} {fixed:e}");
+}
+
 /// The reduced example has the figures of the whole one: bodies with their first shapes, masses, chords, polars.
 #[test]
 fn reduced_example_is_the_same_turbine() {

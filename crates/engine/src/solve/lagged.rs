@@ -7,6 +7,7 @@ use crate::solve::eigen::eigen;
 use crate::solve::linearize::SecondOrder;
 use crate::solve::modes::{FREE_MOTION, NoModes, SPARE_MODES, modes, shifted_root};
 use crate::solve::reduction::balanced_rows;
+use crate::solve::resolvent::Resolvent;
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// The equations about a state.
@@ -112,9 +113,10 @@ impl Lagged {
         let (shift, mut basis) = self.basis(4 * count + SPARE_MODES)?;
         let limits = [free_1_s(shift), FREE_MOTION.powi(2) * shift];
         let own = eigen(&balanced_rows(&self.lag).0).ok_or(NoModes::Iteration)?.values;
+        let resolvent = Resolvent::of(&self.lag);
         let mut round = 1;
         loop {
-            let (mut list, lacking) = self.modes_over(&basis, &own, limits, count)?;
+            let (mut list, lacking) = self.modes_over(&basis, (&own, &resolvent), limits, count)?;
             let fastest_1_s = lacking.iter().fold(0.0f64, |fastest, (value, _, _)| fastest.max(value.norm()));
             if lacking.is_empty()
                 || round == MAXIMUM_ROUNDS
@@ -184,7 +186,7 @@ impl Lagged {
     fn modes_over(
         &self,
         basis: &DMatrix<f64>,
-        own: &[Complex<f64>],
+        (own, resolvent): (&[Complex<f64>], &Resolvent),
         [free, still_1_s2]: [f64; 2],
         count: usize,
     ) -> Result<(Vec<LaggedMode>, Vec<Guess>), NoModes> {
@@ -208,7 +210,7 @@ impl Lagged {
                 continue;
             }
             let shape = &Basis(basis) * &shapes[i];
-            let (mode, converged) = self.polish(value, shape.clone());
+            let (mode, converged) = self.polish(resolvent, value, shape.clone());
             // the lag states of equal strips cluster about their poles and are not motions
             if !converged && mode.lag_share <= LAG && nearest > CROWD * value.norm() {
                 lacking.push((value, shape, mode.eigenvalue_1_s));
@@ -286,13 +288,13 @@ impl Lagged {
     /// `T(λ) = λ²M + λC + K + G(λ − L)⁻¹(P + λR)`; participation of the lag states from `T′`.
     ///
     /// Also returns whether the iteration converged.
-    fn polish(&self, value: Complex<f64>, shape: DVector<Complex<f64>>) -> (LaggedMode, bool) {
+    fn polish(&self, resolvent: &Resolvent, value: Complex<f64>, shape: DVector<Complex<f64>>) -> (LaggedMode, bool) {
         let (mut eigenvalue, mut right) = (value, shape);
         let mut left = right.clone();
         let (mut lag_share, mut converged) = (1.0, false);
         for pass in 0..8 {
             let near = eigenvalue * (1.0 + 1e-9);
-            let follow = self.follow(near);
+            let follow = self.follow(resolvent, near);
             let SecondOrder { mass, damping, stiffness } = &self.second;
             let through = &self.force.map(|x| Complex::new(x, 0.0)) * &follow;
             let entry = |i: usize, j: usize| {
@@ -307,7 +309,7 @@ impl Lagged {
                 }
                 (right, left) = (x / Complex::new(x_size, 0.0), y / Complex::new(y_size, 0.0));
             }
-            let (residual, slope, lag_part) = self.forms(eigenvalue, &left, &right);
+            let (residual, slope, lag_part) = self.forms(resolvent, eigenvalue, &left, &right);
             lag_share = (lag_part / slope).norm();
             let step = residual / slope;
             if !step.norm().is_finite() || step.norm() >= 0.1 * eigenvalue.norm() {
@@ -327,36 +329,17 @@ impl Lagged {
     }
 
     /// `(λ − L)⁻¹(P + λR)`.
-    fn follow(&self, at: Complex<f64>) -> DMatrix<Complex<f64>> {
+    fn follow(&self, resolvent: &Resolvent, at: Complex<f64>) -> DMatrix<Complex<f64>> {
         let drive = DMatrix::from_fn(self.position.nrows(), self.position.ncols(), |i, j| {
             at * self.rate[(i, j)] + self.position[(i, j)]
         });
-        self.behind(at, drive)
-    }
-
-    /// `(λ − L)⁻¹` times a matrix.
-    fn behind(&self, at: Complex<f64>, mut right: DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-        let m = self.lag.nrows();
-        let diagonal = (0..m).all(|i| (0..m).all(|j| i == j || self.lag[(i, j)] == 0.0));
-        if diagonal {
-            for (i, mut row) in right.row_iter_mut().enumerate() {
-                let inverse = (at - self.lag[(i, i)]).inv();
-                row.iter_mut().for_each(|x| *x *= inverse);
-            }
-            return right;
-        }
-        let factors =
-            ComplexFactors::new(m, |i, j| if i == j { at - self.lag[(i, j)] } else { (-self.lag[(i, j)]).into() });
-        for mut column in right.column_iter_mut() {
-            let solved = factors.solve(&column.clone_owned());
-            column.copy_from(&solved);
-        }
-        right
+        resolvent.behind(at, drive)
     }
 
     /// `yᴴTx`, `yᴴT′x` and the contribution of the lag states to the latter.
     fn forms(
         &self,
+        resolvent: &Resolvent,
         at: Complex<f64>,
         left: &DVector<Complex<f64>>,
         right: &DVector<Complex<f64>>,
@@ -368,12 +351,12 @@ impl Lagged {
         let column = |vector: DVector<Complex<f64>>| DMatrix::from_column_slice(vector.len(), 1, vector.as_slice());
         let rates = complex(&self.rate) * right;
         let drive = complex(&self.position) * right + &rates * at;
-        let followers = self.behind(at, column(drive));
+        let followers = resolvent.behind(at, column(drive));
         let force = complex(&self.force);
         let of = |columns: &DMatrix<Complex<f64>>| left.dotc(&(&force * columns).column(0).into_owned());
-        let lag_part = -of(&self.behind(at, followers.clone()));
+        let lag_part = -of(&resolvent.behind(at, followers.clone()));
         let residual = at * at * m + at * c + k + of(&followers);
-        let slope = at * m * 2.0 + c + of(&self.behind(at, column(rates))) + lag_part;
+        let slope = at * m * 2.0 + c + of(&resolvent.behind(at, column(rates))) + lag_part;
         (residual, slope, lag_part)
     }
 }

@@ -24,6 +24,7 @@ pub mod point;
 pub mod reduction;
 pub mod reduction_band;
 pub mod reduction_sampled;
+pub mod resolvent;
 pub mod runge_kutta;
 pub mod settle;
 pub mod stepper;

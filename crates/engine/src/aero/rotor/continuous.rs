@@ -19,9 +19,11 @@ const SEPARATED_STEP: f64 = 0.1 * SEPARATED;
 const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
 /// Smallest speed in m/s on which steps are based: with nothing moving nothing acts.
 const MINIMUM_SPEED_M_S: f64 = 1e-3;
-/// Change of the balance between the two sides of a variable, over the speed of the section, that is a jump: a slope would have to be
-/// beyond 100, as the sides differ by at most 6e-4 of the speed.
-const JUMP: f64 = 0.1;
+/// Change of the balance between the sides three steps away, over the speed of the section, beyond which it is looked at for a jump. Slopes of
+/// the balance are about 1, which makes 6e-4.
+const JUMP: f64 = 1.5e-3;
+/// Part of it that is not three times the change between the sides one step away: a jump makes 1 or 2 of it, a curve 1e-3.
+const CROOKED: f64 = 0.5;
 
 impl Rotor {
     /// Loads of all sections in their own frames, rates of the lag states ([`Rotor::lags`]) in their units per s, then the loads and
@@ -38,7 +40,8 @@ impl Rotor {
         let flow = Flow { wind_m_s: at.flow.wind_m_s + at.gust_m_s, ..at.flow };
         let given = self.given(&at.lags);
         self.look(&at.motions, &flow, Past::Given(&given), &mut state, &mut loads);
-        for ((rows, load), motion) in answer.chunks_exact_mut(LOAD_ROWS).zip(&loads.circulatory).zip(at.motions.iter()) {
+        for ((rows, load), motion) in answer.chunks_exact_mut(LOAD_ROWS).zip(&loads.circulatory).zip(at.motions.iter())
+        {
             let turned = motion.rotation.transpose();
             rows[..3].copy_from_slice((turned * load.force_n).as_slice());
             rows[3..].copy_from_slice((turned * load.moment_n_m).as_slice());
@@ -74,6 +77,7 @@ impl Rotor {
         let step = self.difference(&mut at, variable);
         let Some(step) = step else { return vec![0.0; self.answer(&at).len()] };
         let mut slope: Option<Answer> = None;
+        let mut nearest_m_s: Vec<[f64; 2]> = Vec::new();
         for (i, weight) in WEIGHTS.iter().enumerate() {
             let ends = [1.0, -1.0].map(|sign| {
                 let mut beside = at.clone();
@@ -81,12 +85,17 @@ impl Rotor {
                 self.respond(&beside)
             });
             let [(above, one), (below, other)] = &ends;
-            for (section, (one, other)) in one.sections.iter().zip(&other.sections).enumerate() {
-                let [one, other] = [one, other].map(|memory| memory.inflow.balanced_m_s);
-                let change_m_s = (one[0] - other[0]).hypot(one[1] - other[1]);
-                if change_m_s > JUMP * self.met_m_s(section, &at).max(MINIMUM_SPEED_M_S) {
-                    self.jump.get_or_insert(section);
+            let changes_m_s =
+                one.sections.iter().zip(&other.sections).map(|(one, other)| {
+                    [0, 1].map(|axis| one.inflow.balanced_m_s[axis] - other.inflow.balanced_m_s[axis])
+                });
+            match i {
+                0 => nearest_m_s.extend(changes_m_s),
+                2 => {
+                    let far_m_s: Vec<[f64; 2]> = changes_m_s.collect();
+                    self.look_for_a_jump(&at, &nearest_m_s, &far_m_s);
                 }
+                _ => {}
             }
             let share = weight / (60.0 * step);
             let sum = slope.get_or_insert_with(|| vec![0.0; above.len()]);
@@ -95,6 +104,18 @@ impl Rotor {
             }
         }
         slope.unwrap_or_default()
+    }
+
+    /// Notes a section whose balance changes between the sides of a variable as no curve does: one step and three steps away.
+    fn look_for_a_jump(&mut self, at: &Instant, near_m_s: &[[f64; 2]], far_m_s: &[[f64; 2]]) {
+        for (section, (near, far)) in near_m_s.iter().zip(far_m_s).enumerate() {
+            let size_m_s = far[0].hypot(far[1]);
+            let crooked_m_s = (far[0] - 3.0 * near[0]).hypot(far[1] - 3.0 * near[1]);
+            let seen = size_m_s > JUMP * self.met_m_s(section, at).max(MINIMUM_SPEED_M_S);
+            if seen && crooked_m_s > CROOKED * size_m_s {
+                self.jump.get_or_insert(section);
+            }
+        }
     }
 
     /// Section whose momentum balance jumped between the sides of a derivative since this was asked last.

@@ -175,7 +175,12 @@ impl System {
             AirModel::Rotor(rotor) => rotor.lags().iter().map(|(_, lag)| lag.unit()).collect(),
             _ => vec!["m/s"; values.len()],
         };
-        self.lag_names(gusts).into_iter().zip(units).zip(values).map(|((name, unit), value)| (name, unit, value)).collect()
+        self.lag_names(gusts)
+            .into_iter()
+            .zip(units)
+            .zip(values)
+            .map(|((name, unit), value)| (name, unit, value))
+            .collect()
     }
 
     /// Names of the lag states, in the order of linear models.
