@@ -195,7 +195,10 @@ fn q79_hinges_in_a_row_and_in_lattices_come_to_rest_in_second_order() {
         // the loads at rest agree to 1e-9, which leaves some 1e-9 rad
         let allowed = |before: f64| 2.0 * before * before + linear * before + 5e-9;
         let steps = corrections_rad.windows(2).filter(|pair| pair[0] < 0.1);
-        assert!(steps.clone().count() >= 1 && steps.clone().all(|pair| pair[1] < allowed(pair[0])), "{corrections_rad:?}");
+        assert!(
+            steps.clone().count() >= 1 && steps.clone().all(|pair| pair[1] < allowed(pair[0])),
+            "{corrections_rad:?}"
+        );
     }
 }
 

@@ -28,7 +28,9 @@ fn drift(plant: &mut Plant) -> [f64; 2] {
     plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
     let places = |plant: &Plant| -> Vec<(Vector3<f64>, Matrix3<f64>)> {
         let sections = plant.shape().into_iter().flatten();
-        sections.map(|section| (section.position_m, Rotation3::new(section.rotation_vector_rad()).into_inner())).collect()
+        sections
+            .map(|section| (section.position_m, Rotation3::new(section.rotation_vector_rad()).into_inner()))
+            .collect()
     };
     let start = places(plant);
     let mut largest = [0.0f64; 2];
@@ -160,10 +162,7 @@ fn deflect(roll: bool, inputs: &mut Inputs, amount_rad: f64) {
 #[test]
 fn fd08_rolling_and_pitching_in_a_lattice_are_those_of_the_march() {
     // stiff wings with few strips and the mass further ahead, as the lattice's downwash takes more of the tail's lift
-    let coarse = [
-        ("young_Pa = 70e9", "young_Pa = 70e10"),
-        ("centre_of_mass_m = [-0.05", "centre_of_mass_m = [0.03"),
-    ];
+    let coarse = [("young_Pa = 70e9", "young_Pa = 70e10"), ("centre_of_mass_m = [-0.05", "centre_of_mass_m = [0.03")];
     let settings = format!("step_s = {STEP_S:?}\n");
     let machine = in_lattice(0.0, 60, &settings, &coarse);
     let (mut plant, _) = trimmed(machine, Nose::Elevators);
@@ -202,7 +201,8 @@ fn fd08_rolling_and_pitching_in_a_lattice_are_those_of_the_march() {
         println!("FD-08 {}: off {:.1e} of {largest:.3} 1/s", if roll { "roll" } else { "pitch" }, off / largest);
         // of the structure's steps
         assert!(off < 1e-3 * largest, "{off:e} of {largest:e}");
-        let tail: Vec<f64> = marched[PULSE as usize + 8..].iter().map(|rates| rates[if roll { 0 } else { 1 }]).collect();
+        let tail: Vec<f64> =
+            marched[PULSE as usize + 8..].iter().map(|rates| rates[if roll { 0 } else { 1 }]).collect();
         println!("FD-08 decays {:?}", tail.windows(2).map(|w| (w[1] / w[0]).abs().ln() / STEP_S).collect::<Vec<_>>());
     }
     let (modes, _) = plant.study().lattice_modes_and_rest(8).unwrap_or_else(|error| panic!("{error}"));

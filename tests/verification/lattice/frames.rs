@@ -47,7 +47,9 @@ fn turning(
             gusts: &[],
         };
         if step == 0 {
-            model.start(&motions, &flow, established.then_some(Established::straight(step_s)), &mut from, &mut loads).expect("regular");
+            model
+                .start(&motions, &flow, established.then_some(Established::straight(step_s)), &mut from, &mut loads)
+                .expect("regular");
         } else {
             model.convect(&from, &flow, step_s, &mut to);
             model.solve(&from, &motions, &flow, step_s, &mut to, &mut loads).expect("regular");
