@@ -1,9 +1,8 @@
-//! FD-07 and FD-08: the aircraft in the air of a vortex lattice: released from its trim in level flight and in a steady turn, and its
-//! modes against its motion in time.
+//! FD-07: the aircraft in the air of a vortex lattice, released from its trim in level flight and in steady turns.
 
 use crate::flight::{Nose, machine, trimmed};
 use foldwing::machine::Machine;
-use foldwing::plant::{Holding, InputSlope, Inputs, Outputs, Plant};
+use foldwing::plant::{Holding, Plant};
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 use std::sync::Arc;
 
@@ -133,80 +132,4 @@ fn fd07_it_turns_on_in_a_lattice_when_it_is_released() {
     // of first order in the rate
     let off = (slow.fixed_rows::<3>(1) - level).amax().max(slow[4].abs()).max(slow[5].abs());
     assert!(off < 1e-6, "{off:e}");
-}
-
-/// Aerodynamic step in s, and steps of a pulse and of the record.
-const STEP_S: f64 = 6e-3;
-const PULSE: u32 = 12;
-const RECORD: u32 = 50;
-
-/// Roll, pitch and yaw rate in rad/s.
-fn rates(outputs: &Outputs) -> DVector<f64> {
-    DVector::from_column_slice(outputs.spatial()[0].angular_velocity_rad_s.as_slice())
-}
-
-/// `(1 − cos)/2` over [`PULSE`] steps.
-fn pulse(step: u32) -> f64 {
-    if step < PULSE { 0.5 * (1.0 - (std::f64::consts::TAU * f64::from(step) / f64::from(PULSE)).cos()) } else { 0.0 }
-}
-
-/// Adds to the ailerons, or to the elevators.
-fn deflect(roll: bool, inputs: &mut Inputs, amount_rad: f64) {
-    let shares = if roll { [0.0, 0.0, 0.0, 1.0, -1.0] } else { [1.0, 1.0, 0.0, 0.0, 0.0] };
-    inputs.flaps_mut().iter_mut().zip(shares).for_each(|(flap, share)| flap.command_rad += share * amount_rad);
-}
-
-/// FD-08. A pulse of the ailerons rolls the aircraft, and the roll subsides; one of the elevators pitches it: rates of the linear lattice
-/// against those of the aircraft in time, and the eigenvalue of the roll subsidence against the rate at which the roll decays in time.
-/// Inertia, damping in roll and in pitch, downwash on the tail and what the wake remembers are in it.
-#[test]
-fn fd08_rolling_and_pitching_in_a_lattice_are_those_of_the_march() {
-    // stiff wings with few strips and the mass further ahead, as the lattice's downwash takes more of the tail's lift
-    let coarse = [("young_Pa = 70e9", "young_Pa = 70e10"), ("centre_of_mass_m = [-0.05", "centre_of_mass_m = [0.03")];
-    let settings = format!("step_s = {STEP_S:?}\n");
-    let machine = in_lattice(0.0, 60, &settings, &coarse);
-    let (mut plant, _) = trimmed(machine, Nose::Elevators);
-    plant.parameters_mut().solver_mut().max_step_s = STEP_S / 4.0;
-    plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
-    let at_rest = plant.snapshot();
-    for roll in [true, false] {
-        let size_rad = 1e-3;
-        let kept = plant.inputs().clone();
-        let ends = [1.0, -1.0].map(|sign| {
-            plant.restore(&at_rest).expect("its own");
-            let values = (0..RECORD).map(|i| {
-                plant.inputs_mut().clone_from(&kept);
-                deflect(roll, plant.inputs_mut(), sign * size_rad * pulse(i + 1));
-                plant.step(f64::from(i + 1) * STEP_S).unwrap_or_else(|error| panic!("{error}"));
-                rates(plant.outputs())
-            });
-            values.collect::<Vec<_>>()
-        });
-        plant.restore(&at_rest).expect("its own");
-        let marched: Vec<_> = ends[0].iter().zip(&ends[1]).map(|(up, down)| (up - down) / (2.0 * size_rad)).collect();
-        let add = |inputs: &mut Inputs, amount_rad: f64| deflect(roll, inputs, amount_rad);
-        let input = InputSlope { add: &add, step: 1e-3, gust_m_s: Vector3::zeros() };
-        let space = plant.study().lattice_space(&[input], &rates).unwrap_or_else(|error| panic!("{error}"));
-        let m = &space.matrices;
-        let mut x = DVector::zeros(m.a.nrows());
-        let (mut off, mut largest) = (0.0f64, 0.0f64);
-        for (i, marched) in (0..RECORD).zip(&marched) {
-            let u = DVector::from_element(1, pulse(i + 1));
-            x = &m.a * &x + &m.b * &u;
-            let linear = &m.c * &x + &m.d * &u;
-            let axis = if roll { 0 } else { 1 };
-            off = off.max((linear[axis] - marched[axis]).abs());
-            largest = largest.max(marched[axis].abs());
-        }
-        println!("FD-08 {}: off {:.1e} of {largest:.3} 1/s", if roll { "roll" } else { "pitch" }, off / largest);
-        // of the structure's steps
-        assert!(off < 1e-3 * largest, "{off:e} of {largest:e}");
-        let tail: Vec<f64> =
-            marched[PULSE as usize + 8..].iter().map(|rates| rates[if roll { 0 } else { 1 }]).collect();
-        println!("FD-08 decays {:?}", tail.windows(2).map(|w| (w[1] / w[0]).abs().ln() / STEP_S).collect::<Vec<_>>());
-    }
-    let (modes, _) = plant.study().lattice_modes_and_rest(8).unwrap_or_else(|error| panic!("{error}"));
-    for mode in &modes {
-        println!("FD-08 {:.4} {:?}", mode.eigenvalue_1_s, mode.flight);
-    }
 }
