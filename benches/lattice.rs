@@ -5,8 +5,8 @@
 //!
 //! `cargo bench --bench lattice`; with `-- FOLDER` the histories of the lift coefficient go there as CSV.
 
-use foldwing::aero::established::Established;
 use foldwing::aero::AirLoads;
+use foldwing::aero::established::Established;
 use foldwing::aero::flow::Flow;
 use foldwing::aero::lattice::{LatticeOptions, LoadRule, VortexLattice, WakeModel};
 use foldwing::aero::surface::{ChordLine, Profile, Surface};

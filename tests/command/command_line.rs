@@ -890,7 +890,8 @@ fn trim_flies_a_steady_turn() {
     refused("the value is not a finite number", &[&straight[..], &["--set", "turn.rate=nan"]].concat());
     let moved = [&turn[..], &["--set", "root.angular_velocity.z=0.1"]].concat();
     refused("a turn sets root.acceleration and root.angular_velocity", &moved);
-    let lattice = std::fs::read_to_string(aircraft).unwrap().replace("model = \"strip\"", "model = \"uvlm\"\nfree_wake = true");
+    let lattice =
+        std::fs::read_to_string(aircraft).unwrap().replace("model = \"strip\"", "model = \"uvlm\"\nfree_wake = true");
     let lattice = lattice.replace("drag_coefficient = 0.01\n", "chord_panels = 2\n").replace("= 0.75", "= 0.5");
     let lattice = lattice.replace("hinge_fraction = 0.7\n", "hinge_fraction = 0.5\n");
     let folder = tempfile::tempdir().unwrap();

@@ -178,12 +178,13 @@ fn q71_small_inputs_move_the_linear_lattice_as_the_machine() {
     }
 }
 
-/// Q-71 with lift, at 2° and whole also at 6° of incidence: folded by 60° and deployed, on a coarse mesh, after a gust, a wind from
+/// Q-71 with lift, at 6° and whole also at 2° of incidence: folded by 60° and deployed, on a coarse mesh, after a gust, a wind from
 /// below and the aileron. Halving the input takes out what is of its third power. Without the displacements of the wake's nodes the
-/// same model misses the folded wing by ten times what is allowed: so the lift counts, and the comparison sees it.
+/// same model misses the folded wing by a hundred times what is allowed: so the lift counts, and the comparison sees it. With a start
+/// whose wake begins at the trailing edge, which is another steady flow than that of the steps, the folded tip was off by 3e-4 at 6°.
 #[test]
 fn q71_with_lift_small_inputs_move_the_linear_lattice_as_the_machine() {
-    for incidence_deg in if is_whole() { vec![2.0, 6.0] } else { vec![2.0] } {
+    for incidence_deg in if is_whole() { vec![2.0, 6.0] } else { vec![6.0] } {
         for (fold_deg, suction) in [(60.0, true), (0.0, false)] {
             for kind in [Bump::Gust, Bump::Wind, Bump::Aileron] {
                 let wing = Wing { fold_deg, incidence_deg, suction, strips: [3, 4] };
@@ -199,13 +200,12 @@ fn q71_with_lift_small_inputs_move_the_linear_lattice_as_the_machine() {
                     "Q-71 {wing:?}, {kind:?}: off {:.2e} {:.2e} {:.2e}, without the nodes {:.2e} {:.2e} {:.2e}",
                     found[0], found[1], found[2], frozen[0], frozen[1], frozen[2]
                 );
-                // hinge moments have the error of the structure's steps: with steps of a 32nd and tolerances of 1e-12 they are off by
-                // 4e-4. What is left of the others grows with the square of the lift of the folded wing, whatever the input
-                let much = incidence_deg > 2.0;
-                let tip = if much { 5e-4 } else { 1.5e-4 };
-                let allowed = [tip, tip, if much { 4e-3 } else { 2e-3 }];
+                // strains and hinge moments have the error of the structure's steps: with steps of a 32nd and tolerances of 1e-12 the
+                // latter are off by 4e-4
+                let tip = 4e-5;
+                let allowed = [tip, 1.5e-4, 2e-3];
                 assert!(found.iter().zip(allowed).all(|(off, allowed)| *off < allowed), "{wing:?} {kind:?}: {found:?}");
-                assert!(fold_deg == 0.0 || frozen[0].min(frozen[1]) > 10.0 * tip, "{wing:?} {kind:?}: {frozen:?}");
+                assert!(fold_deg == 0.0 || frozen[0].min(frozen[1]) > 100.0 * tip, "{wing:?} {kind:?}: {frozen:?}");
             }
         }
     }

@@ -1,5 +1,4 @@
-//! FD-07 and FD-08: the aircraft in the air of a vortex lattice: released from its trim in level flight and in a steady turn, and its
-//! modes against its motion in time.
+//! FD-07: the aircraft in the air of a vortex lattice, released from its trim in level flight and in steady turns.
 
 use crate::flight::{Nose, machine, trimmed};
 use foldwing::machine::Machine;
@@ -28,7 +27,9 @@ fn drift(plant: &mut Plant) -> [f64; 2] {
     plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
     let places = |plant: &Plant| -> Vec<(Vector3<f64>, Matrix3<f64>)> {
         let sections = plant.shape().into_iter().flatten();
-        sections.map(|section| (section.position_m, Rotation3::new(section.rotation_vector_rad()).into_inner())).collect()
+        sections
+            .map(|section| (section.position_m, Rotation3::new(section.rotation_vector_rad()).into_inner()))
+            .collect()
     };
     let start = places(plant);
     let mut largest = [0.0f64; 2];

@@ -4,6 +4,7 @@ use crate::lattice::wing::{DENSITY_KG_M3, inset, options};
 use foldwing::aero::established::Established;
 use foldwing::aero::flow::Flow;
 use foldwing::aero::lattice::LatticeOptions;
+use foldwing::aero::lattice_state::LatticeState;
 use foldwing::aero::strip::StripOptions;
 use foldwing::aero::surface::{ChordLine, Profile, Surface};
 use foldwing::aero::{AirLoads, AirModel, AirOptions, AirState};
@@ -46,7 +47,9 @@ fn turning(
             gusts: &[],
         };
         if step == 0 {
-            model.start(&motions, &flow, established.then_some(Established::straight(step_s)), &mut from, &mut loads).expect("regular");
+            model
+                .start(&motions, &flow, established.then_some(Established::straight(step_s)), &mut from, &mut loads)
+                .expect("regular");
         } else {
             model.convect(&from, &flow, step_s, &mut to);
             model.solve(&from, &motions, &flow, step_s, &mut to, &mut loads).expect("regular");
@@ -99,4 +102,62 @@ fn u41_wake_of_edges_at_different_speeds_is_a_fan() {
         let found_m = (row_m(2) - row_m(1)).norm();
         assert!((found_m - expected_m).abs() < 1e-12, "{found_m}, expected {expected_m}, at {radius_m} m");
     }
+}
+
+/// U-66. The wake of a steady turn is what a wing leaves behind that turns from the start on: after 200 steps through 1.5 rad its
+/// circulations are those of the established flow, but for what the vortex of the start and the far end still do; with a straight wake
+/// the outer and the inner half differ. The established flow itself stays as it is.
+#[test]
+fn u66_the_wake_of_a_steady_turn_is_what_a_turning_wing_leaves() {
+    let (spin_rad_s, step_s) = (Vector3::new(0.0, 0.02, 0.3), 0.025);
+    let flow = Flow {
+        time_s: 0.0,
+        density_kg_m3: DENSITY_KG_M3,
+        wind_m_s: Vector3::new(0.0, -0.1f64.cos(), 0.1f64.sin()) * 10.0,
+        spin_rad_s,
+        gusts: &[],
+    };
+    let places_m = inset(6.0, 8);
+    let march = |established: Option<Established>, steps: usize| {
+        let chord = ChordLine { leading_m: Vector3::y() * 0.25, trailing_m: Vector3::y() * -0.75 };
+        let surface = Surface {
+            sections: 0..places_m.len(),
+            chords: vec![chord; places_m.len()],
+            chord_panels: 4,
+            profile: Profile::THIN,
+        };
+        let options = AirOptions::Lattice(LatticeOptions { wake_rows: 220, ..options() });
+        let mut model = AirModel::new(vec![surface], &options);
+        let still = |x: &f64| SectionMotion {
+            rotation: Matrix3::identity(),
+            position_m: Vector3::x() * *x,
+            velocity_m_s: Vector3::zeros(),
+            spin_rad_s: Vector3::zeros(),
+        };
+        let motions: Vec<SectionMotion> = places_m.iter().map(still).collect();
+        let (mut from, mut to, mut loads) = (model.blank_state(), model.blank_state(), AirLoads::still(places_m.len()));
+        model.start(&motions, &flow, established, &mut from, &mut loads).expect("regular");
+        for _ in 0..steps {
+            model.convect(&from, &flow, step_s, &mut to);
+            model.solve(&from, &motions, &flow, step_s, &mut to, &mut loads).expect("regular");
+            std::mem::swap(&mut from, &mut to);
+        }
+        let AirState::Lattice(state) = from else { panic!("a lattice") };
+        state
+    };
+    let off = |one: &LatticeState, two: &LatticeState| {
+        let largest = one.circulation_m2_s.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let pairs = one.circulation_m2_s.iter().zip(&two.circulation_m2_s);
+        pairs.map(|(one, two)| (one - two).abs()).fold(0.0, f64::max) / largest
+    };
+    let turning = Some(Established { step_s, turning: true });
+    let (begin, left) = (march(turning, 0), march(None, 200));
+    let straight = march(Some(Established::straight(step_s)), 0);
+    let (curved_off, straight_off) = (off(&begin, &left), off(&straight, &left));
+    let steady = off(&begin, &march(turning, 30));
+    println!("U-66 off by {curved_off:.1e}, with a straight wake {straight_off:.1e}; after 30 steps {steady:.1e}");
+    // the vortex of the start is 50 m behind a span of 6 m: 6²/(2π 50²) of the wing's own induced velocity
+    assert!(curved_off < 2e-3 && straight_off > 4.0 * curved_off, "{curved_off:e} {straight_off:e}");
+    assert!(steady < 1e-12, "{steady:e}");
+    assert_eq!(begin.wake_rows, 208 + 1, "a quarter turn");
 }

@@ -1,7 +1,7 @@
 //! Flat wings for the cases: sections along `x`, leading edge towards `+y`, flow along `−y`.
 
-use foldwing::aero::established::Established;
 use foldwing::aero::AirLoads;
+use foldwing::aero::established::Established;
 use foldwing::aero::flow::{Flow, Gust};
 use foldwing::aero::lattice::{LatticeOptions, LoadRule, VortexLattice, WakeModel};
 use foldwing::aero::lattice_state::LatticeState;

@@ -331,8 +331,13 @@ fn w46_compressible_strips_follow_prandtl_and_glauert() {
         let mut air =
             foldwing::aero::AirModel::new(vec![plain.surface()], &foldwing::aero::AirOptions::Strips(options));
         let (mut state, mut loads) = (air.blank_state(), AirLoads::still(2));
-        let started =
-            air.start(&Plate::sections(Motion::default()), &plain.flow(0.0, &[]), Some(foldwing::aero::established::Established::straight(0.01)), &mut state, &mut loads);
+        let started = air.start(
+            &Plate::sections(Motion::default()),
+            &plain.flow(0.0, &[]),
+            Some(foldwing::aero::established::Established::straight(0.01)),
+            &mut state,
+            &mut loads,
+        );
         assert_eq!(started.is_ok(), fine, "{share}: {started:?}");
     }
 }

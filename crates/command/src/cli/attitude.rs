@@ -85,10 +85,11 @@ impl Attitude {
             moving: moving.iter().any(|vector| *vector != Vector3::zeros()),
             no_turn: plant.machine().air.as_ref().and_then(|air| match &air.options {
                 AirOptions::Strips(_) => None,
-                AirOptions::Lattice(lattice) => (lattice.wake == WakeModel::Free).then_some(
-                    "a free wake has no steady shape in a turn; write free_wake = false",
-                ),
-                AirOptions::Rotor(_) => Some("rotors in the wind have no steady turn; use strips (aerodynamics.model = \"strip\")"),
+                AirOptions::Lattice(lattice) => (lattice.wake == WakeModel::Free)
+                    .then_some("a free wake has no steady shape in a turn; write free_wake = false"),
+                AirOptions::Rotor(_) => {
+                    Some("rotors in the wind have no steady turn; use strips (aerodynamics.model = \"strip\")")
+                }
             }),
             flies: !plant.flying_joints().is_empty(),
             axes,

@@ -103,7 +103,8 @@ impl VortexLattice {
         let (columns, path) = (self.wake_columns, AirPath::new(flow, step_s));
         for row in 0..rows {
             for column in 0..columns {
-                state.wake_node_m[(row + 1) * columns + column] = path.end_m(&state.wake_node_m[row * columns + column]);
+                state.wake_node_m[(row + 1) * columns + column] =
+                    path.end_m(&state.wake_node_m[row * columns + column]);
             }
         }
         let length_m = self.established_length_m(state);

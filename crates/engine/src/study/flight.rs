@@ -89,7 +89,7 @@ impl Study<'_> {
 
 /// Gives each name to one mode only, NOTATION eq. (Q10): the slowest that has it, as elastic modes are faster. Lateral modes that do not
 /// oscillate are told apart by their rates: the slowest of several is the spiral, and a single one is the spiral if it is slower than
-/// the dutch roll.
+/// the dutch roll; of the others those that decay are the roll subsidence.
 pub(super) fn tell_lateral_apart(modes: &mut [ModeShape]) {
     let rate = |mode: &ModeShape| mode.eigenvalue_1_s.norm();
     let mut order: Vec<usize> = (0..modes.len()).filter(|&i| modes[i].flight.is_some()).collect();
@@ -101,7 +101,8 @@ pub(super) fn tell_lateral_apart(modes: &mut [ModeShape]) {
     let real: Vec<usize> = order.iter().copied().filter(|&i| lateral(&modes[i])).collect();
     for (place, &i) in real.iter().enumerate() {
         let spiral = place == 0 && (real.len() > 1 || rate(&modes[i]) < dutch_roll_1_s);
-        modes[i].flight = Some(if spiral { FlightMode::Spiral } else { FlightMode::RollSubsidence });
+        let decays = modes[i].eigenvalue_1_s.re < 0.0;
+        modes[i].flight = if spiral { Some(FlightMode::Spiral) } else { decays.then_some(FlightMode::RollSubsidence) };
     }
     let mut given = Vec::new();
     for i in order {
