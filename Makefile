@@ -164,6 +164,7 @@ bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/table
 	@$(PYTHON) tools/create_venv.py $(PEERS) --requirements python/requirements-peers.txt
 	$(PEERS)/bin/python studies/compare_exudyn.py --foldwing $(COMMAND)
 	$(PEERS)/bin/python studies/compare_lattice.py
+	$(PEERS)/bin/python studies/plot_lattice_cost.py --foldwing $(COMMAND)
 
 validate: package venv ## Compare with the methods of the paper, sweep on Dask, flutter, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
 	FOLDWING_WHOLE=1 $(CARGO) test --locked --test verification -- --nocapture conventional::

@@ -493,6 +493,19 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     let mut bytes = Vec::new();
     std::io::Read::read_to_end(&mut archive.by_name("step_s.npy").unwrap(), &mut bytes).unwrap();
     assert!(bytes.ends_with(&0.0025f64.to_le_bytes()));
+    // for a band: in it the error is the one that is stated, at frequencies in between too
+    succeeds(&linearize("band.json", &["--reduce", "6", "--up-to", "20"]));
+    let band = read("band.json");
+    let answers = [&whole, &band].map(|model| answers_to_20_hz(model, 0.0025));
+    let mut off = 0.0_f64;
+    for at in 0..answers[0][0].len() {
+        let largest = answers[0].iter().map(|gains| gains[at].norm()).fold(0.0, f64::max);
+        let left = answers[0].iter().zip(&answers[1]).map(|(gains, own)| (gains[at] - own[at]).norm());
+        off = off.max(left.fold(0.0, f64::max) / largest);
+    }
+    let stated = band["reduction"]["error_in_band"].as_f64().unwrap();
+    assert!(band["states"].as_array().unwrap().len() <= 6 && band["reduction"]["up_to_Hz"] == 20.0, "{band}");
+    assert!(off > 1e-9 && (stated / off - 1.0).abs() < 0.05, "{stated:e} is stated, {off:e} found");
     refuses(&linearize("y.json", &["--modes", "4"]), 3, "reduced by balanced truncation");
     let free = small.replace("model = \"uvlm\"", "model = \"uvlm\"\nfree_wake = true");
     std::fs::write(path("free.toml"), free).unwrap();
@@ -821,6 +834,21 @@ fn trim_balances_a_free_aircraft() {
     refuses(&foldwing(&eight), 2, "9 free values for 0 balances; from 1 to 6 free values are needed");
 }
 
+/// Gains of a model in discrete time, as linearize writes it, at 77 frequencies up to 20 Hz.
+fn answers_to_20_hz(model: &serde_json::Value, step_s: f64) -> Vec<nalgebra::DMatrix<nalgebra::Complex<f64>>> {
+    let matrix = |name: &str| {
+        let rows: Vec<Vec<f64>> = serde_json::from_value(model[name].clone()).unwrap();
+        nalgebra::DMatrix::from_fn(rows.len(), rows[0].len(), |i, j| nalgebra::Complex::from(rows[i][j]))
+    };
+    let [a, b, c, d] = ["A", "B", "C", "D"].map(matrix);
+    let answer = |i: usize| {
+        let z = nalgebra::Complex::from_polar(1.0, std::f64::consts::TAU * 20.0 * i as f64 / 76.0 * step_s);
+        let inside = nalgebra::DMatrix::from_diagonal_element(a.nrows(), a.nrows(), z) - &a;
+        &c * inside.lu().solve(&b).unwrap() + &d
+    };
+    (0..77).map(answer).collect()
+}
+
 /// FD-06. A level turn banked by 0.5 rad: all loads on the free joint vanish, the rate is that of gravity and bank, the wings bear the load
 /// factor, and released the aircraft keeps its circle. Turns that cannot be are refused by name.
 #[test]
@@ -883,6 +911,23 @@ fn trim_flies_a_steady_turn() {
     println!("attitude off by {turned_rad:.1e} rad after 4 s");
     // the tolerance of the coupling, 1e-6 of the loads, amplified by the phugoid
     assert!(turned_rad < 1e-4, "{rows}");
+    // the root turns about gravity and moves against the wind, eq. (Q11)
+    let vector = |name: &str| {
+        nalgebra::Vector3::from_fn(|i, _| found["settings"][format!("{name}.{}", ["x", "y", "z"][i])].as_f64().unwrap())
+    };
+    let spin = vector("gravity").normalize() * rate_rad_s;
+    assert!((vector("root.angular_velocity") - spin).norm() < 1e-12, "{found}");
+    assert!((vector("root.acceleration") + spin.cross(&vector("wind.velocity"))).norm() < 1e-12, "{found}");
+    // the same turn about another centre: it goes around in the root frame once a turn, and is no mode of flight
+    let mut modes = vec!["modes", aircraft, "--count", "6", "--json"];
+    modes.extend(settings.iter().map(String::as_str));
+    let modes: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&modes))).unwrap();
+    let modes = modes["modes"].as_array().unwrap();
+    let eigenvalue = |mode: &serde_json::Value| [0, 1].map(|part| mode["eigenvalue_1_s"][part].as_f64().unwrap());
+    let around = modes.iter().find(|mode| (eigenvalue(mode)[1] - rate_rad_s).abs() < 1e-6).expect("a mode at the rate");
+    assert!(eigenvalue(around)[0].abs() < 1e-6 && around["flight_mode"].is_null(), "{around}");
+    let dutch_roll = modes.iter().find(|mode| mode["flight_mode"] == "dutch roll").expect("a dutch roll");
+    assert!(eigenvalue(dutch_roll)[1] > 5.0, "{dutch_roll}");
     let refused = |text: &str, arguments: &[&str]| refuses(&foldwing(arguments), 2, text);
     let wing = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/flared_wing_tip.toml");
     let held = ["trim", wing, "--free", "wind.velocity.z", "--balance", "root.force.z=0", "--set", "turn.rate=0.1"];

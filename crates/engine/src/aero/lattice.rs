@@ -23,7 +23,7 @@ use crate::aero::linear_system::LinearSystem;
 use crate::aero::near_sheets::{Facing, Gap, NoCirculation};
 use crate::aero::rear::rear_panels;
 use crate::aero::surface::Surface;
-use crate::aero::wake::NEAR_ROWS;
+use crate::aero::wake::{FAR_PERIOD, NEAR_ROWS};
 use crate::aero::{AirLoads, lattice_loads};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
@@ -134,6 +134,10 @@ pub struct VortexLattice {
     pub(super) factored_stretch: Option<Stretch>,
     pub(super) factored: bool,
     pub(super) factors: Factors,
+    /// Velocity in m/s at the nodes of a free wake in the present step.
+    pub(super) free_m_s: Vec<Vector3<f64>>,
+    /// Steps between two sums of the velocity of a far row of a free wake.
+    pub(super) far_period: usize,
     pub(super) right: Vec<f64>,
     pub(super) solution: Vec<f64>,
 }
@@ -216,6 +220,8 @@ impl VortexLattice {
             factored_stretch: None,
             factored: false,
             factors: Factors::Due,
+            free_m_s: vec![Vector3::zeros(); if options.wake == WakeModel::Free { wake_nodes } else { 0 }],
+            far_period: FAR_PERIOD,
             right: vec![0.0; panels],
             solution: vec![0.0; panels],
             wake_columns: columns,
@@ -245,6 +251,8 @@ impl VortexLattice {
             rear_panels: vec![0.0; self.wake_columns],
             corner_m: vec![Vector3::zeros(); self.corner_velocity_m_s.len()],
             wake_node_m: vec![Vector3::zeros(); (self.options.wake_rows + 2) * self.wake_columns],
+            induced_m_s: vec![Vector3::zeros(); self.free_nodes()],
+            unshed_steps: 0,
             wake_circulation_m2_s: vec![0.0; (self.options.wake_rows + 1) * self.wake_strips],
             wake_rows: 0,
             established: false,
@@ -282,6 +290,8 @@ impl VortexLattice {
         state.far_wake_m_s.fill(Vector3::zeros());
         state.wake_circulation_m2_s.fill(0.0);
         state.wake_node_m.fill(Vector3::zeros());
+        state.induced_m_s.fill(Vector3::zeros());
+        state.unshed_steps = 0;
         state.profile_m_s.fill(0.0);
         state.relative_m_s = mean_relative_m_s(motions, flow);
         self.compress(motions, flow, state)?;

@@ -24,6 +24,10 @@ pub struct LatticeState {
     pub rear_panels: Vec<f64>,
     /// Nodes of the wake, root frame, m: row by row from the trailing edge, in each row surface by surface.
     pub wake_node_m: Vec<Vector3<f64>>,
+    /// Velocity in m/s that all vortices induce at these nodes, root frame, as it was last summed, of a free wake, eq. (U31); else empty.
+    pub induced_m_s: Vec<Vector3<f64>>,
+    /// Steps so far that shed no row, modulo [`FAR_PERIOD`](crate::aero::wake::FAR_PERIOD) of the rows that take turns.
+    pub unshed_steps: usize,
     /// Circulations of the wake's rings in m²/s, in the same order.
     pub wake_circulation_m2_s: Vec<f64>,
     /// Rows of rings in the wake.
@@ -60,6 +64,8 @@ impl LatticeState {
         self.far_wake_m_s.clone_from(&other.far_wake_m_s);
         self.rear_panels.clone_from(&other.rear_panels);
         self.wake_node_m.clone_from(&other.wake_node_m);
+        self.induced_m_s.clone_from(&other.induced_m_s);
+        self.unshed_steps = other.unshed_steps;
         self.wake_circulation_m2_s.clone_from(&other.wake_circulation_m2_s);
         (self.wake_rows, self.established, self.turning) = (other.wake_rows, other.established, other.turning);
         self.edge_m.clone_from(&other.edge_m);
@@ -81,6 +87,7 @@ impl LatticeState {
             && self.far_wake_m_s.len() == other.far_wake_m_s.len()
             && self.rear_panels.len() == other.rear_panels.len()
             && self.wake_node_m.len() == other.wake_node_m.len()
+            && self.induced_m_s.len() == other.induced_m_s.len()
             && self.wake_circulation_m2_s.len() == other.wake_circulation_m2_s.len()
             && [&other.edge_m, &other.edge_m_s, &other.left_m].iter().all(|edge| edge.len() == self.edge_m.len())
             && self.hinges.len() == other.hinges.len()

@@ -22,6 +22,13 @@ pub(super) const SHED_ROUND_OFF: f64 = 1e-9;
 /// the acceleration times half the square of the step, small against the distance of these rows.
 pub(super) const NEAR_ROWS: usize = 8;
 
+/// Rows of a free wake whose velocities are summed in every step, eq. (U31).
+pub(super) const FRESH_ROWS: usize = 40;
+
+/// Rows further back take turns: each is summed in every so manyth step and moves with that velocity meanwhile, so that the work of
+/// every step is the same. As the path of the wake, first order in the step.
+pub(super) const FAR_PERIOD: usize = 4;
+
 impl VortexLattice {
     /// Moves the wake to the end of a step and sheds the row that the trailing edge leaves behind, with the circulation
     /// that it had at the start, eqs. (U5) and (U10). Done once for a step, before [`solve`](Self::solve).
@@ -38,15 +45,20 @@ impl VortexLattice {
         let nodes = (from.wake_rows + 1) * columns;
         let free = self.options.wake == WakeModel::Free;
         if free {
-            self.wake_velocity(from, flow, nodes);
+            self.wake_velocity(from, nodes);
         }
         let path = AirPath::new(flow, step_s);
         let moved_m = |node: usize| {
-            let disturbance_m_s = if free { self.velocities[node / LANES].get(node % LANES) } else { Vector3::zeros() };
-            path.end_m(&from.wake_node_m[node]) + disturbance_m_s * step_s
+            let node_m = &from.wake_node_m[node];
+            if !free {
+                return path.end_m(node_m);
+            }
+            let gust_m_s = flow.velocity_m_s(node_m) - flow.convection_m_s(node_m);
+            path.end_m(node_m) + (self.free_m_s[node] + gust_m_s) * step_s
         };
         let shed = self.leaves_a_row(from, &path, step_s, to);
         to.sheds = shed;
+        to.unshed_steps = (from.unshed_steps + usize::from(!shed)) % self.far_period;
 
         (to.established, to.turning) = (from.established, from.turning);
         let established = usize::from(from.established);
@@ -66,7 +78,11 @@ impl VortexLattice {
         for row in 0..=from.wake_rows {
             let Some(next) = goes_to(row) else { continue };
             for column in 0..columns {
-                to.wake_node_m[next * columns + column] = moved_m(row * columns + column);
+                let (node, moved) = (row * columns + column, next * columns + column);
+                to.wake_node_m[moved] = moved_m(node);
+                if free {
+                    to.induced_m_s[moved] = path.turned(&self.free_m_s[node]);
+                }
             }
             if row < from.wake_rows {
                 to.wake_circulation_m2_s[next * strips..][..strips]
@@ -84,6 +100,9 @@ impl VortexLattice {
         // what lies behind the last row is no part of the state
         to.wake_node_m[(to.wake_rows + 1) * columns..].fill(Vector3::zeros());
         to.wake_circulation_m2_s[to.wake_rows * strips..].fill(0.0);
+        if free {
+            to.induced_m_s[(to.wake_rows + 1) * columns..].fill(Vector3::zeros());
+        }
         if shed && to.wake_rows > 0 {
             self.shed_row(from, to);
         }
@@ -156,24 +175,40 @@ impl VortexLattice {
         }
     }
 
-    /// Gusts and induced velocity at the nodes of the wake, into `velocities`.
-    fn wake_velocity(&mut self, from: &LatticeState, flow: &Flow, nodes: usize) {
-        for (node, point_m) in from.wake_node_m[..nodes].iter().enumerate() {
-            self.points[node / LANES].set(node % LANES, point_m);
+    /// Induced velocity at the nodes of the wake, into `free_m_s`: summed anew where a row is due, else as it was.
+    fn wake_velocity(&mut self, from: &LatticeState, nodes: usize) {
+        let columns = self.wake_columns;
+        let due = |row: usize| is_due(row, from, self.far_period);
+        let mut count = 0;
+        for (row, nodes_m) in from.wake_node_m[..nodes].chunks_exact(columns).enumerate() {
+            for point_m in nodes_m.iter().filter(|_| due(row)) {
+                self.points[count / LANES].set(count % LANES, point_m);
+                count += 1;
+            }
         }
-        self.velocities[..blocks(nodes)].fill(Block::default());
+        self.velocities[..blocks(count)].fill(Block::default());
         self.gather_wake(from, 0..from.wake_rows);
         for sheet in &self.bound {
             self.bound_filaments.gather(sheet, &from.circulation_m2_s);
         }
-        self.induce(nodes, &from.corner_m, SheetKind::Bound);
-        self.induce(nodes, &from.wake_node_m, SheetKind::Wake);
-        for (node, point_m) in from.wake_node_m[..nodes].iter().enumerate() {
-            let gust_m_s = flow.velocity_m_s(point_m) - flow.convection_m_s(point_m);
-            let (block, lane) = (node / LANES, node % LANES);
-            let sum_m_s = self.velocities[block].get(lane) + gust_m_s;
-            self.velocities[block].set(lane, &sum_m_s);
+        self.induce(count, &from.corner_m, SheetKind::Bound);
+        self.induce(count, &from.wake_node_m, SheetKind::Wake);
+        count = 0;
+        for (row, own_m_s) in self.free_m_s[..nodes].chunks_exact_mut(columns).enumerate() {
+            if is_due(row, from, self.far_period) {
+                for velocity_m_s in own_m_s {
+                    *velocity_m_s = self.velocities[count / LANES].get(count % LANES);
+                    count += 1;
+                }
+            } else {
+                own_m_s.copy_from_slice(&from.induced_m_s[row * columns..][..columns]);
+            }
         }
+    }
+
+    /// Nodes of the wake that need velocities of their own: none where it is prescribed.
+    pub(super) fn free_nodes(&self) -> usize {
+        if self.options.wake == WakeModel::Free { (self.options.wake_rows + 2) * self.wake_columns } else { 0 }
     }
 
     /// Gives a row of the wake the circulation of the trailing edge.
@@ -193,5 +228,117 @@ impl VortexLattice {
             shortest / surface.chord_panels as f64
         };
         SHED_PANELS * self.surfaces.iter().map(panel_m).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Whether the velocities of a row of nodes are summed in the step that begins at a state, eq. (U31). A row counts on with every step:
+/// by its place where the step before shed one, else by the steps that shed none. The ends of the wake stay where they are in the list,
+/// and are always due.
+fn is_due(row: usize, from: &LatticeState, period: usize) -> bool {
+    let ended = from.wake_rows - usize::from(from.established);
+    row < FRESH_ROWS || row >= ended || (row + from.unshed_steps) % period == 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aero::AirLoads;
+    use crate::aero::lattice::{LatticeOptions, LoadRule};
+    use crate::aero::surface::{ChordLine, Profile};
+    use crate::load::SectionMotion;
+
+    const STEP_S: f64 = 0.01;
+
+    /// A flat wing 3 m wide of chord 1 m at 6°, two by two panels, in a wind of 10 m/s that blows for some steps and then rests;
+    /// steps are `finer` times shorter and more, and rows far back take turns of `period` steps.
+    fn wake(
+        (finer, period): (usize, usize),
+        [blowing, resting]: [usize; 2],
+        mut visit: impl FnMut(&LatticeState),
+    ) -> LatticeState {
+        let (step_s, blowing) = (STEP_S / finer as f64, finer * blowing);
+        let (sine, cosine) = 6.0_f64.to_radians().sin_cos();
+        let chord = ChordLine {
+            leading_m: Vector3::new(0.0, 0.25 * cosine, 0.25 * sine),
+            trailing_m: Vector3::new(0.0, -0.75 * cosine, -0.75 * sine),
+        };
+        let surface = Surface { sections: 0..3, chords: vec![chord; 3], chord_panels: 2, profile: Profile::THIN };
+        let options = LatticeOptions {
+            wake: WakeModel::Free,
+            wake_rows: 90 * finer,
+            core_radius_m: 0.02,
+            load_rule: LoadRule::Bernoulli,
+            mirror_normal: None,
+            ground: None,
+            speed_of_sound_m_s: None,
+            threads: 1,
+        };
+        let mut lattice = VortexLattice::new(vec![surface], options);
+        lattice.far_period = period;
+        let motions = [0.0, 1.5, 3.0].map(|x| SectionMotion {
+            rotation: nalgebra::Matrix3::identity(),
+            position_m: Vector3::x() * x,
+            velocity_m_s: Vector3::zeros(),
+            spin_rad_s: Vector3::zeros(),
+        });
+        let flow = |speed_m_s: f64| Flow {
+            time_s: 0.0,
+            density_kg_m3: 1.2,
+            wind_m_s: Vector3::y() * -speed_m_s,
+            spin_rad_s: Vector3::zeros(),
+            gusts: &[],
+        };
+        let (mut state, mut next) = (lattice.blank_state(), lattice.blank_state());
+        let mut loads = AirLoads::still(3);
+        lattice.start(&motions, &flow(10.0), false, &mut state, &mut loads).unwrap();
+        for step in 0..blowing + resting {
+            let flow = flow(if step < blowing { 10.0 } else { 0.0 });
+            visit(&state);
+            lattice.convect(&state, &flow, step_s, &mut next);
+            lattice.solve(&state, &motions, &flow, step_s, &mut next, &mut loads).unwrap();
+            std::mem::swap(&mut state, &mut next);
+        }
+        state
+    }
+
+    /// U-70. Rows far back that take turns end where they do if all are summed in every step, but for a share of what steps of half the length
+    /// change there: the path of the wake is of first order in the step either way.
+    #[test]
+    fn rows_that_take_turns_follow_those_that_do_not() {
+        let [all, turns, finer] = [(1, 1), (1, FAR_PERIOD), (2, 1)].map(|way| wake(way, [90, 0], |_| {}));
+        assert_eq!([&all, &turns, &finer].map(|state| state.wake_rows), [90, 90, 180]);
+        let node_m = |state: &LatticeState, row: usize, column: usize| state.wake_node_m[3 * row + column];
+        let (mut off_m, mut by_step_m) = (0.0_f64, 0.0_f64);
+        for (row, column) in (1..=90).flat_map(|row| (0..3).map(move |column| (row, column))) {
+            let own_off_m = (node_m(&all, row, column) - node_m(&turns, row, column)).norm();
+            assert!(row < FRESH_ROWS + 2 || own_off_m > 0.0, "row {row} took no turns");
+            off_m = off_m.max(own_off_m);
+            by_step_m = by_step_m.max((node_m(&all, row, column) - node_m(&finer, 2 * row, column)).norm());
+        }
+        // between two sums a velocity is up to three steps old instead of half a step in the mean, but further back, where it changes
+        // less except about the starting vortex at the very end
+        assert!(off_m < 0.5 * by_step_m, "{off_m:.1e} m, {by_step_m:.1e} m by half the step");
+    }
+
+    /// U-71. No row waits longer than its turn, whether steps shed rows or not, and the work of all steps is even: a quarter of the far rows.
+    #[test]
+    fn no_row_waits_longer_than_its_turn() {
+        // by the place of a node along the wind at the step's end: age of its velocity in steps
+        let (mut ages, mut rows_before) = (vec![0_usize; 1], 0);
+        wake((1, FAR_PERIOD), [90, 9], |state| {
+            if state.wake_rows > rows_before {
+                ages.insert(0, 0);
+            }
+            rows_before = state.wake_rows;
+            let mut far = 0;
+            for (row, age) in ages.iter_mut().enumerate() {
+                *age = if is_due(row, state, FAR_PERIOD) { 0 } else { *age + 1 };
+                assert!(*age < FAR_PERIOD, "row {row} of {}", state.wake_rows);
+                far += usize::from(row >= FRESH_ROWS && *age == 0);
+            }
+            let all = state.wake_rows.saturating_sub(FRESH_ROWS);
+            assert!(far <= all / FAR_PERIOD + 2, "{far} of {all} rows at once");
+        });
+        assert!(rows_before > 2 * FRESH_ROWS);
     }
 }

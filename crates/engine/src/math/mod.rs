@@ -1,5 +1,6 @@
 //! Rotations, rigid motions and quadrature.
 
+pub mod local_jacobian;
 pub mod local_link;
 pub mod quadrature;
 pub mod se3;

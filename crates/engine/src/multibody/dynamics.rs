@@ -8,7 +8,7 @@ use crate::load::{RootMotion, Wrench};
 use crate::math::so3::hat;
 use crate::multibody::kinematics::{Motion, strains, sweep_motion};
 use crate::multibody::model::{Base, Body, Element, Model};
-use crate::multibody::station;
+use crate::multibody::station_load;
 use crate::multibody::workspace::{Node, Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
@@ -69,11 +69,7 @@ fn sweep_forces<const PROJECT: bool>(
         }
     }
     if !environment.stations.is_empty() {
-        for (station, load) in model.stations.iter().zip(environment.stations) {
-            if !load.is_zero() {
-                station::apply(model, work, motion.q, station, load, residual);
-            }
-        }
+        station_load::apply_all(model, work, motion.q, environment.stations, residual);
     }
     react_on_carriers(model, work, environment.damping);
     let rotors_on_root = react_of_rotors::<PROJECT>(model, work, motion, environment.root, residual);

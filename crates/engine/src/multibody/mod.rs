@@ -12,6 +12,7 @@ pub mod model;
 pub mod norm;
 pub mod section_load;
 pub mod station;
+pub(crate) mod station_load;
 pub mod tangent;
 pub mod workspace;
 

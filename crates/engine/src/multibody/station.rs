@@ -41,7 +41,7 @@ pub(crate) fn steps(model: &Model, station: &Station) -> ([Step; 2], usize) {
 }
 
 /// First strain of the element that holds a station; of no meaning on a rigid body, which has no links.
-fn first_coordinate(model: &Model, station: &Station) -> usize {
+pub(crate) fn first_coordinate(model: &Model, station: &Station) -> usize {
     model.elements.get(station.element).map_or(0, |element| element.coordinate)
 }
 

@@ -1,6 +1,7 @@
 //! Scratch of the recursions, sized once per model and rebuilt by every sweep.
 
-use crate::math::local_link::{LANES, LocalJacobian, LocalLinks, LocalMotions};
+use crate::math::local_jacobian::LocalJacobian;
+use crate::math::local_link::{LANES, LocalLinks, LocalMotions};
 use crate::math::se3::Link;
 use crate::multibody::closure::ClosureFactor;
 use crate::multibody::joint::JointWork;

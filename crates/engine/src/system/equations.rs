@@ -13,7 +13,7 @@ use crate::multibody::gauge::Side;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Attachment, BodyDescription, Element};
 use crate::multibody::section_load::SectionPlace;
-use crate::multibody::{Model, Workspace, energy, norm, station};
+use crate::multibody::{Model, Workspace, energy, norm, station_load};
 use crate::signal::{Inputs, Parameters};
 use crate::solve::{EquationsOfMotion, Powers, Singular};
 use crate::system::air::{AirCoupling, StepLoads};
@@ -310,13 +310,7 @@ impl EquationsOfMotion for Equations {
                 + energy::frame_power_of_drives(&self.model, &self.work, &self.root, v);
         }
         if self.loaded {
-            let motion = Motion { q, v, a: &[] };
-            for (place, load) in self.model.stations.iter().zip(&self.stations) {
-                if !load.is_zero() {
-                    let point = station::motion(&self.model, &self.work, motion, place);
-                    powers.work += station::power_w(&point, load, place.frame);
-                }
-            }
+            powers.work += station_load::power_w(&self.model, &self.work, Motion { q, v, a: &[] }, &self.stations);
         }
         powers
     }

@@ -1,0 +1,269 @@
+//! Loads at stations inside elements, some stations side by side: what they exert on strains and inner nodes.
+//!
+//! As [`station::apply`](crate::multibody::station::apply) would one after the other, but in the frames of the links, NOTATION eqs. (K3), (K4), (K10): there
+//! nothing depends on the pose of the node, so that several stations can be worked out at once.
+
+use crate::load::{LoadFrame, Wrench};
+use crate::math::local_link::{LANES, Lanes, LocalLinks, Strains, Three, cross, poses, turned, turned_back, vector};
+use crate::multibody::kinematics::Motion;
+use crate::multibody::model::{Model, Station};
+use crate::multibody::station::{self, Step, apply, first_coordinate, inner_node, mix, node_under, steps};
+use crate::multibody::workspace::{Pair, Workspace};
+use nalgebra::Vector3;
+use std::array::from_fn;
+
+/// Subtracts the loads of all stations from the residual: on the strains of their elements, and on the wrenches of nodes.
+/// Allocates nothing.
+pub(crate) fn apply_all(model: &Model, work: &mut Workspace, q: &[f64], loads: &[Wrench], residual: &mut [f64]) {
+    for_each(model, loads, |visited| match visited {
+        Visited::One(station, load) => apply(model, work, q, station, load, residual),
+        Visited::Some(stations) => {
+            if let Some(passed) = Passed::new(model, work, q, stations) {
+                passed.subtract(work, residual);
+            }
+        }
+    });
+}
+
+/// Power of the loads of all stations in W, by the same map; `work` must hold the whole motion.
+pub(crate) fn power_w(model: &Model, work: &Workspace, motion: Motion, loads: &[Wrench]) -> f64 {
+    let mut power_w = 0.0;
+    for_each(model, loads, |visited| match visited {
+        Visited::One(station, load) => {
+            let point = station::motion(model, work, motion, station);
+            power_w += station::power_w(&point, load, station.frame);
+        }
+        Visited::Some(stations) => {
+            power_w +=
+                Passed::new(model, work, motion.q, stations).map_or(0.0, |passed| passed.power_w(work, motion.v));
+        }
+    });
+    power_w
+}
+
+/// One station on a node or on a modal body, or some inside elements.
+enum Visited<'a, 'b> {
+    One(&'a Station, &'a Wrench),
+    Some(&'b Waiting<'a>),
+}
+
+/// Visits all stations that carry a load.
+#[inline]
+fn for_each<'a>(model: &'a Model, loads: &'a [Wrench], mut visit: impl FnMut(Visited<'a, '_>)) {
+    let mut waiting: Waiting = [None; LANES];
+    let mut count = 0;
+    for (station, load) in model.stations.iter().zip(loads).filter(|(_, load)| !load.is_zero()) {
+        if model.bodies[station.body].modal.is_some() || node_under(model, station).is_some() {
+            visit(Visited::One(station, load));
+            continue;
+        }
+        if count == LANES || waiting[0].is_some_and(|(first, _)| first.frame != station.frame) {
+            visit(Visited::Some(&waiting));
+            (waiting, count) = ([None; LANES], 0);
+        }
+        waiting[count] = Some((station, load));
+        count += 1;
+    }
+    visit(Visited::Some(&waiting));
+}
+
+/// Forces on the strains of one link of each station's way, with the weights of the element's own strains and of its
+/// sibling's.
+type Exerted = [([f64; 2], [f64; 4]); LANES];
+
+/// The links of some stations at the same place on their ways.
+struct Way {
+    length_m: Lanes,
+    weights: [[f64; 2]; LANES],
+    links: LocalLinks,
+}
+
+impl Way {
+    #[inline(always)]
+    fn new(q: &[f64], first: &[usize; LANES], steps: [Step; LANES]) -> Self {
+        let weights = steps.map(|step| step.weights);
+        let each: [[f64; 4]; LANES] = from_fn(|lane| mix(q, first[lane], weights[lane]));
+        let length_m = Lanes(steps.map(|step| step.length_m));
+        let strains = Strains(from_fn(|strain| Lanes(from_fn(|lane| each[lane][strain]))));
+        Self { length_m, weights, links: poses(length_m, &strains) }
+    }
+
+    /// What a load at the outer ends, in the inner frames, exerts on the strains.
+    #[inline(always)]
+    fn project(&self, force_n: &Three, moment_n_m: &Three) -> Exerted {
+        let projected = self.links.project(self.length_m, force_n, moment_n_m);
+        from_fn(|lane| (self.weights[lane], projected.map(|lanes| lanes.0[lane])))
+    }
+
+    /// Moments about the inner ends of loads at the outer ones.
+    #[inline(always)]
+    fn moment_inside(&self, force_n: &Three, moment_n_m: &Three) -> Three {
+        let arm = cross(self.links.arm_m, *force_n);
+        from_fn(|i| moment_n_m[i] + arm[i])
+    }
+}
+
+/// Some stations inside elements whose loads have the same frame, waiting for one another.
+type Waiting<'a> = [Option<(&'a Station, &'a Wrench)>; LANES];
+
+/// What the loads of some stations exert: on the strains, on those that follow from the first coordinate of their elements,
+/// and on the inner nodes, in the root frame.
+struct Passed {
+    count: usize,
+    first: [usize; LANES],
+    strains: [Option<Exerted>; 2],
+    node: [usize; LANES],
+    wrenches: [Pair; LANES],
+}
+
+impl Passed {
+    #[inline]
+    fn new(model: &Model, work: &Workspace, q: &[f64], stations: &Waiting) -> Option<Self> {
+        let count = stations.iter().flatten().count();
+        let (last, last_load) = stations[..count].last().copied().flatten()?;
+        let each: [(&Station, &Wrench); LANES] = from_fn(|lane| stations[lane].unwrap_or((last, last_load)));
+        let first: [usize; LANES] = from_fn(|lane| first_coordinate(model, each[lane].0));
+        let node: [usize; LANES] = from_fn(|lane| inner_node(model, each[lane].0));
+        let ways: [([Step; 2], usize); LANES] = from_fn(|lane| steps(model, each[lane].0));
+        let inner = Way::new(q, &first, ways.map(|(steps, _)| steps[0]));
+        // where only one of the stations has a second link, that of the others has no length
+        let pairs = ways.iter().any(|(_, links)| *links == 2);
+        let outer = pairs.then(|| Way::new(q, &first, ways.map(|(steps, _)| steps[1])));
+
+        // at the outer ends, in the frames of the stations or in those of the inner nodes
+        let in_section = last.frame == LoadFrame::Section;
+        let at_station = |part: fn(&Wrench) -> &Vector3<f64>| -> Three {
+            let each: [Vector3<f64>; LANES] = from_fn(|lane| match in_section {
+                true => *part(each[lane].1),
+                false => work.nodes[node[lane]].rotation.tr_mul(part(each[lane].1)),
+            });
+            from_fn(|axis| Lanes(from_fn(|lane| each[lane][axis])))
+        };
+        let (mut force_n, mut moment_n_m) = (at_station(|load| &load.force_n), at_station(|load| &load.moment_n_m));
+        // now in the inner frames of the last links
+        for vector in [&mut force_n, &mut moment_n_m] {
+            *vector = match (in_section, &outer) {
+                (true, Some(outer)) => turned(&outer.links.rotation, vector),
+                (true, None) => turned(&inner.links.rotation, vector),
+                (false, Some(_)) => turned_back(&inner.links.rotation, vector),
+                (false, None) => *vector,
+            };
+        }
+        let by_outer = outer.map(|outer| {
+            let exerted = outer.project(&force_n, &moment_n_m);
+            moment_n_m = outer.moment_inside(&force_n, &moment_n_m);
+            for vector in [&mut force_n, &mut moment_n_m] {
+                *vector = turned(&inner.links.rotation, vector);
+            }
+            exerted
+        });
+        let by_inner = inner.project(&force_n, &moment_n_m);
+        moment_n_m = inner.moment_inside(&force_n, &moment_n_m);
+        let wrenches = from_fn(|lane| {
+            let rotation = &work.nodes[node[lane]].rotation;
+            Pair { linear: rotation * vector(&force_n, lane), angular: rotation * vector(&moment_n_m, lane) }
+        });
+        Some(Self { count, first, strains: [by_outer, Some(by_inner)], node, wrenches })
+    }
+
+    /// Takes the loads away from the residual.
+    #[inline]
+    fn subtract(&self, work: &mut Workspace, residual: &mut [f64]) {
+        for exerted in self.strains.iter().flatten() {
+            for (first, ([own, other], forces)) in self.first.iter().zip(exerted).take(self.count) {
+                for (i, force) in forces.iter().enumerate() {
+                    residual[first + i] -= own * force;
+                    if *other != 0.0 {
+                        residual[first + 4 + i] -= other * force;
+                    }
+                }
+            }
+        }
+        for (node, wrench) in self.node.iter().zip(&self.wrenches).take(self.count) {
+            work.nodes[*node].force -= wrench.linear;
+            work.nodes[*node].moment -= wrench.angular;
+        }
+    }
+
+    /// Power of the loads in W.
+    #[inline]
+    fn power_w(&self, work: &Workspace, v: &[f64]) -> f64 {
+        let mut power_w = 0.0;
+        for exerted in self.strains.iter().flatten() {
+            for (first, (weights, forces)) in self.first.iter().zip(exerted).take(self.count) {
+                let rates = mix(v, *first, *weights);
+                power_w += rates.iter().zip(forces).map(|(rate, force)| rate * force).sum::<f64>();
+            }
+        }
+        for (node, wrench) in self.node.iter().zip(&self.wrenches).take(self.count) {
+            let node = &work.nodes[*node];
+            power_w += wrench.linear.dot(&node.velocity) + wrench.angular.dot(&node.spin);
+        }
+        power_w
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::element::ElementKind;
+    use crate::beam::section::{Material, Solid};
+    use crate::multibody::joint::JointKind;
+    use crate::multibody::kinematics::sweep_motion;
+    use crate::multibody::model::{Attachment, BodyDescription};
+
+    /// Loads side by side are those one after the other, and their power is that of the stations' velocities: a body of
+    /// constant elements and one of pairs behind it, stations on nodes and between them in odd number, in either frame.
+    /// Tolerance: round-off of some hundred operations on numbers up to 10.
+    #[test]
+    fn loads_side_by_side_are_those_one_by_one() {
+        for frame in [LoadFrame::Root, LoadFrame::Section] {
+            let body = |kind, parent| BodyDescription {
+                length_m: 0.8,
+                section: Solid::rectangle(0.05, 0.01, Material::isotropic(1e8, 0.3, 1000.0)).section().into(),
+                kind,
+                elements: 4,
+                natural_strain: [0.0; 4].into(),
+                parent,
+                offset_m: Vector3::zeros(),
+                mount: nalgebra::Matrix3::identity(),
+                joint: JointKind::Clamped,
+                masses: Vec::new(),
+                stations_m: vec![0.0, 0.05, 0.33, 0.4, 0.47, 0.71, 0.8],
+                load_frame: frame,
+            };
+            let model = Model::new(&[
+                body(ElementKind::Constant, Attachment::Root(Vector3::zeros())),
+                body(ElementKind::Linear, Attachment::Body { index: 0, position_m: 0.8 }),
+            ]);
+            let mut generator = fastrand::Rng::with_seed(5);
+            let mut random = |size: f64| size * (2.0 * generator.f64() - 1.0);
+            let n = model.coordinates;
+            let [q, v, a]: [Vec<f64>; 3] = [2.0, 3.0, 5.0].map(|size| (0..n).map(|_| random(size)).collect());
+            let motion = Motion { q: &q, v: &v, a: &a };
+            let mut vector = || Vector3::new(random(1.0), random(1.0), random(1.0));
+            let loads: Vec<Wrench> =
+                model.stations.iter().map(|_| Wrench { force_n: vector(), moment_n_m: vector() }).collect();
+            let mut together = Workspace::new(&model);
+            sweep_motion(&model, &mut together, motion);
+            let mut single = together.clone();
+            let (mut found, mut known) = (vec![0.0; n], vec![0.0; n]);
+            apply_all(&model, &mut together, &q, &loads, &mut found);
+            for (place, load) in model.stations.iter().zip(&loads) {
+                apply(&model, &mut single, &q, place, load, &mut known);
+            }
+            for (found, known) in found.iter().zip(&known) {
+                assert!((found - known).abs() < 1e-13, "{frame:?}: {found} instead of {known}");
+            }
+            for (found, known) in together.nodes.iter().zip(&single.nodes) {
+                assert!((found.force - known.force).norm() < 1e-13, "{frame:?}");
+                assert!((found.moment - known.moment).norm() < 1e-13, "{frame:?}");
+            }
+            let known: f64 = model.stations.iter().zip(&loads).fold(0.0, |sum, (place, load)| {
+                sum + station::power_w(&station::motion(&model, &single, motion, place), load, frame)
+            });
+            let found = power_w(&model, &single, motion, &loads);
+            assert!(known.abs() > 1.0 && (found / known - 1.0).abs() < 1e-13, "{frame:?}: {found} instead of {known}");
+        }
+    }
+}
