@@ -236,7 +236,7 @@ impl VortexLattice {
 /// and are always due.
 fn is_due(row: usize, from: &LatticeState, period: usize) -> bool {
     let ended = from.wake_rows - usize::from(from.established);
-    row < FRESH_ROWS || row >= ended || (row + from.unshed_steps) % period == 0
+    row < FRESH_ROWS || row >= ended || (row + from.unshed_steps).is_multiple_of(period)
 }
 
 #[cfg(test)]
@@ -290,7 +290,7 @@ mod tests {
         };
         let (mut state, mut next) = (lattice.blank_state(), lattice.blank_state());
         let mut loads = AirLoads::still(3);
-        lattice.start(&motions, &flow(10.0), false, &mut state, &mut loads).unwrap();
+        lattice.start(&motions, &flow(10.0), None, &mut state, &mut loads).unwrap();
         for step in 0..blowing + resting {
             let flow = flow(if step < blowing { 10.0 } else { 0.0 });
             visit(&state);
