@@ -41,6 +41,7 @@ pub const LINES: &[&str] = &[
     "operating-points windmill.toml --wind-m-s 8 --shaft jointname --find speed_rpm=10:19 --hold rotor.power=-1e9",
     "operating-points windmill.toml --wind-m-s 8 --shaft jointname --speed-rpm 10 --set wind.velocity.x=0",
     "flutter windmill.toml --speeds 5:10:1",
+    "linearize jump.toml --at start -o x.json",
     "check windy.toml",
     "check bare.toml",
 ];
@@ -94,11 +95,52 @@ pub fn files() -> Vec<(&'static str, String)> {
         ("twin.toml", format!("{HEAD}{}{}{TAIL}", pair("left"), pair("right"))),
         ("windmill.toml", format!("{blown}{TAIL}")),
         ("windy.toml", format!("{blown}[wind]\nreference_height_m = 20.0\nfield_file = \"short.bts\"\n{TAIL}")),
+        ("jump.toml", JUMP.to_owned()),
         ("short.bts", "short".to_owned()),
         ("bare.toml", format!("{}{TAIL}", blown.replace(POLAR, "file = \"bare.csv\""))),
         ("bare.csv", "alpha_deg,cl,cd,cm\n".to_owned()),
     ]
 }
+
+/// At `V_x = V_y √(σ c_n/2)`, eq. (B6), with `σ = 3 · 0.5/(2π · 5.5)` and `V_y = 5.5 m · 240°/s`.
+const JUMP: &str = r#"name = "rotor"
+[rigid_body.hub]
+mass_kg = 10.0
+inertia_kg_m2 = [1, 1, 1, 0, 0, 0]
+[joint.shaft]
+type = "revolute"
+parent = "root"
+child = "hub"
+axis = [1, 0, 0]
+start_rate_deg_s = 240.0
+[rigid_body.blade]
+mass_kg = 20.0
+centre_of_mass_m = [4, 0, 0]
+inertia_kg_m2 = [1, 100, 100, 0, 0, 0]
+[joint.mount]
+type = "clamped"
+parent = "hub"
+child = "blade"
+parent_offset_m = [0, 0, 0.5]
+mount_rotation_deg = [127.27922061357854, 0.0, 127.27922061357854]
+[aerodynamics]
+model = "bem"
+hub = "hub"
+hub_radius_m = 0.5
+blades = 3
+wind_m_s = [3.394, 0.0, 0.0]
+step_s = 0.02
+dynamic_inflow = true
+[surface.blade]
+body = "blade"
+length_m = 9.5
+axis_fraction = 0.25
+stations_m = [0.0, 5.0, 9.5]
+polars = ["p", "p", "p"]
+chord_m = 0.5
+[polar.p]
+rows = [[-180, 1.0, 0.0, 0.0], [180, 1.0, 0.0, 0.0]]
+"#;
 
 const POLAR: &str = "rows = [[-180, 0, 0.5, 0], [180, 0, 0.5, 0]]";
 

@@ -7,6 +7,7 @@ use foldwing::config;
 use foldwing::interface::{Interface, LinearModel};
 use foldwing::machine::Machine;
 use foldwing::plant::{Plant, Turn};
+use foldwing::solve::eigen::eigen;
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -239,7 +240,7 @@ fn wt77_the_rest_is_of_second_order() {
 #[test]
 fn wt78_exponents_are_floquets() {
     for point in points(&format!("{INFLOW}{STALL}")).into_iter().filter(|point| point.speed_rad_s != 0.0) {
-        let eigenvalues = point.linear(SETTLED_S).matrices.a.complex_eigenvalues();
+        let eigenvalues = eigen(&point.linear(SETTLED_S).matrices.a).expect("eigenvalues").values;
         let period_s = TAU / point.speed_rad_s;
         let found = [240, 480].map(|steps| {
             let (machine, turn) =
