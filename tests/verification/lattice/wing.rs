@@ -102,6 +102,13 @@ impl Wing {
         self.lattice.start(&self.motions, &flow, established, &mut self.from, &mut self.loads)
     }
 
+    /// An established flow whose wake begins at the trailing edge, as that of a lifting line does: that of steps of no length, eq. (U9).
+    pub fn start_from_the_edge(&mut self) {
+        let flow = Self::flow(self.time_s, self.wind_m_s, &self.gusts);
+        let established = Some(Established::straight(1e-9));
+        self.lattice.start(&self.motions, &flow, established, &mut self.from, &mut self.loads).expect("regular");
+    }
+
     fn flow(time_s: f64, wind_m_s: Vector3<f64>, gusts: &[Gust]) -> Flow<'_> {
         Flow { time_s, density_kg_m3: DENSITY_KG_M3, wind_m_s, spin_rad_s: Vector3::zeros(), gusts }
     }
