@@ -102,10 +102,14 @@ impl Wing {
         self.lattice.start(&self.motions, &flow, established, &mut self.from, &mut self.loads)
     }
 
-    /// An established flow whose wake begins at the trailing edge, as that of a lifting line does: that of steps of no length, eq. (U9).
+    /// An established flow whose last rings end at the trailing edge, as those of a lifting line do: that of steps in which the air
+    /// makes the way along the chord that belongs to the place 0 of eq. (U9), on the line through the places of 0.2 and 0.3 panels.
     pub fn start_from_the_edge(&mut self) {
+        let chord = &self.lattice.surfaces()[0];
+        let way_m =
+            (0.2 + 0.1 * 0.03776 / (0.03776 + 0.00229)) * chord.chords[0].length_m() / chord.chord_panels as f64;
         let flow = Self::flow(self.time_s, self.wind_m_s, &self.gusts);
-        let established = Some(Established::straight(1e-9));
+        let established = Some(Established::straight(way_m / -self.wind_m_s.y));
         self.lattice.start(&self.motions, &flow, established, &mut self.from, &mut self.loads).expect("regular");
     }
 
