@@ -126,7 +126,7 @@ impl Rotor {
         [one_lag, !one_lag && features.dynamic_inflow && !is_end, stalls]
     }
 
-    /// Lag states in linear models with their sections, in the order of [`Rotor::memories`].
+    /// Lag states in linear models with their sections, section by section: of the inflow, then of the stall.
     pub fn lags(&self) -> Vec<(usize, RotorLag)> {
         let mut list = Vec::new();
         for (index, section) in self.sections.iter().enumerate() {
