@@ -25,8 +25,8 @@ pub(super) const NEAR_ROWS: usize = 8;
 /// Rows of a free wake whose velocities are summed in every step, eq. (U31).
 pub(super) const FRESH_ROWS: usize = 40;
 
-/// Rows further back take turns: each is summed in every so manyth step and moves with that velocity meanwhile, so that the work of
-/// every step is the same. As the path of the wake, first order in the step.
+/// Rows further back take turns: each is summed once in this many steps and moves with that velocity meanwhile, so that the work of
+/// every step is the same. Like the path of the wake itself, this is of first order in the step.
 pub(super) const FAR_PERIOD: usize = 4;
 
 impl VortexLattice {
