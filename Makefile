@@ -22,6 +22,7 @@ IMPORT      := LIBCLANG_PATH="$$($(TEST_PYTHON) -c 'import clang; print(clang.__
                BINDGEN_EXTRA_CLANG_ARGS="-I$$($(or $(CC),cc) -print-file-name=include)"
 RUNNER      := $(TARGET)/runner/foldwing
 PYTEST_WORKERS ?= 2
+TEST_TIMES  ?= $(TARGET)/test-times
 
 VENV_PYTHON := $(VENV)/bin/python
 COMMAND     := $(TARGET)/release/foldwing
@@ -36,7 +37,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build package dist venv test-venv runner deploy test format lint unit pytest validate tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile importers bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
+.PHONY: audit all build package dist venv test-venv runner deploy test assertions format lint unit pytest validate tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile importers bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -87,31 +88,36 @@ venv: toolchain ## Create the Python environment from pinned packages
 test-venv: toolchain
 	@$(PYTHON) tools/create_venv.py $(TEST_VENV) --requirements python/requirements-test.txt
 
-runner: test-venv ## Build a `foldwing` that runs any FMU (feature `import`): target/runner/foldwing
-	@# what `unit` has built already: `cargo build` would choose other features of shared crates and compile everything again
-	$(IMPORT) $(CARGO) test --locked --features import --test command --no-run
-	@mkdir -p $(dir $(RUNNER)) && cp $(TARGET)/debug/foldwing $(RUNNER)
+runner: test-venv build ## Build a `foldwing` that runs any FMU (feature `import`): target/runner/foldwing
+	@# the second build puts the command that ships back in its place; nothing is compiled for it
+	$(IMPORT) $(CARGO) build --release --locked --features import --bin foldwing --config 'profile.release.package.foldwing-command.opt-level=1'
+	@mkdir -p $(dir $(RUNNER)) && cp $(TARGET)/release/foldwing $(RUNNER)
+	@$(CARGO) build --release --locked --quiet
 
 deploy: package venv ## Unfold the wing without air, in air at rest and at 10 and 20 m/s: latch time, peak strain, CSV and plots
 	@$(VENV_PYTHON) examples/deploy.py --fmu $(FMU) --tunnel $(TUNNEL_FMU) --output $(DEPLOYMENT)
 
-test: toolchain format lint unit pytest python ## Check everything
+test: toolchain format ## Check everything: what ships, as `make` built it
+	@MAKE="$(MAKE)" $(PYTHON) tools/run_stages.py --times $(TEST_TIMES) test-venv+package-venv+package unit lint pytest python
+
+assertions: test-venv ## Run the Rust tests on a build with assertions and checks for overflow, and with the feature `import`
+	$(IMPORT) $(CARGO) test --locked --features import
 
 format:
 	$(CARGO) fmt --check
 
+# in the release profile, so that build scripts and macros are those of `make build`
 lint: test-venv
-	$(IMPORT) $(CARGO) clippy --all-targets --locked --features import -- -D warnings
-	$(CARGO) clippy --package foldwing-python --all-targets --locked -- -D warnings
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps --workspace --locked --quiet
+	$(IMPORT) $(CARGO) clippy --release --workspace --all-targets --locked --features foldwing/import,foldwing-fmu/import -- -D warnings
+	$(IMPORT) RUSTDOCFLAGS="-D warnings" $(CARGO) doc --release --no-deps --workspace --locked --quiet --features foldwing/import,foldwing-fmu/import
 
-unit: test-venv
-	$(IMPORT) $(CARGO) test --locked --features import
+unit: build
+	@CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --times $(TEST_TIMES)/rust.csv --release --locked
 
 pytest: package runner
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) FOLDWING_RUNNER=$(abspath $(RUNNER)) \
 	    FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) FOLDWING_SITE=$(abspath $(SITE)) \
-	    $(TEST_PYTHON) -m pytest -q -n $(PYTEST_WORKERS) tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
+	    $(TEST_PYTHON) -m pytest -q -n $(PYTEST_WORKERS) --junitxml=$(TEST_TIMES)/fmi.xml tests/fmi tests/tooling $(PYTEST_ARGUMENTS)
 
 package-venv: toolchain
 	@$(PYTHON) tools/create_venv.py $(PACKAGE_VENV) --requirements python/requirements-package.txt
@@ -123,7 +129,7 @@ wheel: build package-venv ## Build the Python package for this machine: $(TARGET
 
 python: wheel ## Test the Python package from its wheel: what it computes, its documentation, its types
 	@$(PACKAGE_PYTHON) -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/*.whl
-	FOLDWING=$(abspath $(COMMAND)) $(abspath $(PACKAGE_PYTHON)) -m pytest -q tests/python $(PYTEST_ARGUMENTS)
+	FOLDWING=$(abspath $(COMMAND)) $(abspath $(PACKAGE_PYTHON)) -m pytest -q --junitxml=$(abspath $(TEST_TIMES))/python.xml tests/python $(PYTEST_ARGUMENTS)
 
 bench: bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers ## Measure the cost of everything and compare with other programs; docs/BENCHMARKS.md
 

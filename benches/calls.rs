@@ -1,7 +1,7 @@
 //! Cost of what surrounds the solver, through the exported C functions: values in and out, the step's own overhead,
 //! instantiation. How long single steps take in real-time mode: `foldwing latency`.
 //!
-//! `cargo bench --bench calls` (or `make bench`) prints the tables of `docs/BENCHMARKS.md`. Processor time of one thread,
+//! `cargo bench -p foldwing-benches --bench calls` (or `make bench`) prints the tables of `docs/BENCHMARKS.md`. Processor time of one thread,
 //! the least and the median of repeated runs.
 
 #[path = "../tests/robustness/fmu.rs"]

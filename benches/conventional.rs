@@ -2,7 +2,7 @@
 //! planar finite segments, time for an error, and the paper's 97 %. The product is three-dimensional; the paper's method
 //! in the plane stands beside it, so that the segments, which know no third dimension, meet their like.
 //!
-//! `cargo bench --bench conventional`. All run on the same integrator in one process; the time is processor time, the
+//! `cargo bench -p foldwing-benches --bench conventional`. All run on the same integrator in one process; the time is processor time, the
 //! mean of runs of the whole 5 s, outputs every 10 ms included. Results stand in `docs/validation/conventional.md`.
 
 #[allow(dead_code)]

@@ -1,7 +1,7 @@
 //! Cost of the recursions over the number of elements: exponentials, residual, factorisation, solve, statics; and of the
 //! vortex lattice's kernel per segment and point.
 //!
-//! `cargo bench --bench kernels` (or `make bench`); results stand in `docs/BENCHMARKS.md`.
+//! `cargo bench -p foldwing-benches --bench kernels` (or `make bench`); results stand in `docs/BENCHMARKS.md`.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use foldwing::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet};

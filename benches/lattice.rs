@@ -3,7 +3,7 @@
 //!
 //! Before that the cost of one step of a wing that bends, split into what is done once and what a coupling repeats.
 //!
-//! `cargo bench --bench lattice`; with `-- FOLDER` the histories of the lift coefficient go there as CSV.
+//! `cargo bench -p foldwing-benches --bench lattice`; with `-- FOLDER` the histories of the lift coefficient go there as CSV.
 
 use foldwing::aero::AirLoads;
 use foldwing::aero::established::Established;

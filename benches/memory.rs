@@ -1,6 +1,6 @@
 //! Memory per strain set: what a model, its workspace and a whole plant hold on the heap, over the number of sets.
 //!
-//! `cargo bench --bench memory` (or `make bench`) prints the table of `docs/BENCHMARKS.md`. A counting allocator measures the
+//! `cargo bench -p foldwing-benches --bench memory` (or `make bench`) prints the table of `docs/BENCHMARKS.md`. A counting allocator measures the
 //! bytes that are alive; the slope between two sizes leaves out what does not depend on the mesh. These figures do not
 //! depend on the load of the machine.
 

@@ -4,7 +4,7 @@
   pip install pterasoftware
   python studies/compare_lattice.py [--runs 2]
 
-Runs `studies/ptera_uvlm.py` and `cargo bench --bench lattice` in turn (fastest of the runs each) for the prescribed and the
+Runs `studies/ptera_uvlm.py` and `cargo bench -p foldwing-benches --bench lattice` in turn (fastest of the runs each) for the prescribed and the
 free wake and prints times, ratio and the lift coefficients' difference over way. One thread each.
 """
 import argparse
@@ -27,7 +27,7 @@ def ptera(wake: str, folder: pathlib.Path) -> float:
 
 def lattice(folder: pathlib.Path) -> dict[str, float]:
     """Seconds by wake model, one thread."""
-    bench = ["cargo", "bench", "--locked", "--bench", "lattice", "--", str(folder)]
+    bench = ["cargo", "bench", "--locked", "-p", "foldwing-benches", "--bench", "lattice", "--", str(folder)]
     text = subprocess.run(bench, check=True, capture_output=True, text=True, cwd=ROOT).stdout
     return {wake: float(seconds) for wake, seconds in re.findall(r"wake=(\w+) threads=1 seconds=([\d.]+)", text)}
 

@@ -311,7 +311,7 @@ fn s18_spinning_root_stretches_the_beam() {
 
 /// S-19. The work of the statics grows in proportion to the number of elements: as many iterations, each of one sweep out
 /// and one back, for 1000 pairs as for 16, give or take the one that round-off decides. What an iteration costs in time is
-/// measured by `cargo bench --bench kernels` (group `statics`), for clocks say little on a machine that others use.
+/// measured by `cargo bench -p foldwing-benches --bench kernels` (group `statics`), for clocks say little on a machine that others use.
 #[test]
 fn s19_cost_is_linear() {
     let effort = |elements: usize| {

@@ -1,0 +1,76 @@
+#!/usr/bin/env python3
+"""Builds the Rust test programs of a profile and runs them one after the other, with the time of every test.
+
+  python tools/run_rust_tests.py --times target/test-times/rust.csv --release --locked [CARGO ARGUMENTS] [-- TEST ARGUMENTS]
+
+`cargo test` runs the same programs but says nothing about times. The programs say them with an option that the standard test
+harness of a stable compiler shows only where RUSTC_BOOTSTRAP is set; it is set for the programs alone, never for the
+compiler. All programs run even if one fails; the exit code is that of the worst. Documentation tests follow by `cargo test --doc`.
+"""
+import csv
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+CARGO = os.environ.get("CARGO", "cargo")
+LINE = re.compile(r"test (?P<name>\S+)(?: - should panic)? \.\.\. ok <(?P<seconds>[\d.]+)s>$")
+
+
+def programs(arguments):
+    """Name, file and folder of each test program, built first."""
+    command = [CARGO, "test", "--no-run", "--message-format=json-render-diagnostics", *arguments]
+    built = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+    if built.returncode:
+        sys.exit(built.returncode)
+    for line in built.stdout.splitlines():
+        message = json.loads(line)
+        if message.get("reason") == "compiler-artifact" and message["profile"]["test"] and message["executable"]:
+            folder = pathlib.Path(message["manifest_path"]).parent
+            kind = "" if "test" in message["target"]["kind"] else " (unit tests)"
+            yield message["target"]["name"] + kind, message["executable"], folder
+
+
+def run(executable, folder, arguments):
+    """Exit code of a program and the seconds of each of its tests; what it prints is passed on."""
+    environment = {**os.environ, "RUSTC_BOOTSTRAP": "1", "CARGO_MANIFEST_DIR": str(folder)}
+    options = ["-Z", "unstable-options", "--report-time"]
+    times = []
+    with subprocess.Popen(
+        [executable, *options, *arguments], cwd=folder, env=environment, stdout=subprocess.PIPE, text=True
+    ) as process:
+        for line in process.stdout:
+            passed = LINE.match(line.strip())
+            if passed:
+                times.append((passed["name"], float(passed["seconds"])))
+            else:
+                print(line, end="", flush=True)
+    return process.returncode, times
+
+
+def main():
+    arguments = sys.argv[1:]
+    table = None
+    if arguments[:1] == ["--times"]:
+        table, arguments = pathlib.Path(arguments[1]), arguments[2:]
+    split = arguments.index("--") if "--" in arguments else len(arguments)
+    for_cargo, for_tests = arguments[:split], arguments[split + 1 :]
+    worst, rows = 0, []
+    for name, executable, folder in programs(for_cargo):
+        print(f"== {name}", flush=True)
+        code, times = run(executable, folder, for_tests)
+        worst = max(worst, abs(code))
+        rows += [(seconds, f"{name}::{test}") for test, seconds in times]
+    if "--test" not in for_cargo and "--lib" not in for_cargo:
+        worst = max(worst, abs(subprocess.run([CARGO, "test", "--doc", "--quiet", *for_cargo]).returncode))
+    if table:
+        table.parent.mkdir(parents=True, exist_ok=True)
+        with table.open("w", newline="") as file:
+            csv.writer(file).writerows(sorted(rows, reverse=True))
+    sys.exit(worst)
+
+
+if __name__ == "__main__":
+    main()
