@@ -37,7 +37,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build package dist venv test-venv runner deploy test assertions format lint unit pytest validate tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile importers bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
+.PHONY: audit all build package dist venv test-venv runner deploy test assertions format lint unit pytest validate tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions importers bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -148,6 +148,9 @@ profile: toolchain ## Count the instructions of the deployment by part of the pr
 	    --output gauge.root.strain --output fold.latch_time
 	@$(PYTHON) tools/profile_run.py --foldwing $(TARGET)/profile/release/foldwing \
 	    --model examples/models/folding_wing_constant.toml --output gauge.root.strain --output fold.latch_time
+
+instructions: build ## Count the instructions of typical work beside another build: BASELINE=path/to/foldwing; needs valgrind
+	@$(PYTHON) tools/count_instructions.py --foldwing $(COMMAND) --baseline $(BASELINE)
 
 bench-sweep: build ## Measure variants per second of `foldwing sweep` with one thread and two
 	@$(PYTHON) studies/sweep_throughput.py --foldwing $(COMMAND)
