@@ -115,6 +115,9 @@ pub(super) struct Disc {
     radius_m: f64,
     /// Angular velocity of the hub, root frame, rad/s.
     hub_rad_s: Vector3<f64>,
+    /// Part of the rotation about the shaft that the pitch rates of dynamic stall leave out, in rad/s: all of it, since a coned blade
+    /// keeps its angle of attack as the rotor turns; none as in AeroDyn.
+    shaft_spin_rad_s: Vector3<f64>,
     skew: Option<Skew>,
     pub(super) loads: RotorLoads,
 }
@@ -282,6 +285,10 @@ impl Rotor {
             share: if share.is_nan() { 0.0 } else { share },
             radius_m,
             hub_rad_s: hub.spin_rad_s,
+            shaft_spin_rad_s: match self.options.features.as_aerodyn {
+                true => Vector3::zeros(),
+                false => normal * (turn * speed_rad_s),
+            },
             skew: self.options.features.skewed_wake.then(|| Skew::of(&met_m_s, &normal)),
             loads: RotorLoads { speed_rad_s, wind_m_s, tip_speed_ratio, ..RotorLoads::default() },
         }
@@ -399,7 +406,7 @@ impl Rotor {
             let met = StallInflow {
                 speed_m_s: state.speed_m_s,
                 attack_rad: state.attack_rad,
-                pitch_rate_rad_s: (motion.spin_rad_s + flow.spin_rad_s).dot(&pitching),
+                pitch_rate_rad_s: (motion.spin_rad_s + flow.spin_rad_s - disc.shaft_spin_rad_s).dot(&pitching),
                 chord_m: section.chord_m,
             };
             memory.stall = match past {
