@@ -90,7 +90,8 @@ fn pairs<M: Followed>(branches: &[Option<(&M, Complex<f64>)>], modes: &[M]) -> (
             let of_branches: f64 = beside.iter().map(|&other| like[other][j]).sum();
             let of_modes: f64 =
                 modes.iter().zip(&like[row]).filter(|(other, _)| same(mode, other)).map(|(_, like)| like).sum();
-            let within = of_branches.max(of_modes).clamp(own, 1.0);
+            // shapes that are not quite at right angles may have more than all of it in common; round-off makes own shares beyond 1
+            let within = of_branches.max(of_modes).min(1.0).max(own);
             let distance = apart(mode.eigenvalue_1_s(), expected) + (1.0 - within) + OWN_SHAPE * (within - own);
             if distance < STRANGERS {
                 list.push((distance, i, j));
