@@ -357,4 +357,15 @@ fn rotor_with_a_blade_missing_is_refused() {
     for word in ["blade1 120.0 deg from blade0 about the shaft", "180.0 deg apart as there are 2", "is one missing"] {
         assert!(told.contains(word), "{word:?} is missing in {told}");
     }
+    // a second rotor, or a wing beside one
+    let other = "[joint.other]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"wing\"\n[body.wing]\nlength_m = 5.0\nelements = 1\n\
+        section = \"tube\"\n[surface.wing]\nbody = \"wing\"\naxis_fraction = 0.25\nstations_m = [0.0, 5.0]\n\
+        polars = [\"cylinder1\", \"cylinder1\"]\nchord_m = 1.0\n";
+    let text = model("[8, 0, 0]", 1.0, 0.0, "step_s = 0.02\n", other);
+    let text = foldwing::config::with_files(text, folder.as_ref(), "rotor.toml").unwrap();
+    let told = foldwing::config::parse(&text, "rotor.toml").expect_err("a wing that does not turn").to_string();
+    assert!(
+        told.contains("wing, which does not hang on the hub hub") && told.contains("a machine has one rotor"),
+        "{told}"
+    );
 }
