@@ -15,11 +15,6 @@ pub trait Followed {
 const STRANGERS: f64 = 0.9;
 /// Distance beyond which the interval between two places is halved to see which mode is which.
 const DOUBT: f64 = 0.25;
-/// Distance of two eigenvalues, over their size, below which their shapes are combinations of one another: those of the blades of a rotor
-/// on a stiff stand differ by less as it stands.
-const ALIKE: f64 = 1e-3;
-/// Share of the distance between shapes within such a space that still counts: of two branches that cross, each keeps its own.
-const OWN_SHAPE: f64 = 0.1;
 /// Real part over the magnitude of the eigenvalue above which a mode counts as growing.
 const GROWTH: f64 = 1e-6;
 /// Maximum number of halvings of one interval.
@@ -57,46 +52,22 @@ fn grows<M: Followed>(mode: &M) -> bool {
     value.re > GROWTH * value.norm()
 }
 
-/// Distance of two eigenvalues, over their mean size.
-fn apart(one: Complex<f64>, other: Complex<f64>) -> f64 {
-    let size = 0.5 * (one.norm() + other.norm());
-    if size > 0.0 { (one - other).norm() / size } else { 0.0 }
-}
-
 /// Distance of a mode from the predicted continuation of a branch: by eigenvalue and by shape. Real and oscillating
 /// ones are far apart unless their eigenvalues are close.
 fn distance<M: Followed>(branch: &M, expected: Complex<f64>, mode: &M) -> f64 {
-    apart(mode.eigenvalue_1_s(), expected) + (1.0 - branch.likeness(mode))
+    let value = mode.eigenvalue_1_s();
+    let size = 0.5 * (value.norm() + expected.norm());
+    let apart = if size > 0.0 { (value - expected).norm() / size } else { 0.0 };
+    apart + (1.0 - branch.likeness(mode))
 }
 
 /// For each branch the mode that continues it, closest pairs first; and the largest distance of these pairs.
-///
-/// Shapes of modes with one eigenvalue, as the blades of a rotor that stands have them, are any combinations of one another: a mode is
-/// like such a branch as far as it lies in the space of all of them, on either side, and only a share of the distance asks for the shape itself.
 fn pairs<M: Followed>(branches: &[Option<(&M, Complex<f64>)>], modes: &[M]) -> (Vec<Option<usize>>, f64) {
-    let same = |one: &M, other: &M| apart(one.eigenvalue_1_s(), other.eigenvalue_1_s()) < ALIKE;
-    let known: Vec<(usize, &M, Complex<f64>)> = branches
-        .iter()
-        .enumerate()
-        .filter_map(|(i, branch)| branch.map(|(branch, expected)| (i, branch, expected)))
-        .collect();
-    let like: Vec<Vec<f64>> =
-        known.iter().map(|(_, branch, _)| modes.iter().map(|mode| branch.likeness(mode)).collect()).collect();
     let mut list: Vec<(f64, usize, usize)> = Vec::new();
-    for (row, &(i, branch, expected)) in known.iter().enumerate() {
-        let beside: Vec<usize> = (0..known.len()).filter(|&other| same(branch, known[other].1)).collect();
-        for (j, mode) in modes.iter().enumerate() {
-            let own = like[row][j];
-            let of_branches: f64 = beside.iter().map(|&other| like[other][j]).sum();
-            let of_modes: f64 =
-                modes.iter().zip(&like[row]).filter(|(other, _)| same(mode, other)).map(|(_, like)| like).sum();
-            // shapes that are not quite at right angles may have more than all of it in common; round-off makes own shares beyond 1
-            let within = of_branches.max(of_modes).min(1.0).max(own);
-            let distance = apart(mode.eigenvalue_1_s(), expected) + (1.0 - within) + OWN_SHAPE * (within - own);
-            if distance < STRANGERS {
-                list.push((distance, i, j));
-            }
-        }
+    for (i, branch) in branches.iter().enumerate() {
+        let Some((branch, expected)) = branch else { continue };
+        let near = modes.iter().enumerate().map(|(j, mode)| (distance(*branch, *expected, mode), i, j));
+        list.extend(near.filter(|(distance, ..)| *distance < STRANGERS));
     }
     list.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut taken, mut of) = (vec![false; modes.len()], vec![None; branches.len()]);
@@ -331,30 +302,6 @@ mod tests {
         let crossings = branches.crossings(&mut modes_at);
         assert_eq!((crossings.len(), crossings[0].branch, crossings[0].begins), (1, 0, true));
         assert!((crossings[0].at - 2f64.cbrt()).abs() < 1e-9, "{}", crossings[0].at);
-    }
-
-    /// Two modes with one eigenvalue at the first place, whose shapes there are turned by 40° against those into which they split: both
-    /// are followed, to a place with one eigenvalue again and beyond it.
-    #[test]
-    fn modes_with_one_eigenvalue_are_followed_where_they_split() {
-        let mut modes_at = |x: f64| -> Result<Vec<Mode>, ()> {
-            let split = if x == 0.0 || x == 1.0 { 0.0 } else { x * (1.0 - x) };
-            let (sine, cosine) = if split == 0.0 { f64::to_radians(40.0).sin_cos() } else { (0.0, 1.0) };
-            let value = |shift: f64| Complex::new(-0.1, 10.0 + shift);
-            Ok(vec![Mode(value(-split), [cosine, sine]), Mode(value(split), [-sine, cosine])])
-        };
-        let places: Vec<f64> = (0..=8).map(|i| 0.25 * f64::from(i)).collect();
-        let (mut branches, failed) = Branches::follow(&places, &mut modes_at);
-        assert!(failed.is_none());
-        branches.keep(2, &mut []);
-        for place in &branches.places {
-            assert!(
-                place.modes.len() == 2 && place.modes.iter().all(Option::is_some),
-                "at {}: {:?}",
-                place.at,
-                place.modes
-            );
-        }
     }
 
     /// An undamped mode, whose growth rate is round-off of either sign, neither begins nor ceases to grow.
