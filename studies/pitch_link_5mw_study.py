@@ -75,7 +75,7 @@ def draw(runs):
         left[1].plot(time, 1e3 * run["strain"], color=colour, label=label)
         left[2].plot(time, run["shaft.angular_velocity"], color=colour, label=label)
     left[0].set(title="Pitch angle (°), negative to feather", ylim=(-120.0, 100.0))
-    left[1].set(title="Strain at the root (10⁻³)", ylim=(0.0, 3.2))
+    left[1].set(title="Strain at the root (10⁻³)", ylim=(0.0, 3.8))
     left[2].set(title="Rotor speed (rad/s)", xlabel="time after the pitch link has opened (s)", ylim=(-0.2, 1.5))
     for place in left:
         place.set_xlim(-1.0, 10.0)
@@ -89,7 +89,7 @@ def draw(runs):
     before = 1e3 * figures(runs[0.0, False])[0]
     right.axhline(before, color=FAINT, linewidth=1.0)
     right.annotate("in operation", (300.0, before), xytext=(0, -12), textcoords="offset points", color=FAINT, ha="right")
-    right.set(title="Largest strain at the root after the failure (10⁻³)", xlabel="inertia left in the pitch circuit (t·m²)", ylim=(0.0, 3.2))
+    right.set(title="Largest strain at the root after the failure (10⁻³)", xlabel="inertia left in the pitch circuit (t·m²)", ylim=(0.0, 3.8))
     right.set_xscale("symlog", linthresh=1.0)
     right.set_xlim(-0.05, 400.0)
     right.set_xticks([0, 1, 3, 10, 30, 100, 300], ["0", "1", "3", "10", "30", "100", "300"])

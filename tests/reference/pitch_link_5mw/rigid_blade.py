@@ -45,29 +45,23 @@ class Polar:
             return
         zeros = [self.angle[i] - lift[i] * (self.angle[i + 1] - self.angle[i]) / (lift[i + 1] - lift[i]) for i in rises]
         place = int(np.argmin(np.abs(zeros)))
-        self.zero, i = zeros[place], rises[place]
-        self.slope = (lift[i + 1] - lift[i]) / (self.angle[i + 1] - self.angle[i])
-        self.share, self.separated = np.ones_like(lift), 0.5 * lift
-        for rows in (range(i + 1, len(lift)), range(i, -1, -1)):
-            gone = False
-            for k in rows:
-                attached = self.slope * (self.angle[k] - self.zero)
-                if attached == 0.0:
-                    continue
-                gone |= lift[k] / attached <= 0.25
-                if gone:
-                    self.share[k], self.separated[k] = 0.0, lift[k]
-                    continue
-                f = (2.0 * np.sqrt(lift[k] / attached) - 1.0) ** 2
-                if f < 1.0:
-                    self.share[k], self.separated[k] = f, (lift[k] - attached * f) / (1.0 - f)
+        self.zero, i = zeros[place], rises[place] + 1
+        while lift[i] > 0.0 and self.angle[i] - self.zero < np.radians(45.0):  # the steepest line to a row with lift
+            self.slope = max(self.slope, lift[i] / (self.angle[i] - self.zero))
+            i += 1
         self.zero_drag = self.at(self.zero)[1]
 
     def at(self, angle):
         return [np.interp(angle, self.angle, row) for row in self.rows]
 
-    def attached(self, angle):
-        return np.interp(angle, self.angle, self.share), np.interp(angle, self.angle, self.separated)
+    def split(self, angle):
+        """Degree of attachment in steady flow, lift of attached and of separated flow."""
+        lift, line = self.at(angle)[0], self.slope * (angle - self.zero)
+        ratio = lift / line if line else 1.0
+        if ratio >= 1.0:
+            return 1.0, lift, 0.5 * lift
+        f = (2.0 * np.sqrt(max(ratio, 0.25)) - 1.0) ** 2
+        return f, line, (lift - line * f) / (1.0 - f) if f < 1.0 - 1e-9 else 0.5 * lift
 
 
 POLARS = {name: Polar(name) for name in set(SECTIONS)}
@@ -129,13 +123,13 @@ def stall_slopes(state, first=None):
         lift = polar.slope * (effective - polar.zero) + np.pi * passing * rate
         if first is not None:
             x[i, 2] = lift
-            x[i, 3] = polar.attached(lift / polar.slope + polar.zero)[0]
+            x[i, 3] = polar.split(lift / polar.slope + polar.zero)[0]
         rates[i] = (0.14 * (0.3 * rear - x[i, 0]) / passing, 0.53 * (0.7 * rear - x[i, 1]) / passing, (lift - x[i, 2]) / (1.7 * passing),
-                    (polar.attached(x[i, 2] / polar.slope + polar.zero)[0] - x[i, 3]) / (3.0 * passing))
+                    (polar.split(x[i, 2] / polar.slope + polar.zero)[0] - x[i, 3]) / (3.0 * passing))
         weight = 0.5 * (1.0 + np.cos(np.pi * np.clip((np.degrees(abs(attack[i])) - 40.0) / 10.0, 0.0, 1.0)))
         _, drag, moment = polar.at(effective)
-        share, separated = polar.attached(effective)
-        circulatory = x[i, 3] * polar.slope * (effective - polar.zero) + (1.0 - x[i, 3]) * separated
+        share, attached, separated = polar.split(effective)
+        circulatory = x[i, 3] * attached + (1.0 - x[i, 3]) * separated
         lost = 0.5 * (np.sqrt(share) - np.sqrt(x[i, 3])) - 0.25 * (share - x[i, 3])
         dynamic = np.array([circulatory + np.pi * passing * rate,
                             drag + (rear - effective + passing * rate) * circulatory + (drag - polar.zero_drag) * lost,

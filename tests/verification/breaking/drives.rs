@@ -3,7 +3,7 @@
 use crate::breaking::*;
 use crate::plant::machines::default_wing;
 use foldwing::machine::builder::JointBuilder;
-use foldwing::machine::{Drive, Effect, Failure, Latch, Spring};
+use foldwing::machine::{Beyond, Drive, Effect, Failure, GeneratorLaw, Latch, Spring};
 
 /// Time inside a communication step, at which the rotor moves at some −4 rad/s.
 const FAILS_S: f64 = 0.123_456_789;
@@ -58,6 +58,46 @@ fn fl03_a_motor_dies_on_its_input() {
     let (by_input, at_time) = (end(true), end(false));
     assert!((by_input.angle_rad - at_time.angle_rad).abs() < 1e-9);
     assert!((by_input.rate_rad_s - at_time.rate_rad_s).abs() < 1e-9);
+}
+
+/// FL-09. Loss of the grid: a drive that dies takes the torque of its joint's generator away too, whatever the input of the generator says. The
+/// rotor coasts from there; the account has the mechanical power of the generator until then, and not its electrical power. A drive that jams
+/// holds the rotor against the generator, which gives no power at rest.
+#[test]
+fn fl09_the_grid_is_lost() {
+    let torque_n_m = 0.03;
+    let generating = |joint: JointBuilder| {
+        let law = GeneratorLaw {
+            gear_ratio: 2.0,
+            rows: vec![[1.0, torque_n_m], [50.0, torque_n_m]],
+            square_gain_n_m_s2: None,
+            beyond: Beyond::Torque,
+            efficiency: 0.8,
+            connected: true,
+        };
+        joint.generator(law).start_rate_rad_s(4.0)
+    };
+    let lost_s = 0.123_456_789;
+    let mut plant = begun(generating, Failure::drive_dies("grid", "hinge").at_time_s(lost_s));
+    let before = plant.outputs().generators()[0];
+    assert_eq!((before.torque_n_m, before.power_w), (torque_n_m, 0.8 * torque_n_m * 8.0));
+    assert!(drift_j(&mut plant, 0.5, 50) < 1e-9);
+    let rate_rad_s = 4.0 - 2.0 * torque_n_m / INERTIA_KG_M2 * lost_s;
+    let found = plant.outputs().joints()[0];
+    assert!((found.rate_rad_s - rate_rad_s).abs() < 1e-9, "{} of {rate_rad_s} rad/s", found.rate_rad_s);
+    let after = plant.outputs().generators()[0];
+    assert_eq!((after.torque_n_m, after.power_w), (0.0, 0.0));
+    // what the rotor lost, all of it work on the generator
+    let work_j = 0.5 * INERTIA_KG_M2 * (rate_rad_s.powi(2) - 16.0);
+    assert!((plant.outputs().energy().work - work_j).abs() < 1e-9, "{} of {work_j} J", plant.outputs().energy().work);
+    plant.inputs_mut().joints_mut()[0].generator_on = true.into();
+    drift_j(&mut plant, 0.6, 5);
+    assert_eq!(plant.outputs().generators()[0].torque_n_m, 0.0, "nothing repairs it");
+
+    let mut jammed = begun(generating, Failure::drive_jams("jam", "hinge").at_time_s(lost_s));
+    assert!(drift_j(&mut jammed, 0.5, 50) < 1e-9);
+    assert_eq!(jammed.outputs().joints()[0].rate_rad_s, 0.0);
+    assert_eq!(jammed.outputs().generators()[0].power_w, 0.0);
 }
 
 /// FL-04. A jam stops the joint where it is, whatever is released, and its kinetic energy is lost.

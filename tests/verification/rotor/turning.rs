@@ -107,6 +107,21 @@ fn ends_without_load_are_those_of_the_steady_rotor() {
     approx::assert_relative_eq!(got.power_w, expected.power_w, max_relative = 1e-5);
 }
 
+/// RT-16: the same rotor with dynamic stall, whose steady sections have the static polar: thrust and torque from light load to stall.
+/// 1e-9: an established flow starts in the steady state, which the marched induction keeps.
+#[test]
+fn dynamic_stall_leaves_the_steady_rotor() {
+    for (wind, speed_rad_s, pitch_deg) in
+        [("[6, 0, 0]", 0.8, 0.0), ("[11, 0, 0]", 1.25, 0.0), ("[16, 0, 0]", 1.0, -2.0)]
+    {
+        let of = |air: &str| turned(model(wind, speed_rad_s, pitch_deg, &format!("step_s = 0.02\n{air}"), ""), 0.5);
+        let (plain, dynamic) = (of(""), of("dynamic_stall = true\n"));
+        let miss = [dynamic.thrust_n / plain.thrust_n - 1.0, dynamic.torque_n_m / plain.torque_n_m - 1.0];
+        println!("{wind}: thrust {:+.1e}, torque {:+.1e}", miss[0], miss[1]);
+        assert!(miss.iter().all(|miss| miss.abs() < 1e-9), "{wind}: {miss:?}");
+    }
+}
+
 /// RT-05: the rotor goes on from a snapshot bit for bit, with all memory there is.
 #[test]
 fn snapshots_hold_wake_and_stall() {
@@ -154,6 +169,57 @@ fn rotor_meets_any_wind() {
     assert!(loads("[8, 0, 0]", -0.95, 0.0).power_w < 0.0);
     // ten times the wind
     assert!(loads("[80, 0, 0]", 0.95, 0.0).thrust_n > 1e6);
+}
+
+/// RT-17: coefficients refer to the wind along the shaft, and are 0 where there is next to none: wind from the side.
+#[test]
+fn coefficients_are_zero_in_a_wind_from_the_side() {
+    let at = |yaw_deg: f64| {
+        let (sine, cosine) = yaw_deg.to_radians().sin_cos();
+        turned(model(&format!("[{:?}, {:?}, 0]", 12.0 * cosine, 12.0 * sine), 1.0, 0.0, "step_s = 0.05\n", ""), 0.1)
+    };
+    let of = |loads: &RotorLoads| {
+        [loads.power_coefficient, loads.thrust_coefficient, loads.tip_speed_ratio, loads.induction]
+    };
+    let side = at(90.0);
+    assert_eq!(of(&side), [0.0; 4], "{side:?}");
+    assert!(side.thrust_n != 0.0 && side.torque_n_m != 0.0);
+    // the wind along the shaft just below and just above a hundredth of the speed of the tips, hypot(63, 12) m/s
+    let (below, above) = (at(86.95), at(86.9));
+    assert!(of(&below) == [0.0; 4] && of(&above).iter().all(|value| *value != 0.0), "{below:?} {above:?}");
+    let pressure_n = 0.5 * 1.225 * PI * 62.9999f64.powi(2) * above.wind_m_s.powi(2);
+    approx::assert_relative_eq!(above.thrust_coefficient, above.thrust_n / pressure_n, max_relative = 1e-6);
+}
+
+/// RT-18: pitching moment at the root of a blade: that of the polars at the angles and speeds behind the induction, straight lines between the
+/// stations, from the independent steady rotor. The quarter chord is the blade's axis, so that forces have no moment about it.
+#[test]
+fn pitching_moment_is_that_of_the_sections_behind_the_induction() {
+    let (wind_m_s, speed_rad_s) = (8.0, 9.1311 * PI / 30.0);
+    let rotor = nrel_5mw(EndRule::ZeroLoad);
+    let nodes = rotor.at(wind_m_s, speed_rad_s, 0.0).nodes;
+    let line_n: Vec<f64> = nodes
+        .iter()
+        .zip(&rotor.nodes)
+        .enumerate()
+        .map(|(i, (load, node))| {
+            let loaded = i > 0 && i + 1 < nodes.len();
+            let pressure_n = 0.5 * 1.225 * (node.chord_m * load.section.speed_m_s).powi(2);
+            if loaded { pressure_n * load.section.row.moment } else { 0.0 }
+        })
+        .collect();
+    let expected: f64 = (1..nodes.len())
+        .map(|i| 0.5 * (line_n[i] + line_n[i - 1]) * (rotor.nodes[i].radius_m - rotor.nodes[i - 1].radius_m))
+        .sum();
+    let load = "[section_load.root]\nbody = \"blade0\"\nposition_m = 0.0\n";
+    let mut plant = Plant::new(Arc::new(machine(model("[8, 0, 0]", speed_rad_s, 0.0, "step_s = 0.02\n", load))));
+    plant.initialize(0.0).unwrap();
+    plant.step(0.1).unwrap();
+    let found = plant.outputs().section_loads()[0].moment_n_m.x;
+    println!("pitching moment at the root: {found:.3} N·m, of the sections {expected:.3}");
+    // the blade's x is its axis, y towards the leading edge: nose up turns about it.
+    // 1e-6: deflections of stiff blades, whose forces then have arms
+    assert!(expected < -1e4 && (found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
 }
 
 /// RT-07: a rotor that turns the other way, seen in a mirror, is the same.
@@ -291,4 +357,15 @@ fn rotor_with_a_blade_missing_is_refused() {
     for word in ["blade1 120.0 deg from blade0 about the shaft", "180.0 deg apart as there are 2", "is one missing"] {
         assert!(told.contains(word), "{word:?} is missing in {told}");
     }
+    // a second rotor, or a wing beside one
+    let other = "[joint.other]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"wing\"\n[body.wing]\nlength_m = 5.0\nelements = 1\n\
+        section = \"tube\"\n[surface.wing]\nbody = \"wing\"\naxis_fraction = 0.25\nstations_m = [0.0, 5.0]\n\
+        polars = [\"cylinder1\", \"cylinder1\"]\nchord_m = 1.0\n";
+    let text = model("[8, 0, 0]", 1.0, 0.0, "step_s = 0.02\n", other);
+    let text = foldwing::config::with_files(text, folder.as_ref(), "rotor.toml").unwrap();
+    let told = foldwing::config::parse(&text, "rotor.toml").expect_err("a wing that does not turn").to_string();
+    assert!(
+        told.contains("wing, which does not hang on the hub hub") && told.contains("a machine has one rotor"),
+        "{told}"
+    );
 }

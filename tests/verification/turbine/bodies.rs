@@ -30,3 +30,25 @@ fn wt01_masses_are_those_of_elastodyn() {
     let plant = Plant::new(Arc::new(machine));
     assert!((plant.mass_kg() / parts - 1.0).abs() < 1e-6, "{} kg in all", plant.mass_kg());
 }
+
+/// WT-83. Copies of a hinged body by `count`: the joint's place and its axis are turned with the copy about the parent's `x`, not about the axis
+/// of the joint; by hand.
+#[test]
+fn wt83_copies_of_a_hinged_body() {
+    let text = "name = \"Hinged\"\n[section.bar]\nshape = \"rectangle\"\nwidth_m = 0.1\nheight_m = 0.1\nyoung_Pa = 1e9\nshear_Pa = 4e8\n\
+        density_kg_m3 = 1000.0\n[rigid_body.hub]\nmass_kg = 10.0\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]\n\
+        [joint.shaft]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"hub\"\naxis = [1, 0, 0]\n\
+        [body.blade]\ncount = 3\nlength_m = 2.0\nelements = 1\nsection = \"bar\"\n\
+        [joint.flap]\ntype = \"revolute\"\nparent = \"hub\"\nchild = \"blade\"\naxis = [0.6, 0.8, 0.0]\nparent_offset_m = [0.1, 0.2, 1.5]\n";
+    let machine = foldwing::config::parse(text, "hinged.toml").unwrap_or_else(|refused| panic!("{refused}"));
+    for k in 0..3 {
+        let joint = &machine.bodies.iter().find(|body| body.name == format!("blade{}", k + 1)).expect("a copy").joint;
+        let (sine, cosine) = (std::f64::consts::TAU * f64::from(k) / 3.0).sin_cos();
+        let offset_m = joint.offset_m;
+        let expected = nalgebra::Vector3::new(0.1, 0.2 * cosine - 1.5 * sine, 0.2 * sine + 1.5 * cosine);
+        assert!((offset_m - expected).norm() < 1e-14, "{k}: {offset_m} {expected}");
+        let foldwing::machine::JointKind::Revolute(hinge) = &joint.kind else { panic!("a hinge") };
+        let axis = nalgebra::Vector3::new(0.6, 0.8 * cosine, 0.8 * sine);
+        assert!((hinge.axis - axis).norm() < 1e-14, "{k}: {} {axis}", hinge.axis);
+    }
+}

@@ -158,3 +158,28 @@ fn wt23_real_time_at_five_milliseconds() {
     assert_eq!((statistics.rejections, statistics.failures), (0, 0));
     assert!(off(0) < 1e-4 && off(1) < 0.02 && off(2) < 0.02);
 }
+
+/// WT-84. A turning flexible turbine in wind from every side, with the skewed wake: it runs from 0 to 180° of yaw, with and without dynamic
+/// inflow, and the thrust stays below that of a wall across the wind at the speed of the tips.
+#[test]
+fn wt84_any_yaw_with_a_skewed_wake() {
+    for inflow in ["", "dynamic_inflow = true\n"] {
+        for yaw_deg in [0.0, 30.0, 60.0, 70.0, 80.0, 85.0, 88.0, 90.0, 92.0, 95.0, 100.0, 110.0, 135.0, 160.0, 180.0f64]
+        {
+            let (sine, cosine) = yaw_deg.to_radians().sin_cos();
+            let options =
+                format!("wind_m_s = [{:?}, {:?}, 0.0]\nskewed_wake = true\n{inflow}", 11.0 * cosine, 11.0 * sine);
+            let mut plant =
+                Plant::new(Arc::new(windy(&WIND_TEXT.replacen("wind_m_s = [11.4, 0.0, 0.0]\n", &options, 1))));
+            plant.initialize(0.0).unwrap_or_else(|error| panic!("{yaw_deg} deg, {inflow:?}: {error}"));
+            for second in 1..=4 {
+                plant.step(f64::from(second)).unwrap_or_else(|error| panic!("{yaw_deg} deg, {inflow:?}: {error}"));
+                let rotor = plant.outputs().rotor()[0];
+                assert!(
+                    rotor.thrust_n.abs() < 3e6 && rotor.power_coefficient.abs() < 1e4,
+                    "{yaw_deg} deg, {inflow:?}: {rotor:?}"
+                );
+            }
+        }
+    }
+}

@@ -27,7 +27,7 @@ pub struct Failure {
 /// end the joint holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effect {
-    /// The motor of a joint gives no torque any more; its inertia stays.
+    /// Motor and generator of a joint give no torque any more; their inertia stays.
     DriveDies {
         /// Body of the joint.
         body: usize,

@@ -174,6 +174,34 @@ mod tests {
         assert!((read.exponent_1_s - lambda).norm() < 1e-10, "{}", read.exponent_1_s);
     }
 
+    /// A real motion of a real multiplier shows a harmonic with both signs, whose shares add up; that of number 0 is alone.
+    /// `e^{−0.1t}(1 + cos Ωt)`: mean squares 1 and ½. With a negative multiplier, `e^{−0.1t}(cos ½Ωt + ½ cos (3/2)Ωt)`: ½ and ⅛.
+    #[test]
+    fn shares_of_both_signs_add_up_for_real_multipliers() {
+        let (period_s, speed) = (2.0, std::f64::consts::PI);
+        let of = |motion: &dyn Fn(f64) -> f64, sign: f64| {
+            let value = |k: i32| {
+                let t = period_s * f64::from(k) / 36.0;
+                DVector::from_vec(vec![Complex::from((-0.1 * t).exp() * motion(t))])
+            };
+            let motion: Vec<DVector<Complex<f64>>> = (0..36).map(value).collect();
+            let multiplier = Complex::from(sign * (-0.1 * period_s).exp());
+            resolve(multiplier, period_s, &motion, &DVector::from_vec(vec![1.0])).harmonics
+        };
+        for (harmonics, expected) in [
+            (of(&|t| 1.0 + (speed * t).cos(), 1.0), [(0.0, 2.0 / 3.0), (speed, 1.0 / 3.0)]),
+            (
+                of(&|t| (0.5 * speed * t).cos() + 0.5 * (1.5 * speed * t).cos(), -1.0),
+                [(0.5 * speed, 0.8), (1.5 * speed, 0.2)],
+            ),
+        ] {
+            for (found, (frequency_rad_s, share)) in harmonics.iter().zip(expected) {
+                assert!((found.frequency_rad_s - frequency_rad_s).abs() < 1e-9, "{harmonics:?}");
+                assert!((found.share - share).abs() < 1e-10, "{harmonics:?}");
+            }
+        }
+    }
+
     /// Three motions of one multiplier at 2.3, 3.3 and 4.3 Ω, mixed: each comes back alone, with its frequency.
     #[test]
     fn mixed_motions_are_separated() {

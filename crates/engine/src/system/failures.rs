@@ -256,10 +256,14 @@ impl System {
 fn impose(effect: &Effect, equations: &mut Equations) {
     match *effect {
         Effect::DriveDies { body } => {
-            if let Some(motor) = joint_on(equations, body).and_then(|joint| joint.motor_mut()) {
+            let Some(joint) = joint_on(equations, body) else { return };
+            if let Some(motor) = joint.motor_mut() {
                 motor.drive.stiffness_n_m_rad = 0.0;
                 motor.drive.damping_n_m_s_rad = 0.0;
                 motor.drive.constant_torque_n_m = 0.0;
+            }
+            if let Some(generator) = joint.generator_mut() {
+                generator.connected = false;
             }
         }
         Effect::DriveRunsAway { body, .. } => {

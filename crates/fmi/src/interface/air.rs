@@ -105,19 +105,19 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology) {
                 "power_coefficient",
                 offset_of!(RotorLoads, power_coefficient),
                 "Ratio",
-                "power over that of the wind through the disc",
+                "power over that of the wind along the shaft through the disc; 0 where that wind is less than 1 % of the speed at which the tips meet the air",
             ),
             (
                 "thrust_coefficient",
                 offset_of!(RotorLoads, thrust_coefficient),
                 "Ratio",
-                "thrust over the dynamic pressure on the disc",
+                "thrust over the dynamic pressure of the wind along the shaft on the disc; 0 as the power coefficient",
             ),
             (
                 "tip_speed_ratio",
                 offset_of!(RotorLoads, tip_speed_ratio),
                 "Ratio",
-                "speed of the outermost sections over the wind",
+                "speed of the outermost sections over the wind along the shaft; 0 as the power coefficient",
             ),
         ];
         for (name, offset, kind, meaning) in rows {

@@ -21,6 +21,9 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
+/// Wind along the shaft, over the speed at which the tips meet the air, below which nothing refers to it.
+const LEAST_WIND: f64 = 0.01;
+
 /// Loads and coefficients of the rotor.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
@@ -35,13 +38,14 @@ pub struct RotorLoads {
     pub speed_rad_s: f64,
     /// Mean wind along the shaft over the sections of all blades, relative to them, in m/s.
     pub wind_m_s: f64,
-    /// Power over `½ρπR²U³`, with the present radius of the outermost section; 0 without wind.
+    /// Power over `½ρπR²U³`, with the present radius of the outermost section and the wind `U` along the shaft. This and what follows
+    /// is 0 where that wind is less than a hundredth of the speed at which the tips meet the air: still air, or wind across the shaft.
     pub power_coefficient: f64,
-    /// Thrust over `½ρπR²U²`; 0 without wind.
+    /// Thrust over `½ρπR²U²`.
     pub thrust_coefficient: f64,
-    /// Speed of the outermost section over the wind; 0 without wind.
+    /// Speed of the outermost section over the wind along the shaft.
     pub tip_speed_ratio: f64,
-    /// Mean axial induction factor over the annuli; 0 without wind.
+    /// Mean axial induced velocity of the annuli over their mean wind.
     pub induction: f64,
 }
 
@@ -115,7 +119,12 @@ pub(super) struct Disc {
     radius_m: f64,
     /// Angular velocity of the hub, root frame, rad/s.
     hub_rad_s: Vector3<f64>,
+    /// Part of the rotation about the shaft that the pitch rates of dynamic stall leave out, in rad/s: all of it, since a coned blade
+    /// keeps its angle of attack as the rotor turns; none as in AeroDyn.
+    shaft_spin_rad_s: Vector3<f64>,
     skew: Option<Skew>,
+    /// Whether the wind along the shaft is enough for coefficients.
+    has_wind: bool,
     pub(super) loads: RotorLoads,
 }
 
@@ -215,7 +224,7 @@ impl Rotor {
             Past::Known { from, .. } => time_constant_s(disc.radius_m, from.loads.induction, disc.loads.wind_m_s),
             _ => 0.0,
         };
-        let (mut induction, mut area) = (0.0, 0.0);
+        let (mut lost_m_s, mut met_m_s) = (0.0, 0.0);
         for blade in 0..self.blades.len() {
             let range = self.blades[blade].clone();
             // direction of the blade in the disc, taken at its root: bending in the plane does not turn the annuli
@@ -226,24 +235,24 @@ impl Rotor {
             let root_normal = downwind(root.cross(&ahead), &disc.normal);
             for index in range {
                 let memory = &mut state.sections[index];
-                let a =
+                let met =
                     self.section(index, &motions[index], &disc, [&ahead, &root_normal], flow, &past, first_s, memory);
                 let weight = if self.options.features.as_aerodyn { 1.0 } else { self.cuts[index].radial_m.norm() };
-                if let Some(a) = a {
-                    induction += weight * a;
-                    area += weight;
+                if let Some(met) = met {
+                    lost_m_s += weight * met[0];
+                    met_m_s += weight * met[1];
                 }
             }
         }
         self.spread(loads, &mut disc);
         let RotorLoads { thrust_n, power_w, wind_m_s, .. } = disc.loads;
         let pressure_n = 0.5 * flow.density_kg_m3 * PI * disc.radius_m.powi(2) * wind_m_s.powi(2);
-        if pressure_n > 0.0 {
+        if disc.has_wind && pressure_n > 0.0 {
             disc.loads.thrust_coefficient = thrust_n / pressure_n;
             disc.loads.power_coefficient = power_w / (pressure_n * wind_m_s.abs());
         }
-        if area > 0.0 {
-            disc.loads.induction = induction / area;
+        if disc.has_wind && met_m_s != 0.0 {
+            disc.loads.induction = lost_m_s / met_m_s;
         }
         state.loads = disc.loads;
     }
@@ -275,20 +284,26 @@ impl Rotor {
         // in still air the motions of the sections cancel but for round-off
         let wind_m_s = Some(met_m_s.dot(&normal)).filter(|wind| wind.abs() > 1e-12 * tip_m_s).unwrap_or(0.0);
         let share = if wind_m_s == 0.0 && tip_m_s > 0.0 { 1.0 } else { induction_share(tip_m_s / wind_m_s.abs()) };
-        let tip_speed_ratio = if wind_m_s == 0.0 { 0.0 } else { tip_m_s / wind_m_s.abs() };
+        let has_wind = wind_m_s.abs() > LEAST_WIND * tip_m_s.hypot(met_m_s.norm());
+        let tip_speed_ratio = if has_wind { tip_m_s / wind_m_s.abs() } else { 0.0 };
         Disc {
             normal,
             turn,
             share: if share.is_nan() { 0.0 } else { share },
             radius_m,
             hub_rad_s: hub.spin_rad_s,
+            shaft_spin_rad_s: match self.options.features.as_aerodyn {
+                true => Vector3::zeros(),
+                false => normal * (turn * speed_rad_s),
+            },
             skew: self.options.features.skewed_wake.then(|| Skew::of(&met_m_s, &normal)),
+            has_wind,
             loads: RotorLoads { speed_rad_s, wind_m_s, tip_speed_ratio, ..RotorLoads::default() },
         }
     }
 
-    /// Line load and moment of one section into the scratch memory; returns its axial induction factor where the
-    /// momentum balance has a solution.
+    /// Line load and moment of one section into the scratch memory; returns its axial induced velocity and the wind that it meets, in m/s,
+    /// where the momentum balance has a solution. With `as_aerodyn` both are over that wind: AeroDyn averages factors.
     #[allow(clippy::too_many_arguments)] // one call, split off for its length
     fn section(
         &mut self,
@@ -300,7 +315,7 @@ impl Rotor {
         past: &Past,
         first_s: f64,
         memory: &mut SectionMemory,
-    ) -> Option<f64> {
+    ) -> Option<[f64; 2]> {
         let section = &self.sections[index];
         let cut = &mut self.cuts[index];
         let axis = motion.rotation.column(0).into_owned();
@@ -386,10 +401,8 @@ impl Rotor {
                     false => memory.inflow.acting_m_s,
                 };
                 let factor = match &disc.skew {
-                    Some(skew) if approach.axial_m_s != 0.0 => {
-                        skew.factor(&(cut.radial_m / disc.radius_m), axial_m_s / approach.axial_m_s)
-                    }
-                    _ => 1.0,
+                    Some(skew) => skew.factor(&(cut.radial_m / disc.radius_m), axial_m_s),
+                    None => 1.0,
                 };
                 ([axial_m_s * factor, swirl_m_s].map(|velocity_m_s| disc.share * velocity_m_s), meeting)
             }
@@ -399,7 +412,7 @@ impl Rotor {
             let met = StallInflow {
                 speed_m_s: state.speed_m_s,
                 attack_rad: state.attack_rad,
-                pitch_rate_rad_s: (motion.spin_rad_s + flow.spin_rad_s).dot(&pitching),
+                pitch_rate_rad_s: (motion.spin_rad_s + flow.spin_rad_s - disc.shaft_spin_rad_s).dot(&pitching),
                 chord_m: section.chord_m,
             };
             memory.stall = match past {
@@ -423,7 +436,10 @@ impl Rotor {
             (true, false, true) => memory.inflow.balanced_m_s[0],
             _ => memory.inflow.acting_m_s[0],
         };
-        (disc.loads.wind_m_s != 0.0).then(|| lost_m_s / approach.axial_m_s).filter(|a| a.is_finite())
+        match self.options.features.as_aerodyn {
+            true => Some([lost_m_s / approach.axial_m_s, 1.0]).filter(|[a, _]| a.is_finite()),
+            false => Some([lost_m_s, approach.axial_m_s]),
+        }
     }
 }
 

@@ -28,7 +28,7 @@ pub struct InflowState {
 /// First time constant in s of a rotor of a given radius, from the mean axial induction factor and the mean wind along
 /// the shaft, eq. (B9).
 pub fn time_constant_s(radius_m: f64, mean_induction: f64, wind_m_s: f64) -> f64 {
-    let slowed_m_s = (1.0 - 1.3 * mean_induction.min(MAXIMUM_INDUCTION)) * wind_m_s.max(MINIMUM_WIND_M_S);
+    let slowed_m_s = (1.0 - 1.3 * mean_induction.min(MAXIMUM_INDUCTION)) * wind_m_s.abs().max(MINIMUM_WIND_M_S);
     (1.1 * radius_m / slowed_m_s).min(MAXIMUM_TIME_S)
 }
 
@@ -138,6 +138,7 @@ mod tests {
     fn time_constant_has_its_limits() {
         approx::assert_relative_eq!(time_constant_s(63.0, 0.3, 8.0), 1.1 * 63.0 / (0.61 * 8.0), max_relative = 1e-14);
         assert_eq!(time_constant_s(63.0, 2.0, 8.0), time_constant_s(63.0, 0.5, 8.0));
-        assert_eq!(time_constant_s(63.0, 0.3, -8.0), 100.0);
+        // wind from behind: the mirror image
+        assert_eq!(time_constant_s(63.0, 0.3, -8.0), time_constant_s(63.0, 0.3, 8.0));
     }
 }

@@ -3,7 +3,7 @@
 //! Source: Hansen, Gaunaa and Madsen, *A Beddoes–Leishman type dynamic stall model in state-space and indicial
 //! formulations*, Risø-R-1354 (2004); it is `UA_Mod` 4 in AeroDyn. It does not model the leading-edge vortex.
 
-use crate::aero::polar::Polar;
+use crate::aero::polar::{Polar, PolarRow};
 use crate::aero::rotor::lag::lag;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -32,12 +32,19 @@ pub struct SplitPolar {
     pub polar: Polar,
     /// Angle of zero lift in rad.
     pub zero_lift_rad: f64,
-    /// Slope of the static lift there in 1/rad: that of attached flow.
+    /// Slope of the lift of attached flow in 1/rad: the steepest line from the angle of zero lift to a row with lift above it.
     pub slope_1_rad: f64,
-    /// Row by row: degree of attachment, and the lift of fully separated flow.
-    split: Vec<[f64; 2]>,
     /// Drag coefficient at the angle of zero lift.
     zero_lift_drag: f64,
+}
+
+/// Static flow at an angle of attack.
+struct StaticFlow {
+    row: PolarRow,
+    /// Square root of the degree of attachment.
+    attached_root: f64,
+    /// Lift of attached flow less that of separated flow: what a degree of attachment of 1 adds to one of 0.
+    gain: f64,
 }
 
 impl SplitPolar {
@@ -45,38 +52,14 @@ impl SplitPolar {
     /// static coefficients.
     pub fn new(polar: Polar) -> Option<Self> {
         let zero_lift_rad = polar.zero_lift_angle_rad()?;
-        let after = polar.rows.partition_point(|row| row.angle_rad <= zero_lift_rad).clamp(1, polar.rows.len() - 1);
-        let (lower, upper) = (&polar.rows[after - 1], &polar.rows[after]);
-        let slope_1_rad = (upper.lift - lower.lift) / (upper.angle_rad - lower.angle_rad);
-        let zero_lift_drag = polar.at(zero_lift_rad).drag;
-        let mut split: Vec<[f64; 2]> = polar
-            .rows
+        let above = polar.rows.partition_point(|row| row.angle_rad <= zero_lift_rad);
+        // the first row has lift, as the polar rises through zero just before it
+        let lifting = polar.rows[above..]
             .iter()
-            .map(|row| {
-                let attached = slope_1_rad * (row.angle_rad - zero_lift_rad);
-                let ratio = if attached == 0.0 { 1.0 } else { (row.lift / attached).max(0.0) };
-                let share = (2.0 * ratio.sqrt() - 1.0).powi(2);
-                if share >= 1.0 || attached == 0.0 {
-                    [1.0, 0.5 * row.lift]
-                } else {
-                    [share, (row.lift - attached * share) / (1.0 - share)]
-                }
-            })
-            .collect();
-        // Kirchhoff's relation has its minimum at a quarter of the attached lift: below it the flow is separated
-        let mut separate = |rows: &mut dyn Iterator<Item = usize>| {
-            let mut separated = false;
-            for row in rows {
-                let attached = slope_1_rad * (polar.rows[row].angle_rad - zero_lift_rad);
-                separated |= attached != 0.0 && polar.rows[row].lift / attached <= 0.25;
-                if separated {
-                    split[row] = [0.0, polar.rows[row].lift];
-                }
-            }
-        };
-        separate(&mut (after..polar.rows.len()));
-        separate(&mut (0..after).rev());
-        Some(Self { polar, zero_lift_rad, slope_1_rad, split, zero_lift_drag })
+            .take_while(|row| row.lift > 0.0 && row.angle_rad < zero_lift_rad + CUTOUT_RAD[0]);
+        let steepest = lifting.map(|row| row.lift / (row.angle_rad - zero_lift_rad)).fold(0.0, f64::max);
+        let zero_lift_drag = polar.at(zero_lift_rad).drag;
+        (steepest > 0.0).then_some(Self { polar, zero_lift_rad, slope_1_rad: steepest, zero_lift_drag })
     }
 
     /// Angle in rad at which attached flow has a lift.
@@ -84,15 +67,27 @@ impl SplitPolar {
         lift / self.slope_1_rad + self.zero_lift_rad
     }
 
-    /// Degree of attachment and lift of separated flow at an angle.
-    fn split_at(&self, angle_rad: f64) -> [f64; 2] {
-        let rows = &self.polar.rows;
-        let after = rows.partition_point(|row| row.angle_rad <= angle_rad);
-        let (Some(upper), Some(lower)) = (rows.get(after), after.checked_sub(1).map(|i| &rows[i])) else {
-            return self.split[after.min(rows.len() - 1)];
+    /// Flow at a constant angle of attack in rad: Kirchhoff's relation turned round. Static lift above the line of attached flow is
+    /// attached, lift below a quarter of it is separated, and the separated lift of Hansen, Gaunaa and Madsen is written without its
+    /// quotient 0/0.
+    fn static_flow(&self, angle_rad: f64) -> StaticFlow {
+        let row = self.polar.at(angle_rad);
+        let attached = self.slope_1_rad * (angle_rad - self.zero_lift_rad);
+        let ratio = if attached == 0.0 { 1.0 } else { row.lift / attached };
+        let (attached_root, gain) = if ratio >= 1.0 {
+            (1.0, 0.5 * row.lift)
+        } else if ratio > 0.25 {
+            let root = 2.0 * ratio.sqrt() - 1.0;
+            (root, attached * (3.0 + root) / (4.0 * (1.0 + root)))
+        } else {
+            (0.0, attached - row.lift)
         };
-        let share = (angle_rad - lower.angle_rad) / (upper.angle_rad - lower.angle_rad);
-        std::array::from_fn(|i| self.split[after - 1][i] + (self.split[after][i] - self.split[after - 1][i]) * share)
+        StaticFlow { row, attached_root, gain }
+    }
+
+    /// Degree of attachment of static flow at an angle in rad.
+    fn attached_at(&self, angle_rad: f64) -> f64 {
+        self.static_flow(angle_rad).attached_root.powi(2)
     }
 }
 
@@ -152,7 +147,7 @@ impl StallState {
         let rear_rad = met.rear_rad();
         let mut state = Self { met, wake_rad: AMPLITUDES.map(|amplitude| amplitude * rear_rad), ..Self::default() };
         state.lagged_lift = state.attached_lift(split);
-        state.attached = split.split_at(split.angle_rad(state.lagged_lift))[0];
+        state.attached = split.attached_at(split.angle_rad(state.lagged_lift));
         state
     }
 
@@ -177,7 +172,7 @@ impl StallState {
         }
         let (from, to) = (self.attached_lift(split), next.attached_lift(split));
         next.lagged_lift = lag(self.lagged_lift, from, to, ways / PRESSURE_LAG);
-        let share = |lift: f64| split.split_at(split.angle_rad(lift))[0];
+        let share = |lift: f64| split.attached_at(split.angle_rad(lift));
         next.attached =
             lag(self.attached, share(self.lagged_lift), share(next.lagged_lift), ways / SEPARATION_LAG).clamp(0.0, 1.0);
         next
@@ -197,7 +192,7 @@ impl StallState {
             wake,
             second,
             (self.attached_lift(split) - self.lagged_lift) / (PRESSURE_LAG * passing_s),
-            (split.split_at(effective_rad)[0] - self.attached) / (SEPARATION_LAG * passing_s),
+            (split.attached_at(effective_rad) - self.attached) / (SEPARATION_LAG * passing_s),
         ]
     }
 
@@ -223,11 +218,11 @@ impl StallState {
         }
         let effective_rad = self.effective_rad();
         let passing = self.met.passing_s() * self.met.pitch_rate_rad_s;
-        let row = split.polar.at(effective_rad);
-        let [share, separated_lift] = split.split_at(effective_rad);
-        let circulatory = self.attached * split.slope_1_rad * (effective_rad - split.zero_lift_rad)
-            + (1.0 - self.attached) * separated_lift;
-        let lost = 0.5 * (share.sqrt() - attached_root) - 0.25 * (share - self.attached);
+        let StaticFlow { row, attached_root: static_root, gain } = split.static_flow(effective_rad);
+        let share = static_root * static_root;
+        // from the static lift, which is that of the steady state whatever the split is
+        let circulatory = row.lift + (self.attached - share) * gain;
+        let lost = 0.5 * (static_root - attached_root) - 0.25 * (share - self.attached);
         let dynamic = Coefficients {
             lift: circulatory + PI * passing,
             drag: row.drag

@@ -1,19 +1,26 @@
 //! Skewed wake: in oblique wind the induction is larger on the side towards which the wake leans.
 //!
 //! Source: Pitt and Peters, *Theoretical prediction of dynamic-inflow derivatives*, Vertica 5 (1981), for the gradient
-//! over the disc; Coleman, Feingold and Stempin, NACA ARR L5E10 (1945), and Burton et al. for the angle of the wake.
+//! over the disc; Coleman, Feingold and Stempin, NACA ARR L5E10 (1945), for the angle of the wake, of which Burton et al. give an
+//! approximation for small angles.
 
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 /// Gradient of the induction over the radius for a wake at 90° to the shaft.
 const GRADIENT: f64 = 15.0 * PI / 32.0;
+/// Steps towards the angle of the wake; bisection alone would need 52.
+const MAXIMUM_STEPS: usize = 60;
+/// Width at which they end, of the tangent of half the angle.
+const TOLERANCE: f64 = 1e-15;
 
 /// Wind through a disc, averaged over it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Skew {
-    /// Angle from the shaft to the wind in rad, 0 to π.
-    pub angle_rad: f64,
+    /// Wind along the shaft in m/s.
+    pub axial_m_s: f64,
+    /// Wind across the shaft in m/s, at least 0.
+    pub across_m_s: f64,
     /// Unit vector in the disc towards which the wake leans; zero if it does not lean.
     pub lean: Vector3<f64>,
 }
@@ -22,19 +29,51 @@ impl Skew {
     /// Of a mean wind through a disc whose unit normal points downwind.
     pub fn of(wind_m_s: &Vector3<f64>, normal: &Vector3<f64>) -> Self {
         let axial_m_s = wind_m_s.dot(normal);
-        let across_m_s = wind_m_s - normal * axial_m_s;
-        let speed_m_s = across_m_s.norm();
+        let across = wind_m_s - normal * axial_m_s;
+        let across_m_s = across.norm();
         // a wind that leans by round-off does not lean
-        let lean = if speed_m_s > 1e-12 * wind_m_s.norm() { across_m_s / speed_m_s } else { Vector3::zeros() };
-        Self { angle_rad: speed_m_s.atan2(axial_m_s), lean }
+        match across_m_s > 1e-12 * wind_m_s.norm() {
+            true => Self { axial_m_s, across_m_s, lean: across / across_m_s },
+            false => Self { axial_m_s, across_m_s: 0.0, lean: Vector3::zeros() },
+        }
     }
 
     /// Factor on the axial induction of a node at `arm` (from the shaft, over the radius of the disc, any direction in
-    /// the disc), eq. (B15). `induction` is the factor without skew. A wake that would lean by more than 90° is treated
-    /// as leaning by 90°.
-    pub fn factor(&self, arm: &Vector3<f64>, induction: f64) -> f64 {
-        let wake_rad = ((0.6 * induction + 1.0) * self.angle_rad).clamp(-0.5 * PI, 0.5 * PI);
-        1.0 + GRADIENT * (0.5 * wake_rad).tan() * arm.dot(&self.lean)
+    /// the disc), eq. (B15). `loss_m_s` is the axial induced velocity without skew, against the wind.
+    pub fn factor(&self, arm: &Vector3<f64>, loss_m_s: f64) -> f64 {
+        1.0 + GRADIENT * self.half_tangent(loss_m_s) * arm.dot(&self.lean)
+    }
+
+    /// Tangent of half the angle from the shaft to the wake, between 0 and 1: of Coleman's `tan χ = (S − v tan χ/2)/(A − v)`. Where the
+    /// air passes backward the wake leans from the other end of the shaft; across it, where `A = v`, both lean by 90°.
+    fn half_tangent(&self, loss_m_s: f64) -> f64 {
+        if self.across_m_s == 0.0 {
+            return 0.0;
+        }
+        let side = if self.axial_m_s < loss_m_s { -1.0 } else { 1.0 };
+        let (axial, across, loss) = (side * self.axial_m_s, self.across_m_s, side * loss_m_s);
+        // positive at 0, not positive at 1, with one zero between: where the cubic is convex it is negative at both ends or falls
+        let value = |t: f64| ((loss * t - across) * t + loss - 2.0 * axial) * t + across;
+        let slope = |t: f64| (3.0 * loss * t - 2.0 * across) * t + loss - 2.0 * axial;
+        let (mut low, mut high) = (0.0, 1.0);
+        // without induction half the tangent is known
+        let mut t = across / (axial.hypot(across) + axial.abs());
+        for _ in 0..MAXIMUM_STEPS {
+            let now = value(t);
+            if now > 0.0 {
+                low = t;
+            } else {
+                high = t;
+            }
+            let newton = t - now / slope(t);
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            let change = (next - t).abs();
+            t = next;
+            if change <= TOLERANCE || high - low <= TOLERANCE {
+                break;
+            }
+        }
+        t
     }
 }
 
@@ -42,17 +81,31 @@ impl Skew {
 mod tests {
     use super::*;
 
+    fn wake_rad(skew: &Skew, loss_m_s: f64) -> f64 {
+        let arm = skew.lean * 0.8;
+        2.0 * ((skew.factor(&arm, loss_m_s) - 1.0) / (0.8 * GRADIENT)).atan()
+    }
+
     #[test]
     fn induction_grows_where_the_wake_leans_to() {
-        let normal = Vector3::x();
-        let wind = Vector3::new(10.0, 0.0, 0.0) + Vector3::new(0.0, 10.0 * 0.3f64.tan(), 0.0);
-        let skew = Skew::of(&wind, &normal);
-        approx::assert_relative_eq!(skew.angle_rad, 0.3, max_relative = 1e-12);
-        let chi = (0.6 * 0.25 + 1.0) * 0.3;
-        let expected = 15.0 * PI / 32.0 * f64::tan(chi / 2.0) * 0.8;
-        approx::assert_relative_eq!(skew.factor(&(Vector3::y() * 0.8), 0.25), 1.0 + expected, max_relative = 1e-12);
-        approx::assert_relative_eq!(skew.factor(&(Vector3::y() * -0.8), 0.25), 1.0 - expected, max_relative = 1e-12);
-        assert_eq!(skew.factor(&(Vector3::z() * 0.8), 0.25), 1.0);
+        let wind = |angle_rad: f64| Vector3::new(10.0 * angle_rad.cos(), 10.0 * angle_rad.sin(), 0.0);
+        let skew = Skew::of(&wind(0.3), &Vector3::x());
+        // without induction the wake goes with the wind; a side wind across the arm does nothing
+        approx::assert_relative_eq!(wake_rad(&skew, 0.0), 0.3, max_relative = 1e-12);
+        let [one, other] = [0.8, -0.8].map(|arm| skew.factor(&(Vector3::y() * arm), 2.5));
+        approx::assert_relative_eq!(one - 1.0, 1.0 - other, max_relative = 1e-12);
+        assert_eq!(skew.factor(&(Vector3::z() * 0.8), 2.5), 1.0);
+        // Burton's (0.6 a + 1) γ, which he gives as close to it: within 1° up to 45° and a = 1/3
+        for degrees in [5.0f64, 15.0, 30.0, 45.0] {
+            for a in [0.1, 0.2, 1.0 / 3.0] {
+                let angle_rad = degrees.to_radians();
+                let close_rad = (0.6 * a + 1.0) * angle_rad;
+                let found_rad = wake_rad(&Skew::of(&wind(angle_rad), &Vector3::x()), 10.0 * a);
+                assert!((found_rad - close_rad).abs() < 1f64.to_radians(), "{degrees} {a}: {found_rad} {close_rad}");
+                let coleman = (angle_rad.sin() - a * (0.5 * found_rad).tan()) / (angle_rad.cos() - a);
+                approx::assert_relative_eq!(found_rad.tan(), coleman, max_relative = 1e-10);
+            }
+        }
     }
 
     #[test]
@@ -61,6 +114,27 @@ mod tests {
             assert_eq!(Skew::of(&wind, &Vector3::x()).factor(&Vector3::y(), 0.3), 1.0);
         }
         let edgewise = Skew::of(&Vector3::z(), &Vector3::x());
-        approx::assert_relative_eq!(edgewise.factor(&Vector3::z(), 0.9), 1.0 + GRADIENT, max_relative = 1e-12);
+        approx::assert_relative_eq!(edgewise.factor(&Vector3::z(), 0.0), 1.0 + GRADIENT, max_relative = 1e-12);
+    }
+
+    /// From 0 to 180° of yaw the factor stays between those of a wake along the disc and moves by no more than the angles do; a rotor in a
+    /// wind from behind is the mirror image.
+    #[test]
+    fn wake_turns_without_jumps_through_ninety_degrees() {
+        let of = |step: u32, loss_m_s: f64| {
+            let angle_rad = PI * f64::from(step) / 3600.0;
+            let wind = Vector3::new(12.0 * angle_rad.cos(), 12.0 * angle_rad.sin(), 0.0);
+            Skew::of(&wind, &Vector3::x()).half_tangent(loss_m_s)
+        };
+        for loss_m_s in [-6.0, -3.0, -0.5, 0.0, 0.5, 3.0, 6.0] {
+            // from 10°: with as much induction as wind any small wind across turns the wake
+            for step in 200..3400 {
+                let [at, next] = [of(step, loss_m_s), of(step + 1, loss_m_s)];
+                assert!((0.0..=1.0).contains(&at), "{step} {loss_m_s}: {at}");
+                // steps of 0.05°, which a wake near the end of the momentum theory multiplies by 1/(1 − a) with a up to a half
+                assert!((next - at).abs() < 2.5e-3, "{step} {loss_m_s}: {at} {next}");
+                approx::assert_relative_eq!(of(3600 - step, -loss_m_s), at, epsilon = 1e-9);
+            }
+        }
     }
 }

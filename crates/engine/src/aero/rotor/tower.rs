@@ -143,6 +143,14 @@ mod tests {
         let wind = Vector3::new(10.0, 0.0, 0.0);
         let width = 8.0f64.sqrt(); // 20 m behind: 8 radii
         approx::assert_relative_eq!(at(&tower, 20.0, 0.0, wind).x, -10.0 * 0.75 / width, max_relative = 1e-12);
+        // beside the axis, at 8 and 2 radii: the shadow widens with the root of the distance from the axis of the tower
+        for (x, y) in [(20.0, 5.0), (20.0, -5.0), (3.0, 3.0)] {
+            let (x_radii, y_radii) = (x / 2.5, f64::abs(y) / 2.5);
+            let width = f64::hypot(x_radii, y_radii).sqrt();
+            assert!(y_radii < width);
+            let expected = -10.0 * 0.75 / width * (std::f64::consts::PI * y_radii / (2.0 * width)).cos().powi(2);
+            approx::assert_relative_eq!(at(&tower, x, y, wind).x, expected, max_relative = 1e-12);
+        }
         assert_eq!(at(&tower, -20.0, 0.0, wind), Vector3::zeros());
         assert_eq!(at(&tower, 20.0, 8.0, wind), Vector3::zeros());
         assert_eq!(tower.added_m_s(&Vector3::new(21.0, 2.0, 90.0), &wind), Vector3::zeros());

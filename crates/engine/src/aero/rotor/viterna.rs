@@ -274,6 +274,33 @@ mod tests {
         assert!((first.moment - last.moment).abs() < 1e-12);
     }
 
+    /// Moments of the extended polar by the arm of the normal force behind the quarter chord: from that of the ends, 0.05 over their normal
+    /// forces, straight to a quarter of the chord at ±90° and on to half of it at ±180°. Rows of the extension, without a straight line between.
+    #[test]
+    fn moments_have_the_arm_of_the_centre_of_pressure() {
+        let polar = sample();
+        let given = 15f64.to_radians();
+        let mut met = [0; 4];
+        for found in
+            polar.rows.iter().filter(|row| row.angle_rad > given + 1e-9 || row.angle_rad < -1e-9 - 10f64.to_radians())
+        {
+            let (size_deg, negative) = (found.angle_rad.abs().to_degrees(), found.angle_rad < 0.0);
+            let normal = |angle_rad: f64, lift: f64, drag: f64| lift * angle_rad.cos() + drag * angle_rad.sin();
+            let (edge_deg, force) = match negative {
+                true => (10.0, normal(-10f64.to_radians(), -0.8, 0.02)),
+                false => (15.0, normal(given, 1.4, 0.05)),
+            };
+            let arm = match size_deg {
+                beyond if beyond >= 90.0 => 0.25 + 0.25 * (beyond - 90.0) / 90.0,
+                _ => 0.05 / force + (0.25 - 0.05 / force) * (size_deg - edge_deg) / (90.0 - edge_deg),
+            };
+            met[usize::from(negative) + 2 * usize::from(size_deg > 90.0)] += 1;
+            let expected = -arm * normal(found.angle_rad, found.lift, found.drag);
+            approx::assert_relative_eq!(found.moment, expected, epsilon = 1e-12, max_relative = 1e-9);
+        }
+        assert!(met.iter().all(|&rows| rows > 20), "{met:?}");
+    }
+
     /// Both sides by the formulas, the moment over the shift, a plate beyond 90°; rows kept, nothing jumps.
     #[test]
     fn both_stalls_are_extended() {

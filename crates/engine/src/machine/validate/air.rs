@@ -193,6 +193,14 @@ fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[B
         }
         true
     };
+    // the wings of an aircraft, or a second rotor
+    if let Some(other) = surfaces.iter().find(|surface| surface.body < bodies.len() && !turns(surface.body)) {
+        let found =
+            format!("{}, which does not hang on the hub {}", bodies[other.body].name, bodies[options.hub_body].name);
+        let allowed = "surfaces on the blades of one rotor, all on its hub: a machine has one rotor; simulate another one as a machine of its own";
+        checker.refuse_state(&["surface"], found, allowed);
+        return;
+    }
     let has_surface = |body: usize| surfaces.iter().any(|surface| surface.body == body);
     let alike = |a: &Body, b: &Body| a.length_m == b.length_m && a.elements == b.elements && a.section == b.section;
     let bare = (0..bodies.len()).filter(|&body| !has_surface(body) && bodies[body].length_m > 0.0 && turns(body));
