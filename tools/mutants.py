@@ -37,7 +37,7 @@ PACKAGES = ["foldwing", "foldwing-engine", "foldwing-file", "foldwing-fmi", "fol
 PROGRAMS = ["verification", "robustness", "documents", "command"]
 LIBRARIES = ["foldwing_engine", "foldwing_file", "foldwing_fmi", "foldwing_fmu", "foldwing_command"]
 # Tests of random calls and of endurance ask for minutes, and the rules of the house see the edits themselves.
-SKIPPED = re.compile(r"robustness (random_|mutated_inputs|endurance|watchdog)|documents architecture|.*valgrind")
+SKIPPED = re.compile(r"robustness (random_|mutated_inputs|endurance|watchdog)|documents (architecture|faults)|.*valgrind")
 NUMBER, REACHED = "FOLDWING_FAULT", "FOLDWING_FAULTS_REACHED"
 SWITCH = '''
 /// Planted faults: this copy of the sources is for `tools/mutants.py` only.
@@ -77,6 +77,7 @@ def main():
     parser.add_argument("--features", default="", help="features of the test programs, as in `make unit`")
     parser.add_argument("--target", type=Path, default=ROOT / "target", help="folder of cargo; ours is `mutants` in it")
     parser.add_argument("--jobs", type=int, default=2, help="tests at a time")
+    parser.add_argument("--as-built", action="store_true", help="take the test programs that the last call compiled, whatever changed since")
     parser.add_argument("--check", action="store_true", help="check the list and the edits, build nothing")
     parser.add_argument("--find", action="store_true", help="look for finders of faults without any (or of those given)")
     parser.add_argument("--reach", action="store_true", help="record again which test reaches which fault")
@@ -99,9 +100,11 @@ def run(given):
         return
     chosen = [fault for fault in faults if not given.numbers or fault["number"] in given.numbers]
     folder = given.target.resolve() / "mutants"
-    copy_tree(folder / "tree", texts)
-    reuse_third_party(given.target.resolve(), folder / "build")
-    programs = build(given, folder)
+    if not given.as_built:
+        copy_tree(folder / "tree", texts)
+        reuse_third_party(given.target.resolve(), folder / "build")
+        build(given, folder)
+    programs = json.loads((folder / "programs.json").read_text(encoding="utf-8"))
     if given.find or given.matrix or given.reach:
         reached = reach(given, faults, programs, folder)
         if given.find:
@@ -190,7 +193,7 @@ def reuse_third_party(target, output):
 
 
 def build(given, folder):
-    """The test programs by name, compiled with all faults behind their switches."""
+    """Compiles the test programs with all faults behind their switches, and notes where they are, with the folder each runs in."""
     begin = time.monotonic()
     command = [given.cargo, "test", "--locked", "--no-run", "--message-format", "json-render-diagnostics", "--lib"]
     command += [word for package in PACKAGES for word in ("--package", package)]
@@ -204,9 +207,10 @@ def build(given, folder):
     for line in done.stdout.splitlines():
         message = json.loads(line)
         if message.get("reason") == "compiler-artifact" and message.get("executable") and message["profile"]["test"]:
-            programs[message["target"]["name"]] = (message["executable"], Path(message["manifest_path"]).parent)
-    print(f"compiled in {time.monotonic() - begin:.0f} s")
-    return {name: programs[name] for name in LIBRARIES + PROGRAMS}
+            programs[message["target"]["name"]] = [message["executable"], str(Path(message["manifest_path"]).parent)]
+    print(f"compiled in {time.monotonic() - begin:.0f} s", flush=True)
+    found = {name: programs[name] for name in LIBRARIES + PROGRAMS}
+    (folder / "programs.json").write_text(json.dumps(found, indent=1), encoding="utf-8")
 
 
 def try_test(programs, test, environment, limit_s):

@@ -3,6 +3,7 @@
 //! One thin blade of constant chord, which begins at the shaft's axis and represents two, without losses, swirl and drag; the lift is
 //! proportional to the angle of attack at all angles. Angles are small, so the linear theory holds to 1e-4.
 
+use crate::agreement::agree;
 use crate::plant::machines::start;
 use foldwing::aero::rotor::inflow_lag::momentum_m_s;
 use foldwing::config;
@@ -201,11 +202,16 @@ fn rt12_coning_in_hover() {
             println!("{name}, lag {lag_s:?}: {found:.7} rad, closed form {expected:.7}, moves by {moves:.1e}");
             // by the balance it goes on: in still air an annulus has two states, and the sign of the flap rate chooses
             assert!(moves < if lag_s.is_some() { 1e-7 } else { 5e-3 * expected }, "{name}: {moves:e}");
-            worst = worst.max((found / expected - 1.0).abs());
+            let miss = (found / expected - 1.0).abs();
+            worst = worst.max(miss);
+            // twice the error of 100 cells and of angles that are small; a mean over a part of a swing lies within half of it
+            match lag_s {
+                Some(_) => agree("RT-12 with lag", miss, 4e-4),
+                None => agree("RT-12 by the balance", miss, 4e-4 + 0.5 * moves / expected),
+            }
         }
     }
     println!("RT-12: {worst:.1e}");
-    assert!(worst < 1e-3, "{worst:e}");
 }
 
 /// RT-13. Flap damping `γ/(16 ν)` of a blade in its own frequency, without a response of the inflow: roots of the linear model, and the swing in
@@ -324,5 +330,6 @@ fn rt15_momentum_theory_at_all_loads() {
         worst = worst.max((found - expected).abs());
     }
     println!("RT-15: {worst:.1e}");
-    assert!(worst < 1e-12, "{worst:e}");
+    // round-off of a square root and a quotient
+    agree("RT-15", worst, 1e-14);
 }
