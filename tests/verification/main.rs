@@ -7,6 +7,7 @@ mod blades;
 mod breaking;
 mod capabilities;
 mod carried;
+mod closed_forms;
 mod conventional;
 mod counting_allocator;
 mod coupling;
