@@ -10,11 +10,13 @@ use foldwing::aero::rotor::turbulence::{coherence, kaimal_m2_s};
 use foldwing::aero::strip::section::bias;
 use foldwing::beam::law::{SectionLaw, SectionStation};
 use foldwing::beam::section::{Material, Section, Solid};
-use foldwing::machine::{Body, Joint, Machine, Spring};
+use foldwing::config;
+use foldwing::machine::{Body, Drive, Joint, Machine};
 use foldwing::multibody::joint::JointKind;
 use foldwing::multibody::joint::parameters::JointPose;
+use foldwing::solve::modes::modes;
 use foldwing::solve::tracking::{Branches, Followed};
-use nalgebra::{Complex, Matrix3, Vector3};
+use nalgebra::{Complex, DMatrix, Matrix3, Vector3};
 use std::f64::consts::{PI, TAU};
 
 /// `E = 2 G (1 + ν)`, NOTATION eq. (R5).
@@ -88,8 +90,8 @@ fn inclined_axes_of_a_universal_joint() {
 #[test]
 fn dampers_of_joints_with_several_freedoms() {
     let top = || Body::rigid("top").inertia(2.0, [0.3, 0.0, 0.0], Matrix3::from_diagonal(&Vector3::new(0.1, 0.2, 0.3)));
-    let damper = Spring { damping_n_m_s_rad: 0.8, ..Spring::default() };
-    let ball = Joint::ball("ball").spring(damper).start_angular_velocity_rad_s([1.0, -2.0, 0.5]);
+    let damper = Drive { damping_n_m_s_rad: 0.8, ..Drive::default() };
+    let ball = Joint::ball("ball").drive(damper).start_angular_velocity_rad_s([1.0, -2.0, 0.5]);
     let machine = Machine::builder("top").body(top(), ball).build().expect("a machine");
     let mut plant = start(machine);
     let before_j = balance_j(plant.outputs());
@@ -101,7 +103,7 @@ fn dampers_of_joints_with_several_freedoms() {
     let [about_parent, about_body] = [1.5, -0.7];
     let spin = parent_axis * about_parent + body_axis * about_body;
     let universal =
-        Joint::universal("universal", parent_axis, body_axis).spring(damper).start_angular_velocity_rad_s(spin);
+        Joint::universal("universal", parent_axis, body_axis).drive(damper).start_angular_velocity_rad_s(spin);
     let machine = Machine::builder("top").body(top(), universal).build().expect("a machine");
     let mut plant = start(machine);
     let step_s = 1e-5;
@@ -221,6 +223,87 @@ fn split_of_a_polar_and_steady_dynamic_stall() {
         later.lagged_lift - steady.lagged_lift,
     ];
     assert!(changes.iter().all(|change| change.abs() < 1e-14 * PI), "{changes:?}");
+}
+
+/// Moments of second order of a section in a file are about its centre of mass, eq. (D1): the products `m y z` join them.
+#[test]
+fn second_moments_of_a_section_in_a_file() {
+    let model = include_str!("../../examples/models/goland_wing.toml").replacen(
+        "centre_of_mass_m = [-0.18288, 0.0]",
+        "centre_of_mass_m = [-0.2, 0.05]",
+        1,
+    );
+    let section =
+        |text: &str| config::parse(text, "wing").unwrap_or_else(|error| panic!("{error}")).bodies[0].section.at(0.0);
+    let (off, plain) = (section(&model), section(&model.replacen("[-0.2, 0.05]", "[0.0, 0.0]", 1)));
+    let added: Vec<f64> = (0..3).map(|i| off.second_moment_kg_m[i] - plain.second_moment_kg_m[i]).collect();
+    for (found, expected) in added.iter().zip([0.04, -0.01, 0.0025]) {
+        assert!((found - expected * off.mass_kg_m).abs() < 1e-12 * off.mass_kg_m, "{added:?}");
+    }
+}
+
+/// The loads of the air at stations add up to their total: each section gives all of its load, also that at the tip.
+#[test]
+fn loads_of_the_air_at_stations_add_up() {
+    let shipped = include_str!("../../examples/models/folding_wing_in_tunnel.toml");
+    let machine = config::parse(shipped, "wing").unwrap_or_else(|error| panic!("{error}"));
+    let mut plant = start(machine);
+    plant.step(5e-3).expect("a step");
+    let outputs = plant.outputs();
+    let sum: Vector3<f64> = outputs.air_stations().iter().map(|load| load.force_n).sum();
+    let total = outputs.air_total().force_n;
+    assert!(total.norm() > 1e-3 && (sum - total).norm() < 1e-13 * total.norm(), "{sum} {total}");
+}
+
+/// The work of a gravity that changes, eq. (A4), and what a root that turns does to the rotor of a geared drive whose carrier turns,
+/// eq. (D17): the account stays. The tolerance of 1e-9 in some hundred steps.
+#[test]
+fn work_of_a_changing_field_and_of_a_turning_root() {
+    let arm = |name: &str| Body::rigid(name).inertia(1.0, [0.4, 0.0, 0.1], Matrix3::identity() * 0.05);
+    let first = Joint::revolute("first", [0.0, 1.0, 0.0]).start_rate_rad_s(1.0);
+    let drive = Drive { inertia_kg_m2: 0.2, gear_ratio: Some(5.0), ..Drive::default() };
+    let second = Joint::revolute("second", [0.0, 0.6, 0.8]).on("inner").drive(drive).start_rate_rad_s(-2.0);
+    let machine = Machine::builder("arms").body(arm("inner"), first).body(arm("outer"), second).build();
+    for turns in [false, true] {
+        let mut plant = start(machine.clone().expect("a machine"));
+        if turns {
+            plant.inputs_mut().root_mut().angular_velocity_rad_s = Vector3::new(0.5, -1.0, 2.0);
+            plant.step(1e-3).expect("a step"); // from here on it is given
+        } else {
+            plant.input_rates_mut().root_mut().gravity_m_s2 = Vector3::new(3.0, 0.0, -20.0);
+        }
+        let before_j = balance_j(plant.outputs());
+        plant.step(0.3).expect("a step");
+        let drift_j = balance_j(plant.outputs()) - before_j;
+        let work_j = plant.outputs().energy().work;
+        println!("turns {turns}: drift {drift_j:.1e} J, work {work_j:.3e} J");
+        assert!(drift_j.abs() < 1e-6 * plant.outputs().energy().kinetic, "{turns}: {drift_j:e}");
+        assert!(work_j.abs() > 1e-4, "something does work: {work_j}");
+    }
+}
+
+/// A mode of many coordinates with a damper at one of them, eq. (L11): the undamped modes of lowest frequency give a first value, iteration
+/// the eigenvalue of the whole, with the residual of its shape at round-off.
+#[test]
+fn damped_modes_are_corrected_over_all_coordinates() {
+    let n = 60;
+    let mass = DMatrix::identity(n, n);
+    let stiffness = DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
+        0 if i + 1 == n => 100.0,
+        0 => 200.0,
+        1 => -100.0,
+        _ => 0.0,
+    });
+    let mut damping = DMatrix::zeros(n, n);
+    damping[(n - 1, n - 1)] = 6.0;
+    let found = modes(&mass, &damping, &stiffness, 1).expect("modes");
+    let (value, shape) = (found[0].eigenvalue_1_s, &found[0].shape);
+    let whole = DMatrix::from_fn(n, n, |i, j| {
+        value * value * mass[(i, j)] + value * damping[(i, j)] + Complex::from(stiffness[(i, j)])
+    });
+    let left = (whole * shape).iter().map(|entry| entry.norm()).fold(0.0, f64::max);
+    println!("{value:.6}: residual {left:.1e}");
+    assert!(value.re < -0.02 * value.im && left < 1e-9 * 400.0, "{value}: {left:e}");
 }
 
 #[derive(Clone, Debug)]
