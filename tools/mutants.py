@@ -251,7 +251,8 @@ def reach(given, faults, programs, folder):
     known = json.loads(record.read_text(encoding="utf-8")) if record.exists() and not given.reach else {"faults": [], "tests": {}}
     if not numbers <= set(known["faults"]):
         known = {"faults": sorted(numbers), "tests": {}}
-    wanted = [test for test in all_tests(given, programs) if test not in known["tests"] and re.search(given.only, test)]
+    new = [test for test in all_tests(given, programs) if known["tests"].get(test, {}).get("verdict") not in ("passed", "late", "missing")]
+    wanted = [test for test in new if re.search(given.only, test)]
 
     def one(test):
         with tempfile.TemporaryDirectory() as scratch:

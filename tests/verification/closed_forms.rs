@@ -91,7 +91,7 @@ fn inclined_axes_of_a_universal_joint() {
 fn dampers_of_joints_with_several_freedoms() {
     let top = || Body::rigid("top").inertia(2.0, [0.3, 0.0, 0.0], Matrix3::from_diagonal(&Vector3::new(0.1, 0.2, 0.3)));
     let damper = Drive { damping_n_m_s_rad: 0.8, ..Drive::default() };
-    let ball = Joint::ball("ball").drive(damper).start_angular_velocity_rad_s([1.0, -2.0, 0.5]);
+    let ball = Joint::ball("ball").drive(damper.clone()).start_angular_velocity_rad_s([1.0, -2.0, 0.5]);
     let machine = Machine::builder("top").body(top(), ball).build().expect("a machine");
     let mut plant = start(machine);
     let before_j = balance_j(plant.outputs());
