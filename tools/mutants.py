@@ -329,7 +329,7 @@ def judge(given, faults, programs):
     begin = time.monotonic()
     with_finder = [fault for fault in faults if fault.get("finder")]
     finders = sorted({fault["finder"] for fault in with_finder})
-    wrong = [f"fault {f['number']}: no test finds it, and no reason is given: {f['what']}"
+    wrong = [f"fault {f['number']}: no test finds it, and no reason is given: {f['what']} (missing: {f.get('pending') or 'a test'})"
              for f in faults if not f.get("finder") and not f.get("reason")]
     for finder in finders:
         if finder.split(" ", 1)[0] not in programs:
