@@ -37,7 +37,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build package dist venv test-venv runner deploy test assertions format lint unit pytest validate tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions importers bless licenses msrv robust valgrind python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
+.PHONY: audit all build package dist venv test-venv runner deploy test assertions format lint unit pytest validate tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-peers profile instructions importers bless licenses msrv robust valgrind mutants python-lock site platforms fmu-all test-platforms wheel wheels python package-venv clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -182,6 +182,9 @@ validate: package venv ## Compare with the methods of the paper, sweep on Dask, 
 	$(VENV_PYTHON) studies/output_convergence.py --foldwing $(COMMAND) --table docs/tables/outputs.md --csv $(TARGET)/verification/outputs.csv
 	$(VENV_PYTHON) studies/plot_conventional.py $(TARGET)/verification docs/pictures
 	$(CARGO) test --locked --test verification -- --nocapture capabilities::
+	@rm -f $(TARGET)/agreement.csv
+	FOLDWING_AGREEMENT=$(abspath $(TARGET))/agreement.csv $(CARGO) test --locked --test verification -- plant:: rotor::
+	@$(PYTHON) studies/agreement.py --rows $(TARGET)/agreement.csv --table docs/tables/agreement.md
 	$(VENV_PYTHON) studies/plot_input_derivatives.py $(TARGET)/verification docs/pictures
 	$(VENV_PYTHON) examples/damp_latched_wing.py --foldwing $(COMMAND) --fmu $(FMU) --picture docs/pictures/damped_latched_wing.png
 	$(VENV_PYTHON) examples/damp_wing_in_tunnel.py --foldwing $(COMMAND) --fmu $(TUNNEL_FMU) --picture docs/pictures/damped_wing_in_tunnel.png
@@ -198,6 +201,7 @@ validate: package venv ## Compare with the methods of the paper, sweep on Dask, 
 	$(DASK)/bin/python examples/sweep_dask.py --fmu $(FMU) --foldwing $(COMMAND)
 	$(VENV_PYTHON) studies/shoot_viewer.py --foldwing $(COMMAND) --output docs/pictures
 	$(MAKE) robust
+	$(MAKE) mutants MUTANTS_ARGUMENTS=--matrix
 
 audit: build venv ## Repeat the audit of physics and numerics: studies/audit, docs/validation/audit.md
 	@set -e; for script in $(filter-out %/machine.py,$(wildcard studies/audit/*.py)); do \
@@ -218,6 +222,10 @@ robust: toolchain valgrind ## A million random calls on each face, 30000 mutated
 
 valgrind: toolchain ## Random calls on each face under valgrind: no error, no leak
 	FOLDWING_VALGRIND_CALLS=3000 $(CARGO) test --locked --test robustness -- --nocapture c02
+
+# in a folder of its own: what is shipped has no switches. MUTANTS_ARGUMENTS: numbers of faults, --find, --matrix
+mutants: toolchain test-venv ## Plant small faults in a copy of the sources, one at a time: each has to be found by its test
+	$(IMPORT) $(TEST_PYTHON) tools/mutants.py --cargo "$(CARGO)" --target $(TARGET) --features import $(MUTANTS_ARGUMENTS)
 
 notebook: package venv ## Run examples/deployment.ipynb and store in it what it shows
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) \

@@ -1,11 +1,13 @@
 //! Verification against theory and independent solutions: the engine by itself, statics, the machine in time, air, and the
 //! methods of the papers. Case numbers V-xx; the other folders name theirs.
 
+mod agreement;
 mod bending;
 mod blades;
 mod breaking;
 mod capabilities;
 mod carried;
+mod closed_forms;
 mod conventional;
 mod counting_allocator;
 mod coupling;

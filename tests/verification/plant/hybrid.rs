@@ -1,6 +1,7 @@
 //! The machine as a hybrid system under an integrator that is not ours: classical Runge–Kutta of fixed step, events located
 //! by the indicators, transitions made at them.
 
+use crate::agreement::agree;
 use crate::whole::is_whole;
 use foldwing::machine::Machine;
 use foldwing::plant::{AccountRates, Holding, Hybrid, Jump, NotHybrid, Plant};
@@ -157,7 +158,8 @@ fn hy02_strips_tend_to_the_air_of_the_instant() {
 }
 
 /// HY-03. Derivatives in the air of strips against the linear model, which finds lag, apparent mass and stiffness of the air by
-/// another way: the whole Jacobian about an equilibrium in wind from below, over its largest entry by row; 1e-6.
+/// another way: the whole Jacobian about an equilibrium in wind from below, over its largest entry by row. Central differences of
+/// 1e-4 rad leave 1e-8 of what is of third order, and 1e-12 of round-off over the step.
 #[test]
 fn hy03_derivatives_in_air_are_those_of_the_linear_model() {
     let text = include_str!("../../../examples/models/goland_wing.toml");
@@ -193,7 +195,7 @@ fn hy03_derivatives_in_air_are_those_of_the_linear_model() {
         }
     }
     println!("HY-03 Jacobian {} by {}: {worst:.1e}", states.len(), states.len());
-    assert!(worst < 1e-6, "{worst:e}");
+    agree("HY-03", worst, 2e-8);
 }
 
 /// HY-04. A flap in a hybrid system: at the equilibrium of a deflected aileron nothing moves, and its hinge moment is that of statics;
@@ -218,7 +220,8 @@ fn hy04_a_flap_acts_between_events() {
     let [still, further, twice] = [0.05, 0.06, 0.07].map(&mut slope);
     let (moves, twice_moves) = (further.0.norm(), twice.0.norm());
     println!("HY-04 still {:.1e}, moved {moves:.1e}, ratio {}", still.0.norm() / moves, twice_moves / moves);
-    assert!(still.0.norm() < 1e-6 * moves);
+    // the equilibrium is found to 1e-8 in the kinematic norm, which 0.01 rad of the flap moves by some per cent
+    agree("HY-04", still.0.norm() / moves, 2e-8);
     assert!(
         (still.1 - hinge_n_m).abs() < 1e-9 * hinge_n_m.abs() && further.1 < still.1,
         "{} {} {hinge_n_m}",

@@ -1,5 +1,6 @@
 //! Prismatic joints: closed forms of what slides, alone, on springs, with latches, on hinges, in loops.
 
+use crate::agreement::agree;
 use crate::plant::machines::*;
 use foldwing::beam::section::{Material, Section};
 use foldwing::config;
@@ -115,7 +116,8 @@ fn pj02_a_block_on_a_spring_swings() {
 }
 
 /// PJ-03. With a damper, and a motor's mass that moves with the position: the swing dies as the closed form says, and what
-/// it loses is dissipated. The tolerance of 1e-9 per step, some hundred steps.
+/// it loses is dissipated. The estimate of third order is held to 1e-9 per step, and the solution of fourth order is a hundredth of
+/// it: 1e-11 in each of some ten steps. The account adds products of rates and forces, relative errors of 1e-10 in some hundred.
 #[test]
 fn pj03_a_damper_takes_the_energy() {
     let (k, c, own_kg, end_s) = (50.0, 3.0, 0.5, 2.0);
@@ -133,7 +135,9 @@ fn pj03_a_damper_takes_the_energy() {
     let outputs = plant.outputs();
     let (miss, drift) = (outputs.joints()[0].angle_rad - exact_m, balance_j(outputs) - before_j);
     println!("PJ-03 misses {miss:.1e} m, drift {:.1e}", drift / before_j);
-    assert!(miss.abs() < 1e-7 && drift.abs() < 1e-7 * before_j && outputs.energy().dissipated > 0.5 * before_j);
+    agree("PJ-03 position in m", miss.abs(), 1e-10);
+    agree("PJ-03 energy", drift.abs() / before_j, 1e-8);
+    assert!(outputs.energy().dissipated > 0.5 * before_j);
 }
 
 /// PJ-04. A beam across a rail, its root on a spring: first three frequencies of the characteristic equation
@@ -327,7 +331,10 @@ fn pj10_a_bead_on_a_turning_rod() {
     let (r_m, r_m_s) = ((rate_rad_s * end_s).cosh() * start_m, (rate_rad_s * end_s).sinh() * start_m * rate_rad_s);
     let coriolis = turn.holding_torque_n_m - 2.0 * MASS_KG * r_m * r_m_s * rate_rad_s;
     println!("PJ-10 forced: {:.1e} m, torque {coriolis:.1e} N·m", bead.angle_rad - r_m);
-    assert!((bead.angle_rad - r_m).abs() < 1e-7 && (bead.rate_rad_s - r_m_s).abs() < 1e-6 && coriolis.abs() < 1e-5);
+    // the tolerance of 1e-9 per step, a few steps, each error growing by cosh 1.5 = 2.4; rates by Ω, the torque by 2 m Ω (r + ṙ/Ω) more
+    agree("PJ-10 place in m", (bead.angle_rad - r_m).abs(), 1e-8);
+    agree("PJ-10 rate in m/s", (bead.rate_rad_s - r_m_s).abs(), 3e-8);
+    agree("PJ-10 torque in N·m", coriolis.abs(), 3e-7);
 
     let mut plant = start(telescope(OneFreedom { start_rate_rad_s: rate_rad_s, ..about }, slide));
     let inertia = |r_m: f64| 0.3 + 0.02 + MASS_KG * r_m * r_m;
@@ -338,7 +345,9 @@ fn pj10_a_bead_on_a_turning_rod() {
     let lost = (inertia(bead.angle_rad) * turn.rate_rad_s / momentum - 1.0).abs();
     let drift = (plant.outputs().energy().kinetic / energy_j - 1.0).abs();
     println!("PJ-10 free: momentum {lost:.1e}, energy {drift:.1e}, bead at {:.3} m", bead.angle_rad);
-    assert!(lost < 1e-7 && drift < 1e-7 && bead.angle_rad > 1.5 * start_m);
+    agree("PJ-10 momentum", lost, 1e-8);
+    agree("PJ-10 energy", drift, 1e-8);
+    assert!(bead.angle_rad > 1.5 * start_m);
 }
 
 /// PJ-11. A pendulum on a trolley: its frequency about rest is `√((1 + m/M) g/l)`, and over a large swing the centre of
@@ -520,7 +529,9 @@ fn pj15_a_slide_through_the_air_is_wind() {
             (plant.outputs().joints()[1].angle_rad, plant.outputs().air_total().force_n)
         });
         println!("PJ-15 {air:?}: {:.1e} rad, {:.1e} N apart", carried.0 - blown.0, (carried.1 - blown.1).norm());
-        assert!((carried.0 - blown.0).abs() < 1e-10 && (carried.1 - blown.1).norm() < 1e-10, "{carried:?} {blown:?}");
+        // the same numbers but for the round-off of places that lie 1 cm apart, over eight aerodynamic steps
+        agree("PJ-15 angle in rad", (carried.0 - blown.0).abs(), 1e-14);
+        agree("PJ-15 force in N", (carried.1 - blown.1).norm(), 1e-12);
         assert!(carried.1.norm() > 0.05, "the air acts: {carried:?}");
     }
 }

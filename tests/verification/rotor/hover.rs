@@ -3,6 +3,7 @@
 //! One thin blade of constant chord, which begins at the shaft's axis and represents two, without losses, swirl and drag; the lift is
 //! proportional to the angle of attack at all angles. Angles are small, so the linear theory holds to 1e-4.
 
+use crate::agreement::agree;
 use crate::plant::machines::start;
 use foldwing::aero::rotor::inflow_lag::momentum_m_s;
 use foldwing::config;
@@ -201,11 +202,16 @@ fn rt12_coning_in_hover() {
             println!("{name}, lag {lag_s:?}: {found:.7} rad, closed form {expected:.7}, moves by {moves:.1e}");
             // by the balance it goes on: in still air an annulus has two states, and the sign of the flap rate chooses
             assert!(moves < if lag_s.is_some() { 1e-7 } else { 5e-3 * expected }, "{name}: {moves:e}");
-            worst = worst.max((found / expected - 1.0).abs());
+            let miss = (found / expected - 1.0).abs();
+            worst = worst.max(miss);
+            // twice the error of 100 cells and of angles that are small; a mean over a part of a swing lies within half of it
+            match lag_s {
+                Some(_) => agree("RT-12 with lag", miss, 4e-4),
+                None => agree("RT-12 by the balance", miss, 4e-4 + 0.5 * moves / expected),
+            }
         }
     }
     println!("RT-12: {worst:.1e}");
-    assert!(worst < 1e-3, "{worst:e}");
 }
 
 /// RT-13. Flap damping `γ/(16 ν)` of a blade in its own frequency, without a response of the inflow: roots of the linear model, and the swing in
@@ -265,7 +271,7 @@ fn rt14_a_step_of_pitch_in_hover() {
     let lag_s = apparent / (4.0 * inflow * SPEED_RAD_S);
     let scale_n = DENSITY_KG_M3 * PI * RADIUS_M.powi(4) * SPEED_RAD_S.powi(2);
     // small: the uniform state's time constant follows its inflow, the lag's does not
-    let step_rad = 0.002f64.to_radians();
+    let step_rad = 0.0005f64.to_radians();
     // stiff: the pitch is there after a tenth of a millisecond
     let joint = "axis = [0.0, 1.0, 0.0]\n[joint.blade.drive]\nstiffness_N_m_rad = 1e8\ndamping_N_m_s_rad = 1e4\ninertia_kg_m2 = 0.1";
     let blade = Blade {
@@ -304,7 +310,7 @@ fn rt14_a_step_of_pitch_in_hover() {
     }
     println!("RT-14: {worst:.1e} of the jump; it falls to {least:.3} of it");
     assert!(least < 0.8, "the inflow answers: {least}");
-    assert!(worst < 1e-3, "{worst:e}");
+    agree("RT-14", worst, 1e-3);
 }
 
 /// RT-15. Momentum theory of an annulus to a thrust coefficient of 0.96, Glauert's line to 2, hover: against `4a(1 − a)` solved the other way, and
@@ -324,5 +330,6 @@ fn rt15_momentum_theory_at_all_loads() {
         worst = worst.max((found - expected).abs());
     }
     println!("RT-15: {worst:.1e}");
-    assert!(worst < 1e-12, "{worst:e}");
+    // round-off of a square root and a quotient
+    agree("RT-15", worst, 1e-14);
 }
