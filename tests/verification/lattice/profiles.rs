@@ -5,7 +5,6 @@ use crate::lattice::wing::{SPEED_M_S, Wing, inset, options, pressure_pa};
 use foldwing::aero::lattice::{LatticeOptions, LoadRule};
 use foldwing::aero::near_sheets::NoCirculation;
 use foldwing::aero::polar::{Polar, PolarRow};
-use foldwing::aero::rear::rear_panels;
 use foldwing::aero::surface::Profile;
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
@@ -84,8 +83,7 @@ fn lifting_line(polar: &Polar, places_m: &[f64], angle_rad: f64) -> Vec<f64> {
         let size = r.norm() * s.norm();
         r.cross(&s) * ((r.norm() + s.norm()) / (size * (size + r.dot(&s)) * 2.0 * TAU))
     };
-    // the wake begins where the last corners of a step lie in which the wind makes one chord
-    let rear_m = 0.75 + rear_panels(-wind_m_s.y / wind_m_s.norm());
+    let rear_m = 0.75;
     let horseshoe = |at: &Vector3<f64>, ends: &[f64]| {
         let [inner, outer] = [ends[0], ends[1]].map(|x| [Vector3::new(x, 0.0, 0.0), Vector3::new(x, -rear_m, 0.0)]);
         segment(at, &far_m(&inner[1]), &inner[1])

@@ -31,7 +31,7 @@ fn pair(places_m: &[f64], wind_m_s: Vector3<f64>, shape: impl Fn(&mut [SectionMo
     shape(&mut line.motions);
     shape(&mut lattice.motions);
     line.start(wind_m_s, true);
-    lattice.start_from_the_edge();
+    lattice.start(true);
     (line, lattice)
 }
 

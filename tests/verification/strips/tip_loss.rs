@@ -103,7 +103,7 @@ fn w34_steady_line_is_the_lattice_of_one_panel() {
             arch(&mut lattice.motions, bend_rad);
             arch(&mut line.motions, bend_rad);
         }
-        lattice.start_from_the_edge();
+        lattice.start(true);
         line.start(wind(angle_rad), true);
         let theirs: Vec<f64> =
             (0..strips).map(|strip| lattice.lattice.strip_circulation(&lattice.from, 0, strip)).collect();

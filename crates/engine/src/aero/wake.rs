@@ -188,7 +188,7 @@ impl VortexLattice {
         }
         self.velocities[..blocks(count)].fill(Block::default());
         self.gather_wake(from, 0..from.wake_rows);
-        for sheet in &self.bound {
+        for sheet in &self.inducing {
             self.bound_filaments.gather(sheet, &from.circulation_m2_s);
         }
         self.induce(count, &from.corner_m, SheetKind::Bound);
