@@ -266,6 +266,7 @@ impl VortexLattice {
             sheds: true,
             hinges: self.no_hinge_moments(),
             profile_m_s: vec![0.0; self.profiles.count()],
+            lags: false,
             relative_m_s: Vector3::zeros(),
         }
     }
@@ -296,6 +297,7 @@ impl VortexLattice {
         state.induced_m_s.fill(Vector3::zeros());
         state.unshed_steps = 0;
         state.profile_m_s.fill(0.0);
+        state.lags = false;
         state.relative_m_s = mean_relative_m_s(motions, flow);
         self.compress(motions, flow, state)?;
         let established = self.place_at_start(motions, flow, established, state);
@@ -347,7 +349,11 @@ impl VortexLattice {
         self.relative_velocity(flow, to, 0..to.wake_rows.min(NEAR_ROWS));
         // polars may have several solutions: the one next to that of the step before
         to.profile_m_s.copy_from_slice(&from.profile_m_s);
-        self.circulate(motions, flow, to)?;
+        to.lags = from.lags;
+        self.profiles.step_s = Some(step_s);
+        let circulated = self.circulate(motions, flow, to);
+        self.profiles.step_s = None;
+        circulated?;
         loads.clear();
         to.hinges.fill(HingeMoment::default());
         lattice_loads::circulatory(self, motions, flow, to, loads);

@@ -43,6 +43,9 @@ pub struct LatticeState {
     pub left_m: Vec<Vector3<f64>>,
     /// Whether a row was shed in the step that ends here; true at the start.
     pub sheds: bool,
+    /// Whether the strips follow their polars with the lag of eq. (U32): since a step in which no circulation gave all of them the lift of
+    /// their polars, until they have come up with these.
+    pub lags: bool,
     /// Mean velocity of the air relative to the sections, root frame, m/s: along it compressible air is stretched.
     pub relative_m_s: Vector3<f64>,
     /// Hinge moments, one for each flap.
@@ -71,7 +74,7 @@ impl LatticeState {
         self.sheds = other.sheds;
         self.hinges.clone_from(&other.hinges);
         self.profile_m_s.clone_from(&other.profile_m_s);
-        self.relative_m_s = other.relative_m_s;
+        (self.relative_m_s, self.lags) = (other.relative_m_s, other.lags);
     }
 
     /// Whether another state can belong to the same lattice.
