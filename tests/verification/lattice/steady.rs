@@ -150,7 +150,10 @@ fn u73_steady_loads_in_sideslip_do_not_depend_on_the_step() {
                     each.map(|(i, (ours, theirs))| (ours - theirs).abs() / scales[i / 3]).fold(0.0, f64::max)
                 };
                 let errors = [off(&found[0]), off(&found[1])];
-                println!("U-73 {name}, {panels} panels: roll {:.6}, off {:.1e} {:.1e}", found[0][4], errors[0], errors[1]);
+                println!(
+                    "U-73 {name}, {panels} panels: roll {:.6}, off {:.1e} {:.1e}",
+                    found[0][4], errors[0], errors[1]
+                );
                 assert!(errors.iter().all(|error| *error < 3e-5), "{name}: {found:?} for {expected:?}");
             }
         }
