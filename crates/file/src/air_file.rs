@@ -65,7 +65,7 @@ pub(super) struct AirFile {
     #[schemars(range(min = 1, max = 10000))]
     pub wake_rows: usize,
     /// Radius of the vortex cores; default: a hundredth of the shortest panel's chord, with a lifting line of the shortest
-    /// chord. Lattice, or strips with a tip loss.
+    /// chord. A free wake moves with cores as wide as its lines lie apart, where that is more. Lattice, or strips with a tip loss.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub core_radius_m: Option<f64>,
     /// Suction at the leading edge. Strips have it by default; the lattice, whose loads are then those of

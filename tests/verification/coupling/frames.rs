@@ -1,6 +1,7 @@
 //! One flow gives one answer, whoever moves: wings that fly, roots that move, wind.
 
 use crate::coupling::wings::{march, start};
+use crate::trees::Random;
 use foldwing::config;
 use foldwing::plant::{Plant, Statistics, SurfaceLattice};
 use nalgebra::Vector3;
@@ -125,6 +126,83 @@ fn q52_unfolding_in_air_at_rest_does_not_depend_on_the_frame() {
     }
 }
 
+/// Q-81. The same with a free wake, folded sheets and all, until shortly before the latch closes. Cores narrower than the lines of the wake
+/// lie apart let round-off grow: the latch closed at 0.1047, 0.1063 and 0.1035 s with a fifth of that distance, and with the core of the
+/// panels a run stopped. Round-off is left; asked for is 1e-4.
+#[test]
+fn q81_a_free_wake_does_not_depend_on_the_frame() {
+    let air = "free_wake = true";
+    let rest_deg = angle_deg(unfolding(None, 0.0, air), 0.1);
+    for speed_m_s in [1.0, 20.0] {
+        let moving_deg = angle_deg(unfolding(Some(speed_m_s), speed_m_s, air), 0.1);
+        println!("Q-81 {rest_deg} deg at rest, {:e} at {speed_m_s} m/s", moving_deg - rest_deg);
+        assert!((moving_deg - rest_deg).abs() < 1e-4 * rest_deg.abs(), "{moving_deg} {rest_deg}");
+    }
+}
+
+fn between(random: &mut Random, from: f64, to: f64) -> f64 {
+    from + (to - from) * 0.5 * (1.0 + random.symmetric())
+}
+
+/// A wing of two to four bodies on locked, flared hinges at drawn angles, in a wind that comes from the side too.
+fn held(random: &mut Random, free_wake: bool) -> Plant {
+    let mut text = "name = \"Held\"\ngravity_m_s2 = [0.0, 0.0, 0.0]\n".to_owned();
+    let (bodies, chord_m) = (2 + (between(random, 0.0, 3.0) as usize).min(2), between(random, 0.1, 0.25));
+    for body in 0..bodies {
+        let width_m = chord_m * between(random, 0.7, 1.0);
+        let (length_m, flare_rad) = (between(random, 0.15, 0.5), between(random, -0.4, 0.4));
+        text += &format!(
+            "[section.s{body}]\nshape = \"rectangle\"\nwidth_m = {width_m:?}\nheight_m = {:?}\ndensity_kg_m3 = 600.0\n\
+             young_Pa = 2e11\nshear_Pa = 8e10\n\
+             [body.b{body}]\nlength_m = {length_m:?}\nsection = \"s{body}\"\nelements = 2\n\
+             [joint.j{body}]\nchild = \"b{body}\"\n",
+            0.05 * width_m
+        );
+        text += &match body {
+            0 => "type = \"clamped\"\nparent = \"root\"\n".to_owned(),
+            _ => format!(
+                "type = \"revolute\"\nparent = \"b{}\"\naxis = [{:?}, {:?}, 0.0]\nmotion = \"locked\"\nstart_angle_deg = {:?}\n",
+                body - 1,
+                flare_rad.sin(),
+                flare_rad.cos(),
+                between(random, -100.0, 100.0)
+            ),
+        };
+        text += &format!(
+            "[surface.b{body}]\nbody = \"b{body}\"\nstrips = {}\nchord_panels = 4\nincidence_deg = {:?}\n",
+            4 + 2 * (between(random, 0.0, 3.0) as usize).min(2),
+            between(random, -4.0, 6.0)
+        );
+    }
+    let (side_rad, speed_m_s) = (between(random, -0.26, 0.26), between(random, 8.0, 25.0));
+    text += &format!(
+        "[aerodynamics]\nmodel = \"uvlm\"\nwind_m_s = [{:?}, {:?}, 0.0]\nfree_wake = {free_wake}\nwake_rows = 40\n",
+        speed_m_s * side_rad.sin(),
+        -speed_m_s * side_rad.cos()
+    );
+    start(config::parse(&text, "held.toml").unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// Q-82. Random wings on locked hinges: a free wake with the default core changes the forces by a few per cent of the largest. With cores
+/// of a hundredth of a panel the wake was thrown about where sheets lie over each other: by up to 21 times, and runs stopped.
+#[test]
+fn q82_free_wakes_of_held_wings_stay_near_prescribed_ones() {
+    let forces_n = |seed: u64, free_wake: bool| -> Vec<Vector3<f64>> {
+        let mut plant = held(&mut Random::new(seed), free_wake);
+        let step = |step: i32| {
+            plant.step(2e-3 * f64::from(step)).unwrap_or_else(|error| panic!("{seed}: {error}"));
+            plant.outputs().air_total().force_n
+        };
+        (1..=25).map(step).collect()
+    };
+    for seed in 1..=10 {
+        let off = difference(&forces_n(seed, false), &forces_n(seed, true));
+        println!("Q-82 {seed}: {off:.1e}");
+        // what rolls up behind folded wings: twice the largest of twelve such wings that were looked at
+        assert!(off < 0.04, "{seed}: {off}");
+    }
+}
+
 /// Q-53. Air at rest is the limit of slow wind, whether the flow of the start is established or not.
 #[test]
 fn q53_slow_wind_leads_to_air_at_rest() {
@@ -134,8 +212,10 @@ fn q53_slow_wind_leads_to_air_at_rest() {
         let off_deg = [1e-3, 1e-2].map(|wind| angle_deg(unfolding(None, wind, &air), 0.06) - rest_deg);
         println!("Q-53 {rest_deg} deg at rest, off by {off_deg:?}");
         // the wake of an established start has a ring at the edge from the first step on, which moves the youngest vortex,
-        // eq. (U9), whatever the wind: 0.039 deg, 3e-5 s of the way
-        assert!(off_deg.iter().all(|off| off.abs() < 0.045), "{off_deg:?} of {rest_deg}");
+        // eq. (U9), whatever the wind: 0.039 deg, 3e-5 s of the way; a wind of 0.01 m/s adds 0.009 deg (2026-11-24, since that vortex
+        // goes across the chord with the air: 0.006 before at most)
+        let own_deg = [0.045, 0.055];
+        assert!(off_deg.iter().zip(own_deg).all(|(off, own)| off.abs() < own), "{off_deg:?} of {rest_deg}");
     }
 }
 

@@ -5,7 +5,6 @@ use crate::lattice::wing::{SPEED_M_S, Wing, inset, options, pressure_pa};
 use foldwing::aero::lattice::{LatticeOptions, LoadRule};
 use foldwing::aero::near_sheets::NoCirculation;
 use foldwing::aero::polar::{Polar, PolarRow};
-use foldwing::aero::rear::rear_panels;
 use foldwing::aero::surface::Profile;
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
@@ -73,21 +72,22 @@ fn u57_an_endless_wing_has_its_polar() {
     }
 }
 
-/// Circulations in m²/s of a lifting line with a polar over a straight wing of chord 1 m, by the downwash at three quarters of the chord
-/// (Weissinger): horseshoes with legs along the chord to the trailing edge and along the wind from there on. The angle of attack
-/// is that of what the strip meets there beside its own plane vortex. Found by going a part of the way again and again.
-fn lifting_line(polar: &Polar, places_m: &[f64], angle_rad: f64) -> Vec<f64> {
-    let wind_m_s = Vector3::new(0.0, -angle_rad.cos(), angle_rad.sin()) * SPEED_M_S;
+/// Wind of an angle of attack.
+fn wind_at(angle_rad: f64) -> Vector3<f64> {
+    Vector3::new(0.0, -angle_rad.cos(), angle_rad.sin()) * SPEED_M_S
+}
+
+/// Velocity across the plane of a straight wing of chord 1 m at three quarters of the chord in the middle of its strips, by unit circulations
+/// of these: horseshoes with legs along the chord to the trailing edge and along the wind from there on.
+fn horseshoes(places_m: &[f64], wind_m_s: Vector3<f64>) -> Vec<Vec<f64>> {
     let far_m = |point_m: &Vector3<f64>| point_m + wind_m_s * 1e6;
     let segment = |at: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>| {
         let (r, s) = (at - from, at - to);
         let size = r.norm() * s.norm();
         r.cross(&s) * ((r.norm() + s.norm()) / (size * (size + r.dot(&s)) * 2.0 * TAU))
     };
-    // the wake begins where the last corners of a step lie in which the wind makes one chord
-    let rear_m = 0.75 + rear_panels(-wind_m_s.y / wind_m_s.norm());
     let horseshoe = |at: &Vector3<f64>, ends: &[f64]| {
-        let [inner, outer] = [ends[0], ends[1]].map(|x| [Vector3::new(x, 0.0, 0.0), Vector3::new(x, -rear_m, 0.0)]);
+        let [inner, outer] = [ends[0], ends[1]].map(|x| [Vector3::new(x, 0.0, 0.0), Vector3::new(x, -0.75, 0.0)]);
         segment(at, &far_m(&inner[1]), &inner[1])
             + segment(at, &inner[1], &inner[0])
             + segment(at, &inner[0], &outer[0])
@@ -95,20 +95,33 @@ fn lifting_line(polar: &Polar, places_m: &[f64], angle_rad: f64) -> Vec<f64> {
             + segment(at, &outer[1], &far_m(&outer[1]))
     };
     let points = places_m.windows(2).map(|ends| Vector3::new(0.5 * (ends[0] + ends[1]), -0.5, 0.0));
-    let influence: Vec<Vec<f64>> =
-        points.map(|at| places_m.windows(2).map(|ends| horseshoe(&at, ends).z).collect()).collect();
+    points.map(|at| places_m.windows(2).map(|ends| horseshoe(&at, ends).z).collect()).collect()
+}
+
+/// Circulations in m²/s that a polar gives strips at what they meet beside their own plane vortices (Weissinger).
+fn of_what_they_meet(
+    polar: &Polar,
+    wind_m_s: Vector3<f64>,
+    influence: &[Vec<f64>],
+    circulation_m2_s: &[f64],
+) -> Vec<f64> {
+    let strips = influence.iter().zip(circulation_m2_s);
+    let wanted = strips.map(|(row, own)| {
+        let induced_m_s: f64 = row.iter().zip(circulation_m2_s).map(|(entry, other)| entry * other).sum();
+        let through_m_s = wind_m_s.z + induced_m_s + own / PI;
+        let lift = polar.at(through_m_s.atan2(-wind_m_s.y)).lift;
+        0.5 * through_m_s.hypot(wind_m_s.y) * lift
+    });
+    wanted.collect()
+}
+
+/// Circulations in m²/s of a lifting line with a polar over a straight wing of chord 1 m, found by going a part of the way again and again.
+fn lifting_line(polar: &Polar, places_m: &[f64], angle_rad: f64) -> Vec<f64> {
+    let wind_m_s = wind_at(angle_rad);
+    let influence = horseshoes(places_m, wind_m_s);
     let mut circulation = vec![0.0; influence.len()];
     for _ in 0..4000 {
-        let wanted: Vec<f64> = influence
-            .iter()
-            .zip(&circulation)
-            .map(|(row, own)| {
-                let induced_m_s: f64 = row.iter().zip(&circulation).map(|(entry, other)| entry * other).sum();
-                let through_m_s = wind_m_s.z + induced_m_s + own / PI;
-                let lift = polar.at(through_m_s.atan2(-wind_m_s.y)).lift;
-                0.5 * through_m_s.hypot(wind_m_s.y) * lift
-            })
-            .collect();
+        let wanted = of_what_they_meet(polar, wind_m_s, &influence, &circulation);
         circulation.iter_mut().zip(&wanted).for_each(|(now, wanted)| *now += 0.1 * (wanted - *now));
     }
     circulation
@@ -241,6 +254,53 @@ fn u61_sharp_stall_is_solved_or_refused() {
         }
         println!("U-61 drop {drop}: {solved} solved, {refused} refused so far");
     }
-    // all but the nine that decision 0044 tells of
-    assert!(solved >= 114 && refused <= 9, "{solved} {refused}");
+    // nine were refused before relaxation, decisions 0044 and 0051
+    assert!(solved == 123 && refused == 0, "{solved} {refused}");
+}
+
+/// A polar whose lift breaks down by a third within three degrees, as that of a thin profile at a low Reynolds number.
+fn breaking_down() -> Polar {
+    let row =
+        |degrees: f64, lift: f64, drag: f64| PolarRow { angle_rad: degrees.to_radians(), lift, drag, moment: 0.0 };
+    let rows = [(0.0, 0.0, 0.01), (11.0, 1.05, 0.03), (14.0, 0.7, 0.15), (25.0, 0.75, 0.4), (90.0, 0.0, 1.2)];
+    let up = rows.iter().map(|(at, lift, drag)| row(*at, *lift, *drag));
+    let down = rows.iter().skip(1).rev().map(|(at, lift, drag)| row(-at, -lift, *drag));
+    Polar { rows: down.chain(up).collect() }
+}
+
+/// U-76. A wing whose polar breaks down, one panel along the chord, at 8 to 30°: the steady flow is found at all of them, and every strip
+/// has the lift of its polar at what it meets from an independent row of horseshoes (1e-6 as in U-58). A run from rest goes on past stall,
+/// with a lag at some of the angles; attached it has none.
+#[test]
+fn u76_polars_that_break_down() {
+    let polar = breaking_down();
+    let mut lagged = 0;
+    for degrees in [8.0, 12.0, 14.0, 16.0, 20.0, 30.0] {
+        let angle_rad = f64::to_radians(degrees);
+        let (places_m, wind_m_s) = (inset(8.0, 20), wind_at(angle_rad));
+        let influence = horseshoes(&places_m, wind_m_s);
+        let make = || {
+            let wing = Wing::with_profile(of_polar(polar.clone()), &places_m, |_| 1.0, 1, suction());
+            wing.with_incidence(angle_rad)
+        };
+        let off = |wing: &Wing| {
+            let found: Vec<f64> = (0..20).map(|strip| wing.lattice.strip_circulation(&wing.from, 0, strip)).collect();
+            let wanted = of_what_they_meet(&polar, wind_m_s, &influence, &found);
+            found.iter().zip(&wanted).map(|(found, wanted)| (found - wanted).abs()).fold(0.0, f64::max) / SPEED_M_S
+        };
+        let mut steady = make();
+        steady.start(true);
+        let mut run = make();
+        run.start(false);
+        let mut lags = false;
+        for _ in 0..100 {
+            run.step(0.25 / SPEED_M_S);
+            lags |= run.from.lags;
+        }
+        lagged += usize::from(lags);
+        println!("U-76 {degrees} deg: steady off {:.1e}, run off {:.1e}, lag {lags}", off(&steady), off(&run));
+        assert!(off(&steady) < 1e-6, "{degrees} deg");
+        assert!(!lags || degrees > 11.0, "{degrees} deg: the attached wing lags");
+    }
+    assert!(lagged > 0, "no case beyond what Newton's iteration finds");
 }

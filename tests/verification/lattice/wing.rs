@@ -94,23 +94,24 @@ impl Wing {
 
     /// The same where it may be refused.
     pub fn try_start(&mut self, established: bool) -> Result<(), NoCirculation> {
+        let established = established.then_some(Established::straight(self.panel_step_s()));
+        self.start_as(established)
+    }
+
+    /// The flow that has been there for long, for steps of this length.
+    pub fn start_for_steps(&mut self, step_s: f64) {
+        self.start_as(Some(Established::straight(step_s))).expect("regular");
+    }
+
+    fn start_as(&mut self, established: Option<Established>) -> Result<(), NoCirculation> {
         let flow = Self::flow(self.time_s, self.wind_m_s, &self.gusts);
-        // a row of the wake as long as a panel
-        let chord = &self.lattice.surfaces()[0];
-        let step_s = chord.chords[0].length_m() / (chord.chord_panels as f64 * SPEED_M_S);
-        let established = established.then_some(Established::straight(step_s));
         self.lattice.start(&self.motions, &flow, established, &mut self.from, &mut self.loads)
     }
 
-    /// An established flow whose last rings end at the trailing edge, as those of a lifting line do: that of steps in which the air
-    /// makes the way along the chord that belongs to the place 0 of eq. (U9), on the line through the places of 0.2 and 0.3 panels.
-    pub fn start_from_the_edge(&mut self) {
+    /// Step in s in which the air makes the way of a panel: the default.
+    pub fn panel_step_s(&self) -> f64 {
         let chord = &self.lattice.surfaces()[0];
-        let way_m =
-            (0.2 + 0.1 * 0.03776 / (0.03776 + 0.00229)) * chord.chords[0].length_m() / chord.chord_panels as f64;
-        let flow = Self::flow(self.time_s, self.wind_m_s, &self.gusts);
-        let established = Some(Established::straight(way_m / -self.wind_m_s.y));
-        self.lattice.start(&self.motions, &flow, established, &mut self.from, &mut self.loads).expect("regular");
+        chord.chords[0].length_m() / (chord.chord_panels as f64 * SPEED_M_S)
     }
 
     fn flow(time_s: f64, wind_m_s: Vector3<f64>, gusts: &[Gust]) -> Flow<'_> {

@@ -1,9 +1,10 @@
 //! Air along the span: forces on the legs of the lifting line, eq. (W16), and twisted strips, eq. (W4), beside the lattice with one panel
 //! along the chord and beside a plate that pitches.
 
-use super::tip_loss::{LINE, Line, arch, wind, worst};
+use super::tip_loss::{LINE, Line, arch, flow, wind, worst};
 use crate::lattice::wing::{SPEED_M_S, Wing, inset, options};
 use foldwing::aero::AirLoads;
+use foldwing::aero::flow::{Flow, Gust, GustShape};
 use foldwing::aero::strip::StripOptions;
 use foldwing::aero::strip::lifting_line::LiftingLineOptions;
 use foldwing::aero::surface::Profile;
@@ -31,7 +32,7 @@ fn pair(places_m: &[f64], wind_m_s: Vector3<f64>, shape: impl Fn(&mut [SectionMo
     shape(&mut line.motions);
     shape(&mut lattice.motions);
     line.start(wind_m_s, true);
-    lattice.start_from_the_edge();
+    lattice.start(true);
     (line, lattice)
 }
 
@@ -135,4 +136,49 @@ fn w50_legs_at_a_mirror_cancel() {
     }
     let (root, twice) = (half.loads.circulatory[0].force_n, whole.loads.circulatory[8].force_n);
     assert!(root.x.abs() < 1e-9 && (2.0 * root - twice).norm() < 1e-5 * whole.force_n().norm(), "{root} of {twice}");
+}
+
+/// W-52. Pitching moment of the legs of a tapered wing in a sideslip, from the wind or from a gust that blows along the span:
+/// the force of every leg by Kutta and Joukowski from the circulations found, at 7/12 of the chord, which is where the circulation of a
+/// flat plate passes to its neighbours on the mean (the loading `√((1 − x)/x)` has its first two moments at 1/4 and 1/8). The lift of the
+/// strips acts on the straight quarter-chord line along `x`, behind it by what grows with the square of the incidence, eq. (W7).
+#[test]
+fn w52_legs_of_a_tapered_wing_act_at_seven_twelfths() {
+    let chord_m = |x: f64| 1.0 - 0.1 * x;
+    let places_m = inset(6.0, 24);
+    let across_m_s = 3.0;
+    let gust = Gust {
+        name: "across".into(),
+        shape: GustShape::SharpEdge,
+        velocity_m_s: Vector3::x() * across_m_s,
+        direction: -Vector3::y(),
+        speed_m_s: SPEED_M_S,
+        origin_m: Vector3::y() * 100.0,
+        start_s: -100.0,
+    };
+    for (from_gust, suction) in [(false, false), (true, false), (false, true), (true, true)] {
+        let options = StripOptions { tip_loss: Some(LINE), leading_edge_suction: suction, ..Default::default() };
+        let mut line = Line::new(&places_m, chord_m, Profile::THIN, options);
+        let along_m_s = wind(2e-3);
+        let wind_m_s = if from_gust { along_m_s } else { along_m_s + Vector3::x() * across_m_s };
+        let gusts = if from_gust { std::slice::from_ref(&gust) } else { &[] };
+        line.start_in(&Flow { gusts, ..flow(wind_m_s) }, true);
+        let (_, found_n_m) = wrench(&line.loads, &line.motions);
+        let air_m_s = along_m_s + Vector3::x() * across_m_s;
+        let circulations = line.circulations();
+        let mut expected_n_m = Vector3::zeros();
+        for (column, x) in places_m.iter().enumerate() {
+            let inner = if column > 0 { circulations[column - 1] } else { 0.0 };
+            let outer = circulations.get(column).copied().unwrap_or(0.0);
+            let leg_m = Vector3::y() * (-0.75 * chord_m(*x));
+            let force_n = 1.2 * (inner - outer) * air_m_s.cross(&leg_m);
+            // without suction only the part across the plate
+            let force_n = if suction { force_n } else { Vector3::z() * force_n.z };
+            expected_n_m += Vector3::new(*x, -(7.0 / 12.0 - 0.25) * chord_m(*x), 0.0).cross(&force_n);
+        }
+        println!("W-52 gust {from_gust}, suction {suction}: {found_n_m:?}, legs {expected_n_m:?}");
+        // the square of the incidence moves the lift by 1e-6 semi-chords, times lift over the legs' force: 3e-5
+        assert!(expected_n_m.x.abs() > 1e-3, "the legs pitch a tapered wing: {expected_n_m}");
+        assert!((found_n_m.x / expected_n_m.x - 1.0).abs() < 1e-4, "{found_n_m} against {expected_n_m}");
+    }
 }

@@ -47,7 +47,11 @@ impl Line {
     }
 
     pub fn start(&mut self, wind_m_s: Vector3<f64>, established: bool) {
-        self.strips.start(&self.motions, &flow(wind_m_s), established, &mut self.state, &mut self.loads);
+        self.start_in(&flow(wind_m_s), established);
+    }
+
+    pub fn start_in(&mut self, flow: &Flow, established: bool) {
+        self.strips.start(&self.motions, flow, established, &mut self.state, &mut self.loads);
     }
 
     fn step(&mut self, wind_m_s: Vector3<f64>, step_s: f64) {
@@ -66,7 +70,7 @@ impl Line {
     }
 }
 
-fn flow<'a>(wind_m_s: Vector3<f64>) -> Flow<'a> {
+pub fn flow<'a>(wind_m_s: Vector3<f64>) -> Flow<'a> {
     Flow { time_s: 0.0, density_kg_m3: 1.2, wind_m_s, spin_rad_s: Vector3::zeros(), gusts: &[] }
 }
 
@@ -103,7 +107,7 @@ fn w34_steady_line_is_the_lattice_of_one_panel() {
             arch(&mut lattice.motions, bend_rad);
             arch(&mut line.motions, bend_rad);
         }
-        lattice.start_from_the_edge();
+        lattice.start(true);
         line.start(wind(angle_rad), true);
         let theirs: Vec<f64> =
             (0..strips).map(|strip| lattice.lattice.strip_circulation(&lattice.from, 0, strip)).collect();

@@ -335,7 +335,7 @@ impl<W: Write> Run<'_, W> {
 fn advice(plant: &Plant) -> Vec<String> {
     let statistics = plant.statistics();
     let on_rows = plant.machine().air.as_ref().and_then(|air| statistics.advice_on_rows(air.step_s));
-    [on_rows, statistics.advice_on_failures()].into_iter().flatten().collect()
+    [on_rows, statistics.advice_on_stall(), statistics.advice_on_failures()].into_iter().flatten().collect()
 }
 
 /// Times of the run in the words of whoever wrote them.

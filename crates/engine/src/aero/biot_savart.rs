@@ -96,6 +96,11 @@ impl Sheet {
         self.first_ring + row * self.ring_stride + strip
     }
 
+    /// The same with one more row of rings behind its last.
+    pub fn with_rear_row(self) -> Self {
+        Self { rows: self.rows + 1, ..self }
+    }
+
     /// Index of a node, which is also that of the chordwise segment that starts there.
     #[inline(always)]
     pub fn node(&self, row: usize, column: usize) -> usize {

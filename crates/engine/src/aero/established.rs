@@ -75,7 +75,7 @@ impl VortexLattice {
         for (sheet, wake) in self.bound.iter().zip(&mut self.wake) {
             wake.rows = 1;
             for column in 0..=sheet.strips {
-                let edge_m = state.corner_m[sheet.node(sheet.rows, column)];
+                let edge_m = state.wake_node_m[wake.node(0, column)];
                 let along = relative_m_s(wake.node(0, column)) / fastest_m_s;
                 state.wake_node_m[wake.node(1, column)] = edge_m + along * length_m;
             }

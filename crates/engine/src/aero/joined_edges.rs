@@ -28,7 +28,7 @@ struct Piece {
     segment: usize,
     section: usize,
     middle_m: Vector3<f64>,
-    /// Circulation times length of the part on the body, in m³/s.
+    /// Circulation times length, in m³/s.
     vortex: Vector3<f64>,
     /// Arm of the force about the section's point, root frame, m.
     arm_m: Vector3<f64>,
@@ -64,14 +64,11 @@ impl VortexLattice {
     }
 
     fn piece(&self, edge: Edge, row: usize, motions: &[SectionMotion], state: &LatticeState) -> Piece {
-        let (sheet, wake, surface) =
-            (&self.bound[edge.surface], &self.wake[edge.surface], &self.surfaces[edge.surface]);
+        let (sheet, surface) = (&self.bound[edge.surface], &self.surfaces[edge.surface]);
         let column = self.column(edge);
         let corner = |row, column| state.corner_m[sheet.node(row, column)];
         let (from_m, to_m) = (corner(row, column), corner(row + 1, column));
-        let rear = if row + 1 == sheet.rows { 0.75 + state.rear_panels[wake.node(0, column)] } else { 1.0 };
-        let part = if row + 1 == sheet.rows { 0.75 } else { 1.0 };
-        let middle = Self::chord_fraction(sheet.rows, row) + 0.5 * part / sheet.rows as f64;
+        let middle = 0.5 * (Self::chord_fraction(sheet.rows, row) + Self::chord_fraction(sheet.rows, row + 1));
         let section = surface.sections.start + column;
         let beside = if edge.outer { column - 1 } else { 1 };
         let circulation = self.bound_filaments.chordwise[sheet.node(row, column)];
@@ -79,7 +76,7 @@ impl VortexLattice {
             segment: self.first_segment(edge.surface) + row * (2 * sheet.strips + 1) + sheet.strips + column,
             section,
             middle_m: 0.5 * (from_m + to_m),
-            vortex: circulation * (part / rear) * (to_m - from_m),
+            vortex: circulation * (to_m - from_m),
             arm_m: motions[section].rotation * surface.chords[column].at(middle),
             strip_m: (from_m - corner(row, beside)).norm(),
         }

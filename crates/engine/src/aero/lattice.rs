@@ -3,8 +3,8 @@
 //! Rings start at the quarter chord of their panels and end at the quarter chord of the next; collocation points lie at
 //! three quarters of the panels. Normals and vector areas are those of the bilinear patches between quarter chords: the
 //! collocation point is the middle of its patch, where the diagonals give the normal exactly, bent and twisted or not;
-//! normals of the sections would have to be averaged. The last rings end where the youngest vorticity belongs
-//! ([`rear_panels`]).
+//! normals of the sections would have to be averaged. The last rings end at the trailing edge; a row of rings of the same
+//! circulation reaches from there along the way of the air to where the youngest vorticity belongs ([`rear_way_m`]).
 //!
 //! Each surface has its own rings. Where two surfaces share an edge (a hinge), the segments on it coincide and cancel as
 //! far as their circulations agree.
@@ -21,7 +21,7 @@ use crate::aero::lattice_profiles::LatticeProfiles;
 use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::linear_system::LinearSystem;
 use crate::aero::near_sheets::{Facing, Gap, NoCirculation};
-use crate::aero::rear::rear_panels;
+use crate::aero::rear::rear_way_m;
 use crate::aero::surface::Surface;
 use crate::aero::wake::{FAR_PERIOD, NEAR_ROWS};
 use crate::aero::{AirLoads, lattice_loads};
@@ -98,8 +98,10 @@ pub struct VortexLattice {
     pub(super) gaps: Vec<Gap>,
     pub(super) facing_entries: Vec<f64>,
     pub(super) facing_sums: Vec<f64>,
-    /// Bound sheets, one for each surface.
+    /// Bound sheets, one for each surface: the rings of the panels, up to the trailing edge.
     pub(super) bound: Vec<Sheet>,
+    /// The same with the rings between trailing edge and wake, which have the circulation of those before them: what induces.
+    pub(super) inducing: Vec<Sheet>,
     /// Wake sheets, one for each surface.
     pub(super) wake: Vec<Sheet>,
     /// The rows of them that induce.
@@ -168,8 +170,9 @@ impl VortexLattice {
                 ring_stride: all_strips,
             });
             first_panel.push(panels);
-            corners += (surface.chord_panels + 1) * (own + 1);
-            rings += (surface.chord_panels + 1) * own; // one spare row for the segments behind the last rings
+            // a row behind the trailing edge, and a spare one for the segments at its end
+            corners += (surface.chord_panels + 2) * (own + 1);
+            rings += (surface.chord_panels + 2) * own;
             panels += surface.panels();
             columns += own + 1;
             strips += own;
@@ -228,6 +231,7 @@ impl VortexLattice {
             wake_strips: strips,
             surfaces,
             options,
+            inducing: bound.iter().map(|sheet| sheet.with_rear_row()).collect(),
             bound,
             wake_part: wake.clone(),
             wake,
@@ -248,7 +252,6 @@ impl VortexLattice {
             collocation_m: vec![Vector3::zeros(); self.relative_m_s.len()],
             surface_m_s: vec![Vector3::zeros(); self.relative_m_s.len()],
             far_wake_m_s: vec![Vector3::zeros(); self.relative_m_s.len()],
-            rear_panels: vec![0.0; self.wake_columns],
             corner_m: vec![Vector3::zeros(); self.corner_velocity_m_s.len()],
             wake_node_m: vec![Vector3::zeros(); (self.options.wake_rows + 2) * self.wake_columns],
             induced_m_s: vec![Vector3::zeros(); self.free_nodes()],
@@ -263,6 +266,7 @@ impl VortexLattice {
             sheds: true,
             hinges: self.no_hinge_moments(),
             profile_m_s: vec![0.0; self.profiles.count()],
+            lags: false,
             relative_m_s: Vector3::zeros(),
         }
     }
@@ -293,6 +297,7 @@ impl VortexLattice {
         state.induced_m_s.fill(Vector3::zeros());
         state.unshed_steps = 0;
         state.profile_m_s.fill(0.0);
+        state.lags = false;
         state.relative_m_s = mean_relative_m_s(motions, flow);
         self.compress(motions, flow, state)?;
         let established = self.place_at_start(motions, flow, established, state);
@@ -344,7 +349,11 @@ impl VortexLattice {
         self.relative_velocity(flow, to, 0..to.wake_rows.min(NEAR_ROWS));
         // polars may have several solutions: the one next to that of the step before
         to.profile_m_s.copy_from_slice(&from.profile_m_s);
-        self.circulate(motions, flow, to)?;
+        to.lags = from.lags;
+        self.profiles.step_s = Some(step_s);
+        let circulated = self.circulate(motions, flow, to);
+        self.profiles.step_s = None;
+        circulated?;
         loads.clear();
         to.hinges.fill(HingeMoment::default());
         lattice_loads::circulatory(self, motions, flow, to, loads);
@@ -358,7 +367,8 @@ impl VortexLattice {
         state.circulation_m2_s[sheet.ring(sheet.rows - 1, strip)]
     }
 
-    /// Corner of a bound ring, root frame, m: row from the leading edge, column from the inner section.
+    /// Corner of a bound ring, root frame, m: row from the leading edge, column from the inner section. The last row but one is the
+    /// trailing edge, the last one where the wake begins.
     pub fn corner_m(&self, state: &LatticeState, surface: usize, row: usize, column: usize) -> Vector3<f64> {
         state.corner_m[self.bound[surface].node(row, column)]
     }
@@ -373,9 +383,9 @@ impl VortexLattice {
         state.wake_circulation_m2_s[self.wake[surface].ring(row, strip)]
     }
 
-    /// Part of the chord at which a row of corners lies, behind the leading edge, eq. (U3).
+    /// Part of the chord at which a row of corners lies, behind the leading edge, eq. (U3): that of `chord_panels` is the trailing edge.
     pub(super) fn chord_fraction(chord_panels: usize, row: usize) -> f64 {
-        (row as f64 + 0.25) / chord_panels as f64
+        if row < chord_panels { (row as f64 + 0.25) / chord_panels as f64 } else { 1.0 }
     }
 
     /// Corners with their velocities, vector areas, collocation points and normals; first row of the wake.
@@ -387,20 +397,25 @@ impl VortexLattice {
                 let (motion, chord) = section(column);
                 let edge_m = motion.point_m(&chord.trailing_m);
                 let edge_m_s = motion.point_velocity_m_s(&chord.trailing_m);
-                let moves = step.filter(|_| state.wake_rows > 0);
-                state.rear_panels[wake.node(0, column)] = moves.map_or(0.0, |(flow, step_s)| {
-                    let air_m_s = flow.velocity_m_s(&edge_m) - edge_m_s;
-                    let along_m = motion.rotation * (chord.trailing_m - chord.leading_m);
-                    rear_panels(step_s * air_m_s.dot(&along_m) / along_m.norm_squared() * sheet.rows as f64)
-                });
-                let rear = 1.0 + state.rear_panels[wake.node(0, column)] / sheet.rows as f64;
                 for row in 0..=sheet.rows {
-                    let fraction = if row < sheet.rows { Self::chord_fraction(sheet.rows, row) } else { rear };
-                    let (node, point_m) = (sheet.node(row, column), chord.at(fraction));
+                    let (node, point_m) = (sheet.node(row, column), chord.at(Self::chord_fraction(sheet.rows, row)));
                     state.corner_m[node] = motion.point_m(&point_m);
                     self.corner_velocity_m_s[node] = motion.point_velocity_m_s(&point_m);
                 }
-                state.wake_node_m[wake.node(0, column)] = state.corner_m[sheet.node(sheet.rows, column)];
+                let moves = step.filter(|_| state.wake_rows > 0);
+                let rear_m = moves.map_or(Vector3::zeros(), |(flow, step_s)| {
+                    // gusts carry a free wake only, eq. (U5)
+                    let air_m_s = match self.options.wake {
+                        WakeModel::Prescribed => flow.convection_m_s(&edge_m),
+                        WakeModel::Free => flow.velocity_m_s(&edge_m),
+                    };
+                    let panel_m = motion.rotation * (chord.trailing_m - chord.leading_m) / sheet.rows as f64;
+                    rear_way_m(&(step_s * (air_m_s - edge_m_s)), &panel_m)
+                });
+                let node = sheet.node(sheet.rows + 1, column);
+                state.corner_m[node] = edge_m + rear_m;
+                self.corner_velocity_m_s[node] = edge_m_s;
+                state.wake_node_m[wake.node(0, column)] = state.corner_m[node];
                 (state.edge_m[wake.node(0, column)], state.edge_m_s[wake.node(0, column)]) = (edge_m, edge_m_s);
             }
             for row in 0..sheet.rows {
@@ -466,7 +481,7 @@ impl VortexLattice {
     /// Adds to `velocities` what bound or wake vortices with these nodes induce at the first of `points`.
     pub(super) fn induce(&mut self, count: usize, nodes_m: &[Vector3<f64>], kind: SheetKind) {
         let (sheets, filaments) = match kind {
-            SheetKind::Bound => (&self.bound, &self.bound_filaments),
+            SheetKind::Bound => (&self.inducing, &self.bound_filaments),
             SheetKind::Wake if self.wake_part.iter().all(|sheet| sheet.rows == 0) => return,
             SheetKind::Wake => (&self.wake_part, &self.wake_filaments),
         };

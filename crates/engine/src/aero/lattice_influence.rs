@@ -47,15 +47,15 @@ impl VortexLattice {
             return Err(NoCirculation::Closed(closed));
         }
         let (panels, rows) = (self.right.len(), blocks(self.right.len()) * LANES);
-        let (kernel, bound) = (self.kernel, &self.bound);
+        let (kernel, bound, inducing) = (self.kernel, &self.bound, &self.inducing);
         let (points, normals, firsts, arms) = (&self.points, &self.normals, &self.first_panel, &mut self.arms[0]);
         let matrix = self.system.cleared();
         for (block, (points, normals)) in points.iter().zip(normals).enumerate().take(rows / LANES) {
             let place = (rows, block * LANES);
-            for (sheet, first) in bound.iter().zip(firsts) {
+            for ((sheet, whole), first) in bound.iter().zip(inducing).zip(firsts) {
                 let (corners, strips) = (&state.corner_m, sheet.strips);
-                let of = |row: usize, strip: usize| first + row * strips + strip;
-                kernel.influence(sheet, corners, points, normals, arms, matrix, place, of);
+                let of = |row: usize, strip: usize| first + row.min(sheet.rows - 1) * strips + strip;
+                kernel.influence(whole, corners, points, normals, arms, matrix, place, of);
             }
         }
         debug_assert!(panels <= rows);
@@ -106,10 +106,12 @@ impl VortexLattice {
             0 => self.solve_right(state)?,
             _ => self.circulate_profiles(motions, flow, state)?,
         }
-        for (sheet, first) in self.bound.iter().zip(&self.first_panel) {
+        for ((sheet, inducing), first) in self.bound.iter().zip(&self.inducing).zip(&self.first_panel) {
             let panels = sheet.rows * sheet.strips;
-            state.circulation_m2_s[sheet.first_ring..][..panels].copy_from_slice(&self.solution[*first..][..panels]);
-            self.bound_filaments.gather(sheet, &state.circulation_m2_s);
+            let rings_m2_s = &mut state.circulation_m2_s[sheet.first_ring..][..panels + sheet.strips];
+            rings_m2_s[..panels].copy_from_slice(&self.solution[*first..][..panels]);
+            rings_m2_s.copy_within(panels - sheet.strips..panels, panels);
+            self.bound_filaments.gather(inducing, &state.circulation_m2_s);
         }
         Ok(())
     }

@@ -398,7 +398,9 @@ impl VortexLattice {
         let mut strip = 0;
         for sheet in &self.bound {
             for own in 0..sheet.strips {
-                state.circulation_m2_s[sheet.ring(sheet.rows - 1, own)] += by_strip_m2_s[strip] * amount;
+                for row in [sheet.rows - 1, sheet.rows] {
+                    state.circulation_m2_s[sheet.ring(row, own)] += by_strip_m2_s[strip] * amount;
+                }
                 strip += 1;
             }
         }

@@ -11,7 +11,8 @@ use crate::aero::{AirLoads, split_between};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 
-/// Part of a patch between quarter chords that lies on the body: the last one reaches beyond the trailing edge.
+/// Length on the body, in panel chords, of the rings and patches of a row, which begin at quarter chords: the last ones end at the
+/// trailing edge.
 fn part_on_body(rows: usize, row: usize) -> f64 {
     if row + 1 == rows { 0.75 } else { 1.0 }
 }
@@ -44,13 +45,9 @@ pub(super) fn sum(
     let mut segment = 0;
     let flaps = &lattice.flaps;
     let mut hinges = std::mem::take(&mut state.hinges);
-    for (at, ((surface, sheet), wake)) in lattice.surfaces.iter().zip(&lattice.bound).zip(&lattice.wake).enumerate() {
+    for (at, (surface, sheet)) in lattice.surfaces.iter().zip(&lattice.bound).enumerate() {
         let first = surface.sections.start;
         let point_m = |column: usize, place_m: &Vector3<f64>| motions[first + column].point_m(place_m);
-        // part of a chordwise segment that lies on the body
-        let on_body = |row: usize, column: usize| {
-            if row + 1 == sheet.rows { 0.75 / (0.75 + state.rear_panels[wake.node(0, column)]) } else { 1.0 }
-        };
         let corner = |row, column| state.corner_m[sheet.node(row, column)];
         for row in 0..sheet.rows {
             let front = VortexLattice::chord_fraction(sheet.rows, row);
@@ -80,7 +77,7 @@ pub(super) fn sum(
                         }
                         for column in [strip, strip + 1] {
                             let tip = column == 0 || column == sheet.strips;
-                            let share = on_body(row, column) * if tip { 1.0 } else { 0.5 };
+                            let share = if tip { 1.0 } else { 0.5 };
                             let chordwise_m = corner(row + 1, column) - corner(row, column);
                             let vortex =
                                 share * lattice.bound_filaments.chordwise[sheet.node(row, column)] * chordwise_m;
@@ -111,7 +108,7 @@ pub(super) fn sum(
                     let velocity = lattice.velocities[segment / LANES].get(segment % LANES);
                     let chordwise_m = corner(row + 1, column) - corner(row, column);
                     let circulation = lattice.bound_filaments.chordwise[sheet.node(row, column)];
-                    let vortex = on_body(row, column) * circulation * chordwise_m;
+                    let vortex = circulation * chordwise_m;
                     let arm_m = motions[first + column].rotation * surface.chords[column].at(middle);
                     let force_n = density * velocity.cross(&vortex);
                     loads.circulatory[first + column].add_force_at(&arm_m, &force_n);

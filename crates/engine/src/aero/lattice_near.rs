@@ -23,7 +23,6 @@ impl Surroundings {
                 low_m = low_m.inf(&corner(row, column));
                 high_m = high_m.sup(&corner(row, column));
             }
-            // the last corners may lie a panel further back than the rear edge
             let chord_m = (corner(sheet.rows, column) - corner(0, column)).norm() / (sheet.rows as f64 - 0.25);
             panel_m = panel_m.max(chord_m);
             if column > 0 {
@@ -99,10 +98,9 @@ impl VortexLattice {
 
     /// One point of a sheet looks at another one.
     fn look(&mut self, [own, other]: [usize; 2], state: &LatticeState, looking: &Looking) {
-        let (sheet, wake) = (&self.bound[other], &self.wake[other]);
-        let rear_panels = &state.rear_panels[wake.node(0, 0)..][..=sheet.strips];
+        let sheet = &self.bound[other];
         let gap = &mut self.gaps[own * self.bound.len() + other];
-        self.facings.extend(Facing::look((other, sheet), state, rear_panels, looking, gap));
+        self.facings.extend(Facing::look((other, sheet), state, looking, gap));
     }
 
     /// How the points of one sheet lie above another one, since the last start or solution.
@@ -138,14 +136,15 @@ impl VortexLattice {
         let (kernel, system) = (&self.kernel, &mut self.system);
         let (facings, entries, sums) = (&self.facings, &mut self.facing_entries, &mut self.facing_sums);
         let (bound, wakes, firsts, normals) = (&self.bound, &self.wake, &self.first_panel, &self.normals);
+        let inducing = &self.inducing;
         let arms = &mut self.arms[0];
         for facing in facings {
             let (sheet, wake, first) = (&bound[facing.sheet], &wakes[facing.sheet], firsts[facing.sheet]);
             let sums = &mut sums[..sheet.rows * sheet.strips];
             let normal = normals[facing.point / LANES].get(facing.point % LANES);
-            let of = |row: usize, strip: usize| row * sheet.strips + strip;
+            let of = |row: usize, strip: usize| row.min(sheet.rows - 1) * sheet.strips + strip;
             sums.fill(0.0);
-            facing.influence(kernel, sheet, &state.corner_m, &normal, arms, entries, sums, of);
+            facing.influence(kernel, &inducing[facing.sheet], &state.corner_m, &normal, arms, entries, sums, of);
             for (ring, sum) in sums.iter().enumerate() {
                 let direct = system.get(facing.point, first + ring);
                 system.add(facing.point, first + ring, facing.share * (sum - direct));
@@ -166,7 +165,7 @@ impl VortexLattice {
     /// Adds to `velocities` what the points see more of bound or wake vortices from above other sheets than directly.
     pub(super) fn see_velocity(&mut self, nodes_m: &[Vector3<f64>], kind: SheetKind) {
         let (sheets, filaments) = match kind {
-            SheetKind::Bound => (&self.bound, &self.bound_filaments),
+            SheetKind::Bound => (&self.inducing, &self.bound_filaments),
             SheetKind::Wake if self.wake_part.iter().all(|sheet| sheet.rows == 0) => return,
             SheetKind::Wake => (&self.wake_part, &self.wake_filaments),
         };

@@ -4,6 +4,10 @@
 //! A thin plate is what the lattice is without this. Any other profile gets the circulation that belongs to its coefficients at the
 //! angle at which a thin plate would have the circulation of its strip: the angle after what wake, other strips and other surfaces
 //! induce. The velocities of all strips depend on each other through the lattice and follow from Newton's iteration.
+//!
+//! Beyond stall, where lift falls with the angle, neighbours that induce on each other may have several circulations, and Newton's iteration
+//! finds none. A steady flow then goes on from the attached one a part of the way at a time, which leads to one of them. In a step the
+//! strips go towards their polars with a lag, eq. (U32), until they have come up with them.
 
 use crate::aero::AirLoads;
 use crate::aero::biot_savart::{LANES, blocks};
@@ -30,6 +34,24 @@ const MAXIMUM_HALVINGS: usize = 12;
 /// That part. Smaller than 1, because strips induce on each other.
 const PART_OF_WAY: f64 = 0.3;
 
+/// Steps of the way from the attached flow to a steady one beyond stall: plane wings of 12 to 40 strips need up to 600 for 1e-13.
+const MAXIMUM_RELAXATIONS: usize = 3000;
+/// What it leaves for Newton's iteration, over the relative speed.
+const RELAXED: f64 = 1e-9;
+/// Lag of the boundary layer in semi-chords travelled, that of the dynamic stall of rotors, eq. (U32).
+const STALL_LAG: f64 = 3.0;
+/// What strips may lack of their polars, over the relative speed, where the lag ends: a hundredth of the lift coefficient.
+const CAUGHT_UP: f64 = 2e-3;
+
+/// How a steady flow is looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Search {
+    /// Newton's iteration from the velocities at hand.
+    Newton,
+    /// From the attached flow a part of the way at a time.
+    Relaxation,
+}
+
 /// Strips whose profile is not a thin plate, with their scratch.
 #[derive(Debug, Clone)]
 pub(super) struct LatticeProfiles {
@@ -50,6 +72,10 @@ pub(super) struct LatticeProfiles {
     step_m_s: Vec<f64>,
     residual_m_s: Vec<f64>,
     column: Vec<f64>,
+    /// Velocities of all strips at the start of the step in m/s.
+    begin_m_s: Vec<f64>,
+    /// Length of the step in s whose end is looked at; `None` of steady flows.
+    pub step_s: Option<f64>,
 }
 
 /// A strip and its place in the lattice.
@@ -138,6 +164,8 @@ impl LatticeProfiles {
             trial_m_s: zero.clone(),
             base_m_s: zero.clone(),
             step_m_s: zero.clone(),
+            begin_m_s: zero.clone(),
+            step_s: None,
             residual_m_s: zero,
             column: vec![0.0; if count > 0 { panels } else { 0 }],
             strips,
@@ -232,6 +260,19 @@ impl LatticeProfiles {
             before = self.residual_m_s.iter().map(|residual| residual * residual).sum();
         }
     }
+
+    /// The same from the trial velocities on, a part of the way at a time; false where that does not end.
+    fn relax(&mut self, allowed_m_s: f64) -> bool {
+        for _ in 0..MAXIMUM_RELAXATIONS {
+            self.find_residuals();
+            if self.residual_m_s.iter().all(|residual| residual.abs() <= allowed_m_s) {
+                return true;
+            }
+            let ways = self.trial_m_s.iter_mut().zip(&self.residual_m_s);
+            ways.for_each(|(trial, residual)| *trial += PART_OF_WAY * residual);
+        }
+        false
+    }
 }
 
 impl VortexLattice {
@@ -253,35 +294,96 @@ impl VortexLattice {
             Met { cut, along_m_s }
         }));
         let mut through_m_s = std::mem::take(&mut state.profile_m_s);
-        let outcome = self.settle_profiles(state, &mut through_m_s);
+        let outcome = self.find_profiles(state, &mut through_m_s);
         state.profile_m_s = through_m_s;
         outcome
     }
 
-    fn settle_profiles(&mut self, state: &LatticeState, through_m_s: &mut [f64]) -> Result<(), NoCirculation> {
+    fn find_profiles(&mut self, state: &mut LatticeState, through_m_s: &mut [f64]) -> Result<(), NoCirculation> {
         self.profiles.solved_m_s.fill(0.0);
+        self.profiles.begin_m_s.copy_from_slice(through_m_s);
+        let step_s = self.profiles.step_s;
+        if !(state.lags && step_s.is_some()) {
+            match self.settle_profiles(state, through_m_s, Search::Newton) {
+                Err(NoCirculation::Profile(_)) => {}
+                outcome => return outcome,
+            }
+        }
+        match step_s {
+            None => {
+                through_m_s.fill(0.0);
+                self.settle_profiles(state, through_m_s, Search::Relaxation)
+            }
+            Some(step_s) => {
+                through_m_s.copy_from_slice(&self.profiles.begin_m_s);
+                state.lags = self.lag_profiles(state, through_m_s, step_s)?;
+                Ok(())
+            }
+        }
+    }
+
+    /// Solves the lattice with these velocities through its strips.
+    fn solve_through(&mut self, state: &LatticeState, through_m_s: &[f64]) -> Result<(), NoCirculation> {
+        for (at, strip) in self.profiles.strips.iter().enumerate() {
+            let change_m_s = through_m_s[at] - self.profiles.solved_m_s[at];
+            strip.panels().for_each(|panel| self.right[panel] += change_m_s);
+        }
+        self.profiles.solved_m_s.copy_from_slice(through_m_s);
+        self.solve_right(state)
+    }
+
+    /// The same, with the residuals of these velocities; returns the largest speed of a strip in m/s.
+    fn look_through(&mut self, state: &LatticeState, through_m_s: &[f64]) -> Result<f64, NoCirculation> {
+        self.solve_through(state, through_m_s)?;
+        let profiles = &mut self.profiles;
+        let mut speed_m_s = 0.0_f64;
+        for (at, strip) in profiles.strips.iter().enumerate() {
+            let met = &profiles.met[at];
+            let thin_m_s = self.solution[strip.rear_panel()] / (PI * met.cut.chord_m) - through_m_s[at];
+            profiles.thin_m_s[at] = thin_m_s;
+            speed_m_s = speed_m_s.max(met.along_m_s.hypot(thin_m_s));
+        }
+        profiles.trial_m_s.copy_from_slice(through_m_s);
+        profiles.find_residuals();
+        // a number that is none would pass for the smallest of all
+        match profiles.residual_m_s.iter().position(|residual| !residual.is_finite()) {
+            Some(at) => Err(NoCirculation::Profile(profiles.strips[at].strip.surface)),
+            None => Ok(speed_m_s),
+        }
+    }
+
+    /// Velocities at the end of a step that go from those of its start towards the profiles' with the lag of eq. (U32); whether they still
+    /// lack something of them.
+    fn lag_profiles(
+        &mut self,
+        state: &LatticeState,
+        through_m_s: &mut [f64],
+        step_s: f64,
+    ) -> Result<bool, NoCirculation> {
+        self.look_through(state, through_m_s)?;
+        let profiles = &self.profiles;
+        let mut lags = false;
+        for (at, through_m_s) in through_m_s.iter_mut().enumerate() {
+            let met = &profiles.met[at];
+            let speed_m_s = met.along_m_s.hypot(profiles.thin_m_s[at]);
+            let semi_chords = 2.0 * speed_m_s * step_s / met.cut.chord_m;
+            lags |= profiles.residual_m_s[at].abs() > CAUGHT_UP * speed_m_s;
+            *through_m_s -= (-semi_chords / STALL_LAG).exp_m1() * profiles.residual_m_s[at];
+        }
+        self.solve_through(state, through_m_s)?;
+        Ok(lags)
+    }
+
+    fn settle_profiles(
+        &mut self,
+        state: &LatticeState,
+        through_m_s: &mut [f64],
+        search: Search,
+    ) -> Result<(), NoCirculation> {
         let mut worst = 0;
         for _ in 0..MAXIMUM_SOLUTIONS {
-            for (at, strip) in self.profiles.strips.iter().enumerate() {
-                let change_m_s = through_m_s[at] - self.profiles.solved_m_s[at];
-                strip.panels().for_each(|panel| self.right[panel] += change_m_s);
-            }
-            self.profiles.solved_m_s.copy_from_slice(through_m_s);
-            self.solve_right(state)?;
+            let speed_m_s = self.look_through(state, through_m_s)?;
             let profiles = &mut self.profiles;
-            let mut speed_m_s = 0.0_f64;
-            for (at, strip) in profiles.strips.iter().enumerate() {
-                let met = &profiles.met[at];
-                let thin_m_s = self.solution[strip.rear_panel()] / (PI * met.cut.chord_m) - through_m_s[at];
-                profiles.thin_m_s[at] = thin_m_s;
-                speed_m_s = speed_m_s.max(met.along_m_s.hypot(thin_m_s));
-            }
-            profiles.trial_m_s.copy_from_slice(through_m_s);
-            profiles.find_residuals();
-            // a number that is none would pass for the smallest of all below
-            if let Some(at) = profiles.residual_m_s.iter().position(|residual| !residual.is_finite()) {
-                return Err(NoCirculation::Profile(profiles.strips[at].strip.surface));
-            }
             let residuals = profiles.residual_m_s.iter().map(|residual| residual.abs()).enumerate();
             let (at, largest_m_s) =
                 residuals.fold((0, 0.0), |largest, next| if next.1 > largest.1 { next } else { largest });
@@ -292,7 +394,14 @@ impl VortexLattice {
             if !profiles.has_gains {
                 profiles.find_gains(self.arch, &self.system);
             }
-            profiles.iterate(0.1 * ROUND_OFF * speed_m_s);
+            match search {
+                Search::Newton => profiles.iterate(0.1 * ROUND_OFF * speed_m_s),
+                // Newton's iteration, which does not find the way, is exact at its end
+                Search::Relaxation if profiles.relax(RELAXED * speed_m_s) => {
+                    profiles.iterate(0.1 * ROUND_OFF * speed_m_s);
+                }
+                Search::Relaxation => break,
+            }
             through_m_s.copy_from_slice(&profiles.trial_m_s);
         }
         Err(NoCirculation::Profile(worst))

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 /// Everything in the lattice that depends on history; the rest is rebuilt from it.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct LatticeState {
-    /// Circulations of the bound rings in m²/s, surface by surface, row by row from the leading edge. Positive by the
-    /// right hand along the leading segment from the inner to the outer section.
+    /// Circulations of the bound rings in m²/s, surface by surface, row by row from the leading edge, that behind the trailing edge
+    /// included. Positive by the right hand along the leading segment from the inner to the outer section.
     pub circulation_m2_s: Vec<f64>,
     /// Corners of the bound rings, root frame, m.
     pub corner_m: Vec<Vector3<f64>>,
@@ -20,8 +20,6 @@ pub struct LatticeState {
     pub surface_m_s: Vec<Vector3<f64>>,
     /// Velocity that the far wake induces at the panels, root frame, m/s: summed once for a step.
     pub far_wake_m_s: Vec<Vector3<f64>>,
-    /// Places of the last corners behind the trailing edge in panel chords, one for each column of the wake.
-    pub rear_panels: Vec<f64>,
     /// Nodes of the wake, root frame, m: row by row from the trailing edge, in each row surface by surface.
     pub wake_node_m: Vec<Vector3<f64>>,
     /// Velocity in m/s that all vortices induce at these nodes, root frame, as it was last summed, of a free wake, eq. (U31); else empty.
@@ -45,6 +43,9 @@ pub struct LatticeState {
     pub left_m: Vec<Vector3<f64>>,
     /// Whether a row was shed in the step that ends here; true at the start.
     pub sheds: bool,
+    /// Whether the strips follow their polars with the lag of eq. (U32): since a step in which no circulation gave all of them the lift of
+    /// their polars, until they have come up with these.
+    pub lags: bool,
     /// Mean velocity of the air relative to the sections, root frame, m/s: along it compressible air is stretched.
     pub relative_m_s: Vector3<f64>,
     /// Hinge moments, one for each flap.
@@ -62,7 +63,6 @@ impl LatticeState {
         self.collocation_m.clone_from(&other.collocation_m);
         self.surface_m_s.clone_from(&other.surface_m_s);
         self.far_wake_m_s.clone_from(&other.far_wake_m_s);
-        self.rear_panels.clone_from(&other.rear_panels);
         self.wake_node_m.clone_from(&other.wake_node_m);
         self.induced_m_s.clone_from(&other.induced_m_s);
         self.unshed_steps = other.unshed_steps;
@@ -74,7 +74,7 @@ impl LatticeState {
         self.sheds = other.sheds;
         self.hinges.clone_from(&other.hinges);
         self.profile_m_s.clone_from(&other.profile_m_s);
-        self.relative_m_s = other.relative_m_s;
+        (self.relative_m_s, self.lags) = (other.relative_m_s, other.lags);
     }
 
     /// Whether another state can belong to the same lattice.
@@ -85,7 +85,6 @@ impl LatticeState {
             && self.collocation_m.len() == other.collocation_m.len()
             && self.surface_m_s.len() == other.surface_m_s.len()
             && self.far_wake_m_s.len() == other.far_wake_m_s.len()
-            && self.rear_panels.len() == other.rear_panels.len()
             && self.wake_node_m.len() == other.wake_node_m.len()
             && self.induced_m_s.len() == other.induced_m_s.len()
             && self.wake_circulation_m2_s.len() == other.wake_circulation_m2_s.len()

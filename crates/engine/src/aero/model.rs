@@ -195,6 +195,11 @@ impl AirModel {
         }
     }
 
+    /// Whether strips of the lattice have stalled and follow their polars with a lag, eq. (U32).
+    pub fn lags_beyond_stall(&self, state: &AirState) -> bool {
+        matches!(state, AirState::Lattice(state) if state.lags)
+    }
+
     /// Whether the air sees the velocities of an instant; otherwise those that belong to displacements over a step, eq. (Q4).
     /// A rotor has no apparent mass, and turns far within a step.
     pub fn sees_instants(&self) -> bool {

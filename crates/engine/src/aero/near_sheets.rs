@@ -153,14 +153,14 @@ fn interpolation(place: f64, count: usize) -> (usize, usize, [f64; ORDER]) {
 }
 
 /// Corner and chord of a panel at a column of a sheet, root frame, m.
-fn column(sheet: &Sheet, state: &LatticeState, rear_panels: &[f64], row: usize, column: usize) -> [Vector3<f64>; 2] {
+fn column(sheet: &Sheet, state: &LatticeState, row: usize, column: usize) -> [Vector3<f64>; 2] {
     let corner = |row| state.corner_m[sheet.node(row, column)];
-    let chord_m = (corner(sheet.rows) - corner(0)) / (sheet.rows as f64 - 0.25 + rear_panels[column]);
+    let chord_m = (corner(sheet.rows) - corner(0)) / (sheet.rows as f64 - 0.25);
     [corner(row), chord_m]
 }
 
 /// Looks for a point's place above a sheet: its foot on the panel whose control point is nearest.
-fn above(sheet: &Sheet, state: &LatticeState, rear_panels: &[f64], looking: &Looking) -> Option<Above> {
+fn above(sheet: &Sheet, state: &LatticeState, looking: &Looking) -> Option<Above> {
     let controls_m = &state.collocation_m[sheet.first_ring..][..sheet.rows * sheet.strips];
     let mut nearest = 0;
     let mut least_m2 = f64::INFINITY;
@@ -171,8 +171,8 @@ fn above(sheet: &Sheet, state: &LatticeState, rear_panels: &[f64], looking: &Loo
         }
     }
     let [row, strip] = [nearest / sheet.strips, nearest % sheet.strips];
-    let [inner_m, inner_chord_m] = column(sheet, state, rear_panels, row, strip);
-    let [outer_m, outer_chord_m] = column(sheet, state, rear_panels, row, strip + 1);
+    let [inner_m, inner_chord_m] = column(sheet, state, row, strip);
+    let [outer_m, outer_chord_m] = column(sheet, state, row, strip + 1);
     let (mut across, mut along) = (0.5, 0.5);
     let mut height_m = Vector3::zeros();
     let (mut across_m, mut along_m) = (Vector3::zeros(), Vector3::zeros());
@@ -257,11 +257,10 @@ impl Facing {
     pub fn look(
         (index, sheet): (usize, &Sheet),
         state: &LatticeState,
-        rear_panels: &[f64],
         looking: &Looking,
         gap: &mut Gap,
     ) -> Option<Self> {
-        let above = above(sheet, state, rear_panels, looking)?;
+        let above = above(sheet, state, looking)?;
         if above.share >= 1.0 {
             gap.include(&above);
         }

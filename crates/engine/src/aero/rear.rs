@@ -1,6 +1,7 @@
 //! Where the last ring ends: the place of the vorticity that leaves the trailing edge during a step.
 
 use crate::aero::wake::SHED_PANELS;
+use nalgebra::Vector3;
 
 /// Way of the air in a step and place of the youngest vortex behind the trailing edge, both in panel chords.
 const PLACES: [(f64, f64); 11] = [
@@ -23,11 +24,33 @@ const PLACES: [(f64, f64); 11] = [
 /// answers by `1/√s` (Cauchy's determinant for a half-plane). The place makes the answers to a uniform wake in steps of
 /// `δ` equal: with vortices elsewhere, at the usual quarter panel, say, the circulation lags by an error that falls only
 /// with the square root of the panel size unless `δ = 1`, where `σ = ¼`.
-pub fn rear_panels(way_panels: f64) -> f64 {
+fn rear_panels(way_panels: f64) -> f64 {
     let way = way_panels.max(SHED_PANELS);
     let after = PLACES.iter().position(|(place, _)| *place > way).unwrap_or(PLACES.len() - 1).max(1);
     let ((w0, s0), (w1, s1)) = (PLACES[after - 1], PLACES[after]);
     s0 + (s1 - s0) * (way - w0) / (w1 - w0)
+}
+
+/// Largest way of the air across the chord over that along it up to which all of it counts where the last corners lie in front of the
+/// edge: a sideslip or an incidence of 63°.
+const LARGEST_SLANT: f64 = 2.0;
+
+/// Place in m of the last corners behind the trailing edge, for the way of the air past the edge in a step and the chord of a panel,
+/// both in m with their directions, eq. (U9).
+///
+/// Along the chord it is `σ` panel chords. Across it the vorticity has gone with the air: the line from the edge on is that on which
+/// the wake goes on, and steady flow does not depend on the step. Where `σ` is negative, the wake goes through the edge in the same
+/// way; but an edge that moves broadside, past which the air has hardly a way along the chord, leaves no corner ahead of its motion.
+pub fn rear_way_m(way_m: &Vector3<f64>, panel_m: &Vector3<f64>) -> Vector3<f64> {
+    let way = way_m.dot(panel_m) / panel_m.norm_squared();
+    let place = rear_panels(way);
+    if way <= 0.0 {
+        return place * panel_m;
+    }
+    let across_m = way_m / way - panel_m;
+    let slant = across_m.norm() / panel_m.norm();
+    let share = if place < 0.0 && slant > LARGEST_SLANT { (LARGEST_SLANT / slant).powi(2) } else { 1.0 };
+    place * (panel_m + share * across_m)
 }
 
 #[cfg(test)]
@@ -66,6 +89,23 @@ mod tests {
         for way in [0.07, 0.15, 0.4, 0.6, 0.9, 1.2, 3.0] {
             let place = rear_panels(way);
             assert!(excess(way, place - 4e-3) > 0.0 && excess(way, place + 4e-3) < 0.0, "{way}: {place}");
+        }
+    }
+
+    /// The last corner lies on the way of the air in front of the edge and behind it; along the chord it does not depend on what goes
+    /// across. An edge that moves broadside has it in the plane of the plate.
+    #[test]
+    fn corner_lies_on_the_way_of_the_air() {
+        let panel_m = Vector3::new(0.0, -0.3, 0.0);
+        for way in [0.1, 0.29, 1.0, 4.0] {
+            let way_m = way * Vector3::new(0.2, -0.3, 0.05);
+            let corner_m = rear_way_m(&way_m, &panel_m);
+            assert!(corner_m.cross(&way_m).norm() < 1e-15, "{way}: {corner_m}");
+            assert_eq!(corner_m.y, rear_panels(way) * -0.3, "{way}");
+        }
+        for along_m in [-1e-3, 0.0, 1e-3] {
+            let broadside_m = rear_way_m(&Vector3::new(0.0, along_m, 0.6), &panel_m);
+            assert!(broadside_m.z.abs() < 1e-3 * 0.3, "{broadside_m}");
         }
     }
 }

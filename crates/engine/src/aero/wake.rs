@@ -188,11 +188,14 @@ impl VortexLattice {
         }
         self.velocities[..blocks(count)].fill(Block::default());
         self.gather_wake(from, 0..from.wake_rows);
-        for sheet in &self.bound {
+        for sheet in &self.inducing {
             self.bound_filaments.gather(sheet, &from.circulation_m2_s);
         }
+        let core_squared_m2 = self.kernel.core_squared_m2;
+        self.kernel.core_squared_m2 = core_squared_m2.max(self.spacing_squared_m2(from));
         self.induce(count, &from.corner_m, SheetKind::Bound);
         self.induce(count, &from.wake_node_m, SheetKind::Wake);
+        self.kernel.core_squared_m2 = core_squared_m2;
         count = 0;
         for (row, own_m_s) in self.free_m_s[..nodes].chunks_exact_mut(columns).enumerate() {
             if is_due(row, from, self.far_period) {
@@ -204,6 +207,21 @@ impl VortexLattice {
                 own_m_s.copy_from_slice(&from.induced_m_s[row * columns..][..columns]);
             }
         }
+    }
+
+    /// Square in m² of the distance between the lines of a free wake, the core with which they move it, eq. (U31): that of the widest
+    /// strip or the longest panel. Nodes that come closer to a line than lines lie apart, at folds, free edges and where two wakes meet,
+    /// would be flung away by the line where the sheet that it stands for has no such velocity: cores must overlap. One core for all
+    /// lines, so that those of two bodies on a common edge cancel.
+    fn spacing_squared_m2(&self, state: &LatticeState) -> f64 {
+        let spacings = self.bound.iter().flat_map(|sheet| {
+            let corner = move |row, column| state.corner_m[sheet.node(row, column)];
+            let widths = (0..sheet.strips).map(move |strip| corner(0, strip + 1) - corner(0, strip));
+            let chords = (0..=sheet.strips)
+                .map(move |column| (corner(sheet.rows, column) - corner(0, column)) / (sheet.rows as f64 - 0.25));
+            widths.chain(chords)
+        });
+        spacings.map(|spacing_m| spacing_m.norm_squared()).fold(0.0, f64::max)
     }
 
     /// Nodes of the wake that need velocities of their own: none where it is prescribed.

@@ -124,6 +124,7 @@ impl Plant {
             let row_panels = air.model.row_panels(&history.before, &history.after, &rest.path);
             let longest = &mut state.statistics.longest_row_panels;
             *longest = longest.max(row_panels);
+            state.statistics.stalled_steps += u64::from(air.model.lags_beyond_stall(&history.after));
         }
         let RestOfStep { begin_s, end_s, most_trials, .. } = rest;
         if let Some(change_n) = change_n {

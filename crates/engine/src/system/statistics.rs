@@ -40,4 +40,6 @@ pub struct Statistics {
     pub largest_iterations: u64,
     /// Longest row that a step of the air has given the wake, in panel chords; 0 without a lattice.
     pub longest_row_panels: f64,
+    /// Steps of the air in which strips of a lattice have stalled and follow their polars with a lag, eq. (U32).
+    pub stalled_steps: u64,
 }

@@ -1,4 +1,4 @@
-//! Advice where the rows of a wake grow too long for what they carry.
+//! Advice where the rows of a wake grow too long for what they carry, and where strips of a lattice stall.
 
 use crate::system::Statistics;
 
@@ -6,6 +6,17 @@ use crate::system::Statistics;
 pub const MAXIMUM_ROW_PANELS: f64 = 2.0;
 
 impl Statistics {
+    /// What to know where strips of a lattice have stalled.
+    pub fn advice_on_stall(&self) -> Option<String> {
+        (self.stalled_steps > 0).then(|| {
+            format!(
+                "in {} aerodynamic steps strips of the lattice were beyond stall, where neighbours may have several circulations: their lift \
+                 followed the polar with a lag of 3 semi-chords and depends on the number of strips",
+                self.stalled_steps
+            )
+        })
+    }
+
     /// What to do where rows of the wake have outgrown `MAXIMUM_ROW_PANELS` with aerodynamic steps of `step_s` in s.
     pub fn advice_on_rows(&self, step_s: f64) -> Option<String> {
         // the way of a round number of panels is reached to round-off

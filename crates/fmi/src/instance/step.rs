@@ -68,6 +68,7 @@ impl Instance {
             self.log.wants(LogCategory::Events).then(|| self.plant.joint_statuses().collect());
         let (begin_s, advised) = (self.plant.time_s(), self.advice_on_rows().is_some());
         let failing = self.plant.statistics().newton_decides();
+        let stalled = self.plant.statistics().stalled_steps > 0;
         let started = self.machine.solver.most_iterations.map(|_| Instant::now());
         let outcome = self.plant.step_with_pauses(end_s, pauses);
         if let Some(started) = started {
@@ -80,6 +81,10 @@ impl Instance {
             self.tell_events(call, begin_s, &before);
         }
         if let Some(advice) = self.advice_on_rows().filter(|_| !advised) {
+            self.log.write(Status::Warning, LogCategory::Warning, &format!("{call}: {advice}"));
+        }
+        // of the first step alone: the count in the text grows
+        if !stalled && let Some(advice) = self.plant.statistics().advice_on_stall() {
             self.log.write(Status::Warning, LogCategory::Warning, &format!("{call}: {advice}"));
         }
         if !failing && let Some(advice) = self.plant.statistics().advice_on_failures() {

@@ -9,7 +9,8 @@ use nalgebra::Vector3;
 pub struct SurfaceLattice {
     /// Index into the machine's bodies.
     pub body: usize,
-    /// Corners of the bound rings in m: rows from the leading edge, columns from the inner section.
+    /// Corners of the bound rings in m: rows from the leading edge, columns from the inner section; the last row but one is the trailing
+    /// edge, the last one where the wake begins.
     pub corner_m: Vec<Vec<Vector3<f64>>>,
     /// Circulation of the strips at the trailing edge in m²/s, about the span from the inner to the outer end.
     pub circulation_m2_s: Vec<f64>,
@@ -30,7 +31,7 @@ impl System {
             let columns = surface.positions_m.len();
             SurfaceLattice {
                 body: surface.body,
-                corner_m: (0..=surface.chord_panels)
+                corner_m: (0..=surface.chord_panels + 1)
                     .map(|row| (0..columns).map(|column| lattice.corner_m(state, index, row, column)).collect())
                     .collect(),
                 circulation_m2_s: (0..columns - 1)
