@@ -23,12 +23,14 @@ pub struct SlippingBrake {
     pub failure: usize,
     /// Time from which on its torque grows in s; infinite before the failure.
     pub from_s: f64,
+    /// Rate in rad/s about which its law is the straight line of its tangent, while linear models are taken.
+    pub about_rad_s: Option<f64>,
 }
 
 impl SlippingBrake {
     /// A brake that is off.
     pub fn off(brake: FrictionBrake, failure: usize) -> Self {
-        Self { brake, failure, from_s: f64::INFINITY }
+        Self { brake, failure, from_s: f64::INFINITY, about_rad_s: None }
     }
 
     /// Torque against the motion in N·m, were it to slip.
@@ -44,7 +46,21 @@ impl SlippingBrake {
 
     /// Torque on the outer body about `+θ` in N·m.
     pub fn torque_n_m(&self, time_s: f64, rate_rad_s: f64) -> f64 {
-        -self.reach_n_m(time_s) * (rate_rad_s / self.brake.slip_rad_s).tanh()
+        self.torque_and_damping(time_s, rate_rad_s).0
+    }
+
+    /// Torque on the outer body about `+θ` in N·m, and how much of it a rate takes away in N·m·s/rad.
+    fn torque_and_damping(&self, time_s: f64, rate_rad_s: f64) -> (f64, f64) {
+        let about_rad_s = self.about_rad_s.unwrap_or(rate_rad_s);
+        let slip = (about_rad_s / self.brake.slip_rad_s).tanh();
+        let reach_n_m = self.reach_n_m(time_s);
+        let damping_n_m_s = reach_n_m * (1.0 - slip * slip) / self.brake.slip_rad_s;
+        (-reach_n_m * slip - damping_n_m_s * (rate_rad_s - about_rad_s), damping_n_m_s)
+    }
+
+    /// Takes the tangent of its law at a rate of its joint.
+    pub fn linearize(&mut self, rate_rad_s: f64) {
+        self.about_rad_s = Some(rate_rad_s);
     }
 
     /// Adds its torque and tangent.
@@ -52,10 +68,9 @@ impl SlippingBrake {
         if self.from_s.is_infinite() {
             return;
         }
-        let slip = (here.rate_rad_s / self.brake.slip_rad_s).tanh();
-        let reach_n_m = self.reach_n_m(here.time_s);
-        sum.torque_n_m -= reach_n_m * slip;
-        sum.tangent.damping += reach_n_m * (1.0 - slip * slip) / self.brake.slip_rad_s;
+        let (torque_n_m, damping_n_m_s) = self.torque_and_damping(here.time_s, here.rate_rad_s);
+        sum.torque_n_m += torque_n_m;
+        sum.tangent.damping += damping_n_m_s;
     }
 
     /// Adds what it dissipates.

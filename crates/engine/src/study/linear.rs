@@ -151,15 +151,16 @@ impl Study<'_> {
         matrix
     }
 
-    /// Change of the coordinates that a unit of a freedom makes.
-    pub(super) fn direction(&self, freedom: &Freedom) -> Vec<f64> {
+    /// Change of the coordinates that a unit of a freedom makes, of the rates by its rate, of the accelerations by its acceleration.
+    pub fn direction(&self, freedom: &Freedom) -> Vec<f64> {
         let mut unit = vec![0.0; self.system.coordinates()];
         unit[freedom.index] = 1.0;
         Tangent::to_coordinates(&self.system.equations.model, &self.system.equations.work, &mut unit);
         unit
     }
 
-    pub(super) fn displaced(&self, freedom: &Freedom, amount: f64) -> Vec<f64> {
+    /// The coordinates with a freedom changed by `amount`, in its unit.
+    pub fn displaced(&self, freedom: &Freedom, amount: f64) -> Vec<f64> {
         let mut q = self.system.state.now.q.clone();
         q.iter_mut().zip(self.direction(freedom)).for_each(|(q, unit)| *q += amount * unit);
         let (mut v, mut a) = (vec![0.0; q.len()], vec![0.0; q.len()]);
@@ -202,9 +203,22 @@ impl Study<'_> {
         beside
     }
 
+    /// Has the forces of joints stand on their tangents at the present state, with the present inputs, for `take`: a motor at its
+    /// limit stays there, one that wants just as much as it may stays free of it, a generator at a row of its table goes on
+    /// towards higher speeds, contacts of stops and latches stay as they are, NOTATION eq. (L10).
+    pub(super) fn on_tangents<T>(&mut self, take: impl FnOnce(&mut Self) -> T) -> T {
+        self.with_present_inputs();
+        let now = &self.system.state.now;
+        self.system.equations.forces.linearize(now.time_s, &now.q, &now.v);
+        let taken = take(self);
+        self.system.equations.forces.drop_tangents();
+        self.system.configure();
+        taken
+    }
+
     /// Derivative of a function of the outputs with an argument along a freedom: sixth-order differences in the
     /// coordinates (error 1e-12 of the outputs' scale), exact ones in rates and accelerations, of which the outputs are
-    /// polynomials of second and first degree.
+    /// polynomials of second and first degree where forces stand on their tangents ([`Study::on_tangents`]).
     pub fn output_slope(
         &mut self,
         argument: Argument,

@@ -13,8 +13,8 @@ use nalgebra::{DMatrix, DVector, Vector3};
 pub struct InputSlope<'a> {
     /// Adds an amount to the input.
     pub add: &'a dyn Fn(&mut Inputs, f64),
-    /// Step of the central difference. Forces are quadratic in the root's rates and linear in all other inputs, so any
-    /// step serves that does not cross a torque limit.
+    /// Step of the central difference. Forces are quadratic in the root's rates and, on their tangents, linear in all other
+    /// inputs, so any step serves.
     pub step: f64,
     /// What a unit of the input adds to a gust of one velocity everywhere, root frame, in m/s: gusts are not inputs of
     /// the machine, so `add` then adds nothing. Only strips respond to it, with Küssner's lag.
@@ -43,10 +43,19 @@ impl Study<'_> {
     ///
     /// `A` and `B` are exact, except for the stiffness about a moving state ([`Study::second_order`]) and for the
     /// response of the air, which comes from differences good to about 1e-9. `C` and `D` come from differences of the
-    /// instantaneous outputs ([`Study::output_slope`]). Events and saturation stay as they are. The
+    /// instantaneous outputs ([`Study::output_slope`]). All four take the forces of joints by the same tangents, on one side of
+    /// a kink ([`Study::on_tangents`]); events stay as they are. The
     /// loads of lattices are constant. Outputs of accelerations and forces do not include what the rate of the wind adds
     /// to them through the apparent mass.
     pub fn state_space(
+        &mut self,
+        inputs: &[InputSlope],
+        read: &dyn Fn(&Outputs) -> DVector<f64>,
+    ) -> Result<StateSpace, PlantError> {
+        self.on_tangents(|study| study.state_space_on_tangents(inputs, read))
+    }
+
+    fn state_space_on_tangents(
         &mut self,
         inputs: &[InputSlope],
         read: &dyn Fn(&Outputs) -> DVector<f64>,
