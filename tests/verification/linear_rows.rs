@@ -31,8 +31,9 @@ fn derivative(mut at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector
         let mut step = first;
         for row in 0..TABLE {
             let (above, below) = (at(step), at(-step));
-            // what the difference loses to round-off
-            let lost = above.zip_map(&below, |a, b| 4.0 * f64::EPSILON * a.abs().max(b.abs()) / step);
+            // what the difference loses to round-off: its own, and that of the numbers it has come from
+            let beside = 1e-6 * above.amax();
+            let lost = above.zip_map(&below, |a, b| 4.0 * f64::EPSILON * (a.abs().max(b.abs()) + beside) / step);
             let mut line = vec![(above - below) / (2.0 * step)];
             let mut factor = 1.0;
             for k in 1..=row {
@@ -595,4 +596,109 @@ fn lr02_rows_of_random_machines() {
         worst = worst.max(off);
     }
     println!("LR-02: off by at most {worst:.1e} of a row's scale");
+}
+
+/// LR-03. At a kink the four matrices take the same side: a motor that wants just what its limit allows is free of the limit, a
+/// generator at a row of its table goes on towards higher speeds, a joint that lies just at its stop, at rest, is apart from it.
+/// Beside the kink each takes the side on which it is.
+#[test]
+fn lr03_one_side_of_a_kink() {
+    let model = |wanted: f64, rpm: f64, at_m: f64| {
+        let text = format!(
+            "name = 'K'\n[rigid_body.block]\nmass_kg = 2.0\ninertia_kg_m2 = [0.5, 0.5, 0.5, 0.0, 0.0, 0.0]\n\
+             [rigid_body.rotor]\nmass_kg = 0.0\ninertia_kg_m2 = [0.5, 0.5, 0.5, 0.0, 0.0, 0.0]\n\
+             [rigid_body.rest]\nmass_kg = 1.0\n\
+             [joint.slide]\ntype = 'prismatic'\nparent = 'root'\nchild = 'block'\naxis = [1.0, 0.0, 0.0]\n\
+             start_position_m = {wanted:?}\ndrive.stiffness_N_m = 4.0\ndrive.force_limit_N = 2.0\n\
+             [joint.shaft]\ntype = 'revolute'\nparent = 'root'\nchild = 'rotor'\naxis = [1.0, 0.0, 0.0]\n\
+             start_rate_deg_s = {:?}\ndrive.gear_ratio = 1.0\n\
+             [joint.shaft.generator]\ntable_rpm_N_m = [[0.0, 0.0], [30.0, 1.0], [60.0, 4.0]]\n\
+             [joint.stop]\ntype = 'prismatic'\nparent = 'root'\nchild = 'rest'\naxis = [0.0, 1.0, 0.0]\nstart_position_m = {at_m:?}\n\
+             [joint.stop.stops]\nupper_m = 0.25\nstiffness_N_m = 50.0\ndamping_N_s_m = 3.0\n[experiment]\nstop_time_s = 1.0\n",
+            rpm * 6.0
+        );
+        let machine = config::parse(&text, "kinks.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        let interface = Interface::new(plant.machine());
+        let outputs: Vec<_> = interface.real_outputs().collect();
+        let inputs: Vec<_> = interface.real_inputs().collect();
+        interface.linearize(&mut plant, &inputs, &outputs).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let entry = |model: &LinearModel, matrix: char, row: &str, column: &str| {
+        let place = |list: &[foldwing::interface::LinearSignal], name: &str| {
+            list.iter().position(|signal| signal.name == name).unwrap_or_else(|| panic!("{name}"))
+        };
+        let m = &model.matrices;
+        match matrix {
+            'A' => m.a[(place(&model.states, row), place(&model.states, column))],
+            'B' => m.b[(place(&model.states, row), place(&model.inputs, column))],
+            'C' => m.c[(place(&model.outputs, row), place(&model.states, column))],
+            _ => m.d[(place(&model.outputs, row), place(&model.inputs, column))],
+        }
+    };
+    let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found} for {expected}");
+    let beyond = 1e-9;
+    // slope of the motor, of the generator over its speed in N.m.s/rad, of the stop
+    let per_rpm = 30.0 / std::f64::consts::PI;
+    for (wanted, rpm, at_m, motor, generator, stop) in [
+        (0.5, 30.0, 0.25, 4.0, 0.1 * per_rpm, [0.0, 0.0]),
+        (0.5 + beyond, 30.0 - beyond, 0.25 + beyond, 0.0, per_rpm / 30.0, [50.0, 3.0]),
+        (0.5 - beyond, 30.0 + beyond, 0.25 - beyond, 4.0, 0.1 * per_rpm, [0.0, 0.0]),
+    ] {
+        let model = model(wanted, rpm, at_m);
+        near(entry(&model, 'A', "der(slide.position)", "slide.position"), -motor / 2.0);
+        near(entry(&model, 'B', "der(slide.position)", "slide.command"), motor / 2.0);
+        near(entry(&model, 'C', "slide.motor_force", "slide.position"), -motor);
+        near(entry(&model, 'D', "slide.motor_force", "slide.command"), motor);
+        near(entry(&model, 'A', "der(shaft.angle)", "der(shaft.angle)"), -generator / 0.5);
+        near(entry(&model, 'C', "shaft.generator_torque", "der(shaft.angle)"), generator);
+        near(entry(&model, 'A', "der(stop.position)", "stop.position"), -stop[0]);
+        near(entry(&model, 'A', "der(stop.position)", "der(stop.position)"), -stop[1]);
+    }
+}
+
+/// LR-04. In compressible air the loads grow with the Mach number: the static gain of the linear lattice by the speed of the wind is the
+/// derivative of the loads of established flows, which at Mach 0.5 grow by a sixth more than with the square of the speed.
+#[test]
+fn lr04_lattice_in_compressible_air() {
+    let machine = |speed_m_s: f64| {
+        let text = format!(
+            "name = 'M'\n[section.s]\nshape = 'explicit'\naxial_stiffness_N = 1e12\ntorsional_rigidity_N_m2 = 1e11\n\
+             flap_stiffness_N_m2 = 1e11\nlag_stiffness_N_m2 = 1e11\nmass_kg_m = 5.0\nsecond_moments_kg_m = [0.1, 0.0, 0.1]\n\
+             half_width_m = 0.5\nhalf_height_m = 0.1\n[body.wing]\nlength_m = 4.0\nsection = 's'\nelements = 1\n\
+             [joint.mount]\ntype = 'clamped'\nparent = 'root'\nchild = 'wing'\n\
+             [aerodynamics]\nmodel = 'uvlm'\ndensity_kg_m3 = 0.5\nwind_m_s = [0.0, {:?}, {:?}]\nspeed_of_sound_m_s = 300.0\n\
+             step_s = 2e-3\nwake_rows = 20\n[surface.wing]\nbody = 'wing'\nchord_m = 1.0\nstrips = 4\nchord_panels = 2\n\
+             [experiment]\nstop_time_s = 1.0\nstart = 'equilibrium'\n",
+            -speed_m_s,
+            0.05 * speed_m_s
+        );
+        config::parse(&text, "mach.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
+    };
+    let started = |speed_m_s: f64| {
+        let mut plant = Plant::new(Arc::new(machine(speed_m_s)));
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        plant
+    };
+    let mut plant = started(150.0);
+    let interface = Interface::new(plant.machine());
+    let named = |name: &str| interface.find(name).unwrap_or_else(|| panic!("{name}"));
+    let inputs = ["wind.velocity.y", "wind.velocity.z"].map(named);
+    let model = interface.linearize_lattice(&mut plant, &inputs, &[], &[named("aero.force.z")]);
+    let model = model.unwrap_or_else(|error| panic!("{error}"));
+    let m = &model.matrices;
+    let n = m.a.nrows();
+    let at_rest = (DMatrix::identity(n, n) - &m.a).lu().solve(&m.b).expect("decays");
+    let gain = &m.c * at_rest + &m.d;
+    // along the wind: both components grow with the speed
+    let found = -gain[(0, 0)] + 0.05 * gain[(0, 1)];
+    let lift_n = |speed_m_s: f64| started(speed_m_s).outputs().air_total().force_n.z;
+    let slope = |step: f64| (lift_n(150.0 + step) - lift_n(150.0 - step)) / (2.0 * step);
+    let expected = (4.0 * slope(1.0) - slope(2.0)) / 3.0;
+    let power = expected * 150.0 / lift_n(150.0);
+    println!("LR-04: {found} N.s/m for {expected}, the load grows with the power {power} of the speed");
+    // without Mach's number the power would be 2
+    assert!(power > 2.1, "{power}");
+    assert!((found / expected - 1.0).abs() < 2e-3, "{found} for {expected}");
 }

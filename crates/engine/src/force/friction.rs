@@ -103,4 +103,27 @@ mod tests {
         let at_once = SlippingBrake { brake: FrictionBrake { ramp_s: 0.0, ..brake }, ..on };
         assert_eq!(at_once.torque_n_m(1.0, 1.0), -8.0);
     }
+
+    /// The tangent is the derivative of the torque, through all of slip and where it is none; linear about a rate it is the same line.
+    #[test]
+    fn tangent_is_the_derivative_of_the_torque() {
+        let brake = FrictionBrake { torque_n_m: 8.0, ramp_s: 2.0, slip_rad_s: 0.01 };
+        let on = SlippingBrake { from_s: 1.0, ..SlippingBrake::off(brake, 0) };
+        for rate_rad_s in [-0.03, -0.004, 0.0, 0.002, 0.007, 0.012, 0.05] {
+            let (torque_n_m, damping_n_m_s) = on.torque_and_damping(2.0, rate_rad_s);
+            let at = |shift: f64| on.torque_n_m(2.0, rate_rad_s + shift);
+            // Richardson's: steps of 1e-3 of the slip leave 1e-12
+            let slope = |step: f64| (at(step) - at(-step)) / (2.0 * step);
+            let difference = (4.0 * slope(5e-6) - slope(1e-5)) / 3.0;
+            approx::assert_relative_eq!(damping_n_m_s, -difference, max_relative = 1e-7, epsilon = 1e-8);
+            let mut line = on;
+            line.linearize(rate_rad_s);
+            assert_eq!(line.torque_n_m(2.0, rate_rad_s), torque_n_m);
+            approx::assert_relative_eq!(
+                line.torque_n_m(2.0, rate_rad_s + 0.5),
+                torque_n_m - 0.5 * damping_n_m_s,
+                max_relative = 1e-12
+            );
+        }
+    }
 }

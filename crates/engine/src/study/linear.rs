@@ -15,6 +15,7 @@ use crate::solve::EquationsOfMotion;
 use crate::solve::lagged::{Lagged, LaggedMode};
 use crate::solve::linearize::SecondOrder;
 use crate::solve::modes::NoModes;
+use crate::solve::point::Point;
 use crate::study::Study;
 use crate::study::flight::tell_lateral_apart;
 use crate::system::Outputs;
@@ -67,18 +68,10 @@ impl Study<'_> {
 
     /// `BᵀMB`: residual of unit accelerations with nothing else acting.
     pub(super) fn mass_matrix(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
-        let mut bare = Bare::new(self.system);
-        for closure in &mut bare.model.closures {
-            closure.penalty.stiffness_n_m = 0.0;
-        }
-        let n = self.system.coordinates();
-        let zero = vec![0.0; n];
+        let mut bare = Bare::without_stiffness(self.system);
         let columns = freedoms.iter().map(|freedom| {
             let unit = self.direction(freedom);
-            let still = vec![Damping::default(); self.system.equations.damping.len()];
-            let environment = Environment { root: &RootMotion::default(), damping: &still, stations: &[] };
-            let motion = Motion { q: &self.system.state.now.q, v: &zero, a: &unit };
-            pick(&bare.residual(motion, environment), freedoms)
+            pick(&bare.of_accelerations(&self.system.state.now.q, &unit), freedoms)
         });
         let matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
         (&matrix + matrix.transpose()) * 0.5
@@ -183,17 +176,28 @@ impl Study<'_> {
     /// Outputs at the present state with one argument changed by `amount` along a degree of freedom, and with the
     /// present inputs. The state of the plant is restored.
     pub fn outputs_beside(&mut self, change: Option<(Argument, &Freedom, f64)>) -> Outputs {
-        let kept = self.system.state.now.clone();
+        let mut there = self.system.state.now.clone();
         match change {
             None => {}
-            Some((Argument::Position, freedom, amount)) => self.system.state.now.q = self.displaced(freedom, amount),
+            Some((Argument::Position, freedom, amount)) => there.q = self.displaced(freedom, amount),
             Some((argument, freedom, amount)) => {
                 let unit = self.direction(freedom);
-                let now = &mut self.system.state.now;
-                let vector = if argument == Argument::Rate { &mut now.v } else { &mut now.a };
+                let vector = if argument == Argument::Rate { &mut there.v } else { &mut there.a };
                 vector.iter_mut().zip(unit).for_each(|(x, unit)| *x += amount * unit);
             }
         }
+        self.outputs_at(there)
+    }
+
+    /// The same with the accelerations of all coordinates changed.
+    pub(super) fn outputs_pulled(&mut self, change: &[f64]) -> Outputs {
+        let mut there = self.system.state.now.clone();
+        there.a.iter_mut().zip(change).for_each(|(a, change)| *a += change);
+        self.outputs_at(there)
+    }
+
+    fn outputs_at(&mut self, there: Point) -> Outputs {
+        let kept = std::mem::replace(&mut self.system.state.now, there);
         self.with_present_inputs();
         self.system.evaluate();
         let beside = self.system.outputs.clone();
@@ -388,6 +392,22 @@ impl Bare {
         let still = vec![Damping::default(); self.model.bodies.len()];
         let environment = Environment { root: &RootMotion::default(), damping: &still, stations };
         self.residual(Motion { q, v: zero, a: zero }, environment)
+    }
+
+    /// Residual of accelerations alone.
+    pub fn of_accelerations(&mut self, q: &[f64], accelerations: &[f64]) -> Vec<f64> {
+        let still = vec![Damping::default(); self.model.bodies.len()];
+        let environment = Environment { root: &RootMotion::default(), damping: &still, stations: &[] };
+        self.residual(Motion { q, v: &vec![0.0; q.len()], a: accelerations }, environment)
+    }
+
+    /// Without the stiffness of closed loops as well: what is left is of rates, accelerations and loads.
+    pub fn without_stiffness(system: &System) -> Self {
+        let mut bare = Self::new(system);
+        for closure in &mut bare.model.closures {
+            closure.penalty.stiffness_n_m = 0.0;
+        }
+        bare
     }
 
     pub fn new(system: &System) -> Self {
