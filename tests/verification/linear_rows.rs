@@ -31,8 +31,9 @@ fn derivative(mut at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector
         let mut step = first;
         for row in 0..TABLE {
             let (above, below) = (at(step), at(-step));
-            // what the difference loses to round-off
-            let lost = above.zip_map(&below, |a, b| 4.0 * f64::EPSILON * a.abs().max(b.abs()) / step);
+            // what the difference loses to round-off, where there is one
+            let lost = above
+                .zip_map(&below, |a, b| if a == b { 0.0 } else { 4.0 * f64::EPSILON * a.abs().max(b.abs()) / step });
             let mut line = vec![(above - below) / (2.0 * step)];
             let mut factor = 1.0;
             for k in 1..=row {
