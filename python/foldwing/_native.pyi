@@ -148,5 +148,7 @@ def schema() -> str:
 
 def discretized(a: _Array, b: _Array, dt: float) -> List[_Array]: ...
 def reduced(
-    a: _Array, b: _Array, c: _Array, d: _Array, order: int, modal: bool, is_sampled: bool, turn_rad: Optional[float]
-) -> Tuple[_Array, _Array, _Array, _Array, Optional[float], _Array, Optional[float]]: ...
+    a: _Array, b: _Array, c: _Array, d: _Array, order: int, modal: bool, dt: Optional[float], up_to_hz: Optional[float]
+) -> Tuple[
+    _Array, _Array, _Array, _Array, Optional[float], _Array, Optional[Tuple[float, _Array, List[Tuple[float, float]], List[float]]]
+]: ...

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import warnings
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence
 
 import numpy as np
@@ -25,6 +26,26 @@ class Signal(NamedTuple):
     """Unit."""
     value: float
     """Value about which the model is linear."""
+
+
+class DroppedMode(NamedTuple):
+    """A mode of the whole model that a reduced one does not have."""
+
+    eigenvalue_1_s: complex
+    """Eigenvalue in 1/s."""
+    share: float
+    """Its own largest gain over the largest gain of the whole model in the range, for the input and output where this is most."""
+
+
+class Accuracy(NamedTuple):
+    """How far a reduced model is off, from 0 to a frequency."""
+
+    up_to_Hz: float
+    """End of the range: `up_to_Hz` of the reduction, without it the fastest motion that was kept."""
+    error: NDArray[np.float64]
+    """Largest error in the range over the largest gain in it, of each output to each input, shape (outputs, inputs)."""
+    dropped: List[DroppedMode]
+    """Modes in the range that were left out, slowest first, with a share above 0.01. Not sought for models with `dt`."""
 
 
 class LinearModel:
@@ -73,6 +94,8 @@ class LinearModel:
         self.error_in_band: Optional[float] = None
         """After `reduce` with `up_to_Hz`: largest error up to that frequency, relative to the largest gain there of each input to each
         output."""
+        self.accuracy: Optional[Accuracy] = None
+        """After `reduce`: errors by input and output, and the modes that were left out. None for models with `dt` without `up_to_Hz`."""
 
     @classmethod
     def _of(cls, native: _native.LinearModel) -> LinearModel:
@@ -126,30 +149,40 @@ class LinearModel:
 
         Args:
             order: number of states.
-            method: `balanced` keeps the combinations of states that contribute most between inputs and outputs, with a bound on the
-                error; `modal` keeps the slowest modes. Models with `dt` allow `balanced` only, and all their motions must decay.
-            up_to_Hz: of models with `dt`: keep what contributes most up to this frequency. `error_in_band` is then the largest error up
-                to there, relative to the largest gain there between the same input and output; there can be fewer states.
+            method: `balanced` keeps the combinations of states that contribute most between inputs and outputs, whatever the units of
+                these, with a bound on the error; `modal` keeps the slowest modes. Models with `dt` allow `balanced` only, and all their
+                motions must decay. Motions of other models that do not decay are kept completely.
+            up_to_Hz: keep what contributes most up to this frequency. `error_in_band` is then the largest error up to there, relative to
+                the largest gain there between the same input and output; there can be fewer states.
+
+        Warns where modes in the range of `accuracy` were left out.
         """
         if method not in ("balanced", "modal"):
             raise UsageError(f"method={method!r}: allowed are balanced and modal")
-        turn = None
-        if up_to_Hz is not None:
-            if self.dt is None or method != "balanced":
-                raise UsageError("up_to_Hz: only models with dt are reduced for a band of frequencies, by method='balanced'")
-            turn = 2.0 * np.pi * float(up_to_Hz) * self.dt
-        A, B, C, D, bound, _, in_band = _native.reduced(
-            self.A, self.B, self.C, self.D, order, method == "modal", self.dt is not None, turn
-        )
+        band = None if up_to_Hz is None else float(up_to_Hz)
+        A, B, C, D, bound, _, measured = _native.reduced(self.A, self.B, self.C, self.D, order, method == "modal", self.dt, band)
         states = [Signal(f"{method}_{i + 1}", "1", 0.0) for i in range(len(A))]
         small = self._with(A, B, C, D, states, self.dt, bound)
-        small.error_in_band = in_band
+        if measured is not None:
+            end_Hz, error, eigenvalues_1_s, shares = measured
+            dropped = [DroppedMode(complex(*value), share) for value, share in zip(eigenvalues_1_s, shares)]
+            small.accuracy = Accuracy(end_Hz, error, dropped)
+            if band is not None:
+                small.error_in_band = float(error.max(initial=0.0))
+            if dropped:
+                list_Hz = ", ".join(f"{abs(mode.eigenvalue_1_s) / (2.0 * np.pi):.4g}" for mode in dropped[:3])
+                rest = f" and {len(dropped) - 3} more" if len(dropped) > 3 else ""
+                warnings.warn(
+                    f"the reduced model has no mode at {list_Hz}{rest} Hz, below {end_Hz:.4g} Hz; balance for a band (up_to_Hz), keep more "
+                    "states, or take fewer inputs and outputs",
+                    stacklevel=2,
+                )
         return small
 
     def hankel_singular_values(self) -> NDArray[np.float64]:
-        """How much each balanced state contributes between inputs and outputs, largest first. Motions that do not decay count
+        """How much each balanced state contributes between inputs and outputs on even scales, largest first. Motions that do not decay count
         as infinite; models with `dt` that have such motions are refused."""
-        values = _native.reduced(self.A, self.B, self.C, self.D, len(self.A), False, self.dt is not None, None)[5]
+        values = _native.reduced(self.A, self.B, self.C, self.D, len(self.A), False, self.dt, None)[5]
         return np.asarray(values)
 
     def _with(

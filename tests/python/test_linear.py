@@ -101,12 +101,33 @@ def test_the_command_reduces_alike(wing, command, tmp_path):
     said = subprocess.run([command, "linearize", wing.file, "--reduce", "8", *options], check=True, capture_output=True, text=True)
     small = latched(wing).reduce(8)
     assert " 8 states of " in said.stdout
-    assert float(re.search(r"at most (\S+?)[,)\s]", said.stdout)[1]) == pytest.approx(small.error_bound, rel=1e-3)
+    assert float(re.search(r"at most (\S+?)[;,)\s]", said.stdout)[1]) == pytest.approx(small.error_bound, rel=1e-3)
     file = np.load(out)
     assert np.array_equal(file["A"], small.A) and np.array_equal(file["D"], small.D)
     assert file["error_bound"] == small.error_bound and list(file["state_names"][:2]) == ["balanced_1", "balanced_2"]
     modal = subprocess.run([command, "linearize", wing.file, "--modes", "0", *options], capture_output=True, text=True)
     assert modal.returncode == 2 and "--modes 0: 0 states cannot be kept" in modal.stderr
+
+
+def test_a_band_keeps_the_slow_modes(wing):
+    """In a band the error is the one that is stated, at frequencies in between too; without one the modes that were left out are told."""
+    model = wing.linearize(inputs="fold.torque", outputs=[STRAIN, "tip.position.z", "tip.acceleration.z"])
+    band = model.reduce(12, up_to_Hz=40.0)
+    assert len(band.A) <= 12 and band.error_bound is None and band.accuracy.error.shape == (3, 1)
+    slow_Hz = np.abs(model.poles()) / (2.0 * np.pi)
+    slow_Hz = slow_Hz[slow_Hz <= 40.0]
+    frequencies_1_s = 2.0 * np.pi * np.concatenate([np.linspace(0.0, 40.0, 333), slow_Hz])
+    answers = np.array([gain(model, frequency_1_s) for frequency_1_s in frequencies_1_s])
+    left = answers - np.array([gain(band, frequency_1_s) for frequency_1_s in frequencies_1_s])
+    off = np.abs(left).max(axis=0) / np.abs(answers).max(axis=0)
+    print(f"up to 40 Hz off by {off.ravel()}, stated {band.accuracy.error.ravel()}")
+    assert np.allclose(off, band.accuracy.error, rtol=0.1, atol=1e-6) and off.max() < 0.02
+    assert band.error_in_band == band.accuracy.error.max()
+    with pytest.warns(UserWarning, match="the reduced model has no mode at"):
+        everywhere = model.reduce(2)
+    assert everywhere.accuracy.dropped and everywhere.error_in_band is None
+    with pytest.raises(fw.FoldwingError, match="only balanced truncation is for a band"):
+        model.reduce(4, method="modal", up_to_Hz=10.0)
 
 
 def test_hankel_singular_values_fall(wing):
@@ -178,7 +199,5 @@ def test_a_lattice_is_linear_in_discrete_time(tmp_path, command):
     off = np.max(np.abs(left).max(axis=0) / np.abs(answers).max(axis=0))
     assert off == pytest.approx(band.error_in_band, rel=0.05, abs=1e-6) and off < 0.01
     for hertz in [0.0, 200.0, float("nan")]:
-        with pytest.raises(fw.UsageError, match="the band must end above 0 Hz and below half the sampling rate"):
+        with pytest.raises(fw.UsageError, match="the band must end above 0 Hz, and in discrete time below half the sampling rate"):
             whole.reduce(4, up_to_Hz=hertz)
-    with pytest.raises(fw.UsageError, match="only models with dt"):
-        wing.linearize(inputs="fold.torque", outputs=STRAIN).reduce(4, up_to_Hz=10.0)

@@ -14,6 +14,7 @@ mod coupling;
 mod flight;
 mod gauges;
 mod lattice;
+mod linear_rows;
 mod modes;
 mod oracle;
 mod pitch_link;

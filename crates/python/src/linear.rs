@@ -4,8 +4,8 @@ use crate::refusal;
 use crate::simulation::Simulation;
 use foldwing_command::cli;
 use foldwing_command::report::linear_json;
-use foldwing_engine::plant::{Keep, NoReduction, Reduced, StateSpace, reduce, reduce_in_band, reduce_sampled, sampled};
-use foldwing_fmi::interface;
+use foldwing_engine::plant::{Keep, NoReduction, Reduced, StateSpace, sampled};
+use foldwing_fmi::interface::{self, reduce_any};
 use nalgebra::DMatrix;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -89,8 +89,11 @@ type Reduction<'py> = (
     Bound<'py, PyArray2<f64>>,
     Option<f64>,
     Vec<f64>,
-    Option<f64>,
+    Option<Measured<'py>>,
 );
+
+/// End of the range in Hz, relative errors (outputs, inputs), eigenvalues in 1/s of modes that were left out and their shares.
+type Measured<'py> = (f64, Bound<'py, PyArray2<f64>>, Vec<[f64; 2]>, Vec<f64>);
 
 /// A model with `order` states: the slowest modes, or balanced.
 #[pyfunction]
@@ -103,22 +106,23 @@ pub fn reduced<'py>(
     d: PyReadonlyArray2<'py, f64>,
     order: usize,
     modal: bool,
-    is_sampled: bool,
-    turn_rad: Option<f64>,
+    dt: Option<f64>,
+    up_to_hz: Option<f64>,
 ) -> PyResult<Reduction<'py>> {
     let model = StateSpace { a: matrix(&a), b: matrix(&b), c: matrix(&c), d: matrix(&d) };
     let keep = if modal { Keep::Modes } else { Keep::Balanced };
-    let (Reduced { model, error_bound, hankel }, in_band) = py
-        .detach(|| match turn_rad {
-            Some(turn_rad) => {
-                reduce_in_band(&model, order, turn_rad).map(|found| (found.reduced, Some(found.error_in_band)))
-            }
-            None if is_sampled => reduce_sampled(&model, order, keep).map(|reduced| (reduced, None)),
-            None => reduce(&model, order, keep).map(|reduced| (reduced, None)),
-        })
-        .map_err(|error| refused(&error))?;
+    let found = py.detach(|| reduce_any(&model, order, keep, up_to_hz, dt));
+    let Reduced { model, error_bound, accuracy, hankel } = found.map_err(|error| refused(&error))?;
     let [a, b, c, d] = [array(py, &model.a)?, array(py, &model.b)?, array(py, &model.c)?, array(py, &model.d)?];
-    Ok((a, b, c, d, error_bound, hankel, in_band))
+    let accuracy = match accuracy {
+        Some(accuracy) => {
+            let values = accuracy.dropped.iter().map(|mode| [mode.eigenvalue_1_s.re, mode.eigenvalue_1_s.im]).collect();
+            let shares = accuracy.dropped.iter().map(|mode| mode.share).collect();
+            Some((accuracy.up_to_hz, array(py, &accuracy.error)?, values, shares))
+        }
+        None => None,
+    };
+    Ok((a, b, c, d, error_bound, hankel, accuracy))
 }
 
 /// `A` and `B` for samples of `dt` s with inputs held in between.

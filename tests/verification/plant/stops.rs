@@ -258,3 +258,34 @@ fn st05_stops_of_a_file_are_those_of_code() {
         assert!(message.contains(part), "{part}: {message}");
     }
 }
+
+/// ST-07. A slide that leaves its stop faster than the stop follows, and is pushed back before it is free: in free flight under the force
+/// alone until spring and damper push again, then critically damped about the new rest. Closed form to what steps of this tolerance leave.
+#[test]
+fn st07_a_leaving_joint_is_pushed_back() {
+    let text = "name = 'S'\n[rigid_body.block]\nmass_kg = 1.0\ninertia_kg_m2 = [0.01, 0.01, 0.01, 0.0, 0.0, 0.0]\n\
+                [joint.slide]\ntype = 'prismatic'\nparent = 'root'\nchild = 'block'\naxis = [1.0, 0.0, 0.0]\n\
+                start_position_m = 0.05\nstart_rate_m_s = -3.0\ndrive.constant_force_N = -200.0\n\
+                [joint.slide.stops]\nupper_m = 0.0\nstiffness_N_m = 100.0\ndamping_N_s_m = 20.0\n\
+                [solver]\ntolerance = 1e-10\n[experiment]\nstop_time_s = 1.0\nstep_s = 1e-2\n";
+    let machine = foldwing::config::parse(text, "slide.toml").unwrap_or_else(|error| panic!("{error}"));
+    let mut plant = Plant::new(std::sync::Arc::new(machine));
+    plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+    // 0.05 - 3 t + 100 t^2 + 0.2 (-3 + 200 t) = 0
+    let pressed_s = (-37.0 + (37.0f64 * 37.0 + 4.0 * 100.0 * 0.55).sqrt()) / 200.0;
+    let flight = |t: f64| (0.05 - 3.0 * t + 100.0 * t * t, -3.0 + 200.0 * t);
+    let (from_m, rate_m_s) = flight(pressed_s);
+    assert!(from_m > 0.0, "never free: {from_m} m");
+    let expected = |time_s: f64| {
+        if time_s < pressed_s {
+            return flight(time_s).0;
+        }
+        let (t, a) = (time_s - pressed_s, from_m - 2.0);
+        2.0 + (a + (rate_m_s + 10.0 * a) * t) * (-10.0 * t).exp()
+    };
+    for time_s in [0.01, 0.02, 0.05, 0.2, 0.5] {
+        plant.step(time_s).unwrap_or_else(|error| panic!("{error}"));
+        let found = plant.outputs().joints()[0].angle_rad;
+        assert!((found - expected(time_s)).abs() < 1e-8, "{time_s} s: {found} m for {} m", expected(time_s));
+    }
+}

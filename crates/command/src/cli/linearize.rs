@@ -7,8 +7,9 @@ use crate::cli::{Failure, print, read_model, tell};
 use crate::report::{linear_json, write_mat, write_npz};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::machine::Machine;
-use foldwing_engine::plant::{Holding, Keep, NoReduction, Plant, PlantError};
+use foldwing_engine::plant::{Dropped, Holding, Keep, NoReduction, Plant, PlantError};
 use foldwing_fmi::interface::{GUSTS, Interface, LinearModel, Variable};
+use std::f64::consts::TAU;
 use std::io::{self, Cursor, Write};
 use std::path::PathBuf;
 
@@ -17,7 +18,8 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// State to linearise about: `start`, `equilibrium`, or a time in s up to which the model is simulated
+    /// State to linearise about: `start`, in which a simulation starts; `equilibrium`, to which released joints float as in `static`; or a
+    /// time in s up to which the model is simulated
     #[arg(long, value_name = "STATE", default_value = "equilibrium")]
     at: String,
     /// Real inputs, separated by commas; `load.` selects every name with that prefix, `load.*.z` a pattern [default: all]
@@ -33,14 +35,14 @@ pub struct Arguments {
     /// and `gust.` can be inputs
     #[arg(long)]
     lattice: bool,
-    /// Keep the slowest modes, so many states; the others follow at once, and the gain at rest stays
+    /// Modal truncation to so many states: the slowest modes; the others follow at once, and the static gain is kept
     #[arg(long, value_name = "STATES", conflicts_with = "reduce")]
     modes: Option<usize>,
-    /// Keep what carries most from the inputs to the outputs, so many states (balanced truncation); prints the bound on the error
+    /// Balanced truncation to so many states, on even scales of inputs and outputs; prints the error by frequency
     #[arg(long, value_name = "STATES")]
     reduce: Option<usize>,
-    /// With `--lattice --reduce`: keep what carries most up to this frequency, and print the largest error up to there
-    #[arg(long, value_name = "HZ", requires_all = ["reduce", "lattice"])]
+    /// With `--reduce`: balance for frequencies up to this one only, and print the largest error up to there
+    #[arg(long, value_name = "HZ", requires = "reduce")]
     up_to: Option<f64>,
     /// File to write: `.json`, `.npz` (NumPy) or `.mat` (MATLAB)
     #[arg(short, long, value_name = "X.json|X.npz|X.mat")]
@@ -77,19 +79,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         false => interface.linearize_in_gusts(&mut plant, &inputs, &gusts, &outputs),
     };
     let model = model.map_err(|error| Failure::Statics(error.to_string()))?;
-    let model = match (arguments.modes, arguments.reduce, arguments.up_to) {
-        (Some(order), ..) => fewer(&model, "--modes", order, Keep::Modes)?,
-        (_, Some(order), Some(up_to_hz)) => {
-            let option = if (1..=model.states.len()).contains(&order) { "--up-to" } else { "--reduce" };
-            let value = if option == "--up-to" { up_to_hz.to_string() } else { order.to_string() };
-            model.reduced_in_band(order, up_to_hz).map_err(|error| refused(option, &value, &error))?
-        }
-        (_, Some(order), None) => fewer(&model, "--reduce", order, Keep::Balanced)?,
-        _ => model,
+    let model = match (arguments.modes, arguments.reduce) {
+        (Some(order), _) => fewer(&model, "--modes", order, Keep::Modes, None)?,
+        (_, Some(order)) => fewer(&model, "--reduce", order, Keep::Balanced, arguments.up_to)?,
+        (None, None) => model,
     };
     let mut outlet = place.open()?;
     write(&model, &mut outlet).map_err(|error| outlet.failure(&error))?;
     outlet.finish()?;
+    if let Some(dropped) = dropped_in_words(&model) {
+        tell::warning(&dropped);
+    }
     let in_air = match model.step_s {
         Some(step_s) => format!(", in air, in discrete time with steps of {step_s} s"),
         None => ", in air".to_owned(),
@@ -135,27 +135,57 @@ fn gusts_of(names: &[String], machine: &Machine, lattice: bool) -> Result<(Vec<u
 }
 
 /// The model with fewer states.
-fn fewer(model: &LinearModel, option: &str, order: usize, keep: Keep) -> Result<LinearModel, Failure> {
-    model.reduced(order, keep).map_err(|error| refused(option, &order.to_string(), &error))
-}
-
-fn refused(option: &str, value: &str, error: &NoReduction) -> Failure {
-    match error {
-        NoReduction::Order { .. } | NoReduction::Band => Failure::Usage(format!("{option} {value}: {error}")),
-        _ => Failure::Statics(format!("{option} {value}: {error}")),
-    }
+fn fewer(
+    model: &LinearModel,
+    option: &str,
+    order: usize,
+    keep: Keep,
+    up_to_hz: Option<f64>,
+) -> Result<LinearModel, Failure> {
+    model.reduced(order, keep, up_to_hz).map_err(|error| match (&error, up_to_hz) {
+        (NoReduction::Order { .. }, _) => Failure::Usage(format!("{option} {order}: {error}")),
+        (NoReduction::Band, Some(up_to_hz)) => Failure::Usage(format!("--up-to {up_to_hz}: {error}")),
+        _ => Failure::Statics(format!("{option} {order}: {error}")),
+    })
 }
 
 /// What a reduction costs; nothing without one.
 fn reduction_in_words(model: &LinearModel) -> String {
     let Some(reduction) = &model.reduction else { return String::new() };
-    let bound = reduction.error_bound.map_or("a motion that does not decay is left out".to_owned(), |bound| {
-        format!("largest gain of what is left out at most {bound:.3e}")
-    });
-    let bound = reduction.band.as_ref().map_or(bound, |band| {
-        format!("up to {} Hz off by at most {:.2e} of each gain's largest value", band.up_to_hz, band.error_in_band)
-    });
-    format!(" of {} ({}; {bound})", reduction.whole, reduction.method())
+    let mut parts = vec![reduction.method().to_owned()];
+    if reduction.up_to_hz.is_none() {
+        parts.push(reduction.error_bound.map_or("a motion that does not decay is left out".to_owned(), |bound| {
+            format!("largest gain of what is left out at most {bound:.3e}")
+        }));
+    }
+    if let Some(accuracy) = &reduction.accuracy {
+        let (worst, [output, input]) = accuracy.worst();
+        let mut text =
+            format!("up to {:.4} Hz off by at most {worst:.2e} of each gain's largest value", accuracy.up_to_hz);
+        if worst > 0.0 {
+            let [to, from] = [&model.outputs[output].name, &model.inputs[input].name];
+            text += &format!(", most from {from} to {to} at {:.4} Hz", accuracy.worst_hz);
+        }
+        parts.push(text);
+    }
+    format!(" of {} ({})", reduction.whole, parts.join("; "))
+}
+
+/// Modes that a reduction has dropped below the end of the range it was measured in; `None` without any.
+fn dropped_in_words(model: &LinearModel) -> Option<String> {
+    let accuracy = model.reduction.as_ref()?.accuracy.as_ref().filter(|accuracy| !accuracy.dropped.is_empty())?;
+    let of = |mode: &Dropped| {
+        format!("{:.4} Hz ({:.0} % of the largest gain)", mode.eigenvalue_1_s.norm() / TAU, 100.0 * mode.share)
+    };
+    let shown: Vec<String> = accuracy.dropped.iter().take(3).map(of).collect();
+    let rest = accuracy.dropped.len() - shown.len();
+    let rest = if rest > 0 { format!(" and {rest} more") } else { String::new() };
+    Some(format!(
+        "the reduced model has no mode at {}{rest}, below {:.4} Hz; balance for a band (--up-to HZ), keep more states, or take fewer \
+         inputs and outputs",
+        shown.join(", "),
+        accuracy.up_to_hz
+    ))
 }
 
 /// Rows that the names choose; all without names.

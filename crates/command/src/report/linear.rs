@@ -10,7 +10,9 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 /// A linear model as JSON: `time_s`, `without_air` (the machine is in air, the model holds its loads), `state` (whether it is
 /// an equilibrium, joints, inputs that act, `growing_1_s`), `states`, `inputs`, `outputs` (name, unit, value about which it is linear) and
-/// the matrices `A`, `B`, `C`, `D` row by row; where states were left out, `reduction` (`method`, `states_before`, `error_bound`, and of a reduction for a band of frequencies `up_to_Hz`, `error_in_band`); of a model in discrete time its step, `step_s`.
+/// the matrices `A`, `B`, `C`, `D` row by row; where states were left out, `reduction` (`method`, `states_before`, `error_bound`, of a reduction for a band of frequencies `up_to_Hz`, `error_in_band`, and
+/// but for models in discrete time for all frequencies `accuracy`: `measured_to_Hz`, the `error` up to there relative to the largest gain, a row for each output, its `largest_error` and where that
+/// is, `at_Hz`, and `dropped_modes`); of a model in discrete time its step, `step_s`.
 pub fn linear_json(model: &LinearModel) -> Value {
     let signals = |list: &[LinearSignal]| -> Vec<Value> {
         let entry = |signal: &LinearSignal| json!({ "name": signal.name, "unit": signal.unit, "value": signal.value });
@@ -42,9 +44,24 @@ pub fn linear_json(model: &LinearModel) -> Value {
             "states_before": reduction.whole,
             "error_bound": reduction.error_bound,
         });
-        if let Some(band) = &reduction.band {
-            value["reduction"]["up_to_Hz"] = json!(band.up_to_hz);
-            value["reduction"]["error_in_band"] = json!(band.error_in_band);
+        if let Some(up_to_hz) = reduction.up_to_hz {
+            value["reduction"]["up_to_Hz"] = json!(up_to_hz);
+        }
+        if let Some(accuracy) = &reduction.accuracy {
+            if reduction.up_to_hz.is_some() {
+                value["reduction"]["error_in_band"] = json!(accuracy.worst().0);
+            }
+            let dropped = accuracy.dropped.iter().map(|mode| {
+                let [re, im] = [mode.eigenvalue_1_s.re, mode.eigenvalue_1_s.im];
+                json!({ "eigenvalue_1_s": [re, im], "share": mode.share })
+            });
+            value["reduction"]["accuracy"] = json!({
+                "measured_to_Hz": accuracy.up_to_hz,
+                "largest_error": accuracy.worst().0,
+                "at_Hz": accuracy.worst_hz,
+                "error": rows(&accuracy.error),
+                "dropped_modes": dropped.collect::<Vec<_>>(),
+            });
         }
     }
     value

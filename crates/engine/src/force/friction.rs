@@ -23,12 +23,14 @@ pub struct SlippingBrake {
     pub failure: usize,
     /// Time from which on its torque grows in s; infinite before the failure.
     pub from_s: f64,
+    /// Rate in rad/s about which its law is the straight line of its tangent, while linear models are taken.
+    pub about_rad_s: Option<f64>,
 }
 
 impl SlippingBrake {
     /// A brake that is off.
     pub fn off(brake: FrictionBrake, failure: usize) -> Self {
-        Self { brake, failure, from_s: f64::INFINITY }
+        Self { brake, failure, from_s: f64::INFINITY, about_rad_s: None }
     }
 
     /// Torque against the motion in N·m, were it to slip.
@@ -44,7 +46,21 @@ impl SlippingBrake {
 
     /// Torque on the outer body about `+θ` in N·m.
     pub fn torque_n_m(&self, time_s: f64, rate_rad_s: f64) -> f64 {
-        -self.reach_n_m(time_s) * (rate_rad_s / self.brake.slip_rad_s).tanh()
+        self.torque_and_damping(time_s, rate_rad_s).0
+    }
+
+    /// Torque on the outer body about `+θ` in N·m, and how much of it a rate takes away in N·m·s/rad.
+    fn torque_and_damping(&self, time_s: f64, rate_rad_s: f64) -> (f64, f64) {
+        let about_rad_s = self.about_rad_s.unwrap_or(rate_rad_s);
+        let slip = (about_rad_s / self.brake.slip_rad_s).tanh();
+        let reach_n_m = self.reach_n_m(time_s);
+        let damping_n_m_s = reach_n_m * (1.0 - slip * slip) / self.brake.slip_rad_s;
+        (-reach_n_m * slip - damping_n_m_s * (rate_rad_s - about_rad_s), damping_n_m_s)
+    }
+
+    /// Takes the tangent of its law at a rate of its joint.
+    pub fn linearize(&mut self, rate_rad_s: f64) {
+        self.about_rad_s = Some(rate_rad_s);
     }
 
     /// Adds its torque and tangent.
@@ -52,10 +68,9 @@ impl SlippingBrake {
         if self.from_s.is_infinite() {
             return;
         }
-        let slip = (here.rate_rad_s / self.brake.slip_rad_s).tanh();
-        let reach_n_m = self.reach_n_m(here.time_s);
-        sum.torque_n_m -= reach_n_m * slip;
-        sum.tangent.damping += reach_n_m * (1.0 - slip * slip) / self.brake.slip_rad_s;
+        let (torque_n_m, damping_n_m_s) = self.torque_and_damping(here.time_s, here.rate_rad_s);
+        sum.torque_n_m += torque_n_m;
+        sum.tangent.damping += damping_n_m_s;
     }
 
     /// Adds what it dissipates.
@@ -87,5 +102,28 @@ mod tests {
         assert_eq!((on.next_kink_s(1.0), on.next_kink_s(3.0)), (3.0, f64::INFINITY));
         let at_once = SlippingBrake { brake: FrictionBrake { ramp_s: 0.0, ..brake }, ..on };
         assert_eq!(at_once.torque_n_m(1.0, 1.0), -8.0);
+    }
+
+    /// The tangent is the derivative of the torque, through all of slip and where it is none; linear about a rate it is the same line.
+    #[test]
+    fn tangent_is_the_derivative_of_the_torque() {
+        let brake = FrictionBrake { torque_n_m: 8.0, ramp_s: 2.0, slip_rad_s: 0.01 };
+        let on = SlippingBrake { from_s: 1.0, ..SlippingBrake::off(brake, 0) };
+        for rate_rad_s in [-0.03, -0.004, 0.0, 0.002, 0.007, 0.012, 0.05] {
+            let (torque_n_m, damping_n_m_s) = on.torque_and_damping(2.0, rate_rad_s);
+            let at = |shift: f64| on.torque_n_m(2.0, rate_rad_s + shift);
+            // Richardson's: steps of 1e-3 of the slip leave 1e-12
+            let slope = |step: f64| (at(step) - at(-step)) / (2.0 * step);
+            let difference = (4.0 * slope(5e-6) - slope(1e-5)) / 3.0;
+            approx::assert_relative_eq!(damping_n_m_s, -difference, max_relative = 1e-7, epsilon = 1e-8);
+            let mut line = on;
+            line.linearize(rate_rad_s);
+            assert_eq!(line.torque_n_m(2.0, rate_rad_s), torque_n_m);
+            approx::assert_relative_eq!(
+                line.torque_n_m(2.0, rate_rad_s + 0.5),
+                torque_n_m - 0.5 * damping_n_m_s,
+                max_relative = 1e-12
+            );
+        }
     }
 }

@@ -67,6 +67,8 @@ pub struct Generator {
     pub law: GeneratorLaw,
     /// Whether it is connected; otherwise it gives no torque.
     pub connected: bool,
+    /// Speed in rad/s about which its law is the straight line of its tangent, while linear models are taken.
+    pub about_rad_s: Option<f64>,
 }
 
 /// What a generator gives.
@@ -86,9 +88,20 @@ impl Generator {
     /// What it gives where its joint turns at a rate.
     pub fn at(&self, rate_rad_s: f64) -> GeneratorState {
         let speed_rad_s = self.law.gear_ratio * rate_rad_s;
-        let (torque_n_m, slope_n_m_s) = if self.connected { self.law.torque_n_m(speed_rad_s) } else { (0.0, 0.0) };
+        let (torque_n_m, slope_n_m_s) = if self.connected {
+            let about_rad_s = self.about_rad_s.unwrap_or(speed_rad_s);
+            let (torque_n_m, slope_n_m_s) = self.law.torque_n_m(about_rad_s);
+            (torque_n_m + slope_n_m_s * (speed_rad_s - about_rad_s), slope_n_m_s)
+        } else {
+            (0.0, 0.0)
+        };
         let power_w = self.law.efficiency * torque_n_m * speed_rad_s;
         GeneratorState { speed_rad_s, torque_n_m, slope_n_m_s, power_w }
+    }
+
+    /// Takes the tangent of its law at a rate of its joint; at a row of the table that of higher speeds.
+    pub fn linearize(&mut self, rate_rad_s: f64) {
+        self.about_rad_s = Some(self.law.gear_ratio * rate_rad_s);
     }
 
     /// Adds its torque and tangent, eq. (A11).
@@ -139,7 +152,7 @@ mod tests {
 
     #[test]
     fn disconnected_generator_gives_nothing() {
-        let generator = Generator { law: law(), connected: false };
+        let generator = Generator { law: law(), connected: false, about_rad_s: None };
         let state = generator.at(1.3);
         assert_eq!([state.torque_n_m, state.power_w], [0.0, 0.0]);
         approx::assert_relative_eq!(state.speed_rad_s, 126.1, max_relative = 1e-12);

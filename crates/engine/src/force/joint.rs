@@ -157,6 +157,17 @@ impl JointForces {
         self.forces.iter_mut().for_each(Force::drop_piece);
     }
 
+    /// Has its forces stand on their tangents at a state.
+    pub fn linearize(&mut self, time_s: f64, q: &[f64], v: &[f64]) {
+        let (angle_rad, rate_rad_s) = (q[self.coordinate], v[self.coordinate]);
+        self.forces.iter_mut().for_each(|force| force.linearize(time_s, angle_rad, rate_rad_s));
+    }
+
+    /// Has their laws hold again.
+    pub fn drop_tangents(&mut self) {
+        self.forces.iter_mut().for_each(Force::drop_tangent);
+    }
+
     /// Motion of a joint with one freedom at a point.
     pub fn moving(&self, at: &Point) -> Moving {
         let c = self.coordinate;

@@ -257,6 +257,44 @@ impl Force {
         }
     }
 
+    /// Has a force whose law is not linear in the motion of its joint stand on its tangent at a state, until
+    /// [`Force::drop_tangent`].
+    pub fn linearize(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) {
+        match self {
+            Self::Motor(motor) => motor.linearize(time_s, angle_rad, rate_rad_s),
+            Self::Generator(generator) => generator.linearize(rate_rad_s),
+            Self::Slipping(brake) => brake.linearize(rate_rad_s),
+            // linear in angle and rate, with contact, closed latch and attitude as they are
+            Self::Spring(_)
+            | Self::External(_)
+            | Self::Latch(_)
+            | Self::Stops(_)
+            | Self::Brake(_)
+            | Self::Prescribed(_)
+            | Self::Lock
+            | Self::Attitude(_)
+            | Self::Watch(_) => {}
+        }
+    }
+
+    /// Has its law hold again.
+    pub fn drop_tangent(&mut self) {
+        match self {
+            Self::Motor(motor) => motor.tangent = None,
+            Self::Generator(generator) => generator.about_rad_s = None,
+            Self::Slipping(brake) => brake.about_rad_s = None,
+            Self::Spring(_)
+            | Self::External(_)
+            | Self::Latch(_)
+            | Self::Stops(_)
+            | Self::Brake(_)
+            | Self::Prescribed(_)
+            | Self::Lock
+            | Self::Attitude(_)
+            | Self::Watch(_) => {}
+        }
+    }
+
     /// Number of its indicators: signed distances in rad whose fall through zero is an event.
     pub fn indicators(&self) -> usize {
         match self {

@@ -15,19 +15,46 @@ pub struct Motor {
     pub drive: Drive,
     /// Its neutral angle.
     pub slew: Slew,
-    /// Torque at which a limit holds it whatever the inputs are, in N·m: only while derivatives by inputs are taken.
-    pub pinned_n_m: Option<f64>,
+    /// Its tangent, which it stands on while linear models and derivatives by inputs are taken.
+    pub tangent: Option<MotorTangent>,
     /// Piece of its limits that residuals stand on, eq. (T12); `None` where they follow from the state.
     pub piece: Option<Piece>,
     /// It hears no commands any more: it has run away.
     pub deaf: bool,
 }
 
+/// Tangent of a motor about a state: its limit stays as it is, and its potential is linear.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotorTangent {
+    /// Piece of the limits; within them where the motor wants just as much as they allow.
+    piece: Piece,
+    angle_rad: f64,
+    neutral_rad: f64,
+    /// Potential in J, and its slopes with the angle and the neutral angle in N·m.
+    potential_j: f64,
+    slopes_n_m: [f64; 2],
+}
+
 impl Motor {
+    /// Takes the tangent at a state.
+    pub fn linearize(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) {
+        let neutral_rad = self.slew.at(time_s).0;
+        self.tangent = Some(MotorTangent {
+            piece: self.drive.piece(self.wanted_n_m(time_s, angle_rad, rate_rad_s), None),
+            angle_rad,
+            neutral_rad,
+            potential_j: self.drive.potential_j(angle_rad, neutral_rad),
+            slopes_n_m: [
+                -self.drive.torque(angle_rad, 0.0, neutral_rad).applied_n_m,
+                self.drive.slew_power_w(angle_rad, neutral_rad, 1.0),
+            ],
+        });
+    }
+
     /// Torque at a state.
     pub fn torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> DriveTorque {
-        if let Some(applied_n_m) = self.pinned_n_m {
-            return DriveTorque { applied_n_m, saturated: true };
+        if let Some(tangent) = &self.tangent {
+            return self.drive.torque_on(tangent.piece, self.wanted_n_m(time_s, angle_rad, rate_rad_s));
         }
         self.drive.torque(angle_rad, rate_rad_s, self.slew.at(time_s).0)
     }
@@ -72,12 +99,21 @@ impl Motor {
 
     /// Energy stored in J.
     pub fn potential_j(&self, here: &Here) -> f64 {
-        self.drive.potential_j(here.angle_rad, self.slew.at(here.time_s).0)
+        let neutral_rad = self.slew.at(here.time_s).0;
+        match &self.tangent {
+            None => self.drive.potential_j(here.angle_rad, neutral_rad),
+            Some(tangent) => {
+                let [by_angle_n_m, by_neutral_n_m] = tangent.slopes_n_m;
+                tangent.potential_j
+                    + by_angle_n_m * (here.angle_rad - tangent.angle_rad)
+                    + by_neutral_n_m * (neutral_rad - tangent.neutral_rad)
+            }
+        }
     }
 
     /// Moves to the piece of the limits on which a state lies; says whether that is another one.
     pub fn move_piece(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> bool {
-        if self.pinned_n_m.is_some() || self.drive.torque_limit_n_m >= UNLIMITED {
+        if self.tangent.is_some() || self.drive.torque_limit_n_m >= UNLIMITED {
             return false;
         }
         let piece = self.drive.piece(self.wanted_n_m(time_s, angle_rad, rate_rad_s), self.piece);
@@ -87,7 +123,6 @@ impl Motor {
     /// Takes over the way of its neutral angle.
     pub fn recall(&mut self, memory: &JointMemory) {
         self.slew = memory.slew;
-        self.pinned_n_m = None;
     }
 
     /// Turns towards a new command.

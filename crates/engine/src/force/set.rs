@@ -119,6 +119,16 @@ impl Forces {
         self.list.iter_mut().for_each(JointForces::drop_pieces);
     }
 
+    /// Has all forces stand on their tangents at a state, until [`Forces::drop_tangents`]: linear in the motion of their joints.
+    pub fn linearize(&mut self, time_s: f64, q: &[f64], v: &[f64]) {
+        self.joints_mut().iter_mut().for_each(|joint| joint.linearize(time_s, q, v));
+    }
+
+    /// Has their laws hold again.
+    pub fn drop_tangents(&mut self) {
+        self.joints_mut().iter_mut().for_each(JointForces::drop_tangents);
+    }
+
     /// All indicators.
     pub fn indicators(&self) -> impl Iterator<Item = Indicator> {
         let of_joint = |(joint, forces): (usize, &JointForces)| {

@@ -265,4 +265,17 @@ mod tests {
         assert_eq!(passes(Contact::Pressed(Lower), 0, moving(-1.0, 1.0)), Contact::Apart);
         assert_eq!(passes(Contact::Apart, 1, moving(2.1, -9.0)), Contact::Leaving(Upper));
     }
+
+    /// A joint that leaves faster than the stop follows has two ways to go: free of the stop, or slower, where the stop presses again.
+    #[test]
+    fn leaving_ends_where_the_stop_presses_again() {
+        let leaving = Contact::Leaving(Side::Upper);
+        let stops = TwoSidedStops { stops: STOPS, contact: leaving };
+        // 0.1 rad beyond the end; damping over stiffness is 0.1 s, so that the stop presses from -1 rad/s on
+        let way = |rate| stops.distance_rad(1, &moving(2.1, rate), &memory(leaving));
+        assert!((way(-3.0) - 0.1).abs() < 1e-15, "to the end: {}", way(-3.0));
+        assert!((way(-1.5) - 0.05).abs() < 1e-15, "to pressing: {}", way(-1.5));
+        assert!(way(-1.001) > 0.0 && way(-0.999) < 0.0, "{} {}", way(-1.001), way(-0.999));
+        assert!(stops.is_overdue(1, &moving(2.1, -0.9), &memory(leaving)));
+    }
 }

@@ -21,13 +21,11 @@ pub struct OutputSlopes {
     pub position: DMatrix<f64>,
     /// With their rates.
     pub rate: DMatrix<f64>,
-    /// With their accelerations.
-    pub acceleration: DMatrix<f64>,
     /// With the inputs, at given accelerations.
     pub input: DMatrix<f64>,
 }
 
-/// A linear model; states are the coordinates and then their rates.
+/// A linear model; states are the coordinates, their rates and the lag states.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StateSpace {
     /// `A`, states by states.
@@ -38,27 +36,6 @@ pub struct StateSpace {
     pub c: DMatrix<f64>,
     /// `D`, outputs by inputs.
     pub d: DMatrix<f64>,
-}
-
-/// The linear model; `input_forces` is `∂r/∂u`, the change of the residual with the inputs. `None` where the mass
-/// matrix has no inverse.
-pub fn state_space(system: &SecondOrder, input_forces: &DMatrix<f64>, outputs: &OutputSlopes) -> Option<StateSpace> {
-    let n = system.mass.nrows();
-    let inverse = system.mass.clone().cholesky()?;
-    let by_position = -inverse.solve(&system.stiffness);
-    let by_rate = -inverse.solve(&system.damping);
-    let by_input = -inverse.solve(input_forces);
-    let mut a = DMatrix::zeros(2 * n, 2 * n);
-    a.view_mut((0, n), (n, n)).fill_with_identity();
-    a.view_mut((n, 0), (n, n)).copy_from(&by_position);
-    a.view_mut((n, n), (n, n)).copy_from(&by_rate);
-    let mut b = DMatrix::zeros(2 * n, by_input.ncols());
-    b.rows_mut(n, n).copy_from(&by_input);
-    let mut c = DMatrix::zeros(outputs.position.nrows(), 2 * n);
-    c.columns_mut(0, n).copy_from(&(&outputs.position + &outputs.acceleration * by_position));
-    c.columns_mut(n, n).copy_from(&(&outputs.rate + &outputs.acceleration * by_rate));
-    let d = &outputs.input + &outputs.acceleration * by_input;
-    Some(StateSpace { a, b, c, d })
 }
 
 /// Inputs of equations with lag states, column by column.
@@ -72,6 +49,18 @@ pub struct LaggedInputs {
     pub follow: DMatrix<f64>,
 }
 
+/// Accelerations of a machine whose mass matrix has small eigenvalues, and what outputs show of them: products with the matrix and
+/// its inverse lose digits by cancellation that sweeps along the tree keep.
+pub trait Accelerations {
+    /// `M x`, column by column.
+    fn inertia(&mut self, accelerations: &DMatrix<f64>) -> DMatrix<f64>;
+    /// Changes of the outputs.
+    fn shown(&mut self, accelerations: &DMatrix<f64>) -> DMatrix<f64>;
+}
+
+/// Rounds of refinement of accelerations: each gains as many digits as the condition of the mass matrix leaves, 6 or more of 16.
+const REFINEMENTS: usize = 2;
+
 /// The linear model of equations with lag states, NOTATION eq. (L23); `by_lag` are the outputs' slopes by the lag
 /// states. States are the coordinates, their rates without the immediate effect of an input jump (`−M⁻¹I u`), and the
 /// lag states. `None` if the mass matrix has no inverse.
@@ -80,15 +69,24 @@ pub fn lagged_state_space(
     inputs: &LaggedInputs,
     outputs: &OutputSlopes,
     by_lag: &DMatrix<f64>,
+    accelerations: &mut dyn Accelerations,
 ) -> Option<StateSpace> {
     let SecondOrder { mass, damping, stiffness } = &system.second;
     let (n, m, k) = (mass.nrows(), system.lag.nrows(), inputs.force.ncols());
     let inverse = mass.clone().cholesky()?;
-    let jump = -inverse.solve(&inputs.impulse);
-    let by_position = -inverse.solve(stiffness);
-    let by_rate = -inverse.solve(damping);
-    let by_follower = -inverse.solve(&system.force);
-    let by_input = &by_rate * &jump - inverse.solve(&inputs.force);
+    let mut pull = |forces: &DMatrix<f64>| {
+        let mut found = -inverse.solve(forces);
+        for _ in 0..REFINEMENTS {
+            let left = forces + accelerations.inertia(&found);
+            found -= inverse.solve(&left);
+        }
+        found
+    };
+    let jump = pull(&inputs.impulse);
+    let by_position = pull(stiffness);
+    let by_rate = pull(damping);
+    let by_follower = pull(&system.force);
+    let by_input = &by_rate * &jump + pull(&inputs.force);
     let mut a = DMatrix::zeros(2 * n + m, 2 * n + m);
     a.view_mut((0, n), (n, n)).fill_with_identity();
     a.view_mut((n, 0), (n, n)).copy_from(&by_position);
@@ -102,10 +100,10 @@ pub fn lagged_state_space(
     b.rows_mut(n, n).copy_from(&by_input);
     b.rows_mut(2 * n, m).copy_from(&(&system.rate * &jump + &inputs.follow));
     let mut c = DMatrix::zeros(outputs.position.nrows(), 2 * n + m);
-    c.columns_mut(0, n).copy_from(&(&outputs.position + &outputs.acceleration * by_position));
-    c.columns_mut(n, n).copy_from(&(&outputs.rate + &outputs.acceleration * by_rate));
-    c.columns_mut(2 * n, m).copy_from(&(by_lag + &outputs.acceleration * by_follower));
-    let d = &outputs.input + &outputs.rate * jump + &outputs.acceleration * by_input;
+    c.columns_mut(0, n).copy_from(&(&outputs.position + accelerations.shown(&by_position)));
+    c.columns_mut(n, n).copy_from(&(&outputs.rate + accelerations.shown(&by_rate)));
+    c.columns_mut(2 * n, m).copy_from(&(by_lag + accelerations.shown(&by_follower)));
+    let d = &outputs.input + &outputs.rate * &jump + accelerations.shown(&by_input);
     Some(StateSpace { a, b, c, d })
 }
 
@@ -113,14 +111,29 @@ pub fn lagged_state_space(
 mod tests {
     use super::*;
 
+    /// Masses without a tree.
+    struct Plain(DMatrix<f64>);
+
+    impl Accelerations for Plain {
+        fn inertia(&mut self, accelerations: &DMatrix<f64>) -> DMatrix<f64> {
+            &self.0 * accelerations
+        }
+
+        fn shown(&mut self, accelerations: &DMatrix<f64>) -> DMatrix<f64> {
+            accelerations.clone()
+        }
+    }
+
     /// A mass on a spring and damper whose acceleration is an output: `ẍ = (u − cẋ − kx)/m`.
     #[test]
     fn oscillator() {
         let one = |value: f64| DMatrix::from_element(1, 1, value);
-        let system = SecondOrder { mass: one(2.0), damping: one(0.6), stiffness: one(8.0) };
+        let system = Lagged::without(SecondOrder { mass: one(2.0), damping: one(0.6), stiffness: one(8.0) });
         let zero = one(0.0);
-        let outputs = OutputSlopes { position: zero.clone(), rate: zero.clone(), acceleration: one(1.0), input: zero };
-        let model = state_space(&system, &one(-1.0), &outputs).unwrap();
+        let outputs = OutputSlopes { position: zero.clone(), rate: zero.clone(), input: zero.clone() };
+        let inputs = LaggedInputs { force: one(-1.0), impulse: zero, follow: DMatrix::zeros(0, 1) };
+        let none = DMatrix::zeros(1, 0);
+        let model = lagged_state_space(&system, &inputs, &outputs, &none, &mut Plain(one(2.0))).unwrap();
         let near = |matrix: &DMatrix<f64>, rows: usize, expected: &[f64]| {
             let expected = DMatrix::from_row_slice(rows, expected.len() / rows, expected);
             assert!((matrix - &expected).amax() < 1e-15, "{matrix} against {expected}");

@@ -22,6 +22,7 @@ pub mod near_one;
 pub mod newton;
 pub mod point;
 pub mod reduction;
+pub mod reduction_accuracy;
 pub mod reduction_band;
 pub mod reduction_sampled;
 pub mod resolvent;

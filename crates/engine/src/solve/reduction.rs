@@ -1,8 +1,11 @@
 //! Linear models in modal form: fewer states by modal and by balanced truncation, and samples in time, NOTATION eqs. (L18)–(L20).
 
+use crate::solve::complex_factors::ComplexFactors;
 use crate::solve::eigen::{Eigen, eigen};
 use crate::solve::linearize::StateSpace;
+use crate::solve::reduction_accuracy::{Accuracy, Dropped, Measure, even_scales, responding};
 use nalgebra::{Complex, DMatrix, DVector, SVD};
+use std::f64::consts::TAU;
 
 type ComplexMatrix = DMatrix<Complex<f64>>;
 
@@ -21,9 +24,13 @@ pub struct Reduced {
     /// The model, with the gain at rest of the whole one.
     pub model: StateSpace,
     /// Bound on the largest singular value, over all frequencies, of what was left out. `None` if a motion that does not decay was
-    /// left out.
+    /// left out, and of reductions for a band.
     pub error_bound: Option<f64>,
-    /// Hankel singular values, largest first; infinite for states of motions that do not decay. Empty for modal truncation.
+    /// How far it is off in a range of frequencies: in the band, without one up to the fastest motion that was kept. `None` in discrete
+    /// time without a band.
+    pub accuracy: Option<Accuracy>,
+    /// Hankel singular values on even scales of inputs and outputs, largest first; infinite for states of motions that do not decay.
+    /// Empty for modal truncation.
     pub hankel: Vec<f64>,
 }
 
@@ -34,10 +41,7 @@ pub enum NoReduction {
     #[error("the eigenvalues of A cannot be found")]
     Eigenvalues,
     /// Equal eigenvalues whose vectors coincide.
-    #[error(
-        "A has eigenvalues that coincide with their vectors (condition {condition:.1e}), as of a free body; hold its motion, or choose \
-         another state"
-    )]
+    #[error("A has eigenvalues that coincide with their vectors (condition {condition:.1e}); choose another state")]
     Defective {
         /// Condition of the eigenvectors.
         condition: f64,
@@ -60,12 +64,12 @@ pub enum NoReduction {
     /// Reduction to modes in discrete time: the modes of the wake have no order.
     #[error("models in discrete time are reduced by balanced truncation, not to modes")]
     SampledModes,
-    /// A band for a model in continuous time.
-    #[error("only models in discrete time are reduced for a band of frequencies; linearise with the air of a lattice")]
-    Continuous,
-    /// A band that ends nowhere in the frequencies of the samples.
-    #[error("the band must end above 0 Hz and below half the sampling rate")]
+    /// A band that ends nowhere in the frequencies of the model.
+    #[error("the band must end above 0 Hz, and in discrete time below half the sampling rate")]
     Band,
+    /// Modal truncation for a band.
+    #[error("only balanced truncation is for a band of frequencies; modal truncation keeps the slowest modes")]
+    ModalBand,
     /// A singular matrix on the way.
     #[error("the balanced form cannot be found; keep more states, or keep modes")]
     Singular,
@@ -77,13 +81,26 @@ const MAXIMUM_CONDITION: f64 = 1e9;
 const NO_DECAY: f64 = 1e-10;
 /// Hankel singular values, relative to the largest, that are round-off of the Gramians.
 const ROUND_OFF: f64 = 1e-9;
+/// Eigenvalue, relative to the fastest, below which a motion may stand still: the square root of the digits that a double zero keeps.
+const STILL: f64 = 1e-6;
+/// Singular value, relative to the largest, that is round-off.
+const NULL: f64 = 1e-13;
+/// Frequencies at which the error is measured: half of them even, half of them on a logarithmic scale; beside all resonances.
+const MEASURED: usize = 200;
+/// Where a range without a slowest motion begins on the logarithmic scale, over its end.
+const SLOWEST: f64 = 1e-4;
+/// Relative distance within which an eigenvalue of the reduced model counts as one of the whole model.
+const SAME: f64 = 0.03;
 
 /// A model in real modal form: blocks of one or two states, slowest first.
+#[derive(Clone)]
 struct Modal {
     blocks: Vec<Block>,
     a: DMatrix<f64>,
     b: DMatrix<f64>,
     c: DMatrix<f64>,
+    /// Number of states of motions that nothing resists, which come first; their part of `A` is whole.
+    still: usize,
 }
 
 /// One real eigenvalue, or a pair: that with positive imaginary part.
@@ -104,12 +121,18 @@ impl Block {
 }
 
 impl Modal {
-    /// Of a model whose states are scaled first: powers of two make rows and columns of `A` alike.
+    /// Of a model whose states are scaled first: powers of two make rows and columns of `A` alike. Motions that nothing resists, whose
+    /// vectors coincide, come first, as they are: blocks of one state each with the eigenvalue 0.
     fn new(model: &StateSpace) -> Result<(Self, DMatrix<f64>), NoReduction> {
         let n = model.a.nrows();
         let (scaled, scale) = balanced_rows(&model.a);
-        let Eigen { values, vectors } = eigen(&scaled).ok_or(NoReduction::Eigenvalues)?;
-        let mut starts: Vec<usize> = (0..n).filter(|&i| values[i].im >= 0.0).collect();
+        let (split, still) = still_first(&scaled)?;
+        let back = split.clone().try_inverse().ok_or(NoReduction::Singular)?;
+        let within = &back * &scaled * &split;
+        let rest = n - still;
+        let moving = within.view((still, still), (rest, rest)).into_owned();
+        let Eigen { values, vectors } = eigen(&moving).ok_or(NoReduction::Eigenvalues)?;
+        let mut starts: Vec<usize> = (0..rest).filter(|&i| values[i].im >= 0.0).collect();
         starts.sort_by(|&i, &j| values[i].norm().total_cmp(&values[j].norm()));
         let columns = starts.iter().flat_map(|&i| if values[i].im == 0.0 { vec![i] } else { vec![i, i + 1] });
         let vectors = vectors.select_columns(&columns.collect::<Vec<_>>());
@@ -119,7 +142,10 @@ impl Modal {
             return Err(NoReduction::Defective { condition });
         }
         let mut a = DMatrix::zeros(n, n);
-        let (mut blocks, mut first) = (Vec::with_capacity(starts.len()), 0);
+        a.view_mut((0, 0), (still, still)).copy_from(&within.view((0, 0), (still, still)));
+        let at_rest = |first: usize| Block { first, eigenvalue: Complex::new(0.0, 0.0) };
+        let mut blocks: Vec<Block> = (0..still).map(at_rest).collect();
+        let mut first = still;
         for start in starts {
             let block = Block { first, eigenvalue: values[start] };
             let Complex { re, im } = block.eigenvalue;
@@ -131,11 +157,17 @@ impl Modal {
             first += block.size();
             blocks.push(block);
         }
-        // x = S V z
-        let to_states = DMatrix::from_fn(n, n, |i, j| scale[i] * vectors[(i, j)]);
-        let from_states = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / scale[j]);
+        // x = S (N, Y V) z
+        let mut out = split;
+        let moved = out.columns(still, rest) * vectors;
+        out.columns_mut(still, rest).copy_from(&moved);
+        let mut into = back;
+        let moved = inverse * into.rows(still, rest);
+        into.rows_mut(still, rest).copy_from(&moved);
+        let to_states = DMatrix::from_fn(n, n, |i, j| scale[i] * out[(i, j)]);
+        let from_states = DMatrix::from_fn(n, n, |i, j| into[(i, j)] / scale[j]);
         let (b, c) = (&from_states * &model.b, &model.c * &to_states);
-        Ok((Self { blocks, a, b, c }, to_states))
+        Ok((Self { blocks, a, b, c, still }, to_states))
     }
 
     /// Rows of `b` and columns of `c` in complex coordinates, one for each eigenvalue: `z = (ζ + ζ̄, i(ζ − ζ̄))`.
@@ -163,6 +195,58 @@ impl Modal {
             }
         }
         (values, b, c)
+    }
+}
+
+/// A basis whose first columns span the motions that nothing resists, `Aᵏ x = 0` for some `k`, and whose other columns span the rest,
+/// both invariant; and the number of the first.
+fn still_first(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, usize), NoReduction> {
+    let n = a.nrows();
+    let whole = DMatrix::identity(n, n);
+    let sizes: Vec<f64> = eigen(a).ok_or(NoReduction::Eigenvalues)?.values.iter().map(|value| value.norm()).collect();
+    let fastest = sizes.iter().copied().fold(0.0, f64::max);
+    if sizes.iter().all(|size| *size > STILL * fastest) && fastest > 0.0 {
+        return Ok((whole, 0));
+    }
+    let right = null_space(a)?;
+    let left = null_space(&a.transpose())?;
+    let still = right.ncols();
+    if still == 0 || left.ncols() != still {
+        return Ok((whole, 0));
+    }
+    // what the left vectors do not see
+    let mut rest = whole;
+    for column in left.column_iter() {
+        rest -= &column * (column.transpose() * &rest);
+    }
+    let svd = SVD::try_new(rest, true, false, f64::EPSILON, 0).ok_or(NoReduction::Singular)?;
+    let u = svd.u.ok_or(NoReduction::Singular)?;
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&i, &j| svd.singular_values[j].total_cmp(&svd.singular_values[i]));
+    let mut basis = DMatrix::zeros(n, n);
+    basis.columns_mut(0, still).copy_from(&right);
+    basis.columns_mut(still, n - still).copy_from(&u.select_columns(&order[..n - still]));
+    Ok((basis, still))
+}
+
+/// Orthonormal vectors that span `Aᵏ x = 0` for some `k`: those that `A` carries into the span of the former, until there are no more.
+fn null_space(a: &DMatrix<f64>) -> Result<DMatrix<f64>, NoReduction> {
+    let mut found = DMatrix::zeros(a.nrows(), 0);
+    loop {
+        let mut beside = a.clone();
+        for column in found.column_iter() {
+            let column: DVector<f64> = column.into_owned();
+            let along = column.transpose() * &beside;
+            beside -= column * along;
+        }
+        let svd = SVD::try_new(beside, false, true, f64::EPSILON, 0).ok_or(NoReduction::Singular)?;
+        let rows = svd.v_t.ok_or(NoReduction::Singular)?;
+        let limit = NULL * a.nrows() as f64 * a.norm();
+        let null: Vec<usize> = (0..rows.nrows()).filter(|&i| svd.singular_values[i] <= limit).collect();
+        if null.len() <= found.ncols() {
+            return Ok(found);
+        }
+        found = rows.select_rows(&null).transpose();
     }
 }
 
@@ -194,24 +278,59 @@ pub(super) fn balanced_rows(matrix: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64
     (scaled, scale)
 }
 
-/// A model with `order` states, eqs. (L18) and (L19). Modal truncation keeps one less where it would tear a pair.
+/// A model with `order` states, eqs. (L18) and (L19). Modal truncation keeps one less where it would tear a pair. Balanced truncation, on
+/// even scales of inputs and outputs, is for all frequencies or for a band from 0 to `up_to_hz`, eq. (L37); for a band it may keep
+/// fewer, so that what decays in the whole model decays in the reduced one.
 ///
 /// # Errors
 /// [`NoReduction`], with what is possible.
-pub fn reduce(model: &StateSpace, order: usize, keep: Keep) -> Result<Reduced, NoReduction> {
+pub fn reduce(model: &StateSpace, order: usize, keep: Keep, up_to_hz: Option<f64>) -> Result<Reduced, NoReduction> {
     let most = model.a.nrows();
     if order == 0 || order > most {
         return Err(NoReduction::Order { order, least: 1, most });
     }
-    let (modal, _) = Modal::new(model)?;
-    match keep {
-        Keep::Modes => Ok(slowest(&modal, &model.d, order)),
-        Keep::Balanced => balanced(&modal, &model.d, order),
+    // written so that NaN is refused
+    if up_to_hz.is_some_and(|up_to_hz| !(up_to_hz > 0.0 && up_to_hz.is_finite())) {
+        return Err(NoReduction::Band);
     }
+    let (modal, _) = Modal::new(model)?;
+    if keep == Keep::Modes {
+        if up_to_hz.is_some() {
+            return Err(NoReduction::ModalBand);
+        }
+        return slowest(&modal, &model.d, order);
+    }
+    let end_1_s = up_to_hz.map(|up_to_hz| up_to_hz * TAU);
+    let gains = modal.gains(&model.d, end_1_s);
+    let [inputs, outputs] = even_scales(&gains);
+    let mut even = modal.clone();
+    even.b.column_iter_mut().zip(&inputs).for_each(|(mut column, scale)| column *= *scale);
+    even.c.row_iter_mut().zip(&outputs).for_each(|(mut row, scale)| row *= *scale);
+    let d = DMatrix::from_fn(model.d.nrows(), model.d.ncols(), |i, j| model.d[(i, j)] * outputs[i] * inputs[j]);
+    let mut reduced = balanced(&even, &d, order, end_1_s)?;
+    let small = &mut reduced.model;
+    small.b.column_iter_mut().zip(&inputs).for_each(|(mut column, scale)| column /= *scale);
+    small.c.row_iter_mut().zip(&outputs).for_each(|(mut row, scale)| row /= *scale);
+    for i in 0..outputs.len() {
+        for j in 0..inputs.len() {
+            small.d[(i, j)] /= outputs[i] * inputs[j];
+        }
+    }
+    // the bound is that on even scales: back in the units of the outputs over those of the inputs
+    let least = |scales: &[f64]| scales.iter().copied().fold(f64::INFINITY, f64::min);
+    let unit = least(&inputs) * least(&outputs);
+    reduced.error_bound = reduced.error_bound.map(|bound| if bound > 0.0 { bound / unit } else { 0.0 });
+    let whole = modal.blocks.iter().filter(|block| !block.decays()).map(|block| block.size()).sum();
+    reduced.accuracy = Some(modal.accuracy(&model.d, &reduced.model, whole, up_to_hz));
+    Ok(reduced)
 }
 
 /// The slowest modes; the others follow at once, eq. (L18).
-fn slowest(modal: &Modal, d: &DMatrix<f64>, order: usize) -> Reduced {
+fn slowest(modal: &Modal, d: &DMatrix<f64>, order: usize) -> Result<Reduced, NoReduction> {
+    if order < modal.still {
+        return Err(NoReduction::Order { order, least: modal.still, most: modal.a.nrows() });
+    }
+    let whole_d = d;
     let kept = modal.blocks.iter().take_while(|block| block.first + block.size() <= order).count();
     let states = modal.blocks.get(kept).map_or(modal.a.nrows(), |block| block.first);
     let (values, b, c) = modal.complex();
@@ -231,12 +350,15 @@ fn slowest(modal: &Modal, d: &DMatrix<f64>, order: usize) -> Reduced {
         c: modal.c.columns(0, states).into_owned(),
         d,
     };
-    Reduced { model, error_bound: bound, hankel: Vec::new() }
+    let accuracy = modal.accuracy_without(whole_d, &model.d, states);
+    Ok(Reduced { model, error_bound: bound, accuracy: Some(accuracy), hankel: Vec::new() })
 }
 
 /// What carries most from inputs to outputs, eq. (L19): motions that do not decay stay whole, of the others the states with the largest
 /// Hankel singular values; the rest follows at once (singular perturbation), which keeps the gain at rest and the bound.
-fn balanced(modal: &Modal, d: &DMatrix<f64>, order: usize) -> Result<Reduced, NoReduction> {
+///
+/// For a band that ends at `end_1_s` the Gramians are those of its frequencies; states are left out until the rest decays.
+fn balanced(modal: &Modal, d: &DMatrix<f64>, order: usize, end_1_s: Option<f64>) -> Result<Reduced, NoReduction> {
     let places = |decays: bool| -> Vec<usize> {
         let blocks = modal.blocks.iter().filter(|block| block.decays() == decays);
         blocks.flat_map(|block| block.first..block.first + block.size()).collect()
@@ -245,7 +367,7 @@ fn balanced(modal: &Modal, d: &DMatrix<f64>, order: usize) -> Result<Reduced, No
     if order < whole.len() {
         return Err(NoReduction::Order { order, least: whole.len(), most: modal.a.nrows() });
     }
-    let [reach, observe] = gramians(modal, &stable);
+    let [reach, observe] = gramians(modal, &stable, end_1_s);
     let [left, right] = [root(&observe), root(&reach)];
     let svd = SVD::try_new(left.transpose() * &right, true, true, f64::EPSILON, 0).ok_or(NoReduction::Singular)?;
     let (Some(u), Some(vt)) = (&svd.u, &svd.v_t) else { return Err(NoReduction::Singular) };
@@ -254,7 +376,6 @@ fn balanced(modal: &Modal, d: &DMatrix<f64>, order: usize) -> Result<Reduced, No
     let hankel: Vec<f64> = rank.iter().map(|&i| svd.singular_values[i]).collect();
     let largest = hankel.first().copied().unwrap_or(0.0);
     let sound = hankel.iter().take_while(|&&value| value > ROUND_OFF * largest && value > 0.0).count();
-    let kept = (order - whole.len()).min(sound);
     let scaled =
         |matrix: DMatrix<f64>| DMatrix::from_fn(matrix.nrows(), sound, |i, j| matrix[(i, rank[j])] / hankel[j].sqrt());
     let (into, out) = (scaled(&left * u), scaled(&right * vt.transpose()));
@@ -262,6 +383,43 @@ fn balanced(modal: &Modal, d: &DMatrix<f64>, order: usize) -> Result<Reduced, No
     let a = into.transpose() * block(&stable, &stable) * &out;
     let b = into.transpose() * modal.b.select_rows(&stable);
     let c = modal.c.select_columns(&stable) * &out;
+    let most = (order - whole.len()).min(sound);
+    let (kept, a_slow, b_slow, c_slow) = (0..=most)
+        .rev()
+        .map(|kept| follow_at_once([&a, &b, &c], kept, sound).map(|[a, b, c]| (kept, a, b, c)))
+        .find(|found| match found {
+            Ok((kept, a, ..)) => *kept == 0 || end_1_s.is_none() || decays(a),
+            Err(_) => end_1_s.is_none(),
+        })
+        .unwrap_or(Err(NoReduction::Singular))?;
+    // from the gain at rest, which the states with small values know to few digits only
+    let (values, by_input, seen) = modal.complex();
+    let mut d = DMatrix::from_fn(d.nrows(), d.ncols(), |i, j| {
+        d[(i, j)] - stable.iter().map(|&k| (seen[(i, k)] * by_input[(k, j)] / values[k]).re).sum::<f64>()
+    });
+    if kept > 0 {
+        d += &c_slow * a_slow.clone().lu().solve(&b_slow).ok_or(NoReduction::Singular)?;
+    }
+    let (first, n) = (whole.len(), whole.len() + kept);
+    let (a_whole, b_whole, c_whole) =
+        (block(&whole, &whole), modal.b.select_rows(&whole), modal.c.select_columns(&whole));
+    let model = StateSpace {
+        a: DMatrix::from_fn(n, n, |i, j| match (i < first, j < first) {
+            (true, true) => a_whole[(i, j)],
+            (false, false) => a_slow[(i - first, j - first)],
+            _ => 0.0,
+        }),
+        b: DMatrix::from_fn(n, b.ncols(), |i, j| if i < first { b_whole[(i, j)] } else { b_slow[(i - first, j)] }),
+        c: DMatrix::from_fn(c.nrows(), n, |i, j| if j < first { c_whole[(i, j)] } else { c_slow[(i, j - first)] }),
+        d,
+    };
+    let error_bound = end_1_s.is_none().then(|| 2.0 * hankel[kept..].iter().sum::<f64>());
+    let hankel = std::iter::repeat_n(f64::INFINITY, whole.len()).chain(hankel).collect();
+    Ok(Reduced { model, error_bound, accuracy: None, hankel })
+}
+
+/// The first `kept` of `sound` states; the others follow at once.
+fn follow_at_once([a, b, c]: [&DMatrix<f64>; 3], kept: usize, sound: usize) -> Result<[DMatrix<f64>; 3], NoReduction> {
     let (slow, fast): (Vec<usize>, Vec<usize>) = (0..sound).partition(|&i| i < kept);
     let part = |rows: &[usize], columns: &[usize]| {
         DMatrix::from_fn(rows.len(), columns.len(), |i, j| a[(rows[i], columns[j])])
@@ -280,42 +438,34 @@ fn balanced(modal: &Modal, d: &DMatrix<f64>, order: usize) -> Result<Reduced, No
             c_slow -= &seen * &by_state;
         }
     }
-    // from the gain at rest, which the states with small values know to few digits only
-    let (values, by_input, seen) = modal.complex();
-    let mut d = DMatrix::from_fn(d.nrows(), d.ncols(), |i, j| {
-        d[(i, j)] - stable.iter().map(|&k| (seen[(i, k)] * by_input[(k, j)] / values[k]).re).sum::<f64>()
-    });
-    if !slow.is_empty() {
-        d += &c_slow * a_slow.clone().lu().solve(&b_slow).ok_or(NoReduction::Singular)?;
-    }
-    let (first, n) = (whole.len(), whole.len() + kept);
-    let (a_whole, b_whole, c_whole) =
-        (block(&whole, &whole), modal.b.select_rows(&whole), modal.c.select_columns(&whole));
-    let model = StateSpace {
-        a: DMatrix::from_fn(n, n, |i, j| match (i < first, j < first) {
-            (true, true) => a_whole[(i, j)],
-            (false, false) => a_slow[(i - first, j - first)],
-            _ => 0.0,
-        }),
-        b: DMatrix::from_fn(n, b.ncols(), |i, j| if i < first { b_whole[(i, j)] } else { b_slow[(i - first, j)] }),
-        c: DMatrix::from_fn(c.nrows(), n, |i, j| if j < first { c_whole[(i, j)] } else { c_slow[(i, j - first)] }),
-        d,
-    };
-    let bound = 2.0 * hankel[kept..].iter().sum::<f64>();
-    let hankel = std::iter::repeat_n(f64::INFINITY, whole.len()).chain(hankel).collect();
-    Ok(Reduced { model, error_bound: Some(bound), hankel })
+    Ok([a_slow, b_slow, c_slow])
+}
+
+/// Whether all motions decay.
+fn decays(a: &DMatrix<f64>) -> bool {
+    eigen(a).is_some_and(|found| found.values.iter().all(|value| value.re < 0.0))
 }
 
 /// Gramians of the stable part in real modal coordinates, in closed form from those in complex ones:
-/// `P_ij = −b_i b̄_j/(λ_i + λ̄_j)`.
-fn gramians(modal: &Modal, stable: &[usize]) -> [DMatrix<f64>; 2] {
+/// `P_ij = −b_i b̄_j/(λ_i + λ̄_j)`; of a band that ends at `Ω` times `s_i + s̄_j`, `s = ln((iΩ − λ)/(−iΩ − λ))/2πi`.
+fn gramians(modal: &Modal, stable: &[usize], end_1_s: Option<f64>) -> [DMatrix<f64>; 2] {
+    let share = |value: Complex<f64>| match end_1_s {
+        None => Complex::from(0.5),
+        Some(end_1_s) => {
+            let end = Complex::new(0.0, end_1_s);
+            // the logarithms apart: their difference is that of the whole turn
+            ((end - value).ln() - (-end - value).ln()) / Complex::new(0.0, TAU)
+        }
+    };
     let (values, b, c) = modal.complex();
     let n = stable.len();
     let gramian = |rows: &dyn Fn(usize, usize) -> Complex<f64>, conjugate: bool| {
         DMatrix::from_fn(n, n, |i, j| {
             let (i, j) = (stable[i], stable[j]);
             let sum = values[i] + values[j].conj();
-            -rows(i, j) / if conjugate { sum.conj() } else { sum }
+            let shares = share(values[i]) + share(values[j]).conj();
+            let [sum, shares] = if conjugate { [sum.conj(), shares.conj()] } else { [sum, shares] };
+            -rows(i, j) * shares / sum
         })
     };
     let reach = gramian(&|i, j| (0..b.ncols()).map(|k| b[(i, k)] * b[(j, k)].conj()).sum(), false);
@@ -352,6 +502,121 @@ fn root(gramian: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(gramian.nrows(), roots.len(), |i, j| eigen.eigenvectors[(i, j)] * roots[j])
 }
 
+impl Modal {
+    /// Frequencies in 1/s at which errors are measured, from 0 to `end_1_s`: resonances among them.
+    fn grid(&self, end_1_s: f64) -> Vec<f64> {
+        let resonances = self.blocks.iter().map(|block| block.eigenvalue).filter(|value| value.norm() > 0.0);
+        let resonances: Vec<f64> = resonances.flat_map(|value| [value.norm(), value.im]).collect();
+        let slowest = resonances.iter().copied().filter(|at| *at > 0.0).fold(end_1_s, f64::min).max(SLOWEST * end_1_s);
+        let half = MEASURED / 2;
+        let even = (0..=half).map(|i| end_1_s * i as f64 / half as f64);
+        let logarithmic = (0..half).map(|i| slowest * (end_1_s / slowest).powf(i as f64 / half as f64));
+        even.chain(logarithmic).chain(resonances.iter().copied().filter(|at| *at > 0.0 && *at <= end_1_s)).collect()
+    }
+
+    /// Sum of the answers of some states at a frequency in 1/s.
+    fn answer(
+        parts: &(Vec<Complex<f64>>, ComplexMatrix, ComplexMatrix),
+        states: &[usize],
+        at_1_s: f64,
+    ) -> ComplexMatrix {
+        let (values, b, c) = parts;
+        let mut behind = DMatrix::zeros(states.len(), b.ncols());
+        for (row, &k) in states.iter().enumerate() {
+            let factor = (Complex::new(0.0, at_1_s) - values[k]).inv();
+            (0..b.ncols()).for_each(|j| behind[(row, j)] = b[(k, j)] * factor);
+        }
+        c.select_columns(states) * behind
+    }
+
+    /// States of motions that decay.
+    fn decaying(&self) -> Vec<usize> {
+        let blocks = self.blocks.iter().filter(|block| block.decays());
+        blocks.flat_map(|block| block.first..block.first + block.size()).collect()
+    }
+
+    /// Largest gains, without motions that do not decay, in a band or over all frequencies.
+    fn gains(&self, d: &DMatrix<f64>, end_1_s: Option<f64>) -> DMatrix<f64> {
+        let (parts, states) = (self.complex(), self.decaying());
+        let fastest = self.blocks.iter().map(|block| block.eigenvalue.norm()).fold(0.0, f64::max);
+        let mut measure = Measure::new(d.nrows(), d.ncols());
+        let (direct, none) = (d.map(Complex::from), DMatrix::zeros(d.nrows(), d.ncols()));
+        for at_1_s in self.grid(end_1_s.unwrap_or(fastest)) {
+            measure.add(at_1_s / TAU, &(Self::answer(&parts, &states, at_1_s) + &direct), &none);
+        }
+        measure.gains().clone()
+    }
+
+    /// How far a reduced model is off whose first `whole` states are the motions that do not decay, as they are.
+    fn accuracy(&self, d: &DMatrix<f64>, small: &StateSpace, whole: usize, up_to_hz: Option<f64>) -> Accuracy {
+        let n = small.a.nrows() - whole;
+        let a = small.a.view((whole, whole), (n, n)).into_owned();
+        let (b, c) = (small.b.rows(whole, n).map(Complex::from), small.c.columns(whole, n).map(Complex::from));
+        let own = eigen(&a).map_or(Vec::new(), |found| found.values);
+        let fastest = own.iter().map(|value| value.norm()).fold(0.0, f64::max);
+        let end_1_s = up_to_hz.map_or(fastest, |up_to_hz| up_to_hz * TAU);
+        let (parts, states) = (self.complex(), self.decaying());
+        let mut measure = Measure::new(d.nrows(), d.ncols());
+        let direct = d.map(Complex::from);
+        let mut places = self.grid(end_1_s);
+        places.extend(own.iter().flat_map(|value| [value.norm(), value.im]).filter(|at| *at > 0.0 && *at <= end_1_s));
+        for at_1_s in places {
+            let gain = Self::answer(&parts, &states, at_1_s) + &direct;
+            let entry = |i: usize, j: usize| Complex::new(-a[(i, j)], if i == j { at_1_s } else { 0.0 });
+            let factors = ComplexFactors::new(n, entry);
+            let mut found = small.d.map(Complex::from);
+            for (j, column) in b.column_iter().enumerate() {
+                let mut target = found.column_mut(j);
+                target += &c * factors.solve(&column.into_owned());
+            }
+            measure.add(at_1_s / TAU, &gain, &(&gain - found));
+        }
+        let kept = |value: Complex<f64>| own.iter().any(|own| (own - value).norm() <= SAME * value.norm());
+        let dropped = self.dropped(end_1_s, measure.gains(), &parts, |block| !kept(block.eigenvalue));
+        measure.accuracy(end_1_s / TAU, 0.0, dropped)
+    }
+
+    /// How far the model is off of which only the first states are kept, which are modes, with another `d`.
+    fn accuracy_without(&self, d: &DMatrix<f64>, other_d: &DMatrix<f64>, kept: usize) -> Accuracy {
+        let parts = self.complex();
+        let (decaying, rest) = (self.decaying(), (kept..self.a.nrows()).collect::<Vec<_>>());
+        let ends = self.blocks.iter().filter(|block| block.first < kept).map(|block| block.eigenvalue.norm());
+        let end_1_s = ends.fold(0.0, f64::max);
+        let mut measure = Measure::new(d.nrows(), d.ncols());
+        let (direct, moved) = (d.map(Complex::from), (d - other_d).map(Complex::from));
+        for at_1_s in self.grid(end_1_s) {
+            let gain = Self::answer(&parts, &decaying, at_1_s) + &direct;
+            measure.add(at_1_s / TAU, &gain, &(Self::answer(&parts, &rest, at_1_s) + &moved));
+        }
+        let dropped = self.dropped(end_1_s, measure.gains(), &parts, |block| block.first >= kept);
+        measure.accuracy(end_1_s / TAU, 0.0, dropped)
+    }
+
+    /// Modes up to a frequency that are left out, and show between some input and output.
+    fn dropped(
+        &self,
+        end_1_s: f64,
+        gains: &DMatrix<f64>,
+        (_, b, c): &(Vec<Complex<f64>>, ComplexMatrix, ComplexMatrix),
+        left_out: impl Fn(&Block) -> bool,
+    ) -> Vec<Dropped> {
+        let responds = responding(gains);
+        let within = self.blocks.iter().filter(|block| block.decays() && block.eigenvalue.norm() <= end_1_s);
+        let share = |block: &Block| {
+            let k = block.first;
+            let mut most = 0.0f64;
+            for i in 0..gains.nrows() {
+                for j in (0..gains.ncols()).filter(|&j| responds[(i, j)]) {
+                    let peak = (c[(i, k)] * b[(k, j)]).norm() / -block.eigenvalue.re;
+                    most = most.max(peak / gains[(i, j)]);
+                }
+            }
+            Dropped { eigenvalue_1_s: block.eigenvalue, share: most }
+        };
+        within.filter(|block| left_out(block)).map(share).filter(|dropped| dropped.share > Accuracy::SEEN).collect()
+    }
+}
+
 /// `A` and `B` for samples of `step_s` with inputs held in between, eq. (L20).
 ///
 /// # Errors
@@ -361,7 +626,15 @@ pub fn sampled(model: &StateSpace, step_s: f64) -> Result<(DMatrix<f64>, DMatrix
     let (modal, to_states) = Modal::new(model)?;
     let from_states = to_states.clone().try_inverse().ok_or(NoReduction::Singular)?;
     let (mut whole, mut held) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
-    for block in &modal.blocks {
+    let still = modal.still;
+    // exp of [[A, 1], [0, 0]] h: motions that nothing resists have a series that ends
+    let mut series = DMatrix::zeros(2 * still, 2 * still);
+    series.view_mut((0, 0), (still, still)).copy_from(&(modal.a.view((0, 0), (still, still)) * step_s));
+    series.view_mut((0, still), (still, still)).copy_from(&(DMatrix::identity(still, still) * step_s));
+    let series = series.exp();
+    whole.view_mut((0, 0), (still, still)).copy_from(&series.view((0, 0), (still, still)));
+    held.view_mut((0, 0), (still, still)).copy_from(&series.view((0, still), (still, still)));
+    for block in &modal.blocks[still..] {
         let power = block.eigenvalue * step_s;
         let growth = power.exp();
         // (eᶻ − 1)/z, by its series where the difference would cancel

@@ -7,9 +7,10 @@ use crate::solve::complex_factors::ComplexFactors;
 use crate::solve::eigen::eigen;
 use crate::solve::linearize::StateSpace;
 use crate::solve::reduction::{Keep, NoReduction, Reduced};
+use crate::solve::reduction_accuracy::{Measure, even_scales};
 use crate::solve::reduction_sampled::reduce_sampled;
 use nalgebra::{Complex, DMatrix, DVector, SVD};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// States of the model that the whole one is reduced to first, at all frequencies: its error is round-off of the whole model.
 const FIRST: usize = 240;
@@ -22,26 +23,23 @@ const MEASURED: usize = 201;
 /// Hankel singular values, relative to the largest, that are round-off.
 const ROUND_OFF: f64 = 1e-12;
 
-/// A model for a band of frequencies.
-#[derive(Debug, Clone, PartialEq)]
-pub struct InBand {
-    /// The model. It has no bound on its error.
-    pub reduced: Reduced,
-    /// Largest error in the band, over the largest answer in the band of the same output to the same input.
-    pub error_in_band: f64,
-}
-
-/// A model with at most `order` states that answers like `model` to motions that turn by up to `turn_rad` in a sample; it is stable, for
-/// which it may have fewer states.
+/// A model with at most `order` states that answers like `model`, whose samples lie `step_s` apart, up to a frequency; it is stable, for
+/// which it may have fewer states. It has no bound on its error over all frequencies.
 ///
 /// # Errors
 /// As [`reduce_sampled`], and [`NoReduction::Band`].
-pub fn reduce_in_band(model: &StateSpace, order: usize, turn_rad: f64) -> Result<InBand, NoReduction> {
-    reduce_by(FIRST, model, order, turn_rad)
+pub fn reduce_in_band(model: &StateSpace, order: usize, up_to_hz: f64, step_s: f64) -> Result<Reduced, NoReduction> {
+    reduce_by(FIRST, model, order, [up_to_hz, step_s])
 }
 
 /// The same by way of a model with as many states.
-fn reduce_by(by: usize, model: &StateSpace, order: usize, turn_rad: f64) -> Result<InBand, NoReduction> {
+fn reduce_by(
+    by: usize,
+    model: &StateSpace,
+    order: usize,
+    [up_to_hz, step_s]: [f64; 2],
+) -> Result<Reduced, NoReduction> {
+    let turn_rad = TAU * up_to_hz * step_s;
     let most = model.a.nrows();
     if order == 0 || order > most {
         return Err(NoReduction::Order { order, least: 1, most });
@@ -85,12 +83,14 @@ fn reduce_by(by: usize, model: &StateSpace, order: usize, turn_rad: f64) -> Resu
         }
         let small = StateSpace { a, b: into.transpose() * &model.b, c: &model.c * &out, d: model.d.clone() };
         let places = (0..MEASURED).map(|i| turn_rad * i as f64 / (MEASURED - 1) as f64);
-        let pairs: Vec<_> = places.map(|turn| (answer(&model, turn).0, answer(&small, turn).0)).collect();
-        let gains = largest(pairs.iter().map(|(gain, _)| gain));
-        let left: Vec<_> = pairs.iter().map(|(gain, own)| gain - own).collect();
-        let off = largest(left.iter()).zip_map(&gains, |off, gain| if gain > 0.0 { (off + bound) / gain } else { 0.0 });
-        let error_in_band = off.iter().copied().fold(0.0, f64::max);
-        return Ok(InBand { reduced: Reduced { model: small, error_bound: None, hankel }, error_in_band });
+        let mut measure = Measure::new(small.c.nrows(), small.b.ncols());
+        for turn in places {
+            let gain = answer(&model, turn).0;
+            let left = &gain - answer(&small, turn).0;
+            measure.add(turn / (TAU * step_s), &gain, &left);
+        }
+        let accuracy = Some(measure.accuracy(up_to_hz, bound, Vec::new()));
+        return Ok(Reduced { model: small, error_bound: None, accuracy, hankel });
     }
     Err(NoReduction::Singular)
 }
@@ -120,25 +120,16 @@ fn largest<'a>(mut list: impl Iterator<Item = &'a DMatrix<Complex<f64>>>) -> DMa
     list.fold(first, |most, gain| most.zip_map(gain, |most, entry| most.max(entry.norm())))
 }
 
-/// Factors of inputs and outputs with which the largest gain of each is about 1, whatever the units.
-fn even_scales(gains: &DMatrix<f64>) -> [Vec<f64>; 2] {
-    let (mut inputs, mut outputs) = (vec![1.0; gains.ncols()], vec![1.0; gains.nrows()]);
-    for _ in 0..10 {
-        for (i, own) in outputs.iter_mut().enumerate() {
-            let most = (0..gains.ncols()).map(|j| gains[(i, j)] * inputs[j]).fold(0.0, f64::max);
-            *own = if most > 0.0 { most.recip() } else { 1.0 };
-        }
-        for (j, own) in inputs.iter_mut().enumerate() {
-            let most = (0..gains.nrows()).map(|i| gains[(i, j)] * outputs[i]).fold(0.0, f64::max);
-            *own = if most > 0.0 { most.recip() } else { 1.0 };
-        }
-    }
-    [inputs, outputs]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Step in s of samples that turn by their frequency in Hz, in rad.
+    const STEP_S: f64 = 1.0 / TAU;
+
+    fn error_in(reduced: &Reduced) -> f64 {
+        reduced.accuracy.as_ref().unwrap().worst().0
+    }
 
     /// Twelve swinging states, six of them above the band: six states for the band answer in it as the whole model, while six of all
     /// frequencies do not. Inputs and outputs have units a million apart.
@@ -157,7 +148,7 @@ mod tests {
             (c[(0, 2 * k)], c[(1, 2 * k + 1)]) = (1.0, 1e6 / (1.0 + k as f64));
         }
         let model = StateSpace { a, b, c, d: DMatrix::zeros(2, 2) };
-        let band = reduce_in_band(&model, 8, 0.12).unwrap();
+        let band = reduce_in_band(&model, 8, 0.12, STEP_S).unwrap();
         let own = |small: &StateSpace| {
             let places = (0..=300).map(|i| 0.12 * f64::from(i) / 300.0);
             let pairs: Vec<_> = places.map(|turn| (answer(&model, turn).0, answer(small, turn).0)).collect();
@@ -166,13 +157,13 @@ mod tests {
             largest(left.iter()).zip_map(&gains, |off, gain| off / gain).max()
         };
         let plain = reduce_sampled(&model, 8, Keep::Balanced).unwrap();
-        let (in_band, everywhere) = (own(&band.reduced.model), own(&plain.model));
+        let (in_band, everywhere) = (own(&band.model), own(&plain.model));
         // two states are left for what the six fast ones do in the band: a percent
         assert!(in_band < 2e-2 && everywhere > 0.1, "{in_band:e} {everywhere:e}");
         // measured at other frequencies
-        assert!((in_band / band.error_in_band - 1.0).abs() < 0.05, "{in_band:e} {:e}", band.error_in_band);
+        assert!((in_band / error_in(&band) - 1.0).abs() < 0.05, "{in_band:e} {:e}", error_in(&band));
         for turn_rad in [0.0, -1.0, f64::NAN, 3.2] {
-            assert_eq!(reduce_in_band(&model, 8, turn_rad), Err(NoReduction::Band));
+            assert_eq!(reduce_in_band(&model, 8, turn_rad, STEP_S), Err(NoReduction::Band));
         }
     }
 
@@ -237,16 +228,16 @@ mod tests {
                 c: &model.c * &out,
                 d: model.d.clone(),
             };
-            let found = reduce_in_band(&model, kept, turn_rad).unwrap().reduced.model;
+            let found = reduce_in_band(&model, kept, turn_rad, STEP_S).unwrap().model;
             let (off, left) = (apart(&found, &known), apart(&found, &model));
             assert!(found.a.nrows() == kept && off < 1e-6 && left > 1e3 * off, "{kept}: {off:e} {left:e}");
         }
     }
 
-    /// Units of inputs and outputs hardly matter: the rounds that find their scales begin in the units given and end on scales that are
-    /// not quite unique, which changes the answers by 1e-3; without scales it would be 8e-2.
+    /// Units of inputs and outputs do not matter; without scales they would change the answers by 8e-2. Left: round-off of the first
+    /// reduction, which is in the units given.
     #[test]
-    fn units_hardly_matter() {
+    fn units_do_not_matter() {
         let model = coupled();
         let (inputs, outputs) = ([2f64.powi(20), 1.0], [1.0, 2f64.powi(-30), 2f64.powi(8)]);
         let scaled = |model: &StateSpace, sign: i32| {
@@ -261,10 +252,10 @@ mod tests {
             }
             scaled
         };
-        let own = reduce_in_band(&model, 4, 0.35).unwrap();
-        let other = reduce_in_band(&scaled(&model, 1), 4, 0.35).unwrap();
-        let off = apart(&own.reduced.model, &scaled(&other.reduced.model, -1));
-        assert!(off < 1e-2, "{off:e}");
+        let own = reduce_in_band(&model, 4, 0.35, STEP_S).unwrap();
+        let other = reduce_in_band(&scaled(&model, 1), 4, 0.35, STEP_S).unwrap();
+        let off = apart(&own.model, &scaled(&other.model, -1));
+        assert!(off < 1e-8, "{off:e}");
     }
 
     /// Three states for this band would grow twelvefold in a sample: two are kept.
@@ -277,7 +268,7 @@ mod tests {
             c: DMatrix::from_row_slice(1, 4, &[-0.6, -0.1, -0.2, -0.6]),
             d: DMatrix::zeros(1, 1),
         };
-        let found = reduce_in_band(&model, 3, 0.3).unwrap().reduced.model;
+        let found = reduce_in_band(&model, 3, 0.3, STEP_S).unwrap().model;
         let largest = eigen(&found.a).unwrap().values.iter().map(|value| value.norm()).fold(0.0, f64::max);
         assert_eq!(found.a.nrows(), 2);
         assert!(largest < 1.0, "{largest}");
@@ -288,15 +279,15 @@ mod tests {
     fn the_error_has_that_of_the_first_reduction_in_it() {
         let model = coupled();
         let bound = reduce_sampled(&model, 5, Keep::Balanced).unwrap().error_bound.unwrap();
-        let found = reduce_by(5, &model, 5, 0.35).unwrap();
+        let found = reduce_by(5, &model, 5, [0.35, STEP_S]).unwrap();
         let places = (0..=300).map(|i| 0.35 * f64::from(i) / 300.0);
-        let pairs: Vec<_> = places.map(|turn| (answer(&model, turn).0, answer(&found.reduced.model, turn).0)).collect();
+        let pairs: Vec<_> = places.map(|turn| (answer(&model, turn).0, answer(&found.model, turn).0)).collect();
         let gains = largest(pairs.iter().map(|(gain, _)| gain));
         let left: Vec<_> = pairs.iter().map(|(gain, own)| gain - own).collect();
         let off = largest(left.iter()).zip_map(&gains, |off, gain| off / gain).max();
-        assert!(off > 1e-6 && found.error_in_band >= off, "{off:e} {:e}", found.error_in_band);
+        assert!(off > 1e-6 && error_in(&found) >= off, "{off:e} {:e}", error_in(&found));
         // gains of the model of five states, whose own are off by the bound at most
         let whole = bound / gains.min();
-        assert!((found.error_in_band / whole - 1.0).abs() < 0.1, "{whole:e} {:e}", found.error_in_band);
+        assert!((error_in(&found) / whole - 1.0).abs() < 0.1, "{whole:e} {:e}", error_in(&found));
     }
 }

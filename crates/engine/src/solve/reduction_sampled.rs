@@ -46,7 +46,7 @@ pub fn reduce_sampled(model: &StateSpace, order: usize, keep: Keep) -> Result<Re
         d: model.d.clone(),
     };
     let error_bound = Some(2.0 * hankel[kept..].iter().sum::<f64>());
-    Ok(Reduced { model, error_bound, hankel })
+    Ok(Reduced { model, error_bound, accuracy: None, hankel })
 }
 
 /// `Σ Aᵏ B Bᵀ Aᵏᵀ`, by doubling the number of terms.

@@ -25,6 +25,8 @@ pub(crate) struct Aeroelastic {
     pub air_force: DMatrix<f64>,
     /// The same with the rates of the first two.
     pub air_rate_force: DMatrix<f64>,
+    /// Apparent mass.
+    pub mass: DMatrix<f64>,
 }
 
 impl Study<'_> {
@@ -45,12 +47,8 @@ impl Study<'_> {
         let force = |columns: &DMatrix<f64>| self.residual_of_loads(&columns.rows(0, rows).into_owned(), &freedoms);
         let [position, rate, acceleration] = [0, 1, 2].map(|part| force(&slopes.motion[part]));
         let SecondOrder { mass, damping, stiffness } = second;
-        let mass = mass + acceleration;
-        let second = SecondOrder {
-            mass: (&mass + mass.transpose()) * 0.5,
-            damping: damping + rate,
-            stiffness: stiffness + position,
-        };
+        let apparent = (&acceleration + acceleration.transpose()) * 0.5;
+        let second = SecondOrder { mass: mass + &apparent, damping: damping + rate, stiffness: stiffness + position };
         let lag_rows = |matrix: &DMatrix<f64>| matrix.rows(rows, slopes.lags.len()).into_owned();
         let system = Lagged {
             second,
@@ -60,7 +58,7 @@ impl Study<'_> {
             lag: lag_rows(&slopes.lag),
         };
         let (air_force, air_rate_force) = (force(&slopes.air), force(&slopes.air_rate));
-        Ok((system, Some(Aeroelastic { slopes, air_force, air_rate_force })))
+        Ok((system, Some(Aeroelastic { slopes, air_force, air_rate_force, mass: apparent })))
     }
 
     /// Sections for coordinates, and for the present rates and accelerations or others.
@@ -122,10 +120,7 @@ impl Study<'_> {
 
     /// Change of the residual with loads on the sections, column by column.
     pub(super) fn residual_of_loads(&self, columns: &DMatrix<f64>, freedoms: &[Freedom]) -> DMatrix<f64> {
-        let mut bare = Bare::new(self.system);
-        for closure in &mut bare.model.closures {
-            closure.penalty.stiffness_n_m = 0.0;
-        }
+        let mut bare = Bare::without_stiffness(self.system);
         let equations = &self.system.equations;
         let mut stations = vec![Wrench::default(); equations.stations.len()];
         let zero = vec![0.0; self.system.coordinates()];

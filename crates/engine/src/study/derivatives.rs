@@ -2,7 +2,6 @@
 
 use crate::force::drive::Slew;
 use crate::force::joint::JointForces;
-use crate::machine::UNLIMITED;
 use crate::signal::{Inputs, Parameters};
 use crate::solve::EquationsOfMotion;
 use crate::solve::continuation::Taken;
@@ -35,7 +34,10 @@ impl Study<'_> {
             self.slopes()
         } else {
             let mut rates = self.system.outputs.no_change();
+            let now = &self.system.state.now;
+            self.system.equations.forces.linearize(now.time_s, &now.q, &now.v);
             self.add_motion(&mut rates);
+            self.system.equations.forces.drop_tangents();
             self.add_time(&mut rates);
             self.add_drives(&mut rates);
             rates
@@ -80,7 +82,7 @@ impl Study<'_> {
             }
         }
         if pull_1_s2 > 0.0 {
-            // outputs are quadratic in the rates: any step is exact
+            // outputs are quadratic in the rates where forces stand on their tangents: any step is exact
             let step_s = speed_1_s.max(1.0) / pull_1_s2;
             for sign in [1.0, -1.0] {
                 let beside = self.beside(|state| move_along(&mut state.now.v, &a, sign * step_s));
@@ -150,25 +152,10 @@ impl Study<'_> {
         for sign in [1.0, -1.0] {
             let set = self.system.state.inputs.clone();
             self.impose(&set);
-            for joint in self.system.equations.forces.joints_mut() {
-                let c = joint.coordinate;
-                if let Some(motor) = joint.motor_mut() {
-                    let torque = motor.torque(time_s, q[c], v[c]);
-                    motor.pinned_n_m = Some(torque.applied_n_m).filter(|_| torque.saturated);
-                }
-            }
-            let pin = |joint: &JointForces| joint.motor().and_then(|motor| motor.pinned_n_m);
-            let pins: Vec<Option<f64>> = self.system.equations.forces.joints().iter().map(pin).collect();
-            let slopes = self.potential_slopes(time_s, &q);
+            self.system.equations.forces.linearize(time_s, &q, &v);
             let mut varied = set;
             add(&mut varied, sign);
             self.impose(&varied);
-            for (joint, pin) in self.system.equations.forces.joints_mut().iter_mut().zip(pins) {
-                if let Some(motor) = joint.motor_mut() {
-                    motor.pinned_n_m = pin;
-                    motor.drive.torque_limit_n_m = f64::INFINITY;
-                }
-            }
             let mut jump = vec![0.0; q.len()];
             self.system.equations.residual(time_s, &q, &v, &a, &mut jump);
             jump.iter_mut().zip(&present).for_each(|(jump, present)| *jump -= present);
@@ -179,40 +166,17 @@ impl Study<'_> {
                     break;
                 }
             }
-            let bend_j = self.bend_of_potentials_j(time_s, &q, &slopes);
             let mut beside = self.beside(|state| move_along(&mut state.now.a, &jump, -1.0));
             let energy = beside.energy_mut();
-            energy.drive += bend_j;
-            energy.total += bend_j;
             // a jump of a potential is booked as work of the input
             energy.work += energy.gravity + energy.drive;
             slope.add(&beside, sign * 0.5);
         }
+        self.system.equations.forces.drop_tangents();
         self.system.configure();
         self.system.evaluate();
         self.system.show_set_inputs();
         outcome.map(|()| slope)
-    }
-
-    /// Of motors with a limit: neutral angle in rad and change of the potential with it in N·m.
-    fn potential_slopes(&self, time_s: f64, q: &[f64]) -> Vec<Option<(f64, f64)>> {
-        let slope = |joint: &JointForces| {
-            let motor = joint.motor().filter(|motor| motor.drive.torque_limit_n_m < UNLIMITED)?;
-            let neutral_rad = motor.slew.at(time_s).0;
-            Some((neutral_rad, motor.drive.slew_power_w(q[joint.coordinate], neutral_rad, 1.0)))
-        };
-        self.system.equations.forces.joints().iter().map(slope).collect()
-    }
-
-    /// What the potentials along their slopes have more than those without limit, in J, for neutral angles that have moved.
-    fn bend_of_potentials_j(&self, time_s: f64, q: &[f64], slopes: &[Option<(f64, f64)>]) -> f64 {
-        let bend_j = |(joint, slope): (&JointForces, &Option<(f64, f64)>)| {
-            let ((before_rad, slope_n_m), motor) = ((*slope)?, joint.motor()?);
-            let (angle_rad, after_rad) = (q[joint.coordinate], motor.slew.at(time_s).0);
-            let free_j = |neutral_rad: f64| motor.drive.potential_j(angle_rad, neutral_rad);
-            Some(slope_n_m * (after_rad - before_rad) - (free_j(after_rad) - free_j(before_rad)))
-        };
-        self.system.equations.forces.joints().iter().zip(slopes).filter_map(bend_j).sum()
     }
 
     /// The equations at the present time with other inputs and the parameters as set; neutral angles jump with their

@@ -96,6 +96,14 @@ impl Study<'_> {
         inputs: &[InputSlope],
         read: &dyn Fn(&Outputs) -> DVector<f64>,
     ) -> Result<Result<SampledSpace, usize>, PlantError> {
+        self.on_tangents(|study| study.lattice_space_on_tangents(inputs, read))
+    }
+
+    fn lattice_space_on_tangents(
+        &mut self,
+        inputs: &[InputSlope],
+        read: &dyn Fn(&Outputs) -> DVector<f64>,
+    ) -> Result<Result<SampledSpace, usize>, PlantError> {
         let gusts = inputs.iter().any(|input| input.gust_m_s != Vector3::zeros());
         // before anything of that size is computed; nodes of the wake and gusts can add some
         let at_least = self.system.freedoms().len() * 4 + self.system.lattice_circulations();

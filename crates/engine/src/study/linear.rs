@@ -15,6 +15,7 @@ use crate::solve::EquationsOfMotion;
 use crate::solve::lagged::{Lagged, LaggedMode};
 use crate::solve::linearize::SecondOrder;
 use crate::solve::modes::NoModes;
+use crate::solve::point::Point;
 use crate::study::Study;
 use crate::study::flight::tell_lateral_apart;
 use crate::system::Outputs;
@@ -67,18 +68,10 @@ impl Study<'_> {
 
     /// `BᵀMB`: residual of unit accelerations with nothing else acting.
     pub(super) fn mass_matrix(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
-        let mut bare = Bare::new(self.system);
-        for closure in &mut bare.model.closures {
-            closure.penalty.stiffness_n_m = 0.0;
-        }
-        let n = self.system.coordinates();
-        let zero = vec![0.0; n];
+        let mut bare = Bare::without_stiffness(self.system);
         let columns = freedoms.iter().map(|freedom| {
             let unit = self.direction(freedom);
-            let still = vec![Damping::default(); self.system.equations.damping.len()];
-            let environment = Environment { root: &RootMotion::default(), damping: &still, stations: &[] };
-            let motion = Motion { q: &self.system.state.now.q, v: &zero, a: &unit };
-            pick(&bare.residual(motion, environment), freedoms)
+            pick(&bare.of_accelerations(&self.system.state.now.q, &unit), freedoms)
         });
         let matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
         (&matrix + matrix.transpose()) * 0.5
@@ -151,15 +144,16 @@ impl Study<'_> {
         matrix
     }
 
-    /// Change of the coordinates that a unit of a freedom makes.
-    pub(super) fn direction(&self, freedom: &Freedom) -> Vec<f64> {
+    /// Change of the coordinates that a unit of a freedom makes, of the rates by its rate, of the accelerations by its acceleration.
+    pub fn direction(&self, freedom: &Freedom) -> Vec<f64> {
         let mut unit = vec![0.0; self.system.coordinates()];
         unit[freedom.index] = 1.0;
         Tangent::to_coordinates(&self.system.equations.model, &self.system.equations.work, &mut unit);
         unit
     }
 
-    pub(super) fn displaced(&self, freedom: &Freedom, amount: f64) -> Vec<f64> {
+    /// The coordinates with a freedom changed by `amount`, in its unit.
+    pub fn displaced(&self, freedom: &Freedom, amount: f64) -> Vec<f64> {
         let mut q = self.system.state.now.q.clone();
         q.iter_mut().zip(self.direction(freedom)).for_each(|(q, unit)| *q += amount * unit);
         let (mut v, mut a) = (vec![0.0; q.len()], vec![0.0; q.len()]);
@@ -182,17 +176,28 @@ impl Study<'_> {
     /// Outputs at the present state with one argument changed by `amount` along a degree of freedom, and with the
     /// present inputs. The state of the plant is restored.
     pub fn outputs_beside(&mut self, change: Option<(Argument, &Freedom, f64)>) -> Outputs {
-        let kept = self.system.state.now.clone();
+        let mut there = self.system.state.now.clone();
         match change {
             None => {}
-            Some((Argument::Position, freedom, amount)) => self.system.state.now.q = self.displaced(freedom, amount),
+            Some((Argument::Position, freedom, amount)) => there.q = self.displaced(freedom, amount),
             Some((argument, freedom, amount)) => {
                 let unit = self.direction(freedom);
-                let now = &mut self.system.state.now;
-                let vector = if argument == Argument::Rate { &mut now.v } else { &mut now.a };
+                let vector = if argument == Argument::Rate { &mut there.v } else { &mut there.a };
                 vector.iter_mut().zip(unit).for_each(|(x, unit)| *x += amount * unit);
             }
         }
+        self.outputs_at(there)
+    }
+
+    /// The same with the accelerations of all coordinates changed.
+    pub(super) fn outputs_pulled(&mut self, change: &[f64]) -> Outputs {
+        let mut there = self.system.state.now.clone();
+        there.a.iter_mut().zip(change).for_each(|(a, change)| *a += change);
+        self.outputs_at(there)
+    }
+
+    fn outputs_at(&mut self, there: Point) -> Outputs {
+        let kept = std::mem::replace(&mut self.system.state.now, there);
         self.with_present_inputs();
         self.system.evaluate();
         let beside = self.system.outputs.clone();
@@ -202,9 +207,22 @@ impl Study<'_> {
         beside
     }
 
+    /// Has the forces of joints stand on their tangents at the present state, with the present inputs, for `take`: a motor at its
+    /// limit stays there, one that wants just as much as it may stays free of it, a generator at a row of its table goes on
+    /// towards higher speeds, contacts of stops and latches stay as they are, NOTATION eq. (L10).
+    pub(super) fn on_tangents<T>(&mut self, take: impl FnOnce(&mut Self) -> T) -> T {
+        self.with_present_inputs();
+        let now = &self.system.state.now;
+        self.system.equations.forces.linearize(now.time_s, &now.q, &now.v);
+        let taken = take(self);
+        self.system.equations.forces.drop_tangents();
+        self.system.configure();
+        taken
+    }
+
     /// Derivative of a function of the outputs with an argument along a freedom: sixth-order differences in the
     /// coordinates (error 1e-12 of the outputs' scale), exact ones in rates and accelerations, of which the outputs are
-    /// polynomials of second and first degree.
+    /// polynomials of second and first degree where forces stand on their tangents ([`Study::on_tangents`]).
     pub fn output_slope(
         &mut self,
         argument: Argument,
@@ -374,6 +392,22 @@ impl Bare {
         let still = vec![Damping::default(); self.model.bodies.len()];
         let environment = Environment { root: &RootMotion::default(), damping: &still, stations };
         self.residual(Motion { q, v: zero, a: zero }, environment)
+    }
+
+    /// Residual of accelerations alone.
+    pub fn of_accelerations(&mut self, q: &[f64], accelerations: &[f64]) -> Vec<f64> {
+        let still = vec![Damping::default(); self.model.bodies.len()];
+        let environment = Environment { root: &RootMotion::default(), damping: &still, stations: &[] };
+        self.residual(Motion { q, v: &vec![0.0; q.len()], a: accelerations }, environment)
+    }
+
+    /// Without the stiffness of closed loops as well: what is left is of rates, accelerations and loads.
+    pub fn without_stiffness(system: &System) -> Self {
+        let mut bare = Self::new(system);
+        for closure in &mut bare.model.closures {
+            closure.penalty.stiffness_n_m = 0.0;
+        }
+        bare
     }
 
     pub fn new(system: &System) -> Self {

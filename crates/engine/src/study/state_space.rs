@@ -1,20 +1,21 @@
 //! The linear model between chosen inputs and outputs, NOTATION eqs. (L12) and (L23).
 
 use crate::signal::{FlapInputs, Inputs};
-use crate::solve::linearize::{LaggedInputs, OutputSlopes, StateSpace, lagged_state_space};
+use crate::solve::linearize::{Accelerations, LaggedInputs, OutputSlopes, StateSpace, lagged_state_space};
 use crate::study::Study;
 use crate::study::aeroelastic::Aeroelastic;
-use crate::study::linear::Argument;
+use crate::study::linear::{Argument, Bare, pick};
 use crate::system::Outputs;
 use crate::system::PlantError;
+use crate::system::freedoms::Freedom;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// A real input as the linearisation needs it.
 pub struct InputSlope<'a> {
     /// Adds an amount to the input.
     pub add: &'a dyn Fn(&mut Inputs, f64),
-    /// Step of the central difference. Forces are quadratic in the root's rates and linear in all other inputs, so any
-    /// step serves that does not cross a torque limit.
+    /// Step of the central difference. Forces are quadratic in the root's rates and, on their tangents, linear in all other
+    /// inputs, so any step serves.
     pub step: f64,
     /// What a unit of the input adds to a gust of one velocity everywhere, root frame, in m/s: gusts are not inputs of
     /// the machine, so `add` then adds nothing. Only strips respond to it, with Küssner's lag.
@@ -43,10 +44,19 @@ impl Study<'_> {
     ///
     /// `A` and `B` are exact, except for the stiffness about a moving state ([`Study::second_order`]) and for the
     /// response of the air, which comes from differences good to about 1e-9. `C` and `D` come from differences of the
-    /// instantaneous outputs ([`Study::output_slope`]). Events and saturation stay as they are. The
+    /// instantaneous outputs ([`Study::output_slope`]). All four take the forces of joints by the same tangents, on one side of
+    /// a kink ([`Study::on_tangents`]); events stay as they are. The
     /// loads of lattices are constant. Outputs of accelerations and forces do not include what the rate of the wind adds
     /// to them through the apparent mass.
     pub fn state_space(
+        &mut self,
+        inputs: &[InputSlope],
+        read: &dyn Fn(&Outputs) -> DVector<f64>,
+    ) -> Result<StateSpace, PlantError> {
+        self.on_tangents(|study| study.state_space_on_tangents(inputs, read))
+    }
+
+    fn state_space_on_tangents(
         &mut self,
         inputs: &[InputSlope],
         read: &dyn Fn(&Outputs) -> DVector<f64>,
@@ -55,7 +65,7 @@ impl Study<'_> {
         let (system, air) = self.lagged(gusts)?;
         let freedoms = self.system.freedoms();
         let count = read(&self.outputs_beside(None)).len();
-        let mut slopes = [Argument::Position, Argument::Rate, Argument::Acceleration].map(|argument| {
+        let mut slopes = [Argument::Position, Argument::Rate].map(|argument| {
             let columns: Vec<DVector<f64>> =
                 freedoms.iter().map(|freedom| self.output_slope(argument, freedom, read)).collect();
             columns_of(&columns, count)
@@ -94,9 +104,24 @@ impl Study<'_> {
             }
             by_lag += self.outputs_of_air(&answers.lag, count, read);
         }
-        let [position, rate, acceleration] = slopes.each_mut().map(std::mem::take);
-        let slopes = OutputSlopes { position, rate, acceleration, input: by_input };
-        lagged_state_space(&system, &LaggedInputs { force, impulse, follow }, &slopes, &by_lag).ok_or_else(|| {
+        let [position, rate] = slopes.each_mut().map(std::mem::take);
+        let slopes = OutputSlopes { position, rate, input: by_input };
+        let directions: Vec<DVector<f64>> =
+            freedoms.iter().map(|freedom| DVector::from(self.direction(freedom))).collect();
+        let mut along_tree = AlongTree {
+            bare: Bare::without_stiffness(self.system),
+            directions: columns_of(&directions, self.system.coordinates()),
+            freedoms,
+            apparent: air.map(|air| {
+                let [.., by_acceleration] = air.slopes.motion;
+                (air.mass, by_acceleration)
+            }),
+            count,
+            read,
+            study: self,
+        };
+        let inputs = LaggedInputs { force, impulse, follow };
+        lagged_state_space(&system, &inputs, &slopes, &by_lag, &mut along_tree).ok_or_else(|| {
             PlantError::Linearization {
                 time_s: self.system.time_s(),
                 cause: "the mass matrix is not positive definite".into(),
@@ -129,6 +154,56 @@ impl Study<'_> {
         }
         self.outputs_beside(None);
         slopes
+    }
+}
+
+/// Accelerations of the machine by sweeps along the tree.
+struct AlongTree<'s, 'a, 'r> {
+    study: &'s mut Study<'a>,
+    bare: Bare,
+    /// Accelerations of the coordinates by those of the freedoms.
+    directions: DMatrix<f64>,
+    freedoms: Vec<Freedom>,
+    /// Apparent mass, and the response of the air to accelerations.
+    apparent: Option<(DMatrix<f64>, DMatrix<f64>)>,
+    count: usize,
+    read: &'r dyn Fn(&Outputs) -> DVector<f64>,
+}
+
+impl Accelerations for AlongTree<'_, '_, '_> {
+    fn inertia(&mut self, accelerations: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut forces = DMatrix::zeros(accelerations.nrows(), accelerations.ncols());
+        let q = &self.study.system.state.now.q;
+        for (mut force, column) in forces.column_iter_mut().zip(accelerations.column_iter()) {
+            let along = &self.directions * column;
+            force.copy_from(&pick(&self.bare.of_accelerations(q, along.as_slice()), &self.freedoms));
+        }
+        if let Some((mass, _)) = &self.apparent {
+            forces += mass * accelerations;
+        }
+        forces
+    }
+
+    fn shown(&mut self, accelerations: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut shown = DMatrix::zeros(self.count, accelerations.ncols());
+        let present = self.study.system.state.now.a.iter().fold(1.0f64, |size, a| size.max(a.abs()));
+        for (mut shown, column) in shown.column_iter_mut().zip(accelerations.column_iter()) {
+            let along = &self.directions * column;
+            let size = along.amax();
+            if size > 0.0 {
+                // of the size of what is there: outputs are linear in it
+                let scale = present / size;
+                let mut at = |sign: f64| {
+                    let shift: Vec<f64> = along.iter().map(|a| sign * scale * a).collect();
+                    (self.read)(&self.study.outputs_pulled(&shift))
+                };
+                shown.copy_from(&((at(1.0) - at(-1.0)) * (0.5 / scale)));
+            }
+        }
+        if let Some((_, answers)) = &self.apparent {
+            shown += self.study.outputs_of_air(&(answers * accelerations), self.count, self.read);
+        }
+        shown
     }
 }
 

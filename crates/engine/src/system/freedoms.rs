@@ -5,6 +5,9 @@ use crate::system::System;
 
 /// Turn of a link or joint in rad that one difference step makes.
 const STEP_RAD: f64 = 2e-3;
+/// Deflection of a mode of a modal body, over the body's length, that one difference step makes: high modes turn the end by tens of
+/// times as much.
+const MODAL_STEP: f64 = 1e-4;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 const STRAINS: [&str; 4] = ["epsilon_x", "kappa_x", "kappa_y", "kappa_z"];
@@ -51,7 +54,7 @@ impl System {
             }
             if let Some(modal) = &body.modal {
                 for (k, index) in modal.range().enumerate() {
-                    let step = STEP_RAD * modal.element.length_m;
+                    let step = MODAL_STEP * modal.element.length_m;
                     add(index, format!("{}.mode[{}]", described.name, k + 1), ["m", "m/s"], step);
                 }
             }

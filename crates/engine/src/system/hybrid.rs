@@ -89,6 +89,12 @@ impl Hybrid<'_> {
         2 * self.system.moving.len() + self.system.lag_count()
     }
 
+    /// Coordinates that are states, in their order, by their places in the vectors of the equations; their rates follow in the same
+    /// order.
+    pub fn coordinates(&self) -> &[usize] {
+        &self.system.moving
+    }
+
     /// Present time in s.
     pub fn time_s(&self) -> f64 {
         self.system.state.now.time_s

@@ -47,7 +47,7 @@ fn of_joint(own: &OneFreedom) -> Vec<Force> {
         JointMotion::Locked => vec![Force::Lock],
     };
     if let (Some(law), JointMotion::Free) = (&own.generator, &own.motion) {
-        forces.push(Force::Generator(Generator { law: law.clone(), connected: law.connected }));
+        forces.push(Force::Generator(Generator { law: law.clone(), connected: law.connected, about_rad_s: None }));
     }
     // before the latch, which a joint at rest on a stop may not reach
     if let Some(stops) = own.stops {

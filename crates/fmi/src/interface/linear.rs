@@ -5,7 +5,7 @@ use crate::interface::operating_point::OperatingPoint;
 use crate::interface::table::Place;
 use crate::interface::{Causality, Interface, Value, Variable};
 use foldwing_engine::plant::{
-    InBand, InputSlope, Inputs, Keep, NoReduction, Outputs, Plant, PlantError, Reduced, StateSpace, reduce,
+    Accuracy, InputSlope, Inputs, Keep, NoReduction, Outputs, Plant, PlantError, Reduced, StateSpace, reduce,
     reduce_in_band, reduce_sampled,
 };
 use nalgebra::{DVector, Vector3};
@@ -45,26 +45,19 @@ pub struct LinearModel {
 }
 
 /// How a linear model lost states.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Reduction {
     /// What was kept.
     pub keep: Keep,
     /// States before.
     pub whole: usize,
     /// Bound on the largest gain, over all frequencies, of what was left out, in units of the outputs over those of the inputs.
-    /// `None` where a motion that does not decay was left out.
+    /// `None` where a motion that does not decay was left out, and of reductions for a band.
     pub error_bound: Option<f64>,
-    /// The band that the model is for.
-    pub band: Option<Band>,
-}
-
-/// A band of frequencies that a model in discrete time was reduced for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Band {
-    /// Its end in Hz.
-    pub up_to_hz: f64,
-    /// Largest error in the band, over the largest gain in the band between the same input and output.
-    pub error_in_band: f64,
+    /// End in Hz of the band that the model is for; `None` where it is for all frequencies.
+    pub up_to_hz: Option<f64>,
+    /// How far it is off by frequency; `None` in discrete time without a band.
+    pub accuracy: Option<Accuracy>,
 }
 
 impl Reduction {
@@ -78,30 +71,17 @@ impl Reduction {
 }
 
 impl LinearModel {
-    /// The model with `order` states, NOTATION eqs. (L18) and (L19): `modal_1` and so on, or `balanced_1`, without unit.
+    /// The model with `order` states, NOTATION eqs. (L18) and (L19): `modal_1` and so on, or `balanced_1`, without unit. With a band
+    /// the model has at most so many states and answers like the whole one up to `up_to_hz`, eq. (L37).
     ///
     /// # Errors
-    /// Orders that are not possible, and models whose modes do not span the states.
-    pub fn reduced(&self, order: usize, keep: Keep) -> Result<Self, NoReduction> {
-        let Reduced { model, error_bound, .. } = match self.step_s {
-            None => reduce(&self.matrices, order, keep)?,
-            Some(_) => reduce_sampled(&self.matrices, order, keep)?,
-        };
-        let reduction = Reduction { keep, whole: self.states.len(), error_bound, band: None };
+    /// Orders and frequencies that are not possible, models whose modes do not span the states, and in discrete time motions that do
+    /// not decay.
+    pub fn reduced(&self, order: usize, keep: Keep, up_to_hz: Option<f64>) -> Result<Self, NoReduction> {
+        let Reduced { model, error_bound, accuracy, .. } =
+            reduce_any(&self.matrices, order, keep, up_to_hz, self.step_s)?;
+        let reduction = Reduction { keep, whole: self.states.len(), error_bound, up_to_hz, accuracy };
         Ok(self.with_fewer(model, reduction))
-    }
-
-    /// The model in discrete time with at most `order` states that answers like the whole one up to a frequency, NOTATION eq. (L37).
-    ///
-    /// # Errors
-    /// Orders and frequencies that are not possible, models in continuous time, and motions that do not decay.
-    pub fn reduced_in_band(&self, order: usize, up_to_hz: f64) -> Result<Self, NoReduction> {
-        let step_s = self.step_s.ok_or(NoReduction::Continuous)?;
-        let InBand { reduced, error_in_band } =
-            reduce_in_band(&self.matrices, order, std::f64::consts::TAU * up_to_hz * step_s)?;
-        let band = Some(Band { up_to_hz, error_in_band });
-        let reduction = Reduction { keep: Keep::Balanced, whole: self.states.len(), error_bound: None, band };
-        Ok(self.with_fewer(reduced.model, reduction))
     }
 
     fn with_fewer(&self, model: StateSpace, reduction: Reduction) -> Self {
@@ -109,6 +89,25 @@ impl LinearModel {
             |i: usize| LinearSignal { name: format!("{}_{i}", reduction.method()), unit: "1".to_owned(), value: 0.0 };
         let states = (1..=model.a.nrows()).map(state).collect();
         Self { states, matrices: model, reduction: Some(reduction), ..self.clone() }
+    }
+}
+
+/// A model with fewer states, in continuous time or in discrete time with a step.
+///
+/// # Errors
+/// As [`LinearModel::reduced`].
+pub fn reduce_any(
+    model: &StateSpace,
+    order: usize,
+    keep: Keep,
+    up_to_hz: Option<f64>,
+    step_s: Option<f64>,
+) -> Result<Reduced, NoReduction> {
+    match (step_s, up_to_hz) {
+        (None, _) => reduce(model, order, keep, up_to_hz),
+        (Some(_), Some(_)) if keep == Keep::Modes => Err(NoReduction::SampledModes),
+        (Some(step_s), Some(up_to_hz)) => reduce_in_band(model, order, up_to_hz, step_s),
+        (Some(_), None) => reduce_sampled(model, order, keep),
     }
 }
 

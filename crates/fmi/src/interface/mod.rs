@@ -27,7 +27,7 @@ pub use access::{AccessError, Kind, Scalar, Stage};
 pub use arrays::{Array, Selection, Whole};
 pub use derivatives::DerivativeError;
 pub use guid::guid;
-pub use linear::{Band, GUSTS, LinearModel, LinearSignal, Reduction};
+pub use linear::{GUSTS, LinearModel, LinearSignal, Reduction, reduce_any};
 pub use operating_point::{Acting, JointPoint, OperatingPoint};
 pub use table::{Shape, Signal};
 pub use units::{RealType, TYPES, UNITS, Unit};

@@ -31,6 +31,23 @@ const STEP: f64 = 1e-3;
 const SLOWEST: f64 = 1e-3;
 /// Sixth-order central difference: weights of the steps 1, 2, 3 over 60 steps.
 const WEIGHTS: [f64; 3] = [45.0, -9.0, 1.0];
+/// The same of the fourth order: weights of the steps 1 and 2.
+const LOWER: [f64; 3] = [40.0, -5.0, 0.0];
+/// Largest difference of both orders, over the largest derivative of the same kind, where there is no corner within the steps: curves
+/// make 1e-8 of it.
+const CROOKED: f64 = 1e-7;
+/// Attempts at steps without a corner, and the factor from one to the next.
+const ROUNDS: usize = 4;
+const SHORTER: f64 = 0.05;
+
+/// Whether differences of two orders tell of a corner, in loads or in rates of lag states.
+fn crooked(slope: &[f64], lower: &[f64], loads: usize) -> bool {
+    let apart = |range: std::ops::Range<usize>| {
+        let size = slope[range.clone()].iter().fold(0.0f64, |size, entry| size.max(entry.abs()));
+        range.into_iter().any(|row| (slope[row] - lower[row]).abs() > CROOKED * size)
+    };
+    apart(0..loads) || apart(loads..slope.len())
+}
 /// Distance in m of the front of a gust that fills all space.
 const FAR_M: f64 = 1e12;
 
@@ -283,35 +300,45 @@ impl Strips {
     }
 
     /// Derivative of the [`Answer`] at an instant: sixth-order central differences over the scale of the strips
-    /// concerned, eq. (W14); exact for accelerations, in which it is linear. Polars have corners: within 0.003 rad of
-    /// one the derivative is a mean of both sides.
+    /// concerned, eq. (W14); exact for accelerations, in which it is linear. Polars have corners: where the steps meet one they get
+    /// shorter until they do not, down to 2e-7 rad; at the corner itself the derivative is the mean of both sides.
     pub fn slope(&mut self, at: &Instant, gusts: bool, variable: Variable) -> Answer {
         let strips = self.touched(at, gusts, variable);
         let scale = self.scale(at, strips.clone(), variable);
-        let mut slope = vec![0.0; self.rows(at.motions.len(), gusts)];
-        let Some(step) = scale else { return slope };
-        let mut side = slope.clone();
+        let rows = self.rows(at.motions.len(), gusts);
+        let Some(mut step) = scale else { return vec![0.0; rows] };
         let linear = matches!(
             variable,
             Variable::Motion { component: 12.., .. } | Variable::AirRate(_) | Variable::FlapAcceleration(_)
         );
-        let weights: &[f64] = if linear { &[30.0] } else { &WEIGHTS };
-        for (i, weight) in weights.iter().enumerate() {
-            for sign in [1.0, -1.0] {
-                let shift = sign * (i + 1) as f64 * step;
-                let mut beside = at.clone();
-                displace(&mut beside, variable, shift);
-                match variable {
-                    Variable::AirRate(component) => {
-                        self.answer_of_air_rate(&beside, gusts, component, shift, &mut side)
+        let mut sides = [(); 2].map(|()| vec![0.0; rows]);
+        for round in 0..ROUNDS {
+            let mut slope = vec![0.0; rows];
+            // that of the fourth order, from the same values
+            let mut lower = slope.clone();
+            let weights: &[f64] = if linear { &[30.0] } else { &WEIGHTS };
+            for (i, weight) in weights.iter().enumerate() {
+                for (side, sign) in sides.iter_mut().zip([1.0, -1.0]) {
+                    let shift = sign * (i + 1) as f64 * step;
+                    let mut beside = at.clone();
+                    displace(&mut beside, variable, shift);
+                    match variable {
+                        Variable::AirRate(component) => self.answer_of_air_rate(&beside, gusts, component, shift, side),
+                        _ => self.answer_of(&beside, gusts, strips.clone(), side),
                     }
-                    _ => self.answer_of(&beside, gusts, strips.clone(), &mut side),
                 }
-                let share = sign * weight / (60.0 * step);
-                slope.iter_mut().zip(&side).for_each(|(slope, side)| *slope += share * side);
+                let [share, lower_share] = [*weight, LOWER[i]].map(|weight| weight / (60.0 * step));
+                for (row, (above, below)) in sides[0].iter().zip(&sides[1]).enumerate() {
+                    slope[row] += share * (above - below);
+                    lower[row] += lower_share * (above - below);
+                }
             }
+            if linear || round + 1 == ROUNDS || !crooked(&slope, &lower, LOAD_ROWS * at.motions.len()) {
+                return slope;
+            }
+            step *= SHORTER;
         }
-        slope
+        vec![0.0; rows]
     }
 
     /// Response of the apparent mass alone to a rate of the air.
