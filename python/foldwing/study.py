@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from .variable import Start
 
 
+_VERDICTS = {True: "stable", False: "UNSTABLE", None: "stability not judged"}
+
+
 class Rest:
     """The machine at rest. `data` has everything that `foldwing static --json` prints."""
 
@@ -26,9 +29,11 @@ class Rest:
         """Moment of the machine on the root in N·m, root frame, shape (3,)."""
 
     @property
-    def stable(self) -> bool:
-        """The machine stays there by itself."""
-        return bool(self.data["stability"]["stable"])
+    def stable(self) -> Optional[bool]:
+        """The machine, with its air, stays there by itself; `None` where that is not judged, for the reason
+        `data["stability"]["not_judged"]`."""
+        stable: Optional[bool] = self.data["stability"]["stable"]
+        return stable
 
     def shape(self, body: str) -> NDArray[np.float64]:
         """Positions in m of the sections of a body, root frame, from the inner end on, shape (sections, 3)."""
@@ -40,7 +45,7 @@ class Rest:
 
     def __repr__(self) -> str:
         joints = ", ".join(f"{name} at {next(v for k, v in joint.items() if k != 'name'):.4f}" for name, joint in self.joints.items())
-        return f"<foldwing.Rest of {self.data['name']}: {joints or 'no joints'}; {'stable' if self.stable else 'UNSTABLE'}>"
+        return f"<foldwing.Rest of {self.data['name']}: {joints or 'no joints'}; {_VERDICTS[self.stable]}>"
 
 
 class Modes:

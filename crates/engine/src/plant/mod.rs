@@ -9,9 +9,9 @@ pub use crate::signal::{
 };
 pub use crate::study::{
     Argument, AveragedModes, Branch, Branches, Coarseness, Crossing, Departure, FlightLoad, Followed, Growth, Holding,
-    InBand, InputSlope, Keep, LoadPath, NoReduction, PathPoint, Place, Reduced, Rest, Rotor, SampledSpace, Search,
-    SecondOrder, Stability, StateSpace, StaticEffort, Study, Whirl, change_of_sign, reduce, reduce_in_band,
-    reduce_sampled, sampled,
+    InBand, InputSlope, JUDGED_MODES, Keep, LoadPath, NoReduction, PathPoint, Place, Reduced, Rest, Rotor,
+    SampledSpace, Search, SecondOrder, Stability, StateSpace, StaticEffort, Study, Whirl, change_of_sign, reduce,
+    reduce_in_band, reduce_sampled, sampled,
 };
 pub use crate::system::{
     AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, FailureOutputs, FlapOutputs,

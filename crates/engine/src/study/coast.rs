@@ -97,7 +97,7 @@ impl Study<'_> {
     }
 
     /// Unit of the unknown: 1 rad, or the machine's length in m for a prismatic joint.
-    fn scale(&self, hinge: usize) -> f64 {
+    pub(super) fn scale(&self, hinge: usize) -> f64 {
         let slides = self.system.equations.model.bodies[self.system.equations.forces.joints()[hinge].body]
             .joint
             .kind
