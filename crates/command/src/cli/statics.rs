@@ -1,7 +1,7 @@
 //! `foldwing static`: the machine at rest under its loads.
 
 use crate::cli::settings::read_plant;
-use crate::cli::{Failure, print, stability};
+use crate::cli::{Failure, implausible, print, stability, tell};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::machine::{Machine, Travel};
 use foldwing_engine::plant::{
@@ -70,6 +70,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let search = Search { path, branch: arguments.branch.choice() };
     let failed = |error: PlantError| Failure::Statics(error.to_string());
     let rest = plant.study().rest(time_s, Holding::AsReleased, search).map_err(failed)?;
+    if let Some(doubt) = implausible::flow_at(&plant) {
+        tell::warning(&doubt);
+    }
     if arguments.json {
         return print(&format!("{:#}", rest_json(&mut plant, &rest).map_err(failed)?));
     }
