@@ -12,7 +12,10 @@ use nalgebra::{Complex, Vector3};
 pub(crate) const SYMMETRIC: f64 = 1e-8;
 
 /// Number of modes examined.
-pub const JUDGED_MODES: usize = 10;
+const MODES: usize = 10;
+/// Number of modes by which a state in the air of a lattice is judged: as many as `flutter` follows by default. Each costs as much as all
+/// of strips.
+pub const JUDGED_MODES: usize = 6;
 
 /// Number of coordinates beyond which motions are not examined, because the matrices are dense.
 const MAXIMUM_COORDINATES: usize = 1200;
@@ -148,7 +151,7 @@ impl Study<'_> {
     }
 
     fn growing(&mut self) -> Result<Vec<Growth>, PlantError> {
-        let modes = self.modes(JUDGED_MODES)?;
+        let modes = self.modes(MODES)?;
         Ok(self.growing_of(&modes))
     }
 
