@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from .variable import Start
 
 
+_VERDICTS = {True: "stable", False: "UNSTABLE", None: "stability not judged"}
+
+
 class Rest:
     """The machine at rest. `data` has everything that `foldwing static --json` prints."""
 
@@ -26,9 +29,11 @@ class Rest:
         """Moment of the machine on the root in N·m, root frame, shape (3,)."""
 
     @property
-    def stable(self) -> bool:
-        """The machine stays there by itself."""
-        return bool(self.data["stability"]["stable"])
+    def stable(self) -> Optional[bool]:
+        """The machine, with its air, stays there by itself; `None` where that is not judged, for the reason
+        `data["stability"]["not_judged"]`."""
+        stable: Optional[bool] = self.data["stability"]["stable"]
+        return stable
 
     def shape(self, body: str) -> NDArray[np.float64]:
         """Positions in m of the sections of a body, root frame, from the inner end on, shape (sections, 3)."""
@@ -40,7 +45,7 @@ class Rest:
 
     def __repr__(self) -> str:
         joints = ", ".join(f"{name} at {next(v for k, v in joint.items() if k != 'name'):.4f}" for name, joint in self.joints.items())
-        return f"<foldwing.Rest of {self.data['name']}: {joints or 'no joints'}; {'stable' if self.stable else 'UNSTABLE'}>"
+        return f"<foldwing.Rest of {self.data['name']}: {joints or 'no joints'}; {_VERDICTS[self.stable]}>"
 
 
 class Modes:
@@ -90,6 +95,11 @@ class Flutter:
         """Their frequencies in Hz, shape (found,)."""
         self.divergence_m_s: NDArray[np.float64] = np.array(data["divergence_m_s"], dtype=np.float64)
         """Speeds of divergence in m/s, shape (found,)."""
+        self.changes: List[Dict[str, Any]] = list(data["changes"])
+        """What else happens between two speeds: `kind` ("latch", "jump" of the equilibrium, "unstable": a mode that grows, "divergence":
+        a change of sign whose speed is not found), `between_m_s`, `text`."""
+        self.modes_tracked: int = int(data["modes_tracked"])
+        """Number of modes tracked."""
 
     @property
     def frequency_Hz(self) -> NDArray[np.float64]:
@@ -107,9 +117,11 @@ class Flutter:
     def __repr__(self) -> str:
         flutter = ", ".join(f"flutter at {speed:.6g} m/s with {hertz:.6g} Hz" for speed, hertz in zip(self.flutter_m_s, self.flutter_Hz))
         divergence = ", ".join(f"divergence at {speed:.6g} m/s" for speed in self.divergence_m_s)
-        none = f"neither flutter nor divergence up to {self.speed_m_s[-1]:g} m/s"
+        changes = "; ".join("between {:g} and {:g} m/s: {}".format(*change["between_m_s"], change["text"]) for change in self.changes)
+        first = f"unstable from {self.speed_m_s[0]:g} m/s on" if self.data["unstable_from_first"] else ""
+        none = f"neither flutter nor divergence up to {self.speed_m_s[-1]:g} m/s, {self.modes_tracked} modes tracked"
         ended = f"; ended: {self.data['ended']['message']}" if self.data["ended"] else ""
-        return f"<foldwing.Flutter of {self.name}: {'; '.join(filter(None, [flutter, divergence])) or none}{ended}>"
+        return f"<foldwing.Flutter of {self.name}: {'; '.join(filter(None, [first, flutter, divergence, changes])) or none}{ended}>"
 
 
 class FlutterMap:

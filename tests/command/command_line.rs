@@ -7,7 +7,7 @@ fn model() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/folding_wing.toml")
 }
 
-fn foldwing(arguments: &[&str]) -> Output {
+pub fn foldwing(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_foldwing")).args(arguments).output().expect("the command runs")
 }
 
@@ -26,7 +26,7 @@ fn refuses(output: &Output, code: i32, message: &str) {
 }
 
 #[track_caller]
-fn succeeds(output: &Output) -> String {
+pub fn succeeds(output: &Output) -> String {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout.clone()).unwrap()
 }

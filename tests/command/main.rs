@@ -7,3 +7,4 @@ mod rotors;
 mod slips;
 mod starter;
 mod sweep;
+mod verdicts;

@@ -36,6 +36,8 @@ pub(super) struct Assessment {
     /// Lowest natural frequencies about that state, joints held.
     pub(super) frequencies_hz: Vec<f64>,
     pub(super) joints: Vec<Effort>,
+    /// Wind acts on the machine: sag, frequencies and efforts are those without it.
+    pub(super) air_left_out: bool,
     /// Why sag and frequencies are missing.
     unknown: Option<String>,
     /// What is probably not meant.
@@ -78,6 +80,16 @@ pub(super) enum Reach {
     StallsAt(f64),
     /// Driven the other way from the start.
     TurnsAway,
+    /// Wind acts, which the efforts do not include.
+    NotJudged,
+}
+
+/// Whether the model has wind at its start, or gusts: air that acts on a machine that stands still.
+fn blown(machine: &Machine) -> bool {
+    let Some(air) = &machine.air else { return false };
+    air.options.is_rotor()
+        || !air.gusts.is_empty()
+        || Plant::new(Arc::new(machine.clone())).inputs().wind_m_s().norm() > 0.0
 }
 
 impl Assessment {
@@ -93,6 +105,7 @@ impl Assessment {
             frequencies_hz: Vec::new(),
             joints: Vec::new(),
             unknown: None,
+            air_left_out: false,
             warnings: Vec::new(),
         };
         if let Err(error) = plant.study().undeformed(start_s) {
@@ -107,6 +120,12 @@ impl Assessment {
             Err(cause) => answer.unknown = Some(cause),
         }
         answer.joints = efforts(machine, |_| true);
+        answer.air_left_out = blown(machine);
+        if answer.air_left_out {
+            answer.joints.iter_mut().filter(|joint| joint.reaches != Reach::Stands).for_each(|joint| {
+                joint.reaches = Reach::NotJudged;
+            });
+        }
         answer.warnings = implausible::model(&answer, machine);
         answer
     }
@@ -132,6 +151,9 @@ impl Assessment {
             let list: Vec<String> = self.frequencies_hz.iter().map(|hz| short(*hz).to_string()).collect();
             let _ = writeln!(text, "first modes {} Hz, held so", list.join(", "));
         }
+        if self.air_left_out {
+            text.push_str("sag, modes and efforts are without the wind of the model: `static`, `modes` and `simulate` include it\n");
+        }
         if let Some(cause) = &self.unknown {
             let _ = writeln!(text, "no state of rest to tell sag and frequencies of: {cause}");
         }
@@ -149,6 +171,7 @@ impl Effort {
             Reach::Stands => format!("it starts at {end}"),
             Reach::StallsAt(place) => format!("moving slowly it stalls at {} {shown}", short(place)),
             Reach::TurnsAway => format!("it moves away from {end} at {} {shown}", short(self.end)),
+            Reach::NotJudged => format!("whether {end} at {} {shown} is reached depends on the wind", short(self.end)),
         };
         let asked = format!(
             "{}: gravity asks for up to {} {unit} (at {} {shown})",

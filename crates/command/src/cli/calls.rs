@@ -64,24 +64,14 @@ pub fn modes(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Resul
         let modes = plant.study().bare_modes(count)?;
         return Ok(crate::cli::modes::as_json(plant, &modes, true));
     }
-    let departure = plant.study().rest(time_s, Holding::AsReleased, Search::default())?.departure;
-    let (modes, stability) = match of {
-        ModesOf::RestInLattice => {
-            let stability = plant.study().lattice_stability()?;
-            (plant.study().lattice_modes_and_rest(count)?.0, stability)
-        }
-        _ => {
-            let stability = plant.study().stability()?;
-            (plant.study().modes(count)?, Some(stability))
-        }
-    };
+    let rest = plant.study().rest(time_s, Holding::AsReleased, Search::default())?;
+    let lattice = of == ModesOf::RestInLattice;
+    let (modes, stability) = crate::cli::modes::judged_modes(plant, Some(&rest), count, lattice)?;
     let mut value = crate::cli::modes::as_json(plant, &modes, false);
     if of == ModesOf::RestInLattice {
         value["without_air"] = false.into();
     }
-    if let Some(stability) = &stability {
-        value["stability"] = stability::as_json(plant, stability, departure);
-    }
+    value["stability"] = stability::as_json(plant, &stability, rest.departure);
     Ok(value)
 }
 

@@ -1,5 +1,5 @@
 //! `--output` and its like: variables chosen by names, lists with commas, patterns with `*` and `?`, prefixes with a dot at
-//! the end.
+//! the end, vectors as their components.
 
 use crate::cli::Failure;
 use crate::cli::simulate::unknown;
@@ -48,7 +48,9 @@ fn matching<'a, C: Channel>(name: &str, rows: &[&'a C]) -> Vec<&'a C> {
         return vec![*row];
     }
     if !is_pattern(name) {
-        return Vec::new();
+        // a vector is its components
+        let component = |row: &&&C| ["x", "y", "z"].iter().any(|axis| row.name() == format!("{name}.{axis}"));
+        return rows.iter().filter(component).copied().collect();
     }
     let pattern = WildMatch::new(&if name.ends_with('.') { format!("{name}*") } else { name.to_owned() });
     rows.iter().copied().filter(|row| row.name() != TIME && pattern.matches(row.name())).collect()

@@ -6,7 +6,9 @@ use crate::cli::settings::read_plant;
 use crate::cli::statics::BranchOption;
 use crate::cli::{Failure, campbell, print, stability, tell};
 use clap::builder::NonEmptyStringValueParser;
-use foldwing_engine::plant::{Branches, Holding, ModeShape, NodeMotion, Plant, Search};
+use foldwing_engine::plant::{
+    Branches, Holding, JUDGED_MODES, ModeShape, NodeMotion, Plant, PlantError, Rest, Search, Stability,
+};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -77,25 +79,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut plant = read_plant(&arguments.model, &arguments.settings)?;
     let time_s = plant.machine().experiment.start_time_s;
     let failed = |error: foldwing_engine::plant::PlantError| Failure::Statics(error.to_string());
-    let mut departure = None;
+    let mut rest = None;
     match arguments.about {
         About::Undeformed => plant.study().undeformed(time_s).map_err(failed)?,
         About::Equilibrium => {
             let search = Search { branch: arguments.branch.choice(), ..Search::default() };
-            departure = plant.study().rest(time_s, Holding::AsReleased, search).map_err(failed)?.departure;
+            rest = Some(plant.study().rest(time_s, Holding::AsReleased, search).map_err(failed)?);
         }
     }
-    let stability = match arguments.about {
-        About::Undeformed => None,
-        About::Equilibrium if arguments.lattice => plant.study().lattice_stability().map_err(failed)?,
-        About::Equilibrium => Some(plant.study().stability().map_err(failed)?),
-    };
     let bare = arguments.about == About::Undeformed;
-    let modes = match bare {
-        true => plant.study().bare_modes(arguments.count).map_err(failed)?,
-        false if arguments.lattice => plant.study().lattice_modes_and_rest(arguments.count).map_err(failed)?.0,
-        false => plant.study().modes(arguments.count).map_err(failed)?,
+    let (modes, stability) = match arguments.about {
+        About::Undeformed => (plant.study().bare_modes(arguments.count).map_err(failed)?, None),
+        About::Equilibrium => judged_modes(&mut plant, rest.as_ref(), arguments.count, arguments.lattice)
+            .map(|(modes, stability)| (modes, Some(stability)))
+            .map_err(failed)?,
     };
+    let departure = rest.and_then(|rest| rest.departure);
     let in_lattice = arguments.lattice && !bare;
     if arguments.json {
         let mut value = as_json(&plant, &modes, bare);
@@ -122,10 +121,33 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if let Some(stability) = &stability {
         text.push_str(&stability::text(&plant, stability, departure));
-    } else if in_lattice {
-        text.push_str("stability: not judged: the model in discrete time has too many states\n");
     }
     print(&text)
+}
+
+/// Modes about a state of rest, with the air of a lattice or under its held loads, and the stability of the state. With held loads the
+/// lattice does not judge it.
+pub(super) fn judged_modes(
+    plant: &mut Plant,
+    rest: Option<&Rest>,
+    count: usize,
+    lattice: bool,
+) -> Result<(Vec<ModeShape>, Stability), PlantError> {
+    if lattice {
+        let (mut modes, _) = plant.study().lattice_modes_and_rest(count.max(JUDGED_MODES))?;
+        let stability = plant.study().stability_in_lattice(&modes);
+        modes.truncate(count);
+        return Ok((modes, stability));
+    }
+    let stability = match rest.and_then(|rest| rest.stability.clone()) {
+        Some(stability) => stability,
+        None if plant.has_linear_lattice() && plant.machine().air.is_some() => Stability {
+            not_judged: Some("the loads of the lattice are held in these modes; --lattice lets them follow".to_owned()),
+            ..Stability::default()
+        },
+        None => plant.study().stability()?,
+    };
+    Ok((plant.study().modes(count)?, stability))
 }
 
 /// Follows the modes over a quantity.

@@ -18,6 +18,10 @@ pub fn text(plant: &Plant, stability: &Stability, departure: Option<Departure>) 
         ),
         None => String::new(),
     };
+    if let Some(cause) = &stability.not_judged {
+        let _ = writeln!(text, "stability: not judged: {cause}");
+        return text;
+    }
     let basis = match (stability.neutral, stability.potential) {
         _ if stability.in_lattice => " (with the air of the lattice: judged by the slowest motions in discrete time)",
         (true, _) => " (something moves without resistance: judged by the lowest modes)",
@@ -71,9 +75,10 @@ pub fn as_json(plant: &Plant, stability: &Stability, departure: Option<Departure
         })
         .collect();
     json!({
-        "stable": stability.is_stable(),
-        "unstable_directions": stability.unstable_directions(),
-        "negative_pivots": if stability.in_lattice { Value::Null } else { stability.negative_directions.into() },
+        "stable": stability.not_judged.is_none().then(|| stability.is_stable()),
+        "not_judged": stability.not_judged,
+        "unstable_directions": stability.not_judged.is_none().then(|| stability.unstable_directions()),
+        "negative_pivots": if stability.in_lattice || stability.not_judged.is_some() { Value::Null } else { stability.negative_directions.into() },
         "loads_have_potential": stability.potential,
         "neutral": stability.neutral,
         "with_air_of_lattice": stability.in_lattice,

@@ -1,11 +1,11 @@
 //! `foldwing static`: the machine at rest under its loads.
 
 use crate::cli::settings::read_plant;
-use crate::cli::{Failure, print, stability};
+use crate::cli::{Failure, implausible, print, stability, tell};
 use clap::builder::NonEmptyStringValueParser;
 use foldwing_engine::machine::{Machine, Travel};
 use foldwing_engine::plant::{
-    Branch, Holding, JointOutputs, LoadPath, Plant, PlantError, Rest, Search, SectionShape, StaticEffort,
+    Branch, Holding, JointOutputs, LoadPath, Plant, PlantError, Rest, Search, SectionShape, Stability, StaticEffort,
 };
 use nalgebra::Vector3;
 use serde_json::{Value, json};
@@ -70,10 +70,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let search = Search { path, branch: arguments.branch.choice() };
     let failed = |error: PlantError| Failure::Statics(error.to_string());
     let rest = plant.study().rest(time_s, Holding::AsReleased, search).map_err(failed)?;
+    if let Some(doubt) = implausible::flow_at(&plant) {
+        tell::warning(&doubt);
+    }
     if arguments.json {
         return print(&format!("{:#}", rest_json(&mut plant, &rest).map_err(failed)?));
     }
-    let stability = plant.study().stability().map_err(failed)?;
+    let stability = judged(&mut plant, &rest).map_err(failed)?;
     let coarseness = plant.study().coarseness();
     let mut text = as_text(&plant, rest.effort);
     text.push_str(&stability::text(&plant, &stability, rest.departure));
@@ -84,9 +87,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
+/// Stability of a state of rest, with its air.
+pub(super) fn judged(plant: &mut Plant, rest: &Rest) -> Result<Stability, PlantError> {
+    rest.stability.clone().map_or_else(|| plant.study().stability(), Ok)
+}
+
 /// A state of rest that the plant has been brought to, as JSON.
 pub(super) fn rest_json(plant: &mut Plant, rest: &Rest) -> Result<Value, PlantError> {
-    let stability = plant.study().stability()?;
+    let stability = judged(plant, rest)?;
     let coarseness = plant.study().coarseness();
     let mut value = as_json(plant, rest.effort);
     value["stability"] = stability::as_json(plant, &stability, rest.departure);

@@ -178,6 +178,23 @@ impl<M: Followed + Clone> Branches<M> {
         }
     }
 
+    /// Modes that grow at a place but not at the one before, where the branch is missing or does not grow: branch, the two places and
+    /// the mode. Places in between that served to distinguish modes count.
+    pub fn beginnings(&self) -> Vec<(usize, [f64; 2], &M)> {
+        let mut list = Vec::new();
+        for pair in self.all.windows(2) {
+            for (branch, ends) in pair[0].modes.iter().zip(&pair[1].modes).enumerate() {
+                if let (before, Some(mode)) = ends
+                    && grows(mode)
+                    && !before.as_ref().is_some_and(grows)
+                {
+                    list.push((branch, [pair[0].at, pair[1].at], mode));
+                }
+            }
+        }
+        list
+    }
+
     /// Where branches begin or cease to grow, in the order of the sweep: by false position (Illinois) between two
     /// places with a change of sign, with the mode that belongs to the branch. If `modes_at` fails, the crossing is
     /// left out.

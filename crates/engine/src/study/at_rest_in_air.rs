@@ -4,7 +4,6 @@ use crate::solve::equilibrium::Effort;
 use crate::study::{Holding, Study};
 use crate::system::PlantError;
 use crate::system::air::AirCoupling;
-use crate::system::air::start::refusal;
 
 /// Maximum number of iterations between air and structure at rest.
 const MAXIMUM_STATIC_ITERATIONS: usize = 100;
@@ -64,8 +63,10 @@ impl Study<'_> {
             air.write(&mut history.loads);
             history.loads.from.clone_from(&history.loads.to);
         }
-        let cause =
-            format!("the loads at rest still change by {change:.1e} after {MAXIMUM_STATIC_ITERATIONS} iterations");
-        Err(refusal(time_s, cause))
+        let cause = format!(
+            "the loads of the air at rest still change by {change:.1e} of the largest after {MAXIMUM_STATIC_ITERATIONS} iterations with the \
+             structure; the machine may be past divergence in this wind: try a lower speed, or more stiffness"
+        );
+        Err(PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause })
     }
 }

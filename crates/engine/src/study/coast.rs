@@ -97,7 +97,7 @@ impl Study<'_> {
     }
 
     /// Unit of the unknown: 1 rad, or the machine's length in m for a prismatic joint.
-    fn scale(&self, hinge: usize) -> f64 {
+    pub(super) fn scale(&self, hinge: usize) -> f64 {
         let slides = self.system.equations.model.bodies[self.system.equations.forces.joints()[hinge].body]
             .joint
             .kind
@@ -169,8 +169,8 @@ impl Study<'_> {
             })
             .collect();
         let cause = format!(
-            "the free hinges ({}) do not come to rest, a torque of {torque_n_m:.1e} N m is left on them: the air does not \
-             hold them; give them a spring, or hold them (release = false)",
+            "the released hinges keep an unbalanced torque of {torque_n_m:.1e} N.m in this wind ({}); try a lower speed, hold them \
+             (release = false), or stiffen their springs",
             list.join(", ")
         );
         PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause }

@@ -87,15 +87,6 @@ impl Study<'_> {
         inputs: &[InputSlope],
         read: &dyn Fn(&Outputs) -> DVector<f64>,
     ) -> Result<SampledSpace, PlantError> {
-        self.lattice_space_within(inputs, read)?.map_err(|count| self.too_many_states(count))
-    }
-
-    /// [`Study::lattice_space`], or the number of its states where memory does not hold them.
-    pub(super) fn lattice_space_within(
-        &mut self,
-        inputs: &[InputSlope],
-        read: &dyn Fn(&Outputs) -> DVector<f64>,
-    ) -> Result<Result<SampledSpace, usize>, PlantError> {
         self.on_tangents(|study| study.lattice_space_on_tangents(inputs, read))
     }
 
@@ -103,12 +94,12 @@ impl Study<'_> {
         &mut self,
         inputs: &[InputSlope],
         read: &dyn Fn(&Outputs) -> DVector<f64>,
-    ) -> Result<Result<SampledSpace, usize>, PlantError> {
+    ) -> Result<SampledSpace, PlantError> {
         let gusts = inputs.iter().any(|input| input.gust_m_s != Vector3::zeros());
         // before anything of that size is computed; nodes of the wake and gusts can add some
         let at_least = self.system.freedoms().len() * 4 + self.system.lattice_circulations();
         if at_least > MAXIMUM_STATES {
-            return Ok(Err(at_least));
+            return Err(self.too_many_states(at_least));
         }
         let lattice = self.sampled_lattice(gusts)?;
         let (slopes, freedoms) = (&lattice.slopes, self.system.freedoms());
@@ -130,7 +121,7 @@ impl Study<'_> {
         }
         let layout = Layout::new(freedoms.len(), slopes);
         if layout.count > MAXIMUM_STATES {
-            return Ok(Err(layout.count));
+            return Err(self.too_many_states(layout.count));
         }
         let coupled = Coupled {
             layout: &layout,
@@ -144,7 +135,7 @@ impl Study<'_> {
         let matrices = StateSpace { a, b, c, d };
         let states = self.sampled_names(&layout, &freedoms, slopes);
         let free_1_s = free_rate_1_s(&lattice.second).ok_or_else(|| self.no_masses())?;
-        Ok(Ok(SampledSpace { matrices, step_s: lattice.step_s, states, freedoms: freedoms.len(), free_1_s }))
+        Ok(SampledSpace { matrices, step_s: lattice.step_s, states, freedoms: freedoms.len(), free_1_s })
     }
 
     fn too_many_states(&self, count: usize) -> PlantError {

@@ -1,26 +1,15 @@
-//! Stability of a state of rest in the air of a lattice: by the model in discrete time, NOTATION eqs. (L27) to (L30).
+//! Motions that grow in a model in discrete time of a machine in the air of a lattice, NOTATION eqs. (L27) to (L30).
 
 use crate::solve::lagged::LaggedMode;
 use crate::solve::near_one::nearest_one;
 use crate::study::Study;
 use crate::study::lattice_space::SampledSpace;
-use crate::study::stability::{Growth, Stability};
+use crate::study::stability::Growth;
 use crate::system::PlantError;
 use crate::system::shape::ModeShape;
 use nalgebra::{Complex, DVector};
 
 impl Study<'_> {
-    /// Stability of the present state, which must be one of rest, with the air of its lattice: by the slowest motions of the model in
-    /// discrete time, those whose eigenvalues are nearest 1. `None` where that model has more states than memory holds.
-    ///
-    /// # Errors
-    /// As [`Study::lattice_space`]; and where the eigenvalues are not found.
-    pub fn lattice_stability(&mut self) -> Result<Option<Stability>, PlantError> {
-        let Ok(space) = self.lattice_space_within(&[], &|_| DVector::zeros(0))? else { return Ok(None) };
-        let growing = self.growing_in_lattice(&space)?;
-        Ok(Some(Stability { negative_directions: 0, potential: false, neutral: false, growing, in_lattice: true }))
-    }
-
     /// Motions of a model in discrete time that grow, fastest first: among the slowest, one of each pair.
     ///
     /// # Errors

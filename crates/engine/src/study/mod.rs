@@ -33,7 +33,7 @@ pub use linear::Argument;
 pub use periodic::{AveragedModes, GroundView};
 pub use rotor::Rotor;
 pub(crate) use rotor::shaft_of;
-pub use stability::{Coarseness, Growth, Stability};
+pub use stability::{Coarseness, Growth, JUDGED_MODES, Stability};
 pub use state_space::InputSlope;
 pub use statics::{Branch, Departure, Holding, LoadPath, Rest, Search};
 

@@ -13,6 +13,9 @@ pub(crate) const SYMMETRIC: f64 = 1e-8;
 
 /// Number of modes examined.
 const MODES: usize = 10;
+/// Number of modes by which a state in the air of a lattice is judged: as many as `flutter` follows by default. Each costs as much as all
+/// of strips.
+pub const JUDGED_MODES: usize = 6;
 
 /// Number of coordinates beyond which motions are not examined, because the matrices are dense.
 const MAXIMUM_COORDINATES: usize = 1200;
@@ -21,7 +24,7 @@ const MAXIMUM_COORDINATES: usize = 1200;
 const COARSE_RAD: f64 = 0.5;
 
 /// Stability of a state of rest under the present inputs.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Stability {
     /// Negative pivots of the static tangent: directions in which the forces push away, eq. (L16). This is exact if the
     /// loads have a potential.
@@ -30,23 +33,38 @@ pub struct Stability {
     pub potential: bool,
     /// Something moves without resistance: the tangent is singular, and only the modes decide.
     pub neutral: bool,
-    /// Growing motions among the modes of lowest frequency, fastest first. They include the air of strips,
-    /// and of rotors; other loads of the air are constant, but with `in_lattice`.
+    /// Growing motions among the modes of lowest frequency, fastest first, with the air that answers to them.
     pub growing: Vec<Growth>,
-    /// Judged in discrete time with the air of a lattice, by its slowest motions: [`Study::lattice_stability`].
+    /// Judged in discrete time with the air of a lattice, by its slowest motions: [`Study::lattice_modes_and_rest`].
     pub in_lattice: bool,
+    /// Why the state is judged neither stable nor unstable; `None` where it is judged.
+    pub not_judged: Option<String>,
 }
 
 impl Stability {
+    /// A state that is not judged, with the cause.
+    fn not_judged(cause: String) -> Self {
+        Self { not_judged: Some(cause), ..Self::default() }
+    }
+
     /// Directions in which the machine leaves the state by itself: negative pivots, or without a potential motions that
-    /// grow.
+    /// grow; 0 where the state is not judged.
     pub fn unstable_directions(&self) -> usize {
         if self.potential && !self.neutral { self.negative_directions } else { self.growing.len() }
     }
 
-    /// Whether there are none.
+    /// Whether there are none; false where the state is not judged.
     pub fn is_stable(&self) -> bool {
-        self.unstable_directions() == 0
+        self.not_judged.is_none() && self.unstable_directions() == 0
+    }
+
+    /// Directions in which the machine leaves the state without oscillating: another equilibrium lies downhill.
+    pub fn static_directions(&self) -> usize {
+        let leaves = |growth: &&Growth| growth.eigenvalue_1_s.im.abs() <= 1e-9 * growth.eigenvalue_1_s.norm();
+        match self.potential && !self.neutral {
+            true => self.negative_directions,
+            false => self.growing.iter().filter(leaves).count(),
+        }
     }
 }
 
@@ -82,8 +100,19 @@ impl Coarseness {
 }
 
 impl Study<'_> {
-    /// Stability of the present state, which must be one of rest, under the present inputs.
+    /// Stability of the present state, which must be one of rest, under the present inputs, with the air that answers to motions. It is
+    /// not judged where that air has no linear model, and where the loads have no potential and there are too many coordinates for modes.
+    ///
+    /// # Errors
+    /// Where the modes are not found.
     pub fn stability(&mut self) -> Result<Stability, PlantError> {
+        if self.system.has_linear_lattice() && self.system.state.applied_parameters.air_density_kg_m3() > 0.0 {
+            return match self.lattice_modes_and_rest(JUDGED_MODES) {
+                Ok((modes, _)) => Ok(self.stability_in_lattice(&modes)),
+                Err(PlantError::Linearization { cause, .. }) => Ok(Stability::not_judged(cause)),
+                Err(error) => Err(error),
+            };
+        }
         let now = &self.system.state.now;
         let mut unused = vec![0.0; self.system.coordinates()];
         self.system.equations.residual(now.time_s, &now.q, &now.v, &now.a, &mut unused);
@@ -95,28 +124,41 @@ impl Study<'_> {
         // air that answers to motion has no potential
         let blown = self.system.air_is_linearised() && self.system.state.applied_parameters.air_density_kg_m3() > 0.0;
         let potential = tangent.asymmetry(model) < SYMMETRIC && !blown;
-        let quiet =
-            potential && !neutral && negative_directions == 0 || self.system.coordinates() > MAXIMUM_COORDINATES;
-        let growing = if quiet { Vec::new() } else { self.growing()? };
-        Ok(Stability { negative_directions, potential, neutral, growing, in_lattice: false })
+        let by_pivots = potential && !neutral;
+        let coordinates = self.system.coordinates();
+        let too_many = coordinates > MAXIMUM_COORDINATES;
+        let growing = if by_pivots && negative_directions == 0 || too_many { Vec::new() } else { self.growing()? };
+        let not_judged = (too_many && !by_pivots).then(|| {
+            format!("{coordinates} coordinates are more than {MAXIMUM_COORDINATES}, up to which modes are found; take fewer elements")
+        });
+        Ok(Stability { negative_directions, potential, neutral, growing, in_lattice: false, not_judged })
+    }
+
+    /// The same in the air of a lattice, judged by its `modes` of lowest frequency: those of [`Study::lattice_modes_and_rest`].
+    pub fn stability_in_lattice(&self, modes: &[ModeShape]) -> Stability {
+        Stability { growing: self.growing_of(modes), in_lattice: true, ..Stability::default() }
     }
 
     /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first: among the modes of lowest
-    /// frequency, one of each pair. They include the air of strips and
-    /// of rotors; other loads of the air are constant.
-    /// `None` for machines with too many coordinates.
+    /// frequency, one of each pair. They include the air of strips and of rotors.
+    /// `None` for machines with too many coordinates, and for those in the air of a lattice, whose loads are constant in a model in
+    /// continuous time.
     pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
-        if self.system.coordinates() > MAXIMUM_COORDINATES {
+        if self.system.coordinates() > MAXIMUM_COORDINATES || self.system.has_linear_lattice() {
             return Ok(None);
         }
         Ok(Some(self.growing()?.iter().map(|growth| growth.eigenvalue_1_s).collect()))
     }
 
     fn growing(&mut self) -> Result<Vec<Growth>, PlantError> {
-        let mut list: Vec<Growth> =
-            self.modes(MODES)?.iter().filter(|mode| mode.grows()).map(|mode| self.growth(mode)).collect();
+        let modes = self.modes(MODES)?;
+        Ok(self.growing_of(&modes))
+    }
+
+    fn growing_of(&self, modes: &[ModeShape]) -> Vec<Growth> {
+        let mut list: Vec<Growth> = modes.iter().filter(|mode| mode.grows()).map(|mode| self.growth(mode)).collect();
         list.sort_by(|a, b| b.eigenvalue_1_s.re.total_cmp(&a.eigenvalue_1_s.re));
-        Ok(list)
+        list
     }
 
     /// Where the motion of a mode is largest.

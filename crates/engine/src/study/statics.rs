@@ -10,7 +10,7 @@ use crate::solve::equilibrium::{self, Cause, Effort, NoEquilibrium, Settings, St
 use crate::solve::settle;
 use crate::solve::{EquationsOfMotion, Singular};
 use crate::study::Study;
-use crate::study::stability::SYMMETRIC;
+use crate::study::stability::{SYMMETRIC, Stability};
 use crate::system::PlantError;
 use crate::system::equations::Equations;
 use nalgebra::Matrix3;
@@ -19,6 +19,9 @@ use nalgebra::Matrix3;
 const MAXIMUM_SEARCHES: usize = 100;
 /// Gap of a closed loop at rest over the machine's length beyond which the loop counts as torn.
 const TORN: f64 = 0.01;
+/// Distance in rad, or travel over the machine's length, from an unstable equilibrium at which the search for a stable one beside it
+/// starts: within it the torque's linear part leads away.
+const BESIDE_RAD: f64 = 0.05;
 
 /// What holds the joints while the machine settles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,6 +80,8 @@ pub struct Rest {
     pub departure: Option<Departure>,
     /// The path by arc length, point by point; empty otherwise.
     pub path: Vec<PathPoint>,
+    /// Stability of the state, where the search has judged it: with [`Branch::Stable`].
+    pub stability: Option<Stability>,
     /// Largest correction of the hinges that only the air restores in rad, iteration by iteration; empty without such hinges.
     pub corrections_rad: Vec<f64>,
 }
@@ -297,21 +302,86 @@ impl Study<'_> {
     pub fn rest(&mut self, time_s: f64, holding: Holding, search: Search) -> Result<Rest, PlantError> {
         self.quest = Quest { search, ..Quest::default() };
         let effort = self.come_to_rest(time_s, holding);
-        let Quest { departure, path, corrections_rad, .. } = std::mem::take(&mut self.quest);
-        let effort = effort?;
+        let Quest { mut departure, path, corrections_rad, .. } = std::mem::take(&mut self.quest);
+        let mut effort = effort?;
         self.refuse_unbalanced_flight(time_s)?;
-        Ok(Rest { effort, departure, path, corrections_rad })
+        let mut stability = None;
+        if search.branch == Branch::Stable {
+            let mut judged = self.stability()?;
+            let directions = judged.static_directions();
+            if directions > 0 && self.system.flying_joints().is_empty() {
+                (effort, judged) = self.leave_in_air(time_s, holding, judged)?;
+                departure = departure.or(Some(Departure::Unstable(directions)));
+            }
+            stability = Some(judged);
+        }
+        Ok(Rest { effort, departure, path, stability, corrections_rad })
+    }
+
+    /// Continues from the present state, which is statically unstable, to a stable one downhill: hinges that the air restores leave their
+    /// angle to either side in steps that the torques drive, eq. (Q6).
+    ///
+    /// # Errors
+    /// Where no stable equilibrium is found on either side.
+    fn leave_in_air(
+        &mut self,
+        time_s: f64,
+        holding: Holding,
+        found: Stability,
+    ) -> Result<(Effort, Stability), PlantError> {
+        let angles: Vec<f64> = self
+            .system
+            .equations
+            .forces
+            .joints()
+            .iter()
+            .map(|joint| self.system.state.now.q[joint.coordinate])
+            .collect();
+        let hinges =
+            if self.system.air.is_some() && holding == Holding::AsReleased { self.free_hinges() } else { Vec::new() };
+        for side in [0.0, -BESIDE_RAD, BESIDE_RAD] {
+            if hinges.is_empty() {
+                break;
+            }
+            self.system.start(time_s);
+            if side != 0.0 {
+                for &hinge in &hinges {
+                    let coordinate = self.system.equations.forces.joints()[hinge].coordinate;
+                    self.system.state.now.q[coordinate] = angles[hinge] + side * self.scale(hinge);
+                }
+            }
+            let Ok(effort) = self.coast(time_s, &hinges) else { continue };
+            self.conclude_rest(time_s)?;
+            let judged = self.stability()?;
+            if judged.not_judged.is_none() && judged.static_directions() == 0 {
+                return Ok((effort, judged));
+            }
+        }
+        let cause = format!(
+            "the equilibrium on the load path is unstable{}, and no stable one is found beside it; accept it with the branch \
+             \"path\", or begin at other start angles",
+            found.growing.first().map_or(String::new(), |growth| {
+                let name = &self.system.machine.bodies[growth.body].name;
+                format!(" (body {name:?} leaves it with {:.4} 1/s)", growth.eigenvalue_1_s.re)
+            })
+        );
+        Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause })
     }
 
     pub(super) fn come_to_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         self.system.start(time_s);
         let effort = self.settle_in_air(time_s, holding)?;
+        self.conclude_rest(time_s)?;
+        Ok(effort)
+    }
+
+    fn conclude_rest(&mut self, time_s: f64) -> Result<(), PlantError> {
         self.system.state.now.v.fill(0.0);
         self.system.state.now.a.fill(0.0);
         self.system.conclude_start(time_s)?;
         // the remaining accelerations are round-off times stiffness
         self.stand_still();
-        Ok(effort)
+        Ok(())
     }
 
     /// Initialises at `time_s` without loads, gravity and root motion, which are set to zero, and stands still at the
