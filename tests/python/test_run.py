@@ -64,6 +64,27 @@ def test_inputs_of_every_form_act_alike(wing, command, tmp_path):
     assert np.array_equal(mixed["fold.angle"], expected["fold.angle"])
 
 
+def test_a_controller_is_a_loop_over_steps(wing):
+    """The function reads the machine as it starts: the first action too is that of the loop by hand, to the bit."""
+    names = ["fold.angle", "fold.rate", "tip.position"]
+    seen = []
+
+    def damper(time, sim):
+        seen.append((time, sim["fold.angle"]))
+        return {"fold.torque": -0.05 * sim["fold.angle"]}
+
+    run = wing.simulate(until=0.05, step=0.005, inputs=damper, outputs=names)
+    sim = wing.start()
+    assert seen[0] == (0.0, sim["fold.angle"]) and sim["fold.angle"] > 2.9
+    for point, end in enumerate(run.time[1:], start=1):
+        sim["fold.torque"] = -0.05 * sim["fold.angle"]
+        sim.step_to(end)
+        for name in names:
+            assert np.array_equal(run[name][point], sim[name]), (name, end)
+    times, columns = run.inputs
+    assert np.array_equal(columns["fold.torque"][:-1], [-0.05 * angle for angle in run["fold.angle"][:-1]])
+
+
 def test_a_loop_is_the_run(wing):
     """Stepping by hand, from saved states, in steps or at once."""
     run = wing.simulate(until=0.25, outputs=["fold.angle", "fold.latch_time", "tip.position"])
