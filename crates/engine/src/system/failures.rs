@@ -26,11 +26,6 @@ pub(crate) struct FailureMemory {
 }
 
 impl FailureMemory {
-    /// Whether its times are numbers.
-    pub fn is_finite(&self) -> bool {
-        [self.brought_s, self.failed_s].into_iter().flatten().all(f64::is_finite)
-    }
-
     /// Whether it has happened.
     pub fn has_failed(&self) -> bool {
         self.failed_s.is_some()

@@ -15,6 +15,7 @@ pub(crate) mod freedoms;
 mod hybrid;
 mod joint_forces;
 pub(crate) mod magnitude;
+mod not_finite;
 pub(crate) mod outputs;
 pub(crate) mod place;
 mod rest;
