@@ -37,5 +37,6 @@ mod random_arguments;
 mod random_calls;
 mod random_faces;
 mod random_session;
+mod saved_numbers;
 mod standard;
 mod watchdog;

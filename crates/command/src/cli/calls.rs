@@ -70,7 +70,7 @@ pub fn modes(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Resul
             let stability = plant.study().lattice_stability()?;
             (plant.study().lattice_modes_and_rest(count)?.0, stability)
         }
-        _ => {
+        ModesOf::Undeformed | ModesOf::Rest => {
             let stability = plant.study().stability()?;
             (plant.study().modes(count)?, Some(stability))
         }

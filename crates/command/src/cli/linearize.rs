@@ -142,7 +142,12 @@ fn fewer(model: &LinearModel, option: &str, order: usize, keep: Keep) -> Result<
 fn refused(option: &str, value: &str, error: &NoReduction) -> Failure {
     match error {
         NoReduction::Order { .. } | NoReduction::Band => Failure::Usage(format!("{option} {value}: {error}")),
-        _ => Failure::Statics(format!("{option} {value}: {error}")),
+        NoReduction::Eigenvalues
+        | NoReduction::Defective { .. }
+        | NoReduction::Grows
+        | NoReduction::SampledModes
+        | NoReduction::Continuous
+        | NoReduction::Singular => Failure::Statics(format!("{option} {value}: {error}")),
     }
 }
 

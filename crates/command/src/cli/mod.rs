@@ -231,9 +231,10 @@ impl Failure {
 
     /// A failed write to `target`.
     fn writing(target: &str, error: &io::Error) -> Self {
-        match error.kind() {
-            io::ErrorKind::BrokenPipe => Self::Closed,
-            _ => Self::Files(format!("{target}: cannot be written: {error}")),
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            Self::Closed
+        } else {
+            Self::Files(format!("{target}: cannot be written: {error}"))
         }
     }
 }

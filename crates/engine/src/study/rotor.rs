@@ -89,7 +89,9 @@ pub(crate) fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, 
         let body = body.ok_or_else(|| format!("--shaft {name}: the model has no joint of this name"))?;
         return match machine.bodies[body].joint.kind {
             JointKind::Revolute(_) => Ok(body),
-            _ => Err(format!("--shaft {name}: the joint is not revolute, and only such a joint is a shaft")),
+            JointKind::Clamped | JointKind::Prismatic(_) | JointKind::Spatial(_) => {
+                Err(format!("--shaft {name}: the joint is not revolute, and only such a joint is a shaft"))
+            }
         };
     }
     let may_be = |body: &usize| turns(&machine.bodies[*body].joint.kind) && hub(machine, *body).is_some();

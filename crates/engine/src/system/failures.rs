@@ -43,7 +43,16 @@ pub(crate) fn forces_on(machine: &Machine, body: usize) -> impl Iterator<Item = 
         Effect::BrakeComesOn { body: on, brake } if on == body => {
             Some(Force::Slipping(SlippingBrake::off(brake, index)))
         }
-        _ => None,
+        Effect::DriveDies { .. }
+        | Effect::DriveJams { .. }
+        | Effect::DriveRunsAway { .. }
+        | Effect::LatchBreaks { .. }
+        | Effect::LatchDoesNotCatch { .. }
+        | Effect::StopperOpens { .. }
+        | Effect::SpringWeakens { .. }
+        | Effect::LoopWeakens { .. }
+        | Effect::BodyWeakens { .. }
+        | Effect::BrakeComesOn { .. } => None,
     });
     let bounds = machine.failures.iter().enumerate().filter_map(move |(failure, described)| {
         described.when.filter(|bound| bound.body == body).map(|bound| (failure, bound))
@@ -122,7 +131,12 @@ pub(crate) fn tell(
             Effect::LatchBreaks { .. } => told.latch_enable = false,
             Effect::LatchDoesNotCatch { .. } => told.latch_enable &= memory.latch.closed,
             Effect::StopperOpens { .. } => told.release = true,
-            _ => {}
+            Effect::DriveDies { .. }
+            | Effect::DriveJams { .. }
+            | Effect::SpringWeakens { .. }
+            | Effect::LoopWeakens { .. }
+            | Effect::BodyWeakens { .. }
+            | Effect::BrakeComesOn { .. } => {}
         }
     }
     // what jams stays so, whatever lets go
@@ -232,7 +246,15 @@ impl System {
             Effect::LoopWeakens { closure, remaining } => {
                 Some((closure, if memory.has_failed() { remaining } else { 1.0 }))
             }
-            _ => None,
+            Effect::DriveDies { .. }
+            | Effect::DriveJams { .. }
+            | Effect::DriveRunsAway { .. }
+            | Effect::LatchBreaks { .. }
+            | Effect::LatchDoesNotCatch { .. }
+            | Effect::StopperOpens { .. }
+            | Effect::SpringWeakens { .. }
+            | Effect::BodyWeakens { .. }
+            | Effect::BrakeComesOn { .. } => None,
         };
         for (failure, memory) in failures.iter().zip(memories) {
             let Some((closure, _)) = left(failure, memory) else { continue };

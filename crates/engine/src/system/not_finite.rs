@@ -60,14 +60,14 @@ impl Walk<'_> {
         Err(Found(format!("{place} is {value}")))
     }
 
-    fn into_field<T: Serialize + ?Sized>(&mut self, name: &'static str, value: &T) -> Result<(), Found> {
+    fn enter_field<T: Serialize + ?Sized>(&mut self, name: &'static str, value: &T) -> Result<(), Found> {
         if self.left_out.contains(&name) {
             return Ok(());
         }
-        self.into_step(Step::Field(name), value)
+        self.enter(Step::Field(name), value)
     }
 
-    fn into_step<T: Serialize + ?Sized>(&mut self, step: Step, value: &T) -> Result<(), Found> {
+    fn enter<T: Serialize + ?Sized>(&mut self, step: Step, value: &T) -> Result<(), Found> {
         self.path.push(step);
         value.serialize(&mut *self)?;
         self.path.pop();
@@ -84,7 +84,7 @@ struct Inside<'w, 'a> {
 impl Inside<'_, '_> {
     fn entry<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Found> {
         self.index += 1;
-        self.walk.into_step(Step::Entry(self.index - 1), value)
+        self.walk.enter(Step::Entry(self.index - 1), value)
     }
 }
 
@@ -231,7 +231,7 @@ macro_rules! fields {
             type Error = Found;
 
             fn serialize_field<T: Serialize + ?Sized>(&mut self, name: &'static str, value: &T) -> Result<(), Found> {
-                self.walk.into_field(name, value)
+                self.walk.enter_field(name, value)
             }
 
             fn end(self) -> Result<(), Found> {
@@ -302,12 +302,19 @@ mod tests {
         };
         let is = |found: Option<String>, expected: &str| assert!(found.as_deref() == Some(expected), "{found:?}");
         is(found(&|value| value.inner.position_m.y = f64::NAN), "inner.position_m[1] is NaN");
-        is(found(&|value| value.inner.kinds[1] = Kind::Holding { time_s: f64::INFINITY }), "inner.kinds[1].time_s is inf");
-        is(found(&|value| value.inner.kinds[2] = Kind::Of(0.0, vec![0.0, -f64::INFINITY])), "inner.kinds[2][1][1] is -inf");
+        is(
+            found(&|value| value.inner.kinds[1] = Kind::Holding { time_s: f64::INFINITY }),
+            "inner.kinds[1].time_s is inf",
+        );
+        is(
+            found(&|value| value.inner.kinds[2] = Kind::Of(0.0, vec![0.0, -f64::INFINITY])),
+            "inner.kinds[2][1][1] is -inf",
+        );
         is(found(&|value| value.inner.kinds[2] = Kind::Of(f64::NAN, vec![])), "inner.kinds[2][0] is NaN");
-        assert!(found(&|value| value.inner.list[1] = Some(DVector::repeat(2, f64::NAN))).is_some_and(|found| {
-            found.starts_with("inner.list[1]") && found.ends_with("is NaN")
-        }));
+        assert!(
+            found(&|value| value.inner.list[1] = Some(DVector::repeat(2, f64::NAN)))
+                .is_some_and(|found| { found.starts_with("inner.list[1]") && found.ends_with("is NaN") })
+        );
         assert_eq!(found(&|value| value.inner.limit = f64::INFINITY), None, "left out");
     }
 }

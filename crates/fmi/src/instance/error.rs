@@ -183,7 +183,23 @@ impl CallError {
             Self::Access(error) if error.is_bad_value() => Status::Discard,
             Self::Argument { .. } | Self::StateNotFinite { .. } | Self::NoDerivatives(_) => Status::Discard,
             Self::Poisoned { .. } => Status::Fatal,
-            _ => Status::Error,
+            Self::OutOfOrder { .. }
+            | Self::NullPointer { .. }
+            | Self::NotText { .. }
+            | Self::Access(_)
+            | Self::DerivativesInAir
+            | Self::OnlyContinuousInputs { .. }
+            | Self::NoEventMode
+            | Self::Count { .. }
+            | Self::NotHybrid(_)
+            | Self::StepSize { .. }
+            | Self::StepTooLong { .. }
+            | Self::TimeMismatch { .. }
+            | Self::BeyondStop { .. }
+            | Self::Plant(_)
+            | Self::State(_)
+            | Self::StatusKind { .. }
+            | Self::LogCategory { .. } => Status::Error,
         }
     }
 }

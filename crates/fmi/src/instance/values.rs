@@ -41,7 +41,13 @@ impl Instance {
         let passing = match self.phase {
             Phase::ContinuousTime => true,
             Phase::StepComplete => self.manner.event_mode,
-            _ => false,
+            Phase::Instantiated
+            | Phase::Initialization
+            | Phase::StepFailed
+            | Phase::Terminated
+            | Phase::Fatal
+            | Phase::Event
+            | Phase::IntermediateUpdate => false,
         };
         if !passing {
             return Ok(());
@@ -60,7 +66,13 @@ impl Instance {
     fn stage(&self) -> Stage {
         match self.phase {
             Phase::Instantiated | Phase::Initialization => Stage::Starting,
-            _ => Stage::Running,
+            Phase::StepComplete
+            | Phase::StepFailed
+            | Phase::Terminated
+            | Phase::Fatal
+            | Phase::Event
+            | Phase::ContinuousTime
+            | Phase::IntermediateUpdate => Stage::Running,
         }
     }
 

@@ -278,7 +278,13 @@ impl Slot {
         match self.place {
             Place::Input(place) => plant.inputs_mut().values_mut()[place] = number,
             Place::Parameter(place) => plant.parameters_mut().values_mut()[place] = number,
-            _ => debug_assert!(false, "{:?} cannot be set to {value:?}", self.place),
+            Place::Time
+            | Place::Output(_)
+            | Place::Local(_)
+            | Place::Duration(_)
+            | Place::State(_)
+            | Place::Derivative(_)
+            | Place::Indicator(_) => debug_assert!(false, "{:?} cannot be set to {value:?}", self.place),
         }
     }
 
@@ -319,7 +325,7 @@ impl Interface {
             Value::Real(number) if !(head.min <= number && number <= head.max) => {
                 Err(self.refusal(reference, value, head))
             }
-            _ => Ok(()),
+            Value::Real(_) | Value::Integer(_) | Value::Boolean(_) => Ok(()),
         }
     }
 
@@ -357,7 +363,7 @@ impl Interface {
                 causality: match row.causality {
                     Causality::Independent => "the independent variable",
                     Causality::Local => "a local variable",
-                    _ => "an output",
+                    Causality::Input | Causality::Output | Causality::Parameter => "an output",
                 },
             },
             (_, Value::Real(value)) if !value.is_finite() => AccessError::NotFinite { name, value },

@@ -108,7 +108,14 @@ impl Interface {
                     found.running = vec![(states[coordinates + state], DependencyKind::Constant)];
                 }
                 Place::Derivative(_) => found.on_all = true,
-                _ => {}
+                Place::Time
+                | Place::Input(_)
+                | Place::Parameter(_)
+                | Place::Output(_)
+                | Place::Local(_)
+                | Place::Duration(_)
+                | Place::State(_)
+                | Place::Indicator(_) => {}
             }
         }
     }

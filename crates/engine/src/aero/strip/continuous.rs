@@ -305,7 +305,12 @@ impl Strips {
                     Variable::AirRate(component) => {
                         self.answer_of_air_rate(&beside, gusts, component, shift, &mut side)
                     }
-                    _ => self.answer_of(&beside, gusts, strips.clone(), &mut side),
+                    Variable::Motion { .. }
+                    | Variable::Lag(_)
+                    | Variable::Air(_)
+                    | Variable::FlapAngle(_)
+                    | Variable::FlapRate(_)
+                    | Variable::FlapAcceleration(_) => self.answer_of(&beside, gusts, strips.clone(), &mut side),
                 }
                 let share = sign * weight / (60.0 * step);
                 slope.iter_mut().zip(&side).for_each(|(slope, side)| *slope += share * side);

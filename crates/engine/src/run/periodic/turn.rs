@@ -72,7 +72,7 @@ impl Turn {
             JointMotion::Prescribed(Motion::Polynomial(coefficients)) => {
                 coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * start_s + coefficient)
             }
-            _ => hinge.start_angle_rad,
+            JointMotion::Free | JointMotion::Locked | JointMotion::Prescribed(_) => hinge.start_angle_rad,
         };
         hinge.motion =
             JointMotion::Prescribed(Motion::Polynomial(vec![start_rad - speed_rad_s * start_s, speed_rad_s]));
@@ -115,7 +115,9 @@ fn own_speed_rad_s(hinge: &OneFreedom, name: &str) -> Result<f64, String> {
             Err(format!("the shaft {name} is prescribed, but not at a constant speed; give one with --speed-rpm"))
         }
         _ if hinge.start_rate_rad_s != 0.0 => Ok(hinge.start_rate_rad_s),
-        _ => Err(format!("the shaft {name} has no speed of its own; give one with --speed-rpm")),
+        JointMotion::Free | JointMotion::Locked => {
+            Err(format!("the shaft {name} has no speed of its own; give one with --speed-rpm"))
+        }
     }
 }
 
@@ -163,7 +165,7 @@ fn check_sameness(machine: &Machine, shaft: usize) -> Result<(), String> {
                 Err("turbulence is not the same in every turn; take [aerodynamics.turbulence] out of the model"
                     .to_owned())
             }
-            _ => Ok(()),
+            Some(Source::Steady(_) | Source::Table(_)) | None => Ok(()),
         },
     }
 }
