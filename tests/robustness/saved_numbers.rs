@@ -66,7 +66,10 @@ fn numbers_that_are_not_finite_are_refused_at_once() {
                     }
                     other => {
                         let at = shown.find("NaN").or_else(|| shown.find("inf")).unwrap_or(0);
-                        panic!("{model}, byte {offset}, {number}: {other:?} of …{}…", &shown[at.saturating_sub(300)..at + 3])
+                        panic!(
+                            "{model}, byte {offset}, {number}: {other:?} of …{}…",
+                            &shown[at.saturating_sub(300)..at + 3]
+                        )
                     }
                 }
             }

@@ -311,13 +311,14 @@ fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
     })?;
     // from standard input: files beside the working directory
     let folder = path.parent().unwrap_or(Path::new(""));
+    let lost = config::doubts_of_files(&text, folder);
     let text = match config::with_files(text.clone(), folder, &shown) {
         Ok(text) => text,
         Err(error) => return Err(Failure::Model { text, error }),
     };
     match config::parse(&text, &shown) {
         Ok(machine) => {
-            config::doubts(&text).iter().for_each(|doubt| tell::doubt(&shown, &text, doubt));
+            lost.iter().chain(&config::doubts(&text)).for_each(|doubt| tell::doubt(&shown, &text, doubt));
             Ok((machine, text))
         }
         Err(error) => Err(Failure::Model { text, error }),

@@ -255,7 +255,10 @@ impl System {
             hybrid.follow_inputs();
         }
         let (of_moved, of_accounts) = told.derivatives.split_at_mut(moved.len());
-        let rates = hybrid.derivatives(of_moved);
+        let rates = match hybrid.crushed() {
+            Some(error) => Err(error),
+            None => hybrid.derivatives(of_moved),
+        };
         if let Ok(rates) = &rates {
             of_accounts.copy_from_slice(&[rates.work_w, rates.dissipated_w]);
         }

@@ -11,6 +11,7 @@ pub(crate) mod events;
 mod exchange;
 mod failed_steps;
 pub(crate) mod failures;
+mod fastest;
 pub(crate) mod freedoms;
 mod hybrid;
 mod joint_forces;

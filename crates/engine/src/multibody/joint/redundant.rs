@@ -5,8 +5,8 @@
 //! change of its parameters. NOTATION eq. (J5).
 
 use crate::multibody::factor::{BadPivot, FreedomTangent, Weights};
-use crate::multibody::joint::parameters::JointPose;
 use crate::multibody::joint::Joint;
+use crate::multibody::joint::parameters::JointPose;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::workspace::{ArticulatedInertia, Node, Pair};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};

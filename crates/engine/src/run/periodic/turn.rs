@@ -61,8 +61,8 @@ impl Turn {
         let speed_rad_s = speed_rad_s.map_or_else(|| own_speed_rad_s(hinge, &name), Ok)?;
         if speed_rad_s == 0.0 || !speed_rad_s.is_finite() || !(TAU / speed_rad_s).is_finite() {
             return Err(format!(
-                "the speed of the shaft {name} is {speed_rad_s} rad/s; allowed are finite speeds other than 0: what stands still is at \
-                 rest, for which there is `foldwing static`"
+                "the speed of the shaft {name} is {speed_rad_s} rad/s; allowed are finite speeds other than 0: what stands still has a \
+                 static equilibrium instead"
             ));
         }
         if !(1..=MAXIMUM_STEPS).contains(&steps) {
@@ -112,11 +112,11 @@ fn own_speed_rad_s(hinge: &OneFreedom, name: &str) -> Result<f64, String> {
             Ok(coefficients.get(1).copied().unwrap_or(0.0))
         }
         JointMotion::Prescribed(_) => {
-            Err(format!("the shaft {name} is prescribed, but not at a constant speed; give one with --speed-rpm"))
+            Err(format!("the shaft {name} is prescribed, but not at a constant speed; give its speed"))
         }
         _ if hinge.start_rate_rad_s != 0.0 => Ok(hinge.start_rate_rad_s),
         JointMotion::Free | JointMotion::Locked => {
-            Err(format!("the shaft {name} has no speed of its own; give one with --speed-rpm"))
+            Err(format!("the shaft {name} has no speed of its own; give its speed"))
         }
     }
 }
