@@ -27,10 +27,10 @@ fn a_failed_step_takes_failures_back() {
         let before = tried.snapshot();
         let load =
             find(&|name| name.starts_with("load.") && name.ends_with("force.z")).expect("a load").value_reference;
-        let mut set = |plant: &mut Plant, on: bool| {
+        let set = |plant: &mut Plant, on: bool| {
             interface.set(plant, load, Value::Real(if on { 1e300 } else { 0.0 })).expect("settable");
             if let Some(name) = &failure {
-                let row = interface.find(name).expect("an input").value_reference;
+                let row = interface.find(&format!("{name}.trigger")).expect("an input").value_reference;
                 interface.set(plant, row, Value::Boolean(on)).expect("settable");
             }
         };
