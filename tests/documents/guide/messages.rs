@@ -130,7 +130,8 @@ fn asserted() -> (Vec<String>, Vec<String>) {
     let literals = literals_below("tests/robustness");
     let lines = literals.iter().flat_map(|text| text.lines().map(str::to_owned));
     let model_file = lines.filter(|line| line.starts_with("wing.toml:")).collect();
-    let calls = literals_of(&[fs::read_to_string(in_package("tests/robustness/failures.rs")).unwrap()]);
+    let calls = ["failures.rs", "fmi3.rs"].map(|file| in_package("tests/robustness").join(file));
+    let calls = literals_of(&calls.map(|file| fs::read_to_string(file).unwrap()));
     (model_file, calls.into_iter().filter(|text| text.len() > 30 && text.contains(' ')).collect())
 }
 
