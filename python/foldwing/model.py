@@ -163,8 +163,8 @@ class Model(RotorStudies):
             until: stop time in s; by default that of the model's experiment.
             inputs: a mapping of names to numbers, to functions of the time in s, or with an entry `time` to arrays; a
                 DataFrame whose column `time` or index is the time in s; or a function of the time and the running
-                `Simulation` that returns a mapping. They act from the start of each step on; arrays run linearly between their
-                rows, Booleans are held.
+                `Simulation` that returns a mapping; its first call sees the machine as it starts. They act from the start of
+                each step on; arrays run linearly between their rows, Booleans are held.
             outputs: names, vectors, patterns of outputs as `fold.*`; by default all outputs.
             step: communication step in s. Latch times and accuracy do not depend on it.
             start: start time in s.
@@ -217,7 +217,7 @@ class Model(RotorStudies):
         function: Callable[[float, Simulation], Optional[Mapping[str, Start]]],
         settings: List[Tuple[str, Start]],
     ) -> Result:
-        """A run whose inputs a function gives after every step."""
+        """A run whose inputs a function gives at the start and after every step, as a loop over `Simulation.step_to` would."""
         references = np.array([self._references[name] for name in names], dtype=np.uint32)
         applied: Dict[str, List[float]] = {}
         values = np.empty((len(names) + 1, len(times)))
@@ -240,8 +240,8 @@ class Model(RotorStudies):
             columns = {name: np.array((column + column[-1:])[:reached]) for name, column in applied.items()}
             return Result(self, names, values[:, :reached], settings, (times[:reached], columns))
 
-        feed(0)
         simulation.start(float(times[0]))
+        feed(0)  # after the start, so that the function reads the machine as it starts
         record(0)
         reached = 1
         try:

@@ -64,6 +64,42 @@ def test_inputs_of_every_form_act_alike(wing, command, tmp_path):
     assert np.array_equal(mixed["fold.angle"], expected["fold.angle"])
 
 
+def test_a_controller_is_a_loop_over_steps(wing):
+    """The function reads the machine as it starts: the first action too is that of the loop by hand, to the bit."""
+    names = ["fold.angle", "fold.rate", "tip.position"]
+    seen = []
+
+    def damper(time, sim):
+        seen.append((time, sim["fold.angle"]))
+        return {"fold.torque": -0.05 * sim["fold.angle"]}
+
+    run = wing.simulate(until=0.05, step=0.005, inputs=damper, outputs=names)
+    sim = wing.start()
+    assert seen[0] == (0.0, sim["fold.angle"]) and sim["fold.angle"] > 2.9
+    for point, end in enumerate(run.time[1:], start=1):
+        sim["fold.torque"] = -0.05 * sim["fold.angle"]
+        sim.step_to(end)
+        for name in names:
+            assert np.array_equal(run[name][point], sim[name]), (name, end)
+    times, columns = run.inputs
+    assert np.array_equal(columns["fold.torque"][:-1], [-0.05 * angle for angle in run["fold.angle"][:-1]])
+
+
+def test_messages_name_keywords_and_not_options(wing):
+    """What the command says of its options is said of the arguments of the functions here."""
+    refused = [
+        (fw.UsageError, "^until=-1", lambda: wing.simulate(until=-1.0)),
+        (fw.UsageError, "^step=0", lambda: wing.simulate(step=0.0)),
+        (fw.UsageError, "free= and balance=", lambda: wing.trim(["fold.torque", "fold.command"], {"fold.angle": 1.0})),
+        (fw.StaticsError, "name the joint of the shaft", lambda: wing.periodic(10.0)),
+        (fw.UsageError, "Model.variables has the names", lambda: wing.simulate(outputs="zzzzzz")),
+    ]
+    for kind, pattern, call in refused:
+        with pytest.raises(kind, match=pattern) as found:
+            call()
+        assert "--" not in str(found.value) and "`foldwing " not in str(found.value), found.value
+
+
 def test_a_loop_is_the_run(wing):
     """Stepping by hand, from saved states, in steps or at once."""
     run = wing.simulate(until=0.25, outputs=["fold.angle", "fold.latch_time", "tip.position"])
@@ -155,7 +191,8 @@ def test_bad_inputs_are_refused_by_name(wing):
         ({"fold.torque": [1.0, 2.0]}, "without an entry `time`"),
         ({"time": times, "fold.torque": [1.0]}, "1 values for 2 times"),
         ({"time": times, "fold.torque": [1.0, np.nan]}, "in row 1 is not a finite number"),
-        ({"time": [0.1, 0.1], "fold.torque": [1.0, 2.0]}, "times must ascend"),
+        ({"time": [0.1, 0.0], "fold.torque": [1.0, 2.0]}, "times must ascend"),
+        ({"time": [0.1, 0.1, 0.1], "fold.torque": [1.0, 2.0, 3.0]}, "three rows"),
         ({"time": times, "fold.release": [1.0, 0.5]}, "is not a Boolean"),
         ({"fold.torque": "much"}, "not all values are numbers"),
         (3, "neither a mapping, a DataFrame nor a function"),

@@ -583,6 +583,22 @@ fn x19_model_exchange() {
             fmi2Error,
             &format!("fmi2SetContinuousStates: argument nx is 1: this model has {n}"),
         );
+        fmu.told(
+            fmi2SetReal(c, &fmu.table.variables().iter().find(|row| row.nominal.is_some()).unwrap().value_reference, 1, &0.0),
+            fmi2Error,
+            "fmi2SetReal: continuous state state.inner.element[1].epsilon_x cannot be set by itself after the start: an integrator sets \
+             all states together, with SetContinuousStates in Continuous-Time Mode",
+        );
+        states[0] = -2.0;
+        fmu.ok(fmi2SetContinuousStates(c, states.as_ptr(), n));
+        fmu.told(
+            fmi2GetDerivatives(c, states.as_mut_ptr(), n),
+            fmi2Discard,
+            "fmi2GetDerivatives: no derivatives at these states, of which state.inner.element[1].epsilon_x = -2e0 is farthest from its \
+             nominal magnitude: at t = 0 s element 1 of 4 of body inner is compressed through zero length: longitudinal strain \
+             -2.000e0, allowed is more than -1; let the integrator take a shorter step from the last states, or integrate with an \
+             implicit method",
+        );
     }
     let other = Fmu::of_kind(WING, fmi2CoSimulation);
     let (status, state) = other.deserialize(&fmu.serialize(fmu.save()));

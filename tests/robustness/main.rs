@@ -37,5 +37,7 @@ mod random_arguments;
 mod random_calls;
 mod random_faces;
 mod random_session;
+mod rolled_back;
+mod saved_numbers;
 mod standard;
 mod watchdog;

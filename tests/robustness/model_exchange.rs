@@ -458,3 +458,172 @@ fn me05_inputs_act_at_once_and_switches_in_events() {
     assert_eq!(info.nextEventTimeDefined, fmi2True);
     assert!((info.nextEventTime - 0.1 / 90_f64.to_radians()).abs() < 1e-12, "{}", info.nextEventTime);
 }
+
+/// A beam on a hinge that turns by a law of time, in gravity.
+const SPUN: &str = r#"
+name = "Spun"
+gravity_m_s2 = [0.0, 0.0, -9.81]
+[section.spar]
+shape = "rectangle"
+width_m = 0.05
+height_m = 0.01
+density_kg_m3 = 1400
+young_Pa = 3e9
+poisson_ratio = 0.3
+[body.arm]
+length_m = 0.5
+section = "spar"
+elements = 1
+[joint.hub]
+type = "revolute"
+parent = "root"
+child = "arm"
+axis = [0.0, 1.0, 0.0]
+motion = "prescribed"
+polynomial_deg = [10.0, 40.0, 300.0]
+"#;
+
+/// ME-06. Time alone changes derivatives under a prescribed motion; set back, it gives the bits of before.
+#[test]
+fn me06_time_alone_changes_derivatives() {
+    let outside = Outside::started(SPUN);
+    let found = |time_s: f64| -> Vec<f64> {
+        let mut derivatives = vec![0.0; outside.states.len()];
+        unsafe {
+            outside.fmu.ok(fmi2SetTime(outside.fmu.component, time_s));
+            let n = derivatives.len();
+            outside.fmu.ok(fmi2GetDerivatives(outside.fmu.component, derivatives.as_mut_ptr(), n));
+        }
+        derivatives
+    };
+    let (first, later, again) = (found(0.0), found(0.2), found(0.0));
+    assert_eq!(first, again);
+    let change = first.iter().zip(&later).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let size = first.iter().map(|a| a.abs()).fold(0.0, f64::max);
+    // the hinge turns by 20 degrees and ten times as fast: weight and centrifugal force of the beam change by far more than this share
+    assert!(change > 0.1 * size, "{change} of {size}");
+}
+
+/// ME-07. Forward Euler with steps of the order that explicit methods of higher order take diverges. It is stopped, with the element
+/// and the cure, before the fold seems to have reached its latch; then a method that is stable goes on from good states.
+#[test]
+fn me07_a_diverging_integrator_is_stopped_by_name() {
+    // the shorter the step, the later: the axial modes grow by ω² h / 2 in time
+    for (step_s, end_s) in [(1e-5, 1e-3), (5e-6, 1e-3), (2e-6, 2e-3), (1e-6, 4e-3)] {
+        let mut outside = Outside::started(WING);
+        let (first, c, n) = (outside.states.clone(), outside.fmu.component, outside.states.len());
+        let steps = (end_s / step_s) as usize;
+        let stopped = (0..steps).any(|_| {
+            let status = unsafe { fmi2GetDerivatives(c, outside.slope.as_mut_ptr(), n) };
+            if status != fmi2OK {
+                outside.fmu.refused(
+                    status,
+                    fmi2Discard,
+                    &["of body", "is compressed through zero length", "shorter step", "an implicit method"],
+                );
+                return true;
+            }
+            assert!(!outside.fmu.get_boolean("fold.latched"), "{step_s}: latched at {} s", outside.time_s);
+            outside.states.iter_mut().zip(&outside.slope).for_each(|(state, slope)| *state += step_s * slope);
+            outside.time_s += step_s;
+            outside.set(outside.time_s, &outside.states);
+            let (mut event, mut end) = (fmi2False, fmi2False);
+            let status = unsafe { fmi2CompletedIntegratorStep(c, fmi2True, &mut event, &mut end) };
+            if status == fmi2OK && event == fmi2True {
+                outside.event(|_| {});
+            }
+            false
+        });
+        assert!(stopped, "{step_s} s: went on to {} s", outside.time_s);
+        outside.time_s = 0.0;
+        outside.states.copy_from_slice(&first);
+        outside.set(0.0, &first);
+        assert!(outside.run(1e-3, 1e-5).is_empty(), "{step_s}: Runge and Kutta's method with 1e-5 s is stable");
+    }
+}
+
+/// ME-08. Frequency of the fastest motion, by which the page in the FMU states explicit steps, against the eigenvalues of a matrix of
+/// differences. Power iteration comes from below; 5 % is what its documentation promises.
+#[test]
+fn me08_fastest_motion_is_the_largest_eigenvalue() {
+    use foldwing::plant::Plant;
+    use nalgebra::DMatrix;
+    for (text, name) in [(WING, "the wing"), (PENDULUM, "the pendulum"), (FLYING, "the flying wing")] {
+        let machine = foldwing::config::parse(text, name).expect("a model");
+        let mut plant = Plant::new(std::sync::Arc::new(machine));
+        plant.initialize(0.0).expect("starts");
+        let system = plant.system_mut();
+        system.begin_exchange().expect("has states");
+        let fastest_rad_s = system.fastest_rad_s().expect("accelerations");
+        let (states, n) = (system.exchange_states().to_vec(), system.exchange_states().len());
+        let mut jacobian = DMatrix::zeros(n, n);
+        // rates are larger than coordinates by about the frequency: differences and eigenvalues of a matrix in these units are sound
+        let scale = |i: usize| if i < n / 2 - 1 { 1.0 } else { 1e5 };
+        for column in 0..n {
+            let step = 1e-8 * scale(column);
+            let mut side = |sign: f64| {
+                let mut shifted = states.clone();
+                shifted[column] += sign * step;
+                system.set_exchange_states(&shifted);
+                system.update_exchange().expect("derivatives");
+                system.exchange_derivatives().to_vec()
+            };
+            let (above, below) = (side(1.0), side(-1.0));
+            for row in 0..n {
+                jacobian[(row, column)] = (above[row] - below[row]) / (2.0 * step) * scale(column) / scale(row);
+            }
+        }
+        let largest_rad_s = jacobian.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max);
+        let share = fastest_rad_s / largest_rad_s;
+        assert!((0.95..=1.01).contains(&share), "{name}: {fastest_rad_s} of {largest_rad_s} rad/s");
+    }
+}
+
+/// ME-09. States have start values in the description, those of an instance with its default start values: whoever begins from the
+/// description has a legal state, with unit quaternions and closed loops. Setting them changes nothing; after the start they are the
+/// integrator's, and the message says so.
+#[test]
+fn me09_states_start_from_the_description() {
+    let four_bar = include_str!("../../examples/models/four_bar.toml");
+    for text in [WING, PENDULUM, FLYING, four_bar] {
+        let machine = foldwing::config::parse(text, "model.toml").expect("a model");
+        for version in [foldwing::instance::Version::Fmi2, foldwing::instance::Version::Fmi3] {
+            let kinds = foldwing::packaging::Kinds { model_exchange: true, version, ..Default::default() };
+            let description = kinds.model_description(&machine, &kinds.interface(&machine), text);
+            let states = description.matches("initial=\"approx\"").count();
+            assert!(
+                states > 0 && description.matches("reinit=\"true\"").count() == states,
+                "{}: {states}",
+                machine.name
+            );
+        }
+        let kinds = foldwing::packaging::Kinds { model_exchange: true, ..Default::default() };
+        let outside = Outside::started(text);
+        let interface = kinds.interface(&machine);
+        let rows = interface.variables().iter().filter(|row| row.nominal.is_some());
+        let starts: Vec<(u32, f64)> = rows
+            .map(|row| match row.value {
+                foldwing::interface::Value::Real(start) => (row.value_reference, start),
+                other => panic!("{}: {other:?}", row.name),
+            })
+            .collect();
+        assert_eq!(starts.iter().map(|(_, start)| *start).collect::<Vec<_>>(), outside.states, "{}", machine.name);
+
+        // set before the start, with a guess that is far away
+        let fresh = Fmu::exchanged(text);
+        let (row, start) = starts[0];
+        for value in [start, start + 1.0] {
+            fresh.ok(unsafe { fmi2SetReal(fresh.component, &row, 1, &value) });
+        }
+        let mut started = Outside::new(fresh).in_phase(Phase::Continuous);
+        started.read();
+        assert_eq!(started.states, outside.states);
+        let status = unsafe { fmi2SetReal(outside.fmu.component, &row, 1, &start) };
+        outside.fmu.refused(status, fmi2Error, &["cannot be set by itself after the start", "SetContinuousStates"]);
+        let fixed = outside.fmu.table.variables().iter().find(|row| row.name == "fold.start_angle");
+        if let Some(fixed) = fixed {
+            let status = unsafe { fmi2SetReal(outside.fmu.component, &fixed.value_reference, 1, &1.0) };
+            outside.fmu.refused(status, fmi2Error, &["fold.start_angle is fixed"]);
+        }
+    }
+}

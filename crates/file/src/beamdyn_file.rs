@@ -100,14 +100,7 @@ fn number(line: usize, due: &str, word: &str) -> Result<f64, StationFault> {
 /// A file cut short, values that are no numbers, stations that do not ascend from 0 to 1, matrices that are not symmetric, or not
 /// those of a section.
 pub(super) fn read_blade(text: &str) -> Result<StationTable, StationFault> {
-    let mut lines = Lines::of(text);
-    let (_, count) = lines.labelled("station_total")?;
-    loop {
-        let (_, line) = lines.next("its distributed properties")?;
-        if line.to_ascii_uppercase().contains("DISTRIBUTED PROPERTIES") {
-            break;
-        }
-    }
+    let (mut lines, count) = to_stations(text)?;
     let names = [
         "share",
         "axial_stiffness_N",
@@ -151,6 +144,55 @@ pub(super) fn read_blade(text: &str) -> Result<StationTable, StationFault> {
         columns.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
     }
     Ok(StationTable { names: names.map(str::to_owned).to_vec(), columns })
+}
+
+/// Lines of a blade's file from its first station on, and the number of stations.
+fn to_stations(text: &str) -> Result<(Lines<'_>, usize), StationFault> {
+    let mut lines = Lines::of(text);
+    let (_, count) = lines.labelled("station_total")?;
+    loop {
+        let (_, line) = lines.next("its distributed properties")?;
+        if line.to_ascii_uppercase().contains("DISTRIBUTED PROPERTIES") {
+            return Ok((lines, count));
+        }
+    }
+}
+
+/// Deflection by shear over that by bending of a blade of this length, clamped and with a force at its tip, across `y` and `z` of a
+/// section: `∫ ds/GA` over `∫ s²/EI ds` with `s` from the tip, which is `3 EI/(GA L²)` where the section stays the same. The beams here
+/// are without shear, and the condensed stiffness cannot say any more what that leaves out.
+///
+/// # Errors
+/// As [`read_blade`], as far as it reads.
+pub(super) fn shear_shares(text: &str, length_m: f64) -> Result<[f64; 2], StationFault> {
+    let (mut lines, count) = to_stations(text)?;
+    let mut stations = Vec::with_capacity(count);
+    for station in 1..=count {
+        let due = format!("station {station} of {count}");
+        let (_, [share]) = lines.numbers(&due)?;
+        let (line, full) = lines.matrix(&due)?;
+        let bending = condensed_stiffness(&full).ok_or_else(|| {
+            fault(line, format!("station {station}: the stiffness of shear is not positive definite"))
+        })?;
+        lines.matrix(&due)?;
+        // BeamDyn's x is z here, its y is -y here
+        let shear_n = [full[(1, 1)], full[(0, 0)]];
+        stations.push(((1.0 - share) * length_m, [0, 1].map(|axis| (shear_n[axis], bending[(3 - axis, 3 - axis)]))));
+    }
+    let over = |axis: usize| {
+        let mut sums = [0.0; 2];
+        for pair in stations.windows(2) {
+            // ∫ s² ds between two stations, half of it with the flexibility of each
+            let half = [0.5 * (pair[0].0 - pair[1].0), (pair[0].0.powi(3) - pair[1].0.powi(3)) / 6.0];
+            for (_, sections) in pair {
+                let (shear_n, bending_n_m2): (f64, f64) = sections[axis];
+                sums[0] += half[0] / shear_n;
+                sums[1] += half[1] / bending_n_m2;
+            }
+        }
+        sums[0] / sums[1]
+    };
+    Ok([over(0), over(1)])
 }
 
 /// Refuses a matrix that is not symmetric.

@@ -95,7 +95,12 @@ impl<'a> Document<'a> {
             DeValue::Array(array) if array.iter().any(|item| item.get_ref().is_table()) => {
                 "an array of tables".to_owned()
             }
-            _ => shorten(self.text.get(value.span()).unwrap_or_default()),
+            DeValue::String(_)
+            | DeValue::Integer(_)
+            | DeValue::Float(_)
+            | DeValue::Boolean(_)
+            | DeValue::Datetime(_)
+            | DeValue::Array(_) => shorten(self.text.get(value.span()).unwrap_or_default()),
         }
     }
 

@@ -2,9 +2,12 @@
 //!
 //! The bounds are those of things that exist, with room to spare.
 
+use crate::beamdyn_file::{is_beamdyn, shear_shares};
 use crate::document::{Document, key_text};
 use crate::file::{ModelFile, SectionFile};
+use crate::station_file::without_mark;
 use std::ops::Range;
+use std::path::Path;
 
 /// Young's and shear moduli of solids in Pa: from soft gels to beyond diamond (1.2e12 Pa).
 const MODULUS_PA: Range<f64> = 1e5..3e12;
@@ -33,6 +36,8 @@ const WIND_M_S: f64 = 170.0;
 const POLAR_STEP_DEG: f64 = 20.0;
 /// Rows over the default experiment.
 const ROWS: Range<f64> = 10.0..1e7;
+/// Deflection by shear over that by bending which is worth a word.
+const MAXIMUM_SHEAR: f64 = 0.01;
 /// An angle that is a multiple of this in degrees, to [`ROUND_DEG`], if its number is taken for rad.
 const MULTIPLE_DEG: f64 = 5.0;
 /// Four digits of an angle in rad.
@@ -66,6 +71,38 @@ pub fn doubts(text: &str) -> Vec<Doubt> {
     look.surroundings(&file);
     look.rotor(&file);
     look.found.sort_by_key(|doubt| doubt.span.start);
+    look.found
+}
+
+/// What a model file does not say any more once the files that it names are in it: sections of BeamDyn whose 6×6 stiffness loses the
+/// deflection by shear. `text` is the file as it is written, its files lie in `folder`.
+pub fn doubts_of_files(text: &str, folder: &Path) -> Vec<Doubt> {
+    let (Ok(document), Ok(file)) = (Document::parse(text), toml::from_str::<ModelFile>(text)) else {
+        return Vec::new();
+    };
+    let mut look = Look { document: &document, found: Vec::new() };
+    for (name, section) in &file.section {
+        let SectionFile::Table(table) = section else { continue };
+        let Some(content) = table.file.as_ref().and_then(|file| std::fs::read_to_string(folder.join(file)).ok()) else {
+            continue;
+        };
+        let content = without_mark(&content);
+        for (body, described) in file.body.iter().filter(|(_, body)| body.section == *name) {
+            if !is_beamdyn(content) {
+                continue;
+            }
+            let Ok(shares) = shear_shares(content, described.length_m) else { continue };
+            let share = shares.into_iter().fold(0.0, f64::max);
+            if share > MAXIMUM_SHEAR {
+                let reason = format!(
+                    "beams here have no deflection by shear, {:.1} % of that by bending of body {body} under a force at its tip",
+                    100.0 * share
+                );
+                let advice = "frequencies come out too high, those of higher modes by more: docs/guide/theory.md";
+                look.doubt(&["section", name, "file"], reason, advice);
+            }
+        }
+    }
     look.found
 }
 
@@ -276,3 +313,7 @@ fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     if rounded != 0.0 && !(1e-4..1e6).contains(&rounded.abs()) { format!("{rounded:e}") } else { rounded.to_string() }
 }
+
+#[cfg(test)]
+#[path = "doubts_tests.rs"]
+mod tests;

@@ -48,7 +48,14 @@ fn build(name: &str, failure: &FailureFile, file: &ModelFile, checker: &mut Chec
     let (target, key) = match failure.kind {
         Kind::LoopOpens => (&failure.closure, "loop"),
         Kind::BodyWeakens => (&failure.body, "body"),
-        _ => (&failure.joint, "joint"),
+        Kind::DriveDies
+        | Kind::DriveJams
+        | Kind::DriveRunsAway
+        | Kind::LatchBreaks
+        | Kind::LatchDoesNotCatch
+        | Kind::StopperOpens
+        | Kind::SpringBreaks
+        | Kind::BrakeComesOn => (&failure.joint, "joint"),
     };
     let Some(target) = target else {
         checker.refuse(&place(key), format!("the name of a {key}"));

@@ -204,7 +204,9 @@ fn refuse_other_travel(name: &str, joint: &JointFile, checker: &mut Checker) {
         let (strange, allowed) = match joint.kind {
             JointType::Prismatic => (turns, format!("{slides} in its place: a prismatic joint is in m and N")),
             JointType::Revolute => (slides, format!("{turns} in its place: a revolute joint is in deg and N·m")),
-            _ => (slides, "this key only with type = \"prismatic\"".to_owned()),
+            JointType::Clamped | JointType::Universal | JointType::Ball | JointType::Free => {
+                (slides, "this key only with type = \"prismatic\"".to_owned())
+            }
         };
         if checker.states(&["joint", name, table, strange]) {
             checker.refuse(&["joint", name, table, strange], allowed);

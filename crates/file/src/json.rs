@@ -32,7 +32,7 @@ impl Json<'_> {
     pub fn entries(&self) -> &[(Cow<'_, str>, Self)] {
         match self {
             Self::Table(entries) => entries,
-            _ => &[],
+            Self::Null | Self::Flag(_) | Self::Number(_) | Self::Text(_) | Self::List(_) => &[],
         }
     }
 
@@ -40,7 +40,7 @@ impl Json<'_> {
     pub fn as_list(&self) -> Option<&[Self]> {
         match self {
             Self::List(items) => Some(items),
-            _ => None,
+            Self::Null | Self::Flag(_) | Self::Number(_) | Self::Text(_) | Self::Table(_) => None,
         }
     }
 
@@ -48,7 +48,7 @@ impl Json<'_> {
     pub fn as_str(&self) -> Option<&str> {
         match self {
             Self::Text(text) => Some(text),
-            _ => None,
+            Self::Null | Self::Flag(_) | Self::Number(_) | Self::List(_) | Self::Table(_) => None,
         }
     }
 
@@ -56,7 +56,7 @@ impl Json<'_> {
     pub fn as_f64(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),
-            _ => None,
+            Self::Null | Self::Flag(_) | Self::Text(_) | Self::List(_) | Self::Table(_) => None,
         }
     }
 
@@ -165,7 +165,9 @@ impl<'de: 't, 't> Deserialize<'de> for Key<'t> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         match deserializer.deserialize_str(Reader)? {
             Json::Text(text) => Ok(Self(text)),
-            _ => Ok(Self(Cow::Borrowed(""))),
+            Json::Null | Json::Flag(_) | Json::Number(_) | Json::List(_) | Json::Table(_) => {
+                Ok(Self(Cow::Borrowed("")))
+            }
         }
     }
 }

@@ -57,6 +57,6 @@ fn value(
                 problems.push(Problem { line: document.line(offset), span, key: key_text(path), fault });
             }
         }
-        _ => {}
+        DeValue::Integer(_) | DeValue::Float(_) | DeValue::Boolean(_) | DeValue::Datetime(_) => {}
     }
 }

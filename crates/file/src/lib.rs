@@ -45,7 +45,7 @@ mod wind_file;
 
 pub use beamdyn_file::condensed_stiffness;
 pub use bladed_summary::{BladedSummary, read_bladed_summary};
-pub use doubts::{Doubt, doubts};
+pub use doubts::{Doubt, doubts, doubts_of_files};
 pub use error::{ConfigError, Fault, Problem};
 pub use polar_file::{AirfoilTable, PolarFault, read_aerodyn, read_csv, read_polars};
 pub use reference::reference;

@@ -95,7 +95,7 @@ fn tidy(node: &mut Value) {
             map.values_mut().for_each(tidy);
             tidy_object(map);
         }
-        _ => {}
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
     }
 }
 

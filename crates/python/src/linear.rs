@@ -142,7 +142,12 @@ pub fn discretized<'py>(
 fn refused(error: &NoReduction) -> PyErr {
     match error {
         NoReduction::Order { .. } | NoReduction::Band => refusal::usage(error.to_string()),
-        _ => refusal::no_linear_model(error.to_string()),
+        NoReduction::Eigenvalues
+        | NoReduction::Defective { .. }
+        | NoReduction::Grows
+        | NoReduction::SampledModes
+        | NoReduction::Continuous
+        | NoReduction::Singular => refusal::no_linear_model(error.to_string()),
     }
 }
 

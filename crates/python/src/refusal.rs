@@ -1,4 +1,4 @@
-//! Errors as exceptions of `foldwing.errors`, with the words of the command.
+//! Errors as exceptions of `foldwing.errors`, with the words of the command and the keywords of Python in place of its options.
 
 use foldwing_command::cli::Failure;
 use foldwing_engine::plant::PlantError;
@@ -7,8 +7,56 @@ use foldwing_fmi::interface::AccessError;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
+/// Options of the command whose keyword in Python is not the option's own name with `=` behind it.
+const KEYWORDS: [(&str, &str); 8] = [
+    ("--stop", "until="),
+    ("--output", "outputs="),
+    ("--library", "libraries="),
+    ("--no-reference", "reference=False"),
+    ("--force", "force=True"),
+    ("--lattice", "lattice=True"),
+    ("--paired", "paired=True"),
+    ("`foldwing check` lists the names", "Model.variables has the names"),
+];
+
+/// A message in which options of the command are the keywords of Python: `--stop -1: must …` is `until=-1: must …`.
+fn in_keywords(message: &str) -> String {
+    let mut text = String::with_capacity(message.len());
+    let mut rest = message;
+    while let Some(at) = rest.find("--").into_iter().chain(rest.find("`foldwing check`")).min() {
+        let (before, from) = rest.split_at(at);
+        text.push_str(before);
+        let word = from.find(|letter: char| !(letter.is_ascii_lowercase() || letter == '-')).unwrap_or(from.len());
+        let known = KEYWORDS.iter().find(|(option, _)| from.starts_with(option) && word <= option.len());
+        rest = match known {
+            Some((option, keyword)) => {
+                text.push_str(keyword);
+                &from[option.len()..]
+            }
+            None if word > 2 => {
+                text.push_str(&from[2..word].replace('-', "_"));
+                text.push('=');
+                &from[word..]
+            }
+            // dashes of some other kind, or a name in quotes
+            None => {
+                let first = from.chars().next().map_or(from.len(), char::len_utf8);
+                text.push_str(&from[..first]);
+                &from[first..]
+            }
+        };
+        // at its beginning a message names the option with its value
+        if before.is_empty() && text.ends_with('=') && !rest.starts_with(" and ") {
+            rest = rest.strip_prefix(' ').unwrap_or(rest);
+        }
+    }
+    text.push_str(rest);
+    text
+}
+
 /// An exception of the class `name` of `foldwing.errors`.
 fn of_class(name: &str, message: &str) -> PyErr {
+    let message = in_keywords(message);
     Python::attach(|py| {
         let raised = || py.import("foldwing.errors")?.getattr(name)?.call1((message,));
         raised().map_or_else(|error| error, PyErr::from_value)

@@ -130,7 +130,8 @@ fn asserted() -> (Vec<String>, Vec<String>) {
     let literals = literals_below("tests/robustness");
     let lines = literals.iter().flat_map(|text| text.lines().map(str::to_owned));
     let model_file = lines.filter(|line| line.starts_with("wing.toml:")).collect();
-    let calls = literals_of(&[fs::read_to_string(in_package("tests/robustness/failures.rs")).unwrap()]);
+    let calls = ["failures.rs", "fmi3.rs"].map(|file| in_package("tests/robustness").join(file));
+    let calls = literals_of(&calls.map(|file| fs::read_to_string(file).unwrap()));
     (model_file, calls.into_iter().filter(|text| text.len() > 30 && text.contains(' ')).collect())
 }
 
@@ -139,7 +140,8 @@ const FILES: &[(&str, &[u8])] = &[
     ("binary.toml", b"name = \"\xff\"\n"),
     ("library.so", b"not a library"),
     ("rows.csv", b"time,fold.command\n"),
-    ("time.csv", b"time,fold.command\n0,0\n0,1\n"),
+    ("time.csv", b"time,fold.command\n1,0\n0,1\n"),
+    ("jump.csv", b"time,fold.command\n0,0\n0,1\n0,2\n"),
     ("first.csv", b"fold.command,time\n0,0\n"),
     ("twice.csv", b"time,fold.command,fold.command\n0,0,0\n"),
     ("output.csv", b"time,fold.angle\n0,0\n"),
@@ -215,6 +217,7 @@ const SLIPS: &[&str] = &[
     "simulate wing.toml --view x.html --beside empty.csv",
     "simulate wing.toml --csv - --inputs rows.csv",
     "simulate wing.toml --csv - --inputs time.csv",
+    "simulate wing.toml --csv - --inputs jump.csv",
     "simulate wing.toml --csv - --inputs first.csv",
     "simulate wing.toml --csv - --inputs twice.csv",
     "simulate wing.toml --csv - --inputs output.csv",

@@ -377,9 +377,9 @@ fn wt44_refusals() {
     for speed_rad_s in [0.0, f64::NAN, f64::INFINITY, 1e-320] {
         refused(&swing, Some("shaft"), speed_rad_s, &["speed", "foldwing static"]);
     }
-    refused(&swing, None, 1.0, &["no rotor", "--shaft"]);
-    refused(&swing, Some("shafts"), 1.0, &["--shaft shafts", "no joint"]);
-    assert!(Turn::of(&swing, Some("shaft"), None, 144).unwrap_err().contains("--speed-rpm"));
+    refused(&swing, None, 1.0, &["no rotor", "name the joint of the shaft"]);
+    refused(&swing, Some("shafts"), 1.0, &["shaft shafts", "no joint"]);
+    assert!(Turn::of(&swing, Some("shaft"), None, 144).unwrap_err().contains("give its speed"));
     assert!(Turn::of(&swing, Some("shaft"), Some(1.0), 0).unwrap_err().contains("0 steps"));
     // a second joint that moves by a law
     let mut moved = swing.clone();

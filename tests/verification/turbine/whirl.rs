@@ -221,9 +221,9 @@ fn wt20_rotors_that_are_not_isotropic_are_refused() {
             .map(|(kept, _)| kept.to_owned() + "[experiment]\nstop_time_s = 1.0\nstep_s = 0.01\n")
             .expect("a blade"),
     );
-    refusal(whirls(&bare, None, 10.0, 6), &["no rotor", "--shaft"]);
-    refusal(whirls(&three.machine(), Some("shafts"), 10.0, 6), &["--shaft shafts", "no joint"]);
-    refusal(whirls(&three.machine(), Some("rail"), 10.0, 6), &["--shaft rail", "not revolute"]);
+    refusal(whirls(&bare, None, 10.0, 6), &["no rotor", "name the joint of the shaft"]);
+    refusal(whirls(&three.machine(), Some("shafts"), 10.0, 6), &["shaft shafts", "no joint"]);
+    refusal(whirls(&three.machine(), Some("rail"), 10.0, 6), &["shaft rail", "not revolute"]);
     refusal(whirls(&three.machine(), Some("lag1"), 10.0, 6), &["lag1", "no hub"]);
     for speed_rad_s in [f64::NAN, f64::INFINITY] {
         refusal(whirls(&three.machine(), None, speed_rad_s, 6), &["not a finite number"]);

@@ -81,9 +81,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         )));
     }
     for (text, pattern, _) in &tolerances {
-        chosen(std::slice::from_ref(pattern), &columns, "column of both tables").map_err(|failure| match failure {
-            Failure::Usage(message) => Failure::Usage(format!("--tolerance {text}: {message}")),
-            failure => failure,
+        chosen(std::slice::from_ref(pattern), &columns, "column of both tables").map_err(|failure| {
+            if let Failure::Usage(message) = failure {
+                Failure::Usage(format!("--tolerance {text}: {message}"))
+            } else {
+                failure
+            }
         })?;
     }
     let begin_s = reference.times_s[0].max(other.times_s[0]);

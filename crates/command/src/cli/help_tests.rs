@@ -12,6 +12,7 @@ mod command_lines;
 fn check(call: &CommandLine) {
     let line = std::iter::once("foldwing").chain(call.words.iter().map(String::as_str));
     let Err(error) = Arguments::try_parse_from(line) else { return };
+    #[expect(clippy::wildcard_enum_match_arm, reason = "a foreign enum that may grow: what it may add is an error")]
     let legal = match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => true,
         ErrorKind::MissingRequiredArgument => !call.whole,

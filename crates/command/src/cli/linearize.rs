@@ -145,7 +145,16 @@ fn fewer(
     model.reduced(order, keep, up_to_hz).map_err(|error| match (&error, up_to_hz) {
         (NoReduction::Order { .. }, _) => Failure::Usage(format!("{option} {order}: {error}")),
         (NoReduction::Band, Some(up_to_hz)) => Failure::Usage(format!("--up-to {up_to_hz}: {error}")),
-        _ => Failure::Statics(format!("{option} {order}: {error}")),
+        (
+            NoReduction::Band
+            | NoReduction::Eigenvalues
+            | NoReduction::Defective { .. }
+            | NoReduction::Grows
+            | NoReduction::SampledModes
+            | NoReduction::Continuous
+            | NoReduction::Singular,
+            _,
+        ) => Failure::Statics(format!("{option} {order}: {error}")),
     })
 }
 

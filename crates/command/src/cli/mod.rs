@@ -231,9 +231,10 @@ impl Failure {
 
     /// A failed write to `target`.
     fn writing(target: &str, error: &io::Error) -> Self {
-        match error.kind() {
-            io::ErrorKind::BrokenPipe => Self::Closed,
-            _ => Self::Files(format!("{target}: cannot be written: {error}")),
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            Self::Closed
+        } else {
+            Self::Files(format!("{target}: cannot be written: {error}"))
         }
     }
 }
@@ -310,13 +311,14 @@ fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
     })?;
     // from standard input: files beside the working directory
     let folder = path.parent().unwrap_or(Path::new(""));
+    let lost = config::doubts_of_files(&text, folder);
     let text = match config::with_files(text.clone(), folder, &shown) {
         Ok(text) => text,
         Err(error) => return Err(Failure::Model { text, error }),
     };
     match config::parse(&text, &shown) {
         Ok(machine) => {
-            config::doubts(&text).iter().for_each(|doubt| tell::doubt(&shown, &text, doubt));
+            lost.iter().chain(&config::doubts(&text)).for_each(|doubt| tell::doubt(&shown, &text, doubt));
             Ok((machine, text))
         }
         Err(error) => Err(Failure::Model { text, error }),

@@ -55,9 +55,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     // the schema first: where it cannot be written, nothing is left behind
     let mut written = shown.to_string();
     if !arguments.no_schema && !holds(&schema, &config::schema()) {
-        let place = outlets.place(&schema, Mark::SCHEMA).map_err(|failure| match failure {
-            Failure::Files(message) => Failure::Files(format!("{message}, --no-schema leaves it as it is")),
-            other => other,
+        let place = outlets.place(&schema, Mark::SCHEMA).map_err(|failure| {
+            if let Failure::Files(message) = failure {
+                Failure::Files(format!("{message}, --no-schema leaves it as it is"))
+            } else {
+                failure
+            }
         })?;
         place.fill(config::schema().as_bytes())?;
         written = format!("{written} and {}", schema.display());

@@ -409,7 +409,7 @@ fn set_pitch(machine: &mut Machine, body: usize, pitch_rad: f64) -> Result<(), F
                 "the joint {name}: nothing holds its pitch; give it a drive with a stiffness, or motion = \"locked\""
             )));
         }
-        _ => {}
+        JointMotion::Free | JointMotion::Locked => {}
     }
     *start_angle_rad = pitch_rad;
     Ok(())

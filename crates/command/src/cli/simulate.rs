@@ -244,9 +244,9 @@ pub(super) fn read_inputs(path: &Path, variables: &[impl Channel]) -> Result<Inp
         true => Box::new(io::Cursor::new(read_bytes(path)?)),
         false => Box::new(File::open(path).map_err(unreadable)?),
     };
-    InputTable::read(source, &name, variables).map_err(|error| match error {
-        InputsError::Unreadable { .. } => Failure::Files(error.to_string()),
-        error => Failure::Refused(error.to_string()),
+    InputTable::read(source, &name, variables).map_err(|error| {
+        let unreadable = matches!(error, InputsError::Unreadable { .. });
+        if unreadable { Failure::Files(error.to_string()) } else { Failure::Refused(error.to_string()) }
     })
 }
 

@@ -34,7 +34,9 @@ pub(super) fn failure(failure: &Failure) {
             line.naming(message).inspect(pointed);
         }
         Failure::Refused(message) => refused(message),
-        other => say(Level::ERROR, &other.to_string(), None, "", None),
+        Failure::Simulation(_) | Failure::Statics(_) | Failure::Files(_) | Failure::Differ(..) => {
+            say(Level::ERROR, &failure.to_string(), None, "", None)
+        }
     }
 }
 

@@ -181,7 +181,7 @@ fn write_variable(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
         ("variability", variability(variable.variability).to_owned()),
     ];
     if let Some(initial) = variable.initial {
-        attributes.push(("initial", if initial == Initial::Exact { "exact" } else { "calculated" }.to_owned()));
+        attributes.push(("initial", initial_word(initial).to_owned()));
     }
     nest(xml, "ScalarVariable", &attributes, |xml| write_type(xml, variable))
 }
@@ -193,7 +193,6 @@ fn write_type(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
         attributes.push(("declaredType", name.to_owned()));
     }
     attributes.extend(range(variable));
-    let has_start = variable.causality == Causality::Input || variable.initial == Some(Initial::Exact);
     let (element, start) = match variable.value {
         Value::Real(value) => ("Real", real(value)),
         Value::Integer(value) => ("Integer", value.to_string()),
@@ -202,11 +201,15 @@ fn write_type(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
     if let Some(nominal) = variable.nominal {
         attributes.push(("nominal", real(nominal)));
     }
-    if has_start {
+    if has_start(variable) {
         attributes.push(("start", start));
     }
     if let Some(state) = variable.derivative_of {
         attributes.push(("derivative", (state + 1).to_string()));
+    }
+    // latches change rates and the work, projections redundant parameters
+    if variable.nominal.is_some() {
+        attributes.push(("reinit", "true".to_owned()));
     }
     leaf(xml, element, &attributes)
 }
@@ -255,7 +258,8 @@ fn write_structure(xml: &mut Xml, variables: &[Variable], dependencies: &[Depend
 /// are no calculated parameters).
 pub(super) fn is_initial_unknown(variable: &Variable) -> bool {
     let exposed = variable.nominal.is_some() || variable.derivative_of.is_some();
-    (variable.causality == Causality::Output || exposed) && variable.initial == Some(Initial::Calculated)
+    (variable.causality == Causality::Output || exposed)
+        && matches!(variable.initial, Some(Initial::Calculated | Initial::Approximate))
 }
 
 /// Rows with their index in `ModelVariables`, which counts from 1.
@@ -281,6 +285,19 @@ pub(super) fn dependency_lists(dependencies: &[(u32, DependencyKind)], first: u3
     let rows = join(sorted.iter().map(|(row, _)| (row + first).to_string()).collect());
     let kinds = join(sorted.iter().map(|(_, kind)| dependency_kind(*kind).to_owned()).collect());
     vec![("dependencies", rows), ("dependenciesKind", kinds)]
+}
+
+/// Whether a variable has a start value: inputs, parameters, and continuous states whose start is known.
+pub(super) fn has_start(variable: &Variable) -> bool {
+    variable.causality == Causality::Input || matches!(variable.initial, Some(Initial::Exact | Initial::Approximate))
+}
+
+pub(super) fn initial_word(initial: Initial) -> &'static str {
+    match initial {
+        Initial::Exact => "exact",
+        Initial::Approximate => "approx",
+        Initial::Calculated => "calculated",
+    }
 }
 
 pub(super) fn causality(causality: Causality) -> &'static str {

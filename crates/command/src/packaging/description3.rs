@@ -2,13 +2,13 @@
 //! stands in `description.rs`.
 
 use crate::packaging::description::{
-    causality, dependency_lists, is_initial_unknown, range, types_in_use, variability, write_experiment,
-    write_log_categories, write_units,
+    causality, dependency_lists, has_start, initial_word, is_initial_unknown, range, types_in_use, variability,
+    write_experiment, write_log_categories, write_units,
 };
 use crate::packaging::xml::{self, Attributes, Xml, leaf, nest, real};
 use crate::packaging::{Kinds, MODEL_IDENTIFIER, VERSION};
 use foldwing_engine::machine::Machine;
-use foldwing_fmi::interface::{Array, Causality, Dependencies, Initial, Interface, RealType, UNITS, Value, Variable};
+use foldwing_fmi::interface::{Array, Causality, Dependencies, Interface, RealType, UNITS, Value, Variable};
 use std::io;
 
 /// Capability flags of the `CoSimulation` element. A flag turns true only with the work behind it: an importer believes them.
@@ -130,7 +130,7 @@ fn write_variable(xml: &mut Xml, interface: &Interface, reference: u32, array: &
         ("variability", variability(head.variability).to_owned()),
     ];
     if let Some(initial) = head.initial {
-        attributes.push(("initial", if initial == Initial::Exact { "exact" } else { "calculated" }.to_owned()));
+        attributes.push(("initial", initial_word(initial).to_owned()));
     }
     if let Some(name) = head.declared_type {
         attributes.push(("declaredType", name.to_owned()));
@@ -139,7 +139,7 @@ fn write_variable(xml: &mut Xml, interface: &Interface, reference: u32, array: &
     if let Some(nominal) = head.nominal {
         attributes.extend([("nominal", real(nominal)), ("reinit", "true".to_owned())]);
     }
-    if head.causality == Causality::Input || head.initial == Some(Initial::Exact) {
+    if has_start(head) {
         let starts: Vec<String> =
             array.rows.iter().map(|&row| start(interface.variables()[row as usize].value)).collect();
         attributes.push(("start", starts.join(" ")));

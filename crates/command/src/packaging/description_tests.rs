@@ -7,7 +7,7 @@ fn row(row: u32, name: &str, causality: Causality, value: Value) -> Variable {
     let (variability, initial) = match causality {
         Causality::Output => (Variability::Continuous, Some(Initial::Calculated)),
         Causality::Parameter => (Variability::Fixed, Some(Initial::Exact)),
-        _ => (Variability::Continuous, None),
+        Causality::Input | Causality::Local | Causality::Independent => (Variability::Continuous, None),
     };
     Variable {
         name: name.to_owned(),

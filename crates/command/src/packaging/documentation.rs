@@ -303,7 +303,9 @@ fn variables_section(html: &mut String, variables: &[Variable]) {
         let _ = writeln!(html, "<h2 id=\"{}\">{title} ({})</h2>", title.to_lowercase(), rows.len());
         let head: &[&str] = match causality {
             Causality::Output => &["name", "type", "unit", "meaning"],
-            _ => &["name", "type", "unit", "start", "meaning"],
+            Causality::Input | Causality::Parameter | Causality::Local | Causality::Independent => {
+                &["name", "type", "unit", "start", "meaning"]
+            }
         };
         table(
             html,

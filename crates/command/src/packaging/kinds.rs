@@ -42,14 +42,22 @@ impl Kinds {
         if self.model_exchange && sampled { Err(NotHybrid::Air) } else { Ok(()) }
     }
 
-    /// The table of variables: with the continuous states for Model Exchange.
+    /// The table of variables: with the continuous states and their start values for Model Exchange.
     pub fn interface(self, machine: &Machine) -> Interface {
-        let plant = || Plant::new(Arc::new(machine.clone()));
-        match (self.model_exchange, self.version) {
-            (false, _) => Interface::new(machine),
-            (true, Version::Fmi2) => Interface::with_states(machine, &plant()),
-            (true, Version::Fmi3) => Interface::with_states_and_indicators(machine, &plant()),
+        if !self.model_exchange {
+            return Interface::new(machine);
         }
+        let mut plant = Plant::new(Arc::new(machine.clone()));
+        let mut interface = match self.version {
+            Version::Fmi2 => Interface::with_states(machine, &plant),
+            Version::Fmi3 => Interface::with_states_and_indicators(machine, &plant),
+        };
+        // an importer that starts from the description has a legal state; a machine that cannot start has none
+        let started = plant.initialize(machine.experiment.start_time_s).is_ok();
+        if started && plant.system_mut().begin_exchange().is_ok() {
+            interface.give_start_states(&plant);
+        }
+        interface
     }
 
     /// GUID of FMI 2.0 or instantiation token of FMI 3.0, of the table that [`Kinds::interface`] gives.

@@ -5,10 +5,12 @@ use crate::packaging::contents::Extras;
 use crate::packaging::documentation::{number, table};
 use crate::packaging::{Kinds, MODEL_IDENTIFIER, linear_model, reference};
 use foldwing_engine::machine::Machine;
+use foldwing_engine::plant::Plant;
 use foldwing_fmi::instance::Version;
 use foldwing_fmi::interface::{Causality, Value, Variable};
 use quick_xml::escape::escape;
 use std::fmt::Write;
+use std::sync::Arc;
 
 /// The table of `README.md`, in its own words.
 const ACCURACY: &str = include_str!("../../../../docs/tables/accuracy.md");
@@ -56,7 +58,32 @@ pub(super) fn drive(html: &mut String, machine: &Machine, variables: &[Variable]
             Version::Fmi3 => "Inputs are held during a communication step. Arrays are set and read whole, row by row.",
         }
     );
+    if kinds.model_exchange {
+        integrate(html, machine);
+    }
 }
+
+/// What integrators of an importer need to know: the fastest motion at the start, and the explicit step that it allows.
+fn integrate(html: &mut String, machine: &Machine) {
+    let mut plant = Plant::new(Arc::new(machine.clone()));
+    let started = plant.initialize(machine.experiment.start_time_s).is_ok();
+    if !started || plant.system_mut().begin_exchange().is_err() {
+        return;
+    }
+    let Ok(fastest_rad_s) = plant.system_mut().fastest_rad_s() else { return };
+    if fastest_rad_s > 0.0 {
+        let _ = writeln!(
+            html,
+            "<p><strong>Model Exchange.</strong> Integrate with an implicit method, such as CVode's. The fastest motion at the start has \
+             about {fastest_rad_s:.1e} rad/s, hardly damped: the classical Runge–Kutta method of order 4 needs steps of {:.1e} s or less \
+             ({RUNGE_KUTTA}/ω), and forward Euler far shorter ones (2ζ/ω).</p>",
+            RUNGE_KUTTA / fastest_rad_s
+        );
+    }
+}
+
+/// Step times frequency up to which the classical Runge–Kutta method of order 4 is stable without damping, 2√2.
+const RUNGE_KUTTA: f64 = 2.8;
 
 /// A line of start values for the example: the first switch among the inputs, else the first parameter.
 fn start_values(variables: &[Variable]) -> String {

@@ -128,9 +128,12 @@ impl InputTable {
     /// Reads a table; `file` is the name that errors carry.
     pub fn read(source: impl Read, file: &str, variables: &[impl Channel]) -> Result<Self, InputsError> {
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(source);
-        let malformed = |error: csv::Error| match error.kind() {
-            csv::ErrorKind::Io(error) => InputsError::Unreadable { file: file.to_owned(), cause: error.to_string() },
-            _ => InputsError::Malformed { file: file.to_owned(), cause: describe(&error) },
+        let malformed = |error: csv::Error| {
+            if let csv::ErrorKind::Io(error) = error.kind() {
+                InputsError::Unreadable { file: file.to_owned(), cause: error.to_string() }
+            } else {
+                InputsError::Malformed { file: file.to_owned(), cause: describe(&error) }
+            }
         };
         let header = reader.headers().map_err(malformed)?.clone();
         let mut table = Self { times_s: vec![], columns: columns(&header, file, variables)? };
@@ -146,7 +149,7 @@ impl InputTable {
     /// A table of columns that a program gives: a name and its values at `times_s`, Booleans as 0 and 1.
     ///
     /// # Errors
-    /// Names that are no inputs or come twice, times that do not ascend, columns of other lengths, values that are not finite,
+    /// Names that are no inputs or come twice, times that descend, columns of other lengths, values that are not finite,
     /// out of range or not of the input's type: said with name and row, counted from 0.
     pub fn of_columns(
         times_s: Vec<f64>,
@@ -159,12 +162,9 @@ impl InputTable {
         if let Some(row) = times_s.iter().position(|time_s| !time_s.is_finite()) {
             return Err(format!("inputs: time in row {row} is not a finite number"));
         }
-        if let Some(row) = times_s.windows(2).position(|pair| pair[1] <= pair[0]) {
-            let [first, second] = [times_s[row], times_s[row + 1]];
-            return Err(format!(
-                "inputs: time {second} s in row {} is not after {first} s; times must ascend",
-                row + 1
-            ));
+        for row in 1..times_s.len() {
+            check_order(&times_s[..row], times_s[row])
+                .map_err(|cause| format!("inputs: time {} s in row {row} {cause}", times_s[row]))?;
         }
         let mut columns: Vec<Column> = Vec::with_capacity(given.len());
         for (name, values) in given {
@@ -186,7 +186,7 @@ impl InputTable {
                     Value::Integer(_) if value.fract() != 0.0 || value.abs() > f64::from(i32::MAX) => {
                         "is not a whole number".to_owned()
                     }
-                    _ => match range {
+                    Value::Real(_) | Value::Integer(_) | Value::Boolean(_) => match range {
                         Some((smallest, largest)) if !(smallest..=largest).contains(value) => {
                             format!("is out of range; allowed is {smallest:?} to {largest:?}")
                         }
@@ -216,9 +216,7 @@ impl InputTable {
             cause,
         };
         let time_s = real(&record[0]).map_err(|cause| bad(0, cause))?;
-        if let Some(last) = self.times_s.last().filter(|last| time_s <= **last) {
-            return Err(bad(0, format!("is not after the previous row ({last} s); times must ascend")));
-        }
+        check_order(&self.times_s, time_s).map_err(|cause| bad(0, cause))?;
         self.times_s.push(time_s);
         for (i, column) in self.columns.iter_mut().enumerate() {
             let range = variables[column.position].range();
@@ -228,7 +226,8 @@ impl InputTable {
     }
 
     /// Positions in the list of variables and values of all columns at a time: reals on straight lines between rows, the others
-    /// held from their row on; constant before the first row and after the last.
+    /// held from their row on; constant before the first row and after the last. Of two rows at one time the second counts from there
+    /// on, the first is where lines before it end: a jump.
     pub fn at(&self, time_s: f64) -> impl Iterator<Item = (usize, Value)> + '_ {
         let next = self.times_s.partition_point(|t| *t <= time_s);
         self.columns.iter().map(move |column| {
@@ -249,7 +248,22 @@ impl InputTable {
         let before = column.values[next - 1];
         let Some(after) = column.values.get(next) else { return before };
         let share = (time_s - self.times_s[next - 1]) / (self.times_s[next] - self.times_s[next - 1]);
-        before + share * (after - before)
+        let change = after - before;
+        // the difference of two huge numbers of opposite signs is none
+        if change.is_finite() { before + share * change } else { (1.0 - share) * before + share * after }
+    }
+}
+
+/// Refuses a time that does not follow those before it; two rows may have the same, where values jump.
+fn check_order(times_s: &[f64], next_s: f64) -> Result<(), String> {
+    match *times_s {
+        [.., last_s] if next_s < last_s => Err(format!(
+            "is before the previous row ({last_s} s); times must ascend, and two rows at one time make a jump"
+        )),
+        [.., first_s, last_s] if next_s == last_s && first_s == last_s => {
+            Err("is the time of three rows; a jump has two, the values before it and those after it".to_owned())
+        }
+        [..] => Ok(()),
     }
 }
 
@@ -330,6 +344,7 @@ fn real(text: &str) -> Result<f64, String> {
 }
 
 /// The reader's complaint with its line in front, without the reader's own vocabulary.
+#[expect(clippy::wildcard_enum_match_arm, reason = "a foreign enum that may grow: its own words serve for the rest")]
 fn describe(error: &csv::Error) -> String {
     let line = error.position().map(|position| position.line());
     match error.kind() {

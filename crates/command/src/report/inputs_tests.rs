@@ -47,6 +47,25 @@ fn reals_interpolate_and_booleans_hold() {
     assert_eq!(at(9.0), [Value::Real(3.0), Value::Boolean(true)]);
 }
 
+/// Two rows at one time are a jump: lines before it end at the first, and the second counts from there on. Huge values of opposite signs
+/// have a mean too.
+#[test]
+fn two_rows_at_one_time_jump() {
+    let table = read("time,fold.command,fold.release\n0,1,1\n1,2,1\n1,-5,0\n3,-3,0\n3,4,1\n").unwrap();
+    let at = |time: f64| table.at(time).map(|(_, value)| value).collect::<Vec<_>>();
+    assert_eq!(at(0.5), [Value::Real(1.5), Value::Boolean(true)]);
+    assert_eq!(at(0.75), [Value::Real(1.75), Value::Boolean(true)]);
+    assert_eq!(at(1.0), [Value::Real(-5.0), Value::Boolean(false)]);
+    assert_eq!(at(2.0), [Value::Real(-4.0), Value::Boolean(false)]);
+    assert_eq!(at(3.0), [Value::Real(4.0), Value::Boolean(true)]);
+    assert_eq!(at(9.0), [Value::Real(4.0), Value::Boolean(true)]);
+    let mut wide = variables();
+    wide[1].range = None;
+    let text = "time,fold.command\n0,-1e308\n1,1e308\n";
+    let table = InputTable::read(text.as_bytes(), "in.csv", &wide).unwrap();
+    assert_eq!(table.at(0.5).map(|(_, value)| value).collect::<Vec<_>>(), [Value::Real(0.0)]);
+}
+
 /// Each mistake is answered with file, line, column, value and what is allowed.
 #[test]
 fn mistakes_are_named_with_their_place() {
@@ -71,8 +90,12 @@ fn mistakes_are_named_with_their_place() {
             "in.csv:2: column 3 (fold.release): `yes` is not a Boolean; allowed are 0, 1, false and true",
         ),
         (
-            format!("{head}1,1,1\n1,1,1\n"),
-            "in.csv:3: column 1 (time): `1` is not after the previous row (1 s); times must ascend",
+            format!("{head}1,1,1\n0.5,1,1\n"),
+            "in.csv:3: column 1 (time): `0.5` is before the previous row (1 s); times must ascend, and two rows at one time make a jump",
+        ),
+        (
+            format!("{head}1,1,1\n1,2,1\n1,3,1\n"),
+            "in.csv:4: column 1 (time): `1` is the time of three rows; a jump has two, the values before it and those after it",
         ),
         (format!("{head}1,1\n"), "in.csv: line 2: 2 columns where the header has 3"),
         (head.to_owned(), "in.csv: no rows below the header; at least one is needed"),

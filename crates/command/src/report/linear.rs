@@ -76,7 +76,7 @@ fn state(point: &OperatingPoint) -> Value {
     let acting = |acting: &Acting| {
         let value = match acting.value {
             interface::Value::Boolean(value) => json!(value),
-            ref value => json!(number(value)),
+            ref value @ (interface::Value::Real(_) | interface::Value::Integer(_)) => json!(number(value)),
         };
         json!({ "name": acting.name, "unit": acting.unit, "value": value })
     };

@@ -135,7 +135,7 @@ impl AirModel {
                 rotor.start(motions, flow, established.is_some(), state, loads);
                 Ok(())
             }
-            _ => unreachable!("a state belongs to its model"),
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), ..) => unreachable!("a state belongs to its model"),
         }
     }
 
@@ -149,7 +149,7 @@ impl AirModel {
                 strips.convect(from, flow, step_s, to);
             }
             (Self::Rotor(_), AirState::Rotor(from), AirState::Rotor(to)) => to.copy_from(from),
-            _ => unreachable!("a state belongs to its model"),
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), ..) => unreachable!("a state belongs to its model"),
         }
     }
 
@@ -180,7 +180,7 @@ impl AirModel {
                 rotor.solve(from, motions, flow, step_s, to, loads);
                 Ok(())
             }
-            _ => unreachable!("a state belongs to its model"),
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), ..) => unreachable!("a state belongs to its model"),
         }
     }
 
@@ -191,7 +191,7 @@ impl AirModel {
             (Self::Lattice(lattice), AirState::Lattice(from), AirState::Lattice(to)) => {
                 lattice.row_panels(from, to, path)
             }
-            _ => 0.0,
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), ..) => 0.0,
         }
     }
 
@@ -213,7 +213,7 @@ impl AirModel {
             (Self::Lattice(lattice), AirState::Lattice(state)) => lattice.strip_circulation(state, surface, strip),
             (Self::Strips(strips), AirState::Strips(state)) => strips.strip_circulation_m2_s(state, surface, strip),
             (Self::Rotor(_), AirState::Rotor(_)) => 0.0,
-            _ => unreachable!("a state belongs to its model"),
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), ..) => unreachable!("a state belongs to its model"),
         }
     }
 }
@@ -225,7 +225,7 @@ impl AirState {
             (Self::Lattice(own), Self::Lattice(other)) => own.copy_from(other),
             (Self::Strips(own), Self::Strips(other)) => own.copy_from(other),
             (Self::Rotor(own), Self::Rotor(other)) => own.copy_from(other),
-            _ => unreachable!("a state belongs to its model"),
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), ..) => unreachable!("a state belongs to its model"),
         }
     }
 
@@ -242,7 +242,7 @@ impl AirState {
     pub fn rotor_loads(&self) -> Option<&RotorLoads> {
         match self {
             Self::Rotor(state) => Some(&state.loads),
-            _ => None,
+            Self::Lattice(_) | Self::Strips(_) => None,
         }
     }
 
@@ -252,7 +252,7 @@ impl AirState {
             (Self::Lattice(own), Self::Lattice(other)) => own.fits(other),
             (Self::Strips(own), Self::Strips(other)) => own.fits(other),
             (Self::Rotor(own), Self::Rotor(other)) => own.fits(other),
-            _ => false,
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), _) => false,
         }
     }
 }

@@ -148,7 +148,7 @@ impl SectionLaw {
     pub fn modal(&self) -> Option<&ModalLaw> {
         match self {
             Self::Modal(law) => Some(law),
-            _ => None,
+            Self::Uniform(_) | Self::Tapered { .. } | Self::Table(_) => None,
         }
     }
 }

@@ -88,7 +88,11 @@ impl AttitudeSpring {
                 let scale = 1.0 / (1.0 - cosine * cosine);
                 Vector3::new((a - cosine * b) * scale, (b - cosine * a) * scale, 0.0)
             }
-            _ => spin,
+            JointKind::Clamped
+            | JointKind::Revolute { .. }
+            | JointKind::Prismatic { .. }
+            | JointKind::Ball
+            | JointKind::Free => spin,
         };
         (self.angles(parameters), rates)
     }
@@ -103,7 +107,11 @@ impl AttitudeSpring {
                 let across = perpendicular(&body_axis);
                 Vector3::new(first, turn_about(&body_axis, &across, &(relative * across)), 0.0)
             }
-            _ => {
+            JointKind::Clamped
+            | JointKind::Revolute { .. }
+            | JointKind::Prismatic { .. }
+            | JointKind::Ball
+            | JointKind::Free => {
                 let relative = rotation * self.neutral.transpose();
                 rotation_vector(&relative)
             }

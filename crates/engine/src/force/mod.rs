@@ -37,6 +37,15 @@ use spring::Spring;
 use stops::TwoSidedStops;
 use watch::Watch;
 
+/// Forces by kind, without what they hold; all of them without a list. Where some do nothing they stand by name, so that a new kind
+/// does not compile before each question has been answered for it.
+macro_rules! each {
+    () => {
+        each!(Motor | Spring | External | Generator | Latch | Stops | Brake | Prescribed | Lock | Attitude | Slipping | Watch)
+    };
+    ($($kind:ident)|+) => { $(Self::$kind { .. })|+ };
+}
+
 /// A force on the freedoms of one joint, by kind.
 #[derive(Debug, Clone)]
 pub enum Force {
@@ -189,14 +198,7 @@ impl Force {
             Self::Brake(brake) => brake.holds(memory),
             Self::Latch(latch) => latch.holds(memory),
             Self::Prescribed(_) | Self::Lock => true,
-            Self::Motor(_)
-            | Self::Spring(_)
-            | Self::External(_)
-            | Self::Generator(_)
-            | Self::Stops(_)
-            | Self::Attitude(_)
-            | Self::Slipping(_)
-            | Self::Watch(_) => false,
+            each!(Motor | Spring | External | Generator | Stops | Attitude | Slipping | Watch) => false,
         }
     }
 
@@ -206,7 +208,7 @@ impl Force {
             Self::Motor(motor) => motor.recall(memory),
             Self::Latch(latch) => latch.closed = memory.latch.closed,
             Self::Stops(stops) => stops.contact = memory.contact,
-            _ => {}
+            each!(Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping | Watch) => {}
         }
     }
 
@@ -219,7 +221,9 @@ impl Force {
             Self::Stops(stops) => stops.take_inputs(told, now, crossed, memory),
             Self::Brake(brake) => brake.take_inputs(told, memory),
             Self::Watch(watch) if told.at_end && crossed != 0 => watch.transition(memory),
-            _ => Outcome::default(),
+            each!(Spring | External | Generator | Prescribed | Lock | Attitude | Slipping | Watch) => {
+                Outcome::default()
+            }
         }
     }
 
@@ -229,7 +233,7 @@ impl Force {
             Self::Motor(motor) => motor.next_kink_s(time_s),
             Self::Prescribed(law) => law.next_knot_s(time_s),
             Self::Slipping(brake) => brake.next_kink_s(time_s),
-            _ => f64::INFINITY,
+            each!(Spring | External | Generator | Latch | Stops | Brake | Lock | Attitude | Watch) => f64::INFINITY,
         }
     }
 
@@ -238,7 +242,7 @@ impl Force {
         match self {
             Self::Motor(motor) => motor.kink_at(time_s),
             Self::Prescribed(law) => law.has_knot_at(time_s),
-            _ => false,
+            each!(Spring | External | Generator | Latch | Stops | Brake | Lock | Attitude | Slipping | Watch) => false,
         }
     }
 
@@ -246,7 +250,9 @@ impl Force {
     pub fn move_piece(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> bool {
         match self {
             Self::Motor(motor) => motor.move_piece(time_s, angle_rad, rate_rad_s),
-            _ => false,
+            each!(
+                Spring | External | Generator | Latch | Stops | Brake | Prescribed | Lock | Attitude | Slipping | Watch
+            ) => false,
         }
     }
 
@@ -300,7 +306,7 @@ impl Force {
         match self {
             Self::Latch(_) | Self::Watch(_) => 1,
             Self::Stops(_) => 2,
-            _ => 0,
+            each!(Motor | Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping) => 0,
         }
     }
 
@@ -310,7 +316,7 @@ impl Force {
             (Self::Latch(latch), 0) => latch.is_armed(start, memory),
             (Self::Stops(stops), 0 | 1) => stops.distance_rad(indicator, start, memory) > 0.0,
             (Self::Watch(watch), 0) => watch.is_armed(start, memory),
-            _ => false,
+            (each!(), _) => false,
         }
     }
 
@@ -320,7 +326,7 @@ impl Force {
             (Self::Latch(latch), 0) => latch.latch.gap_rad(start_rad, place.angle_rad()),
             (Self::Stops(stops), 0 | 1) => stops.distance_rad(indicator, place, memory),
             (Self::Watch(watch), 0) => watch.distance_rad(place),
-            _ => f64::INFINITY,
+            (each!(), _) => f64::INFINITY,
         }
     }
 
@@ -330,7 +336,7 @@ impl Force {
             (Self::Latch(_), 0) => at.rate_rad_s.abs(),
             (Self::Stops(stops), 0 | 1) => stops.closing_rad_s(indicator, at, memory),
             (Self::Watch(watch), 0) => watch.closing_rad_s(at),
-            _ => 0.0,
+            (each!(), _) => 0.0,
         }
     }
 
@@ -339,7 +345,7 @@ impl Force {
         match self {
             Self::Latch(latch) => latch.latch.is_rigid(),
             Self::Stops(_) | Self::Watch(_) => true,
-            _ => false,
+            each!(Motor | Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping) => false,
         }
     }
 
@@ -349,7 +355,9 @@ impl Force {
         match self {
             Self::Stops(stops) => stops.is_overdue(indicator, at, memory),
             Self::Watch(watch) => watch.is_overdue(at, memory),
-            _ => false,
+            each!(Motor | Spring | External | Generator | Latch | Brake | Prescribed | Lock | Attitude | Slipping) => {
+                false
+            }
         }
     }
 
@@ -358,7 +366,7 @@ impl Force {
         match self {
             Self::Stops(stops) => stops.begin(start, memory),
             Self::Watch(watch) => watch.begin(start, memory),
-            _ => {}
+            each!(Motor | Spring | External | Generator | Latch | Brake | Prescribed | Lock | Attitude | Slipping) => {}
         }
     }
 
@@ -368,7 +376,7 @@ impl Force {
             (Self::Latch(_), 0) => CatchingLatch::transition(time_s, memory),
             (Self::Stops(stops), 0 | 1) => stops.transition(indicator, at, memory),
             (Self::Watch(watch), 0) => watch.transition(memory),
-            _ => Outcome::default(),
+            (each!(), _) => Outcome::default(),
         }
     }
 
@@ -381,7 +389,9 @@ impl Force {
     pub fn impulse_n_m_s<'a>(&self, time_s: f64, memory: &'a mut JointMemory) -> Option<&'a mut f64> {
         match self {
             Self::Latch(latch) => latch.impulse_n_m_s(time_s, memory),
-            _ => None,
+            each!(
+                Motor | Spring | External | Generator | Stops | Brake | Prescribed | Lock | Attitude | Slipping | Watch
+            ) => None,
         }
     }
 
@@ -391,7 +401,9 @@ impl Force {
         match self {
             Self::Latch(latch) => latch.stops_at_rest(from_rad, to_rad, memory),
             Self::Stops(stops) => stops.stops_at_rest(to_rad, memory),
-            _ => false,
+            each!(Motor | Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping | Watch) => {
+                false
+            }
         }
     }
 
@@ -411,7 +423,7 @@ impl Force {
                 stops.stops.lower_rad = whole.stops.lower_rad.map(between);
                 stops.stops.upper_rad = whole.stops.upper_rad.map(between);
             }
-            _ => {}
+            (each!(), _) => {}
         }
     }
 }

@@ -132,7 +132,7 @@ impl TwoSidedStops {
         let Some(Beyond { depth_rad, rate_rad_s }) = beyond else { return };
         powers.dissipated += match self.contact {
             Contact::Pressed(_) => self.stops.damping_n_m_s_rad * rate_rad_s * rate_rad_s,
-            _ => -self.stops.stiffness_n_m_rad * depth_rad * rate_rad_s,
+            Contact::Apart | Contact::Leaving(_) => -self.stops.stiffness_n_m_rad * depth_rad * rate_rad_s,
         };
     }
 
@@ -150,7 +150,7 @@ impl TwoSidedStops {
         match memory.contact {
             Contact::Pressed(on) if on == side => self.stops.pressure_rad(&beyond),
             Contact::Leaving(from) if from == side => beyond.depth_rad.min(-self.stops.pressure_rad(&beyond)),
-            _ => -beyond.depth_rad,
+            Contact::Apart | Contact::Pressed(_) | Contact::Leaving(_) => -beyond.depth_rad,
         }
     }
 
@@ -195,7 +195,7 @@ impl TwoSidedStops {
                 }
             }
             _ if beyond.depth_rad > located_rad && pressure_rad <= 0.0 => Contact::Leaving(side),
-            _ => Contact::Pressed(side),
+            Contact::Apart | Contact::Pressed(_) | Contact::Leaving(_) => Contact::Pressed(side),
         };
         Outcome { events: 1, ..Outcome::default() }
     }

@@ -87,7 +87,7 @@ fn coincide(body: usize, other: &RootEdge, edges: &[RootEdge], bodies: &[Body]) 
         (Parent::Body { index: a, position_m: s }, Parent::Body { index: b, position_m: t }) => {
             a == b && (s - t).abs() <= NEAR * bodies[*a].length_m
         }
-        _ => false,
+        (Parent::Root { .. } | Parent::Body { .. }, Parent::Root { .. } | Parent::Body { .. }) => false,
     };
     let apart_m = |point: fn(&ChordLine) -> Vector3<f64>| {
         (attitude * point(&own.chord) - other_attitude * point(&other.chord)).norm()
@@ -109,7 +109,7 @@ fn hold(body: usize, bodies: &[Body]) -> (Parent, Matrix3<f64>) {
             let (place, holder) = hold(*index, bodies);
             (place, holder * attitude)
         }
-        place => (place.clone(), attitude),
+        place @ (Parent::Root { .. } | Parent::Body { .. }) => (place.clone(), attitude),
     }
 }
 

@@ -77,6 +77,10 @@ impl JointKind {
 
     /// Whether the body's inner end stays where the joint holds it.
     pub fn holds_place(&self) -> bool {
-        !self.slides() && self.spatial().is_none_or(|joint| joint.freedom != SpatialFreedom::Free)
+        !self.slides()
+            && self.spatial().is_none_or(|joint| match joint.freedom {
+                SpatialFreedom::Universal { .. } | SpatialFreedom::Ball => true,
+                SpatialFreedom::Free => false,
+            })
     }
 }

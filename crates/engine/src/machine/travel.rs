@@ -142,13 +142,13 @@ impl Travel {
     pub fn declared(self, of_rotation: &'static str) -> &'static str {
         match (self, of_rotation) {
             (Self::Rotation, _) => of_rotation,
-            (_, "Angle") => "Position",
-            (_, "AngularVelocity") => "Velocity",
-            (_, "Moment") => "Force",
-            (_, "AngularImpulse") => "Impulse",
-            (_, "RotationalStiffness") => "TranslationalStiffness",
-            (_, "RotationalDamping") => "TranslationalDamping",
-            _ => of_rotation,
+            (Self::Translation, "Angle") => "Position",
+            (Self::Translation, "AngularVelocity") => "Velocity",
+            (Self::Translation, "Moment") => "Force",
+            (Self::Translation, "AngularImpulse") => "Impulse",
+            (Self::Translation, "RotationalStiffness") => "TranslationalStiffness",
+            (Self::Translation, "RotationalDamping") => "TranslationalDamping",
+            (Self::Translation, _) => of_rotation,
         }
     }
 

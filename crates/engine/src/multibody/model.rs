@@ -233,7 +233,7 @@ impl Model {
             path_m.push(inner_path_m + description.length_m + reach_m(description));
             let children = descriptions.iter().filter_map(|child| match child.parent {
                 Attachment::Body { index: parent, position_m } if parent == index => Some(position_m),
-                _ => None,
+                Attachment::Root(_) | Attachment::Body { .. } => None,
             });
             let looped = closures.iter().flat_map(|closure| closure.places);
             let looped = looped.filter_map(|(body, position_m)| (body == index).then_some(position_m));
@@ -339,7 +339,7 @@ impl Model {
     /// parent's carrier.
     fn carrier_of(&self, description: &BodyDescription) -> Option<usize> {
         match (description.joint, description.parent) {
-            (JointKind::Free, _) => Some(self.nodes.len()),
+            (joint, _) if joint.floats() => Some(self.nodes.len()),
             (_, Attachment::Body { index, .. }) => self.bodies[index].carrier,
             (_, Attachment::Root(_)) => None,
         }

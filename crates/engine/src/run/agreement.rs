@@ -267,7 +267,7 @@ impl Plant {
                 let way_m = air.unnoticed_m(MOTION_SHARE * tolerance * history.scale_n, density_kg_m3);
                 (way_m / equations.model.reference_length_m).max(MINIMUM_MOTION_TOLERANCE)
             }
-            _ => f64::INFINITY,
+            Coupling::Staggered | Coupling::Iterated { .. } => f64::INFINITY,
         };
     }
 

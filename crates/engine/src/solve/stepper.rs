@@ -81,7 +81,7 @@ impl Stepper {
         match self.method {
             Method::GeneralizedAlpha { .. } => self.generalized_alpha.remainder(),
             Method::Rk4 => self.rk4.remainder(),
-            _ => self.esdirk.remainder(),
+            Method::TrBdf2 | Method::Esdirk3 | Method::Sdirk2 | Method::Esdirk4 => self.esdirk.remainder(),
         }
     }
 

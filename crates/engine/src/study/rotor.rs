@@ -86,10 +86,12 @@ fn turns(joint: &JointKind) -> bool {
 pub(crate) fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, String> {
     if let Some(name) = named {
         let body = machine.bodies.iter().position(|body| body.joint.name == name);
-        let body = body.ok_or_else(|| format!("--shaft {name}: the model has no joint of this name"))?;
+        let body = body.ok_or_else(|| format!("shaft {name}: the model has no joint of this name"))?;
         return match machine.bodies[body].joint.kind {
             JointKind::Revolute(_) => Ok(body),
-            _ => Err(format!("--shaft {name}: the joint is not revolute, and only such a joint is a shaft")),
+            JointKind::Clamped | JointKind::Prismatic(_) | JointKind::Spatial(_) => {
+                Err(format!("shaft {name}: the joint is not revolute, and only such a joint is a shaft"))
+            }
         };
     }
     let may_be = |body: &usize| turns(&machine.bodies[*body].joint.kind) && hub(machine, *body).is_some();
@@ -97,11 +99,11 @@ pub(crate) fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, 
     match list[..] {
         [only] => Ok(only),
         [] => Err("the model has no rotor: no revolute joint without spring, drive stiffness, stops and latch carries a body with \
-                   several others on it; name the joint with --shaft"
+                   several others on it; name the joint of the shaft"
             .to_owned()),
         _ => {
             let names: Vec<&str> = list.iter().map(|body| machine.bodies[*body].joint.name.as_str()).collect();
-            Err(format!("each of the joints {} may be the shaft; choose one with --shaft", names.join(", ")))
+            Err(format!("each of the joints {} may be the shaft; name one of them", names.join(", ")))
         }
     }
 }
@@ -125,7 +127,7 @@ impl Study<'_> {
         let joint = &machine.bodies[shaft].joint;
         let hub = hub(machine, shaft).ok_or_else(|| {
             format!(
-                "the joint {} carries no hub, a body with two or more blades on it; choose another with --shaft",
+                "the joint {} carries no hub, a body with two or more blades on it; name another joint as the shaft",
                 joint.name
             )
         })?;

@@ -490,7 +490,10 @@ impl Study<'_> {
     fn no_equilibrium(&self, time_s: f64, error: &NoEquilibrium) -> PlantError {
         let cause = match error.cause {
             Cause::Singular(coordinate) => format!("nothing resists a motion of {}", self.coordinate_name(coordinate)),
-            other => other.to_string(),
+            other @ (Cause::NotConverged { .. }
+            | Cause::NotFinite(_)
+            | Cause::NoStableState(_)
+            | Cause::PathTooLong(_)) => other.to_string(),
         };
         PlantError::Equilibrium { time_s, reached: error.reached, tried: error.tried, cause }
     }

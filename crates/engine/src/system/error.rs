@@ -71,6 +71,18 @@ pub enum PlantError {
         /// Largest internal step in s.
         max_step_s: f64,
     },
+    /// States of an integrator from outside that no structure can have.
+    #[error(
+        "at t = {time_s} s {place} is compressed through zero length: longitudinal strain {strain:.3e}, allowed is more than -1"
+    )]
+    Crushed {
+        /// Time in s.
+        time_s: f64,
+        /// The element.
+        place: String,
+        /// Its strain.
+        strain: f64,
+    },
     /// The initial accelerations could not be found.
     #[error("no accelerations at t = {time_s} s: {cause}; look at the inputs and parameters that act from then on")]
     Initialization {
@@ -145,7 +157,7 @@ pub enum PlantError {
     /// Nothing holds a free joint in the state of rest that was found.
     #[error(
         "no steady flight at t = {time_s} s: {force_n:.3e} N and {moment_n_m:.3e} N m remain on the free joint {joint:?}; trim the \
-         machine (foldwing trim) and set the values found"
+         machine and set the values found"
     )]
     Flight {
         /// Time in s.
@@ -176,4 +188,29 @@ pub enum PlantError {
     /// A snapshot of another model.
     #[error("the state does not fit this model: {0}; save one with this instance")]
     Snapshot(String),
+}
+
+impl PlantError {
+    /// What is wrong at states that the caller has set: without the advice on inputs and parameters, which are not at fault there.
+    pub fn at_set_states(&self) -> String {
+        match self {
+            Self::NotFinite { time_s, .. } => format!("outputs at t = {time_s} s are not finite"),
+            Self::Initialization { time_s, cause } => format!("no accelerations at t = {time_s} s: {cause}"),
+            Self::Air { time_s, cause } => format!("no loads of the air at t = {time_s} s: {cause}"),
+            Self::NoConvergence { .. }
+            | Self::TooMuchWork { .. }
+            | Self::Leap { .. }
+            | Self::Clock { .. }
+            | Self::Steps { .. }
+            | Self::Crushed { .. }
+            | Self::Surroundings { .. }
+            | Self::ClosedSheets { .. }
+            | Self::CrossedSheets { .. }
+            | Self::Equilibrium { .. }
+            | Self::Flight { .. }
+            | Self::Linearization { .. }
+            | Self::Periodic { .. }
+            | Self::Snapshot(..) => self.to_string(),
+        }
+    }
 }

@@ -38,10 +38,7 @@ impl Clone for Outside {
 impl Outside {
     /// Whether a run of a machine with so many states can have set this.
     pub fn fits(&self, initialized: bool, states: usize) -> bool {
-        initialized
-            && self.states.len() == states
-            && self.time_s.is_finite()
-            && self.states.iter().all(|state| state.is_finite())
+        initialized && self.states.len() == states
     }
 }
 
@@ -258,7 +255,10 @@ impl System {
             hybrid.follow_inputs();
         }
         let (of_moved, of_accounts) = told.derivatives.split_at_mut(moved.len());
-        let rates = hybrid.derivatives(of_moved);
+        let rates = match hybrid.crushed() {
+            Some(error) => Err(error),
+            None => hybrid.derivatives(of_moved),
+        };
         if let Ok(rates) = &rates {
             of_accounts.copy_from_slice(&[rates.work_w, rates.dissipated_w]);
         }

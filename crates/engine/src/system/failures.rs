@@ -26,11 +26,6 @@ pub(crate) struct FailureMemory {
 }
 
 impl FailureMemory {
-    /// Whether its times are numbers.
-    pub fn is_finite(&self) -> bool {
-        [self.brought_s, self.failed_s].into_iter().flatten().all(f64::is_finite)
-    }
-
     /// Whether it has happened.
     pub fn has_failed(&self) -> bool {
         self.failed_s.is_some()
@@ -48,7 +43,16 @@ pub(crate) fn forces_on(machine: &Machine, body: usize) -> impl Iterator<Item = 
         Effect::BrakeComesOn { body: on, brake } if on == body => {
             Some(Force::Slipping(SlippingBrake::off(brake, index)))
         }
-        _ => None,
+        Effect::DriveDies { .. }
+        | Effect::DriveJams { .. }
+        | Effect::DriveRunsAway { .. }
+        | Effect::LatchBreaks { .. }
+        | Effect::LatchDoesNotCatch { .. }
+        | Effect::StopperOpens { .. }
+        | Effect::SpringWeakens { .. }
+        | Effect::LoopWeakens { .. }
+        | Effect::BodyWeakens { .. }
+        | Effect::BrakeComesOn { .. } => None,
     });
     let bounds = machine.failures.iter().enumerate().filter_map(move |(failure, described)| {
         described.when.filter(|bound| bound.body == body).map(|bound| (failure, bound))
@@ -127,7 +131,12 @@ pub(crate) fn tell(
             Effect::LatchBreaks { .. } => told.latch_enable = false,
             Effect::LatchDoesNotCatch { .. } => told.latch_enable &= memory.latch.closed,
             Effect::StopperOpens { .. } => told.release = true,
-            _ => {}
+            Effect::DriveDies { .. }
+            | Effect::DriveJams { .. }
+            | Effect::SpringWeakens { .. }
+            | Effect::LoopWeakens { .. }
+            | Effect::BodyWeakens { .. }
+            | Effect::BrakeComesOn { .. } => {}
         }
     }
     // what jams stays so, whatever lets go
@@ -237,7 +246,15 @@ impl System {
             Effect::LoopWeakens { closure, remaining } => {
                 Some((closure, if memory.has_failed() { remaining } else { 1.0 }))
             }
-            _ => None,
+            Effect::DriveDies { .. }
+            | Effect::DriveJams { .. }
+            | Effect::DriveRunsAway { .. }
+            | Effect::LatchBreaks { .. }
+            | Effect::LatchDoesNotCatch { .. }
+            | Effect::StopperOpens { .. }
+            | Effect::SpringWeakens { .. }
+            | Effect::BodyWeakens { .. }
+            | Effect::BrakeComesOn { .. } => None,
         };
         for (failure, memory) in failures.iter().zip(memories) {
             let Some((closure, _)) = left(failure, memory) else { continue };

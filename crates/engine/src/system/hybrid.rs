@@ -2,6 +2,7 @@
 //! integrator of his own (Model Exchange, another program's solver, a study) sees the machine through this.
 
 use crate::force::latch::CROSSING_S;
+use crate::multibody::model::Element;
 use crate::solve::EquationsOfMotion;
 use crate::system::PlantError;
 use crate::system::air::continuous::ContinuousAir;
@@ -141,6 +142,16 @@ impl Hybrid<'_> {
         let off = moving.iter().zip(first).map(|(&c, given)| (now.q[c] - given).abs()).fold(0.0, f64::max);
         self.system.forget_outputs();
         off
+    }
+
+    /// An element that the states compress through zero length. Integrators whose steps are too long for the axial modes, the fastest of
+    /// a machine, come there before anything else shows it; no structure does.
+    pub(super) fn crushed(&self) -> Option<PlantError> {
+        let System { state, equations, .. } = &*self.system;
+        let strain = |element: &Element| state.now.q[element.coordinate];
+        let element = equations.model.elements.iter().find(|element| strain(element) <= -1.0)?;
+        let (time_s, place) = (state.now.time_s, self.system.place_of(element.coordinate));
+        Some(PlantError::Crushed { time_s, place, strain: strain(element) })
     }
 
     /// Work of the inputs and energy dissipated until now, J.

@@ -14,7 +14,6 @@ use crate::force::spring::Spring;
 use crate::force::stops::{Contact, TwoSidedStops};
 use crate::machine::{JointMotion, Machine, OneFreedom};
 use crate::multibody::Model;
-use crate::multibody::joint::JointKind;
 use crate::signal::{Inputs, Parameters};
 use crate::system::failures;
 
@@ -28,7 +27,7 @@ pub(crate) fn of_machine(machine: &Machine, model: &Model) -> Forces {
     let spatial = machine.spatials().map(|(body, _)| {
         let described = &model.bodies[body];
         let spring = AttitudeSpring::new(body, described.joint, described.mount);
-        let forces = if described.joint.kind == JointKind::Free { vec![] } else { vec![Force::Attitude(spring)] };
+        let forces = if described.joint.kind.floats() { vec![] } else { vec![Force::Attitude(spring)] };
         JointForces::new(body, &described.joint, forces)
     });
     Forces::new(joints.collect(), spatial.collect())

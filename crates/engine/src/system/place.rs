@@ -50,7 +50,9 @@ impl System {
             Failure::Turned { coordinate, .. } => self.place_of(*coordinate),
             // what is left is no number anywhere: the accelerations that the step began with tell more
             Failure::Newton(NewtonError::NotFinite { .. }) => self.place_of_largest(&self.state.start.a),
-            _ => self.place_of_largest(remainder),
+            Failure::Estimate { .. } | Failure::Newton(_) | Failure::Unsolved { .. } => {
+                self.place_of_largest(remainder)
+            }
         };
         let (cause, advice) = match failure {
             Failure::Estimate { error, tolerance } => (

@@ -1,7 +1,7 @@
 //! Universal, ball and free joints in the plant: start, attitude, projection.
 
 use crate::machine::{Machine, Parent, Spatial};
-use crate::multibody::joint::{Joint, JointKind, RedundantWork};
+use crate::multibody::joint::{Joint, RedundantWork};
 use crate::multibody::{Model, Workspace};
 use nalgebra::{Matrix3, Vector3};
 
@@ -24,8 +24,7 @@ impl SpatialJoint {
         let of = |(body, _): (usize, &Spatial)| {
             let joint = model.bodies[body].joint;
             let looped = machine.closures.iter().flat_map(|closure| closure.places);
-            let flies =
-                joint.kind == JointKind::Free && !looped.into_iter().any(|(end, _)| carries(machine, body, end));
+            let flies = joint.kind.floats() && !looped.into_iter().any(|(end, _)| carries(machine, body, end));
             Self { body, joint, flies, held: false }
         };
         machine.spatials().map(of).collect()
@@ -36,7 +35,7 @@ impl SpatialJoint {
         let range = self.range();
         let rates = self.joint.kind.parameter_rates(&q[range.clone()], &spatial.start_angular_velocity_rad_s);
         v[range.clone()].copy_from_slice(&rates[..range.len()]);
-        if self.joint.kind == JointKind::Free {
+        if self.joint.kind.floats() {
             v[range.start..range.start + 3].copy_from_slice(spatial.start_velocity_m_s.as_slice());
         }
     }

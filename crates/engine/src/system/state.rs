@@ -7,9 +7,14 @@ use crate::solve::point::Point;
 use crate::system::air::AirHistory;
 use crate::system::exchange::Outside;
 use crate::system::failures::FailureMemory;
+use crate::system::not_finite::not_finite;
 use crate::system::{PlantError, Statistics};
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
+
+/// Names of fields that may hold what is not finite: [`AirHistory::motion_tolerance`] and [`State::stages`].
+const TOLERANCE: &str = "motion_tolerance";
+const STAGES: &str = "stages";
 
 /// Everything that changes in time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -198,57 +203,27 @@ impl State {
     /// Refuses values that no run can reach: the bytes of a state can be anything.
     fn check_values(&self) -> Result<(), PlantError> {
         let refuse = |what: &str| Err(PlantError::Snapshot(format!("{what} that no run can reach")));
-        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
-        let points = [&self.before, &self.start, &self.ahead, &self.now];
-        let sound = |point: &&Point| {
-            let Point { time_s, q, v, a, auxiliary, work, dissipated, powers } = point;
-            [q, v, a, auxiliary].into_iter().all(|values| finite(values))
-                && finite(&[*time_s, *work, *dissipated, powers.work, powers.dissipated])
-        };
-        let within = if self.start.time_s < self.ahead.time_s { &self.stages[..] } else { &[] };
-        if !points.into_iter().chain(within).all(|point| sound(&point)) {
-            return refuse("coordinates or times");
+        // without length a step has no stages; an infinite tolerance means that the air has not been asked for one yet
+        let left_out = if self.start.time_s < self.ahead.time_s { &[TOLERANCE][..] } else { &[TOLERANCE, STAGES][..] };
+        if let Some(found) = not_finite(self, left_out) {
+            return Err(PlantError::Snapshot(format!("{found}, and no run can reach that")));
+        }
+        if self.air.as_ref().is_some_and(|air| air.motion_tolerance.is_nan()) {
+            return refuse("a tolerance of the air");
         }
         let in_order =
             self.outside.is_some() || self.start.time_s <= self.now.time_s && self.now.time_s <= self.ahead.time_s;
-        if self.initialized
-            && !(in_order && self.step_s > 0.0 && self.step_s.is_finite() && self.applied_from_s.is_finite())
-        {
+        if self.initialized && !(in_order && self.step_s > 0.0) {
             return refuse("an order of times or an internal step");
         }
         if let Err(what) = self.parameters.check().and_then(|()| self.applied_parameters.check()) {
             return refuse(what);
         }
-        self.check_inputs_and_events()
-    }
-
-    /// Refuses inputs, latches, neutral angles and attitudes that are not finite.
-    fn check_inputs_and_events(&self) -> Result<(), PlantError> {
-        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         let inputs = [&self.inputs, &self.rates, &self.applied_inputs, &self.applied_rates];
-        let joint = |JointMemory { latch, slew, .. }: &JointMemory| {
-            finite(&[
-                latch.time_s,
-                latch.impulse_n_m_s,
-                slew.from_rad,
-                slew.target_rad,
-                slew.target_rate_rad_s,
-                slew.start_s,
-            ]) && slew.rate_limit_rad_s.is_finite()
-        };
-        let rotations = [&self.spatial_rotations, &self.tip_rotations, &self.station_rotations];
         let rates = [&self.rates, &self.applied_rates];
-        let what = if !(inputs.into_iter().all(Inputs::can_be) && rates.into_iter().all(Inputs::can_be_rates)) {
-            "inputs"
-        } else if !self.joints.iter().all(joint) {
-            "latches or neutral angles"
-        } else if !self.failures.iter().all(FailureMemory::is_finite) {
-            "failures"
-        } else if !rotations.into_iter().flatten().all(|rotation| finite(rotation.coords.as_slice())) {
-            "attitudes"
-        } else {
-            return Ok(());
-        };
-        Err(PlantError::Snapshot(format!("{what} that no run can reach")))
+        if !(inputs.into_iter().all(Inputs::can_be) && rates.into_iter().all(Inputs::can_be_rates)) {
+            return refuse("inputs");
+        }
+        Ok(())
     }
 }

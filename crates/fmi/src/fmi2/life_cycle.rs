@@ -138,7 +138,26 @@ impl Call {
             | Self::GetIntegerStatus
             | Self::GetBooleanStatus
             | Self::GetStringStatus => Some(InterfaceKind::CoSimulation),
-            _ => None,
+            Self::SetDebugLogging
+            | Self::SetupExperiment
+            | Self::EnterInitializationMode
+            | Self::ExitInitializationMode
+            | Self::Terminate
+            | Self::Reset
+            | Self::GetReal
+            | Self::GetInteger
+            | Self::GetBoolean
+            | Self::GetString
+            | Self::SetReal
+            | Self::SetInteger
+            | Self::SetBoolean
+            | Self::SetString
+            | Self::GetFmuState
+            | Self::SetFmuState
+            | Self::FreeFmuState
+            | Self::SerializedFmuStateSize
+            | Self::SerializeFmuState
+            | Self::DeSerializeFmuState => None,
         }
     }
 

@@ -95,8 +95,18 @@ pub enum CallError {
         own: usize,
     },
     /// The integrator has led where there is no motion.
-    #[error("no derivatives at these states: {0}; the integrator may try a shorter step")]
-    NoDerivatives(PlantError),
+    #[error(
+        "no derivatives at these states, of which {state} = {value:e} is farthest from its nominal magnitude: {}; let the integrator take a \
+         shorter step from the last states, or integrate with an implicit method", cause.at_set_states()
+    )]
+    NoDerivatives {
+        /// Why there are none.
+        cause: PlantError,
+        /// Name of the state that is largest over its nominal magnitude.
+        state: String,
+        /// Its value.
+        value: f64,
+    },
     /// No derivatives at all.
     #[error("no Model Exchange: {0}")]
     NotHybrid(#[from] NotHybrid),
@@ -181,9 +191,25 @@ impl CallError {
     pub fn status(&self) -> Status {
         match self {
             Self::Access(error) if error.is_bad_value() => Status::Discard,
-            Self::Argument { .. } | Self::StateNotFinite { .. } | Self::NoDerivatives(_) => Status::Discard,
+            Self::Argument { .. } | Self::StateNotFinite { .. } | Self::NoDerivatives { .. } => Status::Discard,
             Self::Poisoned { .. } => Status::Fatal,
-            _ => Status::Error,
+            Self::OutOfOrder { .. }
+            | Self::NullPointer { .. }
+            | Self::NotText { .. }
+            | Self::Access(_)
+            | Self::DerivativesInAir
+            | Self::OnlyContinuousInputs { .. }
+            | Self::NoEventMode
+            | Self::Count { .. }
+            | Self::NotHybrid(_)
+            | Self::StepSize { .. }
+            | Self::StepTooLong { .. }
+            | Self::TimeMismatch { .. }
+            | Self::BeyondStop { .. }
+            | Self::Plant(_)
+            | Self::State(_)
+            | Self::StatusKind { .. }
+            | Self::LogCategory { .. } => Status::Error,
         }
     }
 }

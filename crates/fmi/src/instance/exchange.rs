@@ -160,6 +160,12 @@ impl Instance {
 
     /// A trial of the importer's integrator that has no solution is refused, and another one may follow.
     fn found<T>(&mut self, find: impl FnOnce(&mut Self) -> Result<T, PlantError>) -> Result<T, CallError> {
-        find(self).map_err(CallError::NoDerivatives)
+        find(self).map_err(|cause| {
+            let states = self.plant.exchange_states();
+            let over = |state: &usize| states[*state].abs() / self.interface.nominals()[*state];
+            let farthest = (0..states.len()).max_by(|a, b| over(a).total_cmp(&over(b))).unwrap_or(0);
+            let state = self.interface.state_name(farthest).to_owned();
+            CallError::NoDerivatives { cause, state, value: states.get(farthest).copied().unwrap_or(0.0) }
+        })
     }
 }

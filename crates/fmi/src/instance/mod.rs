@@ -124,10 +124,13 @@ impl Instance {
     /// Whether a call is legal now.
     pub fn permit(&self, call: Rule) -> Result<(), CallError> {
         let kind = self.kind;
-        match self.phase {
-            Phase::Fatal => Err(CallError::Poisoned { version: self.version }),
-            phase if call.is_legal(phase) && call.kind.is_none_or(|of| of == kind) => Ok(()),
-            phase => Err(CallError::OutOfOrder { call, kind, phase }),
+        let phase = self.phase;
+        if phase == Phase::Fatal {
+            Err(CallError::Poisoned { version: self.version })
+        } else if call.is_legal(phase) && call.kind.is_none_or(|of| of == kind) {
+            Ok(())
+        } else {
+            Err(CallError::OutOfOrder { call, kind, phase })
         }
     }
 
@@ -192,7 +195,7 @@ impl Instance {
         self.evaluate()?;
         self.phase = match self.kind {
             InterfaceKind::CoSimulation if !self.manner.event_mode => Phase::StepComplete,
-            _ => Phase::Event,
+            InterfaceKind::CoSimulation | InterfaceKind::ModelExchange => Phase::Event,
         };
         Ok(())
     }

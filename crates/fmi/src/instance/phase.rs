@@ -200,7 +200,13 @@ impl Rule {
             Phase::StepFailed | Phase::Terminated => {
                 format!("; {} with an earlier state or {}Reset leads back", self.version.restoring_call(), self.version)
             }
-            _ => String::new(),
+            Phase::Instantiated
+            | Phase::Initialization
+            | Phase::StepComplete
+            | Phase::Fatal
+            | Phase::Event
+            | Phase::ContinuousTime
+            | Phase::IntermediateUpdate => String::new(),
         };
         format!("{here}; it is legal {}{back}", legal.join(", "))
     }

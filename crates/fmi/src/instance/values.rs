@@ -1,6 +1,7 @@
 //! Values and derivatives of variables.
 
-use crate::instance::error::CallError;
+use crate::instance::error::{CallError, Status};
+use crate::instance::log::LogCategory;
 use crate::instance::{Instance, Phase};
 use crate::interface::{AccessError, DerivativeError, Kind, Scalar, Selection, Stage, Whole};
 use foldwing_engine::plant::Plant;
@@ -31,6 +32,15 @@ impl Instance {
         let stage = self.stage();
         self.refuse_discrete(selection)?;
         self.interface.set_all(&mut self.plant, selection, values, stage)?;
+        if self.log.wants(LogCategory::Warning)
+            && let Some(state) = selection.heads(&self.interface).find(|&reference| self.interface.is_state(reference))
+        {
+            let name = &self.interface.variables()[state as usize].name;
+            let text = format!(
+                "the start value of continuous state {name} is not used: initial states follow from inputs and parameters; set those"
+            );
+            self.log.write(Status::Warning, LogCategory::Warning, &text);
+        }
         self.plant.system_mut().exchange_inputs_set();
         self.stale |= stage == Stage::Starting && selection.heads(&self.interface).next().is_some();
         Ok(())
@@ -41,12 +51,18 @@ impl Instance {
         let passing = match self.phase {
             Phase::ContinuousTime => true,
             Phase::StepComplete => self.manner.event_mode,
-            _ => false,
+            Phase::Instantiated
+            | Phase::Initialization
+            | Phase::StepFailed
+            | Phase::Terminated
+            | Phase::Fatal
+            | Phase::Event
+            | Phase::IntermediateUpdate => false,
         };
         if !passing {
             return Ok(());
         }
-        match selection.heads(&self.interface).find(|&reference| !self.interface.is_continuous_input(reference)) {
+        match selection.heads(&self.interface).find(|&reference| self.interface.is_set_at_events(reference)) {
             None => Ok(()),
             Some(reference) => {
                 let row = self.interface.variables().get(reference as usize);
@@ -60,7 +76,13 @@ impl Instance {
     fn stage(&self) -> Stage {
         match self.phase {
             Phase::Instantiated | Phase::Initialization => Stage::Starting,
-            _ => Stage::Running,
+            Phase::StepComplete
+            | Phase::StepFailed
+            | Phase::Terminated
+            | Phase::Fatal
+            | Phase::Event
+            | Phase::ContinuousTime
+            | Phase::IntermediateUpdate => Stage::Running,
         }
     }
 

@@ -35,6 +35,15 @@ pub enum AccessError {
         /// What it is.
         causality: &'static str,
     },
+    /// States belong to the integrator.
+    #[error(
+        "continuous state {name} cannot be set by itself after the start: an integrator sets all states together, with \
+         SetContinuousStates in Continuous-Time Mode"
+    )]
+    State {
+        /// Name of the row.
+        name: String,
+    },
     /// Too late for a fixed parameter.
     #[error("parameter {name} is fixed: it can be set before the end of the initialisation only")]
     Fixed {
@@ -219,6 +228,8 @@ impl Value {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Settable {
     Never,
+    /// A continuous state: a value is a guess, of which the initialisation makes no use.
+    Guess,
     Starting,
     Always,
 }
@@ -241,6 +252,7 @@ impl Slot {
         let settable = match (variable.causality, variable.variability) {
             (Causality::Input, _) | (Causality::Parameter, Variability::Tunable) => Settable::Always,
             (Causality::Parameter, _) => Settable::Starting,
+            (Causality::Local, _) if matches!(bound.place, Place::State(_)) => Settable::Guess,
             (Causality::Output | Causality::Local | Causality::Independent, _) => Settable::Never,
         };
         Self { place: bound.place, needs: bound.needs, kind: variable.value.kind(), settable, min, max }
@@ -267,7 +279,8 @@ impl Slot {
         }
     }
 
-    /// Sets an input or parameter; the caller has checked that the row is one and that the types agree.
+    /// Sets an input or parameter; the caller has checked that the row is one and that the types agree. A guess of a continuous state is
+    /// passed over: initial values follow from inputs and parameters alone.
     #[inline]
     pub(super) fn write(&self, plant: &mut Plant, value: Value) {
         let number = match value {
@@ -278,7 +291,13 @@ impl Slot {
         match self.place {
             Place::Input(place) => plant.inputs_mut().values_mut()[place] = number,
             Place::Parameter(place) => plant.parameters_mut().values_mut()[place] = number,
-            _ => debug_assert!(false, "{:?} cannot be set to {value:?}", self.place),
+            Place::State(_) => {}
+            Place::Time
+            | Place::Output(_)
+            | Place::Local(_)
+            | Place::Duration(_)
+            | Place::Derivative(_)
+            | Place::Indicator(_) => debug_assert!(false, "{:?} cannot be set to {value:?}", self.place),
         }
     }
 
@@ -286,6 +305,11 @@ impl Slot {
     pub(super) fn is_computed(&self) -> bool {
         let Self { place, .. } = self;
         !matches!(place, Place::Time | Place::Input(_) | Place::Parameter(_))
+    }
+
+    /// Whether it can be set at any event, and only there: a switch or a tunable parameter.
+    pub(super) fn is_set_at_events(&self) -> bool {
+        self.settable == Settable::Always && !self.is_continuous_input()
     }
 
     /// Whether it is a continuous input.
@@ -301,7 +325,7 @@ impl Interface {
         let slot = self.typed(reference, value.kind())?;
         let now = match slot.settable {
             Settable::Always => true,
-            Settable::Starting => stage == Stage::Starting,
+            Settable::Starting | Settable::Guess => stage == Stage::Starting,
             Settable::Never => false,
         };
         // NaN and infinity fail both comparisons' conjunction: unlimited rows span the finite numbers.
@@ -319,7 +343,7 @@ impl Interface {
             Value::Real(number) if !(head.min <= number && number <= head.max) => {
                 Err(self.refusal(reference, value, head))
             }
-            _ => Ok(()),
+            Value::Real(_) | Value::Integer(_) | Value::Boolean(_) => Ok(()),
         }
     }
 
@@ -357,14 +381,15 @@ impl Interface {
                 causality: match row.causality {
                     Causality::Independent => "the independent variable",
                     Causality::Local => "a local variable",
-                    _ => "an output",
+                    Causality::Input | Causality::Output | Causality::Parameter => "an output",
                 },
             },
             (_, Value::Real(value)) if !value.is_finite() => AccessError::NotFinite { name, value },
             (_, Value::Real(value)) if !(slot.min <= value && value <= slot.max) => {
                 AccessError::OutOfRange { name, value, min: slot.min, max: slot.max, unit: row.unit() }
             }
-            _ => AccessError::Fixed { name },
+            (Settable::Guess, _) => AccessError::State { name },
+            (Settable::Starting | Settable::Always, _) => AccessError::Fixed { name },
         }
     }
 }

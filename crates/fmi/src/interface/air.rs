@@ -167,6 +167,6 @@ pub(super) fn blows_initially(topology: &Topology, known: Known) -> bool {
             Known::Input(Input::Joint(joint, JointInput::Release)) => topology.turns_at_start(joint),
             Known::Parameter(Parameter::AirDensity) => true,
             Known::Parameter(Parameter::Joint(_, field)) => field == JointParameter::StartAngle,
-            _ => false,
+            Known::Input(_) | Known::Parameter(_) => false,
         }
 }

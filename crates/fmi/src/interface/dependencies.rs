@@ -30,7 +30,7 @@ pub(super) fn find<'a>(
     let of = |depends: &Depends| {
         let initial = |known: Known| match (settles(machine, depends), known) {
             (false, Known::Parameter(_)) => depends.factor,
-            _ => DependencyKind::Dependent,
+            (_, Known::Time | Known::Input(_) | Known::Parameter(_)) => DependencyKind::Dependent,
         };
         let running = knowns
             .iter()
@@ -273,7 +273,7 @@ fn accelerates_initially(topology: &Topology, reach: Reach, known: Known) -> boo
                     BodyParameter::StiffnessFactor | BodyParameter::StiffnessDamping => false,
                 }
         }
-        _ => pushes(topology, reach, known),
+        Known::Time | Known::Input(_) | Known::Parameter(_) => pushes(topology, reach, known),
     }
 }
 

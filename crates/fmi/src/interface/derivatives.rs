@@ -207,7 +207,16 @@ impl Interface {
         self.check_kind(&[reference], f64::KIND)?;
         match self.slots[reference as usize].place {
             Place::Output(place) => Ok(place),
-            _ => Err(AccessError::NotAnUnknown { name: self.variables()[reference as usize].name.clone() }),
+            Place::Time
+            | Place::Input(_)
+            | Place::Parameter(_)
+            | Place::Local(_)
+            | Place::Duration(_)
+            | Place::State(_)
+            | Place::Derivative(_)
+            | Place::Indicator(_) => {
+                Err(AccessError::NotAnUnknown { name: self.variables()[reference as usize].name.clone() })
+            }
         }
     }
 
@@ -236,7 +245,13 @@ impl Interface {
         let slot = |plant: &mut Plant, change: &mut dyn FnMut(&mut f64)| match place {
             Place::Input(place) => change(&mut plant.inputs_mut().values_mut()[place]),
             Place::Parameter(place) => change(&mut plant.parameters_mut().values_mut()[place]),
-            _ => {}
+            Place::Time
+            | Place::Output(_)
+            | Place::Local(_)
+            | Place::Duration(_)
+            | Place::State(_)
+            | Place::Derivative(_)
+            | Place::Indicator(_) => {}
         };
         let mut value = 0.0;
         slot(plant, &mut |present| value = *present);

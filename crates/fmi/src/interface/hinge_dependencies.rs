@@ -24,10 +24,14 @@ pub(super) fn motor_pulls_initially(topology: &Topology, joint: usize, known: Kn
                     | JointParameter::ConstantTorque
                     | JointParameter::TorqueLimit => true,
                     JointParameter::Damping => topology.turns_at_start(joint),
-                    _ => false,
+                    JointParameter::RateLimit
+                    | JointParameter::SpringStiffness
+                    | JointParameter::SpringDamping
+                    | JointParameter::RestAngle
+                    | JointParameter::LatchStiffness => false,
                 }
         }
-        _ => false,
+        Known::Time | Known::Input(_) | Known::Parameter(_) => false,
     };
     parameters || commands_joint(joint, known) || start_rate(topology, joint, known)
 }
@@ -40,7 +44,7 @@ pub(super) fn motor_stores(topology: &Topology, known: Known) -> bool {
         Known::Parameter(Parameter::Joint(joint, StartAngle | Stiffness | ConstantTorque | TorqueLimit)) => {
             topology.is_free(joint)
         }
-        _ => false,
+        Known::Time | Known::Input(_) | Known::Parameter(_) => false,
     }
 }
 
@@ -62,10 +66,15 @@ pub(super) fn spring_pulls_initially(topology: &Topology, joint: usize, known: K
                 && match field {
                     JointParameter::StartAngle | JointParameter::SpringStiffness | JointParameter::RestAngle => true,
                     JointParameter::SpringDamping => topology.turns_at_start(joint),
-                    _ => false,
+                    JointParameter::Stiffness
+                    | JointParameter::Damping
+                    | JointParameter::ConstantTorque
+                    | JointParameter::TorqueLimit
+                    | JointParameter::RateLimit
+                    | JointParameter::LatchStiffness => false,
                 }
         }
-        _ => false,
+        Known::Time | Known::Input(_) | Known::Parameter(_) => false,
     };
     parameters || start_rate(topology, joint, known)
 }

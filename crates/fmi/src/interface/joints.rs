@@ -151,7 +151,11 @@ pub(super) fn parameters(table: &mut Table, topology: &Topology) {
                 JointParameter::SpringStiffness | JointParameter::SpringDamping | JointParameter::RestAngle => {
                     topology.is_free(joint) && topology.revolute(joint).spring.is_some()
                 }
-                _ => topology.is_free(joint),
+                JointParameter::Stiffness
+                | JointParameter::Damping
+                | JointParameter::ConstantTorque
+                | JointParameter::TorqueLimit
+                | JointParameter::RateLimit => topology.is_free(joint),
             };
             if acts {
                 // a slide may start anywhere

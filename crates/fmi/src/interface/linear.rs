@@ -203,7 +203,14 @@ impl Interface {
                     );
                     Some((place, drive))
                 }
-                _ => None,
+                Place::Time
+                | Place::Parameter(_)
+                | Place::Output(_)
+                | Place::Local(_)
+                | Place::Duration(_)
+                | Place::State(_)
+                | Place::Derivative(_)
+                | Place::Indicator(_) => None,
             })
             .collect();
         let adders: Vec<_> = real_inputs
@@ -226,7 +233,14 @@ impl Interface {
             .iter()
             .filter_map(|row| match place(&row) {
                 Place::Output(place) => Some(place),
-                _ => None,
+                Place::Time
+                | Place::Input(_)
+                | Place::Parameter(_)
+                | Place::Local(_)
+                | Place::Duration(_)
+                | Place::State(_)
+                | Place::Derivative(_)
+                | Place::Indicator(_) => None,
             })
             .collect();
         let read =

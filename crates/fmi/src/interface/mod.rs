@@ -38,7 +38,7 @@ use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{OutputSet, Outputs, Plant};
 use known::Known;
 use std::collections::HashMap;
-use table::Bound;
+use table::{Bound, Place};
 
 /// FMI 2.0 causality.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,6 +73,8 @@ pub enum Variability {
 pub enum Initial {
     /// Start value given.
     Exact,
+    /// Computed from others; the start value is near it.
+    Approximate,
     /// Computed from others.
     Calculated,
 }
@@ -190,6 +192,17 @@ impl Interface {
         let linear_air = machine.air.as_ref().is_some_and(|air| air.options.is_linearised());
         let arrays = arrays::Arrays::new(&signals);
         Self { variables, slots, bounds, depends, signals, references, nominals, coordinates, arrays, linear_air }
+    }
+
+    /// Gives the continuous states start values: those of `plant`, which the default start values have initialised. For a description;
+    /// what an instance computes from its own start values does not depend on them.
+    pub fn give_start_states(&mut self, plant: &Plant) {
+        for (row, bound) in self.variables.iter_mut().zip(&self.bounds) {
+            if let Place::State(state) = bound.place {
+                row.initial = Some(Initial::Approximate);
+                row.value = Value::Real(plant.exchange_state(state));
+            }
+        }
     }
 
     /// All signals in the order of their rows: what FMI 2.0 flattens into [`Self::variables`].

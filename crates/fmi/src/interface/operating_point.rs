@@ -66,8 +66,8 @@ impl Interface {
             let motion = match motion {
                 Some(JointMotion::Locked) => "locked",
                 Some(JointMotion::Prescribed(_)) => "prescribed",
-                _ if status.released && !latched_rigidly => "free",
-                _ => "held",
+                Some(JointMotion::Free) | None if status.released && !latched_rigidly => "free",
+                Some(JointMotion::Free) | None => "held",
             };
             let latch = match (latch.is_some(), status.latched) {
                 (false, _) => "none",

@@ -148,7 +148,9 @@ fn outputs(table: &mut Table, topology: &Topology) {
         for field in fields {
             let needs = match field.motion {
                 Motion::Place | Motion::Attitude => OutputSet::TIP_PLACES,
-                _ => OutputSet::TIP_MOTIONS,
+                Motion::Velocity | Motion::AngularVelocity | Motion::Acceleration | Motion::AngularAcceleration => {
+                    OutputSet::TIP_MOTIONS
+                }
             };
             let at = (layout.tips.place(tip, field.offset), needs);
             field.add(table, topology, (at, body), [&group, &of], None);

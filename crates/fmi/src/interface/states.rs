@@ -82,9 +82,14 @@ impl Interface {
         self.bounds.iter().position(|bound| of(bound.place)).map_or("", |row| &self.variables[row].name)
     }
 
-    /// Whether a row is an input that may change while an importer integrates.
-    pub fn is_continuous_input(&self, reference: u32) -> bool {
-        self.slots.get(reference as usize).is_some_and(|slot| slot.is_continuous_input())
+    /// Whether a row can be set at events, and not while an importer integrates.
+    pub fn is_set_at_events(&self, reference: u32) -> bool {
+        self.slots.get(reference as usize).is_some_and(|slot| slot.is_set_at_events())
+    }
+
+    /// Whether a row is a continuous state.
+    pub fn is_state(&self, reference: u32) -> bool {
+        self.bounds.get(reference as usize).is_some_and(|bound| matches!(bound.place, Place::State(_)))
     }
 
     /// What continuous outputs and derivatives depend on among the states. The rate of a coordinate that is no redundant
@@ -108,7 +113,14 @@ impl Interface {
                     found.running = vec![(states[coordinates + state], DependencyKind::Constant)];
                 }
                 Place::Derivative(_) => found.on_all = true,
-                _ => {}
+                Place::Time
+                | Place::Input(_)
+                | Place::Parameter(_)
+                | Place::Output(_)
+                | Place::Local(_)
+                | Place::Duration(_)
+                | Place::State(_)
+                | Place::Indicator(_) => {}
             }
         }
     }

@@ -459,7 +459,7 @@ fn signals_cover_all_rows_with_their_components() {
                 let row = &interface.variables()[next as usize + i];
                 let expected = match signal.shape {
                     Shape::Scalar => signal.name.clone(),
-                    _ => format!("{}.{component}", signal.name),
+                    Shape::Vector | Shape::Quaternion => format!("{}.{component}", signal.name),
                 };
                 assert_eq!((&row.name, row.causality), (&expected, signal.causality), "{name}");
             }
@@ -472,7 +472,7 @@ fn signals_cover_all_rows_with_their_components() {
         for (i, row) in inputs.enumerate() {
             let value = match row.value {
                 Value::Boolean(on) => Value::Boolean(!on),
-                _ => Value::Real(1e3 + i as f64),
+                Value::Real(_) | Value::Integer(_) => Value::Real(1e3 + i as f64),
             };
             let before = plant.inputs().values().to_vec();
             interface.set(&mut plant, row.value_reference, value).expect("an input");

@@ -165,7 +165,9 @@ impl Outlets {
 fn stranger(shown: &str, mark: &Mark) -> Failure {
     let why = match mark {
         Mark::Never => "exists already".to_owned(),
-        _ => format!("exists and is not recognised as {}", mark.name()),
+        Mark::Table(_) | Mark::Head { .. } | Mark::Archive { .. } => {
+            format!("exists and is not recognised as {}", mark.name())
+        }
     };
     Failure::Files(format!("{shown}: {why}; --force overwrites it"))
 }

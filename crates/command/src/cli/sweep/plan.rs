@@ -54,9 +54,12 @@ impl Plan {
         let name = path.display().to_string();
         let file = File::open(path).map_err(|error| Failure::Files(format!("{name}: cannot be read: {error}")))?;
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
-        let malformed = |error: csv::Error| match error.kind() {
-            csv::ErrorKind::Io(error) => Failure::Files(format!("{name}: cannot be read: {error}")),
-            _ => Failure::Refused(format!("{name}: {error}")),
+        let malformed = |error: csv::Error| {
+            if let csv::ErrorKind::Io(error) = error.kind() {
+                Failure::Files(format!("{name}: cannot be read: {error}"))
+            } else {
+                Failure::Refused(format!("{name}: {error}"))
+            }
         };
         let keys: Vec<String> = reader.headers().map_err(malformed)?.iter().map(str::to_owned).collect();
         check_keys(&keys, &format!("{name}:1"), interface)?;

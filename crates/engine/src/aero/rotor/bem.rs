@@ -222,7 +222,7 @@ impl Rotor {
         let mut disc = self.meet(motions, flow);
         let first_s = match past {
             Past::Known { from, .. } => time_constant_s(disc.radius_m, from.loads.induction, disc.loads.wind_m_s),
-            _ => 0.0,
+            Past::Settled | Past::Still | Past::Given(_) => 0.0,
         };
         let (mut lost_m_s, mut met_m_s) = (0.0, 0.0);
         for blade in 0..self.blades.len() {
@@ -394,7 +394,9 @@ impl Rotor {
                     Past::Given(lags) if self.options.features.dynamic_inflow => {
                         lags[index].inflow.balanced(balanced_m_s)
                     }
-                    _ => InflowState::established(balanced_m_s),
+                    Past::Settled | Past::Still | Past::Known { .. } | Past::Given(_) => {
+                        InflowState::established(balanced_m_s)
+                    }
                 };
                 let [axial_m_s, swirl_m_s] = match self.options.features.as_aerodyn {
                     true => aerodyn_limited(memory.inflow.acting_m_s, &approach),
@@ -418,11 +420,11 @@ impl Rotor {
             memory.stall = match past {
                 Past::Known { from, step_s } => from.sections[index].stall.after(met, *step_s, split),
                 Past::Given(lags) => StallState { met, ..lags[index].stall },
-                _ => StallState::steady(met, split),
+                Past::Settled | Past::Still => StallState::steady(met, split),
             };
             let dynamic = match past {
                 Past::Given(_) => memory.stall.coefficients_beside(split),
-                _ => memory.stall.coefficients(split),
+                Past::Settled | Past::Still | Past::Known { .. } => memory.stall.coefficients(split),
             };
             (state.row.lift, state.row.drag, state.row.moment) = (dynamic.lift, dynamic.drag, dynamic.moment);
         }

@@ -324,7 +324,12 @@ impl Strips {
                     displace(&mut beside, variable, shift);
                     match variable {
                         Variable::AirRate(component) => self.answer_of_air_rate(&beside, gusts, component, shift, side),
-                        _ => self.answer_of(&beside, gusts, strips.clone(), side),
+                        Variable::Motion { .. }
+                        | Variable::Lag(_)
+                        | Variable::Air(_)
+                        | Variable::FlapAngle(_)
+                        | Variable::FlapRate(_)
+                        | Variable::FlapAcceleration(_) => self.answer_of(&beside, gusts, strips.clone(), side),
                     }
                 }
                 let [share, lower_share] = [*weight, LOWER[i]].map(|weight| weight / (60.0 * step));

@@ -369,7 +369,7 @@ impl JointBuilder {
                 let sound = check_motion(&["joint", name, "motion"], travel, law, &mut Checker::default());
                 if sound { law_start_rad(law, start_time_s) } else { 0.0 }
             }
-            _ => start.unwrap_or(0.0),
+            JointMotion::Free | JointMotion::Locked => start.unwrap_or(0.0),
         };
         OneFreedom {
             axis: self.unit_axis("axis", &self.axis, checker).unwrap_or(Vector3::x()),

@@ -261,7 +261,7 @@ fn slope(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool
 fn number(function: &Along) -> Option<f64> {
     match function {
         Along::Polynomial(coefficients) if coefficients.len() == 1 => coefficients.first().copied(),
-        _ => None,
+        Along::Polynomial(_) | Along::Table(_) | Along::Pieces(_) => None,
     }
 }
 

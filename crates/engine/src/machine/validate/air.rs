@@ -188,7 +188,7 @@ fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[B
         while at != options.hub_body {
             match bodies[at].joint.parent {
                 Parent::Body { index, .. } if index < at => at = index,
-                _ => return false,
+                Parent::Root { .. } | Parent::Body { .. } => return false,
             }
         }
         true

@@ -73,7 +73,7 @@ fn check_one_freedom(name: &str, travel: Travel, joint: &OneFreedom, checker: &m
     unit_vector(&["joint", name, "axis"], &joint.axis, checker);
     let start = match joint.motion {
         JointMotion::Prescribed(_) => Range::Finite, // as the law begins
-        _ => stand(travel),
+        JointMotion::Free | JointMotion::Locked => stand(travel),
     };
     checker.number(&["joint", name, &travel.words("start_angle_rad")], joint.start_angle_rad, start);
     let rate_key = travel.words("start_rate_rad_s");

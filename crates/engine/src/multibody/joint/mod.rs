@@ -67,7 +67,7 @@ impl JointKind {
             Self::Universal { parent_axis, body_axis, .. } => {
                 Self::Universal { parent_axis, body_axis, cosine: parent_axis.dot(&(mount * body_axis)) }
             }
-            other => other,
+            Self::Clamped | Self::Revolute { .. } | Self::Prismatic { .. } | Self::Ball | Self::Free => self,
         }
     }
 
@@ -106,13 +106,23 @@ impl JointKind {
         match self {
             Self::Prismatic { .. } => 1,
             Self::Free => 3,
-            _ => 0,
+            Self::Clamped | Self::Revolute { .. } | Self::Universal { .. } | Self::Ball => 0,
         }
     }
 
     /// Something passes from the body to what carries it: every joint but the free one.
     pub fn transmits(&self) -> bool {
-        *self != Self::Free
+        !self.floats()
+    }
+
+    /// The body's first node goes where it likes: its place is among the coordinates, and nothing holds it.
+    pub fn floats(&self) -> bool {
+        match self {
+            Self::Free => true,
+            Self::Clamped | Self::Revolute { .. } | Self::Prismatic { .. } | Self::Universal { .. } | Self::Ball => {
+                false
+            }
+        }
     }
 }
 
@@ -162,7 +172,9 @@ impl JointWork {
             freedoms: match joint.kind {
                 JointKind::Clamped => Freedoms::None,
                 JointKind::Revolute { .. } | JointKind::Prismatic { .. } => Freedoms::One(OneFreedom::new(&joint.kind)),
-                _ => Freedoms::Redundant(Box::new(RedundantWork::new(joint, mount))),
+                JointKind::Universal { .. } | JointKind::Ball | JointKind::Free => {
+                    Freedoms::Redundant(Box::new(RedundantWork::new(joint, mount)))
+                }
             },
         }
     }
@@ -171,7 +183,7 @@ impl JointWork {
     pub fn redundant(&self) -> Option<&RedundantWork> {
         match &self.freedoms {
             Freedoms::Redundant(work) => Some(work),
-            _ => None,
+            Freedoms::None | Freedoms::One(_) => None,
         }
     }
 
@@ -179,7 +191,7 @@ impl JointWork {
     pub(crate) fn one_freedom(&self) -> Option<&OneFreedom> {
         match &self.freedoms {
             Freedoms::One(one) => Some(one),
-            _ => None,
+            Freedoms::None | Freedoms::Redundant(_) => None,
         }
     }
 
@@ -187,7 +199,7 @@ impl JointWork {
     pub(crate) fn one_freedom_mut(&mut self) -> Option<&mut OneFreedom> {
         match &mut self.freedoms {
             Freedoms::One(one) => Some(one),
-            _ => None,
+            Freedoms::None | Freedoms::Redundant(_) => None,
         }
     }
 
@@ -277,8 +289,15 @@ impl Joint {
             (JointKind::Prismatic { axis }, Freedoms::One(one)) => {
                 work.arm += prismatic::carry::<RATES>((axis, self.coordinate), mount, one, parent, node, motion);
             }
-            (_, Freedoms::Redundant(redundant)) => redundant.carry::<RATES>(self, parent, node, motion),
-            _ => node.rotation = parent.map_or(*mount, |parent| parent.rotation * mount),
+            (JointKind::Universal { .. } | JointKind::Ball | JointKind::Free, Freedoms::Redundant(redundant)) => {
+                redundant.carry::<RATES>(self, parent, node, motion)
+            }
+            (JointKind::Clamped, Freedoms::None) => {
+                node.rotation = parent.map_or(*mount, |parent| parent.rotation * mount);
+            }
+            (_, Freedoms::None | Freedoms::One(_) | Freedoms::Redundant(_)) => {
+                unreachable!("what a joint keeps between the sweeps belongs to its kind")
+            }
         }
     }
 
@@ -378,7 +397,7 @@ impl Joint {
                 twists.fixed_view_mut::<3, 1>(0, 0).copy_from(&screw.linear);
                 twists.fixed_view_mut::<3, 1>(3, 0).copy_from(&screw.angular);
             }
-            Freedoms::Redundant(_) if self.kind == JointKind::Free => twists.fill_with_identity(),
+            Freedoms::Redundant(_) if self.kind.floats() => twists.fill_with_identity(),
             Freedoms::Redundant(redundant) => twists.fixed_view_mut::<3, 3>(3, 0).copy_from(&redundant.axes),
         }
         twists

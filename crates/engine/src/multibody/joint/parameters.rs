@@ -15,7 +15,7 @@ pub const MAX_PARAMETERS: usize = 9;
 impl JointKind {
     /// Index of the first Euler parameter among the joint's parameters.
     fn quaternion_start(&self) -> usize {
-        if *self == Self::Free { 3 } else { 0 }
+        if self.floats() { 3 } else { 0 }
     }
 
     /// Parameters of an attitude (parent ← body), with no offset.
@@ -76,7 +76,11 @@ impl JointPose {
         eta[..parameters.len()].copy_from_slice(parameters);
         match kind {
             JointKind::Universal { parent_axis, body_axis, .. } => Self::universal(parent_axis, body_axis, eta),
-            _ => Self::spherical(kind, eta),
+            JointKind::Clamped
+            | JointKind::Revolute { .. }
+            | JointKind::Prismatic { .. }
+            | JointKind::Ball
+            | JointKind::Free => Self::spherical(kind, eta),
         }
     }
 

@@ -5,8 +5,8 @@
 //! change of its parameters. NOTATION eq. (J5).
 
 use crate::multibody::factor::{BadPivot, FreedomTangent, Weights};
+use crate::multibody::joint::Joint;
 use crate::multibody::joint::parameters::JointPose;
-use crate::multibody::joint::{Joint, JointKind};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::workspace::{ArticulatedInertia, Node, Pair};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
@@ -94,7 +94,7 @@ impl RedundantWork {
             let spin = parent * spin;
             node.spin_rate += parent * spin_rate + node.spin.cross(&spin);
             node.spin += spin;
-            if joint.kind == JointKind::Free {
+            if joint.kind.floats() {
                 node.velocity += Vector3::new(rates[0], rates[1], rates[2]);
                 node.acceleration += Vector3::new(second[0], second[1], second[2]);
             }
@@ -127,7 +127,7 @@ impl RedundantWork {
         if self.factor.held {
             return Ok(*inertia);
         }
-        if joint.kind == JointKind::Free {
+        if joint.kind.floats() {
             let mut whole = Matrix6::zeros();
             whole.fixed_view_mut::<3, 3>(0, 0).copy_from(&inertia.vv);
             whole.fixed_view_mut::<3, 3>(0, 3).copy_from(&inertia.vw);
@@ -162,7 +162,7 @@ impl RedundantWork {
         if self.factor.held {
             return;
         }
-        if joint.kind == JointKind::Free {
+        if joint.kind.floats() {
             for i in 0..3 {
                 self.factor.right_hand[i] = x[c + i] + p.linear[i];
                 self.factor.right_hand[i + 3] = x[c + 3 + i] + p.angular[i];
@@ -195,7 +195,7 @@ impl RedundantWork {
             x[c..c + parameters].fill(0.0);
             return 0.0;
         }
-        let turn = if joint.kind == JointKind::Free {
+        let turn = if joint.kind.floats() {
             let twist = self.factor.whole * self.factor.right_hand;
             moved.linear = twist.fixed_rows::<3>(0).into_owned();
             moved.angular = twist.fixed_rows::<3>(3).into_owned();
@@ -214,10 +214,10 @@ impl RedundantWork {
             &x[c + freedoms..c + parameters],
         );
         x[c..c + parameters].copy_from_slice(&change[..parameters]);
-        if joint.kind == JointKind::Free {
+        if joint.kind.floats() {
             x[c..c + 3].copy_from_slice(moved.linear.as_slice());
         }
-        if joint.kind == JointKind::Free {
+        if joint.kind.floats() {
             return 0.0; // its offsets count through the node's displacement
         }
         change.iter().fold(0.0, |largest, change| largest.max(change * change))
@@ -226,7 +226,7 @@ impl RedundantWork {
     /// Forces on the freedoms from the wrench `p` of the joint's node.
     pub(super) fn project(&self, joint: &Joint, p: &Pair, out: &mut [f64]) {
         let c = joint.coordinate;
-        if joint.kind == JointKind::Free {
+        if joint.kind.floats() {
             out[c..c + 3].copy_from_slice(p.linear.as_slice());
             out[c + 3..c + 6].copy_from_slice(p.angular.as_slice());
             return;
@@ -244,7 +244,7 @@ impl RedundantWork {
             turn += self.pose.spin_map.column(i) * change[c + i];
         }
         moved.angular += self.parent * turn;
-        if joint.kind == JointKind::Free {
+        if joint.kind.floats() {
             moved.linear += Vector3::new(change[c], change[c + 1], change[c + 2]);
         }
     }

@@ -61,8 +61,8 @@ impl Turn {
         let speed_rad_s = speed_rad_s.map_or_else(|| own_speed_rad_s(hinge, &name), Ok)?;
         if speed_rad_s == 0.0 || !speed_rad_s.is_finite() || !(TAU / speed_rad_s).is_finite() {
             return Err(format!(
-                "the speed of the shaft {name} is {speed_rad_s} rad/s; allowed are finite speeds other than 0: what stands still is at \
-                 rest, for which there is `foldwing static`"
+                "the speed of the shaft {name} is {speed_rad_s} rad/s; allowed are finite speeds other than 0: what stands still has a \
+                 static equilibrium instead"
             ));
         }
         if !(1..=MAXIMUM_STEPS).contains(&steps) {
@@ -72,7 +72,7 @@ impl Turn {
             JointMotion::Prescribed(Motion::Polynomial(coefficients)) => {
                 coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * start_s + coefficient)
             }
-            _ => hinge.start_angle_rad,
+            JointMotion::Free | JointMotion::Locked | JointMotion::Prescribed(_) => hinge.start_angle_rad,
         };
         hinge.motion =
             JointMotion::Prescribed(Motion::Polynomial(vec![start_rad - speed_rad_s * start_s, speed_rad_s]));
@@ -112,10 +112,12 @@ fn own_speed_rad_s(hinge: &OneFreedom, name: &str) -> Result<f64, String> {
             Ok(coefficients.get(1).copied().unwrap_or(0.0))
         }
         JointMotion::Prescribed(_) => {
-            Err(format!("the shaft {name} is prescribed, but not at a constant speed; give one with --speed-rpm"))
+            Err(format!("the shaft {name} is prescribed, but not at a constant speed; give its speed"))
         }
         _ if hinge.start_rate_rad_s != 0.0 => Ok(hinge.start_rate_rad_s),
-        _ => Err(format!("the shaft {name} has no speed of its own; give one with --speed-rpm")),
+        JointMotion::Free | JointMotion::Locked => {
+            Err(format!("the shaft {name} has no speed of its own; give its speed"))
+        }
     }
 }
 
@@ -163,7 +165,7 @@ fn check_sameness(machine: &Machine, shaft: usize) -> Result<(), String> {
                 Err("turbulence is not the same in every turn; take [aerodynamics.turbulence] out of the model"
                     .to_owned())
             }
-            _ => Ok(()),
+            Some(Source::Steady(_) | Source::Table(_)) | None => Ok(()),
         },
     }
 }

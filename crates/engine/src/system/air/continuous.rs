@@ -107,7 +107,7 @@ impl System {
         };
         let of = |state: &AirState| match state {
             AirState::Strips(state) => strips.lag_m_s(state, continuous.gusts, lag),
-            _ => 0.0,
+            AirState::Lattice(_) | AirState::Rotor(_) => 0.0,
         };
         let [before, after] = [&history.before, &history.after].map(of);
         if history.steps == 0 {

@@ -50,7 +50,10 @@ impl System {
         }
         let slopes = lattice.linear(motions, &flow, settings.step_s, gusts).map_err(|error| match error {
             NoLinearLattice::Flow(error) => gaps::failure(&self.machine, settings, time_s, error),
-            error => {
+            error @ (NoLinearLattice::FreeWake
+            | NoLinearLattice::NoWake
+            | NoLinearLattice::Turning(_)
+            | NoLinearLattice::Slow { .. }) => {
                 let cause = format!("the lattice has no linear model: {error}");
                 PlantError::Linearization { time_s, cause }
             }

@@ -25,7 +25,7 @@ impl AirCoupling {
                 }
                 list.extend(strips.memories(state).map(|lag| (Measure::Velocity, lag)));
             }
-            _ => {}
+            (AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::Rotor(_), _) => {}
         }
         list
     }

@@ -442,7 +442,7 @@ impl AirCoupling {
 fn hub(air: &machine::Air) -> Option<usize> {
     match &air.options {
         AirOptions::Rotor(options) => Some(options.hub_body),
-        _ => None,
+        AirOptions::Lattice(_) | AirOptions::Strips(_) => None,
     }
 }
 

@@ -51,7 +51,7 @@ impl<'a> Continuous<'a> {
         match model {
             AirModel::Strips(strips) => Some(Self::Strips(strips)),
             AirModel::Rotor(rotor) => Some(Self::Rotor(rotor)),
-            _ => None,
+            AirModel::Lattice(_) => None,
         }
     }
 
@@ -60,7 +60,7 @@ impl<'a> Continuous<'a> {
         match (model, state) {
             (AirModel::Strips(strips), AirState::Strips(state)) => Some(strips.lags_m_s(state, gusts)),
             (AirModel::Rotor(rotor), AirState::Rotor(state)) => Some(rotor.lag_values(state)),
-            _ => None,
+            (AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::Rotor(_), _) => None,
         }
     }
 
@@ -173,7 +173,7 @@ impl System {
         let values = Continuous::lags(&air.model, &history.after, gusts).unwrap_or_default();
         let units = match &air.model {
             AirModel::Rotor(rotor) => rotor.lags().iter().map(|(_, lag)| lag.unit()).collect(),
-            _ => vec!["m/s"; values.len()],
+            AirModel::Lattice(_) | AirModel::Strips(_) => vec!["m/s"; values.len()],
         };
         self.lag_names(gusts)
             .into_iter()
@@ -191,7 +191,7 @@ impl System {
                 let places: Vec<String> = self.stations_of_blades();
                 model.lags().iter().map(|(section, lag)| format!("{}.{}", places[*section], lag.name())).collect()
             }
-            _ => Vec::new(),
+            Some(AirModel::Lattice(_)) | None => Vec::new(),
         }
     }
 

@@ -1,0 +1,69 @@
+//! How fast the motion of the machine can be: the largest eigenvalue of its equations, which bounds the steps of explicit integrators.
+
+use crate::system::{PlantError, System};
+
+/// Products with the Jacobian matrix, in pairs. Eigenvalues of pairs of motions that swing against each other lie close together: the
+/// estimate closes in on the largest from below, and has come within a few per cent long before.
+const PAIRS: usize = 60;
+/// Pairs at the end over which growth is averaged.
+const AVERAGED: usize = 10;
+/// Size of the differences: of strains and angles, and of their rates in 1/s; forces are nearly linear over both.
+const STEP: f64 = 1e-7;
+const STEP_RATE_1_S: f64 = 1e-3;
+
+impl System {
+    /// The largest magnitude of an eigenvalue of the motion about the states that [`System::begin_exchange`] has taken, in rad/s: by
+    /// power iteration with differences of the derivatives, in O(n) each. Of beams it is the shortest axial or torsional wave of the
+    /// mesh. Within about 5 % from below; 0 of a machine that nothing drives back.
+    ///
+    /// # Errors
+    /// If the accelerations cannot be found.
+    pub fn fastest_rad_s(&mut self) -> Result<f64, PlantError> {
+        let kept = self.exchange_states().to_vec();
+        let n = self.moving.len();
+        self.update_exchange()?;
+        let base = self.exchange_derivatives().to_vec();
+        // nothing of a period in it, so that every motion has a share
+        let mut v: Vec<f64> = (0..2 * n).map(|i| ((i * i) as f64 * 0.7 + i as f64).sin()).collect();
+        let mut growth = Vec::new();
+        for _ in 0..PAIRS {
+            let before = norm(&v[n..]);
+            if before == 0.0 {
+                break;
+            }
+            v.iter_mut().for_each(|entry| *entry /= before);
+            for _ in 0..2 {
+                v = self.by_jacobian(&v, &kept, &base)?;
+            }
+            growth.push(norm(&v[n..]));
+        }
+        self.set_exchange_states(&kept);
+        let last = &growth[growth.len().saturating_sub(AVERAGED)..];
+        // the square of an eigenvalue for each pair
+        let mean = last.iter().map(|growth| growth.ln()).sum::<f64>() / (2 * last.len().max(1)) as f64;
+        let fastest_rad_s = mean.exp();
+        Ok(if last.is_empty() || !fastest_rad_s.is_finite() { 0.0 } else { fastest_rad_s })
+    }
+
+    /// The Jacobian matrix of coordinates and rates times `v`.
+    fn by_jacobian(&mut self, v: &[f64], about: &[f64], base: &[f64]) -> Result<Vec<f64>, PlantError> {
+        let n = self.moving.len();
+        let largest = |part: &[f64]| part.iter().fold(f64::MIN_POSITIVE, |max, entry| max.max(entry.abs()));
+        let step = (STEP / largest(&v[..n])).min(STEP_RATE_1_S / largest(&v[n..]));
+        let mut shifted = about.to_vec();
+        shifted.iter_mut().zip(v).for_each(|(state, entry)| *state += step * entry);
+        self.set_exchange_states(&shifted);
+        self.update_exchange()?;
+        Ok(self
+            .exchange_derivatives()
+            .iter()
+            .zip(base)
+            .take(2 * n)
+            .map(|(there, base)| (there - base) / step)
+            .collect())
+    }
+}
+
+fn norm(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum::<f64>().sqrt()
+}

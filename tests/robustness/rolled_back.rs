@@ -1,0 +1,51 @@
+//! Communication steps that fail before anything has moved: the state is that of before, to the last bit.
+
+use foldwing::interface::{Interface, Value};
+use foldwing::plant::Plant;
+use std::sync::Arc;
+
+/// A failure that its input brings about in a step that fails itself has not happened: the state, with the memory of failures and the air,
+/// equals that of before, what is read says so, and the machine goes on like one that has never tried.
+#[test]
+fn a_failed_step_takes_failures_back() {
+    for model in [
+        "failures/motor_dies.toml",
+        "failures/latch_does_not_catch.toml",
+        "models/goland_wing.toml",
+        "models/folding_wing_in_tunnel.toml",
+    ] {
+        let file = format!("{}/examples/{model}", env!("CARGO_MANIFEST_DIR"));
+        let (machine, _) = foldwing::config::read(file).expect("a model that is shipped");
+        let interface = Interface::new(&machine);
+        let find = |fits: &dyn Fn(&str) -> bool| interface.variables().iter().find(|row| fits(&row.name));
+        let failure = machine.failures.first().map(|failure| format!("failure.{}", failure.name));
+        let (mut tried, mut other) = (Plant::new(Arc::new(machine.clone())), Plant::new(Arc::new(machine.clone())));
+        for plant in [&mut tried, &mut other] {
+            plant.initialize(0.0).expect("starts");
+            plant.step(2e-3).expect("steps");
+        }
+        let before = tried.snapshot();
+        let load =
+            find(&|name| name.starts_with("load.") && name.ends_with("force.z")).expect("a load").value_reference;
+        let set = |plant: &mut Plant, on: bool| {
+            interface.set(plant, load, Value::Real(if on { 1e300 } else { 0.0 })).expect("settable");
+            if let Some(name) = &failure {
+                let row = interface.find(&format!("{name}.trigger")).expect("an input").value_reference;
+                interface.set(plant, row, Value::Boolean(on)).expect("settable");
+            }
+        };
+        set(&mut tried, true);
+        assert!(tried.step(4e-3).is_err(), "{model}: a load of 1e300 N");
+        if let Some(name) = &failure {
+            let row = interface.find(&format!("{name}.failed")).expect("an output").value_reference;
+            tried.provide(interface.needs([row].as_slice()));
+            assert_eq!(interface.get(&tried, tried.outputs(), row), Some(Value::Boolean(false)), "{model}");
+        }
+        set(&mut tried, false);
+        assert!(tried.snapshot() == before, "{model}: the failed step has left something behind");
+        for plant in [&mut tried, &mut other] {
+            plant.step(4e-3).unwrap_or_else(|error| panic!("{model}: {error}"));
+        }
+        assert!(tried.snapshot() == other.snapshot(), "{model}: it goes on otherwise");
+    }
+}
