@@ -87,6 +87,7 @@ fn hold(name: &str, usual: u64, invariant: impl Fn(&Model) -> Verdict) {
     }
     println!("{name}: holds for {held}, does not apply to {silent}, broken by seeds {broken:?}");
     if let Some(&seed) = broken.first().filter(|_| !all) {
+        println!("as drawn:\n{}\n{:?}", draw(seed).text(&View::plain()), draw(seed).actions);
         let least = shrink(&draw(seed), |model| matches!(invariant(model), Verdict::Broken(_)));
         let Verdict::Broken(why) = invariant(&least) else { unreachable!("it still fails") };
         panic!("{name} is broken by seed {seed}; the least machine that breaks it: {why}\n{}\n{:?}", least.text(&View::plain()), least.actions);
