@@ -3,6 +3,8 @@
 //! A [`Model`] is a list of tables and a list of what is done to the machine while it runs. Both lose members one by one in
 //! [`shrink`], as long as a failure persists. A [`View`] writes the same machine turned as a whole, or its mirror image.
 
+#![allow(dead_code, unused_imports, reason = "each test program uses a part of it")]
+
 mod air;
 mod course;
 mod draw;

@@ -237,23 +237,24 @@ pub fn galilei(model: &Model) -> Verdict {
     if worst.0 < bound { Verdict::Holds } else { Verdict::Broken(format!("{:.1e}, {}", worst.0, worst.1)) }
 }
 
+fn slopes(hybrid: &mut Hybrid<'_>, time_s: f64, x: &[f64]) -> Option<DVector<f64>> {
+    hybrid.set(time_s, x);
+    let mut f = DVector::zeros(x.len());
+    hybrid.derivatives(f.as_mut_slice()).ok()?;
+    Some(f)
+}
+
 /// Implicit midpoint rule on the hybrid system over a span, with a Jacobian of differences from its begin.
 fn integrated(hybrid: &mut Hybrid<'_>, begin: &[f64], begin_s: f64, span_s: f64, parts: usize) -> Option<Vec<f64>> {
     let n = begin.len();
     let step_s = span_s / parts as f64;
-    let mut slopes = |time_s: f64, x: &[f64]| -> Option<DVector<f64>> {
-        hybrid.set(time_s, x);
-        let mut f = DVector::zeros(n);
-        hybrid.derivatives(f.as_mut_slice()).ok()?;
-        Some(f)
-    };
-    let base = slopes(begin_s, begin)?;
+    let base = slopes(hybrid, begin_s, begin)?;
     let mut jacobian = DMatrix::zeros(n, n);
     for k in 0..n {
         let mut x = begin.to_vec();
         let bump = 1e-7 * (1.0 + x[k].abs());
         x[k] += bump;
-        jacobian.set_column(k, &((slopes(begin_s, &x)? - &base) / bump));
+        jacobian.set_column(k, &((slopes(hybrid, begin_s, &x)? - &base) / bump));
     }
     let factors = (DMatrix::identity(n, n) - jacobian * (0.5 * step_s)).lu();
     let mut x = DVector::from_column_slice(begin);
@@ -263,7 +264,7 @@ fn integrated(hybrid: &mut Hybrid<'_>, begin: &[f64], begin_s: f64, span_s: f64,
         // the simplified Newton iteration gains a factor of a hundred each time over spans this short
         for iteration in 0..12 {
             let middle = &x + &f * (0.5 * step_s);
-            let off = slopes(middle_s, middle.as_slice())? - &f;
+            let off = slopes(hybrid, middle_s, middle.as_slice())? - &f;
             let by = factors.solve(&off)?;
             f += &by;
             if by.amax() <= 1e-12 * f.amax() {

@@ -167,3 +167,20 @@ fn x08_frames_that_move_along_see_one_motion() {
 fn x09_exchanged_derivatives_are_those_of_the_motion() {
     hold("X-09", 60, invariants::exchange);
 }
+
+/// Writes the model files of the first machines into the folder `FOLDWING_MODELS`: `make differential`.
+#[test]
+fn writes_model_files() {
+    let folder = std::env::var("FOLDWING_MODELS").map_or_else(|_| tempfile::tempdir().expect("a folder").keep(), Into::into);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    for seed in seeds(3) {
+        let text = draw(seed).text(&View::plain());
+        let path = folder.join(format!("random_{seed:04}.toml"));
+        std::fs::write(&path, &text).expect("writable");
+        // what is drawn again is the same
+        assert_eq!(draw(seed).text(&View::plain()), text);
+    }
+    if std::env::var_os("FOLDWING_MODELS").is_none() {
+        std::fs::remove_dir_all(&folder).expect("its own");
+    }
+}
