@@ -30,8 +30,13 @@ fn surfaces(dice: &mut Dice, draft: &mut Draft, lattice: bool, may_have_polars: 
         } else if may_have_polars && dice.once_in(3) {
             let row = |degree: f64, lift: f64, drag: f64| vec![degree, lift, drag, -0.02];
             let rows = vec![
-                row(-180.0, 0.0, 0.05), row(-90.0, 0.0, 1.2), row(-12.0, -0.9, 0.03), row(0.0, 0.2, 0.01),
-                row(12.0, 1.2, 0.03), row(90.0, 0.0, 1.2), row(180.0, 0.0, 0.05),
+                row(-180.0, 0.0, 0.05),
+                row(-90.0, 0.0, 1.2),
+                row(-12.0, -0.9, 0.03),
+                row(0.0, 0.2, 0.01),
+                row(12.0, 1.2, 0.03),
+                row(90.0, 0.0, 1.2),
+                row(180.0, 0.0, 0.05),
             ];
             table.set("polar", rows);
         } else if may_have_polars {
@@ -65,7 +70,8 @@ fn gust(dice: &mut Dice, draft: &mut Draft) {
     let shape = dice.pick(&["sharp_edge", "one_minus_cosine", "table", "dryden", "von_karman"]);
     if matches!(shape, "dryden" | "von_karman") {
         // their spectra differ along and across the way
-        (velocity, way) = if dice.once_in(2) { (Vector3::z(), Vector3::zeros()) } else { (Vector3::y(), Vector3::zeros()) };
+        (velocity, way) =
+            if dice.once_in(2) { (Vector3::z(), Vector3::zeros()) } else { (Vector3::y(), Vector3::zeros()) };
     }
     let mut table = Table::new("gust.u0")
         .with("shape", shape)

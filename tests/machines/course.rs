@@ -39,8 +39,7 @@ impl Action {
             JointKind::Revolute(_) => Some(false),
             JointKind::Clamped | JointKind::Spatial(_) => None,
         };
-        let prismatic: Vec<bool> =
-            plant.machine().bodies.iter().filter_map(|body| slides(&body.joint.kind)).collect();
+        let prismatic: Vec<bool> = plant.machine().bodies.iter().filter_map(|body| slides(&body.joint.kind)).collect();
         // of rad and N·m for revolute joints; a prismatic one moves by centimetres
         let scaled = |joint: usize, value: f64| if prismatic[joint] { 0.05 * value } else { value };
         let inputs = plant.inputs_mut();

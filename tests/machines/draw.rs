@@ -247,8 +247,7 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str) -> f64 {
     let (width_m, height_m) = (dice.number(0.03, 0.08), dice.number(0.003, 0.006));
     let (young, density) = (dice.size(3e9, 7e10), dice.number(1000.0, 2700.0));
     let table = Table::new(format!("section.{name}"));
-    let (area, flat, edge) =
-        (width_m * height_m, width_m * height_m.powi(3) / 12.0, height_m * width_m.powi(3) / 12.0);
+    let (area, flat, edge) = (width_m * height_m, width_m * height_m.powi(3) / 12.0, height_m * width_m.powi(3) / 12.0);
     match dice.whole(0, 3) {
         0 | 1 => {
             let shape = dice.pick(&["rectangle", "ellipse"]);
@@ -328,7 +327,9 @@ fn joint(dice: &mut Dice, draft: &mut Draft, parent: Option<usize>) {
             let parent = &draft.members[parent];
             table.set("parent", parent.name.as_str());
             match parent.kind {
-                Kind::Beam if dice.once_in(3) => table.set("parent_position_m", dice.number(0.5, 1.0) * parent.length_m),
+                Kind::Beam if dice.once_in(3) => {
+                    table.set("parent_position_m", dice.number(0.5, 1.0) * parent.length_m)
+                }
                 Kind::Rigid if dice.once_in(2) => {
                     let frame = format!("f{index}");
                     let (place, turn) = (dice.vector(0.1), dice.vector(40.0));
@@ -387,12 +388,7 @@ pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides:
     // of the revolute joint in deg and N·m, of the prismatic one in m and N
     let unit = if slides { 1e-3 } else { 1.0 };
     let key = |revolute, prismatic| if slides { prismatic } else { revolute };
-    let mut hinge = Hinge {
-        name: name.trim_start_matches("joint.").to_owned(),
-        slides,
-        free: true,
-        has: Vec::new(),
-    };
+    let mut hinge = Hinge { name: name.trim_start_matches("joint.").to_owned(), slides, free: true, has: Vec::new() };
     if dice.once_in(8) {
         table.set("motion", "prescribed");
         let [a, b, c] = [20.0, 60.0, 300.0].map(|size| unit * dice.number(-size, size));
@@ -524,7 +520,9 @@ fn linkage(dice: &mut Dice, draft: &mut Draft) {
         draft.hinges.push(Hinge { name: format!("j{index}"), slides: false, free: true, has: Vec::new() });
     }
     draft.add(
-        Table::new("joint.j0.drive").with("constant_torque_N_m", dice.number(-1.0, 1.0)).with("damping_N_m_s_rad", 0.05),
+        Table::new("joint.j0.drive")
+            .with("constant_torque_N_m", dice.number(-1.0, 1.0))
+            .with("damping_N_m_s_rad", 0.05),
     );
     draft.hinges[0].has.push("drive");
     for (name, side) in [("l0", -0.015), ("l1", 0.015)] {
@@ -578,9 +576,10 @@ fn carry(dice: &mut Dice, draft: &mut Draft) {
             );
         }
         if member.stations > 0 && dice.once_in(2) {
-            let follows = draft.tables.iter().any(|table| {
-                table.name.ends_with(&format!(".{}", member.name)) && table.has("load_frame")
-            });
+            let follows = draft
+                .tables
+                .iter()
+                .any(|table| table.name.ends_with(&format!(".{}", member.name)) && table.has("load_frame"));
             let frame = if follows { Frame::Body } else { Frame::Root };
             let (force, moment) = (dice.vector(1.0), dice.vector(0.05));
             draft.add(
@@ -644,9 +643,8 @@ fn failures(dice: &mut Dice, draft: &mut Draft) {
                 let hinge = free[dice.whole(0, free.len() - 1)];
                 let key = if hinge.slides { "rate_above_m_s" } else { "rate_above_deg_s" };
                 let rate = if hinge.slides { 0.1 } else { 100.0 };
-                let when = Table::new(format!("failure.x{index}.when"))
-                    .with("joint", hinge.name.as_str())
-                    .with(key, rate);
+                let when =
+                    Table::new(format!("failure.x{index}.when")).with("joint", hinge.name.as_str()).with(key, rate);
                 draft.tables.push(table);
                 draft.tables.push(when);
             }

@@ -20,7 +20,14 @@ pub fn draw(dice: &mut Dice, draft: &mut Draft) {
             .with("mass_kg", 40.0)
             .with("inertia_kg_m2", Value::Inertia([3.0, 2.0, 2.0, 0.0, 0.0, 0.0])),
     );
-    draft.members.push(Member { name: "hub".to_owned(), kind: Kind::Rigid, length_m: 0.0, width_m: 0.0, stations: 1, copied: false });
+    draft.members.push(Member {
+        name: "hub".to_owned(),
+        kind: Kind::Rigid,
+        length_m: 0.0,
+        width_m: 0.0,
+        stations: 1,
+        copied: false,
+    });
     let mut shaft = Table::new("joint.shaft")
         .with("type", "revolute")
         .with("parent", "root")
@@ -119,7 +126,14 @@ fn blade(dice: &mut Dice, draft: &mut Draft, count: usize) {
                 .with("stiffness_damping_s", 1e-3),
         );
     }
-    draft.members.push(Member { name: "blade".to_owned(), kind, length_m: LENGTH_M, width_m: 0.4, stations: 0, copied: true });
+    draft.members.push(Member {
+        name: "blade".to_owned(),
+        kind,
+        length_m: LENGTH_M,
+        width_m: 0.4,
+        stations: 0,
+        copied: true,
+    });
 }
 
 fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool) {
@@ -168,7 +182,10 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool) {
     let mut foil = Table::new("polar.foil");
     if dice.once_in(2) {
         let row = |degree: f64, lift: f64, drag: f64| vec![degree, lift, drag, -0.03];
-        foil.set("rows", vec![row(-10.0, -0.8, 0.02), row(0.0, 0.3, 0.008), row(6.0, 0.95, 0.01), row(12.0, 1.3, 0.03)]);
+        foil.set(
+            "rows",
+            vec![row(-10.0, -0.8, 0.02), row(0.0, 0.3, 0.008), row(6.0, 0.95, 0.01), row(12.0, 1.3, 0.03)],
+        );
         foil.set("aspect_ratio", 12.0);
         foil.set("pressure_shift_deg", 20.0);
     } else {
@@ -195,8 +212,14 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool) {
             _ => {
                 let row = |time_s: f64, speed: f64, degree: f64, vertical: f64, across: f64| {
                     Value::List(vec![
-                        time_s.into(), speed.into(), Value::Odd(degree), vertical.into(), Value::Odd(across),
-                        0.1.into(), 0.02.into(), 0.0.into(),
+                        time_s.into(),
+                        speed.into(),
+                        Value::Odd(degree),
+                        vertical.into(),
+                        Value::Odd(across),
+                        0.1.into(),
+                        0.02.into(),
+                        0.0.into(),
                     ])
                 };
                 field.set("table", Value::List(vec![row(0.0, 0.0, 0.0, 0.0, 0.0), row(0.1, 2.0, 5.0, 0.2, 0.05)]));

@@ -82,7 +82,9 @@ pub fn energy(model: &Model) -> Verdict {
     if fine < 0.3 * coarse || fine < 10.0 * 1e-2 * tolerance {
         Verdict::Holds
     } else {
-        Verdict::Broken(format!("the account drifts by {coarse:.1e} at a tolerance of {tolerance:.0e}, by {fine:.1e} at a hundredth"))
+        Verdict::Broken(format!(
+            "the account drifts by {coarse:.1e} at a tolerance of {tolerance:.0e}, by {fine:.1e} at a hundredth"
+        ))
     }
 }
 
@@ -337,12 +339,13 @@ pub fn exchange(model: &Model) -> Verdict {
         // coordinates, not rates: those of stiff strains swing by what the tolerances leave of them
         let lags = other.system_mut().exchange_lags().len();
         let coordinates = 0..(begin.len() - lags) / 2;
-        let [own, off] = [&coarse, &expected].map(|other| {
-            coordinates.clone().map(|k| (fine[k] - other[k]).abs()).fold(0.0, f64::max)
-        });
+        let [own, off] = [&coarse, &expected]
+            .map(|other| coordinates.clone().map(|k| (fine[k] - other[k]).abs()).fold(0.0, f64::max));
         let moved = coordinates.clone().map(|k| (fine[k] - begin[k]).abs()).fold(1e-6, f64::max);
-        // the rule's error falls to a quarter; a wrong derivative moves the end by a share of the way
-        if off > 2.0 * own + if in_air { 1e-3 } else { 1e-4 } * moved {
+        // the rule's error falls to a quarter; a wrong derivative moves the end by a share of the way. In air the other side's steps of
+        // 0.25 ms meet the kinks of a gust to first order: 2e-3 of the way with a gust by rows, 3e-4 at most without
+        let share = if in_air { 5e-3 } else { 1e-4 };
+        if off > 2.0 * own + share * moved {
             return Verdict::Broken(format!("step {step}: off by {off:.1e} of {moved:.1e}, own error {own:.1e}"));
         }
     }

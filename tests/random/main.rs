@@ -106,9 +106,8 @@ fn x01_random_machines_run() {
     let count = seeds.len();
     for seed in seeds {
         let model = draw(seed);
-        let outcome = machine(&model, &View::plain())
-            .and_then(start)
-            .and_then(|plant| run(plant, &model, &View::plain(), 1));
+        let outcome =
+            machine(&model, &View::plain()).and_then(start).and_then(|plant| run(plant, &model, &View::plain(), 1));
         if let Err(error) = outcome {
             assert!(error.len() > 20, "seed {seed}: {error}");
             println!("X-01 seed {seed}: {error}");
@@ -172,7 +171,8 @@ fn x09_exchanged_derivatives_are_those_of_the_motion() {
 /// Writes the model files of the first machines into the folder `FOLDWING_MODELS`: `make differential`.
 #[test]
 fn writes_model_files() {
-    let folder = std::env::var("FOLDWING_MODELS").map_or_else(|_| tempfile::tempdir().expect("a folder").keep(), Into::into);
+    let folder =
+        std::env::var("FOLDWING_MODELS").map_or_else(|_| tempfile::tempdir().expect("a folder").keep(), Into::into);
     std::fs::create_dir_all(&folder).expect("a folder");
     for seed in seeds(3) {
         let text = draw(seed).text(&View::plain());

@@ -142,7 +142,10 @@ pub fn worst(machine: &Machine, plain: &[Outputs], other: &[Outputs], view: &Vie
             let off = a[i].values.iter().zip(&b[i].values).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
             let share = if a[i].size_of_switch { off } else { off / size };
             if share > worst.0 {
-                worst = (share, format!("{} at {} s: {:?} for {:?}", a[i].name, time_s(plain, &here, a), b[i].values, a[i].values));
+                worst = (
+                    share,
+                    format!("{} at {} s: {:?} for {:?}", a[i].name, time_s(plain, &here, a), b[i].values, a[i].values),
+                );
             }
         }
     }
