@@ -42,12 +42,12 @@ impl View {
     /// Places, forces, velocities.
     pub fn polar(&self, mut v: Vector3<f64>, frame: Frame) -> Vector3<f64> {
         v.y = self.odd(v.y);
-        self.into_frame(v, frame)
+        self.in_frame(v, frame)
     }
 
     /// Axes of turning, angular velocities, moments.
     pub fn axial(&self, v: Vector3<f64>, frame: Frame) -> Vector3<f64> {
-        self.into_frame(Vector3::new(self.odd(v.x), v.y, self.odd(v.z)), frame)
+        self.in_frame(Vector3::new(self.odd(v.x), v.y, self.odd(v.z)), frame)
     }
 
     /// Attitude of a frame of the machine in the root frame or in another frame of the machine.
@@ -56,7 +56,7 @@ impl View {
         if frame == Frame::Root { self.turn * inner } else { inner }
     }
 
-    fn into_frame(&self, v: Vector3<f64>, frame: Frame) -> Vector3<f64> {
+    fn in_frame(&self, v: Vector3<f64>, frame: Frame) -> Vector3<f64> {
         // plain machines keep their figures to the bit
         if frame == Frame::Root && self.turn != UnitQuaternion::identity() { self.turn * v } else { v }
     }
